@@ -1,0 +1,27 @@
+# What every target of the project compiles with.
+add_library(fathom_flags INTERFACE)
+target_compile_options(fathom_flags INTERFACE -Wall -Wextra -Wshadow -Wno-unused-parameter)
+if(FATHOM_WERROR)
+  target_compile_options(fathom_flags INTERFACE -Werror)
+endif()
+if(FATHOM_SANITIZE)
+  target_compile_options(fathom_flags INTERFACE -fsanitize=${FATHOM_SANITIZE} -fno-omit-frame-pointer -g)
+  target_link_options(fathom_flags INTERFACE -fsanitize=${FATHOM_SANITIZE})
+endif()
+target_include_directories(fathom_flags INTERFACE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
+
+# The same bits on every machine and at every width: a product and a sum become one rounding only where the code says
+# fma; no fast-math. errno and traps decide nothing here.
+add_library(fathom_float INTERFACE)
+target_compile_options(fathom_float INTERFACE -ffp-contract=off -fno-math-errno -fno-trapping-math)
+
+# Instruction sets of the kernel library; the dynamic loader picks one.
+set(FATHOM_ISA_FLAGS_base "")
+set(FATHOM_ISA_FLAGS_x86-64-v3 -march=x86-64-v3)
+# 512-bit registers must be asked for: compilers prefer 256 bits for code that they vectorise by themselves.
+set(FATHOM_ISA_FLAGS_x86-64-v4 -march=x86-64-v4 -mprefer-vector-width=512)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  set(FATHOM_ISAS base x86-64-v3 x86-64-v4)
+else()
+  set(FATHOM_ISAS base)
+endif()

@@ -1,0 +1,217 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "fathom/vector.h"
+
+/// What a scene file says, as plain data: the same for every file format, and what a program fills that makes a scene in
+/// code. Things refer to each other by index into the vectors of SceneDescription; -1 is none. Units: metres, radians,
+/// seconds; radiance and colours are linear Rec.709.
+namespace fathom {
+
+// ---------------------------------------------------------------------------------------------------- textures
+
+/// An encoded picture (PNG, JPEG, WebP, HDR, EXR, ...): a path, or its bytes where the scene file has them inside.
+struct ImageFile {
+    std::string name;
+    std::filesystem::path path;     ///< empty if bytes are given
+    std::vector<std::byte> bytes;   ///< the encoded file, if embedded
+};
+
+enum class ColorSpace { srgb, linear };  ///< how 8- and 16-bit values of a colour image are encoded (HDR, EXR: always linear)
+enum class Wrap { repeat, clamp, mirror };
+enum class TextureKind {
+    image,          ///< bilinear (or nearest) lookup in full resolution
+    checker_uv,     ///< color_a where floor(scale u) + floor(scale v) is even, else color_b
+    checker_space,  ///< color_b where sin(scale x) sin(scale y) sin(scale z) < 0, else color_a (world space)
+    noise,          ///< Perlin noise of scale * p mixed from color_a (0) to color_b (1) by 0.5 (1 + noise)
+    turbulence,     ///< sum over octaves of |noise| / 2^i, mixed from color_a (0) to color_b (1)
+    marble,         ///< 0.5 (1 + sin(scale z + turbulence_weight * turbulence(p))) mixed from color_a to color_b
+};
+
+struct Texture {
+    std::string name;
+    TextureKind kind = TextureKind::image;
+    // image
+    int image = -1;  ///< index into SceneDescription::images
+    ColorSpace color_space = ColorSpace::srgb;
+    Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
+    bool nearest = false;
+    // all kinds that look at uv: which set, and the map applied to it first: offset + rotation * (scale * uv)
+    int uv_set = 0;
+    Vec2f uv_offset{0, 0}, uv_scale{1, 1};
+    float uv_rotation = 0;  ///< radians, as KHR_texture_transform
+    // procedural kinds
+    float scale = 1;
+    float turbulence_weight = 10;
+    int octaves = 7;
+    Color color_a{0, 0, 0}, color_b{1, 1, 1};
+};
+
+/// value, multiplied by the texture if there is one.
+struct ColorInput {
+    Color value{1, 1, 1};
+    int texture = -1;
+};
+/// value, multiplied by one channel (0 red to 3 alpha) of the texture if there is one.
+struct FloatInput {
+    float value = 1;
+    int texture = -1;
+    int channel = 0;
+};
+
+// ---------------------------------------------------------------------------------------------------- materials
+
+enum class MaterialKind {
+    diffuse,     ///< base_color; roughness > 0: Oren-Nayar (Fujii's fit), sigma = roughness
+    metal,       ///< base_color is the reflectance at normal incidence; roughness is the GGX alpha's root; 0 is a mirror
+    fuzz_metal,  ///< the report's metal: mirror direction plus fuzz times a random point of the unit sphere
+    glass,       ///< smooth or rough dielectric of index ior; absorbs by attenuation_color over attenuation_distance
+    principled,  ///< metallic-roughness of glTF 2.0: base_color, metallic, roughness, ior
+    unlit,       ///< shows base_color whatever the light, and lights nothing
+    none,        ///< black; for pure emitters
+};
+
+enum class AlphaMode { opaque, mask, blend };
+
+struct Material {
+    std::string name;
+    MaterialKind kind = MaterialKind::diffuse;
+    ColorInput base_color{{0.8f, 0.8f, 0.8f}, -1};
+    FloatInput roughness{0, -1, 1};   ///< perceptual: GGX alpha = roughness^2
+    FloatInput metallic{0, -1, 2};
+    float fuzz = 0;                   ///< fuzz_metal: 0 to 1
+    float ior = 1.5f;
+    Color attenuation_color{1, 1, 1};
+    double attenuation_distance = 0;  ///< metres after which attenuation_color is left; 0: clear
+    ColorInput emission{{0, 0, 0}, -1};  ///< radiance
+    bool emission_two_sided = false;  ///< else only on the side of the geometric normal
+    int normal_texture = -1;
+    float normal_scale = 1;
+    AlphaMode alpha_mode = AlphaMode::opaque;
+    FloatInput alpha{1, -1, 3};
+    float alpha_cutoff = 0.5f;
+    bool use_vertex_color = false;    ///< base_color (and alpha) times the mesh's vertex colours
+};
+
+// ---------------------------------------------------------------------------------------------------- geometry
+
+/// Triangles. Vectors per vertex are empty or as long as positions.
+struct Mesh {
+    std::string name;
+    std::vector<Vec3f> positions;
+    std::vector<Vec3f> normals;
+    std::vector<Vec4f> tangents;        ///< w = +-1, the sign of the bitangent, as in glTF
+    std::vector<Vec2f> uvs[2];          ///< v grows downwards in the image (glTF); OBJ importers flip
+    std::vector<Vec4f> colors;          ///< linear, with alpha
+    std::vector<std::uint32_t> indices; ///< three a triangle
+};
+
+/// The normal points out; a negative radius turns it inwards (a hollow). Moves from center to center_end while the
+/// shutter time goes from 0 to 1 second.
+struct Sphere {
+    Vec3d center;
+    double radius = 1;
+    std::optional<Vec3d> center_end;
+};
+/// corner, corner + edge_u, corner + edge_v, ...; the normal is along cross(edge_u, edge_v).
+struct Rectangle {
+    Vec3d corner, edge_u, edge_v;
+};
+/// Axis-aligned in its node's space; turned by the node's transform. Normals point out.
+struct Box {
+    Vec3d min, max;
+};
+struct Disk {
+    Vec3d center, normal;
+    double radius = 1;
+};
+struct MeshInstance {
+    int mesh = -1;
+};
+
+struct Shape {
+    std::variant<MeshInstance, Sphere, Rectangle, Box, Disk> geometry;
+    int material = -1;  ///< -1: grey diffuse
+    std::string name;   ///< for messages and ids; may be empty
+};
+
+// ---------------------------------------------------------------------------------------------------- lights, camera
+
+enum class LightKind { point, spot, directional };
+
+/// A light without a surface, at the origin of its node, shining along the node's -z (spot, directional).
+struct Light {
+    std::string name;
+    LightKind kind = LightKind::point;
+    Color intensity{1, 1, 1};    ///< point, spot: radiant intensity (candela); directional: irradiance (lux) at normal incidence
+    double inner_angle = 0, outer_angle = 0.7853981633974483;  ///< spot: half angles, falling smoothly between
+    double angle = 0;            ///< directional: angular diameter of the disk it comes from; 0 is a delta
+};
+
+enum class EnvironmentKind { none, constant, gradient, image };
+
+/// What a ray sees that leaves the scene, and what lights it from there.
+struct Environment {
+    EnvironmentKind kind = EnvironmentKind::none;
+    Color color{1, 1, 1};         ///< constant: radiance; image: multiplied
+    Color bottom{1, 1, 1}, top{0.5f, 0.7f, 1};  ///< gradient: mixed by (1 + y) / 2 of the direction's up component
+    int image = -1;               ///< equirectangular, linear (8-bit files: sRGB)
+    Transform world_from_environment;  ///< rotation; the image's middle looks along -z, its top along +y
+};
+
+enum class CameraKind { perspective, orthographic };
+
+/// In the space of its node: looks from position to look_at.
+struct Camera {
+    std::string name;
+    CameraKind kind = CameraKind::perspective;
+    Vec3d position{0, 0, 0}, look_at{0, 0, -1}, up{0, 1, 0};
+    double fov_y = 0.6981317007977318;  ///< perspective: full vertical angle
+    double height = 2;                  ///< orthographic: metres from the bottom to the top of the picture
+    double aspect = 0;                  ///< width / height; 0: as the picture
+    double aperture = 0;                ///< diameter of the lens in metres
+    double focus_distance = 0;          ///< metres along the view axis; 0: the distance to look_at
+    double shutter_open = 0, shutter_close = 0;  ///< seconds
+};
+
+// ---------------------------------------------------------------------------------------------------- the scene
+
+/// A place in the scene. A node may be the child of several nodes: that makes instances. Cycles are an error.
+struct Node {
+    std::string name;
+    Transform parent_from_node;
+    std::vector<int> children;
+    std::vector<Shape> shapes;
+    int light = -1, camera = -1;
+};
+
+/// Render settings that a scene file may give; an option of the command line overrides them.
+struct RenderHints {
+    std::optional<int> width, height, samples, max_depth, roulette_depth;
+    std::optional<std::string> filter;      ///< box, gaussian, blackman-harris
+    std::optional<bool> light_sampling;
+    std::optional<double> exposure;         ///< stops (ev)
+    std::optional<std::string> tonemap;
+};
+
+struct SceneDescription {
+    std::string file;  ///< where it came from, for messages
+    std::vector<ImageFile> images;
+    std::vector<Texture> textures;
+    std::vector<Material> materials;
+    std::vector<Mesh> meshes;
+    std::vector<Light> lights;
+    std::vector<Camera> cameras;
+    std::vector<Node> nodes;
+    std::vector<int> roots;  ///< nodes without a parent that are part of the scene
+    Environment environment;
+    RenderHints hints;
+};
+
+}  // namespace fathom

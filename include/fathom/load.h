@@ -1,0 +1,55 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "fathom/description.h"
+#include "fathom/export.h"
+
+namespace fathom {
+
+/// Things that are wrong but leave a picture, each cause once, with a count.
+class Warnings {
+public:
+    /// `message` is one line that names file and place. The same message again only counts.
+    void add(const std::string& message) { ++counts_[message]; }
+    const std::map<std::string, std::size_t>& counts() const { return counts_; }
+    bool empty() const { return counts_.empty(); }
+
+private:
+    std::map<std::string, std::size_t> counts_;
+};
+
+struct LoadOptions {
+    char up_axis = 0;  ///< 'y' or 'z': which axis of the file points up; 0: as the format says. z-up files are turned to y-up
+};
+
+/// Reads a scene or model file; the format is told by the content or the extension: Fathom's own JSON, glTF, GLB, OBJ,
+/// PLY, STL, and what Assimp reads. Relative paths in it are relative to the file.
+///
+/// Throws Error for a file that can't be read or understood; adds to `warnings` what leaves a picture.
+FATHOM_API SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings);
+
+/// What complete_scene added, in words: "camera framing the model", "studio light", ...; empty if nothing.
+struct Completed {
+    std::vector<std::string> added;
+};
+
+/// Gives a scene that lacks them a camera that frames it (orbit: azimuth and elevation in degrees, seen from the front)
+/// and a soft sky, so that every file makes a picture.
+struct CompleteOptions {
+    double azimuth_deg = 30, elevation_deg = 20;
+    bool force_camera = false;  ///< frame the scene even if it has a camera (--orbit)
+    double aspect = 4.0 / 3;
+};
+FATHOM_API Completed complete_scene(SceneDescription& scene, const CompleteOptions& options);
+
+/// Box around all geometry in world space, instances included.
+struct Bounds {
+    Vec3d min, max;
+    bool empty = true;
+};
+FATHOM_API Bounds world_bounds(const SceneDescription& scene);
+
+}  // namespace fathom

@@ -1,0 +1,129 @@
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fathom/description.h"
+#include "fathom/export.h"
+#include "fathom/image.h"
+#include "fathom/load.h"
+
+namespace fathom {
+
+enum class Filter { box, gaussian, blackman_harris };
+
+/// What is averaged per pixel beside radiance.
+enum class Aov { albedo, normal, depth, position, instance_id, material_id };
+
+/// A rectangle of pixels: x0 <= x < x1, y0 <= y < y1.
+struct Crop {
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+
+/// What decides the bits of a picture, beside the scene. `samples` is not among them: see Renderer::render.
+struct RenderSettings {
+    int width = 800, height = 600;
+    std::uint32_t seed = 0;
+    int max_depth = -1;        ///< surfaces a path may scatter at; -1: no limit. A limit is bias
+    int roulette_depth = 5;    ///< bounces before Russian roulette begins
+    bool light_sampling = true;
+    Filter filter = Filter::blackman_harris;
+    std::optional<Crop> crop;  ///< only these pixels are rendered; the picture keeps its size
+    std::vector<Aov> aovs;
+    int threads = 0;           ///< 0: all cores
+};
+
+struct SceneStatistics {
+    std::size_t triangles = 0, primitives = 0, instances = 0, lights = 0, memory_bytes = 0;
+    double build_s = 0;
+};
+
+/// A compiled scene: read-only, shared by whoever renders it.
+class FATHOM_API Scene {
+public:
+    /// camera: name of one of the scene's cameras; empty: the first. Throws Error if the scene can't be rendered
+    /// (no camera, NaN positions, index out of range, no memory).
+    static Scene compile(const SceneDescription& description, const std::string& camera, Warnings& warnings);
+
+    const SceneStatistics& statistics() const;
+    /// The camera in world space; may be replaced without compiling again.
+    const Camera& camera() const;
+    void set_camera(const Camera& camera);
+
+    struct Data;
+    const Data& data() const { return *data_; }
+
+private:
+    std::shared_ptr<Data> data_;
+};
+
+using SampleRange = std::pair<std::uint64_t, std::uint64_t>;  ///< first, and one past the last
+
+/// Exact sums of samples: the same whatever the order, the threads, or the parts they came in.
+class FATHOM_API Film {
+public:
+    Film(const RenderSettings& settings);
+    Film(Film&&) noexcept;
+    Film& operator=(Film&&) noexcept;
+    ~Film();
+
+    int width() const;
+    int height() const;
+    /// Sorted, disjoint, merged where they touch.
+    const std::vector<SampleRange>& samples() const;
+    std::uint64_t samples_per_pixel() const;
+    /// Samples whose value was NaN or infinite; they count as black, which is a bias.
+    std::uint64_t dropped_samples() const;
+
+    /// Adds the sums of the same scene and settings over other samples. Throws Error if they overlap or don't belong together.
+    void merge(const Film& other);
+
+    /// Means so far: the picture (with A if alpha), and a layer per AOV, "variance" (of the mean) if asked for.
+    Image image(bool alpha, bool variance) const;
+
+    /// The sums themselves, to be stored in a file and merged later: 32-bit words, per pixel `words_per_pixel`.
+    struct Sums {
+        int width = 0, height = 0, words_per_pixel = 0;
+        std::vector<std::uint32_t> words;
+        std::vector<SampleRange> samples;
+        std::uint64_t dropped = 0;
+        std::string key;  ///< must agree for two films to be merged: settings and scene
+    };
+    Sums sums() const;
+    static Film from_sums(const Sums& sums);
+
+    struct Data;
+    Data& data() { return *data_; }
+    const Data& data() const { return *data_; }
+
+private:
+    Film() = default;
+    std::unique_ptr<Data> data_;
+};
+
+struct Progress {
+    std::uint64_t samples_done = 0, samples_total = 0;  ///< samples of pixels, over the whole call
+    std::uint64_t rays = 0;
+};
+
+/// Renders the samples [range.first, range.second) of every pixel into `film`. Returns true if done; false if `cancel`
+/// became true: then film holds the passes that were finished, which film.samples() tells.
+///
+/// on_pass  called between passes from the calling thread with the film so far
+FATHOM_API bool render(const Scene& scene, const RenderSettings& settings, SampleRange range, Film& film,
+            const std::atomic<bool>* cancel = nullptr,
+            const std::function<void(const Progress&, const Film&)>& on_pass = {});
+
+/// One sample of one pixel, radiance in Rec.709: the same value that it has inside a whole picture.
+FATHOM_API Color render_sample(const Scene& scene, const RenderSettings& settings, int x, int y, std::uint64_t sample_index);
+
+/// Lanes of the kernel that the loader chose on this machine: 16, 8 or 1; and its name: "AVX-512", "AVX2", "base".
+FATHOM_API int simd_width();
+FATHOM_API const char* simd_name();
+
+}  // namespace fathom

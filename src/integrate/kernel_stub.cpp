@@ -1,0 +1,1 @@
+namespace fathom { int kernel_stub; }

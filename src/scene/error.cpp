@@ -1,0 +1,25 @@
+#include "fathom/error.h"
+
+namespace fathom {
+
+namespace {
+
+std::string line_of(const std::string& file, const std::string& place, const std::string& message)
+{
+    std::string line;
+    for (const std::string& part : {file, place})
+        if (!part.empty()) line += part + ": ";
+    return line + message;
+}
+
+}  // namespace
+
+Error::Error(std::string file, std::string place, std::string message)
+    : std::runtime_error(line_of(file, place, message)),
+      file_(std::move(file)),
+      place_(std::move(place)),
+      message_(std::move(message))
+{
+}
+
+}  // namespace fathom
