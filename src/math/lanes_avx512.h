@@ -1,0 +1,130 @@
+#pragma once
+/// The AVX-512 build of math/lanes.h: 16 lanes, native masks.
+#include <immintrin.h>
+
+#include <cstddef>
+#include <cstdint>
+
+namespace fathom {
+
+inline constexpr int lanes = 16;
+inline constexpr const char* lanes_name = "AVX-512";
+
+struct Mask {
+    __mmask16 v;
+    Mask() = default;
+    Mask(__mmask16 m) : v(m) {}
+    explicit Mask(bool b) : v(b ? 0xffff : 0) {}
+};
+struct Float {
+    __m512 v;
+    Float() = default;
+    Float(__m512 x) : v(x) {}
+    Float(float x) : v(_mm512_set1_ps(x)) {}
+};
+struct UInt {
+    __m512i v;
+    UInt() = default;
+    UInt(__m512i x) : v(x) {}
+    UInt(std::uint32_t x) : v(_mm512_set1_epi32(int(x))) {}
+};
+
+inline Float load(const float* p) { return _mm512_loadu_ps(p); }
+inline UInt load(const std::uint32_t* p) { return _mm512_loadu_si512(p); }
+inline void store(float* p, Float a) { _mm512_storeu_ps(p, a.v); }
+inline void store(std::uint32_t* p, UInt a) { _mm512_storeu_si512(p, a.v); }
+inline UInt iota() { return _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
+
+inline std::uint32_t mask_bits(Mask m) { return m.v; }
+inline Mask mask_from_bits(std::uint32_t bits) { return __mmask16(bits); }
+inline Mask first_lanes(std::size_t n) { return n >= 16 ? __mmask16(0xffff) : __mmask16((1u << n) - 1); }
+inline bool any(Mask m) { return m.v != 0; }
+inline bool none(Mask m) { return m.v == 0; }
+inline Mask operator&(Mask a, Mask b) { return __mmask16(a.v & b.v); }
+inline Mask operator|(Mask a, Mask b) { return __mmask16(a.v | b.v); }
+inline Mask operator!(Mask a) { return __mmask16(~a.v); }
+inline Mask& operator&=(Mask& a, Mask b) { return a = a & b; }
+inline Mask& operator|=(Mask& a, Mask b) { return a = a | b; }
+
+inline Float operator+(Float a, Float b) { return _mm512_add_ps(a.v, b.v); }
+inline Float operator-(Float a, Float b) { return _mm512_sub_ps(a.v, b.v); }
+inline Float operator*(Float a, Float b) { return _mm512_mul_ps(a.v, b.v); }
+inline Float operator/(Float a, Float b) { return _mm512_div_ps(a.v, b.v); }
+inline Float& operator+=(Float& a, Float b) { return a = a + b; }
+inline Float& operator-=(Float& a, Float b) { return a = a - b; }
+inline Float& operator*=(Float& a, Float b) { return a = a * b; }
+inline Mask operator<(Float a, Float b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ); }
+inline Mask operator<=(Float a, Float b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ); }
+inline Mask operator>(Float a, Float b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_GT_OQ); }
+inline Mask operator>=(Float a, Float b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_GE_OQ); }
+inline Mask operator==(Float a, Float b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_EQ_OQ); }
+inline Mask operator!=(Float a, Float b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_NEQ_UQ); }
+inline Float fma(Float a, Float b, Float c) { return _mm512_fmadd_ps(a.v, b.v, c.v); }
+inline Float sqrt(Float a) { return _mm512_sqrt_ps(a.v); }
+inline Float floor(Float a) { return _mm512_roundscale_ps(a.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC); }
+inline Float min(Float a, Float b) { return _mm512_min_ps(a.v, b.v); }
+inline Float max(Float a, Float b) { return _mm512_max_ps(a.v, b.v); }
+inline Float select(Mask m, Float a, Float b) { return _mm512_mask_blend_ps(m.v, b.v, a.v); }
+
+inline UInt operator+(UInt a, UInt b) { return _mm512_add_epi32(a.v, b.v); }
+inline UInt operator-(UInt a, UInt b) { return _mm512_sub_epi32(a.v, b.v); }
+inline UInt operator*(UInt a, UInt b) { return _mm512_mullo_epi32(a.v, b.v); }
+inline UInt operator&(UInt a, UInt b) { return _mm512_and_si512(a.v, b.v); }
+inline UInt operator|(UInt a, UInt b) { return _mm512_or_si512(a.v, b.v); }
+inline UInt operator^(UInt a, UInt b) { return _mm512_xor_si512(a.v, b.v); }
+inline UInt operator<<(UInt a, int n) { return _mm512_slli_epi32(a.v, unsigned(n)); }
+inline UInt operator>>(UInt a, int n) { return _mm512_srli_epi32(a.v, unsigned(n)); }
+inline UInt& operator+=(UInt& a, UInt b) { return a = a + b; }
+inline UInt& operator^=(UInt& a, UInt b) { return a = a ^ b; }
+inline UInt& operator*=(UInt& a, UInt b) { return a = a * b; }
+inline Mask operator==(UInt a, UInt b) { return _mm512_cmpeq_epi32_mask(a.v, b.v); }
+inline Mask operator!=(UInt a, UInt b) { return _mm512_cmpneq_epi32_mask(a.v, b.v); }
+inline Mask less(UInt a, UInt b) { return _mm512_cmplt_epi32_mask(a.v, b.v); }
+inline UInt select(Mask m, UInt a, UInt b) { return _mm512_mask_blend_epi32(m.v, b.v, a.v); }
+inline UInt float_bits(Float a) { return _mm512_castps_si512(a.v); }
+inline Float bits_float(UInt a) { return _mm512_castsi512_ps(a.v); }
+inline Float to_float(UInt a) { return _mm512_cvtepi32_ps(a.v); }
+inline UInt to_uint(Float a) { return _mm512_cvttps_epi32(a.v); }
+inline Float operator-(Float a) { return bits_float(float_bits(a) ^ UInt(0x80000000u)); }
+
+inline Float gather(const float* base, UInt index) { return _mm512_i32gather_ps(index.v, base, 4); }
+inline UInt gather(const std::uint32_t* base, UInt index) { return _mm512_i32gather_epi32(index.v, base, 4); }
+inline Float gather(const float* base, UInt index, Mask m)
+{
+    return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), m.v, index.v, base, 4);
+}
+inline UInt gather(const std::uint32_t* base, UInt index, Mask m)
+{
+    return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), m.v, index.v, base, 4);
+}
+// Compress into a register, then store: the store form is slow on Zen 4.
+inline void compress_store(float* p, Float a, Mask m) { _mm512_storeu_ps(p, _mm512_maskz_compress_ps(m.v, a.v)); }
+inline void compress_store(std::uint32_t* p, UInt a, Mask m)
+{
+    _mm512_storeu_si512(p, _mm512_maskz_compress_epi32(m.v, a.v));
+}
+inline float extract(Float a, int lane)
+{
+    alignas(64) float x[16];
+    _mm512_store_ps(x, a.v);
+    return x[lane];
+}
+inline std::uint32_t extract(UInt a, int lane)
+{
+    alignas(64) std::uint32_t x[16];
+    _mm512_store_si512(x, a.v);
+    return x[lane];
+}
+inline UInt reverse_bits(UInt x)
+{
+    // Reversed nibbles by table, then reversed nibble and byte order within 32 bits.
+    const __m512i table = _mm512_broadcast_i32x4(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
+    const __m512i bytes = _mm512_broadcast_i32x4(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+    const __m512i low = _mm512_set1_epi8(0x0f);
+    const __m512i y = _mm512_shuffle_epi8(x.v, bytes);
+    const __m512i a = _mm512_shuffle_epi8(table, _mm512_and_si512(y, low));
+    const __m512i b = _mm512_shuffle_epi8(table, _mm512_and_si512(_mm512_srli_epi16(y, 4), low));
+    return _mm512_or_si512(_mm512_slli_epi16(a, 4), b);
+}
+
+}  // namespace fathom

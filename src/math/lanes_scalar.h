@@ -1,0 +1,64 @@
+#pragma once
+/// The base build of math/lanes.h: one lane, plain types.
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace fathom {
+
+using Float = float;
+using UInt = std::uint32_t;
+using Mask = bool;
+inline constexpr int lanes = 1;
+inline constexpr const char* lanes_name = "base";
+
+inline Float load(const float* p) { return *p; }
+inline UInt load(const std::uint32_t* p) { return *p; }
+inline void store(float* p, Float a) { *p = a; }
+inline void store(std::uint32_t* p, UInt a) { *p = a; }
+inline UInt iota() { return 0; }
+inline std::uint32_t mask_bits(Mask m) { return m; }
+inline Mask mask_from_bits(std::uint32_t bits) { return bits & 1; }
+inline Mask first_lanes(std::size_t n) { return n > 0; }
+inline bool any(Mask m) { return m; }
+inline bool none(Mask m) { return !m; }
+
+inline Float fma(Float a, Float b, Float c) { return std::fma(a, b, c); }
+inline Float sqrt(Float a) { return std::sqrt(a); }
+inline Float floor(Float a) { return std::floor(a); }
+inline Float min(Float a, Float b) { return a < b ? a : b; }
+inline Float max(Float a, Float b) { return a > b ? a : b; }
+inline Float select(Mask m, Float a, Float b) { return m ? a : b; }
+inline UInt select(Mask m, UInt a, UInt b) { return m ? a : b; }
+inline UInt float_bits(Float a) { return std::bit_cast<UInt>(a); }
+inline Float bits_float(UInt a) { return std::bit_cast<Float>(a); }
+inline Float to_float(UInt a) { return Float(std::int32_t(a)); }
+/// Rounds towards zero; the value must lie within the range of int32.
+inline UInt to_uint(Float a) { return UInt(std::int32_t(a)); }
+inline Mask less(UInt a, UInt b) { return std::int32_t(a) < std::int32_t(b); }
+
+inline Float gather(const float* base, UInt index) { return base[index]; }
+inline UInt gather(const std::uint32_t* base, UInt index) { return base[index]; }
+/// Lanes outside the mask read nothing and are 0.
+inline Float gather(const float* base, UInt index, Mask m) { return m ? base[index] : 0.f; }
+inline UInt gather(const std::uint32_t* base, UInt index, Mask m) { return m ? base[index] : 0u; }
+/// Writes the lanes of the mask side by side. May write garbage up to `lanes` elements from p.
+inline void compress_store(float* p, Float a, Mask m)
+{
+    if (m) *p = a;
+}
+inline void compress_store(std::uint32_t* p, UInt a, Mask m)
+{
+    if (m) *p = a;
+}
+inline float extract(Float a, int) { return a; }
+inline std::uint32_t extract(UInt a, int) { return a; }
+inline UInt reverse_bits(UInt x)
+{
+    x = __builtin_bswap32(x);
+    x = (x >> 4 & 0x0f0f0f0fu) | (x & 0x0f0f0f0fu) << 4;
+    x = (x >> 2 & 0x33333333u) | (x & 0x33333333u) << 2;
+    return (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
+}
+
+}  // namespace fathom
