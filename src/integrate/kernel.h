@@ -1,0 +1,53 @@
+#pragma once
+/// The boundary between the library and the kernel library, which exists once per instruction set. Only plain data
+/// crosses it.
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "fathom/export.h"
+#include "film/tile_sums.h"
+#include "integrate/tables.h"
+
+namespace fathom {
+
+/// A scene made ready for the kernel: acceleration structures and tables laid out for lanes.
+class KernelScene {
+public:
+    virtual ~KernelScene() = default;
+    virtual std::size_t memory_bytes() const = 0;
+};
+
+struct KernelSettings {
+    int width = 0, height = 0;
+    std::uint32_t seed = 0;
+    int max_depth = -1, roulette_depth = 5;
+    bool light_sampling = true;
+    std::uint32_t filter = 0;  ///< Filter
+    bool aovs = false;
+};
+
+/// A pixel's first-hit values of one sample, summed beside its radiance.
+struct AovValues {
+    static constexpr int count = 12;  ///< albedo 3, normal 3, depth, position 3, alpha, hits
+};
+
+/// Samples [first_sample, last_sample) of some pixels.
+struct KernelJob {
+    const std::uint32_t* pixels = nullptr;  ///< y * width + x of each
+    std::uint32_t pixel_count = 0;
+    std::uint32_t first_sample = 0, last_sample = 0;
+};
+
+struct KernelCounters {
+    std::uint64_t rays = 0;
+};
+
+FATHOM_API std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables> tables);
+/// Adds the job's samples to `sums`, indexed by the position of the pixel in job.pixels.
+FATHOM_API void render_job(const KernelScene& scene, const CameraTable& camera, const KernelSettings& settings,
+                           const KernelJob& job, TileSums& sums, KernelCounters& counters);
+FATHOM_API int kernel_lanes();
+FATHOM_API const char* kernel_name();
+
+}  // namespace fathom

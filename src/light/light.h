@@ -1,0 +1,238 @@
+#pragma once
+/// Sampling of lights by lanes, and the density with which a light's point would have been sampled.
+#include "geometry/ray.h"
+#include "light/rectangle.h"
+#include "sampling/warp.h"
+#include "shading/spectrum.h"
+
+namespace fathom {
+
+/// Below this solid angle a rectangle is sampled by area: it is then nearly flat as seen from the point, and float angles
+/// would no longer tell its parts apart.
+inline constexpr float min_solid_angle = 1e-3f;
+
+/// A light of each lane, read from the table. With one light in the scene nothing is gathered.
+class LightRecord {
+public:
+    LightRecord(const LightTable* table, UInt index, bool uniform) : base_(reinterpret_cast<const float*>(table)),
+                                                                     offset_(index << 5), uniform_(uniform)
+    {
+    }
+#define FATHOM_LIGHT_FIELD(member) (offsetof(LightTable, member) / sizeof(float))
+    UInt kind() const { return integer(FATHOM_LIGHT_FIELD(kind)); }
+    Float pmf() const { return value(FATHOM_LIGHT_FIELD(pmf)); }
+    Vec3 position() const { return vector(FATHOM_LIGHT_FIELD(position)); }
+    Vec3 edge_u() const { return vector(FATHOM_LIGHT_FIELD(edge_u)); }
+    Vec3 edge_v() const { return vector(FATHOM_LIGHT_FIELD(edge_v)); }
+    Vec3 normal() const { return vector(FATHOM_LIGHT_FIELD(normal)); }
+    Vec3 motion() const { return vector(FATHOM_LIGHT_FIELD(motion)); }
+    Float length_u() const { return value(FATHOM_LIGHT_FIELD(length_u)); }
+    Float length_v() const { return value(FATHOM_LIGHT_FIELD(length_v)); }
+    Float area() const { return value(FATHOM_LIGHT_FIELD(area)); }
+    Float radius() const { return value(FATHOM_LIGHT_FIELD(radius)); }
+    Float cos_inner() const { return value(FATHOM_LIGHT_FIELD(cos_inner)); }
+    Float cos_outer() const { return value(FATHOM_LIGHT_FIELD(cos_outer)); }
+    UInt two_sided() const { return integer(FATHOM_LIGHT_FIELD(two_sided)); }
+    UInt material() const { return integer(FATHOM_LIGHT_FIELD(material)); }
+    UInt primitive() const { return integer(FATHOM_LIGHT_FIELD(primitive)); }
+    Spectrum radiance() const
+    {
+        Spectrum s;
+        for (int i = 0; i < channels; ++i) s.c[i] = value(FATHOM_LIGHT_FIELD(radiance) + i);
+        return s;
+    }
+#undef FATHOM_LIGHT_FIELD
+
+private:
+    Float value(std::size_t field) const
+    {
+        return uniform_ ? Float(base_[field]) : gather(base_ + field, offset_);
+    }
+    UInt integer(std::size_t field) const { return float_bits(value(field)); }
+    Vec3 vector(std::size_t field) const { return {value(field), value(field + 1), value(field + 2)}; }
+
+    const float* base_;
+    UInt offset_;
+    bool uniform_;
+};
+
+struct LightSample {
+    Vec3 wi;            ///< unit, from the point towards the light
+    Float distance;
+    Float pdf;          ///< per solid angle, without the probability of choosing this light; 1 for delta lights
+    Spectrum radiance;  ///< that arrives if nothing blocks it (delta lights: irradiance at normal incidence); 0: none
+    Mask is_delta;
+    Float u, v;         ///< where on the light's surface, for its texture
+};
+
+inline Mask is_kind(UInt kind, LightTableKind wanted) { return kind == UInt(std::uint32_t(wanted)); }
+
+/// Converts a density per area at a point of a surface to one per solid angle.
+inline Float area_to_solid_angle(Float distance2, Float abs_cos, Float area)
+{
+    return distance2 / max(abs_cos * area, Float(1e-37f));
+}
+
+namespace detail {
+
+inline void sample_rectangle(const LightRecord& light, Vec3 p, Sample2 random, Mask m, LightSample& s, Float& cos_light)
+{
+    const Vec3 u = light.edge_u(), v = light.edge_v(), n = light.normal();
+    const Float length_u = light.length_u(), length_v = light.length_v();
+    const Vec3 corner = light.position() - p;
+    const SphericalRectangle seen(corner, u, v, n, length_u, length_v);
+    const SphericalRectangle::Point point = seen.sample(random);
+    const Mask by_angle = seen.solid_angle >= Float(min_solid_angle);
+    const Float du = select(by_angle, point.x - seen.x0, random.x * length_u);
+    const Float dv = select(by_angle, point.y - seen.y0, random.y * length_v);
+    const Vec3 to = fma(u, du, fma(v, dv, corner));
+    const Float distance2 = dot(to, to), distance = sqrt(distance2);
+    const Vec3 wi = to * (Float(1) / distance);
+    const Float cosine = -dot(wi, n);
+    const Float pdf = select(by_angle, Float(1) / seen.solid_angle,
+                             area_to_solid_angle(distance2, abs(cosine), length_u * length_v));
+    s.wi = select(m, wi, s.wi);
+    s.distance = select(m, distance, s.distance);
+    s.pdf = select(m, pdf, s.pdf);
+    s.u = select(m, du / length_u, s.u);
+    s.v = select(m, dv / length_v, s.v);
+    cos_light = select(m, cosine, cos_light);
+}
+
+inline void to_point(Vec3 to, Vec3 n, Float area, Mask m, LightSample& s, Float& cos_light)
+{
+    const Float distance2 = dot(to, to), distance = sqrt(distance2);
+    const Vec3 wi = to * (Float(1) / distance);
+    const Float cosine = -dot(wi, n);
+    s.wi = select(m, wi, s.wi);
+    s.distance = select(m, distance, s.distance);
+    s.pdf = select(m, area_to_solid_angle(distance2, abs(cosine), area), s.pdf);
+    cos_light = select(m, cosine, cos_light);
+}
+
+}  // namespace detail
+
+/// 1 - cos of the half angle under which a sphere is seen: r^2 / d^2 = sin^2, kept exact for small ones.
+inline Float one_minus_cos_of(Float sin2) { return sin2 / (Float(1) + sqrt(max(Float(1) - sin2, Float(0)))); }
+
+/// Samples a point of the light as seen from p, at shutter time `time`.
+inline LightSample sample_light(const LightRecord& light, Vec3 p, Float time, Sample2 random)
+{
+    LightSample s;
+    s.wi = {Float(0), Float(0), Float(1)};
+    s.distance = Float(1);
+    s.pdf = Float(1);
+    s.is_delta = Mask(false);
+    s.u = random.x;
+    s.v = random.y;
+    s.radiance = light.radiance();
+    Float cos_light = Float(1);
+    const UInt kind = light.kind();
+
+    const Mask rectangle = is_kind(kind, LightTableKind::rectangle);
+    if (any(rectangle)) detail::sample_rectangle(light, p, random, rectangle, s, cos_light);
+    if (all(rectangle)) {
+        s.radiance = select((cos_light > Float(0)) | (light.two_sided() != UInt(0)), s.radiance, Spectrum(Float(0)));
+        return s;
+    }
+    const Mask parallelogram = is_kind(kind, LightTableKind::parallelogram);
+    if (any(parallelogram)) {
+        const Vec3 q = fma(light.edge_u(), random.x, fma(light.edge_v(), random.y, light.position()));
+        detail::to_point(q - p, light.normal(), light.area(), parallelogram, s, cos_light);
+    }
+    const Mask triangle = is_kind(kind, LightTableKind::triangle);
+    if (any(triangle)) {
+        // Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
+        const Mask upper = random.y > random.x;
+        const Float half = Float(0.5f) * select(upper, random.x, random.y);
+        const Float u = select(upper, half, random.x - half), v = select(upper, random.y - half, half);
+        const Vec3 q = fma(light.edge_u(), u, fma(light.edge_v(), v, light.position()));
+        detail::to_point(q - p, light.normal(), light.area(), triangle, s, cos_light);
+        s.u = select(triangle, u, s.u);
+        s.v = select(triangle, v, s.v);
+    }
+    const Mask disk = is_kind(kind, LightTableKind::disk);
+    if (any(disk)) {
+        const DiskPoint d = sample_disk(random);
+        const Frame frame(light.normal());
+        const Vec3 q = fma(frame.s, d.x * light.radius(), fma(frame.t, d.y * light.radius(), light.position()));
+        detail::to_point(q - p, light.normal(), light.area(), disk, s, cos_light);
+    }
+    const Mask sphere = is_kind(kind, LightTableKind::sphere);
+    if (any(sphere)) {
+        const Vec3 to_center = fma(light.motion(), time, light.position()) - p;
+        const Float d2 = dot(to_center, to_center), r = abs(light.radius());
+        const Float sin2 = r * r / d2;
+        const Mask outside = sin2 < Float(1);
+        // From inside the whole sphere of directions is uniform.
+        const Float spread = select(outside, one_minus_cos_of(min(sin2, Float(1))), Float(2));
+        const Vec3 local = sample_cone(random, spread);
+        const Vec3 wi = Frame(normalize(to_center)).to_world(local);
+        // Distance to the sphere along wi.
+        const Float b = dot(to_center, wi);
+        const Vec3 foot = to_center - wi * b;
+        const Float root = sqrt(max(fma(r, r, -dot(foot, foot)), Float(0)));
+        s.wi = select(sphere, wi, s.wi);
+        s.distance = select(sphere, select(outside, b - root, b + root), s.distance);
+        s.pdf = select(sphere, Float(0.5f * inv_pi) / spread, s.pdf);
+        // The normal points outwards for a positive radius: seen from outside, it faces the point.
+        const Float side = select(outside, Float(1), Float(-1));
+        cos_light = select(sphere, flip_sign(side, light.radius()), cos_light);
+    }
+    const Mask point = is_kind(kind, LightTableKind::point), spot = is_kind(kind, LightTableKind::spot);
+    if (any(point | spot)) {
+        const Vec3 to = light.position() - p;
+        const Float distance2 = dot(to, to), distance = sqrt(distance2);
+        const Vec3 wi = to * (Float(1) / distance);
+        Float strength = Float(1) / distance2;
+        // Smoothstep from the outer to the inner cone, squared as KHR_lights_punctual suggests.
+        const Float c = -dot(wi, light.edge_u());
+        const Float x = clamp((c - light.cos_outer()) / max(light.cos_inner() - light.cos_outer(), Float(1e-4f)), Float(0),
+                              Float(1));
+        strength = select(spot, strength * x * x, strength);
+        s.wi = select(point | spot, wi, s.wi);
+        s.distance = select(point | spot, distance, s.distance);
+        s.radiance = select(point | spot, s.radiance * strength, s.radiance);
+        s.is_delta |= point | spot;
+    }
+    const Mask directional = is_kind(kind, LightTableKind::directional);
+    if (any(directional)) {
+        // radius holds 1 - cos of the disk's half angle; 0 is a delta. radiance holds irradiance or radiance accordingly.
+        const Float spread = light.radius();
+        const Vec3 wi = Frame(-light.edge_u()).to_world(sample_cone(random, spread));
+        const Mask delta = spread <= Float(0);
+        s.wi = select(directional, wi, s.wi);
+        s.distance = select(directional, Float(infinity), s.distance);
+        s.pdf = select(directional, select(delta, Float(1), Float(0.5f * inv_pi) / spread), s.pdf);
+        s.is_delta |= directional & delta;
+    }
+    s.radiance = select((cos_light > Float(0)) | (light.two_sided() != UInt(0)), s.radiance, Spectrum(Float(0)));
+    return s;
+}
+
+/// The density per solid angle, seen from p, with which sample_light would have found the point at p + distance * wi of
+/// an emissive surface with geometric normal n; without the probability of choosing the light.
+inline Float pdf_light(const LightRecord& light, Vec3 p, Float time, Vec3 wi, Float distance)
+{
+    const UInt kind = light.kind();
+    const Float cosine = abs(dot(wi, light.normal()));
+    Float pdf = area_to_solid_angle(distance * distance, cosine, light.area());
+    const Mask rectangle = is_kind(kind, LightTableKind::rectangle);
+    if (any(rectangle)) {
+        const SphericalRectangle seen(light.position() - p, light.edge_u(), light.edge_v(), light.normal(),
+                                      light.length_u(), light.length_v());
+        const Mask by_angle = rectangle & (seen.solid_angle >= Float(min_solid_angle));
+        pdf = select(by_angle, Float(1) / seen.solid_angle, pdf);
+    }
+    const Mask sphere = is_kind(kind, LightTableKind::sphere);
+    if (any(sphere)) {
+        const Vec3 to_center = fma(light.motion(), time, light.position()) - p;
+        const Float r = light.radius();
+        const Float sin2 = r * r / dot(to_center, to_center);
+        const Float spread = select(sin2 < Float(1), one_minus_cos_of(min(sin2, Float(1))), Float(2));
+        pdf = select(sphere, Float(0.5f * inv_pi) / spread, pdf);
+    }
+    return pdf;
+}
+
+}  // namespace fathom

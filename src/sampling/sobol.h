@@ -1,0 +1,67 @@
+#pragma once
+/// Owen-scrambled Sobol points: the random numbers of a path.
+///
+/// Every number is a function of (seed, pixel, sample index, dimension) alone. Dimensions come in pairs; each pair is the
+/// first two Sobol dimensions, shuffled and scrambled for itself ("padding"): Burley 2020, "Practical Hash-based Owen
+/// Scrambling". The hash is the improved Laine-Karras one of Vegdahl 2021.
+#include "math/hash.h"
+#include "math/lanes.h"
+
+namespace fathom {
+
+struct Sample2 {
+    Float x, y;  ///< each in [0, 1)
+};
+
+/// What distinguishes a path's random numbers: one per (seed, pixel), and the sample index with its bits reversed.
+struct SampleKey {
+    UInt pixel_hash;
+    UInt reversed_index;
+};
+
+/// Owen scrambling of a number whose bits are reversed: each bit is flipped by a hash of the bits below it.
+inline UInt scramble_reversed(UInt x, UInt seed)
+{
+    x ^= x * UInt(0x3d20adeau);
+    x += seed;
+    x *= (seed >> 16) | UInt(1);
+    x ^= x * UInt(0x05526c56u);
+    x ^= x * UInt(0x53a22864u);
+    return x;
+}
+
+/// The second Sobol dimension of an index, with its bits reversed: the Pascal triangle modulo 2, of which bit (k, j) is
+/// set where k's bits are among j's, applied in five steps.
+inline UInt sobol1_reversed(UInt i)
+{
+    i ^= (i >> 1) & UInt(0x55555555u);
+    i ^= (i >> 2) & UInt(0x33333333u);
+    i ^= (i >> 4) & UInt(0x0f0f0f0fu);
+    i ^= (i >> 8) & UInt(0x00ff00ffu);
+    i ^= i >> 16;
+    return i;
+}
+
+/// To [0, 1): 24 bits, so that 1 is never reached.
+inline Float unit_float(UInt bits) { return to_float(bits >> 8) * Float(0x1p-24f); }
+
+/// The pair of dimensions number `pair` of each lane's path.
+inline Sample2 sample_2d(const SampleKey& key, UInt pair)
+{
+    const UInt seed = hash(key.pixel_hash ^ (pair * UInt(0x9e3779b9u)));
+    const UInt index = reverse_bits(scramble_reversed(key.reversed_index, seed));
+    const UInt x = reverse_bits(scramble_reversed(index, seed * UInt(0x8da6b343u) + UInt(0x68bc21ebu)));
+    const UInt y =
+        reverse_bits(scramble_reversed(sobol1_reversed(index), seed * UInt(0xd8163841u) + UInt(0x02e5be93u)));
+    return {unit_float(x), unit_float(y)};
+}
+
+/// The first number of a pair, where the second is not wanted.
+inline Float sample_1d(const SampleKey& key, UInt pair)
+{
+    const UInt seed = hash(key.pixel_hash ^ (pair * UInt(0x9e3779b9u)));
+    const UInt index = reverse_bits(scramble_reversed(key.reversed_index, seed));
+    return unit_float(reverse_bits(scramble_reversed(index, seed * UInt(0x8da6b343u) + UInt(0x68bc21ebu))));
+}
+
+}  // namespace fathom

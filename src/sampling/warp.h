@@ -1,0 +1,48 @@
+#pragma once
+#include "math/elementary.h"
+#include "math/vec3.h"
+#include "sampling/sobol.h"
+
+namespace fathom {
+
+/// Direction about +z with density cos / pi per solid angle.
+inline Vec3 sample_cosine_hemisphere(Sample2 u)
+{
+    const Float r = sqrt(u.y);
+    const SinCos phi = sincos_2pi(u.x);
+    return {r * phi.cos, r * phi.sin, sqrt(Float(1) - u.y)};
+}
+
+/// Point of the unit disk, uniform by area; concentric (Shirley and Chiu 1997) so that strata keep their shape.
+struct DiskPoint {
+    Float x, y;
+};
+inline DiskPoint sample_disk(Sample2 u)
+{
+    const Float a = fma(u.x, Float(2), Float(-1)), b = fma(u.y, Float(2), Float(-1));
+    const Mask first = abs(a) > abs(b);
+    const Float r = select(first, a, b);
+    const Float ratio = select(r != Float(0), select(first, b, a) / r, Float(0));
+    // Eighths of a turn: phi = ratio / 8, or 1/4 - ratio / 8.
+    const SinCos phi = sincos_2pi(select(first, ratio * Float(0.125f), fma(ratio, Float(-0.125f), Float(0.25f))));
+    return {r * phi.cos, r * phi.sin};
+}
+
+/// Direction about +z within a cone, uniform per solid angle: density 1 / (2 pi (1 - cos_max)). one_minus_cos_max is given
+/// instead of cos_max, since small cones would lose it to rounding.
+inline Vec3 sample_cone(Sample2 u, Float one_minus_cos_max)
+{
+    const Float one_minus_cos = u.x * one_minus_cos_max;
+    const Float sin_theta = sqrt(max(one_minus_cos * (Float(2) - one_minus_cos), Float(0)));
+    const SinCos phi = sincos_2pi(u.y);
+    return {sin_theta * phi.cos, sin_theta * phi.sin, Float(1) - one_minus_cos};
+}
+
+/// Power heuristic for one sample of each of two strategies: Veach 1997, eq. 9.13 with beta = 2. Safe for huge densities.
+inline Float mis_weight(Float pdf, Float other)
+{
+    const Float r = other / pdf;
+    return Float(1) / fma(r, r, Float(1));
+}
+
+}  // namespace fathom

@@ -1,0 +1,57 @@
+#pragma once
+#include "integrate/tables.h"
+#include "math/lanes.h"
+
+namespace fathom {
+
+/// Radiance or a factor of it in `channels` channels, per lane.
+struct Spectrum {
+    Float c[channels];
+
+    Spectrum() = default;
+    explicit Spectrum(Float v)
+    {
+        for (Float& x : c) x = v;
+    }
+    explicit Spectrum(const float* table)
+    {
+        for (int i = 0; i < channels; ++i) c[i] = Float(table[i]);
+    }
+    explicit Spectrum(const SpectrumTable& table) : Spectrum(table.data()) {}
+};
+
+inline Spectrum operator+(Spectrum a, const Spectrum& b)
+{
+    for (int i = 0; i < channels; ++i) a.c[i] = a.c[i] + b.c[i];
+    return a;
+}
+inline Spectrum operator*(Spectrum a, const Spectrum& b)
+{
+    for (int i = 0; i < channels; ++i) a.c[i] = a.c[i] * b.c[i];
+    return a;
+}
+inline Spectrum operator*(Spectrum a, Float s)
+{
+    for (Float& x : a.c) x = x * s;
+    return a;
+}
+/// a * s + b, in one rounding.
+inline Spectrum fma(Spectrum a, Float s, const Spectrum& b)
+{
+    for (int i = 0; i < channels; ++i) a.c[i] = fma(a.c[i], s, b.c[i]);
+    return a;
+}
+inline Spectrum select(Mask m, Spectrum a, const Spectrum& b)
+{
+    for (int i = 0; i < channels; ++i) a.c[i] = select(m, a.c[i], b.c[i]);
+    return a;
+}
+inline Float max_component(const Spectrum& a)
+{
+    Float m = a.c[0];
+    for (int i = 1; i < channels; ++i) m = max(m, a.c[i]);
+    return m;
+}
+inline Mask any_positive(const Spectrum& a) { return max_component(a) > Float(0); }
+
+}  // namespace fathom
