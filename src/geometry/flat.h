@@ -57,7 +57,7 @@ struct Slabs {
     Vec3 near, far;
 };
 
-inline Slabs slabs(const FlatScene::Box& box, const Vec3& inverse, const Vec3& o_inverse)
+[[gnu::always_inline]] inline Slabs slabs(const FlatScene::Box& box, const Vec3& inverse, const Vec3& o_inverse)
 {
     const Vec3 lo{fma(Float(box.lo.x), inverse.x, -o_inverse.x), fma(Float(box.lo.y), inverse.y, -o_inverse.y),
                   fma(Float(box.lo.z), inverse.z, -o_inverse.z)};
@@ -72,7 +72,7 @@ inline Slabs slabs(const FlatScene::Box& box, const Vec3& inverse, const Vec3& o
 }
 
 /// The primitive of the face through which a ray with direction d passes the slab at distance t.
-inline UInt face_at(const FlatScene::Box& box, const Vec3& slab_t, Float t, const Vec3& d, bool entering)
+[[gnu::always_inline]] inline UInt face_at(const FlatScene::Box& box, const Vec3& slab_t, Float t, const Vec3& d, bool entering)
 {
     // Entering against the axis means the high face; leaving, the low one.
     const auto along = [&](int axis, Float d_axis) {
@@ -82,7 +82,7 @@ inline UInt face_at(const FlatScene::Box& box, const Vec3& slab_t, Float t, cons
     return select(slab_t.x == t, along(0, d.x), select(slab_t.y == t, along(1, d.y), along(2, d.z)));
 }
 
-inline void closest_box(const FlatScene::Box& box, const Ray& ray, const Vec3& inverse, const Vec3& o_inverse, Hit& hit)
+[[gnu::always_inline]] inline void closest_box(const FlatScene::Box& box, const Ray& ray, const Vec3& inverse, const Vec3& o_inverse, Hit& hit)
 {
     const Slabs s = slabs(box, inverse, o_inverse);
     const Mask meets = (s.t_near <= s.t_far) & (s.t_far > Float(0));
@@ -103,7 +103,7 @@ inline void closest_box(const FlatScene::Box& box, const Ray& ray, const Vec3& i
     }
 }
 
-inline Mask occluded_box(const FlatScene::Box& box, const Ray& ray, const Vec3& inverse, const Vec3& o_inverse)
+[[gnu::always_inline]] inline Mask occluded_box(const FlatScene::Box& box, const Ray& ray, const Vec3& inverse, const Vec3& o_inverse)
 {
     const Slabs s = slabs(box, inverse, o_inverse);
     const Mask meets = (s.t_near <= s.t_far) & (s.t_far > Float(0)) & (s.t_near < ray.t_max);
@@ -114,7 +114,7 @@ inline Mask occluded_box(const FlatScene::Box& box, const Ray& ray, const Vec3& 
     return meets & (enters | leaves);
 }
 
-inline Mask meet_quad(const FlatScene::Quad& quad, const Ray& ray, Float t_max, Float& t)
+[[gnu::always_inline]] inline Mask meet_quad(const FlatScene::Quad& quad, const Ray& ray, Float t_max, Float& t)
 {
     const Vec3 n(quad.normal);
     t = dot(n, Vec3(quad.corner) - ray.o) / dot(n, ray.d);
@@ -126,7 +126,7 @@ inline Mask meet_quad(const FlatScene::Quad& quad, const Ray& ray, Float t_max, 
 
 }  // namespace flat
 
-inline Hit FlatScene::closest(const SceneTables& tables, const Ray& ray) const
+[[gnu::always_inline]] inline Hit FlatScene::closest(const SceneTables& tables, const Ray& ray) const
 {
     Hit hit{ray.t_max, UInt(no_index), UInt(no_index), Float(0), Float(0)};
     const Vec3 inverse = safe_inverse(ray.d);
@@ -148,7 +148,7 @@ inline Hit FlatScene::closest(const SceneTables& tables, const Ray& ray) const
     return hit;
 }
 
-inline Mask FlatScene::occluded(const SceneTables& tables, const Ray& ray, Mask active) const
+[[gnu::always_inline]] inline Mask FlatScene::occluded(const SceneTables& tables, const Ray& ray, Mask active) const
 {
     Mask blocked = Mask(false);
     if (!occluders.boxes.empty()) {

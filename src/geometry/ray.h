@@ -24,9 +24,7 @@ inline constexpr float infinity = std::numeric_limits<float>::infinity();
 /// 1 / d for slab tests: components are kept from 0, so that no product is NaN.
 inline Vec3 safe_inverse(Vec3 d)
 {
-    const auto inverse = [](Float x) {
-        return Float(1) / select(abs(x) < Float(1e-18f), copysign(Float(1e-18f), x), x);
-    };
+    const auto inverse = [](Float x) { return Float(1) / (x + copysign(Float(1e-20f), x)); };
     return {inverse(d.x), inverse(d.y), inverse(d.z)};
 }
 

@@ -34,7 +34,7 @@ struct AovValues {
 
 /// Samples [first_sample, last_sample) of some pixels.
 struct KernelJob {
-    const std::uint32_t* pixels = nullptr;  ///< y * width + x of each
+    const std::uint32_t* pixels = nullptr;  ///< x in the low 16 bits, y above, of each
     std::uint32_t pixel_count = 0;
     std::uint32_t first_sample = 0, last_sample = 0;
 };

@@ -15,9 +15,9 @@ namespace fathom {
 
 namespace {
 
-/// Pairs of random dimensions: the camera's, then the same number for each bounce.
-enum Pair : std::uint32_t { pair_pixel = 0, pair_lens, pair_time, pair_first_bounce };
-enum BouncePair : std::uint32_t { pair_light = 0, pair_bsdf, pair_choice, pair_roulette, pairs_per_bounce };
+/// Pairs of random dimensions of the camera (group 0) and of each bounce (group bounce + 1).
+enum CameraPair : std::uint32_t { pair_film, pair_lens, pair_time };
+enum BouncePair : std::uint32_t { pair_light, pair_bsdf, pair_choice, pair_roulette };
 
 class PathTracer {
 public:
@@ -25,7 +25,7 @@ public:
                TileSums& sums, KernelCounters& counters)
         : scene_(scene), tables_(scene.tables), camera_(camera), settings_(settings), job_(job), sums_(sums), counters_(counters)
     {
-        next_sample_ = job.first_sample;
+        samples_ = job.last_sample - job.first_sample;
         has_time_ = tables_.moving;
     }
 
@@ -48,42 +48,33 @@ private:
     /// Appends camera paths until the pool is full or the job has no more. Returns the number of paths.
     std::size_t refill(std::size_t active)
     {
-        const std::size_t room = PathPool::capacity - active;
-        std::size_t added = 0;
-        while (added < room && next_pixel_ < job_.pixel_count) {
-            const std::uint32_t xy = job_.pixels[next_pixel_];
-            const std::uint32_t x = xy % std::uint32_t(settings_.width), y = xy / std::uint32_t(settings_.width);
-            const std::uint32_t pixel_hash = hash(x + hash(y + hash(settings_.seed)));
-            const std::size_t n = std::min<std::size_t>(job_.last_sample - next_sample_, room - added);
-            for (std::size_t i = 0; i < n; ++i) {
-                new_x_[added + i] = x;
-                new_y_[added + i] = y;
-                new_sample_[added + i] = next_sample_ + std::uint32_t(i);
-                new_pixel_[added + i] = next_pixel_;
-                new_hash_[added + i] = pixel_hash;
-            }
-            added += n;
-            next_sample_ += std::uint32_t(n);
-            if (next_sample_ == job_.last_sample) {
-                next_sample_ = job_.first_sample;
-                ++next_pixel_;
-            }
-        }
-        for (std::size_t i = 0; i < added; i += lanes) generate(active + i, i);
+        const std::uint32_t total = job_.pixel_count * samples_;
+        const std::size_t added = std::min<std::size_t>(PathPool::capacity - active, total - next_);
+        for (std::size_t i = 0; i < added; i += lanes) generate(active + i, next_ + std::uint32_t(i), total);
+        next_ += std::uint32_t(added);
         return active + added;
     }
 
-    void generate(std::size_t to, std::size_t from)
+    /// Paths number `first` and on of the job, pixel by pixel.
+    void generate(std::size_t to, std::uint32_t first, std::uint32_t total)
     {
-        const SampleKey key{load(&new_hash_[from]), reverse_bits(load(&new_sample_[from]))};
-        const Sample2 film = sample_2d(key, UInt(pair_pixel));
-        const Float x = (to_float(load(&new_x_[from])) + film.x) * Float(1.0f / float(settings_.width));
-        const Float y = (to_float(load(&new_y_[from])) + film.y) * Float(1.0f / float(settings_.height));
+        UInt number = UInt(first) + iota();
+        number = select(less(number, UInt(total)), number, UInt(first));
+        // Exact, since a job has less than 2^20 samples.
+        const UInt pixel = to_uint((to_float(number) + Float(0.5f)) * Float(1.0f / float(samples_)));
+        const UInt sample = number - pixel * UInt(samples_) + UInt(job_.first_sample);
+        const UInt xy = gather(job_.pixels, pixel);
+        const UInt y = xy >> 16, x = xy & UInt(0xffff);
+        const SampleKey key{hash(x + hash(y + UInt(hash(settings_.seed)))), reverse_bits(sample)};
+        const UInt seed = group_seed(key, UInt(0));
+        const Sample2 film = sample_2d(key, pair_seed(seed, pair_film));
+        const Float film_x = (to_float(x) + film.x) * Float(1.0f / float(settings_.width));
+        const Float film_y = (to_float(y) + film.y) * Float(1.0f / float(settings_.height));
         Sample2 lens{Float(0.5f), Float(0.5f)};
-        if (camera_.lens_radius > 0) lens = sample_2d(key, UInt(pair_lens));
+        if (camera_.lens_radius > 0) lens = sample_2d(key, pair_seed(seed, pair_lens));
         Float time(0.f);
-        if (has_time_) time = sample_1d(key, UInt(pair_time));
-        const CameraRay ray = camera_ray(camera_, x, y, lens, time);
+        if (has_time_) time = sample_2d(key, pair_seed(seed, pair_time)).x;
+        const CameraRay ray = camera_ray(camera_, film_x, film_y, lens, time);
         PathPool& p = *paths_;
         p.set(PathPool::origin, to, ray.o);
         p.set(PathPool::direction, to, ray.d);
@@ -91,11 +82,8 @@ private:
         p.set(PathPool::radiance, to, Spectrum(Float(0)));
         p.set(PathPool::pixel_hash, to, key.pixel_hash);
         p.set(PathPool::reversed_index, to, key.reversed_index);
-        p.set(PathPool::pixel, to, load(&new_pixel_[from]));
-        p.set(PathPool::state, to, UInt(PathPool::specular));
-        p.set(PathPool::bsdf_pdf, to, float_bits(Float(0)));
-        p.set(PathPool::eta_scale, to, float_bits(Float(1)));
-        p.set(PathPool::time, to, float_bits(ray.time));
+        p.set(PathPool::state, to, UInt(PathPool::specular) | pixel << PathPool::pixel_shift);
+        if (has_time_) p.set(PathPool::time, to, ray.time);
     }
 
     // ------------------------------------------------------------------------------------------- trace
@@ -128,7 +116,7 @@ private:
             const UInt state = p.integer(PathPool::state, i);
             const Mask alive = (state & UInt(PathPool::dead)) == UInt(0);
             const Mask hit = valid & alive & (primitive != UInt(no_index));
-            const UInt info = gather(scene_.primitive_info.data(), primitive, hit);
+            const UInt info = info_of(primitive, hit);
             const Mask emits = hit & ((info & UInt(LaneScene::emits)) != UInt(0));
             if (any(emits)) {
                 compress_store(&emitting_[emitting], iota() + UInt(std::uint32_t(i)), emits);
@@ -139,15 +127,22 @@ private:
             compress_store(&finished_[finished], iota() + UInt(std::uint32_t(i)), ends);
             finished += std::size_t(count(ends));
             survivors_[i / lanes] = mask_bits(scatters);
-            store(&info_[i], info);
         }
         for (std::size_t i = 0; i < emitting; i += lanes) add_emission(i, first_lanes(emitting - i));
         for (std::size_t i = 0; i < finished; ++i) {
             const std::size_t k = finished_[i];
-            sums_.add(p.data[PathPool::pixel][k], p.scalar(PathPool::radiance, k), p.scalar(PathPool::radiance + 1, k),
+            sums_.add(p.data[PathPool::state][k] >> PathPool::pixel_shift & (PathPool::max_pixels - 1), p.scalar(PathPool::radiance, k), p.scalar(PathPool::radiance + 1, k),
                       p.scalar(PathPool::radiance + 2, k));
         }
         return pack(active);
+    }
+
+    /// shape_info of a primitive; 0 outside the mask.
+    UInt info_of(UInt primitive, Mask m) const
+    {
+        const int n = int(tables_.shape_of_primitive.size());
+        if (n > LaneScene::small_table) return gather(scene_.primitive_info.data(), primitive, m);
+        return select(m, lookup(scene_.primitive_info.data(), n, primitive), UInt(0));
     }
 
     std::size_t pack(std::size_t active)
@@ -155,12 +150,11 @@ private:
         const PathPool& from = *paths_;
         PathPool& to = *spare_;
         std::size_t packed = 0;
-        const int fields = has_time_ ? PathPool::field_count : PathPool::eta_scale + 1;
+        const int fields = has_time_ ? PathPool::time + 1 : PathPool::state + 1;
         for (std::size_t i = 0; i < active; i += lanes) {
             const Mask m = mask_from_bits(survivors_[i / lanes]);
             for (int f = 0; f < fields; ++f) compress_store(&to.data[f][packed], load(&from.data[f][i]), m);
             for (int f = 0; f < 2; ++f) compress_store(&packed_hits_.data[f][packed], load(&hits_.data[f][i]), m);
-            compress_store(&packed_info_[packed], load(&info_[i]), m);
             packed += std::size_t(count(m));
         }
         return packed;
@@ -180,7 +174,7 @@ private:
         const UInt light_base = gather(shapes + offsetof(ShapeTable, light_base) / 4, shape * UInt(stride), m);
         const UInt first = gather(shapes + offsetof(ShapeTable, first_primitive) / 4, shape * UInt(stride), m);
         const UInt light_index = select(m, light_base + (primitive - first), UInt(0));
-        const LightRecord light(tables_.lights.data(), light_index, tables_.lights.size() == 1);
+        const LightRecord<false> light(tables_.lights.data(), light_index);
         const Float facing = -dot(d, light.normal());
         const Mask shows = m & ((facing > Float(0)) | (light.two_sided() != UInt(0)));
         const Mask specular = (p.gather_integer(PathPool::state, index, m) & UInt(PathPool::specular)) != UInt(0);
@@ -201,6 +195,26 @@ private:
 
     // ------------------------------------------------------------------------------------------- shade
 
+    Vec3 quad_normal(UInt quad, Mask m) const
+    {
+        const auto& n = scene_.quad_normal;
+        const int size = int(tables_.quads.size());
+        if (size > LaneScene::small_table)
+            return {gather(n[0].data(), quad, m), gather(n[1].data(), quad, m), gather(n[2].data(), quad, m)};
+        return {lookup(n[0].data(), size, quad), lookup(n[1].data(), size, quad), lookup(n[2].data(), size, quad)};
+    }
+
+    Spectrum base_color(UInt material, Mask m) const
+    {
+        const int size = int(tables_.materials.size());
+        Spectrum color;
+        for (int c = 0; c < channels; ++c) {
+            const float* table = scene_.material_color[c].data();
+            color.c[c] = size > LaneScene::small_table ? gather(table, material, m) : lookup(table, size, material);
+        }
+        return color;
+    }
+
     void shade_diffuse(std::size_t active)
     {
         PathPool& p = *paths_;
@@ -210,48 +224,45 @@ private:
             const UInt primitive = load(&packed_hits_.data[HitArrays::primitive][i]);
             const Mask valid = first_lanes(active - i);
             const UInt quad = primitive - UInt(tables_.first_quad());
-            const Vec3 ng{gather(scene_.quad_normal[0].data(), quad, valid), gather(scene_.quad_normal[1].data(), quad, valid),
-                          gather(scene_.quad_normal[2].data(), quad, valid)};
+            const Vec3 ng = quad_normal(quad, valid);
             // The side that the path is on.
             const Vec3 n = flip_sign(ng, -dot(d, ng));
             const Vec3 hit = fma(d, t, o);
             const Vec3 point = offset_origin(hit, n, t);
 
-            const UInt material = load(&packed_info_[i]) & UInt(0xffffff);
-            Spectrum albedo;
-            for (int c = 0; c < channels; ++c) albedo.c[c] = gather(scene_.material_color[c].data(), material, valid);
+            const Spectrum albedo = base_color(info_of(primitive, valid) & UInt(0xffffff), valid);
 
             const SampleKey key{p.integer(PathPool::pixel_hash, i), p.integer(PathPool::reversed_index, i)};
             const UInt state = p.integer(PathPool::state, i);
             const UInt bounce = state & UInt(PathPool::bounce_mask);
-            const UInt pair = bounce * UInt(pairs_per_bounce) + UInt(pair_first_bounce);
-            Spectrum throughput = p.spectrum(PathPool::throughput, i);
+            const UInt seed = group_seed(key, bounce + UInt(1));
+            Spectrum throughput = p.spectrum(PathPool::throughput, i) * albedo;
 
             if (settings_.light_sampling && !tables_.lights.empty()) {
-                const LightRecord light(tables_.lights.data(), UInt(0), true);
-                const LightSample s = sample_light(light, point, Float(0), sample_2d(key, pair + UInt(pair_light)));
+                const LightRecord<true> light(tables_.lights.data(), UInt(0));
+                const LightSample s = sample_light(light, point, Float(0), sample_2d(key, pair_seed(seed, pair_light)));
                 const Float cosine = dot(s.wi, n);
-                const Mask lit = valid & (cosine > Float(0)) & any_positive(s.radiance);
+                const Mask lit = valid & (cosine > Float(0)) & (s.inverse_pdf > Float(0));
                 if (any(lit)) {
                     counters_.rays += std::uint64_t(count(lit));
                     const Ray shadow{point, s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)};
                     const Mask clear = lit & !scene_.flat.occluded(tables_, shadow, lit);
-                    const Float bsdf_pdf = cosine * Float(inv_pi);
-                    const Float weight = bsdf_pdf / s.pdf * mis_weight(s.pdf, bsdf_pdf);
-                    const Spectrum add = throughput * albedo * s.radiance * weight;
+                    // f_cos / pdf, times the power heuristic in terms of r = bsdf_pdf / pdf: 1 / (1 + r^2).
+                    const Float r = cosine * Float(inv_pi) * s.inverse_pdf;
+                    const Float weight = r * reciprocal(fma(r, r, Float(1)));
+                    const Spectrum add = throughput * s.radiance * weight;
                     p.set(PathPool::radiance, i,
                           p.spectrum(PathPool::radiance, i) + select(clear, add, Spectrum(Float(0))));
                 }
             }
 
-            const Vec3 local = sample_cosine_hemisphere(sample_2d(key, pair + UInt(pair_bsdf)));
+            const Vec3 local = sample_cosine_hemisphere(sample_2d(key, pair_seed(seed, pair_bsdf)));
             const Vec3 wi = Frame(n).to_world(local);
-            throughput = throughput * albedo;
-            UInt next_state = bounce + UInt(1);
+            UInt next_state = (state & UInt(~PathPool::specular)) + UInt(1);
             const Mask roulette = !less(bounce + UInt(1), UInt(std::uint32_t(settings_.roulette_depth)));
             if (any(roulette)) {
                 const Float survival = min(max_component(throughput), Float(0.95f));
-                const Mask dies = roulette & (sample_1d(key, pair + UInt(pair_roulette)) >= survival);
+                const Mask dies = roulette & (sample_hash(key, pair_seed(seed, pair_roulette)) >= survival);
                 throughput = select(roulette, throughput * (Float(1) / survival), throughput);
                 next_state = select(dies, next_state | UInt(PathPool::dead), next_state);
             }
@@ -274,15 +285,13 @@ private:
     TileSums& sums_;
     KernelCounters& counters_;
     bool has_time_ = false;
-    std::uint32_t next_pixel_ = 0, next_sample_ = 0;
+    std::uint32_t samples_ = 0, next_ = 0;  ///< per pixel of the job; number of the next path
 
-    static constexpr std::size_t padded = PathPool::capacity + 16;
+    static constexpr std::size_t padded = PathPool::capacity + 32;
     PathPool pools_[2];
     PathPool *paths_ = &pools_[0], *spare_ = &pools_[1];
     HitArrays hits_, packed_hits_;
-    alignas(64) std::uint32_t info_[padded], packed_info_[padded];
     std::uint32_t emitting_[padded], finished_[padded], survivors_[padded];
-    std::uint32_t new_x_[padded], new_y_[padded], new_sample_[padded], new_pixel_[padded], new_hash_[padded];
 };
 
 }  // namespace

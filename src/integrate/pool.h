@@ -12,11 +12,13 @@ struct PathPool {
     static constexpr int capacity = 512;
 
     enum Field {
-        origin = 0, direction = 3, throughput = 6, radiance = throughput + channels, bsdf_pdf = radiance + channels,
-        pixel_hash, reversed_index, pixel, state, eta_scale, time, field_count
+        origin = 0, direction = 3, throughput = 6, radiance = throughput + channels, pixel_hash = radiance + channels,
+        reversed_index, state, eta_scale, time, bsdf_pdf, field_count
     };
-    /// `state` holds the bounce in its low 16 bits, and:
+    /// `state` holds the bounce in its low 16 bits, above it the pixel (its place in the job), and:
     static constexpr std::uint32_t bounce_mask = 0xffff;
+    static constexpr int pixel_shift = 16;
+    static constexpr std::uint32_t max_pixels = 1u << 14;
     static constexpr std::uint32_t specular = 1u << 31;  ///< the last direction came from a delta lobe, or the camera
     static constexpr std::uint32_t dead = 1u << 30;      ///< throughput is 0, or roulette ended the path
 
@@ -50,13 +52,13 @@ struct PathPool {
         return {gather_number(field, index, m), gather_number(field + 1, index, m), gather_number(field + 2, index, m)};
     }
 
-    alignas(64) std::uint32_t data[field_count][capacity + 16];
+    alignas(64) std::uint32_t data[field_count][capacity + 32];
 };
 
 /// What tracing the pool gave, one entry a path.
 struct HitArrays {
     enum Field { t = 0, primitive, u, v, instance, field_count };
-    alignas(64) std::uint32_t data[field_count][PathPool::capacity + 16];
+    alignas(64) std::uint32_t data[field_count][PathPool::capacity + 32];
 };
 
 }  // namespace fathom

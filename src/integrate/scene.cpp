@@ -21,6 +21,9 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t) : tables_owner(std::m
     }
     for (const MaterialTable& material : tables.materials)
         for (int c = 0; c < channels; ++c) material_color[c].push_back(material.base_color[c]);
+    for (auto* table : {&quad_normal[0], &quad_normal[1], &quad_normal[2]}) table->resize(tables.quads.size() + small_table);
+    for (auto& table : material_color) table.resize(tables.materials.size() + small_table);
+    primitive_info.resize(primitive_info.size() + small_table);
     textured = !tables.textures.empty();
     sees_environment = tables.environment.kind != 0;
 }

@@ -16,8 +16,9 @@ struct LaneScene final : KernelScene {
     static constexpr int kind_shift = 24;
     /// Per primitive, if the scene is flat: shape_info of its shape.
     std::vector<std::uint32_t> primitive_info;
-    std::vector<float> quad_normal[3];  ///< unit, by quad
-    std::vector<float> material_color[channels];
+    std::vector<float> quad_normal[3];  ///< unit, by quad; padded for lookup()
+    std::vector<float> material_color[channels];  ///< padded likewise
+    static constexpr int small_table = 32;
     std::uint32_t kinds = 0;            ///< bit per BsdfKind that occurs
     bool textured = false;
     bool sees_environment = false;      ///< rays that leave the scene bring something

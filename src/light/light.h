@@ -11,11 +11,14 @@ namespace fathom {
 /// would no longer tell its parts apart.
 inline constexpr float min_solid_angle = 1e-3f;
 
-/// A light of each lane, read from the table. With one light in the scene nothing is gathered.
+/// A light of each lane, read from the table.
+///
+/// one  all lanes have light 0: nothing is gathered
+template <bool one>
 class LightRecord {
 public:
-    LightRecord(const LightTable* table, UInt index, bool uniform) : base_(reinterpret_cast<const float*>(table)),
-                                                                     offset_(index << 5), uniform_(uniform)
+    LightRecord(const LightTable* table, UInt index)
+        : base_(reinterpret_cast<const float*>(table)), offset_(index << 5)
     {
     }
 #define FATHOM_LIGHT_FIELD(member) (offsetof(LightTable, member) / sizeof(float))
@@ -46,68 +49,71 @@ public:
 private:
     Float value(std::size_t field) const
     {
-        return uniform_ ? Float(base_[field]) : gather(base_ + field, offset_);
+        if constexpr (one)
+            return Float(base_[field]);
+        else
+            return gather(base_ + field, offset_);
     }
     UInt integer(std::size_t field) const { return float_bits(value(field)); }
     Vec3 vector(std::size_t field) const { return {value(field), value(field + 1), value(field + 2)}; }
 
     const float* base_;
     UInt offset_;
-    bool uniform_;
 };
 
 struct LightSample {
     Vec3 wi;            ///< unit, from the point towards the light
     Float distance;
-    Float pdf;          ///< per solid angle, without the probability of choosing this light; 1 for delta lights
-    Spectrum radiance;  ///< that arrives if nothing blocks it (delta lights: irradiance at normal incidence); 0: none
+    Float inverse_pdf;  ///< of the direction, per solid angle, without the choice of the light; 1 for delta lights;
+                        ///< 0: nothing arrives
+    Spectrum radiance;  ///< that arrives if nothing blocks it (delta lights: irradiance at normal incidence)
     Mask is_delta;
-    Float u, v;         ///< where on the light's surface, for its texture
 };
 
 inline Mask is_kind(UInt kind, LightTableKind wanted) { return kind == UInt(std::uint32_t(wanted)); }
 
-/// Converts a density per area at a point of a surface to one per solid angle.
-inline Float area_to_solid_angle(Float distance2, Float abs_cos, Float area)
-{
-    return distance2 / max(abs_cos * area, Float(1e-37f));
-}
-
 namespace detail {
 
-inline void sample_rectangle(const LightRecord& light, Vec3 p, Sample2 random, Mask m, LightSample& s, Float& cos_light)
+/// A point of a flat light: `to` is the vector to it. Its inverse density per solid angle is inverse_pdf if given, else
+/// that of uniform sampling of the area.
+struct FlatLightPoint {
+    Vec3 wi;
+    Float distance, inverse_pdf, cosine;
+
+    [[gnu::always_inline]] FlatLightPoint(Vec3 to, Vec3 n, Float area)
+    {
+        const Float distance2 = dot(to, to), inverse = inverse_sqrt(distance2);
+        distance = distance2 * inverse;
+        wi = to * inverse;
+        cosine = -dot(wi, n);
+        inverse_pdf = abs(cosine) * area * inverse * inverse;
+    }
+    void put(Mask m, LightSample& s, Float& cos_light) const
+    {
+        s.wi = select(m, wi, s.wi);
+        s.distance = select(m, distance, s.distance);
+        s.inverse_pdf = select(m, inverse_pdf, s.inverse_pdf);
+        cos_light = select(m, cosine, cos_light);
+    }
+};
+
+template <class Light>
+[[gnu::always_inline]] inline FlatLightPoint sample_rectangle(const Light& light, Vec3 p, Sample2 random)
 {
     const Vec3 u = light.edge_u(), v = light.edge_v(), n = light.normal();
     const Float length_u = light.length_u(), length_v = light.length_v();
     const Vec3 corner = light.position() - p;
     const SphericalRectangle seen(corner, u, v, n, length_u, length_v);
     const SphericalRectangle::Point point = seen.sample(random);
-    const Mask by_angle = seen.solid_angle >= Float(min_solid_angle);
-    const Float du = select(by_angle, point.x - seen.x0, random.x * length_u);
-    const Float dv = select(by_angle, point.y - seen.y0, random.y * length_v);
-    const Vec3 to = fma(u, du, fma(v, dv, corner));
-    const Float distance2 = dot(to, to), distance = sqrt(distance2);
-    const Vec3 wi = to * (Float(1) / distance);
-    const Float cosine = -dot(wi, n);
-    const Float pdf = select(by_angle, Float(1) / seen.solid_angle,
-                             area_to_solid_angle(distance2, abs(cosine), length_u * length_v));
-    s.wi = select(m, wi, s.wi);
-    s.distance = select(m, distance, s.distance);
-    s.pdf = select(m, pdf, s.pdf);
-    s.u = select(m, du / length_u, s.u);
-    s.v = select(m, dv / length_v, s.v);
-    cos_light = select(m, cosine, cos_light);
-}
-
-inline void to_point(Vec3 to, Vec3 n, Float area, Mask m, LightSample& s, Float& cos_light)
-{
-    const Float distance2 = dot(to, to), distance = sqrt(distance2);
-    const Vec3 wi = to * (Float(1) / distance);
-    const Float cosine = -dot(wi, n);
-    s.wi = select(m, wi, s.wi);
-    s.distance = select(m, distance, s.distance);
-    s.pdf = select(m, area_to_solid_angle(distance2, abs(cosine), area), s.pdf);
-    cos_light = select(m, cosine, cos_light);
+    Float du = point.x - seen.x0, dv = point.y - seen.y0;
+    const Mask by_area = seen.solid_angle < Float(min_solid_angle);
+    if (any(by_area)) {
+        du = select(by_area, random.x * length_u, du);
+        dv = select(by_area, random.y * length_v, dv);
+    }
+    FlatLightPoint s(fma(u, du, fma(v, dv, corner)), n, length_u * length_v);
+    s.inverse_pdf = select(by_area, s.inverse_pdf, seen.solid_angle);
+    return s;
 }
 
 }  // namespace detail
@@ -116,29 +122,32 @@ inline void to_point(Vec3 to, Vec3 n, Float area, Mask m, LightSample& s, Float&
 inline Float one_minus_cos_of(Float sin2) { return sin2 / (Float(1) + sqrt(max(Float(1) - sin2, Float(0)))); }
 
 /// Samples a point of the light as seen from p, at shutter time `time`.
-inline LightSample sample_light(const LightRecord& light, Vec3 p, Float time, Sample2 random)
+template <class Light>
+[[gnu::always_inline]] inline LightSample sample_light(const Light& light, Vec3 p, Float time, Sample2 random)
 {
     LightSample s;
-    s.wi = {Float(0), Float(0), Float(1)};
-    s.distance = Float(1);
-    s.pdf = Float(1);
-    s.is_delta = Mask(false);
-    s.u = random.x;
-    s.v = random.y;
     s.radiance = light.radiance();
-    Float cos_light = Float(1);
+    s.is_delta = Mask(false);
     const UInt kind = light.kind();
+    const Mask two_sided = light.two_sided() != UInt(0);
 
     const Mask rectangle = is_kind(kind, LightTableKind::rectangle);
-    if (any(rectangle)) detail::sample_rectangle(light, p, random, rectangle, s, cos_light);
     if (all(rectangle)) {
-        s.radiance = select((cos_light > Float(0)) | (light.two_sided() != UInt(0)), s.radiance, Spectrum(Float(0)));
+        const auto point = detail::sample_rectangle(light, p, random);
+        s.wi = point.wi;
+        s.distance = point.distance;
+        s.inverse_pdf = select((point.cosine > Float(0)) | two_sided, point.inverse_pdf, Float(0));
         return s;
     }
+    s.wi = {Float(0), Float(0), Float(1)};
+    s.distance = Float(1);
+    s.inverse_pdf = Float(1);
+    Float cos_light = Float(1);
+    if (any(rectangle)) detail::sample_rectangle(light, p, random).put(rectangle, s, cos_light);
     const Mask parallelogram = is_kind(kind, LightTableKind::parallelogram);
     if (any(parallelogram)) {
         const Vec3 q = fma(light.edge_u(), random.x, fma(light.edge_v(), random.y, light.position()));
-        detail::to_point(q - p, light.normal(), light.area(), parallelogram, s, cos_light);
+        detail::FlatLightPoint(q - p, light.normal(), light.area()).put(parallelogram, s, cos_light);
     }
     const Mask triangle = is_kind(kind, LightTableKind::triangle);
     if (any(triangle)) {
@@ -147,16 +156,14 @@ inline LightSample sample_light(const LightRecord& light, Vec3 p, Float time, Sa
         const Float half = Float(0.5f) * select(upper, random.x, random.y);
         const Float u = select(upper, half, random.x - half), v = select(upper, random.y - half, half);
         const Vec3 q = fma(light.edge_u(), u, fma(light.edge_v(), v, light.position()));
-        detail::to_point(q - p, light.normal(), light.area(), triangle, s, cos_light);
-        s.u = select(triangle, u, s.u);
-        s.v = select(triangle, v, s.v);
+        detail::FlatLightPoint(q - p, light.normal(), light.area()).put(triangle, s, cos_light);
     }
     const Mask disk = is_kind(kind, LightTableKind::disk);
     if (any(disk)) {
         const DiskPoint d = sample_disk(random);
         const Frame frame(light.normal());
         const Vec3 q = fma(frame.s, d.x * light.radius(), fma(frame.t, d.y * light.radius(), light.position()));
-        detail::to_point(q - p, light.normal(), light.area(), disk, s, cos_light);
+        detail::FlatLightPoint(q - p, light.normal(), light.area()).put(disk, s, cos_light);
     }
     const Mask sphere = is_kind(kind, LightTableKind::sphere);
     if (any(sphere)) {
@@ -174,7 +181,7 @@ inline LightSample sample_light(const LightRecord& light, Vec3 p, Float time, Sa
         const Float root = sqrt(max(fma(r, r, -dot(foot, foot)), Float(0)));
         s.wi = select(sphere, wi, s.wi);
         s.distance = select(sphere, select(outside, b - root, b + root), s.distance);
-        s.pdf = select(sphere, Float(0.5f * inv_pi) / spread, s.pdf);
+        s.inverse_pdf = select(sphere, Float(2 * pi) * spread, s.inverse_pdf);
         // The normal points outwards for a positive radius: seen from outside, it faces the point.
         const Float side = select(outside, Float(1), Float(-1));
         cos_light = select(sphere, flip_sign(side, light.radius()), cos_light);
@@ -203,26 +210,27 @@ inline LightSample sample_light(const LightRecord& light, Vec3 p, Float time, Sa
         const Mask delta = spread <= Float(0);
         s.wi = select(directional, wi, s.wi);
         s.distance = select(directional, Float(infinity), s.distance);
-        s.pdf = select(directional, select(delta, Float(1), Float(0.5f * inv_pi) / spread), s.pdf);
+        s.inverse_pdf = select(directional, select(delta, Float(1), Float(2 * pi) * spread), s.inverse_pdf);
         s.is_delta |= directional & delta;
     }
-    s.radiance = select((cos_light > Float(0)) | (light.two_sided() != UInt(0)), s.radiance, Spectrum(Float(0)));
+    s.inverse_pdf = select((cos_light > Float(0)) | two_sided, s.inverse_pdf, Float(0));
     return s;
 }
 
 /// The density per solid angle, seen from p, with which sample_light would have found the point at p + distance * wi of
 /// an emissive surface with geometric normal n; without the probability of choosing the light.
-inline Float pdf_light(const LightRecord& light, Vec3 p, Float time, Vec3 wi, Float distance)
+template <class Light>
+Float pdf_light(const Light& light, Vec3 p, Float time, Vec3 wi, Float distance)
 {
     const UInt kind = light.kind();
     const Float cosine = abs(dot(wi, light.normal()));
-    Float pdf = area_to_solid_angle(distance * distance, cosine, light.area());
+    Float pdf = distance * distance * reciprocal(max(cosine * light.area(), Float(1e-30f)));
     const Mask rectangle = is_kind(kind, LightTableKind::rectangle);
     if (any(rectangle)) {
         const SphericalRectangle seen(light.position() - p, light.edge_u(), light.edge_v(), light.normal(),
                                       light.length_u(), light.length_v());
         const Mask by_angle = rectangle & (seen.solid_angle >= Float(min_solid_angle));
-        pdf = select(by_angle, Float(1) / seen.solid_angle, pdf);
+        pdf = select(by_angle, reciprocal(seen.solid_angle), pdf);
     }
     const Mask sphere = is_kind(kind, LightTableKind::sphere);
     if (any(sphere)) {

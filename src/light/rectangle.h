@@ -14,11 +14,12 @@ namespace fathom {
 struct SphericalRectangle {
     Float x0, x1, y0, y1, z0;
     Float solid_angle;
-    Float b0, b1;          ///< z of the unit normals of the edges y0 and y1
+    Float b0, b1;          ///< z of the unit normals of the planes through the point and the edges y0 and y1
+    Float c0;              ///< 1 - b0^2
     Float cos_k, sin_k;    ///< k = 2 pi - g2 - g3 of the paper
 
     /// corner: of the rectangle, relative to the point. u, v, n: its unit axes. Lengths along u and v.
-    SphericalRectangle(Vec3 corner, Vec3 u, Vec3 v, Vec3 n, Float length_u, Float length_v)
+    [[gnu::always_inline]] SphericalRectangle(Vec3 corner, Vec3 u, Vec3 v, Vec3 n, Float length_u, Float length_v)
     {
         x0 = dot(corner, u);
         y0 = dot(corner, v);
@@ -30,34 +31,39 @@ struct SphericalRectangle {
         // normals' z; multiplied out, the sine is |z0| times the distance of the corner, without cancellation.
         const Complex g0{x1 * y0, -z0 * sqrt(x12 + y02 + z2)}, g1{-(x1 * y1), -z0 * sqrt(x12 + y12 + z2)};
         const Complex g2{x0 * y1, -z0 * sqrt(x02 + y12 + z2)}, g3{-(x0 * y0), -z0 * sqrt(x02 + y02 + z2)};
-        const Complex g23 = unit(g2 * g3), g01 = unit(g0 * g1);
+        Complex g23 = g2 * g3;
+        const Float scale = inverse_sqrt(fma(g23.re, g23.re, g23.im * g23.im));
+        g23 = {g23.re * scale, g23.im * scale};
         // The solid angle is g0 + g1 + g2 + g3 - 2 pi, in [0, 2 pi).
-        const Complex product = g01 * g23;
+        const Complex product = (g0 * g1) * g23;
         const Float angle = atan2(product.im, product.re);
         solid_angle = select(angle < Float(0), angle + Float(2 * pi), angle);
         cos_k = g23.re;
         sin_k = -g23.im;
-        b0 = -y0 / sqrt(y02 + z2);
-        b1 = y1 / sqrt(y12 + z2);
+        const Float s0 = inverse_sqrt(y02 + z2);
+        b0 = -(y0 * s0);
+        b1 = y1 * inverse_sqrt(y12 + z2);
+        c0 = z2 * s0 * s0;
     }
 
     struct Point {
         Float x, y;  ///< in the rectangle's axes, from the point's foot
     };
-    Point sample(Sample2 random) const
+    [[gnu::always_inline]] Point sample(Sample2 random) const
     {
         const SinCos a = sincos_2pi(random.x * solid_angle * Float(0.5f * inv_pi));
-        // au = random * S + k
+        // au = random * S + k. The paper's fu and cu are multiplied out:
+        // xu = -z0 sign(fu) / sqrt(fu^2 + b0^2 - 1) with fu = f / sin au.
         const Float cos_au = fma(a.cos, cos_k, -(a.sin * sin_k));
         const Float sin_au = fma(a.sin, cos_k, a.cos * sin_k);
-        const Float fu = fma(cos_au, b0, -b1) / sin_au;
-        const Float cu = clamp(copysign(Float(1) / sqrt(fma(fu, fu, b0 * b0)), fu), Float(-1), Float(1));
-        const Float xu = clamp(-(cu * z0) / sqrt(max(fma(-cu, cu, Float(1)), Float(1e-12f))), x0, x1);
+        const Float f = fma(cos_au, b0, -b1);
+        const Float rest = max(fma(f, f, -(c0 * sin_au * sin_au)), Float(1e-30f));
+        const Float xu = clamp(flip_sign(-z0 * sin_au, f) * inverse_sqrt(rest), x0, x1);
         const Float d2 = fma(xu, xu, z0 * z0);
-        const Float h0 = y0 / sqrt(fma(y0, y0, d2));
-        const Float h1 = y1 / sqrt(fma(y1, y1, d2));
+        const Float h0 = y0 * inverse_sqrt(fma(y0, y0, d2));
+        const Float h1 = y1 * inverse_sqrt(fma(y1, y1, d2));
         const Float hv = fma(random.y, h1 - h0, h0);
-        const Float yv = hv * sqrt(d2) / sqrt(max(fma(-hv, hv, Float(1)), Float(1e-12f)));
+        const Float yv = hv * d2 * inverse_sqrt(max(d2 * fma(-hv, hv, Float(1)), Float(1e-30f)));
         return {xu, clamp(yv, y0, y1)};
     }
 
@@ -69,11 +75,6 @@ private:
             return {fma(re, o.re, -(im * o.im)), fma(re, o.im, im * o.re)};
         }
     };
-    static Complex unit(Complex a)
-    {
-        const Float s = Float(1) / sqrt(fma(a.re, a.re, a.im * a.im));
-        return {a.re * s, a.im * s};
-    }
 };
 
 }  // namespace fathom

@@ -19,6 +19,14 @@
 #include "math/lanes_scalar.h"
 #endif
 
+#if FATHOM_LANE_PAIRS
+#include "math/lanes_pair.h"
+#else
+namespace fathom {
+using namespace native;
+}
+#endif
+
 namespace fathom {
 
 
@@ -33,6 +41,30 @@ inline Float flip_sign(Float a, Float b) { return bits_float(float_bits(a) ^ (fl
 inline Float clamp(Float a, Float lo, Float hi) { return min(max(a, lo), hi); }
 inline bool all(Mask m) { return none(!m); }
 inline int count(Mask m) { return std::popcount(mask_bits(m)); }
+
+/// 1 / a to within 2 ulp, for normal a > 0 whose inverse is normal; by multiplications, several of which run at once where
+/// a division blocks. The guess is arithmetic, not the processor's estimate, which differs between makers.
+inline Float reciprocal(Float a)
+{
+    // The exponent is mirrored, which leaves an error below 12 %; each step cubes it.
+    Float y = bits_float(UInt(0x7ef311c7u) - float_bits(a));
+    for (int i = 0; i < 2; ++i) {
+        const Float e = fma(-a, y, Float(1));
+        y = fma(y, fma(e, e, e), y);
+    }
+    return y;
+}
+
+/// 1 / sqrt(a) to within 2 ulp for normal a > 0; finite and large for 0, so that a * inverse_sqrt(a) is 0 there.
+inline Float inverse_sqrt(Float a)
+{
+    // The guess is off by 3.5 %; a step of third order, then one of second.
+    Float y = bits_float(UInt(0x5f375a86u) - (float_bits(a) >> 1));
+    Float e = fma(-(a * y), y, Float(1));
+    y = fma(y * e, fma(e, Float(0.375f), Float(0.5f)), y);
+    e = fma(-(a * y), y, Float(1));
+    return fma(y * Float(0.5f), e, y);
+}
 
 /// Calls f(lane) for each lane of the mask, in ascending order.
 template <class F>

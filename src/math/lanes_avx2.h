@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace fathom {
+namespace fathom::native {
 
 inline constexpr int lanes = 8;
 inline constexpr const char* lanes_name = "AVX2";
@@ -114,7 +114,7 @@ inline UInt gather(const std::uint32_t* base, UInt index, Mask m)
                                        _mm256_castps_si256(m.v), 4);
 }
 
-namespace detail {
+namespace table {
 
 /// For each mask of 8 lanes: the positions of its lanes side by side, one byte each.
 inline constexpr auto compress_table = [] {
@@ -132,12 +132,12 @@ inline __m256 compress(__m256 a, Mask m)
     return _mm256_permutevar8x32_ps(a, order);
 }
 
-}  // namespace detail
+}  // namespace table
 
-inline void compress_store(float* p, Float a, Mask m) { _mm256_storeu_ps(p, detail::compress(a.v, m)); }
+inline void compress_store(float* p, Float a, Mask m) { _mm256_storeu_ps(p, table::compress(a.v, m)); }
 inline void compress_store(std::uint32_t* p, UInt a, Mask m)
 {
-    _mm256_storeu_ps(reinterpret_cast<float*>(p), detail::compress(_mm256_castsi256_ps(a.v), m));
+    _mm256_storeu_ps(reinterpret_cast<float*>(p), table::compress(_mm256_castsi256_ps(a.v), m));
 }
 inline float extract(Float a, int lane)
 {
@@ -153,16 +153,38 @@ inline std::uint32_t extract(UInt a, int lane)
 }
 inline UInt reverse_bits(UInt x)
 {
-    // Reversed nibbles by table, then reversed nibble and byte order within 32 bits.
-    const __m256i table =
-        _mm256_broadcastsi128_si256(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
+    // Bytes swapped, then the nibbles of each by table, which also swaps them: the low one's table is shifted up.
     const __m256i bytes =
         _mm256_broadcastsi128_si256(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
-    const __m256i low = _mm256_set1_epi8(0x0f);
+    const __m256i high =
+        _mm256_broadcastsi128_si256(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
+    const __m256i low = _mm256_slli_epi16(high, 4);
+    const __m256i mask = _mm256_set1_epi8(0x0f);
     const __m256i y = _mm256_shuffle_epi8(x.v, bytes);
-    const __m256i a = _mm256_shuffle_epi8(table, _mm256_and_si256(y, low));
-    const __m256i b = _mm256_shuffle_epi8(table, _mm256_and_si256(_mm256_srli_epi16(y, 4), low));
-    return _mm256_or_si256(_mm256_slli_epi16(a, 4), b);
+    return _mm256_or_si256(_mm256_shuffle_epi8(low, _mm256_and_si256(y, mask)),
+                           _mm256_shuffle_epi8(high, _mm256_and_si256(_mm256_srli_epi16(y, 4), mask)));
 }
 
-}  // namespace fathom
+/// A table of at most 32 floats that is read by index; `n` of them are in use. Small ones are held in registers.
+inline Float lookup(const float* table, int n, UInt index)
+{
+    const __m256 low = _mm256_permutevar8x32_ps(_mm256_loadu_ps(table), index.v);
+    if (n <= 8) return low;
+    if (n <= 16) {
+        const __m256 high = _mm256_permutevar8x32_ps(_mm256_loadu_ps(table + 8), index.v);
+        return _mm256_blendv_ps(low, high, _mm256_castsi256_ps(_mm256_slli_epi32(index.v, 28)));
+    }
+    return _mm256_i32gather_ps(table, index.v, 4);
+}
+inline UInt lookup(const std::uint32_t* table, int n, UInt index)
+{
+    return _mm256_castps_si256(lookup(reinterpret_cast<const float*>(table), n, index).v);
+}
+inline UInt rotate16(UInt x)
+{
+    const __m256i words =
+        _mm256_broadcastsi128_si256(_mm_setr_epi8(2, 3, 0, 1, 6, 7, 4, 5, 10, 11, 8, 9, 14, 15, 12, 13));
+    return _mm256_shuffle_epi8(x.v, words);
+}
+
+}  // namespace fathom::native

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace fathom {
+namespace fathom::native {
 
 inline constexpr int lanes = 16;
 inline constexpr const char* lanes_name = "AVX-512";
@@ -117,14 +117,26 @@ inline std::uint32_t extract(UInt a, int lane)
 }
 inline UInt reverse_bits(UInt x)
 {
-    // Reversed nibbles by table, then reversed nibble and byte order within 32 bits.
-    const __m512i table = _mm512_broadcast_i32x4(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
+    // Bytes swapped, then the nibbles of each by table, which also swaps them: the low one's table is shifted up.
     const __m512i bytes = _mm512_broadcast_i32x4(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
-    const __m512i low = _mm512_set1_epi8(0x0f);
+    const __m512i high = _mm512_broadcast_i32x4(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
+    const __m512i low = _mm512_slli_epi16(high, 4);
+    const __m512i mask = _mm512_set1_epi8(0x0f);
     const __m512i y = _mm512_shuffle_epi8(x.v, bytes);
-    const __m512i a = _mm512_shuffle_epi8(table, _mm512_and_si512(y, low));
-    const __m512i b = _mm512_shuffle_epi8(table, _mm512_and_si512(_mm512_srli_epi16(y, 4), low));
-    return _mm512_or_si512(_mm512_slli_epi16(a, 4), b);
+    return _mm512_or_si512(_mm512_shuffle_epi8(low, _mm512_and_si512(y, mask)),
+                           _mm512_shuffle_epi8(high, _mm512_and_si512(_mm512_srli_epi16(y, 4), mask)));
 }
 
-}  // namespace fathom
+/// A table of at most 32 floats that is read by index; `n` of them are in use. Held in registers: no memory is gathered.
+inline Float lookup(const float* table, int n, UInt index)
+{
+    if (n <= 16) return _mm512_permutexvar_ps(index.v, _mm512_loadu_ps(table));
+    return _mm512_permutex2var_ps(_mm512_loadu_ps(table), index.v, _mm512_loadu_ps(table + 16));
+}
+inline UInt lookup(const std::uint32_t* table, int n, UInt index)
+{
+    return _mm512_castps_si512(lookup(reinterpret_cast<const float*>(table), n, index).v);
+}
+inline UInt rotate16(UInt x) { return _mm512_rol_epi32(x.v, 16); }
+
+}  // namespace fathom::native

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace fathom {
+namespace fathom::native {
 
 using Float = float;
 using UInt = std::uint32_t;
@@ -61,4 +61,9 @@ inline UInt reverse_bits(UInt x)
     return (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
 }
 
-}  // namespace fathom
+/// A table of at most 32 floats that is read by index; `n` of them are in use.
+inline Float lookup(const float* table, int, UInt index) { return table[index]; }
+inline UInt lookup(const std::uint32_t* table, int, UInt index) { return table[index]; }
+inline UInt rotate16(UInt x) { return x >> 16 | x << 16; }
+
+}  // namespace fathom::native

@@ -28,7 +28,7 @@ inline Vec3 cross(Vec3 a, Vec3 b)
 }
 inline Float length(Vec3 a) { return sqrt(dot(a, a)); }
 /// Unit vector along a; a must not be zero.
-inline Vec3 normalize(Vec3 a) { return a * (Float(1) / length(a)); }
+inline Vec3 normalize(Vec3 a) { return a * inverse_sqrt(dot(a, a)); }
 inline Vec3 flip_sign(Vec3 a, Float sign)
 {
     return {flip_sign(a.x, sign), flip_sign(a.y, sign), flip_sign(a.z, sign)};
@@ -43,7 +43,7 @@ struct Frame {
     explicit Frame(Vec3 normal) : n(normal)
     {
         const Float sign = copysign(Float(1), n.z);
-        const Float a = Float(-1) / (sign + n.z);
+        const Float a = flip_sign(reciprocal(Float(1) + abs(n.z)), -sign);
         const Float b = n.x * n.y * a;
         s = {fma(sign * n.x * n.x, a, Float(1)), sign * b, -(sign * n.x)};
         t = {b, fma(n.y * n.y, a, sign), -n.y};

@@ -45,23 +45,27 @@ inline UInt sobol1_reversed(UInt i)
 /// To [0, 1): 24 bits, so that 1 is never reached.
 inline Float unit_float(UInt bits) { return to_float(bits >> 8) * Float(0x1p-24f); }
 
-/// The pair of dimensions number `pair` of each lane's path.
-inline Sample2 sample_2d(const SampleKey& key, UInt pair)
+/// The seed of a group of dimensions: one per bounce, and one for the camera.
+inline UInt group_seed(const SampleKey& key, UInt group) { return hash(key.pixel_hash + group * UInt(0x9e3779b9u)); }
+/// Seeds of the pairs of a group. Odd constants of full period; the scrambling hash mixes them on.
+inline UInt pair_seed(UInt group_seed, std::uint32_t pair) { return group_seed * UInt(0x8da6b343u + 0x3504f330u * pair); }
+
+/// The pair of dimensions that a seed stands for.
+inline Sample2 sample_2d(const SampleKey& key, UInt seed)
 {
-    const UInt seed = hash(key.pixel_hash ^ (pair * UInt(0x9e3779b9u)));
     const UInt index = reverse_bits(scramble_reversed(key.reversed_index, seed));
-    const UInt x = reverse_bits(scramble_reversed(index, seed * UInt(0x8da6b343u) + UInt(0x68bc21ebu)));
-    const UInt y =
-        reverse_bits(scramble_reversed(sobol1_reversed(index), seed * UInt(0xd8163841u) + UInt(0x02e5be93u)));
+    const UInt x = reverse_bits(scramble_reversed(index, rotate16(seed)));
+    const UInt y = reverse_bits(scramble_reversed(sobol1_reversed(index), seed * UInt(0xd8163841u)));
     return {unit_float(x), unit_float(y)};
 }
 
-/// The first number of a pair, where the second is not wanted.
-inline Float sample_1d(const SampleKey& key, UInt pair)
+/// A number without any structure, for decisions where none would help.
+inline Float sample_hash(const SampleKey& key, UInt seed)
 {
-    const UInt seed = hash(key.pixel_hash ^ (pair * UInt(0x9e3779b9u)));
-    const UInt index = reverse_bits(scramble_reversed(key.reversed_index, seed));
-    return unit_float(reverse_bits(scramble_reversed(index, seed * UInt(0x8da6b343u) + UInt(0x68bc21ebu))));
+    UInt x = (seed ^ key.reversed_index) * UInt(0x7feb352du);
+    x ^= x >> 15;
+    x *= UInt(0x846ca68bu);
+    return unit_float(x ^ (x >> 16));
 }
 
 }  // namespace fathom

@@ -41,8 +41,8 @@ inline Vec3 sample_cone(Sample2 u, Float one_minus_cos_max)
 /// Power heuristic for one sample of each of two strategies: Veach 1997, eq. 9.13 with beta = 2. Safe for huge densities.
 inline Float mis_weight(Float pdf, Float other)
 {
-    const Float r = other / pdf;
-    return Float(1) / fma(r, r, Float(1));
+    const Float r = other * reciprocal(pdf);
+    return reciprocal(fma(r, r, Float(1)));
 }
 
 }  // namespace fathom
