@@ -99,8 +99,11 @@ Image read_exr(const EncodedImage& file)
     {
         // The size is looked at before OpenEXR makes tables of it.
         MemoryInput stream(file);
-        Imf::Header header;
+        char start[8];  // the magic number, then the version and flags, lowest byte first
+        stream.read(start, sizeof start);
         int version = 0;
+        for (int i = 7; i >= 4; --i) version = version << 8 | static_cast<unsigned char>(start[i]);
+        Imf::Header header;
         header.readFrom(stream, version);
         const auto& window = header.dataWindow();
         std::uint64_t channels = 0;

@@ -22,7 +22,8 @@ Image read_exr(const EncodedImage& file);
 Image read_png(const EncodedImage& file);
 Image read_jpeg(const EncodedImage& file);
 Image read_webp(const EncodedImage& file);
-/// HDR, BMP, TGA, GIF, PSD, PIC, PNM.
+Image read_hdr(const EncodedImage& file);
+/// BMP, TGA, GIF, PSD, PIC, PNM.
 Image read_stb(const EncodedImage& file);
 
 void write_exr(OutputFile& file, const Image& image, const WriteOptions& options);

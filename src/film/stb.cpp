@@ -1,12 +1,17 @@
+#include <algorithm>
 #include <cstring>
 #include <fmt/format.h>
+#include <memory>
 
 #include "fathom/error.h"
 #include "film/formats.h"
 
-#define STBI_NO_STDIO
+// These have readers of their own. stb_image's HDR never ends on some files that are cut short.
+#define STBI_NO_HDR
 #define STBI_NO_JPEG
 #define STBI_NO_PNG
+#define STBI_NO_STDIO
+#define STBI_NO_LINEAR
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #pragma GCC diagnostic push
@@ -81,6 +86,16 @@ Image take_values(const EncodedImage& file, const Feed& feed, Value* values, int
     return image;
 }
 
+/// stb_image before 2.28 takes the 16-bit values of PNM in the machine's byte order; the file has the high byte first.
+bool pnm_is_swapped()
+{
+    static const unsigned char picture[] = "P5 1 1 65535\n\x01\x02";
+    int width = 0, height = 0, channels = 0;
+    const std::unique_ptr<stbi_us, Free> value(
+        stbi_load_16_from_memory(picture, sizeof picture - 1, &width, &height, &channels, 0));
+    return value && *value == 0x0201;
+}
+
 }  // namespace
 
 Image read_stb(const EncodedImage& file)
@@ -93,13 +108,13 @@ Image read_stb(const EncodedImage& file)
     // Twice over: stb_image makes copies while it converts.
     check_size(file.name, std::uint64_t(width), std::uint64_t(height), std::uint64_t(channels) * 2 * sizeof(float));
 
-    Feed kind(file), wide(file), feed(file);
-    if (stbi_is_hdr_from_callbacks(&callbacks, &kind)) {
-        float* values = stbi_loadf_from_callbacks(&callbacks, &feed, &width, &height, &channels, 0);
-        return take_values(file, feed, values, width, height, channels, 1);
-    }
+    Feed wide(file), feed(file);
     if (stbi_is_16_bit_from_callbacks(&callbacks, &wide)) {
         stbi_us* values = stbi_load_16_from_callbacks(&callbacks, &feed, &width, &height, &channels, 0);
+        static const bool swapped = pnm_is_swapped();
+        if (values && swapped && file.bytes[0] == 'P')
+            for (std::size_t i = 0; i < std::size_t(width) * std::size_t(height) * std::size_t(channels); ++i)
+                values[i] = stbi_us(values[i] << 8 | values[i] >> 8);
         return take_values(file, feed, values, width, height, channels, 65535);
     }
     stbi_uc* values = stbi_load_from_callbacks(&callbacks, &feed, &width, &height, &channels, 0);
