@@ -1,4 +1,6 @@
 #pragma once
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -15,8 +17,14 @@ struct Image {
         std::vector<std::string> channels;  ///< "R", "G", "B", "A", "X", "Y", "Z", ...
         std::vector<float> pixels;          ///< width * height * channels.size(), interleaved
     };
+    /// Integers that a float would round; kept by EXR only. A film's exact sums travel in them: see store_sums().
+    struct UintChannel {
+        std::string name;
+        std::vector<std::uint32_t> values;  ///< width * height
+    };
     int width = 0, height = 0;
     std::vector<Layer> layers;
+    std::vector<UintChannel> uint_channels;
     std::map<std::string, std::string> attributes;  ///< settings, seed, timings: kept by EXR
 
     const Layer* find(const std::string& name) const
@@ -27,6 +35,8 @@ struct Image {
     }
 };
 
+/// srgb shows radiance as it is, up to 1, encoded as sRGB (IEC 61966-2-1). filmic rolls highlights off first, with
+/// Narkowicz's fit of the ACES curve (ACES Filmic Tone Mapping Curve, 2016), channel by channel.
 enum class Tonemap { srgb, filmic };
 
 /// How linear radiance becomes the values of PNG and JPEG.
@@ -38,22 +48,32 @@ struct DisplayTransform {
 struct WriteOptions {
     DisplayTransform display;
     int png_bits = 8;          ///< 8 or 16
-    bool exr_half = false;     ///< half instead of float
+    bool exr_half = false;     ///< half for the layers of colours that fit; ids, distances and variances stay float
     int jpeg_quality = 95;
 };
 
-/// Throws Error if the extension names no format that can be written, before anything is rendered.
-FATHOM_API void check_output(const std::filesystem::path& file);
+/// Throws Error, before anything is rendered, if the extension names no format that can be written, if the format can't
+/// hold a picture of this size (where one is given), or if no file can be made in that folder.
+FATHOM_API void check_output(const std::filesystem::path& file, int width = 0, int height = 0);
 
-/// Writes EXR (all layers), PNG, JPEG or HDR (first layer) by extension: beside its place, then renamed into it. Throws Error;
-/// an earlier file then still stands.
+/// Writes EXR (everything), PNG, JPEG or HDR (first layer) by extension: beside its place, then renamed into it. Throws
+/// Error; an earlier file then still stands. Colours with A are premultiplied in `image` and in EXR, straight in PNG,
+/// over black in JPEG and HDR.
 FATHOM_API void write_image(const std::filesystem::path& file, const Image& image, const WriteOptions& options);
 
-/// 8-bit sRGB RGBA of the layer, for PNG, JPEG and windows.
-FATHOM_API std::vector<unsigned char> to_display(const Image::Layer& layer, int width, int height, const DisplayTransform& display);
+/// 8-bit sRGB RGBA of the layer, straight alpha, for windows: R, G, B by name, else the first three channels, else the
+/// first one as grey. NaN is black.
+FATHOM_API std::vector<unsigned char> to_display(const Image::Layer& layer, int width, int height,
+                                                 const DisplayTransform& display);
 
-/// Reads EXR, PNG, JPEG, WebP, HDR and what stb_image knows; 8- and 16-bit values become 0 to 1 and stay encoded as they are.
+/// Reads EXR, PNG, JPEG, WebP, HDR and what stb_image knows, told by content; 8- and 16-bit values become 0 to 1 and stay
+/// encoded as they are. Layers have the channels R G B A, R G B, Y A or Y (grey); those of EXR whatever the file has.
+/// Throws Error if the file is missing, damaged, cut short, or larger than the memory at hand.
 FATHOM_API Image read_image(const std::filesystem::path& file);
+/// The same for a file in memory; `name` is for messages.
 FATHOM_API Image read_image(const std::string& name, const void* bytes, std::size_t size);
+
+/// Names and versions of the libraries that read and write pictures.
+FATHOM_API std::vector<std::string> image_libraries();
 
 }  // namespace fathom

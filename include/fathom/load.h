@@ -45,6 +45,10 @@ struct CompleteOptions {
 };
 FATHOM_API Completed complete_scene(SceneDescription& scene, const CompleteOptions& options);
 
+/// The camera of that name (empty: the first) where its node puts it, in world space; lengths take the node's scale.
+/// Throws Error, naming the cameras there are, if there is none of that name in the scene.
+FATHOM_API Camera world_camera(const SceneDescription& scene, const std::string& name);
+
 /// Box around all geometry in world space, instances included.
 struct Bounds {
     Vec3d min, max;

@@ -35,6 +35,8 @@ struct RenderSettings {
     Filter filter = Filter::blackman_harris;
     std::optional<Crop> crop;  ///< only these pixels are rendered; the picture keeps its size
     std::vector<Aov> aovs;
+    std::optional<Color> background;  ///< what camera rays that leave the scene see instead of the environment; lights nothing
+    bool alpha = false;        ///< sums coverage too: the film's picture can have A
     int threads = 0;           ///< 0: all cores
 };
 
@@ -105,6 +107,12 @@ private:
     Film() = default;
     std::unique_ptr<Data> data_;
 };
+
+/// Puts the sums into `image` as integer channels `sums.000`, ... and attributes `fathom.sums.*`, so that an EXR of it can
+/// be merged later.
+FATHOM_API void store_sums(const Film::Sums& sums, Image& image);
+/// What store_sums put there. Throws Error naming `file` if it holds none, or not all.
+FATHOM_API Film::Sums load_sums(const Image& image, const std::string& file);
 
 struct Progress {
     std::uint64_t samples_done = 0, samples_total = 0;  ///< samples of pixels, over the whole call

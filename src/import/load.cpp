@@ -8,4 +8,6 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
     throw Error(file.string(), "", "no reader for this format yet");
 }
 
+Completed complete_scene(SceneDescription&, const CompleteOptions&) { return {}; }
+
 }  // namespace fathom

@@ -1,0 +1,166 @@
+#include "arguments.h"
+
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "commands.h"
+
+namespace fathom::cli {
+
+namespace {
+
+constexpr std::uint64_t largest_side = 1 << 24;
+
+template <class Number>
+bool parse_whole(const std::string& text, Number& number)
+{
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error == std::errc() && end == text.data() + text.size() && !text.empty();
+}
+
+double linear_from_srgb_byte(int code)
+{
+    const double encoded = code / 255.0;
+    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+}  // namespace
+
+std::vector<std::string> split(const std::string& text, char separator)
+{
+    std::vector<std::string> parts;
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i <= text.size(); ++i)
+        if (i == text.size() || text[i] == separator) {
+            parts.push_back(text.substr(begin, i - begin));
+            begin = i + 1;
+        }
+    return parts;
+}
+
+double parse_number(const std::string& text)
+{
+    double number = 0;
+    const std::string digits = text.rfind('+', 0) == 0 ? text.substr(1) : text;
+    if (!parse_whole(digits, number) || !std::isfinite(number))
+        throw UsageError(fmt::format("expected a number, found '{}'", text));
+    return number;
+}
+
+double parse_number(const std::string& text, double least, double most)
+{
+    const double number = parse_number(text);
+    if (number < least || number > most)
+        throw UsageError(fmt::format("expected a number from {} to {}, found {}", least, most, text));
+    return number;
+}
+
+std::uint64_t parse_integer(const std::string& text, std::uint64_t least, std::uint64_t most)
+{
+    std::uint64_t number = 0;
+    if (!parse_whole(text, number) || number < least || number > most)
+        throw UsageError(fmt::format("expected a whole number from {} to {}, found '{}'", least, most, text));
+    return number;
+}
+
+std::vector<double> parse_numbers(const std::string& text, std::size_t count)
+{
+    const std::vector<std::string> parts = split(text, ',');
+    if (parts.size() != count)
+        throw UsageError(fmt::format("expected {} numbers with commas between, found '{}'", count, text));
+    std::vector<double> numbers;
+    for (const std::string& part : parts) numbers.push_back(parse_number(part));
+    return numbers;
+}
+
+Vec3d parse_vector(const std::string& text)
+{
+    const std::vector<double> n = parse_numbers(text, 3);
+    return {n[0], n[1], n[2]};
+}
+
+Size parse_size(const std::string& text)
+{
+    const std::vector<std::string> parts = split(text, 'x');
+    if (parts.size() != 2) throw UsageError(fmt::format("expected a size as 800x600, found '{}'", text));
+    return {int(parse_integer(parts[0], 1, largest_side)), int(parse_integer(parts[1], 1, largest_side))};
+}
+
+double parse_duration(const std::string& text)
+{
+    std::string digits = text;
+    double unit = 1;
+    if (!text.empty()) {
+        const char last = text.back();
+        unit = last == 'h' ? 3600 : last == 'm' ? 60 : 1;
+        if (last == 'h' || last == 'm' || last == 's') digits.pop_back();
+    }
+    const double seconds = parse_number(digits) * unit;
+    if (!(seconds > 0)) throw UsageError(fmt::format("expected a time above 0, as 90, 90s, 10m or 1h, found '{}'", text));
+    return seconds;
+}
+
+Crop parse_crop(const std::string& text)
+{
+    const std::vector<std::string> parts = split(text, ',');
+    if (parts.size() != 4) throw UsageError(fmt::format("expected x0,y0,x1,y1, found '{}'", text));
+    int n[4];
+    for (int i = 0; i < 4; ++i) n[i] = int(parse_integer(parts[i], 0, largest_side));
+    if (n[0] >= n[2] || n[1] >= n[3]) throw UsageError(fmt::format("there are no pixels in {}", text));
+    return {n[0], n[1], n[2], n[3]};
+}
+
+SampleRange parse_sample_range(const std::string& text)
+{
+    const std::vector<std::string> parts = split(text, ':');
+    if (parts.size() != 2) throw UsageError(fmt::format("expected a range of samples as 0:64, found '{}'", text));
+    const SampleRange range{parse_integer(parts[0], 0, 1ull << 32), parse_integer(parts[1], 0, 1ull << 32)};
+    if (range.first >= range.second) throw UsageError(fmt::format("there are no samples in {}", text));
+    return range;
+}
+
+Color parse_colour(const std::string& text)
+{
+    if (text == "black") return {0, 0, 0};
+    if (text == "white") return {1, 1, 1};
+    if (text.size() == 7 && text[0] == '#') {
+        float rgb[3];
+        for (int i = 0; i < 3; ++i) {
+            int code = 0;
+            const char* digits = text.data() + 1 + 2 * i;
+            const auto [end, error] = std::from_chars(digits, digits + 2, code, 16);
+            if (error != std::errc() || end != digits + 2 || code < 0)
+                throw UsageError(fmt::format("expected a colour as #rrggbb, found '{}'", text));
+            rgb[i] = float(linear_from_srgb_byte(code));
+        }
+        return {rgb[0], rgb[1], rgb[2]};
+    }
+    std::vector<double> n = parse_numbers(text, text.find(',') == std::string::npos ? 1 : 3);
+    n.resize(3, n[0]);
+    for (double v : n)
+        if (v < 0 || v > 1e30) throw UsageError(fmt::format("a colour can't be {}", v));
+    return {float(n[0]), float(n[1]), float(n[2])};
+}
+
+int parse_word(const std::string& text, const std::vector<std::string>& words)
+{
+    for (std::size_t i = 0; i < words.size(); ++i)
+        if (text == words[i]) return int(i);
+    throw UsageError(fmt::format("expected {}, found '{}'", fmt::join(words, " or "), text));
+}
+
+CLI::Option* add_value(CLI::App& app, const std::string& name, const std::string& value_name, const std::string& help,
+                       std::function<void(const std::string&)> take)
+{
+    const auto named = [name, take = std::move(take)](const std::string& text) {
+        try {
+            take(text);
+        } catch (const UsageError& error) {
+            throw UsageError(fmt::format("{}: {}", name, error.what()));
+        }
+    };
+    return app.add_option_function<std::string>(name, named, help)->type_name(value_name);
+}
+
+}  // namespace fathom::cli

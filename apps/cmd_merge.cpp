@@ -1,0 +1,108 @@
+#include <algorithm>
+#include <fmt/format.h>
+#include <memory>
+
+#include "arguments.h"
+#include "commands.h"
+#include "fathom/error.h"
+#include "picture_options.h"
+#include "reporter.h"
+
+namespace fathom::cli {
+
+namespace {
+
+struct MergeOptions {
+    std::vector<std::filesystem::path> parts;
+    PictureOptions picture;
+    bool no_sums = false, quiet = false;
+};
+
+bool has_channel(const Image& image, const std::string& channel)
+{
+    const Image::Layer* layer = image.find("");
+    return layer && std::find(layer->channels.begin(), layer->channels.end(), channel) != layer->channels.end();
+}
+
+/// The library knows sums, not the files that they came from.
+template <class Action>
+auto naming(const std::string& file, Action action)
+{
+    try {
+        return action();
+    } catch (const Error& error) {
+        if (!error.file().empty()) throw;
+        throw Error(file, error.place(), error.message());
+    }
+}
+
+int run_merge(const MergeOptions& o)
+{
+    if (o.picture.outputs.empty()) throw UsageError("-o: say where the picture goes");
+    for (const auto& file : o.picture.outputs) check_output(file);
+    Reporter reporter(o.quiet ? ReportMode::quiet : default_report_mode());
+
+    std::optional<Film> film;
+    std::optional<Crop> crop;
+    bool alpha = false, variance = false, counts = false;
+    std::map<std::string, std::string> attributes;
+    for (const auto& file : o.parts) {
+        const std::string name = file.string();
+        const Image part = read_image(file);
+        Film part_film = naming(name, [&] { return Film::from_sums(load_sums(part, name)); });
+        if (film) {
+            naming(name, [&] { film->merge(part_film); });
+            continue;
+        }
+        film = std::move(part_film);
+        alpha = has_channel(part, "A");
+        variance = part.find("variance");
+        counts = part.find("samples");
+        attributes = part.attributes;
+        const auto text = attributes.find("fathom.crop");
+        if (text != attributes.end() && text->second != "none") crop = parse_crop(text->second);
+    }
+
+    Image image = film->image(alpha, variance);
+    if (counts) image.layers.push_back(sample_count_layer(*film, crop));
+    // Times of one part say nothing of the whole.
+    for (const char* name : {"fathom.load_s", "fathom.build_s", "fathom.render_s", "fathom.rays"}) attributes.erase(name);
+    std::erase_if(attributes, [](const auto& attribute) { return attribute.first.rfind("fathom.sums.", 0) == 0; });
+    attributes["fathom.samples"] = text_of(film->samples());
+    attributes["fathom.samples_per_pixel"] = fmt::format("{}", film->samples_per_pixel());
+    attributes["fathom.dropped_samples"] = fmt::format("{}", film->dropped_samples());
+    image.attributes = std::move(attributes);
+    if (writes_exr(o.picture) && !o.no_sums) store_sums(film->sums(), image);
+    const WriteOptions write = write_options(o.picture, {});
+    for (const auto& file : o.picture.outputs) {
+        write_image(file, image, write);
+        reporter.written(file.string());
+    }
+    reporter.note(fmt::format("{} samples a pixel: {}", film->samples_per_pixel(), text_of(film->samples())));
+    return exit_ok;
+}
+
+}  // namespace
+
+void add_merge(CLI::App& app, Run& run)
+{
+    const auto options = std::make_shared<MergeOptions>();
+    CLI::App* command = app.add_subcommand("merge", "Join pictures of disjoint sample ranges of one scene");
+    command->add_option_function<std::vector<std::string>>(
+               "PART", [options](const auto& files) { options->parts.assign(files.begin(), files.end()); },
+               "EXR files of `fathom render --samples` or --mergeable")
+        ->required()
+        ->type_name("");
+    add_picture_options(*command, options->picture);
+    command->add_flag("--no-sums", options->no_sums, "leave the sums out of EXR: smaller, but the end of merging");
+    command->add_flag("-q,--quiet", options->quiet, "print only errors");
+    command->footer("The result is, bit for bit, the picture that one run makes.\n\n"
+                    "Examples:\n"
+                    "  fathom render scene.json --samples 0:64 -o a.exr\n"
+                    "  fathom render scene.json --samples 64:128 -o b.exr\n"
+                    "  fathom merge a.exr b.exr -o all.exr -o all.png\n\n"
+                    "Exit codes: 0 done; 1 error; 2 wrong usage.");
+    command->final_callback([options, &run] { run = [options] { return run_merge(*options); }; });
+}
+
+}  // namespace fathom::cli

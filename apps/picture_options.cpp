@@ -1,0 +1,78 @@
+#include "picture_options.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "fathom/error.h"
+
+namespace fathom::cli {
+
+const std::vector<std::string> tonemap_names = {"srgb", "filmic"};
+
+void add_picture_options(CLI::App& app, PictureOptions& options)
+{
+    app.add_option_function<std::vector<std::string>>(
+           "-o,--output",
+           [&](const std::vector<std::string>& files) { options.outputs.assign(files.begin(), files.end()); },
+           "file to write: .exr, .png, .jpg or .hdr; may be given several times")
+        ->type_name("FILE")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    add_value(app, "--exposure", "STOPS", "brighter (+) or darker (-) PNG and JPEG, in powers of two",
+              [&](const std::string& text) { options.exposure_ev = parse_number(text, -100, 100); });
+    add_value(app, "--tonemap", "srgb|filmic",
+              "for PNG and JPEG; srgb (default) shows radiance up to 1 as it is, so that pictures can be compared; "
+              "filmic rolls off highlights",
+              [&](const std::string& text) { options.tonemap = Tonemap(parse_word(text, tonemap_names)); });
+    add_value(app, "--png-bits", "8|16", "bits per channel of PNG (default 8)",
+              [&](const std::string& text) { options.png_bits = parse_word(text, {"8", "16"}) ? 16 : 8; });
+    add_value(app, "--exr", "half|float", "numbers of EXR (default float)",
+              [&](const std::string& text) { options.exr_half = parse_word(text, {"half", "float"}) == 0; });
+}
+
+bool writes_exr(const PictureOptions& options)
+{
+    return std::any_of(options.outputs.begin(), options.outputs.end(), [](const std::filesystem::path& file) {
+        const std::string extension = file.extension().string();
+        return extension.size() == 4 && CLI::detail::to_lower(extension) == ".exr";
+    });
+}
+
+WriteOptions write_options(const PictureOptions& options, const RenderHints& hints)
+{
+    WriteOptions write;
+    write.display.exposure_ev = options.exposure_ev.value_or(hints.exposure.value_or(0));
+    write.png_bits = options.png_bits;
+    write.exr_half = options.exr_half;
+    if (options.tonemap) {
+        write.display.tonemap = *options.tonemap;
+    } else if (hints.tonemap) {
+        const auto name = std::find(tonemap_names.begin(), tonemap_names.end(), *hints.tonemap);
+        if (name == tonemap_names.end())
+            throw Error("", "tonemap", fmt::format("expected {}, found '{}'", fmt::join(tonemap_names, " or "), *hints.tonemap));
+        write.display.tonemap = Tonemap(name - tonemap_names.begin());
+    }
+    return write;
+}
+
+std::string text_of(const std::vector<SampleRange>& samples)
+{
+    std::string text;
+    for (const SampleRange& range : samples)
+        text += fmt::format("{}{}:{}", text.empty() ? "" : ",", range.first, range.second);
+    return text;
+}
+
+Image::Layer sample_count_layer(const Film& film, const std::optional<Crop>& crop)
+{
+    const Crop inside = crop.value_or(Crop{0, 0, film.width(), film.height()});
+    Image::Layer layer{"samples", {"Y"}, std::vector<float>(std::size_t(film.width()) * std::size_t(film.height()))};
+    for (int y = inside.y0; y < inside.y1; ++y) {
+        const auto row = layer.pixels.begin() + std::ptrdiff_t(y) * film.width();
+        std::fill(row + inside.x0, row + inside.x1, float(film.samples_per_pixel()));
+    }
+    return layer;
+}
+
+}  // namespace fathom::cli

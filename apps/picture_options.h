@@ -1,0 +1,34 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arguments.h"
+#include "fathom/image.h"
+#include "fathom/render.h"
+
+namespace fathom::cli {
+
+/// Which files are written, and how.
+struct PictureOptions {
+    std::vector<std::filesystem::path> outputs;
+    std::optional<double> exposure_ev;
+    std::optional<Tonemap> tonemap;
+    int png_bits = 8;
+    bool exr_half = false;
+};
+
+void add_picture_options(CLI::App& app, PictureOptions& options);
+bool writes_exr(const PictureOptions& options);
+/// Options first, then what the scene asks for.
+WriteOptions write_options(const PictureOptions& options, const RenderHints& hints);
+
+/// "0:16,32:48"
+std::string text_of(const std::vector<SampleRange>& samples);
+/// A layer that tells how many samples each pixel has.
+Image::Layer sample_count_layer(const Film& film, const std::optional<Crop>& crop);
+
+extern const std::vector<std::string> tonemap_names;
+
+}  // namespace fathom::cli

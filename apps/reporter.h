@@ -1,0 +1,52 @@
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "fathom/load.h"
+#include "fathom/render.h"
+
+namespace fathom::cli {
+
+/// How a command tells on stderr what it does.
+enum class ReportMode {
+    quiet,     ///< only warnings
+    terminal,  ///< a bar
+    lines,     ///< a line now and then
+    json,      ///< an object a line
+};
+
+struct Summary {
+    double load_s = 0, build_s = 0, render_s = 0, write_s = 0;
+    std::uint64_t samples_per_pixel = 0, rays = 0;
+};
+
+class Reporter {
+public:
+    explicit Reporter(ReportMode mode) : mode_(mode) {}
+
+    ReportMode mode() const { return mode_; }
+    void note(const std::string& text);
+    void warnings(const Warnings& warnings);
+    void error(const std::string& text);
+    void written(const std::string& file);
+    void summary(const Summary& summary);
+
+    /// done  0 to 1; the rest is told from it
+    /// force  now, however short ago the last was
+    void progress(double done, double elapsed_s, const Progress& progress, bool force = false);
+
+private:
+    void print(const nlohmann::json& event);
+    void end_bar();
+
+    ReportMode mode_;
+    double last_s_ = -1e9;
+    bool bar_ = false;  ///< the cursor stands behind a bar
+};
+
+/// terminal or lines, as stderr is.
+ReportMode default_report_mode();
+/// Largest memory that the program has had.
+std::uint64_t peak_memory_bytes();
+
+}  // namespace fathom::cli

@@ -1,0 +1,183 @@
+#include "scene_options.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+
+#include "commands.h"
+#include "fathom/error.h"
+
+namespace fathom::cli {
+
+namespace {
+
+constexpr Size default_size{800, 600};
+
+const Camera* chosen_camera(const SceneDescription& scene, const std::string& name)
+{
+    for (const Camera& camera : scene.cameras)
+        if (name.empty() || camera.name == name) return &camera;
+    return nullptr;
+}
+
+/// A side that keeps the shape, at least one pixel.
+int side(double pixels) { return std::max(1, int(std::lround(std::min(pixels, double(1 << 24))))); }
+
+Size picture_size(const SceneOptions& options, const SceneDescription& scene)
+{
+    if (options.size) return *options.size;
+    const RenderHints& hints = scene.hints;
+    Size size{hints.width.value_or(default_size.width), hints.height.value_or(default_size.height)};
+    if (size.width < 1 || size.height < 1)
+        throw Error(scene.file, "", fmt::format("a picture of {}x{} pixels", size.width, size.height));
+    const Camera* camera = options.orbit_deg ? nullptr : chosen_camera(scene, options.camera);
+    double aspect = camera && camera->aspect > 0 ? camera->aspect : 0;
+    if (hints.width && hints.height) return size;
+    if (hints.width || hints.height) {
+        if (aspect == 0) aspect = double(default_size.width) / default_size.height;
+        if (hints.width) size.height = side(size.width / aspect);
+        if (hints.height) size.width = side(size.height * aspect);
+    } else if (aspect > 0) {
+        // Inside the default size, in the camera's shape.
+        if (aspect > double(size.width) / size.height)
+            size.height = side(size.width / aspect);
+        else
+            size.width = side(size.height * aspect);
+    }
+    return size;
+}
+
+void use_environment(SceneDescription& scene, const std::filesystem::path& file)
+{
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) throw Error(file.string(), "--env", "there is no such picture");
+    scene.environment = {};
+    scene.environment.kind = EnvironmentKind::image;
+    scene.environment.image = int(scene.images.size());
+    ImageFile image;
+    image.name = file.filename().string();
+    image.path = file;
+    scene.images.push_back(image);
+}
+
+/// A name that no camera has.
+std::string unused_name(const SceneDescription& scene, std::string name)
+{
+    while (chosen_camera(scene, name)) name += "'";
+    return name;
+}
+
+/// Adds a camera, at the root of the scene, made of the chosen one and the options.
+std::string add_moved_camera(SceneDescription& scene, const std::string& name, const SceneOptions& options)
+{
+    Camera camera = world_camera(scene, name);
+    if (options.look_from) camera.position = *options.look_from;
+    if (options.look_at) camera.look_at = *options.look_at;
+    // What was in focus at the old distance need not be at the new one.
+    if (options.look_from || options.look_at) camera.focus_distance = 0;
+    if (options.up) camera.up = *options.up;
+    if (options.fov_deg) {
+        camera.kind = CameraKind::perspective;
+        camera.fov_y = *options.fov_deg * std::numbers::pi / 180;
+    }
+    const Vec3d forward = camera.look_at - camera.position;
+    if (!(length(forward) > 0)) throw UsageError("--look-from, --look-at: the camera looks at where it stands");
+    if (!(length(cross(normalize(forward), normalize(camera.up))) > 1e-9)) {
+        if (options.up) throw UsageError("--up: the camera looks along this direction");
+        // Straight up or down: any direction across will do.
+        camera.up = std::abs(normalize(forward).z) < 0.9 ? Vec3d{0, 0, -1} : Vec3d{0, 1, 0};
+    }
+    camera.name = unused_name(scene, "command line");
+    Node node;
+    node.camera = int(scene.cameras.size());
+    scene.cameras.push_back(camera);
+    scene.roots.push_back(int(scene.nodes.size()));
+    scene.nodes.push_back(node);
+    return camera.name;
+}
+
+}  // namespace
+
+const std::vector<std::string> filter_names = {"box", "gaussian", "blackman-harris"};
+
+void add_scene_options(CLI::App& app, SceneOptions& options)
+{
+    app.add_option_function<std::string>("SCENE", [&](const std::string& file) { options.file = file; },
+                                         "Fathom's own JSON, glTF, GLB, OBJ, PLY, STL, ...")
+        ->required()
+        ->type_name("");
+    add_value(app, "--size", "WxH", "size of the picture (default: the scene's, else 800x600)",
+              [&](const std::string& text) { options.size = parse_size(text); });
+    add_value(app, "--camera", "NAME", "one of the scene's cameras (default: the first)",
+              [&](const std::string& text) { options.camera = text; });
+    add_value(app, "--look-from", "X,Y,Z", "where the camera stands, metres",
+              [&](const std::string& text) { options.look_from = parse_vector(text); });
+    add_value(app, "--look-at", "X,Y,Z", "what it looks at",
+              [&](const std::string& text) { options.look_at = parse_vector(text); });
+    add_value(app, "--up", "X,Y,Z", "what is up in the picture", [&](const std::string& text) {
+        options.up = parse_vector(text);
+        if (!(length(*options.up) > 0)) throw UsageError("expected a direction, found 0,0,0");
+    });
+    add_value(app, "--fov", "DEGREES", "full vertical angle of view", [&](const std::string& text) {
+        options.fov_deg = parse_number(text, 1e-3, 179.9);
+    });
+    add_value(app, "--orbit", "AZ,EL", "frame the whole scene from this azimuth and elevation, degrees",
+              [&](const std::string& text) {
+                  const std::vector<double> n = parse_numbers(text, 2);
+                  if (std::abs(n[1]) > 90) throw UsageError("the elevation is from -90 to 90");
+                  options.orbit_deg = {n[0], n[1]};
+              });
+    add_value(app, "--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
+              [&](const std::string& text) { options.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
+    add_value(app, "--env", "FILE", "light the scene by this equirectangular picture (HDR, EXR, ...)",
+              [&](const std::string& text) { options.environment = text; });
+}
+
+LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
+{
+    if (options.orbit_deg && (!options.camera.empty() || options.look_from || options.look_at))
+        throw UsageError("--orbit: places the camera by itself; leave out --camera, --look-from and --look-at");
+    LoadedScene loaded;
+    SceneDescription& scene = loaded.description = load_scene(options.file, {options.up_axis}, warnings);
+    if (!options.environment.empty()) use_environment(scene, options.environment);
+    if (!options.camera.empty()) world_camera(scene, options.camera);  // throws if there is none
+    loaded.camera = options.camera;
+    loaded.size = picture_size(options, scene);
+
+    CompleteOptions complete;
+    complete.aspect = double(loaded.size.width) / loaded.size.height;
+    if (options.orbit_deg) {
+        complete.force_camera = true;
+        complete.azimuth_deg = options.orbit_deg->first;
+        complete.elevation_deg = options.orbit_deg->second;
+    }
+    const std::size_t cameras = scene.cameras.size();
+    loaded.added = complete_scene(scene, complete).added;
+    if (scene.cameras.size() > cameras) {
+        if (cameras > 0) scene.cameras.back().name = unused_name(scene, "orbit");
+        loaded.camera = scene.cameras.back().name;
+    }
+    if (options.look_from || options.look_at || options.up || options.fov_deg)
+        loaded.camera = add_moved_camera(scene, loaded.camera, options);
+    // The picture asked for decides its shape: a camera's own would stretch it.
+    if (options.size)
+        for (Camera& camera : scene.cameras) camera.aspect = 0;
+    return loaded;
+}
+
+void apply_hints(const RenderHints& hints, const std::string& file, RenderSettings& settings)
+{
+    settings.max_depth = hints.max_depth.value_or(settings.max_depth);
+    settings.roulette_depth = hints.roulette_depth.value_or(settings.roulette_depth);
+    settings.light_sampling = hints.light_sampling.value_or(settings.light_sampling);
+    if (hints.filter) {
+        const auto name = std::find(filter_names.begin(), filter_names.end(), *hints.filter);
+        if (name == filter_names.end())
+            throw Error(file, "filter",
+                        fmt::format("expected {}, found '{}'", fmt::join(filter_names, " or "), *hints.filter));
+        settings.filter = Filter(name - filter_names.begin());
+    }
+}
+
+}  // namespace fathom::cli

@@ -1,0 +1,41 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "arguments.h"
+#include "fathom/load.h"
+#include "fathom/render.h"
+
+namespace fathom::cli {
+
+/// What scene is meant, and from where it is seen.
+struct SceneOptions {
+    std::filesystem::path file;
+    char up_axis = 0;
+    std::string camera;
+    std::optional<Vec3d> look_from, look_at, up;
+    std::optional<double> fov_deg;
+    std::optional<std::pair<double, double>> orbit_deg;  ///< azimuth, elevation
+    std::filesystem::path environment;
+    std::optional<Size> size;
+};
+
+void add_scene_options(CLI::App& app, SceneOptions& options);
+
+/// A scene that can be compiled: with a camera and light, and the options applied.
+struct LoadedScene {
+    SceneDescription description;
+    std::string camera;  ///< the name to compile with; empty: the first
+    Size size;           ///< of the picture: the option's, the scene's, or 800x600 in the camera's shape
+    std::vector<std::string> added;  ///< what the file lacked
+};
+LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings);
+
+/// What the scene asks for, where it asks. Throws Error if that is no sensible value.
+void apply_hints(const RenderHints& hints, const std::string& file, RenderSettings& settings);
+
+extern const std::vector<std::string> filter_names;
+
+}  // namespace fathom::cli

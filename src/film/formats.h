@@ -1,0 +1,46 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "fathom/image.h"
+
+/// One reader per format, and one writer for those that Fathom writes. Readers throw Error naming `name`; what they are
+/// given begins as a file of their format does. Writers get a picture whose sizes agree.
+namespace fathom {
+
+class OutputFile;
+
+/// The bytes of a picture file, and what to call it in messages.
+struct EncodedImage {
+    const std::string& name;
+    const unsigned char* bytes;
+    std::size_t size;
+};
+
+Image read_exr(const EncodedImage& file);
+Image read_png(const EncodedImage& file);
+Image read_jpeg(const EncodedImage& file);
+Image read_webp(const EncodedImage& file);
+Image read_hdr(const EncodedImage& file);
+/// BMP, TGA, GIF, PSD, PIC, PNM.
+Image read_stb(const EncodedImage& file);
+
+void write_exr(OutputFile& file, const Image& image, const WriteOptions& options);
+std::vector<unsigned char> encode_png(const Image& image, const WriteOptions& options);
+std::vector<unsigned char> encode_jpeg(const Image& image, const WriteOptions& options);
+std::vector<unsigned char> encode_hdr(const Image& image);
+
+/// Throws Error if the size is none or `bytes_per_pixel` times it can't be had.
+void check_size(const std::string& name, std::uint64_t width, std::uint64_t height, std::uint64_t bytes_per_pixel);
+
+/// An image of one layer with Y, Y A, R G B or R G B A, by `channels`, values not yet filled in.
+Image make_image(int width, int height, int channels);
+
+/// Which of the layer's channels to show as red, green, blue and alpha; alpha is -1 if there is none.
+struct DisplayChannels {
+    int r = 0, g = 0, b = 0, a = -1;
+};
+DisplayChannels display_channels(const Image::Layer& layer);
+
+}  // namespace fathom

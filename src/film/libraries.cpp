@@ -1,0 +1,23 @@
+#include <OpenEXRConfig.h>
+#include <cstdio>
+#include <fmt/format.h>
+#include <jpeglib.h>
+#include <png.h>
+#include <webp/decode.h>
+
+#include "fathom/image.h"
+
+#define FATHOM_TEXT_OF(x) #x
+#define FATHOM_TEXT(x) FATHOM_TEXT_OF(x)
+
+namespace fathom {
+
+std::vector<std::string> image_libraries()
+{
+    const int webp = WebPGetDecoderVersion();
+    return {"OpenEXR " OPENEXR_VERSION_STRING, fmt::format("libpng {}", png_get_libpng_ver(nullptr)),
+            "libjpeg-turbo " FATHOM_TEXT(LIBJPEG_TURBO_VERSION),
+            fmt::format("libwebp {}.{}.{}", webp >> 16, webp >> 8 & 255, webp & 255), "stb_image"};
+}
+
+}  // namespace fathom

@@ -1,0 +1,36 @@
+#pragma once
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace fathom {
+
+/// A file in the making: nobody sees it until commit() puts it, whole and on the disk, in the place of `target`.
+///
+/// Without commit() nothing remains and an earlier file stands. Every function throws Error naming `target`.
+class OutputFile {
+public:
+    explicit OutputFile(const std::filesystem::path& target);
+    ~OutputFile();
+    OutputFile(const OutputFile&) = delete;
+    OutputFile& operator=(const OutputFile&) = delete;
+
+    void write(const void* bytes, std::size_t size);
+    void write(const std::vector<unsigned char>& bytes) { write(bytes.data(), bytes.size()); }
+    std::uint64_t tell();
+    void seek(std::uint64_t position);
+    void commit();
+
+private:
+    [[noreturn]] void fail(const std::string& what, int error) const;
+
+    std::string name_;                ///< as the user gave it
+    std::filesystem::path target_;    ///< symbolic links followed
+    std::filesystem::path temporary_;
+    bool nameless_ = false;           ///< has no name yet: vanishes by itself if the program is killed
+    std::FILE* file_ = nullptr;
+};
+
+}  // namespace fathom

@@ -1,0 +1,348 @@
+#!/usr/bin/env python3
+"""The command line: what options mean, what is refused, exit codes, what is printed and written.
+
+command_line_test.py DOUBLE [PROGRAM]    DOUBLE is the program with the library of double.cpp behind it
+"""
+import json
+import os
+import re
+import resource
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+DOUBLE = PROGRAM = None
+
+
+def png_size(path):
+    with open(path, "rb") as file:
+        head = file.read(26)
+    assert head[:8] == b"\x89PNG\r\n\x1a\n", head
+    return struct.unpack(">II", head[16:24]) + (head[24], head[25])
+
+
+class CommandLine(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.scene("box.json", "camera main camera side")
+
+    def scene(self, name, text):
+        with open(os.path.join(self.folder, name), "w") as file:
+            file.write(text)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def run_program(self, *arguments, program=None, **options):
+        return subprocess.run([program or DOUBLE, *arguments], cwd=self.folder, capture_output=True, text=True,
+                              timeout=60, **options)
+
+    def ok(self, *arguments, **options):
+        result = self.run_program(*arguments, **options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result
+
+    def refused(self, code, *arguments, words=(), **options):
+        before = sorted(os.listdir(self.folder))
+        result = self.run_program(*arguments, **options)
+        self.assertEqual(result.returncode, code, f"{arguments}: {result.stderr}")
+        lines = [line for line in result.stderr.splitlines() if not line.startswith("fathom: warning: ")]
+        self.assertEqual(len(lines), 1, f"{arguments}: {result.stderr}")
+        self.assertTrue(lines[0].startswith("fathom: "), lines[0])
+        for word in words:
+            self.assertIn(word, lines[0])
+        self.assertEqual(sorted(os.listdir(self.folder)), before, "a file was left")
+        return result
+
+    # ------------------------------------------------------------------------------------------------ usage
+
+    def test_help_and_version(self):
+        for command in ("render", "merge", "info", "view", "version"):
+            text = self.ok(command, "--help").stdout
+            self.assertIn("Example", text)
+            self.assertIn("Exit codes", text)
+        self.assertIn("130", self.ok("--help").stdout)
+        text = self.ok("version").stdout
+        for word in ("fathom", "SIMD", "OpenEXR", "libpng"):
+            self.assertIn(word, text)
+
+    def test_wrong_usage(self):
+        self.refused(2)
+        self.refused(2, "rendre")
+        self.refused(2, "render")
+        self.refused(2, "render", "box.json", "--bogus", words=["--bogus"])
+        self.refused(2, "render", "box.json", "other.json")
+        self.refused(2, "merge", "a.exr", words=["-o"])
+
+    def test_nonsense_values(self):
+        wrong = {
+            "--spp": ["0", "-1", "1.5", "nan", "x", "", "99999999999999999999"],
+            "--time": ["0", "-5s", "nan", "inf", "h", "5d", ""],
+            "--size": ["0x600", "800x0", "800", "-1x5", "axb", "800x600x3", "99999999x1", "nanxnan"],
+            "--threads": ["0", "-1", "x"],
+            "--seed": ["-1", "4294967296", "x"],
+            "--crop": ["0,0,0,0", "1,2,3", "5,5,4,9", "0,0,801,600", "-1,0,5,5"],
+            "--filter": ["sinc"],
+            "--max-depth": ["-1", "x"],
+            "--roulette-depth": ["-1"],
+            "--light-sampling": ["maybe"],
+            "--samples": ["5:5", "9:3", "5", "a:b", "-1:4"],
+            "--only-sample": ["1,2", "800,0,0", "0,600,0", "-1,0,0"],
+            "--aov": ["colour", ""],
+            "--exposure": ["nan", "inf", "1000", "x"],
+            "--tonemap": ["aces"],
+            "--background": ["blue", "#12345", "#gggggg", "1,2", "-1,0,0", "nan,0,0"],
+            "--look-from": ["1,2", "nan,0,0", "1,2,3,4"],
+            "--up": ["0,0,0"],
+            "--fov": ["0", "180", "-5", "nan"],
+            "--orbit": ["1", "0,91", "inf,0"],
+            "--up-axis": ["x"],
+            "--png-bits": ["12"],
+            "--exr": ["double"],
+            "--progress": ["xml"],
+        }
+        for option, values in wrong.items():
+            for value in values:
+                with self.subTest(option=option, value=value):
+                    self.refused(2, "render", "box.json", f"{option}={value}", words=[option] if value else [])
+
+    def test_options_that_disagree(self):
+        self.refused(2, "render", "box.json", "--samples", "0:4", "--spp", "4", words=["--samples"])
+        self.refused(2, "render", "box.json", "--samples", "0:4", "--time", "4", words=["--samples"])
+        self.refused(2, "render", "box.json", "--aov", "depth", "-o", "a.png", words=["EXR"])
+        self.refused(2, "render", "box.json", "--mergeable", words=["EXR"])
+        self.refused(2, "render", "box.json", "--only-sample", "1,2,3", "-o", "a.png")
+        self.refused(2, "render", "box.json", "--orbit", "1,2", "--look-from", "1,2,3")
+        self.refused(2, "render", "box.json", "--look-from", "1,2,3", "--look-at", "1,2,3")
+
+    # ------------------------------------------------------------------------------------------------ bad files
+
+    def test_bad_input(self):
+        self.refused(1, "render", "none.json", words=["none.json", "no such file"])
+        self.refused(1, "render", ".", words=["."])
+        self.scene("wrong.json", "nonsense")
+        self.refused(1, "render", "wrong.json", words=["wrong.json: line 1: "])
+        self.refused(1, "info", "none.json", words=["none.json"])
+        self.refused(1, "merge", "none.exr", "-o", "a.exr", words=["none.exr"])
+        self.refused(1, "render", "box.json", "--camera", "top", words=["'top'", "'main', 'side'"])
+        self.refused(1, "render", "box.json", "--env", "none.hdr", words=["none.hdr: --env"])
+        self.scene("filter.json", "camera a hint-filter sinc")
+        self.refused(1, "render", "filter.json", words=["filter.json: filter: "])
+        for text in ("camera a size 0 5", "camera a spp 0"):
+            self.scene("zero.json", text)
+            self.refused(1, "render", "zero.json", words=["zero.json"])
+
+    def test_bad_output(self):
+        self.refused(1, "render", "box.json", "-o", "a.bmp", words=["a.bmp", ".bmp", ".exr"])
+        self.refused(1, "render", "box.json", "-o", "a", words=["a: "])
+        self.refused(1, "render", "box.json", "-o", "none/a.png", words=["none/a.png", "folder"])
+        self.refused(1, "render", "box.json", "-o", "/proc/a.png", words=["/proc/a.png"])
+        os.mkdir(self.path("folder.png"))
+        self.refused(1, "render", "box.json", "-o", "folder.png", words=["folder.png"])
+        self.refused(1, "render", "box.json", "--size", "70000x10", "-o", "a.jpg", words=["a.jpg", "70000x10"])
+
+    def test_too_large_is_refused_before_it_is_tried(self):
+        start = time.monotonic()
+        self.refused(1, "render", "box.json", "--size", "16000000x16000000", "-o", "a.exr", words=["GB"])
+        self.assertLess(time.monotonic() - start, 5)
+
+    def test_full_disk_leaves_the_earlier_file(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+
+        for name in ("a.exr", "a.png"):
+            self.ok("render", "box.json", "--spp", "1", "--size", "4x4", "-q", "-o", name)
+            with open(self.path(name), "rb") as file:
+                before = file.read()
+            size = "2000x2000"
+            self.refused(1, "render", "box.json", "--spp", "1", "-q", "--size", size, "-o", name,
+                         words=[name, "can't write"], preexec_fn=limit)
+            with open(self.path(name), "rb") as file:
+                self.assertEqual(file.read(), before)
+
+    # ------------------------------------------------------------------------------------------------ what options mean
+
+    def test_defaults(self):
+        result = self.ok("render", "box.json")
+        self.assertEqual(png_size(self.path("box.png")), (800, 600, 8, 2))
+        self.assertIn("256 samples", result.stderr)
+        self.assertIn("wrote box.png", result.stderr)
+        self.assertRegex(result.stderr, r"load [\d.]+ s, build [\d.]+ s, render [\d.]+ s.*256 samples.*rays.*peak memory")
+        self.assertEqual(result.stdout, "")
+        self.scene("few.json", "camera a spp 3")
+        text = self.ok("render", "few.json").stderr
+        self.assertNotIn("256", text)
+        self.assertIn("3 samples a pixel", text)
+        self.assertIn("5 samples a pixel", self.ok("render", "few.json", "--spp", "5").stderr)
+
+    def test_size(self):
+        for text, arguments, size in (("camera a aspect 2", [], (800, 400)),
+                                      ("camera a aspect 1", [], (600, 600)),
+                                      ("camera a aspect 2", ["--size", "50x50"], (50, 50)),
+                                      ("camera a size 64 32", [], (64, 32)),
+                                      ("camera a size 64 32", ["--size", "8x9"], (8, 9)),
+                                      ("camera a aspect 2 camera b aspect 1", ["--camera", "b"], (600, 600)),
+                                      ("camera a aspect 2", ["--orbit", "0,0"], (800, 600))):
+            self.scene("s.json", text)
+            self.ok("render", "s.json", "--spp", "1", *arguments)
+            self.assertEqual(png_size(self.path("s.png"))[:2], size, (text, arguments))
+
+    def test_pictures(self):
+        self.ok("render", "box.json", "--spp", "1", "--size", "20x10", "--background", "transparent", "--png-bits", "16",
+                "-o", "a.png", "-o", "a.exr", "-o", "a.jpg", "--output", "a.hdr")
+        self.assertEqual(png_size(self.path("a.png")), (20, 10, 16, 6))
+        for name in ("a.exr", "a.jpg", "a.hdr"):
+            self.assertTrue(os.path.exists(self.path(name)), name)
+        self.ok("render", "box.json", "--spp", "1", "--size", "20x10", "-o", "b.exr", "--exr", "half",
+                "--aov", "albedo,samples,variance")
+        with open(self.path("b.exr"), "rb") as file:
+            data = file.read()
+        for word in (b"variance.R", b"samples.Y", b"fathom.seed", b"fathom.render_s"):
+            self.assertIn(word, data)
+
+    def camera_line(self, *arguments):
+        return re.search(r"camera '.*", self.ok("render", "box.json", "--spp", "1", *arguments).stderr).group()
+
+    def test_camera(self):
+        self.assertIn("'main' at 1,2,3 to 1,2,2 up 0,1,0 fov 40", self.camera_line())
+        self.assertIn("'side' at 1,2,3", self.camera_line("--camera", "side"))
+        self.assertIn("at -5,6,7 to 1,2,2 up 0,1,0", self.camera_line("--look-from", "-5,6,7"))
+        self.assertIn("at 1,2,3 to 0,0,0", self.camera_line("--look-at", "0,0,0"))
+        self.assertIn("up 0,0,1 fov 60", self.camera_line("--up", "0,0,1", "--look-at", "9,9,9", "--fov", "60"))
+        self.assertIn("up 0,0,-1", self.camera_line("--look-from", "0,5,0", "--look-at", "0,0,0"))
+        self.assertIn("at 45,-20,100", self.camera_line("--orbit", "45,-20"))
+        self.scene("bare.json", "empty")
+        text = self.ok("render", "bare.json", "--spp", "1").stderr
+        self.assertIn("camera framing the model", text)
+        self.assertIn("at 30,20,100", text)
+
+    def test_environment_and_warnings(self):
+        self.scene("sky.hdr", "x")
+        self.scene("w.json", "camera a warn something nan")
+        text = self.ok("render", "w.json", "--spp", "1", "--env", "sky.hdr", "--up-axis", "z", "-q").stderr
+        self.assertIn("environment sky.hdr", text)
+        self.assertIn("up axis z", text)
+        self.assertIn("fathom: warning: something (2 times)\n", text)
+        self.assertIn("3 samples were no number", text)
+
+    def test_only_sample(self):
+        result = self.ok("render", "box.json", "--only-sample", "12,34,56")
+        self.assertEqual(result.stdout, "pixel 12,34 sample 56: 12 34 56\n")
+        self.assertFalse(os.path.exists(self.path("box.png")))
+
+    # ------------------------------------------------------------------------------------------------ parts
+
+    def merge_key(self, *arguments):
+        return ["render", "box.json", "--size", "9x7", "-q", *arguments]
+
+    def test_merge_makes_the_picture_of_one_run(self):
+        self.ok(*self.merge_key("--spp", "16", "-o", "whole.exr", "-o", "whole.png", "--exposure", "-1"))
+        self.ok(*self.merge_key("--samples", "4:16", "-o", "b.exr"))
+        self.ok(*self.merge_key("--samples", "0:4", "-o", "a.exr"))
+        result = self.ok("merge", "b.exr", "a.exr", "-o", "all.exr", "-o", "all.png", "--exposure", "-1")
+        self.assertIn("16 samples a pixel: 0:16", result.stderr)
+        with open(self.path("whole.png"), "rb") as one, open(self.path("all.png"), "rb") as other:
+            self.assertEqual(one.read(), other.read())
+        # What is merged can be merged again.
+        self.ok(*self.merge_key("--samples", "16:20", "-o", "c.exr"))
+        self.assertIn(": 0:20", self.ok("merge", "all.exr", "c.exr", "-o", "more.exr", "--no-sums").stderr)
+        self.refused(1, "merge", "more.exr", "-o", "x.png", words=["more.exr", "--mergeable"])
+        self.refused(1, "merge", "all.exr", "a.exr", "-o", "x.png", words=["a.exr", "overlap"])
+        self.refused(1, "merge", "whole.exr", "-o", "x.png", words=["whole.exr", "--mergeable"])
+        self.ok(*self.merge_key("--samples", "30:31", "-o", "d.exr", "--seed", "1"))
+        self.refused(1, "merge", "a.exr", "d.exr", "-o", "x.png", words=["d.exr", "settings"])
+        with open(self.path("a.exr"), "rb") as file:
+            data = file.read()
+        with open(self.path("cut.exr"), "wb") as file:
+            file.write(data[:-10])
+        self.refused(1, "merge", "cut.exr", "-o", "x.png", words=["cut.exr"])
+
+    # ------------------------------------------------------------------------------------------------ time, progress, signals
+
+    def test_time(self):
+        self.scene("slow.json", "camera a slow 20")
+        start = time.monotonic()
+        text = self.ok("render", "slow.json", "--time", "0.8s", "--size", "4x4").stderr
+        self.assertLess(time.monotonic() - start, 3)
+        samples = int(re.search(r"(\d+) samples a pixel", text).group(1))
+        self.assertGreater(samples, 10)
+        self.assertIn(" 1 samples a pixel", self.ok("render", "slow.json", "--time", "0.001", "--size", "4x4").stderr)
+        self.assertIn(" 3 samples a pixel", self.ok("render", "slow.json", "--time", "1h", "--spp", "3").stderr)
+
+    def test_quiet(self):
+        lines = self.ok("render", "box.json", "--spp", "1", "-q").stderr.splitlines()
+        self.assertEqual([line for line in lines if "warning" not in line], [])
+
+    def test_progress_json(self):
+        self.scene("slow.json", "camera a slow 40 warn something")
+        lines = self.ok("render", "slow.json", "--spp", "30", "--size", "4x4", "--progress", "json").stderr.splitlines()
+        events = [json.loads(line) for line in lines]
+        kinds = [event["event"] for event in events]
+        for kind in ("progress", "warning", "written", "summary"):
+            self.assertIn(kind, kinds)
+        progress = [event for event in events if event["event"] == "progress"]
+        self.assertEqual(progress[-1]["samples_done"], 30 * 16)
+        self.assertEqual(progress[-1]["done"], 1)
+        self.assertEqual(events[-1]["samples_per_pixel"], 30)
+        self.assertGreater(events[-1]["peak_memory_bytes"], 1e6)
+        result = self.run_program("render", "none.json", "--progress", "json")
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual(json.loads(result.stderr)["event"], "error")
+
+    def start_slow(self, *arguments):
+        self.scene("slow.json", "camera a slow 100")
+        process = subprocess.Popen([DOUBLE, "render", "slow.json", "--spp", "1000", "--size", "4x4", *arguments],
+                                   cwd=self.folder, stderr=subprocess.PIPE, text=True)
+        for line in process.stderr:
+            if "progress" in line:
+                return process
+        self.fail("no progress")
+
+    def test_interrupt_writes_the_picture_so_far(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            process = self.start_slow("--progress", "json", "-o", "a.png")
+            process.send_signal(number)
+            text = process.communicate(timeout=20)[1]
+            self.assertEqual(process.returncode, 130, text)
+            self.assertIn("interrupted", text)
+            self.assertEqual(png_size(self.path("a.png"))[:2], (4, 4))
+            os.remove(self.path("a.png"))
+
+    def test_second_interrupt_stops(self):
+        process = self.start_slow("--progress", "json", "-o", "a.png")
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 130)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["box.json", "slow.json"])
+
+    # ------------------------------------------------------------------------------------------------ info, view
+
+    def test_info(self):
+        text = self.ok("info", "box.json").stdout
+        for word in ("main (perspective)", "side", "bounds", "environment", "memory"):
+            self.assertIn(word, text)
+        info = json.loads(self.ok("info", "box.json", "--json").stdout)
+        self.assertEqual(info["counts"]["cameras"], 2)
+        self.assertEqual(info["cameras"][0]["name"], "main")
+
+    def test_the_program_itself(self):
+        if not PROGRAM:
+            self.skipTest("only the double was given")
+        self.ok("--help", program=PROGRAM)
+        self.ok("version", program=PROGRAM)
+        self.refused(1, "render", "none.json", words=["none.json"], program=PROGRAM)
+        self.refused(2, "render", "box.json", "--spp", "0", words=["--spp"], program=PROGRAM)
+
+
+if __name__ == "__main__":
+    DOUBLE = os.path.abspath(sys.argv[1])
+    PROGRAM = os.path.abspath(sys.argv[2]) if len(sys.argv) > 2 else None
+    unittest.main(argv=sys.argv[:1], verbosity=1)

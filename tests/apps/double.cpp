@@ -1,0 +1,202 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <fstream>
+#include <thread>
+
+#include "fathom/error.h"
+#include "fathom/load.h"
+#include "fathom/render.h"
+
+// A library for tests of the command line: a scene file is words, and a sample is worth a number that its index decides.
+//   camera NAME, aspect A, size WxH, spp N, slow MS (a pass), warn TEXT, nan, hint-filter NAME, empty
+namespace fathom {
+
+namespace {
+
+int slow_ms = 0;
+std::uint64_t dropped_per_render = 0;
+
+}  // namespace
+
+SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings)
+{
+    std::ifstream in(file);
+    if (!in || std::filesystem::is_directory(file)) throw Error(file.string(), "", "there is no such file");
+    SceneDescription scene;
+    scene.file = file.string();
+    std::string word;
+    while (in >> word) {
+        if (word == "camera") {
+            scene.cameras.emplace_back();
+            in >> scene.cameras.back().name;
+            scene.nodes.emplace_back().camera = int(scene.cameras.size()) - 1;
+            scene.nodes.back().parent_from_node = Transform::translate({1, 2, 3});
+            scene.roots.push_back(int(scene.nodes.size()) - 1);
+        } else if (word == "aspect") {
+            in >> scene.cameras.back().aspect;
+        } else if (word == "size") {
+            in >> scene.hints.width.emplace() >> scene.hints.height.emplace();
+        } else if (word == "spp") {
+            in >> scene.hints.samples.emplace();
+        } else if (word == "slow") {
+            in >> slow_ms;
+        } else if (word == "warn") {
+            in >> word;
+            warnings.add(word), warnings.add(word);
+        } else if (word == "nan") {
+            dropped_per_render = 3;
+        } else if (word == "hint-filter") {
+            in >> scene.hints.filter.emplace();
+        } else if (word != "empty") {
+            throw Error(file.string(), "line 1", fmt::format("unknown word '{}'", word));
+        }
+    }
+    if (options.up_axis) warnings.add(fmt::format("up axis {}", options.up_axis));
+    return scene;
+}
+
+Completed complete_scene(SceneDescription& scene, const CompleteOptions& options)
+{
+    if (!scene.cameras.empty() && !options.force_camera) return {};
+    scene.cameras.emplace_back().position = {options.azimuth_deg, options.elevation_deg, 100};
+    scene.nodes.emplace_back().camera = int(scene.cameras.size()) - 1;
+    scene.roots.push_back(int(scene.nodes.size()) - 1);
+    return {{"camera framing the model"}};
+}
+
+struct Scene::Data {
+    SceneStatistics statistics;
+    Camera camera;
+};
+
+Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings)
+{
+    Scene scene;
+    scene.data_ = std::make_shared<Data>();
+    scene.data_->camera = world_camera(description, camera);
+    const Camera& c = scene.data_->camera;
+    // The camera and the environment, for tests to see.
+    warnings.add(fmt::format("camera '{}' at {},{},{} to {},{},{} up {},{},{} fov {:.4g} aspect {}", c.name, c.position.x,
+                             c.position.y, c.position.z, c.look_at.x, c.look_at.y, c.look_at.z, c.up.x, c.up.y, c.up.z,
+                             c.fov_y * 180 / M_PI, c.aspect));
+    if (description.environment.kind == EnvironmentKind::image)
+        warnings.add("environment " + description.images.at(std::size_t(description.environment.image)).path.string());
+    return scene;
+}
+const SceneStatistics& Scene::statistics() const { return data_->statistics; }
+const Camera& Scene::camera() const { return data_->camera; }
+void Scene::set_camera(const Camera& camera) { data_->camera = camera; }
+
+struct Film::Data {
+    RenderSettings settings;
+    std::string key;
+    std::vector<SampleRange> samples;
+    std::uint64_t dropped = 0;
+    std::vector<std::uint32_t> sums;
+};
+
+namespace {
+
+std::string key_of(const RenderSettings& s)
+{
+    return fmt::format("{}x{} seed {} depth {} roulette {} nee {} filter {} crop {} bg {} alpha {}", s.width, s.height, s.seed,
+                       s.max_depth, s.roulette_depth, s.light_sampling, int(s.filter),
+                       s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none",
+                       s.background ? fmt::format("{:.4f},{:.4f},{:.4f}", s.background->r, s.background->g, s.background->b)
+                                    : "none",
+                       s.alpha);
+}
+
+void add_range(Film::Data& data, SampleRange range)
+{
+    data.samples.push_back(range);
+    std::sort(data.samples.begin(), data.samples.end());
+    std::vector<SampleRange> merged;
+    for (const SampleRange& r : data.samples) {
+        if (!merged.empty() && r.first < merged.back().second) throw Error("", "", "the sample ranges overlap");
+        if (!merged.empty() && r.first == merged.back().second)
+            merged.back().second = r.second;
+        else
+            merged.push_back(r);
+    }
+    data.samples = merged;
+}
+
+}  // namespace
+
+Film::Film(const RenderSettings& s)
+    : data_(new Data{s, key_of(s), {}, 0, std::vector<std::uint32_t>(std::size_t(s.width) * std::size_t(s.height))})
+{
+}
+Film::Film(Film&&) noexcept = default;
+Film& Film::operator=(Film&&) noexcept = default;
+Film::~Film() = default;
+int Film::width() const { return data_->settings.width; }
+int Film::height() const { return data_->settings.height; }
+const std::vector<SampleRange>& Film::samples() const { return data_->samples; }
+std::uint64_t Film::samples_per_pixel() const
+{
+    std::uint64_t count = 0;
+    for (const SampleRange& range : data_->samples) count += range.second - range.first;
+    return count;
+}
+std::uint64_t Film::dropped_samples() const { return data_->dropped; }
+void Film::merge(const Film& other)
+{
+    if (data_->key != other.data_->key) throw Error("", "", "other settings: " + other.data_->key);
+    for (const SampleRange& range : other.data_->samples) add_range(*data_, range);
+    for (std::size_t i = 0; i < data_->sums.size(); ++i) data_->sums[i] += other.data_->sums[i];
+    data_->dropped += other.data_->dropped;
+}
+Image Film::image(bool alpha, bool variance) const
+{
+    Image image;
+    image.width = width(), image.height = height();
+    image.layers.push_back({"", {"R", "G", "B"}, {}});
+    if (alpha) image.layers[0].channels.push_back("A");
+    for (std::uint32_t sum : data_->sums)
+        for (std::size_t c = 0; c < image.layers[0].channels.size(); ++c)
+            image.layers[0].pixels.push_back(float(sum) / float(samples_per_pixel()) / 16);
+    if (variance) image.layers.push_back({"variance", {"R", "G", "B"}, std::vector<float>(data_->sums.size() * 3)});
+    return image;
+}
+Film::Sums Film::sums() const { return {width(), height(), 1, data_->sums, data_->samples, data_->dropped, data_->key}; }
+Film Film::from_sums(const Sums& sums)
+{
+    RenderSettings settings;
+    settings.width = sums.width, settings.height = sums.height;
+    Film film(settings);
+    film.data_->key = sums.key;
+    film.data_->sums = sums.words;
+    film.data_->samples = sums.samples;
+    film.data_->dropped = sums.dropped;
+    return film;
+}
+
+bool render(const Scene&, const RenderSettings& settings, SampleRange range, Film& film, const std::atomic<bool>* cancel,
+            const std::function<void(const Progress&, const Film&)>& on_pass)
+{
+    Film::Data& data = film.data();
+    const std::uint64_t pixels = data.sums.size();
+    for (std::uint64_t s = range.first; s < range.second; ++s) {
+        if (cancel && *cancel) return false;
+        std::this_thread::sleep_for(std::chrono::milliseconds(slow_ms));
+        for (std::uint32_t& sum : data.sums) sum += std::uint32_t(s * 7 % 16);
+        add_range(data, {s, s + 1});
+        if (on_pass)
+            on_pass({(s - range.first + 1) * pixels, (range.second - range.first) * pixels, (s - range.first + 1) * pixels * 5},
+                    film);
+    }
+    data.dropped = dropped_per_render;
+    return true;
+}
+Color render_sample(const Scene&, const RenderSettings&, int x, int y, std::uint64_t sample)
+{
+    return {float(x), float(y), float(sample)};
+}
+int simd_width() { return 1; }
+const char* simd_name() { return "none"; }
+
+}  // namespace fathom

@@ -1,0 +1,206 @@
+#include <bit>
+#include <cstring>
+#include <gtest/gtest.h>
+#include <limits>
+#include <webp/encode.h>
+
+#include "fathom/error.h"
+#include "pictures.h"
+
+namespace fathom {
+namespace {
+
+using test::made_image;
+using test::made_layer;
+using test::TemporaryFolder;
+
+Image written_and_read(const Image& image, const std::string& file, const WriteOptions& options = {})
+{
+    const TemporaryFolder folder;
+    write_image(folder.path() / file, image, options);
+    EXPECT_EQ(folder.files(), 1u);
+    return read_image(folder.path() / file);
+}
+
+TEST(Exr, KeepsFloatsAttributesLayersAndIntegersBitForBit)
+{
+    Image image = made_image(37, 23, {"R", "G", "B", "A"}, 1e6f);
+    image.layers[0].pixels[0] = std::numeric_limits<float>::infinity();
+    image.layers[0].pixels[1] = std::numeric_limits<float>::denorm_min();
+    image.layers.push_back(made_layer("albedo", {"R", "G", "B"}, 37, 23));
+    image.layers.push_back(made_layer("depth", {"Z"}, 37, 23, 1e9f));
+    image.layers.push_back(made_layer("normal", {"X", "Y", "Z"}, 37, 23));
+    image.uint_channels.push_back({"sums.000", std::vector<std::uint32_t>(37 * 23, 0xffffffffu)});
+    image.uint_channels.push_back({"sums.001", std::vector<std::uint32_t>(37 * 23, 16777217u)});
+    image.attributes = {{"fathom.seed", "7"}, {"fathom.scene", "a \"scene\", of ünicode"}, {"empty", ""}};
+    const Image read = written_and_read(image, "a.exr");
+    ASSERT_EQ(read.width, 37);
+    ASSERT_EQ(read.height, 23);
+    ASSERT_EQ(read.layers.size(), image.layers.size());
+    for (const Image::Layer& layer : image.layers) {
+        const Image::Layer* other = read.find(layer.name);
+        ASSERT_TRUE(other) << layer.name;
+        EXPECT_EQ(other->channels, layer.channels);
+        EXPECT_EQ(0, std::memcmp(other->pixels.data(), layer.pixels.data(), layer.pixels.size() * 4)) << layer.name;
+    }
+    ASSERT_EQ(read.uint_channels.size(), 2u);
+    for (int i = 0; i < 2; ++i) {
+        EXPECT_EQ(read.uint_channels[i].name, image.uint_channels[i].name);
+        EXPECT_EQ(read.uint_channels[i].values, image.uint_channels[i].values);
+    }
+    for (const auto& [name, value] : image.attributes) EXPECT_EQ(read.attributes.at(name), value);
+}
+
+TEST(Exr, HalvesAreForColoursInTheirRange)
+{
+    WriteOptions options;
+    options.exr_half = true;
+    Image image = made_image(16, 9);
+    image.layers[0].pixels[0] = 65504;
+    image.layers[0].pixels[1] = 1.0004f;
+    image.layers.push_back(made_layer("albedo", {"R", "G", "B"}, 16, 9));
+    image.layers.back().pixels[5] = 65505;
+    image.layers.push_back({"instance", {"Y"}, std::vector<float>(16 * 9, 2049)});
+    image.layers.push_back({"variance", {"R", "G", "B"}, std::vector<float>(16 * 9 * 3, 1e-9f)});
+    const Image read = written_and_read(image, "a.exr", options);
+    EXPECT_EQ(read.find("")->pixels[0], 65504);
+    EXPECT_EQ(read.find("")->pixels[1], 1.0f);
+    for (std::size_t i = 0; i < image.layers[0].pixels.size(); ++i)
+        EXPECT_NEAR(read.find("")->pixels[i], image.layers[0].pixels[i], image.layers[0].pixels[i] / 2048 + 6e-8);
+    EXPECT_EQ(read.find("albedo")->pixels, image.layers[1].pixels);
+    EXPECT_EQ(read.find("instance")->pixels, image.layers[2].pixels);
+    EXPECT_EQ(read.find("variance")->pixels, image.layers[3].pixels);
+}
+
+TEST(Png, HasTheNearestCodeOfTheFormulaAtEachDepth)
+{
+    for (int bits : {8, 16}) {
+        WriteOptions options;
+        options.png_bits = bits;
+        const double codes = bits == 8 ? 255 : 65535;
+        const Image image = made_image(61, 40, {"R", "G", "B"}, 1.2f);
+        const Image read = written_and_read(image, "a.png", options);
+        ASSERT_EQ(read.layers[0].channels, image.layers[0].channels);
+        for (std::size_t i = 0; i < image.layers[0].pixels.size(); ++i)
+            ASSERT_NEAR(read.layers[0].pixels[i] * codes, test::srgb(image.layers[0].pixels[i]) * codes, 0.51) << bits;
+    }
+}
+
+TEST(Png, AlphaIsStraight)
+{
+    for (int bits : {8, 16}) {
+        WriteOptions options;
+        options.png_bits = bits;
+        Image image = made_image(2, 1, {"R", "G", "B", "A"});
+        image.layers[0].pixels = {0.25f, 0.125f, 0, 0.5f, 0, 0, 0, 0};
+        const Image read = written_and_read(image, "a.png", options);
+        ASSERT_EQ(read.layers[0].channels, image.layers[0].channels);
+        const std::vector<double> expected = {test::srgb(0.5), test::srgb(0.25), 0, 0.5, 0, 0, 0, 0};
+        for (int i = 0; i < 8; ++i) EXPECT_NEAR(read.layers[0].pixels[i], expected[i], 0.51 / (bits == 8 ? 255 : 65535));
+    }
+}
+
+TEST(Png, OneChannelIsGrey)
+{
+    Image image = made_image(3, 2, {"Z"});
+    const Image read = written_and_read(image, "a.png");
+    for (int i = 0; i < 6; ++i)
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(read.layers[0].pixels[3 * i + c], test::srgb(image.layers[0].pixels[i]), 0.51 / 255);
+}
+
+TEST(Jpeg, IsCloseAndHasNoAlpha)
+{
+    Image image = made_image(40, 30, {"R", "G", "B", "A"});
+    for (int i = 0; i < 40 * 30; ++i) {
+        const float values[] = {float(i % 40) / 40, float(i / 40) / 30, 0.2f, 0.5f};
+        std::copy(values, values + 4, image.layers[0].pixels.begin() + 4 * i);
+    }
+    const Image read = written_and_read(image, "a.jpeg");
+    ASSERT_EQ(read.layers[0].channels, (std::vector<std::string>{"R", "G", "B"}));
+    for (int i = 0; i < 40 * 30; ++i)
+        for (int c = 0; c < 3; ++c)
+            ASSERT_NEAR(read.layers[0].pixels[3 * i + c], test::srgb(image.layers[0].pixels[4 * i + c]), 0.04);
+}
+
+TEST(Hdr, IsNearestAtEveryWidth)
+{
+    for (int width : {1, 7, 8, 9, 200, 32767, 32768}) {
+        Image image = made_image(width, 3, {"R", "G", "B"}, 1000);
+        for (int i = 0; i < 3 * width; ++i) image.layers[0].pixels[i] = float(i / 300);  // runs in the first row
+        const Image read = written_and_read(image, "a.hdr");
+        ASSERT_EQ(read.width, width);
+        ASSERT_EQ(read.layers[0].channels, image.layers[0].channels);
+        for (int i = 0; i < 3 * width; ++i) {
+            const float* in = &image.layers[0].pixels[3 * i];
+            const float top = std::max({in[0], in[1], in[2]});
+            for (int c = 0; c < 3; ++c) ASSERT_NEAR(read.layers[0].pixels[3 * i + c], in[c], top / 255) << width;
+        }
+    }
+}
+
+TEST(Hdr, ExtremesStayInRange)
+{
+    Image image = made_image(4, 1);
+    const float infinity = std::numeric_limits<float>::infinity();
+    image.layers[0].pixels = {infinity, 1, 0, NAN, -1, 0.999f, 1e-38f, 0, 0, 255.9f, 0.5f, 0};
+    const Image read = written_and_read(image, "a.hdr");
+    EXPECT_GT(read.layers[0].pixels[0], 1e38f);
+    EXPECT_EQ(read.layers[0].pixels[3], 0);
+    EXPECT_EQ(read.layers[0].pixels[4], 0);
+    EXPECT_NEAR(read.layers[0].pixels[5], 0.999f, 0.004f);
+    EXPECT_EQ(read.layers[0].pixels[6], 0);
+    EXPECT_NEAR(read.layers[0].pixels[9], 255.9f, 1);
+}
+
+TEST(Webp, LosslessKeepsCodes)
+{
+    const int width = 20, height = 10;
+    std::vector<std::uint8_t> codes(width * height * 4);
+    for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = i % 4 == 3 ? 255 - i % 200 : std::uint8_t(i * 7);
+    std::uint8_t* encoded = nullptr;
+    const std::size_t size = WebPEncodeLosslessRGBA(codes.data(), width, height, width * 4, &encoded);
+    const Image read = read_image("a.webp", encoded, size);
+    ASSERT_EQ(read.layers[0].pixels.size(), codes.size());
+    for (std::size_t i = 0; i < codes.size(); ++i) EXPECT_EQ(read.layers[0].pixels[i], codes[i] / 255.0f);
+    for (std::size_t cut = 0; cut < size; ++cut) EXPECT_THROW(read_image("a.webp", encoded, cut), Error) << cut;
+    WebPFree(encoded);
+}
+
+TEST(Stb, ReadsPnmInBothDepths)
+{
+    const std::string narrow = "P6\n2 1\n255\n\x01\x02\x03\xff\x80" + std::string(1, '\0');
+    const Image a = read_image("a.ppm", narrow.data(), narrow.size());
+    EXPECT_EQ(a.layers[0].pixels, (std::vector<float>{1 / 255.f, 2 / 255.f, 3 / 255.f, 1, 128 / 255.f, 0}));
+    const std::string wide = std::string("P5\n2 1\n65535\n") + "\x01\x02\xff\xff";
+    const Image b = read_image("b.pgm", wide.data(), wide.size());
+    EXPECT_EQ(b.layers[0].channels, std::vector<std::string>{"Y"});
+    EXPECT_EQ(b.layers[0].pixels, (std::vector<float>{258 / 65535.f, 1}));
+    for (const std::string& whole : {narrow, wide})
+        for (std::size_t cut = 0; cut < whole.size(); ++cut)
+            EXPECT_THROW(read_image("cut", whole.data(), cut), Error) << cut;
+}
+
+TEST(ReadImage, SaysWhatIsWrong)
+{
+    const TemporaryFolder folder;
+    const auto message = [](const std::filesystem::path& file) -> std::string {
+        try {
+            read_image(file);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.file(), file.string());
+            EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+            return error.message();
+        }
+        return "nothing";
+    };
+    EXPECT_EQ(message(folder.path() / "missing.png"), "there is no such file");
+    EXPECT_EQ(message(folder.path()), "this is a folder, not a picture");
+    std::ofstream(folder.path() / "empty.png");
+    EXPECT_EQ(message(folder.path() / "empty.png"), "the file is empty");
+    std::ofstream(folder.path() / "text.png") << "Not a picture at all, but a long enough text.";
+    EXPECT_NE(message(folder.path() / "text.png").find("not a picture in a format"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace fathom

@@ -1,0 +1,96 @@
+#include <csignal>
+#include <gtest/gtest.h>
+#include <functional>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include "fathom/error.h"
+#include "pictures.h"
+
+namespace fathom {
+namespace {
+
+namespace fs = std::filesystem;
+using test::made_image;
+using test::TemporaryFolder;
+
+std::string message_of(const std::function<void()>& action)
+{
+    try {
+        action();
+    } catch (const Error& error) {
+        return error.message();
+    }
+    return "";
+}
+
+TEST(CheckOutput, KnowsFormatsFoldersAndSizes)
+{
+    const TemporaryFolder folder;
+    for (const char* name : {"a.exr", "a.PNG", "a.jpg", "a.jpeg", "a.hdr"}) EXPECT_NO_THROW(check_output(folder.path() / name));
+    EXPECT_EQ(folder.files(), 0u);
+    for (const char* name : {"a.bmp", "a", "a.tiff", ".png"}) EXPECT_THROW(check_output(folder.path() / name), Error) << name;
+    EXPECT_THROW(check_output(folder.path() / "none" / "a.png"), Error);
+    fs::create_directory(folder.path() / "folder.png");
+    EXPECT_THROW(check_output(folder.path() / "folder.png"), Error);
+    EXPECT_THROW(check_output(folder.path() / "a.jpg", 70000, 1), Error);
+    EXPECT_NO_THROW(check_output(folder.path() / "a.exr", 70000, 1));
+    EXPECT_THROW(check_output("/proc/a.png"), Error);
+}
+
+TEST(CheckOutput, RefusesAFolderWithoutTheRightToWrite)
+{
+    if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+    const TemporaryFolder folder;
+    chmod(folder.path().c_str(), 0500);
+    EXPECT_THROW(check_output(folder.path() / "a.png"), Error);
+    chmod(folder.path().c_str(), 0700);
+}
+
+TEST(WriteImage, ReplacesAndFollowsLinks)
+{
+    const TemporaryFolder folder;
+    write_image(folder.path() / "a.exr", made_image(4, 4), {});
+    fs::create_symlink("a.exr", folder.path() / "link.exr");
+    write_image(folder.path() / "link.exr", made_image(5, 5), {});
+    EXPECT_TRUE(fs::is_symlink(folder.path() / "link.exr"));
+    EXPECT_EQ(read_image(folder.path() / "a.exr").width, 5);
+    EXPECT_EQ(folder.files(), 2u);
+}
+
+TEST(WriteImage, KeepsTheEarlierFileWhenTheDiskIsFull)
+{
+    // A limit on the size of files stands for a full disk: write() fails in the same places.
+    const TemporaryFolder folder;
+    for (const char* name : {"a.exr", "a.png", "a.jpg", "a.hdr"}) {
+        const fs::path file = folder.path() / name;
+        write_image(file, made_image(4, 4), {});
+        const std::vector<char> before = test::bytes_of(file);
+        rlimit old{};
+        getrlimit(RLIMIT_FSIZE, &old);
+        const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+        for (rlim_t limit : {0, 100, 5000, 20000}) {
+            const rlimit small{limit, old.rlim_max};
+            setrlimit(RLIMIT_FSIZE, &small);
+            const std::string message = message_of([&] { write_image(file, made_image(300, 200), {}); });
+            setrlimit(RLIMIT_FSIZE, &old);
+            EXPECT_EQ(message.rfind("can't write: ", 0), 0u) << name << " " << limit << " " << message;
+            EXPECT_EQ(test::bytes_of(file), before) << name;
+        }
+        std::signal(SIGXFSZ, old_handler);
+    }
+    EXPECT_EQ(folder.files(), 4u);
+}
+
+TEST(WriteImage, RefusesWhatIsNoPicture)
+{
+    const TemporaryFolder folder;
+    EXPECT_THROW(write_image(folder.path() / "a.png", Image{}, {}), Error);
+    Image image = made_image(4, 4);
+    image.layers[0].pixels.pop_back();
+    EXPECT_THROW(write_image(folder.path() / "a.exr", image, {}), Error);
+    EXPECT_EQ(folder.files(), 0u);
+}
+
+}  // namespace
+}  // namespace fathom
