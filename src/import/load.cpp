@@ -9,6 +9,7 @@
 #include "import/fathom_json.h"
 #include "import/load_context.h"
 #include "import/read_file.h"
+#include "scene/check.h"
 
 namespace fathom {
 
@@ -78,7 +79,9 @@ SceneDescription load_file(const std::filesystem::path& file, const LoadOptions&
 SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings)
 {
     LoadContext context{warnings, {}};
-    return load_file(file, options, context);
+    SceneDescription scene = load_file(file, options, context);
+    check_scene(scene);
+    return scene;
 }
 
 }  // namespace fathom
