@@ -26,7 +26,7 @@ std::string line_and_column(std::string_view text, std::size_t byte)
 /// The parser's own words without its codes: "unexpected ']'; expected ..."
 std::string plain_reason(std::string reason)
 {
-    for (const char* start : {"syntax error while parsing ", "parse error"})
+    for (const char* start : {"syntax error while parsing ", "parse error", "] "})
         if (const std::size_t at = reason.find(start); at != std::string::npos) {
             reason = reason.substr(at + std::string_view(start).size());
             break;

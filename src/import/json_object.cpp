@@ -15,7 +15,7 @@ namespace fathom {
 JsonValue JsonValue::operator[](std::string_view key) const
 {
     const auto found = json_->find(key);
-    JsonValue child(*file_, *found);
+    JsonValue child(*file_, *found, style_);
     child.parent_ = this;
     child.key_ = found.key();
     return child;
@@ -23,34 +23,42 @@ JsonValue JsonValue::operator[](std::string_view key) const
 
 JsonValue JsonValue::operator[](std::size_t index) const
 {
-    JsonValue child(*file_, (*json_)[index]);
+    JsonValue child(*file_, (*json_)[index], style_);
     child.parent_ = this;
     child.index_ = index;
     return child;
 }
 
-std::string JsonValue::pointer() const
+std::optional<JsonValue> JsonValue::get(std::string_view key) const
+{
+    if (!has(key)) return std::nullopt;
+    return (*this)[key];
+}
+
+std::string JsonValue::place() const
 {
     if (!parent_) return {};
-    std::string word;
+    const std::string before = parent_->place();
     if (parent_->is_array()) {
-        word = std::to_string(index_);
-    } else {
-        for (char c : printable(key_)) {
-            if (c == '~')
-                word += "~0";
-            else if (c == '/')
-                word += "~1";
-            else
-                word += c;
-        }
+        const std::string index = std::to_string(index_);
+        return style_ == PlaceStyle::path ? before + '[' + index + ']' : before + '/' + index;
     }
-    return parent_->pointer() + '/' + word;
+    if (style_ == PlaceStyle::path) return before + (before.empty() ? "" : ".") + printable(key_);
+    std::string word;
+    for (char c : printable(key_)) {
+        if (c == '~')
+            word += "~0";
+        else if (c == '/')
+            word += "~1";
+        else
+            word += c;
+    }
+    return before + '/' + word;
 }
 
 void JsonValue::fail(const std::string& message) const
 {
-    throw Error(*file_, pointer(), message);
+    throw Error(*file_, place(), message);
 }
 
 void JsonValue::fail_type(const char* expected) const
@@ -71,6 +79,15 @@ int JsonValue::integer() const
     if (value != std::floor(value)) fail(fmt::format("expected a whole number, found {}", value));
     if (std::abs(value) > std::numeric_limits<int>::max()) fail(fmt::format("{} is too large", value));
     return int(value);
+}
+
+std::size_t JsonValue::count() const
+{
+    if (!json_->is_number()) fail_type("a whole number");
+    const double value = json_->get<double>();
+    if (!(value >= 0 && value <= 9007199254740992.0 && value == std::floor(value)))
+        fail(fmt::format("expected a whole number from 0 on, found {}", value));
+    return std::size_t(value);
 }
 
 double JsonValue::number() const

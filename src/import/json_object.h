@@ -9,15 +9,22 @@
 
 namespace fathom {
 
-/// A value of a JSON file together with the way that leads to it, so that every message can name its place as a JSON
-/// pointer. Refers to its parent and to the file: both must outlive it.
+/// How places are written: `/accessors/7/count` or `accessors[7].count`.
+enum class PlaceStyle { pointer, path };
+
+/// A value of a JSON file together with the way that leads to it, so that every message can name its place. Refers to
+/// its parent and to the file: both must outlive it.
 class JsonValue {
 public:
-    JsonValue(const std::string& file, const Json& root) : file_(&file), json_(&root) {}
+    JsonValue(const std::string& file, const Json& root, PlaceStyle style = PlaceStyle::pointer)
+        : file_(&file), json_(&root), style_(style)
+    {
+    }
 
     JsonValue operator[](std::string_view key) const;  ///< the key must be there
     JsonValue operator[](std::size_t index) const;     ///< the index must be in range
     bool has(std::string_view key) const { return json_->is_object() && json_->contains(key); }
+    std::optional<JsonValue> get(std::string_view key) const;  ///< nothing if this is no object, or lacks the key
 
     const Json& json() const { return *json_; }
     std::size_t size() const { return json_->size(); }
@@ -30,6 +37,7 @@ public:
     /// Each throws Error if the value is something else, or not finite in the type asked for.
     bool boolean() const;
     int integer() const;
+    std::size_t count() const;  ///< a whole number from 0 to 2^53
     double number() const;
     float single() const;
     const std::string& string() const;
@@ -47,12 +55,13 @@ public:
     /// Throws Error with this value's place.
     [[noreturn]] void fail(const std::string& message) const;
     [[noreturn]] void fail_type(const char* expected) const;
-    std::string pointer() const;
+    std::string place() const;
     const std::string& file() const { return *file_; }
 
 private:
     const std::string* file_;
     const Json* json_;
+    PlaceStyle style_;
     const JsonValue* parent_ = nullptr;
     std::string_view key_;
     std::size_t index_ = 0;

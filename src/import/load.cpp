@@ -7,6 +7,7 @@
 
 #include "fathom/error.h"
 #include "import/fathom_json.h"
+#include "import/gltf/gltf.h"
 #include "import/load_context.h"
 #include "import/read_file.h"
 #include "scene/check.h"
@@ -36,6 +37,12 @@ void turn_z_up(SceneDescription& scene)
     scene.environment.world_from_environment = turn.parent_from_node * scene.environment.world_from_environment;
     scene.roots = {int(scene.nodes.size())};
     scene.nodes.push_back(std::move(turn));
+}
+
+/// A GLB, whatever its name.
+bool is_gltf(const std::string& bytes)
+{
+    return bytes.starts_with("glTF");
 }
 
 /// Keeps the list of open files right, whatever happens.
@@ -68,7 +75,9 @@ SceneDescription load_file(const std::filesystem::path& file, const LoadOptions&
     const std::string extension = lower_extension(file);
     const std::string bytes = read_nonempty_file(file);
     SceneDescription scene;
-    if (extension == ".json")
+    if (extension == ".gltf" || extension == ".glb" || is_gltf(bytes))
+        scene = read_gltf(file, bytes, options, context);
+    else if (extension == ".json")
         scene = read_fathom_json(file, bytes, context);
     else
         throw Error(file.string(), "", "no reader for this format yet");
