@@ -13,7 +13,10 @@ namespace fathom {
 class Warnings {
 public:
     /// `message` is one line that names file and place. The same message again only counts.
-    void add(const std::string& message) { ++counts_[message]; }
+    void add(const std::string& message, std::size_t times = 1)
+    {
+        if (times > 0) counts_[message] += times;
+    }
     const std::map<std::string, std::size_t>& counts() const { return counts_; }
     bool empty() const { return counts_.empty(); }
 
@@ -22,6 +25,7 @@ private:
 };
 
 struct LoadOptions {
+    std::string scene;  ///< glTF: name or number of the scene to load; empty: the one that the file says
     char up_axis = 0;  ///< 'y' or 'z': which axis of the file points up; 0: as the format says. z-up files are turned to y-up
 };
 

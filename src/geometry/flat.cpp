@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 namespace {
 
@@ -216,4 +216,4 @@ void FlatScene::build(const SceneTables& tables)
     });
 }
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

@@ -9,7 +9,7 @@
 #include "geometry/ray.h"
 #include "geometry/shapes.h"
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 struct FlatScene {
     static constexpr std::uint32_t max_primitives = 96;
@@ -173,4 +173,4 @@ struct Slabs {
     return blocked & active;
 }
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

@@ -2,7 +2,7 @@
 #include "integrate/tables.h"
 #include "math/vec3.h"
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 /// N rays: points o + t d, 0 < t < t_max. Directions are unit.
 struct Ray {
@@ -35,4 +35,4 @@ inline Vec3 offset_origin(Vec3 p, Vec3 n, Float extent)
     return fma(n, Float(0x1p-19f) * max(max_abs(p), extent), p);
 }
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

@@ -3,7 +3,7 @@
 /// number.
 #include "geometry/ray.h"
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 /// What the watertight triangle test needs of a ray: Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection".
 /// The axes are permuted so that z is the largest of |d|, then sheared so that the ray runs along z.
@@ -90,4 +90,4 @@ inline void closest_disk(const DiskTable& disk, std::uint32_t primitive, const R
     hit.instance = select(m, UInt(no_index), hit.instance);
 }
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

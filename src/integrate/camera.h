@@ -2,7 +2,7 @@
 #include "integrate/tables.h"
 #include "sampling/warp.h"
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 struct CameraRay {
     Vec3 o, d;
@@ -38,4 +38,4 @@ inline CameraRay camera_ray(const CameraTable& camera, Float x, Float y, Sample2
     return ray;
 }
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

@@ -96,10 +96,10 @@ private:
             const Ray ray{p.vector(PathPool::origin, i), p.vector(PathPool::direction, i), Float(infinity),
                           p.number(PathPool::time, i)};
             const Hit hit = scene_.flat.closest(tables_, ray);
-            store(&hits_.data[HitArrays::t][i], float_bits(hit.t));
-            store(&hits_.data[HitArrays::primitive][i], hit.primitive);
-            store(&hits_.data[HitArrays::u][i], float_bits(hit.u));
-            store(&hits_.data[HitArrays::v][i], float_bits(hit.v));
+            store(&hits_.t[i], hit.t);
+            store(&hits_.primitive[i], hit.primitive);
+            store(&hits_.u[i], hit.u);
+            store(&hits_.v[i], hit.v);
         }
     }
 
@@ -112,7 +112,7 @@ private:
         std::size_t emitting = 0, finished = 0;
         for (std::size_t i = 0; i < active; i += lanes) {
             const Mask valid = first_lanes(active - i);
-            const UInt primitive = load(&hits_.data[HitArrays::primitive][i]);
+            const UInt primitive = load(&hits_.primitive[i]);
             const UInt state = p.integer(PathPool::state, i);
             const Mask alive = (state & UInt(PathPool::dead)) == UInt(0);
             const Mask hit = valid & alive & (primitive != UInt(no_index));
@@ -131,8 +131,8 @@ private:
         for (std::size_t i = 0; i < emitting; i += lanes) add_emission(i, first_lanes(emitting - i));
         for (std::size_t i = 0; i < finished; ++i) {
             const std::size_t k = finished_[i];
-            sums_.add(p.data[PathPool::state][k] >> PathPool::pixel_shift & (PathPool::max_pixels - 1), p.scalar(PathPool::radiance, k), p.scalar(PathPool::radiance + 1, k),
-                      p.scalar(PathPool::radiance + 2, k));
+            sums_.add(p.scalar_integer(PathPool::state, k) >> PathPool::pixel_shift & (PathPool::max_pixels - 1), p.data[PathPool::radiance][k], p.data[PathPool::radiance + 1][k],
+                      p.data[PathPool::radiance + 2][k]);
         }
         return pack(active);
     }
@@ -154,7 +154,8 @@ private:
         for (std::size_t i = 0; i < active; i += lanes) {
             const Mask m = mask_from_bits(survivors_[i / lanes]);
             for (int f = 0; f < fields; ++f) compress_store(&to.data[f][packed], load(&from.data[f][i]), m);
-            for (int f = 0; f < 2; ++f) compress_store(&packed_hits_.data[f][packed], load(&hits_.data[f][i]), m);
+            compress_store(&packed_hits_.t[packed], load(&hits_.t[i]), m);
+            compress_store(&packed_hits_.primitive[packed], load(&hits_.primitive[i]), m);
             packed += std::size_t(count(m));
         }
         return packed;
@@ -166,8 +167,8 @@ private:
         PathPool& p = *paths_;
         const UInt index = load(&emitting_[at]);
         const Vec3 o = p.gather_vector(PathPool::origin, index, m), d = p.gather_vector(PathPool::direction, index, m);
-        const UInt primitive = gather(hits_.data[HitArrays::primitive], index, m);
-        const Float t = bits_float(gather(hits_.data[HitArrays::t], index, m));
+        const UInt primitive = gather(hits_.primitive, index, m);
+        const Float t = gather(hits_.t, index, m);
         const UInt shape = gather(tables_.shape_of_primitive.data(), primitive, m);
         constexpr int stride = sizeof(ShapeTable) / 4;
         const auto* shapes = reinterpret_cast<const std::uint32_t*>(tables_.shapes.data());
@@ -189,7 +190,7 @@ private:
             const Float beta = p.gather_number(PathPool::throughput + c, index, m);
             alignas(64) float sum[lanes];
             store(sum, fma(beta * emitted.c[c], weight, old));
-            for_each_active(m, [&](int lane) { p.set_scalar(PathPool::radiance + c, emitting_[at + std::size_t(lane)], sum[lane]); });
+            for_each_active(m, [&](int lane) { p.data[PathPool::radiance + c][emitting_[at + std::size_t(lane)]] = sum[lane]; });
         }
     }
 
@@ -220,8 +221,8 @@ private:
         PathPool& p = *paths_;
         for (std::size_t i = 0; i < active; i += lanes) {
             const Vec3 o = p.vector(PathPool::origin, i), d = p.vector(PathPool::direction, i);
-            const Float t = bits_float(load(&packed_hits_.data[HitArrays::t][i]));
-            const UInt primitive = load(&packed_hits_.data[HitArrays::primitive][i]);
+            const Float t = load(&packed_hits_.t[i]);
+            const UInt primitive = load(&packed_hits_.primitive[i]);
             const Mask valid = first_lanes(active - i);
             const UInt quad = primitive - UInt(tables_.first_quad());
             const Vec3 ng = quad_normal(quad, valid);
@@ -272,7 +273,7 @@ private:
             p.set(PathPool::origin, i, point);
             p.set(PathPool::direction, i, wi);
             p.set(PathPool::throughput, i, throughput);
-            p.set(PathPool::bsdf_pdf, i, float_bits(local.z * Float(inv_pi)));
+            p.set(PathPool::bsdf_pdf, i, local.z * Float(inv_pi));
             p.set(PathPool::state, i, next_state);
         }
     }

@@ -5,7 +5,7 @@
 #include "math/vec3.h"
 #include "shading/spectrum.h"
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 /// Paths under way, as arrays: field by field, path by path. Stages run over them N lanes at a time.
 struct PathPool {
@@ -22,8 +22,8 @@ struct PathPool {
     static constexpr std::uint32_t specular = 1u << 31;  ///< the last direction came from a delta lobe, or the camera
     static constexpr std::uint32_t dead = 1u << 30;      ///< throughput is 0, or roulette ended the path
 
-    UInt integer(int field, std::size_t i) const { return load(&data[field][i]); }
-    Float number(int field, std::size_t i) const { return bits_float(load(&data[field][i])); }
+    UInt integer(int field, std::size_t i) const { return float_bits(load(&data[field][i])); }
+    Float number(int field, std::size_t i) const { return load(&data[field][i]); }
     Vec3 vector(int field, std::size_t i) const { return {number(field, i), number(field + 1, i), number(field + 2, i)}; }
     Spectrum spectrum(int field, std::size_t i) const
     {
@@ -31,8 +31,8 @@ struct PathPool {
         for (int c = 0; c < channels; ++c) s.c[c] = number(field + c, i);
         return s;
     }
-    void set(int field, std::size_t i, UInt value) { store(&data[field][i], value); }
-    void set(int field, std::size_t i, Float value) { store(&data[field][i], float_bits(value)); }
+    void set(int field, std::size_t i, UInt value) { store(&data[field][i], bits_float(value)); }
+    void set(int field, std::size_t i, Float value) { store(&data[field][i], value); }
     void set(int field, std::size_t i, const Vec3& v)
     {
         set(field, i, v.x), set(field + 1, i, v.y), set(field + 2, i, v.z);
@@ -41,24 +41,25 @@ struct PathPool {
     {
         for (int c = 0; c < channels; ++c) set(field + c, i, s.c[c]);
     }
-    float scalar(int field, std::size_t i) const { return std::bit_cast<float>(data[field][i]); }
-    void set_scalar(int field, std::size_t i, float value) { data[field][i] = std::bit_cast<std::uint32_t>(value); }
+    std::uint32_t scalar_integer(int field, std::size_t i) const { return std::bit_cast<std::uint32_t>(data[field][i]); }
 
     /// By lanes from a list of positions.
-    UInt gather_integer(int field, UInt index, Mask m) const { return gather(data[field], index, m); }
-    Float gather_number(int field, UInt index, Mask m) const { return bits_float(gather(data[field], index, m)); }
+    UInt gather_integer(int field, UInt index, Mask m) const { return float_bits(gather(data[field], index, m)); }
+    Float gather_number(int field, UInt index, Mask m) const { return gather(data[field], index, m); }
     Vec3 gather_vector(int field, UInt index, Mask m) const
     {
         return {gather_number(field, index, m), gather_number(field + 1, index, m), gather_number(field + 2, index, m)};
     }
 
-    alignas(64) std::uint32_t data[field_count][capacity + 32];
+    /// Floats, and the bits of integers.
+    alignas(64) float data[field_count][capacity + 32];
 };
 
 /// What tracing the pool gave, one entry a path.
 struct HitArrays {
-    enum Field { t = 0, primitive, u, v, instance, field_count };
-    alignas(64) std::uint32_t data[field_count][PathPool::capacity + 32];
+    static constexpr std::size_t padded = PathPool::capacity + 32;
+    alignas(64) float t[padded], u[padded], v[padded];
+    alignas(64) std::uint32_t primitive[padded], instance[padded];
 };
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

@@ -2,6 +2,8 @@
 
 namespace fathom {
 
+inline namespace FATHOM_LANES {
+
 LaneScene::LaneScene(std::shared_ptr<const SceneTables> t) : tables_owner(std::move(t)), tables(*tables_owner)
 {
     is_flat = FlatScene::fits(tables);
@@ -32,6 +34,8 @@ std::size_t LaneScene::memory_bytes() const
 {
     return shape_info.size() * 4 + primitive_info.size() * 4 + 3 * quad_normal[0].size() * 4;
 }
+
+}  // namespace FATHOM_LANES
 
 std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables> tables)
 {

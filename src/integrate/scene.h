@@ -2,7 +2,7 @@
 #include "geometry/flat.h"
 #include "integrate/kernel.h"
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 /// The kernel's scene: the tables, the acceleration structure, and what is worth precomputing per primitive.
 struct LaneScene final : KernelScene {
@@ -27,4 +27,4 @@ struct LaneScene final : KernelScene {
     std::size_t memory_bytes() const override;
 };
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

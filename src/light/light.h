@@ -5,7 +5,7 @@
 #include "sampling/warp.h"
 #include "shading/spectrum.h"
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 /// Below this solid angle a rectangle is sampled by area: it is then nearly flat as seen from the point, and float angles
 /// would no longer tell its parts apart.
@@ -243,4 +243,4 @@ Float pdf_light(const Light& light, Vec3 p, Float time, Vec3 wi, Float distance)
     return pdf;
 }
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

@@ -8,7 +8,7 @@
 #include "math/vec3.h"
 #include "sampling/sobol.h"
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 /// The rectangle seen from a point, in its own axes: it spans [x0, x1] x [y0, y1] at height z0 <= 0.
 struct SphericalRectangle {
@@ -77,4 +77,4 @@ private:
     };
 };
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

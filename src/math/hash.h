@@ -3,7 +3,7 @@
 
 #include "math/lanes.h"
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 /// A 32-bit mix with full avalanche (Wellons's "lowbias32" constants).
 template <class U>
@@ -16,4 +16,4 @@ U hash(U x)
     return x ^ (x >> 16);
 }
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

@@ -19,15 +19,23 @@
 #include "math/lanes_scalar.h"
 #endif
 
+/// Everything that is made of lanes lives in this inline namespace: two files of one library may use lanes of different
+/// number, and the linker must not take the code of one for the other.
+#if FATHOM_LANE_PAIRS
+#define FATHOM_LANES lanes_in_pairs
+#else
+#define FATHOM_LANES lanes_single
+#endif
+
 #if FATHOM_LANE_PAIRS
 #include "math/lanes_pair.h"
 #else
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 using namespace native;
 }
 #endif
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 
 inline Float abs(Float a) { return bits_float(float_bits(a) & UInt(0x7fffffffu)); }
@@ -73,4 +81,4 @@ void for_each_active(Mask m, F&& f)
     for (std::uint32_t bits = mask_bits(m); bits; bits &= bits - 1) f(std::countr_zero(bits));
 }
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

@@ -3,7 +3,7 @@
 /// single chain of them would leave the processor waiting. Included by math/lanes.h after a lanes_*.h with `native`.
 #include <bit>
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 inline constexpr int lanes = 2 * native::lanes;
 inline constexpr const char* lanes_name = native::lanes_name;
@@ -126,4 +126,4 @@ inline UInt lookup(const std::uint32_t* t, int n, UInt i)
 }
 inline UInt rotate16(UInt x) { return {native::rotate16(x.a), native::rotate16(x.b)}; }
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

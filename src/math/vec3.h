@@ -2,7 +2,7 @@
 #include "fathom/vector.h"
 #include "math/lanes.h"
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 /// N vectors, one per lane. Where a name has no suffix the space is render space (src/integrate/tables.h).
 struct Vec3 {
@@ -55,4 +55,4 @@ struct Frame {
 
 inline Vec3 load_vec3(const float* x, const float* y, const float* z) { return {load(x), load(y), load(z)}; }
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

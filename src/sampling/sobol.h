@@ -7,7 +7,7 @@
 #include "math/hash.h"
 #include "math/lanes.h"
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 struct Sample2 {
     Float x, y;  ///< each in [0, 1)
@@ -68,4 +68,4 @@ inline Float sample_hash(const SampleKey& key, UInt seed)
     return unit_float(x ^ (x >> 16));
 }
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

@@ -3,7 +3,7 @@
 #include "math/vec3.h"
 #include "sampling/sobol.h"
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 /// Direction about +z with density cos / pi per solid angle.
 inline Vec3 sample_cosine_hemisphere(Sample2 u)
@@ -45,4 +45,4 @@ inline Float mis_weight(Float pdf, Float other)
     return reciprocal(fma(r, r, Float(1)));
 }
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

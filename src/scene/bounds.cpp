@@ -24,11 +24,48 @@ void add_extent(Bounds& bounds, const Transform& t, Vec3d center, double r)
         add_point(bounds, t.point(center + Vec3d{i & 1 ? r : -r, i & 2 ? r : -r, i & 4 ? r : -r}));
 }
 
-void add_shape(Bounds& bounds, const SceneDescription& scene, const Transform& t, const Shape& shape)
+void add_box(Bounds& bounds, const Transform& t, Vec3d min, Vec3d max)
+{
+    for (int i = 0; i < 8; ++i)
+        add_point(bounds, t.point({i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z}));
+}
+
+/// Boxes of the meshes in their own space, found when first asked for.
+class MeshBoxes {
+public:
+    explicit MeshBoxes(const SceneDescription& scene)
+        : scene_(scene), boxes_(scene.meshes.size()), known_(scene.meshes.size())
+    {
+    }
+
+    void add(Bounds& bounds, const Transform& t, int index)
+    {
+        if (index < 0 || index >= int(scene_.meshes.size())) return;
+        const auto& positions = scene_.meshes[std::size_t(index)].positions;
+        // Exact for what a few instances show; the corners of the mesh's box for a forest.
+        if (positions.size() <= budget_) {
+            budget_ -= positions.size();
+            for (Vec3f p : positions) add_point(bounds, t.point({p.x, p.y, p.z}));
+            return;
+        }
+        Bounds& box = boxes_[std::size_t(index)];
+        if (!known_[std::size_t(index)])
+            for (Vec3f p : positions) add_point(box, {p.x, p.y, p.z});
+        known_[std::size_t(index)] = true;
+        if (!box.empty) add_box(bounds, t, box.min, box.max);
+    }
+
+private:
+    const SceneDescription& scene_;
+    std::vector<Bounds> boxes_;
+    std::vector<bool> known_;
+    std::size_t budget_ = 20'000'000;
+};
+
+void add_shape(Bounds& bounds, MeshBoxes& meshes, const Transform& t, const Shape& shape)
 {
     if (const auto* mesh = std::get_if<MeshInstance>(&shape.geometry)) {
-        if (mesh->mesh < 0 || mesh->mesh >= int(scene.meshes.size())) return;
-        for (Vec3f p : scene.meshes[mesh->mesh].positions) add_point(bounds, t.point({p.x, p.y, p.z}));
+        meshes.add(bounds, t, mesh->mesh);
     } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
         add_extent(bounds, t, sphere->center, std::abs(sphere->radius));
         if (sphere->center_end) add_extent(bounds, t, *sphere->center_end, std::abs(sphere->radius));
@@ -36,21 +73,20 @@ void add_shape(Bounds& bounds, const SceneDescription& scene, const Transform& t
         for (int i = 0; i < 4; ++i)
             add_point(bounds, t.point(rect->corner + rect->edge_u * (i & 1) + rect->edge_v * (i >> 1)));
     } else if (const auto* box = std::get_if<Box>(&shape.geometry)) {
-        for (int i = 0; i < 8; ++i)
-            add_point(bounds, t.point({i & 1 ? box->max.x : box->min.x, i & 2 ? box->max.y : box->min.y,
-                                       i & 4 ? box->max.z : box->min.z}));
+        add_box(bounds, t, box->min, box->max);
     } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
         add_extent(bounds, t, disk->center, disk->radius);
     }
 }
 
-void add_node(Bounds& bounds, const SceneDescription& scene, const Transform& parent, int index, int depth)
+void add_node(Bounds& bounds, const SceneDescription& scene, MeshBoxes& meshes, const Transform& parent, int index,
+              int depth)
 {
     if (index < 0 || index >= int(scene.nodes.size()) || depth > 256) return;
     const Node& node = scene.nodes[index];
     const Transform t = parent * node.parent_from_node;
-    for (const Shape& shape : node.shapes) add_shape(bounds, scene, t, shape);
-    for (int child : node.children) add_node(bounds, scene, t, child, depth + 1);
+    for (const Shape& shape : node.shapes) add_shape(bounds, meshes, t, shape);
+    for (int child : node.children) add_node(bounds, scene, meshes, t, child, depth + 1);
 }
 
 }  // namespace
@@ -58,7 +94,8 @@ void add_node(Bounds& bounds, const SceneDescription& scene, const Transform& pa
 Bounds world_bounds(const SceneDescription& scene)
 {
     Bounds bounds;
-    for (int root : scene.roots) add_node(bounds, scene, {}, root, 0);
+    MeshBoxes meshes(scene);
+    for (int root : scene.roots) add_node(bounds, scene, meshes, {}, root, 0);
     return bounds;
 }
 

@@ -2,7 +2,7 @@
 #include "integrate/tables.h"
 #include "math/lanes.h"
 
-namespace fathom {
+namespace fathom::inline FATHOM_LANES {
 
 /// Radiance or a factor of it in `channels` channels, per lane.
 struct Spectrum {
@@ -54,4 +54,4 @@ inline Float max_component(const Spectrum& a)
 }
 inline Mask any_positive(const Spectrum& a) { return max_component(a) > Float(0); }
 
-}  // namespace fathom
+}  // namespace fathom::inline FATHOM_LANES

@@ -1,0 +1,367 @@
+#!/usr/bin/env python3
+"""Makes the pictures and the model that the scenes in this folder use; needs nothing but Python's own library.
+
+    python3 scenes/make_assets.py
+
+writes images/*.hdr, images/*.png and models/chess.glb beside itself. What it makes is in the repository: run it only
+after changing it.
+"""
+import json
+import math
+import pathlib
+import struct
+import zlib
+
+HERE = pathlib.Path(__file__).parent
+
+
+# ------------------------------------------------------------------------------------------------ noise and vectors
+def lattice(*ints):
+    """A number in [0, 1) that depends on the integers alone."""
+    h = 2166136261
+    for i in ints:
+        h = ((h ^ (i & 0xffffffff)) * 16777619) & 0xffffffff
+        h ^= h >> 15
+        h = (h * 2246822519) & 0xffffffff
+    return (h ^ h >> 13) / 2**32
+
+
+def noise(x, y, z):
+    """Smooth value noise in [0, 1)."""
+    xi, yi, zi = math.floor(x), math.floor(y), math.floor(z)
+    u, v, w = (t * t * (3 - 2 * t) for t in (x - xi, y - yi, z - zi))
+    mix = lambda a, b, t: a + (b - a) * t
+    corner = lambda i, j, k: lattice(xi + i, yi + j, zi + k)
+    return mix(mix(mix(corner(0, 0, 0), corner(1, 0, 0), u), mix(corner(0, 1, 0), corner(1, 1, 0), u), v),
+               mix(mix(corner(0, 0, 1), corner(1, 0, 1), u), mix(corner(0, 1, 1), corner(1, 1, 1), u), v), w)
+
+
+def fractal(x, y, z, octaves=5):
+    total = sum(noise(x * 2**i, y * 2**i, z * 2**i) / 2**i for i in range(octaves))
+    return total / (2 - 2**(1 - octaves))
+
+
+def mix(a, b, t):
+    return tuple(p + (q - p) * t for p, q in zip(a, b))
+
+
+def normalize(v):
+    size = math.sqrt(sum(c * c for c in v))
+    return tuple(c / size for c in v)
+
+
+def smooth(low, high, x):
+    t = min(max((x - low) / (high - low), 0), 1)
+    return t * t * (3 - 2 * t)
+
+
+# ------------------------------------------------------------------------------------------------ files
+def png(width, height, pixel):
+    """An RGB PNG; pixel(x, y) gives three values in [0, 1] as they are to stand in the file."""
+    rows = bytearray()
+    for y in range(height):
+        rows.append(0)
+        for x in range(width):
+            rows += bytes(min(max(round(255 * c), 0), 255) for c in pixel(x, y))
+    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(bytes(rows), 9)) + chunk(b"IEND", b"")
+
+
+def rgbe(color):
+    largest = max(color)
+    if largest < 1e-32:
+        return bytes(4)
+    mantissa, exponent = math.frexp(largest)
+    return bytes([*(int(c * mantissa * 256 / largest) for c in color), exponent + 128])
+
+
+def run_lengths(values):
+    """One channel of a scanline as Radiance's new run length encoding: runs from 4 on, the rest as it is."""
+    out, i, literal = bytearray(), 0, bytearray()
+
+    def flush():
+        while literal:
+            out.append(min(len(literal), 128))
+            out.extend(literal[:128])
+            del literal[:128]
+
+    while i < len(values):
+        run = 1
+        while run < 127 and i + run < len(values) and values[i + run] == values[i]:
+            run += 1
+        if run >= 4:
+            flush()
+            out += bytes([128 + run, values[i]])
+        else:
+            literal += values[i:i + run]
+        i += run
+    flush()
+    return bytes(out)
+
+
+def hdr(width, height, pixel):
+    out = bytearray(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + f"-Y {height} +X {width}\n".encode())
+    for y in range(height):
+        row = [rgbe(pixel(x, y)) for x in range(width)]
+        out += bytes([2, 2, width >> 8, width & 255])
+        for channel in range(4):
+            out += run_lengths(bytes(p[channel] for p in row))
+    return bytes(out)
+
+
+# ------------------------------------------------------------------------------------------------ pictures
+def sky(width, height):
+    """An afternoon: clouds, a sun that is 3 degrees wide, a meadow below the horizon."""
+    sun = normalize((-0.55, 0.62, -0.56))
+
+    def pixel(px, py):
+        theta, phi = math.pi * (py + 0.5) / height, 2 * math.pi * ((px + 0.5) / width - 0.5)
+        # The middle of the picture looks along -z, its right edge is behind.
+        x, y, z = math.sin(theta) * math.sin(phi), math.cos(theta), -math.sin(theta) * math.cos(phi)
+        to_sun = x * sun[0] + y * sun[1] + z * sun[2]
+        if y < 0:
+            shade = 0.75 + 0.5 * fractal(6 * x / (0.1 - y), 6 * z / (0.1 - y), 1, 3)
+            ground = mix((0.50, 0.52, 0.50), (0.16, 0.19, 0.08), smooth(0, 0.25, -y))
+            return tuple(c * shade for c in ground)
+        color = mix((0.75, 0.85, 1.0), (0.16, 0.33, 0.78), smooth(0, 0.8, y))
+        cover = smooth(0.47, 0.68, fractal(1.4 * x / (y + 0.15), 7, 1.4 * z / (y + 0.15))) * smooth(0.02, 0.2, y)
+        color = mix(color, (1.15, 1.12, 1.08), 0.85 * cover)
+        glow = max(to_sun, 0)
+        color = tuple(c + g * (0.5 * glow**32 + 2.5 * glow**400) for c, g in zip(color, (1, 0.85, 0.6)))
+        if to_sun > math.cos(math.radians(1.5)):
+            color = (900, 800, 620)
+        return color
+
+    return hdr(width, height, pixel)
+
+
+def tiles(x, y, size):
+    """Glazed tiles, four by four: colour and height."""
+    u, v = 4 * (x + 0.5) / size, 4 * (y + 0.5) / size
+    i, j = int(u), int(v)
+    edge = min(u - i, v - j, i + 1 - u, j + 1 - v)
+    glaze = smooth(0.03, 0.07, edge)
+    base = mix((0.10, 0.33, 0.45), (0.85, 0.80, 0.66), lattice(i, j, 3) if (i + j) % 2 else 0.15 * lattice(i, j))
+    ring = smooth(0.02, 0.03, abs(math.hypot(u - i - 0.5, v - j - 0.5) - 0.27))
+    base = mix((0.70, 0.25, 0.12), base, ring)
+    speckle = 0.9 + 0.2 * fractal(24 * u / 4, 24 * v / 4, 5, 3)
+    color = mix((0.45, 0.43, 0.40), tuple(c * speckle for c in base), glaze)
+    return color, glaze
+
+
+def tiles_normal(x, y, size):
+    height = lambda a, b: 1.5 * tiles(a % size, b % size, size)[1]
+    dx, dy = height(x + 1, y) - height(x - 1, y), height(x, y + 1) - height(x, y - 1)
+    # Green points up in the picture (glTF), rows go down.
+    n = normalize((-dx, dy, 2))
+    return tuple(0.5 + 0.5 * c for c in n)
+
+
+def globe(x, y, width, height):
+    """A planet that does not exist, with a grid to see the mapping by."""
+    theta, phi = math.pi * (y + 0.5) / height, 2 * math.pi * (x + 0.5) / width
+    px, py, pz = math.sin(theta) * math.cos(phi), math.cos(theta), math.sin(theta) * math.sin(phi)
+    land = fractal(2.3 * px + 5, 2.3 * py + 5, 2.3 * pz + 5)
+    if land > 0.52:
+        color = mix((0.30, 0.48, 0.20), (0.62, 0.53, 0.38), smooth(0.52, 0.66, land))
+    else:
+        color = mix((0.05, 0.13, 0.32), (0.16, 0.42, 0.58), smooth(0.36, 0.52, land))
+    color = mix(color, (0.95, 0.96, 0.98), smooth(0.80, 0.88, abs(py) + 0.2 * (land - 0.5)))
+    grid = min(abs((12 * x / width + 0.5) % 1 - 0.5) * width / 12, abs((6 * y / height + 0.5) % 1 - 0.5) * height / 6)
+    return mix((1.0, 0.85, 0.4), color, smooth(0.5, 1.5, grid))
+
+
+# ------------------------------------------------------------------------------------------------ the model
+def lathe(profile, sides):
+    """Turns a polyline of (radius, height) around y: positions, normals, uvs, indices. Smooth along the profile."""
+    positions, normals, uvs, indices = [], [], [], []
+    for i, (r, h) in enumerate(profile):
+        before, after = profile[max(i - 1, 0)], profile[min(i + 1, len(profile) - 1)]
+        along = normalize((after[0] - before[0], after[1] - before[1]))
+        for j in range(sides + 1):
+            c, s = math.cos(2 * math.pi * j / sides), math.sin(2 * math.pi * j / sides)
+            positions.append((r * c, h, -r * s))
+            normals.append((along[1] * c, -along[0], -along[1] * s))
+            uvs.append((2 * j / sides, 1 - i / (len(profile) - 1)))
+    for i in range(len(profile) - 1):
+        for j in range(sides):
+            a, b = i * (sides + 1) + j, (i + 1) * (sides + 1) + j
+            if profile[i][0] > 0:
+                indices += [a, a + 1, b + 1]
+            if profile[i + 1][0] > 0:
+                indices += [a, b + 1, b]
+    return positions, normals, uvs, indices
+
+
+def curve(points, steps):
+    """Catmull-Rom through the points; a point given twice makes a corner."""
+    out = []
+    for i in range(len(points) - 1):
+        p = [points[min(max(k, 0), len(points) - 1)] for k in range(i - 1, i + 3)]
+        if p[1] == p[2]:
+            continue
+        for s in range(steps):
+            t = s / steps
+            out.append(tuple(0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t * t + (3 * b - a - 3 * c + d) * t**3)
+                             for a, b, c, d in zip(*p)))
+    return [(max(r, 0), h) for r, h in out] + [points[-1]]
+
+
+def pawn():
+    foot = [(0.30, 0), (0.34, 0.03), (0.34, 0.10), (0.28, 0.16), (0.29, 0.20), (0.22, 0.26), (0.15, 0.40), (0.12, 0.56),
+            (0.13, 0.62), (0.20, 0.65), (0.20, 0.68), (0.12, 0.70)]
+    head = [(0.17 * math.sin(a), 0.84 - 0.17 * math.cos(a)) for a in (math.pi * (0.26 + 0.74 * i / 12) for i in range(13))]
+    head[-1] = (0, 1.01)
+    return lathe(curve(foot, 4) + head, 48)
+
+
+def rook():
+    points = [(0.34, 0), (0.38, 0.03), (0.38, 0.12), (0.31, 0.18), (0.32, 0.23), (0.24, 0.30), (0.21, 0.60), (0.21, 0.78),
+              (0.28, 0.84), (0.29, 0.86), (0.29, 0.86), (0.29, 1.04), (0.29, 1.04), (0.22, 1.04), (0.22, 1.04), (0.22, 0.94),
+              (0.22, 0.94), (0, 0.94)]
+    return lathe(curve(points, 4), 48)
+
+
+def board():
+    """A slab of 8 x 2 x 8 hundredths under y = 0: a face at a time, so that edges are sharp."""
+    positions, normals, uvs, indices = [], [], [], []
+    for axis in range(3):
+        for sign in (-1, 1):
+            n = tuple(sign if k == axis else 0 for k in range(3))
+            a, b = [k for k in range(3) if k != axis]
+            if (axis == 1) != (sign < 0):
+                a, b = b, a
+            first = len(positions)
+            for s, t in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                p = [0, 0, 0]
+                p[axis], p[a], p[b] = sign, 2 * s - 1, 2 * t - 1
+                positions.append((4.3 * p[0], 0.15 * p[1] - 0.15, 4.3 * p[2]))
+                normals.append(n)
+                uvs.append(((p[0] + 1) / 2, (p[2] + 1) / 2) if axis == 1 else (s * 0.02, t * 0.02))
+            indices += [first, first + 1, first + 2, first, first + 2, first + 3]
+    return positions, normals, uvs, indices
+
+
+def board_color(x, y, size):
+    u, v = 8.6 * (x + 0.5) / size - 0.3, 8.6 * (y + 0.5) / size - 0.3
+    grain = fractal(3 * u, 40 * v, 2, 3) if int(u + 1) % 2 else fractal(40 * u, 3 * v, 2, 3)
+    if not (0 < u < 8 and 0 < v < 8):
+        return mix((0.22, 0.11, 0.06), (0.33, 0.17, 0.09), grain)
+    if (int(u) + int(v)) % 2 == 0:
+        return mix((0.80, 0.66, 0.45), (0.92, 0.80, 0.60), grain)
+    return mix((0.30, 0.15, 0.08), (0.44, 0.24, 0.13), grain)
+
+
+def board_surface(x, y, size):
+    """Roughness in green, metallic in blue: lacquer with a few worn spots and a brass border."""
+    u, v = 8.6 * (x + 0.5) / size - 0.3, 8.6 * (y + 0.5) / size - 0.3
+    inlay = 1 if abs(max(abs(u - 4), abs(v - 4)) - 4.05) < 0.045 else 0
+    worn = smooth(0.45, 0.7, fractal(u, v, 9, 4))
+    return (1, 0.25 if inlay else 0.22 + 0.4 * worn, inlay)
+
+
+def brushed(x, y, size):
+    """A normal map of rings as a lathe leaves them."""
+    n = normalize((0, 0.25 * (lattice(y, 4) - 0.5), 1))
+    return tuple(0.5 + 0.5 * c for c in n)
+
+
+def chess():
+    document = {
+        "asset": {"version": "2.0", "generator": "Fathom's scenes/make_assets.py"},
+        "scene": 0, "scenes": [{"nodes": []}], "nodes": [], "meshes": [], "materials": [], "textures": [], "images": [],
+        "samplers": [{"magFilter": 9729, "minFilter": 9987}], "accessors": [], "bufferViews": [], "buffers": [],
+    }
+    data = bytearray()
+
+    def view(payload, target=None):
+        data.extend(bytes(-len(data) % 4))
+        entry = {"buffer": 0, "byteOffset": len(data), "byteLength": len(payload)}
+        if target:
+            entry["target"] = target
+        data.extend(payload)
+        document["bufferViews"].append(entry)
+        return len(document["bufferViews"]) - 1
+
+    def accessor(values, kind):
+        if kind == "SCALAR":
+            entry = {"bufferView": view(struct.pack(f"<{len(values)}H", *values), 34963), "componentType": 5123}
+        else:
+            flat = [c for value in values for c in value]
+            entry = {"bufferView": view(struct.pack(f"<{len(flat)}f", *flat), 34962), "componentType": 5126}
+        entry.update(count=len(values), type=kind)
+        if values is positions:
+            rounded = lambda pick: [struct.unpack("<f", struct.pack("<f", pick(c)))[0] for c in zip(*values)]
+            entry.update(min=rounded(min), max=rounded(max))
+        document["accessors"].append(entry)
+        return len(document["accessors"]) - 1
+
+    def texture(size, pixel):
+        document["images"].append({"bufferView": view(png(size, size, lambda x, y: pixel(x, y, size))), "mimeType": "image/png"})
+        document["textures"].append({"sampler": 0, "source": len(document["images"]) - 1})
+        return {"index": len(document["textures"]) - 1}
+
+    def material(name, **properties):
+        document["materials"].append({"name": name, **properties})
+        return len(document["materials"]) - 1
+
+    rings = texture(64, brushed)
+    lacquer = material("board", pbrMetallicRoughness={"baseColorTexture": texture(192, board_color),
+                                                      "metallicRoughnessTexture": texture(192, board_surface)})
+    brass = material("brass", pbrMetallicRoughness={"baseColorFactor": [0.91, 0.70, 0.33, 1], "roughnessFactor": 0.25},
+                     normalTexture=rings)
+    ebony = material("ebony", pbrMetallicRoughness={"baseColorFactor": [0.035, 0.025, 0.02, 1], "metallicFactor": 0,
+                                                    "roughnessFactor": 0.35})
+    meshes = {}
+    for name, shape, surface in (("board", board(), lacquer), ("brass pawn", pawn(), brass), ("ebony pawn", pawn(), ebony),
+                                 ("brass rook", rook(), brass), ("ebony rook", rook(), ebony)):
+        positions, normals, uvs, indices = shape
+        twin = name.replace("ebony", "brass")
+        if twin in meshes and twin != name:
+            primitive = dict(document["meshes"][meshes[twin]]["primitives"][0])
+        else:
+            primitive = {"attributes": {"POSITION": accessor(positions, "VEC3"), "NORMAL": accessor(normals, "VEC3"),
+                                        "TEXCOORD_0": accessor(uvs, "VEC2")}, "indices": accessor(indices, "SCALAR")}
+        primitive["material"] = surface
+        meshes[name] = len(document["meshes"])
+        document["meshes"].append({"name": name, "primitives": [primitive]})
+
+    def place(mesh, column, row):
+        node = {"name": f"{mesh} {'abcdefgh'[column]}{row + 1}" if mesh != "board" else mesh, "mesh": meshes[mesh]}
+        if mesh != "board":
+            node["translation"] = [column - 3.5, 0, 3.5 - row]
+        document["scenes"][0]["nodes"].append(len(document["nodes"]))
+        document["nodes"].append(node)
+
+    place("board", 0, 0)
+    for column, row in ((0, 1), (1, 1), (2, 2), (3, 3), (5, 1), (6, 2), (7, 1)):
+        place("brass pawn", column, row)
+    for column, row in ((0, 6), (1, 5), (2, 6), (3, 4), (4, 5), (6, 6), (7, 5)):
+        place("ebony pawn", column, row)
+    for mesh, column, row in (("brass rook", 4, 0), ("brass rook", 0, 0), ("ebony rook", 4, 7), ("ebony rook", 7, 7)):
+        place(mesh, column, row)
+
+    data.extend(bytes(-len(data) % 4))
+    document["buffers"].append({"byteLength": len(data)})
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    total = 12 + 8 + len(text) + 8 + len(data)
+    return (struct.pack("<4sII", b"glTF", 2, total) + struct.pack("<I4s", len(text), b"JSON") + text +
+            struct.pack("<I4s", len(data), b"BIN\0") + data)
+
+
+def main():
+    for name, content in (("images/sky.hdr", sky(360, 180)),
+                          ("images/tiles.png", png(256, 256, lambda x, y: tiles(x, y, 256)[0])),
+                          ("images/tiles-normal.png", png(256, 256, lambda x, y: tiles_normal(x, y, 256))),
+                          ("images/globe.png", png(384, 192, lambda x, y: globe(x, y, 384, 192))),
+                          ("models/chess.glb", chess())):
+        path = HERE / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(content)
+        print(f"{path}: {len(content)} bytes")
+
+
+if __name__ == "__main__":
+    main()

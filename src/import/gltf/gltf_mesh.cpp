@@ -1,0 +1,185 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "import/gltf/gltf_reader.h"
+#include "import/mesh_cleanup.h"
+#include "import/read_file.h"
+
+namespace fathom {
+
+namespace {
+
+enum Mode { points, lines, line_loop, line_strip, triangles, triangle_strip, triangle_fan };
+
+/// Strips and fans as triangles; those that join strips, with a corner twice, fall out.
+std::vector<std::uint32_t> as_triangles(std::vector<std::uint32_t> corners, int mode)
+{
+    if (mode == triangles) return corners;
+    std::vector<std::uint32_t> result;
+    result.reserve(3 * corners.size());
+    for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
+        std::uint32_t a = corners[i], b = corners[i + 1], c = corners[i + 2];
+        if (mode == triangle_fan) a = corners[0];
+        if (mode == triangle_strip && i % 2 == 1) std::swap(b, c);
+        if (a != b && b != c && c != a) result.insert(result.end(), {a, b, c});
+    }
+    return result;
+}
+
+template <class T>
+std::vector<T> read_vectors(const Accessor& accessor, std::size_t first, std::size_t count, int components, float fill)
+{
+    std::vector<T> result(count);
+    accessor.read(first, count, components, fill, &result.data()->x);
+    return result;
+}
+
+}  // namespace
+
+const std::vector<GltfReader::Part>& GltfReader::mesh(const JsonValue& index, const std::optional<JsonValue>& weights,
+                                                      std::size_t node)
+{
+    constexpr auto no_node = std::numeric_limits<std::size_t>::max();
+    const auto [found, is_new] = meshes_.try_emplace({index.count(), weights ? node : no_node});
+    if (!is_new) return found->second;
+    const JsonValue v = file_.follow("meshes", index);
+    const auto name = v.get("name");
+    const auto primitives = v.get("primitives");
+    if (!primitives) v.fail("key 'primitives' is missing");
+    primitives->array();
+    for (std::size_t i = 0; i < primitives->size(); ++i) {
+        const JsonValue primitive = (*primitives)[i];
+        primitive.object();
+        read_primitive(primitive, name ? printable(name->string()) : "", weights ? weights : v.get("weights"),
+                       found->second);
+    }
+    return found->second;
+}
+
+std::vector<std::uint32_t> GltfReader::read_triangles(const JsonValue& primitive, std::size_t vertices)
+{
+    const int mode = primitive.has("mode") ? primitive["mode"].integer() : triangles;
+    if (mode < points || mode > triangle_fan) primitive["mode"].fail(fmt::format("{} is no mode of drawing", mode));
+    if (mode < triangles) {
+        file_.warn(mode == points ? "points are not shown" : "lines are not shown");
+        return {};
+    }
+    std::vector<std::uint32_t> corners;
+    if (const auto index = primitive.get("indices")) {
+        const Accessor accessor(file_, *index);
+        corners = accessor.read_indices();
+        const std::uint32_t largest = *std::max_element(corners.begin(), corners.end());
+        if (largest >= vertices)
+            accessor.fail(fmt::format("index {} is out of range: there are {} vertices", largest, vertices));
+    } else {
+        if (vertices > std::numeric_limits<std::uint32_t>::max()) primitive.fail("there are more than 2^32 vertices");
+        corners.resize(vertices);
+        for (std::size_t i = 0; i < vertices; ++i) corners[i] = std::uint32_t(i);
+    }
+    if (mode == triangles && corners.size() % 3 != 0) {
+        file_.warn("indices that make no whole triangle are left out", corners.size() % 3);
+        corners.resize(corners.size() / 3 * 3);
+    }
+    return as_triangles(std::move(corners), mode);
+}
+
+void GltfReader::read_attributes(const JsonValue& attributes, std::size_t first, Mesh& mesh, Part& part)
+{
+    const std::size_t vertices = mesh.positions.size();
+    const auto open = [&](const char* name, int least, int most) -> std::optional<Accessor> {
+        const auto index = attributes.get(name);
+        if (!index) return std::nullopt;
+        Accessor accessor(file_, *index);
+        if (accessor.components() < least || accessor.components() > most)
+            accessor.fail(fmt::format("{} with {} components", name, accessor.components()));
+        if (accessor.count() < first + vertices)
+            accessor.fail(fmt::format("has {} elements, fewer than the positions", accessor.count()));
+        return accessor;
+    };
+    if (const auto a = open("NORMAL", 3, 3)) mesh.normals = read_vectors<Vec3f>(*a, first, vertices, 3, 0);
+    if (const auto a = open("TANGENT", 4, 4)) mesh.tangents = read_vectors<Vec4f>(*a, first, vertices, 4, 0);
+    if (const auto a = open("TEXCOORD_0", 2, 2)) mesh.uvs[0] = read_vectors<Vec2f>(*a, first, vertices, 2, 0);
+    if (const auto a = open("TEXCOORD_1", 2, 2)) mesh.uvs[1] = read_vectors<Vec2f>(*a, first, vertices, 2, 0);
+    if (const auto a = open("COLOR_0", 3, 4)) mesh.colors = read_vectors<Vec4f>(*a, first, vertices, 4, 1);
+    const auto joints = open("JOINTS_0", 4, 4), weights = open("WEIGHTS_0", 4, 4);
+    if (joints && weights) {
+        std::vector<float> numbers(4 * vertices);
+        joints->read(first, vertices, 4, 0, numbers.data());
+        part.joints.resize(numbers.size());
+        std::transform(numbers.begin(), numbers.end(), part.joints.begin(),
+                       [](float x) { return std::uint16_t(std::clamp(x, 0.0f, 65535.0f)); });
+        part.weights.resize(numbers.size());
+        weights->read(first, vertices, 4, 0, part.weights.data());
+    }
+}
+
+void GltfReader::add_morphs(const JsonValue& primitive, const JsonValue& weights, std::size_t first, Mesh& mesh)
+{
+    const auto targets = primitive.get("targets");
+    if (!targets) return;
+    targets->array();
+    weights.array();
+    const auto add = [&](const JsonValue& target, const char* name, float weight, std::vector<Vec3f>& to) {
+        const auto index = target.get(name);
+        if (!index || to.empty()) return;
+        const Accessor accessor(file_, *index);
+        if (accessor.components() != 3 || accessor.count() < first + to.size())
+            accessor.fail("is no morph target of the vertices");
+        const auto offsets = read_vectors<Vec3f>(accessor, first, to.size(), 3, 0);
+        for (std::size_t i = 0; i < to.size(); ++i)
+            to[i] = {to[i].x + weight * offsets[i].x, to[i].y + weight * offsets[i].y, to[i].z + weight * offsets[i].z};
+    };
+    for (std::size_t i = 0; i < std::min(targets->size(), weights.size()); ++i) {
+        const float weight = weights[i].single();
+        if (weight == 0) continue;
+        const JsonValue target = (*targets)[i];
+        add(target, "POSITION", weight, mesh.positions);
+        add(target, "NORMAL", weight, mesh.normals);
+    }
+}
+
+void GltfReader::read_primitive(const JsonValue& primitive, const std::string& name,
+                                const std::optional<JsonValue>& weights, std::vector<Part>& parts)
+{
+    const auto attributes = primitive.get("attributes");
+    if (!attributes) primitive.fail("key 'attributes' is missing");
+    attributes->object();
+    const auto position_index = attributes->get("POSITION");
+    if (!position_index) {
+        file_.warn("primitives without positions are left out");
+        return;
+    }
+    if (const auto extensions = primitive.get("extensions"))
+        if (extensions->has("KHR_draco_mesh_compression") &&
+            !file_.follow("accessors", *position_index).has("bufferView"))
+            primitive.fail("KHR_draco_mesh_compression is not supported, and there is no uncompressed copy");
+    const Accessor positions(file_, *position_index);
+    if (positions.components() != 3) positions.fail("positions must be VEC3");
+
+    Mesh mesh;
+    mesh.indices = read_triangles(primitive, positions.count());
+    if (mesh.indices.empty()) return;
+    // Many files hold all vertices in one accessor, of which each primitive uses a part: only that is read.
+    const auto [least, most] = std::minmax_element(mesh.indices.begin(), mesh.indices.end());
+    const std::size_t first = *least, vertices = *most - first + 1;
+    if (first > 0)
+        for (std::uint32_t& index : mesh.indices) index -= std::uint32_t(first);
+
+    Part part;
+    mesh.name = name;
+    mesh.positions = read_vectors<Vec3f>(positions, first, vertices, 3, 0);
+    read_attributes(*attributes, first, mesh, part);
+    if (weights) add_morphs(primitive, *weights, first, mesh);
+    clean_mesh(mesh, file_.name(), file_.warnings());
+    if (mesh.indices.empty()) return;
+
+    part.shape.material = material(primitive, !mesh.colors.empty());
+    part.shape.geometry = MeshInstance{int(scene_.meshes.size())};
+    part.shape.name = mesh.name;
+    scene_.meshes.push_back(std::move(mesh));
+    parts.push_back(std::move(part));
+}
+
+}  // namespace fathom

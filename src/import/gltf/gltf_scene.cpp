@@ -1,0 +1,282 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "import/gltf/gltf.h"
+#include "import/gltf/gltf_reader.h"
+#include "import/read_file.h"
+#include "import/suggest.h"
+#include "scene/check.h"
+
+namespace fathom {
+
+namespace {
+
+Transform read_transform(const JsonValue& v)
+{
+    Transform t;
+    if (const auto matrix = v.get("matrix")) {
+        matrix->array_of(16);
+        for (std::size_t column = 0; column < 4; ++column)
+            for (std::size_t row = 0; row < 3; ++row) t.m[row][column] = (*matrix)[4 * column + row].number();
+        return t;
+    }
+    if (const auto translation = v.get("translation")) t = Transform::translate(translation->vec3d());
+    if (const auto rotation = v.get("rotation")) {
+        rotation->array_of(4);
+        t = t * Transform::rotate_quaternion((*rotation)[0].number(), (*rotation)[1].number(), (*rotation)[2].number(),
+                                             (*rotation)[3].number());
+    }
+    if (const auto scale = v.get("scale")) t = t * Transform::scale(scale->vec3d());
+    return t;
+}
+
+double positive(const JsonValue& v, const char* key)
+{
+    if (!v.has(key)) v.fail(fmt::format("key '{}' is missing", key));
+    const double value = v[key].number();
+    if (!(value > 0)) v[key].fail(fmt::format("must be greater than 0, found {}", value));
+    return value;
+}
+
+/// The scene that a name or a number of LoadOptions means.
+std::size_t find_scene(const JsonValue& scenes, const std::string& wanted)
+{
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        const JsonValue scene = scenes[i];
+        const auto name = scene.get("name");
+        names.push_back(name ? name->string() : std::to_string(i));
+        if (names.back() == wanted) return i;
+    }
+    std::size_t number = 0;
+    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+    if (error == std::errc() && end == wanted.data() + wanted.size() && number < scenes.size()) return number;
+    scenes.fail(
+        fmt::format("there is no scene '{}' among {}{}", printable(wanted), scenes.size(), suggestion(wanted, names)));
+}
+
+}  // namespace
+
+int GltfReader::camera(const JsonValue& index)
+{
+    const auto [found, is_new] = cameras_.try_emplace(index.count(), int(scene_.cameras.size()));
+    if (!is_new) return found->second;
+    const JsonValue v = file_.follow("cameras", index);
+    Camera camera;
+    camera.name = fmt::format("camera {}", index.count());
+    if (const auto name = v.get("name")) camera.name = name->string();
+    if (!v.has("type")) v.fail("key 'type' is missing");
+    const std::string& type = v["type"].string();
+    // The aspect of the file is that of the window it was made in. Ours is the picture's, which shows at least as much.
+    if (type == "perspective" && v.has("perspective")) {
+        const JsonValue perspective = v["perspective"];
+        camera.fov_y = positive(perspective, "yfov");
+        if (camera.fov_y >= std::numbers::pi) perspective["yfov"].fail("must be less than pi");
+    } else if (type == "orthographic" && v.has("orthographic")) {
+        const JsonValue orthographic = v["orthographic"];
+        camera.kind = CameraKind::orthographic;
+        camera.height = 2 * std::abs(orthographic.has("ymag") ? orthographic["ymag"].number() : 0);
+        if (!(camera.height > 0)) orthographic.fail("'ymag' must not be 0");
+    } else {
+        v.fail(fmt::format("is neither a perspective nor an orthographic camera"));
+    }
+    scene_.cameras.push_back(std::move(camera));
+    return found->second;
+}
+
+int GltfReader::light(const JsonValue& index)
+{
+    const auto [found, is_new] = lights_.try_emplace(index.count(), int(scene_.lights.size()));
+    if (!is_new) return found->second;
+    const auto extensions = file_.root().get("extensions");
+    const auto extension = extensions ? extensions->get("KHR_lights_punctual") : std::nullopt;
+    const auto lights = extension ? extension->get("lights") : std::nullopt;
+    if (!lights || index.count() >= lights->array().size())
+        index.fail(fmt::format("there is no light {}", index.count()));
+    const JsonValue v = (*lights)[index.count()];
+    v.object();
+
+    Light light;
+    if (const auto name = v.get("name")) light.name = name->string();
+    if (!v.has("type")) v.fail("key 'type' is missing");
+    const std::string& type = v["type"].string();
+    if (type == "point")
+        light.kind = LightKind::point;
+    else if (type == "spot")
+        light.kind = LightKind::spot;
+    else if (type == "directional")
+        light.kind = LightKind::directional;
+    else
+        v["type"].fail(fmt::format("'{}' is none of point, spot, directional", printable(type)));
+    Color color{1, 1, 1};
+    if (const auto c = v.get("color")) color = c->array_of(3).color();
+    const float intensity = v.has("intensity") ? std::max(0.0f, v["intensity"].single()) : 1;
+    light.intensity = {color.r * intensity, color.g * intensity, color.b * intensity};
+    if (const auto spot = v.get("spot")) {
+        light.inner_angle = spot->has("innerConeAngle") ? (*spot)["innerConeAngle"].number() : 0;
+        light.outer_angle = spot->has("outerConeAngle") ? (*spot)["outerConeAngle"].number() : std::numbers::pi / 4;
+        if (!(light.inner_angle >= 0 && light.outer_angle > 0 && light.inner_angle <= light.outer_angle &&
+              light.outer_angle <= std::numbers::pi / 2 + 1e-6))
+            spot->fail("0 <= innerConeAngle <= outerConeAngle <= pi/2 does not hold");
+    }
+    scene_.lights.push_back(std::move(light));
+    return found->second;
+}
+
+void GltfReader::add_instances(const JsonValue& instancing, std::size_t index)
+{
+    const auto attributes = instancing.get("attributes");
+    if (!attributes) instancing.fail("key 'attributes' is missing");
+    std::size_t count = 0;
+    const auto read = [&](const char* name, int components) {
+        std::vector<float> values;
+        const auto accessor_index = attributes->get(name);
+        if (!accessor_index) return values;
+        const Accessor accessor(file_, *accessor_index);
+        if (accessor.components() != components)
+            accessor.fail(fmt::format("{} with {} components", name, accessor.components()));
+        if (count != 0 && accessor.count() != count)
+            accessor.fail("has another number of elements than its neighbours");
+        count = accessor.count();
+        if (count > 10'000'000) accessor.fail(fmt::format("{} instances are too many", count));
+        values.resize(count * std::size_t(components));
+        accessor.read(0, count, components, 0, values.data());
+        return values;
+    };
+    const auto translations = read("TRANSLATION", 3), rotations = read("ROTATION", 4), scales = read("SCALE", 3);
+    const std::vector<Shape> shapes = std::move(scene_.nodes[index].shapes);
+    scene_.nodes[index].shapes.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+        Node node;
+        node.shapes = shapes;
+        Transform& t = node.parent_from_node;
+        if (!translations.empty())
+            t = Transform::translate({translations[3 * i], translations[3 * i + 1], translations[3 * i + 2]});
+        if (!rotations.empty())
+            t = t * Transform::rotate_quaternion(rotations[4 * i], rotations[4 * i + 1], rotations[4 * i + 2],
+                                                 rotations[4 * i + 3]);
+        if (!scales.empty()) t = t * Transform::scale({scales[3 * i], scales[3 * i + 1], scales[3 * i + 2]});
+        scene_.nodes[index].children.push_back(int(scene_.nodes.size()));
+        scene_.nodes.push_back(std::move(node));
+    }
+}
+
+void GltfReader::read_place(const JsonValue& v, std::size_t index)
+{
+    v.object();
+    Node& node = scene_.nodes[index];
+    if (const auto name = v.get("name")) node.name = printable(name->string());
+    node.parent_from_node = read_transform(v);
+    const auto children = v.get("children");
+    if (!children) return;
+    children->array();
+    for (std::size_t i = 0; i < children->size(); ++i) {
+        const JsonValue child = (*children)[i];
+        const JsonValue child_node = file_.follow("nodes", child);
+        const std::size_t c = child.count();
+        if (parents_[c] >= 0) child.fail(fmt::format("{} has two parents", child_node.place()));
+        parents_[c] = int(index);
+        node.children.push_back(int(c));
+    }
+    // What is invisible is so with all that hangs below it.
+    if (const auto extensions = v.get("extensions"))
+        if (const auto visibility = extensions->get("KHR_node_visibility"))
+            if (visibility->has("visible") && !(*visibility)["visible"].boolean()) {
+                node.children.clear();
+                invisible_.push_back(index);
+            }
+}
+
+void GltfReader::read_contents(const JsonValue& v, std::size_t index)
+{
+    if (std::find(invisible_.begin(), invisible_.end(), index) != invisible_.end()) return;
+    if (const auto c = v.get("camera")) scene_.nodes[index].camera = camera(*c);
+    const auto extensions = v.get("extensions");
+    if (extensions)
+        if (const auto punctual = extensions->get("KHR_lights_punctual"))
+            if (const auto l = punctual->get("light")) scene_.nodes[index].light = light(*l);
+    if (const auto m = v.get("mesh")) {
+        const std::vector<Part>& parts = mesh(*m, v.get("weights"), index);
+        if (const auto skin = v.get("skin"))
+            add_skinned(*skin, index, parts);
+        else
+            for (const Part& part : parts) scene_.nodes[index].shapes.push_back(part.shape);
+    }
+    if (extensions)
+        if (const auto instancing = extensions->get("EXT_mesh_gpu_instancing")) add_instances(*instancing, index);
+}
+
+void GltfReader::read_roots()
+{
+    const JsonValue& scenes = file_.list("scenes");
+    if (scenes.size() == 0) {
+        if (!options_.scene.empty()) find_scene(scenes, options_.scene);
+        for (std::size_t i = 0; i < parents_.size(); ++i)
+            if (parents_[i] < 0) scene_.roots.push_back(int(i));
+        return;
+    }
+    std::size_t chosen = 0;
+    if (!options_.scene.empty()) {
+        chosen = find_scene(scenes, options_.scene);
+    } else if (const auto index = file_.root().get("scene")) {
+        file_.follow("scenes", *index);
+        chosen = index->count();
+    }
+    if (scenes.size() > 1) file_.warn(fmt::format("scene {} of {} is shown", chosen, scenes.size()));
+    const JsonValue scene = scenes[chosen];
+    const auto nodes = scene.get("nodes");
+    if (!nodes) return;
+    nodes->array();
+    for (std::size_t i = 0; i < nodes->size(); ++i) {
+        file_.follow("nodes", (*nodes)[i]);
+        scene_.roots.push_back((*nodes)[i].integer());
+    }
+}
+
+/// Meshes as they were before their skin bent them.
+void GltfReader::remove_unused_meshes()
+{
+    std::vector<int> new_index(scene_.meshes.size(), -1);
+    std::vector<Mesh> kept;
+    for (Node& node : scene_.nodes)
+        for (Shape& shape : node.shapes) {
+            auto* instance = std::get_if<MeshInstance>(&shape.geometry);
+            if (!instance) continue;
+            int& index = new_index[std::size_t(instance->mesh)];
+            if (index < 0) {
+                index = int(kept.size());
+                kept.push_back(std::move(scene_.meshes[std::size_t(instance->mesh)]));
+            }
+            instance->mesh = index;
+        }
+    scene_.meshes = std::move(kept);
+}
+
+SceneDescription GltfReader::read()
+{
+    scene_.file = file_.name();
+    const JsonValue& nodes = file_.list("nodes");
+    scene_.nodes.resize(nodes.size());
+    parents_.assign(nodes.size(), -1);
+    for (std::size_t i = 0; i < nodes.size(); ++i) read_place(nodes[i], i);
+    read_roots();
+    const std::vector<bool> reachable = reachable_nodes(scene_);
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        if (reachable[i]) read_contents(nodes[i], i);
+    remove_unused_meshes();
+    if (file_.list("animations").size() > 0) file_.warn("animations are not played: the pose at rest is shown");
+    return std::move(scene_);
+}
+
+SceneDescription read_gltf(const std::filesystem::path& file, const std::string& bytes, const LoadOptions& options,
+                           LoadContext& context)
+{
+    GltfFile gltf(file, bytes, context.warnings);
+    return GltfReader(gltf, options).read();
+}
+
+}  // namespace fathom

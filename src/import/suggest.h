@@ -1,0 +1,15 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace fathom {
+
+/// The candidate that `word` was probably meant to be: the one with the fewest typing mistakes (letters added, left
+/// out, changed, or two swapped); empty if none is near.
+std::string suggest(std::string_view word, const std::vector<std::string>& candidates);
+
+/// "; did you mean 'color'?", or the candidates if few and none is near, or nothing.
+std::string suggestion(std::string_view word, const std::vector<std::string>& candidates);
+
+}  // namespace fathom

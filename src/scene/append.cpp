@@ -1,0 +1,76 @@
+#include "scene/append.h"
+
+#include <iterator>
+#include <utility>
+
+namespace fathom {
+
+namespace {
+
+void shift(int& index, int by)
+{
+    if (index >= 0) index += by;
+}
+
+template <class T>
+void move_behind(std::vector<T>& to, std::vector<T>& from)
+{
+    if (to.empty()) {
+        to = std::move(from);
+        return;
+    }
+    to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
+}
+
+}  // namespace
+
+Appended append_scene(SceneDescription& to, SceneDescription from)
+{
+    const int images = int(to.images.size()), textures = int(to.textures.size());
+    const int materials = int(to.materials.size()), meshes = int(to.meshes.size());
+    const int lights = int(to.lights.size()), cameras = int(to.cameras.size()), nodes = int(to.nodes.size());
+
+    for (Texture& texture : from.textures) shift(texture.image, images);
+    for (Material& material : from.materials) {
+        for (int* texture : {&material.base_color.texture, &material.roughness.texture, &material.metallic.texture,
+                             &material.emission.texture, &material.alpha.texture, &material.normal_texture})
+            shift(*texture, textures);
+    }
+    for (Node& node : from.nodes) {
+        for (int& child : node.children) shift(child, nodes);
+        for (Shape& shape : node.shapes) {
+            shift(shape.material, materials);
+            if (auto* mesh = std::get_if<MeshInstance>(&shape.geometry)) shift(mesh->mesh, meshes);
+        }
+        shift(node.light, lights);
+        shift(node.camera, cameras);
+    }
+    for (int& root : from.roots) shift(root, nodes);
+
+    move_behind(to.images, from.images);
+    move_behind(to.textures, from.textures);
+    move_behind(to.materials, from.materials);
+    move_behind(to.meshes, from.meshes);
+    move_behind(to.lights, from.lights);
+    move_behind(to.cameras, from.cameras);
+    move_behind(to.nodes, from.nodes);
+    return {nodes, int(to.nodes.size()), materials, int(to.materials.size()), std::move(from.roots)};
+}
+
+Appended copy_nodes(SceneDescription& scene, const Appended& appended)
+{
+    Appended copy = appended;
+    copy.first_node = int(scene.nodes.size());
+    const int by = copy.first_node - appended.first_node;
+    scene.nodes.reserve(scene.nodes.size() + std::size_t(appended.node_end - appended.first_node));
+    for (int i = appended.first_node; i < appended.node_end; ++i) {
+        Node node = scene.nodes[std::size_t(i)];
+        for (int& child : node.children) child += by;
+        scene.nodes.push_back(std::move(node));
+    }
+    copy.node_end = int(scene.nodes.size());
+    for (int& root : copy.roots) root += by;
+    return copy;
+}
+
+}  // namespace fathom

@@ -1,0 +1,16 @@
+#pragma once
+#include <vector>
+
+#include "fathom/description.h"
+
+namespace fathom {
+
+/// Throws Error, with scene.file and a place like `nodes[3].children[0]`, for what no later part could work with:
+/// indices out of range, nodes that contain themselves or are nested more than 256 deep, more than 100 million shapes
+/// counted over instances, per-vertex data of the wrong length, positions and transforms that are not finite.
+void check_scene(const SceneDescription& scene);
+
+/// For each node, whether a root leads to it. The scene must have passed check_scene.
+std::vector<bool> reachable_nodes(const SceneDescription& scene);
+
+}  // namespace fathom

@@ -1,0 +1,132 @@
+#include "import_test_helpers.h"
+
+namespace fathom::test {
+namespace {
+
+class CompleteScene : public ImportTest {};
+
+/// Where a point lies in the picture: -1 to 1 is inside.
+std::pair<double, double> in_picture(const Camera& camera, double aspect, Vec3d p)
+{
+    const Vec3d forward = normalize(camera.look_at - camera.position);
+    const Vec3d right = normalize(cross(forward, camera.up)), up = cross(right, forward);
+    const Vec3d d = p - camera.position;
+    const double tan_y = std::tan(camera.fov_y / 2);
+    return {dot(d, right) / dot(d, forward) / tan_y / aspect, dot(d, up) / dot(d, forward) / tan_y};
+}
+
+TEST_F(CompleteScene, FramesFromEveryDirection)
+{
+    for (double azimuth : {0., 30., 90., 200., -45.})
+        for (double elevation : {-90., -20., 0., 20., 89., 90.}) {
+            SceneDescription scene =
+                load("s.json",
+                     R"({"scene": [{"box": {"min": [-1, 5, 2], "max": [7, 6, 3]}, "transform": {"scale": 1000}}]})");
+            CompleteOptions options;
+            options.azimuth_deg = azimuth;
+            options.elevation_deg = elevation;
+            options.aspect = 16.0 / 9;
+            const Completed completed = complete_scene(scene, options);
+            EXPECT_EQ(completed.added.size(), 2u);
+            ASSERT_EQ(scene.cameras.size(), 1u);
+            double widest = 0;
+            for (int i = 0; i < 8; ++i) {
+                const Vec3d corner{i & 1 ? 7000. : -1000., i & 2 ? 6000. : 5000., i & 4 ? 3000. : 2000.};
+                const auto [x, y] = in_picture(scene.cameras[0], options.aspect, corner);
+                widest = std::max({widest, std::abs(x), std::abs(y)});
+            }
+            EXPECT_LT(widest, 1);
+            EXPECT_GT(widest, 0.7) << azimuth << ' ' << elevation;
+        }
+}
+
+TEST_F(CompleteScene, AddsOnlyWhatIsMissing)
+{
+    SceneDescription lit = load("a.json", R"({"scene": [{"sphere": {}, "material": {"emission": 1}}]})");
+    EXPECT_EQ(complete_scene(lit, {}).added.size(), 1u);
+    EXPECT_EQ(lit.environment.kind, EnvironmentKind::none);
+
+    SceneDescription lamp =
+        load("b.json", R"({"camera": {}, "lights": {"l": {"kind": "point"}}, "scene": [{"sphere": {}}]})");
+    EXPECT_TRUE(complete_scene(lamp, {}).added.empty());
+    EXPECT_EQ(lamp.cameras.size(), 1u);
+
+    // An emitter that nobody refers to lights nothing.
+    SceneDescription dark = load(
+        "c.json",
+        R"({"camera": {}, "nodes": {"lamp": {"sphere": {}, "material": {"emission": 1}}}, "scene": [{"sphere": {}}]})");
+    EXPECT_EQ(complete_scene(dark, {}).added.size(), 1u);
+    EXPECT_EQ(dark.environment.kind, EnvironmentKind::gradient);
+}
+
+TEST_F(CompleteScene, ForcedCameraComesFirst)
+{
+    SceneDescription scene = load("a.json", R"({"cameras": {"one": {}, "two": {}}, "scene": [{"sphere": {}}]})");
+    CompleteOptions options;
+    options.force_camera = true;
+    complete_scene(scene, options);
+    ASSERT_EQ(scene.cameras.size(), 3u);
+    EXPECT_EQ(scene.cameras[1].name, "one");
+    for (const Node& node : scene.nodes) {
+        if (node.name == "two") {
+            EXPECT_EQ(scene.cameras[node.camera].name, "two");
+        }
+    }
+    EXPECT_EQ(scene.nodes[scene.roots.back()].camera, 0);
+}
+
+TEST_F(CompleteScene, NothingToSee)
+{
+    SceneDescription empty = load("a.json", "{}");
+    complete_scene(empty, {});
+    ASSERT_EQ(empty.cameras.size(), 1u);
+    EXPECT_GT(length(empty.cameras[0].position - empty.cameras[0].look_at), 0);
+}
+
+std::string check_error(const SceneDescription& scene)
+{
+    SceneDescription copy = scene;
+    try {
+        complete_scene(copy, {});
+    } catch (const Error& e) {
+        return e.what();
+    }
+    return "good";
+}
+
+TEST_F(CompleteScene, RefusesScenesThatCantBe)
+{
+    SceneDescription scene = load("a.json", R"({"scene": [{"sphere": {}}, {"sphere": {}}]})");
+    scene.file = "s";
+    EXPECT_EQ(check_error(scene), "good");
+    SceneDescription bad = scene;
+    bad.nodes[0].children = {1};
+    bad.nodes[1].children = {0};
+    EXPECT_EQ(check_error(bad), "s: nodes[1].children[0]: a node can't contain itself");
+    bad = scene;
+    bad.nodes[0].children = {7};
+    EXPECT_EQ(check_error(bad), "s: nodes[0].children[0]: there is no node 7, only 2");
+    bad = scene;
+    bad.nodes[0].shapes[0].material = 0;
+    EXPECT_EQ(check_error(bad), "s: nodes[0].shapes[0].material: there is no material 0, only 0");
+    bad = scene;
+    bad.nodes[1].parent_from_node.m[0][0] = NAN;
+    EXPECT_EQ(check_error(bad), "s: nodes[1].parent_from_node: the transform is not finite");
+    bad = scene;
+    bad.meshes.resize(1);
+    bad.meshes[0].positions = {{0, 0, 0}, {1, 0, 0}, {0, NAN, 0}};
+    EXPECT_EQ(check_error(bad), "s: meshes[0].positions[2]: is not finite");
+    bad.meshes[0].positions[2] = {0, 1, 0};
+    bad.meshes[0].indices = {0, 1, 3};
+    EXPECT_EQ(check_error(bad), "s: meshes[0].indices[2]: there is no vertex 3, only 3");
+
+    // 2^40 spheres in 41 nodes.
+    bad = scene;
+    bad.nodes.resize(42);
+    for (int i = 2; i < 42; ++i) bad.nodes[i].children = {i - 1, i - 1};
+    bad.roots = {41};
+    EXPECT_NE(check_error(bad).find("instances make more than 100 million shapes"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace fathom::test

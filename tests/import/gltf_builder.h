@@ -1,0 +1,78 @@
+#pragma once
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace fathom::test {
+
+/// Puts a small glTF together: bytes go into one buffer as a data URI, each piece in a view of its own.
+class GltfBuilder {
+public:
+    template <class T>
+    int view(const std::vector<T>& values, int stride = 0)
+    {
+        while (bytes_.size() % 4 != 0) bytes_ += '\0';
+        const std::size_t offset = bytes_.size();
+        bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+        views_.push_back(fmt::format(R"({{"buffer": 0, "byteOffset": {}, "byteLength": {}{}}})", offset,
+                                     values.size() * sizeof(T),
+                                     stride ? fmt::format(R"(, "byteStride": {})", stride) : ""));
+        return int(views_.size()) - 1;
+    }
+    int accessor(int view, int component_type, std::size_t count, const std::string& type, const std::string& more = "")
+    {
+        accessors_.push_back(fmt::format(R"({{{}"componentType": {}, "count": {}, "type": "{}"{}}})",
+                                         view >= 0 ? fmt::format(R"("bufferView": {}, )", view) : "", component_type,
+                                         count, type, more.empty() ? "" : ", " + more));
+        return int(accessors_.size()) - 1;
+    }
+    int floats(const std::vector<float>& values, const std::string& type)
+    {
+        const std::size_t components = type == "VEC2"   ? 2
+                                       : type == "VEC3" ? 3
+                                       : type == "VEC4" ? 4
+                                       : type == "MAT4" ? 16
+                                                        : 1;
+        return accessor(view(values), 5126, values.size() / components, type);
+    }
+    /// A unit right triangle in the xy plane.
+    int triangle() { return floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3"); }
+
+    /// The whole file: what is given, and the accessors, views and buffer.
+    std::string gltf(const std::string& members) const
+    {
+        return fmt::format(
+            R"({{"asset": {{"version": "2.0"}}, {}{}"accessors": [{}], "bufferViews": [{}], "buffers": [{{"byteLength": {},
+                "uri": "data:application/octet-stream;base64,{}"}}]}})",
+            members, members.empty() ? "" : ", ", fmt::join(accessors_, ", "), fmt::join(views_, ", "), bytes_.size(),
+            base64());
+    }
+    /// A file with one node and one mesh of one primitive.
+    std::string one_primitive(const std::string& primitive, const std::string& members = "") const
+    {
+        return gltf(R"("scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{)" + primitive +
+                    "}]}]" + (members.empty() ? "" : ", " + members));
+    }
+
+private:
+    std::string base64() const
+    {
+        static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+        std::string text;
+        for (std::size_t i = 0; i < bytes_.size(); i += 3) {
+            std::uint32_t bits = 0;
+            for (std::size_t k = 0; k < 3; ++k)
+                bits = bits << 8 | (i + k < bytes_.size() ? static_cast<unsigned char>(bytes_[i + k]) : 0u);
+            for (std::size_t k = 0; k < 4; ++k)
+                text += i + k <= bytes_.size() ? letters[bits >> (18 - 6 * k) & 63] : '=';
+        }
+        return text;
+    }
+    std::string bytes_;
+    std::vector<std::string> views_, accessors_;
+};
+
+}  // namespace fathom::test

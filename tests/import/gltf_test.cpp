@@ -1,0 +1,358 @@
+#include <numbers>
+
+#include "gltf_builder.h"
+#include "import_test_helpers.h"
+
+namespace fathom::test {
+namespace {
+
+class Gltf : public ImportTest {
+protected:
+    /// The one mesh of a file.
+    Mesh mesh_of(const std::string& gltf)
+    {
+        const SceneDescription scene = load("a.gltf", gltf);
+        EXPECT_EQ(scene.meshes.size(), 1u);
+        return scene.meshes.empty() ? Mesh{} : scene.meshes[0];
+    }
+    std::size_t warnings_with(const std::string& words) const
+    {
+        std::size_t count = 0;
+        for (const auto& [message, times] : warnings_.counts())
+            if (message.find(words) != std::string::npos) count += times;
+        return count;
+    }
+};
+
+void expect_equal(Vec3f a, Vec3f b)
+{
+    EXPECT_FLOAT_EQ(a.x, b.x);
+    EXPECT_FLOAT_EQ(a.y, b.y);
+    EXPECT_FLOAT_EQ(a.z, b.z);
+}
+
+TEST_F(Gltf, OneTriangle)
+{
+    GltfBuilder b;
+    const int positions = b.triangle();
+    const Mesh mesh = mesh_of(b.one_primitive(fmt::format(R"("attributes": {{"POSITION": {}}})", positions)));
+    ASSERT_EQ(mesh.positions.size(), 3u);
+    expect_equal(mesh.positions[1], {1, 0, 0});
+    EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{0, 1, 2}));
+    EXPECT_TRUE(mesh.normals.empty());
+    EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(Gltf, AttributesOfEveryType)
+{
+    GltfBuilder b;
+    const int positions = b.accessor(b.view<std::int16_t>({0, 0, 0, 0, 32767, 0, 0, 0, 0, -32768, 0, 0}, 8), 5122, 3,
+                                     "VEC3", R"("normalized": true)");
+    const int normals = b.accessor(b.view<std::int8_t>({0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0}, 4), 5120, 3, "VEC3",
+                                   R"("normalized": true)");
+    const int uv =
+        b.accessor(b.view<std::uint16_t>({0, 65535, 32768, 0, 65535, 65535}), 5123, 3, "VEC2", R"("normalized": true)");
+    const int uv1 = b.accessor(b.view<std::uint8_t>({0, 255, 0, 0, 51, 0, 0, 0, 1, 1, 0, 0}, 4), 5121, 3, "VEC2");
+    const int colors = b.accessor(b.view<std::uint8_t>({255, 0, 51, 0, 0, 255, 0, 0, 0, 0, 255, 0}, 4), 5121, 3, "VEC3",
+                                  R"("normalized": true)");
+    const int tangents = b.floats({1, 0, 0, 1, 1, 0, 0, -1, 1, 0, 0, 1}, "VEC4");
+    const int indices = b.accessor(b.view<std::uint8_t>({2, 1, 0}), 5121, 3, "SCALAR");
+    const Mesh mesh = mesh_of(b.one_primitive(
+        fmt::format(R"("indices": {}, "attributes": {{"POSITION": {}, "NORMAL": {}, "TEXCOORD_0": {}, "TEXCOORD_1": {},
+                       "COLOR_0": {}, "TANGENT": {}}})",
+                    indices, positions, normals, uv, uv1, colors, tangents)));
+    expect_equal(mesh.positions.at(1), {1, 0, 0});
+    expect_equal(mesh.positions.at(2), {0, -1, 0});  // -32768 is -1 too
+    expect_equal(mesh.normals.at(2), {0, 0, 1});
+    EXPECT_FLOAT_EQ(mesh.uvs[0].at(1).x, 32768 / 65535.0f);
+    EXPECT_FLOAT_EQ(mesh.uvs[0].at(0).y, 1);
+    EXPECT_FLOAT_EQ(mesh.uvs[1].at(1).x, 51);  // not normalised
+    EXPECT_FLOAT_EQ(mesh.colors.at(0).z, 0.2f);
+    EXPECT_FLOAT_EQ(mesh.colors.at(0).w, 1);  // three components: opaque
+    EXPECT_FLOAT_EQ(mesh.tangents.at(1).w, -1);
+    EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{2, 1, 0}));
+}
+
+TEST_F(Gltf, InterleavedWithOffset)
+{
+    GltfBuilder b;
+    const int view = b.view<float>({9, 9, 0, 0, 0, 0, 0, 1, 9, 9, 1, 0, 0, 0, 0, 1, 9, 9, 0, 1, 0, 0, 0, 1}, 32);
+    const int positions = b.accessor(view, 5126, 3, "VEC3", R"("byteOffset": 8)");
+    const int normals = b.accessor(view, 5126, 3, "VEC3", R"("byteOffset": 20)");
+    const Mesh mesh =
+        mesh_of(b.one_primitive(fmt::format(R"("attributes": {{"POSITION": {}, "NORMAL": {}}})", positions, normals)));
+    expect_equal(mesh.positions.at(2), {0, 1, 0});
+    expect_equal(mesh.normals.at(0), {0, 0, 1});
+}
+
+TEST_F(Gltf, SparseWithAndWithoutBase)
+{
+    GltfBuilder b;
+    const int base = b.view<float>({0, 0, 0, 1, 0, 0, 0, 1, 0});
+    const int which = b.view<std::uint16_t>({1, 2});
+    const int values = b.view<float>({5, 0, 0, 0, 6, 0});
+    const std::string sparse = fmt::format(
+        R"("sparse": {{"count": 2, "indices": {{"bufferView": {}, "componentType": 5123}}, "values": {{"bufferView": {}}}}})",
+        which, values);
+    for (int view : {base, -1}) {
+        GltfBuilder copy = b;
+        const int positions = copy.accessor(view, 5126, 3, "VEC3", sparse);
+        const Mesh mesh = mesh_of(copy.one_primitive(fmt::format(R"("attributes": {{"POSITION": {}}})", positions)));
+        expect_equal(mesh.positions.at(0), {0, 0, 0});
+        expect_equal(mesh.positions.at(1), {5, 0, 0});
+        expect_equal(mesh.positions.at(2), {0, 6, 0});
+    }
+}
+
+TEST_F(Gltf, PrimitiveModes)
+{
+    GltfBuilder b;
+    const int positions = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0}, "VEC3");
+    const auto indices_of = [&](int mode) {
+        const SceneDescription scene = load(
+            "a.gltf", b.one_primitive(fmt::format(R"("mode": {}, "attributes": {{"POSITION": {}}})", mode, positions)));
+        return scene.meshes.empty() ? std::vector<std::uint32_t>{} : scene.meshes[0].indices;
+    };
+    EXPECT_EQ(indices_of(4), (std::vector<std::uint32_t>{0, 1, 2}));  // two indices are left over
+    EXPECT_EQ(warnings_with("no whole triangle"), 2u);
+    EXPECT_EQ(indices_of(5), (std::vector<std::uint32_t>{0, 1, 2, 1, 3, 2, 2, 3, 4}));
+    EXPECT_EQ(indices_of(6), (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3, 0, 3, 4}));
+    for (int mode : {0, 1, 2, 3}) EXPECT_TRUE(indices_of(mode).empty());
+    EXPECT_EQ(warnings_with("points are not shown"), 1u);
+    EXPECT_EQ(warnings_with("lines are not shown"), 3u);
+}
+
+TEST_F(Gltf, OnlyTheVerticesOfThePrimitiveAreKept)
+{
+    GltfBuilder b;
+    std::vector<float> many(3000);
+    for (std::size_t i = 0; i < many.size(); ++i) many[i] = float(i * i % 97);
+    const int positions = b.floats(many, "VEC3");
+    const int indices = b.accessor(b.view<std::uint32_t>({500, 502, 501}), 5125, 3, "SCALAR");
+    const Mesh mesh =
+        mesh_of(b.one_primitive(fmt::format(R"("indices": {}, "attributes": {{"POSITION": {}}})", indices, positions)));
+    ASSERT_EQ(mesh.positions.size(), 3u);
+    EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{0, 2, 1}));
+    expect_equal(mesh.positions[0], {many[1500], many[1501], many[1502]});
+}
+
+TEST_F(Gltf, MaterialsAndTextures)
+{
+    GltfBuilder b;
+    const int positions = b.triangle();
+    const SceneDescription scene = load(
+        "a.gltf", b.gltf(fmt::format(R"(
+        "nodes": [{{"mesh": 0}}], "scenes": [{{"nodes": [0]}}],
+        "meshes": [{{"primitives": [{0}, {1}, {2}, {3}, {4}]}}],
+        "extensionsUsed": ["KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_texture_transform",
+                           "KHR_materials_volume", "KHR_materials_transmission", "KHR_materials_sheen"],
+        "images": [{{"uri": "my%20wood.png"}}, {{"uri": "data:image/png;base64,AQID"}}],
+        "samplers": [{{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}}],
+        "textures": [{{"source": 0, "sampler": 0}}, {{"source": 1}}],
+        "materials": [
+          {{"name": "full", "doubleSided": true, "alphaMode": "MASK", "alphaCutoff": 0.25, "emissiveFactor": [1, 0.5, 0],
+            "emissiveTexture": {{"index": 0}}, "normalTexture": {{"index": 0, "scale": 2}},
+            "pbrMetallicRoughness": {{"baseColorFactor": [0.5, 0.25, 1, 0.75], "metallicFactor": 0.125, "roughnessFactor": 0.375,
+              "baseColorTexture": {{"index": 0, "texCoord": 1, "extensions": {{"KHR_texture_transform":
+                {{"offset": [1, 2], "scale": [3, 4], "rotation": 0.5}}}}}},
+              "metallicRoughnessTexture": {{"index": 1}}}},
+            "extensions": {{"KHR_materials_emissive_strength": {{"emissiveStrength": 10}}, "KHR_materials_ior": {{"ior": 1.8}}}}}},
+          {{"name": "unlit", "extensions": {{"KHR_materials_unlit": {{}}}}}},
+          {{"name": "glass", "extensions": {{"KHR_materials_transmission": {{"transmissionFactor": 1}},
+            "KHR_materials_volume": {{"thicknessFactor": 1, "attenuationColor": [0.5, 1, 1], "attenuationDistance": 2}}}}}},
+          {{"name": "opaque", "pbrMetallicRoughness": {{"baseColorFactor": [1, 1, 1, 0.5]}}}}])",
+                                     fmt::format(R"({{"material": 0, "attributes": {{"POSITION": {}}}}})", positions),
+                                     fmt::format(R"({{"material": 1, "attributes": {{"POSITION": {}}}}})", positions),
+                                     fmt::format(R"({{"material": 2, "attributes": {{"POSITION": {}}}}})", positions),
+                                     fmt::format(R"({{"material": 3, "attributes": {{"POSITION": {}}}}})", positions),
+                                     fmt::format(R"({{"attributes": {{"POSITION": {}}}}})", positions))));
+    ASSERT_EQ(scene.materials.size(), 5u);
+    const Material& full = scene.materials[0];
+    EXPECT_EQ(full.kind, MaterialKind::principled);
+    EXPECT_EQ(full.base_color.value, (Color{0.5f, 0.25f, 1}));
+    EXPECT_EQ(full.alpha.value, 0.75f);
+    EXPECT_EQ(full.alpha.texture, full.base_color.texture);
+    EXPECT_EQ(full.alpha.channel, 3);
+    EXPECT_EQ(full.alpha_mode, AlphaMode::mask);
+    EXPECT_EQ(full.alpha_cutoff, 0.25f);
+    EXPECT_EQ(full.metallic.value, 0.125f);
+    EXPECT_EQ(full.metallic.channel, 2);
+    EXPECT_EQ(full.roughness.value, 0.375f);
+    EXPECT_EQ(full.roughness.channel, 1);
+    EXPECT_EQ(full.roughness.texture, full.metallic.texture);
+    EXPECT_EQ(full.emission.value, (Color{10, 5, 0}));
+    EXPECT_TRUE(full.emission_two_sided);
+    EXPECT_EQ(full.normal_scale, 2);
+    EXPECT_EQ(full.ior, 1.8f);
+    const Texture& color = scene.textures[full.base_color.texture];
+    EXPECT_EQ(color.color_space, ColorSpace::srgb);
+    EXPECT_EQ(color.uv_set, 1);
+    EXPECT_EQ(color.uv_offset.y, 2);
+    EXPECT_EQ(color.uv_scale.x, 3);
+    EXPECT_EQ(color.uv_rotation, 0.5f);
+    EXPECT_EQ(color.wrap_u, Wrap::clamp);
+    EXPECT_EQ(color.wrap_v, Wrap::mirror);
+    EXPECT_TRUE(color.nearest);
+    EXPECT_EQ(scene.textures[full.normal_texture].color_space, ColorSpace::linear);
+    EXPECT_EQ(scene.textures[full.metallic.texture].color_space, ColorSpace::linear);
+    EXPECT_EQ(scene.textures[full.metallic.texture].wrap_u, Wrap::repeat);
+    EXPECT_EQ(scene.images[color.image].path, folder_ / "my wood.png");
+    const ImageFile& embedded = scene.images[scene.textures[full.metallic.texture].image];
+    EXPECT_EQ(embedded.bytes, (std::vector<std::byte>{std::byte{1}, std::byte{2}, std::byte{3}}));
+    EXPECT_EQ(scene.images.size(), 2u);
+
+    EXPECT_EQ(scene.materials[1].kind, MaterialKind::unlit);
+    EXPECT_EQ(scene.materials[2].kind, MaterialKind::glass);
+    EXPECT_EQ(scene.materials[2].attenuation_color, (Color{0.5f, 1, 1}));
+    EXPECT_EQ(scene.materials[2].attenuation_distance, 2);
+    EXPECT_EQ(scene.materials[3].alpha.value, 1);  // opaque: alpha counts for nothing
+    EXPECT_EQ(scene.materials[4].base_color.value, (Color{1, 1, 1}));
+    EXPECT_EQ(scene.materials[4].metallic.value, 1);
+    EXPECT_EQ(warnings_with("KHR_materials_sheen"), 1u);
+    EXPECT_EQ(warnings_.counts().size(), 1u);
+}
+
+TEST_F(Gltf, CamerasLightsAndTransforms)
+{
+    const SceneDescription scene =
+        load("a.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": [
+            {"type": "spot", "color": [1, 0.5, 0], "intensity": 10, "spot": {"innerConeAngle": 0.25, "outerConeAngle": 0.5}},
+            {"type": "directional", "intensity": 3}]}},
+        "cameras": [{"type": "perspective", "name": "main", "perspective": {"yfov": 0.5, "znear": 0.1, "aspectRatio": 2}},
+                    {"type": "orthographic", "orthographic": {"xmag": 2, "ymag": 3, "znear": 0, "zfar": 9}}],
+        "nodes": [{"children": [1, 2], "translation": [1, 2, 3], "rotation": [0, 0, 0.7071067811865476, 0.7071067811865476],
+                   "scale": [2, 3, 4]},
+                  {"camera": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}},
+                  {"camera": 1, "extensions": {"KHR_lights_punctual": {"light": 1}},
+                   "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1]}]})");
+    EXPECT_TRUE(warnings_.empty());
+    ASSERT_EQ(scene.cameras.size(), 2u);
+    EXPECT_EQ(scene.cameras[0].name, "main");
+    EXPECT_EQ(scene.cameras[0].fov_y, 0.5);
+    EXPECT_EQ(scene.cameras[1].kind, CameraKind::orthographic);
+    EXPECT_EQ(scene.cameras[1].height, 6);
+    ASSERT_EQ(scene.lights.size(), 2u);
+    EXPECT_EQ(scene.lights[0].kind, LightKind::spot);
+    EXPECT_EQ(scene.lights[0].intensity, (Color{10, 5, 0}));
+    EXPECT_EQ(scene.lights[0].outer_angle, 0.5);
+    EXPECT_EQ(scene.lights[1].kind, LightKind::directional);
+    const Transform& t = scene.nodes[0].parent_from_node;
+    expect_near(t.point({1, 1, 1}), {1 - 3, 2 + 2, 3 + 4}, 1e-12);
+    expect_near(scene.nodes[2].parent_from_node.point({1, 1, 1}), {8, 9, 10});
+}
+
+TEST_F(Gltf, ScenesAreChosenByNameOrNumber)
+{
+    const std::string gltf =
+        R"({"asset": {"version": "2.0"}, "scene": 1, "scenes": [{"name": "a", "nodes": [0]}, {"nodes": [1]}],
+                                 "nodes": [{"name": "first"}, {"name": "second"}]})";
+    const auto path = write("a.gltf", gltf);
+    const auto root_of = [&](const std::string& wanted) {
+        LoadOptions options;
+        options.scene = wanted;
+        const SceneDescription scene = load_scene(path, options, warnings_);
+        return scene.nodes[scene.roots.at(0)].name;
+    };
+    EXPECT_EQ(root_of(""), "second");
+    EXPECT_EQ(root_of("a"), "first");
+    EXPECT_EQ(root_of("0"), "first");
+    EXPECT_EQ(root_of("1"), "second");
+    EXPECT_THROW(root_of("b"), Error);
+    // Without scenes: all that is nobody's child.
+    const SceneDescription all =
+        load("b.gltf", R"({"asset": {"version": "2.0"}, "nodes": [{"children": [2]}, {}, {}]})");
+    EXPECT_EQ(all.roots, (std::vector<int>{0, 1}));
+}
+
+TEST_F(Gltf, SkinsStandInTheirPose)
+{
+    GltfBuilder b;
+    const int positions = b.floats({0, 0, 0, 1, 0, 0, 0, 2, 0}, "VEC3");
+    const int normals = b.floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+    const int joints = b.accessor(b.view<std::uint8_t>({0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0}), 5121, 3, "VEC4");
+    const int weights = b.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0}, "VEC4");  // the last sums up to 2
+    const int bind = b.floats(
+        {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -5, 1}, "MAT4");
+    const SceneDescription scene = load("a.gltf", b.gltf(fmt::format(R"(
+        "scenes": [{{"nodes": [0, 1]}}], "skins": [{{"joints": [1, 2], "inverseBindMatrices": {}}}],
+        "nodes": [{{"mesh": 0, "skin": 0, "translation": [100, 0, 0]}}, {{"children": [2], "translation": [0, 10, 0]}},
+                  {{"translation": [0, 0, 20]}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": {}, "NORMAL": {}, "JOINTS_0": {}, "WEIGHTS_0": {}}}}}]}}])",
+                                                                     bind, positions, normals, joints, weights)));
+    ASSERT_EQ(scene.meshes.size(), 1u);
+    expect_equal(scene.meshes[0].positions[0], {0, 10, 0});
+    expect_equal(scene.meshes[0].positions[1], {1, 10, 15});
+    expect_equal(scene.meshes[0].positions[2], {0, 12, 7.5f});
+    // The node's own transform does not count.
+    const Bounds bounds = world_bounds(scene);
+    EXPECT_EQ(bounds.max, (Vec3d{1, 12, 15}));
+}
+
+TEST_F(Gltf, MorphTargetsAtRest)
+{
+    GltfBuilder b;
+    const int positions = b.triangle();
+    const int offsets = b.floats({0, 0, 1, 0, 0, 2, 0, 0, 3}, "VEC3");
+    const auto gltf = [&](const std::string& mesh_weights, const std::string& node_weights) {
+        return b.gltf(
+            fmt::format(R"("scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0 {}}}], "meshes": [{{"primitives":
+            [{{"attributes": {{"POSITION": {}}}, "targets": [{{"POSITION": {}}}]}}] {}}}])",
+                        node_weights, positions, offsets, mesh_weights));
+    };
+    EXPECT_EQ(mesh_of(gltf("", "")).positions[2].z, 0);
+    EXPECT_EQ(mesh_of(gltf(R"(, "weights": [0.5])", "")).positions[2].z, 1.5f);
+    EXPECT_EQ(mesh_of(gltf(R"(, "weights": [0.5])", R"(, "weights": [2])")).positions[2].z, 6);
+}
+
+TEST_F(Gltf, GpuInstancing)
+{
+    GltfBuilder b;
+    const int positions = b.triangle();
+    const int translations = b.floats({0, 0, 0, 10, 0, 0}, "VEC3");
+    const int scales = b.floats({1, 1, 1, 2, 2, 2}, "VEC3");
+    const SceneDescription scene = load("a.gltf", b.gltf(fmt::format(R"(
+        "extensionsRequired": ["EXT_mesh_gpu_instancing"], "extensionsUsed": ["EXT_mesh_gpu_instancing"],
+        "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0, "extensions": {{"EXT_mesh_gpu_instancing": {{"attributes":
+            {{"TRANSLATION": {}, "SCALE": {}}}}}}}}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": {}}}}}]}}])",
+                                                                     translations, scales, positions)));
+    EXPECT_EQ(scene.meshes.size(), 1u);
+    EXPECT_EQ(world_bounds(scene).max, (Vec3d{12, 2, 0}));
+}
+
+TEST_F(Gltf, InvisibleNodes)
+{
+    GltfBuilder b;
+    const int positions = b.triangle();
+    const SceneDescription scene = load("a.gltf", b.gltf(fmt::format(R"(
+        "scenes": [{{"nodes": [0, 2]}}], "extensionsUsed": ["KHR_node_visibility"],
+        "nodes": [{{"children": [1], "extensions": {{"KHR_node_visibility": {{"visible": false}}}}}}, {{"mesh": 0}}, {{}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": {}}}}}]}}])",
+                                                                     positions)));
+    EXPECT_TRUE(world_bounds(scene).empty);
+}
+
+TEST_F(Gltf, WhatIsWrongWithVerticesIsMended)
+{
+    GltfBuilder b;
+    const int positions = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0, 0}, "VEC3");
+    const int normals = b.floats({0, 0, 0, 0, 0, 1, NAN, 0, 1, 0, 0, 0}, "VEC3");
+    const int uvs = b.floats({0, 0, INFINITY, 0, 0, 1, 0, 0}, "VEC2");
+    // The second triangle has no area: three points on a line.
+    const int indices = b.accessor(b.view<std::uint16_t>({0, 1, 2, 0, 1, 3}), 5123, 6, "SCALAR");
+    const Mesh mesh = mesh_of(b.one_primitive(
+        fmt::format(R"("indices": {}, "attributes": {{"POSITION": {}, "NORMAL": {}, "TEXCOORD_0": {}}})", indices,
+                    positions, normals, uvs)));
+    EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{0, 1, 2}));
+    expect_equal(mesh.normals[0], {0, 0, 1});
+    expect_equal(mesh.normals[2], {0, 0, 1});
+    EXPECT_EQ(mesh.uvs[0][1].x, 0);
+    EXPECT_EQ(warnings_with("triangles without area"), 1u);
+    EXPECT_EQ(warnings_with("normals without direction"), 2u);
+    EXPECT_EQ(warnings_with("that are not finite"), 1u);
+}
+
+}  // namespace
+}  // namespace fathom::test

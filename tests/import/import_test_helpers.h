@@ -1,0 +1,61 @@
+#pragma once
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "fathom/error.h"
+#include "fathom/load.h"
+
+namespace fathom::test {
+
+/// A folder of its own for each test, gone afterwards.
+class ImportTest : public ::testing::Test {
+protected:
+    void SetUp() override
+    {
+        const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+        folder_ = std::filesystem::temp_directory_path() / (std::string("fathom_") + info->test_suite_name() + '_' +
+                                                            info->name() + '_' + std::to_string(getpid()));
+        std::filesystem::create_directories(folder_);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    std::filesystem::path write(const std::string& name, const std::string& content)
+    {
+        const std::filesystem::path path = folder_ / name;
+        std::ofstream(path, std::ios::binary) << content;
+        return path;
+    }
+    SceneDescription load(const std::string& name, const std::string& content)
+    {
+        return load_scene(write(name, content), {}, warnings_);
+    }
+    /// What Error says after the file's name; "loaded" if it was.
+    std::string error_of(const std::string& name, const std::string& content) { return error_of(write(name, content)); }
+    std::string error_of(const std::filesystem::path& path)
+    {
+        try {
+            load_scene(path, {}, warnings_);
+        } catch (const Error& e) {
+            EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
+            EXPECT_EQ(e.file(), path.string());
+            return (e.place().empty() ? "" : e.place() + ": ") + e.message();
+        }
+        return "loaded";
+    }
+
+    std::filesystem::path folder_;
+    Warnings warnings_;
+};
+
+inline void expect_near(Vec3d a, Vec3d b, double tolerance = 1e-12)
+{
+    EXPECT_NEAR(a.x, b.x, tolerance);
+    EXPECT_NEAR(a.y, b.y, tolerance);
+    EXPECT_NEAR(a.z, b.z, tolerance);
+}
+
+}  // namespace fathom::test
