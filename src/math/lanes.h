@@ -30,8 +30,37 @@
 #if FATHOM_LANE_PAIRS
 #include "math/lanes_pair.h"
 #else
+// By name, since an argument of type float (the base build) finds no namespace by itself.
 namespace fathom::inline FATHOM_LANES {
-using namespace native;
+using native::lanes;
+using native::lanes_name;
+using native::Float;
+using native::UInt;
+using native::Mask;
+using native::load;
+using native::store;
+using native::iota;
+using native::mask_bits;
+using native::mask_from_bits;
+using native::first_lanes;
+using native::any;
+using native::none;
+using native::fma;
+using native::sqrt;
+using native::floor;
+using native::min;
+using native::max;
+using native::select;
+using native::float_bits;
+using native::bits_float;
+using native::to_float;
+using native::to_uint;
+using native::less;
+using native::gather;
+using native::compress_store;
+using native::reverse_bits;
+using native::lookup;
+using native::rotate16;
 }
 #endif
 

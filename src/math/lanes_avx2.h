@@ -165,7 +165,7 @@ inline UInt reverse_bits(UInt x)
                            _mm256_shuffle_epi8(high, _mm256_and_si256(_mm256_srli_epi16(y, 4), mask)));
 }
 
-/// A table of at most 32 floats that is read by index; `n` of them are in use. Small ones are held in registers.
+/// A table of 32 floats that is read by index, of which `n` are in use; any index is safe. Small ones are held in registers.
 inline Float lookup(const float* table, int n, UInt index)
 {
     const __m256 low = _mm256_permutevar8x32_ps(_mm256_loadu_ps(table), index.v);
@@ -174,7 +174,7 @@ inline Float lookup(const float* table, int n, UInt index)
         const __m256 high = _mm256_permutevar8x32_ps(_mm256_loadu_ps(table + 8), index.v);
         return _mm256_blendv_ps(low, high, _mm256_castsi256_ps(_mm256_slli_epi32(index.v, 28)));
     }
-    return _mm256_i32gather_ps(table, index.v, 4);
+    return _mm256_i32gather_ps(table, _mm256_and_si256(index.v, _mm256_set1_epi32(31)), 4);
 }
 inline UInt lookup(const std::uint32_t* table, int n, UInt index)
 {

@@ -61,9 +61,9 @@ inline UInt reverse_bits(UInt x)
     return (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
 }
 
-/// A table of at most 32 floats that is read by index; `n` of them are in use.
-inline Float lookup(const float* table, int, UInt index) { return table[index]; }
-inline UInt lookup(const std::uint32_t* table, int, UInt index) { return table[index]; }
+/// A table of 32 floats that is read by index, of which `n` are in use; any index is safe.
+inline Float lookup(const float* table, int, UInt index) { return table[index & 31]; }
+inline UInt lookup(const std::uint32_t* table, int, UInt index) { return table[index & 31]; }
 inline UInt rotate16(UInt x) { return x >> 16 | x << 16; }
 
 }  // namespace fathom::native
