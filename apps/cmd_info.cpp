@@ -71,7 +71,9 @@ ordered_json vector_json(Vec3d v) { return {v.x, v.y, v.z}; }
 ordered_json describe(const InfoOptions& o)
 {
     Warnings warnings;
-    SceneDescription scene = load_scene(o.scene.file, {o.scene.up_axis}, warnings);
+    LoadOptions load;
+    load.up_axis = o.scene.up_axis;
+    SceneDescription scene = load_scene(o.scene.file, load, warnings);
     ordered_json info;
     info["file"] = o.scene.file.string();
     info["load_s"] = seconds_since_start();

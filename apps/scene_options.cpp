@@ -139,7 +139,9 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     if (options.orbit_deg && (!options.camera.empty() || options.look_from || options.look_at))
         throw UsageError("--orbit: places the camera by itself; leave out --camera, --look-from and --look-at");
     LoadedScene loaded;
-    SceneDescription& scene = loaded.description = load_scene(options.file, {options.up_axis}, warnings);
+    LoadOptions load;
+    load.up_axis = options.up_axis;
+    SceneDescription& scene = loaded.description = load_scene(options.file, load, warnings);
     if (!options.environment.empty()) use_environment(scene, options.environment);
     if (!options.camera.empty()) world_camera(scene, options.camera);  // throws if there is none
     loaded.camera = options.camera;

@@ -20,6 +20,14 @@ set(FATHOM_ISA_FLAGS_base "")
 set(FATHOM_ISA_FLAGS_x86-64-v3 -march=x86-64-v3)
 # 512-bit registers must be asked for: compilers prefer 256 bits for code that they vectorise by themselves.
 set(FATHOM_ISA_FLAGS_x86-64-v4 -march=x86-64-v4 -mprefer-vector-width=512)
+# GCC 12 warns of the undefined operands that its own AVX-512 headers pass on purpose.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  set(FATHOM_KERNEL_FLAGS -Wno-uninitialized -Wno-maybe-uninitialized)
+endif()
+# Whether a lane type is a pair of registers: twice the independent instructions to hide latency with.
+set(FATHOM_ISA_PAIRS_base 0)
+set(FATHOM_ISA_PAIRS_x86-64-v3 1)
+set(FATHOM_ISA_PAIRS_x86-64-v4 1)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(FATHOM_ISAS base x86-64-v3 x86-64-v4)
 else()

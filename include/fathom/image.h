@@ -23,6 +23,7 @@ struct Image {
         std::vector<std::uint32_t> values;  ///< width * height
     };
     int width = 0, height = 0;
+    bool is_linear = false;  ///< of a picture that was read: its values are radiance (EXR, HDR), not encoded
     std::vector<Layer> layers;
     std::vector<UintChannel> uint_channels;
     std::map<std::string, std::string> attributes;  ///< settings, seed, timings: kept by EXR

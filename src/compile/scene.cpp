@@ -1,22 +1,119 @@
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+
+#include "compile/compiler.h"
+#include "compile/fingerprint.h"
+#include "compile/scene_data.h"
 #include "fathom/error.h"
-#include "fathom/render.h"
+#include "scene/check.h"
 
 namespace fathom {
 
-struct Scene::Data {
-    SceneStatistics statistics;
-    Camera camera;
-};
+namespace {
 
-Scene Scene::compile(const SceneDescription& description, const std::string&, Warnings&)
+/// Around the camera, so that what is near it keeps its precision; scaled so that the scene's radius is 512 to 1024.
+RenderSpace make_render_space(const SceneDescription& scene, const Camera& camera)
 {
+    RenderSpace space;
+    const Bounds bounds = world_bounds(scene);
+    space.origin = camera.position;
+    if (bounds.empty) return space;
+    double radius = 0;
+    for (int i = 0; i < 8; ++i) {
+        const Vec3d corner{i & 1 ? bounds.max.x : bounds.min.x, i & 2 ? bounds.max.y : bounds.min.y,
+                           i & 4 ? bounds.max.z : bounds.min.z};
+        radius = std::max(radius, length(corner - space.origin));
+    }
+    if (radius > 0 && std::isfinite(radius)) space.scale = std::exp2(9 - std::floor(std::log2(radius)));
+    return space;
+}
+
+SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kernel)
+{
+    SceneStatistics s;
+    s.triangles = tables.world_triangles;
+    for (const InstanceTable& instance : tables.instances) {
+        const std::uint32_t first = tables.shapes[instance.mesh_shape].first_primitive;
+        std::uint32_t end = first;
+        while (end < tables.first_quad() && tables.shape_of_primitive[end] == instance.mesh_shape) ++end;
+        s.triangles += end - first;
+    }
+    s.primitives = tables.primitive_count();
+    s.instances = tables.instances.size();
+    s.lights = tables.lights.size();
+    const auto bytes = [](const auto& v) { return v.size() * sizeof(v[0]); };
+    s.memory_bytes = bytes(tables.positions) + bytes(tables.normals) + bytes(tables.tangents) + bytes(tables.colors) +
+                     bytes(tables.uv0) + bytes(tables.uv1) + bytes(tables.triangles) + bytes(tables.quads) +
+                     bytes(tables.shape_of_primitive) + bytes(tables.texels) + bytes(tables.lights) + kernel.memory_bytes();
+    return s;
+}
+
+void put(float* to, Vec3d v) { to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z); }
+
+}  // namespace
+
+Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings)
+{
+    const auto start = std::chrono::steady_clock::now();
+    check_scene(description);
     Scene scene;
     scene.data_ = std::make_shared<Data>();
-    if (!description.cameras.empty()) scene.data_->camera = description.cameras[0];
+    scene.data_->camera = world_camera(description, camera);
+
+    auto tables = std::make_shared<SceneTables>();
+    Compiler compiler{description, make_render_space(description, scene.data_->camera), *tables, warnings};
+    tables->origin = compiler.space.origin;
+    tables->render_scale = compiler.space.scale;
+    compile_materials(compiler);
+    const Placed placed = place(description, compiler.space);
+    compile_geometry(compiler, placed.shapes);
+    compile_lights(compiler, placed.lights);
+    tables->shutter_open = float(scene.data_->camera.shutter_open);
+    tables->shutter_close = float(scene.data_->camera.shutter_close);
+
+    scene.data_->fingerprint = fingerprint(*tables);
+    scene.data_->tables = tables;
+    scene.data_->kernel = make_kernel_scene(tables);
+    scene.data_->statistics = statistics_of(*tables, *scene.data_->kernel);
+    scene.data_->statistics.build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return scene;
 }
+
 const SceneStatistics& Scene::statistics() const { return data_->statistics; }
 const Camera& Scene::camera() const { return data_->camera; }
 void Scene::set_camera(const Camera& camera) { data_->camera = camera; }
+
+CameraTable Scene::Data::camera_table(int width, int height) const
+{
+    const double scale = tables->render_scale;
+    CameraTable t;
+    const Vec3d forward = normalize(camera.look_at - camera.position);
+    Vec3d right = cross(forward, camera.up);
+    // Looking along `up`: any other direction will do.
+    if (length(right) < 1e-9 * length(camera.up)) right = cross(forward, std::abs(forward.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1});
+    right = normalize(right);
+    put(t.position, (camera.position - tables->origin) * scale);
+    put(t.right, right), put(t.up, cross(right, forward)), put(t.forward, forward);
+    t.orthographic = camera.kind == CameraKind::orthographic;
+    const double half_height = t.orthographic ? camera.height / 2 * scale : std::tan(camera.fov_y / 2);
+    t.half_height = float(half_height);
+    t.half_width = float(half_height * width / height);
+    t.lens_radius = float(camera.aperture / 2 * scale);
+    const double focus = camera.focus_distance > 0 ? camera.focus_distance : length(camera.look_at - camera.position);
+    t.focus_distance = float(focus * scale);
+    t.shutter_open = float(camera.shutter_open);
+    t.shutter_close = float(camera.shutter_close);
+    return t;
+}
+
+std::string Scene::Data::key(int width, int height) const
+{
+    const CameraTable table = camera_table(width, height);
+    Fingerprint f;
+    f.add(&table, sizeof table);
+    return fmt::format("{:016x}{:016x}", fingerprint, f.value());
+}
 
 }  // namespace fathom

@@ -159,6 +159,7 @@ Image read_exr(const EncodedImage& file)
     for (auto a = header.begin(); a != header.end(); ++a)
         if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
             image.attributes[a.name()] = text->value();
+    image.is_linear = true;
     return image;
 }
 

@@ -153,6 +153,7 @@ Image read_hdr(const EncodedImage& file)
             for (int c = 0; c < 3; ++c) *out++ = float(code[c]) * scale;
         }
     }
+    image.is_linear = true;
     return image;
 }
 

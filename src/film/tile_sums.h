@@ -1,70 +1,41 @@
 #pragma once
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
+#include "film/exact_sum.h"
+
 namespace fathom {
 
-/// Exact sums of floats: 128-bit fixed point, so that neither order nor grouping changes them.
-///
-/// A value is first rounded to a multiple of 2^-36 (half to even): 1.5e-11, far below the noise of any picture whose values
-/// matter. Values up to 2^60 are summed exactly; larger ones are cut there.
-struct ExactSum {
-    static constexpr int fraction_bits = 36;
-    std::uint64_t low = 0;
-    std::int64_t high = 0;
-
-    void add(std::int64_t value)
-    {
-        const std::uint64_t before = low;
-        low += std::uint64_t(value);
-        high += (value >> 63) + (low < before ? 1 : 0);
-    }
-    void add(const ExactSum& other)
-    {
-        const std::uint64_t before = low;
-        low += other.low;
-        high += other.high + (low < before ? 1 : 0);
-    }
-    /// Any finite double, slowly.
-    void add_any(double value)
-    {
-        const double cut = std::fmin(std::fmax(value, -0x1p60), 0x1p60);
-        const double scaled = std::nearbyint(std::ldexp(cut, fraction_bits));
-        const double upper = std::floor(std::ldexp(scaled, -52));
-        const double lower = scaled - std::ldexp(upper, 52);  // exact: in [0, 2^52)
-        ExactSum sum;
-        const auto u = std::int64_t(upper);
-        sum.low = (std::uint64_t(u) << 52) + std::uint64_t(lower);
-        sum.high = (u >> 12) + (sum.low < (std::uint64_t(u) << 52) ? 1 : 0);
-        add(sum);
-    }
-    double value() const
-    {
-        return std::ldexp(double(high), 64 - fraction_bits) + std::ldexp(double(low), -fraction_bits);
-    }
-    friend bool operator==(const ExactSum&, const ExactSum&) = default;
+/// Where a film keeps what it sums per pixel; -1: not wanted. See FilmLayout.
+struct AovPlaces {
+    int alpha = -1, albedo = -1, normal = -1, depth = -1, position = -1, hits = -1, ids = -1;
+    bool any() const { return alpha >= 0 || albedo >= 0 || normal >= 0 || depth >= 0 || position >= 0 || ids >= 0; }
 };
 
-/// Sums over the samples of one job, per pixel: `width` values and their squares.
+/// Sums over the samples of one job, pixel by pixel: radiance, its square, and what the first hits show.
 ///
-/// Fast while values stay below 128, which pictures mostly do; the others take the slow way into the same sums.
+/// Fast while radiance stays below 128, which it mostly does; larger values are kept apart and summed one by one.
 class TileSums {
 public:
-    static constexpr double magic = 0x1.8p52 / (std::uint64_t(1) << ExactSum::fraction_bits);
+    static constexpr double magic = 0x1.8p52 / double(std::uint64_t(1) << ExactSum::fraction_bits);
 
-    void reset(std::size_t pixels)
+    /// words  of a pixel in the film
+    void reset(std::size_t pixels, std::size_t words)
     {
         fast_.assign(pixels, {});
         slow_.clear();
+        words_per_pixel_ = words;
+        first_hits_.clear();
         dropped = 0;
     }
 
     /// Adds one sample's radiance and its square. NaN and infinity are dropped and counted.
     void add(std::uint32_t pixel, float r, float g, float b)
     {
+        if (keep_values) [[unlikely]]
+            value[0] = r, value[1] = g, value[2] = b;
         const double v[4] = {r, g, b, 0};
         if (std::fabs(v[0]) < 128 && std::fabs(v[1]) < 128 && std::fabs(v[2]) < 128) [[likely]] {
             // Adding 1.5 * 2^52 units leaves the value, rounded to units, in the low bits of the double.
@@ -78,6 +49,32 @@ public:
         add_slow(pixel, r, g, b);
     }
 
+    /// Adds to another sum of the film, by its place there.
+    void add_first_hit(std::uint32_t pixel, int place, float number)
+    {
+        if (std::isfinite(number)) ExactSum::add_number(first_hit(pixel) + std::size_t(place) * ExactSum::words, number);
+    }
+    /// Keeps the ids of the lowest sample.
+    void set_ids(std::uint32_t pixel, int word, std::uint32_t sample, std::uint32_t instance, std::uint32_t material)
+    {
+        std::uint32_t* ids = first_hit(pixel) + word;
+        if (sample < ids[0] || ids[3] == 0) ids[0] = sample, ids[1] = instance, ids[2] = material, ids[3] = 1;
+    }
+
+    /// Adds everything to the film's words of a pixel. ids: the film's word of ids, or -1.
+    void add_to(std::uint32_t pixel, std::uint32_t* film, int sums, int ids) const
+    {
+        for (int c = 0; c < 3; ++c) {
+            ExactSum::add(film + c * ExactSum::words, fast_[pixel].sum[c]);
+            ExactSum::add(film + (3 + c) * ExactSum::words, fast_[pixel].square[c]);
+        }
+        if (first_hits_.empty()) return;
+        const std::uint32_t* from = &first_hits_[pixel * (words_per_pixel_ + 1)];
+        for (int s = 6; s < sums; ++s) ExactSum::add(film + s * ExactSum::words, from + s * ExactSum::words);
+        if (ids >= 0 && from[ids + 3] && from[ids] < film[ids])
+            for (int i = 0; i < 3; ++i) film[ids + i] = from[ids + i];
+    }
+
     struct Fast {
         std::int64_t sum[4] = {}, square[4] = {};
     };
@@ -88,6 +85,9 @@ public:
     const std::vector<Fast>& fast() const { return fast_; }
     const std::vector<Slow>& slow() const { return slow_; }
     std::uint64_t dropped = 0;
+    /// Keeps the last sample as it came, NaN included: to replay one.
+    bool keep_values = false;
+    float value[3] = {};
 
 private:
     void add_slow(std::uint32_t pixel, float r, float g, float b)
@@ -97,9 +97,16 @@ private:
         else
             ++dropped;
     }
+    std::uint32_t* first_hit(std::uint32_t pixel)
+    {
+        if (first_hits_.empty()) first_hits_.resize(fast_.size() * (words_per_pixel_ + 1));
+        return &first_hits_[pixel * (words_per_pixel_ + 1)];
+    }
 
     std::vector<Fast> fast_;
     std::vector<Slow> slow_;
+    std::size_t words_per_pixel_ = 0;
+    std::vector<std::uint32_t> first_hits_;  ///< words a pixel, and one that says whether there are ids
 };
 
 }  // namespace fathom

@@ -93,6 +93,4 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
     return scene;
 }
 
-Completed complete_scene(SceneDescription&, const CompleteOptions&) { return {}; }
-
 }  // namespace fathom

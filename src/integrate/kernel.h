@@ -18,25 +18,29 @@ public:
     virtual std::size_t memory_bytes() const = 0;
 };
 
+/// What the camera sees where there is nothing, instead of the environment.
+struct KernelBackground {
+    bool given = false;
+    SpectrumTable radiance{};
+};
+
 struct KernelSettings {
     int width = 0, height = 0;
     std::uint32_t seed = 0;
     int max_depth = -1, roulette_depth = 5;
     bool light_sampling = true;
     std::uint32_t filter = 0;  ///< Filter
-    bool aovs = false;
+    AovPlaces aovs;
+    KernelBackground background;
+    std::size_t film_words = 0;  ///< 32-bit words of a pixel in the film
 };
 
-/// A pixel's first-hit values of one sample, summed beside its radiance.
-struct AovValues {
-    static constexpr int count = 12;  ///< albedo 3, normal 3, depth, position 3, alpha, hits
-};
-
-/// Samples [first_sample, last_sample) of some pixels.
+/// Samples first_sample and on of some pixels: at most max_job_pixels, and max_job_samples in all.
+inline constexpr std::uint32_t max_job_pixels = 1u << 14, max_job_samples = 1u << 20;
 struct KernelJob {
     const std::uint32_t* pixels = nullptr;  ///< x in the low 16 bits, y above, of each
     std::uint32_t pixel_count = 0;
-    std::uint32_t first_sample = 0, last_sample = 0;
+    std::uint32_t first_sample = 0, samples = 0;  ///< of each pixel
 };
 
 struct KernelCounters {

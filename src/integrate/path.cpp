@@ -25,7 +25,7 @@ public:
                TileSums& sums, KernelCounters& counters)
         : scene_(scene), tables_(scene.tables), camera_(camera), settings_(settings), job_(job), sums_(sums), counters_(counters)
     {
-        samples_ = job.last_sample - job.first_sample;
+        samples_ = job.samples;
         has_time_ = tables_.moving;
     }
 

@@ -83,7 +83,8 @@ struct TextureTable {
 };
 
 struct MaterialTable {
-    enum Flags : std::uint32_t { textured = 1, normal_mapped = 2, vertex_colored = 4, emits = 8, two_sided_emission = 16 };
+    enum Flags : std::uint32_t { textured = 1, normal_mapped = 2, vertex_colored = 4, emits = 8, two_sided_emission = 16,
+                 unlit = 32 /* shows its emission, but lights nothing */ };
     std::uint32_t bsdf = 0;  ///< BsdfKind
     std::uint32_t flags = 0;
     SpectrumTable base_color{};
@@ -131,9 +132,6 @@ struct EnvironmentTable {
     int width = 0, height = 0;
     /// Image: cumulative distributions for sampling, rows then columns: (height + 1) and height * (width + 1) floats.
     std::vector<float> marginal, conditional;
-    /// What the camera sees instead, if anything: --background.
-    std::uint32_t has_background = 0;
-    SpectrumTable background{};
 };
 
 // ------------------------------------------------------------------------------------------------ camera
@@ -168,7 +166,7 @@ struct SceneTables {
     std::vector<LightTable> lights;
     std::vector<float> light_cdf;  ///< lights + 1 values, 0 to 1
     EnvironmentTable environment;
-    CameraTable camera;
+    float shutter_open = 0, shutter_close = 0;  ///< of the camera that the scene was compiled for
     Vec3d origin;             ///< world position of render space's origin
     double render_scale = 1;  ///< render units per world unit: a power of two
     bool moving = false;

@@ -1,14 +1,204 @@
 #include "fathom/render.h"
 
+#include <algorithm>
+#include <chrono>
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "compile/scene_data.h"
+#include "fathom/error.h"
+#include "film/film_data.h"
+#include "integrate/kernel.h"
+
 namespace fathom {
 
-bool render(const Scene&, const RenderSettings&, SampleRange, Film&, const std::atomic<bool>*,
-            const std::function<void(const Progress&, const Film&)>&)
+namespace {
+
+/// A job per task: enough samples to keep the kernel's pool full most of the time, few enough to balance the threads.
+constexpr std::uint64_t samples_per_job = 1u << 15;
+/// Passes last about this long, so that progress is seen and an interrupt is soon obeyed.
+constexpr double pass_s = 0.4;
+
+KernelSettings kernel_settings(const RenderSettings& s, const Film::Data& film)
 {
+    KernelSettings k;
+    k.width = s.width;
+    k.height = s.height;
+    k.seed = s.seed;
+    k.max_depth = s.max_depth;
+    k.roulette_depth = s.roulette_depth;
+    k.light_sampling = s.light_sampling;
+    k.filter = std::uint32_t(s.filter);
+    k.aovs = film.layout;
+    k.film_words = std::size_t(film.layout.words);
+    k.background.given = s.background.has_value();
+    if (s.background) k.background.radiance = {s.background->r, s.background->g, s.background->b};
+    return k;
+}
+
+/// Squares of pixels, row by row.
+class Tiles {
+public:
+    Tiles(Crop crop, int size) : crop_(crop), size_(size)
+    {
+        columns_ = (crop.x1 - crop.x0 + size - 1) / size;
+        rows_ = (crop.y1 - crop.y0 + size - 1) / size;
+    }
+    std::size_t count() const { return std::size_t(columns_) * std::size_t(rows_); }
+    /// x in the low 16 bits, y above; in Morton order, so that neighbours in the list are neighbours in the picture.
+    void pixels(std::size_t tile, std::vector<std::uint32_t>& list) const
+    {
+        list.clear();
+        const int x0 = crop_.x0 + int(tile % std::size_t(columns_)) * size_;
+        const int y0 = crop_.y0 + int(tile / std::size_t(columns_)) * size_;
+        for (std::uint32_t code = 0; code < std::uint32_t(size_ * size_); ++code) {
+            const int x = x0 + even_bits(code), y = y0 + even_bits(code >> 1);
+            if (x < crop_.x1 && y < crop_.y1) list.push_back(std::uint32_t(y) << 16 | std::uint32_t(x));
+        }
+    }
+
+private:
+    static int even_bits(std::uint32_t code)
+    {
+        int bits = 0;
+        for (int i = 0; i < 16; ++i) bits |= int(code >> (2 * i) & 1) << i;
+        return bits;
+    }
+    Crop crop_;
+    int size_, columns_, rows_;
+};
+
+/// The power of two with which a job has about samples_per_job samples, but every thread several jobs.
+int tile_size(Crop crop, std::uint64_t samples, int threads)
+{
+    int size = 4;
+    const auto jobs = [&](int s) {
+        return std::uint64_t((crop.x1 - crop.x0 + s - 1) / s) * std::uint64_t((crop.y1 - crop.y0 + s - 1) / s);
+    };
+    while (size < 128 && std::uint64_t(4 * size * size) * samples <= samples_per_job &&
+           jobs(2 * size) >= std::uint64_t(8 * threads))
+        size *= 2;
+    return size;
+}
+
+struct Worker {
+    std::vector<std::uint32_t> pixels;
+    TileSums sums;
+    KernelCounters counters;
+    std::uint64_t dropped = 0;
+};
+using Workers = tbb::enumerable_thread_specific<Worker>;
+
+void add_to_film(const Worker& worker, Film::Data& film)
+{
+    const auto film_index = [&](std::uint32_t pixel) {
+        return std::size_t(worker.pixels[pixel] >> 16) * std::size_t(film.width) + (worker.pixels[pixel] & 0xffff);
+    };
+    for (std::uint32_t i = 0; i < worker.pixels.size(); ++i)
+        worker.sums.add_to(i, film.pixel(film_index(i)), film.layout.sums, film.layout.ids);
+    for (const TileSums::Slow& slow : worker.sums.slow()) {
+        std::uint32_t* sums = film.pixel(film_index(slow.pixel));
+        for (int c = 0; c < 3; ++c) {
+            ExactSum::add_number(sums + c * ExactSum::words, slow.value[c]);
+            ExactSum::add_number(sums + (3 + c) * ExactSum::words, double(slow.value[c]) * slow.value[c]);
+        }
+    }
+}
+
+void check(const RenderSettings& s, SampleRange range)
+{
+    if (s.width < 1 || s.height < 1 || s.width > 65535 || s.height > 65535)
+        throw Error("", "", fmt::format("a picture of {}x{} can't be rendered: 1x1 to 65535x65535 can", s.width, s.height));
+    if (range.second > (std::uint64_t(1) << 32))
+        throw Error("", "", "sample indices end at 4294967296");
+    if (s.crop && (s.crop->x0 < 0 || s.crop->y0 < 0 || s.crop->x1 > s.width || s.crop->y1 > s.height ||
+                   s.crop->x0 >= s.crop->x1 || s.crop->y0 >= s.crop->y1))
+        throw Error("", "", "the crop is empty or not inside the picture");
+}
+
+}  // namespace
+
+bool render(const Scene& scene, const RenderSettings& settings, SampleRange range, Film& film,
+            const std::atomic<bool>* cancel, const std::function<void(const Progress&, const Film&)>& on_pass)
+{
+    check(settings, range);
+    Film::Data& data = film.data();
+    const Scene::Data& compiled = scene.data();
+    const std::string scene_key = compiled.key(settings.width, settings.height);
+    if (!data.samples.empty() && data.scene_key != scene_key)
+        throw Error("", "", "the film holds another scene or camera");
+    data.scene_key = scene_key;
+    const KernelSettings kernel = kernel_settings(settings, data);
+    const CameraTable camera = compiled.camera_table(settings.width, settings.height);
+    const Crop crop = settings.crop.value_or(Crop{0, 0, settings.width, settings.height});
+    const int threads = settings.threads > 0 ? settings.threads : tbb::this_task_arena::max_concurrency();
+    tbb::task_arena arena(threads);
+    Workers workers;
+
+    Progress progress;
+    const std::uint64_t pixels = std::uint64_t(crop.x1 - crop.x0) * std::uint64_t(crop.y1 - crop.y0);
+    progress.samples_total = pixels * (range.second - range.first);
+    std::uint64_t next = range.first, pass = std::max<std::uint64_t>(1, 2000000 / pixels);
+    while (next < range.second) {
+        if (cancel && *cancel) return false;
+        const auto start = std::chrono::steady_clock::now();
+        const std::uint64_t end = std::min(range.second, next + std::min<std::uint64_t>(pass, 1024));
+        const Tiles tiles(crop, tile_size(crop, end - next, threads));
+        arena.execute([&] {
+            tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.count(), 1), [&](const auto& block) {
+                Worker& worker = workers.local();
+                for (std::size_t tile = block.begin(); tile != block.end(); ++tile) {
+                    tiles.pixels(tile, worker.pixels);
+                    worker.sums.reset(worker.pixels.size(), kernel.film_words);
+                    const KernelJob job{worker.pixels.data(), std::uint32_t(worker.pixels.size()), std::uint32_t(next),
+                                        std::uint32_t(end - next)};
+                    render_job(*compiled.kernel, camera, kernel, job, worker.sums, worker.counters);
+                    worker.dropped += worker.sums.dropped;
+                    add_to_film(worker, data);
+                }
+            }, tbb::simple_partitioner());
+        });
+        data.add_range({next, end});
+        progress.samples_done += pixels * (end - next);
+        progress.rays = 0;
+        for (Worker& worker : workers) {
+            progress.rays += worker.counters.rays;
+            data.dropped += worker.dropped;
+            worker.dropped = 0;
+        }
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        pass = std::max<std::uint64_t>(1, std::uint64_t(double(end - next) * std::min(pass_s / std::max(seconds, 1e-4), 8.0)));
+        next = end;
+        if (on_pass) on_pass(progress, film);
+    }
     return true;
 }
-Color render_sample(const Scene&, const RenderSettings&, int, int, std::uint64_t) { return {}; }
-int simd_width() { return 1; }
-const char* simd_name() { return "base"; }
+
+Color render_sample(const Scene& scene, const RenderSettings& settings, int x, int y, std::uint64_t sample_index)
+{
+    RenderSettings one = settings;
+    one.crop = Crop{x, y, x + 1, y + 1};
+    one.aovs.clear();
+    check(one, {sample_index, sample_index + 1});
+    RenderSettings pixel_settings;
+    pixel_settings.width = pixel_settings.height = 1;
+    const Film film(pixel_settings);
+    const KernelSettings kernel = kernel_settings(one, film.data());
+    const CameraTable camera = scene.data().camera_table(settings.width, settings.height);
+    const std::uint32_t pixel = std::uint32_t(y) << 16 | std::uint32_t(x);
+    TileSums sums;
+    sums.reset(1, kernel.film_words);
+    sums.keep_values = true;
+    KernelCounters counters;
+    render_job(*scene.data().kernel, camera, kernel, {&pixel, 1, std::uint32_t(sample_index), 1}, sums, counters);
+    const float* v = sums.value;
+    return {v[0], v[1], v[2]};
+}
+
+int simd_width() { return kernel_lanes(); }
+const char* simd_name() { return kernel_name(); }
 
 }  // namespace fathom

@@ -1,0 +1,44 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "compile/render_space.h"
+#include "fathom/load.h"
+#include "fathom/render.h"
+#include "integrate/tables.h"
+
+namespace fathom {
+
+/// A shape where a node puts it.
+struct PlacedShape {
+    const Shape* shape;
+    Transform render_from_node;
+    std::uint32_t object_id;
+};
+/// A light of a node.
+struct PlacedLight {
+    const Light* light;
+    Transform render_from_node;
+};
+struct Placed {
+    std::vector<PlacedShape> shapes;
+    std::vector<PlacedLight> lights;
+};
+
+/// What all steps of compiling share.
+struct Compiler {
+    const SceneDescription& scene;
+    RenderSpace space;
+    SceneTables& tables;
+    Warnings& warnings;
+};
+
+/// Walks the nodes; a node reached twice is placed twice.
+Placed place(const SceneDescription& scene, const RenderSpace& space);
+void compile_materials(Compiler& c);
+/// Fills vertices, triangles, quads, spheres, disks, shapes and instances. Materials must be there.
+void compile_geometry(Compiler& c, const std::vector<PlacedShape>& shapes);
+/// Fills the lights: emissive primitives, lights of nodes, the environment. Geometry must be there.
+void compile_lights(Compiler& c, const std::vector<PlacedLight>& lights);
+
+}  // namespace fathom

@@ -1,0 +1,223 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "compile/compiler.h"
+
+namespace fathom {
+
+namespace {
+
+SpectrumTable spectrum(Color c) { return {c.r, c.g, c.b}; }
+double luminance(const float* c) { return 0.2126 * double(c[0]) + 0.7152 * double(c[1]) + 0.0722 * double(c[2]); }
+void put(float* to, Vec3d v) { to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z); }
+
+class LightCompiler {
+public:
+    explicit LightCompiler(Compiler& c) : c_(c), t_(c.tables) {}
+
+    void run(const std::vector<PlacedLight>& lights)
+    {
+        scene_radius_ = radius();
+        for (ShapeTable& shape : t_.shapes) add_emissive(shape);
+        for (const PlacedLight& light : lights) add_light(light);
+        add_environment();
+        make_distribution();
+    }
+
+private:
+    double radius() const
+    {
+        double r = 1;
+        for (const Vec3f& p : t_.positions) r = std::max(r, length(to_double(p)));
+        for (const QuadTable& q : t_.quads) r = std::max(r, length(to_double(q.corner)));
+        for (const SphereTable& s : t_.spheres) r = std::max(r, length(to_double(s.center)) + std::abs(double(s.radius)));
+        return r;
+    }
+
+    /// One light per primitive of a shape that emits.
+    void add_emissive(ShapeTable& shape)
+    {
+        const std::uint32_t shape_index = std::uint32_t(&shape - t_.shapes.data());
+        const MaterialTable& material = t_.materials[shape.material];
+        if (!(material.flags & MaterialTable::emits) || (material.flags & MaterialTable::unlit)) return;
+        shape.light_base = std::uint32_t(t_.lights.size());
+        for (std::uint32_t p = shape.first_primitive;
+             p < t_.primitive_count() && t_.shape_of_primitive[p] == shape_index; ++p) {
+            LightTable light = primitive_light(p, shape.flags & ShapeTable::flipped);
+            light.primitive = p;
+            light.material = material.emission_texture != no_index ? shape.material : no_index;
+            light.two_sided = (material.flags & MaterialTable::two_sided_emission) != 0;
+            std::copy(material.emission.begin(), material.emission.end(), light.radiance);
+            // Power; a texture is taken for half as bright as its factor.
+            add(light, luminance(light.radiance) * light.area * std::numbers::pi * (light.two_sided ? 2 : 1));
+        }
+    }
+
+    LightTable primitive_light(std::uint32_t p, bool flipped) const
+    {
+        LightTable light;
+        const double side = flipped ? -1 : 1;
+        if (p < t_.first_quad()) {
+            const std::uint32_t* v = &t_.triangles[3 * std::size_t(p)];
+            const Vec3d a = to_double(t_.positions[v[0]]), u = to_double(t_.positions[v[1]]) - a,
+                        w = to_double(t_.positions[v[2]]) - a;
+            const Vec3d n = cross(u, w);
+            light.kind = std::uint32_t(LightTableKind::triangle);
+            put(light.position, a), put(light.edge_u, u), put(light.edge_v, w);
+            put(light.normal, normalize(n) * side);
+            light.area = float(length(n) / 2);
+        } else if (p < t_.first_sphere()) {
+            const QuadTable& q = t_.quads[p - t_.first_quad()];
+            const Vec3d u = to_double(q.edge_u), v = to_double(q.edge_v), n = cross(u, v);
+            const bool right_angle = std::abs(dot(u, v)) <= 1e-6 * length(u) * length(v);
+            light.kind = std::uint32_t(right_angle ? LightTableKind::rectangle : LightTableKind::parallelogram);
+            put(light.position, to_double(q.corner));
+            put(light.edge_u, right_angle ? normalize(u) : u), put(light.edge_v, right_angle ? normalize(v) : v);
+            put(light.normal, normalize(n) * side);
+            light.length_u = float(length(u)), light.length_v = float(length(v));
+            light.area = float(length(n));
+        } else if (p < t_.first_disk()) {
+            const SphereTable& s = t_.spheres[p - t_.first_sphere()];
+            light.kind = std::uint32_t(LightTableKind::sphere);
+            put(light.position, to_double(s.center)), put(light.motion, to_double(s.motion));
+            light.radius = s.radius;
+            light.area = float(4 * std::numbers::pi * double(s.radius) * double(s.radius));
+        } else {
+            const DiskTable& d = t_.disks[p - t_.first_disk()];
+            light.kind = std::uint32_t(LightTableKind::disk);
+            put(light.position, to_double(d.center)), put(light.normal, to_double(d.normal));
+            light.radius = d.radius;
+            light.area = float(std::numbers::pi * double(d.radius) * double(d.radius));
+        }
+        return light;
+    }
+
+    void add_light(const PlacedLight& placed)
+    {
+        const Light& l = *placed.light;
+        LightTable light;
+        light.two_sided = 1;
+        const SpectrumTable intensity = spectrum(l.intensity);
+        std::copy(intensity.begin(), intensity.end(), light.radiance);
+        put(light.position, placed.render_from_node.point({0, 0, 0}));
+        put(light.edge_u, normalize(placed.render_from_node.vector({0, 0, -1})));
+        if (l.kind == LightKind::directional) {
+            light.kind = std::uint32_t(LightTableKind::directional);
+            put(light.position, {0, 0, 0});
+            if (l.angle > 0) {
+                // Irradiance E of a disk of half angle a at normal incidence is its radiance times pi sin^2 a.
+                const double half = std::min(l.angle / 2, std::numbers::pi / 2), s = std::sin(half);
+                light.radius = float(2 * std::sin(half / 2) * std::sin(half / 2));
+                for (float& r : light.radiance) r = float(r / (std::numbers::pi * s * s));
+            }
+            add(light, luminance(intensity.data()) * std::numbers::pi * scene_radius_ * scene_radius_);
+            return;
+        }
+        // Intensity is per world unit squared of distance; render space is scaled.
+        for (float& r : light.radiance) r = float(r * c_.space.scale * c_.space.scale);
+        light.kind = std::uint32_t(l.kind == LightKind::spot ? LightTableKind::spot : LightTableKind::point);
+        light.cos_inner = float(std::cos(l.inner_angle));
+        light.cos_outer = float(std::cos(l.outer_angle));
+        add(light, luminance(light.radiance) * 4 * std::numbers::pi);
+    }
+
+    void add_environment()
+    {
+        const Environment& e = c_.scene.environment;
+        EnvironmentTable& t = t_.environment;
+        t.kind = std::uint32_t(e.kind);
+        t.color = spectrum(e.color);
+        t.bottom = spectrum(e.bottom);
+        t.top = spectrum(e.top);
+        if (e.kind == EnvironmentKind::none) return;
+        const Transform inverse = e.world_from_environment.inverse();
+        for (std::size_t i = 0; i < 9; ++i) t.environment_from_render[i] = float(inverse.m[i / 3][i % 3]);
+        double mean = 0;
+        switch (e.kind) {
+            case EnvironmentKind::constant: mean = luminance(t.color.data()); break;
+            case EnvironmentKind::gradient: mean = (luminance(t.bottom.data()) + luminance(t.top.data())) / 2; break;
+            case EnvironmentKind::image: mean = make_environment_distribution(); break;
+            case EnvironmentKind::none: break;
+        }
+        if (mean <= 0) return;
+        t.light = std::uint32_t(t_.lights.size());
+        LightTable light;
+        light.kind = std::uint32_t(LightTableKind::environment);
+        light.two_sided = 1;
+        add(light, mean * std::numbers::pi * 4 * std::numbers::pi * scene_radius_ * scene_radius_ / 4);
+    }
+
+    /// Cumulative distributions over rows and, within a row, pixels, by luminance times the solid angle. Bilinear lookup
+    /// spreads a pixel's light over its neighbours, so each cell has the mean of the 3x3 around it. Returns mean radiance.
+    double make_environment_distribution()
+    {
+        EnvironmentTable& t = t_.environment;
+        const int w = t.width, h = t.height;
+        const auto value = [&](int x, int y) {
+            x = (x + w) % w;
+            y = std::clamp(y, 0, h - 1);
+            const float* texel = &t_.texels[(t.texels + std::uint64_t(y) * std::uint64_t(w) + std::uint64_t(x)) * 4];
+            const float c[3] = {texel[0] * t.color[0], texel[1] * t.color[1], texel[2] * t.color[2]};
+            return std::max(0.0, luminance(c));
+        };
+        t.marginal.assign(std::size_t(h) + 1, 0);
+        t.conditional.assign(std::size_t(h) * std::size_t(w + 1), 0);
+        std::vector<double> rows(std::size_t(h) + 1);
+        double weight = 0;
+        for (int y = 0; y < h; ++y) {
+            const double sine = std::sin((y + 0.5) * std::numbers::pi / h);
+            std::vector<double> sum(std::size_t(w) + 1);
+            for (int x = 0; x < w; ++x) {
+                double v = 0;
+                for (int dy = -1; dy <= 1; ++dy)
+                    for (int dx = -1; dx <= 1; ++dx) v += value(x + dx, y + dy) / 9;
+                sum[std::size_t(x) + 1] = sum[std::size_t(x)] + v;
+            }
+            float* row = &t.conditional[std::size_t(y) * std::size_t(w + 1)];
+            for (int x = 0; x <= w; ++x)
+                row[x] = sum[std::size_t(w)] > 0 ? float(sum[std::size_t(x)] / sum[std::size_t(w)]) : float(x) / float(w);
+            rows[std::size_t(y) + 1] = rows[std::size_t(y)] + sum[std::size_t(w)] * sine;
+            weight += sine * w;
+        }
+        const double total = rows[std::size_t(h)];
+        for (int y = 0; y <= h; ++y)
+            t.marginal[std::size_t(y)] = total > 0 ? float(rows[std::size_t(y)] / total) : float(y) / float(h);
+        return total / weight;
+    }
+
+    void add(const LightTable& light, double power)
+    {
+        t_.lights.push_back(light);
+        powers_.push_back(power);
+    }
+
+    /// Lights are chosen by power, but none with less than a hundredth of the mean.
+    void make_distribution()
+    {
+        double total = 0;
+        for (double p : powers_) total += p;
+        const double floor = powers_.empty() ? 0 : 0.01 * total / double(powers_.size());
+        double sum = 0;
+        for (double& p : powers_) sum += p = std::max(p, floor);
+        t_.light_cdf.assign(1, 0);
+        double running = 0;
+        for (std::size_t i = 0; i < powers_.size(); ++i) {
+            running += powers_[i];
+            t_.light_cdf.push_back(sum > 0 ? float(running / sum) : float(i + 1) / float(powers_.size()));
+            // The probability that the float table gives, not the one that was meant.
+            t_.lights[i].pmf = t_.light_cdf[i + 1] - t_.light_cdf[i];
+        }
+    }
+
+    Compiler& c_;
+    SceneTables& t_;
+    std::vector<double> powers_;
+    double scene_radius_ = 1;
+};
+
+}  // namespace
+
+void compile_lights(Compiler& c, const std::vector<PlacedLight>& lights) { LightCompiler(c).run(lights); }
+
+}  // namespace fathom

@@ -1,0 +1,185 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+
+#include "compile/compiler.h"
+#include "fathom/error.h"
+
+namespace fathom {
+
+namespace {
+
+SpectrumTable spectrum(Color c) { return {c.r, c.g, c.b}; }
+
+/// sRGB to linear: IEC 61966-2-1.
+float linear_from_srgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
+
+/// The texels of an image file, four floats each, linear; a grey one where it can't be read.
+class ImageStore {
+public:
+    ImageStore(Compiler& c) : c_(c) {}
+
+    struct Texels {
+        std::uint64_t first = 0;
+        int width = 0, height = 0;
+    };
+
+    Texels get(int image, ColorSpace space)
+    {
+        const auto [place, fresh] = known_.try_emplace({image, int(space)});
+        if (fresh) place->second = load(image, space);
+        return place->second;
+    }
+
+private:
+    Texels load(int index, ColorSpace space)
+    {
+        const ImageFile& file = c_.scene.images[std::size_t(index)];
+        try {
+            const Image image = file.bytes.empty() ? read_image(file.path)
+                                                   : read_image(file.name, file.bytes.data(), file.bytes.size());
+            return append(image, space);
+        } catch (const Error& error) {
+            c_.warnings.add(fmt::format("{}; grey is used instead", error.what()));
+            const std::uint64_t first = c_.tables.texels.size() / 4;
+            for (float v : {0.5f, 0.5f, 0.5f, 1.0f}) c_.tables.texels.push_back(v);
+            return {first, 1, 1};
+        }
+    }
+
+    Texels append(const Image& image, ColorSpace space)
+    {
+        const Image::Layer& layer = image.layers.front();
+        const std::size_t n = layer.channels.size(), pixels = std::size_t(image.width) * std::size_t(image.height);
+        const bool decode = space == ColorSpace::srgb && !image.is_linear;
+        const auto channel = [&](const char* name) {
+            const auto found = std::find(layer.channels.begin(), layer.channels.end(), name);
+            return found == layer.channels.end() ? -1 : int(found - layer.channels.begin());
+        };
+        const int grey = channel("Y"), alpha = channel("A");
+        int rgb[3] = {channel("R"), channel("G"), channel("B")};
+        for (int& i : rgb)
+            if (i < 0) i = grey >= 0 ? grey : 0;
+        const std::uint64_t first = c_.tables.texels.size() / 4;
+        c_.tables.texels.resize((first + pixels) * 4);
+        for (std::size_t i = 0; i < pixels; ++i) {
+            float* texel = &c_.tables.texels[(first + i) * 4];
+            for (int k = 0; k < 3; ++k) {
+                const float v = layer.pixels[i * n + std::size_t(rgb[k])];
+                texel[k] = decode ? linear_from_srgb(v) : v;
+            }
+            texel[3] = alpha >= 0 ? layer.pixels[i * n + std::size_t(alpha)] : 1;
+        }
+        return {first, image.width, image.height};
+    }
+
+    Compiler& c_;
+    std::map<std::pair<int, int>, Texels> known_;
+};
+
+TextureTable compile_texture(Compiler& c, ImageStore& images, const Texture& texture)
+{
+    TextureTable t;
+    t.kind = std::uint32_t(texture.kind);
+    if (texture.kind == TextureKind::image && texture.image >= 0) {
+        const auto texels = images.get(texture.image, texture.color_space);
+        t.texels = texels.first;
+        t.width = texels.width;
+        t.height = texels.height;
+    }
+    t.wrap_u = std::uint32_t(texture.wrap_u);
+    t.wrap_v = std::uint32_t(texture.wrap_v);
+    t.nearest = texture.nearest;
+    t.uv_set = std::uint32_t(texture.uv_set);
+    // KHR_texture_transform: translation * rotation * scale, the rotation turning v towards u.
+    const float cosine = std::cos(texture.uv_rotation), sine = std::sin(texture.uv_rotation);
+    t.uv_map = {cosine * texture.uv_scale.x, sine * texture.uv_scale.y, texture.uv_offset.x,
+                -sine * texture.uv_scale.x, cosine * texture.uv_scale.y, texture.uv_offset.y};
+    // Textures in space are given in world units.
+    t.scale = texture.scale;
+    t.turbulence_weight = texture.turbulence_weight;
+    t.octaves = std::uint32_t(std::clamp(texture.octaves, 1, 16));
+    t.color_a = {texture.color_a.r, texture.color_a.g, texture.color_a.b, 1};
+    t.color_b = {texture.color_b.r, texture.color_b.g, texture.color_b.b, 1};
+    return t;
+}
+
+BsdfKind bsdf_kind(const Material& m)
+{
+    switch (m.kind) {
+        case MaterialKind::diffuse: return BsdfKind::diffuse;
+        case MaterialKind::metal: return BsdfKind::metal;
+        case MaterialKind::fuzz_metal: return BsdfKind::fuzz_metal;
+        case MaterialKind::glass: return BsdfKind::glass;
+        case MaterialKind::principled: return BsdfKind::principled;
+        case MaterialKind::unlit:
+        case MaterialKind::none: return BsdfKind::none;
+    }
+    return BsdfKind::none;
+}
+
+std::uint32_t texture_id(int index) { return index < 0 ? no_index : std::uint32_t(index); }
+
+MaterialTable compile_material(Compiler& c, const Material& m)
+{
+    MaterialTable t;
+    t.bsdf = std::uint32_t(bsdf_kind(m));
+    t.base_color = spectrum(m.base_color.value);
+    t.base_texture = texture_id(m.base_color.texture);
+    t.emission = spectrum(m.emission.value);
+    t.emission_texture = texture_id(m.emission.texture);
+    if (m.kind == MaterialKind::unlit) {
+        t.emission = t.base_color;
+        t.emission_texture = t.base_texture;
+        t.flags |= MaterialTable::unlit;
+    }
+    t.roughness = m.roughness.value;
+    t.roughness_texture = texture_id(m.roughness.texture);
+    t.roughness_channel = std::uint32_t(m.roughness.channel);
+    t.metallic = m.metallic.value;
+    t.metallic_texture = texture_id(m.metallic.texture);
+    t.metallic_channel = std::uint32_t(m.metallic.channel);
+    t.ior = m.ior;
+    t.fuzz = m.fuzz;
+    t.normal_texture = texture_id(m.normal_texture);
+    t.normal_scale = m.normal_scale;
+    t.alpha = m.alpha.value;
+    t.alpha_texture = texture_id(m.alpha.texture);
+    t.alpha_channel = std::uint32_t(m.alpha.channel);
+    t.alpha_cutoff = m.alpha_cutoff;
+    t.alpha_mode = std::uint32_t(m.alpha_mode);
+    if (m.attenuation_distance > 0)
+        for (int i = 0; i < channels; ++i) {
+            const Color a = m.attenuation_color;
+            const float color = std::max(i == 0 ? a.r : i == 1 ? a.g : a.b, 1e-6f);
+            t.absorption[i] = float(-std::log(double(color)) / (m.attenuation_distance * c.space.scale));
+        }
+    if (m.use_vertex_color) t.flags |= MaterialTable::vertex_colored;
+    if (t.base_texture != no_index || t.roughness_texture != no_index || t.metallic_texture != no_index || m.use_vertex_color)
+        t.flags |= MaterialTable::textured;
+    if (t.normal_texture != no_index) t.flags |= MaterialTable::normal_mapped;
+    if (std::max({t.emission[0], t.emission[1], t.emission[2]}) > 0) t.flags |= MaterialTable::emits;
+    if (m.emission_two_sided || m.kind == MaterialKind::unlit) t.flags |= MaterialTable::two_sided_emission;
+    return t;
+}
+
+}  // namespace
+
+void compile_materials(Compiler& c)
+{
+    ImageStore images(c);
+    for (const Texture& texture : c.scene.textures) c.tables.textures.push_back(compile_texture(c, images, texture));
+    for (const Material& material : c.scene.materials) c.tables.materials.push_back(compile_material(c, material));
+    // The last one stands for shapes without a material.
+    c.tables.materials.push_back(compile_material(c, Material{}));
+    // Environment images lie among the texels too.
+    if (c.scene.environment.kind == EnvironmentKind::image && c.scene.environment.image >= 0) {
+        const auto texels = images.get(c.scene.environment.image, ColorSpace::srgb);
+        c.tables.environment.texels = texels.first;
+        c.tables.environment.width = texels.width;
+        c.tables.environment.height = texels.height;
+    }
+}
+
+}  // namespace fathom

@@ -1,0 +1,18 @@
+#pragma once
+#include "fathom/vector.h"
+
+namespace fathom {
+
+/// The map from world space to render space (see integrate/tables.h), in double.
+struct RenderSpace {
+    Vec3d origin;
+    double scale = 1;  ///< a power of two
+
+    Vec3d point(Vec3d world) const { return (world - origin) * scale; }
+    Transform from_world() const { return Transform::scale({scale, scale, scale}) * Transform::translate(-origin); }
+};
+
+inline Vec3f to_float(Vec3d v) { return {float(v.x), float(v.y), float(v.z)}; }
+inline Vec3d to_double(Vec3f v) { return {v.x, v.y, v.z}; }
+
+}  // namespace fathom

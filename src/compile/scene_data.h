@@ -1,0 +1,22 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "fathom/render.h"
+#include "integrate/kernel.h"
+
+namespace fathom {
+
+struct Scene::Data {
+    SceneStatistics statistics;
+    Camera camera;  ///< in world space
+    std::shared_ptr<const SceneTables> tables;
+    std::unique_ptr<KernelScene> kernel;
+    std::uint64_t fingerprint = 0;  ///< of the tables, the camera left out
+
+    CameraTable camera_table(int width, int height) const;
+    /// What two films must share to be merged: scene and camera.
+    std::string key(int width, int height) const;
+};
+
+}  // namespace fathom

@@ -1,0 +1,62 @@
+#include "compile/tessellate.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "compile/render_space.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr int around = 256, from_pole_to_pole = 128;
+
+Mesh sphere_mesh(const Sphere& sphere)
+{
+    Mesh mesh;
+    for (int j = 0; j <= from_pole_to_pole; ++j)
+        for (int i = 0; i <= around; ++i) {
+            const double u = double(i) / around, v = double(j) / from_pole_to_pole;
+            const double phi = 2 * std::numbers::pi * u, theta = std::numbers::pi * v;
+            const Vec3d n{std::sin(theta) * std::cos(phi), std::cos(theta), -std::sin(theta) * std::sin(phi)};
+            mesh.positions.push_back(to_float(sphere.center + n * std::abs(sphere.radius)));
+            mesh.normals.push_back(to_float(sphere.radius < 0 ? -n : n));
+            mesh.uvs[0].push_back({float(u), float(v)});
+        }
+    for (std::uint32_t j = 0; j < from_pole_to_pole; ++j)
+        for (std::uint32_t i = 0; i < around; ++i) {
+            const std::uint32_t a = j * (around + 1) + i, b = a + 1, c = a + around + 1, d = c + 1;
+            const auto add = [&](std::uint32_t p, std::uint32_t q, std::uint32_t r) {
+                if (sphere.radius < 0) std::swap(q, r);
+                mesh.indices.insert(mesh.indices.end(), {p, q, r});
+            };
+            if (j > 0) add(a, c, b);
+            if (j + 1 < from_pole_to_pole) add(b, c, d);
+        }
+    return mesh;
+}
+
+Mesh disk_mesh(const Disk& disk)
+{
+    Mesh mesh;
+    const Vec3d n = normalize(disk.normal);
+    const Vec3d s = normalize(cross(std::abs(n.x) > 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, n)), t = cross(n, s);
+    mesh.positions.push_back(to_float(disk.center));
+    for (std::uint32_t i = 0; i < around; ++i) {
+        const double phi = 2 * std::numbers::pi * i / around;
+        mesh.positions.push_back(to_float(disk.center + (s * std::cos(phi) + t * std::sin(phi)) * disk.radius));
+        mesh.indices.insert(mesh.indices.end(), {0, i + 1, (i + 1) % around + 1});
+    }
+    return mesh;
+}
+
+}  // namespace
+
+Mesh tessellate(const decltype(Shape::geometry)& geometry)
+{
+    if (const auto* sphere = std::get_if<Sphere>(&geometry)) return sphere_mesh(*sphere);
+    if (const auto* disk = std::get_if<Disk>(&geometry)) return disk_mesh(*disk);
+    return {};
+}
+
+}  // namespace fathom

@@ -1,0 +1,51 @@
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+namespace fathom {
+
+/// Exact sums of numbers: fixed point of 96 bits in three words, least significant first, so that neither order nor
+/// grouping changes them.
+///
+/// A number is first rounded to a multiple of 2^-36, half to even: 1.5e-11, far below the noise of any picture whose
+/// values matter. Sums stay exact up to 2^59; numbers beyond 2^50 are cut there.
+struct ExactSum {
+    static constexpr int fraction_bits = 36;
+    static constexpr int words = 3;
+
+    static void add(std::uint32_t* sum, std::int64_t value)
+    {
+        const std::uint64_t low = sum[0] | std::uint64_t(sum[1]) << 32;
+        const std::uint64_t total = low + std::uint64_t(value);
+        sum[0] = std::uint32_t(total);
+        sum[1] = std::uint32_t(total >> 32);
+        sum[2] += std::uint32_t(value >> 63) + (total < low ? 1u : 0u);
+    }
+    static void add(std::uint32_t* sum, const std::uint32_t* other)
+    {
+        std::uint64_t carry = 0;
+        for (int i = 0; i < words; ++i) {
+            carry += std::uint64_t(sum[i]) + other[i];
+            sum[i] = std::uint32_t(carry);
+            carry >>= 32;
+        }
+    }
+    /// Any finite number.
+    static void add_number(std::uint32_t* sum, double value)
+    {
+        const double cut = std::fmin(std::fmax(value, -0x1p50), 0x1p50);
+        const double scaled = std::nearbyint(std::ldexp(cut, fraction_bits));  // below 2^86
+        const double upper = std::floor(std::ldexp(scaled, -32));              // exact: below 2^54
+        const double lower = scaled - std::ldexp(upper, 32);
+        const std::uint32_t number[words] = {std::uint32_t(lower), std::uint32_t(std::int64_t(upper)),
+                                             std::uint32_t(std::int64_t(upper) >> 32)};
+        add(sum, number);
+    }
+    static double value(const std::uint32_t* sum)
+    {
+        return std::ldexp(double(std::int32_t(sum[2])), 64 - fraction_bits) +
+               std::ldexp(double(sum[0] | std::uint64_t(sum[1]) << 32), -fraction_bits);
+    }
+};
+
+}  // namespace fathom

@@ -1,0 +1,39 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "fathom/render.h"
+#include "film/tile_sums.h"
+
+namespace fathom {
+
+/// What a film sums per pixel, in this order. Which there are follows from the settings.
+/// AovPlaces has the first of each one's sums; `ids` the word of (sample index, instance id, material id) of the first
+/// sample.
+struct FilmLayout : AovPlaces {
+    int sums = 6;    ///< radiance, and its squares, come first
+    int words = 18;  ///< 32-bit words a pixel
+
+    FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted);
+};
+
+struct Film::Data {
+    int width = 0, height = 0;
+    std::vector<Aov> aovs;
+    bool alpha = false;
+    FilmLayout layout{{}, false};
+    std::string key;        ///< settings; the scene joins when something is rendered
+    std::string scene_key;
+    std::vector<SampleRange> samples;
+    std::uint64_t dropped = 0;
+    std::vector<std::uint32_t> words;  ///< layout.words a pixel
+
+    std::uint32_t* pixel(std::size_t index) { return &words[index * std::size_t(layout.words)]; }
+    const std::uint32_t* pixel(std::size_t index) const { return &words[index * std::size_t(layout.words)]; }
+    /// Adds [range) to `samples`. Throws Error if some of it is there already.
+    void add_range(SampleRange range);
+};
+
+}  // namespace fathom
