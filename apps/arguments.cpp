@@ -1,8 +1,8 @@
 #include "arguments.h"
 
+#include <fmt/format.h>
 #include <charconv>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "commands.h"
 
@@ -97,7 +97,8 @@ double parse_duration(const std::string& text)
         if (last == 'h' || last == 'm' || last == 's') digits.pop_back();
     }
     const double seconds = parse_number(digits) * unit;
-    if (!(seconds > 0)) throw UsageError(fmt::format("expected a time above 0, as 90, 90s, 10m or 1h, found '{}'", text));
+    if (!(seconds > 0))
+        throw UsageError(fmt::format("expected a time above 0, as 90, 90s, 10m or 1h, found '{}'", text));
     return seconds;
 }
 

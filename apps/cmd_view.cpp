@@ -13,9 +13,8 @@ void add_view(CLI::App& app, Run& run)
     CLI::App* command = app.add_subcommand("view", "Show a scene in a window as it becomes clear");
     add_scene_options(*command, *options);
     command->footer("Example:\n  fathom view model.glb\n\nExit codes: 0 done; 1 error; 2 wrong usage.");
-    command->final_callback([&run, options] {
-        run = [options]() -> int { throw Error("", "", "this build has no window"); };
-    });
+    command->final_callback(
+        [&run, options] { run = [options]() -> int { throw Error("", "", "this build has no window"); }; });
 }
 
 }  // namespace fathom::cli

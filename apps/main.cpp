@@ -1,6 +1,6 @@
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <fmt/format.h>
 #include <new>
 
 #include "commands.h"
@@ -23,13 +23,14 @@ int run_program(int argc, char** argv)
     CLI::App app("Fathom, a path tracer for CPUs: a scene file in, a picture out.", "fathom");
     app.require_subcommand(1);
 
-    app.footer("Examples:\n"
-               "  fathom render scene.json                      256 samples a pixel, to scene.png\n"
-               "  fathom render model.glb --time 1m -o a.exr -o a.png\n"
-               "  fathom info model.glb\n"
-               "`fathom COMMAND --help` tells a command's options.\n\n"
-               "Exit codes: 0 done; 1 a file, the scene or the machine is not as it must be;\n"
-               "2 wrong usage; 130 interrupted (the picture so far is written).");
+    app.footer(
+        "Examples:\n"
+        "  fathom render scene.json                      256 samples a pixel, to scene.png\n"
+        "  fathom render model.glb --time 1m -o a.exr -o a.png\n"
+        "  fathom info model.glb\n"
+        "`fathom COMMAND --help` tells a command's options.\n\n"
+        "Exit codes: 0 done; 1 a file, the scene or the machine is not as it must be;\n"
+        "2 wrong usage; 130 interrupted (the picture so far is written).");
     Run run;
     add_render(app, run);
     add_merge(app, run);

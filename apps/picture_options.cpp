@@ -1,7 +1,7 @@
 #include "picture_options.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 
 #include "commands.h"
 #include "fathom/error.h"
@@ -50,7 +50,8 @@ WriteOptions write_options(const PictureOptions& options, const RenderHints& hin
     } else if (hints.tonemap) {
         const auto name = std::find(tonemap_names.begin(), tonemap_names.end(), *hints.tonemap);
         if (name == tonemap_names.end())
-            throw Error("", "tonemap", fmt::format("expected {}, found '{}'", fmt::join(tonemap_names, " or "), *hints.tonemap));
+            throw Error("", "tonemap",
+                        fmt::format("expected {}, found '{}'", fmt::join(tonemap_names, " or "), *hints.tonemap));
         write.display.tonemap = Tonemap(name - tonemap_names.begin());
     }
     return write;

@@ -1,8 +1,8 @@
 #include "scene_options.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <numbers>
 
 #include "commands.h"
@@ -22,7 +22,10 @@ const Camera* chosen_camera(const SceneDescription& scene, const std::string& na
 }
 
 /// A side that keeps the shape, at least one pixel.
-int side(double pixels) { return std::max(1, int(std::lround(std::min(pixels, double(1 << 24))))); }
+int side(double pixels)
+{
+    return std::max(1, int(std::lround(std::min(pixels, double(1 << 24)))));
+}
 
 Size picture_size(const SceneOptions& options, const SceneDescription& scene)
 {
@@ -103,8 +106,9 @@ const std::vector<std::string> filter_names = {"box", "gaussian", "blackman-harr
 
 void add_scene_options(CLI::App& app, SceneOptions& options)
 {
-    app.add_option_function<std::string>("SCENE", [&](const std::string& file) { options.file = file; },
-                                         "Fathom's own JSON, glTF, GLB, OBJ, PLY, STL, ...")
+    app.add_option_function<std::string>(
+           "SCENE", [&](const std::string& file) { options.file = file; },
+           "Fathom's own JSON, glTF, GLB, OBJ, PLY, STL, ...")
         ->required()
         ->type_name("");
     add_value(app, "--size", "WxH", "size of the picture (default: the scene's, else 800x600)",
@@ -119,9 +123,8 @@ void add_scene_options(CLI::App& app, SceneOptions& options)
         options.up = parse_vector(text);
         if (!(length(*options.up) > 0)) throw UsageError("expected a direction, found 0,0,0");
     });
-    add_value(app, "--fov", "DEGREES", "full vertical angle of view", [&](const std::string& text) {
-        options.fov_deg = parse_number(text, 1e-3, 179.9);
-    });
+    add_value(app, "--fov", "DEGREES", "full vertical angle of view",
+              [&](const std::string& text) { options.fov_deg = parse_number(text, 1e-3, 179.9); });
     add_value(app, "--orbit", "AZ,EL", "frame the whole scene from this azimuth and elevation, degrees",
               [&](const std::string& text) {
                   const std::vector<double> n = parse_numbers(text, 2);
