@@ -164,31 +164,26 @@ void print_text(const ordered_json& info)
 
 }  // namespace
 
-void add_info(CLI::App& app, Run& run)
+void add_info(CLI::App& program, Run& run)
 {
     const auto options = std::make_shared<InfoOptions>();
-    CLI::App* command = app.add_subcommand("info", "Tell what is in a scene or model file");
-    command
-        ->add_option_function<std::string>(
-            "SCENE", [options](const auto& file) { options->scene.file = file; }, "scene or model file")
-        ->required()
-        ->type_name("");
-    add_value(*command, "--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
-              [options](const std::string& text) { options->scene.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
-    command->add_flag("--json", options->json, "as JSON");
-    command->footer(
+    Command command(program, "info", "Tell what is in a scene or model file");
+    command.add_positional("SCENE", options->scene.file, "scene or model file");
+    command.add_value(
+        "--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
+        [options](const std::string& text) { options->scene.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
+    command.add_flag("--json", options->json, "as JSON");
+    command.set_footer(
         "Counts, bounds, memory, cameras, lights, and what was not understood.\n\n"
         "Examples:\n  fathom info model.glb\n  fathom info scene.json --json\n\n"
         "Exit codes: 0 done; 1 error; 2 wrong usage.");
-    command->final_callback([options, &run] {
-        run = [options] {
-            const ordered_json info = describe(*options);
-            if (options->json)
-                fmt::print("{}\n", info.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
-            else
-                print_text(info);
-            return int(exit_ok);
-        };
+    command.set_run(run, [options] {
+        const ordered_json info = describe(*options);
+        if (options->json)
+            fmt::print("{}\n", info.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+        else
+            print_text(info);
+        return int(exit_ok);
     });
 }
 

@@ -22,7 +22,7 @@ struct SceneOptions {
     std::optional<Size> size;
 };
 
-void add_scene_options(CLI::App& app, SceneOptions& options);
+void add_scene_options(Command& command, SceneOptions& options);
 
 /// A scene that can be compiled: with a camera and light, and the options applied.
 struct LoadedScene {
