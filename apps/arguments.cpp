@@ -1,8 +1,9 @@
 #include "arguments.h"
 
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "commands.h"
 
@@ -97,7 +98,8 @@ double parse_duration(const std::string& text)
         if (last == 'h' || last == 'm' || last == 's') digits.pop_back();
     }
     const double seconds = parse_number(digits) * unit;
-    if (!(seconds > 0)) throw UsageError(fmt::format("expected a time above 0, as 90, 90s, 10m or 1h, found '{}'", text));
+    if (!(seconds > 0))
+        throw UsageError(fmt::format("expected a time above 0, as 90, 90s, 10m or 1h, found '{}'", text));
     return seconds;
 }
 
@@ -150,8 +152,12 @@ int parse_word(const std::string& text, const std::vector<std::string>& words)
     throw UsageError(fmt::format("expected {}, found '{}'", fmt::join(words, " or "), text));
 }
 
-CLI::Option* add_value(CLI::App& app, const std::string& name, const std::string& value_name, const std::string& help,
-                       std::function<void(const std::string&)> take)
+Command::Command(CLI::App& program, const std::string& name, const std::string& what_it_does)
+    : app_(*program.add_subcommand(name, what_it_does))
+{
+}
+
+void Command::add_value(const std::string& name, const std::string& value_name, const std::string& help, Take take)
 {
     const auto named = [name, take = std::move(take)](const std::string& text) {
         try {
@@ -160,7 +166,44 @@ CLI::Option* add_value(CLI::App& app, const std::string& name, const std::string
             throw UsageError(fmt::format("{}: {}", name, error.what()));
         }
     };
-    return app.add_option_function<std::string>(name, named, help)->type_name(value_name);
+    app_.add_option_function<std::string>(name, named, help)->type_name(value_name);
+}
+
+void Command::add_flag(const std::string& name, bool& flag, const std::string& help)
+{
+    app_.add_flag(name, flag, help);
+}
+
+void Command::add_files(const std::string& name, std::vector<std::filesystem::path>& files, const std::string& help)
+{
+    const auto take = [&files](const std::vector<std::string>& names) { files.assign(names.begin(), names.end()); };
+    app_.add_option_function<std::vector<std::string>>(name, take, help)
+        ->type_name("FILE")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void Command::add_positional(const std::string& name, std::filesystem::path& file, const std::string& help)
+{
+    const auto take = [&file](const std::string& text) { file = text; };
+    app_.add_option_function<std::string>(name, take, help)->required()->type_name("");
+}
+
+void Command::add_positionals(const std::string& name, std::vector<std::filesystem::path>& files,
+                              const std::string& help)
+{
+    const auto take = [&files](const std::vector<std::string>& names) { files.assign(names.begin(), names.end()); };
+    app_.add_option_function<std::vector<std::string>>(name, take, help)->required()->type_name("");
+}
+
+void Command::set_footer(const std::string& text)
+{
+    app_.footer(text);
+}
+
+void Command::set_run(Run& run, Run what)
+{
+    app_.final_callback([&run, what = std::move(what)] { run = what; });
 }
 
 }  // namespace fathom::cli

@@ -1,10 +1,11 @@
 #pragma once
-#include <CLI/CLI.hpp>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "commands.h"
 #include "fathom/render.h"
 
 /// How the texts of options become values. Everything here throws UsageError for what is no sensible value.
@@ -35,8 +36,27 @@ Color parse_colour(const std::string& text);
 int parse_word(const std::string& text, const std::vector<std::string>& words);
 std::vector<std::string> split(const std::string& text, char separator);
 
-/// Adds an option with one value; messages of what `take` throws get the option's name in front.
-CLI::Option* add_value(CLI::App& app, const std::string& name, const std::string& value_name, const std::string& help,
-                       std::function<void(const std::string&)> take);
+/// One command and its options. CLI11, which takes seconds to compile, is only behind this and program.cpp.
+class Command {
+public:
+    Command(CLI::App& program, const std::string& name, const std::string& what_it_does);
+
+    using Take = std::function<void(const std::string&)>;
+    /// An option with one value; messages of what `take` throws get the option's name in front.
+    void add_value(const std::string& name, const std::string& value_name, const std::string& help, Take take);
+    void add_flag(const std::string& name, bool& flag, const std::string& help);
+    /// An option that may be given several times.
+    void add_files(const std::string& name, std::vector<std::filesystem::path>& files, const std::string& help);
+    /// What stands without an option's name, and must be there: one file, or one and more.
+    void add_positional(const std::string& name, std::filesystem::path& file, const std::string& help);
+    void add_positionals(const std::string& name, std::vector<std::filesystem::path>& files, const std::string& help);
+    /// What --help ends with.
+    void set_footer(const std::string& text);
+    /// What to do if this is the command that is given.
+    void set_run(Run& run, Run what);
+
+private:
+    CLI::App& app_;
+};
 
 }  // namespace fathom::cli

@@ -21,9 +21,12 @@ struct InfoOptions {
 const char* name_of(LightKind kind)
 {
     switch (kind) {
-        case LightKind::point: return "point";
-        case LightKind::spot: return "spot";
-        case LightKind::directional: return "directional";
+        case LightKind::point:
+            return "point";
+        case LightKind::spot:
+            return "spot";
+        case LightKind::directional:
+            return "directional";
     }
     return "";
 }
@@ -31,10 +34,14 @@ const char* name_of(LightKind kind)
 const char* name_of(EnvironmentKind kind)
 {
     switch (kind) {
-        case EnvironmentKind::none: return "none";
-        case EnvironmentKind::constant: return "constant";
-        case EnvironmentKind::gradient: return "gradient";
-        case EnvironmentKind::image: return "image";
+        case EnvironmentKind::none:
+            return "none";
+        case EnvironmentKind::constant:
+            return "constant";
+        case EnvironmentKind::gradient:
+            return "gradient";
+        case EnvironmentKind::image:
+            return "image";
     }
     return "";
 }
@@ -56,17 +63,27 @@ ordered_json count(const SceneDescription& scene)
             emitters += shape.material >= 0 && shape.material < int(scene.materials.size()) &&
                         emits(scene.materials[shape.material]);
         }
-    return {{"triangles", triangles},      {"vertices", vertices},
-            {"meshes", scene.meshes.size()},     {"nodes", scene.nodes.size()},
-            {"mesh instances", shapes[0]}, {"spheres", shapes[1]},
-            {"rectangles", shapes[2]},     {"boxes", shapes[3]},
-            {"disks", shapes[4]},          {"materials", scene.materials.size()},
-            {"textures", scene.textures.size()}, {"images", scene.images.size()},
-            {"lights", scene.lights.size()},     {"emitting shapes", emitters},
+    return {{"triangles", triangles},
+            {"vertices", vertices},
+            {"meshes", scene.meshes.size()},
+            {"nodes", scene.nodes.size()},
+            {"mesh instances", shapes[0]},
+            {"spheres", shapes[1]},
+            {"rectangles", shapes[2]},
+            {"boxes", shapes[3]},
+            {"disks", shapes[4]},
+            {"materials", scene.materials.size()},
+            {"textures", scene.textures.size()},
+            {"images", scene.images.size()},
+            {"lights", scene.lights.size()},
+            {"emitting shapes", emitters},
             {"cameras", scene.cameras.size()}};
 }
 
-ordered_json vector_json(Vec3d v) { return {v.x, v.y, v.z}; }
+ordered_json vector_json(Vec3d v)
+{
+    return {v.x, v.y, v.z};
+}
 
 ordered_json describe(const InfoOptions& o)
 {
@@ -83,18 +100,18 @@ ordered_json describe(const InfoOptions& o)
     info["cameras"] = ordered_json::array();
     for (const Camera& camera : scene.cameras)
         info["cameras"].push_back(
-            {{"name", camera.name},
-             {"kind", camera.kind == CameraKind::perspective ? "perspective" : "orthographic"}});
+            {{"name", camera.name}, {"kind", camera.kind == CameraKind::perspective ? "perspective" : "orthographic"}});
     info["lights"] = ordered_json::array();
-    for (const Light& light : scene.lights) info["lights"].push_back({{"name", light.name}, {"kind", name_of(light.kind)}});
+    for (const Light& light : scene.lights)
+        info["lights"].push_back({{"name", light.name}, {"kind", name_of(light.kind)}});
     info["environment"] = name_of(scene.environment.kind);
 
     // What only shows when a scene is made ready: missing textures, degenerate triangles, memory.
     info["added"] = complete_scene(scene, {}).added;
     try {
         const SceneStatistics statistics = Scene::compile(scene, "", warnings).statistics();
-        info["compiled"] = {{"triangles", statistics.triangles}, {"primitives", statistics.primitives},
-                            {"instances", statistics.instances}, {"lights", statistics.lights},
+        info["compiled"] = {{"triangles", statistics.triangles},       {"primitives", statistics.primitives},
+                            {"instances", statistics.instances},       {"lights", statistics.lights},
                             {"memory_bytes", statistics.memory_bytes}, {"build_s", statistics.build_s}};
     } catch (const Error& error) {
         info["not renderable"] = error.what();
@@ -119,8 +136,9 @@ void print_text(const ordered_json& info)
 {
     const auto line = [](const std::string& name, const std::string& value) { fmt::print("{:<16} {}\n", name, value); };
     line("file", info["file"]);
+    // Cameras and lights are told by name below.
     for (const auto& [name, value] : info["counts"].items())
-        if (value != 0) line(name, fmt::format("{}", std::uint64_t(value)));
+        if (value != 0 && name != "cameras" && name != "lights") line(name, fmt::format("{}", std::uint64_t(value)));
     if (info.contains("bounds")) {
         const auto corner = [&](const char* which) {
             const auto& v = info["bounds"][which];
@@ -136,7 +154,8 @@ void print_text(const ordered_json& info)
     for (const auto& added : info["added"]) line("added to render", added);
     if (info.contains("compiled")) {
         const auto& c = info["compiled"];
-        line("memory", fmt::format("{:.1f} MB compiled, built in {:.3f} s", double(c["memory_bytes"]) / 1e6, double(c["build_s"])));
+        line("memory", fmt::format("{:.1f} MB compiled, built in {:.3f} s", double(c["memory_bytes"]) / 1e6,
+                                   double(c["build_s"])));
     } else {
         line("not renderable", info["not renderable"]);
     }
@@ -147,29 +166,26 @@ void print_text(const ordered_json& info)
 
 }  // namespace
 
-void add_info(CLI::App& app, Run& run)
+void add_info(CLI::App& program, Run& run)
 {
     const auto options = std::make_shared<InfoOptions>();
-    CLI::App* command = app.add_subcommand("info", "Tell what is in a scene or model file");
-    command->add_option_function<std::string>("SCENE", [options](const auto& file) { options->scene.file = file; },
-                                              "scene or model file")
-        ->required()
-        ->type_name("");
-    add_value(*command, "--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
-              [options](const std::string& text) { options->scene.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
-    command->add_flag("--json", options->json, "as JSON");
-    command->footer("Counts, bounds, memory, cameras, lights, and what was not understood.\n\n"
-                    "Examples:\n  fathom info model.glb\n  fathom info scene.json --json\n\n"
-                    "Exit codes: 0 done; 1 error; 2 wrong usage.");
-    command->final_callback([options, &run] {
-        run = [options] {
-            const ordered_json info = describe(*options);
-            if (options->json)
-                fmt::print("{}\n", info.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
-            else
-                print_text(info);
-            return int(exit_ok);
-        };
+    Command command(program, "info", "Tell what is in a scene or model file");
+    command.add_positional("SCENE", options->scene.file, "scene or model file");
+    command.add_value(
+        "--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
+        [options](const std::string& text) { options->scene.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
+    command.add_flag("--json", options->json, "as JSON");
+    command.set_footer(
+        "Counts, bounds, memory, cameras, lights, and what was not understood.\n\n"
+        "Examples:\n  fathom info model.glb\n  fathom info scene.json --json\n\n"
+        "Exit codes: 0 done; 1 error; 2 wrong usage.");
+    command.set_run(run, [options] {
+        const ordered_json info = describe(*options);
+        if (options->json)
+            fmt::print("{}\n", info.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+        else
+            print_text(info);
+        return int(exit_ok);
     });
 }
 

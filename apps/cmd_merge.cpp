@@ -1,5 +1,5 @@
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 #include <memory>
 
 #include "arguments.h"
@@ -66,7 +66,8 @@ int run_merge(const MergeOptions& o)
     Image image = film->image(alpha, variance);
     if (counts) image.layers.push_back(sample_count_layer(*film, crop));
     // Times of one part say nothing of the whole.
-    for (const char* name : {"fathom.load_s", "fathom.build_s", "fathom.render_s", "fathom.rays"}) attributes.erase(name);
+    for (const char* name : {"fathom.load_s", "fathom.build_s", "fathom.render_s", "fathom.rays"})
+        attributes.erase(name);
     std::erase_if(attributes, [](const auto& attribute) { return attribute.first.rfind("fathom.sums.", 0) == 0; });
     attributes["fathom.samples"] = text_of(film->samples());
     attributes["fathom.samples_per_pixel"] = fmt::format("{}", film->samples_per_pixel());
@@ -84,25 +85,22 @@ int run_merge(const MergeOptions& o)
 
 }  // namespace
 
-void add_merge(CLI::App& app, Run& run)
+void add_merge(CLI::App& program, Run& run)
 {
     const auto options = std::make_shared<MergeOptions>();
-    CLI::App* command = app.add_subcommand("merge", "Join pictures of disjoint sample ranges of one scene");
-    command->add_option_function<std::vector<std::string>>(
-               "PART", [options](const auto& files) { options->parts.assign(files.begin(), files.end()); },
-               "EXR files of `fathom render --samples` or --mergeable")
-        ->required()
-        ->type_name("");
-    add_picture_options(*command, options->picture);
-    command->add_flag("--no-sums", options->no_sums, "leave the sums out of EXR: smaller, but the end of merging");
-    command->add_flag("-q,--quiet", options->quiet, "print only errors");
-    command->footer("The result is, bit for bit, the picture that one run makes.\n\n"
-                    "Examples:\n"
-                    "  fathom render scene.json --samples 0:64 -o a.exr\n"
-                    "  fathom render scene.json --samples 64:128 -o b.exr\n"
-                    "  fathom merge a.exr b.exr -o all.exr -o all.png\n\n"
-                    "Exit codes: 0 done; 1 error; 2 wrong usage.");
-    command->final_callback([options, &run] { run = [options] { return run_merge(*options); }; });
+    Command command(program, "merge", "Join pictures of disjoint sample ranges of one scene");
+    command.add_positionals("PART", options->parts, "EXR files of `fathom render --samples` or --mergeable");
+    add_picture_options(command, options->picture);
+    command.add_flag("--no-sums", options->no_sums, "leave the sums out of EXR: smaller, but the end of merging");
+    command.add_flag("-q,--quiet", options->quiet, "print only errors");
+    command.set_footer(
+        "The result is, bit for bit, the picture that one run makes.\n\n"
+        "Examples:\n"
+        "  fathom render scene.json --samples 0:64 -o a.exr\n"
+        "  fathom render scene.json --samples 64:128 -o b.exr\n"
+        "  fathom merge a.exr b.exr -o all.exr -o all.png\n\n"
+        "Exit codes: 0 done; 1 error; 2 wrong usage.");
+    command.set_run(run, [options] { return run_merge(*options); });
 }
 
 }  // namespace fathom::cli

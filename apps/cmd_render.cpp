@@ -1,5 +1,5 @@
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 #include <memory>
 
 #include "arguments.h"
@@ -60,51 +60,55 @@ void take_aovs(RenderOptions& o, const std::string& text)
     }
 }
 
-void add_render_options(CLI::App& app, RenderOptions& o)
+void add_render_options(Command& command, RenderOptions& o)
 {
     constexpr std::uint64_t most_int = 1u << 30;
-    add_value(app, "--spp", "N", "samples a pixel (default: the scene's, else 256)",
-              [&](const std::string& text) { o.samples = parse_integer(text, 1, most_samples); });
-    add_value(app, "--time", "T", "as many samples as fit into 90, 90s, 10m or 1h from the program's start, at least 1; "
-                                  "with --spp, at most that many",
-              [&](const std::string& text) { o.time_s = parse_duration(text); });
-    add_value(app, "--samples", "A:B", "the samples with these indices, A to B-1; their sums are kept in EXR (--mergeable)",
-              [&](const std::string& text) { o.range = parse_sample_range(text); });
-    app.add_flag("--mergeable", o.mergeable, "keep the exact sums in EXR, for `fathom merge`");
-    add_value(app, "--seed", "N", "another seed, other noise (default 0)", [&](const std::string& text) {
-        o.seed = std::uint32_t(parse_integer(text, 0, 0xffffffffu));
-    });
-    add_value(app, "--threads", "N", "threads (default: all cores); the picture doesn't depend on it",
-              [&](const std::string& text) { o.threads = int(parse_integer(text, 1, 4096)); });
-    add_value(app, "--crop", "X0,Y0,X1,Y1", "render only pixels X0 <= x < X1, Y0 <= y < Y1; the picture keeps its size",
-              [&](const std::string& text) { o.crop = parse_crop(text); });
-    add_value(app, "--filter", "NAME", "box, gaussian or blackman-harris (default)",
-              [&](const std::string& text) { o.filter = Filter(parse_word(text, filter_names)); });
-    add_value(app, "--max-depth", "N|none", "longest path in bounces (default none: a limit makes the picture darker)",
-              [&](const std::string& text) { o.max_depth = text == "none" ? -1 : int(parse_integer(text, 0, most_int)); });
-    add_value(app, "--roulette-depth", "N", "bounces before Russian roulette (default 5)",
-              [&](const std::string& text) { o.roulette_depth = int(parse_integer(text, 0, most_int)); });
-    add_value(app, "--light-sampling", "on|off", "off: lights are only found by chance (default on)",
-              [&](const std::string& text) { o.light_sampling = parse_word(text, {"off", "on"}) == 1; });
-    add_value(app, "--aov", "LIST", "layers of EXR: albedo,normal,depth,position,instance,material,samples,variance",
-              [&](const std::string& text) { take_aovs(o, text); });
-    add_value(app, "--background", "COLOUR",
-              "what the camera sees behind the scene (lights nothing): #rrggbb, linear r,g,b, black, white, or "
-              "transparent (alpha in EXR and PNG)",
-              [&](const std::string& text) {
-                  o.transparent = text == "transparent";
-                  o.background = o.transparent ? Color{0, 0, 0} : parse_colour(text);
-              });
-    add_value(app, "--only-sample", "X,Y,S", "print the radiance of one sample of one pixel, and render nothing",
-              [&](const std::string& text) {
-                  const std::vector<std::string> parts = split(text, ',');
-                  if (parts.size() != 3) throw UsageError(fmt::format("expected X,Y,S, found '{}'", text));
-                  o.only_sample = {int(parse_integer(parts[0], 0, most_int)), int(parse_integer(parts[1], 0, most_int)),
-                                   parse_integer(parts[2], 0, most_samples)};
-              });
-    app.add_flag("-q,--quiet", o.quiet, "print only warnings and errors");
-    add_value(app, "--progress", "json", "one JSON object a line on stderr: progress, warnings, errors, summary",
-              [&](const std::string& text) { parse_word(text, {"json"}), o.json = true; });
+    command.add_value("--spp", "N", "samples a pixel (default: the scene's, else 256)",
+                      [&](const std::string& text) { o.samples = parse_integer(text, 1, most_samples); });
+    command.add_value("--time", "T",
+                      "as many samples as fit into 90, 90s, 10m or 1h from the program's start, at least 1; "
+                      "with --spp, at most that many",
+                      [&](const std::string& text) { o.time_s = parse_duration(text); });
+    command.add_value("--samples", "A:B",
+                      "the samples with these indices, A to B-1; their sums are kept in EXR (--mergeable)",
+                      [&](const std::string& text) { o.range = parse_sample_range(text); });
+    command.add_flag("--mergeable", o.mergeable, "keep the exact sums in EXR, for `fathom merge`");
+    command.add_value("--seed", "N", "another seed, other noise (default 0)",
+                      [&](const std::string& text) { o.seed = std::uint32_t(parse_integer(text, 0, 0xffffffffu)); });
+    command.add_value("--threads", "N", "threads (default: all cores); the picture doesn't depend on it",
+                      [&](const std::string& text) { o.threads = int(parse_integer(text, 1, 4096)); });
+    command.add_value("--crop", "X0,Y0,X1,Y1",
+                      "render only pixels X0 <= x < X1, Y0 <= y < Y1; the picture keeps its size",
+                      [&](const std::string& text) { o.crop = parse_crop(text); });
+    command.add_value("--filter", "NAME", "box, gaussian or blackman-harris (default)",
+                      [&](const std::string& text) { o.filter = Filter(parse_word(text, filter_names)); });
+    command.add_value(
+        "--max-depth", "N|none", "longest path in bounces (default none: a limit makes the picture darker)",
+        [&](const std::string& text) { o.max_depth = text == "none" ? -1 : int(parse_integer(text, 0, most_int)); });
+    command.add_value("--roulette-depth", "N", "bounces before Russian roulette (default 5)",
+                      [&](const std::string& text) { o.roulette_depth = int(parse_integer(text, 0, most_int)); });
+    command.add_value("--light-sampling", "on|off", "off: lights are only found by chance (default on)",
+                      [&](const std::string& text) { o.light_sampling = parse_word(text, {"off", "on"}) == 1; });
+    command.add_value("--aov", "LIST", "layers of EXR: albedo,normal,depth,position,instance,material,samples,variance",
+                      [&](const std::string& text) { take_aovs(o, text); });
+    command.add_value("--background", "COLOUR",
+                      "what the camera sees behind the scene (lights nothing): #rrggbb, linear r,g,b, black, white, or "
+                      "transparent (alpha in EXR and PNG)",
+                      [&](const std::string& text) {
+                          o.transparent = text == "transparent";
+                          o.background = o.transparent ? Color{0, 0, 0} : parse_colour(text);
+                      });
+    command.add_value("--only-sample", "X,Y,S", "print the radiance of one sample of one pixel, and render nothing",
+                      [&](const std::string& text) {
+                          const std::vector<std::string> parts = split(text, ',');
+                          if (parts.size() != 3) throw UsageError(fmt::format("expected X,Y,S, found '{}'", text));
+                          o.only_sample = {int(parse_integer(parts[0], 0, most_int)),
+                                           int(parse_integer(parts[1], 0, most_int)),
+                                           parse_integer(parts[2], 0, most_samples)};
+                      });
+    command.add_flag("-q,--quiet", o.quiet, "print only warnings and errors");
+    command.add_value("--progress", "json", "one JSON object a line on stderr: progress, warnings, errors, summary",
+                      [&](const std::string& text) { parse_word(text, {"json"}), o.json = true; });
 }
 
 /// What the options say together.
@@ -112,8 +116,7 @@ void check_options(RenderOptions& o)
 {
     if (o.range && (o.samples || o.time_s)) throw UsageError("--samples: leave out --spp and --time");
     if (o.only_sample && !o.picture.outputs.empty()) throw UsageError("--only-sample: writes no picture, leave out -o");
-    if (o.picture.outputs.empty() && !o.only_sample)
-        o.picture.outputs.push_back(o.scene.file.stem().string() + ".png");
+    if (o.picture.outputs.empty() && !o.only_sample) o.picture.outputs.push_back(o.scene.file.stem().string() + ".png");
     const bool exr = writes_exr(o.picture);
     if (!exr && (o.aov_samples || o.aov_variance || !o.aovs.empty()))
         throw UsageError("--aov: layers are kept in EXR only; add -o FILE.exr");
@@ -152,8 +155,9 @@ void check_memory(const RenderSettings& settings, bool mergeable)
     const double bytes = per_pixel * settings.width * settings.height;
     const double available = double(available_memory_bytes());
     if (bytes > available)
-        throw Error("", "", fmt::format("a picture of {}x{} pixels needs {:.1f} GB of memory, {:.1f} GB are there",
-                                        settings.width, settings.height, bytes / 1e9, available / 1e9));
+        throw Error("", "",
+                    fmt::format("a picture of {}x{} pixels needs {:.1f} GB of memory, {:.1f} GB are there",
+                                settings.width, settings.height, bytes / 1e9, available / 1e9));
 }
 
 /// Renders what the options ask for into one film, and tells how far it is.
@@ -235,23 +239,24 @@ private:
 std::map<std::string, std::string> attributes(const RenderOptions& o, const RenderSettings& s, const LoadedScene& scene,
                                               const Film& film, const Summary& summary)
 {
-    return {{"fathom.version", FATHOM_VERSION},
-            {"fathom.scene", o.scene.file.string()},
-            {"fathom.camera", scene.camera},
-            {"fathom.seed", fmt::format("{}", s.seed)},
-            {"fathom.samples", text_of(film.samples())},
-            {"fathom.samples_per_pixel", fmt::format("{}", film.samples_per_pixel())},
-            {"fathom.dropped_samples", fmt::format("{}", film.dropped_samples())},
-            {"fathom.filter", filter_names[std::size_t(s.filter)]},
-            {"fathom.max_depth", s.max_depth < 0 ? "none" : fmt::format("{}", s.max_depth)},
-            {"fathom.roulette_depth", fmt::format("{}", s.roulette_depth)},
-            {"fathom.light_sampling", s.light_sampling ? "on" : "off"},
-            {"fathom.crop", s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none"},
-            {"fathom.simd", simd_name()},
-            {"fathom.rays", fmt::format("{}", summary.rays)},
-            {"fathom.load_s", fmt::format("{:.3f}", summary.load_s)},
-            {"fathom.build_s", fmt::format("{:.3f}", summary.build_s)},
-            {"fathom.render_s", fmt::format("{:.3f}", summary.render_s)}};
+    return {
+        {"fathom.version", FATHOM_VERSION},
+        {"fathom.scene", o.scene.file.string()},
+        {"fathom.camera", scene.camera},
+        {"fathom.seed", fmt::format("{}", s.seed)},
+        {"fathom.samples", text_of(film.samples())},
+        {"fathom.samples_per_pixel", fmt::format("{}", film.samples_per_pixel())},
+        {"fathom.dropped_samples", fmt::format("{}", film.dropped_samples())},
+        {"fathom.filter", filter_names[std::size_t(s.filter)]},
+        {"fathom.max_depth", s.max_depth < 0 ? "none" : fmt::format("{}", s.max_depth)},
+        {"fathom.roulette_depth", fmt::format("{}", s.roulette_depth)},
+        {"fathom.light_sampling", s.light_sampling ? "on" : "off"},
+        {"fathom.crop", s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none"},
+        {"fathom.simd", simd_name()},
+        {"fathom.rays", fmt::format("{}", summary.rays)},
+        {"fathom.load_s", fmt::format("{:.3f}", summary.load_s)},
+        {"fathom.build_s", fmt::format("{:.3f}", summary.build_s)},
+        {"fathom.render_s", fmt::format("{:.3f}", summary.render_s)}};
 }
 
 int run_render(RenderOptions& o, Reporter& reporter)
@@ -292,9 +297,10 @@ int run_render(RenderOptions& o, Reporter& reporter)
         samples = default_samples;
         reporter.note(fmt::format("{} samples a pixel, as neither --spp nor --time is given", default_samples));
     }
-    finish_on_interrupt(reporter.mode() == ReportMode::json
-                            ? "{\"event\":\"interrupted\"}\n"
-                            : "\nfathom: interrupted: finishing this pass, then the picture is written; once more stops at once\n");
+    finish_on_interrupt(
+        reporter.mode() == ReportMode::json
+            ? "{\"event\":\"interrupted\"}\n"
+            : "\nfathom: interrupted: finishing this pass, then the picture is written; once more stops at once\n");
     Film film(settings);
     Job job(o, scene, settings, reporter);
     job.run(film, samples);
@@ -330,14 +336,14 @@ int run_render(RenderOptions& o, Reporter& reporter)
 
 }  // namespace
 
-void add_render(CLI::App& app, Run& run)
+void add_render(CLI::App& program, Run& run)
 {
     const auto options = std::make_shared<RenderOptions>();
-    CLI::App* command = app.add_subcommand("render", "Render a scene or model file to pictures");
-    add_scene_options(*command, options->scene);
-    add_render_options(*command, *options);
-    add_picture_options(*command, options->picture);
-    command->footer(
+    Command command(program, "render", "Render a scene or model file to pictures");
+    add_scene_options(command, options->scene);
+    add_render_options(command, *options);
+    add_picture_options(command, options->picture);
+    command.set_footer(
         "An option overrides what the scene file says. Without -o: a PNG named after the scene, in this folder.\n"
         "Ctrl-C once finishes the pass and writes the picture so far (exit code 130); twice stops at once.\n\n"
         "Examples:\n"
@@ -347,21 +353,19 @@ void add_render(CLI::App& app, Run& run)
         "  fathom render scene.json --samples 0:64 -o a.exr      one part; fathom merge joins them\n"
         "  fathom render scene.json --only-sample 400,300,7      replay one sample\n\n"
         "Exit codes: 0 done; 1 error; 2 wrong usage; 130 interrupted.");
-    command->final_callback([options, &run] {
-        run = [options] {
-            Reporter reporter(options->json    ? ReportMode::json
-                              : options->quiet ? ReportMode::quiet
-                                               : default_report_mode());
-            if (!options->json) return run_render(*options, reporter);
-            try {
-                return run_render(*options, reporter);
-            } catch (const UsageError&) {
-                throw;
-            } catch (const std::exception& error) {
-                reporter.error(error.what());
-                return int(exit_error);
-            }
-        };
+    command.set_run(run, [options] {
+        Reporter reporter(options->json    ? ReportMode::json
+                          : options->quiet ? ReportMode::quiet
+                                           : default_report_mode());
+        if (!options->json) return run_render(*options, reporter);
+        try {
+            return run_render(*options, reporter);
+        } catch (const UsageError&) {
+            throw;
+        } catch (const std::exception& error) {
+            reporter.error(error.what());
+            return int(exit_error);
+        }
     });
 }
 

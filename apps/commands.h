@@ -26,6 +26,9 @@ void add_info(CLI::App& app, Run& run);
 void add_view(CLI::App& app, Run& run);
 void add_version(CLI::App& app, Run& run);
 
+/// Reads the command line, does what it says, prints what went wrong; returns the exit code.
+int run_program(int argc, char** argv);
+
 /// Seconds since the program began.
 double seconds_since_start();
 

@@ -1,8 +1,8 @@
 #include "interrupt.h"
 
+#include <unistd.h>
 #include <csignal>
 #include <cstring>
-#include <unistd.h>
 
 #include "commands.h"
 
@@ -31,14 +31,17 @@ void on_signal(int)
 void finish_on_interrupt(const char* line)
 {
     interrupt_line = line;
-    struct sigaction action {};
+    struct sigaction action{};
     action.sa_handler = on_signal;
     action.sa_flags = SA_RESTART;
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
 }
 
-const std::atomic<bool>& interrupted() { return interrupt_flag; }
+const std::atomic<bool>& interrupted()
+{
+    return interrupt_flag;
+}
 
 void ignore_write_signals()
 {

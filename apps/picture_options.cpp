@@ -1,7 +1,8 @@
 #include "picture_options.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
+#include <cctype>
 
 #include "commands.h"
 #include "fathom/error.h"
@@ -10,32 +11,29 @@ namespace fathom::cli {
 
 const std::vector<std::string> tonemap_names = {"srgb", "filmic"};
 
-void add_picture_options(CLI::App& app, PictureOptions& options)
+void add_picture_options(Command& command, PictureOptions& options)
 {
-    app.add_option_function<std::vector<std::string>>(
-           "-o,--output",
-           [&](const std::vector<std::string>& files) { options.outputs.assign(files.begin(), files.end()); },
-           "file to write: .exr, .png, .jpg or .hdr; may be given several times")
-        ->type_name("FILE")
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    add_value(app, "--exposure", "STOPS", "brighter (+) or darker (-) PNG and JPEG, in powers of two",
-              [&](const std::string& text) { options.exposure_ev = parse_number(text, -100, 100); });
-    add_value(app, "--tonemap", "srgb|filmic",
-              "for PNG and JPEG; srgb (default) shows radiance up to 1 as it is, so that pictures can be compared; "
-              "filmic rolls off highlights",
-              [&](const std::string& text) { options.tonemap = Tonemap(parse_word(text, tonemap_names)); });
-    add_value(app, "--png-bits", "8|16", "bits per channel of PNG (default 8)",
-              [&](const std::string& text) { options.png_bits = parse_word(text, {"8", "16"}) ? 16 : 8; });
-    add_value(app, "--exr", "half|float", "numbers of EXR (default float)",
-              [&](const std::string& text) { options.exr_half = parse_word(text, {"half", "float"}) == 0; });
+    command.add_files("-o,--output", options.outputs,
+                      "file to write: .exr, .png, .jpg or .hdr; may be given several times");
+    command.add_value("--exposure", "STOPS", "brighter (+) or darker (-) PNG and JPEG, in powers of two",
+                      [&](const std::string& text) { options.exposure_ev = parse_number(text, -100, 100); });
+    command.add_value(
+        "--tonemap", "srgb|filmic",
+        "for PNG and JPEG; srgb (default) shows radiance up to 1 as it is, so that pictures can be compared; "
+        "filmic rolls off highlights",
+        [&](const std::string& text) { options.tonemap = Tonemap(parse_word(text, tonemap_names)); });
+    command.add_value("--png-bits", "8|16", "bits per channel of PNG (default 8)",
+                      [&](const std::string& text) { options.png_bits = parse_word(text, {"8", "16"}) ? 16 : 8; });
+    command.add_value("--exr", "half|float", "numbers of EXR (default float)",
+                      [&](const std::string& text) { options.exr_half = parse_word(text, {"half", "float"}) == 0; });
 }
 
 bool writes_exr(const PictureOptions& options)
 {
     return std::any_of(options.outputs.begin(), options.outputs.end(), [](const std::filesystem::path& file) {
-        const std::string extension = file.extension().string();
-        return extension.size() == 4 && CLI::detail::to_lower(extension) == ".exr";
+        std::string extension = file.extension().string();
+        for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+        return extension == ".exr";
     });
 }
 
@@ -50,7 +48,8 @@ WriteOptions write_options(const PictureOptions& options, const RenderHints& hin
     } else if (hints.tonemap) {
         const auto name = std::find(tonemap_names.begin(), tonemap_names.end(), *hints.tonemap);
         if (name == tonemap_names.end())
-            throw Error("", "tonemap", fmt::format("expected {}, found '{}'", fmt::join(tonemap_names, " or "), *hints.tonemap));
+            throw Error("", "tonemap",
+                        fmt::format("expected {}, found '{}'", fmt::join(tonemap_names, " or "), *hints.tonemap));
         write.display.tonemap = Tonemap(name - tonemap_names.begin());
     }
     return write;

@@ -19,7 +19,7 @@ struct PictureOptions {
     bool exr_half = false;
 };
 
-void add_picture_options(CLI::App& app, PictureOptions& options);
+void add_picture_options(Command& command, PictureOptions& options);
 bool writes_exr(const PictureOptions& options);
 /// Options first, then what the scene asks for.
 WriteOptions write_options(const PictureOptions& options, const RenderHints& hints);

@@ -1,12 +1,12 @@
 #include "reporter.h"
 
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include "commands.h"
 
@@ -40,7 +40,10 @@ double seconds_since_start()
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-ReportMode default_report_mode() { return isatty(STDERR_FILENO) ? ReportMode::terminal : ReportMode::lines; }
+ReportMode default_report_mode()
+{
+    return isatty(STDERR_FILENO) ? ReportMode::terminal : ReportMode::lines;
+}
 
 std::uint64_t peak_memory_bytes()
 {
@@ -109,9 +112,14 @@ void Reporter::progress(double done, double elapsed_s, const Progress& progress,
     const double rate = elapsed_s > 0 ? double(progress.samples_done) / elapsed_s : 0;
     const double remaining_s = done > 0 ? elapsed_s * (1 - done) / done : 0;
     if (mode_ == ReportMode::json)
-        return print({{"event", "progress"}, {"done", done}, {"samples_done", progress.samples_done},
-                      {"samples_total", progress.samples_total}, {"rays", progress.rays}, {"samples_per_s", rate},
-                      {"elapsed_s", elapsed_s}, {"remaining_s", remaining_s}});
+        return print({{"event", "progress"},
+                      {"done", done},
+                      {"samples_done", progress.samples_done},
+                      {"samples_total", progress.samples_total},
+                      {"rays", progress.rays},
+                      {"samples_per_s", rate},
+                      {"elapsed_s", elapsed_s},
+                      {"remaining_s", remaining_s}});
     const std::string text = fmt::format("{:5.1f} %  {}samples/s  {} elapsed, {} left", done * 100, with_unit(rate),
                                          duration(elapsed_s), duration(remaining_s));
     if (mode_ == ReportMode::lines) return fmt::print(stderr, "{}\n", text);
@@ -125,12 +133,19 @@ void Reporter::summary(const Summary& s)
 {
     const double memory = double(peak_memory_bytes());
     if (mode_ == ReportMode::json)
-        return print({{"event", "summary"}, {"load_s", s.load_s}, {"build_s", s.build_s}, {"render_s", s.render_s},
-                      {"write_s", s.write_s}, {"total_s", seconds_since_start()},
-                      {"samples_per_pixel", s.samples_per_pixel}, {"rays", s.rays}, {"peak_memory_bytes", memory}});
-    note(fmt::format("load {:.3f} s, build {:.3f} s, render {:.3f} s, write {:.3f} s; {} samples a pixel, {}rays; "
-                     "peak memory {:.0f} MB",
-                     s.load_s, s.build_s, s.render_s, s.write_s, s.samples_per_pixel, with_unit(double(s.rays)), memory / 1e6));
+        return print({{"event", "summary"},
+                      {"load_s", s.load_s},
+                      {"build_s", s.build_s},
+                      {"render_s", s.render_s},
+                      {"write_s", s.write_s},
+                      {"total_s", seconds_since_start()},
+                      {"samples_per_pixel", s.samples_per_pixel},
+                      {"rays", s.rays},
+                      {"peak_memory_bytes", memory}});
+    note(fmt::format(
+        "load {:.3f} s, build {:.3f} s, render {:.3f} s, write {:.3f} s; {} samples a pixel, {}rays; "
+        "peak memory {:.0f} MB",
+        s.load_s, s.build_s, s.render_s, s.write_s, s.samples_per_pixel, with_unit(double(s.rays)), memory / 1e6));
 }
 
 }  // namespace fathom::cli

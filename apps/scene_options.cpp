@@ -1,8 +1,8 @@
 #include "scene_options.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <numbers>
 
 #include "commands.h"
@@ -22,7 +22,10 @@ const Camera* chosen_camera(const SceneDescription& scene, const std::string& na
 }
 
 /// A side that keeps the shape, at least one pixel.
-int side(double pixels) { return std::max(1, int(std::lround(std::min(pixels, double(1 << 24))))); }
+int side(double pixels)
+{
+    return std::max(1, int(std::lround(std::min(pixels, double(1 << 24)))));
+}
 
 Size picture_size(const SceneOptions& options, const SceneDescription& scene)
 {
@@ -101,37 +104,33 @@ std::string add_moved_camera(SceneDescription& scene, const std::string& name, c
 
 const std::vector<std::string> filter_names = {"box", "gaussian", "blackman-harris"};
 
-void add_scene_options(CLI::App& app, SceneOptions& options)
+void add_scene_options(Command& command, SceneOptions& options)
 {
-    app.add_option_function<std::string>("SCENE", [&](const std::string& file) { options.file = file; },
-                                         "Fathom's own JSON, glTF, GLB, OBJ, PLY, STL, ...")
-        ->required()
-        ->type_name("");
-    add_value(app, "--size", "WxH", "size of the picture (default: the scene's, else 800x600)",
-              [&](const std::string& text) { options.size = parse_size(text); });
-    add_value(app, "--camera", "NAME", "one of the scene's cameras (default: the first)",
-              [&](const std::string& text) { options.camera = text; });
-    add_value(app, "--look-from", "X,Y,Z", "where the camera stands, metres",
-              [&](const std::string& text) { options.look_from = parse_vector(text); });
-    add_value(app, "--look-at", "X,Y,Z", "what it looks at",
-              [&](const std::string& text) { options.look_at = parse_vector(text); });
-    add_value(app, "--up", "X,Y,Z", "what is up in the picture", [&](const std::string& text) {
+    command.add_positional("SCENE", options.file, "Fathom's own JSON, glTF, GLB, OBJ, PLY, STL, ...");
+    command.add_value("--size", "WxH", "size of the picture (default: the scene's, else 800x600)",
+                      [&](const std::string& text) { options.size = parse_size(text); });
+    command.add_value("--camera", "NAME", "one of the scene's cameras (default: the first)",
+                      [&](const std::string& text) { options.camera = text; });
+    command.add_value("--look-from", "X,Y,Z", "where the camera stands, metres",
+                      [&](const std::string& text) { options.look_from = parse_vector(text); });
+    command.add_value("--look-at", "X,Y,Z", "what it looks at",
+                      [&](const std::string& text) { options.look_at = parse_vector(text); });
+    command.add_value("--up", "X,Y,Z", "what is up in the picture", [&](const std::string& text) {
         options.up = parse_vector(text);
         if (!(length(*options.up) > 0)) throw UsageError("expected a direction, found 0,0,0");
     });
-    add_value(app, "--fov", "DEGREES", "full vertical angle of view", [&](const std::string& text) {
-        options.fov_deg = parse_number(text, 1e-3, 179.9);
-    });
-    add_value(app, "--orbit", "AZ,EL", "frame the whole scene from this azimuth and elevation, degrees",
-              [&](const std::string& text) {
-                  const std::vector<double> n = parse_numbers(text, 2);
-                  if (std::abs(n[1]) > 90) throw UsageError("the elevation is from -90 to 90");
-                  options.orbit_deg = {n[0], n[1]};
-              });
-    add_value(app, "--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
-              [&](const std::string& text) { options.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
-    add_value(app, "--env", "FILE", "light the scene by this equirectangular picture (HDR, EXR, ...)",
-              [&](const std::string& text) { options.environment = text; });
+    command.add_value("--fov", "DEGREES", "full vertical angle of view",
+                      [&](const std::string& text) { options.fov_deg = parse_number(text, 1e-3, 179.9); });
+    command.add_value("--orbit", "AZ,EL", "frame the whole scene from this azimuth and elevation, degrees",
+                      [&](const std::string& text) {
+                          const std::vector<double> n = parse_numbers(text, 2);
+                          if (std::abs(n[1]) > 90) throw UsageError("the elevation is from -90 to 90");
+                          options.orbit_deg = {n[0], n[1]};
+                      });
+    command.add_value("--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
+                      [&](const std::string& text) { options.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
+    command.add_value("--env", "FILE", "light the scene by this equirectangular picture (HDR, EXR, ...)",
+                      [&](const std::string& text) { options.environment = text; });
 }
 
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)

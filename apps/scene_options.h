@@ -22,13 +22,13 @@ struct SceneOptions {
     std::optional<Size> size;
 };
 
-void add_scene_options(CLI::App& app, SceneOptions& options);
+void add_scene_options(Command& command, SceneOptions& options);
 
 /// A scene that can be compiled: with a camera and light, and the options applied.
 struct LoadedScene {
     SceneDescription description;
-    std::string camera;  ///< the name to compile with; empty: the first
-    Size size;           ///< of the picture: the option's, the scene's, or 800x600 in the camera's shape
+    std::string camera;              ///< the name to compile with; empty: the first
+    Size size;                       ///< of the picture: the option's, the scene's, or 800x600 in the camera's shape
     std::vector<std::string> added;  ///< what the file lacked
 };
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings);

@@ -48,8 +48,8 @@ struct DisplayTransform {
 
 struct WriteOptions {
     DisplayTransform display;
-    int png_bits = 8;          ///< 8 or 16
-    bool exr_half = false;     ///< half for the layers of colours that fit; ids, distances and variances stay float
+    int png_bits = 8;       ///< 8 or 16
+    bool exr_half = false;  ///< half for the layers of colours that fit; ids, distances and variances stay float
     int jpeg_quality = 95;
 };
 
@@ -67,9 +67,9 @@ FATHOM_API void write_image(const std::filesystem::path& file, const Image& imag
 FATHOM_API std::vector<unsigned char> to_display(const Image::Layer& layer, int width, int height,
                                                  const DisplayTransform& display);
 
-/// Reads EXR, PNG, JPEG, WebP, HDR and what stb_image knows, told by content; 8- and 16-bit values become 0 to 1 and stay
-/// encoded as they are. Layers have the channels R G B A, R G B, Y A or Y (grey); those of EXR whatever the file has.
-/// Throws Error if the file is missing, damaged, cut short, or larger than the memory at hand.
+/// Reads EXR, PNG, JPEG, WebP, HDR and what stb_image knows, told by content; 8- and 16-bit values become 0 to 1 and
+/// stay encoded as they are. Layers have the channels R G B A, R G B, Y A or Y (grey); those of EXR whatever the file
+/// has. Throws Error if the file is missing, damaged, cut short, or larger than the memory at hand.
 FATHOM_API Image read_image(const std::filesystem::path& file);
 /// The same for a file in memory; `name` is for messages.
 FATHOM_API Image read_image(const std::string& name, const void* bytes, std::size_t size);

@@ -6,12 +6,12 @@
 #include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
 #include <ImfThreading.h>
+#include <fmt/format.h>
+#include <half.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <fmt/format.h>
-#include <half.h>
 #include <thread>
 
 #include "fathom/error.h"
@@ -66,7 +66,8 @@ int compression_threads()
 int channel_rank(const std::string& channel)
 {
     static const std::string order = "RGBAXYZ";
-    return channel.size() == 1 && order.find(channel) != std::string::npos ? int(order.find(channel)) : int(order.size());
+    return channel.size() == 1 && order.find(channel) != std::string::npos ? int(order.find(channel))
+                                                                           : int(order.size());
 }
 
 Image::Layer& layer_named(Image& image, const std::string& name)
@@ -81,7 +82,8 @@ std::string full_name(const std::string& layer, const std::string& channel)
     return layer.empty() ? channel : layer + "." + channel;
 }
 
-/// Colours in half's range may be halves. Ids, distances and variances would suffer: half has 11 bits, and nothing below 6e-8.
+/// Colours in half's range may be halves. Ids, distances and variances would suffer: half has 11 bits, and nothing
+/// below 6e-8.
 bool fits_half(const Image::Layer& layer)
 {
     constexpr float largest_half = 65504;
@@ -165,7 +167,8 @@ Image read_exr(const EncodedImage& file)
 
 // A picture of noise hardly compresses. 800x600 RGB float (5.8 MB), 2 cores, milliseconds and MB written:
 //   none 3, 5.8 | RLE 16, 5.6 | ZIPS level 1 60, 5.1 | ZIP level 1 69, 5.0 | ZIP level 4 86, 4.9 | PIZ 141, 5.8
-// So a plain picture in float is not compressed; more layers (flat albedo, ids) and sums (empty high words) are, and halves.
+// So a plain picture in float is not compressed; more layers (flat albedo, ids) and sums (empty high words) are, and
+// halves.
 void write_exr(OutputFile& file, const Image& image, const WriteOptions& options)
 {
     Imf::Header header(image.width, image.height);

@@ -1,13 +1,14 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <fmt/format.h>
 
 #include "fathom/error.h"
 #include "film/formats.h"
 
-// Radiance's RGBE: G. Ward, Real Pixels, Graphics Gems II, 1991; the run lengths as in Radiance's ray/src/common/color.c.
+// Radiance's RGBE: G. Ward, Real Pixels, Graphics Gems II, 1991; the run lengths as in Radiance's
+// ray/src/common/color.c.
 namespace fathom {
 
 namespace {
@@ -100,8 +101,8 @@ void read_runs(const EncodedImage& file, Bytes& bytes, std::vector<Rgbe>& row)
         }
 }
 
-/// Rows without runs by component: codes, where (1, 1, 1, n) repeats the one before; repeats that follow each other count
-/// 256 times as much each.
+/// Rows without runs by component: codes, where (1, 1, 1, n) repeats the one before; repeats that follow each other
+/// count 256 times as much each.
 void read_codes(const EncodedImage& file, Bytes& bytes, Rgbe first, std::vector<Rgbe>& row)
 {
     int shift = 0;
@@ -109,7 +110,8 @@ void read_codes(const EncodedImage& file, Bytes& bytes, Rgbe first, std::vector<
     for (std::size_t x = 0; x < row.size();) {
         if (code[0] == 1 && code[1] == 1 && code[2] == 1) {
             const std::size_t count = shift > 24 ? 0 : std::size_t(code[3]) << shift;
-            if (x == 0 || count == 0 || count > row.size() - x) throw Error(file.name, "", "damaged HDR: a run leaves its row");
+            if (x == 0 || count == 0 || count > row.size() - x)
+                throw Error(file.name, "", "damaged HDR: a run leaves its row");
             std::fill_n(row.begin() + std::ptrdiff_t(x), count, row[x - 1]);
             x += count;
             shift += 8;
@@ -132,8 +134,9 @@ Image read_hdr(const EncodedImage& file)
     const std::string resolution = bytes.line();
     long long width = 0, height = 0;
     if (std::sscanf(resolution.c_str(), "-Y %9lld +X %9lld", &height, &width) != 2 || width <= 0 || height <= 0)
-        throw Error(file.name, "", fmt::format("damaged HDR: expected a size as '-Y 600 +X 800', found '{}'",
-                                               resolution.substr(0, 40)));
+        throw Error(
+            file.name, "",
+            fmt::format("damaged HDR: expected a size as '-Y 600 +X 800', found '{}'", resolution.substr(0, 40)));
     check_size(file.name, std::uint64_t(width), std::uint64_t(height), 3 * sizeof(float));
     // A row has 4 components, each of runs of at most 127; older files repeat a row with 8 bytes or more.
     if (double(height) * 4 > double(file.size)) throw Error(file.name, "", "damaged HDR: the file is cut short");
@@ -143,7 +146,8 @@ Image read_hdr(const EncodedImage& file)
     std::vector<Rgbe> row(static_cast<std::size_t>(width));
     for (int y = 0; y < image.height; ++y) {
         const Rgbe first = next_code(bytes);
-        const bool runs = width >= 8 && width < 32768 && first[0] == 2 && first[1] == 2 && (first[2] << 8 | first[3]) == width;
+        const bool runs =
+            width >= 8 && width < 32768 && first[0] == 2 && first[1] == 2 && (first[2] << 8 | first[3]) == width;
         if (runs)
             read_runs(file, bytes, row);
         else
@@ -161,8 +165,8 @@ std::vector<unsigned char> encode_hdr(const Image& image)
 {
     const Image::Layer& layer = image.layers[0];
     const DisplayChannels channels = display_channels(layer);
-    const std::string header = fmt::format("#?RADIANCE\nSOFTWARE=Fathom\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n",
-                                           image.height, image.width);
+    const std::string header =
+        fmt::format("#?RADIANCE\nSOFTWARE=Fathom\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", image.height, image.width);
     std::vector<unsigned char> out(header.begin(), header.end());
     const std::size_t width = std::size_t(image.width);
     // The code of a compressed row has 15 bits for the width, and readers take rows below 8 as uncompressed.
@@ -172,7 +176,8 @@ std::vector<unsigned char> encode_hdr(const Image& image)
     for (int y = 0; y < image.height; ++y) {
         for (std::size_t x = 0; x < width; ++x, pixel += layer.channels.size()) row[x] = rgbe_from(pixel, channels);
         if (runs) {
-            out.insert(out.end(), {2, 2, static_cast<unsigned char>(width >> 8), static_cast<unsigned char>(width & 255)});
+            out.insert(out.end(),
+                       {2, 2, static_cast<unsigned char>(width >> 8), static_cast<unsigned char>(width & 255)});
             for (int component = 0; component < 4; ++component) append_runs(out, row, component);
         } else {
             for (const Rgbe& code : row) out.insert(out.end(), code.begin(), code.end());

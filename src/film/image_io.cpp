@@ -1,7 +1,7 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
 #include <cstring>
-#include <fmt/format.h>
 #include <fstream>
 #include <new>
 
@@ -36,9 +36,12 @@ Format output_format(const fs::path& file)
 int largest_side(Format format)
 {
     switch (format) {
-        case Format::jpeg: return 65500;
-        case Format::png: return 1000000;
-        default: return 1 << 24;
+        case Format::jpeg:
+            return 65500;
+        case Format::png:
+            return 1000000;
+        default:
+            return 1 << 24;
     }
 }
 
@@ -61,7 +64,10 @@ void check_consistent(const fs::path& file, const Image& image)
     if (!consistent) throw Error(file.string(), "", "can't write an empty picture, or layers that are not of its size");
 }
 
-std::string in_gigabytes(double bytes) { return fmt::format("{:.1f} GB", bytes / 1e9); }
+std::string in_gigabytes(double bytes)
+{
+    return fmt::format("{:.1f} GB", bytes / 1e9);
+}
 
 bool begins_with(const EncodedImage& file, const char* magic, std::size_t size, std::size_t at = 0)
 {
@@ -89,8 +95,9 @@ void check_size(const std::string& name, std::uint64_t width, std::uint64_t heig
     const double bytes = double(width) * double(height) * double(bytes_per_pixel);
     const double available = double(available_memory_bytes());
     if (bytes > available)
-        throw Error(name, "", fmt::format("a picture of {}x{} pixels needs {} of memory, {} are there", width, height,
-                                          in_gigabytes(bytes), in_gigabytes(available)));
+        throw Error(name, "",
+                    fmt::format("a picture of {}x{} pixels needs {} of memory, {} are there", width, height,
+                                in_gigabytes(bytes), in_gigabytes(available)));
 }
 
 Image make_image(int width, int height, int channels)
@@ -99,8 +106,8 @@ Image make_image(int width, int height, int channels)
     Image image;
     image.width = width;
     image.height = height;
-    image.layers.push_back(
-        {"", names[channels - 1], std::vector<float>(std::size_t(width) * std::size_t(height) * std::size_t(channels))});
+    image.layers.push_back({"", names[channels - 1],
+                            std::vector<float>(std::size_t(width) * std::size_t(height) * std::size_t(channels))});
     return image;
 }
 
@@ -119,10 +126,18 @@ void write_image(const fs::path& file, const Image& image, const WriteOptions& o
     try {
         OutputFile output(file);
         switch (format) {
-            case Format::exr: write_exr(output, image, options); break;
-            case Format::png: output.write(encode_png(image, options)); break;
-            case Format::jpeg: output.write(encode_jpeg(image, options)); break;
-            case Format::hdr: output.write(encode_hdr(image)); break;
+            case Format::exr:
+                write_exr(output, image, options);
+                break;
+            case Format::png:
+                output.write(encode_png(image, options));
+                break;
+            case Format::jpeg:
+                output.write(encode_jpeg(image, options));
+                break;
+            case Format::hdr:
+                output.write(encode_hdr(image));
+                break;
         }
         output.commit();
     } catch (const Error&) {

@@ -1,10 +1,12 @@
+#include <fmt/format.h>
 #include <csetjmp>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fmt/format.h>
+
+// Each needs those before it.
 #include <jpeglib.h>
-// needs the above
+
 #include <jerror.h>
 
 #include "fathom/error.h"
@@ -32,14 +34,17 @@ struct ErrorManager {
 void on_message(j_common_ptr jpeg, int level)
 {
     if (level >= 0) return;
-    // Bytes between segments and odd markers leave the picture whole; what else libjpeg would paint over in grey is damage.
+    // Bytes between segments and odd markers leave the picture whole; what else libjpeg would paint over in grey is
+    // damage.
     switch (jpeg->err->msg_code) {
         case JWRN_ADOBE_XFORM:
         case JWRN_BOGUS_ICC:
         case JWRN_EXTRANEOUS_DATA:
         case JWRN_JFIF_MAJOR:
-        case JWRN_NOT_SEQUENTIAL: return;
-        default: on_error(jpeg);
+        case JWRN_NOT_SEQUENTIAL:
+            return;
+        default:
+            on_error(jpeg);
     }
 }
 
@@ -70,10 +75,16 @@ bool read_header(Decompressor& d, const EncodedImage& file)
     jpeg_mem_src(&d.jpeg, file.bytes, static_cast<unsigned long>(file.size));
     jpeg_read_header(&d.jpeg, TRUE);
     switch (d.jpeg.jpeg_color_space) {
-        case JCS_GRAYSCALE: d.jpeg.out_color_space = JCS_GRAYSCALE; break;
+        case JCS_GRAYSCALE:
+            d.jpeg.out_color_space = JCS_GRAYSCALE;
+            break;
         case JCS_CMYK:
-        case JCS_YCCK: d.jpeg.out_color_space = JCS_CMYK; break;
-        default: d.jpeg.out_color_space = JCS_RGB; break;
+        case JCS_YCCK:
+            d.jpeg.out_color_space = JCS_CMYK;
+            break;
+        default:
+            d.jpeg.out_color_space = JCS_RGB;
+            break;
     }
     jpeg_calc_output_dimensions(&d.jpeg);
     return true;

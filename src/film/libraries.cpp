@@ -1,9 +1,9 @@
 #include <OpenEXRConfig.h>
-#include <cstdio>
 #include <fmt/format.h>
 #include <jpeglib.h>
 #include <png.h>
 #include <webp/decode.h>
+#include <cstdio>
 
 #include "fathom/image.h"
 

@@ -1,10 +1,10 @@
 #include "film/output_file.h"
 
-#include <cerrno>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <system_error>
 #include <unistd.h>
+#include <cerrno>
+#include <system_error>
 
 #include "fathom/error.h"
 
@@ -22,7 +22,8 @@ OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_
     }
     if (fs::is_directory(target_, error)) throw Error(name_, "", "can't write: this is a folder");
     const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
-    if (!fs::exists(folder, error)) throw Error(name_, "", fmt::format("can't write: there is no folder '{}'", folder.string()));
+    if (!fs::exists(folder, error))
+        throw Error(name_, "", fmt::format("can't write: there is no folder '{}'", folder.string()));
 
     static int count = 0;
     temporary_ = folder / fmt::format(".{}.{}-{}.part", target_.filename().string().substr(0, 200), getpid(), count++);

@@ -26,10 +26,10 @@ public:
 private:
     [[noreturn]] void fail(const std::string& what, int error) const;
 
-    std::string name_;                ///< as the user gave it
-    std::filesystem::path target_;    ///< symbolic links followed
+    std::string name_;              ///< as the user gave it
+    std::filesystem::path target_;  ///< symbolic links followed
     std::filesystem::path temporary_;
-    bool nameless_ = false;           ///< has no name yet: vanishes by itself if the program is killed
+    bool nameless_ = false;  ///< has no name yet: vanishes by itself if the program is killed
     std::FILE* file_ = nullptr;
 };
 

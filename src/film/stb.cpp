@@ -1,6 +1,6 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstring>
-#include <fmt/format.h>
 #include <memory>
 
 #include "fathom/error.h"
@@ -75,7 +75,8 @@ struct Free {
 };
 
 template <class Value>
-Image take_values(const EncodedImage& file, const Feed& feed, Value* values, int width, int height, int channels, float scale)
+Image take_values(const EncodedImage& file, const Feed& feed, Value* values, int width, int height, int channels,
+                  float scale)
 {
     const std::unique_ptr<Value, Free> owner(values);
     if (!values) throw Error(file.name, "", fmt::format("damaged picture: {}", stbi_failure_reason()));
@@ -103,8 +104,9 @@ Image read_stb(const EncodedImage& file)
     int width = 0, height = 0, channels = 0;
     Feed info(file);
     if (!stbi_info_from_callbacks(&callbacks, &info, &width, &height, &channels))
-        throw Error(file.name, "", "this is not a picture in a format that can be read (EXR, PNG, JPEG, WebP, HDR, BMP, "
-                                   "TGA, GIF, PSD, PNM)");
+        throw Error(file.name, "",
+                    "this is not a picture in a format that can be read (EXR, PNG, JPEG, WebP, HDR, BMP, "
+                    "TGA, GIF, PSD, PNM)");
     // Twice over: stb_image makes copies while it converts.
     check_size(file.name, std::uint64_t(width), std::uint64_t(height), std::uint64_t(channels) * 2 * sizeof(float));
 

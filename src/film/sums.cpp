@@ -1,5 +1,5 @@
-#include <charconv>
 #include <fmt/format.h>
+#include <charconv>
 
 #include "fathom/error.h"
 #include "fathom/render.h"
@@ -13,7 +13,10 @@ constexpr const char* dropped_attribute = "fathom.sums.dropped";
 constexpr const char* key_attribute = "fathom.sums.key";
 constexpr const char* words_attribute = "fathom.sums.words_per_pixel";
 
-std::string channel_name(int word) { return fmt::format("sums.{:03}", word); }
+std::string channel_name(int word)
+{
+    return fmt::format("sums.{:03}", word);
+}
 
 const std::string& attribute(const Image& image, const std::string& file, const char* name)
 {
@@ -80,12 +83,14 @@ Film::Sums load_sums(const Image& image, const std::string& file)
     while (!ranges.empty()) {
         SampleRange range;
         range.first = take_number(ranges, file, samples_attribute);
-        if (ranges.empty() || ranges.front() != ':') throw Error(file, samples_attribute, "expected ranges as 0:16,32:48");
+        if (ranges.empty() || ranges.front() != ':')
+            throw Error(file, samples_attribute, "expected ranges as 0:16,32:48");
         ranges.remove_prefix(1);
         range.second = take_number(ranges, file, samples_attribute);
         const bool in_order = sums.samples.empty() || sums.samples.back().second < range.first;
         if (range.first >= range.second || !in_order)
-            throw Error(file, samples_attribute, fmt::format("range {}:{} is empty or out of order", range.first, range.second));
+            throw Error(file, samples_attribute,
+                        fmt::format("range {}:{} is empty or out of order", range.first, range.second));
         sums.samples.push_back(range);
         if (!ranges.empty()) {
             if (ranges.front() != ',') throw Error(file, samples_attribute, "expected ranges as 0:16,32:48");

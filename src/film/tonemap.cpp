@@ -11,8 +11,9 @@ namespace fathom {
 
 namespace {
 
-/// The nearest 8-bit sRGB code of linear light, exactly as by the formula, without its power: the upper bits of the float
-/// choose a bucket, and within a bucket there is at most one step to the next code. A window does this for each frame.
+/// The nearest 8-bit sRGB code of linear light, exactly as by the formula, without its power: the upper bits of the
+/// float choose a bucket, and within a bucket there is at most one step to the next code. A window does this for each
+/// frame.
 class SrgbTable {
 public:
     SrgbTable()
@@ -30,17 +31,17 @@ public:
 
     unsigned char code(float linear) const
     {
-        // Written so that NaN is 0; below smallest all codes are 0.
-        if (!(linear > smallest)) return 0;
-        if (linear >= 1) return 255;
-        int code = first_code_[(std::bit_cast<std::uint32_t>(linear) >> shift) - first_bucket];
-        while (linear >= threshold_[code + 1]) ++code;
-        return static_cast<unsigned char>(code);
+        // Without branches: on noise they would be guessed wrong. The order of operands makes NaN the smallest.
+        linear = linear > smallest ? linear : smallest;
+        linear = linear < largest ? linear : largest;
+        const unsigned code = first_code_[(std::bit_cast<std::uint32_t>(linear) >> shift) - first_bucket];
+        return static_cast<unsigned char>(code + unsigned(linear >= threshold_[code + 1]));
     }
 
 private:
-    static constexpr int shift = 16;  // 7 bits of mantissa: 128 buckets an octave
-    static constexpr float smallest = 0x1p-13f;  // code 1 begins at 0.5 / 255 / 12.92 = 1.5e-4
+    static constexpr int shift = 16;                  // 7 bits of mantissa: 128 buckets an octave
+    static constexpr float smallest = 0x1p-13f;       // code 1 begins at 0.5 / 255 / 12.92 = 1.5e-4
+    static constexpr float largest = 0x1.fffffep-1f;  // code 255 begins at 0.9955
     static constexpr std::uint32_t first_bucket = std::bit_cast<std::uint32_t>(smallest) >> shift;
     std::array<float, 257> threshold_;
     std::array<unsigned char, 13 * 128> first_code_;
@@ -53,7 +54,10 @@ const SrgbTable& srgb_table()
 }
 
 /// NaN becomes 0.
-float clamp_unit(float x) { return x > 0 ? std::min(x, 1.0f) : 0.0f; }
+float clamp_unit(float x)
+{
+    return x > 0 ? std::min(x, 1.0f) : 0.0f;
+}
 
 }  // namespace
 
@@ -82,19 +86,27 @@ DisplayMap::DisplayMap(const DisplayTransform& display)
 float DisplayMap::display_linear(float radiance) const
 {
     const float x = radiance * scale_;
-    if (!(x > 0)) return 0;
-    return filmic_ ? filmic_curve(x) : x;
+    return filmic_ ? filmic_curve(x > 0 ? x : 0) : x;
 }
 
-unsigned char DisplayMap::code8(float radiance) const { return srgb_table().code(display_linear(radiance)); }
+unsigned char DisplayMap::code8(float radiance) const
+{
+    return srgb_table().code(display_linear(radiance));
+}
 
 std::uint16_t DisplayMap::code16(float radiance) const
 {
     return std::uint16_t(srgb_from_linear(clamp_unit(display_linear(radiance))) * 65535 + 0.5);
 }
 
-unsigned char unit8(float value) { return static_cast<unsigned char>(clamp_unit(value) * 255 + 0.5f); }
-std::uint16_t unit16(float value) { return std::uint16_t(clamp_unit(value) * 65535 + 0.5f); }
+unsigned char unit8(float value)
+{
+    return static_cast<unsigned char>(clamp_unit(value) * 255 + 0.5f);
+}
+std::uint16_t unit16(float value)
+{
+    return std::uint16_t(clamp_unit(value) * 65535 + 0.5f);
+}
 
 DisplayChannels display_channels(const Image::Layer& layer)
 {

@@ -47,12 +47,14 @@ std::uint64_t available_memory_bytes()
                                                number_in("/sys/fs/cgroup/memory.current", "")));
     rlimit limit{};
     if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
-        available = std::min(available,
-                             difference(limit.rlim_cur, number_in("/proc/self/status", "VmSize:") * 1024));
+        available = std::min(available, difference(limit.rlim_cur, number_in("/proc/self/status", "VmSize:") * 1024));
     return available;
 }
 #else
-std::uint64_t available_memory_bytes() { return std::numeric_limits<std::uint64_t>::max(); }
+std::uint64_t available_memory_bytes()
+{
+    return std::numeric_limits<std::uint64_t>::max();
+}
 #endif
 
 }  // namespace fathom

@@ -1,7 +1,7 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fmt/format.h>
 #include <fstream>
 #include <thread>
 
@@ -9,7 +9,8 @@
 #include "fathom/load.h"
 #include "fathom/render.h"
 
-// A library for tests of the command line: a scene file is words, and a sample is worth a number that its index decides.
+// A library for tests of the command line: a scene file is words, and a sample is worth a number that its index
+// decides.
 //   camera NAME, aspect A, size WxH, spp N, slow MS (a pass), warn TEXT, nan, hint-filter NAME, empty
 namespace fathom {
 
@@ -78,16 +79,25 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
     scene.data_->camera = world_camera(description, camera);
     const Camera& c = scene.data_->camera;
     // The camera and the environment, for tests to see.
-    warnings.add(fmt::format("camera '{}' at {},{},{} to {},{},{} up {},{},{} fov {:.4g} aspect {}", c.name, c.position.x,
-                             c.position.y, c.position.z, c.look_at.x, c.look_at.y, c.look_at.z, c.up.x, c.up.y, c.up.z,
-                             c.fov_y * 180 / M_PI, c.aspect));
+    warnings.add(fmt::format("camera '{}' at {},{},{} to {},{},{} up {},{},{} fov {:.4g} aspect {}", c.name,
+                             c.position.x, c.position.y, c.position.z, c.look_at.x, c.look_at.y, c.look_at.z, c.up.x,
+                             c.up.y, c.up.z, c.fov_y * 180 / M_PI, c.aspect));
     if (description.environment.kind == EnvironmentKind::image)
         warnings.add("environment " + description.images.at(std::size_t(description.environment.image)).path.string());
     return scene;
 }
-const SceneStatistics& Scene::statistics() const { return data_->statistics; }
-const Camera& Scene::camera() const { return data_->camera; }
-void Scene::set_camera(const Camera& camera) { data_->camera = camera; }
+const SceneStatistics& Scene::statistics() const
+{
+    return data_->statistics;
+}
+const Camera& Scene::camera() const
+{
+    return data_->camera;
+}
+void Scene::set_camera(const Camera& camera)
+{
+    data_->camera = camera;
+}
 
 struct Film::Data {
     RenderSettings settings;
@@ -101,12 +111,12 @@ namespace {
 
 std::string key_of(const RenderSettings& s)
 {
-    return fmt::format("{}x{} seed {} depth {} roulette {} nee {} filter {} crop {} bg {} alpha {}", s.width, s.height, s.seed,
-                       s.max_depth, s.roulette_depth, s.light_sampling, int(s.filter),
-                       s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none",
-                       s.background ? fmt::format("{:.4f},{:.4f},{:.4f}", s.background->r, s.background->g, s.background->b)
-                                    : "none",
-                       s.alpha);
+    return fmt::format(
+        "{}x{} seed {} depth {} roulette {} nee {} filter {} crop {} bg {} alpha {}", s.width, s.height, s.seed,
+        s.max_depth, s.roulette_depth, s.light_sampling, int(s.filter),
+        s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none",
+        s.background ? fmt::format("{:.4f},{:.4f},{:.4f}", s.background->r, s.background->g, s.background->b) : "none",
+        s.alpha);
 }
 
 void add_range(Film::Data& data, SampleRange range)
@@ -133,16 +143,28 @@ Film::Film(const RenderSettings& s)
 Film::Film(Film&&) noexcept = default;
 Film& Film::operator=(Film&&) noexcept = default;
 Film::~Film() = default;
-int Film::width() const { return data_->settings.width; }
-int Film::height() const { return data_->settings.height; }
-const std::vector<SampleRange>& Film::samples() const { return data_->samples; }
+int Film::width() const
+{
+    return data_->settings.width;
+}
+int Film::height() const
+{
+    return data_->settings.height;
+}
+const std::vector<SampleRange>& Film::samples() const
+{
+    return data_->samples;
+}
 std::uint64_t Film::samples_per_pixel() const
 {
     std::uint64_t count = 0;
     for (const SampleRange& range : data_->samples) count += range.second - range.first;
     return count;
 }
-std::uint64_t Film::dropped_samples() const { return data_->dropped; }
+std::uint64_t Film::dropped_samples() const
+{
+    return data_->dropped;
+}
 void Film::merge(const Film& other)
 {
     if (data_->key != other.data_->key) throw Error("", "", "other settings: " + other.data_->key);
@@ -162,7 +184,10 @@ Image Film::image(bool alpha, bool variance) const
     if (variance) image.layers.push_back({"variance", {"R", "G", "B"}, std::vector<float>(data_->sums.size() * 3)});
     return image;
 }
-Film::Sums Film::sums() const { return {width(), height(), 1, data_->sums, data_->samples, data_->dropped, data_->key}; }
+Film::Sums Film::sums() const
+{
+    return {width(), height(), 1, data_->sums, data_->samples, data_->dropped, data_->key};
+}
 Film Film::from_sums(const Sums& sums)
 {
     RenderSettings settings;
@@ -175,8 +200,8 @@ Film Film::from_sums(const Sums& sums)
     return film;
 }
 
-bool render(const Scene&, const RenderSettings& settings, SampleRange range, Film& film, const std::atomic<bool>* cancel,
-            const std::function<void(const Progress&, const Film&)>& on_pass)
+bool render(const Scene&, const RenderSettings& settings, SampleRange range, Film& film,
+            const std::atomic<bool>* cancel, const std::function<void(const Progress&, const Film&)>& on_pass)
 {
     Film::Data& data = film.data();
     const std::uint64_t pixels = data.sums.size();
@@ -186,7 +211,8 @@ bool render(const Scene&, const RenderSettings& settings, SampleRange range, Fil
         for (std::uint32_t& sum : data.sums) sum += std::uint32_t(s * 7 % 16);
         add_range(data, {s, s + 1});
         if (on_pass)
-            on_pass({(s - range.first + 1) * pixels, (range.second - range.first) * pixels, (s - range.first + 1) * pixels * 5},
+            on_pass({(s - range.first + 1) * pixels, (range.second - range.first) * pixels,
+                     (s - range.first + 1) * pixels * 5},
                     film);
     }
     data.dropped = dropped_per_render;
@@ -196,7 +222,13 @@ Color render_sample(const Scene&, const RenderSettings&, int x, int y, std::uint
 {
     return {float(x), float(y), float(sample)};
 }
-int simd_width() { return 1; }
-const char* simd_name() { return "none"; }
+int simd_width()
+{
+    return 1;
+}
+const char* simd_name()
+{
+    return "none";
+}
 
 }  // namespace fathom

@@ -1,5 +1,5 @@
-#include <cstring>
 #include <gtest/gtest.h>
+#include <cstring>
 
 #include "fathom/error.h"
 #include "pictures.h"
@@ -31,8 +31,9 @@ std::vector<Sample> samples()
     WriteOptions wide, half;
     wide.png_bits = 16;
     half.exr_half = true;
-    return {{"plain.exr", {}}, {"layers.exr", {}, true}, {"half.exr", half}, {"a.png", {}}, {"wide.png", wide},
-            {"a.jpg", {}}, {"a.hdr", {}}};
+    return {{"plain.exr", {}}, {"layers.exr", {}, true}, {"half.exr", half},
+            {"a.png", {}},     {"wide.png", wide},       {"a.jpg", {}},
+            {"a.hdr", {}}};
 }
 
 TEST(Damage, AFileCutAnywhereIsAnError)
@@ -42,7 +43,8 @@ TEST(Damage, AFileCutAnywhereIsAnError)
         ASSERT_NO_THROW(read_image(sample.file, whole.data(), whole.size()));
         // Exactly sized copies, so that a sanitizer sees a byte read too far.
         const std::size_t step = whole.size() < 4000 ? 1 : 7;
-        for (std::size_t size = 0; size + 2 < whole.size(); size += size < 600 || size + 100 > whole.size() ? 1 : step) {
+        for (std::size_t size = 0; size + 2 < whole.size();
+             size += size < 600 || size + 100 > whole.size() ? 1 : step) {
             const std::vector<char> cut(whole.begin(), whole.begin() + std::ptrdiff_t(size));
             EXPECT_THROW(read_image(sample.file, cut.data(), cut.size()), Error) << sample.file << " cut at " << size;
         }
@@ -72,8 +74,8 @@ TEST(Damage, WrongBytesDoNotCrash)
 
 TEST(Damage, SizesBeyondMemoryAreRefused)
 {
-    // The width and height of a real file, replaced by 1,000,000 x 1,000,000 (PNG checks a sum over them, so that is HDR and
-    // EXR here, and PNM whose header is text).
+    // The width and height of a real file, replaced by 1,000,000 x 1,000,000 (PNG checks a sum over them, so that is
+    // HDR and EXR here, and PNM whose header is text).
     const std::string pnm = "P6\n16000000 16000000\n255\n";
     EXPECT_THROW(read_image("a.ppm", pnm.data(), pnm.size()), Error);
     const std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16000000 +X 16000000\n\x02\x02";

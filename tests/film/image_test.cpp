@@ -1,8 +1,8 @@
+#include <gtest/gtest.h>
+#include <webp/encode.h>
 #include <bit>
 #include <cstring>
-#include <gtest/gtest.h>
 #include <limits>
-#include <webp/encode.h>
 
 #include "fathom/error.h"
 #include "pictures.h"
@@ -96,7 +96,8 @@ TEST(Png, AlphaIsStraight)
         const Image read = written_and_read(image, "a.png", options);
         ASSERT_EQ(read.layers[0].channels, image.layers[0].channels);
         const std::vector<double> expected = {test::srgb(0.5), test::srgb(0.25), 0, 0.5, 0, 0, 0, 0};
-        for (int i = 0; i < 8; ++i) EXPECT_NEAR(read.layers[0].pixels[i], expected[i], 0.51 / (bits == 8 ? 255 : 65535));
+        for (int i = 0; i < 8; ++i)
+            EXPECT_NEAR(read.layers[0].pixels[i], expected[i], 0.51 / (bits == 8 ? 255 : 65535));
     }
 }
 

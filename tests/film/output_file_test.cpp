@@ -1,8 +1,8 @@
-#include <csignal>
 #include <gtest/gtest.h>
-#include <functional>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <csignal>
+#include <functional>
 
 #include "fathom/error.h"
 #include "pictures.h"
@@ -27,9 +27,11 @@ std::string message_of(const std::function<void()>& action)
 TEST(CheckOutput, KnowsFormatsFoldersAndSizes)
 {
     const TemporaryFolder folder;
-    for (const char* name : {"a.exr", "a.PNG", "a.jpg", "a.jpeg", "a.hdr"}) EXPECT_NO_THROW(check_output(folder.path() / name));
+    for (const char* name : {"a.exr", "a.PNG", "a.jpg", "a.jpeg", "a.hdr"})
+        EXPECT_NO_THROW(check_output(folder.path() / name));
     EXPECT_EQ(folder.files(), 0u);
-    for (const char* name : {"a.bmp", "a", "a.tiff", ".png"}) EXPECT_THROW(check_output(folder.path() / name), Error) << name;
+    for (const char* name : {"a.bmp", "a", "a.tiff", ".png"})
+        EXPECT_THROW(check_output(folder.path() / name), Error) << name;
     EXPECT_THROW(check_output(folder.path() / "none" / "a.png"), Error);
     fs::create_directory(folder.path() / "folder.png");
     EXPECT_THROW(check_output(folder.path() / "folder.png"), Error);

@@ -1,11 +1,11 @@
 #pragma once
+#include <unistd.h>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 #include "fathom/image.h"
@@ -30,7 +30,8 @@ public:
     const std::filesystem::path& path() const { return path_; }
     std::size_t files() const
     {
-        return std::size_t(std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator()));
+        return std::size_t(
+            std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator()));
     }
 
 private:
@@ -43,7 +44,8 @@ inline std::vector<char> bytes_of(const std::filesystem::path& file)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Values that differ everywhere, from 0 to `top`; A, if it is among the channels, from 0 to 1 and colours premultiplied.
+/// Values that differ everywhere, from 0 to `top`; A, if it is among the channels, from 0 to 1 and colours
+/// premultiplied.
 inline Image::Layer made_layer(const std::string& name, const std::vector<std::string>& channels, int width, int height,
                                float top = 1)
 {
@@ -62,7 +64,8 @@ inline Image::Layer made_layer(const std::string& name, const std::vector<std::s
     return layer;
 }
 
-inline Image made_image(int width, int height, const std::vector<std::string>& channels = {"R", "G", "B"}, float top = 1)
+inline Image made_image(int width, int height, const std::vector<std::string>& channels = {"R", "G", "B"},
+                        float top = 1)
 {
     Image image;
     image.width = width;

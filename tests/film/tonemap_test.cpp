@@ -12,10 +12,10 @@ TEST(Tonemap, SrgbCodesByHand)
     const DisplayMap map({0, Tonemap::srgb});
     // 255 (1.055 x^(1/2.4) - 0.055), and 255 12.92 x below 0.0031308
     EXPECT_EQ(map.code8(0), 0);
-    EXPECT_EQ(map.code8(0.001f), 3);      // 3.29
-    EXPECT_EQ(map.code8(0.0031308f), 10); // 10.31
-    EXPECT_EQ(map.code8(0.18f), 118);     // 117.7
-    EXPECT_EQ(map.code8(0.5f), 188);      // 187.5
+    EXPECT_EQ(map.code8(0.001f), 3);       // 3.29
+    EXPECT_EQ(map.code8(0.0031308f), 10);  // 10.31
+    EXPECT_EQ(map.code8(0.18f), 118);      // 117.7
+    EXPECT_EQ(map.code8(0.5f), 188);       // 187.5
     EXPECT_EQ(map.code8(1), 255);
     EXPECT_EQ(map.code8(7), 255);
     EXPECT_EQ(map.code8(-1), 0);
@@ -39,7 +39,7 @@ TEST(Tonemap, FilmicByHand)
     EXPECT_FLOAT_EQ(filmic_curve(0.18f), 0.086724f / 0.324932f);
     EXPECT_NEAR(filmic_curve(1e30f), 2.51 / 2.43, 1e-4);
     const DisplayMap map({0, Tonemap::filmic});
-    EXPECT_EQ(map.code8(1), 232);         // sRGB of 0.803797: 0.908232 * 255 = 231.6
+    EXPECT_EQ(map.code8(1), 232);  // sRGB of 0.803797: 0.908232 * 255 = 231.6
     EXPECT_EQ(map.code8(INFINITY), 255);
     EXPECT_EQ(map.code8(NAN), 0);
     float before = 0;
