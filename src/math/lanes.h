@@ -110,4 +110,18 @@ void for_each_active(Mask m, F&& f)
     for (std::uint32_t bits = mask_bits(m); bits; bits &= bits - 1) f(std::countr_zero(bits));
 }
 
+/// Calls f(id, lanes with that id) for each different id among the lanes of the mask.
+template <class F>
+void for_each_unique(Mask m, UInt ids, F&& f)
+{
+    std::uint32_t values[lanes];
+    store(values, ids);
+    for (std::uint32_t bits = mask_bits(m); bits;) {
+        const std::uint32_t id = values[std::countr_zero(bits)];
+        const Mask same = mask_from_bits(bits) & (ids == UInt(id));
+        f(id, same);
+        bits &= ~mask_bits(same);
+    }
+}
+
 }  // namespace fathom::inline FATHOM_LANES

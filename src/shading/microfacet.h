@@ -1,0 +1,89 @@
+#pragma once
+/// The GGX distribution of facets: Walter et al. 2007, with the height-correlated Smith term (Heitz 2014). Directions are
+/// in the frame of the shading normal.
+#include "sampling/warp.h"
+#include "shading/ggx_albedo_table.h"
+#include "shading/spectrum.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// Below this alpha a surface is treated as smooth: float could not tell its lobe from a delta.
+inline constexpr float min_alpha = 1e-3f;
+
+struct Ggx {
+    Float alpha;
+
+    Float d(Vec3 h) const
+    {
+        const Float a2 = alpha * alpha;
+        const Float t = fma(h.z * h.z, a2 - Float(1), Float(1));
+        // 1 - cos^2 cancels near the normal; the sine is exact.
+        const Float sine2 = fma(h.x, h.x, h.y * h.y);
+        const Float e = select(h.z > Float(0.9f), fma(a2, h.z * h.z, sine2), t);
+        return a2 * Float(inv_pi) / max(e * e, Float(1e-30f));
+    }
+    Float lambda(Vec3 w) const
+    {
+        const Float cos2 = max(w.z * w.z, Float(1e-12f));
+        const Float tan2 = max(Float(1) - cos2, Float(0)) / cos2;
+        return Float(0.5f) * (sqrt(fma(alpha * alpha, tan2, Float(1))) - Float(1));
+    }
+    Float g1(Vec3 w) const { return Float(1) / (Float(1) + lambda(w)); }
+    Float g2(Vec3 wo, Vec3 wi) const { return Float(1) / (Float(1) + lambda(wo) + lambda(wi)); }
+
+    /// A normal as seen from wo (wo.z > 0): Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
+    Vec3 sample(Vec3 wo, Sample2 u) const
+    {
+        const Vec3 stretched = normalize({wo.x * alpha, wo.y * alpha, wo.z});
+        const Float z = fma(Float(1) - u.y, Float(1) + stretched.z, -stretched.z);
+        const Float s = sqrt(clamp(fma(-z, z, Float(1)), Float(0), Float(1)));
+        const SinCos phi = sincos_2pi(u.x);
+        const Vec3 c{fma(s, phi.cos, stretched.x), fma(s, phi.sin, stretched.y), z + stretched.z};
+        return normalize({c.x * alpha, c.y * alpha, max(c.z, Float(1e-6f))});
+    }
+    /// Density per solid angle of the normals that sample gives.
+    Float pdf(Vec3 wo, Vec3 h) const { return g1(wo) * max(dot(wo, h), Float(0)) * d(h) / wo.z; }
+};
+
+inline Vec3 reflect(Vec3 w, Vec3 n) { return fma(n, Float(2) * dot(w, n), -w); }
+
+/// Schlick's (1 - cos)^5.
+inline Float schlick_weight(Float cosine)
+{
+    const Float m = clamp(Float(1) - cosine, Float(0), Float(1));
+    const Float m2 = m * m;
+    return m2 * m2 * m;
+}
+
+/// Share of the light that a perfectly reflecting GGX surface gives back in one bounce, from the table.
+inline Float ggx_albedo(Float cosine, Float roughness)
+{
+    constexpr int n = ggx_albedo_size;
+    const Float x = clamp(cosine, Float(0), Float(1)) * Float(n - 1), y = clamp(roughness, Float(0), Float(1)) * Float(n - 1);
+    const Float x0 = min(floor(x), Float(n - 2)), y0 = min(floor(y), Float(n - 2));
+    const Float fx = x - x0, fy = y - y0;
+    const UInt index = to_uint(y0) * UInt(n) + to_uint(x0);
+    const auto at = [&](std::uint32_t offset) { return gather(ggx_albedo_table, index + UInt(offset)); };
+    const Float a = at(0), b = at(1), c = at(n), d = at(n + 1);
+    const Float top = fma(fx, b - a, a), bottom = fma(fx, d - c, c);
+    return fma(fy, bottom - top, top);
+}
+
+/// Reflectance of a smooth boundary between two dielectrics, for unpolarised light.
+///
+/// cos_theta_i  abs cosine of direction and normal, in [0, 1]
+/// eta          index beyond the boundary over index before it, in [0.01, 100]
+/// cos_theta_t  becomes the cosine beyond; 0 under total internal reflection, where the result is exactly 1
+/// Born and Wolf, Principles of Optics, 1.5.2.
+inline Float fresnel_dielectric(Float cos_theta_i, Float eta, Float& cos_theta_t)
+{
+    const Float sin2_theta_t = (Float(1) - cos_theta_i * cos_theta_i) / (eta * eta);
+    const Mask total = sin2_theta_t >= Float(1);
+    cos_theta_t = select(total, Float(0), sqrt(max(Float(1) - sin2_theta_t, Float(0))));
+    const Float parallel = (eta * cos_theta_i - cos_theta_t) / max(fma(eta, cos_theta_i, cos_theta_t), Float(1e-20f));
+    const Float perpendicular =
+        (cos_theta_i - eta * cos_theta_t) / max(fma(eta, cos_theta_t, cos_theta_i), Float(1e-20f));
+    return select(total, Float(1), Float(0.5f) * fma(parallel, parallel, perpendicular * perpendicular));
+}
+
+}  // namespace fathom::inline FATHOM_LANES
