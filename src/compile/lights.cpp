@@ -133,13 +133,9 @@ private:
         if (e.kind == EnvironmentKind::none) return;
         const Transform inverse = e.world_from_environment.inverse();
         for (std::size_t i = 0; i < 9; ++i) t.environment_from_render[i] = float(inverse.m[i / 3][i % 3]);
-        double mean = 0;
-        switch (e.kind) {
-            case EnvironmentKind::constant: mean = luminance(t.color.data()); break;
-            case EnvironmentKind::gradient: mean = (luminance(t.bottom.data()) + luminance(t.top.data())) / 2; break;
-            case EnvironmentKind::image: mean = make_environment_distribution(); break;
-            case EnvironmentKind::none: break;
-        }
+        // A constant or a gradient is found well enough by the directions that surfaces choose.
+        if (e.kind != EnvironmentKind::image || t.width == 0) return;
+        const double mean = make_environment_distribution();
         if (mean <= 0) return;
         t.light = std::uint32_t(t_.lights.size());
         LightTable light;

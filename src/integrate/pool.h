@@ -31,15 +31,23 @@ struct PathPool {
         for (int c = 0; c < channels; ++c) s.c[c] = number(field + c, i);
         return s;
     }
-    void set(int field, std::size_t i, UInt value) { store(&data[field][i], bits_float(value)); }
     void set(int field, std::size_t i, Float value) { store(&data[field][i], value); }
-    void set(int field, std::size_t i, const Vec3& v)
-    {
-        set(field, i, v.x), set(field + 1, i, v.y), set(field + 2, i, v.z);
-    }
+    void set(int field, std::size_t i, UInt value) { store(&data[field][i], bits_float(value)); }
+    void set(int field, std::size_t i, const Vec3& v) { set(field, i, v.x), set(field + 1, i, v.y), set(field + 2, i, v.z); }
     void set(int field, std::size_t i, const Spectrum& s)
     {
         for (int c = 0; c < channels; ++c) set(field + c, i, s.c[c]);
+    }
+    /// Only the lanes of the mask: what follows belongs to other kinds of paths.
+    void set(int field, std::size_t i, Float value, Mask m) { store(&data[field][i], select(m, value, load(&data[field][i]))); }
+    void set(int field, std::size_t i, UInt value, Mask m) { set(field, i, bits_float(value), m); }
+    void set(int field, std::size_t i, const Vec3& v, Mask m)
+    {
+        set(field, i, v.x, m), set(field + 1, i, v.y, m), set(field + 2, i, v.z, m);
+    }
+    void set(int field, std::size_t i, const Spectrum& s, Mask m)
+    {
+        for (int c = 0; c < channels; ++c) set(field + c, i, s.c[c], m);
     }
     std::uint32_t scalar_integer(int field, std::size_t i) const { return std::bit_cast<std::uint32_t>(data[field][i]); }
 

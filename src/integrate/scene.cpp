@@ -1,20 +1,42 @@
 #include "integrate/scene.h"
 
+#include <algorithm>
+
+#include "fathom/description.h"
+#include "integrate/alpha.h"
+
 namespace fathom {
 
 inline namespace FATHOM_LANES {
 
 LaneScene::LaneScene(std::shared_ptr<const SceneTables> t) : tables_owner(std::move(t)), tables(*tables_owner)
 {
-    is_flat = FlatScene::fits(tables);
-    if (is_flat) flat.build(tables);
+    const bool has_alpha = std::any_of(tables.shapes.begin(), tables.shapes.end(),
+                                       [](const ShapeTable& s) { return s.flags & ShapeTable::alpha_tested; });
+    is_flat = FlatScene::fits(tables) && !has_alpha;
+    if (is_flat) {
+        flat.build(tables);
+    } else {
+        bvh.build(tables);
+        if (has_alpha) bvh.set_alpha_test(&alpha_passes, &tables);
+    }
     for (const ShapeTable& shape : tables.shapes) {
         const MaterialTable& material = tables.materials[shape.material];
         kinds |= 1u << material.bsdf;
-        shape_info.push_back(shape.material | material.bsdf << kind_shift |
-                             (shape.light_base != no_index || (material.flags & MaterialTable::emits) ? emits : 0u));
+        normal_mapped |= (material.flags & MaterialTable::normal_mapped) != 0;
+        for (float a : material.absorption) has_absorption |= a > 0;
+        shape_info.push_back(shape.material | material.bsdf << kind_shift | (material.flags & MaterialTable::emits ? emits : 0u));
     }
-    for (std::uint32_t shape : tables.shape_of_primitive) primitive_info.push_back(shape_info[shape]);
+    textured = !tables.textures.empty();
+    simple = is_flat && !textured && tables.triangles.empty() && tables.spheres.empty() && tables.disks.empty();
+    for (const ShapeTable& shape : tables.shapes) {
+        const MaterialTable& m = tables.materials[shape.material];
+        simple &= m.bsdf == std::uint32_t(BsdfKind::none) || (m.bsdf == std::uint32_t(BsdfKind::diffuse) && m.roughness == 0);
+    }
+    if (is_flat) {
+        for (std::uint32_t shape : tables.shape_of_primitive) primitive_info.push_back(shape_info[shape]);
+        primitive_info.resize(primitive_info.size() + small_table);
+    }
     for (const QuadTable& q : tables.quads) {
         const Vec3d n = normalize(cross(Vec3d{q.edge_u.x, q.edge_u.y, q.edge_u.z}, Vec3d{q.edge_v.x, q.edge_v.y, q.edge_v.z}));
         quad_normal[0].push_back(float(n.x));
@@ -22,17 +44,18 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t) : tables_owner(std::m
         quad_normal[2].push_back(float(n.z));
     }
     for (const MaterialTable& material : tables.materials)
-        for (int c = 0; c < channels; ++c) material_color[c].push_back(material.base_color[c]);
-    for (auto* table : {&quad_normal[0], &quad_normal[1], &quad_normal[2]}) table->resize(tables.quads.size() + small_table);
-    for (auto& table : material_color) table.resize(tables.materials.size() + small_table);
-    primitive_info.resize(primitive_info.size() + small_table);
-    textured = !tables.textures.empty();
-    sees_environment = tables.environment.kind != 0;
+        for (std::size_t c = 0; c < channels; ++c) material_color[c].push_back(material.base_color[c]);
+    for (auto& table : quad_normal) table.resize(table.size() + small_table);
+    for (auto& table : material_color) table.resize(table.size() + small_table);
+    sees_environment = EnvironmentKind(tables.environment.kind) != EnvironmentKind::none;
+    filters[0].make_gaussian();
+    filters[1].make_blackman_harris();
 }
 
 std::size_t LaneScene::memory_bytes() const
 {
-    return shape_info.size() * 4 + primitive_info.size() * 4 + 3 * quad_normal[0].size() * 4;
+    return shape_info.size() * 4 + primitive_info.size() * 4 + 3 * quad_normal[0].size() * 4 +
+           (is_flat ? 0 : bvh.memory_bytes());
 }
 
 }  // namespace FATHOM_LANES

@@ -1,30 +1,76 @@
 #pragma once
+#include "geometry/bvh.h"
 #include "geometry/flat.h"
 #include "integrate/kernel.h"
+#include "sampling/filter.h"
+#include "shading/spectrum.h"
 
 namespace fathom::inline FATHOM_LANES {
 
-/// The kernel's scene: the tables, the acceleration structure, and what is worth precomputing per primitive.
+/// The kernel's scene: the tables, the acceleration structure, and what is worth precomputing.
 struct LaneScene final : KernelScene {
     std::shared_ptr<const SceneTables> tables_owner;
     const SceneTables& tables;
+    /// A scene of a few dozen primitives is traced as a flat list, a larger one by the tree.
     bool is_flat = false;
     FlatScene flat;
+    Bvh bvh;
     /// Per shape: material in the low 24 bits, BsdfKind above, the emission flag on top.
     std::vector<std::uint32_t> shape_info;
     static constexpr std::uint32_t emits = 1u << 31;
     static constexpr int kind_shift = 24;
-    /// Per primitive, if the scene is flat: shape_info of its shape.
+    static constexpr std::uint32_t kind_mask = 0xf, material_mask = 0xffffff;
+    /// Per primitive, if the scene is flat: shape_info of its shape; padded for lookup().
     std::vector<std::uint32_t> primitive_info;
-    std::vector<float> quad_normal[3];  ///< unit, by quad; padded for lookup()
+    std::vector<float> quad_normal[3];            ///< unit, by quad; padded likewise
     std::vector<float> material_color[channels];  ///< padded likewise
     static constexpr int small_table = 32;
-    std::uint32_t kinds = 0;            ///< bit per BsdfKind that occurs
-    bool textured = false;
-    bool sees_environment = false;      ///< rays that leave the scene bring something
+    std::uint32_t kinds = 0;           ///< bit per BsdfKind that occurs
+    bool textured = false;             ///< uv matter somewhere
+    bool normal_mapped = false;
+    bool has_absorption = false;
+    bool sees_environment = false;     ///< rays that leave the scene bring something
+    bool simple = false;               ///< only untextured smooth diffuse quads: shading takes a short cut
+    FilterTable filters[2];            ///< Gaussian, Blackman-Harris
 
     explicit LaneScene(std::shared_ptr<const SceneTables> t);
     std::size_t memory_bytes() const override;
+
+    Vec3 quad_normal_of(UInt quad, Mask m) const
+    {
+        const int size = int(tables.quads.size());
+        const auto& n = quad_normal;
+        if (size > small_table) return {gather(n[0].data(), quad, m), gather(n[1].data(), quad, m), gather(n[2].data(), quad, m)};
+        return {lookup(n[0].data(), size, quad), lookup(n[1].data(), size, quad), lookup(n[2].data(), size, quad)};
+    }
+    Spectrum material_color_of(UInt material, Mask m) const
+    {
+        const int size = int(tables.materials.size());
+        Spectrum color;
+        for (int c = 0; c < channels; ++c) {
+            const float* table = material_color[c].data();
+            color.c[c] = size > small_table ? gather(table, material, m) : lookup(table, size, material);
+        }
+        return color;
+    }
+    /// shape_info of what was hit; 0 outside the mask.
+    UInt info_of(UInt primitive, UInt instance, Mask m) const;
 };
+
+inline UInt LaneScene::info_of(UInt primitive, UInt instance, Mask m) const
+{
+    if (is_flat) {
+        const int n = int(tables.shape_of_primitive.size());
+        if (n > small_table) return gather(primitive_info.data(), primitive, m);
+        return select(m, lookup(primitive_info.data(), n, primitive), UInt(0u));
+    }
+    UInt shape = gather(tables.shape_of_primitive.data(), primitive, m);
+    if (!tables.instances.empty()) {
+        const Mask placed = m & (instance != UInt(no_index));
+        const auto* words = reinterpret_cast<const std::uint32_t*>(tables.instances.data());
+        shape = select(placed, gather(words + offsetof(InstanceTable, shape) / 4, instance * UInt(sizeof(InstanceTable) / 4), placed), shape);
+    }
+    return gather(shape_info.data(), shape, m);
+}
 
 }  // namespace fathom::inline FATHOM_LANES

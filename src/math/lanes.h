@@ -76,6 +76,7 @@ inline Float copysign(Float a, Float b)
 /// a with its sign flipped where b is negative (or -0).
 inline Float flip_sign(Float a, Float b) { return bits_float(float_bits(a) ^ (float_bits(b) & UInt(0x80000000u))); }
 inline Float clamp(Float a, Float lo, Float hi) { return min(max(a, lo), hi); }
+inline Mask equal(Mask a, Mask b) { return (a & b) | !(a | b); }
 inline bool all(Mask m) { return none(!m); }
 inline int count(Mask m) { return std::popcount(mask_bits(m)); }
 

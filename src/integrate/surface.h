@@ -1,0 +1,340 @@
+#pragma once
+/// From a hit to the surface there: position, normals, uv, and the material with its textures applied.
+#include "integrate/scene.h"
+#include "shading/bsdf.h"
+#include "shading/texture.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// A hit of each lane, and the ray that made it.
+struct SurfaceHit {
+    Vec3 o, d;
+    Float t, u, v, time;
+    UInt primitive, instance;
+};
+
+struct Surface {
+    Vec3 p;
+    Vec3 ng;            ///< geometric normal, unit, on the side of the shape's front
+    Vec3 ns;            ///< shading normal, on the same side
+    Vec3 tangent;       ///< along growing u; zero where unknown
+    Float bitangent_sign;
+    TexturePoint at;
+    Spectrum color;     ///< of the vertices
+    Float color_alpha;
+    UInt shape;
+};
+
+class SurfaceReader {
+public:
+    explicit SurfaceReader(const LaneScene& scene) : scene_(scene), t_(scene.tables) {}
+
+    /// The shape hit: the instance's, or the primitive's own.
+    UInt shape_of(UInt primitive, UInt instance, Mask m) const
+    {
+        const UInt own = gather(t_.shape_of_primitive.data(), primitive, m);
+        if (t_.instances.empty()) return own;
+        const Mask placed = m & (instance != UInt(no_index));
+        const UInt by_instance = gather(words(t_.instances.data()) + offsetof(InstanceTable, shape) / 4,
+                                        instance * UInt(sizeof(InstanceTable) / 4), placed);
+        return select(placed, by_instance, own);
+    }
+
+    Surface read(const SurfaceHit& hit, Mask m) const
+    {
+        Surface s;
+        s.p = fma(hit.d, hit.t, hit.o);
+        s.shape = shape_of(hit.primitive, hit.instance, m);
+        s.tangent = Vec3(Float(0), Float(0), Float(0));
+        s.bitangent_sign = Float(1);
+        s.color = Spectrum(Float(1));
+        s.color_alpha = Float(1);
+        for (int i = 0; i < 2; ++i) s.at.u[i] = hit.u, s.at.v[i] = hit.v;
+        s.ng = Vec3(Float(0), Float(0), Float(1));
+
+        const UInt flags = shape_word(offsetof(ShapeTable, flags), s.shape, m);
+        const Mask triangle = m & less(hit.primitive, UInt(t_.first_quad()));
+        const Mask quad = m & !triangle & less(hit.primitive, UInt(t_.first_sphere()));
+        const Mask sphere = m & !triangle & !quad & less(hit.primitive, UInt(t_.first_disk()));
+        const Mask disk = m & !triangle & !quad & !sphere;
+        s.ns = s.ng;
+        if (any(triangle)) read_triangle(hit, flags, triangle, s);
+        if (any(quad)) read_quad(hit, quad, s);
+        if (any(sphere)) read_sphere(hit, sphere, s);
+        if (any(disk)) read_disk(hit, disk, s);
+        const Float side = select((flags & UInt(ShapeTable::flipped)) != UInt(0), Float(-1), Float(1));
+        s.ng = flip_sign(s.ng, side);
+        // Vertex normals came with the transform already; whatever they say, the geometric normal decides the side.
+        s.ns = flip_sign(s.ns, dot(s.ns, s.ng));
+        s.at.p_world = fma(s.p, Float(float(1 / t_.render_scale)),
+                           Vec3(Float(float(t_.origin.x)), Float(float(t_.origin.y)), Float(float(t_.origin.z))));
+        return s;
+    }
+
+    UInt shape_word(std::size_t offset, UInt shape, Mask m) const
+    {
+        return gather(words(t_.shapes.data()) + offset / 4, shape * UInt(sizeof(ShapeTable) / 4), m);
+    }
+    UInt material_of(UInt shape, Mask m) const { return shape_word(offsetof(ShapeTable, material), shape, m); }
+
+    Float material_number(std::size_t offset, UInt material, Mask m) const
+    {
+        return gather(reinterpret_cast<const float*>(t_.materials.data()) + offset / 4,
+                      material * UInt(sizeof(MaterialTable) / 4), m);
+    }
+    UInt material_word(std::size_t offset, UInt material, Mask m) const
+    {
+        return gather(words(t_.materials.data()) + offset / 4, material * UInt(sizeof(MaterialTable) / 4), m);
+    }
+    Spectrum material_spectrum(std::size_t offset, UInt material, Mask m) const
+    {
+        Spectrum s;
+        for (std::size_t c = 0; c < channels; ++c) s.c[c] = material_number(offset + 4 * c, material, m);
+        return s;
+    }
+
+    Spectrum emission(const Surface& s, UInt material, Mask m) const
+    {
+        Spectrum e = material_spectrum(offsetof(MaterialTable, emission), material, m);
+        if (!scene_.textured) return e;
+        const UInt texture = material_word(offsetof(MaterialTable, emission_texture), material, m);
+        const Texel t = evaluate_textures(t_, texture, s.at, m);
+        for (int c = 0; c < channels; ++c) e.c[c] = e.c[c] * t.c[c];
+        return e;
+    }
+
+    /// Parameters of the material, and the shading normal bent by its normal map.
+    MaterialPoint material(Surface& s, UInt index, Mask entering, Mask m) const
+    {
+        MaterialPoint p;
+        p.entering = entering;
+        p.base_color = material_spectrum(offsetof(MaterialTable, base_color), index, m);
+        p.roughness = material_number(offsetof(MaterialTable, roughness), index, m);
+        p.metallic = material_number(offsetof(MaterialTable, metallic), index, m);
+        p.ior = material_number(offsetof(MaterialTable, ior), index, m);
+        p.fuzz = material_number(offsetof(MaterialTable, fuzz), index, m);
+        const UInt flags = material_word(offsetof(MaterialTable, flags), index, m);
+        const Mask colored = m & ((flags & UInt(MaterialTable::vertex_colored)) != UInt(0));
+        if (any(colored)) p.base_color = select(colored, p.base_color * s.color, p.base_color);
+        const Mask textured = m & ((flags & UInt(MaterialTable::textured)) != UInt(0));
+        if (any(textured)) apply_textures(s, index, textured, p);
+        const Mask bent = m & ((flags & UInt(MaterialTable::normal_mapped)) != UInt(0));
+        if (any(bent)) bend_normal(s, index, bent);
+        return p;
+    }
+
+private:
+    template <class T>
+    static const std::uint32_t* words(const T* table)
+    {
+        return reinterpret_cast<const std::uint32_t*>(table);
+    }
+    static const float* floats(const Vec3f* v) { return reinterpret_cast<const float*>(v); }
+    Vec3 gather3(const float* base, UInt index, Mask m) const
+    {
+        return {gather(base, index, m), gather(base + 1, index, m), gather(base + 2, index, m)};
+    }
+
+    void read_triangle(const SurfaceHit& hit, UInt flags, Mask m, Surface& s) const
+    {
+        const UInt first = hit.primitive * UInt(3);
+        UInt vertex[3];
+        Vec3 position[3];
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            vertex[k] = gather(t_.triangles.data() + k, first, m);
+            position[k] = gather3(floats(t_.positions.data()), vertex[k] * UInt(3), m);
+        }
+        const Float w = Float(1) - hit.u - hit.v;
+        const auto interpolate = [&](Vec3 a, Vec3 b, Vec3 c) { return fma(a, w, fma(b, hit.u, c * hit.v)); };
+        Vec3 p = interpolate(position[0], position[1], position[2]);
+        const Vec3 e1 = position[1] - position[0], e2 = position[2] - position[0];
+        Vec3 n = cross(e1, e2), ns = n;
+        const auto has = [&](std::uint32_t flag) { return m & ((flags & UInt(flag)) != UInt(0)); };
+
+        if (const Mask smooth = has(ShapeTable::has_normals); any(smooth)) {
+            const float* table = floats(t_.normals.data());
+            const Vec3 interpolated = interpolate(gather3(table, vertex[0] * UInt(3), smooth), gather3(table, vertex[1] * UInt(3), smooth),
+                                                  gather3(table, vertex[2] * UInt(3), smooth));
+            // Normals that cancel or are missing leave the geometric one.
+            ns = select(smooth & (dot(interpolated, interpolated) > Float(1e-12f)), interpolated, ns);
+        }
+        read_uv(t_.uv0, vertex, hit, w, has(ShapeTable::has_uv0), s.at.u[0], s.at.v[0]);
+        read_uv(t_.uv1, vertex, hit, w, has(ShapeTable::has_uv1), s.at.u[1], s.at.v[1]);
+        Vec3 tangent = uv_tangent(e1, e2, vertex, has(ShapeTable::has_uv0), s.bitangent_sign);
+        if (const Mask given = has(ShapeTable::has_tangents); any(given)) {
+            const auto* table = reinterpret_cast<const float*>(t_.tangents.data());
+            const auto at = [&](int k) { return gather3(table, vertex[k] << 2, given); };
+            tangent = select(given, interpolate(at(0), at(1), at(2)), tangent);
+            s.bitangent_sign = select(given, gather(table + 3, vertex[0] << 2, given), s.bitangent_sign);
+        }
+        if (const Mask colored = has(ShapeTable::has_colors); any(colored)) {
+            const auto* table = reinterpret_cast<const float*>(t_.colors.data());
+            for (int c = 0; c < 4; ++c) {
+                const auto at = [&](int k) { return gather(table + c, vertex[k] << 2, colored); };
+                const Float value = fma(at(0), w, fma(at(1), hit.u, at(2) * hit.v));
+                Float& to = c < channels ? s.color.c[c] : s.color_alpha;
+                to = select(colored, value, to);
+            }
+        }
+        if (const Mask placed = m & (hit.instance != UInt(no_index)); !t_.instances.empty() && any(placed)) {
+            p = select(placed, transform(offsetof(InstanceTable, render_from_object), hit.instance, p, true, placed), p);
+            tangent = select(placed, transform(offsetof(InstanceTable, render_from_object), hit.instance, tangent, false, placed), tangent);
+            n = select(placed, transform_normal(hit.instance, n, placed), n);
+            ns = select(placed, transform_normal(hit.instance, ns, placed), ns);
+        }
+        s.p = select(m, p, s.p);
+        s.ng = select(m, normalize(n), s.ng);
+        s.ns = select(m, normalize(ns), s.ns);
+        s.tangent = select(m, tangent, s.tangent);
+    }
+
+    void read_uv(const std::vector<Vec2f>& table, const UInt* vertex, const SurfaceHit& hit, Float w, Mask m, Float& u, Float& v) const
+    {
+        if (none(m)) return;
+        const auto* base = reinterpret_cast<const float*>(table.data());
+        for (int c = 0; c < 2; ++c) {
+            const auto at = [&](int k) { return gather(base + c, vertex[k] << 1, m); };
+            Float& to = c == 0 ? u : v;
+            to = select(m, fma(at(0), w, fma(at(1), hit.u, at(2) * hit.v)), to);
+        }
+    }
+
+    /// dp/du of the first uv set, and on which side of cross(n, t) v grows; for meshes without tangents.
+    Vec3 uv_tangent(Vec3 e1, Vec3 e2, const UInt* vertex, Mask m, Float& sign) const
+    {
+        Vec3 tangent(Float(0), Float(0), Float(0));
+        if (none(m) || !scene_.normal_mapped) return tangent;
+        const auto* base = reinterpret_cast<const float*>(t_.uv0.data());
+        Float u[3], v[3];
+        for (int k = 0; k < 3; ++k) {
+            u[k] = gather(base, vertex[k] << 1, m);
+            v[k] = gather(base + 1, vertex[k] << 1, m);
+        }
+        const Float du1 = u[1] - u[0], du2 = u[2] - u[0], dv1 = v[1] - v[0], dv2 = v[2] - v[0];
+        const Float det = fma(du1, dv2, -(du2 * dv1));
+        tangent = flip_sign(e1 * dv2 - e2 * dv1, det);
+        // glTF's v grows downwards in the image, its normal maps are green-up: the bitangent runs against v.
+        sign = select(m, copysign(Float(1), -det), sign);
+        return select(m & (det != Float(0)), tangent, Vec3(Float(0), Float(0), Float(0)));
+    }
+
+    Vec3 transform(std::size_t offset, UInt instance, Vec3 v, bool is_point, Mask m) const
+    {
+        const float* base = reinterpret_cast<const float*>(t_.instances.data()) + offset / 4;
+        const UInt at = instance * UInt(sizeof(InstanceTable) / 4);
+        const auto row = [&](int r) {
+            const Float shift = is_point ? gather(base + 4 * r + 3, at, m) : Float(0);
+            return fma(v.x, gather(base + 4 * r, at, m),
+                       fma(v.y, gather(base + 4 * r + 1, at, m), fma(v.z, gather(base + 4 * r + 2, at, m), shift)));
+        };
+        return {row(0), row(1), row(2)};
+    }
+    /// By the transpose of the inverse.
+    Vec3 transform_normal(UInt instance, Vec3 n, Mask m) const
+    {
+        const float* base = reinterpret_cast<const float*>(t_.instances.data()) + offsetof(InstanceTable, object_from_render) / 4;
+        const UInt at = instance * UInt(sizeof(InstanceTable) / 4);
+        const auto column = [&](int c) {
+            return fma(n.x, gather(base + c, at, m), fma(n.y, gather(base + 4 + c, at, m), n.z * gather(base + 8 + c, at, m)));
+        };
+        return {column(0), column(1), column(2)};
+    }
+
+    void read_quad(const SurfaceHit& hit, Mask m, Surface& s) const
+    {
+        const UInt quad = hit.primitive - UInt(t_.first_quad());
+        s.ng = select(m, scene_.quad_normal_of(quad, m), s.ng);
+        s.ns = select(m, s.ng, s.ns);
+        if (!scene_.textured) return;
+        const float* base = reinterpret_cast<const float*>(t_.quads.data());
+        const UInt at = quad * UInt(sizeof(QuadTable) / 4);
+        const Vec3 corner = gather3(base, at, m), u = gather3(base + 3, at, m), v = gather3(base + 6, at, m);
+        const Vec3 n = cross(u, v), r = s.p - corner;
+        const Float scale = Float(1) / max(dot(n, n), Float(1e-30f));
+        const Float uu = dot(r, cross(v, n)) * scale, vv = dot(r, cross(n, u)) * scale;
+        for (int i = 0; i < 2; ++i) {
+            s.at.u[i] = select(m, uu, s.at.u[i]);
+            // Images hang upright: edge_v points up, v grows downwards.
+            s.at.v[i] = select(m, Float(1) - vv, s.at.v[i]);
+        }
+        s.tangent = select(m, u, s.tangent);
+    }
+
+    void read_sphere(const SurfaceHit& hit, Mask m, Surface& s) const
+    {
+        const float* base = reinterpret_cast<const float*>(t_.spheres.data());
+        const UInt at = (hit.primitive - UInt(t_.first_sphere())) * UInt(sizeof(SphereTable) / 4);
+        const Vec3 center = fma(gather3(base + 3, at, m), hit.time, gather3(base, at, m));
+        const Float radius = gather(base + 6, at, m);
+        const Vec3 out = normalize(s.p - center);
+        s.p = select(m, fma(out, abs(radius), center), s.p);
+        s.ng = select(m, flip_sign(out, radius), s.ng);
+        s.ns = select(m, s.ng, s.ns);
+        if (!scene_.textured) return;
+        // u around +y, v from the pole at +y down.
+        const Float u = atan2(-out.z, out.x) * Float(0.5f * inv_pi);
+        const Float v = acos(clamp(out.y, Float(-1), Float(1))) * Float(inv_pi);
+        for (int i = 0; i < 2; ++i) {
+            s.at.u[i] = select(m, select(u < Float(0), u + Float(1), u), s.at.u[i]);
+            s.at.v[i] = select(m, v, s.at.v[i]);
+        }
+        s.tangent = select(m, Vec3(out.z, Float(0), -out.x), s.tangent);
+    }
+
+    void read_disk(const SurfaceHit& hit, Mask m, Surface& s) const
+    {
+        const float* base = reinterpret_cast<const float*>(t_.disks.data());
+        const UInt at = (hit.primitive - UInt(t_.first_disk())) * UInt(sizeof(DiskTable) / 4);
+        const Vec3 center = gather3(base, at, m), n = gather3(base + 3, at, m);
+        const Float radius = gather(base + 6, at, m);
+        s.ng = select(m, n, s.ng);
+        s.ns = select(m, n, s.ns);
+        if (!scene_.textured) return;
+        const Frame frame(n);
+        const Vec3 r = s.p - center;
+        const Float scale = Float(0.5f) / radius;
+        for (int i = 0; i < 2; ++i) {
+            s.at.u[i] = select(m, fma(dot(r, frame.s), scale, Float(0.5f)), s.at.u[i]);
+            s.at.v[i] = select(m, fma(dot(r, frame.t), -scale, Float(0.5f)), s.at.v[i]);
+        }
+        s.tangent = select(m, frame.s, s.tangent);
+    }
+
+    void apply_textures(const Surface& s, UInt index, Mask m, MaterialPoint& p) const
+    {
+        const Texel base = evaluate_textures(t_, material_word(offsetof(MaterialTable, base_texture), index, m), s.at, m);
+        for (int c = 0; c < channels; ++c) p.base_color.c[c] = select(m, p.base_color.c[c] * base.c[c], p.base_color.c[c]);
+        const auto scalar = [&](std::size_t texture, std::size_t channel, Float& value) {
+            const UInt id = material_word(texture, index, m);
+            const Mask has = m & (id != UInt(no_index));
+            if (none(has)) return;
+            const Texel t = evaluate_textures(t_, id, s.at, has);
+            const UInt c = material_word(channel, index, m);
+            const Float factor = select(c == UInt(0), t.c[0], select(c == UInt(1), t.c[1], select(c == UInt(2), t.c[2], t.c[3])));
+            value = select(has, value * factor, value);
+        };
+        scalar(offsetof(MaterialTable, roughness_texture), offsetof(MaterialTable, roughness_channel), p.roughness);
+        scalar(offsetof(MaterialTable, metallic_texture), offsetof(MaterialTable, metallic_channel), p.metallic);
+    }
+
+    void bend_normal(Surface& s, UInt index, Mask m) const
+    {
+        const Texel t = evaluate_textures(t_, material_word(offsetof(MaterialTable, normal_texture), index, m), s.at, m);
+        const Float scale = material_number(offsetof(MaterialTable, normal_scale), index, m);
+        const Float x = fma(t.c[0], Float(2), Float(-1)) * scale, y = fma(t.c[1], Float(2), Float(-1)) * scale,
+                    z = fma(t.c[2], Float(2), Float(-1));
+        // Gram-Schmidt: the tangent may not be perpendicular to the interpolated normal.
+        const Vec3 raw = s.tangent - s.ns * dot(s.tangent, s.ns);
+        const Mask known = m & (dot(raw, raw) > Float(1e-20f));
+        const Vec3 tangent = normalize(select(known, raw, Vec3(Float(1), Float(0), Float(0))));
+        const Vec3 bitangent = cross(s.ns, tangent) * s.bitangent_sign;
+        const Vec3 bent = fma(tangent, x, fma(bitangent, y, s.ns * z));
+        const Mask use = known & (dot(bent, bent) > Float(1e-12f));
+        s.ns = select(use, normalize(bent), s.ns);
+    }
+
+    const LaneScene& scene_;
+    const SceneTables& t_;
+};
+
+}  // namespace fathom::inline FATHOM_LANES

@@ -1,0 +1,48 @@
+#include "sampling/filter.h"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace fathom::inline FATHOM_LANES {
+
+namespace {
+
+/// Fills the inverse of the running integral of f over [-radius, radius]. f is even.
+template <class F>
+void invert(float* inverse, int size, double radius, F f)
+{
+    constexpr int steps = 1 << 14;
+    std::vector<double> sum(steps + 1);
+    for (int i = 0; i < steps; ++i) {
+        const double x = radius * (2 * (i + 0.5) / steps - 1);
+        sum[std::size_t(i) + 1] = sum[std::size_t(i)] + f(x);
+    }
+    int at = 0;
+    for (int i = 0; i <= size; ++i) {
+        const double wanted = sum[steps] * i / size;
+        while (at + 1 < steps && sum[std::size_t(at) + 1] < wanted) ++at;
+        const double width = sum[std::size_t(at) + 1] - sum[std::size_t(at)];
+        const double part = width > 0 ? (wanted - sum[std::size_t(at)]) / width : 0;
+        inverse[i] = float(radius * (2 * (at + part) / steps - 1));
+    }
+}
+
+}  // namespace
+
+void FilterTable::make_gaussian()
+{
+    invert(inverse, size, 2, [](double x) { return std::exp(-2 * x * x) - std::exp(-8.0); });
+}
+
+void FilterTable::make_blackman_harris()
+{
+    // Harris 1978, the four-term window with side lobes at -92 dB.
+    constexpr double radius = 1.65;
+    invert(inverse, size, radius, [](double x) {
+        const double t = std::numbers::pi * (x / radius + 1);
+        return 0.35875 - 0.48829 * std::cos(t) + 0.14128 * std::cos(2 * t) - 0.01168 * std::cos(3 * t);
+    });
+}
+
+}  // namespace fathom::inline FATHOM_LANES

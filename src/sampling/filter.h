@@ -1,0 +1,28 @@
+#pragma once
+#include <cstdint>
+
+#include "math/lanes.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// Sampling of a pixel filter by its inverse cumulative distribution: every sample then has the same weight, and a pixel
+/// owns its samples (Ernst, Stamminger, Greiner 2006, "Filter Importance Sampling"). Both filters are separable, positive,
+/// and end two pixels from the centre (Gaussian, sigma 0.5) or 1.65 (Blackman-Harris).
+struct FilterTable {
+    static constexpr int size = 1024;
+    float inverse[size + 1];
+
+    void make_gaussian();
+    void make_blackman_harris();
+
+    /// Offset from the pixel's centre, for u in [0, 1).
+    Float sample(Float u) const
+    {
+        const Float x = u * Float(static_cast<float>(size));
+        const UInt i = to_uint(x);
+        const Float lo = gather(inverse, i), hi = gather(inverse + 1, i);
+        return fma(x - to_float(i), hi - lo, lo);
+    }
+};
+
+}  // namespace fathom::inline FATHOM_LANES
