@@ -15,7 +15,7 @@ namespace fathom {
 
 namespace {
 
-std::size_t memory_in_use()
+[[maybe_unused]] std::size_t memory_in_use()
 {
     std::size_t pages = 0;
     std::ifstream("/proc/self/statm") >> pages;
