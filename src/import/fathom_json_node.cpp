@@ -90,7 +90,8 @@ void FathomJsonReader::read_model(JsonObject& o, const JsonValue& path, Node& no
         const std::vector<std::pair<std::string, char>> axes = {{"y", 'y'}, {"z", 'z'}};
         o.read_enum("up_axis", axes, options.up_axis);
     }
-    const std::string key = path.string() + '\n' + options.up_axis;
+    o.read("scene", options.scene);
+    const std::string key = path.string() + '\n' + options.up_axis + options.scene;
     auto found = models_.find(key);
     if (found == models_.end()) {
         SceneDescription model;

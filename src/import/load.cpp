@@ -3,13 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <new>
 #include <numbers>
+#include <stdexcept>
 
 #include "fathom/error.h"
+#include "import/assimp/open_module.h"
 #include "import/fathom_json.h"
 #include "import/gltf/gltf.h"
 #include "import/load_context.h"
+#include "import/obj/obj.h"
+#include "import/ply/ply.h"
 #include "import/read_file.h"
+#include "import/stl/stl.h"
 #include "scene/check.h"
 
 namespace fathom {
@@ -39,10 +45,24 @@ void turn_z_up(SceneDescription& scene)
     scene.nodes.push_back(std::move(turn));
 }
 
-/// A GLB, whatever its name.
-bool is_gltf(const std::string& bytes)
+enum class Format { fathom, gltf, obj, ply, stl, other };
+
+/// A JSON file that is glTF has an "asset" with a version near its beginning or end; Fathom's scenes have none.
+bool looks_like_gltf(std::string_view text)
 {
-    return bytes.starts_with("glTF");
+    return text.find("\"asset\"") != std::string_view::npos && text.find("\"version\"") != std::string_view::npos &&
+           text.find("\"fathom\"") == std::string_view::npos;
+}
+
+/// By content where a format has a sign of its own, else by extension.
+Format format_of(const std::string& extension, std::string_view bytes)
+{
+    if (bytes.starts_with("glTF") || extension == ".gltf" || extension == ".glb") return Format::gltf;
+    if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r") || extension == ".ply") return Format::ply;
+    if (extension == ".json") return looks_like_gltf(bytes) ? Format::gltf : Format::fathom;
+    if (extension == ".obj") return Format::obj;
+    if (extension == ".stl") return Format::stl;
+    return Format::other;
 }
 
 /// Keeps the list of open files right, whatever happens.
@@ -75,22 +95,44 @@ SceneDescription load_file(const std::filesystem::path& file, const LoadOptions&
     const std::string extension = lower_extension(file);
     const std::string bytes = read_nonempty_file(file);
     SceneDescription scene;
-    if (extension == ".gltf" || extension == ".glb" || is_gltf(bytes))
-        scene = read_gltf(file, bytes, options, context);
-    else if (extension == ".json")
-        scene = read_fathom_json(file, bytes, context);
-    else
-        throw Error(file.string(), "", "no reader for this format yet");
-    if (options.up_axis == 'z') turn_z_up(scene);
+    switch (format_of(extension, bytes)) {
+        case Format::gltf:
+            scene = read_gltf(file, bytes, options, context);
+            break;
+        case Format::fathom:
+            scene = read_fathom_json(file, bytes, context);
+            break;
+        case Format::obj:
+            scene = read_obj(file, bytes, context);
+            break;
+        case Format::ply:
+            scene = read_ply(file, bytes, context);
+            break;
+        case Format::stl:
+            scene = read_stl(file, bytes, context);
+            break;
+        case Format::other:
+            scene = read_with_assimp(file, options, context);
+            break;
+    }
+    // STL does not say which axis points up; the programs that make it have z there.
+    const bool is_z_up = options.up_axis ? options.up_axis == 'z' : extension == ".stl";
+    if (is_z_up) turn_z_up(scene);
     return scene;
 }
 
 SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings)
 {
     LoadContext context{warnings, {}};
-    SceneDescription scene = load_file(file, options, context);
-    check_scene(scene);
-    return scene;
+    try {
+        SceneDescription scene = load_file(file, options, context);
+        check_scene(scene);
+        return scene;
+    } catch (const std::bad_alloc&) {
+        throw Error(file.string(), "", "the scene does not fit into memory");
+    } catch (const std::length_error&) {
+        throw Error(file.string(), "", "the scene does not fit into memory");
+    }
 }
 
 }  // namespace fathom

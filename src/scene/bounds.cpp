@@ -17,11 +17,25 @@ void add_point(Bounds& bounds, Vec3d p)
     bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y), std::max(bounds.max.z, p.z)};
 }
 
-/// The box around center +- half-axes, each mapped: exact for boxes, safe for spheres and disks.
-void add_extent(Bounds& bounds, const Transform& t, Vec3d center, double r)
+/// Exact for an ellipsoid or ellipse: the points center + a cos + b sin (+ c ...) with half-axes a, b, c.
+void add_ellipsoid(Bounds& bounds, Vec3d center, Vec3d a, Vec3d b, Vec3d c)
 {
-    for (int i = 0; i < 8; ++i)
-        add_point(bounds, t.point(center + Vec3d{i & 1 ? r : -r, i & 2 ? r : -r, i & 4 ? r : -r}));
+    const auto reach = [](double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); };
+    const Vec3d extent{reach(a.x, b.x, c.x), reach(a.y, b.y, c.y), reach(a.z, b.z, c.z)};
+    add_point(bounds, center - extent);
+    add_point(bounds, center + extent);
+}
+
+void add_sphere(Bounds& bounds, const Transform& t, Vec3d center, double r)
+{
+    add_ellipsoid(bounds, t.point(center), t.vector({r, 0, 0}), t.vector({0, r, 0}), t.vector({0, 0, r}));
+}
+
+void add_disk(Bounds& bounds, const Transform& t, const Disk& disk)
+{
+    const Vec3d n = normalize(disk.normal);
+    const Vec3d u = normalize(cross(n, std::abs(n.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})), v = cross(n, u);
+    add_ellipsoid(bounds, t.point(disk.center), t.vector(u * disk.radius), t.vector(v * disk.radius), {});
 }
 
 void add_box(Bounds& bounds, const Transform& t, Vec3d min, Vec3d max)
@@ -67,15 +81,15 @@ void add_shape(Bounds& bounds, MeshBoxes& meshes, const Transform& t, const Shap
     if (const auto* mesh = std::get_if<MeshInstance>(&shape.geometry)) {
         meshes.add(bounds, t, mesh->mesh);
     } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-        add_extent(bounds, t, sphere->center, std::abs(sphere->radius));
-        if (sphere->center_end) add_extent(bounds, t, *sphere->center_end, std::abs(sphere->radius));
+        add_sphere(bounds, t, sphere->center, sphere->radius);
+        if (sphere->center_end) add_sphere(bounds, t, *sphere->center_end, sphere->radius);
     } else if (const auto* rect = std::get_if<Rectangle>(&shape.geometry)) {
         for (int i = 0; i < 4; ++i)
             add_point(bounds, t.point(rect->corner + rect->edge_u * (i & 1) + rect->edge_v * (i >> 1)));
     } else if (const auto* box = std::get_if<Box>(&shape.geometry)) {
         add_box(bounds, t, box->min, box->max);
     } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
-        add_extent(bounds, t, disk->center, disk->radius);
+        add_disk(bounds, t, *disk);
     }
 }
 

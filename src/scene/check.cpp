@@ -10,7 +10,7 @@ namespace fathom {
 namespace {
 
 constexpr int deepest_node = 256;
-constexpr double most_shapes = 1e8;
+constexpr double most_places = 1e8;
 
 std::string element(const char* array, std::size_t index)
 {
@@ -120,14 +120,14 @@ private:
         index(node.camera, scene_.cameras.size(), place + ".camera", "camera");
     }
 
-    /// Depth of the tree below each node and shapes in it, each node visited once: instances make the tree
+    /// Depth of the tree below each node, and nodes and shapes in it, each node visited once: instances make the tree
     /// exponentially larger than the file.
     void check_graph() const
     {
         enum class State : char { unseen, open, done };
         std::vector<State> states(scene_.nodes.size(), State::unseen);
         std::vector<int> depths(scene_.nodes.size(), 0);
-        std::vector<double> shapes(scene_.nodes.size(), 0);
+        std::vector<double> places(scene_.nodes.size(), 0);
         struct Visit {
             int node;
             std::size_t next_child;
@@ -152,15 +152,15 @@ private:
                     }
                     continue;
                 }
-                shapes[i] = double(node.shapes.size());
+                places[i] = 1 + double(node.shapes.size());
                 for (int child : node.children) {
                     depths[i] = std::max(depths[i], depths[std::size_t(child)] + 1);
-                    shapes[i] += shapes[std::size_t(child)];
+                    places[i] += places[std::size_t(child)];
                 }
                 if (depths[i] >= deepest_node)
                     fail(element("nodes", i), "nodes are nested more than " + std::to_string(deepest_node) + " deep");
-                if (shapes[i] > most_shapes)
-                    fail(element("nodes", i), "instances make more than 100 million shapes of it");
+                if (places[i] > most_places)
+                    fail(element("nodes", i), "instances make more than 100 million nodes and shapes of it");
                 states[i] = State::done;
                 stack.pop_back();
             }

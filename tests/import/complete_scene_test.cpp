@@ -15,6 +15,21 @@ std::pair<double, double> in_picture(const Camera& camera, double aspect, Vec3d 
     return {dot(d, right) / dot(d, forward) / tan_y / aspect, dot(d, up) / dot(d, forward) / tan_y};
 }
 
+TEST_F(CompleteScene, BoundsOfRoundThingsAreExact)
+{
+    const auto bounds_of = [&](const std::string& node) {
+        return world_bounds(load("a.json", R"({"scene": [{)" + node + "}]}"));
+    };
+    const Bounds sphere = bounds_of(R"("sphere": {"center": [1, 0, 0], "radius": -2}, "transform":
+        {"rotate": {"axis": [1, 2, 3], "angle_deg": 50}, "translate": [0, 5, 0]})");
+    const Vec3d middle = (sphere.min + sphere.max) * 0.5;
+    expect_near(sphere.max - middle, {2, 2, 2});
+    EXPECT_NEAR(length(middle - Vec3d{0, 5, 0}), 1, 1e-12);
+    const Bounds disk = bounds_of(R"("disk": {"normal": [0, 3, 0], "radius": 4}, "transform": {"scale": [2, 1, 1]})");
+    expect_near(disk.min, {-8, 0, -4});
+    expect_near(disk.max, {8, 0, 4});
+}
+
 TEST_F(CompleteScene, FramesFromEveryDirection)
 {
     for (double azimuth : {0., 30., 90., 200., -45.})
@@ -57,6 +72,39 @@ TEST_F(CompleteScene, AddsOnlyWhatIsMissing)
         R"({"camera": {}, "nodes": {"lamp": {"sphere": {}, "material": {"emission": 1}}}, "scene": [{"sphere": {}}]})");
     EXPECT_EQ(complete_scene(dark, {}).added.size(), 1u);
     EXPECT_EQ(dark.environment.kind, EnvironmentKind::gradient);
+}
+
+TEST_F(CompleteScene, ExposureForLightsInRealUnits)
+{
+    const auto exposure_of = [&](const std::string& more) {
+        SceneDescription scene =
+            load("a.json", R"({"camera": {"position": [0, 0, 9]}, "scene": [{"sphere": {}}], )" + more + "}");
+        complete_scene(scene, {});
+        return scene.hints.exposure;
+    };
+    const std::string sun = R"("lights": {"sun": {"kind": "directional", "unit": "lx", "intensity": )";
+    EXPECT_FALSE(exposure_of(sun + "2}}").has_value());
+    EXPECT_NEAR(exposure_of(sun + "100000}}").value(), -15.5, 0.5);
+    EXPECT_NEAR(exposure_of(sun + "0.001}}").value(), 11, 0.5);
+    EXPECT_EQ(exposure_of(sun + R"(100000}}, "render": {"exposure": 0})").value(), 0);
+    EXPECT_FALSE(exposure_of(sun + R"(100000}}, "environment": {"kind": "constant"})").has_value());
+    EXPECT_NEAR(
+        exposure_of(R"("lights": {"p": {"kind": "point", "position": [0, 10, 0], "intensity": 100000}})").value(), -9,
+        0.5);
+}
+
+TEST_F(CompleteScene, GlowingDecorationIsNoLight)
+{
+    const auto environment_of = [&](const std::string& emission) {
+        SceneDescription scene =
+            load("a.json",
+                 R"({"scene": [{"sphere": {}, "material": {"emission": {"texture": {"image": "a.png"}, "value": )" +
+                     emission + "}}}]}");
+        complete_scene(scene, {});
+        return scene.environment.kind;
+    };
+    EXPECT_EQ(environment_of("1"), EnvironmentKind::gradient);
+    EXPECT_EQ(environment_of("10"), EnvironmentKind::none);
 }
 
 TEST_F(CompleteScene, ForcedCameraComesFirst)
@@ -120,12 +168,14 @@ TEST_F(CompleteScene, RefusesScenesThatCantBe)
     bad.meshes[0].indices = {0, 1, 3};
     EXPECT_EQ(check_error(bad), "s: meshes[0].indices[2]: there is no vertex 3, only 3");
 
-    // 2^40 spheres in 41 nodes.
+    // 2^40 spheres in 41 nodes; and as many nodes without any.
     bad = scene;
     bad.nodes.resize(42);
     for (int i = 2; i < 42; ++i) bad.nodes[i].children = {i - 1, i - 1};
     bad.roots = {41};
-    EXPECT_NE(check_error(bad).find("instances make more than 100 million shapes"), std::string::npos);
+    EXPECT_NE(check_error(bad).find("instances make more than 100 million"), std::string::npos);
+    for (Node& node : bad.nodes) node.shapes.clear();
+    EXPECT_NE(check_error(bad).find("instances make more than 100 million"), std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,253 @@
+#include <algorithm>
+#include <optional>
+
+#include "import/obj/obj.h"
+#include "import/phong.h"
+#include "import/text_scanner.h"
+
+namespace fathom {
+
+namespace {
+
+/// What an MTL file says of one material, before it is known as a whole.
+struct Entry {
+    std::string name;
+    Phong phong;
+    int illum = 2;
+    std::optional<float> roughness, metallic;
+    Color emission{0, 0, 0};
+    int map_diffuse = -1, map_emission = -1, map_opacity = -1, map_roughness = -1, map_metallic = -1, map_normal = -1;
+    float normal_scale = 1;
+};
+
+class MtlReader {
+public:
+    MtlReader(const std::filesystem::path& file, std::string_view text, SceneDescription& scene,
+              std::map<std::string, int, std::less<>>& by_name, Warnings& warnings)
+        : file_(file), name_(file.string()), scan_(name_, text), scene_(scene), by_name_(by_name), warnings_(warnings)
+    {
+    }
+
+    void read()
+    {
+        std::optional<Entry> entry;
+        for (; !scan_.at_end(); scan_.next_line()) {
+            const std::string_view key = scan_.word();
+            if (key.empty() || key[0] == '#') continue;
+            if (key == "newmtl") {
+                if (entry) add(*entry);
+                entry.emplace();
+                entry->name = scan_.rest();
+            } else if (entry) {
+                read_line(key, *entry);
+            }
+        }
+        if (entry) add(*entry);
+    }
+
+private:
+    Color color()
+    {
+        const std::string_view first = scan_.word();
+        if (first == "spectral" || first == "xyz") {
+            warnings_.add(name_ + ": colours that are not RGB are taken as grey");
+            return {0.5f, 0.5f, 0.5f};
+        }
+        Color c;
+        c.r = scan_.to_number(first);
+        // One number stands for all three.
+        c.g = scan_.line_has_more() ? scan_.number() : c.r;
+        c.b = scan_.line_has_more() ? scan_.number() : c.g;
+        return {std::max(c.r, 0.0f), std::max(c.g, 0.0f), std::max(c.b, 0.0f)};
+    }
+
+    void read_line(std::string_view key, Entry& e)
+    {
+        std::string lower(key);
+        std::transform(lower.begin(), lower.end(), lower.begin(),
+                       [](unsigned char c) { return char(std::tolower(c)); });
+        if (lower == "kd")
+            e.phong.diffuse = color();
+        else if (lower == "ks")
+            e.phong.specular = color();
+        else if (lower == "ke")
+            e.emission = color();
+        else if (lower == "ns")
+            e.phong.shininess = scan_.number();
+        else if (lower == "ni")
+            e.phong.ior = scan_.number();
+        else if (lower == "d")
+            e.phong.opacity = opacity();
+        else if (lower == "tr")
+            e.phong.opacity = 1 - scan_.number();
+        else if (lower == "illum")
+            e.illum = int(scan_.number());
+        else if (lower == "pr")
+            e.roughness = scan_.number();
+        else if (lower == "pm")
+            e.metallic = scan_.number();
+        else if (lower == "map_kd")
+            e.map_diffuse = map(ColorSpace::srgb);
+        else if (lower == "map_ke")
+            e.map_emission = map(ColorSpace::srgb);
+        else if (lower == "map_d" || lower == "map_tr")
+            e.map_opacity = map(ColorSpace::linear);
+        else if (lower == "map_pr")
+            e.map_roughness = map(ColorSpace::linear);
+        else if (lower == "map_pm")
+            e.map_metallic = map(ColorSpace::linear);
+        else if (lower == "norm" || lower == "map_kn")
+            e.map_normal = map(ColorSpace::linear);
+        else if (lower == "map_bump" || lower == "bump")
+            read_bump(e);
+        else if (lower.starts_with("map_") || lower == "disp" || lower == "decal" || lower == "refl")
+            warnings_.add(fmt::format("{}: '{}' is not supported and left out", name_, printable(key)));
+    }
+
+    float opacity()
+    {
+        const std::string_view word = scan_.word();
+        return word == "-halo" ? scan_.number() : scan_.to_number(word);
+    }
+
+    /// Heights, by the format; what programs write there is mostly a normal map, which only its name can tell.
+    void read_bump(Entry& e)
+    {
+        const int before = int(scene_.textures.size());
+        const int texture = map(ColorSpace::linear);
+        if (texture < 0) return;
+        std::string file = scene_.images[std::size_t(scene_.textures[std::size_t(texture)].image)].name;
+        std::transform(file.begin(), file.end(), file.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+        for (const char* sign : {"norm", "nrm", "_n.", "-n.", "_ddn", "_nor"})
+            if (file.find(sign) != std::string::npos) {
+                e.map_normal = texture;
+                e.normal_scale = bump_scale_;
+                return;
+            }
+        warnings_.add(name_ + ": bump maps made of heights are not supported and left out");
+        if (int(scene_.textures.size()) > before) scene_.textures.pop_back();
+    }
+
+    /// Options, then a file whose name may have spaces.
+    int map(ColorSpace color_space)
+    {
+        Texture texture;
+        texture.color_space = color_space;
+        bump_scale_ = 1;
+        Vec2f offset{0, 0}, scale{1, 1};
+        std::string_view rest = scan_.rest();
+        while (rest.starts_with('-')) {
+            TextScanner words(name_, rest, scan_.line());
+            const std::string_view option = words.word();
+            const auto up_to_three = [&](Vec2f& out) {
+                for (int i = 0; i < 3; ++i) {
+                    TextScanner ahead = words;
+                    const std::string_view word = ahead.word();
+                    if (word.empty() ||
+                        !(std::isdigit(static_cast<unsigned char>(word[0])) || word[0] == '-' || word[0] == '+' ||
+                          word[0] == '.') ||
+                        (word.size() > 1 && std::isalpha(static_cast<unsigned char>(word[1]))))
+                        break;
+                    // A name like 2k.png begins like a number.
+                    if (word.find_first_not_of("0123456789+-.eE") != std::string_view::npos) break;
+                    const float value = words.to_number(words.word());
+                    if (i == 0) out.x = value;
+                    if (i == 1) out.y = value;
+                }
+            };
+            Vec2f ignored;
+            if (option == "-o")
+                up_to_three(offset);
+            else if (option == "-s")
+                up_to_three(scale);
+            else if (option == "-t")
+                up_to_three(ignored);
+            else if (option == "-bm")
+                bump_scale_ = words.number();
+            else if (option == "-clamp")
+                texture.wrap_u = texture.wrap_v = words.word() == "on" ? Wrap::clamp : Wrap::repeat;
+            else if (option == "-mm")
+                words.word(), words.word();
+            else if (option == "-blendu" || option == "-blendv" || option == "-cc" || option == "-boost" ||
+                     option == "-texres" || option == "-imfchan" || option == "-type")
+                words.word();
+            else
+                break;
+            rest = words.rest();
+        }
+        if (rest.empty()) {
+            warnings_.add(name_ + ": a texture without a file is left out");
+            return -1;
+        }
+        // v grows upwards in OBJ; the reader has turned it around.
+        texture.uv_scale = scale;
+        texture.uv_offset = {offset.x, 1 - scale.y - offset.y};
+        texture.image = image(rest);
+        scene_.textures.push_back(texture);
+        return int(scene_.textures.size()) - 1;
+    }
+
+    int image(std::string_view name)
+    {
+        std::string path(name);
+        std::replace(path.begin(), path.end(), '\\', '/');
+        const std::filesystem::path file = file_.parent_path() / path;
+        for (std::size_t i = 0; i < scene_.images.size(); ++i)
+            if (scene_.images[i].path == file) return int(i);
+        scene_.images.push_back({path, file, {}});
+        return int(scene_.images.size()) - 1;
+    }
+
+    void add(Entry& e)
+    {
+        Material m;
+        m.name = printable(e.name);
+        // Some programs give black together with a picture and mean the picture alone.
+        const auto is_black = [](Color c) { return c.r == 0 && c.g == 0 && c.b == 0; };
+        if (e.map_diffuse >= 0 && is_black(e.phong.diffuse)) e.phong.diffuse = {1, 1, 1};
+        if (e.illum < 2) e.phong.specular = {0, 0, 0};
+        e.phong.refracts = e.illum == 6 || e.illum == 7 || e.illum == 9 || (e.illum == 4 && e.phong.opacity < 1);
+        set_phong(m, e.phong);
+        if (e.roughness || e.metallic || e.map_roughness >= 0 || e.map_metallic >= 0) {
+            if (m.kind != MaterialKind::glass) m.kind = MaterialKind::principled;
+            m.roughness = {std::clamp(e.roughness.value_or(e.map_roughness >= 0 ? 1.0f : 0.5f), 0.0f, 1.0f),
+                           e.map_roughness, 0};
+            m.metallic = {std::clamp(e.metallic.value_or(e.map_metallic >= 0 ? 1.0f : 0.0f), 0.0f, 1.0f),
+                          e.map_metallic, 0};
+        }
+        m.base_color.texture = e.map_diffuse;
+        m.normal_texture = e.map_normal;
+        m.normal_scale = e.normal_scale;
+        m.emission.value = e.map_emission >= 0 && is_black(e.emission) ? Color{1, 1, 1} : e.emission;
+        m.emission.texture = e.map_emission;
+        // Which side is the front is anyone's guess in these files.
+        m.emission_two_sided = true;
+        if (e.map_opacity >= 0) {
+            m.alpha.texture = e.map_opacity;
+            const bool same_image = e.map_diffuse >= 0 && texture_image(e.map_diffuse) == texture_image(e.map_opacity);
+            m.alpha.channel = same_image ? 3 : 0;
+            m.alpha_mode = AlphaMode::blend;
+        }
+        by_name_[e.name] = int(scene_.materials.size());
+        scene_.materials.push_back(std::move(m));
+    }
+    int texture_image(int texture) const { return scene_.textures[std::size_t(texture)].image; }
+
+    std::filesystem::path file_;
+    std::string name_;
+    TextScanner scan_;
+    SceneDescription& scene_;
+    std::map<std::string, int, std::less<>>& by_name_;
+    Warnings& warnings_;
+    float bump_scale_ = 1;
+};
+
+}  // namespace
+
+void read_mtl(const std::filesystem::path& file, std::string_view text, SceneDescription& scene,
+              std::map<std::string, int, std::less<>>& by_name, Warnings& warnings)
+{
+    MtlReader(file, text, scene, by_name, warnings).read();
+}
+
+}  // namespace fathom

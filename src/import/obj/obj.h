@@ -1,0 +1,19 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "import/load_context.h"
+
+namespace fathom {
+
+/// Reads Wavefront OBJ with its MTL files: polygons, given normals, texture coordinates, vertex colours. Each object
+/// and material is a mesh. Curves, lines and points are a counted warning.
+SceneDescription read_obj(const std::filesystem::path& file, std::string_view text, LoadContext& context);
+
+/// Adds the materials of an MTL file to the scene, and their indices to `by_name`.
+void read_mtl(const std::filesystem::path& file, std::string_view text, SceneDescription& scene,
+              std::map<std::string, int, std::less<>>& by_name, Warnings& warnings);
+
+}  // namespace fathom

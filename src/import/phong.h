@@ -1,0 +1,53 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "fathom/description.h"
+
+namespace fathom {
+
+/// What older formats say of a surface: a diffuse colour, a highlight, and how transparent it is.
+struct Phong {
+    Color diffuse{0.8f, 0.8f, 0.8f}, specular{0, 0, 0};
+    float shininess = 0;  ///< exponent of the highlight
+    float opacity = 1;
+    float ior = 1.5f;
+    bool refracts = false;  ///< light is bent on its way through, as by glass
+};
+
+/// The nearest that our materials have. Textures and emission are the caller's.
+///
+/// An exponent n makes a highlight about as wide as GGX of alpha = sqrt(2 / (n + 2)): Walter et al., Microfacet Models
+/// for Refraction through Rough Surfaces, 2007, section 5.2.
+inline void set_phong(Material& m, const Phong& phong)
+{
+    const auto largest = [](Color c) { return std::max({c.r, c.g, c.b}); };
+    const auto bounded = [](Color c) {
+        return Color{std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f)};
+    };
+    const float alpha = std::sqrt(2 / (std::max(phong.shininess, 0.0f) + 2));
+    m.roughness = {std::sqrt(alpha), -1, 1};
+    m.metallic = {0, -1, 2};
+    m.ior = phong.ior >= 1 && phong.ior <= 100 ? phong.ior : 1.5f;
+    m.base_color.value = bounded(phong.diffuse);
+    if (phong.refracts) {
+        m.kind = MaterialKind::glass;
+        m.base_color.value = {1, 1, 1};
+        // Glass without a highlight of its own is meant smooth, not as rough as can be.
+        if (phong.shininess <= 0 || phong.shininess >= 200) m.roughness.value = 0;
+        return;
+    }
+    if (largest(phong.specular) > 0.3f && largest(phong.diffuse) < 0.05f * largest(phong.specular)) {
+        m.kind = MaterialKind::metal;
+        m.base_color.value = bounded(phong.specular);
+    } else if (largest(phong.specular) > 0 && phong.shininess > 0) {
+        m.kind = MaterialKind::principled;
+    } else {
+        m.kind = MaterialKind::diffuse;
+        m.roughness.value = 0;
+    }
+    m.alpha.value = std::clamp(phong.opacity, 0.0f, 1.0f);
+    if (m.alpha.value < 1) m.alpha_mode = AlphaMode::blend;
+}
+
+}  // namespace fathom

@@ -1,0 +1,425 @@
+#include "import/ply/ply.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+
+#include "import/mesh_cleanup.h"
+#include "import/ply/ply_header.h"
+#include "import/polygon.h"
+#include "import/text_scanner.h"
+
+namespace fathom {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+/// The numbers of the body one after the other, whatever they are written as.
+class PlyBody {
+public:
+    PlyBody(const std::string& file, std::string_view body, PlyFormat format, std::size_t first_line)
+        : file_(file), at_(body.data()), end_(body.data() + body.size()), format_(format), scan_(file, body, first_line)
+    {
+    }
+
+    double number(PlyType type)
+    {
+        if (format_ == PlyFormat::ascii) {
+            const std::string_view word = scan_.word_of_any_line();
+            if (word.empty()) scan_.fail("the file ends too early");
+            // Exact for 32-bit integers, which float would not be.
+            if (type != PlyType::f32 && type != PlyType::f64) {
+                std::int64_t value = 0;
+                const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+                if (error == std::errc() && end == word.data() + word.size()) return double(value);
+            }
+            return scan_.to_number(word);
+        }
+        need(size_of(type));
+        const char* p = at_;
+        at_ += size_of(type);
+        switch (type) {
+            case PlyType::i8:
+                return load<std::int8_t>(p);
+            case PlyType::u8:
+                return load<std::uint8_t>(p);
+            case PlyType::i16:
+                return load<std::int16_t>(p);
+            case PlyType::u16:
+                return load<std::uint16_t>(p);
+            case PlyType::i32:
+                return load<std::int32_t>(p);
+            case PlyType::u32:
+                return load<std::uint32_t>(p);
+            case PlyType::f32:
+                return load<float>(p);
+            default:
+                return load<double>(p);
+        }
+    }
+    std::size_t list_length(PlyType type)
+    {
+        const double length = number(type);
+        if (!(length >= 0)) fail(fmt::format("a list of {} elements", length));
+        if (length > double(bytes_left()) + 1)
+            fail(fmt::format("a list of {} elements does not fit into the file", length));
+        return std::size_t(length);
+    }
+    void skip(const PlyProperty& property)
+    {
+        const std::size_t count = property.is_list ? list_length(property.count_type) : 1;
+        if (format_ == PlyFormat::ascii) {
+            for (std::size_t i = 0; i < count; ++i)
+                if (scan_.word_of_any_line().empty()) scan_.fail("the file ends too early");
+        } else {
+            // list_length has bounded count: no overflow.
+            need(count * size_of(property.type));
+            at_ += count * size_of(property.type);
+        }
+    }
+
+    /// Bytes of a binary body, for loops of their own.
+    const char* take(std::size_t size)
+    {
+        need(size);
+        const char* p = at_;
+        at_ += size;
+        return p;
+    }
+    std::size_t bytes_left() const
+    {
+        return std::size_t(end_ - (format_ == PlyFormat::ascii ? scan_.position() : at_));
+    }
+    bool is_native() const { return format_ == PlyFormat::little_endian; }
+
+    [[noreturn]] void fail(const std::string& message) const
+    {
+        if (format_ == PlyFormat::ascii) scan_.fail(message);
+        throw Error(file_, "", message);
+    }
+
+private:
+    void need(std::size_t size) const
+    {
+        if (bytes_left() < size) fail("the file ends too early");
+    }
+    template <class T>
+    T load(const char* p) const
+    {
+        char bytes[sizeof(T)];
+        std::memcpy(bytes, p, sizeof(T));
+        if (format_ == PlyFormat::big_endian) std::reverse(bytes, bytes + sizeof(T));
+        T value;
+        std::memcpy(&value, bytes, sizeof(T));
+        return value;
+    }
+
+    const std::string& file_;
+    const char* at_;
+    const char* end_;
+    PlyFormat format_;
+    TextScanner scan_;
+};
+
+float linear_from_srgb(double c)
+{
+    return float(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+}
+
+/// Colours are bytes in sRGB, or floats that are linear.
+float color_channel(double value, PlyType type, bool is_alpha)
+{
+    if (type == PlyType::f32 || type == PlyType::f64) return float(value);
+    const double c = value / (type == PlyType::u16 ? 65535 : 255);
+    return is_alpha ? float(c) : linear_from_srgb(c);
+}
+
+class PlyReader {
+public:
+    PlyReader(const std::string& file, const std::string& bytes, PlyHeader header)
+        : file_(file),
+          header_(std::move(header)),
+          body_(file, std::string_view(bytes).substr(header_.size_bytes), header_.format, header_.lines + 1)
+    {
+    }
+
+    Mesh read()
+    {
+        for (const PlyElement& element : header_.elements) {
+            // A count that cannot be is refused before memory is asked for; ASCII takes two bytes a number.
+            const std::size_t least =
+                header_.format == PlyFormat::ascii ? 2 * element.properties.size() : element.least_size();
+            if (least > 0 && element.count > (body_.bytes_left() + 1) / least)
+                body_.fail(fmt::format("{} elements '{}' do not fit into the file, which ends too early", element.count,
+                                       printable(element.name)));
+            if (element.name == "vertex")
+                read_vertices(element);
+            else if (element.name == "face")
+                read_faces(element);
+            else if (element.name == "tristrips")
+                read_strips(element);
+            else if (least > 0)
+                for (std::size_t i = 0; i < element.count; ++i)
+                    for (const PlyProperty& property : element.properties) body_.skip(property);
+        }
+        return std::move(mesh_);
+    }
+    std::size_t bad_faces() const { return bad_faces_; }
+
+private:
+    /// Where a property of a vertex goes: an array of floats and a place in it; null: nowhere.
+    struct Target {
+        float* data = nullptr;
+        std::size_t stride = 0;
+        enum { plain, flipped, color, alpha } kind = plain;
+    };
+
+    template <class T>
+    static Target target(std::vector<T>& to, std::size_t count, std::size_t component)
+    {
+        if (to.size() != count) to.resize(count);
+        return {&to.data()->x + component, sizeof(T) / sizeof(float), Target::plain};
+    }
+
+    Target target_of(const std::string& name, std::size_t count)
+    {
+        Target t;
+        const auto is = [&](auto... names) { return ((name == names) || ...); };
+        if (is("x", "y", "z")) return target(mesh_.positions, count, std::size_t(name[0] - 'x'));
+        if (is("nx", "ny", "nz")) return target(mesh_.normals, count, std::size_t(name[1] - 'x'));
+        if (is("u", "s", "texture_u", "texture_s")) return target(mesh_.uvs[0], count, 0);
+        if (is("v", "t", "texture_v", "texture_t")) {
+            t = target(mesh_.uvs[0], count, 1);
+            t.kind = Target::flipped;
+            return t;
+        }
+        const bool alpha = is("alpha", "a");
+        const int channel = is("red", "r") ? 0 : is("green", "g") ? 1 : is("blue", "b") ? 2 : alpha ? 3 : -1;
+        if (channel < 0) return t;
+        if (mesh_.colors.empty()) mesh_.colors.assign(count, {1, 1, 1, 1});
+        t = target(mesh_.colors, count, std::size_t(channel));
+        t.kind = alpha ? Target::alpha : Target::color;
+        return t;
+    }
+
+    void read_vertices(const PlyElement& element)
+    {
+        if (element.count == 0) return;
+        if (element.count > std::numeric_limits<std::uint32_t>::max()) body_.fail("there are more than 2^32 vertices");
+        std::vector<Target> targets;
+        for (const PlyProperty& p : element.properties)
+            targets.push_back(p.is_list ? Target{} : target_of(p.name, element.count));
+        if (mesh_.positions.empty()) body_.fail("the vertices have no x, y and z");
+        if (body_.is_native() && !element.has_lists()) return read_native_vertices(element, targets);
+        for (std::size_t i = 0; i < element.count; ++i)
+            for (std::size_t k = 0; k < targets.size(); ++k) {
+                if (targets[k].data)
+                    store(targets[k], i, body_.number(element.properties[k].type), element.properties[k].type);
+                else
+                    body_.skip(element.properties[k]);
+            }
+    }
+
+    static void store(const Target& t, std::size_t i, double value, PlyType type)
+    {
+        if (t.kind == Target::flipped) value = 1 - value;
+        t.data[i * t.stride] = t.kind == Target::color || t.kind == Target::alpha
+                                   ? color_channel(value, type, t.kind == Target::alpha)
+                                   : float(value);
+    }
+
+    /// A property at a time: vertices of fixed size in our byte order.
+    void read_native_vertices(const PlyElement& element, const std::vector<Target>& targets)
+    {
+        const std::size_t stride = element.least_size();
+        const char* data = body_.take(stride * element.count);
+        std::size_t offset = 0;
+        for (std::size_t k = 0; k < targets.size(); ++k) {
+            const PlyType type = element.properties[k].type;
+            if (targets[k].data) read_column(data + offset, stride, element.count, type, targets[k]);
+            offset += size_of(type);
+        }
+    }
+    static void read_column(const char* p, std::size_t stride, std::size_t count, PlyType type, const Target& t)
+    {
+        const auto run = [&]<class T>() {
+            for (std::size_t i = 0; i < count; ++i, p += stride) {
+                T value;
+                std::memcpy(&value, p, sizeof value);
+                if constexpr (std::is_same_v<T, float>) {
+                    if (t.kind == Target::plain) {
+                        t.data[i * t.stride] = value;
+                        continue;
+                    }
+                }
+                store(t, i, double(value), type);
+            }
+        };
+        switch (type) {
+            case PlyType::i8:
+                return run.operator()<std::int8_t>();
+            case PlyType::u8:
+                return run.operator()<std::uint8_t>();
+            case PlyType::i16:
+                return run.operator()<std::int16_t>();
+            case PlyType::u16:
+                return run.operator()<std::uint16_t>();
+            case PlyType::i32:
+                return run.operator()<std::int32_t>();
+            case PlyType::u32:
+                return run.operator()<std::uint32_t>();
+            case PlyType::f32:
+                return run.operator()<float>();
+            case PlyType::f64:
+                return run.operator()<double>();
+        }
+    }
+
+    void read_faces(const PlyElement& element)
+    {
+        const auto is_indices = [](const PlyProperty& p) {
+            return p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index");
+        };
+        mesh_.indices.reserve(mesh_.indices.size() + 3 * element.count);
+        if (element.properties.size() == 1 && is_indices(element.properties[0]) && body_.is_native() &&
+            element.properties[0].count_type == PlyType::u8 && size_of(element.properties[0].type) == 4 &&
+            element.properties[0].type != PlyType::f32)
+            return read_native_faces(element);
+        for (std::size_t i = 0; i < element.count; ++i)
+            for (const PlyProperty& property : element.properties) {
+                if (is_indices(property))
+                    read_corners(property), add_polygon(i);
+                else
+                    body_.skip(property);
+            }
+    }
+
+    void read_corners(const PlyProperty& property)
+    {
+        const std::size_t count = body_.list_length(property.count_type);
+        corners_.clear();
+        for (std::size_t k = 0; k < count; ++k) corners_.push_back(std::int64_t(body_.number(property.type)));
+    }
+
+    /// The usual body, a length byte and 32-bit corners, without a branch on types.
+    void read_native_faces(const PlyElement& element)
+    {
+        for (std::size_t i = 0; i < element.count; ++i) {
+            const std::size_t count = static_cast<unsigned char>(*body_.take(1));
+            const char* data = body_.take(4 * count);
+            if (count == 3) {
+                std::uint32_t triangle[3];
+                std::memcpy(triangle, data, sizeof triangle);
+                const std::size_t vertices = mesh_.positions.size();
+                if (triangle[0] >= vertices || triangle[1] >= vertices || triangle[2] >= vertices) {
+                    for (std::uint32_t index : triangle) check_index(std::int32_t(index), i);
+                }
+                mesh_.indices.insert(mesh_.indices.end(), triangle, triangle + 3);
+                continue;
+            }
+            corners_.resize(count);
+            for (std::size_t k = 0; k < count; ++k) {
+                std::int32_t index;
+                std::memcpy(&index, data + 4 * k, 4);
+                corners_[k] = index;
+            }
+            add_polygon(i);
+        }
+    }
+
+    void check_index(std::int64_t index, std::size_t face) const
+    {
+        if (index < 0 || std::size_t(index) >= mesh_.positions.size())
+            throw Error(file_, fmt::format("face {}", face),
+                        fmt::format("vertex {} is out of range: there are {}", index, mesh_.positions.size()));
+    }
+
+    void add_polygon(std::size_t face)
+    {
+        for (std::int64_t index : corners_) check_index(index, face);
+        if (corners_.size() < 3) {
+            ++bad_faces_;
+            return;
+        }
+        points_.clear();
+        for (std::int64_t index : corners_) points_.push_back(mesh_.positions[std::size_t(index)]);
+        triangles_.clear();
+        triangulate(points_, triangles_);
+        for (std::uint32_t k : triangles_) mesh_.indices.push_back(std::uint32_t(corners_[k]));
+    }
+
+    /// Stanford's strips: -1 begins a new one.
+    void read_strips(const PlyElement& element)
+    {
+        for (std::size_t i = 0; i < element.count; ++i)
+            for (const PlyProperty& property : element.properties) {
+                if (!property.is_list || property.name != "vertex_indices") {
+                    body_.skip(property);
+                    continue;
+                }
+                read_corners(property);
+                std::size_t start = 0;
+                for (std::size_t k = 0; k < corners_.size(); ++k) {
+                    if (corners_[k] == -1) {
+                        start = k + 1;
+                        continue;
+                    }
+                    check_index(corners_[k], i);
+                    if (k < start + 2) continue;
+                    std::uint32_t a = std::uint32_t(corners_[k - 2]), b = std::uint32_t(corners_[k - 1]);
+                    if ((k - start) % 2 == 1) std::swap(a, b);
+                    const std::uint32_t c = std::uint32_t(corners_[k]);
+                    if (a != b && b != c && c != a) mesh_.indices.insert(mesh_.indices.end(), {a, b, c});
+                }
+            }
+    }
+
+    const std::string& file_;
+    PlyHeader header_;
+    PlyBody body_;
+    Mesh mesh_;
+    std::size_t bad_faces_ = 0;
+    std::vector<std::int64_t> corners_;
+    std::vector<Vec3f> points_;
+    std::vector<std::uint32_t> triangles_;
+};
+
+}  // namespace
+
+SceneDescription read_ply(const std::filesystem::path& file, const std::string& bytes, LoadContext& context)
+{
+    const std::string name = file.string();
+    PlyReader reader(name, bytes, read_ply_header(name, bytes));
+    Mesh mesh = reader.read();
+    if (mesh.positions.empty()) throw Error(name, "", "there are no vertices in it");
+    if (mesh.indices.empty()) throw Error(name, "", "there are no faces in it: clouds of points can't be shown");
+    context.warnings.add(name + ": faces with fewer than three corners are left out", reader.bad_faces());
+    mesh.name = file.stem().string();
+    clean_mesh(mesh, name, context.warnings);
+
+    SceneDescription scene;
+    scene.file = name;
+    Node node;
+    node.name = mesh.name;
+    Shape shape{MeshInstance{0}, -1, mesh.name};
+    if (!mesh.colors.empty()) {
+        Material colored;
+        colored.name = "vertex colours";
+        colored.base_color.value = {1, 1, 1};
+        colored.use_vertex_color = true;
+        scene.materials.push_back(std::move(colored));
+        shape.material = 0;
+    }
+    node.shapes.push_back(std::move(shape));
+    scene.meshes.push_back(std::move(mesh));
+    scene.nodes.push_back(std::move(node));
+    scene.roots = {0};
+    return scene;
+}
+
+}  // namespace fathom

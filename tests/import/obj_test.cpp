@@ -1,0 +1,211 @@
+#include "import_test_helpers.h"
+
+namespace fathom::test {
+namespace {
+
+class Obj : public ImportTest {
+protected:
+    std::size_t warnings_with(const std::string& words) const
+    {
+        std::size_t count = 0;
+        for (const auto& [message, times] : warnings_.counts())
+            if (message.find(words) != std::string::npos) count += times;
+        return count;
+    }
+};
+
+constexpr const char* square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+double area(const Mesh& mesh)
+{
+    double sum = 0;
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+        const auto at = [&](std::size_t k) {
+            const Vec3f p = mesh.positions[mesh.indices[i + k]];
+            return Vec3d{p.x, p.y, p.z};
+        };
+        const Vec3d n = cross(at(1) - at(0), at(2) - at(0));
+        sum += n.z / 2;
+    }
+    return sum;
+}
+
+TEST_F(Obj, PolygonsAndIndices)
+{
+    const SceneDescription scene = load("a.obj", std::string(square) + "f 1 2 3 4\nf -4 -3 -2\n");
+    ASSERT_EQ(scene.meshes.size(), 1u);
+    EXPECT_EQ(scene.meshes[0].positions.size(), 4u);
+    EXPECT_EQ(scene.meshes[0].indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3, 0, 1, 2}));
+    EXPECT_TRUE(scene.meshes[0].normals.empty());
+    EXPECT_TRUE(scene.meshes[0].uvs[0].empty());
+    EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(Obj, ConcavePolygons)
+{
+    // An arrow head whose fan from the first corner would leave it; and the letter C.
+    const SceneDescription arrow = load("a.obj", "v 0 0 0\nv 2 -1 0\nv 0 3 0\nv -2 -1 0\nf 2 3 4 1\nf 1 2 3 4\n");
+    EXPECT_NEAR(area(arrow.meshes.at(0)), 2 * 6, 1e-6);
+    const SceneDescription c = load("c.obj",
+                                    "v 0 0 0\nv 3 0 0\nv 3 1 0\nv 1 1 0\nv 1 2 0\nv 3 2 0\nv 3 3 0\nv 0 3 0\n"
+                                    "f 1 2 3 4 5 6 7 8\n");
+    EXPECT_NEAR(area(c.meshes.at(0)), 7, 1e-6);
+    EXPECT_EQ(c.meshes[0].indices.size(), 18u);
+    // No triangle of it covers the gap of the C.
+    for (std::size_t i = 0; i < 18; i += 3) {
+        double sum = 0;
+        Mesh one = c.meshes[0];
+        one.indices.assign(c.meshes[0].indices.begin() + long(i), c.meshes[0].indices.begin() + long(i) + 3);
+        sum = area(one);
+        EXPECT_GT(sum, 0);
+    }
+}
+
+TEST_F(Obj, NormalsAndTextureCoordinates)
+{
+    const SceneDescription scene =
+        load("a.obj", std::string(square) +
+                          "vt 0.25 0.75\nvt 1 0\nvn 0 0 1\nvn 0 0 -1\n"
+                          "f 1/1/1 2/2/1 3/1/1\nf 1/1/2 3/1/2 4/1/2\nf 1//1 2//1 3//1\nf 1/1 2/2 3/2\n");
+    // Faces without normals are flat and apart.
+    ASSERT_EQ(scene.meshes.size(), 2u);
+    const Mesh& flat = scene.meshes[0].normals.empty() ? scene.meshes[0] : scene.meshes[1];
+    const Mesh& smooth = scene.meshes[0].normals.empty() ? scene.meshes[1] : scene.meshes[0];
+    EXPECT_TRUE(flat.normals.empty());
+    EXPECT_EQ(smooth.normals.size(), smooth.positions.size());
+    EXPECT_EQ(smooth.positions.size(), 9u);
+    EXPECT_FLOAT_EQ(smooth.uvs[0][0].x, 0.25f);
+    EXPECT_FLOAT_EQ(smooth.uvs[0][0].y, 0.25f);  // v grows downwards here
+    EXPECT_EQ(flat.positions.size(), 3u);
+}
+
+TEST_F(Obj, LinesThatGoOnAndOtherHabits)
+{
+    const SceneDescription scene = load("a.obj",
+                                        "# a comment \\\nv 0 0 \\\n0\r\nv +1 0 0\r\nv 1 1 0 1.0\n\tv   0 1e0 -0.0 \n\n"
+                                        "g some group\ns 1\nf 1 2 \\\n 3 4 # the end\nl 1 2\np 1\ncurv 0 1\nwhat 3\n");
+    EXPECT_EQ(scene.meshes.at(0).indices.size(), 6u);
+    EXPECT_EQ(warnings_with("lines are not shown"), 1u);
+    EXPECT_EQ(warnings_with("points are not shown"), 1u);
+    EXPECT_EQ(warnings_with("free-form"), 1u);
+    EXPECT_EQ(warnings_with("not understood"), 1u);
+}
+
+TEST_F(Obj, VertexColours)
+{
+    const SceneDescription scene = load("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n");
+    ASSERT_EQ(scene.meshes.at(0).colors.size(), 3u);
+    EXPECT_EQ(scene.meshes[0].colors[1].y, 1);
+    EXPECT_TRUE(scene.materials.at(scene.nodes.at(0).shapes.at(0).material).use_vertex_color);
+}
+
+TEST_F(Obj, ObjectsAndMaterials)
+{
+    write("my colours.mtl", R"(# materials
+newmtl matte
+Kd 0.5 0.25 1
+illum 1
+newmtl shiny
+Kd 0.1 0.2 0.3
+Ks 0.5 0.5 0.5
+Ns 98
+d 0.5
+newmtl lamp
+Kd 0 0 0
+Ke 7 6 5
+newmtl glass
+illum 7
+Ni 1.33
+Ns 1000
+newmtl mirror
+Kd 0 0 0
+Ks 0.9 0.8 0.7
+Ns 1000
+newmtl pbr
+Kd 1 1 1
+Pr 0.25
+Pm 1
+map_Pr rough map.png
+newmtl textured
+Kd 0 0 0
+map_Kd -s 2 4 1 -o 0.5 0.25 -clamp on dir\wood.png
+map_d dir\wood.png
+map_Bump -bm 0.5 wood_normal.png
+newmtl bumpy
+map_bump heights.png
+disp heights.png
+)");
+    const SceneDescription scene =
+        load("a.obj", std::string("mtllib my colours.mtl\n") + square +
+                          "usemtl matte\nf 1 2 3\nusemtl shiny\nf 1 2 3\nusemtl matte\nf 1 3 4\no second\nf 1 2 3\n"
+                          "usemtl gone\nf 1 2 3\n");
+    EXPECT_EQ(scene.meshes.size(), 4u);
+    EXPECT_EQ(warnings_with("no material named 'gone'"), 1u);
+    const auto material = [&](const std::string& name) {
+        for (const Material& m : scene.materials)
+            if (m.name == name) return m;
+        ADD_FAILURE() << name;
+        return Material{};
+    };
+    EXPECT_EQ(material("matte").kind, MaterialKind::diffuse);
+    EXPECT_EQ(material("matte").base_color.value, (Color{0.5f, 0.25f, 1}));
+    const Material shiny = material("shiny");
+    EXPECT_EQ(shiny.kind, MaterialKind::principled);
+    EXPECT_NEAR(shiny.roughness.value, std::sqrt(std::sqrt(0.02)), 1e-6);
+    EXPECT_EQ(shiny.alpha.value, 0.5f);
+    EXPECT_EQ(shiny.alpha_mode, AlphaMode::blend);
+    EXPECT_EQ(material("lamp").emission.value, (Color{7, 6, 5}));
+    EXPECT_EQ(material("glass").kind, MaterialKind::glass);
+    EXPECT_EQ(material("glass").ior, 1.33f);
+    EXPECT_EQ(material("glass").roughness.value, 0);
+    EXPECT_EQ(material("mirror").kind, MaterialKind::metal);
+    EXPECT_EQ(material("mirror").base_color.value, (Color{0.9f, 0.8f, 0.7f}));
+    const Material pbr = material("pbr");
+    EXPECT_EQ(pbr.kind, MaterialKind::principled);
+    EXPECT_EQ(pbr.roughness.value, 0.25f);
+    EXPECT_EQ(pbr.metallic.value, 1);
+    EXPECT_EQ(scene.images.at(scene.textures.at(pbr.roughness.texture).image).path, folder_ / "rough map.png");
+    const Material textured = material("textured");
+    const Texture& wood = scene.textures.at(textured.base_color.texture);
+    EXPECT_EQ(textured.base_color.value, (Color{1, 1, 1}));
+    EXPECT_EQ(scene.images.at(wood.image).path, folder_ / "dir/wood.png");
+    EXPECT_EQ(wood.wrap_u, Wrap::clamp);
+    // (u, v) of the file, v upwards, is looked up at (2u + 0.5, 4v + 0.25): the same point downwards.
+    const float u = 0.3f, v = 0.1f;
+    EXPECT_FLOAT_EQ(wood.uv_offset.x + wood.uv_scale.x * u, 2 * u + 0.5f);
+    EXPECT_FLOAT_EQ(wood.uv_offset.y + wood.uv_scale.y * (1 - v), 1 - (4 * v + 0.25f));
+    EXPECT_EQ(textured.alpha.channel, 3);
+    EXPECT_EQ(textured.normal_scale, 0.5f);
+    EXPECT_GE(textured.normal_texture, 0);
+    EXPECT_EQ(material("bumpy").normal_texture, -1);
+    EXPECT_EQ(warnings_with("heights"), 1u);
+    EXPECT_EQ(warnings_with("'disp'"), 1u);
+}
+
+TEST_F(Obj, Mistakes)
+{
+    EXPECT_EQ(error_of("a.obj", "v 0 0\nf 1 1 1\n"), "line 1: expected a number, found ''");
+    EXPECT_EQ(error_of("a.obj", "v 0 0 x1\n"), "line 1: expected a number, found 'x1'");
+    EXPECT_EQ(error_of("a.obj", "v 0 0 nan\n"), "line 1: the number 'nan' is not finite");
+    EXPECT_EQ(error_of("a.obj", "v 0 0 1e999\n"), "line 1: the number '1e999' is too large");
+    EXPECT_EQ(error_of("a.obj", "v 0 0 1e39\n"), "line 1: the number '1e39' is not finite");
+    EXPECT_EQ(error_of("a.obj", "v 0 0 1e-999\n"), "loaded");
+    EXPECT_EQ(error_of("a.obj", std::string(square) + "f 1 2 5\n"),
+              "line 5: vertex 5 is out of range: there are 4 so far");
+    EXPECT_EQ(error_of("a.obj", std::string(square) + "f 1 2 0\n"),
+              "line 5: vertex 0 is out of range: there are 4 so far");
+    EXPECT_EQ(error_of("a.obj", std::string(square) + "f 1 2 -5\n"),
+              "line 5: vertex -5 is out of range: there are 4 so far");
+    EXPECT_EQ(error_of("a.obj", std::string(square) + "f 1/1 2 3\n"),
+              "line 5: texture coordinate 1 is out of range: there are 0 so far");
+    EXPECT_EQ(error_of("a.obj", std::string(square) + "f 1 2 99999999999999999999\n"),
+              "line 5: expected a whole number, found '99999999999999999999'");
+    EXPECT_EQ(error_of("a.obj", "hello\nworld\n"), "there are no vertices in it: is it an OBJ file?");
+    warnings_ = {};
+    EXPECT_EQ(error_of("a.obj", std::string(square) + "mtllib no.mtl\nf 1 2\nf 1 2 3\n"), "loaded");
+    EXPECT_EQ(warnings_with("'no.mtl' is missing"), 1u);
+    EXPECT_EQ(warnings_with("fewer than three corners"), 1u);
+}
+
+}  // namespace
+}  // namespace fathom::test

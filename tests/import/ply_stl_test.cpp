@@ -1,0 +1,244 @@
+#include <algorithm>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "import_test_helpers.h"
+
+namespace fathom::test {
+namespace {
+
+class Ply : public ImportTest {
+protected:
+    std::size_t warnings_with(const std::string& words) const
+    {
+        std::size_t count = 0;
+        for (const auto& [message, times] : warnings_.counts())
+            if (message.find(words) != std::string::npos) count += times;
+        return count;
+    }
+};
+using Stl = Ply;
+
+std::string header(const std::string& format, const std::string& vertex, const std::string& face, int vertices = 4,
+                   int faces = 1)
+{
+    return fmt::format("ply\nformat {} 1.0\ncomment made by hand\nelement vertex {}\n{}element face {}\n{}end_header\n",
+                       format, vertices, vertex, faces, face);
+}
+const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
+const std::string indices = "property list uchar int vertex_indices\n";
+
+template <class T>
+void append(std::string& bytes, T value, bool big)
+{
+    char raw[sizeof(T)];
+    std::memcpy(raw, &value, sizeof value);
+    if (big) std::reverse(raw, raw + sizeof raw);
+    bytes.append(raw, sizeof raw);
+}
+
+TEST_F(Ply, Ascii)
+{
+    const SceneDescription scene =
+        load("a.ply", header("ascii", xyz, indices) + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
+    ASSERT_EQ(scene.meshes.size(), 1u);
+    EXPECT_EQ(scene.meshes[0].indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
+    EXPECT_EQ(scene.meshes[0].positions[2].y, 1);
+    EXPECT_EQ(scene.nodes[0].shapes[0].material, -1);
+    EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(Ply, BothByteOrdersWithEverything)
+{
+    for (bool big : {false, true}) {
+        std::string bytes = header(
+            big ? "binary_big_endian" : "binary_little_endian",
+            "property double x\nproperty float y\nproperty short z\nproperty float quality\n"
+            "property float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty float t\n"
+            "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n",
+            "property uchar flags\nproperty list ushort uint vertex_index\nproperty list uchar float extra\n", 3, 1);
+        // An element that nobody knows stands between.
+        bytes.replace(bytes.find("element face"), 0, "element thing 2\nproperty list uchar int a\nproperty float b\n");
+        for (int i = 0; i < 3; ++i) {
+            append(bytes, double(i == 1), big);
+            append(bytes, float(i == 2), big);
+            append(bytes, std::int16_t(-3), big);
+            append(bytes, 99.f, big);
+            for (float n : {0.f, 0.f, 1.f}) append(bytes, n, big);
+            append(bytes, 0.25f, big);
+            append(bytes, 0.75f, big);
+            for (int c : {255, 0, 188, 51}) bytes += char(c);
+        }
+        for (int i = 0; i < 2; ++i) {
+            bytes += char(i);
+            for (int k = 0; k < i; ++k) append(bytes, 7, big);
+            append(bytes, 1.f, big);
+        }
+        bytes += char(1);
+        append(bytes, std::uint16_t(3), big);
+        for (std::uint32_t i : {2u, 0u, 1u}) append(bytes, i, big);
+        bytes += char(1);
+        append(bytes, 1.f, big);
+
+        const SceneDescription scene = load("a.ply", bytes);
+        const Mesh& mesh = scene.meshes.at(0);
+        EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{2, 0, 1}));
+        EXPECT_EQ(mesh.positions.at(1).x, 1);
+        EXPECT_EQ(mesh.positions.at(2).y, 1);
+        EXPECT_EQ(mesh.positions.at(0).z, -3);
+        EXPECT_EQ(mesh.normals.at(2).z, 1);
+        EXPECT_EQ(mesh.uvs[0].at(0).x, 0.25f);
+        EXPECT_EQ(mesh.uvs[0].at(0).y, 0.25f);
+        EXPECT_FLOAT_EQ(mesh.colors.at(0).x, 1);
+        EXPECT_NEAR(mesh.colors.at(0).z, 0.5029f, 1e-4);  // 188 in sRGB
+        EXPECT_FLOAT_EQ(mesh.colors.at(0).w, 0.2f);
+        EXPECT_TRUE(scene.materials.at(0).use_vertex_color);
+    }
+}
+
+TEST_F(Ply, TheFastWayGivesWhatTheSlowOneDoes)
+{
+    // With an extra property the faces take the general way.
+    const auto make = [&](bool extra) {
+        std::string bytes = header("binary_little_endian", xyz, (extra ? "property uchar skip\n" : "") + indices, 5, 3);
+        for (float x : {0.f, 0.f, 0.f, 2.f, 0.f, 0.f, 2.f, 2.f, 0.f, 0.f, 2.f, 0.f, 0.5f, 1.f, 0.f})
+            append(bytes, x, false);
+        for (const std::vector<int>& face : {std::vector<int>{0, 1, 2}, {0, 1, 2, 3, 4}, {0, 1}}) {
+            if (extra) bytes += 'x';
+            bytes += char(face.size());
+            for (int i : face) append(bytes, i, false);
+        }
+        return bytes;
+    };
+    const SceneDescription fast = load("a.ply", make(false)), slow = load("b.ply", make(true));
+    EXPECT_EQ(fast.meshes[0].indices, slow.meshes[0].indices);
+    EXPECT_EQ(fast.meshes[0].indices.size(), 12u);
+    EXPECT_EQ(warnings_with("fewer than three corners"), 2u);
+}
+
+TEST_F(Ply, Strips)
+{
+    const SceneDescription scene =
+        load("a.ply", "ply\nformat ascii 1.0\nelement vertex 5\n" + xyz +
+                          "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+                          "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n9 0 1 2 3 -1 2 3 4 -1\n");
+    EXPECT_EQ(scene.meshes.at(0).indices, (std::vector<std::uint32_t>{0, 1, 2, 2, 1, 3, 2, 3, 4}));
+}
+
+TEST_F(Ply, Mistakes)
+{
+    const std::string body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+    EXPECT_EQ(error_of("a.ply", "plx\n"), "line 1: this is no PLY file: it must begin with 'ply'");
+    EXPECT_EQ(error_of("a.ply", "ply\nformat ascii 1.0\n"),
+              "line 3: the file ends in its header: there is no 'end_header'");
+    EXPECT_EQ(error_of("a.ply", header("asci", xyz, indices)), "line 2: 'asci' is no format of PLY");
+    EXPECT_EQ(error_of("a.ply", header("ascii", "property floaty x\n", indices)), "line 5: 'floaty' is no type");
+    EXPECT_EQ(error_of("a.ply", header("ascii", "property float a\n", indices, 1) + "0\n3 0 0 0\n"),
+              "line 9: the vertices have no x, y and z");
+    EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + body + "4 0 1 2 4\n"),
+              "face 0: vertex 4 is out of range: there are 4");
+    EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + body + "4 0 1 2 -1\n"),
+              "face 0: vertex -1 is out of range: there are 4");
+    EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + body + "3 0 1\n"), "line 16: the file ends too early");
+    EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + body + "999999999 0 1\n"),
+              "line 15: a list of 999999999 elements does not fit into the file");
+    EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices, 4, 2000000000) + body),
+              "line 14: 2000000000 elements 'face' do not fit into the file, which ends too early");
+    EXPECT_EQ(error_of("a.ply", header("binary_little_endian", xyz, indices, 2000000000)),
+              "2000000000 elements 'vertex' do not fit into the file, which ends too early");
+    EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + "0 0 0\n1 0 0\n1 1 nan\n0 1 0\n3 0 1 2\n"),
+              "line 13: the number 'nan' is not finite");
+    EXPECT_EQ(error_of("a.ply", header("ascii", xyz, "", 4, 0) + body),
+              "there are no faces in it: clouds of points can't be shown");
+    std::string nan = header("binary_little_endian", xyz, indices, 3, 1);
+    for (float x : {0.f, 0.f, 0.f, NAN, 0.f, 0.f, 0.f, 1.f, 0.f}) append(nan, x, false);
+    nan += char(3);
+    for (int i : {0, 1, 2}) append(nan, i, false);
+    EXPECT_EQ(error_of("a.ply", nan), "meshes[0].positions[1]: is not finite");
+}
+
+TEST_F(Ply, EveryTruncation)
+{
+    std::string whole = header("binary_little_endian", xyz, indices, 3, 2);
+    for (float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) append(whole, x, false);
+    for (int face = 0; face < 2; ++face) {
+        whole += char(3);
+        for (int i : {0, 1, 2}) append(whole, i, false);
+    }
+    EXPECT_EQ(error_of("a.ply", whole), "loaded");
+    for (std::size_t size = 0; size < whole.size(); ++size)
+        EXPECT_NE(error_of("a.ply", whole.substr(0, size)), "loaded") << size;
+}
+
+TEST_F(Ply, KitchenOfAMillionTriangles)
+{
+    const std::filesystem::path file = std::filesystem::path(FATHOM_SHARED_SCENES) / "meshes/kitchen.ply";
+    if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file;
+    const SceneDescription scene = load_scene(file, {}, warnings_);
+    EXPECT_EQ(scene.meshes.at(0).positions.size(), 517503u);
+    EXPECT_EQ(scene.meshes[0].indices.size() / 3 + warnings_with("without area"), 1021815u);
+}
+
+std::string binary_stl(const std::vector<Vec3f>& corners, std::string start = "")
+{
+    start.resize(80, ' ');
+    append(start, std::uint32_t(corners.size() / 3), false);
+    for (std::size_t i = 0; i < corners.size(); i += 3) {
+        start.append(12, '\0');
+        for (std::size_t k = i; k < i + 3; ++k)
+            for (float x : {corners[k].x, corners[k].y, corners[k].z}) append(start, x, false);
+        start.append(2, '\0');
+    }
+    return start;
+}
+const std::vector<Vec3f> two_triangles = {{0, 0, 0}, {1, 0, 0}, {1, 1, 2}, {0, 0, 0}, {1, 1, 2}, {0, 1, -0.0f}};
+
+TEST_F(Stl, BinaryAndAsciiAreTheSame)
+{
+    std::string ascii = "solid quad\n";
+    for (std::size_t i = 0; i < 6; i += 3) {
+        ascii += " facet normal 0 0 1\n  outer loop\n";
+        for (std::size_t k = i; k < i + 3; ++k)
+            ascii += fmt::format("   vertex {} {} {}\n", two_triangles[k].x, two_triangles[k].y, two_triangles[k].z);
+        ascii += "  endloop\n endfacet\n";
+    }
+    ascii += "endsolid quad\n";
+    // Some programs begin binary files with "solid".
+    for (const std::string& content : {binary_stl(two_triangles), binary_stl(two_triangles, "solid quad"), ascii}) {
+        const SceneDescription scene = load("a.stl", content);
+        const Mesh& mesh = scene.meshes.at(0);
+        EXPECT_EQ(mesh.positions.size(), 4u);
+        EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
+    }
+}
+
+TEST_F(Stl, UpIsZUnlessSaidOtherwise)
+{
+    const auto file = write("a.stl", binary_stl(two_triangles));
+    LoadOptions options;
+    EXPECT_EQ(world_bounds(load_scene(file, options, warnings_)).max, (Vec3d{1, 2, 0}));
+    EXPECT_EQ(world_bounds(load_scene(file, options, warnings_)).min, (Vec3d{0, 0, -1}));
+    options.up_axis = 'y';
+    EXPECT_EQ(world_bounds(load_scene(file, options, warnings_)).max, (Vec3d{1, 1, 2}));
+    options.up_axis = 'z';
+    const auto obj = write("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 2\nf 1 2 3\n");
+    EXPECT_EQ(world_bounds(load_scene(obj, {}, warnings_)).max, (Vec3d{1, 1, 2}));
+    EXPECT_EQ(world_bounds(load_scene(obj, options, warnings_)).max, (Vec3d{1, 2, 0}));
+}
+
+TEST_F(Stl, Mistakes)
+{
+    const std::string whole = binary_stl(two_triangles);
+    for (std::size_t size = 0; size < whole.size(); ++size)
+        EXPECT_NE(error_of("a.stl", whole.substr(0, size)), "loaded") << size;
+    EXPECT_EQ(error_of("a.stl", whole.substr(0, 140)),
+              "the file ends too early: 2 triangles are promised, there are 1");
+    EXPECT_EQ(error_of("a.stl", "hello"), "this is no STL file: it ends in its header");
+    EXPECT_EQ(error_of("a.stl", "solid\nvertex 0 0 0\nvertex 1 0 0\n"), "line 4: the file ends in a triangle");
+    EXPECT_EQ(error_of("a.stl", "solid\nvertex 0 0\n"), "line 2: expected a number, found ''");
+    EXPECT_EQ(error_of("a.stl", "solid\nendsolid\n"), "there are no triangles in it");
+}
+
+}  // namespace
+}  // namespace fathom::test
