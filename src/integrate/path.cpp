@@ -383,12 +383,14 @@ private:
 
         // The surface, its normals turned to the side that the path is on.
         Vec3 hit_point, ng, ns;
+        Float extent;
         MaterialPoint m;
         if constexpr (simple) {
             const UInt primitive = load(&packed_hits_.primitive[i]);
             const Vec3 front = scene_.quad_normal_of(primitive - UInt(tables_.first_quad()), valid);
             ng = ns = flip_sign(front, -dot(d, front));
             hit_point = fma(d, t, p.vector(PathPool::origin, i));
+            extent = max(t, scene_.quad_extent_of(primitive - UInt(tables_.first_quad()), valid));
             m.base_color = scene_.material_color_of(scene_.info_of(primitive, UInt(no_index), valid) & UInt(LaneScene::material_mask), valid);
             m.roughness = Float(0);
         } else {
@@ -400,6 +402,7 @@ private:
             const Float facing = -dot(d, s.ng);
             m = surfaces_.material(s, material, facing > Float(0), valid);
             hit_point = s.p;
+            extent = s.extent;
             ng = flip_sign(s.ng, facing);
             ns = flip_sign(s.ns, facing);
             // Seen from behind its shading normal, a surface shows its geometric one.
@@ -411,7 +414,7 @@ private:
         const Vec3 wo = simple ? Vec3(Float(0), Float(0), Float(1)) : upper(frame.to_local(-d));
         const auto start = [&](Vec3 wi) {
             const Vec3 side = Bsdf::transmits ? flip_sign(ng, dot(wi, ng)) : ng;
-            return offset_origin(hit_point, side, t);
+            return offset_origin(hit_point, side, extent);
         };
 
         if (lights_are_sampled_) {

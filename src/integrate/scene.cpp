@@ -1,6 +1,7 @@
 #include "integrate/scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "fathom/description.h"
 #include "integrate/alpha.h"
@@ -42,9 +43,14 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t) : tables_owner(std::m
         quad_normal[0].push_back(float(n.x));
         quad_normal[1].push_back(float(n.y));
         quad_normal[2].push_back(float(n.z));
+        float extent = 0;
+        for (float x : {q.edge_u.x, q.edge_u.y, q.edge_u.z, q.edge_v.x, q.edge_v.y, q.edge_v.z})
+            extent = std::max(extent, std::abs(x));
+        quad_extent.push_back(extent);
     }
     for (const MaterialTable& material : tables.materials)
         for (std::size_t c = 0; c < channels; ++c) material_color[c].push_back(material.base_color[c]);
+    quad_extent.resize(quad_extent.size() + small_table);
     for (auto& table : quad_normal) table.resize(table.size() + small_table);
     for (auto& table : material_color) table.resize(table.size() + small_table);
     sees_environment = EnvironmentKind(tables.environment.kind) != EnvironmentKind::none;

@@ -23,6 +23,7 @@ struct LaneScene final : KernelScene {
     /// Per primitive, if the scene is flat: shape_info of its shape; padded for lookup().
     std::vector<std::uint32_t> primitive_info;
     std::vector<float> quad_normal[3];            ///< unit, by quad; padded likewise
+    std::vector<float> quad_extent;               ///< its longest edge; padded likewise
     std::vector<float> material_color[channels];  ///< padded likewise
     static constexpr int small_table = 32;
     std::uint32_t kinds = 0;           ///< bit per BsdfKind that occurs
@@ -42,6 +43,11 @@ struct LaneScene final : KernelScene {
         const auto& n = quad_normal;
         if (size > small_table) return {gather(n[0].data(), quad, m), gather(n[1].data(), quad, m), gather(n[2].data(), quad, m)};
         return {lookup(n[0].data(), size, quad), lookup(n[1].data(), size, quad), lookup(n[2].data(), size, quad)};
+    }
+    Float quad_extent_of(UInt quad, Mask m) const
+    {
+        const int size = int(tables.quads.size());
+        return size > small_table ? gather(quad_extent.data(), quad, m) : lookup(quad_extent.data(), size, quad);
     }
     Spectrum material_color_of(UInt material, Mask m) const
     {

@@ -19,6 +19,7 @@ struct Surface {
     Vec3 ns;            ///< shading normal, on the same side
     Vec3 tangent;       ///< along growing u; zero where unknown
     Float bitangent_sign;
+    Float extent;       ///< the largest length that went into p: bounds its rounding error
     TexturePoint at;
     Spectrum color;     ///< of the vertices
     Float color_alpha;
@@ -47,6 +48,7 @@ public:
         s.shape = shape_of(hit.primitive, hit.instance, m);
         s.tangent = Vec3(Float(0), Float(0), Float(0));
         s.bitangent_sign = Float(1);
+        s.extent = hit.t;
         s.color = Spectrum(Float(1));
         s.color_alpha = Float(1);
         for (int i = 0; i < 2; ++i) s.at.u[i] = hit.u, s.at.v[i] = hit.v;
@@ -149,6 +151,7 @@ private:
         Vec3 p = interpolate(position[0], position[1], position[2]);
         const Vec3 e1 = position[1] - position[0], e2 = position[2] - position[0];
         Vec3 n = cross(e1, e2), ns = n;
+        Float edge = max(max_abs(e1), max_abs(e2));
         const auto has = [&](std::uint32_t flag) { return m & ((flags & UInt(flag)) != UInt(0)); };
 
         if (const Mask smooth = has(ShapeTable::has_normals); any(smooth)) {
@@ -177,12 +180,15 @@ private:
             }
         }
         if (const Mask placed = m & (hit.instance != UInt(no_index)); !t_.instances.empty() && any(placed)) {
+            const auto along = [&](Vec3 v) { return max_abs(transform(offsetof(InstanceTable, render_from_object), hit.instance, v, false, placed)); };
+            edge = select(placed, max(max(along(e1), along(e2)), along(p)), edge);
             p = select(placed, transform(offsetof(InstanceTable, render_from_object), hit.instance, p, true, placed), p);
             tangent = select(placed, transform(offsetof(InstanceTable, render_from_object), hit.instance, tangent, false, placed), tangent);
             n = select(placed, transform_normal(hit.instance, n, placed), n);
             ns = select(placed, transform_normal(hit.instance, ns, placed), ns);
         }
         s.p = select(m, p, s.p);
+        s.extent = select(m, max(s.extent, edge), s.extent);
         s.ng = select(m, normalize(n), s.ng);
         s.ns = select(m, normalize(ns), s.ns);
         s.tangent = select(m, tangent, s.tangent);
@@ -244,6 +250,7 @@ private:
     {
         const UInt quad = hit.primitive - UInt(t_.first_quad());
         s.ng = select(m, scene_.quad_normal_of(quad, m), s.ng);
+        s.extent = select(m, max(s.extent, scene_.quad_extent_of(quad, m)), s.extent);
         s.ns = select(m, s.ng, s.ns);
         if (!scene_.textured) return;
         const float* base = reinterpret_cast<const float*>(t_.quads.data());
@@ -268,6 +275,7 @@ private:
         const Float radius = gather(base + 6, at, m);
         const Vec3 out = normalize(s.p - center);
         s.p = select(m, fma(out, abs(radius), center), s.p);
+        s.extent = select(m, max(s.extent, abs(radius)), s.extent);
         s.ng = select(m, flip_sign(out, radius), s.ng);
         s.ns = select(m, s.ng, s.ns);
         if (!scene_.textured) return;
@@ -289,6 +297,7 @@ private:
         const Float radius = gather(base + 6, at, m);
         s.ng = select(m, n, s.ng);
         s.ns = select(m, n, s.ns);
+        s.extent = select(m, max(s.extent, radius), s.extent);
         if (!scene_.textured) return;
         const Frame frame(n);
         const Vec3 r = s.p - center;
