@@ -26,7 +26,8 @@ expect "the schema is installed" test -f "$prefix/share/doc/fathom/scene.schema.
 # The installed libraries, not those of the build folder.
 libraries=$(ldd "$prefix/bin/fathom")
 expect "no library is missing" test -z "$(grep 'not found' <<<"$libraries")"
-expect "libraries come from the moved folder" grep -q "libfathom_kernel.so.0 => $prefix/lib" <<<"$libraries"
+expect "the kernel library comes from the moved folder" \
+    grep -q "libfathom_kernel.so.0 => $prefix/bin/../lib" <<<"$libraries"
 expect "nothing comes from the build folder" test -z "$(grep -F "$build/" <<<"$libraries")"
 expect "the loader picks the same kernel as in the build folder" \
     test "$(lanes_of "$prefix/bin/fathom")" = "$(lanes_of "$build/bin/fathom")"
