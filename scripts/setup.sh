@@ -21,7 +21,6 @@ fail() {
 }
 
 is_installed() {
-    # A virtual package, as libjpeg-dev is to some, counts if it has a provider.
     [ "$(dpkg-query --show --showformat '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
 }
 
@@ -50,6 +49,7 @@ check_that_packages_can_be_installed() {
     if [ ! -t 0 ] && ! sudo -n true 2>/dev/null; then
         fail "packages are missing, and sudo would ask for a password but has no terminal; $advice"
     fi
+    sudo true || fail "sudo did not let this user install packages; $advice"
 }
 
 # install_missing PACKAGE...: says what is missing, then installs it. Nothing is asked of apt if nothing is missing.
@@ -99,6 +99,8 @@ build_jobs() {
 # build_preset NAME: configures and builds build/NAME, in the current folder.
 build_preset() {
     local preset=$1 jobs
+    # Another clone of the same files finds what this one compiled.
+    export CCACHE_BASEDIR=$PWD
     jobs=${FATHOM_JOBS:-$(build_jobs)}
     if [ ! -f "build/$preset/build.ninja" ] || [ CMakePresets.json -nt "build/$preset/build.ninja" ]; then
         say "configuring build/$preset"
