@@ -11,7 +11,8 @@ namespace fathom {
 
 struct SceneTables;
 
-/// Rays as arrays: points o + t d, 0 < t < t_max, d of unit length. Each array is readable for 32 elements past `count`.
+/// Rays as arrays: points o + t d, 0 < t < t_max, d of unit length. Each array is readable for 32 elements past
+/// `count`.
 struct RayArrays {
     const float *ox, *oy, *oz, *dx, *dy, *dz;
     const float* t_max;  ///< null: infinity
@@ -29,12 +30,12 @@ struct HitArraysOut {
     std::uint32_t *primitive, *instance;
 };
 
-/// Whether a hit counts on a shape with ShapeTable::alpha_tested. Must answer alike whenever it is asked the same; may be
-/// asked for hits that turn out not to be the nearest. u = v = 0 for spheres and disks.
+/// Whether a hit counts on a shape with ShapeTable::alpha_tested. Must answer alike whenever it is asked the same; may
+/// be asked for hits that turn out not to be the nearest. u = v = 0 for spheres and disks.
 using AlphaTest = bool (*)(const void* context, std::uint32_t primitive, std::uint32_t instance, float u, float v);
 
 struct BvhStatistics {
-    std::size_t nodes = 0, children = 0;         ///< nodes of 16, and how many of their children are in use
+    std::size_t nodes = 0, children = 0;          ///< nodes of 16, and how many of their children are in use
     std::size_t leaves = 0, leaf_primitives = 0;  ///< a quad counts twice, as two triangles
     std::size_t bytes = 0;                        ///< of all that rendering needs
     std::size_t peak_bytes = 0;                   ///< while building, the result included
@@ -51,8 +52,8 @@ public:
     Bvh& operator=(Bvh&&) noexcept;
 
     /// Builds on all threads; the same tree for any number of them. Triangles with a coordinate that is not finite, or
-    /// with two equal vertices, are never hit. Keeps a pointer to the tables, whose spheres, disks, shapes and instances
-    /// are read while tracing. Throws std::length_error beyond 2^27 triangles.
+    /// with two equal vertices, are never hit. Keeps a pointer to the tables, whose spheres, disks, shapes and
+    /// instances are read while tracing. Throws std::length_error beyond 2^27 triangles.
     void build(const SceneTables& tables);
 
     /// For hits on shapes with ShapeTable::alpha_tested; null: all are opaque.

@@ -30,61 +30,110 @@ struct TriangleRay {
     }
 };
 
-/// u and v are the weights of b and c. Edges shared by two triangles are closed: of the two at least one is hit.
+/// a b - c d with a relative error of at most 2^-23, so its sign is right: W. Kahan's algorithm; Jeannerod, Louvet, Muller
+/// 2013, "Further analysis of Kahan's algorithm for the accurate computation of 2x2 determinants".
+inline Float difference_of_products(Float a, Float b, Float c, Float d)
+{
+    const Float cd = c * d;
+    return fma(a, b, -cd) + fma(-c, d, cd);
+}
+
+/// Where a ray passes a triangle, as weights of its corners that are still to be divided by their sum.
+struct TriangleWeights {
+    Float a, b, c;
+    Mask inside;
+};
+
+/// The corners are relative to the ray's origin and permuted as in TriangleRay.
+///
+/// No ray slips through between two triangles with a common edge: both see the same rounded corners, on whose two sides
+/// the origin of the sheared plane lies by an exact decision, and an edge belongs to both. Since the weights are as exact,
+/// the ray at t is as near to the triangle as the corners' rounding allows, needles and edge-on triangles included.
+[[gnu::always_inline]] inline TriangleWeights triangle_weights(Float shear_x, Float shear_y, const Vec3& pa, const Vec3& pb,
+                                                               const Vec3& pc)
+{
+    const Float ax = fma(-shear_x, pa.z, pa.x), ay = fma(-shear_y, pa.z, pa.y);
+    const Float bx = fma(-shear_x, pb.z, pb.x), by = fma(-shear_y, pb.z, pb.y);
+    const Float cx = fma(-shear_x, pc.z, pc.x), cy = fma(-shear_y, pc.z, pc.y);
+    TriangleWeights w;
+    w.a = difference_of_products(cx, by, cy, bx);
+    w.b = difference_of_products(ax, cy, ay, cx);
+    w.c = difference_of_products(bx, ay, by, ax);
+    w.inside = (min(min(w.a, w.b), w.c) >= Float(0)) | (max(max(w.a, w.b), w.c) <= Float(0));
+    return w;
+}
+
+/// Lanes that are inside and at 0 < t <= t_max; z: of the corners; u and v are the weights of b and c.
+[[gnu::always_inline]] inline Mask triangle_distance(const TriangleWeights& w, Float shear_z, const Vec3& z, Float t_max, Float& t,
+                                                     Float& u, Float& v)
+{
+    const Float inverse = Float(1) / (w.a + w.b + w.c);
+    t = fma(w.a, z.x, fma(w.b, z.y, w.c * z.z)) * shear_z * inverse;
+    u = w.b * inverse;
+    v = w.c * inverse;
+    // NaN, where the sum is 0, fails.
+    return w.inside & (t > Float(0)) & (t <= t_max);
+}
+
+/// Edges shared by two triangles are closed: of the two at least one is hit.
 inline void closest_triangle(const TriangleRay& ray, Vec3 a, Vec3 b, Vec3 c, UInt primitive, Hit& hit)
 {
     const Vec3 pa = ray.permute(a - ray.o), pb = ray.permute(b - ray.o), pc = ray.permute(c - ray.o);
-    const Float ax = fma(-ray.shear_x, pa.z, pa.x), ay = fma(-ray.shear_y, pa.z, pa.y);
-    const Float bx = fma(-ray.shear_x, pb.z, pb.x), by = fma(-ray.shear_y, pb.z, pb.y);
-    const Float cx = fma(-ray.shear_x, pc.z, pc.x), cy = fma(-ray.shear_y, pc.z, pc.y);
-    // No fma here: each product must be rounded alike from both sides of an edge. A product that underflows or cancels to
-    // 0 counts as on the edge, which closes it.
-    const Float u = cx * by - cy * bx;
-    const Float v = ax * cy - ay * cx;
-    const Float w = bx * ay - by * ax;
-    const Mask negative = (u < Float(0)) | (v < Float(0)) | (w < Float(0));
-    const Mask positive = (u > Float(0)) | (v > Float(0)) | (w > Float(0));
-    const Float det = u + v + w;
-    Mask m = (!(negative & positive)) & (det != Float(0));
-    if (none(m)) return;
-    const Float t_scaled = fma(u, pa.z, fma(v, pb.z, w * pc.z)) * ray.shear_z;
-    const Float inverse = Float(1) / det;
-    const Float t = t_scaled * inverse;
-    m &= (t > Float(0)) & ((t < hit.t) | ((t == hit.t) & less(primitive, hit.primitive)));
+    const TriangleWeights w = triangle_weights(ray.shear_x, ray.shear_y, pa, pb, pc);
+    if (none(w.inside)) return;
+    Float t, u, v;
+    Mask m = triangle_distance(w, ray.shear_z, {pa.z, pb.z, pc.z}, hit.t, t, u, v);
+    m &= (t < hit.t) | less(primitive, hit.primitive);
     hit.t = select(m, t, hit.t);
     hit.primitive = select(m, primitive, hit.primitive);
     hit.instance = select(m, UInt(no_index), hit.instance);
-    hit.u = select(m, v * inverse, hit.u);
-    hit.v = select(m, w * inverse, hit.v);
+    hit.u = select(m, u, hit.u);
+    hit.v = select(m, v, hit.v);
 }
 
+/// Lanes whose ray (of unit direction) meets the sphere at 0 < t <= t_max; from inside, where it leaves.
+///
 /// The quadratic is solved about the point of the ray that is nearest to the centre, which keeps its precision for small and
 /// far spheres: Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection".
-inline void closest_sphere(const SphereTable& sphere, std::uint32_t primitive, const Ray& ray, Hit& hit)
+inline Mask meet_sphere(const Vec3& center, Float radius, const Vec3& o, const Vec3& d, Float t_max, Float& t)
 {
-    const Vec3 center = fma(Vec3(sphere.motion), ray.time, Vec3(sphere.center));
-    const Vec3 f = ray.o - center;
-    const Float b = -dot(f, ray.d);
-    const Float r2 = Float(sphere.radius * sphere.radius);
-    const Vec3 foot = fma(ray.d, b, f);
+    const Vec3 f = o - center;
+    const Float b = -dot(f, d);
+    const Float r2 = radius * radius;
+    const Vec3 foot = fma(d, b, f);
     const Float discriminant = r2 - dot(foot, foot);
     const Float root = sqrt(max(discriminant, Float(0)));
     const Float c = dot(f, f) - r2;
     const Float q = b + copysign(root, b);
     const Float t0 = min(c / q, q), t1 = max(c / q, q);
-    const Float t = select(t0 > Float(0), t0, t1);
-    const Mask m = (discriminant >= Float(0)) & (t > Float(0)) & (t < hit.t);
+    t = select(t0 > Float(0), t0, t1);
+    return (discriminant >= Float(0)) & (t > Float(0)) & (t <= t_max);
+}
+
+inline void closest_sphere(const SphereTable& sphere, std::uint32_t primitive, const Ray& ray, Hit& hit)
+{
+    const Vec3 center = fma(Vec3(sphere.motion), ray.time, Vec3(sphere.center));
+    Float t;
+    Mask m = meet_sphere(center, Float(sphere.radius), ray.o, ray.d, hit.t, t);
+    m &= (t < hit.t) | less(UInt(primitive), hit.primitive);
     hit.t = select(m, t, hit.t);
     hit.primitive = select(m, UInt(primitive), hit.primitive);
     hit.instance = select(m, UInt(no_index), hit.instance);
 }
 
+/// Lanes whose ray meets the disk at 0 < t <= t_max.
+inline Mask meet_disk(const Vec3& center, const Vec3& n, Float radius, const Vec3& o, const Vec3& d, Float t_max, Float& t)
+{
+    t = dot(n, center - o) / dot(n, d);
+    const Vec3 p = fma(d, t, o - center);
+    return (t > Float(0)) & (t <= t_max) & (dot(p, p) <= radius * radius);
+}
+
 inline void closest_disk(const DiskTable& disk, std::uint32_t primitive, const Ray& ray, Hit& hit)
 {
-    const Vec3 n(disk.normal), center(disk.center);
-    const Float t = dot(n, center - ray.o) / dot(n, ray.d);
-    const Vec3 p = fma(ray.d, t, ray.o - center);
-    const Mask m = (t > Float(0)) & (t < hit.t) & (dot(p, p) <= Float(disk.radius * disk.radius));
+    Float t;
+    Mask m = meet_disk(Vec3(disk.center), Vec3(disk.normal), Float(disk.radius), ray.o, ray.d, hit.t, t);
+    m &= (t < hit.t) | less(UInt(primitive), hit.primitive);
     hit.t = select(m, t, hit.t);
     hit.primitive = select(m, UInt(primitive), hit.primitive);
     hit.instance = select(m, UInt(no_index), hit.instance);

@@ -1,0 +1,294 @@
+/// Building: items, then an upper tree split by all threads together, then treelets one thread each, then the upper
+/// tree is collapsed over their roots. Nothing depends on the number of threads.
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "geometry/bvh_data.h"
+#include "geometry/bvh_items.h"
+#include "geometry/bvh_treelet.h"
+
+namespace fathom {
+
+namespace bvh {
+
+namespace {
+
+constexpr std::size_t treelet_size = 1 << 15;
+constexpr std::size_t parallel_binning = 1 << 17;
+constexpr int halving_depth = 50;
+
+struct UpperNode {
+    Box box;
+    std::unique_ptr<UpperNode> left, right;  ///< none: a treelet
+    std::size_t treelet = 0;
+    Choices choices{};
+    // While splitting:
+    Item* items = nullptr;
+    std::size_t count = 0;
+    CenterBounds centers;
+};
+
+Split parallel_split(const Item* items, std::size_t n, const CenterBounds& centers, BinMap& map)
+{
+    if (n < parallel_binning) return find_split(items, n, centers, map);
+    map = BinMap(centers, Bins::max);
+    // Minima and counts: the same in any order.
+    const Bins bins = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, n, parallel_binning / 8), Bins(),
+        [&](const tbb::blocked_range<std::size_t>& range, const Bins& before) {
+            Bins sum = before;
+            sum.add(items + range.begin(), range.size(), map);
+            return sum;
+        },
+        [](const Bins& a, const Bins& b) {
+            Bins sum = a;
+            sum.merge(b);
+            return sum;
+        });
+    return best_split(bins, map);
+}
+
+void split_upper(UpperNode& node, int depth)
+{
+    if (node.count <= treelet_size) return;
+    BinMap map(node.centers, Bins::max);
+    Split split;
+    if (depth < halving_depth) split = parallel_split(node.items, node.count, node.centers, map);
+    node.left = std::make_unique<UpperNode>();
+    node.right = std::make_unique<UpperNode>();
+    std::size_t middle = 0;
+    if (split.axis >= 0)
+        middle = partition(node.items, node.count, map, split, node.left->centers, node.right->centers);
+    else
+        middle = halve(node.items, node.count, split, node.left->centers, node.right->centers);
+    node.left->box = split.left;
+    node.left->items = node.items;
+    node.left->count = middle;
+    node.right->box = split.right;
+    node.right->items = node.items + middle;
+    node.right->count = node.count - middle;
+    tbb::parallel_invoke([&] { split_upper(*node.left, depth + 1); }, [&] { split_upper(*node.right, depth + 1); });
+}
+
+class TreeBuilder {
+public:
+    TreeBuilder(const SceneTables& tables, BvhData& bvh, std::vector<BvhNode>& nodes, std::size_t& next_triangle)
+        : tables_(tables), bvh_(bvh), nodes_(nodes), next_triangle_(next_triangle)
+    {
+    }
+
+    /// Adds a tree over the items to nodes and bvh; its root.
+    std::uint32_t build(ItemList& list)
+    {
+        UpperNode top;
+        top.box = list.box;
+        top.items = list.items.data();
+        top.count = list.count;
+        top.centers = list.centers;
+        split_upper(top, 0);
+        gather_treelets(top, 0);
+        tbb::parallel_for(std::size_t(0), treelets_.size(), [&](std::size_t i) {
+            Treelet& t = treelets_[i];
+            for (std::size_t k = 0; k < t.count; ++k) t.triangles += t.items[k].kind == Item::triangle;
+        });
+        for (Treelet& t : treelets_) {
+            t.first_triangle = next_triangle_;
+            next_triangle_ += t.triangles;
+        }
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, treelets_.size(), 1),
+                          [&](const tbb::blocked_range<std::size_t>& range) {
+                              for (std::size_t i = range.begin(); i < range.end(); ++i)
+                                  treelets_[i].build(tables_, bvh_);
+                          });
+        bvh_.statistics.cost += solve(top).c[0] / std::max(top.box.half_area(), std::numeric_limits<float>::min());
+        for (const Treelet& t : treelets_) bvh_.statistics.leaves += t.leaves;
+        return emit(top);
+    }
+
+private:
+    void gather_treelets(UpperNode& node, int depth)
+    {
+        if (node.left) {
+            gather_treelets(*node.left, depth + 1);
+            gather_treelets(*node.right, depth + 1);
+            return;
+        }
+        node.treelet = treelets_.size();
+        Treelet treelet;
+        treelet.items = node.items;
+        treelet.count = node.count;
+        treelet.box = node.box;
+        treelet.centers = node.centers;
+        treelet.depth = depth;
+        treelets_.push_back(std::move(treelet));
+    }
+
+    Costs solve(UpperNode& node)
+    {
+        Costs costs;
+        costs.c.fill(0);
+        if (node.left)
+            return join(solve(*node.left), solve(*node.right), node.box.half_area(), leaf_cost(0, 0), node.choices);
+        costs.c.fill(treelets_[node.treelet].cost);
+        return costs;
+    }
+
+    void collect(const UpperNode& node, int j, const UpperNode** out, int& count) const
+    {
+        const int k = j == 1 || !node.left ? 0 : node.choices[std::size_t(j - 1)];
+        if (k == 0) {
+            out[count++] = &node;
+            return;
+        }
+        collect(*node.left, k, out, count);
+        collect(*node.right, j - k, out, count);
+    }
+
+    std::uint32_t emit(const UpperNode& node)
+    {
+        if (!node.left) return emit_treelet(treelets_[node.treelet]);
+        const std::size_t self = nodes_.size();
+        nodes_.emplace_back();
+        const UpperNode* children[bvh_width];
+        int count = 0;
+        const int k = node.choices[0];
+        collect(*node.left, k, children, count);
+        collect(*node.right, bvh_width - k, children, count);
+        Box boxes[bvh_width];
+        for (int i = 0; i < count; ++i) boxes[i] = children[i]->box;
+        finish_node(nodes_[self], boxes, count);
+        for (int i = 0; i < count; ++i) {
+            const std::uint32_t child = emit(*children[i]);
+            nodes_[self].child[i] = child;
+        }
+        return std::uint32_t(self);
+    }
+
+    /// Moves the treelet's nodes behind the others; its root.
+    std::uint32_t emit_treelet(Treelet& treelet)
+    {
+        const std::size_t first_node = nodes_.size(), first_other = bvh_.others.size();
+        const auto place = [&](std::uint32_t reference) {
+            if (BvhReference::is_node(reference)) return std::uint32_t(reference + first_node);
+            return BvhReference::is_triangles(reference) ? reference : std::uint32_t(reference + first_other);
+        };
+        for (BvhNode& node : treelet.nodes) {
+            for (int i = 0; i < bvh_width && node.bounds[0][i] <= node.bounds[3][i]; ++i)
+                node.child[i] = place(node.child[i]);
+        }
+        nodes_.insert(nodes_.end(), treelet.nodes.begin(), treelet.nodes.end());
+        bvh_.others.insert(bvh_.others.end(), treelet.others.begin(), treelet.others.end());
+        if (bvh_.others.size() > BvhReference::max_others)
+            throw std::length_error("a scene can have at most 16,777,216 spheres, disks and instances");
+        treelet.nodes = {};
+        return place(treelet.root);
+    }
+
+    const SceneTables& tables_;
+    BvhData& bvh_;
+    std::vector<BvhNode>& nodes_;
+    std::size_t& next_triangle_;
+    std::vector<Treelet> treelets_;
+};
+
+std::uint32_t mesh_end(const SceneTables& tables, std::uint32_t shape)
+{
+    std::uint32_t end = tables.shapes[shape].first_primitive;
+    while (end < tables.triangle_count() && tables.shape_of_primitive[end] == shape) ++end;
+    return end;
+}
+
+/// Nodes from a reference down to the deepest leaf.
+int depth_of(const BvhData& bvh, std::uint32_t reference)
+{
+    if (!BvhReference::is_node(reference)) return 0;
+    const BvhNode& node = bvh.nodes[reference];
+    int depth = 0;
+    for (int k = 0; k < bvh_width && node.bounds[0][k] <= node.bounds[3][k]; ++k) depth = std::max(depth, depth_of(bvh, node.child[k]));
+    return depth + 1;
+}
+
+/// At each level all children but one wait; on top there is room for a vector, and an end for each of the two spaces.
+int stack_size_of(const BvhData& bvh)
+{
+    int world = bvh.empty ? 0 : depth_of(bvh, bvh.root), mesh = 0;
+    for (const BvhData::Mesh& m : bvh.meshes)
+        if (!m.empty) mesh = std::max(mesh, depth_of(bvh, m.root));
+    return ((bvh_width - 1) * (world + mesh) + 2 + 2 * bvh_width) / bvh_width * bvh_width;
+}
+
+void count_children(BvhData& bvh)
+{
+    BvhStatistics& s = bvh.statistics;
+    s.nodes = bvh.nodes.size();
+    for (std::size_t i = 0; i < bvh.nodes.size(); ++i)
+        for (int k = 0; k < bvh_width; ++k) s.children += bvh.nodes[i].bounds[0][k] <= bvh.nodes[i].bounds[3][k];
+}
+
+}  // namespace
+
+}  // namespace bvh
+
+void build_bvh(const SceneTables& tables, BvhData& tree)
+{
+    using namespace bvh;
+    tree.tables = &tables;
+    for (const ShapeTable& shape : tables.shapes) tree.any_alpha_shape |= (shape.flags & ShapeTable::alpha_tested) != 0;
+
+    // The meshes that instances place, in order of their first use.
+    std::vector<std::uint32_t> mesh_of_shape(tables.shapes.size(), no_index), mesh_shapes;
+    for (const InstanceTable& instance : tables.instances) {
+        std::uint32_t& mesh = mesh_of_shape[instance.mesh_shape];
+        if (mesh == no_index) {
+            mesh = std::uint32_t(mesh_shapes.size());
+            mesh_shapes.push_back(instance.mesh_shape);
+        }
+        tree.mesh_of_instance.push_back(mesh);
+    }
+    std::size_t triangles = tables.world_triangles + 2 * tables.quads.size();
+    for (std::uint32_t shape : mesh_shapes) triangles += mesh_end(tables, shape) - tables.shapes[shape].first_primitive;
+    if (triangles > BvhReference::max_triangles)
+        throw std::length_error("a scene can have at most 134,217,728 triangles");
+    tree.triangles = LargeArray<float>(9 * triangles + bvh_width);
+    std::fill(tree.triangles.data() + 9 * triangles, tree.triangles.data() + tree.triangles.size(), 0.f);
+    tree.keys = LargeArray<BvhKey>(triangles + bvh_width);
+
+    std::vector<BvhNode> nodes;
+    std::size_t next_triangle = 0, items_bytes = 0;
+    const auto add_tree = [&](ItemList& list) {
+        items_bytes = std::max(items_bytes, list.items.bytes());
+        return TreeBuilder(tables, tree, nodes, next_triangle).build(list);
+    };
+    std::vector<Box> mesh_boxes;
+    for (std::uint32_t shape : mesh_shapes) {
+        ItemList list = mesh_items(tables, tables.shapes[shape].first_primitive, mesh_end(tables, shape));
+        BvhData::Mesh mesh;
+        mesh.radius = list.radius();
+        mesh.empty = list.count == 0;
+        if (!mesh.empty) mesh.root = add_tree(list);
+        tree.meshes.push_back(mesh);
+        mesh_boxes.push_back(list.box);
+    }
+    {
+        ItemList list = world_items(tables, tree, mesh_boxes);
+        tree.radius = list.radius();
+        tree.empty = list.count == 0;
+        if (!tree.empty) tree.root = add_tree(list);
+    }
+    tree.statistics.leaf_primitives = next_triangle + tree.others.size();
+    tree.nodes = LargeArray<BvhNode>(nodes.size());
+    if (!nodes.empty()) std::memcpy(tree.nodes.data(), nodes.data(), nodes.size() * sizeof(BvhNode));
+    count_children(tree);
+    tree.stack_size = stack_size_of(tree);
+    BvhStatistics& s = tree.statistics;
+    s.bytes = tree.nodes.bytes() + tree.triangles.bytes() + tree.keys.bytes() + tree.others.size() * 4 +
+              tree.mesh_of_instance.size() * 4 + tree.meshes.size() * sizeof(BvhData::Mesh);
+    s.peak_bytes = s.bytes + std::max(items_bytes, tree.nodes.bytes()) + tree.nodes.bytes();
+}
+
+}  // namespace fathom

@@ -1,0 +1,124 @@
+#pragma once
+/// Splitting a set of boxes in two by the surface area heuristic over bins: Wald 2007, "On fast Construction of
+/// SAH-based Bounding Volume Hierarchies".
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace fathom::bvh {
+
+// The compiler's vectors, since the builder's natural shape is the box, not the lane. By reference only: how vectors of
+// 32 bytes are passed by value depends on the instruction set.
+using V4 = float __attribute__((vector_size(16)));
+using V4i = std::int32_t __attribute__((vector_size(16)));
+using V8 = float __attribute__((vector_size(32)));
+
+/// What is sorted into the tree: a box, what it holds, of which kind.
+struct alignas(16) Item {
+    enum Kind : std::uint32_t { triangle = 1, sphere = 2, disk = 4, instance = 8 };
+    float low[3];
+    std::uint32_t id;  ///< a triangle's key; the index of a sphere, disk or instance
+    float minus_high[3];
+    std::uint32_t kind;
+};
+
+/// A box as the minimum of (low, -high): union is one instruction. Lanes 3 and 7 hold nothing.
+struct alignas(32) Box {
+    V8 v;
+
+    Box()
+    {
+        constexpr float inf = std::numeric_limits<float>::infinity();
+        v = V8{inf, inf, inf, inf, inf, inf, inf, inf};
+    }
+    explicit Box(const Item& item) { std::memcpy(&v, &item, sizeof v); }
+    void extend(const V8& other) { v = v < other ? v : other; }
+    void extend(const Box& other) { extend(other.v); }
+    void extend(const Item& item) { extend(Box(item)); }
+    float low(int axis) const { return v[axis]; }
+    float high(int axis) const { return -v[4 + axis]; }
+    float half_area() const
+    {
+        const float x = high(0) - low(0), y = high(1) - low(1), z = high(2) - low(2);
+        return x * y + (x + y) * z;
+    }
+};
+
+/// Twice the centre of the item's box.
+inline V4 center2(const Item& item)
+{
+    V4 low, minus_high;
+    std::memcpy(&low, &item.low, 16);
+    std::memcpy(&minus_high, &item.minus_high, 16);
+    const V4i xyz = {-1, -1, -1, 0};  // the fourth is no number
+    return V4(V4i(low) & xyz) - V4(V4i(minus_high) & xyz);
+}
+
+/// Bounds of centres: (low, -high) as in Box.
+struct CenterBounds {
+    V4 low, minus_high;
+
+    CenterBounds()
+    {
+        constexpr float inf = std::numeric_limits<float>::infinity();
+        low = minus_high = V4{inf, inf, inf, inf};
+    }
+    void extend(const V4& c)
+    {
+        const V4 m = -c;
+        low = low < c ? low : c;
+        minus_high = minus_high < m ? minus_high : m;
+    }
+    void extend(const CenterBounds& other)
+    {
+        low = low < other.low ? low : other.low;
+        minus_high = minus_high < other.minus_high ? minus_high : other.minus_high;
+    }
+};
+
+/// Which bin a centre falls into, by axis.
+struct BinMap {
+    V4 base, scale;
+    std::int32_t last;
+
+    BinMap(const CenterBounds& bounds, int bins) : base(bounds.low), last(bins - 1)
+    {
+        for (int axis = 0; axis < 4; ++axis) {
+            const float extent = axis < 3 ? -bounds.minus_high[axis] - bounds.low[axis] : 0.f;
+            // An extent so small that its inverse overflows counts as none.
+            scale[axis] = extent > 1e-30f ? float(bins) * 0.9999f / extent : 0.f;
+        }
+    }
+    V4i operator()(const V4& center) const
+    {
+        const V4i bin = __builtin_convertvector((center - base) * scale, V4i);
+        const V4i top = {last, last, last, last};
+        return bin < top ? bin : top;
+    }
+    bool splits(int axis) const { return scale[axis] > 0; }
+};
+
+struct Bins {
+    static constexpr int max = 16;
+    Box box[3][max];
+    std::uint32_t count[3][max] = {};
+
+    void add(const Item* items, std::size_t n, const BinMap& map);
+    void merge(const Bins& other);
+};
+
+struct Split {
+    int axis = -1;  ///< none found
+    int bin = 0;    ///< items of bins up to this one go left
+    Box left, right;
+};
+
+/// The best split of what is in the bins.
+Split best_split(const Bins& bins, const BinMap& map);
+/// best_split of the items; the number of bins grows with that of the items.
+Split find_split(const Item* items, std::size_t n, const CenterBounds& centers, BinMap& map);
+/// Moves the items of the left side to the front; their number. Also the bounds of centres of both sides.
+std::size_t partition(Item* items, std::size_t n, const BinMap& map, const Split& split, CenterBounds& left,
+                      CenterBounds& right);
+
+}  // namespace fathom::bvh

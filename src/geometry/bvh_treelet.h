@@ -1,0 +1,54 @@
+#pragma once
+/// The lower part of the tree: up to some ten thousand items, split down to single ones by one thread, then collapsed
+/// to nodes of 16 children by dynamic programming.
+#include <array>
+#include <vector>
+
+#include "geometry/bvh_data.h"
+#include "geometry/bvh_split.h"
+
+namespace fathom::bvh {
+
+/// Expected work of a ray below a binary node, where it may stand for up to 1, 2, ... 16 children of a wide node:
+/// Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3.3.
+struct alignas(64) Costs {
+    std::array<float, bvh_width> c;
+};
+
+/// How to reach these costs: [j - 1] for j children: how many of them the left side gets, or 0 if one is best. [0]: how
+/// the 16 children of a wide node made here divide, or 0 if a leaf is best.
+using Choices = std::array<std::uint8_t, bvh_width>;
+
+/// Joins two sides. half_area is of the node above them, leaf_cost infinite where it can't be a leaf.
+Costs join(const Costs& left, const Costs& right, float half_area, float leaf_cost, Choices& choices);
+
+/// Of one leaf, by a ray that meets it; infinite where there can be no such leaf.
+float leaf_cost(std::uint32_t kinds, std::size_t count);
+
+/// A range of items at the bottom of the upper tree, and what was built of it. References are relative to the arrays
+/// here, but those of triangles, which lie in the tree's.
+struct Treelet {
+    Item* items = nullptr;
+    std::size_t count = 0, triangles = 0;  ///< triangles: how many of the items are
+    std::size_t first_triangle = 0;        ///< where in the tree's arrays they go
+    Box box;
+    CenterBounds centers;
+    int depth = 0;
+
+    std::uint32_t root = 0;
+    float cost = 0;
+    std::vector<BvhNode> nodes;
+    std::vector<std::uint32_t> others;
+    std::size_t leaves = 0;
+
+    /// Writes the triangles' vertices and keys into bvh.
+    void build(const SceneTables& tables, BvhData& bvh);
+};
+
+/// Fills the bounds and order of a node whose children are given.
+void finish_node(BvhNode& node, const Box* boxes, int count);
+
+/// Splits where find_split finds nothing, or the tree gets too deep: in halves.
+std::size_t halve(const Item* items, std::size_t n, Split& split, CenterBounds& left, CenterBounds& right);
+
+}  // namespace fathom::bvh

@@ -1,0 +1,329 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "geometry/bvh_data.h"
+#include "rays_and_scenes.h"
+
+namespace fathom {
+namespace {
+
+/// Rays from within and without: at random, axis-aligned, at vertices, in planes of triangles, short ones.
+Rays nasty_rays(const SceneTables& tables, float radius, std::size_t n, std::uint64_t seed)
+{
+    Random random(seed);
+    Rays rays;
+    const auto vertex = [&] {
+        return tables.positions.empty() ? Vec3f{}
+                                        : tables.positions[random.below(std::uint32_t(tables.positions.size()))];
+    };
+    while (rays.count() < n) {
+        const Vec3f o = random.point(radius * (random.below(4) ? 1.2f : 8.f));
+        const float limit = random.below(3) ? std::numeric_limits<float>::infinity() : random.uniform(0, radius);
+        rays.add(o, random.direction(), limit, random.uniform());
+        const float sign = random.below(2) ? 1.f : -1.f;
+        const std::uint32_t axis = random.below(3);
+        const Vec3f along{axis == 0 ? sign : 0, axis == 1 ? sign : 0, axis == 2 ? sign : -0.f};
+        rays.add(o, along, limit, random.uniform());
+        const Vec3f v = vertex();
+        rays.add(plus(v, times(along, -random.uniform(0, radius))), along, limit, random.uniform());
+        if (v.x != o.x || v.y != o.y || v.z != o.z) rays.add(o, unit_towards(o, v), limit, random.uniform());
+        const Vec3f w = vertex();
+        if (v.x != w.x || v.y != w.y || v.z != w.z) rays.add(v, unit_towards(v, w), limit, random.uniform());
+    }
+    return rays;
+}
+
+void expect_same(const SceneTables& tables, const Hits& got, const Hits& expected, std::size_t n, const char* what)
+{
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        bool same = got.t[i] == expected.t[i] && got.primitive[i] == expected.primitive[i] &&
+                    got.instance[i] == expected.instance[i];
+        // Only triangles and quads have u and v.
+        if (same && got.primitive[i] < tables.first_sphere())
+            same = got.u[i] == expected.u[i] && got.v[i] == expected.v[i];
+        if (same) continue;
+        if (++wrong > 5) continue;
+        ADD_FAILURE() << what << ", ray " << i << ": t " << got.t[i] << ", primitive " << got.primitive[i]
+                      << ", instance " << got.instance[i] << "; expected " << expected.t[i] << ", "
+                      << expected.primitive[i] << ", " << expected.instance[i];
+    }
+    EXPECT_EQ(wrong, 0u) << what;
+}
+
+void compare_with_force(const SceneTables& tables, float radius, std::size_t n, const char* what)
+{
+    Bvh bvh;
+    bvh.build(tables);
+    // One lane takes a while.
+    Rays rays = nasty_rays(tables, radius, lanes == 1 ? n / 10 : n, 7);
+    const Hits expected = cast_by_force(tables, rays);
+    for (bool coherent : {false, true}) {
+        expect_same(tables, cast(bvh, rays, coherent), expected, rays.count(), what);
+        const std::vector<std::uint32_t> blocked = cast_shadows(bvh, rays, coherent);
+        std::size_t wrong = 0;
+        for (std::size_t i = 0; i < rays.count(); ++i) wrong += blocked[i] != (expected.primitive[i] != no_index);
+        EXPECT_EQ(wrong, 0u) << what << ", shadows";
+    }
+}
+
+SceneTables soup(std::size_t n, float radius, float size, std::uint64_t seed, Vec3f offset = {})
+{
+    Random random(seed);
+    SceneTables tables = empty_tables();
+    for (std::size_t i = 0; i < n; ++i) {
+        const Vec3f a = plus(random.point(radius), offset);
+        add_triangle(tables, a, plus(a, random.point(size)), plus(a, random.point(size)));
+    }
+    finish(tables);
+    return tables;
+}
+
+TEST(Bvh, nothing)
+{
+    SceneTables tables = empty_tables();
+    finish(tables);
+    compare_with_force(tables, 1, 100, "nothing");
+    Bvh never_built;
+    Rays rays = nasty_rays(tables, 1, 100, 1);
+    EXPECT_EQ(cast(never_built, rays, true).primitive[0], no_index);
+}
+
+TEST(Bvh, few_triangles)
+{
+    for (std::size_t n : {1, 2, 3, 15, 16, 17, 33, 100}) compare_with_force(soup(n, 1, 1, n), 1, 20'000, "few");
+}
+
+TEST(Bvh, random_triangles)
+{
+    compare_with_force(soup(3'000, 100, 10, 1), 100, 40'000, "soup");
+    compare_with_force(soup(3'000, 100, 200, 2), 100, 20'000, "large");
+    compare_with_force(soup(5'000, 1000, 0.5f, 3), 1000, 20'000, "small");
+    compare_with_force(soup(3'000, 1e-12f, 1e-13f, 4), 1e-12f, 20'000, "tiny");
+    compare_with_force(soup(3'000, 1e8f, 1e7f, 5), 1e8f, 20'000, "huge");
+    compare_with_force(soup(3'000, 1, 0.1f, 6, {3e5f, -1e6f, 2e5f}), 1.5e6f, 20'000, "far away");
+}
+
+TEST(Bvh, treelets_and_upper_tree)
+{
+    compare_with_force(soup(100'000, 100, 2, 9), 100, 2'000, "100,000");
+}
+
+TEST(Bvh, needles)
+{
+    Random random(3);
+    SceneTables tables = empty_tables();
+    for (int i = 0; i < 3'000; ++i) {
+        const Vec3f a = random.point(100), b = plus(a, times(random.direction(), 80)),
+                    c = plus(b, times(random.direction(), 1e-5f));
+        add_triangle(tables, a, b, c);
+    }
+    finish(tables);
+    compare_with_force(tables, 100, 30'000, "needles");
+}
+
+TEST(Bvh, grids_piles_and_duplicates)
+{
+    SceneTables tables = empty_tables();
+    for (int copy = 0; copy < 40; ++copy)
+        for (int x = 0; x < 8; ++x)
+            for (int y = 0; y < 8; ++y) {
+                const Vec3f a{float(x), float(y), 0}, b{float(x + 1), float(y), 0}, c{float(x), float(y + 1), 0},
+                    d{float(x + 1), float(y + 1), 0};
+                add_triangle(tables, a, b, c);
+                add_triangle(tables, d, c, b);
+            }
+    finish(tables);
+    compare_with_force(tables, 8, 20'000, "pile");
+}
+
+TEST(Bvh, degenerate_and_not_finite)
+{
+    SceneTables tables = soup(500, 10, 3, 5);
+    Random random(6);
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    for (int i = 0; i < 100; ++i) {
+        const Vec3f a = random.point(10), b = random.point(10);
+        add_triangle(tables, a, a, b);
+        add_triangle(tables, a, b, b);
+        add_triangle(tables, a, b, plus(times(a, 0.5f), times(b, 0.5f)));
+        add_triangle(tables, a, a, a);
+        add_triangle(tables, {nan, 0, 0}, a, b);
+        add_triangle(tables, {inf, 0, 0}, a, {-inf, 1, 1});
+    }
+    finish(tables);
+    Bvh bvh;
+    bvh.build(tables);
+    EXPECT_LT(bvh.statistics().leaf_primitives, tables.triangle_count());
+    // By force, without those that are left out.
+    SceneTables finite = tables;
+    for (std::uint32_t& v : finite.triangles)
+        if (!std::isfinite(finite.positions[v].x)) finite.triangles[&v - finite.triangles.data()] = 0;
+    for (std::size_t i = 0; i < finite.triangles.size(); i += 3)
+        if (finite.triangles[i] == 0 && i > 0) finite.triangles[i + 1] = finite.triangles[i + 2] = 0;
+    Rays rays = nasty_rays(soup(500, 10, 3, 5), 10, 20'000, 8);
+    expect_same(tables, cast(bvh, rays, true), cast_by_force(finite, rays), rays.count(), "degenerate");
+}
+
+TEST(Bvh, exponential_sizes)
+{
+    // Each split takes one off: the deepest tree that there can be.
+    SceneTables tables = empty_tables();
+    for (int i = -60; i < 60; ++i) {
+        const float s = std::ldexp(1.f, i);
+        add_triangle(tables, {s, s, s}, {s, 2 * s, s}, {s, s, 2 * s});
+    }
+    finish(tables);
+    compare_with_force(tables, 100, 20'000, "exponential");
+}
+
+SceneTables all_kinds(std::size_t n)
+{
+    Random random(11);
+    SceneTables tables = soup(n, 100, 10, 21);
+    tables.camera.shutter_open = 0;
+    tables.camera.shutter_close = 1;
+    for (std::size_t i = 0; i < n; ++i) {
+        tables.quads.push_back({random.point(100), random.point(10), random.point(10)});
+        tables.spheres.push_back(
+            {random.point(100), random.below(2) ? random.point(30) : Vec3f{}, random.uniform(-8, 8)});
+        tables.disks.push_back({random.point(100), random.direction(), random.uniform(0, 8)});
+    }
+    tables.shape_of_primitive.clear();
+    finish(tables);
+    return tables;
+}
+
+TEST(Bvh, all_kinds)
+{
+    compare_with_force(all_kinds(1), 100, 20'000, "one of each");
+    compare_with_force(all_kinds(500), 100, 30'000, "all kinds");
+}
+
+std::array<float, 12> rounded(const Transform& t)
+{
+    std::array<float, 12> rows{};
+    for (std::size_t i = 0; i < 12; ++i) rows[i] = float(t.m[i / 4][i % 4]);
+    return rows;
+}
+
+SceneTables instances(std::size_t n, double spread)
+{
+    Random random(12);
+    SceneTables tables = soup(200, 50, 20, 31);
+    tables.world_triangles = tables.triangle_count();
+    for (std::uint32_t mesh = 1; mesh <= 3; ++mesh) {
+        ShapeTable shape;
+        shape.first_primitive = tables.triangle_count();
+        tables.shapes.push_back(shape);
+        for (int i = 0; i < (mesh == 3 ? 0 : 150); ++i) {
+            const Vec3f a = random.point(1);
+            add_triangle(tables, a, plus(a, random.point(0.3f)), plus(a, random.point(0.3f)));
+        }
+        tables.shape_of_primitive.resize(tables.triangle_count(), mesh);
+    }
+    for (std::uint32_t i = 0; i < 200; ++i) tables.shape_of_primitive[i] = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        const Vec3f p = random.point(60), axis = random.direction();
+        const auto scale = [&] { return (random.below(3) ? 1 : -1) * 10 * std::pow(spread, random.uniform(-1, 1)); };
+        const Transform t = Transform::translate({p.x, p.y, p.z}) *
+                            Transform::rotate({axis.x, axis.y, axis.z}, random.uniform(0, 6)) *
+                            Transform::scale({scale(), scale(), scale()});
+        InstanceTable instance;
+        instance.render_from_object = rounded(t);
+        instance.object_from_render = rounded(t.inverse());
+        instance.mesh_shape = instance.shape = 1 + random.below(3);
+        tables.instances.push_back(instance);
+        if (i % 10 == 0) tables.instances.push_back(instance);
+    }
+    finish(tables);
+    return tables;
+}
+
+TEST(Bvh, instances)
+{
+    compare_with_force(instances(1, 1), 60, 10'000, "one");
+    compare_with_force(instances(100, 1), 60, 20'000, "rigid");
+    compare_with_force(instances(100, 5), 60, 20'000, "scaled and mirrored");
+    compare_with_force(instances(50, 100), 60, 10'000, "extremely scaled");
+}
+
+TEST(Bvh, alpha)
+{
+    SceneTables tables = instances(50, 2);
+    tables.shapes[0].flags = tables.shapes[1].flags = ShapeTable::alpha_tested;
+    tables.quads.push_back({{-50, -50, 3}, {100, 0, 0}, {0, 100, 0}});
+    finish(tables);
+    struct Asked {
+        static bool test(const void*, std::uint32_t primitive, std::uint32_t instance, float u, float v)
+        {
+            return (primitive + instance) % 3 != 0 && u + v < 0.9f;
+        }
+    };
+    Bvh bvh;
+    bvh.set_alpha_test(&Asked::test, nullptr);
+    bvh.build(tables);
+    // The same by casting on from each hit that doesn't count.
+    Bvh opaque;
+    opaque.build(tables);
+    Rays rays = nasty_rays(tables, 60, 10'000, 14);
+    const Hits hits = cast(bvh, rays, false);
+    expect_same(tables, cast(bvh, rays, true), hits, rays.count(), "alpha, coherent");
+    const std::vector<std::uint32_t> blocked = cast_shadows(bvh, rays, false), together = cast_shadows(bvh, rays, true);
+    std::size_t passed = 0;
+    const Hits first = cast(opaque, rays, false);
+    for (std::size_t i = 0; i < rays.count(); ++i) {
+        EXPECT_EQ(blocked[i], hits.primitive[i] != no_index);
+        EXPECT_EQ(together[i], blocked[i]);
+        if (first.primitive[i] == no_index) continue;
+        const std::uint32_t shape = first.instance[i] == no_index ? tables.shape_of_primitive[first.primitive[i]]
+                                                                  : tables.instances[first.instance[i]].shape;
+        const bool counts =
+            shape > 1 || Asked::test(nullptr, first.primitive[i], first.instance[i], first.u[i], first.v[i]);
+        passed += !counts;
+        if (counts)
+            EXPECT_EQ(hits.primitive[i], first.primitive[i]);
+        else
+            EXPECT_GE(hits.t[i], first.t[i]);
+    }
+    EXPECT_GT(passed, 100u);
+}
+
+/// Bits must not depend on the instruction set: the same figure in each build of this test.
+TEST(Bvh, the_same_bits_everywhere)
+{
+    SceneTables tables = all_kinds(2'000);
+    Bvh bvh;
+    bvh.build(tables);
+    Rays rays = nasty_rays(tables, 100, 20'000, 15);
+    const Hits hits = cast(bvh, rays, true);
+    std::uint64_t hash = 1469598103934665603u;
+    const auto mix = [&](std::uint32_t x) { hash = (hash ^ x) * 1099511628211u; };
+    for (std::size_t i = 0; i < rays.count(); ++i) {
+        mix(std::bit_cast<std::uint32_t>(hits.t[i]));
+        mix(hits.primitive[i]);
+        if (hits.primitive[i] >= tables.first_sphere()) continue;
+        mix(std::bit_cast<std::uint32_t>(hits.u[i]));
+        mix(std::bit_cast<std::uint32_t>(hits.v[i]));
+    }
+    EXPECT_EQ(hash, 16399233149332696113u);
+}
+
+TEST(Bvh, the_same_tree_for_any_number_of_threads)
+{
+    const SceneTables tables = soup(300'000, 100, 1, 16);
+    const auto build = [&](std::size_t threads) {
+        tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        BvhData data;
+        build_bvh(tables, data);
+        return data;
+    };
+    const BvhData one = build(1), many = build(4);
+    ASSERT_EQ(one.nodes.size(), many.nodes.size());
+    EXPECT_EQ(std::memcmp(one.nodes.data(), many.nodes.data(), one.nodes.bytes()), 0);
+    EXPECT_EQ(std::memcmp(one.triangles.data(), many.triangles.data(), one.triangles.bytes()), 0);
+    EXPECT_EQ(std::memcmp(one.keys.data(), many.keys.data(), 4 * std::size_t(tables.triangle_count())), 0);
+}
+
+}  // namespace
+}  // namespace fathom
