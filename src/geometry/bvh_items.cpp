@@ -79,7 +79,7 @@ bool sphere_item(const SceneTables& tables, std::uint32_t index, Item& item)
     // A little larger: the distance found by closest_sphere has rounding errors of its own.
     const double r = std::fabs(double(s.radius)) * (1 + 0x1p-18);
     const double center[3] = {s.center.x, s.center.y, s.center.z}, motion[3] = {s.motion.x, s.motion.y, s.motion.z};
-    const double open = tables.camera.shutter_open, close = tables.camera.shutter_close;
+    const double open = tables.shutter_open, close = tables.shutter_close;
     double low[3], high[3];
     for (int i = 0; i < 3; ++i) {
         low[i] = center[i] + std::min(motion[i] * open, motion[i] * close) - r;

@@ -181,8 +181,8 @@ SceneTables all_kinds(std::size_t n)
 {
     Random random(11);
     SceneTables tables = soup(n, 100, 10, 21);
-    tables.camera.shutter_open = 0;
-    tables.camera.shutter_close = 1;
+    tables.shutter_open = 0;
+    tables.shutter_close = 1;
     for (std::size_t i = 0; i < n; ++i) {
         tables.quads.push_back({random.point(100), random.point(10), random.point(10)});
         tables.spheres.push_back(
