@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Writes src/shading/ggx_albedo_table.h: the share of light that a GGX mirror reflects in one bounce, by cosine and
-roughness. It is the mean of G2 / G1 over visible normals (Heitz 2018), with the height-correlated Smith term."""
+roughness. It is the mean of G2 / G1 over visible normals (Heitz 2018), with the height-correlated Smith term; and the same
+weighted by Schlick's (1 - cos)^5, from which the albedo for any reflectance at normal incidence follows."""
 import numpy as np
 
 SIZE = 32
@@ -31,21 +32,26 @@ def albedo(cosine, alpha):
     n = visible_normals(wo, alpha, u1, u2)
     wi = 2 * (n @ wo)[..., None] * n - wo
     lo, li = smith_lambda(cosine, alpha), smith_lambda(wi[..., 2], alpha)
-    return float(np.where(wi[..., 2] > 0, (1 + lo) / (1 + lo + li), 0).mean())
+    g = np.where(wi[..., 2] > 0, (1 + lo) / (1 + lo + li), 0)
+    return float(g.mean()), float((g * np.clip(1 - n @ wo, 0, 1) ** 5).mean())
+
+
+def table(name, values):
+    lines = ["    " + ", ".join(f"{v:.5f}f" for v in row) + "," for row in values]
+    return f"inline constexpr float {name}[ggx_albedo_size * ggx_albedo_size] = {{\n" + "\n".join(lines) + "\n};\n"
 
 
 def main():
-    rows = []
-    for j in range(SIZE):
-        roughness = max(j / (SIZE - 1), 0.02)
-        row = [albedo(max(i / (SIZE - 1), 0.004), roughness ** 2) for i in range(SIZE)]
-        rows.append("    " + ", ".join(f"{v:.5f}f" for v in row) + ",")
+    pairs = [[albedo(max(i / (SIZE - 1), 0.004), max(j / (SIZE - 1), 0.02) ** 2) for i in range(SIZE)] for j in range(SIZE)]
     with open("src/shading/ggx_albedo_table.h", "w") as file:
         file.write("#pragma once\n\nnamespace fathom {\n\n"
                    "/// Made by tools/ggx_albedo.py: rows by roughness (alpha's root) 0 to 1, columns by cosine 0 to 1.\n"
                    f"inline constexpr int ggx_albedo_size = {SIZE};\n"
-                   "inline constexpr float ggx_albedo_table[ggx_albedo_size * ggx_albedo_size] = {\n"
-                   + "\n".join(rows) + "\n};\n\n}  // namespace fathom\n")
+                   "/// The share that perfectly reflecting facets give back in one bounce.\n"
+                   + table("ggx_albedo_table", [[p[0] for p in row] for row in pairs])
+                   + "/// The same weighted by Schlick's (1 - cos)^5.\n"
+                   + table("ggx_schlick_table", [[p[1] for p in row] for row in pairs])
+                   + "\n}  // namespace fathom\n")
 
 
 main()

@@ -43,8 +43,16 @@ struct ExactSum {
     }
     static double value(const std::uint32_t* sum)
     {
-        return std::ldexp(double(std::int32_t(sum[2])), 64 - fraction_bits) +
-               std::ldexp(double(sum[0] | std::uint64_t(sum[1]) << 32), -fraction_bits);
+        // By magnitude: the complement of a small negative number is a large positive one, which a double would round.
+        const bool negative = sum[2] >> 31;
+        std::uint64_t low = sum[0] | std::uint64_t(sum[1]) << 32;
+        std::uint32_t high = sum[2];
+        if (negative) {
+            low = ~low + 1;
+            high = ~high + (low == 0 ? 1 : 0);
+        }
+        const double magnitude = std::ldexp(double(high), 64 - fraction_bits) + std::ldexp(double(low), -fraction_bits);
+        return negative ? -magnitude : magnitude;
     }
 };
 

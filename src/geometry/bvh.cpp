@@ -1,7 +1,7 @@
 /// What the tree offers to its callers: plain arrays in, plain arrays out.
 #include "geometry/bvh.h"
 
-#include "geometry/bvh_single.h"
+#include "geometry/bvh_stream.h"
 
 namespace fathom {
 
@@ -36,16 +36,22 @@ const BvhStatistics& Bvh::statistics() const
 
 namespace {
 
-/// `lanes` rays from number `at` on.
-void prepare(const RayArrays& rays, std::size_t at, float radius, PreparedRays& prepared)
+/// Rays [at, at + n), at most stream_size, made ready for tracing.
+void prepare(const RayArrays& rays, std::size_t at, int n, float radius, StreamMemory& memory)
 {
-    const Float t_max = rays.t_max ? load(rays.t_max + at) : Float(infinity);
-    const Float time = rays.time ? load(rays.time + at) : Float(0);
-    prepared.prepare(load_vec3(rays.ox + at, rays.oy + at, rays.oz + at),
-                     load_vec3(rays.dx + at, rays.dy + at, rays.dz + at), t_max, time, radius);
+    for (int i = 0; i < n; i += lanes) {
+        const std::size_t k = at + std::size_t(i);
+        const Float t_max = rays.t_max ? load(rays.t_max + k) : Float(infinity);
+        const Float time = rays.time ? load(rays.time + k) : Float(0);
+        memory.world[i / lanes].prepare(load_vec3(rays.ox + k, rays.oy + k, rays.oz + k),
+                                        load_vec3(rays.dx + k, rays.dy + k, rays.dz + k), t_max, time, radius);
+        alignas(64) float limits[lanes];
+        store(limits, t_max);
+        for (int lane = 0; lane < lanes; ++lane) memory.hits[i + lane] = {limits[lane]};
+    }
 }
 
-void put(const HitArraysOut& hits, std::size_t i, const SingleHit& hit)
+void put(const HitArraysOut& hits, std::size_t i, const RayHit& hit)
 {
     hits.t[i] = hit.t;
     hits.u[i] = hit.key & 1 ? 1 - hit.u : hit.u;
@@ -54,36 +60,32 @@ void put(const HitArraysOut& hits, std::size_t i, const SingleHit& hit)
     hits.instance[i] = hit.instance;
 }
 
+template <bool any_hit, class Put>
+void trace(const BvhData& bvh, const RayArrays& rays, const Put& put_hit)
+{
+    static thread_local StreamMemory memory;
+    for (std::size_t at = 0; at < rays.count; at += stream_size) {
+        const int n = int(std::min(std::size_t(stream_size), rays.count - at));
+        prepare(rays, at, n, bvh.radius, memory);
+        if (!bvh.empty) {
+            Stream<any_hit> stream(bvh, memory);
+            for (int i = 0; i < n; ++i) stream.add(i, bvh.root);
+            stream.run();
+        }
+        for (int i = 0; i < n; ++i) put_hit(at + std::size_t(i), memory.hits[i]);
+    }
+}
+
 }  // namespace
 
 void Bvh::closest(const RayArrays& rays, const HitArraysOut& hits, bool coherent) const
 {
-    const BvhData& bvh = *data_;
-    PreparedRays prepared;
-    for (std::size_t at = 0; at < rays.count; at += lanes) {
-        prepare(rays, at, bvh.radius, prepared);
-        const int n = int(std::min(std::size_t(lanes), rays.count - at));
-        for (int i = 0; i < n; ++i) {
-            SingleHit hit{prepared.f[PreparedRays::t_max][i]};
-            if (!bvh.empty) SingleTraversal<false>(bvh, prepared, i, no_index).run(bvh.root, hit);
-            put(hits, at + std::size_t(i), hit);
-        }
-    }
+    trace<false>(*data_, rays, [&](std::size_t i, const RayHit& hit) { put(hits, i, hit); });
 }
 
 void Bvh::occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent) const
 {
-    const BvhData& bvh = *data_;
-    PreparedRays prepared;
-    for (std::size_t at = 0; at < rays.count; at += lanes) {
-        prepare(rays, at, bvh.radius, prepared);
-        const int n = int(std::min(std::size_t(lanes), rays.count - at));
-        for (int i = 0; i < n; ++i) {
-            SingleHit hit{prepared.f[PreparedRays::t_max][i]};
-            blocked[at + std::size_t(i)] =
-                !bvh.empty && SingleTraversal<true>(bvh, prepared, i, no_index).run(bvh.root, hit);
-        }
-    }
+    trace<true>(*data_, rays, [&](std::size_t i, const RayHit& hit) { blocked[i] = hit.key != no_index; });
 }
 
 }  // namespace fathom

@@ -203,6 +203,25 @@ std::uint32_t mesh_end(const SceneTables& tables, std::uint32_t shape)
     return end;
 }
 
+/// Nodes from a reference down to the deepest leaf.
+int depth_of(const BvhData& bvh, std::uint32_t reference)
+{
+    if (!BvhReference::is_node(reference)) return 0;
+    const BvhNode& node = bvh.nodes[reference];
+    int depth = 0;
+    for (int k = 0; k < bvh_width && node.bounds[0][k] <= node.bounds[3][k]; ++k) depth = std::max(depth, depth_of(bvh, node.child[k]));
+    return depth + 1;
+}
+
+/// At each level all children but one wait; on top there is room for a vector, and an end for each of the two spaces.
+int stack_size_of(const BvhData& bvh)
+{
+    int world = bvh.empty ? 0 : depth_of(bvh, bvh.root), mesh = 0;
+    for (const BvhData::Mesh& m : bvh.meshes)
+        if (!m.empty) mesh = std::max(mesh, depth_of(bvh, m.root));
+    return ((bvh_width - 1) * (world + mesh) + 2 + 2 * bvh_width) / bvh_width * bvh_width;
+}
+
 void count_children(BvhData& bvh)
 {
     BvhStatistics& s = bvh.statistics;
@@ -265,6 +284,7 @@ void build_bvh(const SceneTables& tables, BvhData& tree)
     tree.nodes = LargeArray<BvhNode>(nodes.size());
     if (!nodes.empty()) std::memcpy(tree.nodes.data(), nodes.data(), nodes.size() * sizeof(BvhNode));
     count_children(tree);
+    tree.stack_size = stack_size_of(tree);
     BvhStatistics& s = tree.statistics;
     s.bytes = tree.nodes.bytes() + tree.triangles.bytes() + tree.keys.bytes() + tree.others.size() * 4 +
               tree.mesh_of_instance.size() * 4 + tree.meshes.size() * sizeof(BvhData::Mesh);

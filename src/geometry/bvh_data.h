@@ -18,7 +18,8 @@ inline constexpr int bvh_width = 16;
 ///     01 kind:2 count-1:4 first:24   spheres, disks or one instance
 ///     1  count-1:4 first:27          triangles
 struct BvhReference {
-    enum Kind : std::uint32_t { spheres, disks, instance };
+    /// Only on stacks, `end`: the end of all that a ray has to do, or in one space.
+    enum Kind : std::uint32_t { spheres, disks, instance, end };
     static constexpr std::uint32_t triangle_bit = 1u << 31, other_bit = 1u << 30;
     static constexpr std::size_t max_triangles = std::size_t(1) << 27, max_others = std::size_t(1) << 24;
 
@@ -62,6 +63,7 @@ struct BvhData {
     std::vector<std::uint32_t> others;  ///< indices of spheres, of disks, of instances, leaf by leaf
 
     std::uint32_t root = 0;  ///< a reference
+    int stack_size = 0;      ///< that traversal can need
     float radius = 0;        ///< the largest coordinate of anything in the world
     bool empty = true;
     struct Mesh {
@@ -79,11 +81,6 @@ struct BvhData {
     bool has_alpha = false;  ///< some shape is alpha-tested, and there is a test
     BvhStatistics statistics;
 };
-
-/// Deep enough for any tree that the builder makes: its binary depth is at most bvh_max_depth, and a node leaves at
-/// most 15 children waiting at each level.
-inline constexpr int bvh_max_depth = 80;
-inline constexpr int bvh_stack_size = (bvh_width - 1) * bvh_max_depth + 2 * bvh_width;
 
 /// Rounding of a ray's distance to a box and to what is in it, as a displacement in space, is at most this times the
 /// sum of the largest coordinates of the ray's origin and of the tree. See bvh_ray.h for why.

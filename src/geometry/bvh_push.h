@@ -6,10 +6,10 @@
 
 namespace fathom::inline FATHOM_LANES {
 
-/// References and the distances at which the ray enters their boxes.
+/// References, and the distances at which the ray enters their boxes. Writers may fill 16 entries past the last.
 struct BvhStack {
-    alignas(64) std::uint32_t reference[bvh_stack_size];
-    alignas(64) float t[bvh_stack_size];
+    std::uint32_t* reference;
+    float* t;
 };
 
 /// A node's 16 boxes as so many vectors.
@@ -25,7 +25,7 @@ struct BoxDistances {
 static_assert(box_parts == 1);
 
 /// Adds the children with near <= far, in the order given from far to near; the new size of the stack.
-[[gnu::always_inline]] inline int push_in_order(BvhStack& stack, int size, const BvhNode& node,
+[[gnu::always_inline]] inline int push_in_order(const BvhStack& stack, int size, const BvhNode& node,
                                                 const std::uint32_t* order, const BoxDistances& box)
 {
     // The permutation reads the low 4 bits of each lane.
@@ -40,14 +40,40 @@ static_assert(box_parts == 1);
     return size + std::popcount(std::uint32_t(m));
 }
 
-[[gnu::always_inline]] inline int push_any(BvhStack& stack, int size, const BvhNode& node, const BoxDistances& box)
+[[gnu::always_inline]] inline int push_any(const BvhStack& stack, int size, const BvhNode& node, const BoxDistances& box)
 {
     const __mmask16 m = _mm512_cmp_ps_mask(box.near[0].v, box.far[0].v, _CMP_LE_OQ);
     _mm512_storeu_si512(stack.reference + size, _mm512_maskz_compress_epi32(m, _mm512_load_si512(node.child)));
     return size + std::popcount(std::uint32_t(m));
 }
 
+/// Removes the entries beyond t_max; the new size.
+inline int filter(const BvhStack& stack, int size, float t_max)
+{
+    int to = 0;
+    for (int i = 0; i < size; i += 16) {
+        const __m512i reference = _mm512_loadu_si512(stack.reference + i);
+        const __m512 t = _mm512_loadu_ps(stack.t + i);
+        const __mmask16 m = _mm512_mask_cmp_ps_mask(first_lanes(std::size_t(size - i)).v, t, _mm512_set1_ps(t_max), _CMP_LE_OQ);
+        _mm512_storeu_si512(stack.reference + to, _mm512_maskz_compress_epi32(m, reference));
+        _mm512_storeu_ps(stack.t + to, _mm512_maskz_compress_ps(m, t));
+        to += std::popcount(std::uint32_t(m));
+    }
+    return to;
+}
+
 #else
+
+inline int filter(const BvhStack& stack, int size, float t_max)
+{
+    int to = 0;
+    for (int i = 0; i < size; ++i) {
+        stack.reference[to] = stack.reference[i];
+        stack.t[to] = stack.t[i];
+        to += stack.t[i] <= t_max;
+    }
+    return to;
+}
 
 [[gnu::always_inline]] inline std::uint32_t boxes_met(const BoxDistances& box)
 {
@@ -58,12 +84,12 @@ static_assert(box_parts == 1);
 
 #if defined(__AVX2__)
 
-[[gnu::always_inline]] inline int push_in_order(BvhStack& stack, int size, const BvhNode& node,
+[[gnu::always_inline]] inline int push_in_order(const BvhStack& stack, int size, const BvhNode& node,
                                                 const std::uint32_t* order, const BoxDistances& box)
 {
     const std::uint32_t bits = boxes_met(box);
     alignas(64) float near[bvh_width];
-    alignas(16) std::uint8_t slots[bvh_width];
+    alignas(16) std::uint8_t slots[48] = {};  // what comes after the last is slot 32
     for (int part = 0; part < box_parts; ++part) store(near + part * lanes, box.near[part]);
     // The order as bytes; which of the slots are met, as bytes; the latter permuted by the former.
     const __m128i nibbles = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(order)), low = _mm_set1_epi8(15);
@@ -74,17 +100,24 @@ static_assert(box_parts == 1);
     const __m128i bytes = _mm_shuffle_epi8(_mm_cvtsi32_si128(int(bits)), spread);
     const __m128i met = _mm_cmpeq_epi8(_mm_and_si128(bytes, bit), bit);
     std::uint32_t ordered = std::uint32_t(_mm_movemask_epi8(_mm_shuffle_epi8(met, slot)));
-    for (; ordered; ordered &= ordered - 1) {
+    const int count = std::popcount(ordered);
+    const auto push = [&] {
         const int s = slots[std::countr_zero(ordered)];
         stack.reference[size] = node.child[s];
         stack.t[size++] = near[s];
-    }
+        ordered &= ordered - 1;
+    };
+    // How many there are can't be foreseen, but few of them: so many always, the size set right afterwards.
+    const int after = size + count;
+    for (int i = 0; i < 4; ++i) push();
+    while (size < after) push();
+    size = after;
     return size;
 }
 
 #else
 
-[[gnu::always_inline]] inline int push_in_order(BvhStack& stack, int size, const BvhNode& node,
+[[gnu::always_inline]] inline int push_in_order(const BvhStack& stack, int size, const BvhNode& node,
                                                 const std::uint32_t* order, const BoxDistances& box)
 {
     const std::uint32_t bits = boxes_met(box);
@@ -101,7 +134,7 @@ static_assert(box_parts == 1);
 
 #endif
 
-[[gnu::always_inline]] inline int push_any(BvhStack& stack, int size, const BvhNode& node, const BoxDistances& box)
+[[gnu::always_inline]] inline int push_any(const BvhStack& stack, int size, const BvhNode& node, const BoxDistances& box)
 {
     for (std::uint32_t bits = boxes_met(box); bits; bits &= bits - 1)
         stack.reference[size++] = node.child[std::countr_zero(bits)];

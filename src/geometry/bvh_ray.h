@@ -33,42 +33,22 @@ struct BoxRays {
     }
 };
 
-/// As many rays as there are lanes, stored so that each can be read alone.
+/// As many rays as there are lanes, stored so that each can be read alone: ray i is at f[0] + i, its fields `lanes` apart.
 struct PreparedRays {
     enum Field {
-        inverse_x,
-        inverse_y,
-        inverse_z,
-        near_x,
-        near_y,
-        near_z,
-        far_x,
-        far_y,
-        far_z,
-        origin_x,
-        origin_y,
-        origin_z,
-        direction_x,
-        direction_y,
-        direction_z,
-        shear_x,
-        shear_y,
-        shear_z,
-        t_max,
-        time,
-        field_count
+        inverse_x, inverse_y, inverse_z, near_x, near_y, near_z, far_x, far_y, far_z,
+        origin_x, origin_y, origin_z, direction_x, direction_y, direction_z, shear_x, shear_y, shear_z,
+        t_max, time, octant, axis, field_count
     };
+    /// octant: the bits of an integer, bit per axis, set where the direction is negative; axis: of an integer, along which
+    /// the direction is longest.
     alignas(64) float f[field_count][lanes];
-    alignas(64) std::uint32_t octant[lanes];  ///< bit per axis, set where the direction is negative
-    alignas(64) std::uint32_t axis[lanes];    ///< along which the direction is longest
 
     void prepare(const Vec3& o, const Vec3& d, Float ray_t_max, Float ray_time, float radius)
     {
         const BoxRays box(o, d, radius);
         const TriangleRay shear(Ray{o, d, ray_t_max, ray_time});
-        const auto set = [&](int field, const Vec3& v) {
-            store(f[field], v.x), store(f[field + 1], v.y), store(f[field + 2], v.z);
-        };
+        const auto set = [&](int field, const Vec3& v) { store(f[field], v.x), store(f[field + 1], v.y), store(f[field + 2], v.z); };
         set(inverse_x, box.inverse);
         set(near_x, box.near);
         set(far_x, box.far);
@@ -77,14 +57,19 @@ struct PreparedRays {
         set(shear_x, {shear.shear_x, shear.shear_y, shear.shear_z});
         store(f[t_max], ray_t_max);
         store(f[time], ray_time);
-        const auto negative = [](Float x, std::uint32_t bit) { return select(goes_down(x), UInt(bit), UInt(0u)); };
-        store(octant, negative(d.x, 1) | negative(d.y, 2) | negative(d.z, 4));
-        store(axis, select(shear.x_major, UInt(0u), select(shear.y_major, UInt(1u), UInt(2u))));
+        // By the sign bit, as safe_inverse: -0 goes down.
+        store(f[octant], bits_float(float_bits(d.x) >> 31 | float_bits(d.y) >> 31 << 1 | float_bits(d.z) >> 31 << 2));
+        store(f[axis], bits_float(select(shear.x_major, UInt(0u), select(shear.y_major, UInt(1u), UInt(2u)))));
     }
-    /// By the sign bit, as safe_inverse: -0 goes down.
-    static Mask goes_down(Float d) { return (float_bits(d) >> 31) != UInt(0u); }
+};
 
-    Vec3 vector(int field, int i) const { return {Float(f[field][i]), Float(f[field + 1][i]), Float(f[field + 2][i])}; }
+/// One of them.
+struct PreparedRay {
+    const float* p;
+
+    float number(int field) const { return p[field * lanes]; }
+    std::uint32_t integer(int field) const { return std::bit_cast<std::uint32_t>(number(field)); }
+    Vec3 vector(int field) const { return {Float(number(field)), Float(number(field + 1)), Float(number(field + 2))}; }
 };
 
 /// Rows of an affine map, applied to points or directions.

@@ -38,40 +38,51 @@ inline Float difference_of_products(Float a, Float b, Float c, Float d)
     return fma(a, b, -cd) + fma(-c, d, cd);
 }
 
-/// Lanes whose ray meets the triangle at 0 < t <= t_max; u and v are the weights of b and c. The vertices are relative to
-/// the ray's origin and permuted as in TriangleRay. Where no lane passes through the triangle, t, u, v are not set.
+/// Where a ray passes a triangle, as weights of its corners that are still to be divided by their sum.
+struct TriangleWeights {
+    Float a, b, c;
+    Mask inside;
+};
+
+/// The corners are relative to the ray's origin and permuted as in TriangleRay.
 ///
 /// No ray slips through between two triangles with a common edge: both see the same rounded corners, on whose two sides
 /// the origin of the sheared plane lies by an exact decision, and an edge belongs to both. Since the weights are as exact,
 /// the ray at t is as near to the triangle as the corners' rounding allows, needles and edge-on triangles included.
-[[gnu::always_inline]] inline Mask meet_triangle(Float shear_x, Float shear_y, Float shear_z, const Vec3& pa, const Vec3& pb,
-                                                 const Vec3& pc, Float t_max, Float& t, Float& u, Float& v)
+[[gnu::always_inline]] inline TriangleWeights triangle_weights(Float shear_x, Float shear_y, const Vec3& pa, const Vec3& pb,
+                                                               const Vec3& pc)
 {
     const Float ax = fma(-shear_x, pa.z, pa.x), ay = fma(-shear_y, pa.z, pa.y);
     const Float bx = fma(-shear_x, pb.z, pb.x), by = fma(-shear_y, pb.z, pb.y);
     const Float cx = fma(-shear_x, pc.z, pc.x), cy = fma(-shear_y, pc.z, pc.y);
-    const Float wa = difference_of_products(cx, by, cy, bx);
-    const Float wb = difference_of_products(ax, cy, ay, cx);
-    const Float wc = difference_of_products(bx, ay, by, ax);
-    const Float low = min(min(wa, wb), wc), high = max(max(wa, wb), wc);
-    Mask m = (low >= Float(0)) | (high <= Float(0));
-    if (none(m)) return m;
-    const Float det = wa + wb + wc;
-    const Float inverse = Float(1) / det;
-    t = fma(wa, pa.z, fma(wb, pb.z, wc * pc.z)) * shear_z * inverse;
-    u = wb * inverse;
-    v = wc * inverse;
-    // NaN, where det is 0, fails.
-    return m & (t > Float(0)) & (t <= t_max);
+    TriangleWeights w;
+    w.a = difference_of_products(cx, by, cy, bx);
+    w.b = difference_of_products(ax, cy, ay, cx);
+    w.c = difference_of_products(bx, ay, by, ax);
+    w.inside = (min(min(w.a, w.b), w.c) >= Float(0)) | (max(max(w.a, w.b), w.c) <= Float(0));
+    return w;
+}
+
+/// Lanes that are inside and at 0 < t <= t_max; z: of the corners; u and v are the weights of b and c.
+[[gnu::always_inline]] inline Mask triangle_distance(const TriangleWeights& w, Float shear_z, const Vec3& z, Float t_max, Float& t,
+                                                     Float& u, Float& v)
+{
+    const Float inverse = Float(1) / (w.a + w.b + w.c);
+    t = fma(w.a, z.x, fma(w.b, z.y, w.c * z.z)) * shear_z * inverse;
+    u = w.b * inverse;
+    v = w.c * inverse;
+    // NaN, where the sum is 0, fails.
+    return w.inside & (t > Float(0)) & (t <= t_max);
 }
 
 /// Edges shared by two triangles are closed: of the two at least one is hit.
 inline void closest_triangle(const TriangleRay& ray, Vec3 a, Vec3 b, Vec3 c, UInt primitive, Hit& hit)
 {
+    const Vec3 pa = ray.permute(a - ray.o), pb = ray.permute(b - ray.o), pc = ray.permute(c - ray.o);
+    const TriangleWeights w = triangle_weights(ray.shear_x, ray.shear_y, pa, pb, pc);
+    if (none(w.inside)) return;
     Float t, u, v;
-    Mask m = meet_triangle(ray.shear_x, ray.shear_y, ray.shear_z, ray.permute(a - ray.o), ray.permute(b - ray.o),
-                           ray.permute(c - ray.o), hit.t, t, u, v);
-    if (none(m)) return;
+    Mask m = triangle_distance(w, ray.shear_z, {pa.z, pb.z, pc.z}, hit.t, t, u, v);
     m &= (t < hit.t) | less(primitive, hit.primitive);
     hit.t = select(m, t, hit.t);
     hit.primitive = select(m, primitive, hit.primitive);

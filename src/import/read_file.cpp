@@ -47,7 +47,12 @@ std::string read_file(const std::filesystem::path& file)
         std::size_t size = 0;
         bytes.resize(S_ISREG(status.st_mode) ? std::size_t(status.st_size) + 1 : 1 << 16);
         for (;;) {
-            if (size == bytes.size()) bytes.resize(2 * size);
+            if (size == bytes.size()) {
+                // A device may never end.
+                if (size > (std::size_t(1) << 32) && !S_ISREG(status.st_mode))
+                    throw Error(file.string(), "", "gives more than 4 GB and is no regular file");
+                bytes.resize(2 * size);
+            }
             const ssize_t got = read(opened.fd, bytes.data() + size, bytes.size() - size);
             if (got < 0 && errno == EINTR) continue;
             if (got < 0) fail(file, errno);

@@ -8,23 +8,21 @@ namespace fathom::inline FATHOM_LANES {
 
 namespace {
 
-/// Fills the inverse of the running integral of f over [-radius, radius]. f is even.
+/// Fills the table for a filter f, which is even and ends at the radius.
 template <class F>
 void invert(float* inverse, int size, double radius, F f)
 {
-    constexpr int steps = 1 << 14;
+    constexpr int steps = 1 << 15;
     std::vector<double> sum(steps + 1);
-    for (int i = 0; i < steps; ++i) {
-        const double x = radius * (2 * (i + 0.5) / steps - 1);
-        sum[std::size_t(i) + 1] = sum[std::size_t(i)] + f(x);
-    }
+    for (int i = 0; i < steps; ++i)
+        sum[std::size_t(i) + 1] = sum[std::size_t(i)] + f(radius * ((i + 0.5) / steps - 1));
     int at = 0;
     for (int i = 0; i <= size; ++i) {
-        const double wanted = sum[steps] * i / size;
+        const double root = double(i) / size, wanted = sum[steps] * root * root * root * root;
         while (at + 1 < steps && sum[std::size_t(at) + 1] < wanted) ++at;
         const double width = sum[std::size_t(at) + 1] - sum[std::size_t(at)];
         const double part = width > 0 ? (wanted - sum[std::size_t(at)]) / width : 0;
-        inverse[i] = float(radius * (2 * (at + part) / steps - 1));
+        inverse[i] = float(radius * ((at + part) / steps - 1));
     }
 }
 

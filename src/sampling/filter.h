@@ -9,7 +9,8 @@ namespace fathom::inline FATHOM_LANES {
 /// owns its samples (Ernst, Stamminger, Greiner 2006, "Filter Importance Sampling"). Both filters are separable, positive,
 /// and end two pixels from the centre (Gaussian, sigma 0.5) or 1.65 (Blackman-Harris).
 struct FilterTable {
-    static constexpr int size = 1024;
+    static constexpr int size = 512;
+    /// The left half of the inverse, by the fourth root of the share: filters end softly, and there the inverse is steep.
     float inverse[size + 1];
 
     void make_gaussian();
@@ -18,10 +19,13 @@ struct FilterTable {
     /// Offset from the pixel's centre, for u in [0, 1).
     Float sample(Float u) const
     {
-        const Float x = u * Float(static_cast<float>(size));
-        const UInt i = to_uint(x);
+        const Mask right = u >= Float(0.5f);
+        const Float share = select(right, Float(1) - u, u) * Float(2);
+        const Float x = sqrt(sqrt(share)) * Float(static_cast<float>(size));
+        const UInt i = to_uint(min(x, Float(static_cast<float>(size - 1))));
         const Float lo = gather(inverse, i), hi = gather(inverse + 1, i);
-        return fma(x - to_float(i), hi - lo, lo);
+        const Float offset = fma(x - to_float(i), hi - lo, lo);
+        return select(right, -offset, offset);
     }
 };
 

@@ -246,7 +246,9 @@ private:
 };
 
 /// The metallic-roughness model of glTF 2.0 (its appendix B): a diffuse base under a specular layer of GGX facets, mixed
-/// with a metal. The specular part is scaled for multiple scattering, as the metal's.
+/// with a metal. The specular part is scaled for multiple scattering, as the metal's; the base gets what the layer's
+/// directional albedo leaves (where glTF's own formula takes the half vector's reflectance, and makes energy at grazing
+/// angles).
 class PrincipledBsdf {
 public:
     static constexpr bool transmits = false;
@@ -257,6 +259,7 @@ public:
         const Float r = (m.ior - Float(1)) / (m.ior + Float(1));
         Float most_f0(0.f), most_diffuse(0.f);
         for (int i = 0; i < channels; ++i) {
+            dielectric_f0_ = r * r;
             f0_.c[i] = fma(metallic_, m.base_color.c[i] - r * r, r * r);
             diffuse_.c[i] = m.base_color.c[i] * (Float(1) - metallic_);
             most_f0 = max(most_f0, f0_.c[i]);
@@ -275,11 +278,12 @@ public:
         const Float w = schlick_weight(dot(wo, h));
         const Float e = ggx_albedo(wo.z, roughness_), more = (Float(1) - e) / e;
         const Float cosine = wi.z * Float(inv_pi);
+        const Float base = (Float(1) - layer_albedo(wo.z)) * cosine;
         const Float p = specular_probability(wo);
         BsdfEval r;
         for (int i = 0; i < channels; ++i) {
             const Float fresnel = fma(Float(1) - f0_.c[i], w, f0_.c[i]);
-            const Float f = fma(fresnel * fma(f0_.c[i], more, Float(1)), specular, (Float(1) - fresnel) * diffuse_.c[i] * cosine);
+            const Float f = fma(fresnel * fma(f0_.c[i], more, Float(1)), specular, base * diffuse_.c[i]);
             r.f_cos.c[i] = select(valid, f, Float(0));
         }
         r.pdf = select(valid, fma(p, ggx_.g1(wo) * d / (Float(4) * wo.z), (Float(1) - p) * cosine), Float(0));
@@ -294,6 +298,13 @@ public:
     }
 
 private:
+    /// Directional albedo of the specular layer, by the tables.
+    Float layer_albedo(Float cosine) const
+    {
+        const Float e = ggx_albedo(cosine, roughness_), w = ggx_lookup(ggx_schlick_table, cosine, roughness_);
+        const Float once = fma(dielectric_f0_, e - w, w);
+        return clamp(once * fma(dielectric_f0_, (Float(1) - e) / e, Float(1)), Float(0), Float(1));
+    }
     Float specular_probability(Vec3 wo) const
     {
         const Float s = fma(Float(1) - most_f0_, schlick_weight(wo.z), most_f0_);
@@ -303,7 +314,7 @@ private:
 
     Float roughness_;
     Ggx ggx_;
-    Float metallic_, most_f0_, most_diffuse_;
+    Float metallic_, dielectric_f0_, most_f0_, most_diffuse_;
     Spectrum f0_, diffuse_;
 };
 

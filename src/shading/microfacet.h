@@ -55,19 +55,21 @@ inline Float schlick_weight(Float cosine)
     return m2 * m2 * m;
 }
 
-/// Share of the light that a perfectly reflecting GGX surface gives back in one bounce, from the table.
-inline Float ggx_albedo(Float cosine, Float roughness)
+/// A table of ggx_albedo_table.h: the share of light that GGX facets give back in one bounce.
+inline Float ggx_lookup(const float* table, Float cosine, Float roughness)
 {
     constexpr int n = ggx_albedo_size;
     const Float x = clamp(cosine, Float(0), Float(1)) * Float(n - 1), y = clamp(roughness, Float(0), Float(1)) * Float(n - 1);
     const Float x0 = min(floor(x), Float(n - 2)), y0 = min(floor(y), Float(n - 2));
     const Float fx = x - x0, fy = y - y0;
     const UInt index = to_uint(y0) * UInt(n) + to_uint(x0);
-    const auto at = [&](std::uint32_t offset) { return gather(ggx_albedo_table, index + UInt(offset)); };
+    const auto at = [&](std::uint32_t offset) { return gather(table, index + UInt(offset)); };
     const Float a = at(0), b = at(1), c = at(n), d = at(n + 1);
     const Float top = fma(fx, b - a, a), bottom = fma(fx, d - c, c);
     return fma(fy, bottom - top, top);
 }
+
+inline Float ggx_albedo(Float cosine, Float roughness) { return ggx_lookup(ggx_albedo_table, cosine, roughness); }
 
 /// Reflectance of a smooth boundary between two dielectrics, for unpolarised light.
 ///

@@ -133,9 +133,10 @@ inline Hits cast_by_force(const SceneTables& tables, Rays& rays)
             vertices_of(tables, key, v);
             Float t, b1, b2;
             const auto corner = [&](int k) { return shear.permute(Vec3(v[k]) - ray.o); };
-            Mask m = meet_triangle(shear.shear_x, shear.shear_y, shear.shear_z, corner(0), corner(1), corner(2), hit.t,
-                                   t, b1, b2);
-            if (none(m)) continue;
+            const Vec3 pa = corner(0), pb = corner(1), pc = corner(2);
+            const TriangleWeights w = triangle_weights(shear.shear_x, shear.shear_y, pa, pb, pc);
+            if (none(w.inside)) continue;
+            Mask m = triangle_distance(w, shear.shear_z, {pa.z, pb.z, pc.z}, hit.t, t, b1, b2);
             const Mask first_instance = (hit.primitive == UInt(key / 2)) & less(instance, hit.instance);
             m &= (t < hit.t) | less(UInt(key / 2), hit.primitive) | first_instance;
             hit.t = select(m, t, hit.t);

@@ -1,0 +1,47 @@
+#pragma once
+/// Embree on the same rays: each way to call it takes our arrays and fills ours.
+#include <embree3/rtcore.h>
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "ray_sets.h"
+
+namespace fathom::bench {
+
+struct Results {
+    std::vector<float> t, u, v;
+    std::vector<std::uint32_t> primitive, instance, blocked;
+
+    explicit Results(std::size_t n) : t(n + 64), u(n + 64), v(n + 64), primitive(n + 64), instance(n + 64), blocked(n + 64) {}
+    HitArraysOut arrays(std::size_t first) { return {&t[first], &u[first], &v[first], &primitive[first], &instance[first]}; }
+};
+
+class EmbreeCaster {
+public:
+    enum Call { single, packet8, packet16, stream, call_count };
+
+    /// isa: as Embree's option of that name; empty for the machine's best. Builds with so many threads.
+    EmbreeCaster(const Mesh& mesh, const std::string& isa, int threads, bool robust);
+    ~EmbreeCaster();
+    EmbreeCaster(const EmbreeCaster&) = delete;
+    EmbreeCaster& operator=(const EmbreeCaster&) = delete;
+
+    /// Casts n rays from number `first` on.
+    void cast(const RaySet& set, std::size_t first, std::size_t n, Call call, bool coherent, Results& results) const;
+
+    double build_s() const { return build_s_; }
+    std::size_t bytes() const { return bytes_; }
+    std::size_t peak_bytes() const { return peak_bytes_; }
+
+private:
+    static bool count_memory(void* self, ssize_t bytes, bool post);
+
+    RTCDevice device_ = nullptr;
+    RTCScene scene_ = nullptr;
+    double build_s_ = 0;
+    std::atomic<std::size_t> bytes_{0}, peak_bytes_{0};
+};
+
+}  // namespace fathom::bench

@@ -1,0 +1,334 @@
+#pragma once
+/// Some dozen rays at once through the tree, each on its own way.
+///
+/// A ray alone waits: for memory, for the long chain of instructions from a node to the next, for mispredicted branches.
+/// Here a wave takes each ray one node further, without a branch that depends on the ray; the next wave's nodes are
+/// fetched meanwhile. Rays that have come to a leaf wait for the wave of leaves. Each ray visits what it would visit alone
+/// in the same order.
+#include <array>
+
+#include "geometry/bvh_push.h"
+#include "geometry/bvh_ray.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// The nearest hit so far: the least of (t, key, instance).
+struct RayHit {
+    float t, u = 0, v = 0;
+    BvhKey key = no_index;
+    std::uint32_t instance = no_index;
+
+    bool loses_to(float other_t, BvhKey other_key, std::uint32_t other_instance) const
+    {
+        if (other_t != t) return other_t < t;
+        if (key == no_index || other_key != key) return key != no_index && other_key < key;
+        return other_instance < instance;
+    }
+};
+
+/// Whether a hit counts.
+inline bool passes_alpha(const BvhData& bvh, BvhKey key, std::uint32_t instance, float u, float v)
+{
+    const SceneTables& tables = *bvh.tables;
+    const std::uint32_t shape = instance == no_index ? tables.shape_of_primitive[key >> 1] : tables.instances[instance].shape;
+    if (!(tables.shapes[shape].flags & ShapeTable::alpha_tested)) return true;
+    if (key & 1) u = 1 - u, v = 1 - v;
+    return bvh.alpha_test(bvh.alpha_context, key >> 1, instance, u, v);
+}
+
+inline constexpr int stream_size = 64;
+
+/// What a thread needs to trace streams; kept between calls.
+struct StreamMemory {
+    PreparedRays world[stream_size / lanes], object[stream_size / lanes];
+    RayHit hits[stream_size];
+    std::vector<std::uint32_t> stacks;
+};
+
+template <bool any_hit>
+class Stream {
+public:
+    Stream(const BvhData& bvh, StreamMemory& memory) : bvh_(bvh), memory_(memory), stride_(std::size_t(bvh.stack_size))
+    {
+        memory.stacks.resize(std::max(memory.stacks.size(), 2 * stride_ * stream_size));
+    }
+
+    /// Adds a ray of memory.world, to start from a reference whose box it meets.
+    void add(int ray, std::uint32_t root)
+    {
+        ray_[ray] = {&memory_.world[ray / lanes].f[0][ray % lanes]};
+        instance_[ray] = no_index;
+        stack(ray).reference[0] = end;
+        stack(ray).t[0] = -infinity;
+        size_[ray] = 1;
+        queue(next_, ray, root);
+    }
+
+    /// Traces all that were added; memory.hits are set where something was hit.
+    void run()
+    {
+        while (next_.nodes + next_.leaves + next_.others > 0) {
+            std::swap(now_, next_);
+            next_.nodes = next_.leaves = next_.others = 0;
+            for (int i = 0; i < now_.nodes; ++i) visit_node(now_.node[i]);
+            if constexpr (lanes == bvh_width) {
+                for (int i = 0; i < now_.leaves; i += leaf_wave) visit_leaves(&now_.leaf[i], std::min(leaf_wave, now_.leaves - i));
+            } else {
+                for (int i = 0; i < now_.leaves; ++i) visit_leaf(now_.leaf[i]);
+            }
+            for (int i = 0; i < now_.others; ++i) visit_other(now_.other[i]);
+        }
+    }
+
+private:
+    static constexpr std::uint32_t end = BvhReference::other_bit | std::uint32_t(BvhReference::end) << 28;
+    static constexpr int leaf_wave = 8;
+
+    struct Queues {
+        int nodes = 0, leaves = 0, others = 0;
+        std::uint8_t node[stream_size], leaf[stream_size], other[stream_size];
+    };
+
+    BvhStack stack(int ray) const
+    {
+        std::uint32_t* p = memory_.stacks.data() + std::size_t(ray) * 2 * stride_;
+        return {p, reinterpret_cast<float*>(p + stride_)};
+    }
+
+    /// Notes what a ray does next, and fetches it.
+    [[gnu::always_inline]] void queue(Queues& to, int ray, std::uint32_t reference)
+    {
+        reference_[ray] = reference;
+        const bool is_node = BvhReference::is_node(reference), is_leaf = BvhReference::is_triangles(reference);
+        to.node[to.nodes] = to.leaf[to.leaves] = to.other[to.others] = std::uint8_t(ray);
+        to.nodes += is_node;
+        to.leaves += is_leaf;
+        to.others += !is_node && !is_leaf;
+        const char* const node = reinterpret_cast<const char*>(bvh_.nodes.data()) + sizeof(BvhNode) * (is_node ? reference : 0u);
+        const char* const leaf = reinterpret_cast<const char*>(bvh_.triangles.data()) + 36 * std::size_t(BvhReference::first_triangle(reference));
+        const char* const p = is_leaf ? leaf : node;
+        for (int line = 0; line < 8; ++line) __builtin_prefetch(p + 64 * line);
+    }
+
+    [[gnu::always_inline]] void pop(int ray)
+    {
+        const int size = --size_[ray];
+        queue(next_, ray, stack(ray).reference[size]);
+    }
+
+    [[gnu::always_inline]] void visit_node(int ray)
+    {
+        const PreparedRay r = ray_[ray];
+        const BvhNode& node = bvh_.nodes[reference_[ray]];
+        const std::uint32_t octant = r.integer(PreparedRays::octant);
+        // Bounds of the nearer side by axis; those of the farther side are 3 rows further, or before.
+        const float* const bounds = node.bounds[0];
+        constexpr std::ptrdiff_t row = bvh_width, across = 3 * row;
+        const std::ptrdiff_t x = octant & 1 ? across : 0, y = octant & 2 ? across : 0, z = octant & 4 ? across : 0;
+        const Vec3 inverse = r.vector(PreparedRays::inverse_x), near = r.vector(PreparedRays::near_x), far = r.vector(PreparedRays::far_x);
+        const Float t_max(memory_.hits[ray].t);
+        BoxDistances box;
+        for (int part = 0; part < box_parts; ++part) {
+            const float* const p = bounds + part * lanes;
+            const Float near_x = fma(load(p + x), inverse.x, near.x), far_x = fma(load(p + across - x), inverse.x, far.x);
+            const Float near_y = fma(load(p + row + y), inverse.y, near.y), far_y = fma(load(p + row + across - y), inverse.y, far.y);
+            const Float near_z = fma(load(p + 2 * row + z), inverse.z, near.z);
+            const Float far_z = fma(load(p + 2 * row + across - z), inverse.z, far.z);
+            box.near[part] = max(max(near_x, near_y), max(near_z, Float(0)));
+            box.far[part] = min(min(far_x, far_y), min(far_z, t_max));
+        }
+        size_[ray] = any_hit ? push_any(stack(ray), size_[ray], node, box) : push_in_order(stack(ray), size_[ray], node, node.order[octant], box);
+        pop(ray);
+    }
+
+    struct Block {
+        alignas(64) float a[lanes], b[lanes], c[lanes], z[3][lanes];
+        std::uint32_t inside;
+        int ray;
+    };
+
+    [[gnu::always_inline]] TriangleWeights meet_triangles(int ray, int at, Vec3& z) const
+    {
+        const PreparedRay r = ray_[ray];
+        const std::uint32_t reference = reference_[ray];
+        const std::ptrdiff_t n = BvhReference::triangle_count(reference);
+        const float* const data = &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(reference))] + at;
+        const std::uint32_t axis = r.integer(PreparedRays::axis);
+        const std::ptrdiff_t ix = axis == 2 ? 0 : axis + 1, iy = axis == 0 ? 2 : axis - 1, iz = axis;
+        const Float ox(r.number(PreparedRays::origin_x + int(ix))), oy(r.number(PreparedRays::origin_x + int(iy))), oz(r.number(PreparedRays::origin_x + int(iz)));
+        const auto corner = [&](std::ptrdiff_t k) {
+            const float* const p = data + 3 * k * n;
+            return Vec3{load(p + ix * n) - ox, load(p + iy * n) - oy, load(p + iz * n) - oz};
+        };
+        const Vec3 pa = corner(0), pb = corner(1), pc = corner(2);
+        z = {pa.z, pb.z, pc.z};
+        TriangleWeights w = triangle_weights(Float(r.number(PreparedRays::shear_x)), Float(r.number(PreparedRays::shear_y)), pa, pb, pc);
+        w.inside &= first_lanes(std::size_t(n - at));
+        return w;
+    }
+
+    /// First which rays pass through a triangle at all, then where.
+    void visit_leaves(const std::uint8_t* rays, int count)
+    {
+        Block blocks[leaf_wave + 1];
+        int met = 0;
+        for (int i = 0; i < count; ++i) {
+            Block& block = blocks[met];
+            Vec3 z;
+            const TriangleWeights w = meet_triangles(rays[i], 0, z);
+            store(block.a, w.a), store(block.b, w.b), store(block.c, w.c);
+            store(block.z[0], z.x), store(block.z[1], z.y), store(block.z[2], z.z);
+            block.inside = mask_bits(w.inside);
+            block.ray = rays[i];
+            met += block.inside != 0;
+            // Those that pass by go on now.
+            if (block.inside == 0) pop(rays[i]);
+        }
+        for (int i = 0; i < met; ++i) {
+            const Block& block = blocks[i];
+            const TriangleWeights w{load(block.a), load(block.b), load(block.c), mask_from_bits(block.inside)};
+            finish_triangles(block.ray, 0, w, load_vec3(block.z[0], block.z[1], block.z[2]));
+        }
+    }
+
+    /// The same where lanes are few.
+    void visit_leaf(int ray)
+    {
+        const int n = BvhReference::triangle_count(reference_[ray]);
+        bool found = false;
+        for (int at = 0; at < n; at += lanes) {
+            Vec3 z;
+            const TriangleWeights w = meet_triangles(ray, at, z);
+            if (none(w.inside)) continue;
+            found |= take_triangles(ray, at, w, z);
+            if (any_hit && found) return;
+        }
+        go_on(ray, found);
+    }
+
+    void finish_triangles(int ray, int at, const TriangleWeights& w, const Vec3& z) { go_on(ray, take_triangles(ray, at, w, z)); }
+
+    [[gnu::always_inline]] bool take_triangles(int ray, int at, const TriangleWeights& w, const Vec3& z)
+    {
+        Float t, u, v;
+        const Float t_max(memory_.hits[ray].t);
+        Mask m = triangle_distance(w, Float(ray_[ray].number(PreparedRays::shear_z)), z, t_max, t, u, v);
+        if (any_hit) m &= t < t_max;
+        if (none(m)) return false;
+        const BvhKey* const keys = &bvh_.keys[BvhReference::first_triangle(reference_[ray]) + std::uint32_t(at)];
+        return take(ray, m, t, u, v, [keys](int lane) { return keys[lane]; });
+    }
+
+    /// After a leaf: away with what lies beyond a new hit, and on.
+    void go_on(int ray, bool found)
+    {
+        if (found && any_hit) return;
+        if (found) size_[ray] = filter(stack(ray), size_[ray], memory_.hits[ray].t);
+        pop(ray);
+    }
+
+    /// The hits of some lanes, one by one; true if one of them is the nearest so far.
+    template <class Key>
+    bool take(int ray, Mask m, Float t, Float u, Float v, const Key& key_of)
+    {
+        alignas(64) float ts[lanes], us[lanes], vs[lanes];
+        store(ts, t), store(us, u), store(vs, v);
+        bool found = false;
+        RayHit& hit = memory_.hits[ray];
+        for_each_active(m, [&](int lane) {
+            const BvhKey key = key_of(lane);
+            if (!hit.loses_to(ts[lane], key, instance_[ray])) return;
+            if (bvh_.has_alpha && !passes_alpha(bvh_, key, instance_[ray], us[lane], vs[lane])) return;
+            hit = {ts[lane], us[lane], vs[lane], key, instance_[ray]};
+            found = true;
+        });
+        return found;
+    }
+
+    [[gnu::noinline]] void visit_other(int ray)
+    {
+        const std::uint32_t reference = reference_[ray];
+        switch (BvhReference::other_kind(reference)) {
+            case BvhReference::spheres:
+            case BvhReference::disks: return go_on(ray, visit_round(ray));
+            case BvhReference::instance: return enter_instance(ray, bvh_.others[BvhReference::first_other(reference)]);
+            case BvhReference::end:
+                if (instance_[ray] != no_index) leave_instance(ray);
+        }
+    }
+
+    bool visit_round(int ray)
+    {
+        const std::uint32_t reference = reference_[ray];
+        const std::uint32_t* indices = &bvh_.others[BvhReference::first_other(reference)];
+        const BvhReference::Kind kind = BvhReference::other_kind(reference);
+        const SceneTables& tables = *bvh_.tables;
+        const Vec3 o = ray_[ray].vector(PreparedRays::origin_x), d = ray_[ray].vector(PreparedRays::direction_x);
+        const int n = BvhReference::other_count(reference);
+        bool found = false;
+        for (int at = 0; at < n; at += lanes) {
+            alignas(64) std::uint32_t index[bvh_width];
+            for (int i = 0; i < lanes; ++i) index[i] = indices[std::min(at + i, n - 1)];
+            const UInt which = load(index);
+            const Float t_max(memory_.hits[ray].t);
+            Float t;
+            Mask m;
+            std::uint32_t base;
+            const auto vector = [&](const float* table, UInt row) { return Vec3{gather(table, row), gather(table + 1, row), gather(table + 2, row)}; };
+            if (kind == BvhReference::spheres) {
+                const float* table = &tables.spheres[0].center.x;
+                const UInt row = which * UInt(std::uint32_t(sizeof(SphereTable) / 4));
+                const Vec3 center = fma(vector(table + 3, row), Float(ray_[ray].number(PreparedRays::time)), vector(table, row));
+                m = meet_sphere(center, gather(table + 6, row), o, d, t_max, t);
+                base = tables.first_sphere();
+            } else {
+                const float* table = &tables.disks[0].center.x;
+                const UInt row = which * UInt(std::uint32_t(sizeof(DiskTable) / 4));
+                m = meet_disk(vector(table, row), vector(table + 3, row), gather(table + 6, row), o, d, t_max, t);
+                base = tables.first_disk();
+            }
+            m &= first_lanes(std::size_t(n - at));
+            if (any_hit) m &= t < t_max;
+            found |= any(m) && take(ray, m, t, Float(0), Float(0), [&](int lane) { return 2 * (base + index[lane]); });
+            if (any_hit && found) break;
+        }
+        return found;
+    }
+
+    /// The ray goes on in the mesh's space, until it comes to the end put on its stack here.
+    void enter_instance(int ray, std::uint32_t index)
+    {
+        const InstanceTable& placed = bvh_.tables->instances[index];
+        const BvhData::Mesh& mesh = bvh_.meshes[bvh_.mesh_of_instance[index]];
+        const PreparedRay r = ray_[ray];
+        const Vec3 o = transform_point(placed.object_from_render, r.vector(PreparedRays::origin_x));
+        const Vec3 d = transform_vector(placed.object_from_render, r.vector(PreparedRays::direction_x));
+        PreparedRays inner;
+        inner.prepare(o, d, Float(memory_.hits[ray].t), Float(r.number(PreparedRays::time)), mesh.radius);
+        PreparedRays& object = memory_.object[ray / lanes];
+        for (int field = 0; field < PreparedRays::field_count; ++field) object.f[field][ray % lanes] = inner.f[field][0];
+        ray_[ray] = {&object.f[0][ray % lanes]};
+        instance_[ray] = index;
+        const int size = size_[ray]++;
+        stack(ray).reference[size] = end;
+        stack(ray).t[size] = -infinity;
+        queue(next_, ray, mesh.root);
+    }
+
+    void leave_instance(int ray)
+    {
+        ray_[ray] = {&memory_.world[ray / lanes].f[0][ray % lanes]};
+        instance_[ray] = no_index;
+        pop(ray);
+    }
+
+    const BvhData& bvh_;
+    StreamMemory& memory_;
+    const std::size_t stride_;
+    Queues now_, next_;
+    PreparedRay ray_[stream_size];
+    std::uint32_t reference_[stream_size], instance_[stream_size];
+    int size_[stream_size];
+};
+
+}  // namespace fathom::inline FATHOM_LANES

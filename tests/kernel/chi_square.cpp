@@ -1,0 +1,92 @@
+#include "chi_square.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+namespace fathom::test {
+
+namespace {
+
+constexpr int theta_cells = 24, phi_cells = 48;
+
+// Cells are even in the polar angle: narrow lobes about the pole are then resolved.
+Direction direction(double theta, double phi)
+{
+    return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+}
+
+int cell_of(const Direction& d)
+{
+    const double theta = std::atan2(std::hypot(d.x, d.y), d.z), phi = std::atan2(d.y, d.x);
+    const int i = std::min(int(theta / std::numbers::pi * theta_cells), theta_cells - 1);
+    const int j = std::min(int((phi < 0 ? phi + 2 * std::numbers::pi : phi) / (2 * std::numbers::pi) * phi_cells), phi_cells - 1);
+    return i * phi_cells + j;
+}
+
+}  // namespace
+
+double integrate_sphere(const std::function<double(Direction)>& f, int theta_steps, int phi_steps)
+{
+    double sum = 0;
+    for (int i = 0; i < theta_steps; ++i)
+        for (int j = 0; j < phi_steps; ++j) {
+            const double theta = std::numbers::pi * (i + 0.5) / theta_steps;
+            sum += std::sin(theta) * f(direction(theta, 2 * std::numbers::pi * (j + 0.5) / phi_steps));
+        }
+    return sum * 2 * std::numbers::pi * std::numbers::pi / theta_steps / phi_steps;
+}
+
+std::string chi_square(const std::vector<double>& observed, const std::vector<double>& expected)
+{
+    std::vector<std::size_t> order(expected.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return expected[a] < expected[b]; });
+    double statistic = 0, pooled_observed = 0, pooled_expected = 0;
+    int freedom = -1;
+    for (std::size_t i : order) {
+        if (expected[i] == 0) {
+            if (observed[i] > 0) return "samples where the density is zero";
+        } else if (expected[i] < 5 || (pooled_expected > 0 && pooled_expected < 5)) {
+            pooled_observed += observed[i];
+            pooled_expected += expected[i];
+        } else {
+            statistic += (observed[i] - expected[i]) * (observed[i] - expected[i]) / expected[i];
+            ++freedom;
+        }
+    }
+    if (pooled_expected > 0) {
+        statistic += (pooled_observed - pooled_expected) * (pooled_observed - pooled_expected) / pooled_expected;
+        ++freedom;
+    }
+    if (freedom < 1) return "";
+    // Wilson and Hilferty 1931: the cube root is nearly normal. 4.75 sigma is one in a million.
+    const double k = freedom;
+    const double sigma = (std::cbrt(statistic / k) - (1 - 2 / (9 * k))) / std::sqrt(2 / (9 * k));
+    if (sigma < 4.75) return "";
+    std::ostringstream text;
+    text << "chi-square " << statistic << " with " << freedom << " degrees of freedom: " << sigma << " sigma";
+    return text.str();
+}
+
+std::string chi_square_directions(const std::vector<Direction>& samples, const std::function<double(Direction)>& pdf)
+{
+    std::vector<double> observed(theta_cells * phi_cells), expected(theta_cells * phi_cells);
+    for (const Direction& d : samples) ++observed[std::size_t(cell_of(d))];
+    constexpr int sub = 24;
+    for (int i = 0; i < theta_cells; ++i)
+        for (int j = 0; j < phi_cells; ++j) {
+            double sum = 0;
+            for (int a = 0; a < sub; ++a)
+                for (int b = 0; b < sub; ++b) {
+                    const double theta = std::numbers::pi * (i + (a + 0.5) / sub) / theta_cells;
+                    sum += std::sin(theta) * pdf(direction(theta, 2 * std::numbers::pi * (j + (b + 0.5) / sub) / phi_cells));
+                }
+            expected[std::size_t(i * phi_cells + j)] = sum / (sub * sub) * 2 * std::numbers::pi * std::numbers::pi /
+                                                       (theta_cells * phi_cells) * double(samples.size());
+        }
+    return chi_square(observed, expected);
+}
+
+}  // namespace fathom::test

@@ -1,0 +1,72 @@
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "film/tile_sums.h"
+
+namespace fathom {
+namespace {
+
+TEST(ExactSum, DoesNotDependOnOrderOrGrouping)
+{
+    std::mt19937 random(3);
+    std::vector<double> values;
+    for (int i = 0; i < 10000; ++i)
+        values.push_back(std::ldexp(double(random()) - 2147483648.0, int(random() % 80) - 60));
+    std::uint32_t forward[3] = {}, backward[3] = {}, left[3] = {}, right[3] = {};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        ExactSum::add_number(forward, values[i]);
+        ExactSum::add_number(backward, values[values.size() - 1 - i]);
+        ExactSum::add_number(i % 3 ? left : right, values[i]);
+    }
+    ExactSum::add(left, right);
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_EQ(forward[i], backward[i]);
+        EXPECT_EQ(forward[i], left[i]);
+    }
+}
+
+TEST(ExactSum, RoundsToItsUnitOnly)
+{
+    for (double v : {0.0, 1.0, -1.0, 0.1, -0.1, 12345.678, -1e9, 1e14, std::ldexp(1.0, -36), -std::ldexp(1.0, -36)}) {
+        std::uint32_t sum[3] = {};
+        ExactSum::add_number(sum, v);
+        EXPECT_NEAR(ExactSum::value(sum), v, std::ldexp(1.0, -37) + std::abs(v) * 1e-15);
+        ExactSum::add_number(sum, -v);
+        EXPECT_EQ(ExactSum::value(sum), 0);
+    }
+}
+
+TEST(TileSums, FastAndSlowWaysAgree)
+{
+    std::mt19937 random(4);
+    TileSums fast;
+    fast.reset(1, 18);
+    std::uint32_t film[18] = {}, plain[18] = {};
+    for (int i = 0; i < 1000; ++i) {
+        const float v[3] = {float(random() % 1000) * 0.1f, 0.3f * float(i % 7), 1e-4f * float(random() % 100)};
+        fast.add(0, v[0], v[1], v[2]);
+        for (int c = 0; c < 3; ++c) {
+            ExactSum::add_number(plain + 3 * c, v[c]);
+            ExactSum::add_number(plain + 3 * (3 + c), double(v[c]) * v[c]);
+        }
+    }
+    fast.add_to(0, film, 6, -1);
+    for (int i = 0; i < 18; ++i) EXPECT_EQ(film[i], plain[i]) << i;
+    EXPECT_TRUE(fast.slow().empty());
+}
+
+TEST(TileSums, BrightSamplesAreKeptApartAndBadOnesCounted)
+{
+    TileSums sums;
+    sums.reset(2, 18);
+    sums.add(1, 1e6f, 0, 0);
+    sums.add(1, std::nanf(""), 0, 0);
+    sums.add(0, 0, INFINITY, 0);
+    ASSERT_EQ(sums.slow().size(), 1u);
+    EXPECT_EQ(sums.slow()[0].pixel, 1u);
+    EXPECT_EQ(sums.dropped, 2u);
+}
+
+}  // namespace
+}  // namespace fathom

@@ -1,0 +1,170 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "chi_square.h"
+#include "lane_helpers.h"
+#include "sampling/filter.h"
+#include "sampling/warp.h"
+
+namespace fathom {
+namespace {
+
+using test::first;
+
+Sample2 sobol_point(std::uint32_t pixel, std::uint32_t index, std::uint32_t group, std::uint32_t pair)
+{
+    const SampleKey key{hash(UInt(pixel)), reverse_bits(UInt(index))};
+    return sample_2d(key, pair_seed(group_seed(key, UInt(group)), pair));
+}
+
+TEST(Sobol, EveryElementaryIntervalHoldsOnePoint)
+{
+    // A (0, 2)-sequence: of the first 2^m points, each dyadic box of area 2^-m has one, and so have later blocks of 2^m.
+    for (std::uint32_t pixel : {0u, 7u})
+        for (std::uint32_t pair : {0u, 1u, 3u})
+            for (int m : {4, 8})
+                for (std::uint32_t block : {0u, 5u}) {
+                    const std::uint32_t n = 1u << m;
+                    std::vector<std::pair<float, float>> points;
+                    for (std::uint32_t i = 0; i < n; ++i) {
+                        const Sample2 s = sobol_point(pixel, block * n + i, 2, pair);
+                        points.emplace_back(first(s.x), first(s.y));
+                    }
+                    for (int kx = 0; kx <= m; ++kx) {
+                        std::set<std::pair<int, int>> cells;
+                        for (auto [x, y] : points) cells.emplace(int(std::ldexp(x, kx)), int(std::ldexp(y, m - kx)));
+                        EXPECT_EQ(cells.size(), n) << "pixel " << pixel << " pair " << pair << " 2^" << kx;
+                    }
+                }
+}
+
+TEST(Sobol, PairsAndPixelsAreIndependent)
+{
+    // Correlation between numbers of different pairs, groups and pixels at the same index.
+    constexpr int n = 1 << 14;
+    const auto correlation = [&](auto a, auto b) {
+        double sum = 0;
+        for (std::uint32_t i = 0; i < n; ++i) sum += (a(i) - 0.5) * (b(i) - 0.5);
+        return 12 * sum / n;
+    };
+    const auto base = [](std::uint32_t i) { return double(first(sobol_point(3, i, 1, 0).x)); };
+    const double limit = 5 / std::sqrt(double(n));
+    EXPECT_LT(std::abs(correlation(base, [](std::uint32_t i) { return double(first(sobol_point(3, i, 1, 1).x)); })), limit);
+    EXPECT_LT(std::abs(correlation(base, [](std::uint32_t i) { return double(first(sobol_point(3, i, 2, 0).x)); })), limit);
+    EXPECT_LT(std::abs(correlation(base, [](std::uint32_t i) { return double(first(sobol_point(4, i, 1, 0).x)); })), limit);
+    EXPECT_LT(std::abs(correlation(base, [](std::uint32_t i) { return double(first(sobol_point(3, i, 1, 0).y)); })), limit);
+}
+
+TEST(Sobol, IntegratesSmoothFunctionsMuchBetterThanChance)
+{
+    // Owen scrambling: the variance of a smooth integrand falls with n^-3; chance gives n^-1.
+    const auto variance = [](std::uint32_t n) {
+        double sum = 0;
+        constexpr int runs = 256;
+        for (std::uint32_t pixel = 0; pixel < runs; ++pixel) {
+            double mean = 0;
+            for (std::uint32_t i = 0; i < n; ++i) {
+                const Sample2 s = sobol_point(pixel, i, 1, 0);
+                mean += double(first(s.x)) * double(first(s.x)) * double(first(s.y));
+            }
+            sum += (mean / n - 1.0 / 6) * (mean / n - 1.0 / 6);
+        }
+        return sum / runs;
+    };
+    const double chance = (1.0 / 5 / 3 - 1.0 / 36) / 256;
+    EXPECT_LT(variance(256), chance / 100);
+    EXPECT_LT(variance(256), variance(64) / 20);
+}
+
+TEST(Warp, CosineHemisphere)
+{
+    test::Random random;
+    std::vector<test::Direction> samples;
+    while (samples.size() < 100000) {
+        const Vec3 w = sample_cosine_hemisphere(random.next2());
+        float x[lanes], y[lanes], z[lanes];
+        store(x, w.x), store(y, w.y), store(z, w.z);
+        for (int i = 0; i < lanes; ++i) samples.push_back({x[i], y[i], z[i]});
+    }
+    EXPECT_EQ(test::chi_square_directions(samples, [](test::Direction d) { return std::max(0.0, d.z) / std::numbers::pi; }), "");
+}
+
+TEST(Warp, ConeAndItsEdge)
+{
+    test::Random random;
+    const double one_minus_cos = 0.3;
+    std::vector<test::Direction> samples;
+    while (samples.size() < 100000) {
+        const Vec3 w = sample_cone(random.next2(), Float(float(one_minus_cos)));
+        float x[lanes], y[lanes], z[lanes];
+        store(x, w.x), store(y, w.y), store(z, w.z);
+        for (int i = 0; i < lanes; ++i) {
+            EXPECT_GE(z[i], 1 - one_minus_cos - 1e-6);
+            samples.push_back({x[i], y[i], z[i]});
+        }
+    }
+    // Cells of cos 1/12 wide: 0.7 is not on a border, so compare the cosine itself.
+    std::vector<double> observed(30), expected(30, double(samples.size()) / 30);
+    for (const auto& d : samples) ++observed[std::min<std::size_t>(29, std::size_t((1 - d.z) / one_minus_cos * 30))];
+    EXPECT_EQ(test::chi_square(observed, expected), "");
+}
+
+TEST(Warp, DiskIsUniform)
+{
+    test::Random random;
+    std::vector<double> observed(64), expected(64);
+    constexpr int n = 100000;
+    int drawn = 0;
+    for (; drawn < n; drawn += lanes) {
+        const DiskPoint p = sample_disk(random.next2());
+        float x[lanes], y[lanes];
+        store(x, p.x), store(y, p.y);
+        for (int i = 0; i < lanes; ++i) {
+            const double r2 = double(x[i]) * x[i] + double(y[i]) * y[i];
+            ASSERT_LE(r2, 1 + 1e-6);
+            const double turn = std::atan2(y[i], x[i]) / (2 * std::numbers::pi) + 0.5;
+            ++observed[std::min(7, int(r2 * 8)) * 8 + std::min(7, int(turn * 8))];
+        }
+    }
+    for (double& e : expected) e = drawn / 64.0;
+    EXPECT_EQ(test::chi_square(observed, expected), "");
+}
+
+TEST(Filter, FollowsItsShape)
+{
+    FilterTable gaussian, blackman_harris;
+    gaussian.make_gaussian();
+    blackman_harris.make_blackman_harris();
+    const auto check = [](const FilterTable& table, double radius, auto f) {
+        constexpr int cells = 40, per_cell = 2000;
+        std::vector<double> observed(cells), expected(cells);
+        double total = 0;
+        for (int i = 0; i < cells; ++i) {
+            for (int k = 0; k < 50; ++k) expected[std::size_t(i)] += f(radius * (2 * (i + (k + 0.5) / 50) / cells - 1));
+            total += expected[std::size_t(i)];
+        }
+        test::Random random;
+        int drawn = 0;
+        for (; drawn < cells * per_cell; drawn += lanes) {
+            float x[lanes];
+            store(x, table.sample(random.next()));
+            for (float v : x) {
+                ASSERT_LE(std::abs(v), radius + 1e-5);
+                ++observed[std::size_t(std::clamp(int((v / radius + 1) / 2 * cells), 0, cells - 1))];
+            }
+        }
+        for (double& e : expected) e *= drawn / total;
+        EXPECT_EQ(test::chi_square(observed, expected), "");
+    };
+    check(gaussian, 2, [](double x) { return std::exp(-2 * x * x) - std::exp(-8.0); });
+    check(blackman_harris, 1.65, [](double x) {
+        const double t = std::numbers::pi * (x / 1.65 + 1);
+        return 0.35875 - 0.48829 * std::cos(t) + 0.14128 * std::cos(2 * t) - 0.01168 * std::cos(3 * t);
+    });
+}
+
+}  // namespace
+}  // namespace fathom
