@@ -3,7 +3,7 @@
 #   scripts/bare_machine_test.sh [--no-tests] [SUITE] [MIRROR]
 # SUITE is bookworm (Debian 12, the default) or noble (Ubuntu 24.04); MIRROR is where its packages come from (default: the first
 # that this machine's apt has). What is tested is the last commit. Needs root, debootstrap, 8 GB of disk and about half an
-# hour; it is no part of CI.
+# hour; it is no part of CI. DEBOOTSTRAP_OPTIONS may say more, as --keyring=FILE where this machine lacks the suite's keys.
 set -euo pipefail
 with_tests=yes
 if [ "${1:-}" = --no-tests ]; then
@@ -44,9 +44,15 @@ timed() {
 }
 
 make_system() {
-    local components=main
-    if [ "$suite" = noble ]; then components=main,universe; fi
-    debootstrap --variant=minbase --components="$components" "$suite" "$bare" "$mirror" >"$bare.log" ||
+    local components=main script=()
+    if [ "$suite" = noble ]; then
+        components=main,universe
+        # Older debootstraps don't know this release; all of Ubuntu's have the same script.
+        [ -e "/usr/share/debootstrap/scripts/$suite" ] || script=(/usr/share/debootstrap/scripts/gutsy)
+    fi
+    # shellcheck disable=SC2086  # several options
+    debootstrap ${DEBOOTSTRAP_OPTIONS:-} --variant=minbase --components="$components" "$suite" "$bare" "$mirror" \
+        "${script[@]}" >"$bare.log" ||
         fail "debootstrap (see $bare.log)"
     rm -f "$bare.log"
     cp /etc/resolv.conf "$bare/etc/resolv.conf"
