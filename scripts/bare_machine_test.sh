@@ -34,13 +34,12 @@ inside() {
     chroot --userspec="$user" "$bare" /usr/bin/env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
         HOME=/tmp LC_ALL=C bash -c 'cd /fathom && "$@"' bash "$@" </dev/null
 }
-# timed NAME COMMAND...: its seconds go into $seconds.
+# timed NAME COMMAND...: says how long it took.
 timed() {
-    local name=$1 start=$SECONDS
+    local name=$1
+    local TIMEFORMAT="bare machine: $name: %0R s, with %0U + %0S s of CPU"
     shift
-    "$@" || fail "$name"
-    seconds=$((SECONDS - start))
-    echo "bare machine: $name: $seconds s"
+    time "$@" || fail "$name"
 }
 
 make_system() {
