@@ -76,10 +76,10 @@ install_missing() {
             "On Ubuntu, the component 'universe' must be enabled (add-apt-repository universe)"
 }
 
-# Bytes that may be used, by the machine and by this container.
+# Bytes that may be used, by the machine and by this container. (mawk cuts %d off at 2^31.)
 free_memory() {
     local free limit
-    free=$(awk '/^MemAvailable:/ { printf "%d", $2 * 1024 }' /proc/meminfo 2>/dev/null || true)
+    free=$(awk '/^MemAvailable:/ { printf "%.0f", $2 * 1024 }' /proc/meminfo 2>/dev/null || true)
     limit=$(cat /sys/fs/cgroup/memory.max 2>/dev/null || echo max)
     if [ "$limit" != max ] && [ "$limit" -lt "${free:-0}" ]; then
         free=$limit
