@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -135,6 +136,9 @@ bool render(const Scene& scene, const RenderSettings& settings, SampleRange rang
     const CameraTable camera = compiled.camera_table(settings.width, settings.height);
     const Crop crop = settings.crop.value_or(Crop{0, 0, settings.width, settings.height});
     const int threads = settings.threads > 0 ? settings.threads : tbb::this_task_arena::max_concurrency();
+    // More threads than cores are allowed where they are asked for.
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    std::size_t(std::max(threads, tbb::this_task_arena::max_concurrency())));
     tbb::task_arena arena(threads);
     Workers workers;
 
