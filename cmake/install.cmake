@@ -1,0 +1,19 @@
+# `cmake --install`: the program, the library with the kernel libraries and the module beside it, headers, the CMake package.
+# Everything finds everything else relative to itself, so the folder may be moved.
+include(CMakePackageConfigHelpers)
+set(FATHOM_PACKAGE_FOLDER ${CMAKE_INSTALL_LIBDIR}/cmake/fathom)
+
+install(TARGETS fathom RUNTIME)
+install(TARGETS fathom_library EXPORT fathom LIBRARY)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/fathom DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.h)
+install(FILES ${PROJECT_SOURCE_DIR}/docs/scene.schema.json ${PROJECT_SOURCE_DIR}/docs/scene-format.md
+              ${PROJECT_SOURCE_DIR}/LICENSE
+        DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+# fathom::fathom, for find_package(fathom). What the library itself links stays its own affair.
+install(EXPORT fathom FILE fathom-targets.cmake NAMESPACE fathom:: DESTINATION ${FATHOM_PACKAGE_FOLDER})
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/fathom-config.cmake.in ${CMAKE_BINARY_DIR}/fathom-config.cmake
+                              INSTALL_DESTINATION ${FATHOM_PACKAGE_FOLDER} NO_SET_AND_CHECK_MACRO)
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/fathom-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/fathom-config.cmake ${CMAKE_BINARY_DIR}/fathom-config-version.cmake
+        DESTINATION ${FATHOM_PACKAGE_FOLDER})

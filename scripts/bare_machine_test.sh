@@ -1,0 +1,86 @@
+#!/usr/bin/env bash
+# The two commands of the README on a machine that has nothing yet: a minimal system in a folder (debootstrap, chroot).
+#   scripts/bare_machine_test.sh [--no-tests] [SUITE] [MIRROR]
+# SUITE is bookworm (Debian 12, the default) or noble (Ubuntu 24.04); MIRROR is where its packages come from (default: the first
+# that this machine's apt has). What is tested is the last commit. Needs root, debootstrap, 8 GB of disk and about half an
+# hour; it is no part of CI. DEBOOTSTRAP_OPTIONS may say more, as --keyring=FILE where this machine lacks the suite's keys.
+set -euo pipefail
+with_tests=yes
+if [ "${1:-}" = --no-tests ]; then
+    with_tests=no
+    shift
+fi
+suite=${1:-bookworm}
+# shellcheck disable=SC2016  # $(REPO_URI) is for apt-get
+mirror=${2:-$(apt-get indextargets --format '$(REPO_URI)' | head -n 1)}
+source=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+bare=$(mktemp -d)
+
+cleanup() {
+    umount "$bare/dev/shm" "$bare/proc" 2>/dev/null || true
+    # Never through a mount that is still there.
+    if ! grep -q " $bare/" /proc/mounts; then rm -rf --one-file-system "$bare"; fi
+}
+trap cleanup EXIT
+
+fail() {
+    echo "bare machine: FAILED: $*"
+    exit 1
+}
+# inside USER COMMAND...: in the bare system, in the folder of Fathom, with nothing of this machine's environment.
+inside() {
+    local user=$1
+    shift
+    chroot --userspec="$user" "$bare" /usr/bin/env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
+        HOME=/tmp LC_ALL=C bash -c 'cd /fathom && "$@"' bash "$@" </dev/null
+}
+# timed NAME COMMAND...: says how long it took.
+timed() {
+    local name=$1
+    local TIMEFORMAT="bare machine: $name: %0R s, with %0U + %0S s of CPU"
+    shift
+    time "$@" || fail "$name"
+}
+
+make_system() {
+    local components=main script=()
+    if [ "$suite" = noble ]; then
+        components=main,universe
+        # Older debootstraps don't know this release; all of Ubuntu's have the same script.
+        [ -e "/usr/share/debootstrap/scripts/$suite" ] || script=(/usr/share/debootstrap/scripts/gutsy)
+    fi
+    # shellcheck disable=SC2086  # several options
+    debootstrap ${DEBOOTSTRAP_OPTIONS:-} --variant=minbase --components="$components" "$suite" "$bare" "$mirror" \
+        "${script[@]}" >"$bare.log" ||
+        fail "debootstrap (see $bare.log)"
+    rm -f "$bare.log"
+    cp /etc/resolv.conf "$bare/etc/resolv.conf"
+    mount -t proc proc "$bare/proc"
+    mkdir -p "$bare/dev/shm"
+    mount -t tmpfs tmpfs "$bare/dev/shm"
+    mkdir "$bare/fathom"
+    git -C "$source" archive HEAD | tar -x -C "$bare/fathom"
+}
+
+# A package is taken away again, and a user who may not install it asks for a picture; then one who may.
+try_as_user() {
+    inside root apt-get -qq remove libstb-dev >/dev/null
+    inside root useradd --create-home user
+    inside root chown -R user /fathom
+    if inside user ./render.sh >"$bare/tmp/no-sudo.log" 2>&1; then fail "a user without sudo should get an error"; fi
+    grep -q "no sudo here" "$bare/tmp/no-sudo.log" || fail "a user without sudo should be told so"
+    inside root apt-get -qq install --yes --no-install-recommends sudo >/dev/null 2>&1
+    echo 'user ALL=(ALL) NOPASSWD: ALL' >"$bare/etc/sudoers.d/user"
+    timed "render.sh as a user with sudo, one package missing" inside user ./render.sh
+}
+
+make_system
+timed "render.sh, the first time, as root" inside root ./render.sh
+[ "$(head -c 4 "$bare/fathom/cornell-box.png" | tail -c 3)" = PNG ] || fail "no picture"
+du -sh "$bare" | sed 's/^/bare machine: all in all /; s/\t.*//'
+timed "render.sh, the second time" inside root ./render.sh
+try_as_user
+if [ "$with_tests" = yes ]; then
+    timed "test.sh" inside user ./test.sh
+fi
+echo "bare machine: passed"

@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# symbols_test.sh NM LIBFATHOM KERNEL...: the libraries export what they should and nothing else. A template compiled for one
+# instruction set that leaves a library may be taken by the loader for a program on a machine that has it not.
+set -euo pipefail
+nm=$1 library=$2
+shift 2
+failed=0
+
+exported() { "$nm" --dynamic --defined-only --demangle --format=posix "$1" | sed 's/ [A-Za-z] [0-9a-f]*\( [0-9a-f]*\)\{0,1\}$//'; }
+
+# complain WHAT SYMBOLS: if there are any.
+complain() {
+    if [ -n "$2" ]; then
+        printf '%s\n%s\n' "$1" "$2"
+        failed=1
+    fi
+}
+
+complain "$library exports what is not of namespace fathom:" \
+    "$(exported "$library" | grep -v -E '^((typeinfo|typeinfo name|vtable) for )?fathom::' || true)"
+for kernel in "$@"; do
+    symbols=$(exported "$kernel")
+    complain "$kernel exports more than integrate/kernel.h offers:" \
+        "$(grep -v -E '^fathom::(make_kernel_scene|render_job|kernel_lanes|kernel_name)\(' <<<"$symbols" || true)"
+    [ "$(wc -l <<<"$symbols")" -eq 4 ] || complain "$kernel should export four functions:" "$symbols"
+done
+exit "$failed"
