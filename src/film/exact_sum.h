@@ -43,8 +43,10 @@ struct ExactSum {
     }
     static double value(const std::uint32_t* sum)
     {
-        return std::ldexp(double(std::int32_t(sum[2])), 64 - fraction_bits) +
-               std::ldexp(double(sum[0] | std::uint64_t(sum[1]) << 32), -fraction_bits);
+        constexpr double unit = 1 / double(std::uint64_t(1) << fraction_bits);
+        // Factors are powers of two: only the addition, and a lower part beyond 53 bits, are rounded.
+        return double(std::int32_t(sum[2])) * (0x1p64 * unit) +
+               double(sum[0] | std::uint64_t(sum[1]) << 32) * unit;
     }
 };
 
