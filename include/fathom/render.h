@@ -134,7 +134,7 @@ FATHOM_API bool render(const Scene& scene, const RenderSettings& settings, Sampl
 /// as a window whose camera moves. Returns true if done, with the bits that render() makes; false if `cancel` became
 /// true, which is looked at between tiles, that is every few milliseconds: `film` is then as it was before.
 ///
-/// Takes as much memory again as the film has, and keeps it with the film for further passes.
+/// A film that has samples takes as much memory again for further ones, and keeps it.
 FATHOM_API bool render_pass(const Scene& scene, const RenderSettings& settings, SampleRange range, Film& film,
                             const std::atomic<bool>& cancel);
 

@@ -242,19 +242,33 @@ bool render_pass(const Scene& scene, const RenderSettings& settings, SampleRange
     for (const SampleRange& r : data.samples)
         if (range.first < r.second && r.first < range.second)
             throw Error("", "", fmt::format("samples of {}:{} are in the film already", range.first, range.second));
-    // The pass is summed apart. Each of its pixels is written once, so what an earlier one left needs no clearing.
-    data.pass_words.resize(data.words.size());
+    // The first pass needs no care: what is left of it can be cleared. Further ones are summed apart; there each pixel is
+    // written once, so what an earlier pass left needs no clearing.
+    const bool is_first = data.samples.empty();
+    if (!is_first) data.pass_words.resize(data.words.size());
+    std::uint32_t* const sums = is_first ? data.words.data() : data.pass_words.data();
     const std::size_t words = std::size_t(data.layout.words);
     const auto take = [&](const Worker& worker) {
-        for (std::uint32_t i = 0; i < worker.pixels.size(); ++i) {
-            std::uint32_t* pixel = pixel_words(worker, i, data, data.pass_words.data());
+        for (std::uint32_t i = 0; !is_first && i < worker.pixels.size(); ++i) {
+            std::uint32_t* pixel = pixel_words(worker, i, data, sums);
             std::fill_n(pixel, words, 0u);
             if (data.layout.ids >= 0) pixel[data.layout.ids] = 0xffffffffu;
         }
-        add_to_words(worker, data, data.pass_words.data());
+        add_to_words(worker, data, sums);
     };
-    passes.render(range, take, [&] { return cancel.load(std::memory_order_relaxed); });
-    if (cancel) return false;
+    std::atomic<bool> stopped = false;
+    passes.render(range, take, [&] {
+        if (cancel.load(std::memory_order_relaxed)) stopped.store(true, std::memory_order_relaxed);
+        return stopped.load(std::memory_order_relaxed);
+    });
+    if (stopped) {
+        if (is_first) film.clear();
+        return false;
+    }
+    if (is_first) {
+        passes.finish(range);
+        return true;
+    }
     const Crop crop = settings.crop.value_or(Crop{0, 0, settings.width, settings.height});
     passes.for_ranges(std::size_t(crop.y1 - crop.y0), [&](std::size_t first, std::size_t last) {
         for (std::size_t row = first; row < last; ++row) {
