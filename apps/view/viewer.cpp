@@ -343,7 +343,8 @@ void Viewer::draw()
 void Viewer::set_title()
 {
     std::string title = job_.name;
-    if (view_ != View::picture) title += fmt::format(" [{}]", name_of(view_));
+    // Of what is on the screen, not of what was asked for.
+    if (frame_.view != View::picture) title += fmt::format(" [{}]", name_of(frame_.view));
     title += fmt::format(" - {} of {} samples, {} %", frame_.samples, std::max<std::uint64_t>(frame_.samples_end, 1),
                          frame_.samples * 100 / std::max<std::uint64_t>(frame_.samples_end, 1));
     if (frame_.samples_per_s > 0) title += fmt::format(" - {:.3g} M samples/s", frame_.samples_per_s / 1e6);
