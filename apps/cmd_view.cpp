@@ -1,19 +1,124 @@
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <cstring>
+#include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "arguments.h"
 #include "commands.h"
 #include "fathom/error.h"
+#include "interrupt.h"
+#include "picture_options.h"
+#include "reporter.h"
 #include "scene_options.h"
+#include "view/module.h"
 
 namespace fathom::cli {
 
+namespace {
+
+/// Clear for most scenes, and an end: a window that is forgotten stops working.
+constexpr std::uint64_t default_samples = 4096;
+
+struct ViewOptions {
+    SceneOptions scene;
+    PictureOptions picture;
+    std::optional<std::uint64_t> samples;
+    int threads = 0;
+    std::filesystem::path latency_log;
+    int script_moves = 0;
+};
+
+/// The module with the window, beside the program or where it is installed. Throws Error if it is not there.
+void* open_module()
+{
+    std::error_code error;
+    const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+    for (const std::filesystem::path& place : {folder, folder / ".." / "lib", folder / ".." / FATHOM_LIBDIR}) {
+        const std::filesystem::path file = place / view::module_file;
+        if (!std::filesystem::exists(file, error)) continue;
+        void* const module = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+        if (!module) throw Error("", "", fmt::format("the module with the window can't be used: {}", dlerror()));
+        const auto version = static_cast<const char* const*>(dlsym(module, view::version_symbol));
+        if (version && std::strcmp(*version, FATHOM_VERSION) == 0) return module;
+        throw Error(file.string(), "", "belongs to another version of Fathom");
+    }
+    throw Error("", "", fmt::format("this installation has no window: its module {} is not there", view::module_file));
+}
+
+template <class Function>
+Function* function_of(void* module, const char* symbol)
+{
+    const auto function = reinterpret_cast<Function*>(dlsym(module, symbol));
+    if (!function) throw Error("", "", fmt::format("the module {} has no {}", view::module_file, symbol));
+    return function;
+}
+
+int run_view(const ViewOptions& o)
+{
+    // Before a scene is loaded, which can take long.
+    void* const module = open_module();
+    if (const std::string trouble = function_of<view::Trouble>(module, view::trouble_symbol)(); !trouble.empty())
+        throw Error("", "", trouble);
+
+    Reporter reporter(default_report_mode());
+    Warnings warnings;
+    LoadedScene loaded = load_for_render(o.scene, warnings);
+    const RenderHints& hints = loaded.description.hints;
+    RenderSettings settings;
+    settings.width = loaded.size.width;
+    settings.height = loaded.size.height;
+    settings.threads = o.threads;
+    apply_hints(hints, o.scene.file.string(), settings);
+    if (hints.samples && *hints.samples < 1) throw Error(o.scene.file.string(), "samples", "expected 1 at least");
+    if (!loaded.added.empty())
+        reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
+
+    view::ViewJob job{Scene::compile(loaded.description, loaded.camera, warnings), settings, {}, 0, {}, {}, {}, 0, nullptr};
+    reporter.warnings(warnings);
+    job.name = o.scene.file.filename().string();
+    job.samples = o.samples.value_or(hints.samples ? std::uint64_t(*hints.samples) : default_samples);
+    job.display = write_options(o.picture, hints).display;
+    job.bounds = world_bounds(loaded.description);
+    job.latency_log = o.latency_log;
+    job.script_moves = o.script_moves;
+    job.interrupted = &interrupted();
+    loaded.description = {};
+
+    finish_on_interrupt("");
+    if (const std::string trouble = function_of<view::RunView>(module, view::run_symbol)(job); !trouble.empty())
+        throw Error("", "", trouble);
+    return exit_ok;
+}
+
+}  // namespace
+
 void add_view(CLI::App& program, Run& run)
 {
-    const auto options = std::make_shared<SceneOptions>();
+    const auto options = std::make_shared<ViewOptions>();
     Command command(program, "view", "Show a scene in a window as it becomes clear");
-    add_scene_options(command, *options);
-    command.set_footer("Example:\n  fathom view model.glb\n\nExit codes: 0 done; 1 error; 2 wrong usage.");
-    command.set_run(run, [options]() -> int { throw Error("", "", "this build has no window"); });
+    add_scene_options(command, options->scene);
+    command.add_value("--spp", "N", "samples a pixel at which to rest (default: the scene's, else 4096)",
+                      [o = options.get()](const std::string& text) { o->samples = parse_integer(text, 1, 1ull << 32); });
+    command.add_value("--threads", "N", "threads (default: all cores)", [o = options.get()](const std::string& text) {
+        o->threads = int(parse_integer(text, 1, 4096));
+    });
+    add_display_options(command, options->picture);
+    command.add_value("--log-latency", "FILE", "write how long each camera move takes to be seen, milliseconds, as CSV",
+                      [o = options.get()](const std::string& text) { o->latency_log = text; });
+    command.add_value("--script-moves", "N", "move the camera N times, say how long that took to be seen, and quit",
+                      [o = options.get()](const std::string& text) {
+                          o->script_moves = int(parse_integer(text, 1, 1000000));
+                      });
+    command.set_footer(
+        "H in the window shows what mouse and keys do; docs/view.md tells more.\n\n"
+        "Examples:\n"
+        "  fathom view model.glb\n"
+        "  fathom view scene.json --size 1280x720 --exposure 1 --tonemap filmic\n\n"
+        "Exit codes: 0 done; 1 error, also if there is no display; 2 wrong usage.");
+    command.set_run(run, [options] { return run_view(*options); });
 }
 
 }  // namespace fathom::cli

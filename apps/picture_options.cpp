@@ -11,17 +11,22 @@ namespace fathom::cli {
 
 const std::vector<std::string> tonemap_names = {"srgb", "filmic"};
 
+void add_display_options(Command& command, PictureOptions& options)
+{
+    command.add_value("--exposure", "STOPS", "brighter (+) or darker (-) PNG, JPEG and window, in powers of two",
+                      [&](const std::string& text) { options.exposure_ev = parse_number(text, -100, 100); });
+    command.add_value(
+        "--tonemap", "srgb|filmic",
+        "for PNG, JPEG and window; srgb (default) shows radiance up to 1 as it is, so that pictures can be compared; "
+        "filmic rolls off highlights",
+        [&](const std::string& text) { options.tonemap = Tonemap(parse_word(text, tonemap_names)); });
+}
+
 void add_picture_options(Command& command, PictureOptions& options)
 {
     command.add_files("-o,--output", options.outputs,
                       "file to write: .exr, .png, .jpg or .hdr; may be given several times");
-    command.add_value("--exposure", "STOPS", "brighter (+) or darker (-) PNG and JPEG, in powers of two",
-                      [&](const std::string& text) { options.exposure_ev = parse_number(text, -100, 100); });
-    command.add_value(
-        "--tonemap", "srgb|filmic",
-        "for PNG and JPEG; srgb (default) shows radiance up to 1 as it is, so that pictures can be compared; "
-        "filmic rolls off highlights",
-        [&](const std::string& text) { options.tonemap = Tonemap(parse_word(text, tonemap_names)); });
+    add_display_options(command, options);
     command.add_value("--png-bits", "8|16", "bits per channel of PNG (default 8)",
                       [&](const std::string& text) { options.png_bits = parse_word(text, {"8", "16"}) ? 16 : 8; });
     command.add_value("--exr", "half|float", "numbers of EXR (default float)",

@@ -19,6 +19,8 @@ struct PictureOptions {
     bool exr_half = false;
 };
 
+/// Those that a window has too: how radiance is shown.
+void add_display_options(Command& command, PictureOptions& options);
 void add_picture_options(Command& command, PictureOptions& options);
 bool writes_exr(const PictureOptions& options);
 /// Options first, then what the scene asks for.

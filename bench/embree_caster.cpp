@@ -16,7 +16,8 @@ EmbreeCaster::EmbreeCaster(const Mesh& mesh, const std::string& isa, int threads
     rtcSetSceneFlags(scene_, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     const SceneTables& t = mesh.tables;
-    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), t.positions.size()),
+    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
+                                        t.positions.size()),
                 t.positions.data(), t.positions.size() * sizeof(Vec3f));
     std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, t.triangle_count()),
                 t.triangles.data(), t.triangles.size() * 4);
@@ -46,11 +47,13 @@ bool EmbreeCaster::count_memory(void* self, ssize_t bytes, bool)
 
 namespace {
 
-void cast_single(RTCScene scene, RTCIntersectContext& context, const RaySet& set, std::size_t first, std::size_t n, Results& results)
+void cast_single(RTCScene scene, RTCIntersectContext& context, const RaySet& set, std::size_t first, std::size_t n,
+                 Results& results)
 {
     for (std::size_t i = first; i < first + n; ++i) {
         RTCRayHit r;
-        r.ray = {set.o[0][i], set.o[1][i], set.o[2][i], 0, set.d[0][i], set.d[1][i], set.d[2][i], 0, set.t_max[i], ~0u, 0, 0};
+        r.ray = {set.o[0][i], set.o[1][i], set.o[2][i],  0,   set.d[0][i], set.d[1][i],
+                 set.d[2][i], 0,           set.t_max[i], ~0u, 0,           0};
         if (set.shadow) {
             rtcOccluded1(scene, &context, &r.ray);
             results.blocked[i] = r.ray.tfar < 0;
@@ -66,7 +69,8 @@ void cast_single(RTCScene scene, RTCIntersectContext& context, const RaySet& set
 
 /// Packet: RTCRayHit8 or 16.
 template <int N, class Packet, class Intersect, class Occluded>
-void cast_packets(const RaySet& set, std::size_t first, std::size_t n, Results& results, const Intersect& intersect, const Occluded& occluded)
+void cast_packets(const RaySet& set, std::size_t first, std::size_t n, Results& results, const Intersect& intersect,
+                  const Occluded& occluded)
 {
     for (std::size_t i = first; i < first + n; i += N) {
         Packet p;
@@ -97,7 +101,8 @@ void cast_packets(const RaySet& set, std::size_t first, std::size_t n, Results& 
     }
 }
 
-void cast_stream(RTCScene scene, RTCIntersectContext& context, const RaySet& set, std::size_t first, std::size_t n, Results& results)
+void cast_stream(RTCScene scene, RTCIntersectContext& context, const RaySet& set, std::size_t first, std::size_t n,
+                 Results& results)
 {
     constexpr std::size_t size = 1024;
     struct Scratch {
@@ -116,8 +121,18 @@ void cast_stream(RTCScene scene, RTCIntersectContext& context, const RaySet& set
         float* t = set.shadow ? s.t : &results.t[i];
         std::memcpy(t, &set.t_max[i], m * 4);
         RTCRayHitNp p;
-        p.ray = {pointer(set.o[0], i), pointer(set.o[1], i), pointer(set.o[2], i), s.zero, pointer(set.d[0], i), pointer(set.d[1], i),
-                 pointer(set.d[2], i), s.zero, t, s.ones, s.id, s.flags};
+        p.ray = {pointer(set.o[0], i),
+                 pointer(set.o[1], i),
+                 pointer(set.o[2], i),
+                 s.zero,
+                 pointer(set.d[0], i),
+                 pointer(set.d[1], i),
+                 pointer(set.d[2], i),
+                 s.zero,
+                 t,
+                 s.ones,
+                 s.id,
+                 s.flags};
         if (set.shadow) {
             rtcOccludedNp(scene, &context, &p.ray, unsigned(m));
             for (std::size_t k = 0; k < m; ++k) results.blocked[i + k] = t[k] < 0;
@@ -126,29 +141,37 @@ void cast_stream(RTCScene scene, RTCIntersectContext& context, const RaySet& set
         std::memset(s.geometry, 0xff, m * 4);
         std::memset(&results.primitive[i], 0xff, m * 4);
         std::memset(&results.instance[i], 0xff, m * 4);
-        p.hit = {s.ng[0], s.ng[1], s.ng[2], &results.u[i], &results.v[i], &results.primitive[i], s.geometry, {&results.instance[i]}};
+        p.hit = {s.ng[0],       s.ng[1],
+                 s.ng[2],       &results.u[i],
+                 &results.v[i], &results.primitive[i],
+                 s.geometry,    {&results.instance[i]}};
         rtcIntersectNp(scene, &context, &p, unsigned(m));
     }
 }
 
 }  // namespace
 
-void EmbreeCaster::cast(const RaySet& set, std::size_t first, std::size_t n, Call call, bool coherent, Results& results) const
+void EmbreeCaster::cast(const RaySet& set, std::size_t first, std::size_t n, Call call, bool coherent,
+                        Results& results) const
 {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     switch (call) {
-        case single: return cast_single(scene_, context, set, first, n, results);
+        case single:
+            return cast_single(scene_, context, set, first, n, results);
         case packet8:
             return cast_packets<8, RTCRayHit8>(
-                set, first, n, results, [&](const int* valid, RTCRayHit8& p) { rtcIntersect8(valid, scene_, &context, &p); },
+                set, first, n, results,
+                [&](const int* valid, RTCRayHit8& p) { rtcIntersect8(valid, scene_, &context, &p); },
                 [&](const int* valid, RTCRayHit8& p) { rtcOccluded8(valid, scene_, &context, &p.ray); });
         case packet16:
             return cast_packets<16, RTCRayHit16>(
-                set, first, n, results, [&](const int* valid, RTCRayHit16& p) { rtcIntersect16(valid, scene_, &context, &p); },
+                set, first, n, results,
+                [&](const int* valid, RTCRayHit16& p) { rtcIntersect16(valid, scene_, &context, &p); },
                 [&](const int* valid, RTCRayHit16& p) { rtcOccluded16(valid, scene_, &context, &p.ray); });
-        default: return cast_stream(scene_, context, set, first, n, results);
+        default:
+            return cast_stream(scene_, context, set, first, n, results);
     }
 }
 

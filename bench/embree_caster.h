@@ -14,8 +14,14 @@ struct Results {
     std::vector<float> t, u, v;
     std::vector<std::uint32_t> primitive, instance, blocked;
 
-    explicit Results(std::size_t n) : t(n + 64), u(n + 64), v(n + 64), primitive(n + 64), instance(n + 64), blocked(n + 64) {}
-    HitArraysOut arrays(std::size_t first) { return {&t[first], &u[first], &v[first], &primitive[first], &instance[first]}; }
+    explicit Results(std::size_t n)
+        : t(n + 64), u(n + 64), v(n + 64), primitive(n + 64), instance(n + 64), blocked(n + 64)
+    {
+    }
+    HitArraysOut arrays(std::size_t first)
+    {
+        return {&t[first], &u[first], &v[first], &primitive[first], &instance[first]};
+    }
 };
 
 class EmbreeCaster {

@@ -93,7 +93,8 @@ double noise(double x, double y, std::uint32_t seed)
 double height(double x, double y)
 {
     double sum = 0, scale = 1;
-    for (std::uint32_t octave = 0; octave < 9; ++octave, scale *= 0.5) sum += scale * noise(x * 6 / scale, y * 6 / scale, octave);
+    for (std::uint32_t octave = 0; octave < 9; ++octave, scale *= 0.5)
+        sum += scale * noise(x * 6 / scale, y * 6 / scale, octave);
     return 200 * sum * sum / 4;
 }
 
@@ -130,7 +131,8 @@ void make_foliage(Mesh& mesh, std::size_t triangles)
         if (i % 60 == 0) root = {uniform(-100, 100), uniform(0, 60), uniform(-100, 100)};
         Vec3d p = root + Vec3d{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
         Vec3d along = normalize({uniform(-1, 1), uniform(-0.3, 1), uniform(-1, 1)}) * uniform(1.5, 4);
-        const Vec3d across = normalize(cross(along, {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)})) * uniform(0.03, 0.12);
+        const Vec3d across =
+            normalize(cross(along, {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)})) * uniform(0.03, 0.12);
         const auto first = std::uint32_t(t.positions.size());
         for (int k = 0; k < 5; ++k) {
             const Vec3d q = p + across * (k % 2 ? 1 : -1) * (1 - k / 5.0);
@@ -192,7 +194,8 @@ Mesh read_ply(const std::string& path)
             for (std::size_t k = 0; k < n; ++k) corners.push_back(std::uint32_t(next_number(in, property.type)));
             for (std::size_t k = 2; k < n; ++k)
                 for (std::size_t v : {std::size_t(0), k - 1, k}) {
-                    if (corners[v] >= vertices) throw std::runtime_error(path + ": a face names a vertex that there is not");
+                    if (corners[v] >= vertices)
+                        throw std::runtime_error(path + ": a face names a vertex that there is not");
                     mesh.tables.triangles.push_back(corners[v]);
                 }
         }
@@ -200,7 +203,9 @@ Mesh read_ply(const std::string& path)
     mesh.view = framing(mesh.tables);
     if (std::ifstream view(path.substr(0, path.find_last_of('.')) + ".json"); view) {
         const nlohmann::json json = nlohmann::json::parse(view);
-        const auto vector = [&](const char* key) { return Vec3d{json.at(key).at(0), json.at(key).at(1), json.at(key).at(2)}; };
+        const auto vector = [&](const char* key) {
+            return Vec3d{json.at(key).at(0), json.at(key).at(1), json.at(key).at(2)};
+        };
         mesh.view = {vector("position"), vector("look_at"), vector("up"), json.at("x_fov_degrees")};
     }
     return mesh;
@@ -214,9 +219,12 @@ Mesh generate(const std::string& name)
     const std::string kind = name.substr(0, dash);
     const std::size_t millions = dash == std::string::npos ? 1 : std::stoul(name.substr(dash + 1));
     const std::size_t triangles = millions ? millions * 1'000'000 : 50'000;
-    if (kind == "terrain") make_terrain(mesh, triangles);
-    else if (kind == "foliage") make_foliage(mesh, triangles);
-    else throw std::runtime_error(name + ": known are terrain-N and foliage-N");
+    if (kind == "terrain")
+        make_terrain(mesh, triangles);
+    else if (kind == "foliage")
+        make_foliage(mesh, triangles);
+    else
+        throw std::runtime_error(name + ": known are terrain-N and foliage-N");
     finish(mesh);
     return mesh;
 }

@@ -7,7 +7,8 @@ namespace fathom::bench {
 
 RayArrays RaySet::arrays(std::size_t first, std::size_t n) const
 {
-    return {&o[0][first], &o[1][first], &o[2][first], &d[0][first], &d[1][first], &d[2][first], &t_max[first], nullptr, n};
+    return {
+        &o[0][first], &o[1][first], &o[2][first], &d[0][first], &d[1][first], &d[2][first], &t_max[first], nullptr, n};
 }
 
 namespace {
@@ -18,7 +19,10 @@ struct Point {
     Vec3d p, n;
 };
 
-Vec3d wide(Vec3f a) { return {a.x, a.y, a.z}; }
+Vec3d wide(Vec3f a)
+{
+    return {a.x, a.y, a.z};
+}
 
 class Maker {
 public:
@@ -36,7 +40,8 @@ public:
     {
         constexpr int width = 1920, height = 1080;
         const View& view = mesh_.view;
-        const Vec3d forward = normalize(view.look_at - view.position), right = normalize(cross(forward, view.up)), up = cross(right, forward);
+        const Vec3d forward = normalize(view.look_at - view.position), right = normalize(cross(forward, view.up)),
+                    up = cross(right, forward);
         const double scale = std::tan(view.x_fov_deg * M_PI / 360) / (width / 2.0);
         RaySet set;
         set.kind = "primary";
@@ -64,7 +69,8 @@ public:
             if (primitive[i] == 0xffffffffu) continue;
             const SceneTables& tables = mesh_.tables;
             const std::uint32_t* corners = &tables.triangles[3 * std::size_t(primitive[i])];
-            const Vec3d a = wide(tables.positions[corners[0]]), b = wide(tables.positions[corners[1]]), c = wide(tables.positions[corners[2]]);
+            const Vec3d a = wide(tables.positions[corners[0]]), b = wide(tables.positions[corners[1]]),
+                        c = wide(tables.positions[corners[2]]);
             const Vec3d o{set.o[0][i], set.o[1][i], set.o[2][i]}, d{set.d[0][i], set.d[1][i], set.d[2][i]};
             Vec3d normal = normalize(cross(b - a, c - a));
             if (dot(normal, d) > 0) normal = -normal;
@@ -102,7 +108,8 @@ public:
         set.kind = "shadow";
         set.shadow = set.coherent = true;
         for (const Point& point : points) {
-            const Vec3d lamp = view.position + normalize(view.up) * distance + Vec3d{side * (uniform() - 0.5), 0, side * (uniform() - 0.5)};
+            const Vec3d lamp = view.position + normalize(view.up) * distance +
+                               Vec3d{side * (uniform() - 0.5), 0, side * (uniform() - 0.5)};
             const Vec3d d = lamp - point.p;
             add(set, point.p, normalize(d), float(length(d) * 0.9999));
         }

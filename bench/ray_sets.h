@@ -18,8 +18,8 @@ struct RaySet {
     static constexpr std::size_t padding = 64;
 };
 
-/// primary, shadow, bounce-1, bounce-3, occlusion: at 1920x1080 in Morton order of the pixels. With `parts` > 1 only every
-/// so many runs of 4096 pixels.
+/// primary, shadow, bounce-1, bounce-3, occlusion: at 1920x1080 in Morton order of the pixels. With `parts` > 1 only
+/// every so many runs of 4096 pixels.
 std::vector<RaySet> make_ray_sets(const Mesh& mesh, const Bvh& bvh, std::size_t parts);
 
 }  // namespace fathom::bench

@@ -74,6 +74,9 @@ public:
     Film& operator=(Film&&) noexcept;
     ~Film();
 
+    /// Forgets all samples, and the scene: as a new film of the same settings, without the cost of new memory.
+    void clear();
+
     int width() const;
     int height() const;
     /// Sorted, disjoint, merged where they touch.
@@ -126,6 +129,14 @@ struct Progress {
 FATHOM_API bool render(const Scene& scene, const RenderSettings& settings, SampleRange range, Film& film,
             const std::atomic<bool>* cancel = nullptr,
             const std::function<void(const Progress&, const Film&)>& on_pass = {});
+
+/// Renders the samples of `range`, 1 to 1024 of them, as one pass, for programs that may lose interest in it at any time,
+/// as a window whose camera moves. Returns true if done, with the bits that render() makes; false if `cancel` became
+/// true, which is looked at between tiles, that is every few milliseconds: `film` is then as it was before.
+///
+/// A film that has samples takes as much memory again for further ones, and keeps it.
+FATHOM_API bool render_pass(const Scene& scene, const RenderSettings& settings, SampleRange range, Film& film,
+                            const std::atomic<bool>& cancel);
 
 /// One sample of one pixel, radiance in Rec.709: the same value that it has inside a whole picture.
 FATHOM_API Color render_sample(const Scene& scene, const RenderSettings& settings, int x, int y, std::uint64_t sample_index);

@@ -51,7 +51,9 @@ struct ExactSum {
             low = ~low + 1;
             high = ~high + (low == 0 ? 1 : 0);
         }
-        const double magnitude = std::ldexp(double(high), 64 - fraction_bits) + std::ldexp(double(low), -fraction_bits);
+        // Factors are powers of two: only the addition, and a lower part beyond 53 bits, are rounded.
+        constexpr double unit = 1 / double(std::uint64_t(1) << fraction_bits);
+        const double magnitude = double(high) * (0x1p64 * unit) + double(low) * unit;
         return negative ? -magnitude : magnitude;
     }
 };

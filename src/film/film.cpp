@@ -107,6 +107,18 @@ Film::Film(Film&&) noexcept = default;
 Film& Film::operator=(Film&&) noexcept = default;
 Film::~Film() = default;
 
+void Film::clear()
+{
+    Data& data = *data_;
+    data.samples.clear();
+    data.scene_key.clear();
+    data.dropped = 0;
+    std::fill(data.words.begin(), data.words.end(), 0u);
+    if (data.layout.ids >= 0)
+        for (std::size_t i = 0; i * std::size_t(data.layout.words) < data.words.size(); ++i)
+            data.pixel(i)[data.layout.ids] = 0xffffffffu;
+}
+
 int Film::width() const { return data_->width; }
 int Film::height() const { return data_->height; }
 const std::vector<SampleRange>& Film::samples() const { return data_->samples; }
@@ -139,13 +151,7 @@ void Film::merge(const Film& other)
     if (to.scene_key.empty()) to.scene_key = from.scene_key;
     to.dropped += from.dropped;
     const std::size_t pixels = std::size_t(to.width) * std::size_t(to.height);
-    for (std::size_t i = 0; i < pixels; ++i) {
-        std::uint32_t* a = to.pixel(i);
-        const std::uint32_t* b = from.pixel(i);
-        for (int s = 0; s < to.layout.sums; ++s) ExactSum::add(a + s * ExactSum::words, b + s * ExactSum::words);
-        // Of ids, which can't be averaged, those of the lowest sample count.
-        if (const int ids = to.layout.ids; ids >= 0 && b[ids] < a[ids]) std::copy(b + ids, b + ids + 3, a + ids);
-    }
+    for (std::size_t i = 0; i < pixels; ++i) to.add_pixel(i, from.pixel(i));
 }
 
 Image Film::image(bool alpha, bool variance) const

@@ -29,9 +29,19 @@ struct Film::Data {
     std::vector<SampleRange> samples;
     std::uint64_t dropped = 0;
     std::vector<std::uint32_t> words;  ///< layout.words a pixel
+    std::vector<std::uint32_t> pass_words;  ///< of the pass at work, where it can be cancelled: see render_pass
 
     std::uint32_t* pixel(std::size_t index) { return &words[index * std::size_t(layout.words)]; }
     const std::uint32_t* pixel(std::size_t index) const { return &words[index * std::size_t(layout.words)]; }
+    /// Adds the words of the same pixel of another film.
+    void add_pixel(std::size_t index, const std::uint32_t* other)
+    {
+        std::uint32_t* own = pixel(index);
+        for (int s = 0; s < layout.sums; ++s) ExactSum::add(own + s * ExactSum::words, other + s * ExactSum::words);
+        // Of ids, which can't be averaged, those of the lowest sample count.
+        if (const int ids = layout.ids; ids >= 0 && other[ids] < own[ids])
+            for (int i = 0; i < 3; ++i) own[ids + i] = other[ids + i];
+    }
     /// Adds [range) to `samples`. Throws Error if some of it is there already.
     void add_range(SampleRange range);
 };

@@ -1,7 +1,7 @@
 /// What the tree offers to its callers: plain arrays in, plain arrays out.
 #include "geometry/bvh.h"
 
-#include "geometry/bvh_stream.h"
+#include "geometry/bvh_packet.h"
 
 namespace fathom {
 
@@ -45,34 +45,56 @@ void prepare(const RayArrays& rays, std::size_t at, int n, float radius, StreamM
         const Float time = rays.time ? load(rays.time + k) : Float(0);
         memory.world[i / lanes].prepare(load_vec3(rays.ox + k, rays.oy + k, rays.oz + k),
                                         load_vec3(rays.dx + k, rays.dy + k, rays.dz + k), t_max, time, radius);
-        alignas(64) float limits[lanes];
-        store(limits, t_max);
-        for (int lane = 0; lane < lanes; ++lane) memory.hits[i + lane] = {limits[lane]};
+        store(memory.hits.t + i, t_max);
+        store(memory.hits.what + i, UInt(no_index));
+        store(memory.hits.instance + i, UInt(no_index));
     }
 }
 
-void put(const HitArraysOut& hits, std::size_t i, const RayHit& hit)
+void put(const BvhData& bvh, const RayHits& hits, int i, const HitArraysOut& out, std::size_t to)
 {
-    hits.t[i] = hit.t;
-    hits.u[i] = hit.key & 1 ? 1 - hit.u : hit.u;
-    hits.v[i] = hit.key & 1 ? 1 - hit.v : hit.v;
-    hits.primitive[i] = hit.key == no_index ? no_index : hit.key >> 1;
-    hits.instance[i] = hit.instance;
+    const BvhKey key = hits.key(bvh, i);
+    out.t[to] = hits.t[i];
+    out.u[to] = key & 1 ? 1 - hits.u[i] : hits.u[i];
+    out.v[to] = key & 1 ? 1 - hits.v[i] : hits.v[i];
+    out.primitive[to] = key == no_index ? no_index : key >> 1;
+    out.instance[to] = hits.instance[i];
+}
+
+/// Too few rays that are alike are not worth a walk of their own.
+constexpr int least_packet = 8;
+
+/// Traces the first n rays of the memory.
+template <bool any_hit>
+void trace(const BvhData& bvh, int n, bool coherent, StreamMemory& memory)
+{
+    Stream<any_hit> stream(bvh, memory);
+    for (int i = 0; i < n; ++i) stream.add(i);
+    RayMask rest = n == 64 ? ~RayMask(0) : (RayMask(1) << n) - 1;
+    while (rest) {
+        const RayMask rays = coherent && lanes > 1 ? alike(memory, rest) : rest;
+        rest &= ~rays;
+        if (coherent && lanes > 1 && std::popcount(rays) >= least_packet) {
+            PacketTraversal<any_hit>(bvh, memory, stream, rays).run();
+        } else {
+            for (RayMask m = rays; m; m &= m - 1) {
+                stream.defer(std::countr_zero(m), bvh.root, 0);
+                stream.start(std::countr_zero(m));
+            }
+        }
+    }
+    stream.run();
 }
 
 template <bool any_hit, class Put>
-void trace(const BvhData& bvh, const RayArrays& rays, const Put& put_hit)
+void trace_all(const BvhData& bvh, const RayArrays& rays, bool coherent, const Put& put_hit)
 {
     static thread_local StreamMemory memory;
     for (std::size_t at = 0; at < rays.count; at += stream_size) {
         const int n = int(std::min(std::size_t(stream_size), rays.count - at));
         prepare(rays, at, n, bvh.radius, memory);
-        if (!bvh.empty) {
-            Stream<any_hit> stream(bvh, memory);
-            for (int i = 0; i < n; ++i) stream.add(i, bvh.root);
-            stream.run();
-        }
-        for (int i = 0; i < n; ++i) put_hit(at + std::size_t(i), memory.hits[i]);
+        if (!bvh.empty) trace<any_hit>(bvh, n, coherent, memory);
+        for (int i = 0; i < n; ++i) put_hit(memory.hits, i, at + std::size_t(i));
     }
 }
 
@@ -80,12 +102,14 @@ void trace(const BvhData& bvh, const RayArrays& rays, const Put& put_hit)
 
 void Bvh::closest(const RayArrays& rays, const HitArraysOut& hits, bool coherent) const
 {
-    trace<false>(*data_, rays, [&](std::size_t i, const RayHit& hit) { put(hits, i, hit); });
+    trace_all<false>(*data_, rays, coherent,
+                     [&](const RayHits& from, int i, std::size_t to) { put(*data_, from, i, hits, to); });
 }
 
 void Bvh::occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent) const
 {
-    trace<true>(*data_, rays, [&](std::size_t i, const RayHit& hit) { blocked[i] = hit.key != no_index; });
+    trace_all<true>(*data_, rays, coherent,
+                    [&](const RayHits& from, int i, std::size_t to) { blocked[to] = from.what[i] != no_index; });
 }
 
 }  // namespace fathom

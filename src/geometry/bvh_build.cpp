@@ -209,7 +209,8 @@ int depth_of(const BvhData& bvh, std::uint32_t reference)
     if (!BvhReference::is_node(reference)) return 0;
     const BvhNode& node = bvh.nodes[reference];
     int depth = 0;
-    for (int k = 0; k < bvh_width && node.bounds[0][k] <= node.bounds[3][k]; ++k) depth = std::max(depth, depth_of(bvh, node.child[k]));
+    for (int k = 0; k < bvh_width && node.bounds[0][k] <= node.bounds[3][k]; ++k)
+        depth = std::max(depth, depth_of(bvh, node.child[k]));
     return depth + 1;
 }
 
@@ -219,7 +220,7 @@ int stack_size_of(const BvhData& bvh)
     int world = bvh.empty ? 0 : depth_of(bvh, bvh.root), mesh = 0;
     for (const BvhData::Mesh& m : bvh.meshes)
         if (!m.empty) mesh = std::max(mesh, depth_of(bvh, m.root));
-    return ((bvh_width - 1) * (world + mesh) + 2 + 2 * bvh_width) / bvh_width * bvh_width;
+    return ((bvh_width - 1) * (world + mesh) + bvh_deferred + 2 + 2 * bvh_width) / bvh_width * bvh_width;
 }
 
 void count_children(BvhData& bvh)

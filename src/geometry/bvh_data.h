@@ -11,6 +11,8 @@
 namespace fathom {
 
 inline constexpr int bvh_width = 16;
+/// So many parts of the tree can a ray leave for later at the bottom of its stack.
+inline constexpr int bvh_deferred = 46;
 
 /// What a child of a node is, in 32 bits.
 ///

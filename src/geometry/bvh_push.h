@@ -24,8 +24,9 @@ struct BoxDistances {
 
 static_assert(box_parts == 1);
 
-/// Adds the children with near <= far, in the order given from far to near; the new size of the stack.
-[[gnu::always_inline]] inline int push_in_order(const BvhStack& stack, int size, const BvhNode& node,
+/// Adds those of 16 values `what` whose box has near <= far, in the order given from far to near; the new size of the
+/// stack.
+[[gnu::always_inline]] inline int push_in_order(const BvhStack& stack, int size, const std::uint32_t* what,
                                                 const std::uint32_t* order, const BoxDistances& box)
 {
     // The permutation reads the low 4 bits of each lane.
@@ -33,14 +34,15 @@ static_assert(box_parts == 1);
     slots = _mm512_mask_set1_epi32(slots, 0xff00, int(order[1]));
     slots = _mm512_srlv_epi32(slots, _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 0, 4, 8, 12, 16, 20, 24, 28));
     const __m512 near = _mm512_permutexvar_ps(slots, box.near[0].v), far = _mm512_permutexvar_ps(slots, box.far[0].v);
-    const __m512i child = _mm512_permutexvar_epi32(slots, _mm512_load_si512(node.child));
+    const __m512i child = _mm512_permutexvar_epi32(slots, _mm512_load_si512(what));
     const __mmask16 m = _mm512_cmp_ps_mask(near, far, _CMP_LE_OQ);
     _mm512_storeu_si512(stack.reference + size, _mm512_maskz_compress_epi32(m, child));
     _mm512_storeu_ps(stack.t + size, _mm512_maskz_compress_ps(m, near));
     return size + std::popcount(std::uint32_t(m));
 }
 
-[[gnu::always_inline]] inline int push_any(const BvhStack& stack, int size, const BvhNode& node, const BoxDistances& box)
+[[gnu::always_inline]] inline int push_any(const BvhStack& stack, int size, const BvhNode& node,
+                                           const BoxDistances& box)
 {
     const __mmask16 m = _mm512_cmp_ps_mask(box.near[0].v, box.far[0].v, _CMP_LE_OQ);
     _mm512_storeu_si512(stack.reference + size, _mm512_maskz_compress_epi32(m, _mm512_load_si512(node.child)));
@@ -54,12 +56,20 @@ inline int filter(const BvhStack& stack, int size, float t_max)
     for (int i = 0; i < size; i += 16) {
         const __m512i reference = _mm512_loadu_si512(stack.reference + i);
         const __m512 t = _mm512_loadu_ps(stack.t + i);
-        const __mmask16 m = _mm512_mask_cmp_ps_mask(first_lanes(std::size_t(size - i)).v, t, _mm512_set1_ps(t_max), _CMP_LE_OQ);
+        const __mmask16 m =
+            _mm512_mask_cmp_ps_mask(first_lanes(std::size_t(size - i)).v, t, _mm512_set1_ps(t_max), _CMP_LE_OQ);
         _mm512_storeu_si512(stack.reference + to, _mm512_maskz_compress_epi32(m, reference));
         _mm512_storeu_ps(stack.t + to, _mm512_maskz_compress_ps(m, t));
         to += std::popcount(std::uint32_t(m));
     }
     return to;
+}
+
+/// The lanes of m where t is least.
+[[gnu::always_inline]] inline std::uint32_t least_lanes(Mask m, Float t)
+{
+    const __m512 masked = _mm512_mask_blend_ps(m.v, _mm512_set1_ps(std::numeric_limits<float>::infinity()), t.v);
+    return _mm512_mask_cmp_ps_mask(m.v, masked, _mm512_set1_ps(_mm512_reduce_min_ps(masked)), _CMP_EQ_OQ);
 }
 
 #else
@@ -84,7 +94,21 @@ inline int filter(const BvhStack& stack, int size, float t_max)
 
 #if defined(__AVX2__)
 
-[[gnu::always_inline]] inline int push_in_order(const BvhStack& stack, int size, const BvhNode& node,
+[[gnu::always_inline]] inline std::uint32_t least_lanes(Mask m, Float t)
+{
+    const Float masked = select(m, t, Float(std::numeric_limits<float>::infinity()));
+    const auto halves = [](__m256 x) { return _mm256_min_ps(x, _mm256_permute2f128_ps(x, x, 1)); };
+#if FATHOM_LANE_PAIRS
+    __m256 least = halves(_mm256_min_ps(masked.a.v, masked.b.v));
+#else
+    __m256 least = halves(masked.v);
+#endif
+    least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0x4e));
+    least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0xb1));
+    return mask_bits(m & (masked == Float(_mm256_cvtss_f32(least))));
+}
+
+[[gnu::always_inline]] inline int push_in_order(const BvhStack& stack, int size, const std::uint32_t* what,
                                                 const std::uint32_t* order, const BoxDistances& box)
 {
     const std::uint32_t bits = boxes_met(box);
@@ -103,7 +127,7 @@ inline int filter(const BvhStack& stack, int size, float t_max)
     const int count = std::popcount(ordered);
     const auto push = [&] {
         const int s = slots[std::countr_zero(ordered)];
-        stack.reference[size] = node.child[s];
+        stack.reference[size] = what[s];
         stack.t[size++] = near[s];
         ordered &= ordered - 1;
     };
@@ -117,7 +141,12 @@ inline int filter(const BvhStack& stack, int size, float t_max)
 
 #else
 
-[[gnu::always_inline]] inline int push_in_order(const BvhStack& stack, int size, const BvhNode& node,
+[[gnu::always_inline]] inline std::uint32_t least_lanes(Mask m, Float)
+{
+    return mask_bits(m);
+}
+
+[[gnu::always_inline]] inline int push_in_order(const BvhStack& stack, int size, const std::uint32_t* what,
                                                 const std::uint32_t* order, const BoxDistances& box)
 {
     const std::uint32_t bits = boxes_met(box);
@@ -125,7 +154,7 @@ inline int filter(const BvhStack& stack, int size, float t_max)
     for (int part = 0; part < box_parts; ++part) store(near + part * lanes, box.near[part]);
     for (int i = 0; i < bvh_width; ++i) {
         const std::uint32_t s = order[i >> 3] >> 4 * (i & 7) & 15;
-        stack.reference[size] = node.child[s];
+        stack.reference[size] = what[s];
         stack.t[size] = near[s];
         size += int(bits >> s & 1);
     }
@@ -134,7 +163,8 @@ inline int filter(const BvhStack& stack, int size, float t_max)
 
 #endif
 
-[[gnu::always_inline]] inline int push_any(const BvhStack& stack, int size, const BvhNode& node, const BoxDistances& box)
+[[gnu::always_inline]] inline int push_any(const BvhStack& stack, int size, const BvhNode& node,
+                                           const BoxDistances& box)
 {
     for (std::uint32_t bits = boxes_met(box); bits; bits &= bits - 1)
         stack.reference[size++] = node.child[std::countr_zero(bits)];

@@ -14,6 +14,12 @@
 
 namespace fathom::inline FATHOM_LANES {
 
+/// By how much boxes are widened for a ray.
+inline Float ray_slack(const Vec3& o, float radius)
+{
+    return Float(bvh_slack) * (max_abs(o) + Float(radius));
+}
+
 /// Rays, one per lane: the distance to a plane at x is fma(x, inverse.x, near.x), or far.x, if it is of a box's nearer
 /// or farther side.
 struct BoxRays {
@@ -22,7 +28,7 @@ struct BoxRays {
     BoxRays() = default;
     BoxRays(const Vec3& o, const Vec3& d, float radius) : inverse(safe_inverse(d))
     {
-        const Float slack = Float(bvh_slack) * (max_abs(o) + Float(radius));
+        const Float slack = ray_slack(o, radius);
         const auto offset = [&](Float x, Float dx, Float ix, Float sign) {
             return -((x + sign * copysign(slack, dx)) * ix);
         };
@@ -33,22 +39,48 @@ struct BoxRays {
     }
 };
 
-/// As many rays as there are lanes, stored so that each can be read alone: ray i is at f[0] + i, its fields `lanes` apart.
+/// As many rays as there are lanes, stored so that each can be read alone: ray i is at f[0] + i, its fields `lanes`
+/// apart.
 struct PreparedRays {
     enum Field {
-        inverse_x, inverse_y, inverse_z, near_x, near_y, near_z, far_x, far_y, far_z,
-        origin_x, origin_y, origin_z, direction_x, direction_y, direction_z, shear_x, shear_y, shear_z,
-        t_max, time, octant, axis, field_count
+        inverse_x,
+        inverse_y,
+        inverse_z,
+        near_x,
+        near_y,
+        near_z,
+        far_x,
+        far_y,
+        far_z,
+        origin_x,
+        origin_y,
+        origin_z,
+        direction_x,
+        direction_y,
+        direction_z,
+        shear_x,
+        shear_y,
+        shear_z,
+        t_max,
+        time,
+        octant,
+        axis,
+        side_x,
+        side_y,
+        side_z,
+        field_count
     };
-    /// octant: the bits of an integer, bit per axis, set where the direction is negative; axis: of an integer, along which
-    /// the direction is longest.
+    /// octant: the bits of an integer, bit per axis, set where the direction is negative; axis: of an integer, along
+    /// which the direction is longest; side: where in BvhNode::bounds the nearer sides begin, by axis.
     alignas(64) float f[field_count][lanes];
 
     void prepare(const Vec3& o, const Vec3& d, Float ray_t_max, Float ray_time, float radius)
     {
         const BoxRays box(o, d, radius);
         const TriangleRay shear(Ray{o, d, ray_t_max, ray_time});
-        const auto set = [&](int field, const Vec3& v) { store(f[field], v.x), store(f[field + 1], v.y), store(f[field + 2], v.z); };
+        const auto set = [&](int field, const Vec3& v) {
+            store(f[field], v.x), store(f[field + 1], v.y), store(f[field + 2], v.z);
+        };
         set(inverse_x, box.inverse);
         set(near_x, box.near);
         set(far_x, box.far);
@@ -58,7 +90,12 @@ struct PreparedRays {
         store(f[t_max], ray_t_max);
         store(f[time], ray_time);
         // By the sign bit, as safe_inverse: -0 goes down.
-        store(f[octant], bits_float(float_bits(d.x) >> 31 | float_bits(d.y) >> 31 << 1 | float_bits(d.z) >> 31 << 2));
+        const UInt x = float_bits(d.x) >> 31, y = float_bits(d.y) >> 31, z = float_bits(d.z) >> 31;
+        constexpr std::uint32_t row = bvh_width;
+        store(f[side_x], bits_float(x * UInt(3 * row)));
+        store(f[side_y], bits_float(y * UInt(3 * row) + UInt(row)));
+        store(f[side_z], bits_float(z * UInt(3 * row) + UInt(2 * row)));
+        store(f[octant], bits_float(x | y << 1 | z << 2));
         store(f[axis], bits_float(select(shear.x_major, UInt(0u), select(shear.y_major, UInt(1u), UInt(2u)))));
     }
 };

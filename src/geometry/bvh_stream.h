@@ -1,28 +1,42 @@
 #pragma once
 /// Some dozen rays at once through the tree, each on its own way.
 ///
-/// A ray alone waits: for memory, for the long chain of instructions from a node to the next, for mispredicted branches.
-/// Here a wave takes each ray one node further, without a branch that depends on the ray; the next wave's nodes are
-/// fetched meanwhile. Rays that have come to a leaf wait for the wave of leaves. Each ray visits what it would visit alone
-/// in the same order.
+/// A ray alone waits: for memory, for the long chain of instructions from a node to the next, for mispredicted
+/// branches. Here a wave takes each ray one node further, without a branch that depends on the ray; the next wave's
+/// nodes are fetched meanwhile. Rays that have come to a leaf wait for the wave of leaves. Each ray visits what it
+/// would visit alone in the same order.
 #include <array>
+#include <vector>
 
 #include "geometry/bvh_push.h"
 #include "geometry/bvh_ray.h"
 
 namespace fathom::inline FATHOM_LANES {
 
-/// The nearest hit so far: the least of (t, key, instance).
-struct RayHit {
-    float t, u = 0, v = 0;
-    BvhKey key = no_index;
-    std::uint32_t instance = no_index;
+inline constexpr int stream_size = 64;
 
-    bool loses_to(float other_t, BvhKey other_key, std::uint32_t other_instance) const
+/// Of each ray the nearest hit so far: the least of (t, key, instance). What was hit is a key or, with this bit, the
+/// place of one in BvhData::keys, which is looked up when it is needed: mostly once a ray, at its end.
+inline constexpr std::uint32_t hit_is_place = 1u << 31;
+
+struct RayHits {
+    alignas(64) float t[stream_size], u[stream_size], v[stream_size];
+    alignas(64) std::uint32_t what[stream_size], instance[stream_size];
+
+    BvhKey key(const BvhData& bvh, int i) const
     {
-        if (other_t != t) return other_t < t;
-        if (key == no_index || other_key != key) return key != no_index && other_key < key;
-        return other_instance < instance;
+        return what[i] != no_index && what[i] & hit_is_place ? bvh.keys[what[i] & ~hit_is_place] : what[i];
+    }
+    bool loses_to(const BvhData& bvh, int i, float other_t, BvhKey other, std::uint32_t other_instance) const
+    {
+        if (other_t != t[i]) return other_t < t[i];
+        const BvhKey own = key(bvh, i);
+        if (own == no_index || other != own) return own != no_index && other < own;
+        return other_instance < instance[i];
+    }
+    void set(int i, float new_t, float new_u, float new_v, std::uint32_t new_what, std::uint32_t new_instance)
+    {
+        t[i] = new_t, u[i] = new_u, v[i] = new_v, what[i] = new_what, instance[i] = new_instance;
     }
 };
 
@@ -30,19 +44,24 @@ struct RayHit {
 inline bool passes_alpha(const BvhData& bvh, BvhKey key, std::uint32_t instance, float u, float v)
 {
     const SceneTables& tables = *bvh.tables;
-    const std::uint32_t shape = instance == no_index ? tables.shape_of_primitive[key >> 1] : tables.instances[instance].shape;
+    const std::uint32_t shape =
+        instance == no_index ? tables.shape_of_primitive[key >> 1] : tables.instances[instance].shape;
     if (!(tables.shapes[shape].flags & ShapeTable::alpha_tested)) return true;
     if (key & 1) u = 1 - u, v = 1 - v;
     return bvh.alpha_test(bvh.alpha_context, key >> 1, instance, u, v);
 }
 
-inline constexpr int stream_size = 64;
-
+struct PacketEntry {
+    std::uint64_t rays;
+    std::uint32_t reference;
+    float t;
+};
 /// What a thread needs to trace streams; kept between calls.
 struct StreamMemory {
     PreparedRays world[stream_size / lanes], object[stream_size / lanes];
-    RayHit hits[stream_size];
+    RayHits hits;
     std::vector<std::uint32_t> stacks;
+    std::vector<PacketEntry> packet_stack;
 };
 
 template <bool any_hit>
@@ -50,33 +69,57 @@ class Stream {
 public:
     Stream(const BvhData& bvh, StreamMemory& memory) : bvh_(bvh), memory_(memory), stride_(std::size_t(bvh.stack_size))
     {
+        memory.packet_stack.resize(std::max(memory.packet_stack.size(), stride_));
         memory.stacks.resize(std::max(memory.stacks.size(), 2 * stride_ * stream_size));
     }
 
-    /// Adds a ray of memory.world, to start from a reference whose box it meets.
-    void add(int ray, std::uint32_t root)
+    /// Begins with a ray of memory.world, which so far has nowhere to go.
+    void add(int ray)
     {
         ray_[ray] = {&memory_.world[ray / lanes].f[0][ray % lanes]};
         instance_[ray] = no_index;
         stack(ray).reference[0] = end;
         stack(ray).t[0] = -infinity;
         size_[ray] = 1;
-        queue(next_, ray, root);
+    }
+    /// Leaves a part of the tree for later, of whose box t is the distance.
+    void defer(int ray, std::uint32_t reference, float t)
+    {
+        if (size_[ray] > bvh_deferred) {
+            // No more room: now.
+            start(ray);
+            run();
+            add(ray);
+        }
+        const int size = size_[ray]++;
+        stack(ray).reference[size] = reference;
+        stack(ray).t[size] = t;
+    }
+    /// What was deferred and is not out of reach by now will be visited, the last first.
+    void start(int ray)
+    {
+        if (size_[ray] == 1) return;
+        if (!any_hit) size_[ray] = filter(stack(ray), size_[ray], memory_.hits.t[ray]);
+        pop(ray, next_.n);
     }
 
-    /// Traces all that were added; memory.hits are set where something was hit.
+    /// Traces all that were started; memory.hits are set where something was hit.
     void run()
     {
-        while (next_.nodes + next_.leaves + next_.others > 0) {
+        while (next_.n.nodes + next_.n.leaves + next_.n.others > 0) {
             std::swap(now_, next_);
-            next_.nodes = next_.leaves = next_.others = 0;
-            for (int i = 0; i < now_.nodes; ++i) visit_node(now_.node[i]);
-            if constexpr (lanes == bvh_width) {
-                for (int i = 0; i < now_.leaves; i += leaf_wave) visit_leaves(&now_.leaf[i], std::min(leaf_wave, now_.leaves - i));
-            } else {
-                for (int i = 0; i < now_.leaves; ++i) visit_leaf(now_.leaf[i]);
+            {
+                Counts counts;
+                for (int i = 0; i < now_.n.nodes; ++i) visit_node(now_.node[i], counts);
+                next_.n = counts;
             }
-            for (int i = 0; i < now_.others; ++i) visit_other(now_.other[i]);
+            if constexpr (lanes == bvh_width) {
+                for (int i = 0; i < now_.n.leaves; i += leaf_wave)
+                    visit_leaves(&now_.leaf[i], std::min(leaf_wave, now_.n.leaves - i));
+            } else {
+                for (int i = 0; i < now_.n.leaves; ++i) visit_leaf(now_.leaf[i]);
+            }
+            for (int i = 0; i < now_.n.others; ++i) visit_other(now_.other[i]);
         }
     }
 
@@ -84,8 +127,11 @@ private:
     static constexpr std::uint32_t end = BvhReference::other_bit | std::uint32_t(BvhReference::end) << 28;
     static constexpr int leaf_wave = 8;
 
-    struct Queues {
+    struct Counts {
         int nodes = 0, leaves = 0, others = 0;
+    };
+    struct Queues {
+        Counts n;
         std::uint8_t node[stream_size], leaf[stream_size], other[stream_size];
     };
 
@@ -95,55 +141,64 @@ private:
         return {p, reinterpret_cast<float*>(p + stride_)};
     }
 
-    /// Notes what a ray does next, and fetches it.
-    [[gnu::always_inline]] void queue(Queues& to, int ray, std::uint32_t reference)
+    /// Notes what a ray does next, and fetches it; without effect unless really is 1, to spare a branch.
+    [[gnu::always_inline]] void queue(int ray, std::uint32_t reference, Counts& n, int really = 1)
     {
         reference_[ray] = reference;
         const bool is_node = BvhReference::is_node(reference), is_leaf = BvhReference::is_triangles(reference);
-        to.node[to.nodes] = to.leaf[to.leaves] = to.other[to.others] = std::uint8_t(ray);
-        to.nodes += is_node;
-        to.leaves += is_leaf;
-        to.others += !is_node && !is_leaf;
-        const char* const node = reinterpret_cast<const char*>(bvh_.nodes.data()) + sizeof(BvhNode) * (is_node ? reference : 0u);
-        const char* const leaf = reinterpret_cast<const char*>(bvh_.triangles.data()) + 36 * std::size_t(BvhReference::first_triangle(reference));
-        const char* const p = is_leaf ? leaf : node;
+        next_.node[n.nodes] = next_.leaf[n.leaves] = next_.other[n.others] = std::uint8_t(ray);
+        n.nodes += int(is_node) & really;
+        n.leaves += int(is_leaf) & really;
+        n.others += int(!is_node & !is_leaf) & really;
+        // In integers: compilers make a branch of a choice of pointers, which would be mispredicted half of the time.
+        const auto node =
+            reinterpret_cast<std::uintptr_t>(bvh_.nodes.data()) + sizeof(BvhNode) * (reference & (is_node ? ~0u : 0u));
+        const auto leaf = reinterpret_cast<std::uintptr_t>(bvh_.triangles.data()) +
+                          36 * std::size_t(BvhReference::first_triangle(reference));
+        const auto* const p =
+            reinterpret_cast<const char*>(node ^ ((node ^ leaf) & (std::uintptr_t(0) - std::uintptr_t(is_leaf))));
         for (int line = 0; line < 8; ++line) __builtin_prefetch(p + 64 * line);
     }
 
-    [[gnu::always_inline]] void pop(int ray)
+    [[gnu::always_inline]] void pop(int ray, Counts& n, int really = 1)
     {
-        const int size = --size_[ray];
-        queue(next_, ray, stack(ray).reference[size]);
+        const int size = size_[ray] -= really;
+        queue(ray, stack(ray).reference[size], n, really);
     }
 
-    [[gnu::always_inline]] void visit_node(int ray)
+    [[gnu::always_inline]] void visit_node(int ray, Counts& n)
     {
         const PreparedRay r = ray_[ray];
         const BvhNode& node = bvh_.nodes[reference_[ray]];
         const std::uint32_t octant = r.integer(PreparedRays::octant);
-        // Bounds of the nearer side by axis; those of the farther side are 3 rows further, or before.
+        // Rows of the nearer sides; those of the farther ones are 3 rows away.
         const float* const bounds = node.bounds[0];
-        constexpr std::ptrdiff_t row = bvh_width, across = 3 * row;
-        const std::ptrdiff_t x = octant & 1 ? across : 0, y = octant & 2 ? across : 0, z = octant & 4 ? across : 0;
-        const Vec3 inverse = r.vector(PreparedRays::inverse_x), near = r.vector(PreparedRays::near_x), far = r.vector(PreparedRays::far_x);
-        const Float t_max(memory_.hits[ray].t);
+        constexpr std::ptrdiff_t row = bvh_width;
+        const std::ptrdiff_t x = r.integer(PreparedRays::side_x), y = r.integer(PreparedRays::side_y),
+                             z = r.integer(PreparedRays::side_z);
+        const Vec3 inverse = r.vector(PreparedRays::inverse_x), near = r.vector(PreparedRays::near_x),
+                   far = r.vector(PreparedRays::far_x);
+        const Float t_max(memory_.hits.t[ray]);
         BoxDistances box;
         for (int part = 0; part < box_parts; ++part) {
             const float* const p = bounds + part * lanes;
-            const Float near_x = fma(load(p + x), inverse.x, near.x), far_x = fma(load(p + across - x), inverse.x, far.x);
-            const Float near_y = fma(load(p + row + y), inverse.y, near.y), far_y = fma(load(p + row + across - y), inverse.y, far.y);
-            const Float near_z = fma(load(p + 2 * row + z), inverse.z, near.z);
-            const Float far_z = fma(load(p + 2 * row + across - z), inverse.z, far.z);
+            const Float near_x = fma(load(p + x), inverse.x, near.x),
+                        far_x = fma(load(p + 3 * row - x), inverse.x, far.x);
+            const Float near_y = fma(load(p + y), inverse.y, near.y),
+                        far_y = fma(load(p + 5 * row - y), inverse.y, far.y);
+            const Float near_z = fma(load(p + z), inverse.z, near.z),
+                        far_z = fma(load(p + 7 * row - z), inverse.z, far.z);
             box.near[part] = max(max(near_x, near_y), max(near_z, Float(0)));
             box.far[part] = min(min(far_x, far_y), min(far_z, t_max));
         }
-        size_[ray] = any_hit ? push_any(stack(ray), size_[ray], node, box) : push_in_order(stack(ray), size_[ray], node, node.order[octant], box);
-        pop(ray);
+        size_[ray] = any_hit ? push_any(stack(ray), size_[ray], node, box)
+                             : push_in_order(stack(ray), size_[ray], node.child, node.order[octant], box);
+        pop(ray, n);
     }
 
     struct Block {
         alignas(64) float a[lanes], b[lanes], c[lanes], z[3][lanes];
-        std::uint32_t inside;
+        std::uint32_t inside, reference;
         int ray;
     };
 
@@ -155,23 +210,27 @@ private:
         const float* const data = &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(reference))] + at;
         const std::uint32_t axis = r.integer(PreparedRays::axis);
         const std::ptrdiff_t ix = axis == 2 ? 0 : axis + 1, iy = axis == 0 ? 2 : axis - 1, iz = axis;
-        const Float ox(r.number(PreparedRays::origin_x + int(ix))), oy(r.number(PreparedRays::origin_x + int(iy))), oz(r.number(PreparedRays::origin_x + int(iz)));
+        const Float ox(r.number(PreparedRays::origin_x + int(ix))), oy(r.number(PreparedRays::origin_x + int(iy))),
+            oz(r.number(PreparedRays::origin_x + int(iz)));
         const auto corner = [&](std::ptrdiff_t k) {
             const float* const p = data + 3 * k * n;
             return Vec3{load(p + ix * n) - ox, load(p + iy * n) - oy, load(p + iz * n) - oz};
         };
         const Vec3 pa = corner(0), pb = corner(1), pc = corner(2);
         z = {pa.z, pb.z, pc.z};
-        TriangleWeights w = triangle_weights(Float(r.number(PreparedRays::shear_x)), Float(r.number(PreparedRays::shear_y)), pa, pb, pc);
+        TriangleWeights w = triangle_weights(Float(r.number(PreparedRays::shear_x)),
+                                             Float(r.number(PreparedRays::shear_y)), pa, pb, pc);
         w.inside &= first_lanes(std::size_t(n - at));
         return w;
     }
 
-    /// First which rays pass through a triangle at all, then where.
+    /// First which rays pass through a triangle at all, then where. Neither can be foreseen, so there is no branch on
+    /// it.
     void visit_leaves(const std::uint8_t* rays, int count)
     {
         Block blocks[leaf_wave + 1];
         int met = 0;
+        Counts n = next_.n;
         for (int i = 0; i < count; ++i) {
             Block& block = blocks[met];
             Vec3 z;
@@ -179,16 +238,48 @@ private:
             store(block.a, w.a), store(block.b, w.b), store(block.c, w.c);
             store(block.z[0], z.x), store(block.z[1], z.y), store(block.z[2], z.z);
             block.inside = mask_bits(w.inside);
+            block.reference = reference_[rays[i]];
             block.ray = rays[i];
-            met += block.inside != 0;
+            const int passes = block.inside != 0;
+            met += passes;
             // Those that pass by go on now.
-            if (block.inside == 0) pop(rays[i]);
+            pop(rays[i], n, 1 - passes);
         }
-        for (int i = 0; i < met; ++i) {
-            const Block& block = blocks[i];
-            const TriangleWeights w{load(block.a), load(block.b), load(block.c), mask_from_bits(block.inside)};
-            finish_triangles(block.ray, 0, w, load_vec3(block.z[0], block.z[1], block.z[2]));
+        for (int i = 0; i < met; ++i) finish_leaf(blocks[i], n);
+        next_.n = n;
+    }
+
+    [[gnu::always_inline]] void finish_leaf(const Block& block, Counts& n)
+    {
+        const int ray = block.ray;
+        RayHits& hits = memory_.hits;
+        const TriangleWeights w{load(block.a), load(block.b), load(block.c), mask_from_bits(block.inside)};
+        const std::uint32_t first = BvhReference::first_triangle(block.reference);
+        Float t, u, v;
+        const Float t_max(hits.t[ray]);
+        Mask m = triangle_distance(w, Float(ray_[ray].number(PreparedRays::shear_z)),
+                                   load_vec3(block.z[0], block.z[1], block.z[2]), t_max, t, u, v);
+        if (any_hit) m &= t < t_max;
+        const std::uint32_t least = least_lanes(m, t);
+        alignas(64) float ts[lanes], us[lanes], vs[lanes];
+        store(ts, t), store(us, u), store(vs, v);
+        const int lane = std::countr_zero(least | 1u << (lanes - 1));
+        bool found = least != 0;
+        if (bvh_.has_alpha || (!any_hit && found && (std::has_single_bit(least) == 0 || ts[lane] == hits.t[ray]))) {
+            // A tie, or a hit to be asked for: one by one.
+            found = take(ray, m, t, u, v, [&](int k) { return bvh_.keys[first + std::uint32_t(k)]; });
+        } else if (any_hit) {
+            hits.what[ray] = found ? 0 : hits.what[ray];
+        } else {
+            hits.t[ray] = found ? ts[lane] : hits.t[ray];
+            hits.u[ray] = found ? us[lane] : hits.u[ray];
+            hits.v[ray] = found ? vs[lane] : hits.v[ray];
+            hits.what[ray] = found ? hit_is_place | (first + std::uint32_t(lane)) : hits.what[ray];
+            hits.instance[ray] = found ? instance_[ray] : hits.instance[ray];
         }
+        if (any_hit) return pop(ray, n, 1 - int(found));
+        size_[ray] = filter(stack(ray), size_[ray], hits.t[ray]);
+        pop(ray, n);
     }
 
     /// The same where lanes are few.
@@ -206,12 +297,10 @@ private:
         go_on(ray, found);
     }
 
-    void finish_triangles(int ray, int at, const TriangleWeights& w, const Vec3& z) { go_on(ray, take_triangles(ray, at, w, z)); }
-
     [[gnu::always_inline]] bool take_triangles(int ray, int at, const TriangleWeights& w, const Vec3& z)
     {
         Float t, u, v;
-        const Float t_max(memory_.hits[ray].t);
+        const Float t_max(memory_.hits.t[ray]);
         Mask m = triangle_distance(w, Float(ray_[ray].number(PreparedRays::shear_z)), z, t_max, t, u, v);
         if (any_hit) m &= t < t_max;
         if (none(m)) return false;
@@ -223,8 +312,8 @@ private:
     void go_on(int ray, bool found)
     {
         if (found && any_hit) return;
-        if (found) size_[ray] = filter(stack(ray), size_[ray], memory_.hits[ray].t);
-        pop(ray);
+        if (found) size_[ray] = filter(stack(ray), size_[ray], memory_.hits.t[ray]);
+        pop(ray, next_.n);
     }
 
     /// The hits of some lanes, one by one; true if one of them is the nearest so far.
@@ -234,12 +323,12 @@ private:
         alignas(64) float ts[lanes], us[lanes], vs[lanes];
         store(ts, t), store(us, u), store(vs, v);
         bool found = false;
-        RayHit& hit = memory_.hits[ray];
+        RayHits& hits = memory_.hits;
         for_each_active(m, [&](int lane) {
             const BvhKey key = key_of(lane);
-            if (!hit.loses_to(ts[lane], key, instance_[ray])) return;
+            if (!hits.loses_to(bvh_, ray, ts[lane], key, instance_[ray])) return;
             if (bvh_.has_alpha && !passes_alpha(bvh_, key, instance_[ray], us[lane], vs[lane])) return;
-            hit = {ts[lane], us[lane], vs[lane], key, instance_[ray]};
+            hits.set(ray, ts[lane], us[lane], vs[lane], key, instance_[ray]);
             found = true;
         });
         return found;
@@ -250,8 +339,10 @@ private:
         const std::uint32_t reference = reference_[ray];
         switch (BvhReference::other_kind(reference)) {
             case BvhReference::spheres:
-            case BvhReference::disks: return go_on(ray, visit_round(ray));
-            case BvhReference::instance: return enter_instance(ray, bvh_.others[BvhReference::first_other(reference)]);
+            case BvhReference::disks:
+                return go_on(ray, visit_round(ray));
+            case BvhReference::instance:
+                return enter_instance(ray, bvh_.others[BvhReference::first_other(reference)]);
             case BvhReference::end:
                 if (instance_[ray] != no_index) leave_instance(ray);
         }
@@ -270,15 +361,18 @@ private:
             alignas(64) std::uint32_t index[bvh_width];
             for (int i = 0; i < lanes; ++i) index[i] = indices[std::min(at + i, n - 1)];
             const UInt which = load(index);
-            const Float t_max(memory_.hits[ray].t);
+            const Float t_max(memory_.hits.t[ray]);
             Float t;
             Mask m;
             std::uint32_t base;
-            const auto vector = [&](const float* table, UInt row) { return Vec3{gather(table, row), gather(table + 1, row), gather(table + 2, row)}; };
+            const auto vector = [&](const float* table, UInt row) {
+                return Vec3{gather(table, row), gather(table + 1, row), gather(table + 2, row)};
+            };
             if (kind == BvhReference::spheres) {
                 const float* table = &tables.spheres[0].center.x;
                 const UInt row = which * UInt(std::uint32_t(sizeof(SphereTable) / 4));
-                const Vec3 center = fma(vector(table + 3, row), Float(ray_[ray].number(PreparedRays::time)), vector(table, row));
+                const Vec3 center =
+                    fma(vector(table + 3, row), Float(ray_[ray].number(PreparedRays::time)), vector(table, row));
                 m = meet_sphere(center, gather(table + 6, row), o, d, t_max, t);
                 base = tables.first_sphere();
             } else {
@@ -304,22 +398,23 @@ private:
         const Vec3 o = transform_point(placed.object_from_render, r.vector(PreparedRays::origin_x));
         const Vec3 d = transform_vector(placed.object_from_render, r.vector(PreparedRays::direction_x));
         PreparedRays inner;
-        inner.prepare(o, d, Float(memory_.hits[ray].t), Float(r.number(PreparedRays::time)), mesh.radius);
+        inner.prepare(o, d, Float(memory_.hits.t[ray]), Float(r.number(PreparedRays::time)), mesh.radius);
         PreparedRays& object = memory_.object[ray / lanes];
-        for (int field = 0; field < PreparedRays::field_count; ++field) object.f[field][ray % lanes] = inner.f[field][0];
+        for (int field = 0; field < PreparedRays::field_count; ++field)
+            object.f[field][ray % lanes] = inner.f[field][0];
         ray_[ray] = {&object.f[0][ray % lanes]};
         instance_[ray] = index;
         const int size = size_[ray]++;
         stack(ray).reference[size] = end;
         stack(ray).t[size] = -infinity;
-        queue(next_, ray, mesh.root);
+        queue(ray, mesh.root, next_.n);
     }
 
     void leave_instance(int ray)
     {
         ray_[ray] = {&memory_.world[ray / lanes].f[0][ray % lanes]};
         instance_[ray] = no_index;
-        pop(ray);
+        pop(ray, next_.n);
     }
 
     const BvhData& bvh_;

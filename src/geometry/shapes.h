@@ -30,8 +30,8 @@ struct TriangleRay {
     }
 };
 
-/// a b - c d with a relative error of at most 2^-23, so its sign is right: W. Kahan's algorithm; Jeannerod, Louvet, Muller
-/// 2013, "Further analysis of Kahan's algorithm for the accurate computation of 2x2 determinants".
+/// a b - c d with a relative error of at most 2^-23, so its sign is right: W. Kahan's algorithm; Jeannerod, Louvet,
+/// Muller 2013, "Further analysis of Kahan's algorithm for the accurate computation of 2x2 determinants".
 inline Float difference_of_products(Float a, Float b, Float c, Float d)
 {
     const Float cd = c * d;
@@ -47,10 +47,11 @@ struct TriangleWeights {
 /// The corners are relative to the ray's origin and permuted as in TriangleRay.
 ///
 /// No ray slips through between two triangles with a common edge: both see the same rounded corners, on whose two sides
-/// the origin of the sheared plane lies by an exact decision, and an edge belongs to both. Since the weights are as exact,
-/// the ray at t is as near to the triangle as the corners' rounding allows, needles and edge-on triangles included.
-[[gnu::always_inline]] inline TriangleWeights triangle_weights(Float shear_x, Float shear_y, const Vec3& pa, const Vec3& pb,
-                                                               const Vec3& pc)
+/// the origin of the sheared plane lies by an exact decision, and an edge belongs to both. Since the weights are as
+/// exact, the ray at t is as near to the triangle as the corners' rounding allows, needles and edge-on triangles
+/// included.
+[[gnu::always_inline]] inline TriangleWeights triangle_weights(Float shear_x, Float shear_y, const Vec3& pa,
+                                                               const Vec3& pb, const Vec3& pc)
 {
     const Float ax = fma(-shear_x, pa.z, pa.x), ay = fma(-shear_y, pa.z, pa.y);
     const Float bx = fma(-shear_x, pb.z, pb.x), by = fma(-shear_y, pb.z, pb.y);
@@ -64,8 +65,8 @@ struct TriangleWeights {
 }
 
 /// Lanes that are inside and at 0 < t <= t_max; z: of the corners; u and v are the weights of b and c.
-[[gnu::always_inline]] inline Mask triangle_distance(const TriangleWeights& w, Float shear_z, const Vec3& z, Float t_max, Float& t,
-                                                     Float& u, Float& v)
+[[gnu::always_inline]] inline Mask triangle_distance(const TriangleWeights& w, Float shear_z, const Vec3& z,
+                                                     Float t_max, Float& t, Float& u, Float& v)
 {
     const Float inverse = Float(1) / (w.a + w.b + w.c);
     t = fma(w.a, z.x, fma(w.b, z.y, w.c * z.z)) * shear_z * inverse;
@@ -93,8 +94,8 @@ inline void closest_triangle(const TriangleRay& ray, Vec3 a, Vec3 b, Vec3 c, UIn
 
 /// Lanes whose ray (of unit direction) meets the sphere at 0 < t <= t_max; from inside, where it leaves.
 ///
-/// The quadratic is solved about the point of the ray that is nearest to the centre, which keeps its precision for small and
-/// far spheres: Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection".
+/// The quadratic is solved about the point of the ray that is nearest to the centre, which keeps its precision for
+/// small and far spheres: Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection".
 inline Mask meet_sphere(const Vec3& center, Float radius, const Vec3& o, const Vec3& d, Float t_max, Float& t)
 {
     const Vec3 f = o - center;
@@ -122,7 +123,8 @@ inline void closest_sphere(const SphereTable& sphere, std::uint32_t primitive, c
 }
 
 /// Lanes whose ray meets the disk at 0 < t <= t_max.
-inline Mask meet_disk(const Vec3& center, const Vec3& n, Float radius, const Vec3& o, const Vec3& d, Float t_max, Float& t)
+inline Mask meet_disk(const Vec3& center, const Vec3& n, Float radius, const Vec3& o, const Vec3& d, Float t_max,
+                      Float& t)
 {
     t = dot(n, center - o) / dot(n, d);
     const Vec3 p = fma(d, t, o - center);

@@ -418,12 +418,14 @@ private:
         };
 
         if (lights_are_sampled_) {
+            // Lights are seen from where the shadow ray starts: right at the surface a light that passes through it, or a
+            // distance that ends behind the light, would be one of rounding.
+            const Vec3 eye = offset_origin(hit_point, ng, extent);
             const Sample2 random = sample_2d(key, pair_seed(seed, pair_light));
-            if (tables_.lights.size() == 1 && tables_.environment.light == no_index)
-                light_gang<simple>(i, valid, bsdf, frame, wo, ng, hit_point, start, throughput,
-                           sample_light(LightRecord<true>(tables_.lights.data(), UInt(0u)), hit_point, time, random), Float(1), time);
-            else
-                choose_light<simple>(i, valid, bsdf, frame, wo, ng, hit_point, start, throughput, key, seed, random, time);
+            const LightSample sample = tables_.lights.size() == 1 && tables_.environment.light == no_index
+                                           ? sample_light(LightRecord<true>(tables_.lights.data(), UInt(0u)), eye, time, random)
+                                           : choose_light(valid, eye, key, seed, random, time);
+            light_gang<simple>(i, valid, m, bsdf, frame, wo, ng, eye, start, throughput, sample, time);
         }
 
         const Float choice = simple ? Float(0) : sample_2d(key, pair_seed(seed, pair_choice)).x;
@@ -481,15 +483,13 @@ private:
             state = select(less(bounce, UInt(0xfff0u)), state, state | UInt(PathPool::dead));
     }
 
-    /// Chooses one of several lights by power, then a point on it.
-    template <bool simple, class Bsdf, class Start>
-    void choose_light(std::size_t i, Mask valid, const Bsdf& bsdf, const Frame& frame, Vec3 wo, Vec3 ng, Vec3 hit_point, const Start& start,
-                      const Spectrum& throughput, const SampleKey& key, UInt seed, Sample2 random, Float time)
+    /// Chooses one of several lights by power, then a point on it; the sample's density is that of both.
+    LightSample choose_light(Mask valid, Vec3 eye, const SampleKey& key, UInt seed, Sample2 random, Float time) const
     {
         const Float u = sample_2d(key, pair_seed(seed, pair_choice)).y;
         const UInt index = detail::find_interval(tables_.light_cdf.data(), UInt(0u), int(tables_.lights.size()), u);
         const LightRecord<false> light(tables_.lights.data(), index);
-        LightSample s = sample_light(light, hit_point, time, random);
+        LightSample s = sample_light(light, eye, time, random);
         const Mask environment = is_kind(light.kind(), LightTableKind::environment);
         if (any(valid & environment)) {
             const EnvironmentSample e = sample_environment(tables_, random, valid & environment);
@@ -500,8 +500,9 @@ private:
             s.is_delta = s.is_delta & !environment;
         }
         if (const UInt material = light.material(); scene_.textured && any(valid & (material != UInt(no_index))))
-            s.radiance = s.radiance * light_texture(light, material, hit_point, s, valid & (material != UInt(no_index)));
-        light_gang<simple>(i, valid, bsdf, frame, wo, ng, hit_point, start, throughput, s, light.pmf(), time);
+            s.radiance = s.radiance * light_texture(light, material, eye, s, valid & (material != UInt(no_index)));
+        s.inverse_pdf = s.inverse_pdf / light.pmf();
+        return s;
     }
 
     /// The emission texture's factor at the sampled point of a light.
@@ -532,8 +533,8 @@ private:
 
     /// Adds a light sample's contribution if nothing is in the way.
     template <bool simple, class Bsdf, class Start>
-    [[gnu::always_inline]] void light_gang(std::size_t i, Mask valid, const Bsdf& bsdf, const Frame& frame, Vec3 wo, Vec3 ng, Vec3,
-                                           const Start& start, const Spectrum& throughput, const LightSample& s, Float pmf, Float time)
+    [[gnu::always_inline]] void light_gang(std::size_t i, Mask valid, const MaterialPoint& m, const Bsdf& bsdf, const Frame& frame, Vec3 wo, Vec3 ng,
+                                           Vec3 eye, const Start& start, const Spectrum& throughput, const LightSample& s, Float time)
     {
         PathPool& p = *paths_;
         Mask lit = valid & (s.inverse_pdf > Float(0));
@@ -543,22 +544,25 @@ private:
             const Float cosine = dot(s.wi, ng);
             lit &= cosine > Float(0);
             const Float r = cosine * Float(inv_pi) * s.inverse_pdf;
-            add = throughput * bsdf.sample(wo, {Float(0), Float(0)}, Float(0)).weight * s.radiance * (r * reciprocal(fma(r, r, Float(1))));
+            Float weight = r * reciprocal(fma(r, r, Float(1)));
+            if (any(s.is_delta)) weight = select(s.is_delta, r, weight);
+            add = throughput * m.base_color * s.radiance * weight;
         } else {
             const Vec3 wi = frame.to_local(s.wi);
             lit &= bsdf.has_smooth() & equal(wi.z > Float(0), dot(s.wi, ng) > Float(0));
             if (!Bsdf::transmits) lit &= wi.z > Float(0);
             const BsdfEval e = bsdf.eval(wo, wi);
-            const Float inverse = s.inverse_pdf / pmf;
-            const Float r = e.pdf * inverse;
-            const Float weight = select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * inverse;
+            const Float r = e.pdf * s.inverse_pdf;
+            const Float weight = select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * s.inverse_pdf;
             add = throughput * e.f_cos * s.radiance * weight;
             lit &= any_positive(add);
         }
         if (none(lit)) return;
         counters_.rays += std::uint64_t(count(lit));
-        const Vec3 o = start(s.wi);
-        const Float t_max = s.distance * Float(1 - 0x1p-16f);
+        const Vec3 o = Bsdf::transmits ? start(s.wi) : eye;
+        // On the surface's other side the way is longer or shorter.
+        const Float distance = Bsdf::transmits ? s.distance + dot(eye - o, s.wi) : s.distance;
+        const Float t_max = distance * Float(1 - 0x1p-16f);
         if (scene_.is_flat) {
             const Mask clear = lit & !scene_.flat.occluded(tables_, Ray{o, s.wi, t_max, time}, lit);
             p.set(PathPool::radiance, i, p.spectrum(PathPool::radiance, i) + select(clear, add, Spectrum(Float(0))), valid);

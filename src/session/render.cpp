@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -21,6 +22,8 @@ namespace {
 constexpr std::uint64_t samples_per_job = 1u << 15;
 /// Passes last about this long, so that progress is seen and an interrupt is soon obeyed.
 constexpr double pass_s = 0.4;
+/// What a job of the smallest tile can hold.
+constexpr std::uint64_t most_pass_samples = 1024;
 
 KernelSettings kernel_settings(const RenderSettings& s, const Film::Data& film)
 {
@@ -92,15 +95,21 @@ struct Worker {
 };
 using Workers = tbb::enumerable_thread_specific<Worker>;
 
-void add_to_film(const Worker& worker, Film::Data& film)
+/// The words of a worker's pixel, in `words` of a whole picture.
+std::uint32_t* pixel_words(const Worker& worker, std::uint32_t i, const Film::Data& film, std::uint32_t* words)
 {
-    const auto film_index = [&](std::uint32_t pixel) {
-        return std::size_t(worker.pixels[pixel] >> 16) * std::size_t(film.width) + (worker.pixels[pixel] & 0xffff);
-    };
+    const std::uint32_t pixel = worker.pixels[i];
+    const std::size_t index = std::size_t(pixel >> 16) * std::size_t(film.width) + (pixel & 0xffff);
+    return words + index * std::size_t(film.layout.words);
+}
+
+/// Adds the sums of the worker's tile to `words`.
+void add_to_words(const Worker& worker, const Film::Data& film, std::uint32_t* words)
+{
     for (std::uint32_t i = 0; i < worker.pixels.size(); ++i)
-        worker.sums.add_to(i, film.pixel(film_index(i)), film.layout.sums, film.layout.ids);
+        worker.sums.add_to(i, pixel_words(worker, i, film, words), film.layout.sums, film.layout.ids);
     for (const TileSums::Slow& slow : worker.sums.slow()) {
-        std::uint32_t* sums = film.pixel(film_index(slow.pixel));
+        std::uint32_t* sums = pixel_words(worker, slow.pixel, film, words);
         for (int c = 0; c < 3; ++c) {
             ExactSum::add_number(sums + c * ExactSum::words, slow.value[c]);
             ExactSum::add_number(sums + (3 + c) * ExactSum::words, double(slow.value[c]) * slow.value[c]);
@@ -119,6 +128,86 @@ void check(const RenderSettings& s, SampleRange range)
         throw Error("", "", "the crop is empty or not inside the picture");
 }
 
+/// What one call renders with, and how it renders the tiles of a pass.
+class Passes {
+public:
+    Passes(const Scene& scene, const RenderSettings& settings, Film::Data& film)
+        : scene_(scene.data()),
+          film_(film),
+          kernel_(kernel_settings(settings, film)),
+          camera_(scene_.camera_table(settings.width, settings.height)),
+          crop_(settings.crop.value_or(Crop{0, 0, settings.width, settings.height})),
+          threads_(settings.threads > 0 ? settings.threads : tbb::this_task_arena::max_concurrency()),
+          limit_(tbb::global_control::max_allowed_parallelism,
+                 std::size_t(std::max(threads_, tbb::this_task_arena::max_concurrency()))),
+          arena_(threads_),
+          scene_key_(scene_.key(settings.width, settings.height))
+    {
+        if (!film.samples.empty() && film.scene_key != scene_key_)
+            throw Error("", "", "the film holds another scene or camera");
+    }
+
+    std::uint64_t pixels() const { return std::uint64_t(crop_.x1 - crop_.x0) * std::uint64_t(crop_.y1 - crop_.y0); }
+
+    /// Hands each tile's worker to `take(worker)` when its samples are done; `stop()` is asked before each tile.
+    template <class Take, class Stop>
+    void render(SampleRange range, const Take& take, const Stop& stop)
+    {
+        const Tiles tiles(crop_, tile_size(crop_, range.second - range.first, threads_));
+        const auto render_tiles = [&](const tbb::blocked_range<std::size_t>& block) {
+            Worker& worker = workers_.local();
+            for (std::size_t tile = block.begin(); tile != block.end() && !stop(); ++tile) {
+                tiles.pixels(tile, worker.pixels);
+                worker.sums.reset(worker.pixels.size(), kernel_.film_words);
+                const KernelJob job{worker.pixels.data(), std::uint32_t(worker.pixels.size()),
+                                    std::uint32_t(range.first), std::uint32_t(range.second - range.first)};
+                render_job(*scene_.kernel, camera_, kernel_, job, worker.sums, worker.counters);
+                worker.dropped += worker.sums.dropped;
+                take(worker);
+            }
+        };
+        arena_.execute([&] {
+            tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.count(), 1), render_tiles, tbb::simple_partitioner());
+        });
+    }
+
+    /// Counts a pass as done, its sums being in the film; returns the rays of all passes so far.
+    std::uint64_t finish(SampleRange range)
+    {
+        film_.add_range(range);
+        film_.scene_key = scene_key_;
+        std::uint64_t rays = 0;
+        for (Worker& worker : workers_) {
+            rays += worker.counters.rays;
+            film_.dropped += worker.dropped;
+            worker.dropped = 0;
+        }
+        return rays;
+    }
+
+    /// body(first, last) over indices below `count`, on the same threads.
+    template <class Body>
+    void for_ranges(std::size_t count, const Body& body)
+    {
+        arena_.execute([&] {
+            tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16),
+                              [&](const auto& block) { body(block.begin(), block.end()); });
+        });
+    }
+
+private:
+    const Scene::Data& scene_;
+    Film::Data& film_;
+    KernelSettings kernel_;
+    CameraTable camera_;
+    Crop crop_;
+    int threads_;
+    tbb::global_control limit_;  ///< more threads than cores are allowed where they are asked for
+    tbb::task_arena arena_;
+    std::string scene_key_;
+    Workers workers_;
+};
+
 }  // namespace
 
 bool render(const Scene& scene, const RenderSettings& settings, SampleRange range, Film& film,
@@ -126,54 +215,73 @@ bool render(const Scene& scene, const RenderSettings& settings, SampleRange rang
 {
     check(settings, range);
     Film::Data& data = film.data();
-    const Scene::Data& compiled = scene.data();
-    const std::string scene_key = compiled.key(settings.width, settings.height);
-    if (!data.samples.empty() && data.scene_key != scene_key)
-        throw Error("", "", "the film holds another scene or camera");
-    data.scene_key = scene_key;
-    const KernelSettings kernel = kernel_settings(settings, data);
-    const CameraTable camera = compiled.camera_table(settings.width, settings.height);
-    const Crop crop = settings.crop.value_or(Crop{0, 0, settings.width, settings.height});
-    const int threads = settings.threads > 0 ? settings.threads : tbb::this_task_arena::max_concurrency();
-    tbb::task_arena arena(threads);
-    Workers workers;
-
+    Passes passes(scene, settings, data);
     Progress progress;
-    const std::uint64_t pixels = std::uint64_t(crop.x1 - crop.x0) * std::uint64_t(crop.y1 - crop.y0);
-    progress.samples_total = pixels * (range.second - range.first);
-    std::uint64_t next = range.first, pass = std::max<std::uint64_t>(1, 2000000 / pixels);
+    progress.samples_total = passes.pixels() * (range.second - range.first);
+    std::uint64_t next = range.first, pass = std::max<std::uint64_t>(1, 2000000 / passes.pixels());
     while (next < range.second) {
         if (cancel && *cancel) return false;
         const auto start = std::chrono::steady_clock::now();
-        const std::uint64_t end = std::min(range.second, next + std::min<std::uint64_t>(pass, 1024));
-        const Tiles tiles(crop, tile_size(crop, end - next, threads));
-        arena.execute([&] {
-            tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.count(), 1), [&](const auto& block) {
-                Worker& worker = workers.local();
-                for (std::size_t tile = block.begin(); tile != block.end(); ++tile) {
-                    tiles.pixels(tile, worker.pixels);
-                    worker.sums.reset(worker.pixels.size(), kernel.film_words);
-                    const KernelJob job{worker.pixels.data(), std::uint32_t(worker.pixels.size()), std::uint32_t(next),
-                                        std::uint32_t(end - next)};
-                    render_job(*compiled.kernel, camera, kernel, job, worker.sums, worker.counters);
-                    worker.dropped += worker.sums.dropped;
-                    add_to_film(worker, data);
-                }
-            }, tbb::simple_partitioner());
-        });
-        data.add_range({next, end});
-        progress.samples_done += pixels * (end - next);
-        progress.rays = 0;
-        for (Worker& worker : workers) {
-            progress.rays += worker.counters.rays;
-            data.dropped += worker.dropped;
-            worker.dropped = 0;
-        }
+        const std::uint64_t end = std::min(range.second, next + std::min(pass, most_pass_samples));
+        passes.render({next, end}, [&](const Worker& worker) { add_to_words(worker, data, data.words.data()); },
+                      [] { return false; });
+        progress.rays = passes.finish({next, end});
+        progress.samples_done += passes.pixels() * (end - next);
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         pass = std::max<std::uint64_t>(1, std::uint64_t(double(end - next) * std::min(pass_s / std::max(seconds, 1e-4), 8.0)));
         next = end;
         if (on_pass) on_pass(progress, film);
     }
+    return true;
+}
+
+bool render_pass(const Scene& scene, const RenderSettings& settings, SampleRange range, Film& film,
+                 const std::atomic<bool>& cancel)
+{
+    check(settings, range);
+    if (range.first >= range.second || range.second - range.first > most_pass_samples)
+        throw Error("", "", fmt::format("a pass has 1 to {} samples", most_pass_samples));
+    Film::Data& data = film.data();
+    Passes passes(scene, settings, data);
+    for (const SampleRange& r : data.samples)
+        if (range.first < r.second && r.first < range.second)
+            throw Error("", "", fmt::format("samples of {}:{} are in the film already", range.first, range.second));
+    // The first pass needs no care: what is left of it can be cleared. Further ones are summed apart; there each pixel is
+    // written once, so what an earlier pass left needs no clearing.
+    const bool is_first = data.samples.empty();
+    if (!is_first) data.pass_words.resize(data.words.size());
+    std::uint32_t* const sums = is_first ? data.words.data() : data.pass_words.data();
+    const std::size_t words = std::size_t(data.layout.words);
+    const auto take = [&](const Worker& worker) {
+        for (std::uint32_t i = 0; !is_first && i < worker.pixels.size(); ++i) {
+            std::uint32_t* pixel = pixel_words(worker, i, data, sums);
+            std::fill_n(pixel, words, 0u);
+            if (data.layout.ids >= 0) pixel[data.layout.ids] = 0xffffffffu;
+        }
+        add_to_words(worker, data, sums);
+    };
+    std::atomic<bool> stopped = false;
+    passes.render(range, take, [&] {
+        if (cancel.load(std::memory_order_relaxed)) stopped.store(true, std::memory_order_relaxed);
+        return stopped.load(std::memory_order_relaxed);
+    });
+    if (stopped) {
+        if (is_first) film.clear();
+        return false;
+    }
+    if (is_first) {
+        passes.finish(range);
+        return true;
+    }
+    const Crop crop = settings.crop.value_or(Crop{0, 0, settings.width, settings.height});
+    passes.for_ranges(std::size_t(crop.y1 - crop.y0), [&](std::size_t first, std::size_t last) {
+        for (std::size_t row = first; row < last; ++row) {
+            const std::size_t begin = (std::size_t(crop.y0) + row) * std::size_t(data.width);
+            for (std::size_t i = begin + std::size_t(crop.x0); i < begin + std::size_t(crop.x1); ++i)
+                data.add_pixel(i, &data.pass_words[i * words]);
+        }
+    });
+    passes.finish(range);
     return true;
 }
 

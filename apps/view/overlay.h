@@ -1,0 +1,19 @@
+#pragma once
+#include <SFML/Graphics.hpp>
+#include <string>
+#include <vector>
+
+namespace fathom::view {
+
+/// Text over the picture: lines on a dark, see-through ground.
+class Overlay {
+public:
+    enum class Corner { top_left, bottom_left };
+    void draw(sf::RenderTarget& target, const std::vector<std::string>& lines, Corner corner);
+
+private:
+    sf::Texture font_;
+    bool loaded_ = false;
+};
+
+}  // namespace fathom::view

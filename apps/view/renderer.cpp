@@ -1,0 +1,327 @@
+#include "renderer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace fathom::view {
+
+namespace {
+
+/// What is shown first after a move has at least this many pixels each way, if the window has.
+constexpr int preview_width = 400, preview_height = 300;
+/// Passes grow until they last about this long: the picture is seen to become clear, and saving doesn't wait long.
+constexpr double longest_pass_s = 0.25;
+constexpr std::uint64_t most_pass_samples = 1024;
+/// Averages of first hits are clear long before the picture is.
+constexpr std::uint64_t aov_samples = 64;
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start)
+{
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+bool shares_film_of_picture(View view)
+{
+    return view == View::picture || view == View::noise;
+}
+
+}  // namespace
+
+Renderer::Renderer(Scene scene, const RenderSettings& settings, std::uint64_t samples, const DisplayScale& scale)
+    : scene_(std::move(scene)), settings_(settings), samples_(samples)
+{
+    request_.camera = scene_.camera();
+    request_.width = settings.width;
+    request_.height = settings.height;
+    request_.scale = scale;
+    request_.move = 1;
+    thread_ = std::thread([this] { run(); });
+}
+
+Renderer::~Renderer()
+{
+    {
+        const std::lock_guard lock(mutex_);
+        quit_ = true;
+        cancel_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
+}
+
+std::uint64_t Renderer::move(const Camera& camera, int width, int height, double distance)
+{
+    const std::lock_guard lock(mutex_);
+    request_.camera = camera;
+    request_.width = width;
+    request_.height = height;
+    request_.scale.distance = distance;
+    ++request_.move;
+    if (interruptible_) cancel_ = true;
+    wake_.notify_one();
+    return request_.move;
+}
+
+void Renderer::show(View view)
+{
+    const std::lock_guard lock(mutex_);
+    request_.view = view;
+    if (interruptible_) cancel_ = true;
+    wake_.notify_one();
+}
+
+void Renderer::set_transform(const DisplayTransform& transform)
+{
+    const std::lock_guard lock(mutex_);
+    request_.scale.transform = transform;
+}
+
+void Renderer::pick(const Camera& camera, const Pick& where)
+{
+    const std::lock_guard lock(mutex_);
+    pick_request_ = {camera, where};
+    if (interruptible_) cancel_ = true;
+    wake_.notify_one();
+}
+
+void Renderer::save(const std::string& stem)
+{
+    const std::lock_guard lock(mutex_);
+    save_request_ = stem;
+    wake_.notify_one();
+}
+
+Renderer::Update Renderer::wait(std::chrono::microseconds longest)
+{
+    std::unique_lock lock(mutex_);
+    news_.wait_for(lock, longest, [&] { return has_news_; });
+    has_news_ = false;
+    return std::exchange(update_, {});
+}
+
+void Renderer::say(const std::string& message)
+{
+    const std::lock_guard lock(mutex_);
+    update_.messages.push_back(message);
+    has_news_ = true;
+    news_.notify_one();
+}
+
+// ---------------------------------------------------------------------------------------------- in the thread
+
+void Renderer::run()
+{
+    std::unique_lock lock(mutex_);
+    /// Does something without the lock; false if that failed.
+    const auto apart = [&](const auto& act) {
+        bool done = true;
+        lock.unlock();
+        try {
+            act();
+        } catch (const std::exception& error) {
+            say(error.what());
+            done = false;
+        }
+        lock.lock();
+        return done;
+    };
+    while (!quit_) {
+        take_request();
+        cancel_ = false;
+        interruptible_ = true;
+        if (pick_request_) {
+            const PickRequest request = *std::exchange(pick_request_, std::nullopt);
+            apart([&] { answer_pick(request); });
+            continue;
+        }
+        if (save_request_ && picture_samples() > 0) {
+            const std::string stem = *std::exchange(save_request_, std::nullopt);
+            apart([&] { save_picture(stem); });
+            continue;
+        }
+        // Another view is shown, and there is nothing to save yet.
+        const bool only_to_save = save_request_ && !shares_film_of_picture(work_.view);
+        bool idle = false;
+        const bool done = apart([&] {
+            const std::optional<Pass> pass = only_to_save ? full_pass(View::picture) : next_pass();
+            idle = !pass;
+            if (pass && render(*pass) && !only_to_save) publish(*pass);
+        });
+        if (!done) save_request_.reset();
+        const auto something_to_do = [&] {
+            return quit_ || request_.move != work_.move || request_.view != work_.view || pick_request_ || save_request_;
+        };
+        if ((idle || !done) && !quit_) wake_.wait(lock, something_to_do);
+    }
+}
+
+/// Under the lock.
+void Renderer::take_request()
+{
+    if (request_.width != work_.width || request_.height != work_.height) {
+        films_.clear();
+        previews_.clear();
+    }
+    if (request_.move != work_.move) {
+        rendered_s_ = 0;
+        rendered_samples_ = 0;
+        scene_.set_camera(request_.camera);
+    }
+    if (request_.move != work_.move || request_.view != work_.view) shown_ = false;
+    work_ = request_;
+}
+
+RenderSettings Renderer::settings_for(View view) const
+{
+    RenderSettings settings = settings_;
+    settings.width = work_.width;
+    settings.height = work_.height;
+    add_aovs(view, settings);
+    return settings;
+}
+
+Renderer::Target& Renderer::target(View view, const RenderSettings& settings, bool full_size)
+{
+    auto& targets = full_size ? films_ : previews_;
+    auto found = targets.find(view);
+    if (found == targets.end()) found = targets.emplace(view, Target{Film(settings), work_.move}).first;
+    Target& t = found->second;
+    if (t.move != work_.move) {
+        t.film.clear();
+        t.move = work_.move;
+    }
+    return t;
+}
+
+std::uint64_t Renderer::picture_samples() const
+{
+    const auto found = films_.find(View::picture);
+    return found != films_.end() && found->second.move == work_.move ? found->second.film.samples_per_pixel() : 0;
+}
+
+std::optional<Renderer::Pass> Renderer::full_pass(View film)
+{
+    const RenderSettings settings = settings_for(film);
+    Target& t = target(film, settings, true);
+    const std::uint64_t done = t.film.samples_per_pixel();
+    const std::uint64_t end = samples_end(film);
+    // What is there already when a view is chosen again is shown at once.
+    if (!shown_ && done > 0) return Pass{&t, settings, {done, done}, true};
+    if (done >= end) return {};
+    const double fit = pass_s_ > 0 ? longest_pass_s / pass_s_ : 1;
+    std::uint64_t count = std::clamp<std::uint64_t>(done, 1, most_pass_samples);
+    count = std::min(count, std::uint64_t(std::clamp(fit, 1.0, double(most_pass_samples))));
+    return Pass{&t, settings, {done, std::min(done + count, end)}, true};
+}
+
+std::optional<Renderer::Pass> Renderer::next_pass()
+{
+    const View film = shares_film_of_picture(work_.view) ? View::picture : work_.view;
+    const auto kept = films_.find(film);
+    const bool has_samples =
+        kept != films_.end() && kept->second.move == work_.move && kept->second.film.samples_per_pixel() > 0;
+    const double scale = std::max(double(preview_width) / work_.width, double(preview_height) / work_.height);
+    if (shown_ || has_samples || scale >= 1) return full_pass(film);
+    RenderSettings settings = settings_for(film);
+    settings.width = int(std::ceil(work_.width * scale));
+    settings.height = int(std::ceil(work_.height * scale));
+    Target& t = target(film, settings, false);
+    // Of this move, but another view was chosen before it was seen at full size.
+    if (t.film.samples_per_pixel() > 0) t.film.clear();
+    return Pass{&t, settings, {0, 1}, false};
+}
+
+std::uint64_t Renderer::samples_end(View film) const
+{
+    return shares_film_of_picture(film) ? samples_ : std::min(samples_, aov_samples);
+}
+
+bool Renderer::render(const Pass& pass)
+{
+    if (!pass.full_size) {
+        const std::lock_guard lock(mutex_);
+        // What came in since the request was taken goes first; what comes now has to wait.
+        if (cancel_) return false;
+        interruptible_ = false;
+    }
+    const auto start = Clock::now();
+    const std::uint64_t samples = pass.range.second - pass.range.first;
+    if (samples == 0) return true;
+    if (!render_pass(scene_, pass.settings, pass.range, pass.target->film, cancel_)) return false;
+    if (!pass.full_size) return true;
+    const double seconds = seconds_since(start);
+    pass_s_ = seconds / double(samples);
+    rendered_s_ += seconds;
+    rendered_samples_ += samples * std::uint64_t(pass.settings.width) * std::uint64_t(pass.settings.height);
+    return true;
+}
+
+void Renderer::publish(const Pass& pass)
+{
+    Frame frame;
+    frame.move = work_.move;
+    frame.view = work_.view;
+    frame.width = pass.settings.width;
+    frame.height = pass.settings.height;
+    frame.full_size = pass.full_size;
+    frame.samples = pass.full_size ? pass.target->film.samples_per_pixel() : 0;
+    frame.samples_end = samples_end(work_.view);
+    if (rendered_s_ > 0) frame.samples_per_s = double(rendered_samples_) / rendered_s_;
+    frame.image = pass.target->film.image(false, work_.view == View::noise);
+    frame.scale = work_.scale;
+    frame.pixels =
+        display_pixels(work_.view, layer_of(work_.view, frame.image), frame.width, frame.height, work_.scale);
+    shown_ = true;
+    const std::lock_guard lock(mutex_);
+    update_.frame = std::move(frame);
+    has_news_ = true;
+    news_.notify_one();
+}
+
+void Renderer::answer_pick(PickRequest request)
+{
+    RenderSettings settings = settings_;
+    settings.width = settings.height = 1;
+    settings.filter = Filter::box;
+    settings.aovs = {Aov::depth};
+    settings.max_depth = 0;
+    scene_.set_camera(request.camera);
+    Film film(settings);
+    fathom::render(scene_, settings, {0, 1}, film);
+    scene_.set_camera(work_.camera);
+    const Image image = film.image(false, false);
+    request.where.distance = image.find("depth")->pixels[0];
+    const std::lock_guard lock(mutex_);
+    update_.pick = request.where;
+    has_news_ = true;
+    news_.notify_one();
+}
+
+void Renderer::save_picture(const std::string& stem)
+{
+    namespace fs = std::filesystem;
+    std::string name;
+    for (int number = 1; name.empty() || fs::exists(name + ".png") || fs::exists(name + ".exr"); ++number)
+        name = fmt::format("{}-{:04}", stem, number);
+    const Film& film = films_.at(View::picture).film;
+    Image image = film.image(false, true);
+    for (const auto& [view, target] : films_) {
+        if (view == View::picture || target.move != work_.move || target.film.samples_per_pixel() == 0) continue;
+        image.layers.push_back(layer_of(view, target.film.image(false, false)));
+    }
+    image.attributes = {{"fathom.scene", stem},
+                        {"fathom.samples_per_pixel", fmt::format("{}", film.samples_per_pixel())},
+                        {"fathom.seed", fmt::format("{}", settings_.seed)}};
+    WriteOptions options;
+    options.display = work_.scale.transform;
+    write_image(name + ".png", image, options);
+    write_image(name + ".exr", image, options);
+    say(fmt::format("saved {0}.png and {0}.exr", name));
+}
+
+}  // namespace fathom::view

@@ -1,0 +1,76 @@
+#pragma once
+#include <SFML/Graphics.hpp>
+#include <chrono>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "camera_control.h"
+#include "latency_log.h"
+#include "module.h"
+#include "overlay.h"
+#include "renderer.h"
+
+namespace fathom::view {
+
+/// The window: what mouse and keys do, and what is on the screen.
+class Viewer {
+public:
+    /// Throws Error if there can be no such window.
+    explicit Viewer(const ViewJob& job);
+    /// Until the window is closed.
+    void run();
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    void handle(const sf::Event& event);
+    void handle_key(const sf::Event::KeyEvent& key);
+    void handle_character(std::uint32_t character);
+    void handle_mouse_move(int x, int y);
+    void release_mouse(sf::Mouse::Button button, int x, int y);
+    void ask_focus(int x, int y);
+    void fly_by_keys(double seconds);
+    void fly_step(sf::Keyboard::Key key, double step);
+    void script_step();
+
+    void move_camera(Clock::time_point when);
+    void choose_view(int view);
+    void change_display();
+    void take(Renderer::Update update);
+    void upload(Frame frame);
+    void draw();
+    void set_title();
+    void say(const std::string& text);
+    std::vector<std::string> help_lines() const;
+    bool busy() const;
+    double aspect() const { return double(width_) / height_; }
+
+    const ViewJob& job_;
+    CameraControl control_;
+    DisplayTransform transform_;
+    View view_ = View::picture;
+    int width_, height_;
+    bool moved_ = false, redraw_ = true, help_ = false;
+
+    // The mouse: a button that is down, where it went down, where it was last, whether that became a drag.
+    bool down_ = false, dragged_ = false;
+    sf::Mouse::Button button_ = sf::Mouse::Left;
+    sf::Vector2i press_, last_;
+    std::set<sf::Keyboard::Key> held_;
+
+    LatencyLog latency_;
+    int script_moves_made_ = 0;
+    Clock::time_point next_script_move_;
+
+    sf::RenderWindow window_;
+    sf::Texture textures_[2];  ///< of frames at low resolution, and at full size
+    Overlay overlay_;
+    Frame frame_;
+    std::string title_, message_;
+    Clock::time_point message_end_, last_draw_;
+    // Last: its thread ends before what it informs.
+    Renderer renderer_;
+};
+
+}  // namespace fathom::view

@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""Speed of the Cornell box, in million samples a second, beside Mitsuba 3 `llvm_ad_rgb` where a script for it is given.
+
+Fathom: whole commands with 66 samples a pixel less whole commands with 2, so that the start cancels out; 800x600, box
+filter, depth 50, roulette from bounce 5, variance on. The runs alternate, and medians are quoted: machines are noisy.
+
+Mitsuba: `--peers FILE` names a script that is called as `FILE mitsuba --spp 64 --threads N` and prints a line of JSON with
+"million_samples_per_s". Without it only Fathom's figures are printed.
+"""
+import argparse, json, platform, statistics, subprocess, sys, tempfile, time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+LOADER = "/lib64/ld-linux-x86-64.so.2"
+SAMPLES = 800 * 600 * 64
+
+
+def machine():
+    for line in open("/proc/cpuinfo", encoding="utf-8"):
+        if line.startswith("model name"):
+            return line.split(":", 1)[1].strip()
+    return platform.processor()
+
+
+def fathom_command(program, scene, spp, threads, level, out):
+    command = [str(program), "render", str(ROOT / "scenes" / scene), "--spp", str(spp), "--threads", str(threads), "--filter",
+               "box", "--max-depth", "50", "--roulette-depth", "5", "--aov", "variance", "-q", "-o", out]
+    return command if level is None else [LOADER, "--glibc-hwcaps-mask", level, *command]
+
+
+def seconds(command):
+    start = time.perf_counter()
+    subprocess.run(command, check=True, capture_output=True)
+    return time.perf_counter() - start
+
+
+def fathom_rate(*arguments):
+    program, scene, threads, level, out = arguments
+    few = seconds(fathom_command(program, scene, 2, threads, level, out))
+    many = seconds(fathom_command(program, scene, 66, threads, level, out))
+    return SAMPLES / (many - few) / 1e6
+
+
+def mitsuba_rate(peers, threads):
+    run = subprocess.run([sys.executable, peers, "mitsuba", "--spp", "64", "--threads", str(threads)], check=True,
+                         capture_output=True, text=True, cwd=Path(peers).resolve().parent)
+    return json.loads(run.stdout.strip().splitlines()[-1])["million_samples_per_s"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--fathom", default=ROOT / "build/release/bin/fathom")
+    parser.add_argument("--peers", help="the script that renders the box with Mitsuba")
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--threads", type=int, default=2)
+    args = parser.parse_args()
+    cases = [(scene, level) for scene in ["cornell-box.json", "cornell-box-triangles.json"] for level in ["x86-64-v4", "x86-64-v3"]]
+    names = {}
+    for level in ["x86-64-v4", "x86-64-v3"]:
+        version = subprocess.run([LOADER, "--glibc-hwcaps-mask", level, str(args.fathom), "version"], check=True,
+                                 capture_output=True, text=True).stdout
+        names[level] = version.splitlines()[1].split(":")[1].split(",")[0].strip()
+    ours = {case: [] for case in cases}
+    theirs, ratios = [], {case: [] for case in cases}
+    with tempfile.TemporaryDirectory() as folder:
+        out = str(Path(folder) / "picture.exr")
+        for _ in range(args.rounds):
+            if args.peers:
+                theirs.append(mitsuba_rate(args.peers, args.threads))
+            for case in cases:
+                ours[case].append(fathom_rate(args.fathom, case[0], args.threads, case[1], out))
+                if args.peers:
+                    ratios[case].append(ours[case][-1] / theirs[-1])
+        one = [fathom_rate(args.fathom, "cornell-box.json", 1, None, out) for _ in range(args.rounds)]
+        two = [fathom_rate(args.fathom, "cornell-box.json", 2, None, out) for _ in range(args.rounds)]
+    median = lambda values: round(statistics.median(values), 3) if values else None
+    print(json.dumps({
+        "machine": machine(), "threads": args.threads, "rounds": args.rounds, "mitsuba": median(theirs),
+        "cases": [{"scene": scene, "isa": names[level], "million_samples_per_s": median(ours[scene, level]),
+                   "ratio": median(ratios[scene, level])} for scene, level in cases],
+        "two_threads_over_one": median([b / a for a, b in zip(one, two)]),
+    }, indent=1))
+
+
+main()

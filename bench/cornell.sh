@@ -1,0 +1,5 @@
+#!/usr/bin/env bash
+# Speed of the Cornell box beside Mitsuba 3, in alternating pairs; prints JSON. See bench/cornell.py --help.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+exec python3 "$root/bench/cornell.py" "$@"

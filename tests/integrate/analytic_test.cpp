@@ -1,0 +1,215 @@
+#include "picture_helpers.h"
+
+namespace fathom {
+namespace {
+
+using namespace test;
+
+Environment white()
+{
+    Environment e;
+    e.kind = EnvironmentKind::constant;
+    return e;
+}
+
+TEST(Furnace, EnclosureHasTheRadianceOfTheGeometricSeries)
+{
+    // Inside a sphere that emits 1 and reflects a, radiance is 1 / (1 - a) everywhere.
+    for (bool light_sampling : {true, false})
+        for (float albedo : {0.5f, 0.8f}) {
+            SceneBuilder b;
+            b.add(Sphere{{0, 0, 0}, -1, {}}, b.diffuse(albedo, {1, 1, 1}));
+            b.camera({0.3, 0.1, 0.2}, {1, 0, 0}, 60);
+            RenderSettings settings = small_picture();
+            settings.light_sampling = light_sampling;
+            expect_mean(render_film(b.scene, settings, 64), 1 / (1 - albedo));
+        }
+}
+
+TEST(Furnace, ClosedRoomOfRectangles)
+{
+    SceneBuilder b;
+    const int wall = b.diffuse(0.6f, {1, 1, 1}, true);
+    b.add(Box{{-1, -1, -1}, {1, 1, 1}}, wall);
+    b.camera({0.3, 0.1, 0.2}, {1, 0, 0}, 60);
+    expect_mean(render_film(b.scene, small_picture(), 256), 2.5);
+}
+
+TEST(Furnace, EveryMaterialUnderAWhiteSky)
+{
+    // A convex object that loses nothing is invisible in a constant environment.
+    const auto expect = [](Material m, double value, double tolerance) {
+        m.base_color.value = {1, 1, 1};
+        SceneBuilder b;
+        b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(m));
+        b.scene.environment = white();
+        b.camera({0, 0, 2.2}, {0, 0, 0}, 30);
+        expect_mean(render_film(b.scene, small_picture(), 64), value, tolerance);
+    };
+    Material m;
+    for (float roughness : {0.0f, 0.5f, 1.0f}) {
+        m.roughness.value = roughness;
+        m.kind = MaterialKind::diffuse;
+        expect(m, 1, 0.002);
+        m.kind = MaterialKind::metal;
+        expect(m, 1, 0.012);
+        m.kind = MaterialKind::principled;
+        m.metallic.value = 1;
+        expect(m, 1, 0.015);
+        m.metallic.value = 0;
+    }
+    m.kind = MaterialKind::glass;
+    m.roughness.value = 0;
+    expect(m, 1, 0.002);
+    m.kind = MaterialKind::fuzz_metal;
+    m.fuzz = 0;
+    expect(m, 1, 0.002);
+}
+
+TEST(Furnace, TheSameForATreeOfTriangles)
+{
+    // An octahedron split often enough to need the tree.
+    SceneBuilder b;
+    Mesh mesh;
+    constexpr std::uint32_t n = 16;
+    for (int face = 0; face < 8; ++face) {
+        const float sx = face & 1 ? -1.f : 1.f, sy = face & 2 ? -1.f : 1.f, sz = face & 4 ? -1.f : 1.f;
+        const auto base = std::uint32_t(mesh.positions.size());
+        for (std::uint32_t i = 0; i <= n; ++i)
+            for (std::uint32_t j = 0; j <= n - i; ++j)
+                mesh.positions.push_back({sx * float(i) / n, sy * float(j) / n, sz * float(n - i - j) / n});
+        const auto at = [&](std::uint32_t i, std::uint32_t j) { return base + i * (n + 1) - i * (i - 1) / 2 + j; };
+        for (std::uint32_t i = 0; i < n; ++i)
+            for (std::uint32_t j = 0; j < n - i; ++j) {
+                mesh.indices.insert(mesh.indices.end(), {at(i, j), at(i + 1, j), at(i, j + 1)});
+                if (i + j + 1 < n) mesh.indices.insert(mesh.indices.end(), {at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+            }
+    }
+    b.scene.meshes.push_back(mesh);
+    b.add(MeshInstance{0}, b.diffuse(1));
+    b.scene.environment = white();
+    b.camera({1, 2, 3}, {0, 0, 0}, 20);
+    expect_mean(render_film(b.scene, small_picture(), 32), 1);
+}
+
+/// A diffuse floor seen from above through a narrow lens; the lights are all there is.
+SceneBuilder floor_scene(float albedo)
+{
+    SceneBuilder b;
+    b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(albedo));
+    b.camera({0, 1, 0}, {0, 0, 0}, 0.5);
+    return b;
+}
+
+TEST(Lights, SphereOverAPlane)
+{
+    // E = pi L (r / d)^2 cos: exact while the sphere is wholly above the horizon.
+    for (bool light_sampling : {true, false}) {
+        SceneBuilder b = floor_scene(0.5f);
+        b.add(Sphere{{1.5, 3, 0}, 1, {}}, b.diffuse(0, {4, 4, 4}));
+        RenderSettings settings = small_picture(16, 16);
+        settings.light_sampling = light_sampling;
+        const double d2 = 1.5 * 1.5 + 9, cosine = 3 / std::sqrt(d2);
+        expect_mean(render_film(b.scene, settings, light_sampling ? 64 : 4096), 0.5 * 4 / d2 * cosine, 0.003);
+    }
+}
+
+TEST(Lights, RectangleOverAPlane)
+{
+    // The configuration factor of a rectangle parallel to the floor with a corner above the point: Howell, C-11.
+    const double a = 2, c = 1.5, h = 1.2;
+    const double x = a / h, y = c / h, sx = std::sqrt(1 + x * x), sy = std::sqrt(1 + y * y);
+    const double factor = (x / sx * std::atan(y / sx) + y / sy * std::atan(x / sy)) / (2 * std::numbers::pi);
+    for (bool light_sampling : {true, false}) {
+        SceneBuilder b = floor_scene(0.5f);
+        b.add(Rectangle{{0, h, 0}, {a, 0, 0}, {0, 0, c}}, b.diffuse(0, {3, 3, 3}, true));
+        b.scene.cameras[0].position = {-0.5, 0.5, -0.5};
+        RenderSettings settings = small_picture(16, 16);
+        settings.light_sampling = light_sampling;
+        expect_mean(render_film(b.scene, settings, light_sampling ? 64 : 4096), 0.5 * 3 * factor, 0.01);
+    }
+}
+
+TEST(Lights, DiskOverAPlane)
+{
+    // A disk of radius r at height h, centred above: E = pi L r^2 / (r^2 + h^2).
+    SceneBuilder b = floor_scene(0.5f);
+    b.add(Disk{{0, 2, 0}, {0, -1, 0}, 1}, b.diffuse(0, {3, 3, 3}));
+    b.scene.cameras[0].position = {0.3, 0.5, 0};
+    expect_mean(render_film(b.scene, small_picture(16, 16), 1024), 0.5 * 3 / 5.0, 0.005);
+}
+
+TEST(Lights, PointSpotAndDirectional)
+{
+    const auto mean = [](const Light& light, Vec3d from) {
+        SceneBuilder b = floor_scene(0.5f);
+        // The node's -z looks down.
+        b.light(light, Transform::translate(from) * Transform::rotate({1, 0, 0}, -std::numbers::pi / 2));
+        return render_film(b.scene, small_picture(16, 16), 16);
+    };
+    Light light;
+    light.intensity = {5, 5, 5};
+    expect_mean(mean(light, {1, 2, 0}), 0.5 / std::numbers::pi * 5 / 5 * (2 / std::sqrt(5.0)), 0.005);
+    light.kind = LightKind::directional;
+    expect_mean(mean(light, {0, 0, 0}), 0.5 / std::numbers::pi * 5);
+    light.angle = 0.2;
+    expect_mean(mean(light, {0, 0, 0}), 0.5 / std::numbers::pi * 5, 0.01);
+    light.kind = LightKind::spot;
+    light.inner_angle = 0.3;
+    light.outer_angle = 0.6;
+    expect_mean(mean(light, {0, 2, 0}), 0.5 / std::numbers::pi * 5 / 4);
+    expect_mean(mean(light, {3, 2, 0}), 0, 0);
+}
+
+TEST(Lights, ManyOfThemAddUp)
+{
+    SceneBuilder b = floor_scene(0.5f);
+    double expected = 0;
+    for (int i = 0; i < 20; ++i) {
+        const double x = 0.4 * i - 4, e = 1 + i % 3;
+        // Small enough that none hides another.
+        b.add(Sphere{{x, 3, 1}, 0.05 + 0.002 * i, {}}, b.diffuse(0, {float(e), float(e), float(e)}));
+        const double d2 = x * x + 10, r = 0.05 + 0.002 * i;
+        expected += 0.5 * e * r * r / d2 * 3 / std::sqrt(d2);
+    }
+    expect_mean(render_film(b.scene, small_picture(16, 16), 256), expected, 0.01);
+}
+
+TEST(Glass, AbsorbsByTheWayInside)
+{
+    // Through a slab at normal incidence: transmittance twice, absorption, and the series of reflections between.
+    SceneBuilder b;
+    Material glass;
+    glass.kind = MaterialKind::glass;
+    glass.attenuation_color = {0.5f, 0.5f, 0.5f};
+    glass.attenuation_distance = 2;
+    b.add(Box{{-50, -50, -1}, {50, 50, 0}}, b.material(glass));
+    b.scene.environment = white();
+    b.camera({0, 0, 1}, {0, 0, 0}, 0.5);
+    const double r = 0.04, a = std::sqrt(0.5);
+    expect_mean(render_film(b.scene, small_picture(16, 16), 1024), r + (1 - r) * (1 - r) * (a + a * a * r) / (1 - r * r * a * a), 0.005);
+}
+
+TEST(Camera, DepthNormalAndPositionOfAPlane)
+{
+    SceneBuilder b;
+    b.add(Rectangle{{-50, -50, -3}, {100, 0, 0}, {0, 100, 0}}, b.diffuse(0.25f));
+    b.camera({1, 2, 4}, {1, 2, 0}, 30);
+    RenderSettings settings = small_picture();
+    settings.aovs = {Aov::albedo, Aov::normal, Aov::depth, Aov::position, Aov::material_id};
+    const Image image = render_film(b.scene, settings, 4).image(false, false);
+    for (std::size_t i = 0; i < 32 * 24; ++i) {
+        EXPECT_NEAR(image.find("depth")->pixels[i], 7, 1e-3);
+        EXPECT_NEAR(image.find("normal")->pixels[3 * i + 2], 1, 1e-6);
+        EXPECT_NEAR(image.find("albedo")->pixels[3 * i], 0.25, 1e-6);
+        EXPECT_NEAR(image.find("position")->pixels[3 * i + 2], -3, 1e-3);
+        EXPECT_EQ(image.find("material")->pixels[i], 0);
+    }
+    // The middle of the picture looks along the axis; x grows to the right, y upwards.
+    const auto& p = image.find("position")->pixels;
+    EXPECT_LT(p[3 * (12 * 32 + 2)], p[3 * (12 * 32 + 29)]);
+    EXPECT_GT(p[3 * (2 * 32 + 16) + 1], p[3 * (21 * 32 + 16) + 1]);
+}
+
+}  // namespace
+}  // namespace fathom

@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+"""The same picture, bit for bit, from every instruction set that this machine has, from any number of threads, and in parts.
+
+usage: same_bits_test.py FATHOM SCENES"""
+import glob, os, subprocess, sys, tempfile
+
+SKIPPED = 77
+LEVELS = ["x86-64-v4", "x86-64-v3", "none"]  # "none" matches no folder: the base library
+
+
+def loader():
+    found = glob.glob("/lib64/ld-linux-x86-64.so.2")
+    return found[0] if found else None
+
+
+def run(program, *arguments, level=None):
+    command = [program, *arguments]
+    if level:
+        command = [loader(), "--glibc-hwcaps-mask", level, *command]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+WIDTH, HEIGHT = 64, 48
+
+
+def pixels(path):
+    """The values of the picture: the end of an EXR of one float layer, which is not compressed."""
+    plain = path + ".plain.exr"
+    subprocess.run([sys.argv[1], "merge", path, "-o", plain, "--no-sums", "--exr", "float", "-q"], check=True)
+    with open(plain, "rb") as file:
+        data = file.read()
+    row = 8 + WIDTH * 3 * 4  # its number and size, then three channels
+    values = data[-row * HEIGHT:]
+    if int.from_bytes(values[4:8], "little") != row - 8 or not any(values[8:]):
+        raise SystemExit(f"{plain}: not the layout that this test expects")
+    return values
+
+
+def main():
+    program, scenes = sys.argv[1:3]
+    if not loader():
+        print("skipped: no glibc loader for x86-64")
+        return SKIPPED
+    levels = {}
+    for level in LEVELS:
+        levels.setdefault(run(program, "version", level=level).splitlines()[1], level)
+    print("levels:", ", ".join(levels))
+    failed = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for scene in ["cornell-box", "cornell-box-triangles", "report-spheres", "report-marble", "environment", "textures",
+                      "motion-blur", "depth-of-field", "model", "instances"]:
+            path = os.path.join(scenes, scene + ".json")
+            common = ["-q", "--size", f"{WIDTH}x{HEIGHT}", "--exr", "float"]
+            seen = {}
+            for name, level in levels.items():
+                out = os.path.join(folder, "level.exr")
+                run(program, "render", path, "--samples", "0:6", "-o", out, *common, level=level)
+                seen[name] = pixels(out)
+            for threads in ["1", "3"]:
+                out = os.path.join(folder, "threads.exr")
+                run(program, "render", path, "--samples", "0:6", "--threads", threads, "-o", out, *common)
+                seen[threads + " threads"] = pixels(out)
+            parts = []
+            for samples in ["0:1", "1:4", "4:6"]:
+                parts.append(os.path.join(folder, samples.replace(":", "-") + ".exr"))
+                run(program, "render", path, "--samples", samples, "-o", parts[-1], *common)
+            out = os.path.join(folder, "merged.exr")
+            run(program, "merge", *parts, "-o", out, "-q")
+            seen["three parts"] = pixels(out)
+            first = next(iter(seen.values()))
+            different = [name for name, value in seen.items() if value != first]
+            print(scene, "same" if not different else "DIFFERENT: " + ", ".join(different))
+            failed += bool(different)
+    return 1 if failed else 0
+
+
+sys.exit(main())
