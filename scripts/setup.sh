@@ -11,7 +11,7 @@ packages_to_build=(
 )
 packages_to_test=(
     libgtest-dev libbenchmark-dev libembree-dev
-    python3 python3-jsonschema xvfb xauth xdotool
+    python3 python3-jsonschema xvfb xdotool imagemagick
 )
 
 say() { printf 'fathom: %s\n' "$*" >&2; }

@@ -35,9 +35,11 @@ expect "the loader picks the same kernel as in the build folder" \
 cd "$place"
 "$prefix/bin/fathom" render "$source/scenes/cornell-box.json" --size 64x48 --spp 4 --quiet -o box.png
 expect "the installed program renders" is_png box.png
-if [ -f "$build/lib/libfathom_assimp.so" ]; then
-    expect "the module lies beside the library" test -f "$prefix/lib/libfathom_assimp.so"
-fi
+for module in assimp view; do
+    if [ -f "$build/lib/libfathom_$module.so" ]; then
+        expect "the module $module lies beside the library" test -f "$prefix/lib/libfathom_$module.so"
+    fi
+done
 
 # TBB, OpenEXR and the others are no business of who uses the library: none is looked for here.
 cmake -S "$source/examples/first_picture" -B example -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release \
