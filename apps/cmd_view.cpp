@@ -76,7 +76,8 @@ int run_view(const ViewOptions& o)
     if (!loaded.added.empty())
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
 
-    view::ViewJob job{Scene::compile(loaded.description, loaded.camera, warnings), settings, {}, 0, {}, {}, {}, 0, nullptr};
+    view::ViewJob job{
+        Scene::compile(loaded.description, loaded.camera, warnings), settings, {}, 0, {}, {}, {}, 0, nullptr};
     reporter.warnings(warnings);
     job.name = o.scene.file.filename().string();
     job.samples = o.samples.value_or(hints.samples ? std::uint64_t(*hints.samples) : default_samples);
@@ -100,18 +101,17 @@ void add_view(CLI::App& program, Run& run)
     const auto options = std::make_shared<ViewOptions>();
     Command command(program, "view", "Show a scene in a window as it becomes clear");
     add_scene_options(command, options->scene);
-    command.add_value("--spp", "N", "samples a pixel at which to rest (default: the scene's, else 4096)",
-                      [o = options.get()](const std::string& text) { o->samples = parse_integer(text, 1, 1ull << 32); });
-    command.add_value("--threads", "N", "threads (default: all cores)", [o = options.get()](const std::string& text) {
-        o->threads = int(parse_integer(text, 1, 4096));
-    });
+    command.add_value(
+        "--spp", "N", "samples a pixel at which to rest (default: the scene's, else 4096)",
+        [o = options.get()](const std::string& text) { o->samples = parse_integer(text, 1, 1ull << 32); });
+    command.add_value("--threads", "N", "threads (default: all cores)",
+                      [o = options.get()](const std::string& text) { o->threads = int(parse_integer(text, 1, 4096)); });
     add_display_options(command, options->picture);
     command.add_value("--log-latency", "FILE", "write how long each camera move takes to be seen, milliseconds, as CSV",
                       [o = options.get()](const std::string& text) { o->latency_log = text; });
-    command.add_value("--script-moves", "N", "move the camera N times, say how long that took to be seen, and quit",
-                      [o = options.get()](const std::string& text) {
-                          o->script_moves = int(parse_integer(text, 1, 1000000));
-                      });
+    command.add_value(
+        "--script-moves", "N", "move the camera N times, say how long that took to be seen, and quit",
+        [o = options.get()](const std::string& text) { o->script_moves = int(parse_integer(text, 1, 1000000)); });
     command.set_footer(
         "H in the window shows what mouse and keys do; docs/view.md tells more.\n\n"
         "Examples:\n"

@@ -27,7 +27,8 @@ Vec3d across(Vec3d v, Vec3d axis)
 Vec3d upright_axis(Vec3d forward, Vec3d up)
 {
     const Vec3d own = normalize(across(up, forward));
-    for (const Vec3d axis : {Vec3d{0, 1, 0}, Vec3d{0, 0, 1}, Vec3d{0, -1, 0}, Vec3d{0, 0, -1}, Vec3d{1, 0, 0}, Vec3d{-1, 0, 0}}) {
+    for (const Vec3d axis :
+         {Vec3d{0, 1, 0}, Vec3d{0, 0, 1}, Vec3d{0, -1, 0}, Vec3d{0, 0, -1}, Vec3d{1, 0, 0}, Vec3d{-1, 0, 0}}) {
         const Vec3d shown = across(axis, forward);
         if (length(shown) > 1e-3 && dot(normalize(shown), own) > 1 - 1e-9) return axis;
     }
@@ -58,7 +59,8 @@ CameraControl::Frame CameraControl::frame() const
     if (length(f.forward) == 0) f.forward = {0, 0, -1};
     f.right = cross(f.forward, normalize(camera_.up));
     // Looking along `up`, any other direction will do.
-    if (length(f.right) < 1e-9) f.right = cross(f.forward, std::abs(f.forward.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1});
+    if (length(f.right) < 1e-9)
+        f.right = cross(f.forward, std::abs(f.forward.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1});
     f.right = normalize(f.right);
     f.up = cross(f.right, f.forward);
     return f;
@@ -103,8 +105,8 @@ void CameraControl::look(double right, double up)
 void CameraControl::pan(double right, double down)
 {
     const Frame f = frame();
-    const double height = camera_.kind == CameraKind::orthographic ? camera_.height
-                                                                   : 2 * distance() * std::tan(camera_.fov_y / 2);
+    const double height =
+        camera_.kind == CameraKind::orthographic ? camera_.height : 2 * distance() * std::tan(camera_.fov_y / 2);
     const Vec3d shift = f.right * (-right * height) + f.up * (down * height);
     pivot_ = pivot_ + shift;
     place(camera_.position + shift, f.forward);

@@ -3,8 +3,8 @@
 
 namespace fathom::view {
 
-/// A camera that a mouse and keys move: about a point, the pivot, which is also what is in focus. Where no move was made
-/// it is the scene's camera, bit for bit.
+/// A camera that a mouse and keys move: about a point, the pivot, which is also what is in focus. Where no move was
+/// made it is the scene's camera, bit for bit.
 class CameraControl {
 public:
     explicit CameraControl(const Camera& start);

@@ -8,6 +8,9 @@ namespace fathom::view {
 
 namespace {
 
+/// What mark_misses writes.
+constexpr float miss = -1;
+
 unsigned char code(double value)
 {
     // NaN is black.
@@ -21,7 +24,8 @@ std::array<unsigned char, 3> color_of_id(std::uint32_t id)
     hash ^= hash >> 15;
     hash *= 2246822519u;
     hash ^= hash >> 13;
-    return {static_cast<unsigned char>(64 + (hash & 0xff) * 191 / 255), static_cast<unsigned char>(64 + (hash >> 8 & 0xff) * 191 / 255),
+    return {static_cast<unsigned char>(64 + (hash & 0xff) * 191 / 255),
+            static_cast<unsigned char>(64 + (hash >> 8 & 0xff) * 191 / 255),
             static_cast<unsigned char>(64 + (hash >> 16 & 0xff) * 191 / 255)};
 }
 
@@ -42,21 +46,47 @@ std::vector<unsigned char> fill(const Image::Layer& layer, int width, int height
 
 const char* name_of(View view)
 {
-    constexpr const char* names[views] = {"picture", "albedo", "normal", "depth", "position", "instance", "material", "noise"};
+    constexpr const char* names[views] = {"picture",  "albedo",   "normal",   "depth",
+                                          "position", "instance", "material", "noise"};
     return names[int(view)];
 }
 
 void add_aovs(View view, RenderSettings& settings)
 {
     switch (view) {
-        case View::albedo: settings.aovs = {Aov::albedo}; break;
-        case View::normal: settings.aovs = {Aov::normal}; break;
-        case View::depth: settings.aovs = {Aov::depth}; break;
-        case View::position: settings.aovs = {Aov::position}; break;
-        case View::instance: settings.aovs = {Aov::instance_id}; break;
-        case View::material: settings.aovs = {Aov::material_id}; break;
+        case View::albedo:
+            settings.aovs = {Aov::albedo};
+            break;
+        case View::normal:
+            settings.aovs = {Aov::normal};
+            break;
+        case View::depth:
+            settings.aovs = {Aov::depth};
+            break;
+        case View::position:
+            settings.aovs = {Aov::position};
+            break;
+        case View::instance:
+            settings.aovs = {Aov::instance_id, Aov::depth};
+            break;
+        case View::material:
+            settings.aovs = {Aov::material_id, Aov::depth};
+            break;
         case View::picture:
-        case View::noise: settings.aovs = {}; break;
+        case View::noise:
+            settings.aovs = {};
+            break;
+    }
+}
+
+void mark_misses(View view, Image& image)
+{
+    const Image::Layer* depth = image.find("depth");
+    if (!depth || (view != View::instance && view != View::material)) return;
+    for (Image::Layer& layer : image.layers) {
+        if (layer.name != name_of(view)) continue;
+        for (std::size_t i = 0; i < layer.pixels.size(); ++i)
+            if (std::isinf(depth->pixels[i])) layer.pixels[i] = miss;
     }
 }
 
@@ -72,8 +102,10 @@ std::vector<unsigned char> display_pixels(View view, const Image::Layer& layer, 
 {
     using Codes = std::array<unsigned char, 3>;
     switch (view) {
-        case View::picture: return to_display(layer, width, height, scale.transform);
-        case View::albedo: return to_display(layer, width, height, {});
+        case View::picture:
+            return to_display(layer, width, height, scale.transform);
+        case View::albedo:
+            return to_display(layer, width, height, {});
         case View::noise: {
             Image::Layer deviation = layer;
             for (float& value : deviation.pixels) value = std::sqrt(value);
@@ -100,8 +132,7 @@ std::vector<unsigned char> display_pixels(View view, const Image::Layer& layer, 
         case View::instance:
         case View::material:
             return fill(layer, width, height, [](const float* id) {
-                // A miss has an id beyond all that there are.
-                return id[0] < 4e9f ? color_of_id(std::uint32_t(std::max(id[0], 0.0f))) : Codes{0, 0, 0};
+                return id[0] != miss ? color_of_id(std::uint32_t(id[0])) : Codes{0, 0, 0};
             });
     }
     return {};

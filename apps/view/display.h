@@ -15,6 +15,9 @@ inline constexpr int views = 8;
 const char* name_of(View view);
 /// Adds what must be rendered for the view.
 void add_aovs(View view, RenderSettings& settings);
+/// Marks, where the view shows ids, the pixels that show nothing: films give them the id 0, as the first thing there
+/// is.
+void mark_misses(View view, Image& image);
 /// The layer that the view shows.
 const Image::Layer& layer_of(View view, const Image& image);
 

@@ -1,6 +1,6 @@
 #pragma once
-/// The boundary between the program and the module that has the window, libfathom_view.so. The program opens it only for
-/// `fathom view`, so everything else runs where no window system is installed.
+/// The boundary between the program and the module that has the window, libfathom_view.so. The program opens it only
+/// for `fathom view`, so everything else runs where no window system is installed.
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -13,13 +13,13 @@ namespace fathom::view {
 
 struct ViewJob {
     Scene scene;
-    RenderSettings settings;       ///< size: the window's at first
-    std::string name;              ///< of the scene, for the title; saved pictures are named after it
-    std::uint64_t samples = 0;     ///< a pixel, when rendering ends
+    RenderSettings settings;    ///< size: the window's at first
+    std::string name;           ///< of the scene, for the title; saved pictures are named after it
+    std::uint64_t samples = 0;  ///< a pixel, when rendering ends
     DisplayTransform display;
-    Bounds bounds;                 ///< of the scene: the colours of positions
-    std::filesystem::path latency_log;  ///< empty: none
-    int script_moves = 0;          ///< so many moves are made, then the window closes; 0: none
+    Bounds bounds;                                   ///< of the scene: the colours of positions
+    std::filesystem::path latency_log;               ///< empty: none
+    int script_moves = 0;                            ///< so many moves are made, then the window closes; 0: none
     const std::atomic<bool>* interrupted = nullptr;  ///< closes the window
 };
 

@@ -37,9 +37,9 @@ void Overlay::draw(sf::RenderTarget& target, const std::vector<std::string>& lin
             const float y = top + float(scale * (margin + int(row) * cell_height));
             const float u = float((c - BitmapFont::first) * cell_width);
             for (const sf::Vector2f part : {sf::Vector2f{0, 0}, {1, 0}, {1, 1}, {0, 1}})
-                quads.append(sf::Vertex({x + part.x * float(scale * cell_width), y + part.y * float(scale * cell_height)},
-                                        sf::Color::White,
-                                        {u + part.x * float(cell_width), part.y * float(cell_height)}));
+                quads.append(
+                    sf::Vertex({x + part.x * float(scale * cell_width), y + part.y * float(scale * cell_height)},
+                               sf::Color::White, {u + part.x * float(cell_width), part.y * float(cell_height)}));
         }
     target.draw(quads, sf::RenderStates(&font_));
 }

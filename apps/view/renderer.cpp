@@ -154,7 +154,8 @@ void Renderer::run()
         });
         if (!done) save_request_.reset();
         const auto something_to_do = [&] {
-            return quit_ || request_.move != work_.move || request_.view != work_.view || pick_request_ || save_request_;
+            return quit_ || request_.move != work_.move || request_.view != work_.view || pick_request_ ||
+                   save_request_;
         };
         if ((idle || !done) && !quit_) wake_.wait(lock, something_to_do);
     }
@@ -273,6 +274,7 @@ void Renderer::publish(const Pass& pass)
     frame.samples_end = samples_end(work_.view);
     if (rendered_s_ > 0) frame.samples_per_s = double(rendered_samples_) / rendered_s_;
     frame.image = pass.target->film.image(false, work_.view == View::noise);
+    mark_misses(work_.view, frame.image);
     frame.scale = work_.scale;
     frame.pixels =
         display_pixels(work_.view, layer_of(work_.view, frame.image), frame.width, frame.height, work_.scale);

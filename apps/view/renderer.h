@@ -108,10 +108,10 @@ private:
     const RenderSettings settings_;
     const std::uint64_t samples_;
     Work work_;
-    bool shown_ = false;                    ///< something of the move and view at work was handed out
-    double pass_s_ = 0;                     ///< how long the last pass at full size took, a sample
-    double rendered_s_ = 0;                 ///< and all of them since the move
-    std::uint64_t rendered_samples_ = 0;    ///< of pixels
+    bool shown_ = false;                  ///< something of the move and view at work was handed out
+    double pass_s_ = 0;                   ///< how long the last pass at full size took, a sample
+    double rendered_s_ = 0;               ///< and all of them since the move
+    std::uint64_t rendered_samples_ = 0;  ///< of pixels
     std::map<View, Target> films_, previews_;
 
     std::mutex mutex_;

@@ -14,7 +14,8 @@ namespace {
 std::string trouble_with_x11()
 {
     const char* name = std::getenv("DISPLAY");
-    if (!name || !*name) return "there is no display to open a window on (DISPLAY is not set); `fathom render` needs none";
+    if (!name || !*name)
+        return "there is no display to open a window on (DISPLAY is not set); `fathom render` needs none";
     void* const x11 = dlopen("libX11.so.6", RTLD_LAZY | RTLD_LOCAL);
     if (!x11) return {};
     const auto open = reinterpret_cast<void* (*)(const char*)>(dlsym(x11, "XOpenDisplay"));

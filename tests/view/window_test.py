@@ -146,6 +146,17 @@ class Window(unittest.TestCase):
         self.assertEqual(self.text(self.errors), "")
         self.assertEqual(self.text(self.output), "")
 
+    def test_has_the_bits_of_render(self):
+        self.start("--spp", "13", "--exposure", "1")
+        wait_for("the last sample", lambda: self.samples() == 13)
+        self.key("F2")
+        wait_for("the picture", lambda: "saved" in self.text(self.errors))
+        subprocess.run([PROGRAM, "render", os.path.join(SCENES, "cornell-box.json"), "--spp", "13", "--exposure", "1",
+                        "--quiet", "-o", "render.png"], cwd=self.folder, check=True)
+        with open(os.path.join(self.folder, "cornell-box-0001.png"), "rb") as a:
+            with open(os.path.join(self.folder, "render.png"), "rb") as b:
+                self.assertEqual(a.read(), b.read())
+
     def test_resizing_changes_the_pictures_size(self):
         self.start("--size", "500x300")
         self.assertEqual(self.screen().width, 500)
@@ -207,6 +218,7 @@ class Window(unittest.TestCase):
         self.key("shift+Tab", "7")
         wait_for("material", lambda: "[material]" in self.title() and self.samples() >= 2)
         self.assertNotEqual(self.screen().mean(0.22, 0.5), self.screen().mean(0.78, 0.5))
+        self.assertEqual(self.screen().mean(0.03, 0.05), [0, 0, 0])
         self.key("8")
         wait_for("noise", lambda: "[noise]" in self.title() and self.samples() >= 2)
         self.key("1")
@@ -321,10 +333,10 @@ class Window(unittest.TestCase):
         self.key("F2")
         wait_for("a message", lambda: "cornell-box-0001" in self.text(self.errors))
         self.assertNotIn("saved", self.text(self.errors))
-        os.mkdir(self.folder)
+        os.mkdir(self.folder)  # for the cleanup
         # And it goes on.
-        self.key("F2")
-        wait_for("a picture", lambda: "saved" in self.text(self.errors) or self.process.poll() is not None)
+        self.key("plus")
+        wait_for("the title", lambda: "exposure +0.5" in self.title())
         self.assertIsNone(self.process.poll())
 
     def test_interrupt_and_closing(self):
