@@ -182,6 +182,7 @@ private:
     /// Appends the numbers of the lanes, which begin at `first`, to a list.
     static void list(Mask m, std::size_t first, std::uint32_t* numbers, std::size_t& size)
     {
+        if (none(m)) return;
         compress_store(numbers + size, iota() + UInt(std::uint32_t(first)), m);
         size += std::size_t(count(m));
     }
@@ -376,6 +377,8 @@ private:
         const UInt state = p.integer(PathPool::state, i);
         const UInt bounce = state & UInt(PathPool::bounce_mask);
         const UInt seed = group_seed(key, bounce + UInt(1u));
+        // The light's point and the next direction are never multiplied with each other.
+        const UInt index = shuffled_index(key, seed);
         const Vec3 d = p.vector(PathPool::direction, i);
         const Float t = load(&packed_hits_.t[i]);
         const Float time = has_time_ ? p.number(PathPool::time, i) : Float(0);
@@ -421,7 +424,7 @@ private:
             // Lights are seen from where the shadow ray starts: right at the surface a light that passes through it, or a
             // distance that ends behind the light, would be one of rounding.
             const Vec3 eye = offset_origin(hit_point, ng, extent);
-            const Sample2 random = sample_2d(key, pair_seed(seed, pair_light));
+            const Sample2 random = sample_2d(index, pair_seed(seed, pair_light));
             const LightSample sample = tables_.lights.size() == 1 && tables_.environment.light == no_index
                                            ? sample_light(LightRecord<true>(tables_.lights.data(), UInt(0u)), eye, time, random)
                                            : choose_light(valid, eye, key, seed, random, time);
@@ -429,7 +432,7 @@ private:
         }
 
         const Float choice = simple ? Float(0) : sample_2d(key, pair_seed(seed, pair_choice)).x;
-        const BsdfSample next = bsdf.sample(wo, sample_2d(key, pair_seed(seed, pair_bsdf)), choice);
+        const BsdfSample next = bsdf.sample(wo, sample_2d(index, pair_seed(seed, pair_bsdf)), choice);
         const Vec3 wi = frame.to_world(next.wi);
         throughput = throughput * next.weight;
         if constexpr (!simple) {
@@ -445,11 +448,21 @@ private:
             p.set(PathPool::eta_scale, i, eta_scale, valid);
         }
         end_some(key, seed, bounce, eta_scale, throughput, next_state);
-        p.set(PathPool::origin, i, start(wi), valid);
-        p.set(PathPool::direction, i, wi, valid);
-        p.set(PathPool::throughput, i, throughput, valid);
-        p.set(PathPool::bsdf_pdf, i, next.pdf, valid);
-        p.set(PathPool::state, i, next_state, valid);
+        put<simple>(PathPool::origin, i, start(wi), valid);
+        put<simple>(PathPool::direction, i, wi, valid);
+        put<simple>(PathPool::throughput, i, throughput, valid);
+        put<simple>(PathPool::bsdf_pdf, i, next.pdf, valid);
+        put<simple>(PathPool::state, i, next_state, valid);
+    }
+
+    /// Writes a field of the lanes of the mask. In a simple scene the lanes behind them belong to nobody.
+    template <bool simple, class Value>
+    void put(int field, std::size_t i, const Value& value, Mask valid)
+    {
+        if constexpr (simple)
+            paths_->set(field, i, value);
+        else
+            paths_->set(field, i, value, valid);
     }
 
     /// Directions that rounding put below the horizon come back above it.
@@ -565,7 +578,7 @@ private:
         const Float t_max = distance * Float(1 - 0x1p-16f);
         if (scene_.is_flat) {
             const Mask clear = lit & !scene_.flat.occluded(tables_, Ray{o, s.wi, t_max, time}, lit);
-            p.set(PathPool::radiance, i, p.spectrum(PathPool::radiance, i) + select(clear, add, Spectrum(Float(0))), valid);
+            put<simple>(PathPool::radiance, i, p.spectrum(PathPool::radiance, i) + select(clear, add, Spectrum(Float(0))), valid);
             return;
         }
         const auto keep = [&](int field, Float value) { compress_store(&shadow_data_[field][shadows_], value, lit); };

@@ -50,14 +50,18 @@ inline UInt group_seed(const SampleKey& key, UInt group) { return hash(key.pixel
 /// Seeds of the pairs of a group. Odd constants of full period; the scrambling hash mixes them on.
 inline UInt pair_seed(UInt group_seed, std::uint32_t pair) { return group_seed * UInt(0x8da6b343u + 0x3504f330u * pair); }
 
+/// The order in which a pair takes the points of the sequence. Two pairs whose numbers never enter one product may share
+/// it, their scramblings being independent: the sum of what they estimate has no covariance. Others may not.
+inline UInt shuffled_index(const SampleKey& key, UInt seed) { return reverse_bits(scramble_reversed(key.reversed_index, seed)); }
+
 /// The pair of dimensions that a seed stands for.
-inline Sample2 sample_2d(const SampleKey& key, UInt seed)
+inline Sample2 sample_2d(UInt index, UInt seed)
 {
-    const UInt index = reverse_bits(scramble_reversed(key.reversed_index, seed));
     const UInt x = reverse_bits(scramble_reversed(index, rotate16(seed)));
     const UInt y = reverse_bits(scramble_reversed(sobol1_reversed(index), seed * UInt(0xd8163841u)));
     return {unit_float(x), unit_float(y)};
 }
+inline Sample2 sample_2d(const SampleKey& key, UInt seed) { return sample_2d(shuffled_index(key, seed), seed); }
 
 /// A number without any structure, for decisions where none would help.
 inline Float sample_hash(const SampleKey& key, UInt seed)
