@@ -316,7 +316,9 @@ class CommandLine(unittest.TestCase):
 
     def test_second_interrupt_stops(self):
         # The pass under way must still be so when the second signal comes, on a busy machine too.
+        # The first one must come within a pass: right after the progress line the program looks whether it is to stop.
         process = self.start_slow(2000, "--progress", "json", "-o", "a.png")
+        time.sleep(0.3)
         process.send_signal(signal.SIGINT)
         time.sleep(0.02)
         process.send_signal(signal.SIGINT)
