@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "compile/compiler.h"
+#include "compile/parallelograms.h"
 #include "compile/tessellate.h"
 #include "fathom/error.h"
 
@@ -27,22 +28,26 @@ public:
     void run(const std::vector<PlacedShape>& placed)
     {
         const std::vector<int> uses = count_uses(placed);
+        const bool joins = count_triangles(placed) <= most_joined_triangles;
         std::vector<const PlacedShape*> instanced;
         // Triangles in render space come first, then those of instanced meshes, then the other kinds.
         for (const PlacedShape& p : placed)
             if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry)) {
                 if (uses[std::size_t(mesh->mesh)] > 0)
                     instanced.push_back(&p);
+                else if (const Mesh& m = c_.scene.meshes[std::size_t(mesh->mesh)]; joins && is_plain(p, m))
+                    join_triangles(p, m);
                 else
-                    add_mesh(p, c_.scene.meshes[std::size_t(mesh->mesh)], p.render_from_node);
+                    add_mesh(p, m, p.render_from_node);
             } else if (needs_tessellation(p)) {
                 add_mesh(p, tessellate(p.shape->geometry), p.render_from_node);
             }
         t_.world_triangles = t_.triangle_count();
         std::vector<std::uint32_t> mesh_shapes(c_.scene.meshes.size(), no_index);
         for (const PlacedShape* p : instanced) add_instance(*p, mesh_shapes);
+        for (const auto& [p, rectangles] : joined_) add_rectangles(*p, rectangles);
         for (const PlacedShape& p : placed)
-            if (const auto* r = std::get_if<Rectangle>(&p.shape->geometry)) add_rectangle(p, *r);
+            if (const auto* r = std::get_if<Rectangle>(&p.shape->geometry)) add_rectangles(p, {*r});
             else if (const auto* b = std::get_if<Box>(&p.shape->geometry)) add_box(p, *b);
         for (const PlacedShape& p : placed)
             if (const auto* s = std::get_if<Sphere>(&p.shape->geometry); s && !needs_tessellation(p)) add_sphere(p, *s);
@@ -67,6 +72,37 @@ private:
             if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry); mesh && emits(*p.shape))
                 uses[std::size_t(mesh->mesh)] = 0;
         return uses;
+    }
+
+    /// Triangles are joined to parallelograms where a scene is small enough to be traced as a list.
+    static constexpr std::size_t most_joined_triangles = 192;
+
+    std::size_t count_triangles(const std::vector<PlacedShape>& placed) const
+    {
+        std::size_t n = 0;
+        for (const PlacedShape& p : placed)
+            if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry))
+                n += c_.scene.meshes[std::size_t(mesh->mesh)].indices.size() / 3;
+        return n;
+    }
+
+    /// Nothing but positions matters: the picture of a parallelogram is that of its two triangles.
+    bool is_plain(const PlacedShape& p, const Mesh& mesh) const
+    {
+        const MaterialTable& m = t_.materials[material_of(*p.shape)];
+        const bool textured = (m.flags & (MaterialTable::textured | MaterialTable::normal_mapped)) || m.emission_texture != no_index;
+        return mesh.normals.empty() && !textured && m.alpha_mode == std::uint32_t(AlphaMode::opaque);
+    }
+
+    void join_triangles(const PlacedShape& p, const Mesh& mesh)
+    {
+        Parallelograms pairs = pair_triangles(mesh);
+        if (!pairs.found.empty()) joined_.emplace_back(&p, std::move(pairs.found));
+        if (pairs.triangles.empty()) return;
+        Mesh rest;
+        rest.positions = mesh.positions;
+        rest.indices = std::move(pairs.triangles);
+        add_mesh(p, rest, p.render_from_node);
     }
 
     std::uint32_t material_of(const Shape& shape) const
@@ -205,10 +241,10 @@ private:
                             to_float(p.render_from_node.vector(v))});
         take_primitives(1);
     }
-    void add_rectangle(const PlacedShape& p, const Rectangle& r)
+    void add_rectangles(const PlacedShape& p, const std::vector<Rectangle>& rectangles)
     {
         add_shape(p, t_.first_quad() + std::uint32_t(t_.quads.size()), p.render_from_node.determinant() < 0);
-        add_quad(p, r.corner, r.edge_u, r.edge_v);
+        for (const Rectangle& r : rectangles) add_quad(p, r.corner, r.edge_u, r.edge_v);
     }
     void add_box(const PlacedShape& p, const Box& b)
     {
@@ -251,6 +287,7 @@ private:
     Compiler& c_;
     SceneTables& t_;
     std::size_t degenerate_ = 0;
+    std::vector<std::pair<const PlacedShape*, std::vector<Rectangle>>> joined_;  ///< shapes of joined triangles
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "compile/compiler.h"
 #include "fathom/error.h"
+#include "fathom/memory.h"
 
 namespace fathom {
 
@@ -36,16 +37,16 @@ private:
     Texels load(int index, ColorSpace space)
     {
         const ImageFile& file = c_.scene.images[std::size_t(index)];
+        Image image;
         try {
-            const Image image = file.bytes.empty() ? read_image(file.path)
-                                                   : read_image(file.name, file.bytes.data(), file.bytes.size());
-            return append(image, space);
+            image = file.bytes.empty() ? read_image(file.path) : read_image(file.name, file.bytes.data(), file.bytes.size());
         } catch (const Error& error) {
             c_.warnings.add(fmt::format("{}; grey is used instead", error.what()));
             const std::uint64_t first = c_.tables.texels.size() / 4;
             for (float v : {0.5f, 0.5f, 0.5f, 1.0f}) c_.tables.texels.push_back(v);
             return {first, 1, 1};
         }
+        return append(image, space);
     }
 
     Texels append(const Image& image, ColorSpace space)
@@ -62,6 +63,9 @@ private:
         for (int& i : rgb)
             if (i < 0) i = grey >= 0 ? grey : 0;
         const std::uint64_t first = c_.tables.texels.size() / 4;
+        // Growing keeps the old texels until they are copied.
+        if (const double bytes = double(first + pixels) * 16, available = double(available_memory_bytes()); bytes > available)
+            throw Error(c_.scene.file, "", fmt::format("its textures need {:.1f} GB of memory, {:.1f} GB are there", bytes / 1e9, available / 1e9));
         c_.tables.texels.resize((first + pixels) * 4);
         for (std::size_t i = 0; i < pixels; ++i) {
             float* texel = &c_.tables.texels[(first + i) * 4];

@@ -7,6 +7,7 @@
 #include "compile/fingerprint.h"
 #include "compile/scene_data.h"
 #include "fathom/error.h"
+#include "fathom/memory.h"
 #include "scene/check.h"
 
 namespace fathom {
@@ -50,6 +51,26 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
     return s;
 }
 
+/// Refuses a scene whose compiled form can't fit, before it is tried. Meshes placed more than once are counted once: they
+/// become instances, or are small.
+void check_memory(const SceneDescription& scene, const Placed& placed)
+{
+    // An index and a number each, and what the tree takes for a triangle while it is built.
+    constexpr double bytes_per_triangle = 16 + 3 * 64, bytes_per_shape = 512;
+    double bytes = bytes_per_shape * double(placed.shapes.size());
+    std::vector<bool> counted(scene.meshes.size());
+    for (const PlacedShape& p : placed.shapes) {
+        const auto* instance = std::get_if<MeshInstance>(&p.shape->geometry);
+        if (!instance || counted[std::size_t(instance->mesh)]) continue;
+        counted[std::size_t(instance->mesh)] = true;
+        const Mesh& mesh = scene.meshes[std::size_t(instance->mesh)];
+        bytes += bytes_per_triangle * double(mesh.indices.size() / 3) + 12.0 * double(mesh.positions.size() + mesh.normals.size()) +
+                 16.0 * double(mesh.tangents.size() + mesh.colors.size()) + 8.0 * double(mesh.uvs[0].size() + mesh.uvs[1].size());
+    }
+    if (const double available = double(available_memory_bytes()); bytes > available)
+        throw Error(scene.file, "", fmt::format("the scene needs about {:.1f} GB of memory, {:.1f} GB are there", bytes / 1e9, available / 1e9));
+}
+
 void put(float* to, Vec3d v) { to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z); }
 
 }  // namespace
@@ -68,6 +89,7 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
     tables->render_scale = compiler.space.scale;
     compile_materials(compiler);
     const Placed placed = place(description, compiler.space);
+    check_memory(description, placed);
     compile_geometry(compiler, placed.shapes);
     compile_lights(compiler, placed.lights);
     tables->shutter_open = float(scene.data_->camera.shutter_open);

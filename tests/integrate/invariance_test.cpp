@@ -55,6 +55,31 @@ TEST(Invariance, ScaleAndPlaceChangeThePictureByRoundingOnly)
         }
 }
 
+TEST(Triangles, APairIsThePictureOfItsParallelogram)
+{
+    const auto scene = [](bool as_mesh) {
+        SceneBuilder b;
+        const int grey = b.diffuse(0.6f), lamp = b.diffuse(0, {4, 4, 4});
+        const auto quad = [&](Vec3d corner, Vec3d u, Vec3d v, int material) {
+            if (!as_mesh) return b.add(Rectangle{corner, u, v}, material);
+            Mesh mesh;
+            for (Vec3d p : {corner, corner + u, corner + u + v, corner + v})
+                mesh.positions.push_back({float(p.x), float(p.y), float(p.z)});
+            mesh.indices = {0, 1, 2, 2, 3, 0};
+            b.scene.meshes.push_back(mesh);
+            b.add(MeshInstance{int(b.scene.meshes.size()) - 1}, material);
+        };
+        quad({-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, grey);
+        quad({-2, 0, -2}, {4, 0, 1}, {0.5, 4, 0}, grey);
+        quad({-1, 3, 1}, {0, 0, -2}, {2, 0, 0}, lamp);
+        b.camera({0.5, 2, 5}, {0, 0.8, 0});
+        return b.scene;
+    };
+    const Mean a = mean_of(render_film(scene(false), small_picture(), 256)), b = mean_of(render_film(scene(true), small_picture(), 256));
+    EXPECT_GT(a.value[0], 0.1);
+    EXPECT_NEAR(a.value[0], b.value[0], 4 * std::hypot(a.error[0], b.error[0]));
+}
+
 TEST(Estimators, LightSamplingOnlyChangesTheNoise)
 {
     RenderSettings settings = small_picture();
