@@ -1,7 +1,6 @@
 #include "embree_caster.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 
 namespace fathom::bench {
@@ -24,9 +23,9 @@ EmbreeCaster::EmbreeCaster(const Mesh& mesh, const std::string& isa, int threads
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene_, geometry);
     rtcReleaseGeometry(geometry);
-    const auto start = std::chrono::steady_clock::now();
+    const double start = now(threads);
     rtcCommitScene(scene_);
-    build_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    build_s_ = now(threads) - start;
 }
 
 EmbreeCaster::~EmbreeCaster()

@@ -1,9 +1,17 @@
 #include "ray_sets.h"
 
 #include <cmath>
+#include <ctime>
 #include <limits>
 
 namespace fathom::bench {
+
+double now(int threads)
+{
+    timespec t{};
+    clock_gettime(threads == 1 ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &t);
+    return double(t.tv_sec) + double(t.tv_nsec) * 1e-9;
+}
 
 RayArrays RaySet::arrays(std::size_t first, std::size_t n) const
 {

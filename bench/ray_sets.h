@@ -8,6 +8,10 @@
 
 namespace fathom::bench {
 
+/// Seconds on the wall; of the process's own time if it has but one thread at work, since other programs may be
+/// running.
+double now(int threads);
+
 struct RaySet {
     std::string kind;
     bool shadow = false, coherent = false;

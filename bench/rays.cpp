@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
 #include <functional>
 #include <stdexcept>
 #include <thread>
@@ -23,16 +22,8 @@ struct Options {
     std::vector<Source> meshes;
     int threads = 1, runs = 5;
     std::size_t parts = 1;
-    bool robust = true, details = false;
+    bool robust = true, details = false, with_embree = true;
 };
-
-/// Seconds on the wall; of the thread's own time if there is but one, since other programs may be running.
-double now(int threads)
-{
-    timespec t{};
-    clock_gettime(threads == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC, &t);
-    return double(t.tv_sec) + double(t.tv_nsec) * 1e-9;
-}
 
 double seconds(int threads, const std::function<void()>& f)
 {
@@ -98,7 +89,7 @@ void compare(const Mesh& mesh, const RaySet& set, const Bvh& bvh, const EmbreeCa
     auto call = EmbreeCaster::single;
     bool coherent = false;
     const char* const names[] = {"1", "8", "16", "stream"};
-    for (int c = 0; c < EmbreeCaster::call_count; ++c)
+    for (int c = 0; c < EmbreeCaster::call_count && options.with_embree; ++c)
         for (bool hint : {false, true}) {
             if (hint && !set.coherent) continue;
             double s = 1e300;
@@ -112,10 +103,10 @@ void compare(const Mesh& mesh, const RaySet& set, const Bvh& bvh, const EmbreeCa
     std::vector<double> a, b, ratio;
     for (int i = 0; i < options.runs; ++i) {
         a.push_back(run_ours());
-        b.push_back(run_theirs(call, coherent));
+        b.push_back(options.with_embree ? run_theirs(call, coherent) : a.back());
         ratio.push_back(b.back() / a.back());
     }
-    const std::size_t n = differences(set, ours, theirs);
+    const std::size_t n = options.with_embree ? differences(set, ours, theirs) : 0;
     if (n * 10'000 > set.count())
         std::fprintf(stderr, "%s, %s: %zu of %zu rays differ\n", mesh.name.c_str(), set.kind.c_str(), n, set.count());
     const double rays = double(set.count()) * 1e-6;
@@ -172,12 +163,14 @@ int run_all(int argc, char** argv)
             options.parts = std::stoul(value());
         else if (arg == "--not-robust")
             options.robust = false;
+        else if (arg == "--ours-only")
+            options.with_embree = false;
         else if (arg == "--details")
             options.details = true;
         else
             throw std::runtime_error(arg +
                                      ": known are --mesh FILE.ply, --generate NAME, --threads N, --runs N, --parts N, "
-                                     "--not-robust, --details");
+                                     "--not-robust, --ours-only, --details");
     }
     for (const Options::Source& mesh : options.meshes)
         measure(mesh.generated ? generate(mesh.name) : read_ply(mesh.name), options);

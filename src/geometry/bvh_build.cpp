@@ -39,7 +39,7 @@ Split parallel_split(const Item* items, std::size_t n, const CenterBounds& cente
     map = BinMap(centers, Bins::max);
     // Minima and counts: the same in any order.
     const Bins bins = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, n, parallel_binning / 8), Bins(),
+        tbb::blocked_range<std::size_t>(0, n, parallel_binning / 8), Bins(Bins::max),
         [&](const tbb::blocked_range<std::size_t>& range, const Bins& before) {
             Bins sum = before;
             sum.add(items + range.begin(), range.size(), map);

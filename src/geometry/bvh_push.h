@@ -166,9 +166,15 @@ inline int filter(const BvhStack& stack, int size, float t_max)
 [[gnu::always_inline]] inline int push_any(const BvhStack& stack, int size, const BvhNode& node,
                                            const BoxDistances& box)
 {
-    for (std::uint32_t bits = boxes_met(box); bits; bits &= bits - 1)
-        stack.reference[size++] = node.child[std::countr_zero(bits)];
-    return size;
+    std::uint32_t bits = boxes_met(box);
+    const int after = size + std::popcount(bits);
+    const auto push = [&] {
+        stack.reference[size++] = node.child[std::countr_zero(bits | 1u << (bvh_width - 1))];
+        bits &= bits - 1;
+    };
+    for (int i = 0; i < 4; ++i) push();
+    while (size < after) push();
+    return after;
 }
 
 #endif

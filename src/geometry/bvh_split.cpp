@@ -2,65 +2,112 @@
 
 namespace fathom::bvh {
 
+Bins::Bins(int bins) : used(bins)
+{
+    const V8 empty = Box().v;
+    for (int bin = 0; bin < used; ++bin) {
+        for (V8& b : box[bin]) b = empty;
+        for (std::uint32_t& c : count[bin]) c = 0;
+    }
+}
+
+namespace {
+
+[[gnu::always_inline]] inline void add_to(Bins& bins, const Item& item, const BinMap& map)
+{
+    const V4i bin = map(center2(item));
+    const Box box(item);
+    for (int axis = 0; axis < 3; ++axis) {
+        V8& b = bins.box[bin[axis]][axis];
+        b = b < box.v ? b : box.v;
+        ++bins.count[bin[axis]][axis];
+    }
+}
+
+}  // namespace
+
 void Bins::add(const Item* items, std::size_t n, const BinMap& map)
 {
-    for (std::size_t i = 0; i < n; ++i) {
-        const V4i bin = map(center2(items[i]));
-        const Box item(items[i]);
-        for (int axis = 0; axis < 3; ++axis) {
-            box[axis][bin[axis]].extend(item);
-            ++count[axis][bin[axis]];
-        }
+    if (n < 64) {
+        for (std::size_t i = 0; i < n; ++i) add_to(*this, items[i], map);
+        return;
     }
+    // Neighbours often share a bin, and would wait for each other: they take turns with two sets.
+    Bins odd(used);
+    for (std::size_t i = 0; i + 1 < n; i += 2) {
+        add_to(*this, items[i], map);
+        add_to(odd, items[i + 1], map);
+    }
+    if (n & 1) add_to(*this, items[n - 1], map);
+    merge(odd);
 }
 
 void Bins::merge(const Bins& other)
 {
-    for (int axis = 0; axis < 3; ++axis)
-        for (int bin = 0; bin < max; ++bin) {
-            box[axis][bin].extend(other.box[axis][bin]);
-            count[axis][bin] += other.count[axis][bin];
+    for (int bin = 0; bin < used; ++bin)
+        for (int axis = 0; axis < 3; ++axis) {
+            const V8& b = other.box[bin][axis];
+            box[bin][axis] = box[bin][axis] < b ? box[bin][axis] : b;
+            count[bin][axis] += other.count[bin][axis];
         }
 }
 
 Split best_split(const Bins& bins, const BinMap& map)
 {
-    Split best;
-    float best_cost = std::numeric_limits<float>::infinity();
-    for (int axis = 0; axis < 3; ++axis) {
-        if (!map.splits(axis)) continue;
-        // cost[i]: of the bins above i.
-        float cost[Bins::max];
-        Box right;
-        std::uint32_t count = 0;
-        for (int i = map.last; i > 0; --i) {
-            right.extend(bins.box[axis][i]);
-            count += bins.count[axis][i];
-            cost[i - 1] = count ? right.half_area() * float(count) : std::numeric_limits<float>::infinity();
-        }
-        Box left;
-        count = 0;
-        for (int i = 0; i < map.last; ++i) {
-            left.extend(bins.box[axis][i]);
-            count += bins.count[axis][i];
-            if (!count) continue;
-            const float sum = left.half_area() * float(count) + cost[i];
-            if (sum < best_cost) {
-                best_cost = sum;
-                best.axis = axis;
-                best.bin = i;
+    // The three axes side by side.
+    constexpr float inf = std::numeric_limits<float>::infinity();
+    const V4 none = {inf, inf, inf, inf};
+    struct Sweep {
+        Box box[3];
+        V4i count = {};
+        /// Area times count by axis; none where there is nothing.
+        V4 add(const Bins& from, int bin)
+        {
+            V4 x, y, z, n = {};
+            x = y = z = n;
+            V4i more;
+            std::memcpy(&more, from.count[bin], sizeof more);
+            count += more;
+            for (int axis = 0; axis < 3; ++axis) {
+                box[axis].extend(from.box[bin][axis]);
+                x[axis] = -box[axis].v[4] - box[axis].v[0];
+                y[axis] = -box[axis].v[5] - box[axis].v[1];
+                z[axis] = -box[axis].v[6] - box[axis].v[2];
             }
+            return (x * y + (x + y) * z) * __builtin_convertvector(count, V4);
         }
+    };
+    V4 right_cost[Bins::max];
+    V4 best_cost = none;
+    V4i best_bin = {};
+    Sweep right, left;
+    for (int i = map.last; i > 0; --i) {
+        const V4 cost = right.add(bins, i);
+        right_cost[i - 1] = right.count > 0 ? cost : none;
     }
+    for (int i = 0; i < map.last; ++i) {
+        const V4 sum = left.add(bins, i) + right_cost[i];
+        const V4i better = V4i(sum < best_cost) & V4i(left.count > 0);
+        best_cost = better ? sum : best_cost;
+        best_bin = better ? V4i{} + i : best_bin;
+    }
+    Split best;
+    float least = inf;
+    for (int axis = 0; axis < 3; ++axis)
+        if (map.splits(axis) && best_cost[axis] < least) {
+            least = best_cost[axis];
+            best.axis = axis;
+            best.bin = best_bin[axis];
+        }
     if (best.axis < 0) return best;
-    for (int i = 0; i <= map.last; ++i) (i <= best.bin ? best.left : best.right).extend(bins.box[best.axis][i]);
+    for (int i = 0; i <= map.last; ++i) (i <= best.bin ? best.left : best.right).extend(bins.box[i][best.axis]);
     return best;
 }
 
 Split find_split(const Item* items, std::size_t n, const CenterBounds& centers, BinMap& map)
 {
     map = BinMap(centers, n <= 4 ? 4 : n <= 16 ? 8 : Bins::max);
-    Bins bins;
+    Bins bins(map.last + 1);
     bins.add(items, n, map);
     return best_split(bins, map);
 }

@@ -100,11 +100,15 @@ struct BinMap {
 
 struct Bins {
     static constexpr int max = 16;
-    Box box[3][max];
-    std::uint32_t count[3][max] = {};
 
+    /// Empty ones; no more than the first `bins` are used.
+    explicit Bins(int bins);
     void add(const Item* items, std::size_t n, const BinMap& map);
     void merge(const Bins& other);
+
+    int used;
+    alignas(32) V8 box[max][3];  ///< as in Box
+    std::uint32_t count[max][4];
 };
 
 struct Split {

@@ -76,30 +76,26 @@ public:
     /// Begins with a ray of memory.world, which so far has nowhere to go.
     void add(int ray)
     {
-        ray_[ray] = {&memory_.world[ray / lanes].f[0][ray % lanes]};
-        instance_[ray] = no_index;
-        stack(ray).reference[0] = end;
-        stack(ray).t[0] = -infinity;
-        size_[ray] = 1;
+        std::uint32_t* const bottom = memory_.stacks.data() + std::size_t(ray) * 2 * stride_;
+        states_[ray] = {&memory_.world[ray / lanes].f[0][ray % lanes], bottom, end, no_index, bottom};
+        push(ray, end, -infinity);
     }
     /// Leaves a part of the tree for later, of whose box t is the distance.
     void defer(int ray, std::uint32_t reference, float t)
     {
-        if (size_[ray] > bvh_deferred) {
+        if (size(ray) > bvh_deferred) {
             // No more room: now.
             start(ray);
             run();
             add(ray);
         }
-        const int size = size_[ray]++;
-        stack(ray).reference[size] = reference;
-        stack(ray).t[size] = t;
+        push(ray, reference, t);
     }
-    /// What was deferred and is not out of reach by now will be visited, the last first.
+    /// What was deferred and is not out of reach by now is to be visited, the last first.
     void start(int ray)
     {
-        if (size_[ray] == 1) return;
-        if (!any_hit) size_[ray] = filter(stack(ray), size_[ray], memory_.hits.t[ray]);
+        if (size(ray) == 1) return;
+        if (!any_hit) remove_beyond(ray, memory_.hits.t[ray]);
         pop(ray, next_.n);
     }
 
@@ -110,7 +106,10 @@ public:
             std::swap(now_, next_);
             {
                 Counts counts;
-                for (int i = 0; i < now_.n.nodes; ++i) visit_node(now_.node[i], counts);
+                for (int i = 0; i < now_.n.nodes; ++i) {
+                    fetch_node(now_.node[std::min(i + ahead, now_.n.nodes - 1)]);
+                    visit_node(now_.node[i], counts);
+                }
                 next_.n = counts;
             }
             if constexpr (lanes == bvh_width) {
@@ -126,6 +125,8 @@ public:
 private:
     static constexpr std::uint32_t end = BvhReference::other_bit | std::uint32_t(BvhReference::end) << 28;
     static constexpr int leaf_wave = 8;
+    /// How many rays earlier a node is fetched: later is too late, earlier crowds the queues of the processor.
+    static constexpr int ahead = 4;
 
     struct Counts {
         int nodes = 0, leaves = 0, others = 0;
@@ -135,41 +136,59 @@ private:
         std::uint8_t node[stream_size], leaf[stream_size], other[stream_size];
     };
 
-    BvhStack stack(int ray) const
+    /// Where a ray is.
+    struct State {
+        const float* prepared;  ///< of memory.world or, within an instance, of memory.object
+        std::uint32_t* top;     ///< of the references on its stack; their distances are stride_ further
+        std::uint32_t reference, instance;
+        std::uint32_t* bottom;
+    };
+
+    PreparedRay prepared(int ray) const { return {states_[ray].prepared}; }
+    BvhStack stack(int ray) const { return {states_[ray].bottom, distances(states_[ray].bottom)}; }
+    float* distances(std::uint32_t* references) const { return reinterpret_cast<float*>(references + stride_); }
+    int size(int ray) const { return int(states_[ray].top - states_[ray].bottom); }
+    void push(int ray, std::uint32_t reference, float t)
     {
-        std::uint32_t* p = memory_.stacks.data() + std::size_t(ray) * 2 * stride_;
-        return {p, reinterpret_cast<float*>(p + stride_)};
+        std::uint32_t* const top = states_[ray].top++;
+        *top = reference;
+        *distances(top) = t;
+    }
+    void remove_beyond(int ray, float t) { states_[ray].top = states_[ray].bottom + filter(stack(ray), size(ray), t); }
+
+    /// Brings what a ray is about to read into the cache.
+    [[gnu::always_inline]] void fetch_node(int ray) const
+    {
+        const char* const p = reinterpret_cast<const char*>(&bvh_.nodes[states_[ray].reference]);
+        for (int line = 0; line < 8; ++line) __builtin_prefetch(p + 64 * line);
+    }
+    [[gnu::always_inline]] void fetch_leaf(int ray) const
+    {
+        const auto* const p = reinterpret_cast<const char*>(
+            &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(states_[ray].reference))]);
+        for (int line = 0; line < 6; ++line) __builtin_prefetch(p + 64 * line);
     }
 
-    /// Notes what a ray does next, and fetches it; without effect unless really is 1, to spare a branch.
+    /// Notes what a ray does next; without effect unless really is 1, to spare a branch.
     [[gnu::always_inline]] void queue(int ray, std::uint32_t reference, Counts& n, int really = 1)
     {
-        reference_[ray] = reference;
+        states_[ray].reference = reference;
         const bool is_node = BvhReference::is_node(reference), is_leaf = BvhReference::is_triangles(reference);
         next_.node[n.nodes] = next_.leaf[n.leaves] = next_.other[n.others] = std::uint8_t(ray);
         n.nodes += int(is_node) & really;
         n.leaves += int(is_leaf) & really;
         n.others += int(!is_node & !is_leaf) & really;
-        // In integers: compilers make a branch of a choice of pointers, which would be mispredicted half of the time.
-        const auto node =
-            reinterpret_cast<std::uintptr_t>(bvh_.nodes.data()) + sizeof(BvhNode) * (reference & (is_node ? ~0u : 0u));
-        const auto leaf = reinterpret_cast<std::uintptr_t>(bvh_.triangles.data()) +
-                          36 * std::size_t(BvhReference::first_triangle(reference));
-        const auto* const p =
-            reinterpret_cast<const char*>(node ^ ((node ^ leaf) & (std::uintptr_t(0) - std::uintptr_t(is_leaf))));
-        for (int line = 0; line < 8; ++line) __builtin_prefetch(p + 64 * line);
     }
 
     [[gnu::always_inline]] void pop(int ray, Counts& n, int really = 1)
     {
-        const int size = size_[ray] -= really;
-        queue(ray, stack(ray).reference[size], n, really);
+        queue(ray, *(states_[ray].top -= really), n, really);
     }
 
     [[gnu::always_inline]] void visit_node(int ray, Counts& n)
     {
-        const PreparedRay r = ray_[ray];
-        const BvhNode& node = bvh_.nodes[reference_[ray]];
+        const PreparedRay r = prepared(ray);
+        const BvhNode& node = bvh_.nodes[states_[ray].reference];
         const std::uint32_t octant = r.integer(PreparedRays::octant);
         // Rows of the nearer sides; those of the farther ones are 3 rows away.
         const float* const bounds = node.bounds[0];
@@ -191,8 +210,9 @@ private:
             box.near[part] = max(max(near_x, near_y), max(near_z, Float(0)));
             box.far[part] = min(min(far_x, far_y), min(far_z, t_max));
         }
-        size_[ray] = any_hit ? push_any(stack(ray), size_[ray], node, box)
-                             : push_in_order(stack(ray), size_[ray], node.child, node.order[octant], box);
+        std::uint32_t*& top = states_[ray].top;
+        const BvhStack above{top, distances(top)};
+        top += any_hit ? push_any(above, 0, node, box) : push_in_order(above, 0, node.child, node.order[octant], box);
         pop(ray, n);
     }
 
@@ -204,8 +224,8 @@ private:
 
     [[gnu::always_inline]] TriangleWeights meet_triangles(int ray, int at, Vec3& z) const
     {
-        const PreparedRay r = ray_[ray];
-        const std::uint32_t reference = reference_[ray];
+        const PreparedRay r = prepared(ray);
+        const std::uint32_t reference = states_[ray].reference;
         const std::ptrdiff_t n = BvhReference::triangle_count(reference);
         const float* const data = &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(reference))] + at;
         const std::uint32_t axis = r.integer(PreparedRays::axis);
@@ -231,6 +251,7 @@ private:
         Block blocks[leaf_wave + 1];
         int met = 0;
         Counts n = next_.n;
+        for (int i = 0; i < count; ++i) fetch_leaf(rays[i]);
         for (int i = 0; i < count; ++i) {
             Block& block = blocks[met];
             Vec3 z;
@@ -238,7 +259,7 @@ private:
             store(block.a, w.a), store(block.b, w.b), store(block.c, w.c);
             store(block.z[0], z.x), store(block.z[1], z.y), store(block.z[2], z.z);
             block.inside = mask_bits(w.inside);
-            block.reference = reference_[rays[i]];
+            block.reference = states_[rays[i]].reference;
             block.ray = rays[i];
             const int passes = block.inside != 0;
             met += passes;
@@ -257,7 +278,7 @@ private:
         const std::uint32_t first = BvhReference::first_triangle(block.reference);
         Float t, u, v;
         const Float t_max(hits.t[ray]);
-        Mask m = triangle_distance(w, Float(ray_[ray].number(PreparedRays::shear_z)),
+        Mask m = triangle_distance(w, Float(prepared(ray).number(PreparedRays::shear_z)),
                                    load_vec3(block.z[0], block.z[1], block.z[2]), t_max, t, u, v);
         if (any_hit) m &= t < t_max;
         const std::uint32_t least = least_lanes(m, t);
@@ -275,17 +296,17 @@ private:
             hits.u[ray] = found ? us[lane] : hits.u[ray];
             hits.v[ray] = found ? vs[lane] : hits.v[ray];
             hits.what[ray] = found ? hit_is_place | (first + std::uint32_t(lane)) : hits.what[ray];
-            hits.instance[ray] = found ? instance_[ray] : hits.instance[ray];
+            hits.instance[ray] = found ? states_[ray].instance : hits.instance[ray];
         }
         if (any_hit) return pop(ray, n, 1 - int(found));
-        size_[ray] = filter(stack(ray), size_[ray], hits.t[ray]);
+        remove_beyond(ray, hits.t[ray]);
         pop(ray, n);
     }
 
     /// The same where lanes are few.
     void visit_leaf(int ray)
     {
-        const int n = BvhReference::triangle_count(reference_[ray]);
+        const int n = BvhReference::triangle_count(states_[ray].reference);
         bool found = false;
         for (int at = 0; at < n; at += lanes) {
             Vec3 z;
@@ -301,10 +322,10 @@ private:
     {
         Float t, u, v;
         const Float t_max(memory_.hits.t[ray]);
-        Mask m = triangle_distance(w, Float(ray_[ray].number(PreparedRays::shear_z)), z, t_max, t, u, v);
+        Mask m = triangle_distance(w, Float(prepared(ray).number(PreparedRays::shear_z)), z, t_max, t, u, v);
         if (any_hit) m &= t < t_max;
         if (none(m)) return false;
-        const BvhKey* const keys = &bvh_.keys[BvhReference::first_triangle(reference_[ray]) + std::uint32_t(at)];
+        const BvhKey* const keys = &bvh_.keys[BvhReference::first_triangle(states_[ray].reference) + std::uint32_t(at)];
         return take(ray, m, t, u, v, [keys](int lane) { return keys[lane]; });
     }
 
@@ -312,7 +333,7 @@ private:
     void go_on(int ray, bool found)
     {
         if (found && any_hit) return;
-        if (found) size_[ray] = filter(stack(ray), size_[ray], memory_.hits.t[ray]);
+        if (found) remove_beyond(ray, memory_.hits.t[ray]);
         pop(ray, next_.n);
     }
 
@@ -326,9 +347,9 @@ private:
         RayHits& hits = memory_.hits;
         for_each_active(m, [&](int lane) {
             const BvhKey key = key_of(lane);
-            if (!hits.loses_to(bvh_, ray, ts[lane], key, instance_[ray])) return;
-            if (bvh_.has_alpha && !passes_alpha(bvh_, key, instance_[ray], us[lane], vs[lane])) return;
-            hits.set(ray, ts[lane], us[lane], vs[lane], key, instance_[ray]);
+            if (!hits.loses_to(bvh_, ray, ts[lane], key, states_[ray].instance)) return;
+            if (bvh_.has_alpha && !passes_alpha(bvh_, key, states_[ray].instance, us[lane], vs[lane])) return;
+            hits.set(ray, ts[lane], us[lane], vs[lane], key, states_[ray].instance);
             found = true;
         });
         return found;
@@ -336,7 +357,7 @@ private:
 
     [[gnu::noinline]] void visit_other(int ray)
     {
-        const std::uint32_t reference = reference_[ray];
+        const std::uint32_t reference = states_[ray].reference;
         switch (BvhReference::other_kind(reference)) {
             case BvhReference::spheres:
             case BvhReference::disks:
@@ -344,17 +365,18 @@ private:
             case BvhReference::instance:
                 return enter_instance(ray, bvh_.others[BvhReference::first_other(reference)]);
             case BvhReference::end:
-                if (instance_[ray] != no_index) leave_instance(ray);
+                if (states_[ray].instance != no_index) leave_instance(ray);
         }
     }
 
     bool visit_round(int ray)
     {
-        const std::uint32_t reference = reference_[ray];
+        const std::uint32_t reference = states_[ray].reference;
         const std::uint32_t* indices = &bvh_.others[BvhReference::first_other(reference)];
         const BvhReference::Kind kind = BvhReference::other_kind(reference);
         const SceneTables& tables = *bvh_.tables;
-        const Vec3 o = ray_[ray].vector(PreparedRays::origin_x), d = ray_[ray].vector(PreparedRays::direction_x);
+        const Vec3 o = prepared(ray).vector(PreparedRays::origin_x),
+                   d = prepared(ray).vector(PreparedRays::direction_x);
         const int n = BvhReference::other_count(reference);
         bool found = false;
         for (int at = 0; at < n; at += lanes) {
@@ -372,7 +394,7 @@ private:
                 const float* table = &tables.spheres[0].center.x;
                 const UInt row = which * UInt(std::uint32_t(sizeof(SphereTable) / 4));
                 const Vec3 center =
-                    fma(vector(table + 3, row), Float(ray_[ray].number(PreparedRays::time)), vector(table, row));
+                    fma(vector(table + 3, row), Float(prepared(ray).number(PreparedRays::time)), vector(table, row));
                 m = meet_sphere(center, gather(table + 6, row), o, d, t_max, t);
                 base = tables.first_sphere();
             } else {
@@ -394,7 +416,7 @@ private:
     {
         const InstanceTable& placed = bvh_.tables->instances[index];
         const BvhData::Mesh& mesh = bvh_.meshes[bvh_.mesh_of_instance[index]];
-        const PreparedRay r = ray_[ray];
+        const PreparedRay r = prepared(ray);
         const Vec3 o = transform_point(placed.object_from_render, r.vector(PreparedRays::origin_x));
         const Vec3 d = transform_vector(placed.object_from_render, r.vector(PreparedRays::direction_x));
         PreparedRays inner;
@@ -402,18 +424,16 @@ private:
         PreparedRays& object = memory_.object[ray / lanes];
         for (int field = 0; field < PreparedRays::field_count; ++field)
             object.f[field][ray % lanes] = inner.f[field][0];
-        ray_[ray] = {&object.f[0][ray % lanes]};
-        instance_[ray] = index;
-        const int size = size_[ray]++;
-        stack(ray).reference[size] = end;
-        stack(ray).t[size] = -infinity;
+        states_[ray].prepared = &object.f[0][ray % lanes];
+        states_[ray].instance = index;
+        push(ray, end, -infinity);
         queue(ray, mesh.root, next_.n);
     }
 
     void leave_instance(int ray)
     {
-        ray_[ray] = {&memory_.world[ray / lanes].f[0][ray % lanes]};
-        instance_[ray] = no_index;
+        states_[ray].prepared = &memory_.world[ray / lanes].f[0][ray % lanes];
+        states_[ray].instance = no_index;
         pop(ray, next_.n);
     }
 
@@ -421,9 +441,7 @@ private:
     StreamMemory& memory_;
     const std::size_t stride_;
     Queues now_, next_;
-    PreparedRay ray_[stream_size];
-    std::uint32_t reference_[stream_size], instance_[stream_size];
-    int size_[stream_size];
+    State states_[stream_size];
 };
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -11,10 +11,14 @@ using V16 = float __attribute__((vector_size(64)));
 using V16i = std::int32_t __attribute__((vector_size(64)));
 
 // In units of one node visited; measured on interiors, terrain and foliage (bench/rays.cpp).
-constexpr float node_cost = 1.f, triangle_leaf_cost = 0.6f, triangle_cost = 0.02f, other_leaf_cost = 0.7f,
+constexpr float node_cost = 1.f, triangle_leaf_cost = 0.3f, triangle_cost = 0.06f, other_leaf_cost = 0.7f,
                 other_cost = 0.05f, instance_cost = 4.f;
 
 constexpr int halving_depth = 50;
+
+/// So many items stay together where one leaf can hold them: to split them costs half of the building and gains nothing
+/// that could be measured.
+constexpr std::size_t together = 4;
 
 }  // namespace
 
@@ -138,19 +142,25 @@ private:
         Choices choices;
         Item* items;
         std::uint32_t count, kinds, right;  ///< the left child follows its parent
+        bool whole;                         ///< has no children
     };
 
     /// Adds the node of these items and all below.
     Costs split(Item* items, std::size_t n, const Box& box, const CenterBounds& centers, int depth)
     {
         const std::uint32_t self = std::uint32_t(nodes_.size());
-        nodes_.push_back({box, {}, items, std::uint32_t(n), 0, 0});
+        nodes_.push_back({box, {}, items, std::uint32_t(n), 0, 0, false});
         const float area = box.half_area();
-        if (n == 1) {
-            nodes_[self].kinds = items->kind;
-            Costs costs;
-            costs.c.fill(area * leaf_cost(items->kind, 1));
-            return costs;
+        if (n <= together) {
+            std::uint32_t kinds = 0;
+            for (std::size_t i = 0; i < n; ++i) kinds |= items[i].kind;
+            if (const float cost = leaf_cost(kinds, n); cost < std::numeric_limits<float>::infinity()) {
+                nodes_[self].kinds = kinds;
+                nodes_[self].whole = true;
+                Costs costs;
+                costs.c.fill(area * cost);
+                return costs;
+            }
         }
         BinMap map(centers, Bins::max);
         Split found;
@@ -173,7 +183,7 @@ private:
     /// The nodes that stand for `node` where it may be up to j children.
     void collect(std::uint32_t node, int j, std::uint32_t* out, int& count) const
     {
-        const int k = j == 1 || nodes_[node].count == 1 ? 0 : nodes_[node].choices[std::size_t(j - 1)];
+        const int k = j == 1 || nodes_[node].whole ? 0 : nodes_[node].choices[std::size_t(j - 1)];
         if (k == 0) {
             out[count++] = node;
             return;
@@ -182,7 +192,7 @@ private:
         collect(nodes_[node].right, j - k, out, count);
     }
 
-    bool is_leaf(std::uint32_t node) const { return nodes_[node].count == 1 || nodes_[node].choices[0] == 0; }
+    bool is_leaf(std::uint32_t node) const { return nodes_[node].whole || nodes_[node].choices[0] == 0; }
 
     std::uint32_t emit(std::uint32_t node)
     {

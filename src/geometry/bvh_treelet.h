@@ -1,5 +1,5 @@
 #pragma once
-/// The lower part of the tree: up to some ten thousand items, split down to single ones by one thread, then collapsed
+/// The lower part of the tree: up to some ten thousand items, split down to a few by one thread, then collapsed
 /// to nodes of 16 children by dynamic programming.
 #include <array>
 #include <vector>
