@@ -57,7 +57,7 @@ public:
         std::size_t pixel = 0;
         for (std::uint32_t code = 0; code < 2048 * 2048; ++code) {
             const int x = compact(code), y = compact(code >> 1);
-            if (x >= width || y >= height || pixel++ / 4096 % parts != 0) continue;
+            if (x >= width || y >= height || pixel++ / 1024 % parts != 0) continue;
             const double sx = (x + uniform() - width / 2.0) * scale, sy = (height / 2.0 - y - uniform()) * scale;
             add(set, view.position, normalize(forward + right * sx + up * sy), infinity_f);
         }

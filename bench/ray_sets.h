@@ -23,7 +23,7 @@ struct RaySet {
 };
 
 /// primary, shadow, bounce-1, bounce-3, occlusion: at 1920x1080 in Morton order of the pixels. With `parts` > 1 only
-/// every so many runs of 4096 pixels.
+/// every so many runs of 1024 pixels.
 std::vector<RaySet> make_ray_sets(const Mesh& mesh, const Bvh& bvh, std::size_t parts);
 
 }  // namespace fathom::bench
