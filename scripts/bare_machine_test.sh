@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # The two commands of the README on a machine that has nothing yet: a minimal system in a folder (debootstrap, chroot).
-#   scripts/bare_machine_test.sh [--no-tests] [SUITE] [MIRROR]
+#   scripts/bare_machine_test.sh [--no-tests | --only-tests] [SUITE] [MIRROR]
 # SUITE is bookworm (Debian 12, the default) or noble (Ubuntu 24.04); MIRROR is where its packages come from (default: the first
 # that this machine's apt has). What is tested is the last commit. Needs root, debootstrap, 8 GB of disk and about half an
 # hour; it is no part of CI. DEBOOTSTRAP_OPTIONS may say more, as --keyring=FILE where this machine lacks the suite's keys.
 set -euo pipefail
-with_tests=yes
-if [ "${1:-}" = --no-tests ]; then
-    with_tests=no
-    shift
-fi
+commands="render tests"
+case "${1:-}" in
+    --no-tests) commands=render && shift ;;
+    --only-tests) commands=tests && shift ;;
+esac
 suite=${1:-bookworm}
 # shellcheck disable=SC2016  # $(REPO_URI) is for apt-get
 mirror=${2:-$(apt-get indextargets --format '$(REPO_URI)' | head -n 1)}
@@ -30,10 +30,11 @@ fail() {
 }
 # inside USER COMMAND...: in the bare system, in the folder of Fathom, with nothing of this machine's environment.
 inside() {
-    local user=$1
+    local user=$1 home=/root
     shift
+    if [ "$user" != root ]; then home=/home/$user; fi
     chroot --userspec="$user" "$bare" /usr/bin/env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
-        HOME=/tmp LC_ALL=C bash -c 'cd /fathom && "$@"' bash "$@" </dev/null
+        HOME="$home" LC_ALL=C bash -c 'cd /fathom && "$@"' bash "$@" </dev/null
 }
 # timed NAME COMMAND...: says how long it took.
 timed() {
@@ -63,25 +64,40 @@ make_system() {
     git -C "$source" archive HEAD | tar -x -C "$bare/fathom"
 }
 
-# A package is taken away again, and a user who may not install it asks for a picture; then one who may.
-try_as_user() {
-    inside root apt-get -qq remove libstb-dev >/dev/null
+make_user() {
     inside root useradd --create-home user
     inside root chown -R user /fathom
-    if inside user ./render.sh >"$bare/tmp/no-sudo.log" 2>&1; then fail "a user without sudo should get an error"; fi
-    grep "no sudo here" "$bare/tmp/no-sudo.log" || fail "a user without sudo should be told so"
+}
+let_user_install() {
+    inside root apt-get -qq update
     inside root apt-get -qq install --yes --no-install-recommends sudo >/dev/null 2>&1
     echo 'user ALL=(ALL) NOPASSWD: ALL' >"$bare/etc/sudoers.d/user"
+}
+
+test_render() {
+    timed "render.sh, the first time, as root" inside root ./render.sh
+    [ "$(head -c 4 "$bare/fathom/cornell-box.png" | tail -c 3)" = PNG ] || fail "no picture"
+    echo "bare machine: $(du -shx "$bare" | cut -f 1) in all"
+    timed "render.sh, the second time" inside root ./render.sh
+
+    # A package is taken away again, and a user who may not install it asks for a picture; then one who may.
+    inside root apt-get -qq --yes remove libstb-dev >/dev/null
+    make_user
+    if inside user ./render.sh >"$bare/tmp/no-sudo.log" 2>&1; then fail "a user without sudo should get an error"; fi
+    grep "no sudo here" "$bare/tmp/no-sudo.log" || fail "a user without sudo should be told so"
+    let_user_install
     timed "render.sh as a user with sudo, one package missing" inside user ./render.sh
 }
 
 make_system
-timed "render.sh, the first time, as root" inside root ./render.sh
-[ "$(head -c 4 "$bare/fathom/cornell-box.png" | tail -c 3)" = PNG ] || fail "no picture"
-echo "bare machine: $(du -shx "$bare" | cut -f 1) in all"
-timed "render.sh, the second time" inside root ./render.sh
-try_as_user
-if [ "$with_tests" = yes ]; then
-    timed "test.sh" inside user ./test.sh
+if [[ $commands == *render* ]]; then
+    test_render
+else
+    make_user
+    let_user_install
+fi
+if [[ $commands == *tests* ]]; then
+    timed "test.sh as a user with sudo" inside user ./test.sh
+    inside user tail -n 5 build/test/ctest.log
 fi
 echo "bare machine: passed"

@@ -96,9 +96,26 @@ build_jobs() {
     if [ "$by_memory" -lt "$cores" ]; then echo "$by_memory"; else echo "$cores"; fi
 }
 
+# ccache fails where its folder can't be written, as after another user's run with the same HOME: then without it.
+check_ccache() {
+    command -v ccache >/dev/null || return 0
+    local folder
+    folder=$(mktemp -d)
+    echo 'int x;' >"$folder/x.cpp"
+    if ! ccache c++ -c "$folder/x.cpp" -o "$folder/x.o" 2>/dev/null; then
+        say "ccache can't use its folder; building without it"
+        export CCACHE_DISABLE=1
+    fi
+    rm -r "$folder"
+}
+
 # build_preset NAME: configures and builds build/NAME, in the current folder.
 build_preset() {
     local preset=$1 jobs
+    if [ -e "build/$preset" ] && [ ! -w "build/$preset" ]; then
+        fail "$PWD/build/$preset belongs to another user; remove it, or run this command as that user"
+    fi
+    check_ccache
     # Another clone of the same files finds what this one compiled.
     export CCACHE_BASEDIR=$PWD
     jobs=${FATHOM_JOBS:-$(build_jobs)}
