@@ -1,7 +1,7 @@
 /// What the tree offers to its callers: plain arrays in, plain arrays out.
 #include "geometry/bvh.h"
 
-#include "geometry/bvh_packet.h"
+#include "geometry/bvh_neighbours.h"
 
 namespace fathom {
 
@@ -64,25 +64,47 @@ void put(const BvhData& bvh, const RayHits& hits, int i, const HitArraysOut& out
 /// Too few rays that are alike are not worth a walk of their own.
 constexpr int least_packet = 8;
 
+template <bool any_hit>
+void start_at_root(const BvhData& bvh, RayMask rays, Stream<any_hit>& stream)
+{
+    for (RayMask m = rays; m; m &= m - 1) {
+        stream.defer(std::countr_zero(m), bvh.root, 0);
+        stream.start(std::countr_zero(m));
+    }
+}
+
+template <bool any_hit>
+void trace_alike(const BvhData& bvh, RayMask rest, StreamMemory& memory, Stream<any_hit>& stream)
+{
+    while (rest) {
+        const RayMask rays = alike(memory, rest);
+        rest &= ~rays;
+        if (std::popcount(rays) >= least_packet)
+            PacketTraversal<any_hit>(bvh, memory, stream, rays).run();
+        else
+            start_at_root(bvh, rays, stream);
+    }
+    stream.run();
+}
+
 /// Traces the first n rays of the memory.
 template <bool any_hit>
 void trace(const BvhData& bvh, int n, bool coherent, StreamMemory& memory)
 {
     Stream<any_hit> stream(bvh, memory);
     for (int i = 0; i < n; ++i) stream.add(i);
-    RayMask rest = n == 64 ? ~RayMask(0) : (RayMask(1) << n) - 1;
-    while (rest) {
-        const RayMask rays = coherent && lanes > 1 ? alike(memory, rest) : rest;
-        rest &= ~rays;
-        if (coherent && lanes > 1 && std::popcount(rays) >= least_packet) {
-            PacketTraversal<any_hit>(bvh, memory, stream, rays).run();
-        } else {
-            for (RayMask m = rays; m; m &= m - 1) {
-                stream.defer(std::countr_zero(m), bvh.root, 0);
-                stream.start(std::countr_zero(m));
+    const RayMask all = n == 64 ? ~RayMask(0) : (RayMask(1) << n) - 1;
+    if constexpr (lanes > 1) {
+        if (coherent) return trace_alike(bvh, all, memory, stream);
+        if (any_hit) {
+            NeighbourTraversal<any_hit> neighbours(bvh, memory, stream, all);
+            if (neighbours.fits()) {
+                neighbours.run();
+                return stream.run();
             }
         }
     }
+    start_at_root(bvh, all, stream);
     stream.run();
 }
 

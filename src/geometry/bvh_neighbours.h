@@ -1,0 +1,110 @@
+#pragma once
+/// Short rays that start near each other, in any direction: they share the upper part of their way.
+///
+/// From the root down, boxes are tested against the box that holds all the rays, then against the rays, by vectors.
+/// Leaves, and nodes that only few rays meet, are put on the rays' own stacks.
+#include "geometry/bvh_packet.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+template <bool any_hit>
+class NeighbourTraversal {
+public:
+    NeighbourTraversal(const BvhData& bvh, StreamMemory& memory, Stream<any_hit>& stream, RayMask rays)
+        : bvh_(bvh), memory_(memory), stream_(stream), rays_(rays)
+    {
+        for (int axis = 0; axis < 3; ++axis) {
+            Float low(infinity), high(infinity);  // high: negated
+            for (int i = 0; i < parts; ++i) {
+                const PreparedRays& r = memory.world[i];
+                const Mask m =
+                    mask_from_bits(std::uint32_t(rays >> i * lanes) & std::uint32_t((RayMask(1) << lanes) - 1));
+                const Vec3 o =
+                    load_vec3(r.f[PreparedRays::origin_x], r.f[PreparedRays::origin_y], r.f[PreparedRays::origin_z]);
+                const Float x = load(r.f[PreparedRays::origin_x + axis]), slack = ray_slack(o, bvh.radius);
+                const Float end = fma(load(r.f[PreparedRays::direction_x + axis]), load(r.f[PreparedRays::t_max]), x);
+                low = min(low, select(m, min(x, end) - slack, low));
+                high = min(high, select(m, -(max(x, end) + slack), high));
+            }
+            low_[axis] = least(low);
+            high_[axis] = -least(high);
+        }
+    }
+
+    /// Whether it is worth while: the rays' box is small beside the tree.
+    bool fits() const
+    {
+        float size = 0;
+        for (int axis = 0; axis < 3; ++axis) size = std::max(size, high_[axis] - low_[axis]);
+        return size < 0.25f * bvh_.radius;
+    }
+
+    void run()
+    {
+        PacketEntry* const stack = memory_.packet_stack.data();
+        int size = 0;
+        stack[size++] = {rays_, bvh_.root, 0};
+        while (size > 0) {
+            const PacketEntry entry = stack[--size];
+            if (!BvhReference::is_node(entry.reference) || std::popcount(entry.rays) <= few) {
+                for (RayMask m = entry.rays; m; m &= m - 1) stream_.defer(std::countr_zero(m), entry.reference, 0);
+            } else {
+                size = visit_node(bvh_.nodes[entry.reference], entry.rays, size);
+            }
+        }
+        for (RayMask m = rays_; m; m &= m - 1) stream_.start(std::countr_zero(m));
+    }
+
+private:
+    static constexpr int parts = stream_size / lanes;
+    static constexpr int few = 8;
+
+    static float least(Float x)
+    {
+        alignas(64) float lane[lanes];
+        store(lane, x);
+        float result = lane[0];
+        for (float v : lane) result = v < result ? v : result;
+        return result;
+    }
+
+    int visit_node(const BvhNode& node, RayMask rays, int size)
+    {
+        std::uint32_t met = 0;
+        for (int k = 0; k < box_parts; ++k) {
+            Mask m(true);
+            for (int axis = 0; axis < 3; ++axis)
+                m &= (load(node.bounds[axis] + k * lanes) <= Float(high_[axis])) &
+                     (Float(low_[axis]) <= load(node.bounds[3 + axis] + k * lanes));
+            met |= mask_bits(m) << k * lanes;
+        }
+        for (; met; met &= met - 1) {
+            const int slot = std::countr_zero(met);
+            RayMask meet = 0;
+            for (int k = 0; k < parts; ++k) {
+                const PreparedRays& r = memory_.world[k];
+                Float near(0.f), far = load(memory_.hits.t + k * lanes);
+                for (int axis = 0; axis < 3; ++axis) {
+                    const Float low(node.bounds[axis][slot]), high(node.bounds[3 + axis][slot]);
+                    const Float inverse = load(r.f[PreparedRays::inverse_x + axis]);
+                    const Mask down = inverse < Float(0);
+                    near = max(near, fma(select(down, high, low), inverse, load(r.f[PreparedRays::near_x + axis])));
+                    far = min(far, fma(select(down, low, high), inverse, load(r.f[PreparedRays::far_x + axis])));
+                }
+                meet |= RayMask(mask_bits(near <= far)) << k * lanes;
+            }
+            meet &= rays;
+            memory_.packet_stack[std::size_t(size)] = {meet, node.child[slot], 0};
+            size += meet != 0;
+        }
+        return size;
+    }
+
+    const BvhData& bvh_;
+    StreamMemory& memory_;
+    Stream<any_hit>& stream_;
+    RayMask rays_;
+    float low_[3], high_[3];  ///< of the box around all rays
+};
+
+}  // namespace fathom::inline FATHOM_LANES
