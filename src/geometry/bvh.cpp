@@ -36,6 +36,9 @@ const BvhStatistics& Bvh::statistics() const
 
 namespace {
 
+// Sorting incoherent rays by octant, to let those of one octant share the upper part of the tree, gained up to 20 % on
+// first bounces and lost as much on third ones: not done.
+
 /// Rays [at, at + n), at most stream_size, made ready for tracing.
 void prepare(const RayArrays& rays, std::size_t at, int n, float radius, StreamMemory& memory)
 {

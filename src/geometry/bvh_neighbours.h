@@ -22,7 +22,8 @@ public:
                 const Vec3 o =
                     load_vec3(r.f[PreparedRays::origin_x], r.f[PreparedRays::origin_y], r.f[PreparedRays::origin_z]);
                 const Float x = load(r.f[PreparedRays::origin_x + axis]), slack = ray_slack(o, bvh.radius);
-                const Float end = fma(load(r.f[PreparedRays::direction_x + axis]), load(r.f[PreparedRays::t_max]), x);
+                const Float end = fma(load(r.f[PreparedRays::direction_x + axis]),
+                                      min(load(r.f[PreparedRays::t_max]), Float(1e30f)), x);  // not 0 times infinity
                 low = min(low, select(m, min(x, end) - slack, low));
                 high = min(high, select(m, -(max(x, end) + slack), high));
             }

@@ -137,6 +137,40 @@ TEST(Bvh, grids_piles_and_duplicates)
     compare_with_force(tables, 8, 20'000, "pile");
 }
 
+/// Short rays that start near each other share their way, unless some are not short.
+TEST(Bvh, short_rays)
+{
+    const SceneTables tables = soup(3'000, 100, 10, 1);
+    Bvh bvh;
+    bvh.build(tables);
+    Random random(41);
+    for (bool some_long : {false, true}) {
+        Rays rays;
+        for (int group = 0; group < 100; ++group) {
+            const Vec3f center = random.point(100);
+            for (int i = 0; i < 64; ++i) {
+                const bool is_long = some_long && random.below(20) == 0;
+                const Vec3f along = random.below(3)   ? random.direction()
+                                    : random.below(2) ? Vec3f{0, 0, 1}
+                                                      : Vec3f{-1, 0, 0};
+                rays.add(plus(center, random.point(2)), along,
+                         is_long ? std::numeric_limits<float>::infinity() : random.uniform(0, 20));
+            }
+        }
+        const Hits expected = cast_by_force(tables, rays);
+        for (bool coherent : {false, true}) {
+            const std::vector<std::uint32_t> blocked = cast_shadows(bvh, rays, coherent);
+            std::size_t wrong = 0, hits = 0;
+            for (std::size_t i = 0; i < rays.count(); ++i) {
+                wrong += blocked[i] != (expected.primitive[i] != no_index);
+                hits += blocked[i];
+            }
+            EXPECT_EQ(wrong, 0u);
+            EXPECT_GT(hits, 100u);
+        }
+    }
+}
+
 TEST(Bvh, degenerate_and_not_finite)
 {
     SceneTables tables = soup(500, 10, 3, 5);
