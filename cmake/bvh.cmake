@@ -1,5 +1,5 @@
 # The acceleration structure alone, for one instruction set: tests and benchmarks link it without the kernel around it.
-set(FATHOM_BVH_SOURCES bvh.cpp bvh_build.cpp bvh_items.cpp bvh_split.cpp bvh_treelet.cpp)
+set(FATHOM_BVH_SOURCES bvh.cpp bvh_build.cpp bvh_items.cpp bvh_leaf_data.cpp bvh_motion.cpp bvh_split.cpp bvh_treelet.cpp)
 list(TRANSFORM FATHOM_BVH_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/src/geometry/)
 
 function(fathom_bvh_library name isa)

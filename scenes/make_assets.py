@@ -3,7 +3,7 @@
 
     python3 scenes/make_assets.py
 
-writes images/*.hdr, images/*.png and models/chess.glb beside itself. What it makes is in the repository: run it only
+writes images/*.hdr, images/*.png, models/chess.glb and models/*.json beside itself. What it makes is in the repository: run it only
 after changing it.
 """
 import json
@@ -351,8 +351,84 @@ def chess():
             struct.pack("<I4s", len(data), b"BIN\0") + data)
 
 
+def flag():
+    """Cloth in the wind, as a scene file of its own: two positions of each vertex, a fiftieth of a second apart."""
+    columns, rows = 24, 16
+
+    def vertex(i, j, time):
+        u, v = i / columns, j / rows
+        phase = 9 * u - 3 * v - 4.5 * time
+        z = 0.22 * u**0.7 * math.sin(phase) + 0.05 * u * math.sin(2.3 * phase + 5 * v)
+        return [round(x, 4) for x in (1.8 * u - 0.1 * u * math.cos(phase), 1.2 * (v - 1) - 0.08 * u * u, z)]
+
+    def normals(points):
+        at = lambda i, j: points[j * (columns + 1) + i]
+        result = []
+        for j in range(rows + 1):
+            for i in range(columns + 1):
+                a, b = at(max(i - 1, 0), j), at(min(i + 1, columns), j)
+                c, d = at(i, max(j - 1, 0)), at(i, min(j + 1, rows))
+                e, f = [y - x for x, y in zip(a, b)], [y - x for x, y in zip(c, d)]
+                n = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]]
+                length = math.sqrt(sum(x * x for x in n))
+                result.append([round(x / length, 3) for x in n])
+        return result
+
+    keys = [[vertex(i, j, time) for j in range(rows + 1) for i in range(columns + 1)] for time in (0, 1)]
+    indices = []
+    for j in range(rows):
+        for i in range(columns):
+            a = j * (columns + 1) + i
+            indices += [[a, a + 1, a + columns + 2], [a, a + columns + 2, a + columns + 1]]
+    mesh = {"positions": keys[0], "normals": normals(keys[0]), "indices": indices,
+            "uvs": [[round(i / columns, 4), round(j / rows, 4)] for j in range(rows + 1) for i in range(columns + 1)],
+            "motion": [{"time": 0}, {"time": 0.02, "positions": keys[1], "normals": normals(keys[1])}]}
+    return scene_file({"meshes": {"cloth": mesh}, "scene": [{"name": "flag", "mesh": "cloth"}]})
+
+
+def tuft():
+    """A round patch of long grass, as a scene file of its own: B-splines that bend to all sides, thinner towards their tips."""
+    blades = []
+    for k in range(900):
+        angle, away = 2.399963 * k, 0.5 * math.sqrt((k + 0.5) / 900)
+        x, z = away * math.cos(angle), away * math.sin(angle)
+        height, bend = 0.45 + 0.4 * lattice(k, 1), 0.5 * lattice(k, 2)
+        turn = angle + 2 * (lattice(k, 3) - 0.5)
+        dx, dz = math.cos(turn), math.sin(turn)
+        points = []
+        for i in range(-1, 5):
+            t = i / 3
+            lean = bend * t * t * height
+            points.append([round(x + dx * lean, 4), round(height * (t - 0.25 * bend * t * t), 4), round(z + dz * lean, 4),
+                           round(0.007 * max(0.08, 1 - 0.8 * t), 5)])
+        blades.append(points)
+    return scene_file({"scene": [{"name": "tuft", "curves": {"style": "round", "curves": blades}}]})
+
+
+def spray():
+    """Drops thrown up from a pool, as a scene file of its own."""
+    drops = []
+    for k in range(8000):
+        a, b, c, d = (lattice(k, i) for i in range(4))
+        time, up, out = 0.05 + 0.85 * a, 2.2 + 1.6 * b * b, 0.25 + 0.9 * c**1.5
+        angle = 2 * math.pi * d + 0.3 * math.sin(5 * d * 2 * math.pi)
+        y = up * time - 4.2 * time * time
+        if y < 0:
+            continue
+        radius = 0.004 + 0.02 * lattice(k, 4)**4
+        drops.append([round(out * time * math.cos(angle), 4), round(y, 4), round(out * time * math.sin(angle), 4), round(radius, 5)])
+    return scene_file({"scene": [{"name": "drops", "points": {"points": drops}}]})
+
+
+def scene_file(content):
+    return json.dumps({"fathom": 1, **content}, separators=(",", ":")).encode() + b"\n"
+
+
 def main():
-    for name, content in (("images/sky.hdr", sky(360, 180)),
+    for name, content in (("models/flag.json", flag()),
+                          ("models/tuft.json", tuft()),
+                          ("models/spray.json", spray()),
+                          ("images/sky.hdr", sky(360, 180)),
                           ("images/tiles.png", png(256, 256, lambda x, y: tiles(x, y, 256)[0])),
                           ("images/tiles-normal.png", png(256, 256, lambda x, y: tiles_normal(x, y, 256))),
                           ("images/globe.png", png(384, 192, lambda x, y: globe(x, y, 384, 192))),

@@ -101,6 +101,13 @@ struct Material {
 
 // ---------------------------------------------------------------------------------------------------- geometry
 
+/// Where a mesh's vertices are at a time: as many as it has.
+struct MeshKey {
+    double time = 0;  ///< seconds
+    std::vector<Vec3f> positions;
+    std::vector<Vec3f> normals;  ///< empty where the mesh has none
+};
+
 /// Triangles. Vectors per vertex are empty or as long as positions.
 struct Mesh {
     std::string name;
@@ -110,6 +117,9 @@ struct Mesh {
     std::vector<Vec2f> uvs[2];          ///< v grows downwards in the image (glTF); OBJ importers flip
     std::vector<Vec4f> colors;          ///< linear, with alpha
     std::vector<std::uint32_t> indices; ///< three a triangle
+    /// Empty, or two and more by ascending time: vertices move along straight lines from one to the next, and stand
+    /// still before the first and after the last. `positions` and `normals` are then the pose at rest, which is not shown.
+    std::vector<MeshKey> motion;
 };
 
 /// The normal points out; a negative radius turns it inwards (a hollow). Moves from center to center_end while the
@@ -135,8 +145,36 @@ struct MeshInstance {
     int mesh = -1;
 };
 
+enum class CurveBasis {
+    linear,       ///< n points make n - 1 lines
+    bezier,       ///< cubic; 3 n + 1 points make n segments, which share their ends
+    bspline,      ///< cubic, uniform; n points make n - 3 segments, which pass near them
+    catmull_rom,  ///< n points make n - 3 segments, which pass through all points but the first and the last
+};
+/// Many curves of one kind, as of hair: their points one after the other, and how many each has.
+struct Curves {
+    std::string name;
+    CurveBasis basis = CurveBasis::bspline;
+    bool ribbons = false;  ///< flat bands that face each ray; else round
+    std::vector<Vec3f> points;
+    std::vector<float> radii;  ///< as many; half the width of a ribbon
+    std::vector<std::uint32_t> counts;
+};
+struct CurvesInstance {
+    int curves = -1;
+};
+/// Many balls.
+struct Points {
+    std::string name;
+    std::vector<Vec3f> centers;
+    std::vector<float> radii;  ///< as many, above 0
+};
+struct PointsInstance {
+    int points = -1;
+};
+
 struct Shape {
-    std::variant<MeshInstance, Sphere, Rectangle, Box, Disk> geometry;
+    std::variant<MeshInstance, Sphere, Rectangle, Box, Disk, CurvesInstance, PointsInstance> geometry;
     int material = -1;  ///< -1: grey diffuse
     std::string name;   ///< for messages and ids; may be empty
 };
@@ -182,10 +220,21 @@ struct Camera {
 
 // ---------------------------------------------------------------------------------------------------- the scene
 
+/// Where a node is at a time.
+struct NodeKey {
+    double time = 0;  ///< seconds
+    Transform parent_from_node;
+};
+
 /// A place in the scene. A node may be the child of several nodes: that makes instances. Cycles are an error.
 struct Node {
     std::string name;
-    Transform parent_from_node;
+    Transform parent_from_node;  ///< at rest: not used where there is motion
+    /// Empty, or two and more by ascending time. Between them each is taken for a stretching along axes of the node,
+    /// a rotation and a translation: the first and the last change linearly, the rotation turns steadily, the shorter
+    /// way round. Before the first and after the last the node stands still. Cameras and lights don't move: they stand
+    /// where they are when the shutter opens.
+    std::vector<NodeKey> motion;
     std::vector<int> children;
     std::vector<Shape> shapes;
     int light = -1, camera = -1;
@@ -206,6 +255,8 @@ struct SceneDescription {
     std::vector<Texture> textures;
     std::vector<Material> materials;
     std::vector<Mesh> meshes;
+    std::vector<Curves> curves;
+    std::vector<Points> points;
     std::vector<Light> lights;
     std::vector<Camera> cameras;
     std::vector<Node> nodes;

@@ -12,8 +12,9 @@ namespace fathom {
 /// A shape where a node puts it.
 struct PlacedShape {
     const Shape* shape;
-    Transform render_from_node;
+    Transform render_from_node;  ///< when the shutter opens
     std::uint32_t object_id;
+    int motion = -1;  ///< index into Placed::motions; -1: stands still
 };
 /// A light of a node.
 struct PlacedLight {
@@ -23,6 +24,7 @@ struct PlacedLight {
 struct Placed {
     std::vector<PlacedShape> shapes;
     std::vector<PlacedLight> lights;
+    std::vector<std::vector<NodeKey>> motions;  ///< poses of render_from_node, see compile/poses.h
 };
 
 /// What all steps of compiling share.
@@ -34,10 +36,10 @@ struct Compiler {
 };
 
 /// Walks the nodes; a node reached twice is placed twice.
-Placed place(const SceneDescription& scene, const RenderSpace& space);
+Placed place(const Compiler& c);
 void compile_materials(Compiler& c);
 /// Fills vertices, triangles, quads, spheres, disks, shapes and instances. Materials must be there.
-void compile_geometry(Compiler& c, const std::vector<PlacedShape>& shapes);
+void compile_geometry(Compiler& c, const Placed& placed);
 /// Fills the lights: emissive primitives, lights of nodes, the environment. Geometry must be there.
 void compile_lights(Compiler& c, const std::vector<PlacedLight>& lights);
 

@@ -1,77 +1,89 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
 
 #include "compile/compiler.h"
+#include "compile/curves.h"
 #include "compile/parallelograms.h"
+#include "compile/placing.h"
+#include "compile/poses.h"
 #include "compile/tessellate.h"
 #include "fathom/error.h"
+#include "scene/motion.h"
 
 namespace fathom {
 
 namespace {
 
-/// A linear map that keeps angles up to rounding, and its factor.
-bool is_similarity(const Transform& t, double& factor)
-{
-    const Vec3d x = t.vector({1, 0, 0}), y = t.vector({0, 1, 0}), z = t.vector({0, 0, 1});
-    factor = length(x);
-    const double tolerance = 1e-5 * factor * factor;
-    return std::abs(length(y) - factor) * factor <= tolerance && std::abs(length(z) - factor) * factor <= tolerance &&
-           std::abs(dot(x, y)) <= tolerance && std::abs(dot(y, z)) <= tolerance && std::abs(dot(x, z)) <= tolerance;
-}
-
 class GeometryCompiler {
 public:
-    explicit GeometryCompiler(Compiler& c) : c_(c), t_(c.tables) {}
+    GeometryCompiler(Compiler& c, const Placed& placed) : c_(c), t_(c.tables), placing_(c, placed) {}
 
-    void run(const std::vector<PlacedShape>& placed)
+    void run(const Placed& all)
     {
-        const std::vector<int> uses = count_uses(placed);
+        const std::vector<PlacedShape>& placed = all.shapes;
+        t_.vertex_times = placing_.vertex_times();
+        t_.moving = !t_.vertex_times.empty();
         const bool joins = count_triangles(placed) <= most_joined_triangles;
-        std::vector<const PlacedShape*> instanced;
-        // Triangles in render space come first, then those of instanced meshes, then the other kinds.
+        std::vector<const PlacedShape*> instanced, rest;
+        // Triangles in render space come first, then those of what is placed, then the other kinds.
         for (const PlacedShape& p : placed)
-            if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry)) {
-                if (uses[std::size_t(mesh->mesh)] > 0)
-                    instanced.push_back(&p);
-                else if (const Mesh& m = c_.scene.meshes[std::size_t(mesh->mesh)]; joins && is_plain(p, m))
-                    join_triangles(p, m);
-                else
-                    add_mesh(p, m, p.render_from_node);
-            } else if (needs_tessellation(p)) {
+            if (placing_.is_instanced(p))
+                instanced.push_back(&p);
+            else if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry); !mesh && !needs_tessellation(p))
+                rest.push_back(&p);
+            else if (!mesh)
                 add_mesh(p, tessellate(p.shape->geometry), p.render_from_node);
-            }
+            else if (const Mesh& m = mesh_of(*mesh); joins && is_plain(p, m))
+                join_triangles(p, m);
+            else
+                add_mesh(p, m, p.render_from_node);
         t_.world_triangles = t_.triangle_count();
-        std::vector<std::uint32_t> mesh_shapes(c_.scene.meshes.size(), no_index);
-        for (const PlacedShape* p : instanced) add_instance(*p, mesh_shapes);
+        for (const PlacedShape* p : instanced) place_primitives<MeshInstance>(*p);
         for (const auto& [p, rectangles] : joined_) add_rectangles(*p, rectangles);
-        for (const PlacedShape& p : placed)
-            if (const auto* r = std::get_if<Rectangle>(&p.shape->geometry)) add_rectangles(p, {*r});
-            else if (const auto* b = std::get_if<Box>(&p.shape->geometry)) add_box(p, *b);
-        for (const PlacedShape& p : placed)
-            if (const auto* s = std::get_if<Sphere>(&p.shape->geometry); s && !needs_tessellation(p)) add_sphere(p, *s);
-        for (const PlacedShape& p : placed)
-            if (const auto* d = std::get_if<Disk>(&p.shape->geometry); d && !needs_tessellation(p)) add_disk(p, *d);
+        add_all<Rectangle, Box>(rest, instanced, all);
+        add_all<Sphere>(rest, instanced, all);
+        add_all<Disk>(rest, instanced, all);
+        add_all<CurvesInstance>(rest, instanced, all);
+        add_all<PointsInstance>(rest, instanced, all);
+        for (const PlacedShape* p : instanced) add_instance(*p, all);
         if (degenerate_ > 0)
             c_.warnings.add(fmt::format("{}: degenerate triangles, which have no area and are never seen", c_.scene.file), degenerate_);
         fill_missing_attributes();
     }
 
 private:
-    /// How often each mesh is placed, if often enough to be worth an instance; else 0.
-    std::vector<int> count_uses(const std::vector<PlacedShape>& placed) const
+    /// Primitives of these kinds: of what stands in the world, then of what is placed.
+    template <class... Kinds>
+    void add_all(const std::vector<const PlacedShape*>& rest, const std::vector<const PlacedShape*>& instanced, const Placed& all)
     {
-        std::vector<int> uses(c_.scene.meshes.size());
-        for (const PlacedShape& p : placed)
-            if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry)) ++uses[std::size_t(mesh->mesh)];
-        for (std::size_t i = 0; i < uses.size(); ++i)
-            if (uses[i] < 2 || c_.scene.meshes[i].indices.size() / 3 * std::size_t(uses[i]) < 4096) uses[i] = 0;
-        // Emissive triangles are lights of their own, each where it stands.
-        for (const PlacedShape& p : placed)
-            if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry); mesh && emits(*p.shape))
-                uses[std::size_t(mesh->mesh)] = 0;
-        return uses;
+        for (const PlacedShape* p : rest)
+            if ((std::holds_alternative<Kinds>(p->shape->geometry) || ...)) add_primitives(*p, p->motion >= 0 ? &all.motions[std::size_t(p->motion)] : nullptr);
+        for (const PlacedShape* p : instanced) (place_primitives<Kinds>(*p), ...);
+    }
+
+    /// Adds primitives of one kind in the space of their own, if they are not there yet.
+    template <class Kind>
+    void place_primitives(const PlacedShape& p)
+    {
+        if (!std::holds_alternative<Kind>(p.shape->geometry)) return;
+        if (!placed_shapes_.emplace(placing_.content_of(*p.shape), std::uint32_t(t_.shapes.size())).second) return;
+        PlacedShape own = p;
+        own.render_from_node = Transform();
+        add_primitives(own, nullptr);
+        t_.shapes.back().flags |= ShapeTable::placed;
+    }
+
+    void add_primitives(const PlacedShape& p, const std::vector<NodeKey>* poses)
+    {
+        if (const auto* m = std::get_if<MeshInstance>(&p.shape->geometry)) add_mesh(p, mesh_of(*m), p.render_from_node);
+        if (const auto* r = std::get_if<Rectangle>(&p.shape->geometry)) add_rectangles(p, {*r});
+        if (const auto* b = std::get_if<Box>(&p.shape->geometry)) add_box(p, *b);
+        if (const auto* s = std::get_if<Sphere>(&p.shape->geometry)) add_sphere(p, *s, poses);
+        if (const auto* d = std::get_if<Disk>(&p.shape->geometry)) add_disk(p, *d);
+        if (const auto* c = std::get_if<CurvesInstance>(&p.shape->geometry)) add_curves(p, c_.scene.curves[std::size_t(c->curves)]);
+        if (const auto* q = std::get_if<PointsInstance>(&p.shape->geometry)) add_points(p, c_.scene.points[std::size_t(q->points)]);
     }
 
     /// Triangles are joined to parallelograms where a scene is small enough to be traced as a list.
@@ -91,7 +103,7 @@ private:
     {
         const MaterialTable& m = t_.materials[material_of(*p.shape)];
         const bool textured = (m.flags & (MaterialTable::textured | MaterialTable::normal_mapped)) || m.emission_texture != no_index;
-        return mesh.normals.empty() && !textured && m.alpha_mode == std::uint32_t(AlphaMode::opaque);
+        return mesh.normals.empty() && mesh.motion.empty() && !textured && m.alpha_mode == std::uint32_t(AlphaMode::opaque);
     }
 
     void join_triangles(const PlacedShape& p, const Mesh& mesh)
@@ -105,11 +117,7 @@ private:
         add_mesh(p, rest, p.render_from_node);
     }
 
-    std::uint32_t material_of(const Shape& shape) const
-    {
-        return shape.material >= 0 ? std::uint32_t(shape.material) : std::uint32_t(t_.materials.size() - 1);
-    }
-    bool emits(const Shape& shape) const { return t_.materials[material_of(shape)].flags & MaterialTable::emits; }
+    std::uint32_t material_of(const Shape& shape) const { return material_index(t_, shape); }
 
     static bool needs_tessellation(const PlacedShape& p)
     {
@@ -146,11 +154,26 @@ private:
         if (base + mesh.positions.size() > 0x7fffffffu) throw Error(c_.scene.file, "", "more than 2^31 vertices");
         // Normals go by the inverse transpose; its scale does not matter.
         const Transform inverse = transform.inverse();
-        for (Vec3f q : mesh.positions) t_.positions.push_back(to_float(transform.point(to_double(q))));
-        if (!mesh.normals.empty()) {
+        const auto add_vertices = [&](const std::vector<Vec3f>& positions, const std::vector<Vec3f>& normals) {
+            const std::size_t first = t_.positions.size();
+            for (Vec3f q : positions) t_.positions.push_back(to_float(transform.point(to_double(q))));
+            if (normals.empty()) return;
             shape.flags |= ShapeTable::has_normals;
-            pad(t_.normals, base);
-            for (Vec3f n : mesh.normals) t_.normals.push_back(to_float(normal(inverse, to_double(n))));
+            pad(t_.normals, first);
+            for (Vec3f n : normals) t_.normals.push_back(to_float(normal(inverse, to_double(n))));
+        };
+        const std::size_t mesh_index = std::size_t(&mesh - c_.scene.meshes.data());
+        if (mesh.motion.empty()) {
+            add_vertices(mesh.positions, mesh.normals);
+        } else if (placing_.mesh_moves(mesh_index)) {
+            shape.moving_vertices = std::uint32_t(mesh.positions.size());
+            for (float time : t_.vertex_times) {
+                const MeshKey key = vertices_at(mesh, time);
+                add_vertices(key.positions, key.normals);
+            }
+        } else {
+            const MeshKey key = vertices_at(mesh, t_.shutter_open);
+            add_vertices(key.positions, key.normals);
         }
         if (!mesh.tangents.empty()) {
             shape.flags |= ShapeTable::has_tangents;
@@ -208,29 +231,27 @@ private:
         }
     }
 
-    void add_instance(const PlacedShape& p, std::vector<std::uint32_t>& mesh_shapes)
+    void add_instance(const PlacedShape& p, const Placed& all)
     {
-        const int mesh = std::get<MeshInstance>(p.shape->geometry).mesh;
-        std::uint32_t& mesh_shape = mesh_shapes[std::size_t(mesh)];
-        if (mesh_shape == no_index) {
-            mesh_shape = std::uint32_t(t_.shapes.size());
-            add_mesh(p, c_.scene.meshes[std::size_t(mesh)], Transform());
-        }
-        // A shape without primitives of its own: the instance's material, flags and id.
-        ShapeTable shape = t_.shapes[mesh_shape];
-        shape.material = material_of(*p.shape);
-        shape.flags &= ~std::uint32_t(ShapeTable::alpha_tested | ShapeTable::flipped);
-        if (t_.materials[shape.material].alpha_mode != std::uint32_t(AlphaMode::opaque)) shape.flags |= ShapeTable::alpha_tested;
-        if (p.render_from_node.determinant() < 0) shape.flags |= ShapeTable::flipped;
-        shape.object_id = p.object_id;
         InstanceTable instance;
+        instance.mesh_shape = placed_shapes_.at(placing_.content_of(*p.shape));
+        // A shape without primitives of its own: the instance's material, flags and id.
+        ShapeTable shape = t_.shapes[instance.mesh_shape];
+        shape.material = material_of(*p.shape);
+        shape.flags &= ~std::uint32_t(ShapeTable::alpha_tested);
+        if (t_.materials[shape.material].alpha_mode != std::uint32_t(AlphaMode::opaque)) shape.flags |= ShapeTable::alpha_tested;
+        // Never flipped: normals go by the inverse transpose, which keeps their side also where the transform mirrors.
+        shape.object_id = p.object_id;
         const Transform inverse = p.render_from_node.inverse();
-        for (std::size_t i = 0; i < 12; ++i) {
-            instance.render_from_object[i] = float(p.render_from_node.m[i / 4][i % 4]);
-            instance.object_from_render[i] = float(inverse.m[i / 4][i % 4]);
+        for (std::size_t i = 0; i < 12; ++i) instance.object_from_render[i] = float(inverse.m[i / 4][i % 4]);
+        if (p.motion >= 0) {
+            const std::vector<PoseTable> poses = pose_tables(all.motions[std::size_t(p.motion)]);
+            instance.first_pose = std::uint32_t(t_.poses.size());
+            instance.pose_count = std::uint32_t(poses.size());
+            t_.poses.insert(t_.poses.end(), poses.begin(), poses.end());
+            t_.moving = true;
         }
         instance.shape = std::uint32_t(t_.shapes.size());
-        instance.mesh_shape = mesh_shape;
         t_.shapes.push_back(shape);
         t_.instances.push_back(instance);
     }
@@ -258,7 +279,8 @@ private:
         add_quad(p, b.min, y, x);       // -z
         add_quad(p, b.min + z, x, y);   // +z
     }
-    void add_sphere(const PlacedShape& p, const Sphere& s)
+    /// poses: two, between which it moves straight; or none.
+    void add_sphere(const PlacedShape& p, const Sphere& s, const std::vector<NodeKey>* poses)
     {
         double factor;
         is_similarity(p.render_from_node, factor);
@@ -269,6 +291,12 @@ private:
         sphere.radius = float(s.radius * factor);
         if (s.center_end) {
             sphere.motion = to_float(p.render_from_node.point(*s.center_end) - center);
+            t_.moving = true;
+        } else if (poses) {
+            const NodeKey &a = poses->front(), &b = poses->back();
+            const Vec3d motion = (b.parent_from_node.point(s.center) - center) * (1 / (b.time - a.time));
+            sphere.center = to_float(center - motion * a.time);
+            sphere.motion = to_float(motion);
             t_.moving = true;
         }
         t_.spheres.push_back(sphere);
@@ -284,17 +312,43 @@ private:
         take_primitives(1);
     }
 
+    void add_curves(const PlacedShape& p, const Curves& curves)
+    {
+        double factor;
+        is_similarity(p.render_from_node, factor);
+        ShapeTable& shape = add_shape(p, t_.first_curve() + std::uint32_t(t_.curves.size()), false);
+        if (curves.basis == CurveBasis::linear) shape.flags |= ShapeTable::linear_curves;
+        if (curves.ribbons) shape.flags |= ShapeTable::ribbons;
+        take_primitives(fathom::add_curves(t_, curves, p.render_from_node, factor));
+        if (t_.curves.size() > CurveTable::max_segments) throw Error(c_.scene.file, "", "more than 2^27 segments of curves");
+    }
+    void add_points(const PlacedShape& p, const Points& points)
+    {
+        double factor;
+        is_similarity(p.render_from_node, factor);
+        add_shape(p, t_.first_point() + std::uint32_t(t_.points.size()), false);
+        for (std::size_t i = 0; i < points.centers.size(); ++i) {
+            const Vec3f c = to_float(p.render_from_node.point(to_double(points.centers[i])));
+            t_.points.push_back({c.x, c.y, c.z, float(points.radii[i] * factor)});
+        }
+        take_primitives(points.centers.size());
+    }
+
+    const Mesh& mesh_of(MeshInstance m) const { return c_.scene.meshes[std::size_t(m.mesh)]; }
+
     Compiler& c_;
     SceneTables& t_;
+    const Placing placing_;
     std::size_t degenerate_ = 0;
+    std::map<const void*, std::uint32_t> placed_shapes_;  ///< shapes with the primitives of what is placed
     std::vector<std::pair<const PlacedShape*, std::vector<Rectangle>>> joined_;  ///< shapes of joined triangles
 };
 
 }  // namespace
 
-void compile_geometry(Compiler& c, const std::vector<PlacedShape>& shapes)
+void compile_geometry(Compiler& c, const Placed& placed)
 {
-    GeometryCompiler(c).run(shapes);
+    GeometryCompiler(c, placed).run(placed);
 }
 
 }  // namespace fathom

@@ -41,6 +41,12 @@ private:
         const std::uint32_t shape_index = std::uint32_t(&shape - t_.shapes.data());
         const MaterialTable& material = t_.materials[shape.material];
         if (!(material.flags & MaterialTable::emits) || (material.flags & MaterialTable::unlit)) return;
+        // What moves in other ways than spheres do is found by the directions that surfaces choose, not sampled.
+        if (shape.moving_vertices > 0 || (shape.flags & ShapeTable::placed)) return;
+        const std::uint32_t first = shape.first_primitive;
+        if (first < t_.primitive_count() && t_.shape_of_primitive[first] != shape_index) return;  // of an instance
+        // So are curves, which have no sampling.
+        if (first >= t_.first_curve() && first < t_.first_point()) return;
         shape.light_base = std::uint32_t(t_.lights.size());
         for (std::uint32_t p = shape.first_primitive;
              p < t_.primitive_count() && t_.shape_of_primitive[p] == shape_index; ++p) {
@@ -83,6 +89,12 @@ private:
             put(light.position, to_double(s.center)), put(light.motion, to_double(s.motion));
             light.radius = s.radius;
             light.area = float(4 * std::numbers::pi * double(s.radius) * double(s.radius));
+        } else if (p >= t_.first_point()) {
+            const Vec4f& point = t_.points[p - t_.first_point()];
+            light.kind = std::uint32_t(LightTableKind::sphere);
+            put(light.position, {point.x, point.y, point.z});
+            light.radius = point.w;
+            light.area = float(4 * std::numbers::pi * double(point.w) * double(point.w));
         } else {
             const DiskTable& d = t_.disks[p - t_.first_disk()];
             light.kind = std::uint32_t(LightTableKind::disk);

@@ -1,26 +1,98 @@
+#include <algorithm>
+
 #include "compile/compiler.h"
+#include "compile/poses.h"
+#include "scene/bounds.h"
+#include "scene/motion.h"
 
 namespace fathom {
 
 namespace {
 
-void place_node(const SceneDescription& scene, int index, const Transform& render_from_parent, Placed& placed)
-{
-    const Node& node = scene.nodes[std::size_t(index)];
-    const Transform render_from_node = render_from_parent * node.parent_from_node;
-    for (const Shape& shape : node.shapes)
-        placed.shapes.push_back({&shape, render_from_node, std::uint32_t(placed.shapes.size())});
-    if (node.light >= 0) placed.lights.push_back({&scene.lights[std::size_t(node.light)], render_from_node});
-    for (int child : node.children) place_node(scene, child, render_from_node, placed);
-}
+class Placer {
+public:
+    explicit Placer(const Compiler& c)
+        : c_(c), open_(c.tables.shutter_open), close_(c.tables.shutter_close), moves_(c.scene.nodes.size())
+    {
+        for (std::size_t i = 0; i < moves_.size(); ++i) moves_[i] = moves(c.scene.nodes[i], open_, close_);
+    }
+
+    Placed run()
+    {
+        for (int root : c_.scene.roots) place_node(root, c_.space.from_world(), 0);
+        if (still_things_ > 0)
+            c_.warnings.add(c_.scene.file + ": lights and cameras of nodes that move: they stand still", still_things_);
+        return std::move(placed_);
+    }
+
+private:
+    /// moving: how many nodes of the path to this one move.
+    void place_node(int index, const Transform& render_from_parent, int moving)
+    {
+        const Node& node = c_.scene.nodes[std::size_t(index)];
+        path_.push_back(index);
+        moving += moves_[std::size_t(index)];
+        const Transform render_from_node = render_from_parent * transform_at(node, open_);
+        int motion = -1;
+        if (moving > 0 && !node.shapes.empty()) motion = add_motion(node);
+        for (const Shape& shape : node.shapes)
+            placed_.shapes.push_back({&shape, render_from_node, std::uint32_t(placed_.shapes.size()), motion});
+        if (node.light >= 0) placed_.lights.push_back({&c_.scene.lights[std::size_t(node.light)], render_from_node});
+        if (moving > 0) still_things_ += std::size_t(node.light >= 0) + std::size_t(node.camera >= 0);
+        for (int child : node.children) place_node(child, render_from_node, moving);
+        path_.pop_back();
+    }
+
+    int add_motion(const Node& node)
+    {
+        std::vector<double> times{open_, close_};
+        for (int i : path_)
+            for (const NodeKey& key : c_.scene.nodes[std::size_t(i)].motion)
+                if (open_ < key.time && key.time < close_) times.push_back(key.time);
+        std::sort(times.begin(), times.end());
+        times.erase(std::unique(times.begin(), times.end()), times.end());
+        Bounds content;
+        for (const Shape& shape : node.shapes) {
+            const Bounds b = bounds_of(shape);
+            if (b.empty) continue;
+            if (content.empty) content = b;
+            content.min = {std::min(content.min.x, b.min.x), std::min(content.min.y, b.min.y), std::min(content.min.z, b.min.z)};
+            content.max = {std::max(content.max.x, b.max.x), std::max(content.max.y, b.max.y), std::max(content.max.z, b.max.z)};
+        }
+        const auto at = [&](double time) {
+            Transform t = c_.space.from_world();
+            for (int i : path_) t = t * transform_at(c_.scene.nodes[std::size_t(i)], time);
+            return t;
+        };
+        placed_.motions.push_back(fit_poses(at, times, content));
+        return int(placed_.motions.size()) - 1;
+    }
+
+    /// Meshes are looked through once.
+    Bounds bounds_of(const Shape& shape)
+    {
+        const auto* mesh = std::get_if<MeshInstance>(&shape.geometry);
+        if (!mesh) return shape_bounds(c_.scene, shape);
+        if (mesh_bounds_.empty()) mesh_bounds_.resize(c_.scene.meshes.size());
+        Bounds& known = mesh_bounds_[std::size_t(mesh->mesh)];
+        if (known.empty) known = shape_bounds(c_.scene, shape);
+        return known;
+    }
+
+    const Compiler& c_;
+    const double open_, close_;
+    std::vector<bool> moves_;
+    std::vector<Bounds> mesh_bounds_;
+    std::vector<int> path_;
+    std::size_t still_things_ = 0;
+    Placed placed_;
+};
 
 }  // namespace
 
-Placed place(const SceneDescription& scene, const RenderSpace& space)
+Placed place(const Compiler& c)
 {
-    Placed placed;
-    for (int root : scene.roots) place_node(scene, root, space.from_world(), placed);
-    return placed;
+    return Placer(c).run();
 }
 
 }  // namespace fathom

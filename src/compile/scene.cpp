@@ -35,19 +35,18 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
 {
     SceneStatistics s;
     s.triangles = tables.world_triangles;
-    for (const InstanceTable& instance : tables.instances) {
-        const std::uint32_t first = tables.shapes[instance.mesh_shape].first_primitive;
-        std::uint32_t end = first;
-        while (end < tables.first_quad() && tables.shape_of_primitive[end] == instance.mesh_shape) ++end;
-        s.triangles += end - first;
-    }
+    std::vector<std::size_t> triangles(tables.shapes.size());
+    for (std::uint32_t i = tables.world_triangles; i < tables.first_quad(); ++i) ++triangles[tables.shape_of_primitive[i]];
+    for (const InstanceTable& instance : tables.instances) s.triangles += triangles[instance.mesh_shape];
     s.primitives = tables.primitive_count();
     s.instances = tables.instances.size();
     s.lights = tables.lights.size();
     const auto bytes = [](const auto& v) { return v.size() * sizeof(v[0]); };
     s.memory_bytes = bytes(tables.positions) + bytes(tables.normals) + bytes(tables.tangents) + bytes(tables.colors) +
                      bytes(tables.uv0) + bytes(tables.uv1) + bytes(tables.triangles) + bytes(tables.quads) +
-                     bytes(tables.shape_of_primitive) + bytes(tables.texels) + bytes(tables.lights) + kernel.memory_bytes();
+                     bytes(tables.shape_of_primitive) + bytes(tables.shapes) + bytes(tables.instances) + bytes(tables.curves) + bytes(tables.curve_points) +
+                     bytes(tables.points) +
+                     bytes(tables.poses) + bytes(tables.texels) + bytes(tables.lights) + kernel.memory_bytes();
     return s;
 }
 
@@ -64,7 +63,7 @@ void check_memory(const SceneDescription& scene, const Placed& placed)
         if (!instance || counted[std::size_t(instance->mesh)]) continue;
         counted[std::size_t(instance->mesh)] = true;
         const Mesh& mesh = scene.meshes[std::size_t(instance->mesh)];
-        bytes += bytes_per_triangle * double(mesh.indices.size() / 3) + 12.0 * double(mesh.positions.size() + mesh.normals.size()) +
+        bytes += bytes_per_triangle * double(mesh.indices.size() / 3) + 12.0 * double(mesh.positions.size() + mesh.normals.size()) * double(1 + mesh.motion.size()) +
                  16.0 * double(mesh.tangents.size() + mesh.colors.size()) + 8.0 * double(mesh.uvs[0].size() + mesh.uvs[1].size());
     }
     if (const double available = double(available_memory_bytes()); bytes > available)
@@ -87,13 +86,13 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
     Compiler compiler{description, make_render_space(description, scene.data_->camera), *tables, warnings};
     tables->origin = compiler.space.origin;
     tables->render_scale = compiler.space.scale;
-    compile_materials(compiler);
-    const Placed placed = place(description, compiler.space);
-    check_memory(description, placed);
-    compile_geometry(compiler, placed.shapes);
-    compile_lights(compiler, placed.lights);
     tables->shutter_open = float(scene.data_->camera.shutter_open);
     tables->shutter_close = float(scene.data_->camera.shutter_close);
+    compile_materials(compiler);
+    const Placed placed = place(compiler);
+    check_memory(description, placed);
+    compile_geometry(compiler, placed);
+    compile_lights(compiler, placed.lights);
 
     scene.data_->fingerprint = fingerprint(*tables);
     scene.data_->tables = tables;

@@ -1,6 +1,8 @@
 /// What the tree offers to its callers: plain arrays in, plain arrays out.
 #include "geometry/bvh.h"
 
+#include <algorithm>
+
 #include "geometry/bvh_neighbours.h"
 
 namespace fathom {
@@ -39,18 +41,29 @@ namespace {
 // Sorting incoherent rays by octant, to let those of one octant share the upper part of the tree, gained up to 20 % on
 // first bounces and lost as much on third ones: not done.
 
+/// Times before the shutter opens or after it closes count as that moment: nothing is known of others.
+void prepare_times(const SceneTables& tables, Float time, RayTimes& times, int i)
+{
+    const float open = tables.shutter_open, close = tables.shutter_close;
+    store(times.shutter + i, clamp((time - Float(open)) * Float(1 / (close - open)), Float(0), Float(1)));
+    const KeyTime vertices = vertex_key(tables, time);
+    store(times.key + i, vertices.key);
+    store(times.fraction + i, vertices.fraction);
+}
+
 /// Rays [at, at + n), at most stream_size, made ready for tracing.
-void prepare(const RayArrays& rays, std::size_t at, int n, float radius, StreamMemory& memory)
+void prepare(const RayArrays& rays, std::size_t at, int n, const BvhData& bvh, StreamMemory& memory)
 {
     for (int i = 0; i < n; i += lanes) {
         const std::size_t k = at + std::size_t(i);
         const Float t_max = rays.t_max ? load(rays.t_max + k) : Float(infinity);
         const Float time = rays.time ? load(rays.time + k) : Float(0);
         memory.world[i / lanes].prepare(load_vec3(rays.ox + k, rays.oy + k, rays.oz + k),
-                                        load_vec3(rays.dx + k, rays.dy + k, rays.dz + k), t_max, time, radius);
+                                        load_vec3(rays.dx + k, rays.dy + k, rays.dz + k), t_max, time, bvh.radius);
         store(memory.hits.t + i, t_max);
         store(memory.hits.what + i, UInt(no_index));
         store(memory.hits.instance + i, UInt(no_index));
+        if (bvh.moving) prepare_times(*bvh.tables, time, memory.times, i);
     }
 }
 
@@ -67,8 +80,8 @@ void put(const BvhData& bvh, const RayHits& hits, int i, const HitArraysOut& out
 /// Too few rays that are alike are not worth a walk of their own.
 constexpr int least_packet = 8;
 
-template <bool any_hit>
-void start_at_root(const BvhData& bvh, RayMask rays, Stream<any_hit>& stream)
+template <bool any_hit, bool moving>
+void start_at_root(const BvhData& bvh, RayMask rays, Stream<any_hit, moving>& stream)
 {
     for (RayMask m = rays; m; m &= m - 1) {
         stream.defer(std::countr_zero(m), bvh.root, 0);
@@ -76,14 +89,14 @@ void start_at_root(const BvhData& bvh, RayMask rays, Stream<any_hit>& stream)
     }
 }
 
-template <bool any_hit>
-void trace_alike(const BvhData& bvh, RayMask rest, StreamMemory& memory, Stream<any_hit>& stream)
+template <bool any_hit, bool moving>
+void trace_alike(const BvhData& bvh, RayMask rest, StreamMemory& memory, Stream<any_hit, moving>& stream)
 {
     while (rest) {
-        const RayMask rays = alike(memory, rest);
+        const RayMask rays = alike(memory.world, rest);
         rest &= ~rays;
         if (std::popcount(rays) >= least_packet)
-            PacketTraversal<any_hit>(bvh, memory, stream, rays).run();
+            PacketTraversal<any_hit, moving>(bvh, memory, stream, rays, {memory.world, bvh.root, no_index, bvh.radius}).run();
         else
             start_at_root(bvh, rays, stream);
     }
@@ -91,16 +104,16 @@ void trace_alike(const BvhData& bvh, RayMask rest, StreamMemory& memory, Stream<
 }
 
 /// Traces the first n rays of the memory.
-template <bool any_hit>
+template <bool any_hit, bool moving>
 void trace(const BvhData& bvh, int n, bool coherent, StreamMemory& memory)
 {
-    Stream<any_hit> stream(bvh, memory);
+    Stream<any_hit, moving> stream(bvh, memory);
     for (int i = 0; i < n; ++i) stream.add(i);
     const RayMask all = n == 64 ? ~RayMask(0) : (RayMask(1) << n) - 1;
     if constexpr (lanes > 1) {
         if (coherent) return trace_alike(bvh, all, memory, stream);
-        if (any_hit) {
-            NeighbourTraversal<any_hit> neighbours(bvh, memory, stream, all);
+        if (any_hit && !moving) {
+            NeighbourTraversal<any_hit, moving> neighbours(bvh, memory, stream, all);
             if (neighbours.fits()) {
                 neighbours.run();
                 return stream.run();
@@ -111,15 +124,63 @@ void trace(const BvhData& bvh, int n, bool coherent, StreamMemory& memory)
     stream.run();
 }
 
+/// Rays of one time see the same boxes: before they are cut into streams they are sorted by time, coarsely. The order of
+/// rays does not matter to what they hit.
+class SortedByTime {
+public:
+    static constexpr std::size_t most = 1024;
+
+    SortedByTime(const RayArrays& rays, std::size_t first, std::size_t n, float open, float close) : first_(first)
+    {
+        constexpr std::size_t buckets = 64;
+        const float scale = float(buckets) / (close - open);
+        std::uint32_t begin[buckets + 1] = {};
+        std::uint8_t bucket[most];
+        for (std::size_t i = 0; i < n; ++i) {
+            const float at = (rays.time[first + i] - open) * scale;
+            bucket[i] = std::uint8_t(std::clamp(at, 0.f, float(buckets - 1)));
+            ++begin[bucket[i] + 1];
+        }
+        for (std::size_t i = 0; i < buckets; ++i) begin[i + 1] += begin[i];
+        for (std::size_t i = 0; i < n; ++i) order_[begin[bucket[i]]++] = std::uint32_t(i);
+        const float* const from[] = {rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz, rays.time, rays.t_max};
+        for (int field = 0; field < (rays.t_max ? 8 : 7); ++field)
+            for (std::size_t i = 0; i < n; ++i) data_[field][i] = from[field][first + order_[i]];
+        sorted = {data_[0], data_[1], data_[2], data_[3], data_[4], data_[5], rays.t_max ? data_[7] : nullptr, data_[6], n};
+    }
+    std::size_t place(std::size_t i) const { return first_ + order_[i]; }
+
+    RayArrays sorted;
+
+private:
+    std::size_t first_;
+    std::uint32_t order_[most];
+    alignas(64) float data_[8][most + 64];
+};
+
 template <bool any_hit, class Put>
-void trace_all(const BvhData& bvh, const RayArrays& rays, bool coherent, const Put& put_hit)
+void trace_streams(const BvhData& bvh, const RayArrays& rays, bool coherent, const Put& put_hit)
 {
     static thread_local StreamMemory memory;
     for (std::size_t at = 0; at < rays.count; at += stream_size) {
         const int n = int(std::min(std::size_t(stream_size), rays.count - at));
-        prepare(rays, at, n, bvh.radius, memory);
-        if (!bvh.empty) trace<any_hit>(bvh, n, coherent, memory);
+        prepare(rays, at, n, bvh, memory);
+        if (!bvh.empty) bvh.moving ? trace<any_hit, true>(bvh, n, coherent, memory) : trace<any_hit, false>(bvh, n, coherent, memory);
         for (int i = 0; i < n; ++i) put_hit(memory.hits, i, at + std::size_t(i));
+    }
+}
+
+template <bool any_hit, class Put>
+void trace_all(const BvhData& bvh, const RayArrays& rays, bool coherent, const Put& put_hit)
+{
+    if (!bvh.moving || !coherent || !rays.time || rays.count <= stream_size)
+        return trace_streams<any_hit>(bvh, rays, coherent, put_hit);
+    for (std::size_t first = 0; first < rays.count; first += SortedByTime::most) {
+        const std::size_t n = std::min(SortedByTime::most, rays.count - first);
+        const SortedByTime by_time(rays, first, n, bvh.tables->shutter_open, bvh.tables->shutter_close);
+        trace_streams<any_hit>(bvh, by_time.sorted, true, [&](const RayHits& hits, int i, std::size_t to) {
+            put_hit(hits, i, by_time.place(to));
+        });
     }
 }
 

@@ -10,6 +10,7 @@
 
 #include "geometry/bvh_data.h"
 #include "geometry/bvh_items.h"
+#include "geometry/bvh_motion.h"
 #include "geometry/bvh_treelet.h"
 
 namespace fathom {
@@ -175,7 +176,9 @@ private:
         const std::size_t first_node = nodes_.size(), first_other = bvh_.others.size();
         const auto place = [&](std::uint32_t reference) {
             if (BvhReference::is_node(reference)) return std::uint32_t(reference + first_node);
-            return BvhReference::is_triangles(reference) ? reference : std::uint32_t(reference + first_other);
+            const bool stays = BvhReference::is_triangles(reference) ||
+                               BvhReference::other_kind(reference) == BvhReference::instance;
+            return stays ? reference : std::uint32_t(reference + first_other / BvhLeaf::unit);
         };
         for (BvhNode& node : treelet.nodes) {
             for (int i = 0; i < bvh_width && node.bounds[0][i] <= node.bounds[3][i]; ++i)
@@ -183,8 +186,8 @@ private:
         }
         nodes_.insert(nodes_.end(), treelet.nodes.begin(), treelet.nodes.end());
         bvh_.others.insert(bvh_.others.end(), treelet.others.begin(), treelet.others.end());
-        if (bvh_.others.size() > BvhReference::max_others)
-            throw std::length_error("a scene can have at most 16,777,216 spheres, disks and instances");
+        if (bvh_.others.size() / BvhLeaf::unit > BvhReference::max_others)
+            throw std::length_error("the scene has too many moving triangles, spheres or disks");
         treelet.nodes = {};
         return place(treelet.root);
     }
@@ -196,10 +199,10 @@ private:
     std::vector<Treelet> treelets_;
 };
 
-std::uint32_t mesh_end(const SceneTables& tables, std::uint32_t shape)
+std::uint32_t shape_end(const SceneTables& tables, std::uint32_t shape)
 {
     std::uint32_t end = tables.shapes[shape].first_primitive;
-    while (end < tables.triangle_count() && tables.shape_of_primitive[end] == shape) ++end;
+    while (end < tables.primitive_count() && tables.shape_of_primitive[end] == shape) ++end;
     return end;
 }
 
@@ -207,7 +210,7 @@ std::uint32_t mesh_end(const SceneTables& tables, std::uint32_t shape)
 int depth_of(const BvhData& bvh, std::uint32_t reference)
 {
     if (!BvhReference::is_node(reference)) return 0;
-    const BvhNode& node = bvh.nodes[reference];
+    const BvhNode& node = bvh.nodes[BvhReference::node(reference)];
     int depth = 0;
     for (int k = 0; k < bvh_width && node.bounds[0][k] <= node.bounds[3][k]; ++k)
         depth = std::max(depth, depth_of(bvh, node.child[k]));
@@ -223,12 +226,34 @@ int stack_size_of(const BvhData& bvh)
     return ((bvh_width - 1) * (world + mesh) + bvh_deferred + 2 + 2 * bvh_width) / bvh_width * bvh_width;
 }
 
-void count_children(BvhData& bvh)
+void count_children(BvhData& bvh, std::uint32_t reference)
 {
-    BvhStatistics& s = bvh.statistics;
-    s.nodes = bvh.nodes.size();
-    for (std::size_t i = 0; i < bvh.nodes.size(); ++i)
-        for (int k = 0; k < bvh_width; ++k) s.children += bvh.nodes[i].bounds[0][k] <= bvh.nodes[i].bounds[3][k];
+    if (!BvhReference::is_node(reference)) return;
+    const BvhNode& node = bvh.nodes[BvhReference::node(reference)];
+    ++bvh.statistics.nodes;
+    for (int k = 0; k < bvh_width && node.bounds[0][k] <= node.bounds[3][k]; ++k) {
+        ++bvh.statistics.children;
+        count_children(bvh, node.child[k]);
+    }
+}
+
+/// Triangles that stand still: those of quads count twice.
+std::size_t count_triangles(const SceneTables& tables)
+{
+    std::size_t n = tables.triangle_count() + 2 * tables.quads.size();
+    if (tables.vertex_times.empty()) return n;
+    for (std::uint32_t i = 0; i < tables.triangle_count(); ++i)
+        n -= tables.shapes[tables.shape_of_primitive[i]].moving_vertices > 0;
+    return n;
+}
+
+bool anything_moves(const SceneTables& tables)
+{
+    if (!shutter_takes_time(tables)) return false;
+    if (!tables.vertex_times.empty() || !tables.poses.empty()) return true;
+    return std::any_of(tables.spheres.begin(), tables.spheres.end(), [](const SphereTable& s) {
+        return s.motion.x != 0 || s.motion.y != 0 || s.motion.z != 0;
+    });
 }
 
 }  // namespace
@@ -241,18 +266,17 @@ void build_bvh(const SceneTables& tables, BvhData& tree)
     tree.tables = &tables;
     for (const ShapeTable& shape : tables.shapes) tree.any_alpha_shape |= (shape.flags & ShapeTable::alpha_tested) != 0;
 
-    // The meshes that instances place, in order of their first use.
-    std::vector<std::uint32_t> mesh_of_shape(tables.shapes.size(), no_index), mesh_shapes;
+    tree.moving = anything_moves(tables);
+
+    // What instances place, in order of their first use.
+    std::vector<std::uint32_t> mesh_shapes;
     for (const InstanceTable& instance : tables.instances) {
-        std::uint32_t& mesh = mesh_of_shape[instance.mesh_shape];
-        if (mesh == no_index) {
-            mesh = std::uint32_t(mesh_shapes.size());
-            mesh_shapes.push_back(instance.mesh_shape);
-        }
-        tree.mesh_of_instance.push_back(mesh);
+        if (instance.mesh_shape >= tree.meshes.size()) tree.meshes.resize(instance.mesh_shape + 1);
+        BvhData::Mesh& mesh = tree.meshes[instance.mesh_shape];
+        if (mesh.root == 0) mesh_shapes.push_back(instance.mesh_shape);
+        mesh.root = 1;  // seen
     }
-    std::size_t triangles = tables.world_triangles + 2 * tables.quads.size();
-    for (std::uint32_t shape : mesh_shapes) triangles += mesh_end(tables, shape) - tables.shapes[shape].first_primitive;
+    const std::size_t triangles = count_triangles(tables);
     if (triangles > BvhReference::max_triangles)
         throw std::length_error("a scene can have at most 134,217,728 triangles");
     tree.triangles = LargeArray<float>(9 * triangles + bvh_width);
@@ -261,34 +285,39 @@ void build_bvh(const SceneTables& tables, BvhData& tree)
 
     std::vector<BvhNode> nodes;
     std::size_t next_triangle = 0, items_bytes = 0;
-    const auto add_tree = [&](ItemList& list) {
+    std::vector<MovingBox> mesh_boxes(tree.meshes.size());
+    /// Its box and root are then known.
+    const auto add_tree = [&](ItemList& list, std::uint32_t& root) {
         items_bytes = std::max(items_bytes, list.items.bytes());
-        return TreeBuilder(tables, tree, nodes, next_triangle).build(list);
+        tree.statistics.leaf_primitives += list.count;
+        const std::size_t first = nodes.size();
+        root = TreeBuilder(tables, tree, nodes, next_triangle).build(list);
+        if (!tree.moving) return MovingBox{list.box, list.box};
+        return add_motion(tables, tree, mesh_boxes, nodes, first, root, list.box);
     };
-    std::vector<Box> mesh_boxes;
     for (std::uint32_t shape : mesh_shapes) {
-        ItemList list = mesh_items(tables, tables.shapes[shape].first_primitive, mesh_end(tables, shape));
-        BvhData::Mesh mesh;
-        mesh.radius = list.radius();
+        ItemList list = shape_items(tables, tree, tables.shapes[shape].first_primitive, shape_end(tables, shape));
+        BvhData::Mesh& mesh = tree.meshes[shape];
         mesh.empty = list.count == 0;
-        if (!mesh.empty) mesh.root = add_tree(list);
-        tree.meshes.push_back(mesh);
-        mesh_boxes.push_back(list.box);
+        if (!mesh.empty) mesh_boxes[shape] = add_tree(list, mesh.root);
+        if (!mesh.empty) mesh.radius = mesh_boxes[shape].radius();
     }
     {
         ItemList list = world_items(tables, tree, mesh_boxes);
-        tree.radius = list.radius();
         tree.empty = list.count == 0;
-        if (!tree.empty) tree.root = add_tree(list);
+        if (!tree.empty) tree.radius = add_tree(list, tree.root).radius();
     }
-    tree.statistics.leaf_primitives = next_triangle + tree.others.size();
+    // Readers take 16 floats at once.
+    tree.others.resize(tree.others.size() + bvh_width);
     tree.nodes = LargeArray<BvhNode>(nodes.size());
     if (!nodes.empty()) std::memcpy(tree.nodes.data(), nodes.data(), nodes.size() * sizeof(BvhNode));
-    count_children(tree);
+    if (!tree.empty) count_children(tree, tree.root);
+    for (const BvhData::Mesh& mesh : tree.meshes)
+        if (!mesh.empty) count_children(tree, mesh.root);
     tree.stack_size = stack_size_of(tree);
     BvhStatistics& s = tree.statistics;
     s.bytes = tree.nodes.bytes() + tree.triangles.bytes() + tree.keys.bytes() + tree.others.size() * 4 +
-              tree.mesh_of_instance.size() * 4 + tree.meshes.size() * sizeof(BvhData::Mesh);
+              tree.meshes.size() * sizeof(BvhData::Mesh);
     s.peak_bytes = s.bytes + std::max(items_bytes, tree.nodes.bytes()) + tree.nodes.bytes();
 }
 

@@ -16,33 +16,50 @@ inline constexpr int bvh_deferred = 46;
 
 /// What a child of a node is, in 32 bits.
 ///
-///     00 node:30                     a node
-///     01 kind:2 count-1:4 first:24   spheres, disks or one instance
+///     00 moving:1 node:29            a node; a moving one takes two places in BvhData::nodes
+///     01 kind:3 place:27             an instance, or a leaf of something other than triangles
 ///     1  count-1:4 first:27          triangles
 struct BvhReference {
     /// Only on stacks, `end`: the end of all that a ray has to do, or in one space.
-    enum Kind : std::uint32_t { spheres, disks, instance, end };
-    static constexpr std::uint32_t triangle_bit = 1u << 31, other_bit = 1u << 30;
-    static constexpr std::size_t max_triangles = std::size_t(1) << 27, max_others = std::size_t(1) << 24;
+    enum Kind : std::uint32_t { spheres, disks, instance, moving_triangles, curves, ribbons, points, end };
+    static constexpr std::uint32_t triangle_bit = 1u << 31, other_bit = 1u << 30, moving_bit = 1u << 29;
+    static constexpr std::size_t max_triangles = std::size_t(1) << 27, max_others = std::size_t(1) << 27;
+    static constexpr int kind_shift = 27;
 
     static std::uint32_t triangles(std::size_t first, std::size_t count)
     {
         return triangle_bit | std::uint32_t(count - 1) << 27 | std::uint32_t(first);
     }
-    static std::uint32_t others(Kind kind, std::size_t first, std::size_t count)
+    /// place: of an instance its number, else where in BvhData::others its leaf begins, in units of leaf_unit.
+    static std::uint32_t others(Kind kind, std::size_t place)
     {
-        return other_bit | kind << 28 | std::uint32_t(count - 1) << 24 | std::uint32_t(first);
+        return other_bit | kind << kind_shift | std::uint32_t(place);
     }
     static bool is_node(std::uint32_t r) { return r < other_bit; }
+    static bool is_moving(std::uint32_t node) { return node & moving_bit; }
+    static std::uint32_t node(std::uint32_t r) { return r & (moving_bit - 1); }
     static bool is_triangles(std::uint32_t r) { return r >= triangle_bit; }
     static int triangle_count(std::uint32_t r) { return int(r >> 27 & 15) + 1; }
     static std::uint32_t first_triangle(std::uint32_t r) { return r & 0x07ffffffu; }
-    static Kind other_kind(std::uint32_t r) { return Kind(r >> 28 & 3); }
-    static int other_count(std::uint32_t r) { return int(r >> 24 & 15) + 1; }
-    static std::uint32_t first_other(std::uint32_t r) { return r & 0x00ffffffu; }
+    static Kind other_kind(std::uint32_t r) { return Kind(r >> kind_shift & 7); }
+    static std::uint32_t place(std::uint32_t r) { return r & 0x07ffffffu; }
 };
 
-/// Up to 16 children; the boxes of slots without a child are empty (low bound above high).
+/// A leaf in BvhData::others: how many primitives, their numbers (indices of spheres and disks, keys of triangles), then
+/// from the next multiple of leaf_unit on what is tested: of moving triangles, for each of the scene's vertex_times 9
+/// arrays as in BvhData::triangles.
+struct BvhLeaf {
+    static constexpr std::size_t unit = 4;
+    const std::uint32_t* words;
+
+    int count() const { return int(words[0]); }
+    const std::uint32_t* ids() const { return words + 1; }
+    static std::size_t header(std::size_t n) { return (n + unit) / unit * unit; }
+    const float* data() const { return reinterpret_cast<const float*>(words + header(words[0])); }
+};
+
+/// Up to 16 children; the boxes of slots without a child are empty (low bound above high). Behind a node that moves
+/// stands another, whose bounds are what the first one's change by until the shutter closes.
 struct alignas(64) BvhNode {
     float bounds[6][bvh_width];  ///< low x, y, z, high x, y, z
     std::uint32_t child[bvh_width];
@@ -62,19 +79,20 @@ struct BvhData {
     /// since readers take 16 floats at once.
     LargeArray<float> triangles;
     LargeArray<BvhKey> keys;
-    std::vector<std::uint32_t> others;  ///< indices of spheres, of disks, of instances, leaf by leaf
+    std::vector<std::uint32_t> others;  ///< leaves, see BvhLeaf; padded
 
     std::uint32_t root = 0;  ///< a reference
     int stack_size = 0;      ///< that traversal can need
     float radius = 0;        ///< the largest coordinate of anything in the world
     bool empty = true;
+    bool moving = false;     ///< something does while the shutter is open
+    /// What instances place, by shape.
     struct Mesh {
         std::uint32_t root = 0;
         float radius = 0;
         bool empty = true;
     };
-    std::vector<Mesh> meshes;
-    std::vector<std::uint32_t> mesh_of_instance;
+    std::vector<Mesh> meshes;  ///< as many as shapes, or none
 
     const SceneTables* tables = nullptr;
     AlphaTest alpha_test = nullptr;
@@ -88,8 +106,8 @@ struct BvhData {
 /// sum of the largest coordinates of the ray's origin and of the tree. See bvh_ray.h for why.
 inline constexpr float bvh_slack = 0x1p-19f;
 
-/// The three corners of what a key names: of a triangle, or of one half of a quad.
-void vertices_of(const SceneTables& tables, BvhKey key, Vec3f out[3]);
+/// The three corners of what a key names: of a triangle, or of one half of a quad. time: which of vertex_times.
+void vertices_of(const SceneTables& tables, BvhKey key, Vec3f out[3], std::size_t time = 0);
 
 void build_bvh(const SceneTables& tables, BvhData& bvh);
 

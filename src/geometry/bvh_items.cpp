@@ -1,4 +1,6 @@
 #include "geometry/bvh_items.h"
+#include "geometry/bvh_leaf_data.h"
+#include "geometry/bvh_motion.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -25,11 +27,14 @@ bool finite(Vec3f a)
 
 }  // namespace
 
-void vertices_of(const SceneTables& tables, BvhKey key, Vec3f out[3])
+void vertices_of(const SceneTables& tables, BvhKey key, Vec3f out[3], std::size_t time)
 {
     const std::uint32_t primitive = key >> 1;
     if (primitive < tables.first_quad()) {
-        for (std::size_t i = 0; i < 3; ++i) out[i] = tables.positions[tables.triangles[3 * std::size_t(primitive) + i]];
+        const std::size_t offset =
+            time == 0 ? 0 : time * tables.shapes[tables.shape_of_primitive[primitive]].moving_vertices;
+        for (std::size_t i = 0; i < 3; ++i)
+            out[i] = tables.positions[tables.triangles[3 * std::size_t(primitive) + i] + offset];
         return;
     }
     const QuadTable& q = tables.quads[primitive - tables.first_quad()];
@@ -54,9 +59,37 @@ void set_box(Item& item, const Vec3d& low, const Vec3d& high)
     }
 }
 
-/// False where nothing can hit it.
-bool triangle_item(const SceneTables& tables, BvhKey key, Item& item)
+void set_box(Item& item, const Box& box)
 {
+    for (int axis = 0; axis < 3; ++axis) {
+        item.low[axis] = box.low(axis);
+        item.minus_high[axis] = -box.high(axis);
+    }
+}
+
+bool moves(const SceneTables& tables, std::uint32_t primitive)
+{
+    return !tables.vertex_times.empty() && primitive < tables.first_quad() &&
+           tables.shapes[tables.shape_of_primitive[primitive]].moving_vertices > 0;
+}
+
+bool moving_triangle_item(const SceneTables& tables, const BvhData& bvh, BvhKey key, Item& item)
+{
+    for (std::size_t k = 0; k < tables.vertex_times.size(); ++k) {
+        Vec3f v[3];
+        vertices_of(tables, key, v, k);
+        if (!finite(v[0]) || !finite(v[1]) || !finite(v[2])) return false;
+    }
+    set_box(item, moving_box(tables, bvh, {}, Item::moving_triangle, key).middle());
+    item.id = key;
+    item.kind = Item::moving_triangle;
+    return true;
+}
+
+/// False where nothing can hit it.
+bool triangle_item(const SceneTables& tables, const BvhData& bvh, BvhKey key, Item& item)
+{
+    if (moves(tables, key >> 1)) return moving_triangle_item(tables, bvh, key, item);
     Vec3f v[3];
     vertices_of(tables, key, v);
     if (!finite(v[0]) || !finite(v[1]) || !finite(v[2])) return false;
@@ -72,20 +105,11 @@ bool triangle_item(const SceneTables& tables, BvhKey key, Item& item)
     return true;
 }
 
-bool sphere_item(const SceneTables& tables, std::uint32_t index, Item& item)
+bool sphere_item(const SceneTables& tables, const BvhData& bvh, std::uint32_t index, Item& item)
 {
     const SphereTable& s = tables.spheres[index];
     if (!finite(s.center) || !finite(s.motion) || !std::isfinite(s.radius) || s.radius == 0) return false;
-    // A little larger: the distance found by closest_sphere has rounding errors of its own.
-    const double r = std::fabs(double(s.radius)) * (1 + 0x1p-18);
-    const double center[3] = {s.center.x, s.center.y, s.center.z}, motion[3] = {s.motion.x, s.motion.y, s.motion.z};
-    const double open = tables.shutter_open, close = tables.shutter_close;
-    double low[3], high[3];
-    for (int i = 0; i < 3; ++i) {
-        low[i] = center[i] + std::min(motion[i] * open, motion[i] * close) - r;
-        high[i] = center[i] + std::max(motion[i] * open, motion[i] * close) + r;
-    }
-    set_box(item, {low[0], low[1], low[2]}, {high[0], high[1], high[2]});
+    set_box(item, moving_box(tables, bvh, {}, Item::sphere, index).middle());
     item.id = index;
     item.kind = Item::sphere;
     return true;
@@ -110,45 +134,45 @@ bool disk_item(const SceneTables& tables, std::uint32_t index, Item& item)
     return true;
 }
 
-double row_sum_norm(const std::array<float, 12>& m)
+bool curve_item(const SceneTables& tables, std::uint32_t segment, std::uint32_t piece, Item& item)
 {
-    double norm = 0;
-    for (std::size_t row = 0; row < 3; ++row)
-        norm = std::max(norm, double(std::fabs(m[4 * row])) + std::fabs(m[4 * row + 1]) + std::fabs(m[4 * row + 2]));
-    return norm;
+    const ShapeTable& shape = tables.shapes[tables.shape_of_primitive[tables.first_curve() + segment]];
+    if (piece >= tables.curves[segment].pieces) return false;
+    const PieceEnds ends = piece_ends(tables, piece_id(segment, piece), shape.flags & ShapeTable::linear_curves);
+    const CurvePoint<float>&a = ends.a, &b = ends.b;
+    for (float x : {a.x, a.y, a.z, a.r, b.x, b.y, b.z, b.r})
+        if (!std::isfinite(x)) return false;
+    if (!(a.r > 0 || b.r > 0)) return false;
+    // A little larger: distances have rounding errors of their own.
+    const double ra = a.r * (1 + 0x1p-16), rb = b.r * (1 + 0x1p-16);
+    set_box(item, {std::min(a.x - ra, b.x - rb), std::min(a.y - ra, b.y - rb), std::min(a.z - ra, b.z - rb)},
+            {std::max(a.x + ra, b.x + rb), std::max(a.y + ra, b.y + rb), std::max(a.z + ra, b.z + rb)});
+    item.id = piece_id(segment, piece);
+    item.kind = shape.flags & ShapeTable::ribbons ? Item::ribbon : Item::curve;
+    return true;
 }
 
-bool instance_item(const SceneTables& tables, const BvhData& bvh, const std::vector<Box>& mesh_boxes,
+bool point_item(const SceneTables& tables, std::uint32_t index, Item& item)
+{
+    const Vec4f& p = tables.points[index];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z) || !std::isfinite(p.w) || !(p.w > 0)) return false;
+    const double r = p.w * (1 + 0x1p-18);
+    set_box(item, {p.x - r, p.y - r, p.z - r}, {p.x + r, p.y + r, p.z + r});
+    item.id = index;
+    item.kind = Item::point;
+    return true;
+}
+
+bool instance_item(const SceneTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes,
                    std::uint32_t index, Item& item)
 {
     const InstanceTable& instance = tables.instances[index];
-    const std::uint32_t mesh = bvh.mesh_of_instance[index];
-    for (float x : instance.render_from_object)
-        if (!std::isfinite(x)) return false;
     for (float x : instance.object_from_render)
         if (!std::isfinite(x)) return false;
-    if (bvh.meshes[mesh].empty) return false;
-    const auto& m = instance.render_from_object;
-    double low[3], high[3], radius = 0;
-    for (std::size_t row = 0; row < 3; ++row) {
-        low[row] = high[row] = m[4 * row + 3];
-        for (int axis = 0; axis < 3; ++axis) {
-            const double a = double(m[4 * row + std::size_t(axis)]) * mesh_boxes[mesh].low(axis);
-            const double b = double(m[4 * row + std::size_t(axis)]) * mesh_boxes[mesh].high(axis);
-            low[row] += std::min(a, b);
-            high[row] += std::max(a, b);
-        }
-        radius = std::max({radius, std::fabs(low[row]), std::fabs(high[row])});
-    }
-    // A ray is rounded when it is moved into the mesh's space; seen from here, by this much more the less alike the
-    // mesh's axes are scaled.
-    const double condition = row_sum_norm(instance.render_from_object) * row_sum_norm(instance.object_from_render);
-    const double margin = 0x1p-20 * condition * radius;
-    for (int row = 0; row < 3; ++row) {
-        low[row] -= margin;
-        high[row] += margin;
-    }
-    set_box(item, {low[0], low[1], low[2]}, {high[0], high[1], high[2]});
+    if (bvh.meshes[instance.mesh_shape].empty) return false;
+    set_box(item, moving_box(tables, bvh, mesh_boxes, Item::instance, index).middle());
+    for (int axis = 0; axis < 3; ++axis)
+        if (!std::isfinite(item.low[axis]) || !std::isfinite(item.minus_high[axis])) return false;
     item.id = index;
     item.kind = Item::instance;
     return true;
@@ -193,31 +217,75 @@ ItemList make_items(std::size_t n, const Make& make)
 
 }  // namespace
 
-float ItemList::radius() const
+namespace {
+
+/// Of any of n segments; items are made for as many of each, and some of them left out.
+std::uint32_t most_pieces(const SceneTables& tables, std::size_t first, std::size_t n)
 {
-    float r = 0;
-    for (int axis = 0; axis < 3 && count; ++axis)
-        r = std::max({r, std::fabs(box.low(axis)), std::fabs(box.high(axis))});
-    return r;
+    std::uint32_t most = 1;
+    for (std::size_t i = first; i < first + n; ++i) most = std::max(most, tables.curves[i].pieces);
+    return most;
 }
 
-ItemList mesh_items(const SceneTables& tables, std::uint32_t first, std::uint32_t last)
+}  // namespace
+
+ItemList shape_items(const SceneTables& tables, const BvhData& bvh, std::uint32_t first, std::uint32_t last)
 {
-    return make_items(last - first, [&](std::size_t i, Item& item) {
-        return triangle_item(tables, 2 * (first + std::uint32_t(i)), item);
+    const std::size_t n = last - first;
+    if (first < tables.first_quad())
+        return make_items(n, [&](std::size_t i, Item& item) {
+            return triangle_item(tables, bvh, BvhKey(2 * (first + i)), item);
+        });
+    if (first < tables.first_sphere())
+        return make_items(2 * n, [&](std::size_t i, Item& item) {
+            return triangle_item(tables, bvh, BvhKey(2 * std::size_t(first) + i), item);
+        });
+    if (first < tables.first_disk())
+        return make_items(n, [&](std::size_t i, Item& item) {
+            return sphere_item(tables, bvh, std::uint32_t(first - tables.first_sphere() + i), item);
+        });
+    if (first < tables.first_curve())
+        return make_items(n, [&](std::size_t i, Item& item) {
+            return disk_item(tables, std::uint32_t(first - tables.first_disk() + i), item);
+        });
+    if (first < tables.first_point()) {
+        const std::uint32_t most = most_pieces(tables, first - tables.first_curve(), n);
+        return make_items(n * most, [&, most](std::size_t i, Item& item) {
+            return curve_item(tables, std::uint32_t(first - tables.first_curve() + i / most), i % most, item);
+        });
+    }
+    return make_items(n, [&](std::size_t i, Item& item) {
+        return point_item(tables, std::uint32_t(first - tables.first_point() + i), item);
     });
 }
 
-ItemList world_items(const SceneTables& tables, const BvhData& bvh, const std::vector<Box>& mesh_boxes)
+ItemList world_items(const SceneTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes)
 {
+    const std::uint32_t most = most_pieces(tables, 0, tables.curves.size());
     const std::size_t triangles = tables.world_triangles, quads = triangles + 2 * tables.quads.size(),
-                      spheres = quads + tables.spheres.size(), disks = spheres + tables.disks.size();
-    return make_items(disks + tables.instances.size(), [&](std::size_t i, Item& item) {
-        if (i < triangles) return triangle_item(tables, BvhKey(2 * i), item);
-        if (i < quads) return triangle_item(tables, BvhKey(2 * tables.first_quad() + (i - triangles)), item);
-        if (i < spheres) return sphere_item(tables, std::uint32_t(i - quads), item);
-        if (i < disks) return disk_item(tables, std::uint32_t(i - spheres), item);
-        return instance_item(tables, bvh, mesh_boxes, std::uint32_t(i - disks), item);
+                      spheres = quads + tables.spheres.size(), disks = spheres + tables.disks.size(),
+                      curves = disks + most * tables.curves.size(), points = curves + tables.points.size();
+    const auto placed = [&](std::size_t primitive) {
+        return (tables.shapes[tables.shape_of_primitive[primitive]].flags & ShapeTable::placed) != 0;
+    };
+    return make_items(points + tables.instances.size(), [&](std::size_t i, Item& item) {
+        if (i < triangles) return triangle_item(tables, bvh, BvhKey(2 * i), item);
+        if (i < quads) {
+            const std::size_t key = 2 * std::size_t(tables.first_quad()) + (i - triangles);
+            return !placed(key / 2) && triangle_item(tables, bvh, BvhKey(key), item);
+        }
+        if (i < spheres)
+            return !placed(tables.first_sphere() + (i - quads)) &&
+                   sphere_item(tables, bvh, std::uint32_t(i - quads), item);
+        if (i < disks)
+            return !placed(tables.first_disk() + (i - spheres)) && disk_item(tables, std::uint32_t(i - spheres), item);
+        if (i < curves) {
+            const auto segment = std::uint32_t((i - disks) / most), piece = std::uint32_t((i - disks) % most);
+            return !placed(tables.first_curve() + segment) && curve_item(tables, segment, piece, item);
+        }
+        if (i < points)
+            return !placed(tables.first_point() + (i - curves)) && point_item(tables, std::uint32_t(i - curves), item);
+        return instance_item(tables, bvh, mesh_boxes, std::uint32_t(i - points), item);
     });
 }
 

@@ -7,10 +7,10 @@
 
 namespace fathom::inline FATHOM_LANES {
 
-template <bool any_hit>
+template <bool any_hit, bool moving>
 class NeighbourTraversal {
 public:
-    NeighbourTraversal(const BvhData& bvh, StreamMemory& memory, Stream<any_hit>& stream, RayMask rays)
+    NeighbourTraversal(const BvhData& bvh, StreamMemory& memory, Stream<any_hit, moving>& stream, RayMask rays)
         : bvh_(bvh), memory_(memory), stream_(stream), rays_(rays)
     {
         for (int axis = 0; axis < 3; ++axis) {
@@ -47,8 +47,8 @@ public:
         stack[size++] = {rays_, bvh_.root, 0};
         while (size > 0) {
             const PacketEntry entry = stack[--size];
-            if (!BvhReference::is_node(entry.reference) || std::popcount(entry.rays) <= few) {
-                for (RayMask m = entry.rays; m; m &= m - 1) stream_.defer(std::countr_zero(m), entry.reference, 0);
+            if (!BvhReference::is_node(entry.reference) || BvhReference::is_moving(entry.reference) || std::popcount(entry.rays) <= few) {
+                for (RayMask m = entry.rays; m; m &= m - 1) defer(std::countr_zero(m), entry.reference);
             } else {
                 size = visit_node(bvh_.nodes[entry.reference], entry.rays, size);
             }
@@ -59,6 +59,16 @@ public:
 private:
     static constexpr int parts = stream_size / lanes;
     static constexpr int few = 8;
+
+    void defer(int ray, std::uint32_t reference)
+    {
+        if (stream_.defer(ray, reference, 0)) return;
+        // No more room: now.
+        stream_.start(ray);
+        stream_.run();
+        stream_.add(ray);
+        stream_.defer(ray, reference, 0);
+    }
 
     static float least(Float x)
     {
@@ -103,7 +113,7 @@ private:
 
     const BvhData& bvh_;
     StreamMemory& memory_;
-    Stream<any_hit>& stream_;
+    Stream<any_hit, moving>& stream_;
     RayMask rays_;
     float low_[3], high_[3];  ///< of the box around all rays
 };

@@ -12,16 +12,16 @@ using RayMask = std::uint64_t;
 static_assert(stream_size <= 64);
 
 /// Those of the rays that have the octant and axis of the first of them.
-inline RayMask alike(const StreamMemory& memory, RayMask rays)
+inline RayMask alike(const PreparedRays* all, RayMask rays)
 {
     const int first = std::countr_zero(rays);
     const auto of_first = [&](int field) {
-        return float_bits(Float(memory.world[first / lanes].f[field][first % lanes]));
+        return float_bits(Float(all[first / lanes].f[field][first % lanes]));
     };
     const UInt octant = of_first(PreparedRays::octant), axis = of_first(PreparedRays::axis);
     RayMask same = 0;
     for (int part = 0; part < stream_size / lanes; ++part) {
-        const PreparedRays& r = memory.world[part];
+        const PreparedRays& r = all[part];
         const Mask m = (float_bits(load(r.f[PreparedRays::octant])) == octant) &
                        (float_bits(load(r.f[PreparedRays::axis])) == axis);
         same |= RayMask(mask_bits(m)) << part * lanes;
@@ -29,15 +29,23 @@ inline RayMask alike(const StreamMemory& memory, RayMask rays)
     return same & rays;
 }
 
-template <bool any_hit>
+template <bool any_hit, bool moving>
 class PacketTraversal {
 public:
-    /// The rays must be alike, and added to the stream.
-    PacketTraversal(const BvhData& bvh, StreamMemory& memory, Stream<any_hit>& stream, RayMask rays)
-        : bvh_(bvh), memory_(memory), stream_(stream), rays_(rays)
+    /// Where the rays are: in the world, or in what an instance places.
+    struct Space {
+        const PreparedRays* rays;
+        std::uint32_t root, instance;
+        float radius;
+    };
+
+    /// The rays must be alike, and added to the stream. stack_size: entries of the packets' stack that are in use.
+    PacketTraversal(const BvhData& bvh, StreamMemory& memory, Stream<any_hit, moving>& stream, RayMask rays,
+                    const Space& space, int stack_size = 0)
+        : bvh_(bvh), memory_(memory), stream_(stream), rays_(rays), space_(space), bottom_(stack_size)
     {
         const int first = std::countr_zero(rays);
-        const PreparedRay r{&memory.world[first / lanes].f[0][first % lanes]};
+        const PreparedRay r{&space.rays[first / lanes].f[0][first % lanes]};
         for (int k = 0; k < 3; ++k) {
             side_[k] = r.integer(PreparedRays::side_x + k);
             axes_[k] = int(r.integer(PreparedRays::axis) + std::uint32_t(k) + 1) % 3;
@@ -51,33 +59,39 @@ public:
     void run()
     {
         PacketEntry* const stack = memory_.packet_stack.data();
-        int size = 0;
-        stack[size++] = {rays_, bvh_.root, 0};
-        while (size > 0) {
+        int size = bottom_;
+        stack[size++] = {rays_, space_.root, 0};
+        while (size > bottom_) {
             const PacketEntry entry = stack[--size];
             const RayMask rays = entry.rays & reached_by(entry.t);
             if (rays == 0) continue;
             const bool is_node = BvhReference::is_node(entry.reference);
-            if (std::popcount(rays) <= few || (!is_node && !BvhReference::is_triangles(entry.reference))) {
-                for (RayMask m = rays; m; m &= m - 1) stream_.defer(std::countr_zero(m), entry.reference, entry.t);
+            if (std::popcount(rays) <= few) {
+                for (RayMask m = rays; m; m &= m - 1) defer(std::countr_zero(m), entry.reference, entry.t);
+            } else if (!is_node && !BvhReference::is_triangles(entry.reference)) {
+                visit_other(entry.reference, entry.t, rays, size);
             } else if (is_node) {
-                size = visit_node(bvh_.nodes[entry.reference], rays, size);
+                size = visit_node(entry.reference, rays, size);
             } else {
                 visit_leaf(entry.reference, rays);
             }
         }
         for (RayMask m = rays_ & ~blocked_; m; m &= m - 1) stream_.start(std::countr_zero(m));
     }
+    RayMask blocked() const { return blocked_; }
 
 private:
     static constexpr int parts = stream_size / lanes;
-    static constexpr int few = 3;
+    /// Rays through what moves part sooner: each at its own time sees boxes elsewhere.
+    static constexpr int few = moving ? 8 : 3;
+    /// So many are worth moving into an instance together.
+    static constexpr int least_within = 8;
 
     static Mask part_of(RayMask rays, int part)
     {
         return mask_from_bits(std::uint32_t(rays >> part * lanes) & std::uint32_t((RayMask(1) << lanes) - 1));
     }
-    const PreparedRays& part(int i) const { return memory_.world[i]; }
+    const PreparedRays& part(int i) const { return space_.rays[i]; }
 
     static float least(Float x)
     {
@@ -98,7 +112,7 @@ private:
                 const Vec3 o = load_vec3(part(i).f[PreparedRays::origin_x], part(i).f[PreparedRays::origin_y],
                                          part(i).f[PreparedRays::origin_z]);
                 const Float inverse = load(part(i).f[PreparedRays::inverse_x + axis]);
-                const Float x = load(part(i).f[PreparedRays::origin_x + axis]), slack = ray_slack(o, bvh_.radius);
+                const Float x = load(part(i).f[PreparedRays::origin_x + axis]), slack = ray_slack(o, space_.radius);
                 low_inverse = min(low_inverse, select(m, inverse, none));
                 high_inverse = min(high_inverse, select(m, -inverse, none));
                 low = min(low, select(m, x - slack, none));
@@ -139,17 +153,109 @@ private:
         far = min(far, max(b * lo, b * hi));
     }
 
-    int visit_node(const BvhNode& node, RayMask rays, int size)
+    void defer(int ray, std::uint32_t reference, float t)
     {
+        if (stream_.defer(ray, reference, t)) return;
+        // No more room: now.
+        stream_.start(ray);
+        stream_.run();
+        begin_again(ray);
+        stream_.defer(ray, reference, t);
+    }
+    /// A ray that the stream has done with is where this packet is.
+    void begin_again(int ray)
+    {
+        stream_.add(ray);
+        if (space_.instance != no_index) stream_.enter(ray, space_.instance, &part(ray / lanes).f[0][ray % lanes]);
+        if (any_hit && memory_.hits.what[ray] != no_index) blocked_ |= RayMask(1) << ray;
+    }
+
+    void visit_other(std::uint32_t reference, float t, RayMask rays, int size)
+    {
+        const bool placed = BvhReference::other_kind(reference) == BvhReference::instance;
+        if (placed && std::popcount(rays) >= least_within) return visit_instance(BvhReference::place(reference), rays, size);
+        if (moving && BvhReference::other_kind(reference) == BvhReference::moving_triangles &&
+            bvh_.tables->vertex_times.size() == 2)
+            return visit_moving_leaf({&bvh_.others[std::size_t(BvhReference::place(reference)) * BvhLeaf::unit]}, rays);
+        // Each ray for itself, but now: what lies behind need not be visited if something is hit.
+        for (RayMask m = rays; m; m &= m - 1) defer(std::countr_zero(m), reference, t);
+        finish(rays);
+    }
+
+    /// Lets the stream do what it has been given.
+    void finish(RayMask rays)
+    {
+        for (RayMask m = rays & ~blocked_; m; m &= m - 1) stream_.start(std::countr_zero(m));
+        stream_.run();
+        for (RayMask m = rays; m; m &= m - 1) begin_again(std::countr_zero(m));
+        if (!any_hit) update_reach();
+    }
+
+    /// Rays that are still alike in the space of what is placed keep together there.
+    [[gnu::noinline]] void visit_instance(std::uint32_t index, RayMask rays, int size)
+    {
+        const InstanceTable& instance = bvh_.tables->instances[index];
+        const BvhData::Mesh& mesh = bvh_.meshes[instance.mesh_shape];
+        for (int i = 0; i < parts; ++i) {
+            const PreparedRays& r = part(i);
+            const auto vector = [&](int f) { return load_vec3(r.f[f], r.f[f + 1], r.f[f + 2]); };
+            const Float time = load(r.f[PreparedRays::time]);
+            const Affine to_object = object_from_render(*bvh_.tables, instance, time);
+            memory_.together[i].prepare(to_object.point(vector(PreparedRays::origin_x)),
+                                        to_object.vector(vector(PreparedRays::direction_x)),
+                                        load(r.f[PreparedRays::t_max]), time, mesh.radius);
+        }
+        for (RayMask rest = rays; rest;) {
+            const RayMask same = alike(memory_.together, rest);
+            rest &= ~same;
+            if (std::popcount(same) < least_within) {
+                for (RayMask m = same; m; m &= m - 1)
+                    defer(std::countr_zero(m), BvhReference::others(BvhReference::instance, index), 0);
+                continue;
+            }
+            for (RayMask m = same; m; m &= m - 1) {
+                const int ray = std::countr_zero(m);
+                stream_.enter(ray, index, &memory_.together[ray / lanes].f[0][ray % lanes]);
+            }
+            PacketTraversal inner(bvh_, memory_, stream_, same, {memory_.together, mesh.root, index, mesh.radius}, size);
+            inner.run();
+            blocked_ |= inner.blocked() & same;
+        }
+        // What inner packets have started runs here, with the rest.
+        RayMask apart = 0;
+        for (RayMask rest = rays; rest;) {
+            const RayMask same = alike(memory_.together, rest);
+            rest &= ~same;
+            if (std::popcount(same) < least_within) apart |= same;
+        }
+        for (RayMask m = apart & ~blocked_; m; m &= m - 1) stream_.start(std::countr_zero(m));
+        finish(0);
+        for (RayMask m = rays; m; m &= m - 1) begin_again(std::countr_zero(m));
+        if (!any_hit) update_reach();
+    }
+
+    int visit_node(std::uint32_t reference, RayMask rays, int size)
+    {
+        const BvhNode& node = bvh_.nodes[moving ? BvhReference::node(reference) : reference];
         const float* const bounds = node.bounds[0];
+        // What the boxes change by; none: they stand still.
+        const float* const change = moving && BvhReference::is_moving(reference) ? (&node)[1].bounds[0] : nullptr;
         BoxDistances box;
         for (int k = 0; k < box_parts; ++k) {
             box.near[k] = Float(0);
             box.far[k] = Float(reach_);
             for (int axis = 0; axis < 3; ++axis) {
-                const float* const p = bounds + k * lanes;
-                intervals(axis, load(p + side_[axis]), load(p + (2 * axis + 3) * bvh_width - side_[axis]), box.near[k],
-                          box.far[k]);
+                const std::ptrdiff_t near_row = side_[axis] + k * lanes,
+                                     far_row = (2 * axis + 3) * bvh_width - side_[axis] + k * lanes;
+                Float near = load(bounds + near_row), far = load(bounds + far_row);
+                if (moving && change) {
+                    // The nearest and farthest that they are at any time.
+                    const bool down = octant_ >> axis & 1;
+                    const Float near_end = near + load(change + near_row), far_end = far + load(change + far_row);
+                    near = down ? max(near, near_end) : min(near, near_end);
+                    far = down ? min(far, far_end) : max(far, far_end);
+                }
+                intervals(axis, near, far, box.near[k], box.far[k]);
             }
         }
         static constexpr std::array<std::uint32_t, bvh_width> slots = {0, 1, 2,  3,  4,  5,  6,  7,
@@ -160,6 +266,12 @@ private:
         const int count = push_in_order({met, met_t}, 0, aligned_slots.data(), node.order[octant_], box);
         for (int i = 0; i < count; ++i) {
             const std::uint32_t slot = met[i];
+            if (moving && change) {
+                const RayMask meet = rays & meet_moving(bounds + slot, change + slot);
+                memory_.packet_stack[std::size_t(size)] = {meet, node.child[slot], met_t[i]};
+                size += meet != 0;
+                continue;
+            }
             const auto plane = [&](std::ptrdiff_t side) { return Float(bounds[std::ptrdiff_t(slot) + side]); };
             constexpr std::ptrdiff_t row = bvh_width;
             const Vec3 near_planes{plane(side_[0]), plane(side_[1]), plane(side_[2])};
@@ -186,14 +298,39 @@ private:
         return size;
     }
 
+    /// Which rays meet one box of a node that moves.
+    RayMask meet_moving(const float* bounds, const float* change) const
+    {
+        RayMask meet = 0;
+        for (int k = 0; k < parts; ++k) {
+            const PreparedRays& r = part(k);
+            const Float time = load(memory_.times.shutter + k * lanes);
+            Float near(0.f), far = load(memory_.hits.t + k * lanes);
+            for (int axis = 0; axis < 3; ++axis) {
+                const std::ptrdiff_t near_row = side_[axis], far_row = (2 * axis + 3) * bvh_width - side_[axis];
+                const auto plane = [&](std::ptrdiff_t row) { return fma(Float(change[row]), time, Float(bounds[row])); };
+                const Float inverse = load(r.f[PreparedRays::inverse_x + axis]);
+                near = max(near, fma(plane(near_row), inverse, load(r.f[PreparedRays::near_x + axis])));
+                far = min(far, fma(plane(far_row), inverse, load(r.f[PreparedRays::far_x + axis])));
+            }
+            meet |= RayMask(mask_bits(near <= far)) << k * lanes;
+        }
+        return meet;
+    }
+
     /// Lanes are triangles here: which of them could be met.
+    template <int times = 1>
     [[gnu::always_inline]] std::uint32_t candidates(const float* data, std::ptrdiff_t n) const
     {
         Float near(0.f), far(reach_);
         for (int axis = 0; axis < 3; ++axis) {
             const float* const p = data + axis * n;
             const Float a = load(p), b = load(p + 3 * n), c = load(p + 6 * n);
-            const Float low = min(min(a, b), c), high = max(max(a, b), c);
+            Float low = min(min(a, b), c), high = max(max(a, b), c);
+            if constexpr (times == 2) {
+                const Float d = load(p + 9 * n), e = load(p + 12 * n), f = load(p + 15 * n);
+                low = min(min(low, d), min(e, f)), high = max(max(high, d), max(e, f));
+            }
             const bool down = octant_ >> axis & 1;
             intervals(axis, down ? high : low, down ? low : high, near, far);
         }
@@ -224,14 +361,48 @@ private:
                     triangle_weights(load(r.f[PreparedRays::shear_x]), load(r.f[PreparedRays::shear_y]), pa, pb, pc);
                 w.inside &= active;
                 if (none(w.inside)) continue;
-                found |= take(k, first + std::uint32_t(i), w, {pa.z, pb.z, pc.z});
+                found |= take(k, hit_is_place | (first + std::uint32_t(i)), w, {pa.z, pb.z, pc.z});
             }
         }
         if (found && !any_hit) update_reach();
     }
 
-    /// The hits of a part of the rays with one triangle.
-    [[gnu::always_inline]] bool take(int k, std::uint32_t place, const TriangleWeights& w, const Vec3& z)
+    /// The same for triangles whose corners go straight from when the shutter opens until it closes.
+    void visit_moving_leaf(const BvhLeaf& leaf, RayMask rays)
+    {
+        const std::ptrdiff_t n = leaf.count();
+        const float* const data = leaf.data();
+        bool found = false;
+        for (std::ptrdiff_t at = 0; at < n; at += lanes)
+            for (std::uint32_t bits = candidates<2>(data + at, n) & mask_bits(first_lanes(std::size_t(n - at))); bits;
+                 bits &= bits - 1) {
+                const std::ptrdiff_t i = at + std::countr_zero(bits);
+                for (int k = 0; k < parts; ++k) {
+                    const Mask active = part_of(rays & ~blocked_, k);
+                    if (none(active)) continue;
+                    const PreparedRays& r = part(k);
+                    const Float fraction = load(memory_.times.fraction + k * lanes);
+                    const auto corner = [&](std::ptrdiff_t vertex) {
+                        const float* const p = data + 3 * vertex * n + i;
+                        const auto coordinate = [&](int axis) {
+                            return mix(Float(p[axis * n]), Float(p[(axis + 9) * n]), fraction) -
+                                   load(r.f[PreparedRays::origin_x + axis]);
+                        };
+                        return Vec3{coordinate(axes_[0]), coordinate(axes_[1]), coordinate(axes_[2])};
+                    };
+                    const Vec3 pa = corner(0), pb = corner(1), pc = corner(2);
+                    TriangleWeights w = triangle_weights(load(r.f[PreparedRays::shear_x]),
+                                                         load(r.f[PreparedRays::shear_y]), pa, pb, pc);
+                    w.inside &= active;
+                    if (none(w.inside)) continue;
+                    found |= take(k, leaf.ids()[i], w, {pa.z, pb.z, pc.z});
+                }
+            }
+        if (found && !any_hit) update_reach();
+    }
+
+    /// The hits of a part of the rays with one triangle; what: as in RayHits.
+    [[gnu::always_inline]] bool take(int k, std::uint32_t what, const TriangleWeights& w, const Vec3& z)
     {
         RayHits& hits = memory_.hits;
         const int base = k * lanes;
@@ -240,7 +411,7 @@ private:
         Mask m = triangle_distance(w, load(part(k).f[PreparedRays::shear_z]), z, t_max, t, u, v);
         const Mask nearer = m & (t < t_max);
         if (any_hit) m = nearer;
-        if (bvh_.has_alpha || (!any_hit && any(m & !nearer))) return take_one_by_one(base, place, m, t, u, v);
+        if (bvh_.has_alpha || (!any_hit && any(m & !nearer))) return take_one_by_one(base, what, m, t, u, v);
         if (none(m)) return false;
         if (any_hit) {
             blocked_ |= RayMask(mask_bits(m)) << base;
@@ -249,22 +420,22 @@ private:
             store(hits.t + base, select(m, t, t_max));
             store(hits.u + base, select(m, u, load(hits.u + base)));
             store(hits.v + base, select(m, v, load(hits.v + base)));
-            store(hits.what + base, select(m, UInt(hit_is_place | place), load(hits.what + base)));
-            store(hits.instance + base, select(m, UInt(no_index), load(hits.instance + base)));
+            store(hits.what + base, select(m, UInt(what), load(hits.what + base)));
+            store(hits.instance + base, select(m, UInt(space_.instance), load(hits.instance + base)));
         }
         return true;
     }
 
-    [[gnu::noinline]] bool take_one_by_one(int base, std::uint32_t place, Mask m, Float t, Float u, Float v)
+    [[gnu::noinline]] bool take_one_by_one(int base, std::uint32_t what, Mask m, Float t, Float u, Float v)
     {
         alignas(64) float ts[lanes], us[lanes], vs[lanes];
         store(ts, t), store(us, u), store(vs, v);
-        const BvhKey key = bvh_.keys[place];
+        const BvhKey key = what & hit_is_place ? bvh_.keys[what & ~hit_is_place] : what;
         bool found = false;
         for_each_active(m, [&](int lane) {
-            if (!memory_.hits.loses_to(bvh_, base + lane, ts[lane], key, no_index)) return;
-            if (bvh_.has_alpha && !passes_alpha(bvh_, key, no_index, us[lane], vs[lane])) return;
-            memory_.hits.set(base + lane, ts[lane], us[lane], vs[lane], key, no_index);
+            if (!memory_.hits.loses_to(bvh_, base + lane, ts[lane], us[lane], key, space_.instance)) return;
+            if (bvh_.has_alpha && !passes_alpha(bvh_, key, space_.instance, us[lane], vs[lane])) return;
+            memory_.hits.set(base + lane, ts[lane], us[lane], vs[lane], key, space_.instance);
             if (any_hit) blocked_ |= RayMask(1) << (base + lane);
             found = true;
         });
@@ -273,8 +444,10 @@ private:
 
     const BvhData& bvh_;
     StreamMemory& memory_;
-    Stream<any_hit>& stream_;
+    Stream<any_hit, moving>& stream_;
     RayMask rays_, blocked_ = 0;
+    Space space_;
+    int bottom_;
     std::uint32_t octant_ = 0;
     std::ptrdiff_t side_[3];
     int axes_[3];

@@ -10,6 +10,7 @@
 /// for the fma: less than 8 with that of the slack itself. So boxes are widened by 32 of these units, bvh_slack times
 /// |o| + r. Spheres and disks are similar, their boxes widened a little when built.
 #include "geometry/bvh_data.h"
+#include "geometry/motion.h"
 #include "geometry/shapes.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -108,21 +109,5 @@ struct PreparedRay {
     std::uint32_t integer(int field) const { return std::bit_cast<std::uint32_t>(number(field)); }
     Vec3 vector(int field) const { return {Float(number(field)), Float(number(field + 1)), Float(number(field + 2))}; }
 };
-
-/// Rows of an affine map, applied to points or directions.
-inline Vec3 transform_point(const std::array<float, 12>& m, const Vec3& p)
-{
-    const auto row = [&](std::size_t i) {
-        return fma(Float(m[i]), p.x, fma(Float(m[i + 1]), p.y, fma(Float(m[i + 2]), p.z, Float(m[i + 3]))));
-    };
-    return {row(0), row(4), row(8)};
-}
-inline Vec3 transform_vector(const std::array<float, 12>& m, const Vec3& v)
-{
-    const auto row = [&](std::size_t i) {
-        return fma(Float(m[i]), v.x, fma(Float(m[i + 1]), v.y, Float(m[i + 2]) * v.z));
-    };
-    return {row(0), row(4), row(8)};
-}
 
 }  // namespace fathom::inline FATHOM_LANES

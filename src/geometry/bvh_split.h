@@ -15,9 +15,18 @@ using V8 = float __attribute__((vector_size(32)));
 
 /// What is sorted into the tree: a box, what it holds, of which kind.
 struct alignas(16) Item {
-    enum Kind : std::uint32_t { triangle = 1, sphere = 2, disk = 4, instance = 8 };
+    enum Kind : std::uint32_t {
+        triangle = 1,
+        sphere = 2,
+        disk = 4,
+        instance = 8,
+        moving_triangle = 16,
+        curve = 32,
+        ribbon = 64,
+        point = 128
+    };
     float low[3];
-    std::uint32_t id;  ///< a triangle's key; the index of a sphere, disk or instance
+    std::uint32_t id;  ///< a triangle's key; piece_id of a curve; the index of another kind
     float minus_high[3];
     std::uint32_t kind;
 };

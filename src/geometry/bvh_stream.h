@@ -8,8 +8,8 @@
 #include <array>
 #include <vector>
 
+#include "geometry/bvh_leaves.h"
 #include "geometry/bvh_push.h"
-#include "geometry/bvh_ray.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -27,12 +27,14 @@ struct RayHits {
     {
         return what[i] != no_index && what[i] & hit_is_place ? bvh.keys[what[i] & ~hit_is_place] : what[i];
     }
-    bool loses_to(const BvhData& bvh, int i, float other_t, BvhKey other, std::uint32_t other_instance) const
+    bool loses_to(const BvhData& bvh, int i, float other_t, float other_u, BvhKey other,
+                  std::uint32_t other_instance) const
     {
         if (other_t != t[i]) return other_t < t[i];
         const BvhKey own = key(bvh, i);
         if (own == no_index || other != own) return own != no_index && other < own;
-        return other_instance < instance[i];
+        // Of a curve's segment several pieces may be tested.
+        return other_instance != instance[i] ? other_instance < instance[i] : other_u < u[i];
     }
     void set(int i, float new_t, float new_u, float new_v, std::uint32_t new_what, std::uint32_t new_instance)
     {
@@ -56,15 +58,24 @@ struct PacketEntry {
     std::uint32_t reference;
     float t;
 };
+/// What rays through a moving scene need besides.
+struct RayTimes {
+    alignas(64) float shutter[stream_size];   ///< 0 when it opens, 1 when it closes
+    alignas(64) float fraction[stream_size];  ///< of the way between vertex_times
+    alignas(64) std::uint32_t key[stream_size];
+};
 /// What a thread needs to trace streams; kept between calls.
 struct StreamMemory {
+    RayTimes times;
     PreparedRays world[stream_size / lanes], object[stream_size / lanes];
+    PreparedRays together[stream_size / lanes];  ///< of a packet within an instance
     RayHits hits;
     std::vector<std::uint32_t> stacks;
     std::vector<PacketEntry> packet_stack;
 };
 
-template <bool any_hit>
+/// moving  whether anything in the scene does; streams through others don't ask
+template <bool any_hit, bool moving>
 class Stream {
 public:
     Stream(const BvhData& bvh, StreamMemory& memory) : bvh_(bvh), memory_(memory), stride_(std::size_t(bvh.stack_size))
@@ -80,16 +91,19 @@ public:
         states_[ray] = {&memory_.world[ray / lanes].f[0][ray % lanes], bottom, end, no_index, bottom};
         push(ray, end, -infinity);
     }
-    /// Leaves a part of the tree for later, of whose box t is the distance.
-    void defer(int ray, std::uint32_t reference, float t)
+    /// Leaves a part of the tree for later, of whose box t is the distance; false if there is no more room.
+    bool defer(int ray, std::uint32_t reference, float t)
     {
-        if (size(ray) > bvh_deferred) {
-            // No more room: now.
-            start(ray);
-            run();
-            add(ray);
-        }
+        if (size(ray) > bvh_deferred) return false;
         push(ray, reference, t);
+        return true;
+    }
+    /// The ray goes on in what an instance places, until it comes to the end put on its stack here.
+    void enter(int ray, std::uint32_t instance, const float* prepared_there)
+    {
+        states_[ray].prepared = prepared_there;
+        states_[ray].instance = instance;
+        push(ray, end, -infinity);
     }
     /// What was deferred and is not out of reach by now is to be visited, the last first.
     void start(int ray)
@@ -118,12 +132,16 @@ public:
             } else {
                 for (int i = 0; i < now_.n.leaves; ++i) visit_leaf(now_.leaf[i]);
             }
-            for (int i = 0; i < now_.n.others; ++i) visit_other(now_.other[i]);
+            for (int i = 0; i < std::min(ahead, now_.n.others); ++i) fetch_other(now_.other[i]);
+            for (int i = 0; i < now_.n.others; ++i) {
+                fetch_other(now_.other[std::min(i + ahead, now_.n.others - 1)]);
+                visit_other(now_.other[i]);
+            }
         }
     }
 
 private:
-    static constexpr std::uint32_t end = BvhReference::other_bit | std::uint32_t(BvhReference::end) << 28;
+    static constexpr std::uint32_t end = BvhReference::other_bit | std::uint32_t(BvhReference::end) << BvhReference::kind_shift;
     static constexpr int leaf_wave = 8;
     /// How many rays earlier a node is fetched: later is too late, earlier crowds the queues of the processor.
     static constexpr int ahead = 4;
@@ -156,11 +174,28 @@ private:
     }
     void remove_beyond(int ray, float t) { states_[ray].top = states_[ray].bottom + filter(stack(ray), size(ray), t); }
 
+    std::size_t node_of(int ray) const
+    {
+        return moving ? BvhReference::node(states_[ray].reference) : states_[ray].reference;
+    }
+
     /// Brings what a ray is about to read into the cache.
     [[gnu::always_inline]] void fetch_node(int ray) const
     {
-        const char* const p = reinterpret_cast<const char*>(&bvh_.nodes[states_[ray].reference]);
+        const char* const p = reinterpret_cast<const char*>(&bvh_.nodes[node_of(ray)]);
         for (int line = 0; line < 8; ++line) __builtin_prefetch(p + 64 * line);
+        if (moving && BvhReference::is_moving(states_[ray].reference))
+            for (int line = 8; line < 14; ++line) __builtin_prefetch(p + 64 * line);
+    }
+    [[gnu::always_inline]] void fetch_other(int ray) const
+    {
+        const std::uint32_t reference = states_[ray].reference;
+        if (BvhReference::other_kind(reference) == BvhReference::end) return;
+        const bool placed = BvhReference::other_kind(reference) == BvhReference::instance;
+        const std::size_t place = BvhReference::place(reference);
+        const auto* const p = placed ? reinterpret_cast<const char*>(&bvh_.tables->instances[place])
+                                     : reinterpret_cast<const char*>(&bvh_.others[place * BvhLeaf::unit]);
+        for (int line = 0; line < (placed ? 1 : 10); ++line) __builtin_prefetch(p + 64 * line);
     }
     [[gnu::always_inline]] void fetch_leaf(int ray) const
     {
@@ -188,7 +223,9 @@ private:
     [[gnu::always_inline]] void visit_node(int ray, Counts& n)
     {
         const PreparedRay r = prepared(ray);
-        const BvhNode& node = bvh_.nodes[states_[ray].reference];
+        const BvhNode& node = bvh_.nodes[node_of(ray)];
+        if constexpr (moving)
+            if (BvhReference::is_moving(states_[ray].reference)) return visit_moving_node(ray, r, node, n);
         const std::uint32_t octant = r.integer(PreparedRays::octant);
         // Rows of the nearer sides; those of the farther ones are 3 rows away.
         const float* const bounds = node.bounds[0];
@@ -213,6 +250,36 @@ private:
         std::uint32_t*& top = states_[ray].top;
         const BvhStack above{top, distances(top)};
         top += any_hit ? push_any(above, 0, node, box) : push_in_order(above, 0, node.child, node.order[octant], box);
+        pop(ray, n);
+    }
+
+    /// The same for boxes that move.
+    [[gnu::noinline]] void visit_moving_node(int ray, const PreparedRay& r, const BvhNode& node, Counts& n)
+    {
+        const BvhNode& change = (&node)[1];
+        const Float time(memory_.times.shutter[ray]);
+        const Float t_max(memory_.hits.t[ray]);
+        BoxDistances box;
+        for (int part = 0; part < box_parts; ++part) {
+            box.near[part] = Float(0);
+            box.far[part] = t_max;
+            for (int axis = 0; axis < 3; ++axis) {
+                const std::ptrdiff_t near_row = r.integer(PreparedRays::side_x + axis) + part * lanes;
+                const std::ptrdiff_t far_row = (2 * axis + 3) * bvh_width - near_row + 2 * part * lanes;
+                const auto plane = [&](std::ptrdiff_t row) {
+                    return fma(load(change.bounds[0] + row), time, load(node.bounds[0] + row));
+                };
+                const Float inverse(r.number(PreparedRays::inverse_x + axis));
+                const Float near = fma(plane(near_row), inverse, Float(r.number(PreparedRays::near_x + axis)));
+                const Float far = fma(plane(far_row), inverse, Float(r.number(PreparedRays::far_x + axis)));
+                box.near[part] = max(near, box.near[part]);
+                box.far[part] = min(far, box.far[part]);
+            }
+        }
+        std::uint32_t*& top = states_[ray].top;
+        const BvhStack above{top, distances(top)};
+        const std::uint32_t* order = node.order[r.integer(PreparedRays::octant)];
+        top += any_hit ? push_any(above, 0, node, box) : push_in_order(above, 0, node.child, order, box);
         pop(ray, n);
     }
 
@@ -347,7 +414,7 @@ private:
         RayHits& hits = memory_.hits;
         for_each_active(m, [&](int lane) {
             const BvhKey key = key_of(lane);
-            if (!hits.loses_to(bvh_, ray, ts[lane], key, states_[ray].instance)) return;
+            if (!hits.loses_to(bvh_, ray, ts[lane], us[lane], key, states_[ray].instance)) return;
             if (bvh_.has_alpha && !passes_alpha(bvh_, key, states_[ray].instance, us[lane], vs[lane])) return;
             hits.set(ray, ts[lane], us[lane], vs[lane], key, states_[ray].instance);
             found = true;
@@ -359,74 +426,64 @@ private:
     {
         const std::uint32_t reference = states_[ray].reference;
         switch (BvhReference::other_kind(reference)) {
-            case BvhReference::spheres:
-            case BvhReference::disks:
-                return go_on(ray, visit_round(ray));
             case BvhReference::instance:
-                return enter_instance(ray, bvh_.others[BvhReference::first_other(reference)]);
+                return enter_instance(ray, BvhReference::place(reference));
             case BvhReference::end:
                 if (states_[ray].instance != no_index) leave_instance(ray);
+                return;
+            default:
+                return go_on(ray, visit_other_leaf(ray, BvhReference::other_kind(reference)));
         }
     }
 
-    bool visit_round(int ray)
+    bool visit_other_leaf(int ray, BvhReference::Kind kind)
     {
-        const std::uint32_t reference = states_[ray].reference;
-        const std::uint32_t* indices = &bvh_.others[BvhReference::first_other(reference)];
-        const BvhReference::Kind kind = BvhReference::other_kind(reference);
+        const BvhLeaf leaf{&bvh_.others[std::size_t(BvhReference::place(states_[ray].reference)) * BvhLeaf::unit]};
         const SceneTables& tables = *bvh_.tables;
-        const Vec3 o = prepared(ray).vector(PreparedRays::origin_x),
-                   d = prepared(ray).vector(PreparedRays::direction_x);
-        const int n = BvhReference::other_count(reference);
-        bool found = false;
-        for (int at = 0; at < n; at += lanes) {
-            alignas(64) std::uint32_t index[bvh_width];
-            for (int i = 0; i < lanes; ++i) index[i] = indices[std::min(at + i, n - 1)];
-            const UInt which = load(index);
-            const Float t_max(memory_.hits.t[ray]);
-            Float t;
-            Mask m;
-            std::uint32_t base;
-            const auto vector = [&](const float* table, UInt row) {
-                return Vec3{gather(table, row), gather(table + 1, row), gather(table + 2, row)};
+        /// Hits on primitives whose numbers are first + factor times those in the leaf.
+        const auto offer_keys = [&](std::uint32_t first, std::uint32_t factor) {
+            return [this, ray, leaf, first, factor](int at, Mask m, Float t, Float u, Float v) {
+                const Float nearest(memory_.hits.t[ray]);
+                m &= any_hit ? t < nearest : t <= nearest;
+                if (none(m)) return false;
+                return take(ray, m, t, u, v, [&](int lane) { return first + factor * leaf.ids()[at + lane]; });
             };
-            if (kind == BvhReference::spheres) {
-                const float* table = &tables.spheres[0].center.x;
-                const UInt row = which * UInt(std::uint32_t(sizeof(SphereTable) / 4));
-                const Vec3 center =
-                    fma(vector(table + 3, row), Float(prepared(ray).number(PreparedRays::time)), vector(table, row));
-                m = meet_sphere(center, gather(table + 6, row), o, d, t_max, t);
-                base = tables.first_sphere();
-            } else {
-                const float* table = &tables.disks[0].center.x;
-                const UInt row = which * UInt(std::uint32_t(sizeof(DiskTable) / 4));
-                m = meet_disk(vector(table, row), vector(table + 3, row), gather(table + 6, row), o, d, t_max, t);
-                base = tables.first_disk();
-            }
-            m &= first_lanes(std::size_t(n - at));
-            if (any_hit) m &= t < t_max;
-            found |= any(m) && take(ray, m, t, Float(0), Float(0), [&](int lane) { return 2 * (base + index[lane]); });
-            if (any_hit && found) break;
+        };
+        if (kind == BvhReference::moving_triangles)
+            return meet_moving_triangles<any_hit>(leaf, prepared(ray), memory_.times.key[ray],
+                                                  Float(memory_.times.fraction[ray]), Float(memory_.hits.t[ray]),
+                                                  offer_keys(0, 1));
+        const LeafRay r(prepared(ray), states_[ray].instance != no_index);
+        switch (kind) {
+            case BvhReference::spheres:
+                return meet_spheres<any_hit>(tables, leaf, r, offer_keys(2 * tables.first_sphere(), 2));
+            case BvhReference::disks:
+                return meet_disks<any_hit>(tables, leaf, r, offer_keys(2 * tables.first_disk(), 2));
+            case BvhReference::curves:
+                return meet_curves<any_hit, false>(leaf, r, offer_keys(2 * tables.first_curve(), 2));
+            case BvhReference::ribbons:
+                return meet_curves<any_hit, true>(leaf, r, offer_keys(2 * tables.first_curve(), 2));
+            default:
+                return meet_points<any_hit>(leaf, r, offer_keys(2 * tables.first_point(), 2));
         }
-        return found;
     }
 
     /// The ray goes on in the mesh's space, until it comes to the end put on its stack here.
     void enter_instance(int ray, std::uint32_t index)
     {
         const InstanceTable& placed = bvh_.tables->instances[index];
-        const BvhData::Mesh& mesh = bvh_.meshes[bvh_.mesh_of_instance[index]];
+        const BvhData::Mesh& mesh = bvh_.meshes[placed.mesh_shape];
         const PreparedRay r = prepared(ray);
-        const Vec3 o = transform_point(placed.object_from_render, r.vector(PreparedRays::origin_x));
-        const Vec3 d = transform_vector(placed.object_from_render, r.vector(PreparedRays::direction_x));
+        const Affine to_object =
+            object_from_render(*bvh_.tables, placed, Float(moving ? r.number(PreparedRays::time) : 0.f));
+        const Vec3 o = to_object.point(r.vector(PreparedRays::origin_x));
+        const Vec3 d = to_object.vector(r.vector(PreparedRays::direction_x));
         PreparedRays inner;
         inner.prepare(o, d, Float(memory_.hits.t[ray]), Float(r.number(PreparedRays::time)), mesh.radius);
         PreparedRays& object = memory_.object[ray / lanes];
         for (int field = 0; field < PreparedRays::field_count; ++field)
             object.f[field][ray % lanes] = inner.f[field][0];
-        states_[ray].prepared = &object.f[0][ray % lanes];
-        states_[ray].instance = index;
-        push(ray, end, -infinity);
+        enter(ray, index, &object.f[0][ray % lanes]);
         queue(ray, mesh.root, next_.n);
     }
 

@@ -1,5 +1,7 @@
 #include "geometry/bvh_treelet.h"
 
+#include "geometry/bvh_leaf_data.h"
+
 #include <algorithm>
 #include <bit>
 
@@ -12,7 +14,9 @@ using V16i = std::int32_t __attribute__((vector_size(64)));
 
 // In units of one node visited; measured on interiors, terrain and foliage (bench/rays.cpp).
 constexpr float node_cost = 1.f, triangle_leaf_cost = 0.3f, triangle_cost = 0.06f, other_leaf_cost = 0.7f,
-                other_cost = 0.05f, instance_cost = 4.f;
+                other_cost = 0.05f, instance_cost = 4.f, moving_leaf_cost = 0.8f,
+                moving_triangle_cost = 0.1f, curve_leaf_cost = 1.5f, curve_cost = 0.1f, point_leaf_cost = 0.5f,
+                point_cost = 0.05f;
 
 constexpr int halving_depth = 50;
 
@@ -34,6 +38,13 @@ float leaf_cost(std::uint32_t kinds, std::size_t count)
             return other_leaf_cost + other_cost * float(count);
         case Item::instance:
             return count == 1 ? instance_cost : none;
+        case Item::moving_triangle:
+            return moving_leaf_cost + moving_triangle_cost * float(count);
+        case Item::curve:
+        case Item::ribbon:
+            return curve_leaf_cost + curve_cost * float(count);
+        case Item::point:
+            return point_leaf_cost + point_cost * float(count);
         default:
             return none;
     }
@@ -222,10 +233,21 @@ private:
     {
         ++treelet_.leaves;
         if (node.kinds == Item::triangle) return emit_triangles(node);
-        const std::size_t first = treelet_.others.size();
-        for (std::uint32_t i = 0; i < node.count; ++i) treelet_.others.push_back(node.items[i].id);
-        std::sort(treelet_.others.begin() + std::ptrdiff_t(first), treelet_.others.end());
-        return BvhReference::others(BvhReference::Kind(std::countr_zero(node.kinds) - 1), first, node.count);
+        if (node.kinds == Item::instance) return BvhReference::others(BvhReference::instance, node.items->id);
+        const std::size_t first = put_leaf(tables_, node.items, node.count, treelet_.others);
+        return BvhReference::others(reference_kind(node.kinds), first / BvhLeaf::unit);
+    }
+
+    static BvhReference::Kind reference_kind(std::uint32_t item_kind)
+    {
+        switch (item_kind) {
+            case Item::sphere: return BvhReference::spheres;
+            case Item::disk: return BvhReference::disks;
+            case Item::moving_triangle: return BvhReference::moving_triangles;
+            case Item::curve: return BvhReference::curves;
+            case Item::ribbon: return BvhReference::ribbons;
+            default: return BvhReference::points;
+        }
     }
 
     std::uint32_t emit_triangles(const Node& node)

@@ -168,7 +168,8 @@ bool has_infinite_light(const SceneTables& tables)
 
 bool FlatScene::fits(const SceneTables& tables)
 {
-    return tables.instances.empty() && tables.primitive_count() <= max_primitives;
+    return tables.instances.empty() && tables.vertex_times.empty() && tables.curves.empty() && tables.points.empty() &&
+           tables.primitive_count() <= max_primitives;
 }
 
 void FlatScene::build(const SceneTables& tables)

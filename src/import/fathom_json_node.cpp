@@ -45,6 +45,10 @@ int FathomJsonReader::add_node(const JsonValue& v, const std::string& name, int 
     JsonObject o(v);
     o.read("name", node.name);
     if (auto t = o.get("transform")) node.parent_from_node = transform(*t);
+    if (auto motion = o.get("motion")) {
+        if (v.has("transform")) motion->fail("a node that moves has no 'transform' beside its 'motion'; its keys have");
+        read_motion(*motion, node);
+    }
 
     std::optional<Shape> shape = read_shape(o);
     const auto model = o.get("model");
@@ -80,6 +84,24 @@ int FathomJsonReader::add_node(const JsonValue& v, const std::string& name, int 
     o.done("in a node");
     scene_.nodes.push_back(std::move(node));
     return int(scene_.nodes.size()) - 1;
+}
+
+void FathomJsonReader::read_motion(const JsonValue& v, Node& node)
+{
+    v.array(2);
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        const JsonValue value = v[i];
+        JsonObject o(value);
+        NodeKey key;
+        key.time = o.require("time").number();
+        if (i > 0 && !(node.motion.back().time < key.time)) value["time"].fail("times must ascend");
+        if (auto t = o.get("transform")) key.parent_from_node = transform(*t);
+        if (i > 0 && (key.parent_from_node.determinant() < 0) != (node.motion[0].parent_from_node.determinant() < 0))
+            value.fail("mirrors, and the first key doesn't (or the other way round): in between the node would be flat");
+        o.done("in a key of a node's motion");
+        node.motion.push_back(key);
+    }
+    node.parent_from_node = node.motion.front().parent_from_node;
 }
 
 void FathomJsonReader::read_model(JsonObject& o, const JsonValue& path, Node& node)

@@ -67,6 +67,7 @@ private:
     int node(const JsonValue& v, int depth);
     int add_node(const JsonValue& v, const std::string& name, int depth);
     int named_node(const JsonValue& v, int depth);
+    void read_motion(const JsonValue& v, Node& node);
     void read_model(JsonObject& o, const JsonValue& path, Node& node);
     void override_materials(JsonObject& o, const Appended& model);
 

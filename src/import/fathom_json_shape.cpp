@@ -123,6 +123,91 @@ void read_indices(JsonObject& o, Mesh& mesh)
     }
 }
 
+void read_mesh_motion(const JsonValue& v, Mesh& mesh)
+{
+    v.array(2);
+    const std::size_t vertices = mesh.positions.size();
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        const JsonValue value = v[i];
+        JsonObject o(value);
+        MeshKey key;
+        key.time = o.require("time").number();
+        if (i > 0 && !(mesh.motion.back().time < key.time)) value["time"].fail("times must ascend");
+        read_per_vertex(o, "positions", &JsonValue::vec3f, vertices, key.positions);
+        read_per_vertex(o, "normals", &JsonValue::vec3f, vertices, key.normals);
+        if (!key.normals.empty() && mesh.normals.empty()) value["normals"].fail("the mesh itself has no 'normals'");
+        if (!key.positions.empty() && key.normals.empty() && !mesh.normals.empty())
+            value.fail("needs 'normals', since the mesh has them");
+        if (key.positions.empty()) key.positions = mesh.positions;
+        if (key.normals.empty()) key.normals = mesh.normals;
+        o.done("in a key of a mesh's motion");
+        mesh.motion.push_back(std::move(key));
+    }
+}
+
+/// [x, y, z, radius], or [x, y, z] with the radius of all.
+void read_ball(const JsonValue& v, float radius, std::vector<Vec3f>& centers, std::vector<float>& radii)
+{
+    if (v.array(3).size() == 3) {
+        centers.push_back(v.vec3f());
+        radii.push_back(radius);
+        return;
+    }
+    const Vec4f p = v.vec4f();
+    if (p.w < 0) v[3].fail("a radius must not be negative");
+    centers.push_back({p.x, p.y, p.z});
+    radii.push_back(p.w);
+}
+
+float read_radius(JsonObject& o, float radius)
+{
+    o.read("radius", radius);
+    if (!(radius > 0)) o.value()["radius"].fail("must be greater than 0");
+    return radius;
+}
+
+Curves read_curves(const JsonValue& v)
+{
+    JsonObject o(v);
+    Curves curves;
+    o.read_enum("basis", {{"linear", CurveBasis::linear},
+                          {"bezier", CurveBasis::bezier},
+                          {"bspline", CurveBasis::bspline},
+                          {"catmull-rom", CurveBasis::catmull_rom}},
+                curves.basis);
+    o.read_enum("style", {{"round", false}, {"ribbon", true}}, curves.ribbons);
+    const float radius = read_radius(o, 0.001f);
+    const JsonValue all = o.require("curves");
+    all.array();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const JsonValue curve = all[i];
+        const bool linear = curves.basis == CurveBasis::linear;
+        curve.array(linear ? 2 : 4);
+        if (curves.basis == CurveBasis::bezier && curve.size() % 3 != 1)
+            curve.fail(fmt::format("expected 4, 7, 10, ... points, found {}", curve.size()));
+        for (std::size_t k = 0; k < curve.size(); ++k) read_ball(curve[k], radius, curves.points, curves.radii);
+        curves.counts.push_back(std::uint32_t(curve.size()));
+    }
+    o.done("in curves");
+    return curves;
+}
+
+Points read_points(const JsonValue& v)
+{
+    JsonObject o(v);
+    Points points;
+    const float radius = read_radius(o, 0.01f);
+    const JsonValue all = o.require("points");
+    all.array();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const JsonValue point = all[i];
+        read_ball(point, radius, points.centers, points.radii);
+        if (points.radii.back() == 0) point[3].fail("a radius must be greater than 0");
+    }
+    o.done("in points");
+    return points;
+}
+
 }  // namespace
 
 Transform read_rotation(const JsonValue& v)
@@ -169,6 +254,14 @@ std::optional<Shape> FathomJsonReader::read_shape(JsonObject& o)
     if (auto v = o.get("box")) set(*v, read_box(*v));
     if (auto v = o.get("disk")) set(*v, read_disk(*v));
     if (auto v = o.get("mesh")) set(*v, MeshInstance{mesh(*v)});
+    if (auto v = o.get("curves")) {
+        scene_.curves.push_back(read_curves(*v));
+        set(*v, CurvesInstance{int(scene_.curves.size()) - 1});
+    }
+    if (auto v = o.get("points")) {
+        scene_.points.push_back(read_points(*v));
+        set(*v, PointsInstance{int(scene_.points.size()) - 1});
+    }
     return shape;
 }
 
@@ -196,6 +289,7 @@ int FathomJsonReader::add_mesh(const JsonValue& v, const std::string& name)
     read_per_vertex(o, "uvs_1", &JsonValue::vec2f, vertices, mesh.uvs[1]);
     read_per_vertex(o, "colors", &JsonValue::vec4f, vertices, mesh.colors);
     read_indices(o, mesh);
+    if (auto motion = o.get("motion")) read_mesh_motion(*motion, mesh);
     o.done("in a mesh");
     scene_.meshes.push_back(std::move(mesh));
     return int(scene_.meshes.size()) - 1;

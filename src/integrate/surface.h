@@ -1,30 +1,12 @@
 #pragma once
 /// From a hit to the surface there: position, normals, uv, and the material with its textures applied.
+#include "geometry/motion.h"
+#include "integrate/curve_surface.h"
 #include "integrate/scene.h"
 #include "shading/bsdf.h"
 #include "shading/texture.h"
 
 namespace fathom::inline FATHOM_LANES {
-
-/// A hit of each lane, and the ray that made it.
-struct SurfaceHit {
-    Vec3 o, d;
-    Float t, u, v, time;
-    UInt primitive, instance;
-};
-
-struct Surface {
-    Vec3 p;
-    Vec3 ng;            ///< geometric normal, unit, on the side of the shape's front
-    Vec3 ns;            ///< shading normal, on the same side
-    Vec3 tangent;       ///< along growing u; zero where unknown
-    Float bitangent_sign;
-    Float extent;       ///< the largest length that went into p: bounds its rounding error
-    TexturePoint at;
-    Spectrum color;     ///< of the vertices
-    Float color_alpha;
-    UInt shape;
-};
 
 class SurfaceReader {
 public:
@@ -45,10 +27,17 @@ public:
     {
         Surface s;
         s.p = fma(hit.d, hit.t, hit.o);
+        // What is placed is read in its own space.
+        const Mask placed = t_.instances.empty() ? Mask(false) : m & (hit.instance != UInt(no_index));
+        Affine to_object;
+        if (any(placed)) {
+            to_object = object_from_render(t_, hit.instance, hit.time, placed);
+            s.p = select(placed, to_object.point(s.p), s.p);
+        }
         s.shape = shape_of(hit.primitive, hit.instance, m);
         s.tangent = Vec3(Float(0), Float(0), Float(0));
         s.bitangent_sign = Float(1);
-        s.extent = hit.t;
+        s.extent = Float(0);
         s.color = Spectrum(Float(1));
         s.color_alpha = Float(1);
         for (int i = 0; i < 2; ++i) s.at.u[i] = hit.u, s.at.v[i] = hit.v;
@@ -58,12 +47,21 @@ public:
         const Mask triangle = m & less(hit.primitive, UInt(t_.first_quad()));
         const Mask quad = m & !triangle & less(hit.primitive, UInt(t_.first_sphere()));
         const Mask sphere = m & !triangle & !quad & less(hit.primitive, UInt(t_.first_disk()));
-        const Mask disk = m & !triangle & !quad & !sphere;
+        const Mask disk = m & !triangle & !quad & !sphere & less(hit.primitive, UInt(t_.first_curve()));
+        const Mask curve = m & !less(hit.primitive, UInt(t_.first_curve())) & less(hit.primitive, UInt(t_.first_point()));
+        const Mask point = m & !less(hit.primitive, UInt(t_.first_point()));
         s.ns = s.ng;
         if (any(triangle)) read_triangle(hit, flags, triangle, s);
         if (any(quad)) read_quad(hit, quad, s);
         if (any(sphere)) read_sphere(hit, sphere, s);
         if (any(disk)) read_disk(hit, disk, s);
+        if (any(curve)) {
+            const Vec3 d = any(placed) ? select(placed, to_object.vector(hit.d), hit.d) : hit.d;
+            read_curve(t_, hit.primitive - UInt(t_.first_curve()), flags, hit.u, normalize(d), curve, s);
+        }
+        if (any(point)) read_point(hit, point, s);
+        if (any(placed)) place(to_object, placed, s);
+        s.extent = max(s.extent, hit.t);
         const Float side = select((flags & UInt(ShapeTable::flipped)) != UInt(0), Float(-1), Float(1));
         s.ng = flip_sign(s.ng, side);
         // Vertex normals came with the transform already; whatever they say, the geometric normal decides the side.
@@ -146,6 +144,22 @@ private:
             vertex[k] = gather(t_.triangles.data() + k, first, m);
             position[k] = gather3(floats(t_.positions.data()), vertex[k] * UInt(3), m);
         }
+        KeyTime key{UInt(0u), Float(0)};
+        UInt vertices(0u);  // of a mesh that moves
+        if (!t_.vertex_times.empty()) {
+            key = vertex_key(t_, hit.time);
+            vertices = shape_word(offsetof(ShapeTable, moving_vertices), s.shape, m);
+        }
+        const Mask moving = m & (vertices != UInt(0u));
+        // Per vertex, at the path's time.
+        const auto at_time = [&](const std::vector<Vec3f>& table, UInt v, Mask which) {
+            const UInt now = (v + key.key * vertices) * UInt(3), then = (v + (key.key + UInt(1u)) * vertices) * UInt(3);
+            return mix(gather3(floats(table.data()), now, which), gather3(floats(table.data()), then, which),
+                       key.fraction);
+        };
+        if (any(moving))
+            for (int k = 0; k < 3; ++k)
+                position[k] = select(moving, at_time(t_.positions, vertex[k], moving), position[k]);
         const Float w = Float(1) - hit.u - hit.v;
         const auto interpolate = [&](Vec3 a, Vec3 b, Vec3 c) { return fma(a, w, fma(b, hit.u, c * hit.v)); };
         Vec3 p = interpolate(position[0], position[1], position[2]);
@@ -156,8 +170,12 @@ private:
 
         if (const Mask smooth = has(ShapeTable::has_normals); any(smooth)) {
             const float* table = floats(t_.normals.data());
-            const Vec3 interpolated = interpolate(gather3(table, vertex[0] * UInt(3), smooth), gather3(table, vertex[1] * UInt(3), smooth),
-                                                  gather3(table, vertex[2] * UInt(3), smooth));
+            const auto at = [&](int k) {
+                const Vec3 still = gather3(table, vertex[k] * UInt(3), smooth);
+                const Mask changes = smooth & moving;
+                return any(changes) ? select(changes, at_time(t_.normals, vertex[k], changes), still) : still;
+            };
+            const Vec3 interpolated = interpolate(at(0), at(1), at(2));
             // Normals that cancel or are missing leave the geometric one.
             ns = select(smooth & (dot(interpolated, interpolated) > Float(1e-12f)), interpolated, ns);
         }
@@ -178,14 +196,6 @@ private:
                 Float& to = c < channels ? s.color.c[c] : s.color_alpha;
                 to = select(colored, value, to);
             }
-        }
-        if (const Mask placed = m & (hit.instance != UInt(no_index)); !t_.instances.empty() && any(placed)) {
-            const auto along = [&](Vec3 v) { return max_abs(transform(offsetof(InstanceTable, render_from_object), hit.instance, v, false, placed)); };
-            edge = select(placed, max(max(along(e1), along(e2)), along(p)), edge);
-            p = select(placed, transform(offsetof(InstanceTable, render_from_object), hit.instance, p, true, placed), p);
-            tangent = select(placed, transform(offsetof(InstanceTable, render_from_object), hit.instance, tangent, false, placed), tangent);
-            n = select(placed, transform_normal(hit.instance, n, placed), n);
-            ns = select(placed, transform_normal(hit.instance, ns, placed), ns);
         }
         s.p = select(m, p, s.p);
         s.extent = select(m, max(s.extent, edge), s.extent);
@@ -224,26 +234,17 @@ private:
         return select(m & (det != Float(0)), tangent, Vec3(Float(0), Float(0), Float(0)));
     }
 
-    Vec3 transform(std::size_t offset, UInt instance, Vec3 v, bool is_point, Mask m) const
+    /// Brings a surface from the space of what an instance places to render space.
+    void place(const Affine& to_object, Mask m, Surface& s) const
     {
-        const float* base = reinterpret_cast<const float*>(t_.instances.data()) + offset / 4;
-        const UInt at = instance * UInt(sizeof(InstanceTable) / 4);
-        const auto row = [&](int r) {
-            const Float shift = is_point ? gather(base + 4 * r + 3, at, m) : Float(0);
-            return fma(v.x, gather(base + 4 * r, at, m),
-                       fma(v.y, gather(base + 4 * r + 1, at, m), fma(v.z, gather(base + 4 * r + 2, at, m), shift)));
-        };
-        return {row(0), row(1), row(2)};
-    }
-    /// By the transpose of the inverse.
-    Vec3 transform_normal(UInt instance, Vec3 n, Mask m) const
-    {
-        const float* base = reinterpret_cast<const float*>(t_.instances.data()) + offsetof(InstanceTable, object_from_render) / 4;
-        const UInt at = instance * UInt(sizeof(InstanceTable) / 4);
-        const auto column = [&](int c) {
-            return fma(n.x, gather(base + c, at, m), fma(n.y, gather(base + 4 + c, at, m), n.z * gather(base + 8 + c, at, m)));
-        };
-        return {column(0), column(1), column(2)};
+        const Affine to_render = to_object.inverse();
+        // Vectors of length 1 come back with that length.
+        const auto normal = [&](Vec3 n) { return normalize(to_object.transposed_vector(n)); };
+        s.extent = select(m, max(s.extent * to_render.norm(), max_abs(to_render.vector(s.p))), s.extent);
+        s.p = select(m, to_render.point(s.p), s.p);
+        s.ng = select(m, normal(s.ng), s.ng);
+        s.ns = select(m, normal(s.ns), s.ns);
+        s.tangent = select(m, to_render.vector(s.tangent), s.tangent);
     }
 
     void read_quad(const SurfaceHit& hit, Mask m, Surface& s) const
@@ -272,21 +273,7 @@ private:
         const float* base = reinterpret_cast<const float*>(t_.spheres.data());
         const UInt at = (hit.primitive - UInt(t_.first_sphere())) * UInt(sizeof(SphereTable) / 4);
         const Vec3 center = fma(gather3(base + 3, at, m), hit.time, gather3(base, at, m));
-        const Float radius = gather(base + 6, at, m);
-        const Vec3 out = normalize(s.p - center);
-        s.p = select(m, fma(out, abs(radius), center), s.p);
-        s.extent = select(m, max(s.extent, abs(radius)), s.extent);
-        s.ng = select(m, flip_sign(out, radius), s.ng);
-        s.ns = select(m, s.ng, s.ns);
-        if (!scene_.textured) return;
-        // u around +y, v from the pole at +y down.
-        const Float u = atan2(-out.z, out.x) * Float(0.5f * inv_pi);
-        const Float v = acos(clamp(out.y, Float(-1), Float(1))) * Float(inv_pi);
-        for (int i = 0; i < 2; ++i) {
-            s.at.u[i] = select(m, select(u < Float(0), u + Float(1), u), s.at.u[i]);
-            s.at.v[i] = select(m, v, s.at.v[i]);
-        }
-        s.tangent = select(m, Vec3(out.z, Float(0), -out.x), s.tangent);
+        read_ball(center, gather(base + 6, at, m), m, s);
     }
 
     void read_disk(const SurfaceHit& hit, Mask m, Surface& s) const
@@ -307,6 +294,32 @@ private:
             s.at.v[i] = select(m, fma(dot(r, frame.t), -scale, Float(0.5f)), s.at.v[i]);
         }
         s.tangent = select(m, frame.s, s.tangent);
+    }
+
+    void read_point(const SurfaceHit& hit, Mask m, Surface& s) const
+    {
+        const float* base = reinterpret_cast<const float*>(t_.points.data());
+        const UInt at = (hit.primitive - UInt(t_.first_point())) << 2;
+        read_ball(gather3(base, at, m), gather(base + 3, at, m), m, s);
+    }
+
+    /// radius: negative where the normal points inwards.
+    void read_ball(const Vec3& center, Float radius, Mask m, Surface& s) const
+    {
+        const Vec3 out = normalize(s.p - center);
+        s.p = select(m, fma(out, abs(radius), center), s.p);
+        s.extent = select(m, max(s.extent, abs(radius)), s.extent);
+        s.ng = select(m, flip_sign(out, radius), s.ng);
+        s.ns = select(m, s.ng, s.ns);
+        if (!scene_.textured) return;
+        // u around +y, v from the pole at +y down.
+        const Float u = atan2(-out.z, out.x) * Float(0.5f * inv_pi);
+        const Float v = acos(clamp(out.y, Float(-1), Float(1))) * Float(inv_pi);
+        for (int i = 0; i < 2; ++i) {
+            s.at.u[i] = select(m, select(u < Float(0), u + Float(1), u), s.at.u[i]);
+            s.at.v[i] = select(m, v, s.at.v[i]);
+        }
+        s.tangent = select(m, Vec3(out.z, Float(0), -out.x), s.tangent);
     }
 
     void apply_textures(const Surface& s, UInt index, Mask m, MaterialPoint& p) const

@@ -28,6 +28,7 @@ Appended append_scene(SceneDescription& to, SceneDescription from)
 {
     const int images = int(to.images.size()), textures = int(to.textures.size());
     const int materials = int(to.materials.size()), meshes = int(to.meshes.size());
+    const int curves = int(to.curves.size()), points = int(to.points.size());
     const int lights = int(to.lights.size()), cameras = int(to.cameras.size()), nodes = int(to.nodes.size());
 
     for (Texture& texture : from.textures) shift(texture.image, images);
@@ -41,6 +42,8 @@ Appended append_scene(SceneDescription& to, SceneDescription from)
         for (Shape& shape : node.shapes) {
             shift(shape.material, materials);
             if (auto* mesh = std::get_if<MeshInstance>(&shape.geometry)) shift(mesh->mesh, meshes);
+            if (auto* c = std::get_if<CurvesInstance>(&shape.geometry)) shift(c->curves, curves);
+            if (auto* p = std::get_if<PointsInstance>(&shape.geometry)) shift(p->points, points);
         }
         shift(node.light, lights);
         shift(node.camera, cameras);
@@ -51,6 +54,8 @@ Appended append_scene(SceneDescription& to, SceneDescription from)
     move_behind(to.textures, from.textures);
     move_behind(to.materials, from.materials);
     move_behind(to.meshes, from.meshes);
+    move_behind(to.curves, from.curves);
+    move_behind(to.points, from.points);
     move_behind(to.lights, from.lights);
     move_behind(to.cameras, from.cameras);
     move_behind(to.nodes, from.nodes);

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "fathom/load.h"
+#include "scene/bounds.h"
 
 namespace fathom {
 
@@ -48,33 +49,53 @@ void add_box(Bounds& bounds, const Transform& t, Vec3d min, Vec3d max)
 class MeshBoxes {
 public:
     explicit MeshBoxes(const SceneDescription& scene)
-        : scene_(scene), boxes_(scene.meshes.size()), known_(scene.meshes.size())
+        : scene_(scene), boxes_(2 * scene.meshes.size()), known_(2 * scene.meshes.size())
     {
     }
 
     void add(Bounds& bounds, const Transform& t, int index)
     {
         if (index < 0 || index >= int(scene_.meshes.size())) return;
-        const auto& positions = scene_.meshes[std::size_t(index)].positions;
+        const Mesh& mesh = scene_.meshes[std::size_t(index)];
+        for (const MeshKey& key : mesh.motion) add_positions(bounds, t, 2 * std::size_t(index), key.positions);
+        if (mesh.motion.empty()) add_positions(bounds, t, 2 * std::size_t(index) + 1, mesh.positions);
+    }
+
+    const SceneDescription& scene() const { return scene_; }
+
+private:
+    void add_positions(Bounds& bounds, const Transform& t, std::size_t index, const std::vector<Vec3f>& positions)
+    {
         // Exact for what a few instances show; the corners of the mesh's box for a forest.
         if (positions.size() <= budget_) {
             budget_ -= positions.size();
             for (Vec3f p : positions) add_point(bounds, t.point({p.x, p.y, p.z}));
             return;
         }
-        Bounds& box = boxes_[std::size_t(index)];
-        if (!known_[std::size_t(index)])
+        Bounds& box = boxes_[index];
+        if (!known_[index])
             for (Vec3f p : positions) add_point(box, {p.x, p.y, p.z});
-        known_[std::size_t(index)] = true;
+        known_[index] = index & 1;  // boxes of keys grow with each
         if (!box.empty) add_box(bounds, t, box.min, box.max);
     }
 
-private:
     const SceneDescription& scene_;
     std::vector<Bounds> boxes_;
     std::vector<bool> known_;
     std::size_t budget_ = 20'000'000;
 };
+
+/// Of a box of balls the corners: as good as exact where there are many small ones.
+void add_balls(Bounds& bounds, const Transform& t, const std::vector<Vec3f>& centers, const std::vector<float>& radii)
+{
+    Bounds box;
+    for (std::size_t i = 0; i < centers.size(); ++i) {
+        const Vec3d p{centers[i].x, centers[i].y, centers[i].z}, r{radii[i], radii[i], radii[i]};
+        add_point(box, p - r);
+        add_point(box, p + r);
+    }
+    if (!box.empty) add_box(bounds, t, box.min, box.max);
+}
 
 void add_shape(Bounds& bounds, MeshBoxes& meshes, const Transform& t, const Shape& shape)
 {
@@ -90,6 +111,12 @@ void add_shape(Bounds& bounds, MeshBoxes& meshes, const Transform& t, const Shap
         add_box(bounds, t, box->min, box->max);
     } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
         add_disk(bounds, t, *disk);
+    } else if (const auto* curves = std::get_if<CurvesInstance>(&shape.geometry)) {
+        const Curves& c = meshes.scene().curves[std::size_t(curves->curves)];
+        add_balls(bounds, t, c.points, c.radii);
+    } else if (const auto* points = std::get_if<PointsInstance>(&shape.geometry)) {
+        const Points& p = meshes.scene().points[std::size_t(points->points)];
+        add_balls(bounds, t, p.centers, p.radii);
     }
 }
 
@@ -97,13 +124,26 @@ void add_node(Bounds& bounds, const SceneDescription& scene, MeshBoxes& meshes, 
               int depth)
 {
     if (index < 0 || index >= int(scene.nodes.size()) || depth > 256) return;
-    const Node& node = scene.nodes[index];
-    const Transform t = parent * node.parent_from_node;
-    for (const Shape& shape : node.shapes) add_shape(bounds, meshes, t, shape);
-    for (int child : node.children) add_node(bounds, scene, meshes, t, child, depth + 1);
+    const Node& node = scene.nodes[std::size_t(index)];
+    const auto add_at = [&](const Transform& t) {
+        for (const Shape& shape : node.shapes) add_shape(bounds, meshes, t, shape);
+        for (int child : node.children) add_node(bounds, scene, meshes, t, child, depth + 1);
+    };
+    // Between its keys a node may swing out a little further: that does no harm here.
+    if (node.motion.empty()) return add_at(parent * node.parent_from_node);
+    add_at(parent * node.motion.front().parent_from_node);
+    if (node.motion.size() > 1) add_at(parent * node.motion.back().parent_from_node);
 }
 
 }  // namespace
+
+Bounds shape_bounds(const SceneDescription& scene, const Shape& shape)
+{
+    Bounds bounds;
+    MeshBoxes meshes(scene);
+    add_shape(bounds, meshes, {}, shape);
+    return bounds;
+}
 
 Bounds world_bounds(const SceneDescription& scene)
 {

@@ -3,6 +3,7 @@
 
 #include "fathom/error.h"
 #include "fathom/load.h"
+#include "scene/motion.h"
 
 namespace fathom {
 
@@ -11,6 +12,7 @@ namespace {
 /// World transform of the first node, depth first, that carries the camera.
 std::optional<Transform> find_camera(const SceneDescription& scene, int camera_index)
 {
+    const double open = scene.cameras[std::size_t(camera_index)].shutter_open;
     struct Visit {
         int node;
         Transform world_from_parent;
@@ -25,7 +27,7 @@ std::optional<Transform> find_camera(const SceneDescription& scene, int camera_i
         if (visit.node < 0 || visit.node >= int(scene.nodes.size()) || seen[visit.node]) continue;
         seen[visit.node] = true;
         const Node& node = scene.nodes[visit.node];
-        const Transform world_from_node = visit.world_from_parent * node.parent_from_node;
+        const Transform world_from_node = visit.world_from_parent * transform_at(node, open);
         if (node.camera == camera_index) return world_from_node;
         for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
             stack.push_back({*child, world_from_node});

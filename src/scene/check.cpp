@@ -28,6 +28,13 @@ public:
         for (std::size_t i = 0; i < scene_.materials.size(); ++i)
             check_material(scene_.materials[i], element("materials", i));
         for (std::size_t i = 0; i < scene_.meshes.size(); ++i) check_mesh(scene_.meshes[i], element("meshes", i));
+        for (std::size_t i = 0; i < scene_.curves.size(); ++i) check_curves(scene_.curves[i], element("curves", i));
+        for (std::size_t i = 0; i < scene_.points.size(); ++i) {
+            const Points& p = scene_.points[i];
+            check_balls(p.centers, p.radii, element("points", i), "centers");
+            for (std::size_t k = 0; k < p.radii.size(); ++k)
+                if (p.radii[k] == 0) fail(element("points", i) + '.' + element("radii", k), "must be greater than 0");
+        }
         for (std::size_t i = 0; i < scene_.nodes.size(); ++i) check_node(scene_.nodes[i], element("nodes", i));
         for (std::size_t i = 0; i < scene_.roots.size(); ++i)
             required(scene_.roots[i], scene_.nodes.size(), element("roots", i), "node");
@@ -80,11 +87,64 @@ private:
             if (mesh.indices[i] >= vertices)
                 fail(place + '.' + element("indices", i),
                      "there is no vertex " + std::to_string(mesh.indices[i]) + ", only " + std::to_string(vertices));
-        for (std::size_t i = 0; i < vertices; ++i) {
-            const Vec3f p = mesh.positions[i];
+        check_positions(mesh.positions, place);
+        check_times(mesh.motion, place);
+        for (std::size_t k = 0; k < mesh.motion.size(); ++k) {
+            const MeshKey& key = mesh.motion[k];
+            const std::string at = place + '.' + element("motion", k);
+            if (key.positions.size() != vertices || key.normals.size() != mesh.normals.size())
+                fail(at, "has " + std::to_string(key.positions.size()) + " positions and " +
+                             std::to_string(key.normals.size()) + " normals, the mesh " + std::to_string(vertices) +
+                             " and " + std::to_string(mesh.normals.size()));
+            check_positions(key.positions, at);
+        }
+    }
+
+    void check_positions(const std::vector<Vec3f>& positions, const std::string& place) const
+    {
+        for (std::size_t i = 0; i < positions.size(); ++i) {
+            const Vec3f p = positions[i];
             if (!(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)))
                 fail(place + '.' + element("positions", i), "is not finite");
         }
+    }
+
+    template <class Key>
+    void check_times(const std::vector<Key>& keys, const std::string& place) const
+    {
+        if (keys.size() == 1) fail(place + ".motion", "has one key; motion needs two");
+        for (std::size_t i = 0; i < keys.size(); ++i)
+            if (!std::isfinite(keys[i].time) || (i > 0 && !(keys[i - 1].time < keys[i].time)))
+                fail(place + '.' + element("motion", i) + ".time", "times must be finite and ascend");
+    }
+
+    void check_balls(const std::vector<Vec3f>& centers, const std::vector<float>& radii, const std::string& place,
+                     const char* name) const
+    {
+        if (centers.size() != radii.size())
+            fail(place, "has " + std::to_string(radii.size()) + " radii for " + std::to_string(centers.size()) + ' ' + name);
+        for (std::size_t i = 0; i < centers.size(); ++i) {
+            const Vec3f p = centers[i];
+            if (!finite({p.x, p.y, p.z})) fail(place + '.' + element(name, i), "is not finite");
+            if (!std::isfinite(radii[i]) || radii[i] < 0)
+                fail(place + '.' + element("radii", i), "must be finite and not negative");
+        }
+    }
+
+    void check_curves(const Curves& curves, const std::string& place) const
+    {
+        check_balls(curves.points, curves.radii, place, "points");
+        std::size_t sum = 0;
+        const std::size_t least = curves.basis == CurveBasis::linear ? 2 : 4;
+        for (std::size_t i = 0; i < curves.counts.size(); ++i) {
+            const std::size_t n = curves.counts[i];
+            sum += n;
+            if (n < least || (curves.basis == CurveBasis::bezier && n % 3 != 1))
+                fail(place + '.' + element("counts", i), std::to_string(n) + " points don't make a curve of this basis");
+        }
+        if (sum != curves.points.size())
+            fail(place + ".counts", "sum to " + std::to_string(sum) + ", but there are " +
+                                        std::to_string(curves.points.size()) + " points");
     }
 
     static bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -107,11 +167,25 @@ private:
         if (!is_finite) fail(place, "a position or size is not finite");
     }
 
-    void check_node(const Node& node, const std::string& place) const
+    void check_transform(const Transform& t, const std::string& place) const
     {
-        for (const auto& row : node.parent_from_node.m)
+        for (const auto& row : t.m)
             for (double value : row)
                 if (!std::isfinite(value)) fail(place + ".parent_from_node", "the transform is not finite");
+    }
+
+    void check_node(const Node& node, const std::string& place) const
+    {
+        check_transform(node.parent_from_node, place);
+        check_times(node.motion, place);
+        for (std::size_t i = 0; i < node.motion.size(); ++i) {
+            const std::string at = place + '.' + element("motion", i);
+            check_transform(node.motion[i].parent_from_node, at);
+            const double determinant = node.motion[i].parent_from_node.determinant();
+            if (!std::isnormal(determinant)) fail(at, "a transform that moves must not flatten what it places");
+            if ((determinant < 0) != (node.motion[0].parent_from_node.determinant() < 0))
+                fail(at, "mirrors, and the first key doesn't: in between the node would be flat");
+        }
         for (std::size_t i = 0; i < node.children.size(); ++i)
             required(node.children[i], scene_.nodes.size(), place + '.' + element("children", i), "node");
         for (std::size_t i = 0; i < node.shapes.size(); ++i)

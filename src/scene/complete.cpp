@@ -6,6 +6,7 @@
 
 #include "fathom/load.h"
 #include "scene/check.h"
+#include "scene/motion.h"
 
 namespace fathom {
 
@@ -34,7 +35,7 @@ bool emits(const SceneDescription& scene, const Shape& shape)
 void add_contents(Contents& found, const SceneDescription& scene, const Transform& parent, int index)
 {
     const Node& node = scene.nodes[std::size_t(index)];
-    const Transform world_from_node = parent * node.parent_from_node;
+    const Transform world_from_node = parent * transform_at(node, 0);
     found.camera |= node.camera >= 0;
     if (node.light >= 0)
         found.lights.push_back({&scene.lights[std::size_t(node.light)], world_from_node.point({0, 0, 0})});

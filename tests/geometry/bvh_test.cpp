@@ -2,82 +2,10 @@
 #include <tbb/global_control.h>
 
 #include "geometry/bvh_data.h"
-#include "rays_and_scenes.h"
+#include "compare_with_force.h"
 
 namespace fathom {
 namespace {
-
-/// Rays from within and without: at random, axis-aligned, at vertices, in planes of triangles, short ones.
-Rays nasty_rays(const SceneTables& tables, float radius, std::size_t n, std::uint64_t seed)
-{
-    Random random(seed);
-    Rays rays;
-    const auto vertex = [&] {
-        return tables.positions.empty() ? Vec3f{}
-                                        : tables.positions[random.below(std::uint32_t(tables.positions.size()))];
-    };
-    while (rays.count() < n) {
-        const Vec3f o = random.point(radius * (random.below(4) ? 1.2f : 8.f));
-        const float limit = random.below(3) ? std::numeric_limits<float>::infinity() : random.uniform(0, radius);
-        rays.add(o, random.direction(), limit, random.uniform());
-        const float sign = random.below(2) ? 1.f : -1.f;
-        const std::uint32_t axis = random.below(3);
-        const Vec3f along{axis == 0 ? sign : 0, axis == 1 ? sign : 0, axis == 2 ? sign : -0.f};
-        rays.add(o, along, limit, random.uniform());
-        const Vec3f v = vertex();
-        rays.add(plus(v, times(along, -random.uniform(0, radius))), along, limit, random.uniform());
-        if (v.x != o.x || v.y != o.y || v.z != o.z) rays.add(o, unit_towards(o, v), limit, random.uniform());
-        const Vec3f w = vertex();
-        if (v.x != w.x || v.y != w.y || v.z != w.z) rays.add(v, unit_towards(v, w), limit, random.uniform());
-    }
-    return rays;
-}
-
-void expect_same(const SceneTables& tables, const Hits& got, const Hits& expected, std::size_t n, const char* what)
-{
-    std::size_t wrong = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-        bool same = got.t[i] == expected.t[i] && got.primitive[i] == expected.primitive[i] &&
-                    got.instance[i] == expected.instance[i];
-        // Only triangles and quads have u and v.
-        if (same && got.primitive[i] < tables.first_sphere())
-            same = got.u[i] == expected.u[i] && got.v[i] == expected.v[i];
-        if (same) continue;
-        if (++wrong > 5) continue;
-        ADD_FAILURE() << what << ", ray " << i << ": t " << got.t[i] << ", primitive " << got.primitive[i]
-                      << ", instance " << got.instance[i] << "; expected " << expected.t[i] << ", "
-                      << expected.primitive[i] << ", " << expected.instance[i];
-    }
-    EXPECT_EQ(wrong, 0u) << what;
-}
-
-void compare_with_force(const SceneTables& tables, float radius, std::size_t n, const char* what)
-{
-    Bvh bvh;
-    bvh.build(tables);
-    // One lane takes a while.
-    Rays rays = nasty_rays(tables, radius, lanes == 1 ? n / 10 : n, 7);
-    const Hits expected = cast_by_force(tables, rays);
-    for (bool coherent : {false, true}) {
-        expect_same(tables, cast(bvh, rays, coherent), expected, rays.count(), what);
-        const std::vector<std::uint32_t> blocked = cast_shadows(bvh, rays, coherent);
-        std::size_t wrong = 0;
-        for (std::size_t i = 0; i < rays.count(); ++i) wrong += blocked[i] != (expected.primitive[i] != no_index);
-        EXPECT_EQ(wrong, 0u) << what << ", shadows";
-    }
-}
-
-SceneTables soup(std::size_t n, float radius, float size, std::uint64_t seed, Vec3f offset = {})
-{
-    Random random(seed);
-    SceneTables tables = empty_tables();
-    for (std::size_t i = 0; i < n; ++i) {
-        const Vec3f a = plus(random.point(radius), offset);
-        add_triangle(tables, a, plus(a, random.point(size)), plus(a, random.point(size)));
-    }
-    finish(tables);
-    return tables;
-}
 
 TEST(Bvh, nothing)
 {
@@ -234,13 +162,6 @@ TEST(Bvh, all_kinds)
     compare_with_force(all_kinds(500), 100, 30'000, "all kinds");
 }
 
-std::array<float, 12> rounded(const Transform& t)
-{
-    std::array<float, 12> rows{};
-    for (std::size_t i = 0; i < 12; ++i) rows[i] = float(t.m[i / 4][i % 4]);
-    return rows;
-}
-
 SceneTables instances(std::size_t n, double spread)
 {
     Random random(12);
@@ -249,6 +170,7 @@ SceneTables instances(std::size_t n, double spread)
     for (std::uint32_t mesh = 1; mesh <= 3; ++mesh) {
         ShapeTable shape;
         shape.first_primitive = tables.triangle_count();
+        shape.flags = ShapeTable::placed;
         tables.shapes.push_back(shape);
         for (int i = 0; i < (mesh == 3 ? 0 : 150); ++i) {
             const Vec3f a = random.point(1);
@@ -264,7 +186,6 @@ SceneTables instances(std::size_t n, double spread)
                             Transform::rotate({axis.x, axis.y, axis.z}, random.uniform(0, 6)) *
                             Transform::scale({scale(), scale(), scale()});
         InstanceTable instance;
-        instance.render_from_object = rounded(t);
         instance.object_from_render = rounded(t.inverse());
         instance.mesh_shape = instance.shape = 1 + random.below(3);
         tables.instances.push_back(instance);
@@ -282,10 +203,31 @@ TEST(Bvh, instances)
     compare_with_force(instances(50, 100), 60, 10'000, "extremely scaled");
 }
 
+/// An instance with its material and its share of the tree.
+TEST(Bvh, bytes_of_an_instance)
+{
+    Random random(3);
+    SceneTables tables = soup(100, 1, 0.3f, 4);
+    tables.world_triangles = 0;
+    tables.shapes[0].flags = ShapeTable::placed;
+    tables.shape_of_primitive.assign(100, 0);
+    constexpr std::size_t n = 100'000;
+    for (std::size_t i = 0; i < n; ++i) {
+        const Vec3f p = random.point(100);
+        InstanceTable instance;
+        instance.object_from_render = rounded(Transform::translate({p.x, p.y, p.z}).inverse());
+        tables.instances.push_back(instance);
+    }
+    Bvh bvh;
+    bvh.build(tables);
+    const double bytes = sizeof(InstanceTable) + sizeof(ShapeTable) + double(bvh.statistics().bytes) / double(n);
+    EXPECT_LE(bytes, 128);
+}
+
 TEST(Bvh, alpha)
 {
     SceneTables tables = instances(50, 2);
-    tables.shapes[0].flags = tables.shapes[1].flags = ShapeTable::alpha_tested;
+    tables.shapes[0].flags |= ShapeTable::alpha_tested, tables.shapes[1].flags |= ShapeTable::alpha_tested;
     tables.quads.push_back({{-50, -50, 3}, {100, 0, 0}, {0, 100, 0}});
     finish(tables);
     struct Asked {

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "geometry/bvh.h"
+#include "geometry/bvh_leaf_data.h"
 #include "geometry/bvh_ray.h"
+#include "geometry/curve.h"
 
 namespace fathom {
 
@@ -120,51 +122,117 @@ inline std::vector<std::uint32_t> cast_shadows(const Bvh& bvh, Rays& rays, bool 
     return blocked;
 }
 
+/// A corner of what a key names, for each lane at its time.
+inline Vec3 corner_at(const SceneTables& tables, BvhKey key, int corner, Float time)
+{
+    Vec3f v[3];
+    vertices_of(tables, key, v);
+    Vec3 p(v[corner]);
+    if (tables.vertex_times.empty() || key / 2 >= tables.first_quad() ||
+        tables.shapes[tables.shape_of_primitive[key / 2]].moving_vertices == 0)
+        return p;
+    const KeyTime at = vertex_key(tables, time);
+    for (std::uint32_t k = 0; k + 1 < tables.vertex_times.size(); ++k) {
+        Vec3f now[3], then[3];
+        vertices_of(tables, key, now, k);
+        vertices_of(tables, key, then, k + 1);
+        p = select(at.key == UInt(k), mix(Vec3(now[corner]), Vec3(then[corner]), at.fraction), p);
+    }
+    return p;
+}
+
+/// One primitive against rays, in the world or, if instance is not no_index, in the space of what that places. scale: the
+/// length that directions had there.
+inline void meet_by_force(const SceneTables& tables, std::uint32_t primitive, const Ray& ray, Float scale, UInt instance,
+                          Hit& hit)
+{
+    const auto take = [&](Mask m, Float t, Float u, Float v) {
+        const Mask first_instance = (hit.primitive == UInt(primitive)) & less(instance, hit.instance);
+        m &= (t < hit.t) | ((t == hit.t) & (less(UInt(primitive), hit.primitive) | first_instance));
+        hit.t = select(m, t, hit.t);
+        hit.u = select(m, u, hit.u);
+        hit.v = select(m, v, hit.v);
+        hit.primitive = select(m, UInt(primitive), hit.primitive);
+        hit.instance = select(m, instance, hit.instance);
+    };
+    const Float far(infinity);
+    Float t;
+    if (primitive < tables.first_sphere()) {
+        const TriangleRay shear(ray);
+        for (BvhKey key = 2 * primitive; key < 2 * primitive + (primitive < tables.first_quad() ? 1 : 2); ++key) {
+            const auto corner = [&](int k) { return shear.permute(corner_at(tables, key, k, ray.time) - ray.o); };
+            const Vec3 pa = corner(0), pb = corner(1), pc = corner(2);
+            const TriangleWeights w = triangle_weights(shear.shear_x, shear.shear_y, pa, pb, pc);
+            if (none(w.inside)) continue;
+            Float u, v;
+            const Mask m = triangle_distance(w, shear.shear_z, {pa.z, pb.z, pc.z}, far, t, u, v);
+            take(m, t, key & 1 ? Float(1) - u : u, key & 1 ? Float(1) - v : v);
+        }
+        return;
+    }
+    Mask m;
+    if (primitive < tables.first_disk()) {
+        const SphereTable& s = tables.spheres[primitive - tables.first_sphere()];
+        m = meet_sphere(fma(Vec3(s.motion), ray.time, Vec3(s.center)), Float(s.radius), ray.o, ray.d, far, t);
+    } else if (primitive >= tables.first_point()) {
+        const Vec4f& p = tables.points[primitive - tables.first_point()];
+        m = Mask(p.w > 0) & meet_sphere(Vec3(Vec3f{p.x, p.y, p.z}), Float(p.w), ray.o, ray.d, far, t);
+    } else if (primitive >= tables.first_curve()) {
+        const std::uint32_t segment = primitive - tables.first_curve(),
+                            flags = tables.shapes[tables.shape_of_primitive[primitive]].flags;
+        const std::uint32_t pieces = tables.curves[segment].pieces;
+        const auto vector = [](const CurvePoint<float>& p) { return Vec3(Vec3f{p.x, p.y, p.z}); };
+        for (std::uint32_t piece = 0; piece < pieces; ++piece) {
+            const bvh::PieceEnds e =
+                bvh::piece_ends(tables, bvh::piece_id(segment, piece), flags & ShapeTable::linear_curves);
+            const CurvePiece ends{vector(e.a), vector(e.b), Float(e.a.r), Float(e.b.r)};
+            Float w;
+            m = flags & ShapeTable::ribbons
+                    ? meet_ribbon_piece(ends, vector(e.tangent_a), vector(e.tangent_b), ray.o, ray.d, far, t, w)
+                    : meet_round_piece(ends, ray.o, ray.d, far, t, w);
+            m &= Mask(e.a.r > 0 || e.b.r > 0);
+            const Float share(1 / float(pieces)), u = fma(w, share, Float(float(piece)) * share);
+            t = t * (Float(1) / scale);
+            const Mask lower = (t == hit.t) & (hit.primitive == UInt(primitive)) & (hit.instance == instance) & (u < hit.u);
+            hit.u = select(m & lower, u, hit.u);
+            take(m & (t <= hit.t), t, u, Float(0));
+        }
+        return;
+    } else {
+        const DiskTable& d = tables.disks[primitive - tables.first_disk()];
+        m = meet_disk(Vec3(d.center), Vec3(d.normal), Float(d.radius), ray.o, ray.d, far, t);
+    }
+    t = t * (Float(1) / scale);
+    take(m & (t <= hit.t), t, Float(0), Float(0));
+}
+
 /// The nearest hits by testing everything, with the tests of geometry/shapes.h.
 inline Hits cast_by_force(const SceneTables& tables, Rays& rays)
 {
     const RayArrays arrays = rays.arrays();
     Hits hits(arrays.count + 32);
-    const auto meet_triangles = [&](const Ray& ray, std::uint32_t first, std::uint32_t last, UInt instance, Hit& hit) {
-        const TriangleRay shear(ray);
-        for (std::uint32_t key = 2 * first; key < 2 * last; ++key) {
-            if (key & 1 && key / 2 < tables.first_quad()) continue;
-            Vec3f v[3];
-            vertices_of(tables, key, v);
-            Float t, b1, b2;
-            const auto corner = [&](int k) { return shear.permute(Vec3(v[k]) - ray.o); };
-            const Vec3 pa = corner(0), pb = corner(1), pc = corner(2);
-            const TriangleWeights w = triangle_weights(shear.shear_x, shear.shear_y, pa, pb, pc);
-            if (none(w.inside)) continue;
-            Mask m = triangle_distance(w, shear.shear_z, {pa.z, pb.z, pc.z}, hit.t, t, b1, b2);
-            const Mask first_instance = (hit.primitive == UInt(key / 2)) & less(instance, hit.instance);
-            m &= (t < hit.t) | less(UInt(key / 2), hit.primitive) | first_instance;
-            hit.t = select(m, t, hit.t);
-            hit.u = select(m, key & 1 ? Float(1) - b1 : b1, hit.u);
-            hit.v = select(m, key & 1 ? Float(1) - b2 : b2, hit.v);
-            hit.primitive = select(m, UInt(key / 2), hit.primitive);
-            hit.instance = select(m, instance, hit.instance);
-        }
-    };
     for (std::size_t i = 0; i < arrays.count; i += lanes) {
         const Ray ray{load_vec3(arrays.ox + i, arrays.oy + i, arrays.oz + i),
                       load_vec3(arrays.dx + i, arrays.dy + i, arrays.dz + i), load(arrays.t_max + i),
                       load(arrays.time + i)};
         Hit hit{ray.t_max, UInt(no_index), UInt(no_index), Float(0), Float(0)};
-        meet_triangles(ray, 0, tables.world_triangles, UInt(no_index), hit);
-        meet_triangles(ray, tables.first_quad(), tables.first_sphere(), UInt(no_index), hit);
-        for (std::uint32_t k = 0; k < tables.spheres.size(); ++k)
-            closest_sphere(tables.spheres[k], tables.first_sphere() + k, ray, hit);
-        for (std::uint32_t k = 0; k < tables.disks.size(); ++k)
-            closest_disk(tables.disks[k], tables.first_disk() + k, ray, hit);
+        for (std::uint32_t k = 0; k < tables.primitive_count(); ++k) {
+            const bool placed = tables.shapes[tables.shape_of_primitive[k]].flags & ShapeTable::placed;
+            if (!placed) meet_by_force(tables, k, ray, Float(1), UInt(no_index), hit);
+        }
         for (std::uint32_t k = 0; k < tables.instances.size(); ++k) {
             const InstanceTable& instance = tables.instances[k];
-            const std::uint32_t first = tables.shapes[instance.mesh_shape].first_primitive;
-            std::uint32_t last = first;
-            while (last < tables.triangle_count() && tables.shape_of_primitive[last] == instance.mesh_shape) ++last;
-            const Ray inner{transform_point(instance.object_from_render, ray.o),
-                            transform_vector(instance.object_from_render, ray.d), ray.t_max, ray.time};
-            meet_triangles(inner, first, last, UInt(k), hit);
+            const Affine to_object = object_from_render(tables, instance, ray.time);
+            const Ray inner{to_object.point(ray.o), to_object.vector(ray.d), ray.t_max, ray.time};
+            // Round shapes want unit directions.
+            const Float scale = length(inner.d);
+            const Ray unit{inner.o, inner.d * (Float(1) / scale), ray.t_max, ray.time};
+            for (std::uint32_t p = tables.shapes[instance.mesh_shape].first_primitive;
+                 p < tables.primitive_count() && tables.shape_of_primitive[p] == instance.mesh_shape; ++p)
+                if (p < tables.first_sphere())
+                    meet_by_force(tables, p, inner, Float(1), UInt(k), hit);
+                else
+                    meet_by_force(tables, p, unit, scale, UInt(k), hit);
         }
         store(&hits.t[i], hit.t), store(&hits.u[i], hit.u), store(&hits.v[i], hit.v);
         store(&hits.primitive[i], hit.primitive), store(&hits.instance[i], hit.instance);

@@ -48,7 +48,8 @@ def main():
     failed = 0
     with tempfile.TemporaryDirectory() as folder:
         for scene in ["cornell-box", "cornell-box-triangles", "report-spheres", "report-marble", "environment", "textures",
-                      "motion-blur", "depth-of-field", "model", "instances"]:
+                      "motion-blur", "motion-nodes", "motion-vertices", "curves",
+                      "points", "depth-of-field", "model", "instances"]:
             path = os.path.join(scenes, scene + ".json")
             common = ["-q", "--size", f"{WIDTH}x{HEIGHT}", "--exr", "float"]
             seen = {}

@@ -1,0 +1,14 @@
+#pragma once
+#include <vector>
+
+#include "compile/compiler.h"
+
+namespace fathom {
+
+/// Adds the segments of curves to the tables, as cubic Bezier segments or lines, and says how finely each is cut: so that
+/// no piece strays from the curve by more than a fiftieth of its radius. Returns how many segments that are.
+///
+/// factor  by which the transform scales lengths
+std::size_t add_curves(SceneTables& tables, const Curves& curves, const Transform& transform, double factor);
+
+}  // namespace fathom

@@ -1,0 +1,113 @@
+#include "compile/placing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fathom/error.h"
+#include "scene/motion.h"
+
+namespace fathom {
+
+bool is_similarity(const Transform& t, double& factor)
+{
+    const Vec3d x = t.vector({1, 0, 0}), y = t.vector({0, 1, 0}), z = t.vector({0, 0, 1});
+    factor = length(x);
+    const double tolerance = 1e-5 * factor * factor;
+    return std::abs(length(y) - factor) * factor <= tolerance && std::abs(length(z) - factor) * factor <= tolerance &&
+           std::abs(dot(x, y)) <= tolerance && std::abs(dot(y, z)) <= tolerance && std::abs(dot(x, z)) <= tolerance;
+}
+
+std::uint32_t material_index(const SceneTables& tables, const Shape& shape)
+{
+    return shape.material >= 0 ? std::uint32_t(shape.material) : std::uint32_t(tables.materials.size() - 1);
+}
+
+Placing::Placing(const Compiler& c, const Placed& placed) : c_(c), placed_(placed)
+{
+    find_vertex_times();
+    count_uses();
+}
+
+void Placing::find_vertex_times()
+{
+    const double open = c_.tables.shutter_open, close = c_.tables.shutter_close;
+    std::vector<float> times;
+    std::vector<bool> seen(c_.scene.meshes.size());
+    mesh_moves_.resize(c_.scene.meshes.size());
+    for (const PlacedShape& p : placed_.shapes) {
+        const auto* instance = std::get_if<MeshInstance>(&p.shape->geometry);
+        if (!instance || seen[std::size_t(instance->mesh)]) continue;
+        seen[std::size_t(instance->mesh)] = true;
+        const Mesh& mesh = mesh_of(*instance);
+        if (!moves(mesh, open, close)) continue;
+        mesh_moves_[std::size_t(instance->mesh)] = true;
+        times.insert(times.end(), {c_.tables.shutter_open, c_.tables.shutter_close});
+        for (const MeshKey& key : mesh.motion)
+            if (open < key.time && key.time < close) times.push_back(float(key.time));
+    }
+    std::sort(times.begin(), times.end());
+    times.erase(std::unique(times.begin(), times.end()), times.end());
+    constexpr std::size_t most = 64;
+    if (times.size() > most)
+        throw Error(c_.scene.file, "", fmt::format("meshes have keys at {} times while the shutter is open; {} can be", times.size(), most));
+    vertex_times_ = times;
+}
+
+bool Placing::is_instanced(const PlacedShape& p) const
+{
+    if (p.motion >= 0) return !moves_straight(p);
+    if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry)) return uses_[std::size_t(mesh->mesh)] > 0;
+    const void* set = set_of(*p.shape);
+    if (!set) return false;
+    // Many balls and curves as meshes are; a transform that distorts them does so exactly in a space of their own.
+    double factor;
+    return !is_similarity(p.render_from_node, factor) || (set_uses_.at(set) > 1 && !emits(*p.shape));
+}
+
+/// The curves or points of a shape, or null.
+const void* Placing::set_of(const Shape& shape) const
+{
+    if (const auto* c = std::get_if<CurvesInstance>(&shape.geometry)) return &c_.scene.curves[std::size_t(c->curves)];
+    if (const auto* p = std::get_if<PointsInstance>(&shape.geometry)) return &c_.scene.points[std::size_t(p->points)];
+    return nullptr;
+}
+
+const void* Placing::content_of(const Shape& shape) const
+{
+    if (const auto* mesh = std::get_if<MeshInstance>(&shape.geometry)) return &mesh_of(*mesh);
+    const void* set = set_of(shape);
+    return set ? set : &shape;
+}
+
+/// A sphere that a node moves along a line remains one of the world, with all that it can do as a light.
+bool Placing::moves_straight(const PlacedShape& p) const
+{
+    const auto* sphere = std::get_if<Sphere>(&p.shape->geometry);
+    const std::vector<NodeKey>& poses = placed_.motions[std::size_t(p.motion)];
+    double factor;
+    if (!sphere || sphere->center_end || poses.size() != 2 || !is_similarity(p.render_from_node, factor)) return false;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+            if (std::abs(poses[1].parent_from_node.m[i][j] - poses[0].parent_from_node.m[i][j]) > 1e-9 * factor) return false;
+    return true;
+}
+
+void Placing::count_uses()
+{
+    std::vector<int>& uses = uses_;
+    uses.resize(c_.scene.meshes.size());
+    for (const PlacedShape& p : placed_.shapes)
+        if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry)) ++uses[std::size_t(mesh->mesh)];
+    for (std::size_t i = 0; i < uses.size(); ++i)
+        if (uses[i] < 2 || c_.scene.meshes[i].indices.size() / 3 * std::size_t(uses[i]) < 4096) uses[i] = 0;
+    // Emissive triangles are lights of their own, each where it stands.
+    for (const PlacedShape& p : placed_.shapes)
+        if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry); mesh && emits(*p.shape))
+            uses[std::size_t(mesh->mesh)] = 0;
+    for (const PlacedShape& p : placed_.shapes)
+        if (const void* set = set_of(*p.shape)) ++set_uses_[set];
+}
+
+}  // namespace fathom

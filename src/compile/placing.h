@@ -1,0 +1,47 @@
+#pragma once
+#include <map>
+#include <vector>
+
+#include "compile/compiler.h"
+
+namespace fathom {
+
+/// A linear map that keeps angles up to rounding, and its factor.
+bool is_similarity(const Transform& t, double& factor);
+
+std::uint32_t material_index(const SceneTables& tables, const Shape& shape);
+
+/// What is placed by an instance, in a space of its own, and what stands in the world itself.
+class Placing {
+public:
+    /// Materials must be there.
+    Placing(const Compiler& c, const Placed& placed);
+
+    bool is_instanced(const PlacedShape& p) const;
+    /// What placed shapes share: a mesh, curves, points, or the shape itself.
+    const void* content_of(const Shape& shape) const;
+    /// Whether the vertices of a mesh move while the shutter is open. mesh: an index, or beyond.
+    bool mesh_moves(std::size_t mesh) const { return mesh < mesh_moves_.size() && mesh_moves_[mesh]; }
+    /// When vertices are given to the tree: at all keys of meshes while the shutter is open.
+    const std::vector<float>& vertex_times() const { return vertex_times_; }
+
+private:
+    const Mesh& mesh_of(MeshInstance m) const { return c_.scene.meshes[std::size_t(m.mesh)]; }
+    bool emits(const Shape& shape) const
+    {
+        return c_.tables.materials[material_index(c_.tables, shape)].flags & MaterialTable::emits;
+    }
+    void find_vertex_times();
+    void count_uses();
+    const void* set_of(const Shape& shape) const;
+    bool moves_straight(const PlacedShape& p) const;
+
+    const Compiler& c_;
+    const Placed& placed_;
+    std::vector<bool> mesh_moves_;
+    std::vector<float> vertex_times_;
+    std::vector<int> uses_;                ///< of meshes that are placed often enough to be worth instances; else 0
+    std::map<const void*, int> set_uses_;  ///< how often curves and points are placed
+};
+
+}  // namespace fathom

@@ -1,0 +1,114 @@
+#include "geometry/bvh_leaf_data.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace fathom::bvh {
+
+namespace {
+
+/// Arrays of n numbers behind a leaf's header.
+class Arrays {
+public:
+    Arrays(std::vector<std::uint32_t>& words, std::size_t n, std::size_t count)
+        : words_(words), n_(n), first_(words.size())
+    {
+        words.resize(first_ + count * n);
+    }
+    void set(std::size_t array, std::size_t i, float value)
+    {
+        words_[first_ + array * n_ + i] = std::bit_cast<std::uint32_t>(value);
+    }
+    void set_vector(std::size_t array, std::size_t i, const CurvePoint<float>& p)
+    {
+        set(array, i, p.x), set(array + 1, i, p.y), set(array + 2, i, p.z);
+    }
+
+private:
+    std::vector<std::uint32_t>& words_;
+    std::size_t n_, first_;
+};
+
+void put_moving_triangles(const SceneTables& tables, const std::vector<std::uint32_t>& keys,
+                          std::vector<std::uint32_t>& words)
+{
+    for (std::size_t time = 0; time < tables.vertex_times.size(); ++time) {
+        Arrays arrays(words, keys.size(), 9);
+        for (std::size_t i = 0; i < keys.size(); ++i) {
+            Vec3f vertices[3];
+            vertices_of(tables, keys[i], vertices, time);
+            for (std::size_t v = 0; v < 3; ++v)
+                arrays.set_vector(3 * v, i, {vertices[v].x, vertices[v].y, vertices[v].z, 0});
+        }
+    }
+}
+
+void put_curves(const SceneTables& tables, const std::vector<std::uint32_t>& ids, bool ribbons,
+                std::vector<std::uint32_t>& words)
+{
+    Arrays arrays(words, ids.size(), ribbons ? 16 : 10);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        const std::uint32_t segment = ids[i] >> piece_bits, piece = ids[i] & (CurveTable::max_pieces - 1);
+        const std::uint32_t shape = tables.shape_of_primitive[tables.first_curve() + segment];
+        const PieceEnds ends = piece_ends(tables, ids[i], tables.shapes[shape].flags & ShapeTable::linear_curves);
+        const float share = 1 / float(tables.curves[segment].pieces);
+        arrays.set_vector(0, i, ends.a);
+        arrays.set(3, i, ends.a.r);
+        arrays.set_vector(4, i, ends.b);
+        arrays.set(7, i, ends.b.r);
+        arrays.set(8, i, float(piece) * share);
+        arrays.set(9, i, share);
+        if (!ribbons) continue;
+        arrays.set_vector(10, i, ends.tangent_a);
+        arrays.set_vector(13, i, ends.tangent_b);
+    }
+}
+
+void put_points(const SceneTables& tables, const std::vector<std::uint32_t>& ids, std::vector<std::uint32_t>& words)
+{
+    Arrays arrays(words, ids.size(), 4);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        const Vec4f& p = tables.points[ids[i]];
+        arrays.set_vector(0, i, {p.x, p.y, p.z, 0});
+        arrays.set(3, i, p.w);
+    }
+}
+
+}  // namespace
+
+PieceEnds piece_ends(const SceneTables& tables, std::uint32_t id, bool linear)
+{
+    const CurveTable& curve = tables.curves[id >> piece_bits];
+    const std::uint32_t piece = id & (CurveTable::max_pieces - 1);
+    CurvePoint<float> p[4];
+    for (std::size_t i = 0; i < (linear ? 2 : 4); ++i) {
+        const Vec4f& v = tables.curve_points[curve.first_point + i];
+        p[i] = {v.x, v.y, v.z, v.w};
+    }
+    if (linear) {
+        const CurvePoint<float> along{p[1].x - p[0].x, p[1].y - p[0].y, p[1].z - p[0].z, 0};
+        return {p[0], p[1], along, along};
+    }
+    const float share = 1 / float(curve.pieces), begin = float(piece) * share, end = float(piece + 1) * share;
+    return {bezier(p, begin), bezier(p, end), bezier_tangent(p, begin), bezier_tangent(p, end)};
+}
+
+std::size_t put_leaf(const SceneTables& tables, const Item* items, std::size_t n, std::vector<std::uint32_t>& words)
+{
+    std::vector<std::uint32_t> ids(n);
+    for (std::size_t i = 0; i < n; ++i) ids[i] = items[i].id;
+    std::sort(ids.begin(), ids.end());
+    const std::size_t first = words.size();
+    const std::uint32_t kind = items[0].kind;
+    const bool curves = kind == Item::curve || kind == Item::ribbon;
+    words.push_back(std::uint32_t(n));
+    for (std::uint32_t id : ids) words.push_back(curves ? id >> piece_bits : id);
+    words.resize(first + BvhLeaf::header(n));
+    if (kind == Item::moving_triangle) put_moving_triangles(tables, ids, words);
+    if (curves) put_curves(tables, ids, kind == Item::ribbon, words);
+    if (kind == Item::point) put_points(tables, ids, words);
+    words.resize((words.size() + BvhLeaf::unit - 1) / BvhLeaf::unit * BvhLeaf::unit);
+    return first;
+}
+
+}  // namespace fathom::bvh

@@ -1,0 +1,126 @@
+#pragma once
+/// Curves: cubic Bezier segments or lines with a radius that changes along them, cut into straight pieces that are tested
+/// by lanes. The pieces are the surface: whoever looks at a hit computes them again, to the same bits.
+#include <type_traits>
+
+#include "geometry/ray.h"
+
+namespace fathom {
+
+/// A point of a curve, and the radius there. F: float, or lanes of them.
+template <class F>
+struct CurvePoint {
+    F x, y, z, r;
+};
+
+/// Products and sums only, none fused: the same bits for floats and lanes.
+template <class F>
+CurvePoint<F> between(const CurvePoint<F>& a, const CurvePoint<F>& b, F t)
+{
+    const auto mean = [&](F p, F q) { return p + (q - p) * t; };
+    return {mean(a.x, b.x), mean(a.y, b.y), mean(a.z, b.z), mean(a.r, b.r)};
+}
+
+/// A cubic segment at t in [0, 1], by de Casteljau's algorithm.
+template <class F>
+CurvePoint<F> bezier(const CurvePoint<F> p[4], F t)
+{
+    CurvePoint<F> q[4] = {p[0], p[1], p[2], p[3]};
+    for (int n = 3; n > 0; --n)
+        for (int i = 0; i < n; ++i) q[i] = between(q[i], q[i + 1], t);
+    return q[0];
+}
+/// Its derivative, up to a factor.
+template <class F>
+CurvePoint<F> bezier_tangent(const CurvePoint<F> p[4], F t)
+{
+    const auto minus = [](const CurvePoint<F>& a, const CurvePoint<F>& b) {
+        return CurvePoint<F>{a.x - b.x, a.y - b.y, a.z - b.z, a.r - b.r};
+    };
+    CurvePoint<F> q[3] = {minus(p[1], p[0]), minus(p[2], p[1]), minus(p[3], p[2])};
+    for (int n = 2; n > 0; --n)
+        for (int i = 0; i < n; ++i) q[i] = between(q[i], q[i + 1], t);
+    return q[0];
+}
+
+inline namespace FATHOM_LANES {
+
+/// Pieces of curves, one per lane.
+struct CurvePiece {
+    Vec3 a, b;       ///< ends of its axis
+    Float ra, rb;    ///< radii there
+};
+
+/// Lanes whose ray (of unit direction) enters the piece from outside at 0 < t <= t_max; w: where along it, in [0, 1].
+///
+/// The piece is what a ball sweeps whose centre goes from a to b and whose radius goes from ra to rb. A point p is on its
+/// side if the least of |p - c(w)|^2 - r(w)^2 over w is 0; with the best w for a point of the ray that is a quadratic in t.
+/// All is computed about the point of the axis that is nearest to the ray, so that thin and long pieces keep their
+/// precision. Han, Wald, Usher et al. 2019, "Ray Tracing Generalized Tube Primitives: Method and Applications", has
+/// the geometry; the way of solving is ours.
+inline Mask meet_round_piece(const CurvePiece& piece, const Vec3& o, const Vec3& d, Float t_max, Float& t, Float& w)
+{
+    const Vec3 whole = piece.b - piece.a, q = o - piece.a;
+    const Float length2 = dot(whole, whole);
+    // Of a piece without length nothing but a ball is left.
+    const Float inverse = select(length2 > Float(0), Float(1) / sqrt(length2), Float(0));
+    const Vec3 e = whole * inverse;
+    const Float g = (piece.rb - piece.ra) * inverse, m = dot(e, d);
+    const Float nearest = (dot(e, q) - m * dot(d, q)) / max(Float(1) - m * m, Float(1e-7f)) * inverse;
+    // Any point of the axis will do; none is better than NaN.
+    const Float w0 = select(nearest > Float(0), min(nearest, Float(1)), Float(0));
+    const Vec3 c = fma(whole, w0, piece.a);
+    const Float r = fma(piece.rb - piece.ra, w0, piece.ra);
+    const Float t0 = dot(d, c - o);
+    const Vec3 f = fma(d, t0, o - c);
+
+    const Float n = fma(g, r, dot(e, f)), fd = dot(f, d);
+    const Float A = fma(-g, g, Float(1));
+    const Float alpha = fma(-m, m, A), beta = fma(A, fd, -(m * n)), gamma = fma(A, fma(-r, r, dot(f, f)), -(n * n));
+    const Float discriminant = fma(beta, beta, -(alpha * gamma));
+    const Float root = sqrt(max(discriminant, Float(0)));
+    // The root at which the quadratic falls, from outside to inside.
+    const Float side_t = select(beta < Float(0), gamma / (root - beta), -(beta + root) / alpha);
+    const Float side_w = w0 + fma(m, side_t, n) / A * inverse;
+    t = t0 + side_t;
+    w = side_w;
+    Mask found = (A > Float(0)) & (discriminant >= Float(0)) & (side_w >= Float(0)) & (side_w <= Float(1)) & (t > Float(0));
+    const auto cap = [&](const Vec3& center, Float radius, Float place) {
+        const Float tc = dot(d, center - o);
+        const Vec3 foot = fma(d, tc, o - center);
+        const Float h = fma(radius, radius, -dot(foot, foot));
+        const Float tt = tc - sqrt(max(h, Float(0)));
+        const Mask nearer = (h > Float(0)) & (tt > Float(0)) & ((!found) | (tt < t));
+        t = select(nearer, tt, t);
+        w = select(nearer, place, w);
+        found |= nearer;
+    };
+    cap(piece.a, piece.ra, Float(0));
+    cap(piece.b, piece.rb, Float(1));
+    return found & (t <= t_max);
+}
+
+/// Lanes whose ray meets the piece as a ribbon that is turned towards the ray, at 0 < t <= t_max; w as above.
+///
+/// Seen along the ray: whether the ray passes between the lines through the ends that are perpendicular to the curve there
+/// (start, end: its tangents; neighbours share them, so nothing gapes), and how far from the axis. Nakamaru, Ohno
+/// 2002, "Ray Tracing for Curves Primitive"; Pharr, Jakob, Humphreys 2023, "Physically Based Rendering", 6.7.
+inline Mask meet_ribbon_piece(const CurvePiece& piece, const Vec3& start, const Vec3& end, const Vec3& o, const Vec3& d,
+                              Float t_max, Float& t, Float& w)
+{
+    const Frame frame(d);
+    const auto x = [&](const Vec3& v) { return dot(v, frame.s); };
+    const auto y = [&](const Vec3& v) { return dot(v, frame.t); };
+    const Vec3 qa = piece.a - o, qb = piece.b - o;
+    const Float ax = x(qa), ay = y(qa), bx = x(qb), by = y(qb), ex = bx - ax, ey = by - ay;
+    const Mask between = (fma(ax, x(start), ay * y(start)) <= Float(0)) & (fma(bx, x(end), by * y(end)) >= Float(0));
+    const Float nearest = -fma(ax, ex, ay * ey) / fma(ex, ex, ey * ey);
+    w = select(nearest > Float(0), min(nearest, Float(1)), Float(0));
+    const Float cx = fma(ex, w, ax), cy = fma(ey, w, ay), r = fma(piece.rb - piece.ra, w, piece.ra);
+    t = dot(d, fma(piece.b - piece.a, w, qa));
+    return between & (fma(cx, cx, cy * cy) < r * r) & (t > Float(0)) & (t <= t_max);
+}
+
+}  // namespace FATHOM_LANES
+
+}  // namespace fathom

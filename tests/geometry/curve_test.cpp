@@ -1,0 +1,239 @@
+#include <gtest/gtest.h>
+
+#include "compare_with_force.h"
+#include "geometry/bvh_leaf_data.h"
+
+namespace fathom {
+namespace {
+
+Vec4f point_with(Vec3f p, float radius)
+{
+    return {p.x, p.y, p.z, radius};
+}
+
+/// Curves of all kinds, in the world: shape 0 round and cubic, 1 ribbons, 2 round lines, 3 ribbons of lines; and balls.
+SceneTables curves(std::size_t n, float radius, float size, float thickness, Vec3f offset = {})
+{
+    Random random(n + 100);
+    SceneTables tables = empty_tables();
+    tables.shapes.resize(5);
+    tables.shapes[1].flags = ShapeTable::ribbons;
+    tables.shapes[2].flags = ShapeTable::linear_curves;
+    tables.shapes[3].flags = ShapeTable::linear_curves | ShapeTable::ribbons;
+    for (std::uint32_t shape = 0; shape < 4; ++shape)
+        for (std::size_t i = 0; i < n; ++i) {
+            CurveTable curve;
+            curve.first_point = std::uint32_t(tables.curve_points.size());
+            curve.pieces = shape < 2 ? 1u << random.below(6) : 1;
+            tables.curves.push_back(curve);
+            tables.shape_of_primitive.push_back(shape);
+            Vec3f p = plus(random.point(radius), offset);
+            for (int k = 0; k < (shape < 2 ? 4 : 2); ++k) {
+                tables.curve_points.push_back(point_with(p, random.uniform(0, thickness)));
+                p = plus(p, random.point(size));
+            }
+        }
+    for (std::size_t i = 0; i < n; ++i) {
+        tables.points.push_back(point_with(plus(random.point(radius), offset), random.uniform(0, thickness)));
+        tables.shape_of_primitive.push_back(4);
+    }
+    return tables;
+}
+
+TEST(Curves, against_force)
+{
+    for (std::size_t n : {1, 2, 7}) compare_with_force(curves(n, 1, 1, 0.5f), 1, 10'000, "few");
+    compare_with_force(curves(100, 100, 20, 3), 100, 10'000, "thick");
+    compare_with_force(curves(300, 100, 30, 0.2f), 100, 5'000, "hair");
+    compare_with_force(curves(100, 1e-12f, 1e-13f, 1e-13f), 1e-12f, 5'000, "tiny");
+    compare_with_force(curves(100, 1e8f, 1e7f, 1e6f), 1e8f, 5'000, "huge");
+    compare_with_force(curves(100, 1, 0.3f, 0.1f, {3e4f, -1e5f, 2e4f}), 1.5e5f, 5'000, "far away");
+}
+
+TEST(Curves, degenerate)
+{
+    SceneTables tables = curves(40, 10, 3, 0.5f);
+    Random random(3);
+    // Points instead of curves, no radius, radii that go to nothing, one ball within the other, a hairpin.
+    for (std::size_t i = 0; i < 160; i += 4) {
+        Vec4f* p = &tables.curve_points[i];
+        switch (i / 4 % 5) {
+            case 0: p[1] = p[2] = p[3] = p[0]; break;
+            case 1: p[0].w = p[1].w = p[2].w = p[3].w = 0; break;
+            case 2: p[0].w = 0; break;
+            case 3: p[1] = p[2] = p[3] = p[0], p[3].w = 5 * p[0].w, p[3].x += 0.01f; break;
+            default: p[2] = p[1], p[3] = p[0]; break;
+        }
+    }
+    compare_with_force(tables, 10, 10'000, "degenerate");
+    for (Vec4f& p : tables.curve_points) p.w = 0;
+    tables.points.clear();
+    tables.shape_of_primitive.resize(tables.primitive_count());
+    Bvh bvh;
+    bvh.build(tables);
+    EXPECT_EQ(bvh.statistics().leaf_primitives, 0u);
+}
+
+TEST(Curves, not_finite)
+{
+    SceneTables tables = curves(5, 1, 1, 0.5f);
+    Bvh whole, bvh;
+    whole.build(tables);
+    const std::size_t pieces = tables.curves[1].pieces;
+    tables.curve_points[5].y = std::numeric_limits<float>::quiet_NaN();
+    tables.points[2].w = std::numeric_limits<float>::infinity();
+    bvh.build(tables);
+    // The first piece of the broken segment begins at its first point, and is broken too, as the last is.
+    EXPECT_EQ(bvh.statistics().leaf_primitives, whole.statistics().leaf_primitives - pieces - 1);
+}
+
+TEST(Curves, placed_and_moving)
+{
+    SceneTables tables = curves(30, 1, 0.5f, 0.1f);
+    std::uint32_t first = tables.first_curve();
+    for (std::uint32_t i = 0; i < 5; ++i) {
+        tables.shapes[i].flags |= ShapeTable::placed;
+        tables.shapes[i].first_primitive = first;
+        first += 30;
+    }
+    tables.shutter_close = 1;
+    Random random(8);
+    for (std::uint32_t i = 0; i < 60; ++i) {
+        const Vec3f p = random.point(20), axis = random.direction();
+        InstanceTable instance;
+        instance.mesh_shape = instance.shape = i % 5;
+        const Transform t = Transform::translate({p.x, p.y, p.z}) * Transform::rotate({axis.x, axis.y, axis.z}, 2) *
+                            Transform::scale({4, i % 3 ? -2. : 7., 1});
+        instance.object_from_render = rounded(t.inverse());
+        if (i % 2) {
+            instance.first_pose = std::uint32_t(tables.poses.size());
+            instance.pose_count = 2;
+            PoseTable pose;
+            pose.translation[0] = p.x, pose.translation[1] = p.y, pose.translation[2] = p.z;
+            pose.rotation[3] = 1;
+            pose.stretch[0] = 4, pose.stretch[3] = 2, pose.stretch[5] = 1;
+            tables.poses.push_back(pose);
+            pose.time = 1;
+            pose.translation[1] += 5;
+            tables.poses.push_back(pose);
+        }
+        tables.instances.push_back(instance);
+    }
+    compare_with_force(tables, 20, 5'000, "placed");
+}
+
+/// One ray against one piece.
+struct Met {
+    bool hit;
+    float t, w;
+};
+Met meet_one(Vec3f a, float ra, Vec3f b, float rb, Vec3f o, Vec3f d, bool ribbon)
+{
+    alignas(64) float ts[lanes], ws[lanes];
+    Float t(0.f), w(0.f);
+    const CurvePiece piece{Vec3(a), Vec3(b), Float(ra), Float(rb)};
+    const Vec3 along = Vec3(b) - Vec3(a);
+    const Mask m = ribbon ? meet_ribbon_piece(piece, along, along, Vec3(o), Vec3(d), Float(infinity), t, w)
+                          : meet_round_piece(piece, Vec3(o), Vec3(d), Float(infinity), t, w);
+    store(ts, t), store(ws, w);
+    return {(mask_bits(m) & 1) != 0, ts[0], ws[0]};
+}
+
+/// Steps along the ray from ball to ball of the swept solid: where it is first inside, found in double by bisection.
+double march(Vec3f a, float ra, Vec3f b, float rb, Vec3f o, Vec3f d, double far)
+{
+    const auto outside = [&](double t) {
+        const double p[3] = {o.x + t * d.x - a.x, o.y + t * d.y - a.y, o.z + t * d.z - a.z};
+        const double e[3] = {double(b.x) - a.x, double(b.y) - a.y, double(b.z) - a.z};
+        const double ee = e[0] * e[0] + e[1] * e[1] + e[2] * e[2], pe = p[0] * e[0] + p[1] * e[1] + p[2] * e[2];
+        const double g = double(rb) - ra, A = ee - g * g;
+        const double w = A > 0 ? std::clamp((pe + g * ra) / A, 0.0, 1.0) : (g > 0 ? 1 : 0);
+        double d2 = 0;
+        for (int i = 0; i < 3; ++i) d2 += (p[i] - w * e[i]) * (p[i] - w * e[i]);
+        return std::sqrt(d2) - (ra + w * g);
+    };
+    if (outside(0) <= 0) return -1;  // begins inside
+    for (double t = 0; t < far;) {
+        // No less than the distance, but not much more.
+        const double next = t + std::max(0.2 * outside(t), 1e-5);
+        if (outside(next) <= 0) {
+            double low = t, high = next;
+            for (int i = 0; i < 50; ++i) (outside(0.5 * (low + high)) > 0 ? low : high) = 0.5 * (low + high);
+            return low;
+        }
+        t = next;
+    }
+    return far;
+}
+
+TEST(Curves, round_pieces_are_swept_balls)
+{
+    Random random(4);
+    int hits = 0, unsure = 0;
+    for (int i = 0; i < 10'000; ++i) {
+        const Vec3f a = random.point(1), b = plus(a, random.point(random.below(2) ? 1.f : 0.05f));
+        const float ra = random.uniform(0, 0.2f), rb = random.below(4) ? random.uniform(0, 0.2f) : 0;
+        const Vec3f o = random.point(4);
+        const Vec3f target = plus(plus(times(a, random.uniform()), times(b, 0.5f)), random.point(0.3f));
+        const Vec3f d = unit_towards(o, target);
+        const double expected = march(a, ra, b, rb, o, d, 12);
+        if (expected < 0) continue;
+        const Met met = meet_one(a, ra, b, rb, o, d, false);
+        // Rays that graze may be decided either way.
+        if (met.hit != (expected < 12)) {
+            ++unsure;
+            continue;
+        }
+        if (!met.hit) continue;
+        ++hits;
+        EXPECT_NEAR(met.t, expected, 2e-3) << i;  // where it grazes; below, how far from the surface
+        const double w = met.w, g = double(rb) - ra;
+        double d2 = 0;
+        const float as[3] = {a.x, a.y, a.z}, bs[3] = {b.x, b.y, b.z}, os[3] = {o.x, o.y, o.z}, ds[3] = {d.x, d.y, d.z};
+        for (int k = 0; k < 3; ++k) {
+            const double c = as[k] + w * (double(bs[k]) - as[k]), p = os[k] + double(met.t) * ds[k];
+            d2 += (p - c) * (p - c);
+        }
+        EXPECT_NEAR(std::sqrt(d2), ra + w * g, 1e-5) << i;
+    }
+    EXPECT_GT(hits, 1'500);
+    EXPECT_LT(unsure, 20);
+}
+
+/// Parallel rays onto a ribbon hit a share of them that its area seen from there gives, wherever it points.
+TEST(Curves, area_of_ribbons_and_capsules)
+{
+    Random random(5);
+    for (bool ribbon : {true, false}) {
+        const Vec3f a{-0.6f, 0.2f, 0.1f}, b{0.5f, -0.3f, -0.4f};
+        const float ra = 0.25f, rb = ribbon ? 0.1f : 0.25f;
+        const double dx = 1.1, dy = -0.5, length = std::sqrt(dx * dx + dy * dy);
+        int hits = 0;
+        constexpr int n = 200'000;
+        for (int i = 0; i < n; ++i)
+            hits += meet_one(a, ra, b, rb, {random.uniform(-1, 1), random.uniform(-1, 1), 5}, {0, 0, -1}, ribbon).hit;
+        const double expected = ribbon ? length * (ra + rb) : length * 2 * ra + 3.14159265 * ra * ra;
+        const double share = expected / 4;
+        EXPECT_NEAR(double(hits) / n, share, 4 * std::sqrt(share * (1 - share) / n));
+    }
+}
+
+TEST(Curves, the_same_bits_everywhere)
+{
+    const SceneTables tables = curves(500, 100, 20, 1);
+    Bvh bvh;
+    bvh.build(tables);
+    Rays rays = nasty_rays(tables, 100, 20'000, 15);
+    const Hits hits = cast(bvh, rays, true);
+    std::uint64_t hash = 1469598103934665603u;
+    const auto mix_in = [&](std::uint32_t x) { hash = (hash ^ x) * 1099511628211u; };
+    for (std::size_t i = 0; i < rays.count(); ++i) {
+        mix_in(std::bit_cast<std::uint32_t>(hits.t[i]));
+        mix_in(hits.primitive[i]);
+        if (hits.primitive[i] < tables.first_point()) mix_in(std::bit_cast<std::uint32_t>(hits.u[i]));
+    }
+    EXPECT_EQ(hash, 16130543750519108419u);
+}
+
+}  // namespace
+}  // namespace fathom
