@@ -66,7 +66,7 @@ SceneTables placed(SceneTables tables, bool moving)
         from.turns = float(half / 6.28318530717958);
         from.inverse_sine = float(1 / std::sin(half));
         tables.poses = {from, to};
-        instance.pose_count = 2;
+        instance.poses = 2;
         tables.shutter_close = 1;
     }
     tables.instances = {instance};

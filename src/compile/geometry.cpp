@@ -2,6 +2,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
+#include <utility>
 
 #include "compile/compiler.h"
 #include "compile/curves.h"
@@ -235,24 +236,27 @@ private:
     {
         InstanceTable instance;
         instance.mesh_shape = placed_shapes_.at(placing_.content_of(*p.shape));
-        // A shape without primitives of its own: the instance's material, flags and id.
+        instance.object_id = p.object_id;
+        // A shape without primitives of its own: the material and flags of instances that agree in them.
         ShapeTable shape = t_.shapes[instance.mesh_shape];
         shape.material = material_of(*p.shape);
         shape.flags &= ~std::uint32_t(ShapeTable::alpha_tested);
         if (t_.materials[shape.material].alpha_mode != std::uint32_t(AlphaMode::opaque)) shape.flags |= ShapeTable::alpha_tested;
         // Never flipped: normals go by the inverse transpose, which keeps their side also where the transform mirrors.
-        shape.object_id = p.object_id;
+        const auto [known, is_new] =
+            instance_shapes_.try_emplace({instance.mesh_shape, shape.material}, std::uint32_t(t_.shapes.size()));
+        if (is_new) t_.shapes.push_back(shape);
+        instance.shape = known->second;
         const Transform inverse = p.render_from_node.inverse();
         for (std::size_t i = 0; i < 12; ++i) instance.object_from_render[i] = float(inverse.m[i / 4][i % 4]);
         if (p.motion >= 0) {
             const std::vector<PoseTable> poses = pose_tables(all.motions[std::size_t(p.motion)]);
-            instance.first_pose = std::uint32_t(t_.poses.size());
-            instance.pose_count = std::uint32_t(poses.size());
+            if (poses.size() > InstanceTable::most_poses || t_.poses.size() > InstanceTable::most_first_pose)
+                throw Error(c_.scene.file, "", "motion of nodes is too complicated: more keys while the shutter is open than can be held");
+            instance.poses = std::uint32_t(t_.poses.size()) << 8 | std::uint32_t(poses.size());
             t_.poses.insert(t_.poses.end(), poses.begin(), poses.end());
             t_.moving = true;
         }
-        instance.shape = std::uint32_t(t_.shapes.size());
-        t_.shapes.push_back(shape);
         t_.instances.push_back(instance);
     }
 
@@ -340,6 +344,7 @@ private:
     SceneTables& t_;
     const Placing placing_;
     std::size_t degenerate_ = 0;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> instance_shapes_;  ///< by mesh_shape and material
     std::map<const void*, std::uint32_t> placed_shapes_;  ///< shapes with the primitives of what is placed
     std::vector<std::pair<const PlacedShape*, std::vector<Rectangle>>> joined_;  ///< shapes of joined triangles
 };

@@ -11,7 +11,7 @@ namespace fathom {
 namespace {
 
 /// Halvings of a piece; it turns by less than half a turn, so far fewer are enough.
-constexpr int most_halvings = 8;
+constexpr int most_halvings = 5;
 
 class PoseFitter {
 public:

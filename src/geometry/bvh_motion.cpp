@@ -140,7 +140,7 @@ MovingBox moving_instance_box(const SceneTables& tables, const InstanceTable& in
 {
     Box content = mesh.open;
     content.extend(mesh.close);
-    const PoseTable* poses = &tables.poses[instance.first_pose];
+    const PoseTable* poses = &tables.poses[instance.first_pose()];
     const double open = tables.shutter_open, close = tables.shutter_close;
     const double corner = std::sqrt(3.0) * largest(content);
     std::vector<float> times;
@@ -151,7 +151,7 @@ MovingBox moving_instance_box(const SceneTables& tables, const InstanceTable& in
         boxes.push_back(transformed(m, content, 0x1p-18));
         deviations.push_back(deviation);
     };
-    for (std::uint32_t i = 0; i + 1 < instance.pose_count; ++i) {
+    for (std::uint32_t i = 0; i + 1 < instance.pose_count(); ++i) {
         const PoseTable &a = poses[i], &b = poses[i + 1];
         // A point moves as f = T + R v, with T and v linear: |f''| is at most w^2 |v| + 2 w |v'|, if R turns by w, and f
         // strays from its chord by at most an eighth of that.
@@ -168,7 +168,7 @@ MovingBox moving_instance_box(const SceneTables& tables, const InstanceTable& in
             add(a.time + f * (double(b.time) - a.time), pose_between(a, b, f), deviation);
         }
     }
-    if (instance.pose_count == 1) add(open, pose_between(poses[0], poses[0], 0), 0);
+    if (instance.pose_count() == 1) add(open, pose_between(poses[0], poses[0], 0), 0);
     for (std::size_t i = 0; i < boxes.size(); ++i)
         boxes[i] = widened(boxes[i], std::max(deviations[i], deviations[std::min(i + 1, boxes.size() - 1)]));
     return MovingBox::around(times.data(), boxes.data(), boxes.size());
@@ -215,7 +215,7 @@ MovingBox moving_box(const SceneTables& tables, const BvhData& bvh, const std::v
     if (kind == Item::sphere) return sphere_box(tables, id);
     const InstanceTable& instance = tables.instances[id];
     const MovingBox& mesh = mesh_boxes[instance.mesh_shape];
-    if (instance.pose_count > 0) return moving_instance_box(tables, instance, mesh);
+    if (instance.pose_count() > 0) return moving_instance_box(tables, instance, mesh);
     const Matrix m = inverse_of(instance.object_from_render);
     return {transformed(m, mesh.open, 0x1p-20), transformed(m, mesh.close, 0x1p-20)};
 }

@@ -115,14 +115,14 @@ Affine pose_at(const Number& number, UInt pose_count, Float time)
 /// object_from_render of one instance for rays of all lanes.
 inline Affine object_from_render(const SceneTables& tables, const InstanceTable& instance, Float time)
 {
-    if (instance.pose_count == 0) {
+    if (instance.pose_count() == 0) {
         const auto& m = instance.object_from_render;
         const auto row = [&](std::size_t i) { return Vec3(Float(m[i]), Float(m[i + 1]), Float(m[i + 2])); };
         return {{row(0), row(4), row(8)}, {Float(m[3]), Float(m[7]), Float(m[11])}};
     }
-    const float* poses = &tables.poses[instance.first_pose].time;
+    const float* poses = &tables.poses[instance.first_pose()].time;
     const auto number = [&](UInt i, int k) { return gather(poses + k, i << 4); };
-    return pose_at(number, UInt(instance.pose_count), time).inverse();
+    return pose_at(number, UInt(instance.pose_count()), time).inverse();
 }
 
 /// The same for an instance per lane of the mask.
@@ -135,10 +135,10 @@ inline Affine object_from_render(const SceneTables& tables, UInt instance, Float
     const auto row = [&](int i) { return Vec3(number(i), number(i + 1), number(i + 2)); };
     Affine a{{row(0), row(4), row(8)}, {number(3), number(7), number(11)}};
     if (tables.poses.empty()) return a;
-    const UInt count = gather(words + offsetof(InstanceTable, pose_count) / 4, at, m);
+    const UInt word = gather(words + offsetof(InstanceTable, poses) / 4, at, m);
+    const UInt count = word & UInt(255u), first = word >> 8;
     const Mask moving = m & (count != UInt(0u));
     if (none(moving)) return a;
-    const UInt first = gather(words + offsetof(InstanceTable, first_pose) / 4, at, m);
     const float* poses = &tables.poses[0].time;
     const auto pose_number = [&](UInt i, int k) { return gather(poses + k, (first + i) << 4, moving); };
     const Affine b = pose_at(pose_number, select(moving, count, UInt(0u)), time).inverse();

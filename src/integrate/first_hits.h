@@ -23,7 +23,7 @@ public:
         const MaterialPoint point = surfaces_.material(s, material, hits, hits);
         const Vec3 n = flip_sign(s.ns, -dot(hit.d, s.ng));
         const Float depth = dot(s.p - hit.o, Vec3(Float(camera_.forward[0]), Float(camera_.forward[1]), Float(camera_.forward[2])));
-        const UInt object = surfaces_.shape_word(offsetof(ShapeTable, object_id), s.shape, hits);
+        const UInt object = surfaces_.object_of(hit, s.shape, hits);
         const Float values[] = {point.base_color.c[0], point.base_color.c[1 % channels], point.base_color.c[2 % channels],
                                 n.x, n.y, n.z, depth * Float(float(1 / scene_.tables.render_scale)),
                                 s.at.p_world.x, s.at.p_world.y, s.at.p_world.z};

@@ -71,6 +71,15 @@ public:
         return s;
     }
 
+    /// For the instance id AOV.
+    UInt object_of(const SurfaceHit& hit, UInt shape, Mask m) const
+    {
+        const UInt own = shape_word(offsetof(ShapeTable, object_id), shape, m);
+        if (t_.instances.empty()) return own;
+        const Mask placed = m & (hit.instance != UInt(no_index));
+        return select(placed, gather(words(t_.instances.data()) + offsetof(InstanceTable, object_id) / 4, hit.instance << 4, placed), own);
+    }
+
     UInt shape_word(std::size_t offset, UInt shape, Mask m) const
     {
         return gather(words(t_.shapes.data()) + offset / 4, shape * UInt(sizeof(ShapeTable) / 4), m);
@@ -249,7 +258,8 @@ private:
 
     void read_quad(const SurfaceHit& hit, Mask m, Surface& s) const
     {
-        const UInt quad = hit.primitive - UInt(t_.first_quad());
+        // Other lanes may hold any number, below the first too.
+        const UInt quad = select(m, hit.primitive - UInt(t_.first_quad()), UInt(0u));
         s.ng = select(m, scene_.quads.normal(quad), s.ng);
         s.extent = select(m, max(s.extent, scene_.quads.extent(quad)), s.extent);
         s.ns = select(m, s.ng, s.ns);

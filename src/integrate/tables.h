@@ -58,7 +58,7 @@ struct ShapeTable {
     std::uint32_t flags = 0;
     std::uint32_t first_primitive = 0;
     std::uint32_t light_base = no_index;  ///< light of its first primitive; the others follow
-    std::uint32_t object_id = 0;          ///< for the instance id AOV
+    std::uint32_t object_id = 0;          ///< for the instance id AOV, of what stands in the world
     /// Vertices of the mesh if they move, else 0: vertex v is v + k * moving_vertices at vertex_times[k].
     std::uint32_t moving_vertices = 0;
 };
@@ -66,9 +66,14 @@ struct ShapeTable {
 /// A shape placed once more, or one that moves: its primitives live in their own space.
 struct InstanceTable {
     std::array<float, 12> object_from_render{};  ///< rows of an affine map; not used if it moves
-    std::uint32_t shape = 0;       ///< material and so on of this instance
+    std::uint32_t shape = 0;       ///< material and flags; instances that agree in them share one
     std::uint32_t mesh_shape = 0;  ///< the shape whose primitives it places
-    std::uint32_t first_pose = 0, pose_count = 0;  ///< if it moves
+    std::uint32_t object_id = 0;   ///< instead of the shape's
+    std::uint32_t poses = 0;       ///< if it moves: how many in the low byte, above it the first of them
+
+    static constexpr std::uint32_t most_poses = 255, most_first_pose = (1u << 24) - 1;
+    std::uint32_t pose_count() const { return poses & 255; }
+    std::uint32_t first_pose() const { return poses >> 8; }
 };
 static_assert(sizeof(InstanceTable) == 64);
 

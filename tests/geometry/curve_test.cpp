@@ -106,8 +106,7 @@ TEST(Curves, placed_and_moving)
                             Transform::scale({4, i % 3 ? -2. : 7., 1});
         instance.object_from_render = rounded(t.inverse());
         if (i % 2) {
-            instance.first_pose = std::uint32_t(tables.poses.size());
-            instance.pose_count = 2;
+            instance.poses = std::uint32_t(tables.poses.size()) << 8 | 2;
             PoseTable pose;
             pose.translation[0] = p.x, pose.translation[1] = p.y, pose.translation[2] = p.z;
             pose.rotation[3] = 1;

@@ -139,8 +139,7 @@ SceneTables moving_instances(std::size_t n, std::uint32_t poses, double spread, 
                                 Transform::scale({10, -8, 3});
             instance.object_from_render = rounded(t.inverse());
         } else {
-            instance.first_pose = std::uint32_t(tables.poses.size());
-            instance.pose_count = poses;
+            instance.poses = std::uint32_t(tables.poses.size()) << 8 | poses;
             for (std::uint32_t k = 0; k < poses; ++k) {
                 PoseTable pose = random_pose(random, float(k) / float(poses - 1), spread);
                 if (k > 0) {

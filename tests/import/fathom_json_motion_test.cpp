@@ -42,7 +42,7 @@ TEST_F(FathomJsonMotion, Meshes)
 TEST_F(FathomJsonMotion, Errors)
 {
     EXPECT_EQ(error_in_node(R"({"motion": [{"time": 0}]})"), "/scene/0/motion: expected at least 2 elements, found 1");
-    EXPECT_EQ(error_in_node(R"({"motion": [{"time": 0}, {}]})"), "/scene/0/motion/1: lacks the key 'time'");
+    EXPECT_EQ(error_in_node(R"({"motion": [{"time": 0}, {}]})"), "/scene/0/motion/1: key 'time' is missing");
     EXPECT_EQ(error_in_node(R"({"motion": [{"time": 1}, {"time": 1}]})"), "/scene/0/motion/1/time: times must ascend");
     EXPECT_EQ(error_in_node(R"({"transform": {}, "motion": [{"time": 0}, {"time": 1}]})"),
               "/scene/0/motion: a node that moves has no 'transform' beside its 'motion'; its keys have");
