@@ -19,6 +19,13 @@ struct AovPlaces {
 /// Fast while radiance stays below 128, which it mostly does; larger values are kept apart and summed one by one.
 class TileSums {
 public:
+    /// Four at a time, by the vector types of GCC and Clang, which every instruction set has.
+    using Doubles = double __attribute__((vector_size(32)));
+    using Integers = std::int64_t __attribute__((vector_size(32)));
+    struct Fast {
+        Integers sum{}, square{};
+    };
+
     static constexpr double magic = 0x1.8p52 / double(std::uint64_t(1) << ExactSum::fraction_bits);
 
     /// words  of a pixel in the film
@@ -32,21 +39,31 @@ public:
     }
 
     /// Adds one sample's radiance and its square. NaN and infinity are dropped and counted.
-    void add(std::uint32_t pixel, float r, float g, float b)
+    void add(std::uint32_t pixel, std::uint32_t sample, float r, float g, float b)
+    {
+        if (std::fabs(r) < small && std::fabs(g) < small && std::fabs(b) < small) [[likely]]
+            return add_small(pixel, r, g, b);
+        if (keep_values) value[0] = r, value[1] = g, value[2] = b;
+        if (std::isfinite(r) && std::isfinite(g) && std::isfinite(b)) {
+            slow_.push_back({pixel, {r, g, b}});
+        } else if (dropped++ == 0) {
+            first_dropped_pixel = pixel;
+            first_dropped_sample = sample;
+        }
+    }
+
+    /// The same for magnitudes below `small`.
+    static constexpr float small = 128;
+    void add_small(std::uint32_t pixel, float r, float g, float b)
     {
         if (keep_values) [[unlikely]]
             value[0] = r, value[1] = g, value[2] = b;
-        const double v[4] = {r, g, b, 0};
-        if (std::fabs(v[0]) < 128 && std::fabs(v[1]) < 128 && std::fabs(v[2]) < 128) [[likely]] {
-            // Adding 1.5 * 2^52 units leaves the value, rounded to units, in the low bits of the double.
-            Fast& sums = fast_[pixel];
-            for (int i = 0; i < 4; ++i) {
-                sums.sum[i] += std::bit_cast<std::int64_t>(v[i] + magic) - std::bit_cast<std::int64_t>(magic);
-                sums.square[i] += std::bit_cast<std::int64_t>(v[i] * v[i] + magic) - std::bit_cast<std::int64_t>(magic);
-            }
-            return;
-        }
-        add_slow(pixel, r, g, b);
+        const Doubles v{r, g, b, 0};
+        // Adding 1.5 * 2^52 units leaves the value, rounded to units, in the low bits of the double.
+        const Doubles sum = v + magic, square = v * v + magic;
+        Fast& sums = fast_[pixel];
+        sums.sum += (Integers)sum - std::bit_cast<std::int64_t>(magic);
+        sums.square += (Integers)square - std::bit_cast<std::int64_t>(magic);
     }
 
     /// Adds to another sum of the film, by its place there.
@@ -75,9 +92,6 @@ public:
             for (int i = 0; i < 3; ++i) film[ids + i] = from[ids + i];
     }
 
-    struct Fast {
-        std::int64_t sum[4] = {}, square[4] = {};
-    };
     struct Slow {
         std::uint32_t pixel;
         float value[3];
@@ -85,18 +99,12 @@ public:
     const std::vector<Fast>& fast() const { return fast_; }
     const std::vector<Slow>& slow() const { return slow_; }
     std::uint64_t dropped = 0;
+    std::uint32_t first_dropped_pixel = 0, first_dropped_sample = 0;  ///< where any was
     /// Keeps the last sample as it came, NaN included: to replay one.
     bool keep_values = false;
     float value[3] = {};
 
 private:
-    void add_slow(std::uint32_t pixel, float r, float g, float b)
-    {
-        if (std::isfinite(r) && std::isfinite(g) && std::isfinite(b))
-            slow_.push_back({pixel, {r, g, b}});
-        else
-            ++dropped;
-    }
     std::uint32_t* first_hit(std::uint32_t pixel)
     {
         if (first_hits_.empty()) first_hits_.resize(fast_.size() * (words_per_pixel_ + 1));

@@ -215,7 +215,13 @@ void FlatScene::build(const SceneTables& tables)
     for (std::uint32_t i = 0; i < tables.spheres.size(); ++i) all.spheres.push_back({i, tables.first_sphere() + i});
     for (std::uint32_t i = 0; i < tables.disks.size(); ++i) all.disks.push_back({i, tables.first_disk() + i});
 
-    // Which primitives can come between two points of the scene?
+    find_occluders(tables, points, tolerance);
+    for (List* list : {&all, &occluders})
+        list->only_boxes = list->quads.empty() && list->triangles.empty() && list->spheres.empty() && list->disks.empty();
+}
+
+void FlatScene::find_occluders(const SceneTables& tables, const std::vector<Vec3d>& points, double tolerance)
+{
     occluders = all;
     if (has_infinite_light(tables)) return;
     const auto quad_on_hull = [&](std::uint32_t primitive) {

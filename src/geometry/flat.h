@@ -39,6 +39,7 @@ struct FlatScene {
         std::vector<Quad> quads;
         std::vector<Triangle> triangles;
         std::vector<Round> spheres, disks;
+        bool only_boxes = false;
     };
 
     List all;
@@ -59,6 +60,13 @@ struct FlatScene {
     Hit closest(const SceneTables& tables, const Ray& ray) const;
     /// Lanes of `active` that hit something before t_max.
     Mask occluded(const SceneTables& tables, const Ray& ray, Mask active) const;
+
+private:
+    /// What can come between two points of the scene. points: whose hull is that of the scene and its lights.
+    void find_occluders(const SceneTables& tables, const std::vector<Vec3d>& points, double tolerance);
+    // Arguments by value: nothing of the caller's has to live in memory for their sake.
+    Hit closest_other(const SceneTables& tables, Ray ray, Hit hit) const;
+    Mask occluded_by_other(const SceneTables& tables, Ray ray) const;
 };
 
 namespace flat {
@@ -167,6 +175,24 @@ struct SlabRay {
         }
         hit.primitive = primitive_of_code(code);
     }
+    if (!all.only_boxes) return closest_other(tables, ray, hit);
+    return hit;
+}
+
+[[gnu::always_inline]] inline Mask FlatScene::occluded(const SceneTables& tables, const Ray& ray, Mask active) const
+{
+    Mask blocked = Mask(false);
+    if (!occluders.boxes.empty()) {
+        const flat::SlabRay slab_ray(ray);
+        for (const Box& box : occluders.boxes) blocked |= flat::occluded_box(box, slab_ray, ray.t_max);
+    }
+    if (!occluders.only_boxes) blocked |= occluded_by_other(tables, ray);
+    return blocked & active;
+}
+
+/// The nearest of a hit and those of what is not in boxes.
+[[gnu::noinline]] inline Hit FlatScene::closest_other(const SceneTables& tables, Ray ray, Hit hit) const
+{
     for (const Quad& quad : all.quads) {
         Float t;
         const Mask m = flat::meet_quad(quad, ray, hit.t, t);
@@ -183,13 +209,9 @@ struct SlabRay {
     return hit;
 }
 
-[[gnu::always_inline]] inline Mask FlatScene::occluded(const SceneTables& tables, const Ray& ray, Mask active) const
+[[gnu::noinline]] inline Mask FlatScene::occluded_by_other(const SceneTables& tables, Ray ray) const
 {
     Mask blocked = Mask(false);
-    if (!occluders.boxes.empty()) {
-        const flat::SlabRay slab_ray(ray);
-        for (const Box& box : occluders.boxes) blocked |= flat::occluded_box(box, slab_ray, ray.t_max);
-    }
     for (const Quad& quad : occluders.quads) {
         Float t;
         blocked |= flat::meet_quad(quad, ray, ray.t_max, t);
@@ -204,7 +226,7 @@ struct SlabRay {
         for (const Round& round : occluders.disks) closest_disk(tables.disks[round.index], round.primitive, ray, hit);
         blocked |= hit.primitive != UInt(no_index);
     }
-    return blocked & active;
+    return blocked;
 }
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -15,7 +15,7 @@ public:
     bool wanted() const { return places_.any(); }
 
     /// Adds those of the lanes `hits`. pixel: place in the job; reversed_index: of the sample, see SampleKey.
-    void add(const SurfaceHit& hit, UInt pixel, UInt reversed_index, Mask hits)
+    [[gnu::noinline]] void add(const SurfaceHit& hit, UInt pixel, UInt reversed_index, Mask hits)
     {
         if (none(hits)) return;
         Surface s = surfaces_.read(hit, hits);

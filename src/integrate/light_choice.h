@@ -14,7 +14,7 @@ public:
     /// A point of the only light, or of one chosen by power; then the sample's density is that of both choices.
     ///
     /// key, seed: of the bounce, for the choice. random: for the point.
-    LightSample sample(Mask valid, Vec3 eye, const SampleKey& key, UInt seed, Sample2 random, Float time) const
+    [[gnu::always_inline]] LightSample sample(Mask valid, Vec3 eye, const SampleKey& key, UInt seed, Sample2 random, Float time) const
     {
         if (tables_.lights.size() == 1 && tables_.environment.light == no_index)
             return sample_light(LightRecord<true>(tables_.lights.data(), UInt(0u)), eye, time, random, valid);

@@ -137,7 +137,8 @@ private:
         for (std::size_t i = 0; i < finished; ++i) {
             const std::size_t k = finished_[i];
             sums_.add(p.scalar_integer(PathPool::state, k) >> PathPool::pixel_shift & (PathPool::max_pixels - 1),
-                      p.data[PathPool::radiance][k], p.data[PathPool::radiance + 1][k], p.data[PathPool::radiance + 2][k]);
+                      reversed_scalar(p.scalar_integer(PathPool::reversed_index, k)), p.data[PathPool::radiance][k],
+                      p.data[PathPool::radiance + 1][k], p.data[PathPool::radiance + 2][k]);
         }
         std::size_t packed = 0;
         for (std::uint32_t kind = 1; kind < std::uint32_t(BsdfKind::count); ++kind) {

@@ -30,12 +30,13 @@ public:
         std::size_t active = 0;
         for (;;) {
             while (active + lanes <= capacity && next_ < camera_paths_.total()) active = start(active);
-            if (active == 0) return;
+            if (active == 0) break;
             // Paths that go on take the places before those still to be read.
             std::size_t kept = 0;
             for (std::size_t i = 0; i < active; i += lanes) kept = bounce(i, first_lanes(active - i), kept);
             active = kept;
         }
+        sum_ended();
     }
 
 private:
@@ -46,13 +47,6 @@ private:
     enum Field { eye = 0, throughput = 3, radiance = throughput + channels, place = radiance + channels, pixel_hash, reversed_index, pixel, field_count };
     static constexpr std::uint32_t quad_mask = 0xffff, bounce_mask = 0x7fff, back = 1u << 31;
     static constexpr int bounce_shift = 16;
-
-    /// What travels with a path besides its ray.
-    struct Path {
-        Spectrum throughput, radiance;
-        SampleKey key;
-        UInt pixel, bounces;
-    };
 
     Float number(int field, std::size_t i) const { return load(&pool_[field][i]); }
     UInt integer(int field, std::size_t i) const { return float_bits(number(field, i)); }
@@ -65,128 +59,181 @@ private:
     }
 
     /// Camera paths: those that meet a surface which scatters are stored from `to` on. Returns where the next ones go.
-    [[gnu::noinline]] std::size_t start(std::size_t to)
+    [[gnu::noinline, gnu::flatten]] std::size_t start(std::size_t to)
     {
         const Mask valid = first_lanes(camera_paths_.total() - next_);
-        const CameraPaths::Path begin = camera_paths_.make(next_);
+        const CameraPaths::Path path = camera_paths_.make(next_);
         next_ += lanes;
-        const Path path{Spectrum(Float(1)), Spectrum(Float(0)), begin.key, begin.pixel, UInt(0u)};
-        return arrive<true>(begin.ray.o, begin.ray.d, Float(0), path, valid, valid, to);
+        Arrival<true> at{path.ray.o, path.ray.d, Float(0), valid};
+        at.meet(*this);
+        if (first_hits_.wanted())
+            first_hits_.add({at.o, at.d, at.t, Float(0), Float(0), Float(0), at.quad, UInt(no_index)}, path.pixel, path.key.reversed_index, at.hits);
+        Spectrum sum(Float(0));
+        at.add_radiance(*this, Spectrum(Float(1)), sum);
+        const Mask goes_on = at.goes_on();
+        finish(valid & !goes_on, path.pixel, path.key.reversed_index, sum);
+        at.keep_place(*this, UInt(0u), goes_on, to);
+        for (int c = 0; c < channels; ++c) keep(throughput + c, Float(1), goes_on, to), keep(radiance + c, sum.c[c], goes_on, to);
+        keep(pixel_hash, bits_float(path.key.pixel_hash), goes_on, to), keep(reversed_index, bits_float(path.key.reversed_index), goes_on, to);
+        keep(pixel, bits_float(path.pixel), goes_on, to);
+        return to + std::size_t(count(goes_on));
     }
 
-    /// A light, and the next direction, for the paths stored from i on.
-    [[gnu::noinline]] std::size_t bounce(std::size_t i, Mask valid, std::size_t to)
+    /// A light, and the next direction, for the paths stored from i on; `to` is at most i.
+    ///
+    /// Fields are read where they are needed, and again where they are needed again: registers are scarce.
+    [[gnu::noinline, gnu::flatten]] std::size_t bounce(std::size_t i, Mask valid, std::size_t to)
     {
-        Path path;
-        path.key = {integer(pixel_hash, i), integer(reversed_index, i)};
-        const UInt at = integer(place, i);
-        const UInt quad = at & UInt(quad_mask);
-        const UInt bounces = (at >> bounce_shift) & UInt(bounce_mask);
-        path.bounces = bounces + UInt(1u);
-        const UInt seed = group_seed(path.key, path.bounces);
+        const UInt seed = group_seed(key(i), bounces(i) + UInt(1u));
         // The light's point and the next direction are never multiplied with each other.
-        const UInt index = shuffled_index(path.key, seed);
-        const Vec3 o = vector(eye, i);
-        const Vec3 n = flip_sign(scene_.quads.normal(quad), bits_float(at));
-        path.throughput = spectrum(throughput, i) * scene_.quads.color(quad);
-        path.radiance = spectrum(radiance, i);
-        if (lights_are_sampled_) add_light(valid, o, n, seed, index, path);
+        const UInt index = shuffled_index(key(i), seed);
+        Spectrum light(Float(0));
+        if (lights_are_sampled_) light = direct_light(i, valid, seed, index);
 
         const Vec3 local = sample_cosine_hemisphere(sample_2d(index, pair_seed(seed, pair_bsdf)));
-        const Vec3 tangent = scene_.quads.tangent(quad);
-        const Vec3 wi = Frame(tangent, cross(n, tangent), n).to_world(local);
-        const Mask ends = end_some(settings_, path.key, seed, bounces, Float(1), path.throughput);
-        path.pixel = integer(pixel, i);
-        return arrive<false>(o, wi, local.z * Float(inv_pi), path, valid & !ends, valid, to);
+        const Vec3 n = normal(i), tangent = scene_.quads.tangent(quad(i));
+        Arrival<false> at{vector(eye, i), Frame(tangent, cross(n, tangent), n).to_world(local), local.z * Float(inv_pi), valid};
+
+        Spectrum left = spectrum(throughput, i) * scene_.quads.color(quad(i));
+        Spectrum sum;
+        for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c], light.c[c], number(radiance + c, i));
+        const UInt before = bounces(i);
+        at.alive = valid & !end_some(settings_, key(i), seed, before, Float(1), left);
+        at.meet(*this);
+        at.add_radiance(*this, left, sum);
+        const Mask goes_on = at.goes_on();
+        finish(valid & !goes_on, integer(pixel, i), integer(reversed_index, i), sum);
+        at.keep_place(*this, before + UInt(1u), goes_on, to);
+        for (int c = 0; c < channels; ++c) keep(throughput + c, left.c[c], goes_on, to), keep(radiance + c, sum.c[c], goes_on, to);
+        for (const int field : {pixel_hash, reversed_index, pixel}) keep(field, number(field, i), goes_on, to);
+        return to + std::size_t(count(goes_on));
     }
 
-    /// Adds what a sampled light sends to the eye, if nothing is in the way. path.throughput: with the surface's colour.
-    [[gnu::always_inline]] void add_light(Mask valid, Vec3 o, Vec3 n, UInt seed, UInt index, Path& path)
+    SampleKey key(std::size_t i) const { return {integer(pixel_hash, i), integer(reversed_index, i)}; }
+    UInt quad(std::size_t i) const { return integer(place, i) & UInt(quad_mask); }
+    UInt bounces(std::size_t i) const { return (integer(place, i) >> bounce_shift) & UInt(bounce_mask); }
+    /// On the side of the path.
+    Vec3 normal(std::size_t i) const { return flip_sign(scene_.quads.normal(quad(i)), number(place, i)); }
+
+    void keep(int field, Float value, Mask goes_on, std::size_t to) { compress_store(&pool_[field][to], value, goes_on); }
+
+    /// What a sampled light sends to the paths if nothing is in the way, times cosine / pi, over the density; to be
+    /// multiplied by throughput and the surface's colour.
+    [[gnu::always_inline]] Spectrum direct_light(std::size_t i, Mask valid, UInt seed, UInt index)
     {
-        const LightSample s = lights_.sample(valid, o, path.key, seed, sample_2d(index, pair_seed(seed, pair_light)), Float(0));
-        const Float cosine = dot(s.wi, n);
+        const LightSample s = lights_.sample(valid, vector(eye, i), key(i), seed, sample_2d(index, pair_seed(seed, pair_light)), Float(0));
+        const Float cosine = dot(s.wi, normal(i));
         const Mask lit = valid & (s.inverse_pdf > Float(0)) & (cosine > Float(0));
-        if (none(lit)) return;
         counters_.rays += std::uint64_t(count(lit));
-        const Mask clear = lit & !scene_.flat.occluded(tables_, Ray{o, s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)}, lit);
+        const Mask clear = lit & !scene_.flat.occluded(tables_, Ray{vector(eye, i), s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)}, lit);
         // f_cos / pdf, times the power heuristic in terms of r = bsdf_pdf / pdf: 1 / (1 + r^2).
         const Float r = cosine * Float(inv_pi) * s.inverse_pdf;
         Float weight = r * reciprocal(fma(r, r, Float(1)));
         if (any(s.is_delta)) weight = select(s.is_delta, r, weight);
-        weight = select(clear, weight, Float(0));
-        for (int c = 0; c < channels; ++c) path.radiance.c[c] = fma(path.throughput.c[c] * s.radiance.c[c], weight, path.radiance.c[c]);
+        return s.radiance * select(clear, weight, Float(0));
     }
 
-    /// Follows a ray to what it meets, sums the paths that end, and stores the others from `to` on.
-    ///
-    /// alive: lanes with a ray. valid: lanes with a path. pdf: of the ray's direction.
+    /// Rays on their way to what they meet.
     template <bool from_camera>
-    [[gnu::always_inline]] std::size_t arrive(Vec3 o, Vec3 d, Float pdf, Path path, Mask alive, Mask valid, std::size_t to)
-    {
-        counters_.rays += std::uint64_t(count(alive));
-        const Hit hit = scene_.flat.closest(tables_, Ray{o, d, Float(infinity), Float(0)});
-        const UInt quad = hit.primitive;  // there are no triangles before them
-        const Mask hits = alive & (quad != UInt(no_index));
-        if (from_camera && first_hits_.wanted())
-            first_hits_.add({o, d, hit.t, Float(0), Float(0), Float(0), quad, UInt(no_index)}, path.pixel, path.key.reversed_index, hits);
-        const UInt flags = scene_.quads.flags(quad);
-        const Vec3 n = scene_.quads.normal(quad);
-        const Float facing = -dot(d, n);
-        const UInt shining_side = select(facing > Float(0), UInt(QuadColumns::emits_front), UInt(QuadColumns::emits_back));
-        const Mask shines = hits & ((flags & shining_side) != UInt(0u));
-        if (any(shines)) add_emission<from_camera>(quad, shines, o, d, hit.t, pdf, path);
-        if (sees_background_ && any(alive & !hits)) add_environment<from_camera>(alive & !hits, d, pdf, path);
+    struct Arrival {
+        Vec3 o, d;
+        Float pdf;   ///< of the direction
+        Mask alive;  ///< lanes with a ray
 
-        const Mask goes_on = hits & ((flags & UInt(QuadColumns::scatters)) != UInt(0u));
-        finish(valid & !goes_on, path);
-        const Vec3 p = fma(d, hit.t, o);
-        const Vec3 off = offset_origin(p, flip_sign(n, facing), max(hit.t, scene_.quads.extent(quad)));
-        const auto keep = [&](int field, Float value) { compress_store(&pool_[field][to], value, goes_on); };
-        keep(eye, off.x), keep(eye + 1, off.y), keep(eye + 2, off.z);
-        for (int c = 0; c < channels; ++c) keep(throughput + c, path.throughput.c[c]), keep(radiance + c, path.radiance.c[c]);
-        keep(place, bits_float(quad | path.bounces << bounce_shift | (float_bits(facing) & UInt(back))));
-        keep(pixel_hash, bits_float(path.key.pixel_hash)), keep(reversed_index, bits_float(path.key.reversed_index));
-        keep(pixel, bits_float(path.pixel));
-        return to + std::size_t(count(goes_on));
-    }
+        Float t{};
+        UInt quad{}, flags{};
+        Mask hits{};
+        Vec3 n{};
+        Float facing{};  ///< positive on the side of the quad's normal
 
-    /// What the quads emit towards the ray's origin, weighted against light sampling.
-    template <bool from_camera>
-    [[gnu::always_inline]] void add_emission(UInt quad, Mask shines, Vec3 o, Vec3 d, Float t, Float pdf, Path& path)
-    {
-        Float weight(1.f);
-        if (!from_camera && lights_are_sampled_) {
-            const UInt light = scene_.quads.light(quad);
+        [[gnu::always_inline]] void meet(QuadTracer& tracer)
+        {
+            const LaneScene& scene = tracer.scene_;
+            tracer.counters_.rays += std::uint64_t(count(alive));
+            const Hit hit = scene.flat.closest(scene.tables, Ray{o, d, Float(infinity), Float(0)});
+            t = hit.t;
+            quad = hit.primitive;  // there are no triangles before them
+            hits = alive & (quad != UInt(no_index));
+            flags = scene.quads.flags(quad);
+            n = scene.quads.normal(quad);
+            facing = -dot(d, n);
+        }
+        Mask goes_on() const { return hits & ((flags & UInt(QuadColumns::scatters)) != UInt(0u)); }
+
+        /// What quads and background send to the ray's origin, weighted against light sampling.
+        [[gnu::always_inline]] void add_radiance(QuadTracer& tracer, const Spectrum& left, Spectrum& sum)
+        {
+            const UInt shining_side = select(facing > Float(0), UInt(QuadColumns::emits_front), UInt(QuadColumns::emits_back));
+            const Mask shines = hits & ((flags & shining_side) != UInt(0u));
+            if (any(shines)) {
+                const Float weight = select(shines, emission_weight(tracer, shines), Float(0));
+                const Spectrum emitted = tracer.scene_.quads.emission(quad);
+                for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c] * emitted.c[c], weight, sum.c[c]);
+            }
+            if (const Mask misses = alive & !hits; tracer.sees_background_ && any(misses))
+                sum = sum + left * background(tracer, d, pdf, misses);
+        }
+
+        [[gnu::always_inline]] Float emission_weight(const QuadTracer& tracer, Mask shines) const
+        {
+            if (from_camera || !tracer.lights_are_sampled_) return Float(1);
+            const auto& lights = tracer.tables_.lights;
+            const UInt light = tracer.scene_.quads.light(quad);
             const Mask shared = shines & (light != UInt(no_index));
             Float other;
-            if (tables_.lights.size() == 1) {
-                other = pdf_light(LightRecord<true>(tables_.lights.data(), UInt(0u)), o, Float(0), d, t, shared);
+            if (lights.size() == 1) {
+                other = pdf_light(LightRecord<true>(lights.data(), UInt(0u)), o, Float(0), d, t, shared);
             } else {
-                const LightRecord<false> record(tables_.lights.data(), select(shared, light, UInt(0u)));
+                const LightRecord<false> record(lights.data(), select(shared, light, UInt(0u)));
                 other = record.pmf() * pdf_light(record, o, Float(0), d, t, shared);
             }
-            weight = select(shared, mis_weight(pdf, other), weight);
+            return select(shared, mis_weight(pdf, other), Float(1));
         }
-        weight = select(shines, weight, Float(0));
-        const Spectrum emitted = scene_.quads.emission(quad);
-        for (int c = 0; c < channels; ++c) path.radiance.c[c] = fma(path.throughput.c[c] * emitted.c[c], weight, path.radiance.c[c]);
-    }
 
-    template <bool from_camera>
-    [[gnu::noinline]] void add_environment(Mask m, Vec3 d, Float pdf, Path& path)
-    {
-        const Spectrum seen = lights_.environment(settings_.background, lights_are_sampled_, d, Mask(from_camera), Mask(from_camera), pdf, m);
-        path.radiance = select(m, path.radiance + path.throughput * seen, path.radiance);
-    }
+        /// By value: nothing of the caller's has to live in memory for its sake. 0 outside the mask.
+        [[gnu::noinline]] static Spectrum background(const QuadTracer& tracer, Vec3 d, Float pdf, Mask misses)
+        {
+            const Spectrum seen = tracer.lights_.environment(tracer.settings_.background, tracer.lights_are_sampled_, d, Mask(from_camera),
+                                                             Mask(from_camera), pdf, misses);
+            return select(misses, seen, Spectrum(Float(0)));
+        }
 
-    void finish(Mask ended, const Path& path)
+        [[gnu::always_inline]] void keep_place(QuadTracer& tracer, UInt bounces, Mask goes_on, std::size_t to) const
+        {
+            const Vec3 p = offset_origin(fma(d, t, o), flip_sign(n, facing), max(t, tracer.scene_.quads.extent(quad)));
+            tracer.keep(eye, p.x, goes_on, to), tracer.keep(eye + 1, p.y, goes_on, to), tracer.keep(eye + 2, p.z, goes_on, to);
+            tracer.keep(place, bits_float(quad | bounces << bounce_shift | (float_bits(facing) & UInt(back))), goes_on, to);
+        }
+    };
+
+    /// Notes the sums of paths that have ended.
+    [[gnu::always_inline]] void finish(Mask ended, UInt pixels, UInt reversed, const Spectrum& sum)
     {
-        if (none(ended)) return;
+        Float largest = abs(sum.c[0]);
+        for (int c = 1; c < channels; ++c) largest = max(abs(sum.c[c]), largest);
+        // NaN is not small; where max() loses one, the comparison of the sum finds it.
+        Float total = sum.c[0];
+        for (int c = 1; c < channels; ++c) total = total + sum.c[c];
+        const Mask small = ended & (largest < Float(TileSums::small)) & (total == total);
+        if (const Mask large = ended & !small; any(large)) sum_large(large, pixels, reversed, sum);
+        compress_store(&ended_pixel_[ended_], pixels, small);
+        for (int c = 0; c < channels; ++c) compress_store(&ended_radiance_[c][ended_], sum.c[c], small);
+        ended_ += std::size_t(count(small));
+        if (ended_ > capacity - lanes) sum_ended();
+    }
+    [[gnu::noinline]] void sum_large(Mask m, UInt pixels, UInt reversed, Spectrum sum)
+    {
+        std::uint32_t pixel_of[lanes], sample[lanes];
         float value[channels][lanes];
-        std::uint32_t pixels[lanes];
-        for (int c = 0; c < channels; ++c) store(value[c], path.radiance.c[c]);
-        store(pixels, path.pixel);
-        for_each_active(ended, [&](int lane) { sums_.add(pixels[lane], value[0][lane], value[1][lane], value[2][lane]); });
+        store(pixel_of, pixels), store(sample, reverse_bits(reversed));
+        for (int c = 0; c < channels; ++c) store(value[c], sum.c[c]);
+        for_each_active(m, [&](int k) { sums_.add(pixel_of[k], sample[k], value[0][k], value[1][k], value[2][k]); });
+    }
+    [[gnu::noinline]] void sum_ended()
+    {
+        for (std::size_t k = 0; k < ended_; ++k)
+            sums_.add_small(ended_pixel_[k], ended_radiance_[0][k], ended_radiance_[1][k], ended_radiance_[2][k]);
+        ended_ = 0;
     }
 
     const LaneScene& scene_;
@@ -202,7 +249,12 @@ private:
     std::uint32_t next_ = 0;  ///< number of the job's next path
 
     /// Floats, and the bits of integers; room behind for stores of whole registers.
-    alignas(64) float pool_[field_count][capacity + 2 * lanes];
+    static constexpr std::size_t padding = 2 * lanes;
+    alignas(64) float pool_[field_count][capacity + padding];
+    /// Paths that have ended: summed many at a time.
+    std::size_t ended_ = 0;
+    std::uint32_t ended_pixel_[capacity + padding];
+    float ended_radiance_[channels][capacity + padding];
 };
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -107,24 +107,32 @@ struct FlatLightPoint {
     }
 };
 
+/// The part of sample_rectangle for lanes that see it large; what it returns is right for all lanes.
 template <class Light>
-[[gnu::always_inline]] inline FlatLightPoint sample_rectangle(const Light& light, Vec3 p, Sample2 random, Mask active)
+[[gnu::noinline]] FlatLightPoint sample_large_rectangle(const Light& light, Vec3 corner, Sample2 random, Mask large)
 {
     const Vec3 u = light.edge_u(), v = light.edge_v(), n = light.normal();
     const Float length_u = light.length_u(), length_v = light.length_v();
-    const Vec3 corner = light.position() - p;
-    Float du = random.x * length_u, dv = random.y * length_v;
-    // Those behind a light that shines to one side need no good sample.
-    const Mask large = active & sees_rectangle_large(light, p) & ((light.two_sided() != UInt(0)) | (dot(corner, n) < Float(0)));
-    if (none(large)) return FlatLightPoint(fma(u, du, fma(v, dv, corner)), n, light.area());
     const SphericalRectangle seen(corner, u, v, n, length_u, length_v);
     const SphericalRectangle::Point point = seen.sample(random);
     const Mask by_angle = large & (seen.solid_angle >= Float(min_solid_angle));
-    du = select(by_angle, point.x - seen.x0, du);
-    dv = select(by_angle, point.y - seen.y0, dv);
+    const Float du = select(by_angle, point.x - seen.x0, random.x * length_u);
+    const Float dv = select(by_angle, point.y - seen.y0, random.y * length_v);
     FlatLightPoint s(fma(u, du, fma(v, dv, corner)), n, light.area());
     s.inverse_pdf = select(by_angle, seen.solid_angle, s.inverse_pdf);
     return s;
+}
+
+template <class Light>
+[[gnu::always_inline]] inline FlatLightPoint sample_rectangle(const Light& light, Vec3 p, Sample2 random, Mask active)
+{
+    const Vec3 n = light.normal();
+    const Vec3 corner = light.position() - p;
+    // Those behind a light that shines to one side need no good sample.
+    const Mask large = active & sees_rectangle_large(light, p) & ((light.two_sided() != UInt(0)) | (dot(corner, n) < Float(0)));
+    if (any(large)) return sample_large_rectangle(light, corner, random, large);
+    const Vec3 to = fma(light.edge_u(), random.x * light.length_u(), fma(light.edge_v(), random.y * light.length_v(), corner));
+    return FlatLightPoint(to, n, light.area());
 }
 
 }  // namespace detail
@@ -132,25 +140,16 @@ template <class Light>
 /// 1 - cos of the half angle under which a sphere is seen: r^2 / d^2 = sin^2, kept exact for small ones.
 inline Float one_minus_cos_of(Float sin2) { return sin2 / (Float(1) + sqrt(max(Float(1) - sin2, Float(0)))); }
 
-/// Samples a point of the light as seen from p, at shutter time `time`. What other lanes than the active ones get is of
-/// no use.
+/// sample_light for lights that are not all rectangles.
 template <class Light>
-[[gnu::always_inline]] inline LightSample sample_light(const Light& light, Vec3 p, Float time, Sample2 random, Mask active)
+[[gnu::noinline]] LightSample sample_any_light(const Light& light, Vec3 p, Float time, Sample2 random, Mask active)
 {
     LightSample s;
     s.radiance = light.radiance();
     s.is_delta = Mask(false);
     const UInt kind = light.kind();
     const Mask two_sided = light.two_sided() != UInt(0);
-
     const Mask rectangle = is_kind(kind, LightTableKind::rectangle);
-    if (all(rectangle)) {
-        const auto point = detail::sample_rectangle(light, p, random, active);
-        s.wi = point.wi;
-        s.distance = point.distance;
-        s.inverse_pdf = select((point.cosine > Float(0)) | two_sided, point.inverse_pdf, Float(0));
-        return s;
-    }
     s.wi = {Float(0), Float(0), Float(1)};
     s.distance = Float(1);
     s.inverse_pdf = Float(1);
@@ -229,22 +228,35 @@ template <class Light>
     return s;
 }
 
-/// The density per solid angle, seen from p, with which sample_light would have found the point at p + distance * wi of
-/// an emissive surface with geometric normal n; without the probability of choosing the light.
+/// Samples a point of the light as seen from p, at shutter time `time`. What other lanes than the active ones get is of
+/// no use.
 template <class Light>
-[[gnu::always_inline]] inline Float pdf_light(const Light& light, Vec3 p, Float time, Vec3 wi, Float distance, Mask active)
+[[gnu::always_inline]] inline LightSample sample_light(const Light& light, Vec3 p, Float time, Sample2 random, Mask active)
 {
-    const UInt kind = light.kind();
-    const Float cosine = abs(dot(wi, light.normal()));
-    Float pdf = distance * distance * reciprocal(max(cosine * light.area(), Float(1e-30f)));
-    const Mask rectangle = active & is_kind(kind, LightTableKind::rectangle);
-    if (const Mask large = rectangle & sees_rectangle_large(light, p); any(large)) {
+    if (!all(is_kind(light.kind(), LightTableKind::rectangle))) return sample_any_light(light, p, time, random, active);
+    const auto point = detail::sample_rectangle(light, p, random, active);
+    LightSample s;
+    s.wi = point.wi;
+    s.distance = point.distance;
+    s.inverse_pdf = select((point.cosine > Float(0)) | (light.two_sided() != UInt(0)), point.inverse_pdf, Float(0));
+    s.radiance = light.radiance();
+    s.is_delta = Mask(false);
+    return s;
+}
+
+namespace detail {
+
+/// The densities of those lanes that see a rectangle or sphere by solid angle; of the others, `by_area`.
+template <class Light>
+[[gnu::noinline]] Float pdf_by_angle(const Light& light, Vec3 p, Float time, Float by_area, Mask large, Mask sphere)
+{
+    Float pdf = by_area;
+    if (any(large)) {
         const SphericalRectangle seen(light.position() - p, light.edge_u(), light.edge_v(), light.normal(),
                                       light.length_u(), light.length_v());
         const Mask by_angle = large & (seen.solid_angle >= Float(min_solid_angle));
         pdf = select(by_angle, reciprocal(seen.solid_angle), pdf);
     }
-    const Mask sphere = active & is_kind(kind, LightTableKind::sphere);
     if (any(sphere)) {
         const Vec3 to_center = fma(light.motion(), time, light.position()) - p;
         const Float r = light.radius();
@@ -253,6 +265,21 @@ template <class Light>
         pdf = select(sphere, Float(0.5f * inv_pi) / spread, pdf);
     }
     return pdf;
+}
+
+}  // namespace detail
+
+/// The density per solid angle, seen from p, with which sample_light would have found the point at p + distance * wi of
+/// an emissive surface; without the probability of choosing the light. For the active lanes.
+template <class Light>
+[[gnu::always_inline]] inline Float pdf_light(const Light& light, Vec3 p, Float time, Vec3 wi, Float distance, Mask active)
+{
+    const UInt kind = light.kind();
+    const Float cosine = abs(dot(wi, light.normal()));
+    const Float pdf = distance * distance * reciprocal(max(cosine * light.area(), Float(1e-30f)));
+    const Mask large = active & is_kind(kind, LightTableKind::rectangle) & sees_rectangle_large(light, p);
+    const Mask sphere = active & is_kind(kind, LightTableKind::sphere);
+    return any(large | sphere) ? detail::pdf_by_angle(light, p, time, pdf, large, sphere) : pdf;
 }
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -5,6 +5,15 @@
 
 namespace fathom::inline FATHOM_LANES {
 
+/// reverse_bits of one number.
+inline std::uint32_t reversed_scalar(std::uint32_t x)
+{
+    x = (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
+    x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
+    x = (x & 0x0f0f0f0fu) << 4 | (x >> 4 & 0x0f0f0f0fu);
+    return __builtin_bswap32(x);
+}
+
 /// A 32-bit mix with full avalanche (Wellons's "lowbias32" constants).
 template <class U>
 U hash(U x)

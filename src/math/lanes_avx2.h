@@ -97,7 +97,7 @@ inline UInt float_bits(Float a) { return _mm256_castps_si256(a.v); }
 inline Float bits_float(UInt a) { return _mm256_castsi256_ps(a.v); }
 inline Float to_float(UInt a) { return _mm256_cvtepi32_ps(a.v); }
 inline UInt to_uint(Float a) { return _mm256_cvttps_epi32(a.v); }
-inline Float operator-(Float a) { return bits_float(float_bits(a) ^ UInt(0x80000000u)); }
+inline Float operator-(Float a) { return -a.v; }
 
 inline Float gather(const float* base, UInt index) { return _mm256_i32gather_ps(base, index.v, 4); }
 inline UInt gather(const std::uint32_t* base, UInt index)

@@ -10,7 +10,8 @@ namespace fathom::native {
 inline constexpr int lanes = 16;
 inline constexpr const char* lanes_name = "AVX-512";
 
-struct Mask {
+// As wide as a general register: compilers would keep a pair of smaller ones in one, and shift them to and fro.
+struct alignas(8) Mask {
     __mmask16 v;
     Mask() = default;
     Mask(__mmask16 m) : v(m) {}
@@ -85,7 +86,7 @@ inline UInt float_bits(Float a) { return _mm512_castps_si512(a.v); }
 inline Float bits_float(UInt a) { return _mm512_castsi512_ps(a.v); }
 inline Float to_float(UInt a) { return _mm512_cvtepi32_ps(a.v); }
 inline UInt to_uint(Float a) { return _mm512_cvttps_epi32(a.v); }
-inline Float operator-(Float a) { return bits_float(float_bits(a) ^ UInt(0x80000000u)); }
+inline Float operator-(Float a) { return -a.v; }
 
 inline Float gather(const float* base, UInt index) { return _mm512_i32gather_ps(index.v, base, 4); }
 inline UInt gather(const std::uint32_t* base, UInt index) { return _mm512_i32gather_epi32(index.v, base, 4); }

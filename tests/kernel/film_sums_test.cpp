@@ -45,7 +45,7 @@ TEST(TileSums, FastAndSlowWaysAgree)
     std::uint32_t film[18] = {}, plain[18] = {};
     for (int i = 0; i < 1000; ++i) {
         const float v[3] = {float(random() % 1000) * 0.1f, 0.3f * float(i % 7), 1e-4f * float(random() % 100)};
-        fast.add(0, v[0], v[1], v[2]);
+        fast.add(0, 0, v[0], v[1], v[2]);
         for (int c = 0; c < 3; ++c) {
             ExactSum::add_number(plain + 3 * c, v[c]);
             ExactSum::add_number(plain + 3 * (3 + c), double(v[c]) * v[c]);
@@ -60,12 +60,14 @@ TEST(TileSums, BrightSamplesAreKeptApartAndBadOnesCounted)
 {
     TileSums sums;
     sums.reset(2, 18);
-    sums.add(1, 1e6f, 0, 0);
-    sums.add(1, std::nanf(""), 0, 0);
-    sums.add(0, 0, INFINITY, 0);
+    sums.add(1, 5, 1e6f, 0, 0);
+    sums.add(1, 7, std::nanf(""), 0, 0);
+    sums.add(0, 8, 0, INFINITY, 0);
     ASSERT_EQ(sums.slow().size(), 1u);
     EXPECT_EQ(sums.slow()[0].pixel, 1u);
     EXPECT_EQ(sums.dropped, 2u);
+    EXPECT_EQ(sums.first_dropped_pixel, 1u);
+    EXPECT_EQ(sums.first_dropped_sample, 7u);
 }
 
 }  // namespace
