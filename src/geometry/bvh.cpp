@@ -96,7 +96,7 @@ void trace_alike(const BvhData& bvh, RayMask rest, StreamMemory& memory, Stream<
         const RayMask rays = alike(memory.world, rest);
         rest &= ~rays;
         if (std::popcount(rays) >= least_packet)
-            PacketTraversal<any_hit, moving>(bvh, memory, stream, rays, {memory.world, bvh.root, no_index, bvh.radius}).run();
+            PacketTraversal<any_hit, moving>(bvh, memory, stream, rays, {bvh.root, no_index, bvh.radius}).run();
         else
             start_at_root(bvh, rays, stream);
     }

@@ -62,8 +62,10 @@ private:
 
     void defer(int ray, std::uint32_t reference)
     {
-        if (stream_.defer(ray, reference, 0)) return;
-        // No more room: now.
+        if (!stream_.defer(ray, reference, 0)) make_room(ray, reference);
+    }
+    [[gnu::noinline]] void make_room(int ray, std::uint32_t reference)
+    {
         stream_.start(ray);
         stream_.run();
         stream_.add(ray);

@@ -29,12 +29,12 @@ inline RayMask alike(const PreparedRays* all, RayMask rays)
     return same & rays;
 }
 
-template <bool any_hit, bool moving>
+/// within  the rays are in the space of what an instance places, in memory.together; else in the world
+template <bool any_hit, bool moving, bool within = false>
 class PacketTraversal {
 public:
-    /// Where the rays are: in the world, or in what an instance places.
+    /// What is to be walked through.
     struct Space {
-        const PreparedRays* rays;
         std::uint32_t root, instance;
         float radius;
     };
@@ -45,7 +45,7 @@ public:
         : bvh_(bvh), memory_(memory), stream_(stream), rays_(rays), space_(space), bottom_(stack_size)
     {
         const int first = std::countr_zero(rays);
-        const PreparedRay r{&space.rays[first / lanes].f[0][first % lanes]};
+        const PreparedRay r{&part(first / lanes).f[0][first % lanes]};
         for (int k = 0; k < 3; ++k) {
             side_[k] = r.integer(PreparedRays::side_x + k);
             axes_[k] = int(r.integer(PreparedRays::axis) + std::uint32_t(k) + 1) % 3;
@@ -91,7 +91,8 @@ private:
     {
         return mask_from_bits(std::uint32_t(rays >> part * lanes) & std::uint32_t((RayMask(1) << lanes) - 1));
     }
-    const PreparedRays& part(int i) const { return space_.rays[i]; }
+    const PreparedRays& part(int i) const { return within ? memory_.together[i] : memory_.world[i]; }
+    std::uint32_t instance() const { return within ? space_.instance : no_index; }
 
     static float least(Float x)
     {
@@ -155,8 +156,10 @@ private:
 
     void defer(int ray, std::uint32_t reference, float t)
     {
-        if (stream_.defer(ray, reference, t)) return;
-        // No more room: now.
+        if (!stream_.defer(ray, reference, t)) make_room(ray, reference, t);
+    }
+    [[gnu::noinline]] void make_room(int ray, std::uint32_t reference, float t)
+    {
         stream_.start(ray);
         stream_.run();
         begin_again(ray);
@@ -166,14 +169,15 @@ private:
     void begin_again(int ray)
     {
         stream_.add(ray);
-        if (space_.instance != no_index) stream_.enter(ray, space_.instance, &part(ray / lanes).f[0][ray % lanes]);
+        if (within) stream_.enter(ray, instance(), &part(ray / lanes).f[0][ray % lanes]);
         if (any_hit && memory_.hits.what[ray] != no_index) blocked_ |= RayMask(1) << ray;
     }
 
-    void visit_other(std::uint32_t reference, float t, RayMask rays, int size)
+    [[gnu::noinline]] void visit_other(std::uint32_t reference, float t, RayMask rays, int size)
     {
-        const bool placed = BvhReference::other_kind(reference) == BvhReference::instance;
-        if (placed && std::popcount(rays) >= least_within) return visit_instance(BvhReference::place(reference), rays, size);
+        if constexpr (!within)
+            if (BvhReference::other_kind(reference) == BvhReference::instance && std::popcount(rays) >= least_within)
+                return visit_instance(BvhReference::place(reference), rays, size);
         if (moving && BvhReference::other_kind(reference) == BvhReference::moving_triangles &&
             bvh_.tables->vertex_times.size() == 2)
             return visit_moving_leaf({&bvh_.others[std::size_t(BvhReference::place(reference)) * BvhLeaf::unit]}, rays);
@@ -217,7 +221,8 @@ private:
                 const int ray = std::countr_zero(m);
                 stream_.enter(ray, index, &memory_.together[ray / lanes].f[0][ray % lanes]);
             }
-            PacketTraversal inner(bvh_, memory_, stream_, same, {memory_.together, mesh.root, index, mesh.radius}, size);
+            PacketTraversal<any_hit, moving, true> inner(bvh_, memory_, stream_, same, {mesh.root, index, mesh.radius},
+                                                         size);
             inner.run();
             blocked_ |= inner.blocked() & same;
         }
@@ -421,7 +426,7 @@ private:
             store(hits.u + base, select(m, u, load(hits.u + base)));
             store(hits.v + base, select(m, v, load(hits.v + base)));
             store(hits.what + base, select(m, UInt(what), load(hits.what + base)));
-            store(hits.instance + base, select(m, UInt(space_.instance), load(hits.instance + base)));
+            store(hits.instance + base, select(m, UInt(instance()), load(hits.instance + base)));
         }
         return true;
     }
@@ -433,9 +438,9 @@ private:
         const BvhKey key = what & hit_is_place ? bvh_.keys[what & ~hit_is_place] : what;
         bool found = false;
         for_each_active(m, [&](int lane) {
-            if (!memory_.hits.loses_to(bvh_, base + lane, ts[lane], us[lane], key, space_.instance)) return;
-            if (bvh_.has_alpha && !passes_alpha(bvh_, key, space_.instance, us[lane], vs[lane])) return;
-            memory_.hits.set(base + lane, ts[lane], us[lane], vs[lane], key, space_.instance);
+            if (!memory_.hits.loses_to(bvh_, base + lane, ts[lane], us[lane], key, instance())) return;
+            if (bvh_.has_alpha && !passes_alpha(bvh_, key, instance(), us[lane], vs[lane])) return;
+            memory_.hits.set(base + lane, ts[lane], us[lane], vs[lane], key, instance());
             if (any_hit) blocked_ |= RayMask(1) << (base + lane);
             found = true;
         });
