@@ -4,7 +4,7 @@
 
 # The one list of packages (the same names in Debian 12 and Ubuntu 24.04).
 packages_to_build=(
-    g++ cmake ninja-build pkg-config ccache
+    clang-19 g++ cmake ninja-build pkg-config ccache
     libtbb-dev libfmt-dev libcli11-dev nlohmann-json3-dev
     libopenexr-dev libpng-dev libjpeg-dev libwebp-dev libstb-dev
     libassimp-dev libsfml-dev

@@ -23,6 +23,8 @@ LightTable rectangle_light(Vec3d corner, Vec3d u, Vec3d v)
     put(l.normal, normalize(cross(u, v)));
     l.length_u = float(length(u)), l.length_v = float(length(v));
     l.area = l.length_u * l.length_v;
+    put(l.center, corner + (u + v) * 0.5);
+    l.radius = float(length(u + v));
     l.two_sided = 1;
     for (float& r : l.radiance) r = 1;
     return l;
@@ -50,7 +52,8 @@ const Place places[] = {
     {{0, 0, 0}, {1, 2, 0.5}, {3, 0, 0}, {0, 0.5, 0}},         // aside and near
     {{0, 0, 0}, {-5, -5, 0.3}, {10, 0, 0}, {0, 10, 0}},       // nearly half of all directions
     {{1, 2, 3}, {2, 2, 4}, {1, 1, 0}, {0, 0, 2}},             // turned
-    {{278, 0, 200}, {213, 554, 227}, {130, 0, 0}, {0, 0, 105}},  // the Cornell box's lamp from its floor
+    {{278, 0, 200}, {213, 554, 227}, {130, 0, 0}, {0, 0, 105}},  // the Cornell box's lamp from its floor: far
+    {{278, 450, 200}, {213, 554, 227}, {130, 0, 0}, {0, 0, 105}},  // and from near below
 };
 
 TEST(Rectangle, SolidAngleIsThatOfItsParts)
@@ -68,22 +71,23 @@ TEST(Rectangle, SolidAngleIsThatOfItsParts)
     }
 }
 
-TEST(Rectangle, IsSampledUniformlyByAngle)
+TEST(Rectangle, IsSampledUniformlyByAngleFromNearAndByAreaFromFar)
 {
     for (const Place& place : places) {
         const LightTable table = rectangle_light(place.corner, place.u, place.v);
         const LightRecord<false> light(&table, UInt(0u));
         const Vec3 p(Vec3f{float(place.p.x), float(place.p.y), float(place.p.z)});
         test::Random random;
-        // Cells of the rectangle; each expects its share of the solid angle.
+        // Cells of the rectangle; each expects its share of the solid angle, or of the area.
+        const bool far = length(place.corner + (place.u + place.v) * 0.5 - place.p) > length(place.u + place.v);
         constexpr int cells = 8;
         std::vector<double> observed(cells * cells), expected(cells * cells);
         int drawn = 0;
         for (; drawn < 100000; drawn += lanes) {
-            const LightSample s = sample_light(light, p, Float(0), random.next2());
+            const LightSample s = sample_light(light, p, Float(0), random.next2(), Mask(true));
             float x[3][lanes], t[lanes], inverse[lanes], pdf[lanes];
             store(x[0], s.wi.x), store(x[1], s.wi.y), store(x[2], s.wi.z), store(t, s.distance), store(inverse, s.inverse_pdf);
-            store(pdf, pdf_light(light, p, Float(0), s.wi, s.distance));
+            store(pdf, pdf_light(light, p, Float(0), s.wi, s.distance, Mask(true)));
             for (int i = 0; i < lanes; ++i) {
                 const Vec3d q = place.p + Vec3d{x[0][i], x[1][i], x[2][i]} * t[i] - place.corner;
                 const double a = dot(q, place.u) / dot(place.u, place.u), b = dot(q, place.v) / dot(place.v, place.v);
@@ -98,8 +102,10 @@ TEST(Rectangle, IsSampledUniformlyByAngle)
         for (int i = 0; i < cells; ++i)
             for (int j = 0; j < cells; ++j)
                 expected[std::size_t(i * cells + j)] =
-                    drawn / total * solid_angle(place.p, place.corner + place.u * (double(i) / cells) + place.v * (double(j) / cells),
-                                                place.u * (1.0 / cells), place.v * (1.0 / cells));
+                    far ? double(drawn) / (cells * cells)
+                        : drawn / total *
+                              solid_angle(place.p, place.corner + place.u * (double(i) / cells) + place.v * (double(j) / cells),
+                                          place.u * (1.0 / cells), place.v * (1.0 / cells));
         EXPECT_EQ(test::chi_square(observed, expected), "");
     }
 }
@@ -112,7 +118,7 @@ double estimate_solid_angle(const LightTable& table, Vec3 p)
     double sum = 0;
     int n = 0;
     for (; n < 400000; n += lanes) {
-        const LightSample s = sample_light(light, p, Float(0), random.next2());
+        const LightSample s = sample_light(light, p, Float(0), random.next2(), Mask(true));
         float inverse[lanes];
         store(inverse, s.inverse_pdf);
         for (float v : inverse) sum += v;
@@ -162,7 +168,7 @@ TEST(Sphere, SamplesLieOnItAndInTheConeOfDirections)
         table.radius = radius;
         test::Random random;
         for (int n = 0; n < 2000; n += lanes) {
-            const LightSample s = sample_light(light, Vec3(Float(0), Float(0), Float(0)), Float(0), random.next2());
+            const LightSample s = sample_light(light, Vec3(Float(0), Float(0), Float(0)), Float(0), random.next2(), Mask(true));
             float x[3][lanes], t[lanes];
             store(x[0], s.wi.x), store(x[1], s.wi.y), store(x[2], s.wi.z), store(t, s.distance);
             for (int i = 0; i < lanes; ++i) {
