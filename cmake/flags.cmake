@@ -1,6 +1,10 @@
 # What every target of the project compiles with.
 add_library(fathom_flags INTERFACE)
 target_compile_options(fathom_flags INTERFACE -Wall -Wextra -Wshadow -Wno-unused-parameter)
+# A mask of one lane is a bool: & and | are meant, as they are at the other widths.
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+  target_compile_options(fathom_flags INTERFACE -Wno-bitwise-instead-of-logical)
+endif()
 if(FATHOM_WERROR)
   target_compile_options(fathom_flags INTERFACE -Werror)
 endif()
