@@ -48,6 +48,7 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
     s.memory_bytes = bytes(tables.positions) + bytes(tables.normals) + bytes(tables.tangents) + bytes(tables.colors) +
                      bytes(tables.uv0) + bytes(tables.uv1) + bytes(tables.triangles) + bytes(tables.quads) +
                      bytes(tables.shape_of_primitive) + bytes(tables.texels) + bytes(tables.lights) + kernel.memory_bytes();
+    for (const auto& image : tables.packed_images) s.memory_bytes += bytes(image);
     return s;
 }
 
