@@ -60,6 +60,11 @@ MaterialTable compile_material(Compiler& c, const Material& m)
     t.bsdf = std::uint32_t(bsdf_kind(m));
     t.base_color = spectrum(m.base_color.value);
     t.base_texture = texture_id(m.base_color.texture);
+    if (m.kind == MaterialKind::glass) {
+        t.base_color = spectrum(m.transmission_color.value);
+        t.base_texture = texture_id(m.transmission_color.texture);
+        if (m.thin) t.flags |= MaterialTable::thin;
+    }
     t.emission = spectrum(m.emission.value);
     t.emission_texture = texture_id(m.emission.texture);
     if (m.kind == MaterialKind::unlit) {
@@ -82,7 +87,7 @@ MaterialTable compile_material(Compiler& c, const Material& m)
     t.alpha_channel = std::uint32_t(m.alpha.channel);
     t.alpha_cutoff = m.alpha_cutoff;
     t.alpha_mode = std::uint32_t(m.alpha_mode);
-    if (m.attenuation_distance > 0)
+    if (m.attenuation_distance > 0 && !m.thin)
         for (int i = 0; i < channels; ++i) {
             const Color a = m.attenuation_color;
             const float color = std::max(i == 0 ? a.r : i == 1 ? a.g : a.b, 1e-6f);

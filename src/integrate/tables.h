@@ -94,7 +94,7 @@ struct TextureTable {
 
 struct MaterialTable {
     enum Flags : std::uint32_t { textured = 1, normal_mapped = 2, vertex_colored = 4, emits = 8, two_sided_emission = 16,
-                 unlit = 32 /* shows its emission, but lights nothing */ };
+                 unlit = 32 /* shows its emission, but lights nothing */, thin = 64 };
     std::uint32_t bsdf = 0;  ///< BsdfKind
     std::uint32_t flags = 0;
     SpectrumTable base_color{};

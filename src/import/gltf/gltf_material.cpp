@@ -176,9 +176,11 @@ void GltfReader::read_transmission(const JsonValue& extensions, Material& m)
         file_.warn("KHR_materials_transmission is shown as none or all: partial transmission is not supported");
     if (factor < 0.5f) return;
     m.kind = MaterialKind::glass;
+    // What is reflected keeps its colour; base colour is for what passes.
+    m.transmission_color = m.base_color;
     const auto volume = extensions.get("KHR_materials_volume");
     if (!volume || float_or(*volume, "thicknessFactor", 0) <= 0) {
-        file_.warn("KHR_materials_transmission without a volume is shown as solid glass");
+        m.thin = true;
         return;
     }
     if (const auto color = volume->get("attenuationColor")) {
