@@ -41,7 +41,7 @@ struct Channels {
 int code_of(float v, int most)
 {
     if (!(v >= 0 && v <= 1)) return -1;
-    const int code = int(v * float(most) + 0.5f);
+    const int code = int(std::lrint(v * float(most)));
     return float(code) / float(most) == v ? code : -1;
 }
 
