@@ -77,6 +77,8 @@ private:
             put(light.normal, normalize(n) * side);
             light.length_u = float(length(u)), light.length_v = float(length(v));
             light.area = float(length(n));
+            put(light.center, to_double(q.corner) + (u + v) * 0.5);
+            light.radius = float(length(u + v));
         } else if (p < t_.first_disk()) {
             const SphereTable& s = t_.spheres[p - t_.first_sphere()];
             light.kind = std::uint32_t(LightTableKind::sphere);

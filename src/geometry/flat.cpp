@@ -84,8 +84,8 @@ struct BoxFinder {
             e.lo[axis] = std::min(e.lo[axis], extents[j].lo[axis]);
             e.hi[axis] = std::max(e.hi[axis], extents[j].hi[axis]);
         }
-        FlatScene::Box box{{e.lo[0], e.lo[1], e.lo[2]}, {e.hi[0], e.hi[1], e.hi[2]}, {}, false};
-        std::fill(box.faces, box.faces + 6, no_index);
+        FlatScene::Box box{{e.lo[0], e.lo[1], e.lo[2]}, {e.hi[0], e.hi[1], e.hi[2]}, false, {}};
+        std::fill(std::begin(box.faces), std::end(box.faces), no_index);
         faces = 0;
         for (std::size_t k = 0; k < extents.size(); ++k) {
             if (used[k] || axes[k] < 0) continue;
@@ -112,7 +112,19 @@ struct BoxFinder {
                         if (face != no_index) used[face - tables.first_quad()] = true;
                     boxes.push_back(box);
                 }
+        for (std::size_t i = 0; i < extents.size(); ++i)
+            if (!used[i] && axes[i] >= 0) boxes.push_back(plate(i));
         return boxes;
+    }
+
+    FlatScene::Box plate(std::size_t i)
+    {
+        const Extent& e = extents[i];
+        FlatScene::Box box{{e.lo[0], e.lo[1], e.lo[2]}, {e.hi[0], e.hi[1], e.hi[2]}, false, {}};
+        std::fill(std::begin(box.faces), std::end(box.faces), no_index);
+        box.faces[2 * axes[i]] = box.faces[2 * axes[i] + 1] = tables.first_quad() + std::uint32_t(i);
+        used[i] = true;
+        return box;
     }
 
     bool contains(const FlatScene::Box& box, std::size_t quad) const
@@ -181,6 +193,11 @@ void FlatScene::build(const SceneTables& tables)
     BoxFinder finder(tables, float(tolerance));
     all = {};
     all.boxes = finder.find();
+    face_primitives.clear();
+    for (const Box& box : all.boxes) {
+        face_primitives.insert(face_primitives.end(), box.faces, box.faces + codes_per_box);
+    }
+    face_primitives.resize(face_primitives.size() + 32, no_index);
     for (std::uint32_t i = 0; i < tables.quads.size(); ++i) {
         if (finder.used[i]) continue;
         const QuadTable& q = tables.quads[i];
@@ -207,7 +224,7 @@ void FlatScene::build(const SceneTables& tables)
     // A ray towards a point of the only light, which is flat, is not blocked by that light.
     const std::uint32_t only_light = tables.lights.size() == 1 ? tables.lights[0].primitive : no_index;
     std::erase_if(occluders.boxes, [&](const Box& box) {
-        return std::all_of(box.faces, box.faces + 6, [&](std::uint32_t face) { return face == no_index || quad_on_hull(face); });
+        return std::all_of(box.faces, box.faces + 6, [&](std::uint32_t face) { return face == no_index || face == only_light || quad_on_hull(face); });
     });
     std::erase_if(occluders.quads, [&](const Quad& q) { return q.primitive == only_light || quad_on_hull(q.primitive); });
     std::erase_if(occluders.triangles, [&](const Triangle& t) {

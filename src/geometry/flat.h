@@ -14,11 +14,14 @@ namespace fathom::inline FATHOM_LANES {
 struct FlatScene {
     static constexpr std::uint32_t max_primitives = 96;
 
+    /// Up to six rectangles, tested by one pair of slabs. A single axis-aligned rectangle is a box without thickness.
+    static constexpr std::uint32_t codes_per_box = 8, no_face = 7;
+
     struct Box {
         Vec3f lo, hi;
-        /// By axis: the primitive of the low face, of the high face; no_index where the box is open.
-        std::uint32_t faces[6];
         bool closed = false;
+        /// By face code, 2 axis + high: the primitive there; no_index where the box is open, and as padding for lookup().
+        std::uint32_t faces[16];
     };
     struct Quad {
         Vec3f corner, normal, dual_u, dual_v;  ///< u = dot(p - corner, dual_u)
@@ -41,6 +44,14 @@ struct FlatScene {
     List all;
     /// What can block a ray between two points of the scene, or a point and a light inside it.
     List occluders;
+
+    /// The primitive of each face code, eight to a box of `all`; padded for lookup().
+    std::vector<std::uint32_t> face_primitives;
+    UInt primitive_of_code(UInt code) const
+    {
+        const int n = int(codes_per_box * all.boxes.size());
+        return n <= 32 ? lookup(face_primitives.data(), n, code) : gather(face_primitives.data(), code);
+    }
 
     static bool fits(const SceneTables& tables);
     void build(const SceneTables& tables);
@@ -71,46 +82,63 @@ struct Slabs {
     return s;
 }
 
-/// The primitive of the face through which a ray with direction d passes the slab at distance t.
-[[gnu::always_inline]] inline UInt face_at(const FlatScene::Box& box, const Vec3& slab_t, Float t, const Vec3& d, bool entering)
+/// What the tests of a ray with all boxes share.
+struct SlabRay {
+    Vec3 inverse, o_inverse;
+    UInt entered[3];  ///< by axis: code of the face through which the ray enters a box; it leaves by the code with bit 0 flipped
+
+    [[gnu::always_inline]] explicit SlabRay(const Ray& ray) : inverse(safe_inverse(ray.d))
+    {
+        o_inverse = {ray.o.x * inverse.x, ray.o.y * inverse.y, ray.o.z * inverse.z};
+        // Entering against the axis means the high face.
+        entered[0] = float_bits(ray.d.x) >> 31;
+        entered[1] = (float_bits(ray.d.y) >> 31) | UInt(2u);
+        entered[2] = (float_bits(ray.d.z) >> 31) | UInt(4u);
+    }
+    /// Code of the face that the ray enters by at distance t, one of the distances `near` to the three slabs.
+    [[gnu::always_inline]] UInt face_entered(const Vec3& near, Float t) const
+    {
+        return select(near.x == t, entered[0], select(near.y == t, entered[1], entered[2]));
+    }
+    [[gnu::always_inline]] UInt face_left(const Vec3& far, Float t) const { return face_entered(far, t) ^ UInt(1u); }
+};
+
+/// Lanes whose face, by code, is there.
+[[gnu::always_inline]] inline Mask has_face(const FlatScene::Box& box, UInt face)
 {
-    // Entering against the axis means the high face; leaving, the low one.
-    const auto along = [&](int axis, Float d_axis) {
-        const std::uint32_t lo = box.faces[2 * axis], hi = box.faces[2 * axis + 1];
-        return select(d_axis < Float(0), UInt(entering ? hi : lo), UInt(entering ? lo : hi));
-    };
-    return select(slab_t.x == t, along(0, d.x), select(slab_t.y == t, along(1, d.y), along(2, d.z)));
+    return lookup(box.faces, FlatScene::codes_per_box, face) != UInt(no_index);
 }
 
-[[gnu::always_inline]] inline void closest_box(const FlatScene::Box& box, const Ray& ray, const Vec3& inverse, const Vec3& o_inverse, Hit& hit)
+/// code: of the face that is hit at t, from `first` on.
+[[gnu::always_inline]] inline void closest_box(const FlatScene::Box& box, std::uint32_t first, const SlabRay& ray, Float& t, UInt& code)
 {
-    const Slabs s = slabs(box, inverse, o_inverse);
+    const Slabs s = slabs(box, ray.inverse, ray.o_inverse);
     const Mask meets = (s.t_near <= s.t_far) & (s.t_far > Float(0));
-    Mask enters = meets & (s.t_near > Float(0)) & (s.t_near < hit.t);
+    Mask enters = meets & (s.t_near > Float(0)) & (s.t_near < t);
     if (any(enters)) {
-        const UInt face = face_at(box, s.near, s.t_near, ray.d, true);
-        if (!box.closed) enters &= face != UInt(no_index);
-        hit.t = select(enters, s.t_near, hit.t);
-        hit.primitive = select(enters, face, hit.primitive);
+        const UInt face = ray.face_entered(s.near, s.t_near);
+        if (!box.closed) enters &= has_face(box, face);
+        t = select(enters, s.t_near, t);
+        code = select(enters, face + UInt(first), code);
     }
-    Mask leaves = meets & !enters & (s.t_far < hit.t);
+    Mask leaves = meets & !enters & (s.t_far < t);
     if (box.closed) leaves &= s.t_near <= Float(0);
     if (any(leaves)) {
-        const UInt face = face_at(box, s.far, s.t_far, ray.d, false);
-        leaves &= face != UInt(no_index);
-        hit.t = select(leaves, s.t_far, hit.t);
-        hit.primitive = select(leaves, face, hit.primitive);
+        const UInt face = ray.face_left(s.far, s.t_far);
+        if (!box.closed) leaves &= has_face(box, face);
+        t = select(leaves, s.t_far, t);
+        code = select(leaves, face + UInt(first), code);
     }
 }
 
-[[gnu::always_inline]] inline Mask occluded_box(const FlatScene::Box& box, const Ray& ray, const Vec3& inverse, const Vec3& o_inverse)
+[[gnu::always_inline]] inline Mask occluded_box(const FlatScene::Box& box, const SlabRay& ray, Float t_max)
 {
-    const Slabs s = slabs(box, inverse, o_inverse);
-    const Mask meets = (s.t_near <= s.t_far) & (s.t_far > Float(0)) & (s.t_near < ray.t_max);
-    if (box.closed) return meets & ((s.t_near > Float(0)) | (s.t_far < ray.t_max));
+    const Slabs s = slabs(box, ray.inverse, ray.o_inverse);
+    const Mask meets = (s.t_near <= s.t_far) & (s.t_far > Float(0)) & (s.t_near < t_max);
+    if (box.closed) return meets & ((s.t_near > Float(0)) | (s.t_far < t_max));
     if (none(meets)) return meets;
-    const Mask enters = (s.t_near > Float(0)) & (face_at(box, s.near, s.t_near, ray.d, true) != UInt(no_index));
-    const Mask leaves = (s.t_far < ray.t_max) & (face_at(box, s.far, s.t_far, ray.d, false) != UInt(no_index));
+    const Mask enters = (s.t_near > Float(0)) & has_face(box, ray.face_entered(s.near, s.t_near));
+    const Mask leaves = (s.t_far < t_max) & has_face(box, ray.face_left(s.far, s.t_far));
     return meets & (enters | leaves);
 }
 
@@ -129,9 +157,16 @@ struct Slabs {
 [[gnu::always_inline]] inline Hit FlatScene::closest(const SceneTables& tables, const Ray& ray) const
 {
     Hit hit{ray.t_max, UInt(no_index), UInt(no_index), Float(0), Float(0)};
-    const Vec3 inverse = safe_inverse(ray.d);
-    const Vec3 o_inverse{ray.o.x * inverse.x, ray.o.y * inverse.y, ray.o.z * inverse.z};
-    for (const Box& box : all.boxes) flat::closest_box(box, ray, inverse, o_inverse, hit);
+    if (!all.boxes.empty()) {
+        const flat::SlabRay slab_ray(ray);
+        UInt code(no_face);
+        std::uint32_t first = 0;
+        for (const Box& box : all.boxes) {
+            flat::closest_box(box, first, slab_ray, hit.t, code);
+            first += codes_per_box;
+        }
+        hit.primitive = primitive_of_code(code);
+    }
     for (const Quad& quad : all.quads) {
         Float t;
         const Mask m = flat::meet_quad(quad, ray, hit.t, t);
@@ -152,9 +187,8 @@ struct Slabs {
 {
     Mask blocked = Mask(false);
     if (!occluders.boxes.empty()) {
-        const Vec3 inverse = safe_inverse(ray.d);
-        const Vec3 o_inverse{ray.o.x * inverse.x, ray.o.y * inverse.y, ray.o.z * inverse.z};
-        for (const Box& box : occluders.boxes) blocked |= flat::occluded_box(box, ray, inverse, o_inverse);
+        const flat::SlabRay slab_ray(ray);
+        for (const Box& box : occluders.boxes) blocked |= flat::occluded_box(box, slab_ray, ray.t_max);
     }
     for (const Quad& quad : occluders.quads) {
         Float t;

@@ -2,6 +2,7 @@
 #include "geometry/bvh.h"
 #include "geometry/flat.h"
 #include "integrate/kernel.h"
+#include "integrate/quad_columns.h"
 #include "sampling/filter.h"
 #include "shading/spectrum.h"
 
@@ -22,43 +23,19 @@ struct LaneScene final : KernelScene {
     static constexpr std::uint32_t kind_mask = 0xf, material_mask = 0xffffff;
     /// Per primitive, if the scene is flat: shape_info of its shape; padded for lookup().
     std::vector<std::uint32_t> primitive_info;
-    std::vector<float> quad_normal[3];            ///< unit, by quad; padded likewise
-    std::vector<float> quad_extent;               ///< its longest edge; padded likewise
-    std::vector<float> material_color[channels];  ///< padded likewise
+    QuadColumns quads;
     static constexpr int small_table = 32;
     std::uint32_t kinds = 0;           ///< bit per BsdfKind that occurs
     bool textured = false;             ///< uv matter somewhere
     bool normal_mapped = false;
     bool has_absorption = false;
     bool sees_environment = false;     ///< rays that leave the scene bring something
-    bool simple = false;               ///< only untextured smooth diffuse quads: shading takes a short cut
+    bool only_diffuse_quads = false;   ///< flat, smooth, without textures or motion: QuadTracer renders it
     FilterTable filters[2];            ///< Gaussian, Blackman-Harris
 
     explicit LaneScene(std::shared_ptr<const SceneTables> t);
     std::size_t memory_bytes() const override;
 
-    Vec3 quad_normal_of(UInt quad, Mask m) const
-    {
-        const int size = int(tables.quads.size());
-        const auto& n = quad_normal;
-        if (size > small_table) return {gather(n[0].data(), quad, m), gather(n[1].data(), quad, m), gather(n[2].data(), quad, m)};
-        return {lookup(n[0].data(), size, quad), lookup(n[1].data(), size, quad), lookup(n[2].data(), size, quad)};
-    }
-    Float quad_extent_of(UInt quad, Mask m) const
-    {
-        const int size = int(tables.quads.size());
-        return size > small_table ? gather(quad_extent.data(), quad, m) : lookup(quad_extent.data(), size, quad);
-    }
-    Spectrum material_color_of(UInt material, Mask m) const
-    {
-        const int size = int(tables.materials.size());
-        Spectrum color;
-        for (int c = 0; c < channels; ++c) {
-            const float* table = material_color[c].data();
-            color.c[c] = size > small_table ? gather(table, material, m) : lookup(table, size, material);
-        }
-        return color;
-    }
     /// shape_info of what was hit; 0 outside the mask.
     UInt info_of(UInt primitive, UInt instance, Mask m) const;
 };

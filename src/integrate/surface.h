@@ -250,8 +250,8 @@ private:
     void read_quad(const SurfaceHit& hit, Mask m, Surface& s) const
     {
         const UInt quad = hit.primitive - UInt(t_.first_quad());
-        s.ng = select(m, scene_.quad_normal_of(quad, m), s.ng);
-        s.extent = select(m, max(s.extent, scene_.quad_extent_of(quad, m)), s.extent);
+        s.ng = select(m, scene_.quads.normal(quad), s.ng);
+        s.extent = select(m, max(s.extent, scene_.quads.extent(quad)), s.extent);
         s.ns = select(m, s.ng, s.ns);
         if (!scene_.textured) return;
         const float* base = reinterpret_cast<const float*>(t_.quads.data());

@@ -122,14 +122,14 @@ struct LightTable {
     float normal[3] = {};
     float length_u = 0, length_v = 0;
     float area = 0;
-    float radius = 0;
+    float radius = 0;  ///< rectangle: its diagonal
     float radiance[channels] = {};  ///< or intensity, or irradiance
     float cos_inner = 0, cos_outer = 0;
     std::uint32_t two_sided = 0;
     std::uint32_t material = no_index;  ///< whose emission texture scales radiance, if it has one
     std::uint32_t primitive = no_index;
     float motion[3] = {};
-    float padding[3] = {};
+    float center[3] = {};  ///< of a rectangle
 };
 static_assert(sizeof(LightTable) == 32 * sizeof(float));
 

@@ -1,0 +1,62 @@
+#pragma once
+#include "integrate/kernel.h"
+#include "integrate/surface.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// Albedo, normal, depth and the like of the first hits of camera paths.
+class FirstHits {
+public:
+    FirstHits(const LaneScene& scene, const SurfaceReader& surfaces, const CameraTable& camera, const AovPlaces& places, TileSums& sums)
+        : scene_(scene), surfaces_(surfaces), camera_(camera), places_(places), sums_(sums)
+    {
+    }
+
+    bool wanted() const { return places_.any(); }
+
+    /// Adds those of the lanes `hits`. pixel: place in the job; reversed_index: of the sample, see SampleKey.
+    void add(const SurfaceHit& hit, UInt pixel, UInt reversed_index, Mask hits)
+    {
+        if (none(hits)) return;
+        Surface s = surfaces_.read(hit, hits);
+        const UInt material = surfaces_.material_of(s.shape, hits);
+        const MaterialPoint point = surfaces_.material(s, material, hits, hits);
+        const Vec3 n = flip_sign(s.ns, -dot(hit.d, s.ng));
+        const Float depth = dot(s.p - hit.o, Vec3(Float(camera_.forward[0]), Float(camera_.forward[1]), Float(camera_.forward[2])));
+        const UInt object = surfaces_.shape_word(offsetof(ShapeTable, object_id), s.shape, hits);
+        const Float values[] = {point.base_color.c[0], point.base_color.c[1 % channels], point.base_color.c[2 % channels],
+                                n.x, n.y, n.z, depth * Float(float(1 / scene_.tables.render_scale)),
+                                s.at.p_world.x, s.at.p_world.y, s.at.p_world.z};
+        put(values, pixel, hits, object, material, reversed_index);
+    }
+
+private:
+    void put(const Float* values, UInt pixels, Mask hits, UInt object, UInt material, UInt reversed_index)
+    {
+        constexpr int value_count = 10;
+        float value[value_count][lanes];
+        std::uint32_t pixel[lanes], ids[3][lanes];
+        for (int v = 0; v < value_count; ++v) store(value[v], values[v]);
+        store(pixel, pixels);
+        store(ids[0], reverse_bits(reversed_index)), store(ids[1], object), store(ids[2], material);
+        for_each_active(hits, [&](int lane) {
+            const std::uint32_t at = pixel[lane];
+            const auto put_numbers = [&](int place, int first, int n) {
+                for (int k = 0; place >= 0 && k < n; ++k) sums_.add_first_hit(at, place + k, value[first + k][lane]);
+            };
+            put_numbers(places_.albedo, 0, 3), put_numbers(places_.normal, 3, 3);
+            put_numbers(places_.depth, 6, 1), put_numbers(places_.position, 7, 3);
+            if (places_.alpha >= 0) sums_.add_first_hit(at, places_.alpha, 1);
+            if (places_.hits >= 0) sums_.add_first_hit(at, places_.hits, 1);
+            if (places_.ids >= 0) sums_.set_ids(at, places_.ids, ids[0][lane], ids[1][lane], ids[2][lane]);
+        });
+    }
+
+    const LaneScene& scene_;
+    const SurfaceReader& surfaces_;
+    const CameraTable& camera_;
+    const AovPlaces& places_;
+    TileSums& sums_;
+};
+
+}  // namespace fathom::inline FATHOM_LANES

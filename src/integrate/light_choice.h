@@ -1,0 +1,89 @@
+#pragma once
+#include "integrate/camera_paths.h"
+#include "integrate/surface.h"
+#include "light/environment.h"
+#include "light/light.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// Light sampling: which light, then which point of it.
+class LightChoice {
+public:
+    LightChoice(const LaneScene& scene, const SurfaceReader& surfaces) : scene_(scene), tables_(scene.tables), surfaces_(surfaces) {}
+
+    /// A point of the only light, or of one chosen by power; then the sample's density is that of both choices.
+    ///
+    /// key, seed: of the bounce, for the choice. random: for the point.
+    LightSample sample(Mask valid, Vec3 eye, const SampleKey& key, UInt seed, Sample2 random, Float time) const
+    {
+        if (tables_.lights.size() == 1 && tables_.environment.light == no_index)
+            return sample_light(LightRecord<true>(tables_.lights.data(), UInt(0u)), eye, time, random, valid);
+        return choose(valid, eye, sample_2d(key, pair_seed(seed, pair_choice)).y, random, time);
+    }
+
+    /// What leaves the scene along d sees, for the lanes of m. specular: not weighted against light sampling;
+    /// pdf: of having sampled d.
+    Spectrum environment(const KernelBackground& background, bool lights_are_sampled, Vec3 d, Mask from_camera, Mask specular, Float pdf, Mask m) const
+    {
+        Spectrum radiance = environment_radiance(tables_, d, m);
+        if (background.given) radiance = select(from_camera, Spectrum(background.radiance), radiance);
+        if (lights_are_sampled && tables_.environment.light != no_index && any(m & !specular)) {
+            const Float pmf(tables_.lights[tables_.environment.light].pmf);
+            radiance = radiance * select(specular, Float(1), mis_weight(pdf, pmf * environment_pdf(tables_, d)));
+        }
+        return radiance;
+    }
+
+private:
+    [[gnu::noinline]] LightSample choose(Mask valid, Vec3 eye, Float u, Sample2 random, Float time) const
+    {
+        const UInt index = detail::find_interval(tables_.light_cdf.data(), UInt(0u), int(tables_.lights.size()), u);
+        const LightRecord<false> light(tables_.lights.data(), index);
+        LightSample s = sample_light(light, eye, time, random, valid);
+        const Mask environment = is_kind(light.kind(), LightTableKind::environment);
+        if (any(valid & environment)) {
+            const EnvironmentSample e = sample_environment(tables_, random, valid & environment);
+            s.wi = select(environment, e.wi, s.wi);
+            s.distance = select(environment, Float(infinity), s.distance);
+            s.inverse_pdf = select(environment, e.inverse_pdf, s.inverse_pdf);
+            s.radiance = select(environment, e.radiance, s.radiance);
+            s.is_delta = s.is_delta & !environment;
+        }
+        if (const UInt material = light.material(); scene_.textured && any(valid & (material != UInt(no_index))))
+            s.radiance = s.radiance * texture_factor(light, material, eye, s, valid & (material != UInt(no_index)));
+        s.inverse_pdf = s.inverse_pdf / light.pmf();
+        return s;
+    }
+
+    /// The emission texture's factor at the sampled point of a light.
+    template <class Light>
+    Spectrum texture_factor(const Light& light, UInt material, Vec3 from, const LightSample& s, Mask m) const
+    {
+        SurfaceHit hit;
+        hit.o = from;
+        hit.d = s.wi;
+        hit.t = s.distance;
+        hit.time = Float(0);
+        hit.primitive = light.primitive();
+        hit.instance = UInt(no_index);
+        // Barycentric weights of a triangle's point; other kinds find theirs from the position.
+        const Vec3 r = fma(s.wi, s.distance, from) - light.position();
+        const Vec3 u = light.edge_u(), v = light.edge_v();
+        const Vec3 n = cross(u, v);
+        const Float scale = Float(1) / max(dot(n, n), Float(1e-30f));
+        hit.u = dot(cross(r, v), n) * scale;
+        hit.v = dot(cross(u, r), n) * scale;
+        const Surface surface = surfaces_.read(hit, m);
+        const UInt texture = surfaces_.material_word(offsetof(MaterialTable, emission_texture), material, m);
+        const Texel t = evaluate_textures(tables_, texture, surface.at, m);
+        Spectrum factor;
+        for (int c = 0; c < channels; ++c) factor.c[c] = select(m, t.c[c], Float(1));
+        return factor;
+    }
+
+    const LaneScene& scene_;
+    const SceneTables& tables_;
+    const SurfaceReader& surfaces_;
+};
+
+}  // namespace fathom::inline FATHOM_LANES

@@ -1,0 +1,30 @@
+#pragma once
+#include <algorithm>
+
+#include "integrate/camera_paths.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+inline constexpr std::uint32_t max_bounces = 0x7ff0;
+
+/// Lanes whose path ends after this bounce: nothing is left, Russian roulette, the limit of depth. Those that survive the
+/// roulette carry more.
+///
+/// bounce: how many came before this one. eta_scale: undoes refraction's scaling of radiance, which is no loss.
+[[gnu::always_inline]] inline Mask end_some(const KernelSettings& settings, const SampleKey& key, UInt seed, UInt bounce, Float eta_scale,
+                                            Spectrum& throughput)
+{
+    const Float largest = max_component(throughput);
+    Mask ends = !(largest > Float(0));
+    const Mask roulette = !less(bounce + UInt(1u), UInt(std::uint32_t(settings.roulette_depth)));
+    if (any(roulette)) {
+        const Float survival = clamp(largest * eta_scale, Float(1e-3f), Float(0.95f));
+        ends |= roulette & (sample_hash(key, pair_seed(seed, pair_roulette)) >= survival);
+        throughput = throughput * select(roulette, reciprocal(survival), Float(1));
+    }
+    // Bounces are counted in 15 bits: a path that got there is one in a number too large to be met.
+    const std::uint32_t limit = settings.max_depth >= 0 ? std::min(std::uint32_t(settings.max_depth), max_bounces) : max_bounces;
+    return ends | !less(bounce, UInt(limit));
+}
+
+}  // namespace fathom::inline FATHOM_LANES

@@ -1,0 +1,51 @@
+#pragma once
+#include <vector>
+
+#include "integrate/tables.h"
+#include "math/vec3.h"
+#include "shading/spectrum.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// What shading needs to know of each quad, column by column: small tables are read from registers (lookup), larger ones
+/// gathered. Any index may be asked for; what is not a quad's gives anything.
+class QuadColumns {
+public:
+    /// front: the side of the normal.
+    enum Flags : std::uint32_t { scatters = 1, emits_front = 2, emits_back = 4 };
+
+    void build(const SceneTables& tables);
+
+    Vec3 normal(UInt quad) const { return {number(0, quad), number(1, quad), number(2, quad)}; }   ///< unit, along cross(edge_u, edge_v)
+    Vec3 tangent(UInt quad) const { return {number(3, quad), number(4, quad), number(5, quad)}; }  ///< unit, in its plane
+    Float extent(UInt quad) const { return number(6, quad); }                                      ///< largest component of an edge
+    UInt flags(UInt quad) const { return float_bits(number(7, quad)); }
+    UInt light(UInt quad) const { return float_bits(number(8, quad)); }  ///< or no_index
+    Spectrum color(UInt quad) const { return spectrum(9, quad); }
+    Spectrum emission(UInt quad) const { return spectrum(9 + channels, quad); }
+
+    std::size_t memory_bytes() const { return values_.size() * sizeof(float); }
+
+private:
+    static constexpr int small_table = 32, columns = 9 + 2 * channels;
+
+    Float number(int column, UInt quad) const
+    {
+        const float* table = values_.data() + std::size_t(column) * stride_;
+        // Beyond the table (no quad) stands the last entry.
+        return size_ > small_table ? gather(table, select(less(quad, UInt(std::uint32_t(size_))), quad, UInt(std::uint32_t(size_))))
+                                   : lookup(table, size_, quad);
+    }
+    Spectrum spectrum(int column, UInt quad) const
+    {
+        Spectrum s;
+        for (int c = 0; c < channels; ++c) s.c[c] = number(column + c, quad);
+        return s;
+    }
+
+    int size_ = 0;
+    std::size_t stride_ = 0;
+    std::vector<float> values_;
+};
+
+}  // namespace fathom::inline FATHOM_LANES
