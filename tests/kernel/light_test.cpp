@@ -80,10 +80,10 @@ TEST(Rectangle, IsSampledUniformlyByAngle)
         std::vector<double> observed(cells * cells), expected(cells * cells);
         int drawn = 0;
         for (; drawn < 100000; drawn += lanes) {
-            const LightSample s = sample_light(light, p, Float(0), random.next2());
+            const LightSample s = sample_light(light, p, Float(0), random.next2(), Mask(true));
             float x[3][lanes], t[lanes], inverse[lanes], pdf[lanes];
             store(x[0], s.wi.x), store(x[1], s.wi.y), store(x[2], s.wi.z), store(t, s.distance), store(inverse, s.inverse_pdf);
-            store(pdf, pdf_light(light, p, Float(0), s.wi, s.distance));
+            store(pdf, pdf_light(light, p, Float(0), s.wi, s.distance, Mask(true)));
             for (int i = 0; i < lanes; ++i) {
                 const Vec3d q = place.p + Vec3d{x[0][i], x[1][i], x[2][i]} * t[i] - place.corner;
                 const double a = dot(q, place.u) / dot(place.u, place.u), b = dot(q, place.v) / dot(place.v, place.v);
@@ -112,7 +112,7 @@ double estimate_solid_angle(const LightTable& table, Vec3 p)
     double sum = 0;
     int n = 0;
     for (; n < 400000; n += lanes) {
-        const LightSample s = sample_light(light, p, Float(0), random.next2());
+        const LightSample s = sample_light(light, p, Float(0), random.next2(), Mask(true));
         float inverse[lanes];
         store(inverse, s.inverse_pdf);
         for (float v : inverse) sum += v;
@@ -162,7 +162,7 @@ TEST(Sphere, SamplesLieOnItAndInTheConeOfDirections)
         table.radius = radius;
         test::Random random;
         for (int n = 0; n < 2000; n += lanes) {
-            const LightSample s = sample_light(light, Vec3(Float(0), Float(0), Float(0)), Float(0), random.next2());
+            const LightSample s = sample_light(light, Vec3(Float(0), Float(0), Float(0)), Float(0), random.next2(), Mask(true));
             float x[3][lanes], t[lanes];
             store(x[0], s.wi.x), store(x[1], s.wi.y), store(x[2], s.wi.z), store(t, s.distance);
             for (int i = 0; i < lanes; ++i) {
