@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
@@ -49,7 +50,8 @@ Image noise(bool alpha, float most)
     return image;
 }
 
-/// A square that fills the picture and shows the texture as it is, a texel in each pixel.
+/// A square that shows the texture as it is, a texel in each pixel. It goes on beyond the picture: what hits its very
+/// edge may miss it.
 SceneDescription square(const std::filesystem::path& file, ColorSpace space)
 {
     test::SceneBuilder b;
@@ -58,11 +60,14 @@ SceneDescription square(const std::filesystem::path& file, ColorSpace space)
     texture.image = 0;
     texture.color_space = space;
     texture.nearest = true;
+    texture.wrap_u = texture.wrap_v = Wrap::clamp;
+    texture.uv_scale = {2, 2};
+    texture.uv_offset = {-0.5f, -0.5f};
     b.scene.textures.push_back(texture);
     Material m;
     m.kind = MaterialKind::unlit;
     m.base_color = {{1, 1, 1}, 0};
-    b.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, b.material(m));
+    b.add(Rectangle{{-2, -2, 0}, {4, 0, 0}, {0, 4, 0}}, b.material(m));
     b.camera({0, 0, 5}, {0, 0, 0});
     b.scene.cameras[0].kind = CameraKind::orthographic;
     b.scene.cameras[0].height = 2;
@@ -163,6 +168,20 @@ const auto file_of = [](const auto& test) {
     std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
     return name;
 };
+// It is no light, so there is none: nothing may be looked up in the empty table.
+TEST(UnlitSquare, ShowsItsColourWhereThereIsNoLight)
+{
+    test::SceneBuilder b;
+    Material m;
+    m.kind = MaterialKind::unlit;
+    m.base_color.value = {0.25f, 0.5f, 1};
+    b.add(Rectangle{{-2, -2, 0}, {4, 0, 0}, {0, 4, 0}}, b.material(m));
+    b.camera({0, 0, 5}, {0, 0, 0}, 20);
+    const Image shown = test::render_film(b.scene, test::small_picture(8, 8), 1).image(false, false);
+    for (std::size_t i = 0; i < shown.layers[0].pixels.size(); ++i)
+        ASSERT_EQ(shown.layers[0].pixels[i], (std::array{0.25f, 0.5f, 1.0f}[i % 3])) << i;
+}
+
 INSTANTIATE_TEST_SUITE_P(All, TextureFormats, testing::ValuesIn(kinds), file_of);
 // Those that keep an alpha apart from colour.
 INSTANTIATE_TEST_SUITE_P(Png, TextureAlpha, testing::ValuesIn(kinds, kinds + 4), file_of);

@@ -23,6 +23,9 @@ LightTable rectangle_light(Vec3d corner, Vec3d u, Vec3d v)
     put(l.normal, normalize(cross(u, v)));
     l.length_u = float(length(u)), l.length_v = float(length(v));
     l.area = l.length_u * l.length_v;
+    put(l.center, corner + (u + v) * 0.5);
+    // Near from everywhere: so that it is sampled by angle, not by area.
+    l.radius = 1e9f;
     l.two_sided = 1;
     for (float& r : l.radiance) r = 1;
     return l;
