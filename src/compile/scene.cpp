@@ -48,6 +48,7 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
     s.memory_bytes = bytes(tables.positions) + bytes(tables.normals) + bytes(tables.tangents) + bytes(tables.colors) +
                      bytes(tables.uv0) + bytes(tables.uv1) + bytes(tables.triangles) + bytes(tables.quads) +
                      bytes(tables.shape_of_primitive) + bytes(tables.texels) + bytes(tables.lights) + kernel.memory_bytes();
+    for (const auto& image : tables.packed_images) s.memory_bytes += bytes(image);
     return s;
 }
 
@@ -64,7 +65,7 @@ void check_memory(const SceneDescription& scene, const Placed& placed)
         if (!instance || counted[std::size_t(instance->mesh)]) continue;
         counted[std::size_t(instance->mesh)] = true;
         const Mesh& mesh = scene.meshes[std::size_t(instance->mesh)];
-        bytes += bytes_per_triangle * double(mesh.indices.size() / 3) + 12.0 * double(mesh.positions.size() + mesh.normals.size()) +
+        bytes += bytes_per_triangle * double(mesh.indices.size()) / 3 + 12.0 * double(mesh.positions.size() + mesh.normals.size()) +
                  16.0 * double(mesh.tangents.size() + mesh.colors.size()) + 8.0 * double(mesh.uvs[0].size() + mesh.uvs[1].size());
     }
     if (const double available = double(available_memory_bytes()); bytes > available)
