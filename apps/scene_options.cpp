@@ -102,11 +102,26 @@ std::string add_moved_camera(SceneDescription& scene, const std::string& name, c
 
 }  // namespace
 
-const std::vector<std::string> filter_names = {"box", "gaussian", "blackman-harris"};
+void add_file_options(Command& command, SceneOptions& options)
+{
+    command.add_positional("SCENE", options.file, "Fathom's own JSON, glTF, GLB, OBJ, PLY, STL, ...");
+    command.add_value("--scene", "NAME", "name or number of the scene in a glTF file that has several",
+                      [&](const std::string& text) { options.scene = text; });
+    command.add_value("--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
+                      [&](const std::string& text) { options.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
+}
+
+LoadOptions load_options(const SceneOptions& options)
+{
+    LoadOptions load;
+    load.scene = options.scene;
+    load.up_axis = options.up_axis;
+    return load;
+}
 
 void add_scene_options(Command& command, SceneOptions& options)
 {
-    command.add_positional("SCENE", options.file, "Fathom's own JSON, glTF, GLB, OBJ, PLY, STL, ...");
+    add_file_options(command, options);
     command.add_value("--size", "WxH", "size of the picture (default: the scene's, else 800x600)",
                       [&](const std::string& text) { options.size = parse_size(text); });
     command.add_value("--camera", "NAME", "one of the scene's cameras (default: the first)",
@@ -127,8 +142,6 @@ void add_scene_options(Command& command, SceneOptions& options)
                           if (std::abs(n[1]) > 90) throw UsageError("the elevation is from -90 to 90");
                           options.orbit_deg = {n[0], n[1]};
                       });
-    command.add_value("--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
-                      [&](const std::string& text) { options.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
     command.add_value("--env", "FILE", "light the scene by this equirectangular picture (HDR, EXR, ...)",
                       [&](const std::string& text) { options.environment = text; });
 }
@@ -138,9 +151,7 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     if (options.orbit_deg && (!options.camera.empty() || options.look_from || options.look_at))
         throw UsageError("--orbit: places the camera by itself; leave out --camera, --look-from and --look-at");
     LoadedScene loaded;
-    LoadOptions load;
-    load.up_axis = options.up_axis;
-    SceneDescription& scene = loaded.description = load_scene(options.file, load, warnings);
+    SceneDescription& scene = loaded.description = load_scene(options.file, load_options(options), warnings);
     if (!options.environment.empty()) use_environment(scene, options.environment);
     if (!options.camera.empty()) world_camera(scene, options.camera);  // throws if there is none
     loaded.camera = options.camera;
@@ -165,20 +176,6 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     if (options.size)
         for (Camera& camera : scene.cameras) camera.aspect = 0;
     return loaded;
-}
-
-void apply_hints(const RenderHints& hints, const std::string& file, RenderSettings& settings)
-{
-    settings.max_depth = hints.max_depth.value_or(settings.max_depth);
-    settings.roulette_depth = hints.roulette_depth.value_or(settings.roulette_depth);
-    settings.light_sampling = hints.light_sampling.value_or(settings.light_sampling);
-    if (hints.filter) {
-        const auto name = std::find(filter_names.begin(), filter_names.end(), *hints.filter);
-        if (name == filter_names.end())
-            throw Error(file, "filter",
-                        fmt::format("expected {}, found '{}'", fmt::join(filter_names, " or "), *hints.filter));
-        settings.filter = Filter(name - filter_names.begin());
-    }
 }
 
 }  // namespace fathom::cli
