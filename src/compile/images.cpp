@@ -204,6 +204,17 @@ Image grey()
     return image;
 }
 
+std::optional<Decoded> try_to_decode(const Decoder& decoder, const Use& use)
+{
+    try {
+        return decoder.texels(decoder.read(use.image), use.space, use.is_texture);
+    } catch (const Error&) {
+        return std::nullopt;
+    } catch (const std::bad_alloc&) {
+        return std::nullopt;
+    }
+}
+
 /// Those not yet decoded, by so many threads at once. What fails stays empty: it is damaged, or too large for a share
 /// of the memory.
 void decode_together(const SceneDescription& scene, const std::vector<Use>& uses, int threads,
@@ -213,14 +224,8 @@ void decode_together(const SceneDescription& scene, const std::vector<Use>& uses
     // values and up to two formats, hence the 4: together they never take more than there is.
     const Decoder decoder(scene, 4 * std::uint64_t(threads));
     const auto decode = [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            if (decoded[i]) continue;
-            try {
-                decoded[i] = decoder.texels(decoder.read(uses[i].image), uses[i].space, uses[i].is_texture);
-            } catch (const Error&) {
-            } catch (const std::bad_alloc&) {
-            }
-        }
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+            if (!decoded[i]) decoded[i] = try_to_decode(decoder, uses[i]);
     };
     tbb::task_arena(threads).execute([&] {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, uses.size(), 1), decode, tbb::simple_partitioner());
@@ -253,15 +258,16 @@ ImageStore::ImageStore(Compiler& c)
     const std::size_t most = std::size_t(tbb::this_task_arena::max_concurrency());
     for (int threads = int(std::min(most, uses.size())); threads > 1; threads /= 4)
         decode_together(c.scene, uses, threads, decoded);
+    std::vector<Decoded> pictures;
     std::size_t floats = 0;
     for (std::size_t i = 0; i < uses.size(); ++i) {
-        if (!decoded[i]) decoded[i] = decode_alone(c, uses[i]);
-        floats += decoded[i]->floats.size();
+        pictures.push_back(decoded[i] ? std::move(*decoded[i]) : decode_alone(c, uses[i]));
+        floats += pictures.back().floats.size();
     }
     Decoder(c.scene, 1).check_memory(double(floats) * sizeof(float));
     c.tables.texels.reserve(floats);
     for (std::size_t i = 0; i < uses.size(); ++i) {
-        Decoded& d = *decoded[i];
+        Decoded d = std::move(pictures[i]);  // its floats go when they have been copied
         Texels& texels = texels_[uses[i].key()];
         texels = {d.format, c.tables.packed_images.size(), d.width, d.height};
         if (d.format != TexelFormat::float4) {
@@ -270,7 +276,6 @@ ImageStore::ImageStore(Compiler& c)
             texels.place = c.tables.texels.size() / 4;
             c.tables.texels.insert(c.tables.texels.end(), d.floats.begin(), d.floats.end());
         }
-        decoded[i].reset();
     }
 }
 
