@@ -261,7 +261,8 @@ ImageStore::ImageStore(Compiler& c)
     std::vector<Decoded> pictures;
     std::size_t floats = 0;
     for (std::size_t i = 0; i < uses.size(); ++i) {
-        pictures.push_back(decoded[i] ? std::move(*decoded[i]) : decode_alone(c, uses[i]));
+        std::optional<Decoded>& picture = decoded[i];
+        pictures.push_back(picture ? std::move(*picture) : decode_alone(c, uses[i]));
         floats += pictures.back().floats.size();
     }
     Decoder(c.scene, 1).check_memory(double(floats) * sizeof(float));
