@@ -84,6 +84,12 @@ public:
     std::uint64_t samples_per_pixel() const;
     /// Samples whose value was NaN or infinite; they count as black, which is a bias.
     std::uint64_t dropped_samples() const;
+    /// One of them, to be replayed (render_sample); nothing where none was dropped since the film was made.
+    struct SamplePlace {
+        int x = 0, y = 0;
+        std::uint64_t sample = 0;
+    };
+    std::optional<SamplePlace> dropped_sample() const;
 
     /// Adds the sums of the same scene and settings over other samples. Throws Error if they overlap or don't belong together.
     void merge(const Film& other);

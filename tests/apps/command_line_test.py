@@ -230,6 +230,7 @@ class CommandLine(unittest.TestCase):
         self.assertIn("up axis z", text)
         self.assertIn("fathom: warning: something (2 times)\n", text)
         self.assertIn("3 samples were no number", text)
+        self.assertIn("(--only-sample 7,8,9 replays one)", text)
 
     def test_only_sample(self):
         result = self.ok("render", "box.json", "--only-sample", "12,34,56")

