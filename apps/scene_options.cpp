@@ -51,6 +51,17 @@ Size picture_size(const SceneOptions& options, const SceneDescription& scene)
     return size;
 }
 
+/// The place in `words` of what the scene asks for; `otherwise` if it asks for nothing.
+int parse_hint(const std::optional<std::string>& hint, const std::vector<std::string>& words, const char* key,
+               const std::string& file, int otherwise)
+{
+    if (!hint) return otherwise;
+    const auto word = std::find(words.begin(), words.end(), *hint);
+    if (word == words.end())
+        throw Error(file, key, fmt::format("expected {}, found '{}'", fmt::join(words, " or "), *hint));
+    return int(word - words.begin());
+}
+
 void use_environment(SceneDescription& scene, const std::filesystem::path& file)
 {
     std::error_code error;
@@ -103,6 +114,7 @@ std::string add_moved_camera(SceneDescription& scene, const std::string& name, c
 }  // namespace
 
 const std::vector<std::string> filter_names = {"box", "gaussian", "blackman-harris"};
+const std::vector<std::string> tree_build_names = {"fast", "default", "high"};
 
 void add_scene_options(Command& command, SceneOptions& options)
 {
@@ -131,6 +143,9 @@ void add_scene_options(Command& command, SceneOptions& options)
                       [&](const std::string& text) { options.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
     command.add_value("--env", "FILE", "light the scene by this equirectangular picture (HDR, EXR, ...)",
                       [&](const std::string& text) { options.environment = text; });
+    command.add_value("--build", "fast|default|high",
+                      "work for the tree of the scene: the same picture, sooner begun or sooner done",
+                      [&](const std::string& text) { options.build = TreeBuild(parse_word(text, tree_build_names)); });
 }
 
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
@@ -143,6 +158,8 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     SceneDescription& scene = loaded.description = load_scene(options.file, load, warnings);
     if (!options.environment.empty()) use_environment(scene, options.environment);
     if (!options.camera.empty()) world_camera(scene, options.camera);  // throws if there is none
+    loaded.build = options.build.value_or(TreeBuild(parse_hint(scene.hints.build, tree_build_names, "build", scene.file,
+                                                               int(TreeBuild::standard))));
     loaded.camera = options.camera;
     loaded.size = picture_size(options, scene);
 
@@ -172,13 +189,7 @@ void apply_hints(const RenderHints& hints, const std::string& file, RenderSettin
     settings.max_depth = hints.max_depth.value_or(settings.max_depth);
     settings.roulette_depth = hints.roulette_depth.value_or(settings.roulette_depth);
     settings.light_sampling = hints.light_sampling.value_or(settings.light_sampling);
-    if (hints.filter) {
-        const auto name = std::find(filter_names.begin(), filter_names.end(), *hints.filter);
-        if (name == filter_names.end())
-            throw Error(file, "filter",
-                        fmt::format("expected {}, found '{}'", fmt::join(filter_names, " or "), *hints.filter));
-        settings.filter = Filter(name - filter_names.begin());
-    }
+    settings.filter = Filter(parse_hint(hints.filter, filter_names, "filter", file, int(settings.filter)));
 }
 
 }  // namespace fathom::cli

@@ -20,6 +20,7 @@ struct SceneOptions {
     std::optional<std::pair<double, double>> orbit_deg;  ///< azimuth, elevation
     std::filesystem::path environment;
     std::optional<Size> size;
+    std::optional<TreeBuild> build;
 };
 
 void add_scene_options(Command& command, SceneOptions& options);
@@ -30,6 +31,7 @@ struct LoadedScene {
     std::string camera;              ///< the name to compile with; empty: the first
     Size size;                       ///< of the picture: the option's, the scene's, or 800x600 in the camera's shape
     std::vector<std::string> added;  ///< what the file lacked
+    TreeBuild build = TreeBuild::standard;  ///< the option's, the scene's, or this
 };
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings);
 
@@ -37,5 +39,6 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings);
 void apply_hints(const RenderHints& hints, const std::string& file, RenderSettings& settings);
 
 extern const std::vector<std::string> filter_names;
+extern const std::vector<std::string> tree_build_names;  ///< by TreeBuild
 
 }  // namespace fathom::cli

@@ -70,6 +70,7 @@ struct StreamMemory {
     PreparedRays world[stream_size / lanes], object[stream_size / lanes];
     PreparedRays together[stream_size / lanes];  ///< of a packet within an instance
     RayHits hits;
+    BvhVisits visits;
     std::vector<std::uint32_t> stacks;
     std::vector<PacketEntry> packet_stack;
 };
@@ -118,6 +119,7 @@ public:
     {
         while (next_.n.nodes + next_.n.leaves + next_.n.others > 0) {
             std::swap(now_, next_);
+            memory_.visits.nodes += std::uint64_t(now_.n.nodes);
             {
                 Counts counts;
                 for (int i = 0; i < now_.n.nodes; ++i) {
@@ -316,7 +318,7 @@ private:
     void visit_leaves(const std::uint8_t* rays, int count)
     {
         Block blocks[leaf_wave + 1];
-        int met = 0;
+        int met = 0, triangles = 0;
         Counts n = next_.n;
         for (int i = 0; i < count; ++i) fetch_leaf(rays[i]);
         for (int i = 0; i < count; ++i) {
@@ -328,11 +330,13 @@ private:
             block.inside = mask_bits(w.inside);
             block.reference = states_[rays[i]].reference;
             block.ray = rays[i];
+            triangles += BvhReference::triangle_count(block.reference);
             const int passes = block.inside != 0;
             met += passes;
             // Those that pass by go on now.
             pop(rays[i], n, 1 - passes);
         }
+        memory_.visits.primitives += std::uint64_t(triangles);
         for (int i = 0; i < met; ++i) finish_leaf(blocks[i], n);
         next_.n = n;
     }
@@ -374,6 +378,7 @@ private:
     void visit_leaf(int ray)
     {
         const int n = BvhReference::triangle_count(states_[ray].reference);
+        memory_.visits.primitives += std::uint64_t(n);
         bool found = false;
         for (int at = 0; at < n; at += lanes) {
             Vec3 z;
@@ -440,6 +445,7 @@ private:
     {
         const BvhLeaf leaf{&bvh_.others[std::size_t(BvhReference::place(states_[ray].reference)) * BvhLeaf::unit]};
         const SceneTables& tables = *bvh_.tables;
+        memory_.visits.primitives += std::uint64_t(leaf.count());
         /// Hits on primitives whose numbers are first + factor times those in the leaf.
         const auto offer_keys = [&](std::uint32_t first, std::uint32_t factor) {
             return [this, ray, leaf, first, factor](int at, Mask m, Float t, Float u, Float v) {
