@@ -88,9 +88,7 @@ ordered_json vector_json(Vec3d v)
 ordered_json describe(const InfoOptions& o)
 {
     Warnings warnings;
-    LoadOptions load;
-    load.up_axis = o.scene.up_axis;
-    SceneDescription scene = load_scene(o.scene.file, load, warnings);
+    SceneDescription scene = load_scene(o.scene.file, load_options(o.scene), warnings);
     ordered_json info;
     info["file"] = o.scene.file.string();
     info["load_s"] = seconds_since_start();
@@ -170,10 +168,7 @@ void add_info(CLI::App& program, Run& run)
 {
     const auto options = std::make_shared<InfoOptions>();
     Command command(program, "info", "Tell what is in a scene or model file");
-    command.add_positional("SCENE", options->scene.file, "scene or model file");
-    command.add_value(
-        "--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
-        [options](const std::string& text) { options->scene.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
+    add_file_options(command, options->scene);
     command.add_flag("--json", options->json, "as JSON");
     command.set_footer(
         "Counts, bounds, memory, cameras, lights, and what was not understood.\n\n"

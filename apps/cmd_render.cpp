@@ -8,6 +8,7 @@
 #include "fathom/memory.h"
 #include "interrupt.h"
 #include "picture_options.h"
+#include "render_options.h"
 #include "reporter.h"
 #include "scene_options.h"
 
@@ -16,7 +17,6 @@ namespace fathom::cli {
 namespace {
 
 constexpr std::uint64_t default_samples = 256;
-constexpr std::uint64_t most_samples = 1ull << 32;
 
 struct OnlySample {
     int x, y;
@@ -26,20 +26,14 @@ struct OnlySample {
 struct RenderOptions {
     SceneOptions scene;
     PictureOptions picture;
+    SettingsOptions settings;
     std::optional<std::uint64_t> samples;
     std::optional<double> time_s;
     std::optional<SampleRange> range;
     std::optional<OnlySample> only_sample;
-    std::optional<int> max_depth, roulette_depth;  // a max_depth of -1 is none
-    std::optional<bool> light_sampling;
-    std::optional<Filter> filter;
-    std::uint32_t seed = 0;
-    int threads = 0;
     std::optional<Crop> crop;
     std::vector<Aov> aovs;
     bool aov_samples = false, aov_variance = false;
-    std::optional<Color> background;
-    bool transparent = false;
     bool mergeable = false;
     bool quiet = false, json = false;
 };
@@ -62,7 +56,6 @@ void take_aovs(RenderOptions& o, const std::string& text)
 
 void add_render_options(Command& command, RenderOptions& o)
 {
-    constexpr std::uint64_t most_int = 1u << 30;
     command.add_value("--spp", "N", "samples a pixel (default: the scene's, else 256)",
                       [&](const std::string& text) { o.samples = parse_integer(text, 1, most_samples); });
     command.add_value("--time", "T",
@@ -73,35 +66,16 @@ void add_render_options(Command& command, RenderOptions& o)
                       "the samples with these indices, A to B-1; their sums are kept in EXR (--mergeable)",
                       [&](const std::string& text) { o.range = parse_sample_range(text); });
     command.add_flag("--mergeable", o.mergeable, "keep the exact sums in EXR, for `fathom merge`");
-    command.add_value("--seed", "N", "another seed, other noise (default 0)",
-                      [&](const std::string& text) { o.seed = std::uint32_t(parse_integer(text, 0, 0xffffffffu)); });
-    command.add_value("--threads", "N", "threads (default: all cores); the picture doesn't depend on it",
-                      [&](const std::string& text) { o.threads = int(parse_integer(text, 1, 4096)); });
     command.add_value("--crop", "X0,Y0,X1,Y1",
                       "render only pixels X0 <= x < X1, Y0 <= y < Y1; the picture keeps its size",
                       [&](const std::string& text) { o.crop = parse_crop(text); });
-    command.add_value("--filter", "NAME", "box, gaussian or blackman-harris (default)",
-                      [&](const std::string& text) { o.filter = Filter(parse_word(text, filter_names)); });
-    command.add_value(
-        "--max-depth", "N|none", "longest path in bounces (default none: a limit makes the picture darker)",
-        [&](const std::string& text) { o.max_depth = text == "none" ? -1 : int(parse_integer(text, 0, most_int)); });
-    command.add_value("--roulette-depth", "N", "bounces before Russian roulette (default 5)",
-                      [&](const std::string& text) { o.roulette_depth = int(parse_integer(text, 0, most_int)); });
-    command.add_value("--light-sampling", "on|off", "off: lights are only found by chance (default on)",
-                      [&](const std::string& text) { o.light_sampling = parse_word(text, {"off", "on"}) == 1; });
     command.add_value("--aov", "LIST", "layers of EXR: albedo,normal,depth,position,instance,material,samples,variance",
                       [&](const std::string& text) { take_aovs(o, text); });
-    command.add_value("--background", "COLOUR",
-                      "what the camera sees behind the scene (lights nothing): #rrggbb, linear r,g,b, black, white, or "
-                      "transparent (alpha in EXR and PNG)",
-                      [&](const std::string& text) {
-                          o.transparent = text == "transparent";
-                          o.background = o.transparent ? Color{0, 0, 0} : parse_colour(text);
-                      });
     command.add_value("--only-sample", "X,Y,S", "print the radiance of one sample of one pixel, and render nothing",
                       [&](const std::string& text) {
                           const std::vector<std::string> parts = split(text, ',');
                           if (parts.size() != 3) throw UsageError(fmt::format("expected X,Y,S, found '{}'", text));
+                          constexpr std::uint64_t most_int = 1u << 30;
                           o.only_sample = {int(parse_integer(parts[0], 0, most_int)),
                                            int(parse_integer(parts[1], 0, most_int)),
                                            parse_integer(parts[2], 0, most_samples)};
@@ -126,20 +100,11 @@ void check_options(RenderOptions& o)
 
 RenderSettings settings_for(const RenderOptions& o, const LoadedScene& scene)
 {
-    RenderSettings settings;
+    RenderSettings settings = settings_of(o.settings, scene.description.hints, o.scene.file.string());
     settings.width = scene.size.width;
     settings.height = scene.size.height;
-    apply_hints(scene.description.hints, o.scene.file.string(), settings);
-    settings.seed = o.seed;
-    settings.threads = o.threads;
-    settings.max_depth = o.max_depth.value_or(settings.max_depth);
-    settings.roulette_depth = o.roulette_depth.value_or(settings.roulette_depth);
-    settings.light_sampling = o.light_sampling.value_or(settings.light_sampling);
-    settings.filter = o.filter.value_or(settings.filter);
     settings.crop = o.crop;
     settings.aovs = o.aovs;
-    settings.background = o.background;
-    settings.alpha = o.transparent;
     const std::string size = fmt::format("{}x{}", settings.width, settings.height);
     if (o.crop && (o.crop->x1 > settings.width || o.crop->y1 > settings.height))
         throw UsageError(fmt::format("--crop: the picture is {}", size));
@@ -272,10 +237,7 @@ int run_render(RenderOptions& o, Reporter& reporter)
     if (!o.only_sample) check_memory(settings, o.mergeable);
     for (const auto& file : o.picture.outputs) check_output(file, settings.width, settings.height);
     std::optional<std::uint64_t> samples = o.samples;
-    if (const auto hint = loaded.description.hints.samples; !samples && hint && !o.time_s) {
-        if (*hint < 1) throw Error(o.scene.file.string(), "samples", "expected 1 at least");
-        samples = std::uint64_t(*hint);
-    }
+    if (!samples && !o.time_s) samples = hinted_samples(loaded.description.hints, o.scene.file.string());
     if (!loaded.added.empty())
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
     summary.load_s = seconds_since_start();
@@ -314,7 +276,7 @@ int run_render(RenderOptions& o, Reporter& reporter)
     }
 
     const double write_start_s = seconds_since_start();
-    Image image = film.image(o.transparent, o.aov_variance);
+    Image image = film.image(settings.alpha, o.aov_variance);
     if (o.aov_samples) image.layers.push_back(sample_count_layer(film, settings.crop));
     image.attributes = attributes(o, settings, loaded, film, summary);
     if (o.mergeable) store_sums(film.sums(), image);
@@ -343,6 +305,7 @@ void add_render(CLI::App& program, Run& run)
     Command command(program, "render", "Render a scene or model file to pictures");
     add_scene_options(command, options->scene);
     add_render_options(command, *options);
+    add_settings_options(command, options->settings);
     add_picture_options(command, options->picture);
     command.set_footer(
         "An option overrides what the scene file says. Without -o: a PNG named after the scene, in this folder.\n"

@@ -11,6 +11,7 @@
 #include "fathom/error.h"
 #include "interrupt.h"
 #include "picture_options.h"
+#include "render_options.h"
 #include "reporter.h"
 #include "scene_options.h"
 #include "view/module.h"
@@ -25,8 +26,8 @@ constexpr std::uint64_t default_samples = 4096;
 struct ViewOptions {
     SceneOptions scene;
     PictureOptions picture;
+    SettingsOptions settings;
     std::optional<std::uint64_t> samples;
-    int threads = 0;
     std::filesystem::path latency_log;
     int script_moves = 0;
 };
@@ -60,19 +61,18 @@ int run_view(const ViewOptions& o)
 {
     // Before a scene is loaded, which can take long.
     void* const module = open_module();
-    if (const std::string trouble = function_of<view::Trouble>(module, view::trouble_symbol)(); !trouble.empty())
-        throw Error("", "", trouble);
+    std::string trouble;
+    function_of<view::Trouble>(module, view::trouble_symbol)(trouble);
+    if (!trouble.empty()) throw Error("", "", trouble);
 
     Reporter reporter(default_report_mode());
     Warnings warnings;
     LoadedScene loaded = load_for_render(o.scene, warnings);
     const RenderHints& hints = loaded.description.hints;
-    RenderSettings settings;
+    RenderSettings settings = settings_of(o.settings, hints, o.scene.file.string());
     settings.width = loaded.size.width;
     settings.height = loaded.size.height;
-    settings.threads = o.threads;
-    apply_hints(hints, o.scene.file.string(), settings);
-    if (hints.samples && *hints.samples < 1) throw Error(o.scene.file.string(), "samples", "expected 1 at least");
+    const std::uint64_t hinted = hinted_samples(hints, o.scene.file.string()).value_or(default_samples);
     if (!loaded.added.empty())
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
 
@@ -80,7 +80,7 @@ int run_view(const ViewOptions& o)
         Scene::compile(loaded.description, loaded.camera, warnings, loaded.build), settings, {}, 0, {}, {}, {}, 0, nullptr};
     reporter.warnings(warnings);
     job.name = o.scene.file.filename().string();
-    job.samples = o.samples.value_or(hints.samples ? std::uint64_t(*hints.samples) : default_samples);
+    job.samples = o.samples.value_or(hinted);
     job.display = write_options(o.picture, hints).display;
     job.bounds = world_bounds(loaded.description);
     job.latency_log = o.latency_log;
@@ -89,8 +89,8 @@ int run_view(const ViewOptions& o)
     loaded.description = {};
 
     finish_on_interrupt("");
-    if (const std::string trouble = function_of<view::RunView>(module, view::run_symbol)(job); !trouble.empty())
-        throw Error("", "", trouble);
+    function_of<view::RunView>(module, view::run_symbol)(job, trouble);
+    if (!trouble.empty()) throw Error("", "", trouble);
     return exit_ok;
 }
 
@@ -103,9 +103,8 @@ void add_view(CLI::App& program, Run& run)
     add_scene_options(command, options->scene);
     command.add_value(
         "--spp", "N", "samples a pixel at which to rest (default: the scene's, else 4096)",
-        [o = options.get()](const std::string& text) { o->samples = parse_integer(text, 1, 1ull << 32); });
-    command.add_value("--threads", "N", "threads (default: all cores)",
-                      [o = options.get()](const std::string& text) { o->threads = int(parse_integer(text, 1, 4096)); });
+        [o = options.get()](const std::string& text) { o->samples = parse_integer(text, 1, most_samples); });
+    add_settings_options(command, options->settings);
     add_display_options(command, options->picture);
     command.add_value("--log-latency", "FILE", "write how long each camera move takes to be seen, milliseconds, as CSV",
                       [o = options.get()](const std::string& text) { o->latency_log = text; });

@@ -131,7 +131,7 @@ void Reporter::progress(double done, double elapsed_s, const Progress& progress,
 
 void Reporter::summary(const Summary& s)
 {
-    const double memory = double(peak_memory_bytes());
+    const std::uint64_t memory = peak_memory_bytes();
     if (mode_ == ReportMode::json)
         return print({{"event", "summary"},
                       {"load_s", s.load_s},
@@ -145,7 +145,7 @@ void Reporter::summary(const Summary& s)
     note(fmt::format(
         "load {:.3f} s, build {:.3f} s, render {:.3f} s, write {:.3f} s; {} samples a pixel, {}rays; "
         "peak memory {:.0f} MB",
-        s.load_s, s.build_s, s.render_s, s.write_s, s.samples_per_pixel, with_unit(double(s.rays)), memory / 1e6));
+        s.load_s, s.build_s, s.render_s, s.write_s, s.samples_per_pixel, with_unit(double(s.rays)), double(memory) / 1e6));
 }
 
 }  // namespace fathom::cli

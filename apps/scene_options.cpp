@@ -51,15 +51,15 @@ Size picture_size(const SceneOptions& options, const SceneDescription& scene)
     return size;
 }
 
-/// The place in `words` of what the scene asks for; `otherwise` if it asks for nothing.
-int parse_hint(const std::optional<std::string>& hint, const std::vector<std::string>& words, const char* key,
-               const std::string& file, int otherwise)
+TreeBuild tree_build_of(const SceneOptions& options, const SceneDescription& scene)
 {
-    if (!hint) return otherwise;
-    const auto word = std::find(words.begin(), words.end(), *hint);
-    if (word == words.end())
-        throw Error(file, key, fmt::format("expected {}, found '{}'", fmt::join(words, " or "), *hint));
-    return int(word - words.begin());
+    if (options.build) return *options.build;
+    if (!scene.hints.build) return TreeBuild::standard;
+    const auto name = std::find(tree_build_names.begin(), tree_build_names.end(), *scene.hints.build);
+    if (name == tree_build_names.end())
+        throw Error(scene.file, "build",
+                    fmt::format("expected {}, found '{}'", fmt::join(tree_build_names, " or "), *scene.hints.build));
+    return TreeBuild(name - tree_build_names.begin());
 }
 
 void use_environment(SceneDescription& scene, const std::filesystem::path& file)
@@ -113,12 +113,28 @@ std::string add_moved_camera(SceneDescription& scene, const std::string& name, c
 
 }  // namespace
 
-const std::vector<std::string> filter_names = {"box", "gaussian", "blackman-harris"};
 const std::vector<std::string> tree_build_names = {"fast", "default", "high"};
+
+void add_file_options(Command& command, SceneOptions& options)
+{
+    command.add_positional("SCENE", options.file, "Fathom's own JSON, glTF, GLB, OBJ, PLY, STL, ...");
+    command.add_value("--scene", "NAME", "name or number of the scene in a glTF file that has several",
+                      [&](const std::string& text) { options.scene = text; });
+    command.add_value("--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
+                      [&](const std::string& text) { options.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
+}
+
+LoadOptions load_options(const SceneOptions& options)
+{
+    LoadOptions load;
+    load.scene = options.scene;
+    load.up_axis = options.up_axis;
+    return load;
+}
 
 void add_scene_options(Command& command, SceneOptions& options)
 {
-    command.add_positional("SCENE", options.file, "Fathom's own JSON, glTF, GLB, OBJ, PLY, STL, ...");
+    add_file_options(command, options);
     command.add_value("--size", "WxH", "size of the picture (default: the scene's, else 800x600)",
                       [&](const std::string& text) { options.size = parse_size(text); });
     command.add_value("--camera", "NAME", "one of the scene's cameras (default: the first)",
@@ -139,8 +155,6 @@ void add_scene_options(Command& command, SceneOptions& options)
                           if (std::abs(n[1]) > 90) throw UsageError("the elevation is from -90 to 90");
                           options.orbit_deg = {n[0], n[1]};
                       });
-    command.add_value("--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
-                      [&](const std::string& text) { options.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
     command.add_value("--env", "FILE", "light the scene by this equirectangular picture (HDR, EXR, ...)",
                       [&](const std::string& text) { options.environment = text; });
     command.add_value("--build", "fast|default|high",
@@ -153,13 +167,10 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     if (options.orbit_deg && (!options.camera.empty() || options.look_from || options.look_at))
         throw UsageError("--orbit: places the camera by itself; leave out --camera, --look-from and --look-at");
     LoadedScene loaded;
-    LoadOptions load;
-    load.up_axis = options.up_axis;
-    SceneDescription& scene = loaded.description = load_scene(options.file, load, warnings);
+    SceneDescription& scene = loaded.description = load_scene(options.file, load_options(options), warnings);
     if (!options.environment.empty()) use_environment(scene, options.environment);
     if (!options.camera.empty()) world_camera(scene, options.camera);  // throws if there is none
-    loaded.build = options.build.value_or(TreeBuild(parse_hint(scene.hints.build, tree_build_names, "build", scene.file,
-                                                               int(TreeBuild::standard))));
+    loaded.build = tree_build_of(options, scene);
     loaded.camera = options.camera;
     loaded.size = picture_size(options, scene);
 
@@ -182,14 +193,6 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     if (options.size)
         for (Camera& camera : scene.cameras) camera.aspect = 0;
     return loaded;
-}
-
-void apply_hints(const RenderHints& hints, const std::string& file, RenderSettings& settings)
-{
-    settings.max_depth = hints.max_depth.value_or(settings.max_depth);
-    settings.roulette_depth = hints.roulette_depth.value_or(settings.roulette_depth);
-    settings.light_sampling = hints.light_sampling.value_or(settings.light_sampling);
-    settings.filter = Filter(parse_hint(hints.filter, filter_names, "filter", file, int(settings.filter)));
 }
 
 }  // namespace fathom::cli

@@ -13,6 +13,7 @@ namespace fathom::cli {
 /// What scene is meant, and from where it is seen.
 struct SceneOptions {
     std::filesystem::path file;
+    std::string scene;  ///< of a file with several; empty: the one that the file says
     char up_axis = 0;
     std::string camera;
     std::optional<Vec3d> look_from, look_at, up;
@@ -23,6 +24,10 @@ struct SceneOptions {
     std::optional<TreeBuild> build;
 };
 
+/// Which file, and how it is read.
+void add_file_options(Command& command, SceneOptions& options);
+LoadOptions load_options(const SceneOptions& options);
+/// These, and from where it is seen.
 void add_scene_options(Command& command, SceneOptions& options);
 
 /// A scene that can be compiled: with a camera and light, and the options applied.
@@ -35,10 +40,6 @@ struct LoadedScene {
 };
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings);
 
-/// What the scene asks for, where it asks. Throws Error if that is no sensible value.
-void apply_hints(const RenderHints& hints, const std::string& file, RenderSettings& settings);
-
-extern const std::vector<std::string> filter_names;
 extern const std::vector<std::string> tree_build_names;  ///< by TreeBuild
 
 }  // namespace fathom::cli

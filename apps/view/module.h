@@ -27,11 +27,11 @@ inline constexpr const char* module_file = "libfathom_view.so";
 
 /// Version of Fathom that the module belongs to: no other is used.
 inline constexpr const char* version_symbol = "fathom_view_version";
-/// Why no window can be opened here; empty if one can.
+/// Why no window can be opened here; left empty if one can.
 inline constexpr const char* trouble_symbol = "fathom_view_trouble";
-using Trouble = std::string();
-/// Opens the window and returns when it was closed: what went wrong, or nothing.
+using Trouble = void(std::string& trouble);
+/// Opens the window and returns when it was closed; what went wrong, if anything, is put into `trouble`.
 inline constexpr const char* run_symbol = "fathom_view_run";
-using RunView = std::string(const ViewJob& job);
+using RunView = void(const ViewJob& job, std::string& trouble);
 
 }  // namespace fathom::view

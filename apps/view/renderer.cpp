@@ -311,7 +311,7 @@ void Renderer::save_picture(const std::string& stem)
     for (int number = 1; name.empty() || fs::exists(name + ".png") || fs::exists(name + ".exr"); ++number)
         name = fmt::format("{}-{:04}", stem, number);
     const Film& film = films_.at(View::picture).film;
-    Image image = film.image(false, true);
+    Image image = film.image(settings_.alpha, true);
     for (const auto& [view, target] : films_) {
         if (view == View::picture || target.move != work_.move || target.film.samples_per_pixel() == 0) continue;
         image.layers.push_back(layer_of(view, target.film.image(false, false)));

@@ -37,18 +37,17 @@ extern "C" {
 FATHOM_API extern const char* const fathom_view_version;
 const char* const fathom_view_version = FATHOM_VERSION;
 
-FATHOM_API std::string fathom_view_trouble()
+FATHOM_API void fathom_view_trouble(std::string& trouble)
 {
-    return trouble_with_x11();
+    trouble = trouble_with_x11();
 }
 
 /// Exceptions don't cross the boundary.
-FATHOM_API std::string fathom_view_run(const fathom::view::ViewJob& job)
+FATHOM_API void fathom_view_run(const fathom::view::ViewJob& job, std::string& trouble)
 {
     // What SFML says of its troubles is for us; if they matter, we see them.
     std::ostringstream said;
     sf::err().rdbuf(said.rdbuf());
-    std::string trouble;
     try {
         fathom::view::Viewer(job).run();
     } catch (const std::bad_alloc&) {
@@ -57,7 +56,6 @@ FATHOM_API std::string fathom_view_run(const fathom::view::ViewJob& job)
         trouble = error.what();
     }
     sf::err().rdbuf(nullptr);
-    return trouble;
 }
 
 }  // extern "C"

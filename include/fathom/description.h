@@ -71,7 +71,8 @@ enum class MaterialKind {
     diffuse,     ///< base_color; roughness > 0: Oren-Nayar (Fujii's fit), sigma = roughness
     metal,       ///< base_color is the reflectance at normal incidence; roughness is the GGX alpha's root; 0 is a mirror
     fuzz_metal,  ///< the report's metal: mirror direction plus fuzz times a random point of the unit sphere
-    glass,       ///< smooth or rough dielectric of index ior; absorbs by attenuation_color over attenuation_distance
+    glass,       ///< smooth or rough dielectric of index ior, solid or thin; a solid absorbs by attenuation_color over
+                 ///< attenuation_distance
     principled,  ///< metallic-roughness of glTF 2.0: base_color, metallic, roughness, ior
     unlit,       ///< shows base_color whatever the light, and lights nothing
     none,        ///< black; for pure emitters
@@ -89,6 +90,8 @@ struct Material {
     float ior = 1.5f;
     Color attenuation_color{1, 1, 1};
     double attenuation_distance = 0;  ///< metres after which attenuation_color is left; 0: clear
+    ColorInput transmission_color;    ///< glass: left of light that went through, in and out of a solid, or once a thin sheet
+    bool thin = false;                ///< glass: a sheet without thickness, which light passes straight on
     ColorInput emission{{0, 0, 0}, -1};  ///< radiance
     bool emission_two_sided = false;  ///< else only on the side of the geometric normal
     int normal_texture = -1;

@@ -35,7 +35,8 @@ struct LoadOptions {
 /// Throws Error for a file that can't be read or understood; adds to `warnings` what leaves a picture.
 FATHOM_API SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings);
 
-/// What complete_scene added, in words: "camera framing the model", "studio light", ...; empty if nothing.
+/// What complete_scene added because it was lacking, in words: "a camera that frames the scene", "a soft studio light",
+/// ...; empty if nothing.
 struct Completed {
     std::vector<std::string> added;
 };

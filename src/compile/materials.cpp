@@ -1,11 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
-#include <map>
 
 #include "compile/compiler.h"
-#include "fathom/error.h"
-#include "fathom/memory.h"
+#include "compile/images.h"
 
 namespace fathom {
 
@@ -13,82 +10,14 @@ namespace {
 
 SpectrumTable spectrum(Color c) { return {c.r, c.g, c.b}; }
 
-/// sRGB to linear: IEC 61966-2-1.
-float linear_from_srgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
-
-/// The texels of an image file, four floats each, linear; a grey one where it can't be read.
-class ImageStore {
-public:
-    ImageStore(Compiler& c) : c_(c) {}
-
-    struct Texels {
-        std::uint64_t first = 0;
-        int width = 0, height = 0;
-    };
-
-    Texels get(int image, ColorSpace space)
-    {
-        const auto [place, fresh] = known_.try_emplace({image, int(space)});
-        if (fresh) place->second = load(image, space);
-        return place->second;
-    }
-
-private:
-    Texels load(int index, ColorSpace space)
-    {
-        const ImageFile& file = c_.scene.images[std::size_t(index)];
-        Image image;
-        try {
-            image = file.bytes.empty() ? read_image(file.path) : read_image(file.name, file.bytes.data(), file.bytes.size());
-        } catch (const Error& error) {
-            c_.warnings.add(fmt::format("{}; grey is used instead", error.what()));
-            const std::uint64_t first = c_.tables.texels.size() / 4;
-            for (float v : {0.5f, 0.5f, 0.5f, 1.0f}) c_.tables.texels.push_back(v);
-            return {first, 1, 1};
-        }
-        return append(image, space);
-    }
-
-    Texels append(const Image& image, ColorSpace space)
-    {
-        const Image::Layer& layer = image.layers.front();
-        const std::size_t n = layer.channels.size(), pixels = std::size_t(image.width) * std::size_t(image.height);
-        const bool decode = space == ColorSpace::srgb && !image.is_linear;
-        const auto channel = [&](const char* name) {
-            const auto found = std::find(layer.channels.begin(), layer.channels.end(), name);
-            return found == layer.channels.end() ? -1 : int(found - layer.channels.begin());
-        };
-        const int grey = channel("Y"), alpha = channel("A");
-        int rgb[3] = {channel("R"), channel("G"), channel("B")};
-        for (int& i : rgb)
-            if (i < 0) i = grey >= 0 ? grey : 0;
-        const std::uint64_t first = c_.tables.texels.size() / 4;
-        // Growing keeps the old texels until they are copied.
-        if (const double bytes = double(first + pixels) * 16, available = double(available_memory_bytes()); bytes > available)
-            throw Error(c_.scene.file, "", fmt::format("its textures need {:.1f} GB of memory, {:.1f} GB are there", bytes / 1e9, available / 1e9));
-        c_.tables.texels.resize((first + pixels) * 4);
-        for (std::size_t i = 0; i < pixels; ++i) {
-            float* texel = &c_.tables.texels[(first + i) * 4];
-            for (int k = 0; k < 3; ++k) {
-                const float v = layer.pixels[i * n + std::size_t(rgb[k])];
-                texel[k] = decode ? linear_from_srgb(v) : v;
-            }
-            texel[3] = alpha >= 0 ? layer.pixels[i * n + std::size_t(alpha)] : 1;
-        }
-        return {first, image.width, image.height};
-    }
-
-    Compiler& c_;
-    std::map<std::pair<int, int>, Texels> known_;
-};
-
 TextureTable compile_texture(Compiler& c, ImageStore& images, const Texture& texture)
 {
     TextureTable t;
     t.kind = std::uint32_t(texture.kind);
     if (texture.kind == TextureKind::image && texture.image >= 0) {
-        const auto texels = images.get(texture.image, texture.color_space);
-        t.texels = texels.first;
+        const ImageStore::Texels texels = images.texture(texture.image, texture.color_space);
+        t.format = std::uint32_t(texels.format);
+        t.texels = texels.place;
         t.width = texels.width;
         t.height = texels.height;
     }
@@ -131,6 +60,11 @@ MaterialTable compile_material(Compiler& c, const Material& m)
     t.bsdf = std::uint32_t(bsdf_kind(m));
     t.base_color = spectrum(m.base_color.value);
     t.base_texture = texture_id(m.base_color.texture);
+    if (m.kind == MaterialKind::glass) {
+        t.base_color = spectrum(m.transmission_color.value);
+        t.base_texture = texture_id(m.transmission_color.texture);
+        if (m.thin) t.flags |= MaterialTable::thin;
+    }
     t.emission = spectrum(m.emission.value);
     t.emission_texture = texture_id(m.emission.texture);
     if (m.kind == MaterialKind::unlit) {
@@ -153,7 +87,7 @@ MaterialTable compile_material(Compiler& c, const Material& m)
     t.alpha_channel = std::uint32_t(m.alpha.channel);
     t.alpha_cutoff = m.alpha_cutoff;
     t.alpha_mode = std::uint32_t(m.alpha_mode);
-    if (m.attenuation_distance > 0)
+    if (m.attenuation_distance > 0 && !m.thin)
         for (int i = 0; i < channels; ++i) {
             const Color a = m.attenuation_color;
             const float color = std::max(i == 0 ? a.r : i == 1 ? a.g : a.b, 1e-6f);
@@ -179,8 +113,8 @@ void compile_materials(Compiler& c)
     c.tables.materials.push_back(compile_material(c, Material{}));
     // Environment images lie among the texels too.
     if (c.scene.environment.kind == EnvironmentKind::image && c.scene.environment.image >= 0) {
-        const auto texels = images.get(c.scene.environment.image, ColorSpace::srgb);
-        c.tables.environment.texels = texels.first;
+        const ImageStore::Texels texels = images.environment(c.scene.environment.image);
+        c.tables.environment.texels = texels.place;
         c.tables.environment.width = texels.width;
         c.tables.environment.height = texels.height;
     }

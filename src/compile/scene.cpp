@@ -47,6 +47,7 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
                      bytes(tables.shape_of_primitive) + bytes(tables.shapes) + bytes(tables.instances) + bytes(tables.curves) + bytes(tables.curve_points) +
                      bytes(tables.points) +
                      bytes(tables.poses) + bytes(tables.texels) + bytes(tables.lights) + kernel.memory_bytes();
+    for (const auto& image : tables.packed_images) s.memory_bytes += bytes(image);
     return s;
 }
 
@@ -63,7 +64,7 @@ void check_memory(const SceneDescription& scene, const Placed& placed)
         if (!instance || counted[std::size_t(instance->mesh)]) continue;
         counted[std::size_t(instance->mesh)] = true;
         const Mesh& mesh = scene.meshes[std::size_t(instance->mesh)];
-        bytes += bytes_per_triangle * double(mesh.indices.size() / 3) + 12.0 * double(mesh.positions.size() + mesh.normals.size()) * double(1 + mesh.motion.size()) +
+        bytes += bytes_per_triangle * double(mesh.indices.size()) / 3 + 12.0 * double(mesh.positions.size() + mesh.normals.size()) * double(1 + mesh.motion.size()) +
                  16.0 * double(mesh.tangents.size() + mesh.colors.size()) + 8.0 * double(mesh.uvs[0].size() + mesh.uvs[1].size());
     }
     if (const double available = double(available_memory_bytes()); bytes > available)

@@ -146,8 +146,9 @@ Image read_exr(const EncodedImage& file)
         buffer.insert(name, Imf::Slice(type, static_cast<char*>(values) - offset, stride, stride * width));
     };
     for (Image::Layer& layer : image.layers) {
-        std::stable_sort(layer.channels.begin(), layer.channels.end(),
-                         [](const auto& a, const auto& b) { return channel_rank(a) < channel_rank(b); });
+        std::sort(layer.channels.begin(), layer.channels.end(), [](const auto& a, const auto& b) {
+            return std::pair(channel_rank(a), a) < std::pair(channel_rank(b), b);
+        });
         layer.pixels.resize(pixels * layer.channels.size());
         for (std::size_t c = 0; c < layer.channels.size(); ++c)
             insert(full_name(layer.name, layer.channels[c]), Imf::FLOAT, layer.pixels.data() + c,

@@ -31,14 +31,15 @@ std::string field_of(const std::string& key, const std::string& name)
     return key.substr(begin, key.find(';', begin) - begin);
 }
 
-Image::Layer layer(const Film::Data& film, const std::string& name, std::vector<std::string> channels)
+Image::Layer layer(const Film::Data& film, const std::string& name, const std::vector<std::string>& channels)
 {
     return {name, channels, std::vector<float>(std::size_t(film.width) * std::size_t(film.height) * channels.size())};
 }
 
 /// Fills a layer from `value(sums of the pixel, channel)`.
 template <class Value>
-Image::Layer fill(const Film::Data& film, const std::string& name, std::vector<std::string> channels, Value value)
+Image::Layer fill(const Film::Data& film, const std::string& name, const std::vector<std::string>& channels,
+                  Value value)
 {
     Image::Layer l = layer(film, name, channels);
     const std::size_t n = channels.size();

@@ -22,7 +22,8 @@ public:
     /// Four at a time, by the vector types of GCC and Clang, which every instruction set has.
     using Doubles = double __attribute__((vector_size(32)));
     using Integers = std::int64_t __attribute__((vector_size(32)));
-    struct Fast {
+    // GCC aligns such vectors by the instruction set that it compiles for: the library and its kernels must agree.
+    struct alignas(32) Fast {
         Integers sum{}, square{};
     };
 

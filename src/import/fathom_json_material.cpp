@@ -177,7 +177,6 @@ int FathomJsonReader::add_material(const JsonValue& v, const std::string& name)
     using enum MaterialKind;
     const auto is = [&](auto... kinds) { return ((m.kind == kinds) || ...); };
 
-    if (is(glass)) m.base_color.value = {1, 1, 1};
     if (is(unlit)) read_color(o, "color", m.base_color);
     if (is(diffuse, metal, fuzz_metal, principled)) read_reflectance(o, "color", m.base_color);
     if (is(diffuse, metal, glass, principled)) read_float(o, "roughness", m.roughness, 0, 1);
@@ -193,6 +192,8 @@ int FathomJsonReader::add_material(const JsonValue& v, const std::string& name)
         }
     }
     if (is(glass)) {
+        read_reflectance(o, "color", m.transmission_color);
+        o.read("thin", m.thin);
         if (auto color = o.get("attenuation_color")) {
             m.attenuation_color = color->color();
             const auto [r, g, b] = m.attenuation_color;

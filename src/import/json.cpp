@@ -97,8 +97,11 @@ Json parse_json(const std::string& file, std::string_view text, DuplicateKeys du
             if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126) c = '?';
         throw Error(file, line_and_column(text, byte), "not JSON: " + reason);
     } catch (const Json::out_of_range& e) {
-        // A number like 1e999; the parser does not tell where.
-        throw Error(file, "", fmt::format("not JSON: {}", printable(plain_reason(e.what()))));
+        // A number like 1e999; the parser quotes it, but does not tell where it is.
+        const std::string reason = plain_reason(e.what());
+        const std::size_t quote = reason.find('\''), end = reason.rfind('\'');
+        const std::size_t byte = quote < end ? text.find(reason.substr(quote + 1, end - quote - 1)) : text.npos;
+        throw Error(file, byte != text.npos ? line_and_column(text, byte) : "", "not JSON: " + printable(reason));
     }
 }
 

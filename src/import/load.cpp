@@ -94,8 +94,12 @@ SceneDescription load_file(const std::filesystem::path& file, const LoadOptions&
     const OpenFile open(context, file);
     const std::string extension = lower_extension(file);
     const std::string bytes = read_nonempty_file(file);
+    const Format format = format_of(extension, bytes);
+    if (!options.scene.empty() && format != Format::gltf)
+        throw Error(file.string(), "",
+                    fmt::format("there is no scene '{}': only glTF files have scenes to choose from", options.scene));
     SceneDescription scene;
-    switch (format_of(extension, bytes)) {
+    switch (format) {
         case Format::gltf:
             scene = read_gltf(file, bytes, options, context);
             break;

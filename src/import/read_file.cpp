@@ -40,6 +40,8 @@ std::string read_file(const std::filesystem::path& file)
     struct stat status;
     if (fstat(opened.fd, &status) != 0) fail(file, errno);
     if (S_ISDIR(status.st_mode)) fail(file, EISDIR);
+    // It may never end.
+    if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode)) throw Error(file.string(), "", "is a device, not a file");
 
     std::string bytes;
     try {
@@ -48,7 +50,7 @@ std::string read_file(const std::filesystem::path& file)
         bytes.resize(S_ISREG(status.st_mode) ? std::size_t(status.st_size) + 1 : 1 << 16);
         for (;;) {
             if (size == bytes.size()) {
-                // A device may never end.
+                // Nor may what fills a pipe.
                 if (size > (std::size_t(1) << 32) && !S_ISREG(status.st_mode))
                     throw Error(file.string(), "", "gives more than 4 GB and is no regular file");
                 bytes.resize(2 * size);

@@ -30,12 +30,32 @@ int wrapped(double x, int size, std::uint32_t mode)
     return int(std::min<long long>(r, 2 * size - 1 - r));
 }
 
+double texel_value(const SceneTables& tables, const TextureTable& t, std::uint64_t index, std::uint32_t channel)
+{
+    if (TexelFormat(t.format) == TexelFormat::float4) return double(tables.texels[(t.texels + index) * 4 + channel]);
+    const std::vector<std::uint32_t>& words = tables.packed_images[t.texels];
+    const std::uint32_t pair = TexelFormat(t.format) == TexelFormat::halves || TexelFormat(t.format) == TexelFormat::shorts
+                                   ? words[2 * index + channel / 2] >> (16 * (channel % 2)) & 0xffff
+                                   : 0;
+    switch (TexelFormat(t.format)) {
+        case TexelFormat::shorts: return pair / 65535.0;
+        case TexelFormat::halves: {
+            const double magnitude = double(std::bit_cast<float>((pair & 0x7fff) << 13)) * 0x1p112;
+            return pair & 0x8000 ? -magnitude : magnitude;
+        }
+        default: break;
+    }
+    const std::uint32_t code = words[index] >> (8 * channel) & 0xff;
+    const bool is_srgb = TexelFormat(t.format) == TexelFormat::bytes_srgb && channel < 3;
+    return is_srgb ? double(tables.linear_of_srgb[code]) : code / 255.0;
+}
+
 float image_value(const SceneTables& tables, const TextureTable& t, std::uint32_t channel, float u, float v)
 {
     const double x = double(u) * t.width - 0.5, y = double(v) * t.height - 0.5;
     const auto texel = [&](double tx, double ty) {
         const int ix = wrapped(tx, t.width, t.wrap_u), iy = wrapped(ty, t.height, t.wrap_v);
-        return double(tables.texels[(t.texels + std::uint64_t(iy) * std::uint64_t(t.width) + std::uint64_t(ix)) * 4 + channel]);
+        return texel_value(tables, t, std::uint64_t(iy) * std::uint64_t(t.width) + std::uint64_t(ix), channel);
     };
     if (t.nearest) return float(texel(std::floor(x + 0.5), std::floor(y + 0.5)));
     const double x0 = std::floor(x), y0 = std::floor(y), fx = x - x0, fy = y - y0;

@@ -32,9 +32,11 @@ private:
     Float number(int column, UInt quad) const
     {
         const float* table = values_.data() + std::size_t(column) * stride_;
-        // Beyond the table (no quad) stands the last entry.
-        return size_ > small_table ? gather(table, select(less(quad, UInt(std::uint32_t(size_))), quad, UInt(std::uint32_t(size_))))
-                                   : lookup(table, size_, quad);
+        if (size_ <= small_table) return lookup(table, size_, quad);
+        // For what is no quad stands the last entry: also for triangles, whose numbers lie before those of quads.
+        const UInt last(static_cast<std::uint32_t>(size_));
+        const Mask is_quad = less(quad, last) & !less(quad, UInt(0u));
+        return gather(table, select(is_quad, quad, last));
     }
     Spectrum spectrum(int column, UInt quad) const
     {

@@ -123,6 +123,7 @@ public:
         p.ior = material_number(offsetof(MaterialTable, ior), index, m);
         p.fuzz = material_number(offsetof(MaterialTable, fuzz), index, m);
         const UInt flags = material_word(offsetof(MaterialTable, flags), index, m);
+        p.thin = (flags & UInt(MaterialTable::thin)) != UInt(0);
         const Mask colored = m & ((flags & UInt(MaterialTable::vertex_colored)) != UInt(0));
         if (any(colored)) p.base_color = select(colored, p.base_color * s.color, p.base_color);
         const Mask textured = m & ((flags & UInt(MaterialTable::textured)) != UInt(0));

@@ -102,9 +102,19 @@ enum class BsdfKind : std::uint32_t {
     count
 };
 
+/// How an image's texels lie in memory. Each format is taken only where it holds every value exactly.
+enum class TexelFormat : std::uint32_t {
+    float4,      ///< four floats, in SceneTables::texels
+    bytes,       ///< one word of packed_images: red in the lowest byte, alpha in the highest, 255 is 1
+    bytes_srgb,  ///< the same, but red, green and blue are sRGB codes, decoded by SceneTables::linear_of_srgb
+    halves,      ///< two words: red and green, blue and alpha; the lower half first
+    shorts,      ///< the same with 16-bit integers, 65535 is 1
+};
+
 struct TextureTable {
     std::uint32_t kind = 0;  ///< TextureKind
-    // image: offset into texels (4 floats a texel), size, wrap modes
+    // image: format, offset into texels (in fours) or number among packed_images, size, wrap modes
+    std::uint32_t format = 0;  ///< TexelFormat
     std::uint64_t texels = 0;
     int width = 0, height = 0;
     std::uint32_t wrap_u = 0, wrap_v = 0, nearest = 0;
@@ -117,7 +127,7 @@ struct TextureTable {
 
 struct MaterialTable {
     enum Flags : std::uint32_t { textured = 1, normal_mapped = 2, vertex_colored = 4, emits = 8, two_sided_emission = 16,
-                 unlit = 32 /* shows its emission, but lights nothing */ };
+                 unlit = 32 /* shows its emission, but lights nothing */, thin = 64 };
     std::uint32_t bsdf = 0;  ///< BsdfKind
     std::uint32_t flags = 0;
     SpectrumTable base_color{};
@@ -201,7 +211,9 @@ struct SceneTables {
     std::uint32_t world_triangles = 0;  ///< triangles of [0, world_triangles) are in render space; the rest are placed
     std::vector<MaterialTable> materials;
     std::vector<TextureTable> textures;
-    std::vector<float> texels;
+    std::vector<float> texels;  ///< of images in four floats a texel: environments, and what no other format holds
+    std::vector<std::vector<std::uint32_t>> packed_images;  ///< of the others, image by image
+    std::array<float, 256> linear_of_srgb{};
     std::vector<LightTable> lights;
     std::vector<float> light_cdf;  ///< lights + 1 values, 0 to 1
     EnvironmentTable environment;

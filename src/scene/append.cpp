@@ -33,7 +33,7 @@ Appended append_scene(SceneDescription& to, SceneDescription from)
 
     for (Texture& texture : from.textures) shift(texture.image, images);
     for (Material& material : from.materials) {
-        for (int* texture : {&material.base_color.texture, &material.roughness.texture, &material.metallic.texture,
+        for (int* texture : {&material.base_color.texture, &material.transmission_color.texture, &material.roughness.texture, &material.metallic.texture,
                              &material.emission.texture, &material.alpha.texture, &material.normal_texture})
             shift(*texture, textures);
     }

@@ -62,7 +62,8 @@ private:
     void check_material(const Material& m, const std::string& place) const
     {
         for (const auto& [texture, name] :
-             {std::pair{m.base_color.texture, ".base_color"}, std::pair{m.roughness.texture, ".roughness"},
+             {std::pair{m.base_color.texture, ".base_color"},
+              std::pair{m.transmission_color.texture, ".transmission_color"}, std::pair{m.roughness.texture, ".roughness"},
               std::pair{m.metallic.texture, ".metallic"}, std::pair{m.emission.texture, ".emission"},
               std::pair{m.alpha.texture, ".alpha"}, std::pair{m.normal_texture, ".normal_texture"}})
             if (texture != -1) required(texture, scene_.textures.size(), place + name, "texture");

@@ -134,7 +134,8 @@ Completed complete_scene(SceneDescription& scene, const CompleteOptions& options
     }
     if (!found.camera || options.force_camera) {
         add_first_camera(scene, framing_camera(bounds, options));
-        completed.added.push_back("a camera that frames the scene");
+        // One that was asked for is nothing that the file lacked.
+        if (!options.force_camera) completed.added.push_back("a camera that frames the scene");
     }
     if (!found.environment && !found.emitter && found.lights.empty()) {
         scene.environment = studio();

@@ -4,10 +4,17 @@ namespace fathom {
 
 namespace {
 
+/// Of a place that is nested hundreds deep, its beginning and its end.
+std::string shortened(const std::string& place)
+{
+    constexpr std::size_t longest = 200, end = 80;
+    return place.size() <= longest ? place : place.substr(0, end) + "..." + place.substr(place.size() - end);
+}
+
 std::string line_of(const std::string& file, const std::string& place, const std::string& message)
 {
     std::string line;
-    for (const std::string& part : {file, place})
+    for (const std::string& part : {file, shortened(place)})
         if (!part.empty()) line += part + ": ";
     return line + message;
 }

@@ -68,35 +68,98 @@ inline Float wrap(Float x, int size, std::uint32_t mode)
     return clamp(min(r, period - Float(1) - r), Float(0), n - Float(1));
 }
 
-inline Texel fetch(const float* texels, int width, Float x, Float y, Mask m)
+/// Mixes the four texels about (u, v), or takes the nearest. fetch(number of the texel) gives a Texel.
+template <class Fetch>
+Texel filter_texels(const TextureTable& t, Float u, Float v, Fetch&& fetch)
 {
-    // Texel numbers below 2^29, so that four floats each stay within 32 bits.
-    const UInt index = (to_uint(y) * UInt(std::uint32_t(width)) + to_uint(x)) << 2;
-    Texel t;
-    for (int c = 0; c < 4; ++c) t.c[c] = gather(texels + c, index, m);
-    return t;
-}
-
-}  // namespace detail
-
-/// The bilinear value at (u, v) of an image; v grows downwards.
-inline Texel lookup_image(const float* all_texels, const TextureTable& t, Float u, Float v, Mask m)
-{
-    const float* texels = all_texels + t.texels * 4;
     const Float x = clamp(u * Float(float(t.width)), Float(-1e9f), Float(1e9f)) - Float(0.5f);
     const Float y = clamp(v * Float(float(t.height)), Float(-1e9f), Float(1e9f)) - Float(0.5f);
+    const auto at = [&](Float column, Float row) {
+        return fetch(to_uint(row) * UInt(std::uint32_t(t.width)) + to_uint(column));
+    };
     if (t.nearest)
-        return detail::fetch(texels, t.width, detail::wrap(floor(x + Float(0.5f)), t.width, t.wrap_u),
-                             detail::wrap(floor(y + Float(0.5f)), t.height, t.wrap_v), m);
+        return at(wrap(floor(x + Float(0.5f)), t.width, t.wrap_u), wrap(floor(y + Float(0.5f)), t.height, t.wrap_v));
     const Float x0 = floor(x), y0 = floor(y), fx = x - x0, fy = y - y0;
-    const Float xa = detail::wrap(x0, t.width, t.wrap_u), xb = detail::wrap(x0 + Float(1), t.width, t.wrap_u);
-    const Float ya = detail::wrap(y0, t.height, t.wrap_v), yb = detail::wrap(y0 + Float(1), t.height, t.wrap_v);
-    const Texel a = detail::fetch(texels, t.width, xa, ya, m), b = detail::fetch(texels, t.width, xb, ya, m);
-    const Texel c = detail::fetch(texels, t.width, xa, yb, m), d = detail::fetch(texels, t.width, xb, yb, m);
+    const Float xa = wrap(x0, t.width, t.wrap_u), xb = wrap(x0 + Float(1), t.width, t.wrap_u);
+    const Float ya = wrap(y0, t.height, t.wrap_v), yb = wrap(y0 + Float(1), t.height, t.wrap_v);
+    const Texel a = at(xa, ya), b = at(xb, ya), c = at(xa, yb), d = at(xb, yb);
     Texel r;
     for (int i = 0; i < 4; ++i) {
         const Float top = fma(fx, b.c[i] - a.c[i], a.c[i]), bottom = fma(fx, d.c[i] - c.c[i], c.c[i]);
         r.c[i] = fma(fy, bottom - top, top);
+    }
+    return r;
+}
+
+/// A finite half in the lower 16 bits; the multiplication puts the exponent right, also of the smallest ones.
+inline Float float_of_half(UInt half)
+{
+    const Float magnitude = bits_float((half & UInt(0x7fff)) << 13) * Float(0x1p112f);
+    return bits_float(float_bits(magnitude) | ((half & UInt(0x8000)) << 16));
+}
+
+}  // namespace detail
+
+/// The bilinear value at (u, v) of an image of four floats a texel; v grows downwards.
+inline Texel lookup_image(const float* all_texels, const TextureTable& t, Float u, Float v, Mask m)
+{
+    const float* texels = all_texels + t.texels * 4;
+    return detail::filter_texels(t, u, v, [&](UInt number) {
+        // Texel numbers below 2^29, so that four floats each stay within 32 bits.
+        const UInt index = number << 2;
+        Texel texel;
+        for (int c = 0; c < 4; ++c) texel.c[c] = gather(texels + c, index, m);
+        return texel;
+    });
+}
+
+/// The same of an image in any format.
+inline Texel lookup_image(const SceneTables& tables, const TextureTable& t, Float u, Float v, Mask m)
+{
+    if (TexelFormat(t.format) == TexelFormat::float4) return lookup_image(tables.texels.data(), t, u, v, m);
+    const std::uint32_t* words = tables.packed_images[t.texels].data();
+    const auto in_bytes = [&](UInt number) {
+        const UInt word = gather(words, number, m);
+        Texel texel;
+        for (int c = 0; c < 4; ++c) texel.c[c] = to_float((word >> (8 * c)) & UInt(0xff));
+        return texel;
+    };
+    Texel r;
+    switch (TexelFormat(t.format)) {
+        case TexelFormat::float4: break;
+        case TexelFormat::bytes:
+            // Codes are mixed, and then divided once.
+            r = detail::filter_texels(t, u, v, in_bytes);
+            for (Float& value : r.c) value = value / Float(255);
+            break;
+        case TexelFormat::bytes_srgb:
+            r = detail::filter_texels(t, u, v, [&](UInt number) {
+                const UInt word = gather(words, number, m);
+                Texel texel;
+                for (int c = 0; c < 3; ++c)
+                    texel.c[c] = gather(tables.linear_of_srgb.data(), (word >> (8 * c)) & UInt(0xff), m);
+                texel.c[3] = to_float(word >> 24);
+                return texel;
+            });
+            r.c[3] = r.c[3] / Float(255);
+            break;
+        case TexelFormat::halves:
+        case TexelFormat::shorts: {
+            const bool halves = TexelFormat(t.format) == TexelFormat::halves;
+            r = detail::filter_texels(t, u, v, [&](UInt number) {
+                const UInt index = number << 1;
+                const UInt pairs[2] = {gather(words, index, m), gather(words + 1, index, m)};
+                Texel texel;
+                for (int c = 0; c < 4; ++c) {
+                    const UInt code = c % 2 ? pairs[c / 2] >> 16 : pairs[c / 2] & UInt(0xffff);
+                    texel.c[c] = halves ? detail::float_of_half(code) : to_float(code);
+                }
+                return texel;
+            });
+            if (!halves)
+                for (Float& value : r.c) value = value / Float(65535);
+            break;
+        }
     }
     return r;
 }
@@ -110,7 +173,7 @@ inline Texel evaluate_texture(const SceneTables& tables, const TextureTable& t, 
     Float mix(0.f);  // from color_a to color_b
     const Vec3 p = at.p_world * Float(t.scale);
     switch (TextureKind(t.kind)) {
-        case TextureKind::image: return lookup_image(tables.texels.data(), t, u, v, m);
+        case TextureKind::image: return lookup_image(tables, t, u, v, m);
         case TextureKind::checker_uv: {
             const Float cell = floor(u * Float(t.scale)) + floor(v * Float(t.scale));
             mix = cell - floor(cell * Float(0.5f)) * Float(2);

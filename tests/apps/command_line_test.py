@@ -394,6 +394,32 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(info["counts"]["cameras"], 2)
         self.assertEqual(info["cameras"][0]["name"], "main")
 
+    def test_what_decides_the_picture_is_the_same_for_render_and_view(self):
+        def options(command):
+            return set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", self.ok(command, "--help").stdout, re.MULTILINE))
+        of_files_only = {"--output", "--png-bits", "--exr", "--aov", "--mergeable", "--samples", "--only-sample", "--time",
+                         "--crop", "--quiet", "--progress"}
+        self.assertEqual(options("render") - options("view"), of_files_only)
+        self.assertEqual(options("view") - options("render"), {"--log-latency", "--script-moves"})
+        self.assertIn("--scene", options("info"))
+        self.refused(2, "view", "box.json", "--filter", "bix", words=["--filter", "box or gaussian"])
+
+    def test_the_readme_has_every_option(self):
+        with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "README.md")) as file:
+            table = "".join(line for line in file if line.startswith("|"))
+        help_text = self.ok("render", "--help").stdout
+        options = set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", help_text, re.MULTILINE)) - {"--help", "--output"}
+        self.assertGreater(len(options), 25)
+        for option in options:
+            self.assertIn(f"`{option}", table)
+        for option in re.findall(r"`(--[a-z-]+)", table):
+            self.assertIn(option, options)
+
+    def test_a_scene_of_several(self):
+        for command in ("render", "info"):
+            result = self.ok(command, "box.json", "--scene", "two", *(["--spp", "1"] if command == "render" else []))
+            self.assertIn("scene two", result.stderr + result.stdout)
+
     def test_the_program_itself(self):
         if not PROGRAM:
             self.skipTest("only the double was given")

@@ -57,6 +57,7 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
             throw Error(file.string(), "line 1", fmt::format("unknown word '{}'", word));
         }
     }
+    if (!options.scene.empty()) warnings.add(fmt::format("scene {}", options.scene));
     if (options.up_axis) warnings.add(fmt::format("up axis {}", options.up_axis));
     return scene;
 }

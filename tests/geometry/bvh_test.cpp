@@ -174,17 +174,22 @@ SceneTables instances(std::size_t n, double spread)
         tables.shapes.push_back(shape);
         for (int i = 0; i < (mesh == 3 ? 0 : 150); ++i) {
             const Vec3f a = random.point(1);
-            add_triangle(tables, a, plus(a, random.point(0.3f)), plus(a, random.point(0.3f)));
+            const Vec3f b = plus(a, random.point(0.3f)), c = plus(a, random.point(0.3f));
+            add_triangle(tables, a, b, c);
         }
         tables.shape_of_primitive.resize(tables.triangle_count(), mesh);
     }
     for (std::uint32_t i = 0; i < 200; ++i) tables.shape_of_primitive[i] = 0;
     for (std::size_t i = 0; i < n; ++i) {
         const Vec3f p = random.point(60), axis = random.direction();
-        const auto scale = [&] { return (random.below(3) ? 1 : -1) * 10 * std::pow(spread, random.uniform(-1, 1)); };
+        const auto scale = [&] {
+            const int sign = random.below(3) ? 1 : -1;
+            return sign * 10 * std::pow(spread, random.uniform(-1, 1));
+        };
+        const float angle = random.uniform(0, 6);
+        const Vec3d scales{scale(), scale(), scale()};
         const Transform t = Transform::translate({p.x, p.y, p.z}) *
-                            Transform::rotate({axis.x, axis.y, axis.z}, random.uniform(0, 6)) *
-                            Transform::scale({scale(), scale(), scale()});
+                            Transform::rotate({axis.x, axis.y, axis.z}, angle) * Transform::scale(scales);
         InstanceTable instance;
         instance.object_from_render = rounded(t.inverse());
         instance.mesh_shape = instance.shape = 1 + random.below(3);
@@ -283,7 +288,7 @@ TEST(Bvh, the_same_bits_everywhere)
             mix(std::bit_cast<std::uint32_t>(hits.u[i]));
             mix(std::bit_cast<std::uint32_t>(hits.v[i]));
         }
-        EXPECT_EQ(hash, 16399233149332696113u) << int(level);
+        EXPECT_EQ(hash, 14386724077026236286u) << int(level);
     }
 }
 

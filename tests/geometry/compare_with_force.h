@@ -25,13 +25,16 @@ inline Rays nasty_rays(const SceneTables& tables, float radius, std::size_t n, s
     while (rays.count() < n) {
         const Vec3f o = random.point(radius * (random.below(4) ? 1.2f : 8.f));
         const float limit = random.below(3) ? std::numeric_limits<float>::infinity() : random.uniform(0, radius);
-        rays.add(o, random.direction(), limit, random.uniform());
+        // One number to a statement: compilers differ in the order of arguments, and the rays are to be the same.
+        const Vec3f anywhere = random.direction();
+        rays.add(o, anywhere, limit, random.uniform());
         const float sign = random.below(2) ? 1.f : -1.f;
         const std::uint32_t axis = random.below(3);
         const Vec3f along{axis == 0 ? sign : 0, axis == 1 ? sign : 0, axis == 2 ? sign : -0.f};
         rays.add(o, along, limit, random.uniform());
         const Vec3f v = vertex();
-        rays.add(plus(v, times(along, -random.uniform(0, radius))), along, limit, random.uniform());
+        const Vec3f before = plus(v, times(along, -random.uniform(0, radius)));
+        rays.add(before, along, limit, random.uniform());
         if (v.x != o.x || v.y != o.y || v.z != o.z) rays.add(o, unit_towards(o, v), limit, random.uniform());
         const Vec3f w = vertex();
         if (v.x != w.x || v.y != w.y || v.z != w.z) rays.add(v, unit_towards(v, w), limit, random.uniform());
@@ -48,8 +51,10 @@ inline Rays bundles(const SceneTables& tables, float radius, std::size_t n, std:
         const Vec3f o = random.point(3 * radius), at = random.point(0.7f * radius);
         const float width = radius * (random.below(2) ? 0.02f : 0.3f);
         const float limit = random.below(3) ? std::numeric_limits<float>::infinity() : random.uniform(0, 4 * radius);
-        for (int i = 0; i < 64; ++i)
-            rays.add(o, unit_towards(o, plus(at, random.point(width))), limit, random.uniform());
+        for (int i = 0; i < 64; ++i) {
+            const Vec3f target = plus(at, random.point(width));
+            rays.add(o, unit_towards(o, target), limit, random.uniform());
+        }
     }
     return rays;
 }
@@ -106,7 +111,8 @@ inline SceneTables soup(std::size_t n, float radius, float size, std::uint64_t s
     SceneTables tables = empty_tables();
     for (std::size_t i = 0; i < n; ++i) {
         const Vec3f a = plus(random.point(radius), offset);
-        add_triangle(tables, a, plus(a, random.point(size)), plus(a, random.point(size)));
+        const Vec3f b = plus(a, random.point(size)), c = plus(a, random.point(size));
+        add_triangle(tables, a, b, c);
     }
     finish(tables);
     return tables;

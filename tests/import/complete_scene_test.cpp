@@ -112,7 +112,8 @@ TEST_F(CompleteScene, ForcedCameraComesFirst)
     SceneDescription scene = load("a.json", R"({"cameras": {"one": {}, "two": {}}, "scene": [{"sphere": {}}]})");
     CompleteOptions options;
     options.force_camera = true;
-    complete_scene(scene, options);
+    // Asked for, so nothing that the file lacked.
+    EXPECT_EQ(complete_scene(scene, options).added, std::vector<std::string>{"a soft studio light"});
     ASSERT_EQ(scene.cameras.size(), 3u);
     EXPECT_EQ(scene.cameras[1].name, "one");
     for (const Node& node : scene.nodes) {

@@ -137,6 +137,19 @@ TEST_F(FathomJson, TexturesByNameAndUse)
     EXPECT_EQ(scene.textures[scene.materials[1].base_color.texture].kind, TextureKind::checker_uv);
 }
 
+TEST_F(FathomJson, Glass)
+{
+    const SceneDescription scene = load("s.json", R"({"materials": {
+        "clear": {"kind": "glass"},
+        "pane": {"kind": "glass", "thin": true, "color": [0.5, 1, 1]}}})");
+    for (const Material& m : scene.materials) {
+        const bool pane = m.name == "pane";
+        EXPECT_EQ(m.kind, MaterialKind::glass);
+        EXPECT_EQ(m.thin, pane);
+        EXPECT_EQ(m.transmission_color.value, (Color{pane ? 0.5f : 1.0f, 1, 1}));
+    }
+}
+
 TEST_F(FathomJson, UnitsOfLight)
 {
     const SceneDescription scene = load("l.json", R"({

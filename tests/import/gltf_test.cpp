@@ -143,7 +143,7 @@ TEST_F(Gltf, MaterialsAndTextures)
     const SceneDescription scene = load(
         "a.gltf", b.gltf(fmt::format(R"(
         "nodes": [{{"mesh": 0}}], "scenes": [{{"nodes": [0]}}],
-        "meshes": [{{"primitives": [{0}, {1}, {2}, {3}, {4}]}}],
+        "meshes": [{{"primitives": [{0}, {1}, {2}, {3}, {4}, {5}]}}],
         "extensionsUsed": ["KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_texture_transform",
                            "KHR_materials_volume", "KHR_materials_transmission", "KHR_materials_sheen"],
         "images": [{{"uri": "my%20wood.png"}}, {{"uri": "data:image/png;base64,AQID"}}],
@@ -160,13 +160,17 @@ TEST_F(Gltf, MaterialsAndTextures)
           {{"name": "unlit", "extensions": {{"KHR_materials_unlit": {{}}}}}},
           {{"name": "glass", "extensions": {{"KHR_materials_transmission": {{"transmissionFactor": 1}},
             "KHR_materials_volume": {{"thicknessFactor": 1, "attenuationColor": [0.5, 1, 1], "attenuationDistance": 2}}}}}},
+          {{"name": "pane", "pbrMetallicRoughness": {{"baseColorFactor": [0.5, 0.25, 1, 1], "baseColorTexture": {{"index": 0}}}},
+            "extensions": {{"KHR_materials_transmission": {{"transmissionFactor": 1}},
+            "KHR_materials_volume": {{"thicknessFactor": 0}}}}}},
           {{"name": "opaque", "pbrMetallicRoughness": {{"baseColorFactor": [1, 1, 1, 0.5]}}}}])",
                                      fmt::format(R"({{"material": 0, "attributes": {{"POSITION": {}}}}})", positions),
                                      fmt::format(R"({{"material": 1, "attributes": {{"POSITION": {}}}}})", positions),
                                      fmt::format(R"({{"material": 2, "attributes": {{"POSITION": {}}}}})", positions),
                                      fmt::format(R"({{"material": 3, "attributes": {{"POSITION": {}}}}})", positions),
-                                     fmt::format(R"({{"attributes": {{"POSITION": {}}}}})", positions))));
-    ASSERT_EQ(scene.materials.size(), 5u);
+                                     fmt::format(R"({{"attributes": {{"POSITION": {}}}}})", positions),
+                                     fmt::format(R"({{"material": 4, "attributes": {{"POSITION": {}}}}})", positions))));
+    ASSERT_EQ(scene.materials.size(), 6u);
     const Material& full = scene.materials[0];
     EXPECT_EQ(full.kind, MaterialKind::principled);
     EXPECT_EQ(full.base_color.value, (Color{0.5f, 0.25f, 1}));
@@ -205,7 +209,13 @@ TEST_F(Gltf, MaterialsAndTextures)
     EXPECT_EQ(scene.materials[2].kind, MaterialKind::glass);
     EXPECT_EQ(scene.materials[2].attenuation_color, (Color{0.5f, 1, 1}));
     EXPECT_EQ(scene.materials[2].attenuation_distance, 2);
-    EXPECT_EQ(scene.materials[3].alpha.value, 1);  // opaque: alpha counts for nothing
+    EXPECT_FALSE(scene.materials[2].thin);
+    EXPECT_EQ(scene.materials[2].transmission_color.value, (Color{1, 1, 1}));
+    EXPECT_EQ(scene.materials[3].kind, MaterialKind::glass);
+    EXPECT_TRUE(scene.materials[3].thin);
+    EXPECT_EQ(scene.materials[3].transmission_color.value, (Color{0.5f, 0.25f, 1}));
+    EXPECT_GE(scene.materials[3].transmission_color.texture, 0);
+    EXPECT_EQ(scene.materials[5].alpha.value, 1);  // opaque: alpha counts for nothing
     EXPECT_EQ(scene.materials[4].base_color.value, (Color{1, 1, 1}));
     EXPECT_EQ(scene.materials[4].metallic.value, 1);
     EXPECT_EQ(warnings_with("KHR_materials_sheen"), 1u);

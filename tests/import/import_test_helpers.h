@@ -41,6 +41,8 @@ protected:
             load_scene(path, {}, warnings_);
         } catch (const Error& e) {
             EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
+            // A line that can be read, however deep the place.
+            EXPECT_LT(std::string(e.what()).size(), 600u) << e.what();
             EXPECT_EQ(e.file(), path.string());
             return (e.place().empty() ? "" : e.place() + ": ") + e.message();
         }

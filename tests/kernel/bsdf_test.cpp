@@ -15,7 +15,7 @@ using test::first;
 
 MaterialPoint material(float color, float roughness, float metallic = 0, float ior = 1.5f, float fuzz = 0)
 {
-    return {Spectrum(Float(color)), Float(roughness), Float(metallic), Float(ior), Float(fuzz), Mask(true)};
+    return {Spectrum(Float(color)), Float(roughness), Float(metallic), Float(ior), Float(fuzz), Mask(true), Mask(false)};
 }
 Vec3 lane_direction(Direction d) { return {Float(float(d.x)), Float(float(d.y)), Float(float(d.z))}; }
 Vec3 outgoing(double degrees)
@@ -150,6 +150,56 @@ TEST(Glass, SmoothKeepsAllEnergy)
                 EXPECT_NEAR(first(dot(s.wi, s.wi)), 1, 1e-5);
             }
         }
+}
+
+TEST(Glass, ColourIsWhatASolidLeavesOfLightThatWentInAndOut)
+{
+    MaterialPoint m = material(0.25f, 0);
+    for (const bool entering : {true, false}) {
+        m.entering = Mask(entering);
+        const GlassBsdf bsdf(m);
+        const BsdfSample reflected = bsdf.sample(outgoing(20), {Float(0.5f), Float(0.5f)}, Float(0));
+        const BsdfSample refracted = bsdf.sample(outgoing(20), {Float(0.5f), Float(0.5f)}, Float(0.99f));
+        EXPECT_FLOAT_EQ(first(reflected.weight.c[0]), 1);
+        EXPECT_LT(first(refracted.wi.z), 0);
+        EXPECT_NEAR(first(refracted.weight.c[0] * refracted.eta * refracted.eta), 0.5f, 1e-6);
+    }
+}
+
+MaterialPoint sheet(float color, float roughness)
+{
+    MaterialPoint m = material(color, roughness);
+    m.thin = Mask(true);
+    return m;
+}
+
+TEST(ThinGlass, SamplingAgreesWithItsDensity)
+{
+    for (double degrees : {0.0, 45.0, 75.0})
+        for (float roughness : {0.4f, 0.8f}) check_sampling(GlassBsdf(sheet(0.7f, roughness)), degrees, "thin glass");
+}
+
+TEST(ThinGlass, LetsLightStraightOnFromBothSides)
+{
+    MaterialPoint m = sheet(0.5f, 0);
+    for (const bool entering : {true, false}) {
+        m.entering = Mask(entering);
+        const GlassBsdf bsdf(m);
+        // 4 % of each boundary: 2 * 0.04 / 1.04 = 1 / 13 of both.
+        for (const auto& [choice, reflects] : {std::pair{1 / 13.0 - 1e-4, true}, {1 / 13.0 + 1e-4, false}}) {
+            const BsdfSample s = bsdf.sample(outgoing(0), {Float(0.5f), Float(0.5f)}, Float(float(choice)));
+            EXPECT_NEAR(first(s.wi.z), reflects ? 1 : -1, 1e-6);
+            EXPECT_FLOAT_EQ(first(s.weight.c[0]), reflects ? 1 : 0.5f);
+            EXPECT_EQ(first(s.eta), 1);
+        }
+        const Vec3 wo = outgoing(60);
+        const BsdfSample through = bsdf.sample(wo, {Float(0.5f), Float(0.5f)}, Float(0.99f));
+        EXPECT_NEAR(first(dot(through.wi, wo)), -1, 1e-6);
+    }
+    // White: nothing is lost, also of what facets scatter more than once.
+    for (double degrees : {0.0, 30.0, 60.0, 85.0})
+        for (float roughness : {0.1f, 0.5f, 0.8f, 1.0f})
+            EXPECT_NEAR(draw(GlassBsdf(sheet(1, roughness)), outgoing(degrees), 200000).albedo, 1, 0.012) << degrees << " " << roughness;
 }
 
 TEST(Glass, FresnelAtNormalIncidenceAndBeyondTheCriticalAngle)

@@ -327,6 +327,20 @@ class Window(unittest.TestCase):
         self.key("ctrl+q")
         self.assertEqual(self.process.wait(PATIENCE), 0)
 
+    def test_options_mean_what_they_mean_for_render(self):
+        scene = os.path.join(SCENES, "report-spheres.json")
+        options = ["--size", "480x360", "--spp", "4", "--filter", "box", "--max-depth", "3", "--roulette-depth", "1",
+                   "--light-sampling", "off", "--seed", "7", "--background", "1,0.25,0.5", "--orbit", "20,30", "--fov", "30",
+                   "--exposure", "-1", "--tonemap", "filmic"]
+        self.start(*options, scene="report-spheres.json")
+        wait_for("all samples", lambda: self.samples() == 4)
+        self.key("ctrl+s")
+        wait_for("a picture", lambda: "saved report-spheres-0001.png" in self.text(self.errors))
+        expected = os.path.join(self.folder, "expected.png")
+        subprocess.run([PROGRAM, "render", scene, *options, "-o", expected], check=True, capture_output=True)
+        with open(expected, "rb") as a, open(os.path.join(self.folder, "report-spheres-0001.png"), "rb") as b:
+            self.assertEqual(a.read(), b.read())
+
     def test_a_picture_that_can_not_be_saved(self):
         self.start()
         shutil.rmtree(self.folder)

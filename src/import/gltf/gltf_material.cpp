@@ -88,7 +88,7 @@ std::optional<int> GltfReader::texture_image(const JsonValue& texture)
     if (const auto webp = extension(extensions, "EXT_texture_webp"))
         if (const auto source = webp->get("source")) return image(*source);
     if (const auto source = texture.get("source")) return image(*source);
-    file_.warn(extension(extensions, "KHR_texture_basisu") ? "textures in KTX2 are not supported and left out"
+    file_.warn(extension(extensions, "KHR_texture_basisu") ? "KHR_texture_basisu: textures in KTX2 are not supported and left out"
                                                            : "textures without an image are left out");
     return std::nullopt;
 }
@@ -176,9 +176,11 @@ void GltfReader::read_transmission(const JsonValue& extensions, Material& m)
         file_.warn("KHR_materials_transmission is shown as none or all: partial transmission is not supported");
     if (factor < 0.5f) return;
     m.kind = MaterialKind::glass;
+    // What is reflected keeps its colour; base colour is for what passes.
+    m.transmission_color = m.base_color;
     const auto volume = extensions.get("KHR_materials_volume");
     if (!volume || float_or(*volume, "thicknessFactor", 0) <= 0) {
-        file_.warn("KHR_materials_transmission without a volume is shown as solid glass");
+        m.thin = true;
         return;
     }
     if (const auto color = volume->get("attenuationColor")) {

@@ -226,7 +226,8 @@ void GltfReader::read_roots()
         file_.follow("scenes", *index);
         chosen = index->count();
     }
-    if (scenes.size() > 1) file_.warn(fmt::format("scene {} of {} is shown", chosen, scenes.size()));
+    if (scenes.size() > 1 && options_.scene.empty())
+        file_.warn(fmt::format("scene {} of 0 to {} is shown; another may be asked for", chosen, scenes.size() - 1));
     const JsonValue scene = scenes[chosen];
     const auto nodes = scene.get("nodes");
     if (!nodes) return;

@@ -1,0 +1,65 @@
+#include "render_options.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+
+#include "fathom/error.h"
+
+namespace fathom::cli {
+
+const std::vector<std::string> filter_names = {"box", "gaussian", "blackman-harris"};
+
+void add_settings_options(Command& command, SettingsOptions& o)
+{
+    constexpr std::uint64_t most_int = 1u << 30;
+    command.add_value("--seed", "N", "another seed, other noise (default 0)",
+                      [&](const std::string& text) { o.seed = std::uint32_t(parse_integer(text, 0, 0xffffffffu)); });
+    command.add_value("--threads", "N", "threads (default: all cores); the picture doesn't depend on it",
+                      [&](const std::string& text) { o.threads = int(parse_integer(text, 1, 4096)); });
+    command.add_value("--filter", "NAME", "box, gaussian or blackman-harris (default)",
+                      [&](const std::string& text) { o.filter = Filter(parse_word(text, filter_names)); });
+    command.add_value(
+        "--max-depth", "N|none", "longest path in bounces (default none: a limit makes the picture darker)",
+        [&](const std::string& text) { o.max_depth = text == "none" ? -1 : int(parse_integer(text, 0, most_int)); });
+    command.add_value("--roulette-depth", "N", "bounces before Russian roulette (default 5)",
+                      [&](const std::string& text) { o.roulette_depth = int(parse_integer(text, 0, most_int)); });
+    command.add_value("--light-sampling", "on|off", "off: lights are only found by chance (default on)",
+                      [&](const std::string& text) { o.light_sampling = parse_word(text, {"off", "on"}) == 1; });
+    command.add_value("--background", "COLOUR",
+                      "what the camera sees behind the scene (lights nothing): #rrggbb, linear r,g,b, black, white, or "
+                      "transparent (alpha in EXR and PNG; black in a window)",
+                      [&](const std::string& text) {
+                          o.transparent = text == "transparent";
+                          o.background = o.transparent ? Color{0, 0, 0} : parse_colour(text);
+                      });
+}
+
+RenderSettings settings_of(const SettingsOptions& o, const RenderHints& hints, const std::string& file)
+{
+    RenderSettings settings;
+    settings.max_depth = o.max_depth.value_or(hints.max_depth.value_or(settings.max_depth));
+    settings.roulette_depth = o.roulette_depth.value_or(hints.roulette_depth.value_or(settings.roulette_depth));
+    settings.light_sampling = o.light_sampling.value_or(hints.light_sampling.value_or(settings.light_sampling));
+    if (hints.filter) {
+        const auto name = std::find(filter_names.begin(), filter_names.end(), *hints.filter);
+        if (name == filter_names.end())
+            throw Error(file, "filter",
+                        fmt::format("expected {}, found '{}'", fmt::join(filter_names, " or "), *hints.filter));
+        settings.filter = Filter(name - filter_names.begin());
+    }
+    settings.filter = o.filter.value_or(settings.filter);
+    settings.background = o.background;
+    settings.alpha = o.transparent;
+    settings.seed = o.seed;
+    settings.threads = o.threads;
+    return settings;
+}
+
+std::optional<std::uint64_t> hinted_samples(const RenderHints& hints, const std::string& file)
+{
+    if (!hints.samples) return {};
+    if (*hints.samples < 1) throw Error(file, "samples", "expected 1 at least");
+    return std::uint64_t(*hints.samples);
+}
+
+}  // namespace fathom::cli

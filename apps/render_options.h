@@ -1,0 +1,36 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+
+#include "arguments.h"
+#include "fathom/render.h"
+
+namespace fathom::cli {
+
+/// What decides the bits of a picture beside scene, camera and size: the same for `render` and `view`.
+struct SettingsOptions {
+    std::optional<int> max_depth, roulette_depth;  ///< a max_depth of -1 is none
+    std::optional<bool> light_sampling;
+    std::optional<Filter> filter;
+    std::optional<Color> background;
+    bool transparent = false;
+    std::uint32_t seed = 0;
+    int threads = 0;
+};
+
+void add_settings_options(Command& command, SettingsOptions& options);
+
+/// Options first, then what the scene asks for. Throws Error if that is no sensible value.
+///
+/// file  the scene's, for messages
+RenderSettings settings_of(const SettingsOptions& options, const RenderHints& hints, const std::string& file);
+
+/// How many samples a pixel the scene asks for, if it does.
+std::optional<std::uint64_t> hinted_samples(const RenderHints& hints, const std::string& file);
+
+inline constexpr std::uint64_t most_samples = 1ull << 32;
+
+/// Position is Filter's value.
+extern const std::vector<std::string> filter_names;
+
+}  // namespace fathom::cli

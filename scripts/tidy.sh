@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# clang-tidy over all sources, with the checks of .clang-tidy; any finding is a failure.
+#   scripts/tidy.sh [FOLDER [NAME]]    FOLDER: a build with compile_commands.json (default build/clang); NAME: only files
+#                                      with that in their path
+# Lane code is compiled several times; it is looked at once, as the base build has it.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+folder=${1:-build/clang} name=${2:-}
+tidy=${CLANG_TIDY:-clang-tidy-19}
+if ! command -v "$tidy" >/dev/null; then
+    echo "skipped: $tidy is not installed"
+    exit 77
+fi
+[ -f "$folder/compile_commands.json" ] || { echo "there is no $folder/compile_commands.json: configure it first"; exit 1; }
+
+# The first command of each of our files, in a data base of its own.
+base=$(mktemp -d)
+trap 'rm -r "$base"' EXIT
+python3 - "$folder" "$base" "$PWD" "$name" >"$base/files" <<'PYTHON'
+import json, os, sys
+
+folder, base, project, name = sys.argv[1:]
+first = {}
+for entry in json.load(open(os.path.join(folder, "compile_commands.json"))):
+    path = os.path.relpath(os.path.join(entry["directory"], entry["file"]), project)
+    if path.split(os.sep)[0] in ("src", "apps", "tests", "bench", "examples") and name in path:
+        first.setdefault(path, entry)
+json.dump(list(first.values()), open(os.path.join(base, "compile_commands.json"), "w"))
+print("\n".join(sorted(first)))
+PYTHON
+files=$(wc -l <"$base/files")
+echo "$files files"
+xargs -a "$base/files" -n 1 -P "${FATHOM_JOBS:-$(nproc)}" "$tidy" -p "$base" --quiet --warnings-as-errors='*' 2>&1 |
+    grep -v -E '^[0-9]+ warnings? (generated|treated as errors?)|^Suppressed|^Use -header-filter' | tee "$base/said" || true
+findings=$(grep -c -E '(warning|error): ' "$base/said" || true)
+echo "$findings findings"
+[ "$findings" -eq 0 ]
