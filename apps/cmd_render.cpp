@@ -242,7 +242,7 @@ int run_render(RenderOptions& o, Reporter& reporter)
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
     summary.load_s = seconds_since_start();
 
-    Scene scene = Scene::compile(loaded.description, loaded.camera, warnings);
+    Scene scene = Scene::compile(loaded.description, loaded.camera, warnings, loaded.build);
     // From here on the compiled scene is all that is needed.
     loaded.description = {};
     summary.build_s = seconds_since_start() - summary.load_s;

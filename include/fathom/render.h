@@ -12,6 +12,7 @@
 #include "fathom/export.h"
 #include "fathom/image.h"
 #include "fathom/load.h"
+#include "fathom/tree_build.h"
 
 namespace fathom {
 
@@ -50,7 +51,8 @@ class FATHOM_API Scene {
 public:
     /// camera: name of one of the scene's cameras; empty: the first. Throws Error if the scene can't be rendered
     /// (no camera, NaN positions, index out of range, no memory).
-    static Scene compile(const SceneDescription& description, const std::string& camera, Warnings& warnings);
+    static Scene compile(const SceneDescription& description, const std::string& camera, Warnings& warnings,
+                         TreeBuild build = TreeBuild::standard);
 
     const SceneStatistics& statistics() const;
     /// The camera in world space; may be replaced without compiling again.
