@@ -2,9 +2,10 @@
 # What render.sh and test.sh share: installing the packages that are missing, and building a preset.
 # Read by `source`; run alone, `scripts/setup.sh [tests]` only installs.
 
-# The one list of packages (the same names in Debian 12 and Ubuntu 24.04).
+# The one list of packages (the same names in Debian 12 and Ubuntu 24.04). clang-19 brings the standard library with it; g++
+# replaces it where apt has none.
 packages_to_build=(
-    clang-19 g++ cmake ninja-build pkg-config ccache
+    clang-19 cmake ninja-build pkg-config ccache
     libtbb-dev libfmt-dev libcli11-dev nlohmann-json3-dev
     libopenexr-dev libpng-dev libjpeg-dev libwebp-dev libstb-dev
     libassimp-dev libsfml-dev
@@ -52,6 +53,20 @@ check_that_packages_can_be_installed() {
     sudo true || fail "sudo did not let this user install packages; $advice"
 }
 
+apt_has() {
+    apt-cache show "$1" >/dev/null 2>&1
+}
+
+# missing_of PACKAGE...: those that are not installed, a line each. GCC will do where apt knows of no clang-19.
+missing_of() {
+    local package
+    for package in "$@"; do
+        # Lists that have neither have not been fetched yet.
+        if [ "$package" = clang-19 ] && ! is_installed clang-19 && ! apt_has clang-19 && apt_has g++; then package=g++; fi
+        is_installed "$package" || echo "$package"
+    done
+}
+
 # install_missing PACKAGE...: says what is missing, then installs it. Nothing is asked of apt if nothing is missing.
 install_missing() {
     if [ -n "${FATHOM_NO_INSTALL:-}" ]; then
@@ -61,16 +76,16 @@ install_missing() {
         fail "this machine has no Debian packages. Install what these packages have in your system's way, then" \
             "run this command again with FATHOM_NO_INSTALL=1: $*"
     fi
-    local package missing=()
-    for package in "$@"; do
-        is_installed "$package" || missing+=("$package")
-    done
+    local missing=()
+    mapfile -t missing < <(missing_of "$@")
     if [ ${#missing[@]} -eq 0 ]; then
         return
     fi
     check_that_packages_can_be_installed "${missing[@]}"
-    say "installing with apt-get, and what they need: ${missing[*]}"
+    say "updating apt's lists of packages"
     apt_get update || say "apt-get update failed; trying with the package lists that are there"
+    mapfile -t missing < <(missing_of "$@")  # apt may know of clang-19 now
+    say "installing with apt-get, and what they need: ${missing[*]}"
     apt_get install --yes --no-install-recommends "${missing[@]}" ||
         fail "apt-get could not install the packages above. Is the machine online?" \
             "On Ubuntu, the component 'universe' must be enabled (add-apt-repository universe)"
@@ -99,10 +114,11 @@ build_jobs() {
 # ccache fails where its folder can't be written, as after another user's run with the same HOME: then without it.
 check_ccache() {
     command -v ccache >/dev/null || return 0
-    local folder
+    local folder compiler
     folder=$(mktemp -d)
+    compiler=${CXX:-$(command -v clang++-19 || echo c++)}
     echo 'int x;' >"$folder/x.cpp"
-    if ! ccache c++ -c "$folder/x.cpp" -o "$folder/x.o" 2>/dev/null; then
+    if ! ccache "$compiler" -c "$folder/x.cpp" -o "$folder/x.o" 2>/dev/null; then
         say "ccache can't use its folder; building without it"
         export CCACHE_DISABLE=1
     fi

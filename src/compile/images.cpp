@@ -1,9 +1,15 @@
 #include "compile/images.h"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <new>
+#include <optional>
+#include <tuple>
 
 #include "fathom/error.h"
 #include "fathom/memory.h"
@@ -70,93 +76,212 @@ int encoded(float v, TexelFormat format)
     return -1;
 }
 
-}  // namespace
+/// A picture as the tables keep it: `words` if a narrow format holds it, else `floats`.
+struct Decoded {
+    TexelFormat format = TexelFormat::float4;
+    int width = 0, height = 0;
+    std::vector<std::uint32_t> words;
+    std::vector<float> floats;
+};
 
-ImageStore::ImageStore(Compiler& c) : c_(c)
+/// Reads pictures, each step with at most a part of the memory that is there.
+class Decoder {
+public:
+    /// `parts`: into how many parts the memory is cut.
+    Decoder(const SceneDescription& scene, std::uint64_t parts) : scene_(scene), parts_(parts) {}
+
+    /// Throws Error: of the file itself if it is what can't be read.
+    Image read(int index) const
+    {
+        const ImageFile& file = scene_.images[std::size_t(index)];
+        return file.bytes.empty() ? read_image(file.path, available())
+                                  : read_image(file.name, file.bytes.data(), file.bytes.size(), available());
+    }
+
+    Decoded texels(const Image& image, ColorSpace space, bool may_pack) const
+    {
+        Decoded decoded;
+        decoded.width = image.width;
+        decoded.height = image.height;
+        const bool decode = space == ColorSpace::srgb && !image.is_linear;
+        if (may_pack) {
+            // Integers of 16 bits in sRGB would need a table that is too large for caches; they become floats.
+            const TexelFormat narrow = decode ? TexelFormat::bytes_srgb : TexelFormat::bytes;
+            for (const TexelFormat format : {narrow, image.is_linear ? TexelFormat::halves : TexelFormat::shorts}) {
+                if ((decode && format == TexelFormat::shorts) || !pack(image, format, decoded.words)) continue;
+                decoded.format = format;
+                return decoded;
+            }
+        }
+        unpack(image, decode, decoded.floats);
+        return decoded;
+    }
+
+    /// Throws Error if that much isn't there.
+    void check_memory(double bytes) const
+    {
+        if (const double most = double(available()); bytes > most)
+            throw Error(scene_.file, "",
+                        fmt::format("its textures need {:.1f} GB more of memory, {:.1f} GB are there", bytes / 1e9,
+                                    most / 1e9));
+    }
+
+private:
+    std::uint64_t available() const { return available_memory_bytes() / parts_; }
+
+    /// False if the format can't hold one of the values.
+    bool pack(const Image& image, TexelFormat format, std::vector<std::uint32_t>& words) const
+    {
+        const Image::Layer& layer = image.layers.front();
+        const Channels places(layer);
+        const std::size_t stride = layer.channels.size(), pixels = std::size_t(image.width) * std::size_t(image.height);
+        const bool in_bytes = format == TexelFormat::bytes || format == TexelFormat::bytes_srgb;
+        const std::size_t words_per_texel = in_bytes ? 1 : 2;
+        check_memory(double(pixels * words_per_texel) * 4);
+        words.assign(pixels * words_per_texel, 0);
+        for (std::size_t i = 0; i < pixels; ++i)
+            for (int k = 0; k < 4; ++k) {
+                const int code = encoded(places.of(&layer.pixels[i * stride], k), format);
+                if (code < 0) {
+                    words = {};
+                    return false;
+                }
+                if (in_bytes)
+                    words[i] |= std::uint32_t(code) << (8 * k);
+                else
+                    words[2 * i + std::size_t(k / 2)] |= std::uint32_t(code) << (16 * (k % 2));
+            }
+        return true;
+    }
+
+    void unpack(const Image& image, bool decode, std::vector<float>& texels) const
+    {
+        const Image::Layer& layer = image.layers.front();
+        const Channels places(layer);
+        const std::size_t stride = layer.channels.size(), pixels = std::size_t(image.width) * std::size_t(image.height);
+        check_memory(double(pixels) * 16);
+        texels.resize(pixels * 4);
+        for (std::size_t i = 0; i < pixels; ++i)
+            for (int k = 0; k < 4; ++k) {
+                const float v = places.of(&layer.pixels[i * stride], k);
+                texels[i * 4 + std::size_t(k)] = decode && k < 3 ? linear_from_srgb(double(v)) : v;
+            }
+    }
+
+    const SceneDescription& scene_;
+    std::uint64_t parts_;
+};
+
+/// One way to decode one picture.
+struct Use {
+    int image;
+    ColorSpace space;
+    bool is_texture;  ///< textures may be packed, environments are looked up in floats
+
+    auto key() const { return std::tuple(image, space, is_texture); }
+};
+
+/// Every use once, in the order in which their warnings and texels come.
+std::vector<Use> uses_of(const SceneDescription& scene)
 {
-    for (int code = 0; code < 256; ++code) c.tables.linear_of_srgb[std::size_t(code)] = linear_from_srgb(code / 255.0);
+    std::vector<Use> uses;
+    const auto add = [&](Use use) {
+        const auto same = [&](const Use& u) { return u.key() == use.key(); };
+        if (use.image >= 0 && std::none_of(uses.begin(), uses.end(), same)) uses.push_back(use);
+    };
+    for (const Texture& texture : scene.textures)
+        if (texture.kind == TextureKind::image) add({texture.image, texture.color_space, true});
+    if (scene.environment.kind == EnvironmentKind::image) add({scene.environment.image, ColorSpace::srgb, false});
+    return uses;
 }
 
-ImageStore::Texels ImageStore::texture(int image, ColorSpace space)
+Image grey()
 {
-    const auto [place, fresh] = textures_.try_emplace({image, space});
-    if (fresh) place->second = read(image, space, true);
-    return place->second;
+    Image image;
+    image.width = image.height = 1;
+    image.is_linear = true;
+    image.layers.push_back({"", {"Y"}, {0.5f}});
+    return image;
 }
 
-ImageStore::Texels ImageStore::environment(int image) { return read(image, ColorSpace::srgb, false); }
-
-ImageStore::Texels ImageStore::read(int index, ColorSpace space, bool may_pack)
+/// Those not yet decoded, by so many threads at once. What fails stays empty: it is damaged, or too large for a share
+/// of the memory.
+void decode_together(const SceneDescription& scene, const std::vector<Use>& uses, int threads,
+                     std::vector<std::optional<Decoded>>& decoded)
 {
-    const ImageFile& file = c_.scene.images[std::size_t(index)];
+    // Each thread asks before it allocates, but not whether others have just done so. It asks for the file's bytes, the
+    // values and up to two formats, hence the 4: together they never take more than there is.
+    const Decoder decoder(scene, 4 * std::uint64_t(threads));
+    const auto decode = [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            if (decoded[i]) continue;
+            try {
+                decoded[i] = decoder.texels(decoder.read(uses[i].image), uses[i].space, uses[i].is_texture);
+            } catch (const Error&) {
+            } catch (const std::bad_alloc&) {
+            }
+        }
+    };
+    tbb::task_arena(threads).execute([&] {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, uses.size(), 1), decode, tbb::simple_partitioner());
+    });
+}
+
+/// With all the memory there is, so that neither what can be read nor what is said depends on the number of threads.
+Decoded decode_alone(const Compiler& c, const Use& use)
+{
+    const Decoder decoder(c.scene, 1);
     Image image;
     try {
-        image = file.bytes.empty() ? read_image(file.path) : read_image(file.name, file.bytes.data(), file.bytes.size());
+        image = decoder.read(use.image);
     } catch (const Error& error) {
-        c_.warnings.add(fmt::format("{}; grey is used instead", error.what()));
-        image = {};
-        image.width = image.height = 1;
-        image.is_linear = true;
-        image.layers.push_back({"", {"Y"}, {0.5f}});
+        c.warnings.add(fmt::format("{}; grey is used instead", error.what()));
+        image = grey();
     }
-    const bool decode = space == ColorSpace::srgb && !image.is_linear;
-    if (may_pack) {
-        // Integers of 16 bits in sRGB would need a table that is too large for caches; they become floats.
-        const TexelFormat narrow = decode ? TexelFormat::bytes_srgb : TexelFormat::bytes;
-        for (const TexelFormat format : {narrow, image.is_linear ? TexelFormat::halves : TexelFormat::shorts}) {
-            if ((decode && format == TexelFormat::shorts) || !pack(image, format)) continue;
-            return {format, c_.tables.packed_images.size() - 1, image.width, image.height};
-        }
+    return decoder.texels(image, use.space, use.is_texture);
+}
+
+}  // namespace
+
+ImageStore::ImageStore(Compiler& c)
+{
+    for (int code = 0; code < 256; ++code) c.tables.linear_of_srgb[std::size_t(code)] = linear_from_srgb(code / 255.0);
+
+    const std::vector<Use> uses = uses_of(c.scene);
+    std::vector<std::optional<Decoded>> decoded(uses.size());
+    // Fewer at once where memory is scarce.
+    const std::size_t most = std::size_t(tbb::this_task_arena::max_concurrency());
+    for (int threads = int(std::min(most, uses.size())); threads > 1; threads /= 4)
+        decode_together(c.scene, uses, threads, decoded);
+    std::size_t floats = 0;
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+        if (!decoded[i]) decoded[i] = decode_alone(c, uses[i]);
+        floats += decoded[i]->floats.size();
     }
-    return {TexelFormat::float4, append_floats(image, decode), image.width, image.height};
-}
-
-/// Adds a packed image, unless the format can't hold one of the values.
-bool ImageStore::pack(const Image& image, TexelFormat format)
-{
-    const Image::Layer& layer = image.layers.front();
-    const Channels places(layer);
-    const std::size_t stride = layer.channels.size(), pixels = std::size_t(image.width) * std::size_t(image.height);
-    const bool in_bytes = format == TexelFormat::bytes || format == TexelFormat::bytes_srgb;
-    const std::size_t words_per_texel = in_bytes ? 1 : 2;
-    check_memory(double(pixels * words_per_texel) * 4);
-    std::vector<std::uint32_t> words(pixels * words_per_texel);
-    for (std::size_t i = 0; i < pixels; ++i)
-        for (int k = 0; k < 4; ++k) {
-            const int code = encoded(places.of(&layer.pixels[i * stride], k), format);
-            if (code < 0) return false;
-            if (in_bytes)
-                words[i] |= std::uint32_t(code) << (8 * k);
-            else
-                words[2 * i + std::size_t(k / 2)] |= std::uint32_t(code) << (16 * (k % 2));
+    Decoder(c.scene, 1).check_memory(double(floats) * sizeof(float));
+    c.tables.texels.reserve(floats);
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+        Decoded& d = *decoded[i];
+        Texels& texels = texels_[uses[i].key()];
+        texels = {d.format, c.tables.packed_images.size(), d.width, d.height};
+        if (d.format != TexelFormat::float4) {
+            c.tables.packed_images.push_back(std::move(d.words));
+        } else {
+            texels.place = c.tables.texels.size() / 4;
+            c.tables.texels.insert(c.tables.texels.end(), d.floats.begin(), d.floats.end());
         }
-    c_.tables.packed_images.push_back(std::move(words));
-    return true;
+        decoded[i].reset();
+    }
 }
 
-std::uint64_t ImageStore::append_floats(const Image& image, bool decode)
+ImageStore::Texels ImageStore::texture(int image, ColorSpace space) const
 {
-    const Image::Layer& layer = image.layers.front();
-    const Channels places(layer);
-    const std::size_t stride = layer.channels.size(), pixels = std::size_t(image.width) * std::size_t(image.height);
-    std::vector<float>& texels = c_.tables.texels;
-    const std::size_t first = texels.size() / 4;
-    // Growing keeps the old texels until they are copied.
-    check_memory(double(first + pixels) * 16);
-    texels.resize((first + pixels) * 4);
-    for (std::size_t i = 0; i < pixels; ++i)
-        for (int k = 0; k < 4; ++k) {
-            const float v = places.of(&layer.pixels[i * stride], k);
-            texels[(first + i) * 4 + std::size_t(k)] = decode && k < 3 ? linear_from_srgb(double(v)) : v;
-        }
-    return first;
+    return texels_.at({image, space, true});
 }
 
-void ImageStore::check_memory(double bytes) const
+ImageStore::Texels ImageStore::environment(int image) const
 {
-    if (const double available = double(available_memory_bytes()); bytes > available)
-        throw Error(c_.scene.file, "",
-                    fmt::format("its textures need {:.1f} GB more of memory, {:.1f} GB are there", bytes / 1e9, available / 1e9));
+    return texels_.at({image, ColorSpace::srgb, false});
 }
 
 }  // namespace fathom

@@ -1,17 +1,23 @@
 #pragma once
 #include <cstdint>
 #include <map>
-#include <utility>
+#include <tuple>
 
 #include "compile/compiler.h"
 #include "fathom/image.h"
 
 namespace fathom {
 
-/// The texels of image files, among the tables. Each file is read once for each way to decode it; one that can't be read
-/// is grey, with a warning.
+/// The texels of image files, among the tables. Each file is read once for each way to decode it; one that can't be
+/// read is grey, with a warning.
+///
+/// All threads decode, a file each. While they do, each of them holds, beside what the tables will keep, the bytes of
+/// one file and its values as floats (up to 16 bytes a texel); pictures that stay floats are there twice until the last
+/// is among the tables. A file that fails or is too large for a thread's share of the memory is read again by fewer at
+/// once, at last alone: results, warnings and errors are those of one thread.
 class ImageStore {
 public:
+    /// Decodes what the textures and the environment of the scene show.
     explicit ImageStore(Compiler& c);
 
     struct Texels {
@@ -20,18 +26,13 @@ public:
         int width = 0, height = 0;
     };
     /// In the narrowest format that holds every value exactly: four bytes a texel for pictures of 8 bits.
-    Texels texture(int image, ColorSpace space);
+    Texels texture(int image, ColorSpace space) const;
     /// In four floats a texel, which environments are looked up in.
-    Texels environment(int image);
+    Texels environment(int image) const;
 
 private:
-    Texels read(int image, ColorSpace space, bool may_pack);
-    bool pack(const Image& image, TexelFormat format);
-    std::uint64_t append_floats(const Image& image, bool decode);
-    void check_memory(double bytes) const;
-
-    Compiler& c_;
-    std::map<std::pair<int, ColorSpace>, Texels> textures_;
+    std::map<std::tuple<int, ColorSpace, bool>, Texels>
+        texels_;  ///< by image, color space, and whether it is a texture
 };
 
 }  // namespace fathom

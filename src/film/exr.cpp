@@ -56,10 +56,14 @@ private:
 
 int compression_threads()
 {
-    // OpenEXR's pool is the process's; a program that has set it up keeps its choice.
-    if (Imf::globalThreadCount() == 0)
-        Imf::setGlobalThreadCount(int(std::clamp(std::thread::hardware_concurrency(), 1u, 4u)));
-    return Imf::globalThreadCount();
+    // OpenEXR's pool is the process's; a program that has set it up keeps its choice. Once: pictures are read by several
+    // threads, and the pool must not change under one of them.
+    static const int threads = [] {
+        if (Imf::globalThreadCount() == 0)
+            Imf::setGlobalThreadCount(int(std::clamp(std::thread::hardware_concurrency(), 1u, 4u)));
+        return Imf::globalThreadCount();
+    }();
+    return threads;
 }
 
 /// R G B A X Y Z before all others, which are sorted by name.
@@ -110,7 +114,7 @@ Image read_exr(const EncodedImage& file)
         const auto& window = header.dataWindow();
         std::uint64_t channels = 0;
         for (auto c = header.channels().begin(); c != header.channels().end(); ++c) ++channels;
-        check_size(file.name, std::uint64_t(std::max<std::int64_t>(std::int64_t(window.max.x) - window.min.x + 1, 0)),
+        check_size(file, std::uint64_t(std::max<std::int64_t>(std::int64_t(window.max.x) - window.min.x + 1, 0)),
                    std::uint64_t(std::max<std::int64_t>(std::int64_t(window.max.y) - window.min.y + 1, 0)),
                    channels * sizeof(float) + 1);
     }

@@ -11,11 +11,12 @@ namespace fathom {
 
 class OutputFile;
 
-/// The bytes of a picture file, and what to call it in messages.
+/// The bytes of a picture file, what to call it in messages, and how much memory its reader may take.
 struct EncodedImage {
     const std::string& name;
     const unsigned char* bytes;
     std::size_t size;
+    std::uint64_t memory_limit;
 };
 
 Image read_exr(const EncodedImage& file);
@@ -31,8 +32,8 @@ std::vector<unsigned char> encode_png(const Image& image, const WriteOptions& op
 std::vector<unsigned char> encode_jpeg(const Image& image, const WriteOptions& options);
 std::vector<unsigned char> encode_hdr(const Image& image);
 
-/// Throws Error if the size is none or `bytes_per_pixel` times it can't be had.
-void check_size(const std::string& name, std::uint64_t width, std::uint64_t height, std::uint64_t bytes_per_pixel);
+/// Throws Error if the size is none, or if `bytes_per_pixel` times it is more than there is or the limit.
+void check_size(const EncodedImage& file, std::uint64_t width, std::uint64_t height, std::uint64_t bytes_per_pixel);
 
 /// An image of one layer with Y, Y A, R G B or R G B A, by `channels`, values not yet filled in.
 Image make_image(int width, int height, int channels);

@@ -137,7 +137,7 @@ Image read_hdr(const EncodedImage& file)
         throw Error(
             file.name, "",
             fmt::format("damaged HDR: expected a size as '-Y 600 +X 800', found '{}'", resolution.substr(0, 40)));
-    check_size(file.name, std::uint64_t(width), std::uint64_t(height), 3 * sizeof(float));
+    check_size(file, std::uint64_t(width), std::uint64_t(height), 3 * sizeof(float));
     // A row has 4 components, each of runs of at most 127; older files repeat a row with 8 bytes or more.
     if (double(height) * 4 > double(file.size)) throw Error(file.name, "", "damaged HDR: the file is cut short");
 

@@ -87,13 +87,14 @@ Image decode(const EncodedImage& file)
 
 }  // namespace
 
-void check_size(const std::string& name, std::uint64_t width, std::uint64_t height, std::uint64_t bytes_per_pixel)
+void check_size(const EncodedImage& file, std::uint64_t width, std::uint64_t height, std::uint64_t bytes_per_pixel)
 {
+    const std::string& name = file.name;
     if (width == 0 || height == 0) throw Error(name, "", fmt::format("a picture of {}x{} pixels", width, height));
     if (width > 0x7fffffff || height > 0x7fffffff)
         throw Error(name, "", fmt::format("a picture of {}x{} pixels is too large", width, height));
     const double bytes = double(width) * double(height) * double(bytes_per_pixel);
-    const double available = double(available_memory_bytes());
+    const double available = double(std::min(available_memory_bytes(), file.memory_limit));
     if (bytes > available)
         throw Error(name, "",
                     fmt::format("a picture of {}x{} pixels needs {} of memory, {} are there", width, height,
@@ -149,7 +150,7 @@ void write_image(const fs::path& file, const Image& image, const WriteOptions& o
     }
 }
 
-Image read_image(const fs::path& file)
+Image read_image(const fs::path& file, std::uint64_t memory_limit)
 {
     const std::string name = file.string();
     std::error_code error;
@@ -162,19 +163,19 @@ Image read_image(const fs::path& file)
     try {
         const std::uintmax_t size = fs::file_size(file, error);
         if (error) throw Error(name, "", "can't be read: " + error.message());
-        if (size > available_memory_bytes()) throw Error(name, "", "the file is larger than the memory at hand");
+        if (size > std::min(available_memory_bytes(), memory_limit)) throw Error(name, "", "the file is larger than the memory at hand");
         bytes.resize(size);
     } catch (const std::bad_alloc&) {
         throw Error(name, "", "the file is larger than the memory at hand");
     }
     if (!in.read(bytes.data(), std::streamsize(bytes.size()))) throw Error(name, "", "can't be read to its end");
-    return read_image(name, bytes.data(), bytes.size());
+    return read_image(name, bytes.data(), bytes.size(), memory_limit);
 }
 
-Image read_image(const std::string& name, const void* bytes, std::size_t size)
+Image read_image(const std::string& name, const void* bytes, std::size_t size, std::uint64_t memory_limit)
 {
     try {
-        return decode({name, static_cast<const unsigned char*>(bytes), size});
+        return decode({name, static_cast<const unsigned char*>(bytes), size, memory_limit});
     } catch (const Error&) {
         throw;
     } catch (const std::bad_alloc&) {

@@ -161,7 +161,7 @@ Image read_jpeg(const EncodedImage& file)
     Decompressor d;
     if (!read_header(d, file)) throw Error(file.name, "", fmt::format("damaged JPEG: {}", d.manager.message));
     const std::size_t channels = std::size_t(d.jpeg.out_color_components);
-    check_size(file.name, d.jpeg.output_width, d.jpeg.output_height, channels * sizeof(float));
+    check_size(file, d.jpeg.output_width, d.jpeg.output_height, channels * sizeof(float));
     Image image = make_image(int(d.jpeg.output_width), int(d.jpeg.output_height), int(channels));
     std::vector<unsigned char> row(std::size_t(image.width) * channels);
     if (!read_rows(d, row.data(), image.layers[0].pixels.data()))

@@ -151,7 +151,7 @@ Image read_png(const EncodedImage& file)
     const int channels = png_get_channels(reader.png, reader.info);
     const bool wide = png_get_bit_depth(reader.png, reader.info) == 16;
     const std::size_t row_bytes = png_get_rowbytes(reader.png, reader.info);
-    check_size(file.name, width, height, std::size_t(channels) * (sizeof(float) + (wide ? 2 : 1)));
+    check_size(file, width, height, std::size_t(channels) * (sizeof(float) + (wide ? 2 : 1)));
     // Deflate makes at most 1032 bytes of one: a short file that claims a huge picture is not worth the memory.
     if (double(row_bytes) * double(height) / 8 > 1032.0 * double(file.size))
         throw Error(file.name, "",

@@ -108,7 +108,7 @@ Image read_stb(const EncodedImage& file)
                     "this is not a picture in a format that can be read (EXR, PNG, JPEG, WebP, HDR, BMP, "
                     "TGA, GIF, PSD, PNM)");
     // Twice over: stb_image makes copies while it converts.
-    check_size(file.name, std::uint64_t(width), std::uint64_t(height), std::uint64_t(channels) * 2 * sizeof(float));
+    check_size(file, std::uint64_t(width), std::uint64_t(height), std::uint64_t(channels) * 2 * sizeof(float));
 
     Feed wide(file), feed(file);
     if (stbi_is_16_bit_from_callbacks(&callbacks, &wide)) {

@@ -13,7 +13,7 @@ Image read_webp(const EncodedImage& file)
         throw Error(file.name, "", "damaged WebP: the header can't be read");
     if (features.has_animation) throw Error(file.name, "", "an animated WebP is not a picture");
     const int channels = features.has_alpha ? 4 : 3;
-    check_size(file.name, std::uint64_t(features.width), std::uint64_t(features.height),
+    check_size(file, std::uint64_t(features.width), std::uint64_t(features.height),
                std::uint64_t(channels) * (sizeof(float) + 1));
     Image image = make_image(features.width, features.height, channels);
     std::vector<float>& values = image.layers[0].pixels;
