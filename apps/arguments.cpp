@@ -157,6 +157,12 @@ Command::Command(CLI::App& program, const std::string& name, const std::string& 
 {
 }
 
+Command::Command(Command& group, const std::string& name, const std::string& what_it_does)
+    : Command(group.app_, name, what_it_does)
+{
+    group.app_.require_subcommand(1);
+}
+
 void Command::add_value(const std::string& name, const std::string& value_name, const std::string& help, Take take)
 {
     const auto named = [name, take = std::move(take)](const std::string& text) {

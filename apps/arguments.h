@@ -40,6 +40,8 @@ std::vector<std::string> split(const std::string& text, char separator);
 class Command {
 public:
     Command(CLI::App& program, const std::string& name, const std::string& what_it_does);
+    /// A command of a group, of which one must be given.
+    Command(Command& group, const std::string& name, const std::string& what_it_does);
 
     using Take = std::function<void(const std::string&)>;
     /// An option with one value; messages of what `take` throws get the option's name in front.

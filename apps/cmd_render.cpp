@@ -242,7 +242,7 @@ int run_render(RenderOptions& o, Reporter& reporter)
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
     summary.load_s = seconds_since_start();
 
-    Scene scene = Scene::compile(loaded.description, loaded.camera, warnings);
+    Scene scene = Scene::compile(loaded.description, loaded.camera, warnings, loaded.build);
     // From here on the compiled scene is all that is needed.
     loaded.description = {};
     summary.build_s = seconds_since_start() - summary.load_s;
@@ -287,8 +287,11 @@ int run_render(RenderOptions& o, Reporter& reporter)
     summary.write_s = seconds_since_start() - write_start_s;
     if (film.dropped_samples() > 0) {
         Warnings dropped;
-        dropped.add(fmt::format("{} samples were no number or infinite; they count as black, which is a bias",
-                                film.dropped_samples()));
+        std::string text = fmt::format("{} samples were no number or infinite; they count as black, which is a bias",
+                                       film.dropped_samples());
+        if (const auto place = film.dropped_sample())
+            text += fmt::format(" (--only-sample {},{},{} replays one)", place->x, place->y, place->sample);
+        dropped.add(text);
         reporter.warnings(dropped);
     }
     if (job.cut_short)

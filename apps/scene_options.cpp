@@ -51,6 +51,17 @@ Size picture_size(const SceneOptions& options, const SceneDescription& scene)
     return size;
 }
 
+TreeBuild tree_build_of(const SceneOptions& options, const SceneDescription& scene)
+{
+    if (options.build) return *options.build;
+    if (!scene.hints.build) return TreeBuild::standard;
+    const auto name = std::find(tree_build_names.begin(), tree_build_names.end(), *scene.hints.build);
+    if (name == tree_build_names.end())
+        throw Error(scene.file, "build",
+                    fmt::format("expected {}, found '{}'", fmt::join(tree_build_names, " or "), *scene.hints.build));
+    return TreeBuild(name - tree_build_names.begin());
+}
+
 void use_environment(SceneDescription& scene, const std::filesystem::path& file)
 {
     std::error_code error;
@@ -102,6 +113,8 @@ std::string add_moved_camera(SceneDescription& scene, const std::string& name, c
 
 }  // namespace
 
+const std::vector<std::string> tree_build_names = {"fast", "default", "high"};
+
 void add_file_options(Command& command, SceneOptions& options)
 {
     command.add_positional("SCENE", options.file, "Fathom's own JSON, glTF, GLB, OBJ, PLY, STL, ...");
@@ -144,6 +157,9 @@ void add_scene_options(Command& command, SceneOptions& options)
                       });
     command.add_value("--env", "FILE", "light the scene by this equirectangular picture (HDR, EXR, ...)",
                       [&](const std::string& text) { options.environment = text; });
+    command.add_value("--build", "fast|default|high",
+                      "work for the tree of the scene: the same picture, sooner begun or sooner done",
+                      [&](const std::string& text) { options.build = TreeBuild(parse_word(text, tree_build_names)); });
 }
 
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
@@ -154,6 +170,7 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     SceneDescription& scene = loaded.description = load_scene(options.file, load_options(options), warnings);
     if (!options.environment.empty()) use_environment(scene, options.environment);
     if (!options.camera.empty()) world_camera(scene, options.camera);  // throws if there is none
+    loaded.build = tree_build_of(options, scene);
     loaded.camera = options.camera;
     loaded.size = picture_size(options, scene);
 

@@ -21,6 +21,7 @@ struct SceneOptions {
     std::optional<std::pair<double, double>> orbit_deg;  ///< azimuth, elevation
     std::filesystem::path environment;
     std::optional<Size> size;
+    std::optional<TreeBuild> build;
 };
 
 /// Which file, and how it is read.
@@ -35,7 +36,10 @@ struct LoadedScene {
     std::string camera;              ///< the name to compile with; empty: the first
     Size size;                       ///< of the picture: the option's, the scene's, or 800x600 in the camera's shape
     std::vector<std::string> added;  ///< what the file lacked
+    TreeBuild build = TreeBuild::standard;  ///< the option's, the scene's, or this
 };
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings);
+
+extern const std::vector<std::string> tree_build_names;  ///< by TreeBuild
 
 }  // namespace fathom::cli

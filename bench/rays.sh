@@ -1,34 +1,44 @@
 #!/bin/bash
-# Rays per second, ours and Embree's: one JSON line per mesh and kind of ray, and one per mesh for building it.
-#   bench/rays.sh [--quick] [--mesh FILE.ply]... [--threads N]
+# Rays per second, ours and Embree's: one JSON line per mesh and kind of ray, and a last one about building the trees.
+#   bench/rays.sh [--quick] [--mesh FILE.ply]... [--threads N] [--build fast|default|high]
 # Meshes: those named by --mesh; else the *.ply in $FATHOM_MESHES, if it is set, and generated ones.
+# --quick: fewer rays of smaller meshes, with the best instruction set that the machine has.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 quick=false
 meshes=()
-threads=1
+options=()
 while [ $# -gt 0 ]; do
     case "$1" in
         --quick) quick=true ;;
-        --mesh) meshes+=(--mesh "$2"); shift ;;
-        --threads) threads=$2; shift ;;
+        --mesh) meshes+=(--mesh "$(realpath "$OLDPWD/$2" 2>/dev/null || realpath "$2")"); shift ;;
+        --threads | --build) options+=("$1" "$2"); shift ;;
         *) sed -n '2,5p' "$0" >&2; exit 2 ;;
     esac
     shift
 done
 
-build=build/bench
-{
-    cmake -S . -B $build -G Ninja -DCMAKE_BUILD_TYPE=Release -DFATHOM_BENCHMARKS=ON
-    ninja -C $build -t targets all | sed -n 's/^\(bench_rays_x86_64_v[34]\): phony$/\1/p' | xargs --no-run-if-empty ninja -C $build
-} >&2
-programs=()
+# What this machine can't run is left out.
+isas=()
 supported=$(/lib64/ld-linux-x86-64.so.2 --help)
 for isa in x86-64-v4 x86-64-v3; do
-    # What this machine can't run is left out.
-    [ -x $build/bin/rays-$isa ] && [[ $supported == *"$isa (supported"* ]] && programs+=("$build/bin/rays-$isa")
+    [[ $supported == *"$isa (supported"* ]] && isas+=("$isa")
 done
+$quick && isas=("${isas[@]:0:1}")
+
+build=build/bench
+programs=()
+{
+    cmake -S . -B $build -G Ninja -DCMAKE_BUILD_TYPE=Release -DFATHOM_BENCHMARKS=ON
+    known=$(ninja -C $build -t targets all)
+    for isa in "${isas[@]}"; do
+        target=bench_rays_${isa//-/_}
+        [[ $known == *"$target: phony"* ]] || continue
+        ninja -C $build "$target"
+        programs+=("$build/bin/rays-$isa")
+    done
+} >&2
 if [ ${#programs[@]} = 0 ]; then
     echo "bench/rays.sh: needs Embree 3 (libembree-dev) and a processor with AVX2" >&2
     exit 1
@@ -45,8 +55,14 @@ if [ ${#meshes[@]} = 0 ]; then
     meshes+=(--generate terrain-1 --generate foliage-1)
     $quick || meshes+=(--generate terrain-10)
 fi
-options=(--threads "$threads")
-$quick && options+=(--parts 32 --runs 3)
-for program in "${programs[@]}"; do
-    "$program" "${meshes[@]}" "${options[@]}"
-done
+$quick && options+=(--parts 64 --runs 3)
+
+trees=""
+while read -r line; do
+    case "$line" in
+        *'"kind"'*) echo "$line" ;;
+        *) trees+="${trees:+, }$line" ;;
+    esac
+done < <(for program in "${programs[@]}"; do "$program" "${meshes[@]}" "${options[@]}" || echo failed >&2; done)
+[ -n "$trees" ] || exit 1
+echo "{\"trees\": [$trees]}"

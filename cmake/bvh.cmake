@@ -1,14 +1,12 @@
 # The acceleration structure alone, for one instruction set: tests and benchmarks link it without the kernel around it.
-set(FATHOM_BVH_SOURCES bvh.cpp bvh_build.cpp bvh_items.cpp bvh_leaf_data.cpp bvh_motion.cpp bvh_split.cpp bvh_treelet.cpp)
+set(FATHOM_BVH_SOURCES bvh.cpp bvh_build.cpp bvh_items.cpp bvh_leaf_data.cpp bvh_morton.cpp bvh_motion.cpp bvh_spatial.cpp bvh_split.cpp bvh_treelet.cpp)
 list(TRANSFORM FATHOM_BVH_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/src/geometry/)
 
 function(fathom_bvh_library name isa)
   add_library(${name} STATIC ${FATHOM_BVH_SOURCES})
   target_link_libraries(${name} PUBLIC fathom_flags fathom_float fathom_scene TBB::tbb)
   target_compile_options(${name} PUBLIC ${FATHOM_ISA_FLAGS_${isa}})
-  if(isa STREQUAL x86-64-v3)
-    target_compile_definitions(${name} PUBLIC FATHOM_LANE_PAIRS=1)
-  endif()
+  target_compile_definitions(${name} PUBLIC FATHOM_LANE_PAIRS=${FATHOM_BVH_PAIRS_${isa}})
   # GCC 12's own AVX-512 header warns.
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
     target_compile_options(${name} PUBLIC -Wno-uninitialized -Wno-maybe-uninitialized)

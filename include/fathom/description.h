@@ -250,6 +250,7 @@ struct RenderHints {
     std::optional<bool> light_sampling;
     std::optional<double> exposure;         ///< stops (ev)
     std::optional<std::string> tonemap;
+    std::optional<std::string> build;       ///< fast, default, high: work for the tree, see tree_build.h
 };
 
 struct SceneDescription {

@@ -12,6 +12,7 @@
 #include "fathom/export.h"
 #include "fathom/image.h"
 #include "fathom/load.h"
+#include "fathom/tree_build.h"
 
 namespace fathom {
 
@@ -50,7 +51,8 @@ class FATHOM_API Scene {
 public:
     /// camera: name of one of the scene's cameras; empty: the first. Throws Error if the scene can't be rendered
     /// (no camera, NaN positions, index out of range, no memory).
-    static Scene compile(const SceneDescription& description, const std::string& camera, Warnings& warnings);
+    static Scene compile(const SceneDescription& description, const std::string& camera, Warnings& warnings,
+                         TreeBuild build = TreeBuild::standard);
 
     const SceneStatistics& statistics() const;
     /// The camera in world space; may be replaced without compiling again.
@@ -84,6 +86,12 @@ public:
     std::uint64_t samples_per_pixel() const;
     /// Samples whose value was NaN or infinite; they count as black, which is a bias.
     std::uint64_t dropped_samples() const;
+    /// One of them, to be replayed (render_sample); nothing where none was dropped since the film was made.
+    struct SamplePlace {
+        int x = 0, y = 0;
+        std::uint64_t sample = 0;
+    };
+    std::optional<SamplePlace> dropped_sample() const;
 
     /// Adds the sums of the same scene and settings over other samples. Throws Error if they overlap or don't belong together.
     void merge(const Film& other);

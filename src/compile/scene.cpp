@@ -75,7 +75,7 @@ void put(float* to, Vec3d v) { to[0] = float(v.x), to[1] = float(v.y), to[2] = f
 
 }  // namespace
 
-Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings)
+Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings, TreeBuild build)
 {
     const auto start = std::chrono::steady_clock::now();
     check_scene(description);
@@ -97,7 +97,7 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
 
     scene.data_->fingerprint = fingerprint(*tables);
     scene.data_->tables = tables;
-    scene.data_->kernel = make_kernel_scene(tables);
+    scene.data_->kernel = make_kernel_scene(tables, build);
     scene.data_->statistics = statistics_of(*tables, *scene.data_->kernel);
     scene.data_->statistics.build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return scene;

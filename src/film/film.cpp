@@ -114,6 +114,7 @@ void Film::clear()
     data.samples.clear();
     data.scene_key.clear();
     data.dropped = 0;
+    data.dropped_sample.reset();
     std::fill(data.words.begin(), data.words.end(), 0u);
     if (data.layout.ids >= 0)
         for (std::size_t i = 0; i * std::size_t(data.layout.words) < data.words.size(); ++i)
@@ -124,6 +125,8 @@ int Film::width() const { return data_->width; }
 int Film::height() const { return data_->height; }
 const std::vector<SampleRange>& Film::samples() const { return data_->samples; }
 std::uint64_t Film::dropped_samples() const { return data_->dropped; }
+
+std::optional<Film::SamplePlace> Film::dropped_sample() const { return data_->dropped_sample; }
 
 std::uint64_t Film::samples_per_pixel() const
 {
@@ -151,6 +154,7 @@ void Film::merge(const Film& other)
     }
     if (to.scene_key.empty()) to.scene_key = from.scene_key;
     to.dropped += from.dropped;
+    if (!to.dropped_sample) to.dropped_sample = from.dropped_sample;
     const std::size_t pixels = std::size_t(to.width) * std::size_t(to.height);
     for (std::size_t i = 0; i < pixels; ++i) to.add_pixel(i, from.pixel(i));
 }

@@ -28,6 +28,7 @@ struct Film::Data {
     std::string scene_key;
     std::vector<SampleRange> samples;
     std::uint64_t dropped = 0;
+    std::optional<SamplePlace> dropped_sample;
     std::vector<std::uint32_t> words;  ///< layout.words a pixel
     std::vector<std::uint32_t> pass_words;  ///< of the pass at work, where it can be cancelled: see render_pass
 

@@ -2,6 +2,7 @@
 #include "geometry/bvh.h"
 
 #include <algorithm>
+#include <chrono>
 
 #include "geometry/bvh_neighbours.h"
 
@@ -14,12 +15,14 @@ Bvh::~Bvh() = default;
 Bvh::Bvh(Bvh&&) noexcept = default;
 Bvh& Bvh::operator=(Bvh&&) noexcept = default;
 
-void Bvh::build(const SceneTables& tables)
+void Bvh::build(const SceneTables& tables, TreeBuild level)
 {
+    const auto start = std::chrono::steady_clock::now();
     auto data = std::make_unique<Data>();
     data->alpha_test = data_->alpha_test;
     data->alpha_context = data_->alpha_context;
-    build_bvh(tables, *data);
+    build_bvh(tables, *data, level);
+    data->statistics.build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     data->has_alpha = data->alpha_test && data->any_alpha_shape;
     data_ = std::move(data);
 }
@@ -159,26 +162,30 @@ private:
 };
 
 template <bool any_hit, class Put>
-void trace_streams(const BvhData& bvh, const RayArrays& rays, bool coherent, const Put& put_hit)
+void trace_streams(const BvhData& bvh, const RayArrays& rays, bool coherent, BvhVisits* visits, const Put& put_hit)
 {
     static thread_local StreamMemory memory;
+    memory.visits = {};
     for (std::size_t at = 0; at < rays.count; at += stream_size) {
         const int n = int(std::min(std::size_t(stream_size), rays.count - at));
         prepare(rays, at, n, bvh, memory);
         if (!bvh.empty) bvh.moving ? trace<any_hit, true>(bvh, n, coherent, memory) : trace<any_hit, false>(bvh, n, coherent, memory);
         for (int i = 0; i < n; ++i) put_hit(memory.hits, i, at + std::size_t(i));
     }
+    if (!visits) return;
+    visits->nodes += memory.visits.nodes;
+    visits->primitives += memory.visits.primitives;
 }
 
 template <bool any_hit, class Put>
-void trace_all(const BvhData& bvh, const RayArrays& rays, bool coherent, const Put& put_hit)
+void trace_all(const BvhData& bvh, const RayArrays& rays, bool coherent, BvhVisits* visits, const Put& put_hit)
 {
     if (!bvh.moving || !coherent || !rays.time || rays.count <= stream_size)
-        return trace_streams<any_hit>(bvh, rays, coherent, put_hit);
+        return trace_streams<any_hit>(bvh, rays, coherent, visits, put_hit);
     for (std::size_t first = 0; first < rays.count; first += SortedByTime::most) {
         const std::size_t n = std::min(SortedByTime::most, rays.count - first);
         const SortedByTime by_time(rays, first, n, bvh.tables->shutter_open, bvh.tables->shutter_close);
-        trace_streams<any_hit>(bvh, by_time.sorted, true, [&](const RayHits& hits, int i, std::size_t to) {
+        trace_streams<any_hit>(bvh, by_time.sorted, true, visits, [&](const RayHits& hits, int i, std::size_t to) {
             put_hit(hits, i, by_time.place(to));
         });
     }
@@ -186,15 +193,15 @@ void trace_all(const BvhData& bvh, const RayArrays& rays, bool coherent, const P
 
 }  // namespace
 
-void Bvh::closest(const RayArrays& rays, const HitArraysOut& hits, bool coherent) const
+void Bvh::closest(const RayArrays& rays, const HitArraysOut& hits, bool coherent, BvhVisits* visits) const
 {
-    trace_all<false>(*data_, rays, coherent,
+    trace_all<false>(*data_, rays, coherent, visits,
                      [&](const RayHits& from, int i, std::size_t to) { put(*data_, from, i, hits, to); });
 }
 
-void Bvh::occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent) const
+void Bvh::occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent, BvhVisits* visits) const
 {
-    trace_all<true>(*data_, rays, coherent,
+    trace_all<true>(*data_, rays, coherent, visits,
                     [&](const RayHits& from, int i, std::size_t to) { blocked[to] = from.what[i] != no_index; });
 }
 

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <memory>
 
+#include "fathom/tree_build.h"
+
 namespace fathom {
 
 struct SceneTables;
@@ -40,6 +42,13 @@ struct BvhStatistics {
     std::size_t bytes = 0;                        ///< of all that rendering needs
     std::size_t peak_bytes = 0;                   ///< while building, the result included
     double cost = 0;                              ///< expected steps of a random ray that meets the scene
+    double diagonal = 0;  ///< of the box around everything
+    double build_s = 0;
+};
+
+/// What rays went through, summed: a node or leaf that several rays visit together counts once for each of them.
+struct BvhVisits {
+    std::uint64_t nodes = 0, primitives = 0;
 };
 
 /// The nearest hit is the least of (t, primitive, instance): the same bits for any instruction set, order of rays,
@@ -54,16 +63,17 @@ public:
     /// Builds on all threads; the same tree for any number of them. Triangles with a coordinate that is not finite, or
     /// with two equal vertices, are never hit. Keeps a pointer to the tables, whose spheres, disks, shapes and
     /// instances are read while tracing. Throws std::length_error beyond 2^27 triangles.
-    void build(const SceneTables& tables);
+    void build(const SceneTables& tables, TreeBuild level = TreeBuild::standard);
 
     /// For hits on shapes with ShapeTable::alpha_tested; null: all are opaque.
     void set_alpha_test(AlphaTest test, const void* context);
 
     /// `coherent` promises nothing: neighbours among the rays are worth tracing together.
-    void closest(const RayArrays& rays, const HitArraysOut& hits, bool coherent) const;
+    /// visits  added to, if given
+    void closest(const RayArrays& rays, const HitArraysOut& hits, bool coherent, BvhVisits* visits = nullptr) const;
 
     /// blocked[i] is 1 where ray i hits anything, else 0.
-    void occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent) const;
+    void occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent, BvhVisits* visits = nullptr) const;
 
     std::size_t memory_bytes() const { return statistics().bytes; }
     const BvhStatistics& statistics() const;

@@ -6,10 +6,12 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "geometry/bvh_data.h"
 #include "geometry/bvh_items.h"
+#include "geometry/bvh_morton.h"
 #include "geometry/bvh_motion.h"
 #include "geometry/bvh_treelet.h"
 
@@ -20,6 +22,9 @@ namespace bvh {
 namespace {
 
 constexpr std::size_t treelet_size = 1 << 15;
+/// By TreeBuild: so many items stay together where one leaf can hold them. To split four takes half of the time and gains
+/// little.
+constexpr std::size_t together[] = {4, 4, 4};
 constexpr std::size_t parallel_binning = 1 << 17;
 constexpr int halving_depth = 50;
 
@@ -32,6 +37,8 @@ struct UpperNode {
     Item* items = nullptr;
     std::size_t count = 0;
     CenterBounds centers;
+    const std::uint32_t* codes = nullptr;  ///< as in Treelet
+    ItemSide side;
 };
 
 Split parallel_split(const Item* items, std::size_t n, const CenterBounds& centers, BinMap& map)
@@ -52,6 +59,23 @@ Split parallel_split(const Item* items, std::size_t n, const CenterBounds& cente
             return sum;
         });
     return best_split(bins, map);
+}
+
+/// Boxes are found when the treelets are built.
+void split_sorted(UpperNode& node)
+{
+    if (node.count <= treelet_size) return;
+    const std::size_t middle = morton_split(node.codes, node.count);
+    node.left = std::make_unique<UpperNode>();
+    node.right = std::make_unique<UpperNode>();
+    node.left->items = node.items;
+    node.left->codes = node.codes;
+    node.left->count = middle;
+    node.right->items = node.items + middle;
+    node.right->codes = node.codes + middle;
+    node.right->count = node.count - middle;
+    split_sorted(*node.left);
+    split_sorted(*node.right);
 }
 
 void split_upper(UpperNode& node, int depth)
@@ -76,36 +100,63 @@ void split_upper(UpperNode& node, int depth)
     tbb::parallel_invoke([&] { split_upper(*node.left, depth + 1); }, [&] { split_upper(*node.right, depth + 1); });
 }
 
+void split_space(UpperNode& node, const SpatialSplitter& splitter, int depth)
+{
+    if (node.side.items.size() <= treelet_size) return;
+    node.left = std::make_unique<UpperNode>();
+    node.right = std::make_unique<UpperNode>();
+    splitter.split(node.side, depth, node.left->side, node.right->side);
+    tbb::parallel_invoke([&] { split_space(*node.left, splitter, depth + 1); },
+                         [&] { split_space(*node.right, splitter, depth + 1); });
+}
+
 class TreeBuilder {
 public:
-    TreeBuilder(const SceneTables& tables, BvhData& bvh, std::vector<BvhNode>& nodes, std::size_t& next_triangle)
-        : tables_(tables), bvh_(bvh), nodes_(nodes), next_triangle_(next_triangle)
+    TreeBuilder(const SceneTables& tables, BvhData& bvh, std::vector<BvhNode>& nodes, std::size_t& next_triangle,
+                TreeBuild level)
+        : tables_(tables), bvh_(bvh), nodes_(nodes), next_triangle_(next_triangle), level_(level)
     {
     }
 
     /// Adds a tree over the items to nodes and bvh; its root.
     std::uint32_t build(ItemList& list)
     {
+        std::vector<std::uint32_t> codes;
+        if (level_ == TreeBuild::fast) codes = sort_by_morton_code(list);
         UpperNode top;
         top.box = list.box;
-        top.items = list.items.data();
-        top.count = list.count;
-        top.centers = list.centers;
-        split_upper(top, 0);
+        root_area_ = list.box.half_area();
+        if (level_ == TreeBuild::high) {
+            top.side.items.assign(list.items.data(), list.items.data() + list.count);
+            top.side.box = list.box;
+            top.side.centers = list.centers;
+            top.side.budget = std::size_t(most_cuts * double(list.triangles));
+            list.items = {};
+            split_space(top, SpatialSplitter(tables_, root_area_), 0);
+        } else {
+            top.items = list.items.data();
+            top.count = list.count;
+            top.centers = list.centers;
+            top.codes = codes.empty() ? nullptr : codes.data();
+            top.codes ? split_sorted(top) : split_upper(top, 0);
+        }
         gather_treelets(top, 0);
         tbb::parallel_for(std::size_t(0), treelets_.size(), [&](std::size_t i) {
             Treelet& t = treelets_[i];
+            for (const Item& item : t.side.items) t.triangles += item.kind == Item::triangle;
             for (std::size_t k = 0; k < t.count; ++k) t.triangles += t.items[k].kind == Item::triangle;
         });
+        std::size_t room = next_triangle_;
         for (Treelet& t : treelets_) {
-            t.first_triangle = next_triangle_;
-            next_triangle_ += t.triangles;
+            t.first_triangle = room;
+            room += t.most_triangles();
         }
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, treelets_.size(), 1),
                           [&](const tbb::blocked_range<std::size_t>& range) {
                               for (std::size_t i = range.begin(); i < range.end(); ++i)
                                   treelets_[i].build(tables_, bvh_);
                           });
+        for (Treelet& t : treelets_) close_gap(t);
         bvh_.statistics.cost += solve(top).c[0] / std::max(top.box.half_area(), std::numeric_limits<float>::min());
         for (const Treelet& t : treelets_) bvh_.statistics.leaves += t.leaves;
         return emit(top);
@@ -126,17 +177,36 @@ private:
         treelet.box = node.box;
         treelet.centers = node.centers;
         treelet.depth = depth;
+        treelet.codes = node.codes;
+        treelet.side = std::move(node.side);
+        treelet.root_area = root_area_;
+        treelet.together = together[std::size_t(level_)];
         treelets_.push_back(std::move(treelet));
+    }
+
+    /// Moves the treelet's triangles to the end of those before: how many it has was not known.
+    void close_gap(Treelet& t)
+    {
+        t.moved = t.first_triangle - next_triangle_;
+        if (t.moved > 0) {
+            std::memmove(&bvh_.triangles[9 * next_triangle_], &bvh_.triangles[9 * t.first_triangle], 36 * t.triangles);
+            std::memmove(&bvh_.keys[next_triangle_], &bvh_.keys[t.first_triangle], 4 * t.triangles);
+        }
+        next_triangle_ += t.triangles;
     }
 
     Costs solve(UpperNode& node)
     {
-        Costs costs;
-        costs.c.fill(0);
-        if (node.left)
-            return join(solve(*node.left), solve(*node.right), node.box.half_area(), leaf_cost(0, 0), node.choices);
-        costs.c.fill(treelets_[node.treelet].cost);
-        return costs;
+        if (!node.left) {
+            node.box = treelets_[node.treelet].box;
+            Costs costs;
+            costs.c.fill(treelets_[node.treelet].cost);
+            return costs;
+        }
+        const Costs left = solve(*node.left), right = solve(*node.right);
+        node.box = node.left->box;
+        node.box.extend(node.right->box);
+        return join(left, right, node.box.half_area(), leaf_cost(0, 0), node.choices);
     }
 
     void collect(const UpperNode& node, int j, const UpperNode** out, int& count) const
@@ -176,8 +246,8 @@ private:
         const std::size_t first_node = nodes_.size(), first_other = bvh_.others.size();
         const auto place = [&](std::uint32_t reference) {
             if (BvhReference::is_node(reference)) return std::uint32_t(reference + first_node);
-            const bool stays = BvhReference::is_triangles(reference) ||
-                               BvhReference::other_kind(reference) == BvhReference::instance;
+            if (BvhReference::is_triangles(reference)) return std::uint32_t(reference - treelet.moved);
+            const bool stays = BvhReference::other_kind(reference) == BvhReference::instance;
             return stays ? reference : std::uint32_t(reference + first_other / BvhLeaf::unit);
         };
         for (BvhNode& node : treelet.nodes) {
@@ -196,6 +266,8 @@ private:
     BvhData& bvh_;
     std::vector<BvhNode>& nodes_;
     std::size_t& next_triangle_;
+    TreeBuild level_;
+    float root_area_ = 0;
     std::vector<Treelet> treelets_;
 };
 
@@ -247,6 +319,16 @@ std::size_t count_triangles(const SceneTables& tables)
     return n;
 }
 
+/// What a level of building takes beside the items that the tree is made of.
+std::size_t extra_bytes(TreeBuild level, std::size_t items)
+{
+    switch (level) {
+        case TreeBuild::fast: return items * 4;     // codes; sorting takes less than the tree
+        case TreeBuild::high: return items * std::size_t(2 * (1 + most_cuts) * sizeof(Item));  // while one is split
+        default: return 0;
+    }
+}
+
 bool anything_moves(const SceneTables& tables)
 {
     if (!shutter_takes_time(tables)) return false;
@@ -260,7 +342,7 @@ bool anything_moves(const SceneTables& tables)
 
 }  // namespace bvh
 
-void build_bvh(const SceneTables& tables, BvhData& tree)
+void build_bvh(const SceneTables& tables, BvhData& tree, TreeBuild level)
 {
     using namespace bvh;
     tree.tables = &tables;
@@ -276,11 +358,12 @@ void build_bvh(const SceneTables& tables, BvhData& tree)
         if (mesh.root == 0) mesh_shapes.push_back(instance.mesh_shape);
         mesh.root = 1;  // seen
     }
-    const std::size_t triangles = count_triangles(tables);
+    std::size_t triangles = count_triangles(tables);
+    // Room that stays empty takes no memory.
+    if (level == TreeBuild::high) triangles += std::size_t(most_cuts * double(triangles));
     if (triangles > BvhReference::max_triangles)
         throw std::length_error("a scene can have at most 134,217,728 triangles");
     tree.triangles = LargeArray<float>(9 * triangles + bvh_width);
-    std::fill(tree.triangles.data() + 9 * triangles, tree.triangles.data() + tree.triangles.size(), 0.f);
     tree.keys = LargeArray<BvhKey>(triangles + bvh_width);
 
     std::vector<BvhNode> nodes;
@@ -288,10 +371,11 @@ void build_bvh(const SceneTables& tables, BvhData& tree)
     std::vector<MovingBox> mesh_boxes(tree.meshes.size());
     /// Its box and root are then known.
     const auto add_tree = [&](ItemList& list, std::uint32_t& root) {
-        items_bytes = std::max(items_bytes, list.items.bytes());
-        tree.statistics.leaf_primitives += list.count;
+        const std::size_t items = list.count;
+        tree.statistics.leaf_primitives += items;
         const std::size_t first = nodes.size();
-        root = TreeBuilder(tables, tree, nodes, next_triangle).build(list);
+        root = TreeBuilder(tables, tree, nodes, next_triangle, level).build(list);
+        items_bytes = std::max(items_bytes, list.items.bytes() + extra_bytes(level, items));
         if (!tree.moving) return MovingBox{list.box, list.box};
         return add_motion(tables, tree, mesh_boxes, nodes, first, root, list.box);
     };
@@ -305,9 +389,13 @@ void build_bvh(const SceneTables& tables, BvhData& tree)
     {
         ItemList list = world_items(tables, tree, mesh_boxes);
         tree.empty = list.count == 0;
+        if (!tree.empty)
+            tree.statistics.diagonal = std::hypot(list.box.high(0) - list.box.low(0), list.box.high(1) - list.box.low(1),
+                                                  list.box.high(2) - list.box.low(2));
         if (!tree.empty) tree.radius = add_tree(list, tree.root).radius();
     }
     // Readers take 16 floats at once.
+    std::fill_n(tree.triangles.data() + 9 * next_triangle, bvh_width, 0.f);
     tree.others.resize(tree.others.size() + bvh_width);
     tree.nodes = LargeArray<BvhNode>(nodes.size());
     if (!nodes.empty()) std::memcpy(tree.nodes.data(), nodes.data(), nodes.size() * sizeof(BvhNode));
@@ -316,7 +404,7 @@ void build_bvh(const SceneTables& tables, BvhData& tree)
         if (!mesh.empty) count_children(tree, mesh.root);
     tree.stack_size = stack_size_of(tree);
     BvhStatistics& s = tree.statistics;
-    s.bytes = tree.nodes.bytes() + tree.triangles.bytes() + tree.keys.bytes() + tree.others.size() * 4 +
+    s.bytes = tree.nodes.bytes() + (9 * sizeof(float) + sizeof(BvhKey)) * (next_triangle + bvh_width) + tree.others.size() * 4 +
               tree.meshes.size() * sizeof(BvhData::Mesh);
     s.peak_bytes = s.bytes + std::max(items_bytes, tree.nodes.bytes()) + tree.nodes.bytes();
 }

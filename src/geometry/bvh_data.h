@@ -109,6 +109,6 @@ inline constexpr float bvh_slack = 0x1p-19f;
 /// The three corners of what a key names: of a triangle, or of one half of a quad. time: which of vertex_times.
 void vertices_of(const SceneTables& tables, BvhKey key, Vec3f out[3], std::size_t time = 0);
 
-void build_bvh(const SceneTables& tables, BvhData& bvh);
+void build_bvh(const SceneTables& tables, BvhData& bvh, TreeBuild level = TreeBuild::standard);
 
 }  // namespace fathom

@@ -83,6 +83,7 @@ private:
 
     int visit_node(const BvhNode& node, RayMask rays, int size)
     {
+        memory_.visits.nodes += std::uint64_t(std::popcount(rays));
         std::uint32_t met = 0;
         for (int k = 0; k < box_parts; ++k) {
             Mask m(true);

@@ -242,6 +242,7 @@ private:
     int visit_node(std::uint32_t reference, RayMask rays, int size)
     {
         const BvhNode& node = bvh_.nodes[moving ? BvhReference::node(reference) : reference];
+        memory_.visits.nodes += std::uint64_t(std::popcount(rays));
         const float* const bounds = node.bounds[0];
         // What the boxes change by; none: they stand still.
         const float* const change = moving && BvhReference::is_moving(reference) ? (&node)[1].bounds[0] : nullptr;
@@ -347,6 +348,7 @@ private:
         const std::ptrdiff_t n = BvhReference::triangle_count(reference);
         const std::uint32_t first = BvhReference::first_triangle(reference);
         const float* const data = &bvh_.triangles[9 * std::size_t(first)];
+        memory_.visits.primitives += std::uint64_t(n * std::popcount(rays));
         bool found = false;
         for (std::uint32_t bits = candidates(data, n); bits; bits &= bits - 1) {
             const int i = std::countr_zero(bits);
@@ -377,6 +379,7 @@ private:
     {
         const std::ptrdiff_t n = leaf.count();
         const float* const data = leaf.data();
+        memory_.visits.primitives += std::uint64_t(n * std::popcount(rays));
         bool found = false;
         for (std::ptrdiff_t at = 0; at < n; at += lanes)
             for (std::uint32_t bits = candidates<2>(data + at, n) & mask_bits(first_lanes(std::size_t(n - at))); bits;

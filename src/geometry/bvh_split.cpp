@@ -98,6 +98,7 @@ Split best_split(const Bins& bins, const BinMap& map)
             least = best_cost[axis];
             best.axis = axis;
             best.bin = best_bin[axis];
+            best.cost = least;
         }
     if (best.axis < 0) return best;
     for (int i = 0; i <= map.last; ++i) (i <= best.bin ? best.left : best.right).extend(bins.box[i][best.axis]);

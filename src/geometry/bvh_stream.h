@@ -6,73 +6,12 @@
 /// nodes are fetched meanwhile. Rays that have come to a leaf wait for the wave of leaves. Each ray visits what it
 /// would visit alone in the same order.
 #include <array>
-#include <vector>
 
+#include "geometry/bvh_boxes.h"
+#include "geometry/bvh_hits.h"
 #include "geometry/bvh_leaves.h"
-#include "geometry/bvh_push.h"
 
 namespace fathom::inline FATHOM_LANES {
-
-inline constexpr int stream_size = 64;
-
-/// Of each ray the nearest hit so far: the least of (t, key, instance). What was hit is a key or, with this bit, the
-/// place of one in BvhData::keys, which is looked up when it is needed: mostly once a ray, at its end.
-inline constexpr std::uint32_t hit_is_place = 1u << 31;
-
-struct RayHits {
-    alignas(64) float t[stream_size], u[stream_size], v[stream_size];
-    alignas(64) std::uint32_t what[stream_size], instance[stream_size];
-
-    BvhKey key(const BvhData& bvh, int i) const
-    {
-        return what[i] != no_index && what[i] & hit_is_place ? bvh.keys[what[i] & ~hit_is_place] : what[i];
-    }
-    bool loses_to(const BvhData& bvh, int i, float other_t, float other_u, BvhKey other,
-                  std::uint32_t other_instance) const
-    {
-        if (other_t != t[i]) return other_t < t[i];
-        const BvhKey own = key(bvh, i);
-        if (own == no_index || other != own) return own != no_index && other < own;
-        // Of a curve's segment several pieces may be tested.
-        return other_instance != instance[i] ? other_instance < instance[i] : other_u < u[i];
-    }
-    void set(int i, float new_t, float new_u, float new_v, std::uint32_t new_what, std::uint32_t new_instance)
-    {
-        t[i] = new_t, u[i] = new_u, v[i] = new_v, what[i] = new_what, instance[i] = new_instance;
-    }
-};
-
-/// Whether a hit counts.
-inline bool passes_alpha(const BvhData& bvh, BvhKey key, std::uint32_t instance, float u, float v)
-{
-    const SceneTables& tables = *bvh.tables;
-    const std::uint32_t shape =
-        instance == no_index ? tables.shape_of_primitive[key >> 1] : tables.instances[instance].shape;
-    if (!(tables.shapes[shape].flags & ShapeTable::alpha_tested)) return true;
-    if (key & 1) u = 1 - u, v = 1 - v;
-    return bvh.alpha_test(bvh.alpha_context, key >> 1, instance, u, v);
-}
-
-struct PacketEntry {
-    std::uint64_t rays;
-    std::uint32_t reference;
-    float t;
-};
-/// What rays through a moving scene need besides.
-struct RayTimes {
-    alignas(64) float shutter[stream_size];   ///< 0 when it opens, 1 when it closes
-    alignas(64) float fraction[stream_size];  ///< of the way between vertex_times
-    alignas(64) std::uint32_t key[stream_size];
-};
-/// What a thread needs to trace streams; kept between calls.
-struct StreamMemory {
-    RayTimes times;
-    PreparedRays world[stream_size / lanes], object[stream_size / lanes];
-    PreparedRays together[stream_size / lanes];  ///< of a packet within an instance
-    RayHits hits;
-    std::vector<std::uint32_t> stacks;
-    std::vector<PacketEntry> packet_stack;
-};
 
 /// moving  whether anything in the scene does; streams through others don't ask
 template <bool any_hit, bool moving>
@@ -118,6 +57,7 @@ public:
     {
         while (next_.n.nodes + next_.n.leaves + next_.n.others > 0) {
             std::swap(now_, next_);
+            memory_.visits.nodes += std::uint64_t(now_.n.nodes);
             {
                 Counts counts;
                 for (int i = 0; i < now_.n.nodes; ++i) {
@@ -226,56 +166,18 @@ private:
         const BvhNode& node = bvh_.nodes[node_of(ray)];
         if constexpr (moving)
             if (BvhReference::is_moving(states_[ray].reference)) return visit_moving_node(ray, r, node, n);
-        const std::uint32_t octant = r.integer(PreparedRays::octant);
-        // Rows of the nearer sides; those of the farther ones are 3 rows away.
-        const float* const bounds = node.bounds[0];
-        constexpr std::ptrdiff_t row = bvh_width;
-        const std::ptrdiff_t x = r.integer(PreparedRays::side_x), y = r.integer(PreparedRays::side_y),
-                             z = r.integer(PreparedRays::side_z);
-        const Vec3 inverse = r.vector(PreparedRays::inverse_x), near = r.vector(PreparedRays::near_x),
-                   far = r.vector(PreparedRays::far_x);
-        const Float t_max(memory_.hits.t[ray]);
-        BoxDistances box;
-        for (int part = 0; part < box_parts; ++part) {
-            const float* const p = bounds + part * lanes;
-            const Float near_x = fma(load(p + x), inverse.x, near.x),
-                        far_x = fma(load(p + 3 * row - x), inverse.x, far.x);
-            const Float near_y = fma(load(p + y), inverse.y, near.y),
-                        far_y = fma(load(p + 5 * row - y), inverse.y, far.y);
-            const Float near_z = fma(load(p + z), inverse.z, near.z),
-                        far_z = fma(load(p + 7 * row - z), inverse.z, far.z);
-            box.near[part] = max(max(near_x, near_y), max(near_z, Float(0)));
-            box.far[part] = min(min(far_x, far_y), min(far_z, t_max));
-        }
+        const BoxDistances box = distances_to(node, r, Float(memory_.hits.t[ray]));
         std::uint32_t*& top = states_[ray].top;
         const BvhStack above{top, distances(top)};
-        top += any_hit ? push_any(above, 0, node, box) : push_in_order(above, 0, node.child, node.order[octant], box);
+        top += any_hit ? push_any(above, 0, node, box) : push_in_order(above, 0, node.child, node.order[r.integer(PreparedRays::octant)], box);
         pop(ray, n);
     }
 
     /// The same for boxes that move.
     [[gnu::noinline]] void visit_moving_node(int ray, const PreparedRay& r, const BvhNode& node, Counts& n)
     {
-        const BvhNode& change = (&node)[1];
-        const Float time(memory_.times.shutter[ray]);
-        const Float t_max(memory_.hits.t[ray]);
-        BoxDistances box;
-        for (int part = 0; part < box_parts; ++part) {
-            box.near[part] = Float(0);
-            box.far[part] = t_max;
-            for (int axis = 0; axis < 3; ++axis) {
-                const std::ptrdiff_t near_row = r.integer(PreparedRays::side_x + axis) + part * lanes;
-                const std::ptrdiff_t far_row = (2 * axis + 3) * bvh_width - near_row + 2 * part * lanes;
-                const auto plane = [&](std::ptrdiff_t row) {
-                    return fma(load(change.bounds[0] + row), time, load(node.bounds[0] + row));
-                };
-                const Float inverse(r.number(PreparedRays::inverse_x + axis));
-                const Float near = fma(plane(near_row), inverse, Float(r.number(PreparedRays::near_x + axis)));
-                const Float far = fma(plane(far_row), inverse, Float(r.number(PreparedRays::far_x + axis)));
-                box.near[part] = max(near, box.near[part]);
-                box.far[part] = min(far, box.far[part]);
-            }
-        }
+        const BoxDistances box =
+            distances_to_moving(node, r, Float(memory_.times.shutter[ray]), Float(memory_.hits.t[ray]));
         std::uint32_t*& top = states_[ray].top;
         const BvhStack above{top, distances(top)};
         const std::uint32_t* order = node.order[r.integer(PreparedRays::octant)];
@@ -316,7 +218,7 @@ private:
     void visit_leaves(const std::uint8_t* rays, int count)
     {
         Block blocks[leaf_wave + 1];
-        int met = 0;
+        int met = 0, triangles = 0;
         Counts n = next_.n;
         for (int i = 0; i < count; ++i) fetch_leaf(rays[i]);
         for (int i = 0; i < count; ++i) {
@@ -328,11 +230,13 @@ private:
             block.inside = mask_bits(w.inside);
             block.reference = states_[rays[i]].reference;
             block.ray = rays[i];
+            triangles += BvhReference::triangle_count(block.reference);
             const int passes = block.inside != 0;
             met += passes;
             // Those that pass by go on now.
             pop(rays[i], n, 1 - passes);
         }
+        memory_.visits.primitives += std::uint64_t(triangles);
         for (int i = 0; i < met; ++i) finish_leaf(blocks[i], n);
         next_.n = n;
     }
@@ -374,6 +278,7 @@ private:
     void visit_leaf(int ray)
     {
         const int n = BvhReference::triangle_count(states_[ray].reference);
+        memory_.visits.primitives += std::uint64_t(n);
         bool found = false;
         for (int at = 0; at < n; at += lanes) {
             Vec3 z;
@@ -440,6 +345,7 @@ private:
     {
         const BvhLeaf leaf{&bvh_.others[std::size_t(BvhReference::place(states_[ray].reference)) * BvhLeaf::unit]};
         const SceneTables& tables = *bvh_.tables;
+        memory_.visits.primitives += std::uint64_t(leaf.count());
         /// Hits on primitives whose numbers are first + factor times those in the leaf.
         const auto offer_keys = [&](std::uint32_t first, std::uint32_t factor) {
             return [this, ray, leaf, first, factor](int at, Mask m, Float t, Float u, Float v) {

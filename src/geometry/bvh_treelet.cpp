@@ -1,6 +1,7 @@
 #include "geometry/bvh_treelet.h"
 
 #include "geometry/bvh_leaf_data.h"
+#include "geometry/bvh_morton.h"
 
 #include <algorithm>
 #include <bit>
@@ -19,10 +20,6 @@ constexpr float node_cost = 1.f, triangle_leaf_cost = 0.3f, triangle_cost = 0.06
                 point_cost = 0.05f;
 
 constexpr int halving_depth = 50;
-
-/// So many items stay together where one leaf can hold them: to split them costs half of the building and gains nothing
-/// that could be measured.
-constexpr std::size_t together = 4;
 
 }  // namespace
 
@@ -141,13 +138,24 @@ public:
     void run()
     {
         nodes_.reserve(2 * treelet_.count);
-        const Costs costs = split(treelet_.items, treelet_.count, treelet_.box, treelet_.centers, treelet_.depth);
+        const Costs costs = build_nodes();
+        treelet_.box = nodes_[0].box;
         treelet_.cost = costs.c[0];
         treelet_.nodes.reserve(treelet_.count / 64 + 1);
         treelet_.root = emit(0);
+        treelet_.triangles = next_triangle_ - treelet_.first_triangle;
     }
 
 private:
+    Costs build_nodes()
+    {
+        if (treelet_.codes) return split_sorted(0, treelet_.count);
+        if (treelet_.side.items.empty())
+            return split(treelet_.items, treelet_.count, treelet_.box, treelet_.centers, treelet_.depth);
+        pieces_.reserve(treelet_.side.items.size() + treelet_.side.budget);
+        return split_space(treelet_.side, treelet_.depth);
+    }
+
     struct Node {
         Box box;
         Choices choices;
@@ -156,23 +164,73 @@ private:
         bool whole;                         ///< has no children
     };
 
+    /// Whether a node's few items make one leaf, and then its costs.
+    bool stay_together(Node& node, Costs& costs) const
+    {
+        if (node.count > treelet_.together) return false;
+        std::uint32_t kinds = 0;
+        for (std::size_t i = 0; i < node.count; ++i) kinds |= node.items[i].kind;
+        const float cost = leaf_cost(kinds, node.count);
+        if (!(cost < std::numeric_limits<float>::infinity())) return false;
+        node.kinds = kinds;
+        node.whole = true;
+        costs.c.fill(node.box.half_area() * cost);
+        return true;
+    }
+
+    /// Adds the node of n items from the first on, split by their codes, and all below.
+    Costs split_sorted(std::size_t first, std::size_t n)
+    {
+        const std::uint32_t self = std::uint32_t(nodes_.size());
+        Item* const items = treelet_.items + first;
+        nodes_.push_back({Box(), {}, items, std::uint32_t(n), 0, 0, false});
+        if (n <= treelet_.together) {
+            for (std::size_t i = 0; i < n; ++i) nodes_[self].box.extend(items[i]);
+            if (Costs costs; stay_together(nodes_[self], costs)) return costs;
+        }
+        const std::size_t middle = morton_split(treelet_.codes + first, n);
+        const Costs l = split_sorted(first, middle);
+        const std::uint32_t right_child = std::uint32_t(nodes_.size());
+        const Costs r = split_sorted(first + middle, n - middle);
+        Node& node = nodes_[self];
+        node.right = right_child;
+        node.kinds = nodes_[self + 1].kinds | nodes_[right_child].kinds;
+        node.box = nodes_[self + 1].box;
+        node.box.extend(nodes_[right_child].box);
+        return join(l, r, node.box.half_area(), leaf_cost(node.kinds, n), node.choices);
+    }
+
+    /// Adds the node of these items, which are moved to pieces_, and all below.
+    Costs split_space(ItemSide& all, int depth)
+    {
+        const std::uint32_t self = std::uint32_t(nodes_.size());
+        const std::size_t first = pieces_.size();
+        nodes_.push_back({all.box, {}, pieces_.data() + first, std::uint32_t(all.items.size()), 0, 0, false});
+        const float area = all.box.half_area();
+        if (all.items.size() <= treelet_.together) {
+            pieces_.insert(pieces_.end(), all.items.begin(), all.items.end());
+            if (Costs costs; stay_together(nodes_[self], costs)) return costs;
+            pieces_.resize(first);
+        }
+        ItemSide left, right;
+        SpatialSplitter(tables_, treelet_.root_area).split(all, depth, left, right);
+        const Costs l = split_space(left, depth + 1);
+        const std::uint32_t right_child = std::uint32_t(nodes_.size());
+        const Costs r = split_space(right, depth + 1);
+        Node& node = nodes_[self];
+        node.right = right_child;
+        node.count = std::uint32_t(pieces_.size() - first);
+        node.kinds = nodes_[self + 1].kinds | nodes_[right_child].kinds;
+        return join(l, r, area, leaf_cost(node.kinds, node.count), node.choices);
+    }
+
     /// Adds the node of these items and all below.
     Costs split(Item* items, std::size_t n, const Box& box, const CenterBounds& centers, int depth)
     {
         const std::uint32_t self = std::uint32_t(nodes_.size());
         nodes_.push_back({box, {}, items, std::uint32_t(n), 0, 0, false});
         const float area = box.half_area();
-        if (n <= together) {
-            std::uint32_t kinds = 0;
-            for (std::size_t i = 0; i < n; ++i) kinds |= items[i].kind;
-            if (const float cost = leaf_cost(kinds, n); cost < std::numeric_limits<float>::infinity()) {
-                nodes_[self].kinds = kinds;
-                nodes_[self].whole = true;
-                Costs costs;
-                costs.c.fill(area * cost);
-                return costs;
-            }
-        }
+        if (Costs costs; stay_together(nodes_[self], costs)) return costs;
         BinMap map(centers, Bins::max);
         Split found;
         CenterBounds left, right;
@@ -252,9 +310,12 @@ private:
 
     std::uint32_t emit_triangles(const Node& node)
     {
-        const std::size_t first = next_triangle_, n = node.count;
+        std::sort(node.items, node.items + node.count, [](const Item& a, const Item& b) { return a.id < b.id; });
+        // Pieces of one triangle may meet again.
+        Item* const end = std::unique(node.items, node.items + node.count,
+                                      [](const Item& a, const Item& b) { return a.id == b.id; });
+        const std::size_t first = next_triangle_, n = std::size_t(end - node.items);
         next_triangle_ += n;
-        std::sort(node.items, node.items + n, [](const Item& a, const Item& b) { return a.id < b.id; });
         float* out = &bvh_.triangles[9 * first];
         for (std::size_t i = 0; i < n; ++i) {
             const BvhKey key = node.items[i].id;
@@ -275,6 +336,7 @@ private:
     BvhData& bvh_;
     std::size_t next_triangle_;
     std::vector<Node> nodes_;
+    std::vector<Item> pieces_;  ///< of split_space, from left to right
 };
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "geometry/bvh_data.h"
-#include "geometry/bvh_split.h"
+#include "geometry/bvh_spatial.h"
 
 namespace fathom::bvh {
 
@@ -31,9 +31,17 @@ struct Treelet {
     Item* items = nullptr;
     std::size_t count = 0, triangles = 0;  ///< triangles: how many of the items are
     std::size_t first_triangle = 0;        ///< where in the tree's arrays they go
+    std::size_t moved = 0;                 ///< by how much they were moved towards the front afterwards
     Box box;
     CenterBounds centers;
     int depth = 0;
+    /// Of the items, by which they are sorted, and then split; null: they are split by the surface area heuristic.
+    const std::uint32_t* codes = nullptr;
+    /// If not empty: items that may be cut, instead of the above.
+    ItemSide side;
+    float root_area = 0;
+    /// So many items stay together where one leaf can hold them.
+    std::size_t together = 1;
 
     std::uint32_t root = 0;
     float cost = 0;
@@ -41,7 +49,9 @@ struct Treelet {
     std::vector<std::uint32_t> others;
     std::size_t leaves = 0;
 
-    /// Writes the triangles' vertices and keys into bvh.
+    /// How many triangles it may have at most.
+    std::size_t most_triangles() const { return triangles + side.budget; }
+    /// Writes the triangles' vertices and keys into bvh; `triangles` is then how many there are. Where there are codes, box is found here.
     void build(const SceneTables& tables, BvhData& bvh);
 };
 

@@ -137,6 +137,10 @@ void FathomJsonReader::read_render(const JsonValue& v)
     const std::vector<std::pair<std::string, std::string>> tonemaps = {{"srgb", "srgb"}, {"filmic", "filmic"}};
     o.read_enum("tonemap", tonemaps, word);
     if (!word.empty()) hints.tonemap = word;
+    word.clear();
+    const std::vector<std::pair<std::string, std::string>> builds = {{"fast", "fast"}, {"default", "default"}, {"high", "high"}};
+    o.read_enum("build", builds, word);
+    if (!word.empty()) hints.build = word;
     if (auto value = o.get("light_sampling")) hints.light_sampling = value->boolean();
     if (auto value = o.get("exposure")) hints.exposure = value->number();
     o.done("in render settings");

@@ -9,7 +9,7 @@ namespace fathom {
 
 inline namespace FATHOM_LANES {
 
-LaneScene::LaneScene(std::shared_ptr<const SceneTables> t) : tables_owner(std::move(t)), tables(*tables_owner)
+LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level) : tables_owner(std::move(t)), tables(*tables_owner)
 {
     const bool has_alpha = std::any_of(tables.shapes.begin(), tables.shapes.end(),
                                        [](const ShapeTable& s) { return s.flags & ShapeTable::alpha_tested; });
@@ -17,7 +17,7 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t) : tables_owner(std::m
     if (is_flat) {
         flat.build(tables);
     } else {
-        bvh.build(tables);
+        bvh.build(tables, level);
         if (has_alpha) bvh.set_alpha_test(&alpha_passes, &tables);
     }
     for (const ShapeTable& shape : tables.shapes) {
@@ -51,9 +51,9 @@ std::size_t LaneScene::memory_bytes() const
 
 }  // namespace FATHOM_LANES
 
-std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables> tables)
+std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables> tables, TreeBuild level)
 {
-    return std::make_unique<LaneScene>(std::move(tables));
+    return std::make_unique<LaneScene>(std::move(tables), level);
 }
 
 int kernel_lanes() { return lanes; }

@@ -33,8 +33,13 @@ struct LaneScene final : KernelScene {
     bool only_diffuse_quads = false;   ///< flat, smooth, without textures or motion: QuadTracer renders it
     FilterTable filters[2];            ///< Gaussian, Blackman-Harris
 
-    explicit LaneScene(std::shared_ptr<const SceneTables> t);
+    LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level);
     std::size_t memory_bytes() const override;
+    const BvhStatistics& need_tree() override;
+    void closest(const RayArrays& rays, const HitArraysOut& hits, bool coherent, BvhVisits& visits) const override;
+    void occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent, BvhVisits& visits) const override;
+    void surface(const RayArrays& rays, const HitArraysOut& hits, float* const points[3],
+                 float* const normals[3]) const override;
 
     /// shape_info of what was hit; 0 outside the mask.
     UInt info_of(UInt primitive, UInt instance, Mask m) const;

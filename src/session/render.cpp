@@ -92,6 +92,16 @@ struct Worker {
     TileSums sums;
     KernelCounters counters;
     std::uint64_t dropped = 0;
+    std::optional<Film::SamplePlace> dropped_sample;
+
+    /// Counts the samples that the job at hand has dropped.
+    void count_dropped()
+    {
+        if (sums.dropped == 0) return;
+        const std::uint32_t at = pixels[sums.first_dropped_pixel];
+        if (dropped == 0) dropped_sample = Film::SamplePlace{int(at & 0xffffu), int(at >> 16), sums.first_dropped_sample};
+        dropped += sums.dropped;
+    }
 };
 using Workers = tbb::enumerable_thread_specific<Worker>;
 
@@ -162,7 +172,7 @@ public:
                 const KernelJob job{worker.pixels.data(), std::uint32_t(worker.pixels.size()),
                                     std::uint32_t(range.first), std::uint32_t(range.second - range.first)};
                 render_job(*scene_.kernel, camera_, kernel_, job, worker.sums, worker.counters);
-                worker.dropped += worker.sums.dropped;
+                worker.count_dropped();
                 take(worker);
             }
         };
@@ -180,6 +190,7 @@ public:
         for (Worker& worker : workers_) {
             rays += worker.counters.rays;
             film_.dropped += worker.dropped;
+            if (worker.dropped > 0 && !film_.dropped_sample) film_.dropped_sample = worker.dropped_sample;
             worker.dropped = 0;
         }
         return rays;

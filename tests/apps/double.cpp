@@ -7,11 +7,12 @@
 
 #include "fathom/error.h"
 #include "fathom/load.h"
+#include "fathom/ray_benchmark.h"
 #include "fathom/render.h"
 
 // A library for tests of the command line: a scene file is words, and a sample is worth a number that its index
 // decides.
-//   camera NAME, aspect A, size WxH, spp N, slow MS (a pass), warn TEXT, nan, hint-filter NAME, empty
+//   camera NAME, aspect A, size WxH, spp N, slow MS (a pass), warn TEXT, nan, hint-filter NAME, hint-build NAME, empty
 namespace fathom {
 
 namespace {
@@ -50,6 +51,8 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
             dropped_per_render = 3;
         } else if (word == "hint-filter") {
             in >> scene.hints.filter.emplace();
+        } else if (word == "hint-build") {
+            in >> scene.hints.build.emplace();
         } else if (word != "empty") {
             throw Error(file.string(), "line 1", fmt::format("unknown word '{}'", word));
         }
@@ -73,8 +76,9 @@ struct Scene::Data {
     Camera camera;
 };
 
-Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings)
+Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings, TreeBuild build)
 {
+    if (build != TreeBuild::standard) warnings.add(build == TreeBuild::fast ? "build fast" : "build high");
     Scene scene;
     scene.data_ = std::make_shared<Data>();
     scene.data_->camera = world_camera(description, camera);
@@ -166,6 +170,11 @@ std::uint64_t Film::dropped_samples() const
 {
     return data_->dropped;
 }
+std::optional<Film::SamplePlace> Film::dropped_sample() const
+{
+    if (data_->dropped == 0) return {};
+    return SamplePlace{7, 8, 9};
+}
 void Film::merge(const Film& other)
 {
     if (data_->key != other.data_->key) throw Error("", "", "other settings: " + other.data_->key);
@@ -222,6 +231,11 @@ bool render(const Scene&, const RenderSettings& settings, SampleRange range, Fil
 Color render_sample(const Scene&, const RenderSettings&, int x, int y, std::uint64_t sample)
 {
     return {float(x), float(y), float(sample)};
+}
+RayBenchmark benchmark_rays(const Scene&, const RayBenchmarkSettings& settings)
+{
+    return {{{"primary", settings.rays, double(settings.threads), double(settings.runs), 4}},
+            std::size_t(settings.width) * std::size_t(settings.height), 4'000'000, 8'000'000, 0.5};
 }
 int simd_width()
 {

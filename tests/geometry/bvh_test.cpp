@@ -274,36 +274,98 @@ TEST(Bvh, alpha)
 TEST(Bvh, the_same_bits_everywhere)
 {
     SceneTables tables = all_kinds(2'000);
-    Bvh bvh;
-    bvh.build(tables);
     Rays rays = nasty_rays(tables, 100, 20'000, 15);
-    const Hits hits = cast(bvh, rays, true);
-    std::uint64_t hash = 1469598103934665603u;
-    const auto mix = [&](std::uint32_t x) { hash = (hash ^ x) * 1099511628211u; };
-    for (std::size_t i = 0; i < rays.count(); ++i) {
-        mix(std::bit_cast<std::uint32_t>(hits.t[i]));
-        mix(hits.primitive[i]);
-        if (hits.primitive[i] >= tables.first_sphere()) continue;
-        mix(std::bit_cast<std::uint32_t>(hits.u[i]));
-        mix(std::bit_cast<std::uint32_t>(hits.v[i]));
+    for (TreeBuild level : tree_builds) {
+        Bvh bvh;
+        bvh.build(tables, level);
+        const Hits hits = cast(bvh, rays, true);
+        std::uint64_t hash = 1469598103934665603u;
+        const auto mix = [&](std::uint32_t x) { hash = (hash ^ x) * 1099511628211u; };
+        for (std::size_t i = 0; i < rays.count(); ++i) {
+            mix(std::bit_cast<std::uint32_t>(hits.t[i]));
+            mix(hits.primitive[i]);
+            if (hits.primitive[i] >= tables.first_sphere()) continue;
+            mix(std::bit_cast<std::uint32_t>(hits.u[i]));
+            mix(std::bit_cast<std::uint32_t>(hits.v[i]));
+        }
+        EXPECT_EQ(hash, 14386724077026236286u) << int(level);
     }
-    EXPECT_EQ(hash, 14386724077026236286u);
 }
 
 TEST(Bvh, the_same_tree_for_any_number_of_threads)
 {
-    const SceneTables tables = soup(300'000, 100, 1, 16);
-    const auto build = [&](std::size_t threads) {
-        tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        BvhData data;
-        build_bvh(tables, data);
-        return data;
-    };
-    const BvhData one = build(1), many = build(4);
-    ASSERT_EQ(one.nodes.size(), many.nodes.size());
-    EXPECT_EQ(std::memcmp(one.nodes.data(), many.nodes.data(), one.nodes.bytes()), 0);
-    EXPECT_EQ(std::memcmp(one.triangles.data(), many.triangles.data(), one.triangles.bytes()), 0);
-    EXPECT_EQ(std::memcmp(one.keys.data(), many.keys.data(), 4 * std::size_t(tables.triangle_count())), 0);
+    // Large ones among them, for spatial splits to cut.
+    SceneTables tables = soup(200'000, 100, 1, 16);
+    Random random(17);
+    for (int i = 0; i < 2'000; ++i) add_triangle(tables, random.point(100), random.point(100), random.point(100));
+    tables.shape_of_primitive.clear();
+    finish(tables);
+    for (TreeBuild level : tree_builds) {
+        SCOPED_TRACE(int(level));
+        const auto build = [&](std::size_t threads) {
+            tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+            BvhData data;
+            build_bvh(tables, data, level);
+            return data;
+        };
+        const BvhData one = build(1), many = build(4);
+        ASSERT_EQ(one.nodes.size(), many.nodes.size());
+        ASSERT_EQ(one.statistics.bytes, many.statistics.bytes);
+        EXPECT_EQ(std::memcmp(one.nodes.data(), many.nodes.data(), one.nodes.bytes()), 0);
+        const std::size_t triangles = (one.statistics.bytes - one.nodes.bytes()) / 40 - bvh_width - 1;
+        EXPECT_GE(triangles + 16, tables.triangle_count());
+        EXPECT_EQ(std::memcmp(one.triangles.data(), many.triangles.data(), 36 * triangles), 0);
+        EXPECT_EQ(std::memcmp(one.keys.data(), many.keys.data(), 4 * triangles), 0);
+    }
+}
+
+/// What the levels are for, as far as it does not depend on the machine.
+TEST(Bvh, levels_of_building)
+{
+    Random random(18);
+    SceneTables tables = soup(20'000, 100, 1, 19);
+    for (int i = 0; i < 500; ++i) add_triangle(tables, random.point(100), random.point(100), random.point(100));
+    tables.shape_of_primitive.clear();
+    finish(tables);
+    BvhStatistics of[3];
+    for (TreeBuild level : tree_builds) {
+        Bvh bvh;
+        bvh.build(tables, level);
+        of[int(level)] = bvh.statistics();
+        EXPECT_EQ(of[int(level)].leaf_primitives, tables.triangle_count());
+        EXPECT_GE(of[int(level)].peak_bytes, of[int(level)].bytes);
+    }
+    EXPECT_LT(of[1].cost, of[0].cost);
+    EXPECT_LT(of[2].cost, 0.97 * of[1].cost);
+    EXPECT_LT(of[2].bytes, 1.4 * of[1].bytes);
+}
+
+/// A leaf's triangles are counted whole, a node once for each ray.
+TEST(Bvh, visits)
+{
+    SceneTables tables = soup(5, 1, 1, 20);
+    Bvh few;
+    few.build(tables);
+    Rays rays = bundles(tables, 1, 640, 21);
+    const RayArrays arrays = rays.arrays();
+    Hits hits(arrays.count);
+    BvhVisits visits;
+    few.closest(arrays, hits.arrays(), false, &visits);
+    few.closest(arrays, hits.arrays(), true, &visits);
+    // All in one leaf, which is the root.
+    EXPECT_EQ(visits.primitives, 2 * 5 * arrays.count);
+    EXPECT_EQ(visits.nodes, 0u);
+    tables = soup(2'000, 1, 0.1f, 22);
+    Bvh many;
+    many.build(tables);
+    for (bool coherent : {false, true}) {
+        visits = {};
+        many.closest(arrays, hits.arrays(), coherent, &visits);
+        // Rays that pass by meet the root only.
+        EXPECT_GE(visits.nodes, arrays.count);
+        EXPECT_LT(visits.nodes, 30 * arrays.count);
+        EXPECT_GT(visits.primitives, 5 * arrays.count / 10);
+    }
 }
 
 }  // namespace

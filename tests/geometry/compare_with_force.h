@@ -7,6 +7,8 @@
 
 namespace fathom {
 
+inline constexpr TreeBuild tree_builds[] = {TreeBuild::fast, TreeBuild::standard, TreeBuild::high};
+
 /// Rays from within and without: at random, axis-aligned, at vertices, in planes of triangles, short ones.
 inline Rays nasty_rays(const SceneTables& tables, float radius, std::size_t n, std::uint64_t seed)
 {
@@ -91,12 +93,16 @@ inline void compare_with_force(const SceneTables& tables, const Bvh& bvh, Rays r
 
 inline void compare_with_force(const SceneTables& tables, float radius, std::size_t n, const char* what)
 {
-    Bvh bvh;
-    bvh.build(tables);
     // One lane takes a while.
     if (lanes == 1) n /= 10;
-    compare_with_force(tables, bvh, nasty_rays(tables, radius, n, 7), what);
-    compare_with_force(tables, bvh, bundles(tables, radius, n / 4, 8), what);
+    for (TreeBuild level : tree_builds) {
+        SCOPED_TRACE(int(level));
+        Bvh bvh;
+        bvh.build(tables, level);
+        const std::size_t rays = level == TreeBuild::standard ? n : n / 4;
+        compare_with_force(tables, bvh, nasty_rays(tables, radius, rays, 7), what);
+        compare_with_force(tables, bvh, bundles(tables, radius, rays / 4, 8), what);
+    }
 }
 
 inline SceneTables soup(std::size_t n, float radius, float size, std::uint64_t seed, Vec3f offset = {})

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The same picture, bit for bit, from every instruction set that this machine has, from any number of threads, and in parts.
+"""The same picture, bit for bit, from every instruction set that this machine has, from any number of threads, with any tree, and in parts.
 
 usage: same_bits_test.py FATHOM SCENES"""
 import glob, os, subprocess, sys, tempfile
@@ -61,6 +61,10 @@ def main():
                 out = os.path.join(folder, "threads.exr")
                 run(program, "render", path, "--samples", "0:6", "--threads", threads, "-o", out, *common)
                 seen[threads + " threads"] = pixels(out)
+            for build in ["fast", "high"]:
+                out = os.path.join(folder, "build.exr")
+                run(program, "render", path, "--samples", "0:6", "--build", build, "-o", out, *common)
+                seen[build + " tree"] = pixels(out)
             parts = []
             for samples in ["0:1", "1:4", "4:6"]:
                 parts.append(os.path.join(folder, samples.replace(":", "-") + ".exr"))

@@ -1,0 +1,12 @@
+#pragma once
+
+namespace fathom {
+
+/// How much work goes into the tree that rays walk through. The hits, and so the pictures, are the same.
+///
+/// fast      by Morton codes: previews of large scenes
+/// standard  by the surface area heuristic
+/// high      the same over large triangles cut in pieces: takes longer and more memory, casts rays faster
+enum class TreeBuild { fast, standard, high };
+
+}  // namespace fathom
