@@ -85,10 +85,11 @@ struct Rays {
         d[0].push_back(direction.x), d[1].push_back(direction.y), d[2].push_back(direction.z);
         t_max.push_back(limit), time.push_back(at);
     }
-    std::size_t count() const { return count_ ? count_ : t_max.size(); }
+    std::size_t count() const { return padded_ ? count_ : t_max.size(); }
     RayArrays arrays()
     {
         count_ = count();
+        padded_ = true;
         for (auto* a : {&o[0], &o[1], &o[2], &d[0], &d[1], &d[2], &t_max, &time})
             a->resize(count_ + 32, a->empty() ? 1 : a->back());
         return {o[0].data(), o[1].data(),  o[2].data(), d[0].data(), d[1].data(),
@@ -96,7 +97,8 @@ struct Rays {
     }
 
 private:
-    std::size_t count_ = 0;
+    std::size_t count_ = 0;  ///< where there is padding behind them
+    bool padded_ = false;
 };
 
 struct Hits {
