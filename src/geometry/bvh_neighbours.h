@@ -72,15 +72,6 @@ private:
         stream_.defer(ray, reference, 0);
     }
 
-    static float least(Float x)
-    {
-        alignas(64) float lane[lanes];
-        store(lane, x);
-        float result = lane[0];
-        for (float v : lane) result = v < result ? v : result;
-        return result;
-    }
-
     int visit_node(const BvhNode& node, RayMask rays, int size)
     {
         memory_.visits.nodes += std::uint64_t(std::popcount(rays));

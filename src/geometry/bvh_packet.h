@@ -94,15 +94,6 @@ private:
     const PreparedRays& part(int i) const { return within ? memory_.together[i] : memory_.world[i]; }
     std::uint32_t instance() const { return within ? space_.instance : no_index; }
 
-    static float least(Float x)
-    {
-        alignas(64) float lane[lanes];
-        store(lane, x);
-        float result = lane[0];
-        for (float v : lane) result = v < result ? v : result;
-        return result;
-    }
-
     void set_intervals()
     {
         for (int axis = 0; axis < 3; ++axis) {

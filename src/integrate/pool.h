@@ -7,21 +7,9 @@
 
 namespace fathom::inline FATHOM_LANES {
 
-/// Paths under way, as arrays: field by field, path by path. Stages run over them N lanes at a time.
-struct PathPool {
-    static constexpr int capacity = 512;
-
-    enum Field {
-        origin = 0, direction = 3, throughput = 6, radiance = throughput + channels, pixel_hash = radiance + channels,
-        reversed_index, state, eta_scale, time, bsdf_pdf, field_count
-    };
-    /// `state` holds the bounce in its low 16 bits, above it the pixel (its place in the job), and:
-    static constexpr std::uint32_t bounce_mask = 0xffff;
-    static constexpr int pixel_shift = 16;
-    static constexpr std::uint32_t max_pixels = 1u << 14;
-    static constexpr std::uint32_t specular = 1u << 31;  ///< the last direction came from a delta lobe, or the camera
-    static constexpr std::uint32_t dead = 1u << 30;      ///< throughput is 0, or roulette ended the path
-
+/// Numbers of many paths, field by field, path by path; loops run over them N lanes at a time.
+template <int fields, std::size_t size>
+struct PathFields {
     UInt integer(int field, std::size_t i) const { return float_bits(load(&data[field][i])); }
     Float number(int field, std::size_t i) const { return load(&data[field][i]); }
     Vec3 vector(int field, std::size_t i) const { return {number(field, i), number(field + 1, i), number(field + 2, i)}; }
@@ -31,6 +19,30 @@ struct PathPool {
         for (int c = 0; c < channels; ++c) s.c[c] = number(field + c, i);
         return s;
     }
+
+    /// Floats, and the bits of integers.
+    alignas(64) float data[fields][size];
+};
+
+/// The fields of PathPool.
+struct PathPoolLayout {
+    static constexpr int capacity = 512;
+
+    enum Field {
+        origin = 0, direction = 3, throughput = 6, radiance = throughput + channels, pixel_hash = radiance + channels,
+        reversed_index, state, eta_scale, time, bsdf_pdf, field_count
+    };
+};
+
+/// Paths under way, with room behind for whole registers.
+struct PathPool : PathPoolLayout, PathFields<PathPoolLayout::field_count, PathPoolLayout::capacity + 32> {
+    /// `state` holds the bounce in its low 16 bits, above it the pixel (its place in the job), and:
+    static constexpr std::uint32_t bounce_mask = 0xffff;
+    static constexpr int pixel_shift = 16;
+    static constexpr std::uint32_t max_pixels = 1u << 14;
+    static constexpr std::uint32_t specular = 1u << 31;  ///< the last direction came from a delta lobe, or the camera
+    static constexpr std::uint32_t dead = 1u << 30;      ///< throughput is 0, or roulette ended the path
+
     void set(int field, std::size_t i, Float value) { store(&data[field][i], value); }
     void set(int field, std::size_t i, UInt value) { store(&data[field][i], bits_float(value)); }
     void set(int field, std::size_t i, const Vec3& v) { set(field, i, v.x), set(field + 1, i, v.y), set(field + 2, i, v.z); }
@@ -58,9 +70,6 @@ struct PathPool {
     {
         return {gather_number(field, index, m), gather_number(field + 1, index, m), gather_number(field + 2, index, m)};
     }
-
-    /// Floats, and the bits of integers.
-    alignas(64) float data[field_count][capacity + 32];
 };
 
 /// What tracing the pool gave, one entry a path.

@@ -10,6 +10,7 @@
 #include "integrate/first_hits.h"
 #include "integrate/light_choice.h"
 #include "integrate/path_end.h"
+#include "integrate/pool.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -48,16 +49,6 @@ private:
     static constexpr std::uint32_t quad_mask = 0xffff, bounce_mask = 0x7fff, back = 1u << 31;
     static constexpr int bounce_shift = 16;
 
-    Float number(int field, std::size_t i) const { return load(&pool_[field][i]); }
-    UInt integer(int field, std::size_t i) const { return float_bits(number(field, i)); }
-    Vec3 vector(int field, std::size_t i) const { return {number(field, i), number(field + 1, i), number(field + 2, i)}; }
-    Spectrum spectrum(int field, std::size_t i) const
-    {
-        Spectrum s;
-        for (int c = 0; c < channels; ++c) s.c[c] = number(field + c, i);
-        return s;
-    }
-
     /// Camera paths: those that meet a surface which scatters are stored from `to` on. Returns where the next ones go.
     [[gnu::noinline, gnu::flatten]] std::size_t start(std::size_t to)
     {
@@ -92,40 +83,40 @@ private:
 
         const Vec3 local = sample_cosine_hemisphere(sample_2d(index, pair_seed(seed, pair_bsdf)));
         const Vec3 n = normal(i), tangent = scene_.quads.tangent(quad(i));
-        Arrival<false> at{vector(eye, i), Frame(tangent, cross(n, tangent), n).to_world(local), local.z * Float(inv_pi), valid};
+        Arrival<false> at{pool_.vector(eye, i), Frame(tangent, cross(n, tangent), n).to_world(local), local.z * Float(inv_pi), valid};
 
-        Spectrum left = spectrum(throughput, i) * scene_.quads.color(quad(i));
+        Spectrum left = pool_.spectrum(throughput, i) * scene_.quads.color(quad(i));
         Spectrum sum;
-        for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c], light.c[c], number(radiance + c, i));
+        for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c], light.c[c], pool_.number(radiance + c, i));
         const UInt before = bounces(i);
         at.alive = valid & !end_some(settings_, key(i), seed, before, Float(1), left);
         at.meet(*this);
         at.add_radiance(*this, left, sum);
         const Mask goes_on = at.goes_on();
-        finish(valid & !goes_on, integer(pixel, i), integer(reversed_index, i), sum);
+        finish(valid & !goes_on, pool_.integer(pixel, i), pool_.integer(reversed_index, i), sum);
         at.keep_place(*this, before + UInt(1u), goes_on, to);
         for (int c = 0; c < channels; ++c) keep(throughput + c, left.c[c], goes_on, to), keep(radiance + c, sum.c[c], goes_on, to);
-        for (const int field : {pixel_hash, reversed_index, pixel}) keep(field, number(field, i), goes_on, to);
+        for (const int field : {pixel_hash, reversed_index, pixel}) keep(field, pool_.number(field, i), goes_on, to);
         return to + std::size_t(count(goes_on));
     }
 
-    SampleKey key(std::size_t i) const { return {integer(pixel_hash, i), integer(reversed_index, i)}; }
-    UInt quad(std::size_t i) const { return integer(place, i) & UInt(quad_mask); }
-    UInt bounces(std::size_t i) const { return (integer(place, i) >> bounce_shift) & UInt(bounce_mask); }
+    SampleKey key(std::size_t i) const { return {pool_.integer(pixel_hash, i), pool_.integer(reversed_index, i)}; }
+    UInt quad(std::size_t i) const { return pool_.integer(place, i) & UInt(quad_mask); }
+    UInt bounces(std::size_t i) const { return (pool_.integer(place, i) >> bounce_shift) & UInt(bounce_mask); }
     /// On the side of the path.
-    Vec3 normal(std::size_t i) const { return flip_sign(scene_.quads.normal(quad(i)), number(place, i)); }
+    Vec3 normal(std::size_t i) const { return flip_sign(scene_.quads.normal(quad(i)), pool_.number(place, i)); }
 
-    void keep(int field, Float value, Mask goes_on, std::size_t to) { compress_store(&pool_[field][to], value, goes_on); }
+    void keep(int field, Float value, Mask goes_on, std::size_t to) { compress_store(&pool_.data[field][to], value, goes_on); }
 
     /// What a sampled light sends to the paths if nothing is in the way, times cosine / pi, over the density; to be
     /// multiplied by throughput and the surface's colour.
     [[gnu::always_inline]] Spectrum direct_light(std::size_t i, Mask valid, UInt seed, UInt index)
     {
-        const LightSample s = lights_.sample(valid, vector(eye, i), key(i), seed, sample_2d(index, pair_seed(seed, pair_light)), Float(0));
+        const LightSample s = lights_.sample(valid, pool_.vector(eye, i), key(i), seed, sample_2d(index, pair_seed(seed, pair_light)), Float(0));
         const Float cosine = dot(s.wi, normal(i));
         const Mask lit = valid & (s.inverse_pdf > Float(0)) & (cosine > Float(0));
         counters_.rays += std::uint64_t(count(lit));
-        const Mask clear = lit & !scene_.flat.occluded(tables_, Ray{vector(eye, i), s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)}, lit);
+        const Mask clear = lit & !scene_.flat.occluded(tables_, Ray{pool_.vector(eye, i), s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)}, lit);
         // f_cos / pdf, times the power heuristic in terms of r = bsdf_pdf / pdf: 1 / (1 + r^2).
         const Float r = cosine * Float(inv_pi) * s.inverse_pdf;
         Float weight = r * reciprocal(fma(r, r, Float(1)));
@@ -248,9 +239,9 @@ private:
     bool lights_are_sampled_ = false, sees_background_ = false;
     std::uint32_t next_ = 0;  ///< number of the job's next path
 
-    /// Floats, and the bits of integers; room behind for stores of whole registers.
+    /// Room behind for stores of whole registers.
     static constexpr std::size_t padding = 2 * lanes;
-    alignas(64) float pool_[field_count][capacity + padding];
+    PathFields<field_count, capacity + padding> pool_;
     /// Paths that have ended: summed many at a time.
     std::size_t ended_ = 0;
     std::uint32_t ended_pixel_[capacity + padding];
