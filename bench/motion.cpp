@@ -94,6 +94,13 @@ void measure_motion(const Mesh& mesh, const Options& options)
     add("placed, moving", placed(mesh.tables, true));
     std::vector<Scene> scenes;
     for (const auto& c : cases) scenes.push_back({c->name, c->bvh, c->embree.get()});
+    if (options.details)
+        for (const auto& c : cases) {
+            const BvhStatistics& s = c->bvh.statistics();
+            std::fprintf(stderr, "%s, %s: cost %.2f, %zu nodes of %.1f children, %zu leaves of %.1f\n", mesh.name.c_str(), c->name, s.cost, s.nodes,
+                         double(s.children) / double(std::max<std::size_t>(1, s.nodes)), s.leaves,
+                         double(s.leaf_primitives) / double(std::max<std::size_t>(1, s.leaves)));
+        }
 
     for (RaySet& set : make_ray_sets(mesh, cases[0]->bvh, options.parts)) {
         std::uint32_t x = 1;

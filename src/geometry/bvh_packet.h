@@ -96,6 +96,11 @@ private:
 
     void set_intervals()
     {
+        if (moving) {
+            const RayTimes& times = memory_.times;
+            set_range(times.shutter, first_shutter_, last_shutter_);
+            set_range(times.fraction, first_fraction_, last_fraction_);
+        }
         for (int axis = 0; axis < 3; ++axis) {
             const Float none(infinity);
             Float low_inverse = none, high_inverse = none, low = none, high = none;  // the high ones negated
@@ -117,6 +122,18 @@ private:
             near_origin_[axis] = down ? from : to;
             far_origin_[axis] = down ? to : from;
         }
+    }
+
+    void set_range(const float* values, float& first, float& last) const
+    {
+        Float low(infinity), minus_high(infinity);
+        for (int i = 0; i < parts; ++i) {
+            const Float x = load(values + i * lanes);
+            low = min(low, select(part_of(rays_, i), x, low));
+            minus_high = min(minus_high, select(part_of(rays_, i), -x, minus_high));
+        }
+        first = least(low);
+        last = -least(minus_high);
     }
 
     /// Rays that might find something at t or beyond.
@@ -246,9 +263,12 @@ private:
                                      far_row = (2 * axis + 3) * bvh_width - side_[axis] + k * lanes;
                 Float near = load(bounds + near_row), far = load(bounds + far_row);
                 if (moving && change) {
-                    // The nearest and farthest that they are at any time.
+                    // The nearest and farthest that they are at any ray's time.
                     const bool down = octant_ >> axis & 1;
-                    const Float near_end = near + load(change + near_row), far_end = far + load(change + far_row);
+                    const Float near_change = load(change + near_row), far_change = load(change + far_row);
+                    const Float near_end = fma(near_change, Float(last_shutter_), near),
+                                far_end = fma(far_change, Float(last_shutter_), far);
+                    near = fma(near_change, Float(first_shutter_), near), far = fma(far_change, Float(first_shutter_), far);
                     near = down ? max(near, near_end) : min(near, near_end);
                     far = down ? min(far, far_end) : max(far, far_end);
                 }
@@ -316,17 +336,30 @@ private:
     }
 
     /// Lanes are triangles here: which of them could be met.
-    template <int times = 1>
     [[gnu::always_inline]] std::uint32_t candidates(const float* data, std::ptrdiff_t n) const
     {
         Float near(0.f), far(reach_);
         for (int axis = 0; axis < 3; ++axis) {
             const float* const p = data + axis * n;
             const Float a = load(p), b = load(p + 3 * n), c = load(p + 6 * n);
-            Float low = min(min(a, b), c), high = max(max(a, b), c);
-            if constexpr (times == 2) {
-                const Float d = load(p + 9 * n), e = load(p + 12 * n), f = load(p + 15 * n);
-                low = min(min(low, d), min(e, f)), high = max(max(high, d), max(e, f));
+            const Float low = min(min(a, b), c), high = max(max(a, b), c);
+            const bool down = octant_ >> axis & 1;
+            intervals(axis, down ? high : low, down ? low : high, near, far);
+        }
+        return mask_bits((near <= far) & first_lanes(std::size_t(n)));
+    }
+
+    /// The same for triangles that move: by where they are at the first ray's time and at the last one's.
+    [[gnu::always_inline]] std::uint32_t moving_candidates(const float* data, std::ptrdiff_t n) const
+    {
+        Float near(0.f), far(reach_);
+        for (int axis = 0; axis < 3; ++axis) {
+            Float low(infinity), high(-infinity);
+            for (int corner = 0; corner < 3; ++corner) {
+                const float* const p = data + (axis + 3 * corner) * n;
+                const Float begin = load(p), end = load(p + 9 * n);
+                const Float a = mix(begin, end, Float(first_fraction_)), b = mix(begin, end, Float(last_fraction_));
+                low = min(low, min(a, b)), high = max(high, max(a, b));
             }
             const bool down = octant_ >> axis & 1;
             intervals(axis, down ? high : low, down ? low : high, near, far);
@@ -373,7 +406,7 @@ private:
         memory_.visits.primitives += std::uint64_t(n * std::popcount(rays));
         bool found = false;
         for (std::ptrdiff_t at = 0; at < n; at += lanes)
-            for (std::uint32_t bits = candidates<2>(data + at, n) & mask_bits(first_lanes(std::size_t(n - at))); bits;
+            for (std::uint32_t bits = moving_candidates(data + at, n) & mask_bits(first_lanes(std::size_t(n - at))); bits;
                  bits &= bits - 1) {
                 const std::ptrdiff_t i = at + std::countr_zero(bits);
                 for (int k = 0; k < parts; ++k) {
@@ -453,6 +486,8 @@ private:
     /// Of all the rays: inverse directions, and origins, widened by the slack, whose distance is least and greatest.
     float low_inverse_[3], high_inverse_[3], near_origin_[3], far_origin_[3];
     float reach_ = 0;
+    /// Of all the rays: as in RayTimes.
+    float first_shutter_ = 0, last_shutter_ = 0, first_fraction_ = 0, last_fraction_ = 0;
 };
 
 }  // namespace fathom::inline FATHOM_LANES
