@@ -259,7 +259,8 @@ int run_render(RenderOptions& o, Reporter& reporter)
         samples = default_samples;
         reporter.note(fmt::format("{} samples a pixel, as neither --spp nor --time is given", default_samples));
     }
-    if (simd_width() == 1) reporter.note("this machine has neither AVX2 nor AVX-512: the kernel runs one lane wide, which is slow");
+    if (simd_width() == 1)
+        reporter.note("this machine has neither AVX2 nor AVX-512: the kernel runs one lane wide, which is slow");
     finish_on_interrupt(
         reporter.mode() == ReportMode::json
             ? "{\"event\":\"interrupted\"}\n"

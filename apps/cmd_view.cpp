@@ -76,8 +76,8 @@ int run_view(const ViewOptions& o)
     if (!loaded.added.empty())
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
 
-    view::ViewJob job{
-        Scene::compile(loaded.description, loaded.camera, warnings, loaded.build), settings, {}, 0, {}, {}, {}, 0, nullptr};
+    Scene scene = Scene::compile(loaded.description, loaded.camera, warnings, loaded.build);
+    view::ViewJob job{std::move(scene), settings, {}, 0, {}, {}, {}, 0, nullptr};
     reporter.warnings(warnings);
     job.name = o.scene.file.filename().string();
     job.samples = o.samples.value_or(hinted);

@@ -142,10 +142,11 @@ void Reporter::summary(const Summary& s)
                       {"samples_per_pixel", s.samples_per_pixel},
                       {"rays", s.rays},
                       {"peak_memory_bytes", memory}});
-    note(fmt::format(
-        "load {:.3f} s, build {:.3f} s, render {:.3f} s, write {:.3f} s; {} samples a pixel, {}rays; "
-        "peak memory {:.0f} MB",
-        s.load_s, s.build_s, s.render_s, s.write_s, s.samples_per_pixel, with_unit(double(s.rays)), double(memory) / 1e6));
+    note(
+        fmt::format("load {:.3f} s, build {:.3f} s, render {:.3f} s, write {:.3f} s; {} samples a pixel, {}rays; "
+                    "peak memory {:.0f} MB",
+                    s.load_s, s.build_s, s.render_s, s.write_s, s.samples_per_pixel, with_unit(double(s.rays)),
+                    double(memory) / 1e6));
 }
 
 }  // namespace fathom::cli

@@ -44,7 +44,7 @@ def table(name, values):
 def main():
     pairs = [[albedo(max(i / (SIZE - 1), 0.004), max(j / (SIZE - 1), 0.02) ** 2) for i in range(SIZE)] for j in range(SIZE)]
     with open("src/shading/ggx_albedo_table.h", "w") as file:
-        file.write("#pragma once\n\nnamespace fathom {\n\n"
+        file.write("#pragma once\n// A row of the table is a line here.\n// clang-format off\n\nnamespace fathom {\n\n"
                    "/// Made by tools/ggx_albedo.py: rows by roughness (alpha's root) 0 to 1, columns by cosine 0 to 1.\n"
                    f"inline constexpr int ggx_albedo_size = {SIZE};\n"
                    "/// The share that perfectly reflecting facets give back in one bounce.\n"

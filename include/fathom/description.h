@@ -9,9 +9,9 @@
 
 #include "fathom/vector.h"
 
-/// What a scene file says, as plain data: the same for every file format, and what a program fills that makes a scene in
-/// code. Things refer to each other by index into the vectors of SceneDescription; -1 is none. Units: metres, radians,
-/// seconds; radiance and colours are linear Rec.709.
+/// What a scene file says, as plain data: the same for every file format, and what a program fills that makes a scene
+/// in code. Things refer to each other by index into the vectors of SceneDescription; -1 is none. Units: metres,
+/// radians, seconds; radiance and colours are linear Rec.709.
 namespace fathom {
 
 // ---------------------------------------------------------------------------------------------------- textures
@@ -19,11 +19,12 @@ namespace fathom {
 /// An encoded picture (PNG, JPEG, WebP, HDR, EXR, ...): a path, or its bytes where the scene file has them inside.
 struct ImageFile {
     std::string name;
-    std::filesystem::path path;     ///< empty if bytes are given
-    std::vector<std::byte> bytes;   ///< the encoded file, if embedded
+    std::filesystem::path path;    ///< empty if bytes are given
+    std::vector<std::byte> bytes;  ///< the encoded file, if embedded
 };
 
-enum class ColorSpace { srgb, linear };  ///< how 8- and 16-bit values of a colour image are encoded (HDR, EXR: always linear)
+/// How 8- and 16-bit values of a colour image are encoded (HDR, EXR: always linear).
+enum class ColorSpace { srgb, linear };
 enum class Wrap { repeat, clamp, mirror };
 enum class TextureKind {
     image,          ///< bilinear (or nearest) lookup in full resolution
@@ -68,8 +69,8 @@ struct FloatInput {
 // ---------------------------------------------------------------------------------------------------- materials
 
 enum class MaterialKind {
-    diffuse,     ///< base_color; roughness > 0: Oren-Nayar (Fujii's fit), sigma = roughness
-    metal,       ///< base_color is the reflectance at normal incidence; roughness is the GGX alpha's root; 0 is a mirror
+    diffuse,  ///< base_color; roughness > 0: Oren-Nayar (Fujii's fit), sigma = roughness
+    metal,    ///< base_color is the reflectance at normal incidence; roughness is the GGX alpha's root; 0 is a mirror
     fuzz_metal,  ///< the report's metal: mirror direction plus fuzz times a random point of the unit sphere
     glass,       ///< smooth or rough dielectric of index ior, solid or thin; a solid absorbs by attenuation_color over
                  ///< attenuation_distance
@@ -84,22 +85,23 @@ struct Material {
     std::string name;
     MaterialKind kind = MaterialKind::diffuse;
     ColorInput base_color{{0.8f, 0.8f, 0.8f}, -1};
-    FloatInput roughness{0, -1, 1};   ///< perceptual: GGX alpha = roughness^2
+    FloatInput roughness{0, -1, 1};  ///< perceptual: GGX alpha = roughness^2
     FloatInput metallic{0, -1, 2};
-    float fuzz = 0;                   ///< fuzz_metal: 0 to 1
+    float fuzz = 0;  ///< fuzz_metal: 0 to 1
     float ior = 1.5f;
     Color attenuation_color{1, 1, 1};
     double attenuation_distance = 0;  ///< metres after which attenuation_color is left; 0: clear
-    ColorInput transmission_color;    ///< glass: left of light that went through, in and out of a solid, or once a thin sheet
-    bool thin = false;                ///< glass: a sheet without thickness, which light passes straight on
+    /// Glass: what is left of light that went through, in and out of a solid, or once a thin sheet.
+    ColorInput transmission_color;
+    bool thin = false;                   ///< glass: a sheet without thickness, which light passes straight on
     ColorInput emission{{0, 0, 0}, -1};  ///< radiance
-    bool emission_two_sided = false;  ///< else only on the side of the geometric normal
+    bool emission_two_sided = false;     ///< else only on the side of the geometric normal
     int normal_texture = -1;
     float normal_scale = 1;
     AlphaMode alpha_mode = AlphaMode::opaque;
     FloatInput alpha{1, -1, 3};
     float alpha_cutoff = 0.5f;
-    bool use_vertex_color = false;    ///< base_color (and alpha) times the mesh's vertex colours
+    bool use_vertex_color = false;  ///< base_color (and alpha) times the mesh's vertex colours
 };
 
 // ---------------------------------------------------------------------------------------------------- geometry
@@ -116,12 +118,13 @@ struct Mesh {
     std::string name;
     std::vector<Vec3f> positions;
     std::vector<Vec3f> normals;
-    std::vector<Vec4f> tangents;        ///< w = +-1, the sign of the bitangent, as in glTF
-    std::vector<Vec2f> uvs[2];          ///< v grows downwards in the image (glTF); OBJ importers flip
-    std::vector<Vec4f> colors;          ///< linear, with alpha
-    std::vector<std::uint32_t> indices; ///< three a triangle
+    std::vector<Vec4f> tangents;         ///< w = +-1, the sign of the bitangent, as in glTF
+    std::vector<Vec2f> uvs[2];           ///< v grows downwards in the image (glTF); OBJ importers flip
+    std::vector<Vec4f> colors;           ///< linear, with alpha
+    std::vector<std::uint32_t> indices;  ///< three a triangle
     /// Empty, or two and more by ascending time: vertices move along straight lines from one to the next, and stand
-    /// still before the first and after the last. `positions` and `normals` are then the pose at rest, which is not shown.
+    /// still before the first and after the last. `positions` and `normals` are then the pose at rest, which is not
+    /// shown.
     std::vector<MeshKey> motion;
 };
 
@@ -190,9 +193,10 @@ enum class LightKind { point, spot, directional };
 struct Light {
     std::string name;
     LightKind kind = LightKind::point;
-    Color intensity{1, 1, 1};    ///< point, spot: radiant intensity (candela); directional: irradiance (lux) at normal incidence
+    /// Point, spot: radiant intensity (candela); directional: irradiance (lux) at normal incidence.
+    Color intensity{1, 1, 1};
     double inner_angle = 0, outer_angle = 0.7853981633974483;  ///< spot: half angles, falling smoothly between
-    double angle = 0;            ///< directional: angular diameter of the disk it comes from; 0 is a delta
+    double angle = 0;  ///< directional: angular diameter of the disk it comes from; 0 is a delta
 };
 
 enum class EnvironmentKind { none, constant, gradient, image };
@@ -200,10 +204,10 @@ enum class EnvironmentKind { none, constant, gradient, image };
 /// What a ray sees that leaves the scene, and what lights it from there.
 struct Environment {
     EnvironmentKind kind = EnvironmentKind::none;
-    Color color{1, 1, 1};         ///< constant: radiance; image: multiplied
+    Color color{1, 1, 1};                       ///< constant: radiance; image: multiplied
     Color bottom{1, 1, 1}, top{0.5f, 0.7f, 1};  ///< gradient: mixed by (1 + y) / 2 of the direction's up component
-    int image = -1;               ///< equirectangular, linear (8-bit files: sRGB)
-    Transform world_from_environment;  ///< rotation; the image's middle looks along -z, its top along +y
+    int image = -1;                             ///< equirectangular, linear (8-bit files: sRGB)
+    Transform world_from_environment;           ///< rotation; the image's middle looks along -z, its top along +y
 };
 
 enum class CameraKind { perspective, orthographic };
@@ -213,11 +217,11 @@ struct Camera {
     std::string name;
     CameraKind kind = CameraKind::perspective;
     Vec3d position{0, 0, 0}, look_at{0, 0, -1}, up{0, 1, 0};
-    double fov_y = 0.6981317007977318;  ///< perspective: full vertical angle
-    double height = 2;                  ///< orthographic: metres from the bottom to the top of the picture
-    double aspect = 0;                  ///< width / height; 0: as the picture
-    double aperture = 0;                ///< diameter of the lens in metres
-    double focus_distance = 0;          ///< metres along the view axis; 0: the distance to look_at
+    double fov_y = 0.6981317007977318;           ///< perspective: full vertical angle
+    double height = 2;                           ///< orthographic: metres from the bottom to the top of the picture
+    double aspect = 0;                           ///< width / height; 0: as the picture
+    double aperture = 0;                         ///< diameter of the lens in metres
+    double focus_distance = 0;                   ///< metres along the view axis; 0: the distance to look_at
     double shutter_open = 0, shutter_close = 0;  ///< seconds
 };
 
@@ -246,11 +250,11 @@ struct Node {
 /// Render settings that a scene file may give; an option of the command line overrides them.
 struct RenderHints {
     std::optional<int> width, height, samples, max_depth, roulette_depth;
-    std::optional<std::string> filter;      ///< box, gaussian, blackman-harris
+    std::optional<std::string> filter;  ///< box, gaussian, blackman-harris
     std::optional<bool> light_sampling;
-    std::optional<double> exposure;         ///< stops (ev)
+    std::optional<double> exposure;  ///< stops (ev)
     std::optional<std::string> tonemap;
-    std::optional<std::string> build;       ///< fast, default, high: work for the tree, see tree_build.h
+    std::optional<std::string> build;  ///< fast, default, high: work for the tree, see tree_build.h
 };
 
 struct SceneDescription {

@@ -69,8 +69,8 @@ FATHOM_API std::vector<unsigned char> to_display(const Image::Layer& layer, int 
 
 /// Reads EXR, PNG, JPEG, WebP, HDR and what stb_image knows, told by content; 8- and 16-bit values become 0 to 1 and
 /// stay encoded as they are. Layers have the channels R G B A, R G B, Y A or Y (grey); those of EXR whatever the file
-/// has. Throws Error if the file is missing, damaged, cut short, or larger than the memory at hand or the limit, which is for
-/// those who read several at once.
+/// has. Throws Error if the file is missing, damaged, cut short, or larger than the memory at hand or the limit, which
+/// is for those who read several at once.
 FATHOM_API Image read_image(const std::filesystem::path& file, std::uint64_t memory_limit = ~std::uint64_t(0));
 /// The same for a file in memory; `name` is for messages.
 FATHOM_API Image read_image(const std::string& name, const void* bytes, std::size_t size,

@@ -26,14 +26,16 @@ private:
 
 struct LoadOptions {
     std::string scene;  ///< glTF: name or number of the scene to load; empty: the one that the file says
-    char up_axis = 0;  ///< 'y' or 'z': which axis of the file points up; 0: as the format says. z-up files are turned to y-up
+    char up_axis =
+        0;  ///< 'y' or 'z': which axis of the file points up; 0: as the format says. z-up files are turned to y-up
 };
 
 /// Reads a scene or model file; the format is told by the content or the extension: Fathom's own JSON, glTF, GLB, OBJ,
 /// PLY, STL, and what Assimp reads. Relative paths in it are relative to the file.
 ///
 /// Throws Error for a file that can't be read or understood; adds to `warnings` what leaves a picture.
-FATHOM_API SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings);
+FATHOM_API SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options,
+                                       Warnings& warnings);
 
 /// What complete_scene added because it was lacking, in words: "a camera that frames the scene", "a soft studio light",
 /// ...; empty if nothing.

@@ -30,15 +30,16 @@ struct Crop {
 struct RenderSettings {
     int width = 800, height = 600;
     std::uint32_t seed = 0;
-    int max_depth = -1;        ///< surfaces a path may scatter at; -1: no limit. A limit is bias
-    int roulette_depth = 5;    ///< bounces before Russian roulette begins
+    int max_depth = -1;      ///< surfaces a path may scatter at; -1: no limit. A limit is bias
+    int roulette_depth = 5;  ///< bounces before Russian roulette begins
     bool light_sampling = true;
     Filter filter = Filter::blackman_harris;
     std::optional<Crop> crop;  ///< only these pixels are rendered; the picture keeps its size
     std::vector<Aov> aovs;
-    std::optional<Color> background;  ///< what camera rays that leave the scene see instead of the environment; lights nothing
-    bool alpha = false;        ///< sums coverage too: the film's picture can have A
-    int threads = 0;           ///< 0: all cores
+    /// What camera rays that leave the scene see instead of the environment; it lights nothing.
+    std::optional<Color> background;
+    bool alpha = false;  ///< sums coverage too: the film's picture can have A
+    int threads = 0;     ///< 0: all cores
 };
 
 struct SceneStatistics {
@@ -93,7 +94,8 @@ public:
     };
     std::optional<SamplePlace> dropped_sample() const;
 
-    /// Adds the sums of the same scene and settings over other samples. Throws Error if they overlap or don't belong together.
+    /// Adds the sums of the same scene and settings over other samples. Throws Error if they overlap or don't belong
+    /// together.
     void merge(const Film& other);
 
     /// Means so far: the picture (with A if alpha), and a layer per AOV, "variance" (of the mean) if asked for.
@@ -119,8 +121,8 @@ private:
     std::unique_ptr<Data> data_;
 };
 
-/// Puts the sums into `image` as integer channels `sums.000`, ... and attributes `fathom.sums.*`, so that an EXR of it can
-/// be merged later.
+/// Puts the sums into `image` as integer channels `sums.000`, ... and attributes `fathom.sums.*`, so that an EXR of it
+/// can be merged later.
 FATHOM_API void store_sums(const Film::Sums& sums, Image& image);
 /// What store_sums put there. Throws Error naming `file` if it holds none, or not all.
 FATHOM_API Film::Sums load_sums(const Image& image, const std::string& file);
@@ -135,19 +137,20 @@ struct Progress {
 ///
 /// on_pass  called between passes from the calling thread with the film so far
 FATHOM_API bool render(const Scene& scene, const RenderSettings& settings, SampleRange range, Film& film,
-            const std::atomic<bool>* cancel = nullptr,
-            const std::function<void(const Progress&, const Film&)>& on_pass = {});
+                       const std::atomic<bool>* cancel = nullptr,
+                       const std::function<void(const Progress&, const Film&)>& on_pass = {});
 
-/// Renders the samples of `range`, 1 to 1024 of them, as one pass, for programs that may lose interest in it at any time,
-/// as a window whose camera moves. Returns true if done, with the bits that render() makes; false if `cancel` became
-/// true, which is looked at between tiles, that is every few milliseconds: `film` is then as it was before.
+/// Renders the samples of `range`, 1 to 1024 of them, as one pass, for programs that may lose interest in it at any
+/// time, as a window whose camera moves. Returns true if done, with the bits that render() makes; false if `cancel`
+/// became true, which is looked at between tiles, that is every few milliseconds: `film` is then as it was before.
 ///
 /// A film that has samples takes as much memory again for further ones, and keeps it.
 FATHOM_API bool render_pass(const Scene& scene, const RenderSettings& settings, SampleRange range, Film& film,
                             const std::atomic<bool>& cancel);
 
 /// One sample of one pixel, radiance in Rec.709: the same value that it has inside a whole picture.
-FATHOM_API Color render_sample(const Scene& scene, const RenderSettings& settings, int x, int y, std::uint64_t sample_index);
+FATHOM_API Color render_sample(const Scene& scene, const RenderSettings& settings, int x, int y,
+                               std::uint64_t sample_index);
 
 /// Lanes of the kernel that the loader chose on this machine: 16, 8 or 1; and its name: "AVX-512", "AVX2", "base".
 FATHOM_API int simd_width();

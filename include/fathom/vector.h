@@ -18,12 +18,18 @@ struct Vec3d {
     friend bool operator==(Vec3d a, Vec3d b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 };
 
-inline double dot(Vec3d a, Vec3d b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline double dot(Vec3d a, Vec3d b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 inline Vec3d cross(Vec3d a, Vec3d b)
 {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline double length(Vec3d a) { return std::sqrt(dot(a, a)); }
+inline double length(Vec3d a)
+{
+    return std::sqrt(dot(a, a));
+}
 /// Zero stays zero.
 inline Vec3d normalize(Vec3d a)
 {

@@ -28,7 +28,8 @@ Segment bezier_segment(CurveBasis basis, const Point* p)
             return {(p[0] + p[1] * 4 + p[2]) * (1.0 / 6), (p[1] * 2 + p[2]) * (1.0 / 3), (p[1] + p[2] * 2) * (1.0 / 3),
                     (p[1] + p[2] * 4 + p[3]) * (1.0 / 6)};
         case CurveBasis::catmull_rom:
-            // Catmull, Rom 1974, "A Class of Local Interpolating Splines": tangents are half of the neighbours' distance.
+            // Catmull, Rom 1974, "A Class of Local Interpolating Splines": tangents are half of the neighbours'
+            // distance.
             return {p[1], p[1] + (p[2] + p[0] * -1) * (1.0 / 6), p[2] + (p[3] + p[1] * -1) * (-1.0 / 6), p[2]};
         default:
             return {p[0], p[1], p[2], p[3]};

@@ -5,8 +5,8 @@
 
 namespace fathom {
 
-/// Adds the segments of curves to the tables, as cubic Bezier segments or lines, and says how finely each is cut: so that
-/// no piece strays from the curve by more than a fiftieth of its radius. Returns how many segments that are.
+/// Adds the segments of curves to the tables, as cubic Bezier segments or lines, and says how finely each is cut: so
+/// that no piece strays from the curve by more than a fiftieth of its radius. Returns how many segments that are.
 ///
 /// factor  by which the transform scales lengths
 std::size_t add_curves(SceneTables& tables, const Curves& curves, const Transform& transform, double factor);

@@ -6,8 +6,10 @@ std::uint64_t fingerprint(const SceneTables& t)
 {
     Fingerprint f;
     f.add(t.positions), f.add(t.normals), f.add(t.tangents), f.add(t.colors), f.add(t.uv0), f.add(t.uv1);
-    f.add(t.triangles), f.add(t.quads), f.add(t.spheres), f.add(t.disks), f.add(t.curves), f.add(t.curve_points), f.add(t.points), f.add(t.shape_of_primitive);
-    f.add(t.shapes), f.add(t.instances), f.add(t.poses), f.add(t.vertex_times), f.add(t.materials), f.add(t.texels), f.add(t.lights), f.add(t.light_cdf);
+    f.add(t.triangles), f.add(t.quads), f.add(t.spheres), f.add(t.disks), f.add(t.curves), f.add(t.curve_points),
+        f.add(t.points), f.add(t.shape_of_primitive);
+    f.add(t.shapes), f.add(t.instances), f.add(t.poses), f.add(t.vertex_times), f.add(t.materials), f.add(t.texels),
+        f.add(t.lights), f.add(t.light_cdf);
     for (const auto& image : t.packed_images) f.add(image);
     for (const TextureTable& texture : t.textures) {
         // Member by member where there may be padding.
@@ -16,8 +18,15 @@ std::uint64_t fingerprint(const SceneTables& t)
         f.add(&texture.scale, 2 * sizeof(float));
         f.add(&texture.color_a, sizeof texture.color_a);
         f.add(&texture.color_b, sizeof texture.color_b);
-        const std::uint32_t numbers[] = {texture.kind, texture.format, std::uint32_t(texture.width), std::uint32_t(texture.height),
-                                         texture.wrap_u, texture.wrap_v, texture.nearest, texture.uv_set, texture.octaves};
+        const std::uint32_t numbers[] = {texture.kind,
+                                         texture.format,
+                                         std::uint32_t(texture.width),
+                                         std::uint32_t(texture.height),
+                                         texture.wrap_u,
+                                         texture.wrap_v,
+                                         texture.nearest,
+                                         texture.uv_set,
+                                         texture.octaves};
         f.add(numbers, sizeof numbers);
     }
     const EnvironmentTable& e = t.environment;

@@ -1,6 +1,6 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <map>
 #include <utility>
 
@@ -50,17 +50,21 @@ public:
         add_all<PointsInstance>(rest, instanced, all);
         for (const PlacedShape* p : instanced) add_instance(*p, all);
         if (degenerate_ > 0)
-            c_.warnings.add(fmt::format("{}: degenerate triangles, which have no area and are never seen", c_.scene.file), degenerate_);
+            c_.warnings.add(
+                fmt::format("{}: degenerate triangles, which have no area and are never seen", c_.scene.file),
+                degenerate_);
         fill_missing_attributes();
     }
 
 private:
     /// Primitives of these kinds: of what stands in the world, then of what is placed.
     template <class... Kinds>
-    void add_all(const std::vector<const PlacedShape*>& rest, const std::vector<const PlacedShape*>& instanced, const Placed& all)
+    void add_all(const std::vector<const PlacedShape*>& rest, const std::vector<const PlacedShape*>& instanced,
+                 const Placed& all)
     {
         for (const PlacedShape* p : rest)
-            if ((std::holds_alternative<Kinds>(p->shape->geometry) || ...)) add_primitives(*p, p->motion >= 0 ? &all.motions[std::size_t(p->motion)] : nullptr);
+            if ((std::holds_alternative<Kinds>(p->shape->geometry) || ...))
+                add_primitives(*p, p->motion >= 0 ? &all.motions[std::size_t(p->motion)] : nullptr);
         for (const PlacedShape* p : instanced) (place_primitives<Kinds>(*p), ...);
     }
 
@@ -83,8 +87,10 @@ private:
         if (const auto* b = std::get_if<Box>(&p.shape->geometry)) add_box(p, *b);
         if (const auto* s = std::get_if<Sphere>(&p.shape->geometry)) add_sphere(p, *s, poses);
         if (const auto* d = std::get_if<Disk>(&p.shape->geometry)) add_disk(p, *d);
-        if (const auto* c = std::get_if<CurvesInstance>(&p.shape->geometry)) add_curves(p, c_.scene.curves[std::size_t(c->curves)]);
-        if (const auto* q = std::get_if<PointsInstance>(&p.shape->geometry)) add_points(p, c_.scene.points[std::size_t(q->points)]);
+        if (const auto* c = std::get_if<CurvesInstance>(&p.shape->geometry))
+            add_curves(p, c_.scene.curves[std::size_t(c->curves)]);
+        if (const auto* q = std::get_if<PointsInstance>(&p.shape->geometry))
+            add_points(p, c_.scene.points[std::size_t(q->points)]);
     }
 
     /// Triangles are joined to parallelograms where a scene is small enough to be traced as a list.
@@ -103,8 +109,10 @@ private:
     bool is_plain(const PlacedShape& p, const Mesh& mesh) const
     {
         const MaterialTable& m = t_.materials[material_of(*p.shape)];
-        const bool textured = (m.flags & (MaterialTable::textured | MaterialTable::normal_mapped)) || m.emission_texture != no_index;
-        return mesh.normals.empty() && mesh.motion.empty() && !textured && m.alpha_mode == std::uint32_t(AlphaMode::opaque);
+        const bool textured =
+            (m.flags & (MaterialTable::textured | MaterialTable::normal_mapped)) || m.emission_texture != no_index;
+        return mesh.normals.empty() && mesh.motion.empty() && !textured &&
+               m.alpha_mode == std::uint32_t(AlphaMode::opaque);
     }
 
     void join_triangles(const PlacedShape& p, const Mesh& mesh)
@@ -143,7 +151,8 @@ private:
     /// Numbers `count` primitives of the last shape.
     void take_primitives(std::size_t count)
     {
-        if (t_.shape_of_primitive.size() + count > 0x7fffffffu) throw Error(c_.scene.file, "", "more than 2^31 primitives");
+        if (t_.shape_of_primitive.size() + count > 0x7fffffffu)
+            throw Error(c_.scene.file, "", "more than 2^31 primitives");
         t_.shape_of_primitive.insert(t_.shape_of_primitive.end(), count, std::uint32_t(t_.shapes.size() - 1));
     }
 
@@ -205,7 +214,8 @@ private:
         if (v.size() < size) v.resize(size);
     }
     template <class T>
-    static void copy(const std::vector<T>& from, std::vector<T>& to, std::size_t base, ShapeTable& shape, std::uint32_t flag)
+    static void copy(const std::vector<T>& from, std::vector<T>& to, std::size_t base, ShapeTable& shape,
+                     std::uint32_t flag)
     {
         if (from.empty()) return;
         shape.flags |= flag;
@@ -241,7 +251,8 @@ private:
         ShapeTable shape = t_.shapes[instance.mesh_shape];
         shape.material = material_of(*p.shape);
         shape.flags &= ~std::uint32_t(ShapeTable::alpha_tested);
-        if (t_.materials[shape.material].alpha_mode != std::uint32_t(AlphaMode::opaque)) shape.flags |= ShapeTable::alpha_tested;
+        if (t_.materials[shape.material].alpha_mode != std::uint32_t(AlphaMode::opaque))
+            shape.flags |= ShapeTable::alpha_tested;
         // Never flipped: normals go by the inverse transpose, which keeps their side also where the transform mirrors.
         const auto [known, is_new] =
             instance_shapes_.try_emplace({instance.mesh_shape, shape.material}, std::uint32_t(t_.shapes.size()));
@@ -252,7 +263,8 @@ private:
         if (p.motion >= 0) {
             const std::vector<PoseTable> poses = pose_tables(all.motions[std::size_t(p.motion)]);
             if (poses.size() > InstanceTable::most_poses || t_.poses.size() > InstanceTable::most_first_pose)
-                throw Error(c_.scene.file, "", "motion of nodes is too complicated: more keys while the shutter is open than can be held");
+                throw Error(c_.scene.file, "",
+                            "motion of nodes is too complicated: more keys while the shutter is open than can be held");
             instance.poses = std::uint32_t(t_.poses.size()) << 8 | std::uint32_t(poses.size());
             t_.poses.insert(t_.poses.end(), poses.begin(), poses.end());
             t_.moving = true;
@@ -276,12 +288,12 @@ private:
         add_shape(p, t_.first_quad() + std::uint32_t(t_.quads.size()), p.render_from_node.determinant() < 0);
         const Vec3d d = b.max - b.min;
         const Vec3d x{d.x, 0, 0}, y{0, d.y, 0}, z{0, 0, d.z};
-        add_quad(p, b.min, z, y);       // -x
-        add_quad(p, b.min + x, y, z);   // +x
-        add_quad(p, b.min, x, z);       // -y
-        add_quad(p, b.min + y, z, x);   // +y
-        add_quad(p, b.min, y, x);       // -z
-        add_quad(p, b.min + z, x, y);   // +z
+        add_quad(p, b.min, z, y);      // -x
+        add_quad(p, b.min + x, y, z);  // +x
+        add_quad(p, b.min, x, z);      // -y
+        add_quad(p, b.min + y, z, x);  // +y
+        add_quad(p, b.min, y, x);      // -z
+        add_quad(p, b.min + z, x, y);  // +z
     }
     /// poses: two, between which it moves straight; or none.
     void add_sphere(const PlacedShape& p, const Sphere& s, const std::vector<NodeKey>* poses)
@@ -324,7 +336,8 @@ private:
         if (curves.basis == CurveBasis::linear) shape.flags |= ShapeTable::linear_curves;
         if (curves.ribbons) shape.flags |= ShapeTable::ribbons;
         take_primitives(fathom::add_curves(t_, curves, p.render_from_node, factor));
-        if (t_.curves.size() > CurveTable::max_segments) throw Error(c_.scene.file, "", "more than 2^27 segments of curves");
+        if (t_.curves.size() > CurveTable::max_segments)
+            throw Error(c_.scene.file, "", "more than 2^27 segments of curves");
     }
     void add_points(const PlacedShape& p, const Points& points)
     {

@@ -8,9 +8,18 @@ namespace fathom {
 
 namespace {
 
-SpectrumTable spectrum(Color c) { return {c.r, c.g, c.b}; }
-double luminance(const float* c) { return 0.2126 * double(c[0]) + 0.7152 * double(c[1]) + 0.0722 * double(c[2]); }
-void put(float* to, Vec3d v) { to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z); }
+SpectrumTable spectrum(Color c)
+{
+    return {c.r, c.g, c.b};
+}
+double luminance(const float* c)
+{
+    return 0.2126 * double(c[0]) + 0.7152 * double(c[1]) + 0.0722 * double(c[2]);
+}
+void put(float* to, Vec3d v)
+{
+    to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z);
+}
 
 class LightCompiler {
 public:
@@ -31,7 +40,8 @@ private:
         double r = 1;
         for (const Vec3f& p : t_.positions) r = std::max(r, length(to_double(p)));
         for (const QuadTable& q : t_.quads) r = std::max(r, length(to_double(q.corner)));
-        for (const SphereTable& s : t_.spheres) r = std::max(r, length(to_double(s.center)) + std::abs(double(s.radius)));
+        for (const SphereTable& s : t_.spheres)
+            r = std::max(r, length(to_double(s.center)) + std::abs(double(s.radius)));
         return r;
     }
 
@@ -158,8 +168,9 @@ private:
         add(light, mean * std::numbers::pi * 4 * std::numbers::pi * scene_radius_ * scene_radius_ / 4);
     }
 
-    /// Cumulative distributions over rows and, within a row, pixels, by luminance times the solid angle. Bilinear lookup
-    /// spreads a pixel's light over its neighbours, so each cell has the mean of the 3x3 around it. Returns mean radiance.
+    /// Cumulative distributions over rows and, within a row, pixels, by luminance times the solid angle. Bilinear
+    /// lookup spreads a pixel's light over its neighbours, so each cell has the mean of the 3x3 around it. Returns mean
+    /// radiance.
     double make_environment_distribution()
     {
         EnvironmentTable& t = t_.environment;
@@ -186,7 +197,8 @@ private:
             }
             float* row = &t.conditional[std::size_t(y) * std::size_t(w + 1)];
             for (int x = 0; x <= w; ++x)
-                row[x] = sum[std::size_t(w)] > 0 ? float(sum[std::size_t(x)] / sum[std::size_t(w)]) : float(x) / float(w);
+                row[x] =
+                    sum[std::size_t(w)] > 0 ? float(sum[std::size_t(x)] / sum[std::size_t(w)]) : float(x) / float(w);
             rows[std::size_t(y) + 1] = rows[std::size_t(y)] + sum[std::size_t(w)] * sine;
             weight += sine * w;
         }
@@ -228,6 +240,9 @@ private:
 
 }  // namespace
 
-void compile_lights(Compiler& c, const std::vector<PlacedLight>& lights) { LightCompiler(c).run(lights); }
+void compile_lights(Compiler& c, const std::vector<PlacedLight>& lights)
+{
+    LightCompiler(c).run(lights);
+}
 
 }  // namespace fathom

@@ -8,7 +8,10 @@ namespace fathom {
 
 namespace {
 
-SpectrumTable spectrum(Color c) { return {c.r, c.g, c.b}; }
+SpectrumTable spectrum(Color c)
+{
+    return {c.r, c.g, c.b};
+}
 
 TextureTable compile_texture(Compiler& c, ImageStore& images, const Texture& texture)
 {
@@ -27,8 +30,8 @@ TextureTable compile_texture(Compiler& c, ImageStore& images, const Texture& tex
     t.uv_set = std::uint32_t(texture.uv_set);
     // KHR_texture_transform: translation * rotation * scale, the rotation turning v towards u.
     const float cosine = std::cos(texture.uv_rotation), sine = std::sin(texture.uv_rotation);
-    t.uv_map = {cosine * texture.uv_scale.x, sine * texture.uv_scale.y, texture.uv_offset.x,
-                -sine * texture.uv_scale.x, cosine * texture.uv_scale.y, texture.uv_offset.y};
+    t.uv_map = {cosine * texture.uv_scale.x, sine * texture.uv_scale.y,   texture.uv_offset.x,
+                -sine * texture.uv_scale.x,  cosine * texture.uv_scale.y, texture.uv_offset.y};
     // Textures in space are given in world units.
     t.scale = texture.scale;
     t.turbulence_weight = texture.turbulence_weight;
@@ -41,18 +44,27 @@ TextureTable compile_texture(Compiler& c, ImageStore& images, const Texture& tex
 BsdfKind bsdf_kind(const Material& m)
 {
     switch (m.kind) {
-        case MaterialKind::diffuse: return BsdfKind::diffuse;
-        case MaterialKind::metal: return BsdfKind::metal;
-        case MaterialKind::fuzz_metal: return BsdfKind::fuzz_metal;
-        case MaterialKind::glass: return BsdfKind::glass;
-        case MaterialKind::principled: return BsdfKind::principled;
+        case MaterialKind::diffuse:
+            return BsdfKind::diffuse;
+        case MaterialKind::metal:
+            return BsdfKind::metal;
+        case MaterialKind::fuzz_metal:
+            return BsdfKind::fuzz_metal;
+        case MaterialKind::glass:
+            return BsdfKind::glass;
+        case MaterialKind::principled:
+            return BsdfKind::principled;
         case MaterialKind::unlit:
-        case MaterialKind::none: return BsdfKind::none;
+        case MaterialKind::none:
+            return BsdfKind::none;
     }
     return BsdfKind::none;
 }
 
-std::uint32_t texture_id(int index) { return index < 0 ? no_index : std::uint32_t(index); }
+std::uint32_t texture_id(int index)
+{
+    return index < 0 ? no_index : std::uint32_t(index);
+}
 
 MaterialTable compile_material(Compiler& c, const Material& m)
 {
@@ -94,7 +106,8 @@ MaterialTable compile_material(Compiler& c, const Material& m)
             t.absorption[i] = float(-std::log(double(color)) / (m.attenuation_distance * c.space.scale));
         }
     if (m.use_vertex_color) t.flags |= MaterialTable::vertex_colored;
-    if (t.base_texture != no_index || t.roughness_texture != no_index || t.metallic_texture != no_index || m.use_vertex_color)
+    if (t.base_texture != no_index || t.roughness_texture != no_index || t.metallic_texture != no_index ||
+        m.use_vertex_color)
         t.flags |= MaterialTable::textured;
     if (t.normal_texture != no_index) t.flags |= MaterialTable::normal_mapped;
     if (std::max({t.emission[0], t.emission[1], t.emission[2]}) > 0) t.flags |= MaterialTable::emits;

@@ -10,7 +10,8 @@ struct Parallelograms {
     std::vector<std::uint32_t> triangles;  ///< indices of the triangles that are left
 };
 
-/// Pairs triangles that make a parallelogram: one primitive to trace instead of two. For meshes of a few dozen triangles.
+/// Pairs triangles that make a parallelogram: one primitive to trace instead of two. For meshes of a few dozen
+/// triangles.
 Parallelograms pair_triangles(const Mesh& mesh);
 
 }  // namespace fathom

@@ -56,8 +56,10 @@ private:
             const Bounds b = bounds_of(shape);
             if (b.empty) continue;
             if (content.empty) content = b;
-            content.min = {std::min(content.min.x, b.min.x), std::min(content.min.y, b.min.y), std::min(content.min.z, b.min.z)};
-            content.max = {std::max(content.max.x, b.max.x), std::max(content.max.y, b.max.y), std::max(content.max.z, b.max.z)};
+            content.min = {std::min(content.min.x, b.min.x), std::min(content.min.y, b.min.y),
+                           std::min(content.min.z, b.min.z)};
+            content.max = {std::max(content.max.x, b.max.x), std::max(content.max.y, b.max.y),
+                           std::max(content.max.z, b.max.z)};
         }
         const auto at = [&](double time) {
             Transform t = c_.space.from_world();

@@ -51,7 +51,9 @@ void Placing::find_vertex_times()
     times.erase(std::unique(times.begin(), times.end()), times.end());
     constexpr std::size_t most = 64;
     if (times.size() > most)
-        throw Error(c_.scene.file, "", fmt::format("meshes have keys at {} times while the shutter is open; {} can be", times.size(), most));
+        throw Error(
+            c_.scene.file, "",
+            fmt::format("meshes have keys at {} times while the shutter is open; {} can be", times.size(), most));
     vertex_times_ = times;
 }
 
@@ -90,7 +92,8 @@ bool Placing::moves_straight(const PlacedShape& p) const
     if (!sphere || sphere->center_end || poses.size() != 2 || !is_similarity(p.render_from_node, factor)) return false;
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j)
-            if (std::abs(poses[1].parent_from_node.m[i][j] - poses[0].parent_from_node.m[i][j]) > 1e-9 * factor) return false;
+            if (std::abs(poses[1].parent_from_node.m[i][j] - poses[0].parent_from_node.m[i][j]) > 1e-9 * factor)
+                return false;
     return true;
 }
 

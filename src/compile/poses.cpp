@@ -49,7 +49,8 @@ private:
     {
         const Pose a = pose_of(from.parent_from_node), b = pose_of(to.parent_from_node);
         for (double f : {0.25, 0.5, 0.75}) {
-            const Transform exact = at_(from.time + f * (to.time - from.time)), fitted = interpolate(a, b, f).transform();
+            const Transform exact = at_(from.time + f * (to.time - from.time)),
+                            fitted = interpolate(a, b, f).transform();
             const double size = length(exact.point(corners_[7]) - exact.point(corners_[0]));
             for (const Vec3d& p : corners_)
                 if (length(exact.point(p) - fitted.point(p)) > 0x1p-16 * size) return false;

@@ -1,7 +1,7 @@
+#include <fmt/format.h>
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <fmt/format.h>
 
 #include "compile/compiler.h"
 #include "compile/fingerprint.h"
@@ -36,7 +36,8 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
     SceneStatistics s;
     s.triangles = tables.world_triangles;
     std::vector<std::size_t> triangles(tables.shapes.size());
-    for (std::uint32_t i = tables.world_triangles; i < tables.first_quad(); ++i) ++triangles[tables.shape_of_primitive[i]];
+    for (std::uint32_t i = tables.world_triangles; i < tables.first_quad(); ++i)
+        ++triangles[tables.shape_of_primitive[i]];
     for (const InstanceTable& instance : tables.instances) s.triangles += triangles[instance.mesh_shape];
     s.primitives = tables.primitive_count();
     s.instances = tables.instances.size();
@@ -44,15 +45,15 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
     const auto bytes = [](const auto& v) { return v.size() * sizeof(v[0]); };
     s.memory_bytes = bytes(tables.positions) + bytes(tables.normals) + bytes(tables.tangents) + bytes(tables.colors) +
                      bytes(tables.uv0) + bytes(tables.uv1) + bytes(tables.triangles) + bytes(tables.quads) +
-                     bytes(tables.shape_of_primitive) + bytes(tables.shapes) + bytes(tables.instances) + bytes(tables.curves) + bytes(tables.curve_points) +
-                     bytes(tables.points) +
-                     bytes(tables.poses) + bytes(tables.texels) + bytes(tables.lights) + kernel.memory_bytes();
+                     bytes(tables.shape_of_primitive) + bytes(tables.shapes) + bytes(tables.instances) +
+                     bytes(tables.curves) + bytes(tables.curve_points) + bytes(tables.points) + bytes(tables.poses) +
+                     bytes(tables.texels) + bytes(tables.lights) + kernel.memory_bytes();
     for (const auto& image : tables.packed_images) s.memory_bytes += bytes(image);
     return s;
 }
 
-/// Refuses a scene whose compiled form can't fit, before it is tried. Meshes placed more than once are counted once: they
-/// become instances, or are small.
+/// Refuses a scene whose compiled form can't fit, before it is tried. Meshes placed more than once are counted once:
+/// they become instances, or are small.
 void check_memory(const SceneDescription& scene, const Placed& placed)
 {
     // An index and a number each, and what the tree takes for a triangle while it is built.
@@ -64,18 +65,26 @@ void check_memory(const SceneDescription& scene, const Placed& placed)
         if (!instance || counted[std::size_t(instance->mesh)]) continue;
         counted[std::size_t(instance->mesh)] = true;
         const Mesh& mesh = scene.meshes[std::size_t(instance->mesh)];
-        bytes += bytes_per_triangle * double(mesh.indices.size()) / 3 + 12.0 * double(mesh.positions.size() + mesh.normals.size()) * double(1 + mesh.motion.size()) +
-                 16.0 * double(mesh.tangents.size() + mesh.colors.size()) + 8.0 * double(mesh.uvs[0].size() + mesh.uvs[1].size());
+        bytes += bytes_per_triangle * double(mesh.indices.size()) / 3 +
+                 12.0 * double(mesh.positions.size() + mesh.normals.size()) * double(1 + mesh.motion.size()) +
+                 16.0 * double(mesh.tangents.size() + mesh.colors.size()) +
+                 8.0 * double(mesh.uvs[0].size() + mesh.uvs[1].size());
     }
     if (const double available = double(available_memory_bytes()); bytes > available)
-        throw Error(scene.file, "", fmt::format("the scene needs about {:.1f} GB of memory, {:.1f} GB are there", bytes / 1e9, available / 1e9));
+        throw Error(scene.file, "",
+                    fmt::format("the scene needs about {:.1f} GB of memory, {:.1f} GB are there", bytes / 1e9,
+                                available / 1e9));
 }
 
-void put(float* to, Vec3d v) { to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z); }
+void put(float* to, Vec3d v)
+{
+    to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z);
+}
 
 }  // namespace
 
-Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings, TreeBuild build)
+Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings,
+                     TreeBuild build)
 {
     const auto start = std::chrono::steady_clock::now();
     check_scene(description);
@@ -103,9 +112,18 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
     return scene;
 }
 
-const SceneStatistics& Scene::statistics() const { return data_->statistics; }
-const Camera& Scene::camera() const { return data_->camera; }
-void Scene::set_camera(const Camera& camera) { data_->camera = camera; }
+const SceneStatistics& Scene::statistics() const
+{
+    return data_->statistics;
+}
+const Camera& Scene::camera() const
+{
+    return data_->camera;
+}
+void Scene::set_camera(const Camera& camera)
+{
+    data_->camera = camera;
+}
 
 CameraTable Scene::Data::camera_table(int width, int height) const
 {
@@ -114,7 +132,8 @@ CameraTable Scene::Data::camera_table(int width, int height) const
     const Vec3d forward = normalize(camera.look_at - camera.position);
     Vec3d right = cross(forward, camera.up);
     // Looking along `up`: any other direction will do.
-    if (length(right) < 1e-9 * length(camera.up)) right = cross(forward, std::abs(forward.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1});
+    if (length(right) < 1e-9 * length(camera.up))
+        right = cross(forward, std::abs(forward.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1});
     right = normalize(right);
     put(t.position, (camera.position - tables->origin) * scale);
     put(t.right, right), put(t.up, cross(right, forward)), put(t.forward, forward);

@@ -56,8 +56,8 @@ private:
 
 int compression_threads()
 {
-    // OpenEXR's pool is the process's; a program that has set it up keeps its choice. Once: pictures are read by several
-    // threads, and the pool must not change under one of them.
+    // OpenEXR's pool is the process's; a program that has set it up keeps its choice. Once: pictures are read by
+    // several threads, and the pool must not change under one of them.
     static const int threads = [] {
         if (Imf::globalThreadCount() == 0)
             Imf::setGlobalThreadCount(int(std::clamp(std::thread::hardware_concurrency(), 1u, 4u)));

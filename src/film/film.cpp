@@ -15,10 +15,12 @@ std::string key_of(const RenderSettings& s)
 {
     std::string aovs;
     for (Aov aov : s.aovs) aovs += fmt::format("{}", int(aov));
-    std::string key = fmt::format("aovs={};alpha={};seed={};max_depth={};roulette_depth={};light_sampling={};filter={}", aovs,
-                                  int(s.alpha), s.seed, s.max_depth, s.roulette_depth, int(s.light_sampling), int(s.filter));
+    std::string key =
+        fmt::format("aovs={};alpha={};seed={};max_depth={};roulette_depth={};light_sampling={};filter={}", aovs,
+                    int(s.alpha), s.seed, s.max_depth, s.roulette_depth, int(s.light_sampling), int(s.filter));
     if (s.crop) key += fmt::format(";crop={},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1);
-    if (s.background) key += fmt::format(";background={:a},{:a},{:a}", s.background->r, s.background->g, s.background->b);
+    if (s.background)
+        key += fmt::format(";background={:a},{:a},{:a}", s.background->r, s.background->g, s.background->b);
     return key;
 }
 
@@ -76,8 +78,9 @@ void Film::Data::add_range(SampleRange range)
     if (range.first >= range.second) return;
     for (const SampleRange& r : samples)
         if (range.first < r.second && r.first < range.second)
-            throw Error("", "", fmt::format("samples {}:{} are in the film already (it has {}:{})", range.first, range.second,
-                                            r.first, r.second));
+            throw Error("", "",
+                        fmt::format("samples {}:{} are in the film already (it has {}:{})", range.first, range.second,
+                                    r.first, r.second));
     samples.push_back(range);
     std::sort(samples.begin(), samples.end());
     std::vector<SampleRange> joined;
@@ -121,12 +124,27 @@ void Film::clear()
             data.pixel(i)[data.layout.ids] = 0xffffffffu;
 }
 
-int Film::width() const { return data_->width; }
-int Film::height() const { return data_->height; }
-const std::vector<SampleRange>& Film::samples() const { return data_->samples; }
-std::uint64_t Film::dropped_samples() const { return data_->dropped; }
+int Film::width() const
+{
+    return data_->width;
+}
+int Film::height() const
+{
+    return data_->height;
+}
+const std::vector<SampleRange>& Film::samples() const
+{
+    return data_->samples;
+}
+std::uint64_t Film::dropped_samples() const
+{
+    return data_->dropped;
+}
 
-std::optional<Film::SamplePlace> Film::dropped_sample() const { return data_->dropped_sample; }
+std::optional<Film::SamplePlace> Film::dropped_sample() const
+{
+    return data_->dropped_sample;
+}
 
 std::uint64_t Film::samples_per_pixel() const
 {
@@ -165,7 +183,9 @@ Image Film::image(bool alpha, bool variance) const
     const FilmLayout& layout = film.layout;
     const double n = double(samples_per_pixel());
     const double scale = n > 0 ? 1 / n : 0;
-    const auto sum = [](const std::uint32_t* pixel, int index) { return ExactSum::value(pixel + index * ExactSum::words); };
+    const auto sum = [](const std::uint32_t* pixel, int index) {
+        return ExactSum::value(pixel + index * ExactSum::words);
+    };
     const auto mean_of = [&](int first) {
         return [=](const std::uint32_t* pixel, int c) { return float(sum(pixel, first + c) * scale); };
     };
@@ -190,8 +210,12 @@ Image Film::image(bool alpha, bool variance) const
             return [=](const std::uint32_t* pixel, int) { return float(pixel[layout.ids + word]); };
         };
         switch (aov) {
-            case Aov::albedo: image.layers.push_back(fill(film, "albedo", {"R", "G", "B"}, mean_of(layout.albedo))); break;
-            case Aov::normal: image.layers.push_back(fill(film, "normal", {"X", "Y", "Z"}, mean_of(layout.normal))); break;
+            case Aov::albedo:
+                image.layers.push_back(fill(film, "albedo", {"R", "G", "B"}, mean_of(layout.albedo)));
+                break;
+            case Aov::normal:
+                image.layers.push_back(fill(film, "normal", {"X", "Y", "Z"}, mean_of(layout.normal)));
+                break;
             case Aov::depth:
                 image.layers.push_back(
                     fill(film, "depth", {"Z"}, mean_of_hits(layout.depth, std::numeric_limits<float>::infinity())));
@@ -199,8 +223,12 @@ Image Film::image(bool alpha, bool variance) const
             case Aov::position:
                 image.layers.push_back(fill(film, "position", {"X", "Y", "Z"}, mean_of_hits(layout.position, 0)));
                 break;
-            case Aov::instance_id: image.layers.push_back(fill(film, "instance", {"ID"}, id(1))); break;
-            case Aov::material_id: image.layers.push_back(fill(film, "material", {"ID"}, id(2))); break;
+            case Aov::instance_id:
+                image.layers.push_back(fill(film, "instance", {"ID"}, id(1)));
+                break;
+            case Aov::material_id:
+                image.layers.push_back(fill(film, "material", {"ID"}, id(2)));
+                break;
         }
     }
     if (variance)
@@ -238,7 +266,9 @@ Film Film::from_sums(const Sums& sums)
     Film film(settings);
     Data& data = film.data();
     if (data.layout.words != sums.words_per_pixel || data.words.size() != sums.words.size())
-        throw Error("", "", fmt::format("its sums have {} words a pixel, {} were expected", sums.words_per_pixel, data.layout.words));
+        throw Error(
+            "", "",
+            fmt::format("its sums have {} words a pixel, {} were expected", sums.words_per_pixel, data.layout.words));
     const std::size_t scene = sums.key.rfind(";scene=");
     if (scene == std::string::npos) throw Error("", "", "its sums don't say which scene they are of");
     data.key = sums.key.substr(0, scene);

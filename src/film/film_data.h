@@ -24,12 +24,12 @@ struct Film::Data {
     std::vector<Aov> aovs;
     bool alpha = false;
     FilmLayout layout{{}, false};
-    std::string key;        ///< settings; the scene joins when something is rendered
+    std::string key;  ///< settings; the scene joins when something is rendered
     std::string scene_key;
     std::vector<SampleRange> samples;
     std::uint64_t dropped = 0;
     std::optional<SamplePlace> dropped_sample;
-    std::vector<std::uint32_t> words;  ///< layout.words a pixel
+    std::vector<std::uint32_t> words;       ///< layout.words a pixel
     std::vector<std::uint32_t> pass_words;  ///< of the pass at work, where it can be cancelled: see render_pass
 
     std::uint32_t* pixel(std::size_t index) { return &words[index * std::size_t(layout.words)]; }

@@ -163,7 +163,8 @@ Image read_image(const fs::path& file, std::uint64_t memory_limit)
     try {
         const std::uintmax_t size = fs::file_size(file, error);
         if (error) throw Error(name, "", "can't be read: " + error.message());
-        if (size > std::min(available_memory_bytes(), memory_limit)) throw Error(name, "", "the file is larger than the memory at hand");
+        if (size > std::min(available_memory_bytes(), memory_limit))
+            throw Error(name, "", "the file is larger than the memory at hand");
         bytes.resize(size);
     } catch (const std::bad_alloc&) {
         throw Error(name, "", "the file is larger than the memory at hand");

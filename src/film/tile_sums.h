@@ -70,7 +70,8 @@ public:
     /// Adds to another sum of the film, by its place there.
     void add_first_hit(std::uint32_t pixel, int place, float number)
     {
-        if (std::isfinite(number)) ExactSum::add_number(first_hit(pixel) + std::size_t(place) * ExactSum::words, number);
+        if (std::isfinite(number))
+            ExactSum::add_number(first_hit(pixel) + std::size_t(place) * ExactSum::words, number);
     }
     /// Keeps the ids of the lowest sample.
     void set_ids(std::uint32_t pixel, int word, std::uint32_t sample, std::uint32_t instance, std::uint32_t material)

@@ -1,14 +1,23 @@
 #pragma once
 /// One ray against the boxes of a node: lanes are children.
+#include <cstddef>
+
 #include "geometry/bvh_push.h"
 #include "geometry/bvh_ray.h"
 
 namespace fathom::inline FATHOM_LANES {
 
+/// A node's bounds as one array: offsets lead from row to row, and a pointer into one row must not leave it.
+[[gnu::always_inline]] inline const float* planes(const BvhNode& node)
+{
+    static_assert(offsetof(BvhNode, bounds) == 0);
+    return reinterpret_cast<const float*>(&node);
+}
+
 [[gnu::always_inline]] inline BoxDistances distances_to(const BvhNode& node, const PreparedRay& r, Float t_max)
 {
     // Rows of the nearer sides; those of the farther ones are 3 rows away.
-    const float* const bounds = node.bounds[0];
+    const float* const bounds = planes(node);
     constexpr std::ptrdiff_t row = bvh_width;
     const std::ptrdiff_t x = r.integer(PreparedRays::side_x), y = r.integer(PreparedRays::side_y),
                          z = r.integer(PreparedRays::side_z);
@@ -39,7 +48,7 @@ namespace fathom::inline FATHOM_LANES {
             const std::ptrdiff_t near_row = r.integer(PreparedRays::side_x + axis) + part * lanes;
             const std::ptrdiff_t far_row = (2 * axis + 3) * bvh_width - near_row + 2 * part * lanes;
             const auto plane = [&](std::ptrdiff_t row) {
-                return fma(load(change.bounds[0] + row), time, load(node.bounds[0] + row));
+                return fma(load(planes(change) + row), time, load(planes(node) + row));
             };
             const Float inverse(r.number(PreparedRays::inverse_x + axis));
             const Float near = fma(plane(near_row), inverse, Float(r.number(PreparedRays::near_x + axis)));

@@ -138,7 +138,8 @@ void FathomJsonReader::read_render(const JsonValue& v)
     o.read_enum("tonemap", tonemaps, word);
     if (!word.empty()) hints.tonemap = word;
     word.clear();
-    const std::vector<std::pair<std::string, std::string>> builds = {{"fast", "fast"}, {"default", "default"}, {"high", "high"}};
+    const std::vector<std::pair<std::string, std::string>> builds = {
+        {"fast", "fast"}, {"default", "default"}, {"high", "high"}};
     o.read_enum("build", builds, word);
     if (!word.empty()) hints.build = word;
     if (auto value = o.get("light_sampling")) hints.light_sampling = value->boolean();

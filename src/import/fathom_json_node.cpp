@@ -97,7 +97,8 @@ void FathomJsonReader::read_motion(const JsonValue& v, Node& node)
         if (i > 0 && !(node.motion.back().time < key.time)) value["time"].fail("times must ascend");
         if (auto t = o.get("transform")) key.parent_from_node = transform(*t);
         if (i > 0 && (key.parent_from_node.determinant() < 0) != (node.motion[0].parent_from_node.determinant() < 0))
-            value.fail("mirrors, and the first key doesn't (or the other way round): in between the node would be flat");
+            value.fail(
+                "mirrors, and the first key doesn't (or the other way round): in between the node would be flat");
         o.done("in a key of a node's motion");
         node.motion.push_back(key);
     }

@@ -170,10 +170,11 @@ Curves read_curves(const JsonValue& v)
 {
     JsonObject o(v);
     Curves curves;
-    o.read_enum("basis", {{"linear", CurveBasis::linear},
-                          {"bezier", CurveBasis::bezier},
-                          {"bspline", CurveBasis::bspline},
-                          {"catmull-rom", CurveBasis::catmull_rom}},
+    o.read_enum("basis",
+                {{"linear", CurveBasis::linear},
+                 {"bezier", CurveBasis::bezier},
+                 {"bspline", CurveBasis::bspline},
+                 {"catmull-rom", CurveBasis::catmull_rom}},
                 curves.basis);
     o.read_enum("style", {{"round", false}, {"ribbon", true}}, curves.ribbons);
     const float radius = read_radius(o, 0.001f);

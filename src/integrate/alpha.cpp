@@ -34,16 +34,19 @@ double texel_value(const SceneTables& tables, const TextureTable& t, std::uint64
 {
     if (TexelFormat(t.format) == TexelFormat::float4) return double(tables.texels[(t.texels + index) * 4 + channel]);
     const std::vector<std::uint32_t>& words = tables.packed_images[t.texels];
-    const std::uint32_t pair = TexelFormat(t.format) == TexelFormat::halves || TexelFormat(t.format) == TexelFormat::shorts
-                                   ? words[2 * index + channel / 2] >> (16 * (channel % 2)) & 0xffff
-                                   : 0;
+    const std::uint32_t pair =
+        TexelFormat(t.format) == TexelFormat::halves || TexelFormat(t.format) == TexelFormat::shorts
+            ? words[2 * index + channel / 2] >> (16 * (channel % 2)) & 0xffff
+            : 0;
     switch (TexelFormat(t.format)) {
-        case TexelFormat::shorts: return pair / 65535.0;
+        case TexelFormat::shorts:
+            return pair / 65535.0;
         case TexelFormat::halves: {
             const double magnitude = double(std::bit_cast<float>((pair & 0x7fff) << 13)) * 0x1p112;
             return pair & 0x8000 ? -magnitude : magnitude;
         }
-        default: break;
+        default:
+            break;
     }
     const std::uint32_t code = words[index] >> (8 * channel) & 0xff;
     const bool is_srgb = TexelFormat(t.format) == TexelFormat::bytes_srgb && channel < 3;
@@ -89,11 +92,13 @@ bool alpha_passes(const void* context, std::uint32_t primitive, std::uint32_t in
         }
         const auto& map = texture.uv_map;
         if (texture.kind == std::uint32_t(TextureKind::image))
-            alpha *= image_value(t, texture, m.alpha_channel, map[0] * s + map[1] * r + map[2], map[3] * s + map[4] * r + map[5]);
+            alpha *= image_value(t, texture, m.alpha_channel, map[0] * s + map[1] * r + map[2],
+                                 map[3] * s + map[4] * r + map[5]);
     }
     if (m.alpha_mode == std::uint32_t(AlphaMode::mask)) return alpha >= m.alpha_cutoff;
     if (alpha >= 1) return true;
-    const std::uint32_t place = mix(std::bit_cast<std::uint32_t>(u) + mix(std::bit_cast<std::uint32_t>(v) + mix(primitive)));
+    const std::uint32_t place =
+        mix(std::bit_cast<std::uint32_t>(u) + mix(std::bit_cast<std::uint32_t>(v) + mix(primitive)));
     return float(place >> 8) * 0x1p-24f < alpha;
 }
 

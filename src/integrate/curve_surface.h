@@ -9,7 +9,8 @@ namespace fathom::inline FATHOM_LANES {
 /// u        along it, as traversal found it
 /// d        unit direction of the ray, in the space of the curve
 /// surface  p is the hit point; set are place, normals, tangent, uv (u along the whole curve, v across) and extent
-inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, Float u, const Vec3& d, Mask m, Surface& surface)
+inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, Float u, const Vec3& d, Mask m,
+                       Surface& surface)
 {
     const auto* words = reinterpret_cast<const std::uint32_t*>(tables.curves.data());
     const float* numbers = reinterpret_cast<const float*>(words);
@@ -46,18 +47,20 @@ inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, Floa
     // A ribbon is perpendicular to the ray but for its slope along the axis.
     const Float axis2 = max(dot(axis, axis), Float(1e-37f));
     const Vec3 facing = fma(axis, dot(d, axis) / axis2, -d);
-    const Vec3 flat = select(dot(facing, facing) > Float(1e-6f), facing * inverse_sqrt(max(dot(facing, facing), Float(1e-37f))), -d);
+    const Vec3 flat =
+        select(dot(facing, facing) > Float(1e-6f), facing * inverse_sqrt(max(dot(facing, facing), Float(1e-37f))), -d);
     const Vec3 n = select(ribbon, flat, round);
     surface.ng = select(m, n, surface.ng);
     surface.ns = select(m, n, surface.ns);
     surface.p = select(m & !ribbon, fma(round, c.r, center), surface.p);
     surface.tangent = select(m, axis, surface.tangent);
-    // A ray that leaves a ribbon would meet it again, turned towards that ray, if it did not begin farther away than half
-    // the width: whoever goes on multiplies the extent by 2^-19.
+    // A ray that leaves a ribbon would meet it again, turned towards that ray, if it did not begin farther away than
+    // half the width: whoever goes on multiplies the extent by 2^-19.
     const Float reach = select(ribbon, c.r * Float(1.0625f * 0x1p19f), c.r);
     surface.extent = select(m, max(surface.extent, reach), surface.extent);
     const Vec3 side = cross(axis, d);
-    const Float across = dot(from_axis, side) * inverse_sqrt(max(dot(side, side), Float(1e-37f))) / max(c.r, Float(1e-30f));
+    const Float across =
+        dot(from_axis, side) * inverse_sqrt(max(dot(side, side), Float(1e-37f))) / max(c.r, Float(1e-30f));
     for (int i = 0; i < 2; ++i) {
         surface.at.u[i] = select(m, fma(u1 - u0, u, u0), surface.at.u[i]);
         surface.at.v[i] = select(m, clamp(fma(across, Float(0.5f), Float(0.5f)), Float(0), Float(1)), surface.at.v[i]);

@@ -7,7 +7,8 @@ namespace fathom::inline FATHOM_LANES {
 /// Albedo, normal, depth and the like of the first hits of camera paths.
 class FirstHits {
 public:
-    FirstHits(const LaneScene& scene, const SurfaceReader& surfaces, const CameraTable& camera, const AovPlaces& places, TileSums& sums)
+    FirstHits(const LaneScene& scene, const SurfaceReader& surfaces, const CameraTable& camera, const AovPlaces& places,
+              TileSums& sums)
         : scene_(scene), surfaces_(surfaces), camera_(camera), places_(places), sums_(sums)
     {
     }
@@ -22,11 +23,19 @@ public:
         const UInt material = surfaces_.material_of(s.shape, hits);
         const MaterialPoint point = surfaces_.material(s, material, hits, hits);
         const Vec3 n = flip_sign(s.ns, -dot(hit.d, s.ng));
-        const Float depth = dot(s.p - hit.o, Vec3(Float(camera_.forward[0]), Float(camera_.forward[1]), Float(camera_.forward[2])));
+        const Float depth =
+            dot(s.p - hit.o, Vec3(Float(camera_.forward[0]), Float(camera_.forward[1]), Float(camera_.forward[2])));
         const UInt object = surfaces_.object_of(hit, s.shape, hits);
-        const Float values[] = {point.base_color.c[0], point.base_color.c[1 % channels], point.base_color.c[2 % channels],
-                                n.x, n.y, n.z, depth * Float(float(1 / scene_.tables.render_scale)),
-                                s.at.p_world.x, s.at.p_world.y, s.at.p_world.z};
+        const Float values[] = {point.base_color.c[0],
+                                point.base_color.c[1 % channels],
+                                point.base_color.c[2 % channels],
+                                n.x,
+                                n.y,
+                                n.z,
+                                depth * Float(float(1 / scene_.tables.render_scale)),
+                                s.at.p_world.x,
+                                s.at.p_world.y,
+                                s.at.p_world.z};
         put(values, pixel, hits, object, material, reversed_index);
     }
 

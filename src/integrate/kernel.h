@@ -18,13 +18,14 @@ public:
     virtual ~KernelScene() = default;
     virtual std::size_t memory_bytes() const = 0;
 
-    /// What the tree over the scene is like, which is built now if the kernel traces without one (a few dozen primitives).
+    /// What the tree over the scene is like, which is built now if the kernel traces without one (a few dozen
+    /// primitives).
     virtual const BvhStatistics& need_tree() = 0;
     /// Rays through that tree, as Bvh casts them.
     virtual void closest(const RayArrays& rays, const HitArraysOut& hits, bool coherent, BvhVisits& visits) const = 0;
     virtual void occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent, BvhVisits& visits) const = 0;
-    /// Where rays met what `hits` says, and the geometric normals there, towards the rays' origins; arrays by coordinate.
-    /// All arrays are readable and writable for 32 elements past rays.count.
+    /// Where rays met what `hits` says, and the geometric normals there, towards the rays' origins; arrays by
+    /// coordinate. All arrays are readable and writable for 32 elements past rays.count.
     virtual void surface(const RayArrays& rays, const HitArraysOut& hits, float* const points[3],
                          float* const normals[3]) const = 0;
 };
@@ -59,7 +60,7 @@ struct KernelCounters {
 };
 
 FATHOM_API std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables> tables,
-                                                         TreeBuild level = TreeBuild::standard);
+                                                          TreeBuild level = TreeBuild::standard);
 /// Adds the job's samples to `sums`, indexed by the position of the pixel in job.pixels.
 FATHOM_API void render_job(const KernelScene& scene, const CameraTable& camera, const KernelSettings& settings,
                            const KernelJob& job, TileSums& sums, KernelCounters& counters);

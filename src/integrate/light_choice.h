@@ -9,12 +9,16 @@ namespace fathom::inline FATHOM_LANES {
 /// Light sampling: which light, then which point of it.
 class LightChoice {
 public:
-    LightChoice(const LaneScene& scene, const SurfaceReader& surfaces) : scene_(scene), tables_(scene.tables), surfaces_(surfaces) {}
+    LightChoice(const LaneScene& scene, const SurfaceReader& surfaces)
+        : scene_(scene), tables_(scene.tables), surfaces_(surfaces)
+    {
+    }
 
     /// A point of the only light, or of one chosen by power; then the sample's density is that of both choices.
     ///
     /// key, seed: of the bounce, for the choice. random: for the point.
-    [[gnu::always_inline]] LightSample sample(Mask valid, Vec3 eye, const SampleKey& key, UInt seed, Sample2 random, Float time) const
+    [[gnu::always_inline]] LightSample sample(Mask valid, Vec3 eye, const SampleKey& key, UInt seed, Sample2 random,
+                                              Float time) const
     {
         if (tables_.lights.size() == 1 && tables_.environment.light == no_index)
             return sample_light(LightRecord<true>(tables_.lights.data(), UInt(0u)), eye, time, random, valid);
@@ -23,7 +27,8 @@ public:
 
     /// What leaves the scene along d sees, for the lanes of m. specular: not weighted against light sampling;
     /// pdf: of having sampled d.
-    Spectrum environment(const KernelBackground& background, bool lights_are_sampled, Vec3 d, Mask from_camera, Mask specular, Float pdf, Mask m) const
+    Spectrum environment(const KernelBackground& background, bool lights_are_sampled, Vec3 d, Mask from_camera,
+                         Mask specular, Float pdf, Mask m) const
     {
         Spectrum radiance = environment_radiance(tables_, d, m);
         if (background.given) radiance = select(from_camera, Spectrum(background.radiance), radiance);

@@ -2,9 +2,9 @@
 ///
 ///     refill ─▶ trace ─▶ sort ─▶ emission, film ─▶ shade, by kind of bsdf ─▶ shadows ─▶ refill ...
 ///
-/// Each stage runs over the whole pool N lanes at a time. After the nearest hit the pool is packed once, kind by kind, so
-/// that shading has full lanes that run the same code. What a path sums to depends on its own random numbers alone, never
-/// on its neighbours.
+/// Each stage runs over the whole pool N lanes at a time. After the nearest hit the pool is packed once, kind by kind,
+/// so that shading has full lanes that run the same code. What a path sums to depends on its own random numbers alone,
+/// never on its neighbours.
 #include <algorithm>
 
 #include "integrate/pool.h"
@@ -20,14 +20,22 @@ class PathTracer {
 public:
     PathTracer(const LaneScene& scene, const CameraTable& camera, const KernelSettings& settings, const KernelJob& job,
                TileSums& sums, KernelCounters& counters)
-        : scene_(scene), tables_(scene.tables), surfaces_(scene), lights_(scene, surfaces_), settings_(settings),
-          camera_paths_(scene, camera, settings, job), first_hits_(scene, surfaces_, camera, settings.aovs, sums), sums_(sums),
+        : scene_(scene),
+          tables_(scene.tables),
+          surfaces_(scene),
+          lights_(scene, surfaces_),
+          settings_(settings),
+          camera_paths_(scene, camera, settings, job),
+          first_hits_(scene, surfaces_, camera, settings.aovs, sums),
+          sums_(sums),
           counters_(counters)
     {
         has_time_ = tables_.moving;
         has_glass_ = scene.kinds >> std::uint32_t(BsdfKind::glass) & 1;
         // Fields of the pool that have to travel with a path.
-        travelling_fields_ = has_time_ ? PathPool::time + 1 : has_glass_ ? PathPool::eta_scale + 1 : PathPool::state + 1;
+        travelling_fields_ = has_time_    ? PathPool::time + 1
+                             : has_glass_ ? PathPool::eta_scale + 1
+                                          : PathPool::state + 1;
         lights_are_sampled_ = settings.light_sampling && !tables_.lights.empty();
     }
 
@@ -101,17 +109,24 @@ private:
         if (begin == end) return;
         PathPool& p = *paths_;
         const auto field = [&](int f) { return &p.data[f][begin]; };
-        const RayArrays rays{field(PathPool::origin),        field(PathPool::origin + 1),    field(PathPool::origin + 2),
-                             field(PathPool::direction),     field(PathPool::direction + 1), field(PathPool::direction + 2),
-                             nullptr, has_time_ ? field(PathPool::time) : nullptr, end - begin};
-        scene_.bvh.closest(rays, {&hits_.t[begin], &hits_.u[begin], &hits_.v[begin], &hits_.primitive[begin], &hits_.instance[begin]},
-                           coherent);
+        const RayArrays rays{field(PathPool::origin),
+                             field(PathPool::origin + 1),
+                             field(PathPool::origin + 2),
+                             field(PathPool::direction),
+                             field(PathPool::direction + 1),
+                             field(PathPool::direction + 2),
+                             nullptr,
+                             has_time_ ? field(PathPool::time) : nullptr,
+                             end - begin};
+        scene_.bvh.closest(
+            rays, {&hits_.t[begin], &hits_.u[begin], &hits_.v[begin], &hits_.primitive[begin], &hits_.instance[begin]},
+            coherent);
     }
 
     // ------------------------------------------------------------------------------------------- sort
 
-    /// Ends the paths that left the scene or met what doesn't scatter, and packs the others, kind by kind, into the spare
-    /// pool. Returns how many those are.
+    /// Ends the paths that left the scene or met what doesn't scatter, and packs the others, kind by kind, into the
+    /// spare pool. Returns how many those are.
     std::size_t sort(std::size_t active)
     {
         std::size_t emitting = 0, missing = 0, finished = 0;
@@ -227,7 +242,8 @@ private:
         if (const Mask shared = shows & is_light & !specular; lights_are_sampled_ && any(shared)) {
             const LightRecord<false> light(tables_.lights.data(), light_index);
             const Float pdf = p.gather_number(PathPool::bsdf_pdf, index, m);
-            weight = select(shared, mis_weight(pdf, light.pmf() * pdf_light(light, hit.o, hit.time, hit.d, hit.t, shared)), weight);
+            weight = select(
+                shared, mis_weight(pdf, light.pmf() * pdf_light(light, hit.o, hit.time, hit.d, hit.t, shared)), weight);
         }
         add_radiance(&emitting_[at], index, select(shows, emitted, Spectrum(Float(0))), weight, m);
     }
@@ -241,7 +257,8 @@ private:
         const Mask specular = (state & UInt(PathPool::specular)) != UInt(0u);
         const Mask from_camera = (state & UInt(PathPool::bounce_mask)) == UInt(0u);
         const Float pdf = p.gather_number(PathPool::bsdf_pdf, index, m);
-        const Spectrum radiance = lights_.environment(settings_.background, lights_are_sampled_, d, from_camera, specular, pdf, m);
+        const Spectrum radiance =
+            lights_.environment(settings_.background, lights_are_sampled_, d, from_camera, specular, pdf, m);
         add_radiance(&missing_[at], index, radiance, Float(1), m);
     }
 
@@ -254,10 +271,12 @@ private:
         for (std::size_t i = 0; i < active; i += lanes) {
             const UInt state = p.integer(PathPool::state, i);
             // A path of bounce 0 that has not been shaded yet.
-            const Mask m = first_lanes(active - i) & ((state & UInt(PathPool::bounce_mask | PathPool::dead)) == UInt(0u));
+            const Mask m =
+                first_lanes(active - i) & ((state & UInt(PathPool::bounce_mask | PathPool::dead)) == UInt(0u));
             const Mask hits = m & (load(&hits_.primitive[i]) != UInt(no_index));
             if (none(hits)) continue;
-            first_hits_.add(gather_hit(iota() + UInt(std::uint32_t(i)), hits), (state >> PathPool::pixel_shift) & UInt(PathPool::max_pixels - 1),
+            first_hits_.add(gather_hit(iota() + UInt(std::uint32_t(i)), hits),
+                            (state >> PathPool::pixel_shift) & UInt(PathPool::max_pixels - 1),
                             p.integer(PathPool::reversed_index, i), hits);
         }
     }
@@ -271,13 +290,24 @@ private:
         for (std::uint32_t kind = 1; kind < std::uint32_t(BsdfKind::count); ++kind) {
             const std::size_t end = kind_end_[kind];
             if (begin < end) switch (BsdfKind(kind)) {
-                    case BsdfKind::diffuse: shade<DiffuseBsdf>(begin, end); break;
-                    case BsdfKind::metal: shade<MetalBsdf>(begin, end); break;
-                    case BsdfKind::fuzz_metal: shade<FuzzMetalBsdf>(begin, end); break;
-                    case BsdfKind::glass: shade<GlassBsdf>(begin, end); break;
-                    case BsdfKind::principled: shade<PrincipledBsdf>(begin, end); break;
+                    case BsdfKind::diffuse:
+                        shade<DiffuseBsdf>(begin, end);
+                        break;
+                    case BsdfKind::metal:
+                        shade<MetalBsdf>(begin, end);
+                        break;
+                    case BsdfKind::fuzz_metal:
+                        shade<FuzzMetalBsdf>(begin, end);
+                        break;
+                    case BsdfKind::glass:
+                        shade<GlassBsdf>(begin, end);
+                        break;
+                    case BsdfKind::principled:
+                        shade<PrincipledBsdf>(begin, end);
+                        break;
                     case BsdfKind::none:
-                    case BsdfKind::count: break;
+                    case BsdfKind::count:
+                        break;
                 }
             begin = end;
         }
@@ -310,7 +340,12 @@ private:
         Vec3 hit_point, ng, ns;
         Float extent;
         MaterialPoint m;
-        const SurfaceHit hit{p.vector(PathPool::origin, i), d, t, load(&packed_hits_.u[i]), load(&packed_hits_.v[i]), time,
+        const SurfaceHit hit{p.vector(PathPool::origin, i),
+                             d,
+                             t,
+                             load(&packed_hits_.u[i]),
+                             load(&packed_hits_.v[i]),
+                             time,
                              load(&packed_hits_.primitive[i]),
                              scene_.is_flat ? UInt(no_index) : load(&packed_hits_.instance[i])};
         Surface s = surfaces_.read(hit, valid);
@@ -333,8 +368,8 @@ private:
         };
 
         if (lights_are_sampled_) {
-            // Lights are seen from where the shadow ray starts: right at the surface a light that passes through it, or a
-            // distance that ends behind the light, would be one of rounding.
+            // Lights are seen from where the shadow ray starts: right at the surface a light that passes through it, or
+            // a distance that ends behind the light, would be one of rounding.
             const Vec3 eye = offset_origin(hit_point, ng, extent);
             const Sample2 random = sample_2d(index, pair_seed(seed, pair_light));
             const LightSample sample = lights_.sample(valid, eye, key, seed, random, time);
@@ -371,14 +406,16 @@ private:
     Spectrum absorb(Spectrum throughput, UInt material, Float t, Mask inside, Mask m) const
     {
         const Spectrum sigma = surfaces_.material_spectrum(offsetof(MaterialTable, absorption), material, m & inside);
-        for (int c = 0; c < channels; ++c) throughput.c[c] = throughput.c[c] * select(inside, exp(-(sigma.c[c] * t)), Float(1));
+        for (int c = 0; c < channels; ++c)
+            throughput.c[c] = throughput.c[c] * select(inside, exp(-(sigma.c[c] * t)), Float(1));
         return throughput;
     }
 
     /// Adds a light sample's contribution if nothing is in the way.
     template <class Bsdf, class Start>
-    [[gnu::always_inline]] void light_gang(std::size_t i, Mask valid, const MaterialPoint& m, const Bsdf& bsdf, const Frame& frame, Vec3 wo, Vec3 ng,
-                                           Vec3 eye, const Start& start, const Spectrum& throughput, const LightSample& s, Float time)
+    [[gnu::always_inline]] void light_gang(std::size_t i, Mask valid, const MaterialPoint& m, const Bsdf& bsdf,
+                                           const Frame& frame, Vec3 wo, Vec3 ng, Vec3 eye, const Start& start,
+                                           const Spectrum& throughput, const LightSample& s, Float time)
     {
         PathPool& p = *paths_;
         Mask lit = valid & (s.inverse_pdf > Float(0));
@@ -398,11 +435,13 @@ private:
         const Float t_max = distance * Float(1 - 0x1p-16f);
         if (scene_.is_flat) {
             const Mask clear = lit & !scene_.flat.occluded(tables_, Ray{o, s.wi, t_max, time}, lit);
-            p.set(PathPool::radiance, i, p.spectrum(PathPool::radiance, i) + select(clear, add, Spectrum(Float(0))), valid);
+            p.set(PathPool::radiance, i, p.spectrum(PathPool::radiance, i) + select(clear, add, Spectrum(Float(0))),
+                  valid);
             return;
         }
         const auto keep = [&](int field, Float value) { compress_store(&shadow_data_[field][shadows_], value, lit); };
-        keep(0, o.x), keep(1, o.y), keep(2, o.z), keep(3, s.wi.x), keep(4, s.wi.y), keep(5, s.wi.z), keep(6, t_max), keep(7, time);
+        keep(0, o.x), keep(1, o.y), keep(2, o.z), keep(3, s.wi.x), keep(4, s.wi.y), keep(5, s.wi.z), keep(6, t_max),
+            keep(7, time);
         for (int c = 0; c < channels; ++c) keep(8 + c, add.c[c]);
         compress_store(&shadow_path_[shadows_], iota() + UInt(std::uint32_t(i)), lit);
         shadows_ += std::size_t(count(lit));
@@ -412,7 +451,8 @@ private:
     void trace_shadows()
     {
         const auto& s = shadow_data_;
-        scene_.bvh.occluded({s[0], s[1], s[2], s[3], s[4], s[5], s[6], has_time_ ? s[7] : nullptr, shadows_}, blocked_, false);
+        scene_.bvh.occluded({s[0], s[1], s[2], s[3], s[4], s[5], s[6], has_time_ ? s[7] : nullptr, shadows_}, blocked_,
+                            false);
         PathPool& p = *paths_;
         for (std::size_t k = 0; k < shadows_; ++k)
             if (!blocked_[k])
@@ -448,11 +488,12 @@ private:
 
 }  // namespace FATHOM_LANES
 
-void render_job(const KernelScene& scene, const CameraTable& camera, const KernelSettings& settings, const KernelJob& job,
-                TileSums& sums, KernelCounters& counters)
+void render_job(const KernelScene& scene, const CameraTable& camera, const KernelSettings& settings,
+                const KernelJob& job, TileSums& sums, KernelCounters& counters)
 {
     const auto& lane_scene = static_cast<const LaneScene&>(scene);
-    // On the heap, since they are too much for small stacks. Left uninitialised: every stage writes what the next one reads.
+    // On the heap, since they are too much for small stacks. Left uninitialised: every stage writes what the next one
+    // reads.
     const auto run = [&]<class Tracer>(std::type_identity<Tracer>) {
         const std::unique_ptr<Tracer> tracer(new Tracer(lane_scene, camera, settings, job, sums, counters));
         tracer->run();

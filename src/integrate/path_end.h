@@ -7,12 +7,12 @@ namespace fathom::inline FATHOM_LANES {
 
 inline constexpr std::uint32_t max_bounces = 0x7ff0;
 
-/// Lanes whose path ends after this bounce: nothing is left, Russian roulette, the limit of depth. Those that survive the
-/// roulette carry more.
+/// Lanes whose path ends after this bounce: nothing is left, Russian roulette, the limit of depth. Those that survive
+/// the roulette carry more.
 ///
 /// bounce: how many came before this one. eta_scale: undoes refraction's scaling of radiance, which is no loss.
-[[gnu::always_inline]] inline Mask end_some(const KernelSettings& settings, const SampleKey& key, UInt seed, UInt bounce, Float eta_scale,
-                                            Spectrum& throughput)
+[[gnu::always_inline]] inline Mask end_some(const KernelSettings& settings, const SampleKey& key, UInt seed,
+                                            UInt bounce, Float eta_scale, Spectrum& throughput)
 {
     const Float largest = max_component(throughput);
     Mask ends = !(largest > Float(0));
@@ -23,7 +23,8 @@ inline constexpr std::uint32_t max_bounces = 0x7ff0;
         throughput = throughput * select(roulette, reciprocal(survival), Float(1));
     }
     // Bounces are counted in 15 bits: a path that got there is one in a number too large to be met.
-    const std::uint32_t limit = settings.max_depth >= 0 ? std::min(std::uint32_t(settings.max_depth), max_bounces) : max_bounces;
+    const std::uint32_t limit =
+        settings.max_depth >= 0 ? std::min(std::uint32_t(settings.max_depth), max_bounces) : max_bounces;
     return ends | !less(bounce, UInt(limit));
 }
 

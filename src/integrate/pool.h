@@ -12,7 +12,10 @@ template <int fields, std::size_t size>
 struct PathFields {
     UInt integer(int field, std::size_t i) const { return float_bits(load(&data[field][i])); }
     Float number(int field, std::size_t i) const { return load(&data[field][i]); }
-    Vec3 vector(int field, std::size_t i) const { return {number(field, i), number(field + 1, i), number(field + 2, i)}; }
+    Vec3 vector(int field, std::size_t i) const
+    {
+        return {number(field, i), number(field + 1, i), number(field + 2, i)};
+    }
     Spectrum spectrum(int field, std::size_t i) const
     {
         Spectrum s;
@@ -29,8 +32,17 @@ struct PathPoolLayout {
     static constexpr int capacity = 512;
 
     enum Field {
-        origin = 0, direction = 3, throughput = 6, radiance = throughput + channels, pixel_hash = radiance + channels,
-        reversed_index, state, eta_scale, time, bsdf_pdf, field_count
+        origin = 0,
+        direction = 3,
+        throughput = 6,
+        radiance = throughput + channels,
+        pixel_hash = radiance + channels,
+        reversed_index,
+        state,
+        eta_scale,
+        time,
+        bsdf_pdf,
+        field_count
     };
 };
 
@@ -45,13 +57,19 @@ struct PathPool : PathPoolLayout, PathFields<PathPoolLayout::field_count, PathPo
 
     void set(int field, std::size_t i, Float value) { store(&data[field][i], value); }
     void set(int field, std::size_t i, UInt value) { store(&data[field][i], bits_float(value)); }
-    void set(int field, std::size_t i, const Vec3& v) { set(field, i, v.x), set(field + 1, i, v.y), set(field + 2, i, v.z); }
+    void set(int field, std::size_t i, const Vec3& v)
+    {
+        set(field, i, v.x), set(field + 1, i, v.y), set(field + 2, i, v.z);
+    }
     void set(int field, std::size_t i, const Spectrum& s)
     {
         for (int c = 0; c < channels; ++c) set(field + c, i, s.c[c]);
     }
     /// Only the lanes of the mask: what follows belongs to other kinds of paths.
-    void set(int field, std::size_t i, Float value, Mask m) { store(&data[field][i], select(m, value, load(&data[field][i]))); }
+    void set(int field, std::size_t i, Float value, Mask m)
+    {
+        store(&data[field][i], select(m, value, load(&data[field][i])));
+    }
     void set(int field, std::size_t i, UInt value, Mask m) { set(field, i, bits_float(value), m); }
     void set(int field, std::size_t i, const Vec3& v, Mask m)
     {
@@ -61,7 +79,10 @@ struct PathPool : PathPoolLayout, PathFields<PathPoolLayout::field_count, PathPo
     {
         for (int c = 0; c < channels; ++c) set(field + c, i, s.c[c], m);
     }
-    std::uint32_t scalar_integer(int field, std::size_t i) const { return std::bit_cast<std::uint32_t>(data[field][i]); }
+    std::uint32_t scalar_integer(int field, std::size_t i) const
+    {
+        return std::bit_cast<std::uint32_t>(data[field][i]);
+    }
 
     /// By lanes from a list of positions.
     UInt gather_integer(int field, UInt index, Mask m) const { return float_bits(gather(data[field], index, m)); }

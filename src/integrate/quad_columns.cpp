@@ -14,7 +14,9 @@ void QuadColumns::build(const SceneTables& tables)
     values_.assign(columns * stride_ + small_table, 0);
     for (std::size_t q = 0; q < tables.quads.size(); ++q) {
         const auto set = [&](int column, double value) { values_[std::size_t(column) * stride_ + q] = float(value); };
-        const auto set_bits = [&](int column, std::uint32_t bits) { values_[std::size_t(column) * stride_ + q] = std::bit_cast<float>(bits); };
+        const auto set_bits = [&](int column, std::uint32_t bits) {
+            values_[std::size_t(column) * stride_ + q] = std::bit_cast<float>(bits);
+        };
         const Vec3f eu = tables.quads[q].edge_u, ev = tables.quads[q].edge_v;
         const Vec3d u{eu.x, eu.y, eu.z}, v{ev.x, ev.y, ev.z};
         const Vec3d n = normalize(cross(u, v)), t = normalize(u);
@@ -30,7 +32,8 @@ void QuadColumns::build(const SceneTables& tables)
         // Emission is on the side of the front as the scene says, which a mirroring transform swaps.
         const bool flipped = (shape.flags & ShapeTable::flipped) != 0;
         std::uint32_t flags = material.bsdf == std::uint32_t(BsdfKind::none) ? 0u : std::uint32_t(scatters);
-        const bool emits = material.flags & MaterialTable::emits, two_sided = material.flags & MaterialTable::two_sided_emission;
+        const bool emits = material.flags & MaterialTable::emits,
+                   two_sided = material.flags & MaterialTable::two_sided_emission;
         if (emits && (two_sided || !flipped)) flags |= emits_front;
         if (emits && (two_sided || flipped)) flags |= emits_back;
         set_bits(7, flags);

@@ -7,8 +7,8 @@
 
 namespace fathom::inline FATHOM_LANES {
 
-/// What shading needs to know of each quad, column by column: small tables are read from registers (lookup), larger ones
-/// gathered. Any index may be asked for; what is not a quad's gives anything.
+/// What shading needs to know of each quad, column by column: small tables are read from registers (lookup), larger
+/// ones gathered. Any index may be asked for; what is not a quad's gives anything.
 class QuadColumns {
 public:
     /// front: the side of the normal.
@@ -16,9 +16,15 @@ public:
 
     void build(const SceneTables& tables);
 
-    Vec3 normal(UInt quad) const { return {number(0, quad), number(1, quad), number(2, quad)}; }   ///< unit, along cross(edge_u, edge_v)
-    Vec3 tangent(UInt quad) const { return {number(3, quad), number(4, quad), number(5, quad)}; }  ///< unit, in its plane
-    Float extent(UInt quad) const { return number(6, quad); }                                      ///< largest component of an edge
+    Vec3 normal(UInt quad) const
+    {
+        return {number(0, quad), number(1, quad), number(2, quad)};
+    }  ///< unit, along cross(edge_u, edge_v)
+    Vec3 tangent(UInt quad) const
+    {
+        return {number(3, quad), number(4, quad), number(5, quad)};
+    }                                                          ///< unit, in its plane
+    Float extent(UInt quad) const { return number(6, quad); }  ///< largest component of an edge
     UInt flags(UInt quad) const { return float_bits(number(7, quad)); }
     UInt light(UInt quad) const { return float_bits(number(8, quad)); }  ///< or no_index
     Spectrum color(UInt quad) const { return spectrum(9, quad); }

@@ -9,7 +9,8 @@ namespace fathom {
 
 inline namespace FATHOM_LANES {
 
-LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level) : tables_owner(std::move(t)), tables(*tables_owner)
+LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
+    : tables_owner(std::move(t)), tables(*tables_owner)
 {
     const bool has_alpha = std::any_of(tables.shapes.begin(), tables.shapes.end(),
                                        [](const ShapeTable& s) { return s.flags & ShapeTable::alpha_tested; });
@@ -25,13 +26,16 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level) : ta
         kinds |= 1u << material.bsdf;
         normal_mapped |= (material.flags & MaterialTable::normal_mapped) != 0;
         for (float a : material.absorption) has_absorption |= a > 0;
-        shape_info.push_back(shape.material | material.bsdf << kind_shift | (material.flags & MaterialTable::emits ? emits : 0u));
+        shape_info.push_back(shape.material | material.bsdf << kind_shift |
+                             (material.flags & MaterialTable::emits ? emits : 0u));
     }
     textured = !tables.textures.empty();
-    only_diffuse_quads = is_flat && !tables.moving && !textured && tables.triangles.empty() && tables.spheres.empty() && tables.disks.empty();
+    only_diffuse_quads = is_flat && !tables.moving && !textured && tables.triangles.empty() && tables.spheres.empty() &&
+                         tables.disks.empty();
     for (const ShapeTable& shape : tables.shapes) {
         const MaterialTable& m = tables.materials[shape.material];
-        only_diffuse_quads &= m.bsdf == std::uint32_t(BsdfKind::none) || (m.bsdf == std::uint32_t(BsdfKind::diffuse) && m.roughness == 0);
+        only_diffuse_quads &=
+            m.bsdf == std::uint32_t(BsdfKind::none) || (m.bsdf == std::uint32_t(BsdfKind::diffuse) && m.roughness == 0);
     }
     if (is_flat) {
         for (std::uint32_t shape : tables.shape_of_primitive) primitive_info.push_back(shape_info[shape]);
@@ -56,7 +60,13 @@ std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables
     return std::make_unique<LaneScene>(std::move(tables), level);
 }
 
-int kernel_lanes() { return lanes; }
-const char* kernel_name() { return lanes_name; }
+int kernel_lanes()
+{
+    return lanes;
+}
+const char* kernel_name()
+{
+    return lanes_name;
+}
 
 }  // namespace fathom

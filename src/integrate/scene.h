@@ -25,13 +25,13 @@ struct LaneScene final : KernelScene {
     std::vector<std::uint32_t> primitive_info;
     QuadColumns quads;
     static constexpr int small_table = 32;
-    std::uint32_t kinds = 0;           ///< bit per BsdfKind that occurs
-    bool textured = false;             ///< uv matter somewhere
+    std::uint32_t kinds = 0;  ///< bit per BsdfKind that occurs
+    bool textured = false;    ///< uv matter somewhere
     bool normal_mapped = false;
     bool has_absorption = false;
-    bool sees_environment = false;     ///< rays that leave the scene bring something
-    bool only_diffuse_quads = false;   ///< flat, smooth, without textures or motion: QuadTracer renders it
-    FilterTable filters[2];            ///< Gaussian, Blackman-Harris
+    bool sees_environment = false;    ///< rays that leave the scene bring something
+    bool only_diffuse_quads = false;  ///< flat, smooth, without textures or motion: QuadTracer renders it
+    FilterTable filters[2];           ///< Gaussian, Blackman-Harris
 
     LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level);
     std::size_t memory_bytes() const override;
@@ -56,7 +56,8 @@ inline UInt LaneScene::info_of(UInt primitive, UInt instance, Mask m) const
     if (!tables.instances.empty()) {
         const Mask placed = m & (instance != UInt(no_index));
         const auto* words = reinterpret_cast<const std::uint32_t*>(tables.instances.data());
-        shape = select(placed, gather(words + offsetof(InstanceTable, shape) / 4, instance * UInt(sizeof(InstanceTable) / 4), placed), shape);
+        const UInt row = instance * UInt(sizeof(InstanceTable) / 4);
+        shape = select(placed, gather(words + offsetof(InstanceTable, shape) / 4, row, placed), shape);
     }
     return gather(shape_info.data(), shape, m);
 }

@@ -48,7 +48,8 @@ public:
         const Mask quad = m & !triangle & less(hit.primitive, UInt(t_.first_sphere()));
         const Mask sphere = m & !triangle & !quad & less(hit.primitive, UInt(t_.first_disk()));
         const Mask disk = m & !triangle & !quad & !sphere & less(hit.primitive, UInt(t_.first_curve()));
-        const Mask curve = m & !less(hit.primitive, UInt(t_.first_curve())) & less(hit.primitive, UInt(t_.first_point()));
+        const Mask curve =
+            m & !less(hit.primitive, UInt(t_.first_curve())) & less(hit.primitive, UInt(t_.first_point()));
         const Mask point = m & !less(hit.primitive, UInt(t_.first_point()));
         s.ns = s.ng;
         if (any(triangle)) read_triangle(hit, flags, triangle, s);
@@ -77,7 +78,8 @@ public:
         const UInt own = shape_word(offsetof(ShapeTable, object_id), shape, m);
         if (t_.instances.empty()) return own;
         const Mask placed = m & (hit.instance != UInt(no_index));
-        return select(placed, gather(words(t_.instances.data()) + offsetof(InstanceTable, object_id) / 4, hit.instance << 4, placed), own);
+        const std::uint32_t* ids = words(t_.instances.data()) + offsetof(InstanceTable, object_id) / 4;
+        return select(placed, gather(ids, hit.instance << 4, placed), own);
     }
 
     UInt shape_word(std::size_t offset, UInt shape, Mask m) const
@@ -214,7 +216,8 @@ private:
         s.tangent = select(m, tangent, s.tangent);
     }
 
-    void read_uv(const std::vector<Vec2f>& table, const UInt* vertex, const SurfaceHit& hit, Float w, Mask m, Float& u, Float& v) const
+    void read_uv(const std::vector<Vec2f>& table, const UInt* vertex, const SurfaceHit& hit, Float w, Mask m, Float& u,
+                 Float& v) const
     {
         if (none(m)) return;
         const auto* base = reinterpret_cast<const float*>(table.data());
@@ -335,15 +338,18 @@ private:
 
     void apply_textures(const Surface& s, UInt index, Mask m, MaterialPoint& p) const
     {
-        const Texel base = evaluate_textures(t_, material_word(offsetof(MaterialTable, base_texture), index, m), s.at, m);
-        for (int c = 0; c < channels; ++c) p.base_color.c[c] = select(m, p.base_color.c[c] * base.c[c], p.base_color.c[c]);
+        const Texel base =
+            evaluate_textures(t_, material_word(offsetof(MaterialTable, base_texture), index, m), s.at, m);
+        for (int c = 0; c < channels; ++c)
+            p.base_color.c[c] = select(m, p.base_color.c[c] * base.c[c], p.base_color.c[c]);
         const auto scalar = [&](std::size_t texture, std::size_t channel, Float& value) {
             const UInt id = material_word(texture, index, m);
             const Mask has = m & (id != UInt(no_index));
             if (none(has)) return;
             const Texel t = evaluate_textures(t_, id, s.at, has);
             const UInt c = material_word(channel, index, m);
-            const Float factor = select(c == UInt(0), t.c[0], select(c == UInt(1), t.c[1], select(c == UInt(2), t.c[2], t.c[3])));
+            const Float factor =
+                select(c == UInt(0), t.c[0], select(c == UInt(1), t.c[1], select(c == UInt(2), t.c[2], t.c[3])));
             value = select(has, value * factor, value);
         };
         scalar(offsetof(MaterialTable, roughness_texture), offsetof(MaterialTable, roughness_channel), p.roughness);
@@ -352,7 +358,8 @@ private:
 
     void bend_normal(Surface& s, UInt index, Mask m) const
     {
-        const Texel t = evaluate_textures(t_, material_word(offsetof(MaterialTable, normal_texture), index, m), s.at, m);
+        const Texel t =
+            evaluate_textures(t_, material_word(offsetof(MaterialTable, normal_texture), index, m), s.at, m);
         const Float scale = material_number(offsetof(MaterialTable, normal_scale), index, m);
         const Float x = fma(t.c[0], Float(2), Float(-1)) * scale, y = fma(t.c[1], Float(2), Float(-1)) * scale,
                     z = fma(t.c[2], Float(2), Float(-1));

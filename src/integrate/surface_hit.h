@@ -13,13 +13,13 @@ struct SurfaceHit {
 
 struct Surface {
     Vec3 p;
-    Vec3 ng;            ///< geometric normal, unit, on the side of the shape's front
-    Vec3 ns;            ///< shading normal, on the same side
-    Vec3 tangent;       ///< along growing u; zero where unknown
+    Vec3 ng;       ///< geometric normal, unit, on the side of the shape's front
+    Vec3 ns;       ///< shading normal, on the same side
+    Vec3 tangent;  ///< along growing u; zero where unknown
     Float bitangent_sign;
-    Float extent;       ///< the largest length that went into p: bounds its rounding error
+    Float extent;  ///< the largest length that went into p: bounds its rounding error
     TexturePoint at;
-    Spectrum color;     ///< of the vertices
+    Spectrum color;  ///< of the vertices
     Float color_alpha;
     UInt shape;
 };

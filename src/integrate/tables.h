@@ -2,11 +2,11 @@
 /// The scene as the kernel reads it: flat arrays of plain numbers, no names, no pointers between them but indices.
 ///
 /// Render space: world space moved so that the camera (at compile time) is the origin, then scaled by a power of two so
-/// that the scene's radius is about 1024: floats then serve scenes of any size anywhere. Radiance does not depend on the
-/// scale; point lights do, and are scaled when compiled.
+/// that the scene's radius is about 1024: floats then serve scenes of any size anywhere. Radiance does not depend on
+/// the scale; point lights do, and are scaled when compiled.
 ///
-/// Primitives are numbered through: triangles first, then quads, spheres, disks, segments of curves, points. A hit names a primitive, and an instance
-/// where the primitive was reached through one.
+/// Primitives are numbered through: triangles first, then quads, spheres, disks, segments of curves, points. A hit
+/// names a primitive, and an instance where the primitive was reached through one.
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -47,12 +47,16 @@ struct CurveTable {
 /// What the primitives of one shape share.
 struct ShapeTable {
     enum Flags : std::uint32_t {
-        has_normals = 1, has_uv0 = 2, has_uv1 = 4, has_tangents = 8, has_colors = 16,
-        alpha_tested = 32,  ///< a ray may pass through: the material's alpha decides
-        flipped = 64,       ///< the geometric normal is turned round (mirroring transform)
+        has_normals = 1,
+        has_uv0 = 2,
+        has_uv1 = 4,
+        has_tangents = 8,
+        has_colors = 16,
+        alpha_tested = 32,    ///< a ray may pass through: the material's alpha decides
+        flipped = 64,         ///< the geometric normal is turned round (mirroring transform)
         linear_curves = 256,  ///< segments are lines: two points each, not four
         ribbons = 512,        ///< curves are flat and turned towards each ray, not round
-        placed = 128,       ///< its primitives stand where instances put them, and nowhere else
+        placed = 128,         ///< its primitives stand where instances put them, and nowhere else
     };
     std::uint32_t material = 0;
     std::uint32_t flags = 0;
@@ -66,10 +70,10 @@ struct ShapeTable {
 /// A shape placed once more, or one that moves: its primitives live in their own space.
 struct InstanceTable {
     std::array<float, 12> object_from_render{};  ///< rows of an affine map; not used if it moves
-    std::uint32_t shape = 0;       ///< material and flags; instances that agree in them share one
-    std::uint32_t mesh_shape = 0;  ///< the shape whose primitives it places
-    std::uint32_t object_id = 0;   ///< instead of the shape's
-    std::uint32_t poses = 0;       ///< if it moves: how many in the low byte, above it the first of them
+    std::uint32_t shape = 0;                     ///< material and flags; instances that agree in them share one
+    std::uint32_t mesh_shape = 0;                ///< the shape whose primitives it places
+    std::uint32_t object_id = 0;                 ///< instead of the shape's
+    std::uint32_t poses = 0;                     ///< if it moves: how many in the low byte, above it the first of them
 
     static constexpr std::uint32_t most_poses = 255, most_first_pose = (1u << 24) - 1;
     std::uint32_t pose_count() const { return poses & 255; }
@@ -77,9 +81,9 @@ struct InstanceTable {
 };
 static_assert(sizeof(InstanceTable) == 64);
 
-/// Where a moving instance is at a time, as translation * rotation * stretch. Up to the next pose the first and the last
-/// change linearly, and the rotation turns by the angle (quaternions: Shoemake 1985, "Animating Rotation with Quaternion
-/// Curves").
+/// Where a moving instance is at a time, as translation * rotation * stretch. Up to the next pose the first and the
+/// last change linearly, and the rotation turns by the angle (quaternions: Shoemake 1985, "Animating Rotation with
+/// Quaternion Curves").
 struct PoseTable {
     float time = 0;
     float translation[3] = {};
@@ -93,9 +97,9 @@ static_assert(sizeof(PoseTable) == 64);
 // ------------------------------------------------------------------------------------------------ materials
 
 enum class BsdfKind : std::uint32_t {
-    none,        ///< black, or only emits
+    none,  ///< black, or only emits
     diffuse,
-    metal,       ///< GGX conductor; alpha 0 is a mirror
+    metal,  ///< GGX conductor; alpha 0 is a mirror
     fuzz_metal,
     glass,
     principled,
@@ -126,8 +130,15 @@ struct TextureTable {
 };
 
 struct MaterialTable {
-    enum Flags : std::uint32_t { textured = 1, normal_mapped = 2, vertex_colored = 4, emits = 8, two_sided_emission = 16,
-                 unlit = 32 /* shows its emission, but lights nothing */, thin = 64 };
+    enum Flags : std::uint32_t {
+        textured = 1,
+        normal_mapped = 2,
+        vertex_colored = 4,
+        emits = 8,
+        two_sided_emission = 16,
+        unlit = 32 /* shows its emission, but lights nothing */,
+        thin = 64
+    };
     std::uint32_t bsdf = 0;  ///< BsdfKind
     std::uint32_t flags = 0;
     SpectrumTable base_color{};
@@ -143,19 +154,29 @@ struct MaterialTable {
 
 // ------------------------------------------------------------------------------------------------ lights
 
-enum class LightTableKind : std::uint32_t { rectangle, parallelogram, triangle, sphere, disk, point, spot, directional, environment };
+enum class LightTableKind : std::uint32_t {
+    rectangle,
+    parallelogram,
+    triangle,
+    sphere,
+    disk,
+    point,
+    spot,
+    directional,
+    environment
+};
 
 /// One light, or one emissive primitive. Read by lanes as an array of 32 floats.
 struct LightTable {
     std::uint32_t kind = 0;
-    float pmf = 0;            ///< probability to be chosen
-    float position[3] = {};   ///< corner, centre, or place
-    float edge_u[3] = {};     ///< rectangle: unit along u; spot, directional: direction that light travels
-    float edge_v[3] = {};     ///< rectangle: unit along v
+    float pmf = 0;           ///< probability to be chosen
+    float position[3] = {};  ///< corner, centre, or place
+    float edge_u[3] = {};    ///< rectangle: unit along u; spot, directional: direction that light travels
+    float edge_v[3] = {};    ///< rectangle: unit along v
     float normal[3] = {};
     float length_u = 0, length_v = 0;
     float area = 0;
-    float radius = 0;  ///< rectangle: its diagonal
+    float radius = 0;               ///< rectangle: its diagonal
     float radiance[channels] = {};  ///< or intensity, or irradiance
     float cos_inner = 0, cos_outer = 0;
     std::uint32_t two_sided = 0;
@@ -218,8 +239,8 @@ struct SceneTables {
     std::vector<float> light_cdf;  ///< lights + 1 values, 0 to 1
     EnvironmentTable environment;
     float shutter_open = 0, shutter_close = 0;  ///< of the camera that the scene was compiled for
-    Vec3d origin;             ///< world position of render space's origin
-    double render_scale = 1;  ///< render units per world unit: a power of two
+    Vec3d origin;                               ///< world position of render space's origin
+    double render_scale = 1;                    ///< render units per world unit: a power of two
     bool moving = false;
 
     std::uint32_t triangle_count() const { return std::uint32_t(triangles.size() / 3); }

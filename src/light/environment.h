@@ -43,7 +43,8 @@ inline UInt find_interval(const float* table, UInt first, int n, Float x)
     for (int left = n; left > 1; left = (left + 1) / 2) {
         const UInt half = (size + UInt(1)) >> 1;
         // Halves by rounding up may overlap; never past the end.
-        const UInt middle = select(less(lo + half, UInt(static_cast<std::uint32_t>(n))), lo + half, UInt(static_cast<std::uint32_t>(n - 1)));
+        const UInt middle = select(less(lo + half, UInt(static_cast<std::uint32_t>(n))), lo + half,
+                                   UInt(static_cast<std::uint32_t>(n - 1)));
         const Mask right = gather(table, first + middle) <= x;
         lo = select(right, middle, lo);
         size = half;
@@ -58,14 +59,18 @@ inline Spectrum environment_radiance(const SceneTables& tables, Vec3 direction, 
     const EnvironmentTable& e = tables.environment;
     Spectrum radiance;
     switch (EnvironmentKind(e.kind)) {
-        case EnvironmentKind::none: return Spectrum(Float(0));
-        case EnvironmentKind::constant: return Spectrum(e.color);
+        case EnvironmentKind::none:
+            return Spectrum(Float(0));
+        case EnvironmentKind::constant:
+            return Spectrum(e.color);
         case EnvironmentKind::gradient: {
             const Float t = fma(detail::rotate_in(e, direction).y, Float(0.5f), Float(0.5f));
-            for (std::size_t i = 0; i < channels; ++i) radiance.c[i] = fma(t, Float(e.top[i] - e.bottom[i]), Float(e.bottom[i]));
+            for (std::size_t i = 0; i < channels; ++i)
+                radiance.c[i] = fma(t, Float(e.top[i] - e.bottom[i]), Float(e.bottom[i]));
             return radiance;
         }
-        case EnvironmentKind::image: break;
+        case EnvironmentKind::image:
+            break;
     }
     const detail::ImagePoint at = detail::image_point(detail::rotate_in(e, direction));
     TextureTable image;

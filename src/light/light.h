@@ -7,8 +7,8 @@
 
 namespace fathom::inline FATHOM_LANES {
 
-/// Below this solid angle a rectangle is sampled by area: it is then nearly flat as seen from the point, and float angles
-/// would no longer tell its parts apart.
+/// Below this solid angle a rectangle is sampled by area: it is then nearly flat as seen from the point, and float
+/// angles would no longer tell its parts apart.
 inline constexpr float min_solid_angle = 1e-3f;
 
 /// Lanes that see a rectangle from nearer than its diagonal is long. From farther away its parts look nearly alike, and
@@ -26,8 +26,7 @@ Mask sees_rectangle_large(const Light& light, Vec3 p)
 template <bool one>
 class LightRecord {
 public:
-    LightRecord(const LightTable* table, UInt index)
-        : base_(reinterpret_cast<const float*>(table)), offset_(index << 5)
+    LightRecord(const LightTable* table, UInt index) : base_(reinterpret_cast<const float*>(table)), offset_(index << 5)
     {
     }
 #define FATHOM_LIGHT_FIELD(member) (offsetof(LightTable, member) / sizeof(float))
@@ -72,7 +71,7 @@ private:
 };
 
 struct LightSample {
-    Vec3 wi;            ///< unit, from the point towards the light
+    Vec3 wi;  ///< unit, from the point towards the light
     Float distance;
     Float inverse_pdf;  ///< of the direction, per solid angle, without the choice of the light; 1 for delta lights;
                         ///< 0: nothing arrives
@@ -80,7 +79,10 @@ struct LightSample {
     Mask is_delta;
 };
 
-inline Mask is_kind(UInt kind, LightTableKind wanted) { return kind == UInt(std::uint32_t(wanted)); }
+inline Mask is_kind(UInt kind, LightTableKind wanted)
+{
+    return kind == UInt(std::uint32_t(wanted));
+}
 
 namespace detail {
 
@@ -129,16 +131,21 @@ template <class Light>
     const Vec3 n = light.normal();
     const Vec3 corner = light.position() - p;
     // Those behind a light that shines to one side need no good sample.
-    const Mask large = active & sees_rectangle_large(light, p) & ((light.two_sided() != UInt(0)) | (dot(corner, n) < Float(0)));
+    const Mask large =
+        active & sees_rectangle_large(light, p) & ((light.two_sided() != UInt(0)) | (dot(corner, n) < Float(0)));
     if (any(large)) return sample_large_rectangle(light, corner, random, large);
-    const Vec3 to = fma(light.edge_u(), random.x * light.length_u(), fma(light.edge_v(), random.y * light.length_v(), corner));
+    const Vec3 to =
+        fma(light.edge_u(), random.x * light.length_u(), fma(light.edge_v(), random.y * light.length_v(), corner));
     return FlatLightPoint(to, n, light.area());
 }
 
 }  // namespace detail
 
 /// 1 - cos of the half angle under which a sphere is seen: r^2 / d^2 = sin^2, kept exact for small ones.
-inline Float one_minus_cos_of(Float sin2) { return sin2 / (Float(1) + sqrt(max(Float(1) - sin2, Float(0)))); }
+inline Float one_minus_cos_of(Float sin2)
+{
+    return sin2 / (Float(1) + sqrt(max(Float(1) - sin2, Float(0))));
+}
 
 /// sample_light for lights that are not all rectangles.
 template <class Light>
@@ -205,8 +212,8 @@ template <class Light>
         Float strength = Float(1) / distance2;
         // Smoothstep from the outer to the inner cone, squared as KHR_lights_punctual suggests.
         const Float c = -dot(wi, light.edge_u());
-        const Float x = clamp((c - light.cos_outer()) / max(light.cos_inner() - light.cos_outer(), Float(1e-4f)), Float(0),
-                              Float(1));
+        const Float x = clamp((c - light.cos_outer()) / max(light.cos_inner() - light.cos_outer(), Float(1e-4f)),
+                              Float(0), Float(1));
         strength = select(spot, strength * x * x, strength);
         s.wi = select(point | spot, wi, s.wi);
         s.distance = select(point | spot, distance, s.distance);
@@ -215,7 +222,8 @@ template <class Light>
     }
     const Mask directional = is_kind(kind, LightTableKind::directional);
     if (any(directional)) {
-        // radius holds 1 - cos of the disk's half angle; 0 is a delta. radiance holds irradiance or radiance accordingly.
+        // radius holds 1 - cos of the disk's half angle; 0 is a delta. radiance holds irradiance or radiance
+        // accordingly.
         const Float spread = light.radius();
         const Vec3 wi = Frame(-light.edge_u()).to_world(sample_cone(random, spread));
         const Mask delta = spread <= Float(0);
@@ -231,7 +239,8 @@ template <class Light>
 /// Samples a point of the light as seen from p, at shutter time `time`. What other lanes than the active ones get is of
 /// no use.
 template <class Light>
-[[gnu::always_inline]] inline LightSample sample_light(const Light& light, Vec3 p, Float time, Sample2 random, Mask active)
+[[gnu::always_inline]] inline LightSample sample_light(const Light& light, Vec3 p, Float time, Sample2 random,
+                                                       Mask active)
 {
     if (!all(is_kind(light.kind(), LightTableKind::rectangle))) return sample_any_light(light, p, time, random, active);
     const auto point = detail::sample_rectangle(light, p, random, active);
@@ -272,7 +281,8 @@ template <class Light>
 /// The density per solid angle, seen from p, with which sample_light would have found the point at p + distance * wi of
 /// an emissive surface; without the probability of choosing the light. For the active lanes.
 template <class Light>
-[[gnu::always_inline]] inline Float pdf_light(const Light& light, Vec3 p, Float time, Vec3 wi, Float distance, Mask active)
+[[gnu::always_inline]] inline Float pdf_light(const Light& light, Vec3 p, Float time, Vec3 wi, Float distance,
+                                              Mask active)
 {
     const UInt kind = light.kind();
     const Float cosine = abs(dot(wi, light.normal()));

@@ -14,9 +14,9 @@ namespace fathom::inline FATHOM_LANES {
 struct SphericalRectangle {
     Float x0, x1, y0, y1, z0;
     Float solid_angle;
-    Float b0, b1;          ///< z of the unit normals of the planes through the point and the edges y0 and y1
-    Float c0;              ///< 1 - b0^2
-    Float cos_k, sin_k;    ///< k = 2 pi - g2 - g3 of the paper
+    Float b0, b1;        ///< z of the unit normals of the planes through the point and the edges y0 and y1
+    Float c0;            ///< 1 - b0^2
+    Float cos_k, sin_k;  ///< k = 2 pi - g2 - g3 of the paper
 
     /// corner: of the rectangle, relative to the point. u, v, n: its unit axes. Lengths along u and v.
     [[gnu::always_inline]] SphericalRectangle(Vec3 corner, Vec3 u, Vec3 v, Vec3 n, Float length_u, Float length_v)
@@ -70,10 +70,7 @@ struct SphericalRectangle {
 private:
     struct Complex {
         Float re, im;
-        Complex operator*(Complex o) const
-        {
-            return {fma(re, o.re, -(im * o.im)), fma(re, o.im, im * o.re)};
-        }
+        Complex operator*(Complex o) const { return {fma(re, o.re, -(im * o.im)), fma(re, o.im, im * o.re)}; }
     };
 };
 

@@ -57,10 +57,7 @@ inline Float atan2(Float y, Float x)
     return copysign(r, y);
 }
 
-inline Float acos(Float x)
-{
-    return atan2(sqrt(max(fma(-x, x, Float(1)), Float(0))), x);
-}
+inline Float acos(Float x) { return atan2(sqrt(max(fma(-x, x, Float(1)), Float(0))), x); }
 
 /// 2^x; relative error below 2e-7. 0 below -126, infinity from 128 on.
 inline Float exp2(Float x)
@@ -84,7 +81,7 @@ inline Float log2(Float x)
 {
     const UInt bits = float_bits(x);
     const UInt e = (bits - UInt(0x3f3504f3u)) & UInt(0xff800000u);
-    const Float m = bits_float(bits - e);                       // in [sqrt(1/2), sqrt(2))
+    const Float m = bits_float(bits - e);  // in [sqrt(1/2), sqrt(2))
     const Float n = to_float(e) * Float(1.0f / (1 << 23));
     // log(m) = 2 atanh((m - 1) / (m + 1)).
     const Float f = (m - Float(1)) / (m + Float(1));

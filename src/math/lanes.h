@@ -1,11 +1,11 @@
 #pragma once
-/// Lanes: Float, UInt and Mask are N floats, 32-bit integers and booleans, N = `lanes` decided by the instruction set that
-/// the file is compiled for: 16 (AVX-512), 8 (AVX2) or 1 (plain types, runs anywhere).
+/// Lanes: Float, UInt and Mask are N floats, 32-bit integers and booleans, N = `lanes` decided by the instruction set
+/// that the file is compiled for: 16 (AVX-512), 8 (AVX2) or 1 (plain types, runs anywhere).
 ///
 /// Every operation gives the same bits at each width. Arithmetic takes no mask: idle lanes compute garbage that nobody
 /// reads. There are no estimates (rcp, rsqrt) and no sums across lanes. min(a, b) is a < b ? a : b and max(a, b) is
-/// a > b ? a : b, NaN included. UInt arithmetic wraps; its comparisons and conversions are signed, so compared values stay
-/// below 2^31. Intrinsics live in lanes_*.h and nowhere else, but in leaf functions of the BVH.
+/// a > b ? a : b, NaN included. UInt arithmetic wraps; its comparisons and conversions are signed, so compared values
+/// stay below 2^31. Intrinsics live in lanes_*.h and nowhere else, but in leaf functions of the BVH.
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -32,40 +32,39 @@
 #else
 // By name, since an argument of type float (the base build) finds no namespace by itself.
 namespace fathom::inline FATHOM_LANES {
+using native::any;
+using native::bits_float;
+using native::compress_store;
+using native::first_lanes;
+using native::Float;
+using native::float_bits;
+using native::floor;
+using native::fma;
+using native::gather;
+using native::iota;
 using native::lanes;
 using native::lanes_name;
-using native::Float;
-using native::UInt;
-using native::Mask;
+using native::less;
 using native::load;
-using native::store;
-using native::iota;
+using native::lookup;
+using native::Mask;
 using native::mask_bits;
 using native::mask_from_bits;
-using native::first_lanes;
-using native::any;
-using native::none;
-using native::fma;
-using native::sqrt;
-using native::floor;
-using native::min;
 using native::max;
+using native::min;
+using native::none;
+using native::reverse_bits;
+using native::rotate16;
 using native::select;
-using native::float_bits;
-using native::bits_float;
+using native::sqrt;
+using native::store;
 using native::to_float;
 using native::to_uint;
-using native::less;
-using native::gather;
-using native::compress_store;
-using native::reverse_bits;
-using native::lookup;
-using native::rotate16;
-}
+using native::UInt;
+}  // namespace fathom::inline FATHOM_LANES
 #endif
 
 namespace fathom::inline FATHOM_LANES {
-
 
 inline Float abs(Float a) { return bits_float(float_bits(a) & UInt(0x7fffffffu)); }
 /// Magnitude of a, sign of b.
@@ -80,8 +79,8 @@ inline Mask equal(Mask a, Mask b) { return (a & b) | !(a | b); }
 inline bool all(Mask m) { return none(!m); }
 inline int count(Mask m) { return std::popcount(mask_bits(m)); }
 
-/// 1 / a to within 2 ulp, for normal a > 0 whose inverse is normal; by multiplications, several of which run at once where
-/// a division blocks. The guess is arithmetic, not the processor's estimate, which differs between makers.
+/// 1 / a to within 2 ulp, for normal a > 0 whose inverse is normal; by multiplications, several of which run at once
+/// where a division blocks. The guess is arithmetic, not the processor's estimate, which differs between makers.
 inline Float reciprocal(Float a)
 {
     // The exponent is mirrored, which leaves an error below 12 %; each step cubes it.

@@ -127,8 +127,7 @@ inline constexpr auto compress_table = [] {
 
 inline __m256 compress(__m256 a, Mask m)
 {
-    const __m256i order =
-        _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(compress_table[mask_bits(m)])));
+    const __m256i order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(compress_table[mask_bits(m)])));
     return _mm256_permutevar8x32_ps(a, order);
 }
 
@@ -165,7 +164,8 @@ inline UInt reverse_bits(UInt x)
                            _mm256_shuffle_epi8(high, _mm256_and_si256(_mm256_srli_epi16(y, 4), mask)));
 }
 
-/// A table of 32 floats that is read by index, of which `n` are in use; any index is safe. Small ones are held in registers.
+/// A table of 32 floats that is read by index, of which `n` are in use; any index is safe. Small ones are held in
+/// registers.
 inline Float lookup(const float* table, int n, UInt index)
 {
     const __m256 low = _mm256_permutevar8x32_ps(_mm256_loadu_ps(table), index.v);

@@ -128,7 +128,8 @@ inline UInt reverse_bits(UInt x)
                            _mm512_shuffle_epi8(high, _mm512_and_si512(_mm512_srli_epi16(y, 4), mask)));
 }
 
-/// A table of 32 floats that is read by index, of which `n` are in use; any index is safe. Held in registers: no memory is gathered.
+/// A table of 32 floats that is read by index, of which `n` are in use; any index is safe. Held in registers: no memory
+/// is gathered.
 inline Float lookup(const float* table, int n, UInt index)
 {
     if (n <= 16) return _mm512_permutexvar_ps(index.v, _mm512_loadu_ps(table));

@@ -85,14 +85,8 @@ inline Float sqrt(Float x) { return {native::sqrt(x.a), native::sqrt(x.b)}; }
 inline Float floor(Float x) { return {native::floor(x.a), native::floor(x.b)}; }
 inline Float min(Float x, Float y) { return {native::min(x.a, y.a), native::min(x.b, y.b)}; }
 inline Float max(Float x, Float y) { return {native::max(x.a, y.a), native::max(x.b, y.b)}; }
-inline Float select(Mask m, Float x, Float y)
-{
-    return {native::select(m.a, x.a, y.a), native::select(m.b, x.b, y.b)};
-}
-inline UInt select(Mask m, UInt x, UInt y)
-{
-    return {native::select(m.a, x.a, y.a), native::select(m.b, x.b, y.b)};
-}
+inline Float select(Mask m, Float x, Float y) { return {native::select(m.a, x.a, y.a), native::select(m.b, x.b, y.b)}; }
+inline UInt select(Mask m, UInt x, UInt y) { return {native::select(m.a, x.a, y.a), native::select(m.b, x.b, y.b)}; }
 inline UInt float_bits(Float x) { return {native::float_bits(x.a), native::float_bits(x.b)}; }
 inline Float bits_float(UInt x) { return {native::bits_float(x.a), native::bits_float(x.b)}; }
 inline Float to_float(UInt x) { return {native::to_float(x.a), native::to_float(x.b)}; }

@@ -17,10 +17,7 @@ inline Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}
 inline Vec3 operator-(Vec3 a) { return {-a.x, -a.y, -a.z}; }
 inline Vec3 operator*(Vec3 a, Float s) { return {a.x * s, a.y * s, a.z * s}; }
 inline Vec3 fma(Vec3 a, Float s, Vec3 b) { return {fma(a.x, s, b.x), fma(a.y, s, b.y), fma(a.z, s, b.z)}; }
-inline Vec3 select(Mask m, Vec3 a, Vec3 b)
-{
-    return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
-}
+inline Vec3 select(Mask m, Vec3 a, Vec3 b) { return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)}; }
 inline Float dot(Vec3 a, Vec3 b) { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }
 inline Vec3 cross(Vec3 a, Vec3 b)
 {
@@ -29,10 +26,7 @@ inline Vec3 cross(Vec3 a, Vec3 b)
 inline Float length(Vec3 a) { return sqrt(dot(a, a)); }
 /// Unit vector along a; a must not be zero.
 inline Vec3 normalize(Vec3 a) { return a * inverse_sqrt(dot(a, a)); }
-inline Vec3 flip_sign(Vec3 a, Float sign)
-{
-    return {flip_sign(a.x, sign), flip_sign(a.y, sign), flip_sign(a.z, sign)};
-}
+inline Vec3 flip_sign(Vec3 a, Float sign) { return {flip_sign(a.x, sign), flip_sign(a.y, sign), flip_sign(a.z, sign)}; }
 inline Float max_abs(Vec3 a) { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
 
 /// An orthonormal basis around a unit normal.

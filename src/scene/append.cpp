@@ -33,8 +33,9 @@ Appended append_scene(SceneDescription& to, SceneDescription from)
 
     for (Texture& texture : from.textures) shift(texture.image, images);
     for (Material& material : from.materials) {
-        for (int* texture : {&material.base_color.texture, &material.transmission_color.texture, &material.roughness.texture, &material.metallic.texture,
-                             &material.emission.texture, &material.alpha.texture, &material.normal_texture})
+        for (int* texture : {&material.base_color.texture, &material.transmission_color.texture,
+                             &material.roughness.texture, &material.metallic.texture, &material.emission.texture,
+                             &material.alpha.texture, &material.normal_texture})
             shift(*texture, textures);
     }
     for (Node& node : from.nodes) {

@@ -63,9 +63,10 @@ private:
     {
         for (const auto& [texture, name] :
              {std::pair{m.base_color.texture, ".base_color"},
-              std::pair{m.transmission_color.texture, ".transmission_color"}, std::pair{m.roughness.texture, ".roughness"},
-              std::pair{m.metallic.texture, ".metallic"}, std::pair{m.emission.texture, ".emission"},
-              std::pair{m.alpha.texture, ".alpha"}, std::pair{m.normal_texture, ".normal_texture"}})
+              std::pair{m.transmission_color.texture, ".transmission_color"},
+              std::pair{m.roughness.texture, ".roughness"}, std::pair{m.metallic.texture, ".metallic"},
+              std::pair{m.emission.texture, ".emission"}, std::pair{m.alpha.texture, ".alpha"},
+              std::pair{m.normal_texture, ".normal_texture"}})
             if (texture != -1) required(texture, scene_.textures.size(), place + name, "texture");
     }
 
@@ -123,7 +124,8 @@ private:
                      const char* name) const
     {
         if (centers.size() != radii.size())
-            fail(place, "has " + std::to_string(radii.size()) + " radii for " + std::to_string(centers.size()) + ' ' + name);
+            fail(place,
+                 "has " + std::to_string(radii.size()) + " radii for " + std::to_string(centers.size()) + ' ' + name);
         for (std::size_t i = 0; i < centers.size(); ++i) {
             const Vec3f p = centers[i];
             if (!finite({p.x, p.y, p.z})) fail(place + '.' + element(name, i), "is not finite");
@@ -141,7 +143,8 @@ private:
             const std::size_t n = curves.counts[i];
             sum += n;
             if (n < least || (curves.basis == CurveBasis::bezier && n % 3 != 1))
-                fail(place + '.' + element("counts", i), std::to_string(n) + " points don't make a curve of this basis");
+                fail(place + '.' + element("counts", i),
+                     std::to_string(n) + " points don't make a curve of this basis");
         }
         if (sum != curves.points.size())
             fail(place + ".counts", "sum to " + std::to_string(sum) + ", but there are " +

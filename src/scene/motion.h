@@ -9,17 +9,18 @@ namespace fathom {
 /// its linear part. A map that mirrors has a stretch that does, so that what rotates is always a rotation.
 struct Pose {
     Vec3d translation;
-    std::array<double, 4> rotation{0, 0, 0, 1};        ///< unit quaternion x, y, z, w
+    std::array<double, 4> rotation{0, 0, 0, 1};       ///< unit quaternion x, y, z, w
     std::array<double, 6> stretch{1, 0, 0, 1, 0, 1};  ///< xx, xy, xz, yy, yz, zz of a symmetric matrix
 
     Transform transform() const;
 };
 
-/// Higham 1986, "Computing the Polar Decomposition, with Applications": Newton's iteration. The map must not be singular.
+/// Higham 1986, "Computing the Polar Decomposition, with Applications": Newton's iteration. The map must not be
+/// singular.
 Pose pose_of(const Transform& t);
 
-/// From a (0) to b (1): translation and stretch linearly, the rotation steadily and the shorter way round (Shoemake 1985,
-/// "Animating Rotation with Quaternion Curves").
+/// From a (0) to b (1): translation and stretch linearly, the rotation steadily and the shorter way round (Shoemake
+/// 1985, "Animating Rotation with Quaternion Curves").
 Pose interpolate(const Pose& a, const Pose& b, double fraction);
 
 /// parent_from_node at a time.

@@ -99,7 +99,8 @@ struct Worker {
     {
         if (sums.dropped == 0) return;
         const std::uint32_t at = pixels[sums.first_dropped_pixel];
-        if (dropped == 0) dropped_sample = Film::SamplePlace{int(at & 0xffffu), int(at >> 16), sums.first_dropped_sample};
+        if (dropped == 0)
+            dropped_sample = Film::SamplePlace{int(at & 0xffffu), int(at >> 16), sums.first_dropped_sample};
         dropped += sums.dropped;
     }
 };
@@ -130,9 +131,9 @@ void add_to_words(const Worker& worker, const Film::Data& film, std::uint32_t* w
 void check(const RenderSettings& s, SampleRange range)
 {
     if (s.width < 1 || s.height < 1 || s.width > 65535 || s.height > 65535)
-        throw Error("", "", fmt::format("a picture of {}x{} can't be rendered: 1x1 to 65535x65535 can", s.width, s.height));
-    if (range.second > (std::uint64_t(1) << 32))
-        throw Error("", "", "sample indices end at 4294967296");
+        throw Error("", "",
+                    fmt::format("a picture of {}x{} can't be rendered: 1x1 to 65535x65535 can", s.width, s.height));
+    if (range.second > (std::uint64_t(1) << 32)) throw Error("", "", "sample indices end at 4294967296");
     if (s.crop && (s.crop->x0 < 0 || s.crop->y0 < 0 || s.crop->x1 > s.width || s.crop->y1 > s.height ||
                    s.crop->x0 >= s.crop->x1 || s.crop->y0 >= s.crop->y1))
         throw Error("", "", "the crop is empty or not inside the picture");
@@ -177,7 +178,8 @@ public:
             }
         };
         arena_.execute([&] {
-            tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.count(), 1), render_tiles, tbb::simple_partitioner());
+            tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.count(), 1), render_tiles,
+                              tbb::simple_partitioner());
         });
     }
 
@@ -234,12 +236,14 @@ bool render(const Scene& scene, const RenderSettings& settings, SampleRange rang
         if (cancel && *cancel) return false;
         const auto start = std::chrono::steady_clock::now();
         const std::uint64_t end = std::min(range.second, next + std::min(pass, most_pass_samples));
-        passes.render({next, end}, [&](const Worker& worker) { add_to_words(worker, data, data.words.data()); },
-                      [] { return false; });
+        passes.render(
+            {next, end}, [&](const Worker& worker) { add_to_words(worker, data, data.words.data()); },
+            [] { return false; });
         progress.rays = passes.finish({next, end});
         progress.samples_done += passes.pixels() * (end - next);
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        pass = std::max<std::uint64_t>(1, std::uint64_t(double(end - next) * std::min(pass_s / std::max(seconds, 1e-4), 8.0)));
+        pass = std::max<std::uint64_t>(
+            1, std::uint64_t(double(end - next) * std::min(pass_s / std::max(seconds, 1e-4), 8.0)));
         next = end;
         if (on_pass) on_pass(progress, film);
     }
@@ -257,8 +261,8 @@ bool render_pass(const Scene& scene, const RenderSettings& settings, SampleRange
     for (const SampleRange& r : data.samples)
         if (range.first < r.second && r.first < range.second)
             throw Error("", "", fmt::format("samples of {}:{} are in the film already", range.first, range.second));
-    // The first pass needs no care: what is left of it can be cleared. Further ones are summed apart; there each pixel is
-    // written once, so what an earlier pass left needs no clearing.
+    // The first pass needs no care: what is left of it can be cleared. Further ones are summed apart; there each pixel
+    // is written once, so what an earlier pass left needs no clearing.
     const bool is_first = data.samples.empty();
     if (!is_first) data.pass_words.resize(data.words.size());
     std::uint32_t* const sums = is_first ? data.words.data() : data.pass_words.data();
@@ -317,7 +321,13 @@ Color render_sample(const Scene& scene, const RenderSettings& settings, int x, i
     return {v[0], v[1], v[2]};
 }
 
-int simd_width() { return kernel_lanes(); }
-const char* simd_name() { return kernel_name(); }
+int simd_width()
+{
+    return kernel_lanes();
+}
+const char* simd_name()
+{
+    return kernel_name();
+}
 
 }  // namespace fathom

@@ -1,14 +1,13 @@
 #pragma once
-/// What surfaces do with light. Directions are in the frame of the shading normal, unit, pointing away from the surface;
-/// wo.z > 0: frames are turned to the side that the path is on.
+/// What surfaces do with light. Directions are in the frame of the shading normal, unit, pointing away from the
+/// surface; wo.z > 0: frames are turned to the side that the path is on.
 ///
 /// A bsdf offers
-///     BsdfEval eval(wo, wi)          what part of the light from wi goes to wo, times the cosine, and the density of sampling wi
-///     BsdfSample sample(wo, u, u1)   a direction with its weight, f_cos / pdf
-///     Mask has_smooth()              lanes with anything but delta lobes, for which lights are sampled
+///     BsdfEval eval(wo, wi)          what part of the light from wi goes to wo, times the cosine, and the density of
+///     sampling wi BsdfSample sample(wo, u, u1)   a direction with its weight, f_cos / pdf Mask has_smooth() lanes with
+///     anything but delta lobes, for which lights are sampled
 /// Delta lobes have a weight, and neither f_cos nor pdf.
 #include "shading/microfacet.h"
-
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -43,7 +42,10 @@ class DiffuseBsdf {
 public:
     static constexpr bool transmits = false;
 
-    explicit DiffuseBsdf(const MaterialPoint& m) : color_(m.base_color), r_(m.roughness) { is_rough_ = any(r_ > Float(0)); }
+    explicit DiffuseBsdf(const MaterialPoint& m) : color_(m.base_color), r_(m.roughness)
+    {
+        is_rough_ = any(r_ > Float(0));
+    }
     Mask has_smooth() const { return Mask(true); }
     BsdfEval eval(Vec3 wo, Vec3 wi) const
     {
@@ -143,11 +145,11 @@ private:
     Mask is_mirror_;
 };
 
-/// The metal of "Ray Tracing in One Weekend" and of the report: the mirror direction plus fuzz times a random point of the
-/// unit ball; what would go below the surface is absorbed.
+/// The metal of "Ray Tracing in One Weekend" and of the report: the mirror direction plus fuzz times a random point of
+/// the unit ball; what would go below the surface is absorbed.
 ///
-/// The direction has a density in closed form: the share of the ball of radius fuzz around the mirror direction that lies
-/// on a ray, weighted by r^2. So lights can be sampled too, and the look is the original's exactly.
+/// The direction has a density in closed form: the share of the ball of radius fuzz around the mirror direction that
+/// lies on a ray, weighted by r^2. So lights can be sampled too, and the look is the original's exactly.
 class FuzzMetalBsdf {
 public:
     static constexpr bool transmits = false;
@@ -194,18 +196,21 @@ private:
 };
 
 /// A dielectric boundary, smooth or of GGX facets: Walter et al. 2007, "Microfacet Models for Refraction through Rough
-/// Surfaces". Radiance that is refracted is scaled by the square of the indices' ratio, and by the root of the colour: a
-/// way in and out of a solid takes the whole of it.
+/// Surfaces". Radiance that is refracted is scaled by the square of the indices' ratio, and by the root of the colour:
+/// a way in and out of a solid takes the whole of it.
 ///
-/// Or a thin sheet, two boundaries with nothing between. What it lets through goes straight on, times the colour; facets
-/// spread that as they spread reflections, on the other side. Of a reflectance r of each boundary, all the ways between
-/// them (r, t r t, t r^3 t, ...) make 2 r / (1 + r). Scaled for multiple scattering, as the metal is.
+/// Or a thin sheet, two boundaries with nothing between. What it lets through goes straight on, times the colour;
+/// facets spread that as they spread reflections, on the other side. Of a reflectance r of each boundary, all the ways
+/// between them (r, t r t, t r^3 t, ...) make 2 r / (1 + r). Scaled for multiple scattering, as the metal is.
 class GlassBsdf {
 public:
     static constexpr bool transmits = true;
 
     explicit GlassBsdf(const MaterialPoint& m)
-        : roughness_(m.roughness), ggx_{max(m.roughness * m.roughness, Float(min_alpha))}, color_(m.base_color), is_thin_(m.thin)
+        : roughness_(m.roughness),
+          ggx_{max(m.roughness * m.roughness, Float(min_alpha))},
+          color_(m.base_color),
+          is_thin_(m.thin)
     {
         eta_ = select(m.entering | is_thin_, m.ior, Float(1) / m.ior);
         is_smooth_ = m.roughness * m.roughness < Float(min_alpha);
@@ -251,7 +256,8 @@ public:
         const Mask refracts = !(reflects | is_thin_);
         const Float weight = select(refracts, g / (eta_ * eta_), g);
         const Float pdf = eval(wo, wi).pdf;
-        return {wi, tint(reflects) * select(valid, weight * gain(wo), Float(0)), pdf, is_smooth_, select(refracts, eta_, Float(1))};
+        return {wi, tint(reflects) * select(valid, weight * gain(wo), Float(0)), pdf, is_smooth_,
+                select(refracts, eta_, Float(1))};
     }
 
 private:
@@ -276,10 +282,10 @@ private:
     Mask is_thin_, is_smooth_;
 };
 
-/// The metallic-roughness model of glTF 2.0 (its appendix B): a diffuse base under a specular layer of GGX facets, mixed
-/// with a metal. The specular part is scaled for multiple scattering, as the metal's; the base gets what the layer's
-/// directional albedo leaves (where glTF's own formula takes the half vector's reflectance, and makes energy at grazing
-/// angles).
+/// The metallic-roughness model of glTF 2.0 (its appendix B): a diffuse base under a specular layer of GGX facets,
+/// mixed with a metal. The specular part is scaled for multiple scattering, as the metal's; the base gets what the
+/// layer's directional albedo leaves (where glTF's own formula takes the half vector's reflectance, and makes energy at
+/// grazing angles).
 class PrincipledBsdf {
 public:
     static constexpr bool transmits = false;
@@ -325,7 +331,8 @@ public:
         const Mask specular = u1 < specular_probability(wo);
         const Vec3 wi = select(specular, reflect(wo, ggx_.sample(wo, u)), sample_cosine_hemisphere(u));
         const BsdfEval e = eval(wo, wi);
-        return {wi, e.f_cos * select(e.pdf > Float(0), Float(1) / max(e.pdf, Float(1e-30f)), Float(0)), e.pdf, Mask(false), Float(1)};
+        return {wi, e.f_cos * select(e.pdf > Float(0), Float(1) / max(e.pdf, Float(1e-30f)), Float(0)), e.pdf,
+                Mask(false), Float(1)};
     }
 
 private:

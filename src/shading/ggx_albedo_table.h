@@ -1,4 +1,6 @@
 #pragma once
+// A row of the table is a line here.
+// clang-format off
 
 namespace fathom {
 

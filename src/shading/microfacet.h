@@ -1,6 +1,6 @@
 #pragma once
-/// The GGX distribution of facets: Walter et al. 2007, with the height-correlated Smith term (Heitz 2014). Directions are
-/// in the frame of the shading normal.
+/// The GGX distribution of facets: Walter et al. 2007, with the height-correlated Smith term (Heitz 2014). Directions
+/// are in the frame of the shading normal.
 #include "sampling/warp.h"
 #include "shading/ggx_albedo_table.h"
 #include "shading/spectrum.h"
@@ -45,7 +45,10 @@ struct Ggx {
     Float pdf(Vec3 wo, Vec3 h) const { return g1(wo) * max(dot(wo, h), Float(0)) * d(h) / wo.z; }
 };
 
-inline Vec3 reflect(Vec3 w, Vec3 n) { return fma(n, Float(2) * dot(w, n), -w); }
+inline Vec3 reflect(Vec3 w, Vec3 n)
+{
+    return fma(n, Float(2) * dot(w, n), -w);
+}
 
 /// Schlick's (1 - cos)^5.
 inline Float schlick_weight(Float cosine)
@@ -59,7 +62,8 @@ inline Float schlick_weight(Float cosine)
 inline Float ggx_lookup(const float* table, Float cosine, Float roughness)
 {
     constexpr int n = ggx_albedo_size;
-    const Float x = clamp(cosine, Float(0), Float(1)) * Float(n - 1), y = clamp(roughness, Float(0), Float(1)) * Float(n - 1);
+    const Float x = clamp(cosine, Float(0), Float(1)) * Float(n - 1),
+                y = clamp(roughness, Float(0), Float(1)) * Float(n - 1);
     const Float x0 = min(floor(x), Float(n - 2)), y0 = min(floor(y), Float(n - 2));
     const Float fx = x - x0, fy = y - y0;
     const UInt index = to_uint(y0) * UInt(n) + to_uint(x0);
@@ -69,7 +73,10 @@ inline Float ggx_lookup(const float* table, Float cosine, Float roughness)
     return fma(fy, bottom - top, top);
 }
 
-inline Float ggx_albedo(Float cosine, Float roughness) { return ggx_lookup(ggx_albedo_table, cosine, roughness); }
+inline Float ggx_albedo(Float cosine, Float roughness)
+{
+    return ggx_lookup(ggx_albedo_table, cosine, roughness);
+}
 
 /// Reflectance of a smooth boundary between two dielectrics, for unpolarised light.
 ///

@@ -52,6 +52,9 @@ inline Float max_component(const Spectrum& a)
     for (int i = 1; i < channels; ++i) m = max(m, a.c[i]);
     return m;
 }
-inline Mask any_positive(const Spectrum& a) { return max_component(a) > Float(0); }
+inline Mask any_positive(const Spectrum& a)
+{
+    return max_component(a) > Float(0);
+}
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -25,7 +25,8 @@ inline Float perlin_noise(Vec3 p)
 {
     const Vec3 cell{floor(p.x), floor(p.y), floor(p.z)};
     const Vec3 f = p - cell;
-    const UInt x = to_uint(clamp(cell.x, Float(-1e9f), Float(1e9f))), y = to_uint(clamp(cell.y, Float(-1e9f), Float(1e9f))),
+    const UInt x = to_uint(clamp(cell.x, Float(-1e9f), Float(1e9f))),
+               y = to_uint(clamp(cell.y, Float(-1e9f), Float(1e9f))),
                z = to_uint(clamp(cell.z, Float(-1e9f), Float(1e9f)));
     const auto fade = [](Float t) { return t * t * t * fma(t, fma(t, Float(6), Float(-15)), Float(10)); };
     const auto corner = [&](std::uint32_t dx, std::uint32_t dy, std::uint32_t dz) {
@@ -126,7 +127,8 @@ inline Texel lookup_image(const SceneTables& tables, const TextureTable& t, Floa
     };
     Texel r;
     switch (TexelFormat(t.format)) {
-        case TexelFormat::float4: break;
+        case TexelFormat::float4:
+            break;
         case TexelFormat::bytes:
             // Codes are mixed, and then divided once.
             r = detail::filter_texels(t, u, v, in_bytes);
@@ -173,7 +175,8 @@ inline Texel evaluate_texture(const SceneTables& tables, const TextureTable& t, 
     Float mix(0.f);  // from color_a to color_b
     const Vec3 p = at.p_world * Float(t.scale);
     switch (TextureKind(t.kind)) {
-        case TextureKind::image: return lookup_image(tables, t, u, v, m);
+        case TextureKind::image:
+            return lookup_image(tables, t, u, v, m);
         case TextureKind::checker_uv: {
             const Float cell = floor(u * Float(t.scale)) + floor(v * Float(t.scale));
             mix = cell - floor(cell * Float(0.5f)) * Float(2);
@@ -184,8 +187,12 @@ inline Texel evaluate_texture(const SceneTables& tables, const TextureTable& t, 
             mix = select(sine(p.x) * sine(p.y) * sine(p.z) < Float(0), Float(1), Float(0));
             break;
         }
-        case TextureKind::noise: mix = fma(detail::perlin_noise(p), Float(0.5f), Float(0.5f)); break;
-        case TextureKind::turbulence: mix = detail::turbulence(p, t.octaves); break;
+        case TextureKind::noise:
+            mix = fma(detail::perlin_noise(p), Float(0.5f), Float(0.5f));
+            break;
+        case TextureKind::turbulence:
+            mix = detail::turbulence(p, t.octaves);
+            break;
         case TextureKind::marble: {
             const Float phase = fma(detail::turbulence(at.p_world, t.octaves), Float(t.turbulence_weight), p.z);
             mix = fma(sincos_2pi(phase * Float(0.5f * inv_pi)).sin, Float(0.5f), Float(0.5f));

@@ -76,7 +76,8 @@ struct Scene::Data {
     Camera camera;
 };
 
-Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings, TreeBuild build)
+Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings,
+                     TreeBuild build)
 {
     if (build != TreeBuild::standard) warnings.add(build == TreeBuild::fast ? "build fast" : "build high");
     Scene scene;
@@ -235,7 +236,10 @@ Color render_sample(const Scene&, const RenderSettings&, int x, int y, std::uint
 RayBenchmark benchmark_rays(const Scene&, const RayBenchmarkSettings& settings)
 {
     return {{{"primary", settings.rays, double(settings.threads), double(settings.runs), 4}},
-            std::size_t(settings.width) * std::size_t(settings.height), 4'000'000, 8'000'000, 0.5};
+            std::size_t(settings.width) * std::size_t(settings.height),
+            4'000'000,
+            8'000'000,
+            0.5};
 }
 int simd_width()
 {

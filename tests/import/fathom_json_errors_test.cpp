@@ -22,7 +22,8 @@ TEST_F(FathomJsonErrors, Syntax)
               "literal");
     EXPECT_EQ(error_of("c.json", R"({"materials": {"red": {}, "red": {}}})"),
               "line 1, column 27: key 'red' stands twice in one object");
-    EXPECT_EQ(error_of("d.json", R"({"scene": [1e999]})"), "line 1, column 12: not JSON: number overflow parsing '1e999'");
+    EXPECT_EQ(error_of("d.json", R"({"scene": [1e999]})"),
+              "line 1, column 12: not JSON: number overflow parsing '1e999'");
     EXPECT_EQ(error_of("e.json", "[]"), "expected an object, found an array");
     EXPECT_NE(error_of("f.json", R"({"scene": [NaN]})").find("line 1, column"), std::string::npos);
 }
@@ -50,7 +51,8 @@ INSTANTIATE_TEST_SUITE_P(
              "unlit, none"},
         Case{R"({"materials": {"m": {"kind": "glass", "fuzz": 1}}})",
              "/materials/m/fuzz: unknown key 'fuzz' in a material of kind 'glass'; known here: kind, roughness, ior, "
-             "color, thin, attenuation_color, attenuation_distance, emission, emission_unit, emission_two_sided, normal_map, "
+             "color, thin, attenuation_color, attenuation_distance, emission, emission_unit, emission_two_sided, "
+             "normal_map, "
              "normal_scale, alpha, alpha_mode, alpha_cutoff, use_vertex_color"},
         Case{R"({"sceen": []})", "/sceen: unknown key 'sceen' in a scene; did you mean 'scene'?"},
         Case{R"({"fathom": 2})", "/fathom: format 2 is not known; this version reads format 1"}));

@@ -46,9 +46,10 @@ TEST_F(FathomJsonMotion, Errors)
     EXPECT_EQ(error_in_node(R"({"motion": [{"time": 1}, {"time": 1}]})"), "/scene/0/motion/1/time: times must ascend");
     EXPECT_EQ(error_in_node(R"({"transform": {}, "motion": [{"time": 0}, {"time": 1}]})"),
               "/scene/0/motion: a node that moves has no 'transform' beside its 'motion'; its keys have");
-    EXPECT_EQ(error_in_node(R"({"motion": [{"time": 0}, {"time": 1, "transform": {"scale": [1, -1, 1]}}]})"),
-              "/scene/0/motion/1: mirrors, and the first key doesn't (or the other way round): in between the node would "
-              "be flat");
+    EXPECT_EQ(
+        error_in_node(R"({"motion": [{"time": 0}, {"time": 1, "transform": {"scale": [1, -1, 1]}}]})"),
+        "/scene/0/motion/1: mirrors, and the first key doesn't (or the other way round): in between the node would "
+        "be flat");
     EXPECT_EQ(error_in_node(R"({"mesh": {"positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "motion": [{"time": 0},
                                 {"time": 1, "positions": [[0, 0, 0]]}]}})"),
               "/scene/0/mesh/motion/1/positions: expected 3 elements, one for each of 'positions', found 1");
@@ -109,8 +110,10 @@ TEST_F(FathomJsonCurves, Errors)
 {
     EXPECT_EQ(error_in_node(R"({"curves": {"curves": [[[0, 0, 0], [1, 0, 0], [2, 0, 0]]]}})"),
               "/scene/0/curves/curves/0: expected at least 4 elements, found 3");
-    EXPECT_EQ(error_in_node(R"({"curves": {"basis": "bezier", "curves": [[[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0], [4, 0, 0]]]}})"),
-              "/scene/0/curves/curves/0: expected 4, 7, 10, ... points, found 5");
+    EXPECT_EQ(
+        error_in_node(
+            R"({"curves": {"basis": "bezier", "curves": [[[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0], [4, 0, 0]]]}})"),
+        "/scene/0/curves/curves/0: expected 4, 7, 10, ... points, found 5");
     EXPECT_EQ(error_in_node(R"({"curves": {"basis": "linear", "curves": [[[0, 0, 0], [1, 0, 0, -1]]]}})"),
               "/scene/0/curves/curves/0/1/3: a radius must not be negative");
     EXPECT_EQ(error_in_node(R"({"points": {"points": [[0, 0, 0, 0]]}})"),

@@ -140,8 +140,9 @@ TEST_F(Gltf, MaterialsAndTextures)
 {
     GltfBuilder b;
     const int positions = b.triangle();
-    const SceneDescription scene = load(
-        "a.gltf", b.gltf(fmt::format(R"(
+    const SceneDescription scene =
+        load("a.gltf",
+             b.gltf(fmt::format(R"(
         "nodes": [{{"mesh": 0}}], "scenes": [{{"nodes": [0]}}],
         "meshes": [{{"primitives": [{0}, {1}, {2}, {3}, {4}, {5}]}}],
         "extensionsUsed": ["KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_texture_transform",
@@ -164,12 +165,12 @@ TEST_F(Gltf, MaterialsAndTextures)
             "extensions": {{"KHR_materials_transmission": {{"transmissionFactor": 1}},
             "KHR_materials_volume": {{"thicknessFactor": 0}}}}}},
           {{"name": "opaque", "pbrMetallicRoughness": {{"baseColorFactor": [1, 1, 1, 0.5]}}}}])",
-                                     fmt::format(R"({{"material": 0, "attributes": {{"POSITION": {}}}}})", positions),
-                                     fmt::format(R"({{"material": 1, "attributes": {{"POSITION": {}}}}})", positions),
-                                     fmt::format(R"({{"material": 2, "attributes": {{"POSITION": {}}}}})", positions),
-                                     fmt::format(R"({{"material": 3, "attributes": {{"POSITION": {}}}}})", positions),
-                                     fmt::format(R"({{"attributes": {{"POSITION": {}}}}})", positions),
-                                     fmt::format(R"({{"material": 4, "attributes": {{"POSITION": {}}}}})", positions))));
+                                fmt::format(R"({{"material": 0, "attributes": {{"POSITION": {}}}}})", positions),
+                                fmt::format(R"({{"material": 1, "attributes": {{"POSITION": {}}}}})", positions),
+                                fmt::format(R"({{"material": 2, "attributes": {{"POSITION": {}}}}})", positions),
+                                fmt::format(R"({{"material": 3, "attributes": {{"POSITION": {}}}}})", positions),
+                                fmt::format(R"({{"attributes": {{"POSITION": {}}}}})", positions),
+                                fmt::format(R"({{"material": 4, "attributes": {{"POSITION": {}}}}})", positions))));
     ASSERT_EQ(scene.materials.size(), 6u);
     const Material& full = scene.materials[0];
     EXPECT_EQ(full.kind, MaterialKind::principled);

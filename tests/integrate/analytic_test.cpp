@@ -82,7 +82,8 @@ TEST(Furnace, TheSameForATreeOfTriangles)
         for (std::uint32_t i = 0; i < n; ++i)
             for (std::uint32_t j = 0; j < n - i; ++j) {
                 mesh.indices.insert(mesh.indices.end(), {at(i, j), at(i + 1, j), at(i, j + 1)});
-                if (i + j + 1 < n) mesh.indices.insert(mesh.indices.end(), {at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+                if (i + j + 1 < n)
+                    mesh.indices.insert(mesh.indices.end(), {at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
             }
     }
     b.scene.meshes.push_back(mesh);
@@ -187,7 +188,8 @@ TEST(Glass, AbsorbsByTheWayInside)
     b.scene.environment = white();
     b.camera({0, 0, 1}, {0, 0, 0}, 0.5);
     const double r = 0.04, a = std::sqrt(0.5);
-    expect_mean(render_film(b.scene, small_picture(16, 16), 1024), r + (1 - r) * (1 - r) * (a + a * a * r) / (1 - r * r * a * a), 0.005);
+    expect_mean(render_film(b.scene, small_picture(16, 16), 1024),
+                r + (1 - r) * (1 - r) * (a + a * a * r) / (1 - r * r * a * a), 0.005);
 }
 
 TEST(Camera, DepthNormalAndPositionOfAPlane)

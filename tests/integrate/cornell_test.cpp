@@ -21,9 +21,18 @@ void expect_cornell(const char* name, const double (&expected)[3])
 
 constexpr double white_wall[3] = {0.130159, 0.116655, 0.105854}, mirror_wall[3] = {0.134117, 0.119446, 0.107389};
 
-TEST(Cornell, MeanRadiance) { expect_cornell("cornell-box.json", white_wall); }
-TEST(Cornell, MeanRadianceOfTriangles) { expect_cornell("cornell-box-triangles.json", white_wall); }
-TEST(Cornell, MeanRadianceWithTheMirrorWall) { expect_cornell("cornell-box-mirror.json", mirror_wall); }
+TEST(Cornell, MeanRadiance)
+{
+    expect_cornell("cornell-box.json", white_wall);
+}
+TEST(Cornell, MeanRadianceOfTriangles)
+{
+    expect_cornell("cornell-box-triangles.json", white_wall);
+}
+TEST(Cornell, MeanRadianceWithTheMirrorWall)
+{
+    expect_cornell("cornell-box-mirror.json", mirror_wall);
+}
 
 }  // namespace
 }  // namespace fathom

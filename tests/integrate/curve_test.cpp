@@ -22,8 +22,8 @@ Curves helix(CurveBasis basis, bool ribbons, int points, float r)
     return curves;
 }
 
-/// White things in a white sky can't be seen: nothing is lost or gained, and no ray meets the surface that it left. Glancing
-/// light counts most there, so what is not quite closed shows.
+/// White things in a white sky can't be seen: nothing is lost or gained, and no ray meets the surface that it left.
+/// Glancing light counts most there, so what is not quite closed shows.
 TEST(CurvePicture, furnace)
 {
     for (CurveBasis basis : {CurveBasis::linear, CurveBasis::bezier, CurveBasis::bspline, CurveBasis::catmull_rom})
@@ -76,7 +76,11 @@ TEST(CurvePicture, balls_are_spheres)
                 const Vec3d p{0.3 * (i % 10) - 1.4, 0.2 * (i / 10) - 0.9, 0.1 * (i % 3)};
                 points.centers.push_back({float(p.x), float(p.y), float(p.z)});
                 points.radii.push_back(0.08f);
-                if (kind == 0) s.add(Sphere{{points.centers.back().x, points.centers.back().y, points.centers.back().z}, double(0.08f), {}}, material);
+                if (kind == 0)
+                    s.add(Sphere{{points.centers.back().x, points.centers.back().y, points.centers.back().z},
+                                 double(0.08f),
+                                 {}},
+                          material);
             }
             s.scene.points.push_back(points);
             if (kind == 1) s.add(PointsInstance{0}, material);

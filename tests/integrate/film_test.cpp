@@ -109,7 +109,7 @@ TEST(Film, AlphaAndBackground)
     settings.background = Color{0, 0, 0};
     const Image image = part(scene, settings, {0, 16}).image(true, false);
     ASSERT_EQ(image.layers[0].channels.size(), 4u);
-    EXPECT_EQ(image.layers[0].pixels[3], 0);                             // a corner: nothing
+    EXPECT_EQ(image.layers[0].pixels[3], 0);  // a corner: nothing
     EXPECT_EQ(image.layers[0].pixels[0], 0);
     EXPECT_EQ(image.layers[0].pixels[std::size_t(12 * 32 + 16) * 4 + 3], 1);  // the ball, lit by the sky behind it
     EXPECT_GT(image.layers[0].pixels[std::size_t(12 * 32 + 16) * 4], 0.1);

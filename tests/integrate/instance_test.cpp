@@ -15,7 +15,8 @@ Mesh ball(bool normals)
     for (std::uint32_t j = 0; j <= down; ++j)
         for (std::uint32_t i = 0; i <= around; ++i) {
             const double phi = 2 * std::numbers::pi * i / around, theta = std::numbers::pi * j / down;
-            const Vec3f p{float(std::sin(theta) * std::cos(phi)), float(std::cos(theta)), float(std::sin(theta) * std::sin(phi))};
+            const Vec3f p{float(std::sin(theta) * std::cos(phi)), float(std::cos(theta)),
+                          float(std::sin(theta) * std::sin(phi))};
             mesh.positions.push_back(p);
             if (normals) mesh.normals.push_back(p);
         }
@@ -27,8 +28,8 @@ Mesh ball(bool normals)
     return mesh;
 }
 
-/// What is placed looks as what stands there itself: stretched and mirrored, nested three deep, of coloured glass, for which
-/// inside and outside matter, and with light from one side.
+/// What is placed looks as what stands there itself: stretched and mirrored, nested three deep, of coloured glass, for
+/// which inside and outside matter, and with light from one side.
 TEST(InstancePicture, is_that_of_the_mesh_itself)
 {
     for (bool normals : {false, true})
@@ -56,7 +57,8 @@ TEST(InstancePicture, is_that_of_the_mesh_itself)
                         if (!instances || s.scene.meshes.empty()) s.scene.meshes.push_back(ball(normals));
                         const int node = int(s.scene.nodes.size());
                         Node a, b, c;
-                        a.parent_from_node = Transform::translate({outer ? 1.3 : -1.3, 0, 0}) * Transform::rotate({1, 1, 0}, outer);
+                        a.parent_from_node =
+                            Transform::translate({outer ? 1.3 : -1.3, 0, 0}) * Transform::rotate({1, 1, 0}, outer);
                         a.children = {node + 1};
                         b.parent_from_node = Transform::translate({0, middle ? 1.1 : -1.1, 0}) *
                                              Transform::scale({middle ? -1. : 1., 0.7, outer ? 0.5 : 1.});

@@ -75,7 +75,8 @@ TEST(Triangles, APairIsThePictureOfItsParallelogram)
         b.camera({0.5, 2, 5}, {0, 0.8, 0});
         return b.scene;
     };
-    const Mean a = mean_of(render_film(scene(false), small_picture(), 256)), b = mean_of(render_film(scene(true), small_picture(), 256));
+    const Mean a = mean_of(render_film(scene(false), small_picture(), 256)),
+               b = mean_of(render_film(scene(true), small_picture(), 256));
     EXPECT_GT(a.value[0], 0.1);
     EXPECT_NEAR(a.value[0], b.value[0], 4 * std::hypot(a.error[0], b.error[0]));
 }
@@ -97,7 +98,8 @@ TEST(Estimators, RouletteOnlyChangesTheNoise)
     const Mean early = mean_of(render_film(corner(1, {}), settings, 512));
     settings.roulette_depth = 1000;
     const Mean never = mean_of(render_film(corner(1, {}), settings, 512));
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(early.value[c], never.value[c], 4 * std::hypot(early.error[c], never.error[c]));
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(early.value[c], never.value[c], 4 * std::hypot(early.error[c], never.error[c]));
 }
 
 }  // namespace

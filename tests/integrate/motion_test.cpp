@@ -9,8 +9,8 @@ using namespace test;
 
 constexpr int width = 32, height = 24;
 
-/// What an orthographic camera at z = 10 sees of black things before a white sky, the shutter open from 0 to 1 s: 8 m from
-/// left to right, 6 from bottom to top.
+/// What an orthographic camera at z = 10 sees of black things before a white sky, the shutter open from 0 to 1 s: 8 m
+/// from left to right, 6 from bottom to top.
 struct Shadows : SceneBuilder {
     Shadows(double open = 0, double close = 1)
     {
@@ -62,7 +62,10 @@ struct Shadows : SceneBuilder {
 };
 
 const Rectangle bar{{-0.5, -2, 0}, {1, 0, 0}, {0, 4, 0}};
-bool in_bar(double x, double y) { return std::abs(x) < 0.5 && std::abs(y) < 2; }
+bool in_bar(double x, double y)
+{
+    return std::abs(x) < 0.5 && std::abs(y) < 2;
+}
 
 TEST(MotionPicture, a_node_goes_straight)
 {
@@ -162,19 +165,18 @@ TEST(MotionPicture, vertices_within_a_moving_node)
     s.scene.meshes.push_back(mesh);
     s.moving_node({{0, Transform::translate({-2, 0, 0})}, {1, Transform::translate({2, 0, 0})}})
         .shapes.push_back({MeshInstance{0}, s.black(), ""});
-    s.expect_shadow([](double x, double y, double t) {
-        return std::abs(x + 2 - 4 * t) < 0.5 && y > -2 && y < 2 - 2 * t;
-    });
+    s.expect_shadow(
+        [](double x, double y, double t) { return std::abs(x + 2 - 4 * t) < 0.5 && y > -2 && y < 2 - 2 * t; });
 }
 
-/// What a sphere covers that a node moves: one that goes straight stays a sphere of the world, one that is stretched meanwhile
-/// becomes an ellipsoid.
+/// What a sphere covers that a node moves: one that goes straight stays a sphere of the world, one that is stretched
+/// meanwhile becomes an ellipsoid.
 TEST(MotionPicture, spheres_disks_and_boxes)
 {
     for (int kind = 0; kind < 4; ++kind) {
         Shadows s;
-        const Transform end = kind == 1 ? Transform::translate({2, 0, 0}) * Transform::scale({2, 1, 1})
-                                        : Transform::translate({2, 0, 0});
+        const Transform end =
+            kind == 1 ? Transform::translate({2, 0, 0}) * Transform::scale({2, 1, 1}) : Transform::translate({2, 0, 0});
         Node& node = s.moving_node({{0, Transform::translate({-2, 0, 0})}, {1, end}});
         const int black = s.black();
         if (kind < 2) node.shapes.push_back({Sphere{{0, 0, 0}, 1, {}}, black, ""});
@@ -187,7 +189,8 @@ TEST(MotionPicture, spheres_disks_and_boxes)
     }
 }
 
-/// A closed room of grey walls, all of it turning and growing: what it sees of itself is a geometric series at any time.
+/// A closed room of grey walls, all of it turning and growing: what it sees of itself is a geometric series at any
+/// time.
 TEST(MotionPicture, furnace)
 {
     for (bool vertices : {false, true}) {
@@ -195,7 +198,8 @@ TEST(MotionPicture, furnace)
         Mesh cube;
         for (int i = 0; i < 8; ++i)
             cube.positions.push_back({i & 1 ? 1.f : -1.f, i & 2 ? 1.f : -1.f, i & 4 ? 1.f : -1.f});
-        cube.indices = {0, 1, 3, 0, 3, 2, 4, 7, 5, 4, 6, 7, 0, 5, 1, 0, 4, 5, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 7, 3, 1, 5, 7};
+        cube.indices = {0, 1, 3, 0, 3, 2, 4, 7, 5, 4, 6, 7, 0, 5, 1, 0, 4, 5,
+                        2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 7, 3, 1, 5, 7};
         if (vertices) {
             cube.motion = {{0, cube.positions, {}}, {1, cube.positions, {}}};
             for (Vec3f& p : cube.motion[1].positions) p = {1.5f * p.x + 0.3f * p.y, 1.2f * p.y, p.z + 0.2f * p.x};
@@ -245,7 +249,8 @@ TEST(MotionPicture, normals_turn)
         node.shapes.push_back({MeshInstance{0}, grey, ""});
         s.scene.roots.push_back(int(s.scene.nodes.size()));
         s.scene.nodes.push_back(node);
-        // The mean of the cosine over pi. Normals are unit at the keys, and on the straight line between them in between.
+        // The mean of the cosine over pi. Normals are unit at the keys, and on the straight line between them in
+        // between.
         double expected = 0;
         constexpr int times = 1000;
         for (int i = 0; i < times; ++i) {

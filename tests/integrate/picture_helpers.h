@@ -99,7 +99,8 @@ inline Mean mean_of(const Film& film)
 inline void expect_mean(const Film& film, double expected, double relative = 0.002)
 {
     const Mean m = mean_of(film);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(m.value[c], expected, 4 * m.error[c] + relative * expected) << "channel " << c;
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(m.value[c], expected, 4 * m.error[c] + relative * expected) << "channel " << c;
 }
 
 }  // namespace fathom::test

@@ -87,7 +87,10 @@ protected:
     std::filesystem::path file_;
 };
 
-double linear_from_srgb(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
+double linear_from_srgb(double v)
+{
+    return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+}
 
 TEST_P(TextureFormats, ShowTheValuesOfTheFile)
 {

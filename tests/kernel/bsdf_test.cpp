@@ -15,9 +15,13 @@ using test::first;
 
 MaterialPoint material(float color, float roughness, float metallic = 0, float ior = 1.5f, float fuzz = 0)
 {
-    return {Spectrum(Float(color)), Float(roughness), Float(metallic), Float(ior), Float(fuzz), Mask(true), Mask(false)};
+    return {
+        Spectrum(Float(color)), Float(roughness), Float(metallic), Float(ior), Float(fuzz), Mask(true), Mask(false)};
 }
-Vec3 lane_direction(Direction d) { return {Float(float(d.x)), Float(float(d.y)), Float(float(d.z))}; }
+Vec3 lane_direction(Direction d)
+{
+    return {Float(float(d.x)), Float(float(d.y)), Float(float(d.z))};
+}
 Vec3 outgoing(double degrees)
 {
     const double t = degrees * std::numbers::pi / 180;
@@ -48,7 +52,8 @@ Drawn draw(const Bsdf& bsdf, Vec3 wo, int n, unsigned seed = 1)
             if (weight[i] == 0) continue;
             drawn.directions.push_back({x[0][i], x[1][i], x[2][i]});
             if (mask_bits(s.is_delta) & 1) continue;
-            drawn.worst_mismatch = std::max({drawn.worst_mismatch, std::abs(double(weight[i]) * pdf[i] - f[i]) / std::max(double(f[i]), 1e-6),
+            drawn.worst_mismatch = std::max({drawn.worst_mismatch,
+                                             std::abs(double(weight[i]) * pdf[i] - f[i]) / std::max(double(f[i]), 1e-6),
                                              std::abs(double(eval_pdf[i]) - pdf[i]) / std::max(double(pdf[i]), 1e-6)});
         }
     }
@@ -75,7 +80,8 @@ void check_sampling(const Bsdf& bsdf, double degrees, const char* what)
     EXPECT_LE(total, 1.002);
     const double kept = double(drawn.directions.size()) / 200000;
     EXPECT_NEAR(total, kept, 0.01);
-    EXPECT_EQ(test::chi_square_directions(drawn.directions, [&](Direction d) { return pdf_at(bsdf, wo, d) / total; }), "");
+    EXPECT_EQ(test::chi_square_directions(drawn.directions, [&](Direction d) { return pdf_at(bsdf, wo, d) / total; }),
+              "");
 }
 
 TEST(Diffuse, SamplingAndFurnace)
@@ -84,7 +90,8 @@ TEST(Diffuse, SamplingAndFurnace)
         check_sampling(DiffuseBsdf(material(0.7f, 0)), degrees, "Lambert");
         check_sampling(DiffuseBsdf(material(0.7f, 0.8f)), degrees, "rough");
         // Nothing is lost or made: albedo 1 reflects all.
-        for (float roughness : {0.0f, 0.5f, 1.0f}) EXPECT_NEAR(draw(DiffuseBsdf(material(1, roughness)), outgoing(degrees), 400000).albedo, 1, 0.01);
+        for (float roughness : {0.0f, 0.5f, 1.0f})
+            EXPECT_NEAR(draw(DiffuseBsdf(material(1, roughness)), outgoing(degrees), 400000).albedo, 1, 0.01);
     }
 }
 
@@ -98,11 +105,13 @@ TEST(Diffuse, IsReciprocal)
 TEST(Metal, SamplingAndFurnace)
 {
     for (double degrees : {0.0, 45.0, 80.0})
-        for (float roughness : {0.3f, 0.6f, 1.0f}) check_sampling(MetalBsdf(material(0.9f, roughness)), degrees, "metal");
+        for (float roughness : {0.3f, 0.6f, 1.0f})
+            check_sampling(MetalBsdf(material(0.9f, roughness)), degrees, "metal");
     // A white metal reflects all light, also what facets scatter more than once.
     for (double degrees : {0.0, 30.0, 60.0, 85.0})
         for (float roughness : {0.0f, 0.1f, 0.3f, 0.5f, 0.8f, 1.0f})
-            EXPECT_NEAR(draw(MetalBsdf(material(1, roughness)), outgoing(degrees), 200000).albedo, 1, 0.012) << degrees << " " << roughness;
+            EXPECT_NEAR(draw(MetalBsdf(material(1, roughness)), outgoing(degrees), 200000).albedo, 1, 0.012)
+                << degrees << " " << roughness;
 }
 
 TEST(Metal, SmoothIsAMirror)
@@ -119,7 +128,8 @@ TEST(Metal, SmoothIsAMirror)
 TEST(FuzzMetal, HasTheDensityOfItsRecipe)
 {
     for (double degrees : {0.0, 40.0, 75.0})
-        for (float fuzz : {0.1f, 0.5f, 1.0f}) check_sampling(FuzzMetalBsdf(material(0.9f, 0, 0, 1.5f, fuzz)), degrees, "fuzz");
+        for (float fuzz : {0.1f, 0.5f, 1.0f})
+            check_sampling(FuzzMetalBsdf(material(0.9f, 0, 0, 1.5f, fuzz)), degrees, "fuzz");
     // At normal incidence with fuzz below 1 nothing goes below the surface.
     EXPECT_NEAR(draw(FuzzMetalBsdf(material(1, 0, 0, 1.5f, 0.9f)), outgoing(0), 100000).albedo, 1, 1e-6);
 }
@@ -199,7 +209,8 @@ TEST(ThinGlass, LetsLightStraightOnFromBothSides)
     // White: nothing is lost, also of what facets scatter more than once.
     for (double degrees : {0.0, 30.0, 60.0, 85.0})
         for (float roughness : {0.1f, 0.5f, 0.8f, 1.0f})
-            EXPECT_NEAR(draw(GlassBsdf(sheet(1, roughness)), outgoing(degrees), 200000).albedo, 1, 0.012) << degrees << " " << roughness;
+            EXPECT_NEAR(draw(GlassBsdf(sheet(1, roughness)), outgoing(degrees), 200000).albedo, 1, 0.012)
+                << degrees << " " << roughness;
 }
 
 TEST(Glass, FresnelAtNormalIncidenceAndBeyondTheCriticalAngle)
@@ -210,7 +221,8 @@ TEST(Glass, FresnelAtNormalIncidenceAndBeyondTheCriticalAngle)
     // Brewster's angle has no parallel part: half the perpendicular one.
     const double brewster = std::atan(1.5), ct = std::cos(std::asin(std::sin(brewster) / 1.5));
     const double perpendicular = (std::cos(brewster) - 1.5 * ct) / (std::cos(brewster) + 1.5 * ct);
-    EXPECT_NEAR(first(fresnel_dielectric(Float(float(std::cos(brewster))), Float(1.5f), cos_t)), perpendicular * perpendicular / 2, 1e-6);
+    EXPECT_NEAR(first(fresnel_dielectric(Float(float(std::cos(brewster))), Float(1.5f), cos_t)),
+                perpendicular * perpendicular / 2, 1e-6);
 }
 
 TEST(Principled, SamplingAndEnergy)
@@ -219,7 +231,8 @@ TEST(Principled, SamplingAndEnergy)
         for (float metallic : {0.0f, 0.5f, 1.0f}) {
             check_sampling(PrincipledBsdf(material(0.6f, 0.5f, metallic)), degrees, "principled");
             for (float roughness : {0.1f, 0.5f, 1.0f}) {
-                const double albedo = draw(PrincipledBsdf(material(1, roughness, metallic)), outgoing(degrees), 200000).albedo;
+                const double albedo =
+                    draw(PrincipledBsdf(material(1, roughness, metallic)), outgoing(degrees), 200000).albedo;
                 EXPECT_LT(albedo, 1.02) << degrees << " " << metallic << " " << roughness;
                 EXPECT_GT(albedo, metallic == 1 ? 0.98 : 0.7) << degrees << " " << metallic << " " << roughness;
             }

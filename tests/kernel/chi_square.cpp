@@ -21,7 +21,8 @@ int cell_of(const Direction& d)
 {
     const double theta = std::atan2(std::hypot(d.x, d.y), d.z), phi = std::atan2(d.y, d.x);
     const int i = std::min(int(theta / std::numbers::pi * theta_cells), theta_cells - 1);
-    const int j = std::min(int((phi < 0 ? phi + 2 * std::numbers::pi : phi) / (2 * std::numbers::pi) * phi_cells), phi_cells - 1);
+    const int j =
+        std::min(int((phi < 0 ? phi + 2 * std::numbers::pi : phi) / (2 * std::numbers::pi) * phi_cells), phi_cells - 1);
     return i * phi_cells + j;
 }
 
@@ -81,7 +82,8 @@ std::string chi_square_directions(const std::vector<Direction>& samples, const s
             for (int a = 0; a < sub; ++a)
                 for (int b = 0; b < sub; ++b) {
                     const double theta = std::numbers::pi * (i + (a + 0.5) / sub) / theta_cells;
-                    sum += std::sin(theta) * pdf(direction(theta, 2 * std::numbers::pi * (j + (b + 0.5) / sub) / phi_cells));
+                    sum += std::sin(theta) *
+                           pdf(direction(theta, 2 * std::numbers::pi * (j + (b + 0.5) / sub) / phi_cells));
                 }
             expected[std::size_t(i * phi_cells + j)] = sum / (sub * sub) * 2 * std::numbers::pi * std::numbers::pi /
                                                        (theta_cells * phi_cells) * double(samples.size());

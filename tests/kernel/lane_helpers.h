@@ -19,7 +19,10 @@ inline std::uint32_t first(UInt a)
     store(x, a);
     return x[0];
 }
-inline bool first(Mask m) { return mask_bits(m) & 1; }
+inline bool first(Mask m)
+{
+    return mask_bits(m) & 1;
+}
 
 /// Independent uniform numbers, lane by lane; the same sequence at each width.
 class Random {

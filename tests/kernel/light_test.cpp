@@ -12,7 +12,10 @@ namespace {
 
 using test::first;
 
-void put(float* to, Vec3d v) { to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z); }
+void put(float* to, Vec3d v)
+{
+    to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z);
+}
 
 LightTable rectangle_light(Vec3d corner, Vec3d u, Vec3d v)
 {
@@ -48,11 +51,11 @@ struct Place {
     Vec3d p, corner, u, v;
 };
 const Place places[] = {
-    {{0, 0, 0}, {-1, -1, 2}, {2, 0, 0}, {0, 2, 0}},          // in front
-    {{0, 0, 0}, {1, 2, 0.5}, {3, 0, 0}, {0, 0.5, 0}},         // aside and near
-    {{0, 0, 0}, {-5, -5, 0.3}, {10, 0, 0}, {0, 10, 0}},       // nearly half of all directions
-    {{1, 2, 3}, {2, 2, 4}, {1, 1, 0}, {0, 0, 2}},             // turned
-    {{278, 0, 200}, {213, 554, 227}, {130, 0, 0}, {0, 0, 105}},  // the Cornell box's lamp from its floor: far
+    {{0, 0, 0}, {-1, -1, 2}, {2, 0, 0}, {0, 2, 0}},                // in front
+    {{0, 0, 0}, {1, 2, 0.5}, {3, 0, 0}, {0, 0.5, 0}},              // aside and near
+    {{0, 0, 0}, {-5, -5, 0.3}, {10, 0, 0}, {0, 10, 0}},            // nearly half of all directions
+    {{1, 2, 3}, {2, 2, 4}, {1, 1, 0}, {0, 0, 2}},                  // turned
+    {{278, 0, 200}, {213, 554, 227}, {130, 0, 0}, {0, 0, 105}},    // the Cornell box's lamp from its floor: far
     {{278, 450, 200}, {213, 554, 227}, {130, 0, 0}, {0, 0, 105}},  // and from near below
 };
 
@@ -60,12 +63,13 @@ TEST(Rectangle, SolidAngleIsThatOfItsParts)
 {
     for (const Place& place : places) {
         const Vec3d r = place.corner - place.p;
-        const SphericalRectangle seen(Vec3(Vec3f{float(r.x), float(r.y), float(r.z)}),
-                                      Vec3(Vec3f{float(normalize(place.u).x), float(normalize(place.u).y), float(normalize(place.u).z)}),
-                                      Vec3(Vec3f{float(normalize(place.v).x), float(normalize(place.v).y), float(normalize(place.v).z)}),
-                                      Vec3(Vec3f{float(normalize(cross(place.u, place.v)).x), float(normalize(cross(place.u, place.v)).y),
-                                                 float(normalize(cross(place.u, place.v)).z)}),
-                                      Float(float(length(place.u))), Float(float(length(place.v))));
+        const SphericalRectangle seen(
+            Vec3(Vec3f{float(r.x), float(r.y), float(r.z)}),
+            Vec3(Vec3f{float(normalize(place.u).x), float(normalize(place.u).y), float(normalize(place.u).z)}),
+            Vec3(Vec3f{float(normalize(place.v).x), float(normalize(place.v).y), float(normalize(place.v).z)}),
+            Vec3(Vec3f{float(normalize(cross(place.u, place.v)).x), float(normalize(cross(place.u, place.v)).y),
+                       float(normalize(cross(place.u, place.v)).z)}),
+            Float(float(length(place.u))), Float(float(length(place.v))));
         const double expected = solid_angle(place.p, place.corner, place.u, place.v);
         EXPECT_NEAR(first(seen.solid_angle) / expected, 1, 2e-4);
     }
@@ -86,7 +90,8 @@ TEST(Rectangle, IsSampledUniformlyByAngleFromNearAndByAreaFromFar)
         for (; drawn < 100000; drawn += lanes) {
             const LightSample s = sample_light(light, p, Float(0), random.next2(), Mask(true));
             float x[3][lanes], t[lanes], inverse[lanes], pdf[lanes];
-            store(x[0], s.wi.x), store(x[1], s.wi.y), store(x[2], s.wi.z), store(t, s.distance), store(inverse, s.inverse_pdf);
+            store(x[0], s.wi.x), store(x[1], s.wi.y), store(x[2], s.wi.z), store(t, s.distance),
+                store(inverse, s.inverse_pdf);
             store(pdf, pdf_light(light, p, Float(0), s.wi, s.distance, Mask(true)));
             for (int i = 0; i < lanes; ++i) {
                 const Vec3d q = place.p + Vec3d{x[0][i], x[1][i], x[2][i]} * t[i] - place.corner;
@@ -95,7 +100,8 @@ TEST(Rectangle, IsSampledUniformlyByAngleFromNearAndByAreaFromFar)
                 ASSERT_NEAR(b, std::clamp(b, 0.0, 1.0), 1e-4);
                 ASSERT_NEAR(dot(q, normalize(cross(place.u, place.v))), 0, 1e-4 * length(place.corner - place.p));
                 ASSERT_NEAR(pdf[i] * inverse[i], 1, 1e-4);
-                ++observed[std::size_t(std::clamp(int(a * cells), 0, cells - 1) * cells + std::clamp(int(b * cells), 0, cells - 1))];
+                ++observed[std::size_t(std::clamp(int(a * cells), 0, cells - 1) * cells +
+                                       std::clamp(int(b * cells), 0, cells - 1))];
             }
         }
         const double total = solid_angle(place.p, place.corner, place.u, place.v);
@@ -104,7 +110,8 @@ TEST(Rectangle, IsSampledUniformlyByAngleFromNearAndByAreaFromFar)
                 expected[std::size_t(i * cells + j)] =
                     far ? double(drawn) / (cells * cells)
                         : drawn / total *
-                              solid_angle(place.p, place.corner + place.u * (double(i) / cells) + place.v * (double(j) / cells),
+                              solid_angle(place.p,
+                                          place.corner + place.u * (double(i) / cells) + place.v * (double(j) / cells),
                                           place.u * (1.0 / cells), place.v * (1.0 / cells));
         EXPECT_EQ(test::chi_square(observed, expected), "");
     }
@@ -140,8 +147,8 @@ TEST(Lights, InverseDensitiesAverageToTheSolidAngle)
     // Van Oosterom and Strackee 1983.
     const Vec3d a{1, -1, 2}, b{3, -1, 2}, c{1, 0, 3};
     const double la = length(a), lb = length(b), lc = length(c);
-    const double exact = 2 * std::atan2(std::abs(dot(a, cross(b, c))),
-                                        la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(a, c) * lb);
+    const double exact =
+        2 * std::atan2(std::abs(dot(a, cross(b, c))), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(a, c) * lb);
     EXPECT_NEAR(estimate_solid_angle(triangle, p) / exact, 1, 0.005);
 
     LightTable disk;
@@ -168,7 +175,8 @@ TEST(Sphere, SamplesLieOnItAndInTheConeOfDirections)
         table.radius = radius;
         test::Random random;
         for (int n = 0; n < 2000; n += lanes) {
-            const LightSample s = sample_light(light, Vec3(Float(0), Float(0), Float(0)), Float(0), random.next2(), Mask(true));
+            const LightSample s =
+                sample_light(light, Vec3(Float(0), Float(0), Float(0)), Float(0), random.next2(), Mask(true));
             float x[3][lanes], t[lanes];
             store(x[0], s.wi.x), store(x[1], s.wi.y), store(x[2], s.wi.z), store(t, s.distance);
             for (int i = 0; i < lanes; ++i) {

@@ -109,7 +109,8 @@ TEST(Frame, IsOrthonormalForAnyNormal)
 {
     test::Random random;
     for (int i = 0; i < 1000; ++i) {
-        const Vec3 n = normalize(Vec3{random.next() - Float(0.5f), random.next() - Float(0.5f), random.next() - Float(0.5f)});
+        const Vec3 n =
+            normalize(Vec3{random.next() - Float(0.5f), random.next() - Float(0.5f), random.next() - Float(0.5f)});
         const Frame f(n);
         EXPECT_NEAR(first(dot(f.s, f.t)), 0, 1e-6);
         EXPECT_NEAR(first(dot(f.s, f.n)), 0, 1e-6);

@@ -22,7 +22,8 @@ Sample2 sobol_point(std::uint32_t pixel, std::uint32_t index, std::uint32_t grou
 
 TEST(Sobol, EveryElementaryIntervalHoldsOnePoint)
 {
-    // A (0, 2)-sequence: of the first 2^m points, each dyadic box of area 2^-m has one, and so have later blocks of 2^m.
+    // A (0, 2)-sequence: of the first 2^m points, each dyadic box of area 2^-m has one, and so have later blocks of
+    // 2^m.
     for (std::uint32_t pixel : {0u, 7u})
         for (std::uint32_t pair : {0u, 1u, 3u})
             for (int m : {4, 8})
@@ -52,10 +53,14 @@ TEST(Sobol, PairsAndPixelsAreIndependent)
     };
     const auto base = [](std::uint32_t i) { return double(first(sobol_point(3, i, 1, 0).x)); };
     const double limit = 5 / std::sqrt(double(n));
-    EXPECT_LT(std::abs(correlation(base, [](std::uint32_t i) { return double(first(sobol_point(3, i, 1, 1).x)); })), limit);
-    EXPECT_LT(std::abs(correlation(base, [](std::uint32_t i) { return double(first(sobol_point(3, i, 2, 0).x)); })), limit);
-    EXPECT_LT(std::abs(correlation(base, [](std::uint32_t i) { return double(first(sobol_point(4, i, 1, 0).x)); })), limit);
-    EXPECT_LT(std::abs(correlation(base, [](std::uint32_t i) { return double(first(sobol_point(3, i, 1, 0).y)); })), limit);
+    EXPECT_LT(std::abs(correlation(base, [](std::uint32_t i) { return double(first(sobol_point(3, i, 1, 1).x)); })),
+              limit);
+    EXPECT_LT(std::abs(correlation(base, [](std::uint32_t i) { return double(first(sobol_point(3, i, 2, 0).x)); })),
+              limit);
+    EXPECT_LT(std::abs(correlation(base, [](std::uint32_t i) { return double(first(sobol_point(4, i, 1, 0).x)); })),
+              limit);
+    EXPECT_LT(std::abs(correlation(base, [](std::uint32_t i) { return double(first(sobol_point(3, i, 1, 0).y)); })),
+              limit);
 }
 
 TEST(Sobol, IntegratesSmoothFunctionsMuchBetterThanChance)
@@ -89,7 +94,9 @@ TEST(Warp, CosineHemisphere)
         store(x, w.x), store(y, w.y), store(z, w.z);
         for (int i = 0; i < lanes; ++i) samples.push_back({x[i], y[i], z[i]});
     }
-    EXPECT_EQ(test::chi_square_directions(samples, [](test::Direction d) { return std::max(0.0, d.z) / std::numbers::pi; }), "");
+    EXPECT_EQ(
+        test::chi_square_directions(samples, [](test::Direction d) { return std::max(0.0, d.z) / std::numbers::pi; }),
+        "");
 }
 
 TEST(Warp, ConeAndItsEdge)

@@ -88,8 +88,9 @@ std::optional<int> GltfReader::texture_image(const JsonValue& texture)
     if (const auto webp = extension(extensions, "EXT_texture_webp"))
         if (const auto source = webp->get("source")) return image(*source);
     if (const auto source = texture.get("source")) return image(*source);
-    file_.warn(extension(extensions, "KHR_texture_basisu") ? "KHR_texture_basisu: textures in KTX2 are not supported and left out"
-                                                           : "textures without an image are left out");
+    file_.warn(extension(extensions, "KHR_texture_basisu")
+                   ? "KHR_texture_basisu: textures in KTX2 are not supported and left out"
+                   : "textures without an image are left out");
     return std::nullopt;
 }
 
