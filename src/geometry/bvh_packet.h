@@ -82,8 +82,9 @@ public:
 
 private:
     static constexpr int parts = stream_size / lanes;
-    /// Rays through what moves part sooner: each at its own time sees boxes elsewhere.
-    static constexpr int few = moving ? 8 : 3;
+    /// Rays through what moves part sooner: each at its own time sees boxes elsewhere, and any hit ends those that went
+    /// alone.
+    static constexpr int few = moving ? (any_hit ? 8 : 4) : 3;
     /// So many are worth moving into an instance together.
     static constexpr int least_within = 8;
 
@@ -284,7 +285,7 @@ private:
         for (int i = 0; i < count; ++i) {
             const std::uint32_t slot = met[i];
             if (moving && change) {
-                const RayMask meet = rays & meet_moving(bounds + slot, change + slot);
+                const RayMask meet = meet_moving(bounds + slot, change + slot, rays);
                 memory_.packet_stack[std::size_t(size)] = {meet, node.child[slot], met_t[i]};
                 size += meet != 0;
                 continue;
@@ -316,10 +317,11 @@ private:
     }
 
     /// Which rays meet one box of a node that moves.
-    RayMask meet_moving(const float* bounds, const float* change) const
+    RayMask meet_moving(const float* bounds, const float* change, RayMask rays) const
     {
         RayMask meet = 0;
         for (int k = 0; k < parts; ++k) {
+            if (none(part_of(rays, k))) continue;
             const PreparedRays& r = part(k);
             const Float time = load(memory_.times.shutter + k * lanes);
             Float near(0.f), far = load(memory_.hits.t + k * lanes);
@@ -332,7 +334,7 @@ private:
             }
             meet |= RayMask(mask_bits(near <= far)) << k * lanes;
         }
-        return meet;
+        return meet & rays;
     }
 
     /// Lanes are triangles here: which of them could be met.
