@@ -82,9 +82,7 @@ public:
 
 private:
     static constexpr int parts = stream_size / lanes;
-    /// Rays through what moves part sooner: each at its own time sees boxes elsewhere, and any hit ends those that went
-    /// alone.
-    static constexpr int few = moving ? (any_hit ? 8 : 4) : 3;
+    static constexpr int few = moving ? (any_hit ? 12 : 2) : 3;
     /// So many are worth moving into an instance together.
     static constexpr int least_within = 8;
 
@@ -101,6 +99,9 @@ private:
             const RayTimes& times = memory_.times;
             set_range(times.shutter, first_shutter_, last_shutter_);
             set_range(times.fraction, first_fraction_, last_fraction_);
+            key_ = times.key[std::countr_zero(rays_)];
+            for (int i = 0; i < parts; ++i)
+                same_key_ &= none(part_of(rays_, i) & !(load(times.key + i * lanes) == UInt(key_)));
         }
         for (int axis = 0; axis < 3; ++axis) {
             const Float none(infinity);
@@ -187,9 +188,7 @@ private:
         if constexpr (!within)
             if (BvhReference::other_kind(reference) == BvhReference::instance && std::popcount(rays) >= least_within)
                 return visit_instance(BvhReference::place(reference), rays, size);
-        if (moving && BvhReference::other_kind(reference) == BvhReference::moving_triangles &&
-            bvh_.tables->vertex_times.size() == 2)
-            return visit_moving_leaf({&bvh_.others[std::size_t(BvhReference::place(reference)) * BvhLeaf::unit]}, rays);
+        if (moving && BvhReference::is_moving_triangles(reference)) return visit_moving_leaf(reference, rays);
         // Each ray for itself, but now: what lies behind need not be visited if something is hit.
         for (RayMask m = rays; m; m &= m - 1) defer(std::countr_zero(m), reference, t);
         finish(rays);
@@ -352,25 +351,42 @@ private:
     }
 
     /// The same for triangles that move: by where they are at the first ray's time and at the last one's.
-    [[gnu::always_inline]] std::uint32_t moving_candidates(const float* data, std::ptrdiff_t n) const
+    [[gnu::always_inline]] std::uint32_t moving_candidates(const MovingLeaf& leaf) const
     {
+        const CornerNumbers corner[] = {{leaf, 0, 0}, {leaf, 1, 0}, {leaf, 2, 0}};
+        const LeafTime first(leaf, key_, Float(first_fraction_)), last(leaf, key_, Float(last_fraction_));
         Float near(0.f), far(reach_);
         for (int axis = 0; axis < 3; ++axis) {
             Float low(infinity), high(-infinity);
-            for (int corner = 0; corner < 3; ++corner) {
-                const float* const p = data + (axis + 3 * corner) * n;
-                const Float begin = load(p), end = load(p + 9 * n);
-                const Float a = mix(begin, end, Float(first_fraction_)), b = mix(begin, end, Float(last_fraction_));
-                low = min(low, min(a, b)), high = max(high, max(a, b));
+            for (const CornerNumbers& c : corner) {
+                low = min(low, c.of(leaf.axis(axis), [&](const float* p) { return min(first.row(p), last.row(p)); }));
+                high = max(high, c.of(leaf.axis(axis), [&](const float* p) { return max(first.row(p), last.row(p)); }));
             }
             const bool down = octant_ >> axis & 1;
             intervals(axis, down ? high : low, down ? low : high, near, far);
         }
-        return mask_bits((near <= far) & first_lanes(std::size_t(n)));
+        return mask_bits((near <= far) & first_lanes(std::size_t(leaf.count())));
+    }
+
+    /// So few rays at a leaf meet it one by one, lanes being triangles. Rays through what moves, each at its own time, come
+    /// to leaves from farther apart.
+    static constexpr int few_at_leaf = moving ? 12 : 0;
+
+    [[gnu::noinline]] void visit_leaf_apart(std::uint32_t reference, RayMask rays)
+    {
+        bool found = false;
+        for (RayMask m = rays; m; m &= m - 1) {
+            const int ray = std::countr_zero(m);
+            const bool hit = stream_.meet(ray, reference);
+            if (any_hit && hit) blocked_ |= RayMask(1) << ray;
+            found |= hit;
+        }
+        if (found && !any_hit) update_reach();
     }
 
     void visit_leaf(std::uint32_t reference, RayMask rays)
     {
+        if (std::popcount(rays) <= few_at_leaf) return visit_leaf_apart(reference, rays);
         const std::ptrdiff_t n = BvhReference::triangle_count(reference);
         const std::uint32_t first = BvhReference::first_triangle(reference);
         const float* const data = &bvh_.triangles[9 * std::size_t(first)];
@@ -400,38 +416,35 @@ private:
         if (found && !any_hit) update_reach();
     }
 
-    /// The same for triangles whose corners go straight from when the shutter opens until it closes.
-    void visit_moving_leaf(const BvhLeaf& leaf, RayMask rays)
+    /// The same for triangles that move.
+    [[gnu::noinline]] void visit_moving_leaf(std::uint32_t reference, RayMask rays)
     {
-        const std::ptrdiff_t n = leaf.count();
-        const float* const data = leaf.data();
-        memory_.visits.primitives += std::uint64_t(n * std::popcount(rays));
+        if (!same_key_ || std::popcount(rays) <= few_at_leaf) return visit_leaf_apart(reference, rays);
+        const MovingLeaf leaf{{&bvh_.others[std::size_t(BvhReference::place(reference)) * BvhLeaf::unit]}};
+        memory_.visits.primitives += std::uint64_t(leaf.count() * std::popcount(rays));
         bool found = false;
-        for (std::ptrdiff_t at = 0; at < n; at += lanes)
-            for (std::uint32_t bits = moving_candidates(data + at, n) & mask_bits(first_lanes(std::size_t(n - at))); bits;
-                 bits &= bits - 1) {
-                const std::ptrdiff_t i = at + std::countr_zero(bits);
-                for (int k = 0; k < parts; ++k) {
-                    const Mask active = part_of(rays & ~blocked_, k);
-                    if (none(active)) continue;
-                    const PreparedRays& r = part(k);
-                    const Float fraction = load(memory_.times.fraction + k * lanes);
-                    const auto corner = [&](std::ptrdiff_t vertex) {
-                        const float* const p = data + 3 * vertex * n + i;
-                        const auto coordinate = [&](int axis) {
-                            return mix(Float(p[axis * n]), Float(p[(axis + 9) * n]), fraction) -
-                                   load(r.f[PreparedRays::origin_x + axis]);
-                        };
-                        return Vec3{coordinate(axes_[0]), coordinate(axes_[1]), coordinate(axes_[2])};
+        for (std::uint32_t bits = moving_candidates(leaf); bits; bits &= bits - 1) {
+            const int i = std::countr_zero(bits);
+            for (int k = 0; k < parts; ++k) {
+                const Mask active = part_of(rays & ~blocked_, k);
+                if (none(active)) continue;
+                const PreparedRays& r = part(k);
+                const LeafTime time(leaf, key_, load(memory_.times.fraction + k * lanes));
+                const auto corner = [&](int c) {
+                    const float* const vertex = leaf.axis(0) + leaf.corners(c)[i];
+                    const auto coordinate = [&](int axis) {
+                        return time.one(vertex + axis * leaf.vertices()) - load(r.f[PreparedRays::origin_x + axis]);
                     };
-                    const Vec3 pa = corner(0), pb = corner(1), pc = corner(2);
-                    TriangleWeights w = triangle_weights(load(r.f[PreparedRays::shear_x]),
-                                                         load(r.f[PreparedRays::shear_y]), pa, pb, pc);
-                    w.inside &= active;
-                    if (none(w.inside)) continue;
-                    found |= take(k, leaf.ids()[i], w, {pa.z, pb.z, pc.z});
-                }
+                    return Vec3{coordinate(axes_[0]), coordinate(axes_[1]), coordinate(axes_[2])};
+                };
+                const Vec3 pa = corner(0), pb = corner(1), pc = corner(2);
+                TriangleWeights w =
+                    triangle_weights(load(r.f[PreparedRays::shear_x]), load(r.f[PreparedRays::shear_y]), pa, pb, pc);
+                w.inside &= active;
+                if (none(w.inside)) continue;
+                found |= take(k, leaf.ids()[i], w, {pa.z, pb.z, pc.z});
             }
+        }
         if (found && !any_hit) update_reach();
     }
 
@@ -490,6 +503,8 @@ private:
     float reach_ = 0;
     /// Of all the rays: as in RayTimes.
     float first_shutter_ = 0, last_shutter_ = 0, first_fraction_ = 0, last_fraction_ = 0;
+    std::uint32_t key_ = 0;
+    bool same_key_ = true;
 };
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -15,8 +15,8 @@ using V16i = std::int32_t __attribute__((vector_size(64)));
 
 // In units of one node visited; measured on interiors, terrain and foliage (bench/rays.cpp).
 constexpr float node_cost = 1.f, triangle_leaf_cost = 0.3f, triangle_cost = 0.06f, other_leaf_cost = 0.7f,
-                other_cost = 0.05f, instance_cost = 4.f, moving_leaf_cost = 0.8f,
-                moving_triangle_cost = 0.1f, curve_leaf_cost = 1.5f, curve_cost = 0.1f, point_leaf_cost = 0.5f,
+                other_cost = 0.05f, instance_cost = 4.f, moving_leaf_cost = 0.4f,
+                moving_triangle_cost = 0.06f, curve_leaf_cost = 1.5f, curve_cost = 0.1f, point_leaf_cost = 0.5f,
                 point_cost = 0.05f;
 
 constexpr int halving_depth = 50;
@@ -178,6 +178,14 @@ private:
         return true;
     }
 
+    /// Whether a leaf can hold what would be in it is asked only where a leaf would be best.
+    Costs join_sides(Node& node, const Costs& left, const Costs& right, float half_area) const
+    {
+        const Costs costs = join(left, right, half_area, leaf_cost(node.kinds, node.count), node.choices);
+        if (node.choices[0] != 0 || fit_together(tables_, node.kinds, node.items, node.count)) return costs;
+        return join(left, right, half_area, std::numeric_limits<float>::infinity(), node.choices);
+    }
+
     /// Adds the node of n items from the first on, split by their codes, and all below.
     Costs split_sorted(std::size_t first, std::size_t n)
     {
@@ -197,7 +205,7 @@ private:
         node.kinds = nodes_[self + 1].kinds | nodes_[right_child].kinds;
         node.box = nodes_[self + 1].box;
         node.box.extend(nodes_[right_child].box);
-        return join(l, r, node.box.half_area(), leaf_cost(node.kinds, n), node.choices);
+        return join_sides(node, l, r, node.box.half_area());
     }
 
     /// Adds the node of these items, which are moved to pieces_, and all below.
@@ -221,7 +229,7 @@ private:
         node.right = right_child;
         node.count = std::uint32_t(pieces_.size() - first);
         node.kinds = nodes_[self + 1].kinds | nodes_[right_child].kinds;
-        return join(l, r, area, leaf_cost(node.kinds, node.count), node.choices);
+        return join_sides(node, l, r, area);
     }
 
     /// Adds the node of these items and all below.
@@ -246,7 +254,7 @@ private:
         Node& node = nodes_[self];
         node.right = right_child;
         node.kinds = nodes_[self + 1].kinds | nodes_[right_child].kinds;
-        return join(l, r, area, leaf_cost(node.kinds, n), node.choices);
+        return join_sides(node, l, r, area);
     }
 
     /// The nodes that stand for `node` where it may be up to j children.
