@@ -23,7 +23,7 @@ public:
     Vec3 tangent(UInt quad) const
     {
         return {number(3, quad), number(4, quad), number(5, quad)};
-    }                                                          ///< unit, in its plane
+    }  ///< unit, in its plane
     Float extent(UInt quad) const { return number(6, quad); }  ///< largest component of an edge
     UInt flags(UInt quad) const { return float_bits(number(7, quad)); }
     UInt light(UInt quad) const { return float_bits(number(8, quad)); }  ///< or no_index
