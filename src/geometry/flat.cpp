@@ -216,7 +216,7 @@ void FlatScene::build(const SceneTables& tables)
     for (const Box& box : all.boxes) {
         face_primitives.insert(face_primitives.end(), box.faces, box.faces + codes_per_box);
     }
-    face_primitives.resize(face_primitives.size() + 32, no_index);
+    face_primitives.resize(face_primitives.size() + lookup_size, no_index);
     for (std::uint32_t i = 0; i < tables.quads.size(); ++i) {
         if (finder.used[i]) continue;
         const QuadTable& q = tables.quads[i];

@@ -52,7 +52,7 @@ struct FlatScene {
     UInt primitive_of_code(UInt code) const
     {
         const int n = int(codes_per_box * all.boxes.size());
-        return n <= 32 ? lookup(face_primitives.data(), n, code) : gather(face_primitives.data(), code);
+        return lookup_or_gather(face_primitives.data(), n, code);
     }
 
     static bool fits(const SceneTables& tables);

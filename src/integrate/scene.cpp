@@ -39,7 +39,7 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
     }
     if (is_flat) {
         for (std::uint32_t shape : tables.shape_of_primitive) primitive_info.push_back(shape_info[shape]);
-        primitive_info.resize(primitive_info.size() + small_table);
+        primitive_info.resize(primitive_info.size() + lookup_size);
     }
     quads.build(tables);
     sees_environment = EnvironmentKind(tables.environment.kind) != EnvironmentKind::none;
