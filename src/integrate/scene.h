@@ -27,6 +27,7 @@ struct LaneScene final : KernelScene {
     std::uint32_t kinds = 0;  ///< bit per BsdfKind that occurs
     bool textured = false;    ///< uv matter somewhere
     bool normal_mapped = false;
+    bool varied_lights = false;  ///< some are not alike all over, see LightTable::material
     bool has_absorption = false;
     bool sees_environment = false;    ///< rays that leave the scene bring something
     bool only_diffuse_quads = false;  ///< flat, smooth, without textures or motion: QuadTracer renders it
