@@ -240,6 +240,51 @@ TEST(Lights, ManyOfThemAddUp)
     expect_mean(render_film(b.scene, small_picture(16, 16), 256), expected, 0.01);
 }
 
+TEST(Alpha, OfEveryShape)
+{
+    const std::vector<decltype(Shape::geometry)> shapes = {Sphere{{0, 0, -5}, 2, {}}, Disk{{0, 0, -5}, {0, 0, 1}, 2},
+                                                           Rectangle{{-2, -2, -5}, {4, 0, 0}, {0, 4, 0}},
+                                                           Box{{-2, -2, -6}, {2, 2, -5}}};
+    for (const auto& shape : shapes) {
+        SceneBuilder b;
+        Material m;
+        m.kind = MaterialKind::none;
+        m.emission.value = {1, 1, 1};
+        m.alpha_mode = AlphaMode::blend;
+        m.alpha.value = 0.25f;
+        b.scene.nodes[0].shapes.push_back({shape, b.material(m), ""});
+        b.camera({0, 0, 0}, {0, 0, -1}, 10);
+        expect_mean(render_film(b.scene, small_picture(), 256), 0.25, 0.01);
+    }
+}
+
+/// A disk shows its texture in the same place when a transform makes an ellipse of it.
+TEST(Textures, OfADistortedDisk)
+{
+    const auto mean = [](const Transform& transform) {
+        SceneBuilder b;
+        Texture checker;
+        checker.kind = TextureKind::checker_uv;
+        checker.scale = 2;
+        b.scene.textures.push_back(checker);
+        Material m;
+        m.kind = MaterialKind::none;
+        m.emission = {{1, 1, 1}, 0};
+        Node node;
+        node.parent_from_node = transform;
+        node.shapes.push_back({Disk{{0, 0, 0}, {0.2, -0.4, 1}, 1}, b.material(m), ""});
+        b.scene.roots.push_back(1);
+        b.scene.nodes.push_back(node);
+        b.camera({0.3, 0.1, 3}, {0.3, 0.1, 0}, 10);
+        return mean_of(render_film(b.scene, small_picture(), 64)).value[0];
+    };
+    // A transform so near to none that the picture is the same.
+    const double expected = mean({});
+    EXPECT_GT(expected, 0.1);
+    EXPECT_LT(expected, 0.9);
+    EXPECT_NEAR(mean(Transform::scale({1.0002, 1, 1})), expected, 0.01);
+}
+
 TEST(Glass, AbsorbsByTheWayInside)
 {
     // Through a slab at normal incidence: transmittance twice, absorption, and the series of reflections between.
