@@ -54,6 +54,7 @@ using native::max;
 using native::min;
 using native::none;
 using native::reverse_bits;
+using native::least;
 using native::rotate16;
 using native::select;
 using native::sqrt;
