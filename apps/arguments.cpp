@@ -138,7 +138,12 @@ Color parse_colour(const std::string& text)
         }
         return {rgb[0], rgb[1], rgb[2]};
     }
-    std::vector<double> n = parse_numbers(text, text.find(',') == std::string::npos ? 1 : 3);
+    std::vector<double> n;
+    try {
+        n = parse_numbers(text, text.find(',') == std::string::npos ? 1 : 3);
+    } catch (const UsageError&) {
+        throw UsageError(fmt::format("expected a colour as #rrggbb, r,g,b, black or white, found '{}'", text));
+    }
     n.resize(3, n[0]);
     for (double v : n)
         if (v < 0 || v > 1e30) throw UsageError(fmt::format("a colour can't be {}", v));

@@ -78,7 +78,7 @@ void add_render_options(Command& command, RenderOptions& o)
                           constexpr std::uint64_t most_int = 1u << 30;
                           o.only_sample = {int(parse_integer(parts[0], 0, most_int)),
                                            int(parse_integer(parts[1], 0, most_int)),
-                                           parse_integer(parts[2], 0, most_samples)};
+                                           parse_integer(parts[2], 0, most_samples - 1)};
                       });
     command.add_flag("-q,--quiet", o.quiet, "print only warnings and errors");
     command.add_value("--progress", "json", "one JSON object a line on stderr: progress, warnings, errors, summary",

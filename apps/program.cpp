@@ -17,6 +17,14 @@ int complain(std::string message, int code)
     return code;
 }
 
+/// CLI11's words, but where they don't say what is the matter.
+std::string usage_message(const std::string& message)
+{
+    const std::size_t often = message.find(": At Most 1 required but received ");
+    if (often != std::string::npos) return message.substr(0, often) + " is given more than once";
+    return message;
+}
+
 }  // namespace
 
 int run_program(int argc, char** argv)
@@ -43,7 +51,7 @@ int run_program(int argc, char** argv)
         return run();
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);  // --help
-        return complain(fmt::format("{} (see fathom --help)", error.what()), exit_usage);
+        return complain(fmt::format("{} (see fathom --help)", usage_message(error.what())), exit_usage);
     } catch (const UsageError& error) {
         return complain(error.what(), exit_usage);
     } catch (const Error& error) {

@@ -53,6 +53,11 @@ public:
             c_.warnings.add(
                 fmt::format("{}: degenerate triangles, which have no area and are never seen", c_.scene.file),
                 degenerate_);
+        if (opaque_ > 0)
+            c_.warnings.add(fmt::format("{}: alpha of curves, of points, and of spheres and disks that move is not "
+                                        "supported; they are opaque",
+                                        c_.scene.file),
+                            opaque_);
         fill_missing_attributes();
     }
 
@@ -128,19 +133,34 @@ private:
 
     std::uint32_t material_of(const Shape& shape) const { return material_index(t_, shape); }
 
-    static bool needs_tessellation(const PlacedShape& p)
+    bool has_alpha(std::uint32_t material) const
     {
+        return t_.materials[material].alpha_mode != std::uint32_t(AlphaMode::opaque);
+    }
+
+    /// A sphere or disk that a transform distorts, or that rays may pass through: its hits have no place on it that
+    /// alpha could be looked up by.
+    bool needs_tessellation(const PlacedShape& p) const
+    {
+        const auto* sphere = std::get_if<Sphere>(&p.shape->geometry);
+        if (!sphere && !std::holds_alternative<Disk>(p.shape->geometry)) return false;
         double factor;
-        return (std::holds_alternative<Sphere>(p.shape->geometry) || std::holds_alternative<Disk>(p.shape->geometry)) &&
-               !is_similarity(p.render_from_node, factor);
+        const bool moves = p.motion >= 0 || (sphere && sphere->center_end);
+        return !is_similarity(p.render_from_node, factor) || (has_alpha(material_of(*p.shape)) && !moves);
+    }
+
+    /// For round primitives.
+    void make_opaque(ShapeTable& shape)
+    {
+        opaque_ += (shape.flags & ShapeTable::alpha_tested) != 0;
+        shape.flags &= ~std::uint32_t(ShapeTable::alpha_tested);
     }
 
     ShapeTable& add_shape(const PlacedShape& p, std::uint32_t first_primitive, bool mirrored)
     {
         ShapeTable shape;
         shape.material = material_of(*p.shape);
-        const MaterialTable& material = t_.materials[shape.material];
-        if (material.alpha_mode != std::uint32_t(AlphaMode::opaque)) shape.flags |= ShapeTable::alpha_tested;
+        if (has_alpha(shape.material)) shape.flags |= ShapeTable::alpha_tested;
         if (mirrored) shape.flags |= ShapeTable::flipped;
         shape.first_primitive = first_primitive;
         shape.object_id = p.object_id;
@@ -251,8 +271,8 @@ private:
         ShapeTable shape = t_.shapes[instance.mesh_shape];
         shape.material = material_of(*p.shape);
         shape.flags &= ~std::uint32_t(ShapeTable::alpha_tested);
-        if (t_.materials[shape.material].alpha_mode != std::uint32_t(AlphaMode::opaque))
-            shape.flags |= ShapeTable::alpha_tested;
+        if (has_alpha(shape.material)) shape.flags |= ShapeTable::alpha_tested;
+        if (shape.first_primitive >= t_.first_sphere()) make_opaque(shape);
         // Never flipped: normals go by the inverse transpose, which keeps their side also where the transform mirrors.
         const auto [known, is_new] =
             instance_shapes_.try_emplace({instance.mesh_shape, shape.material}, std::uint32_t(t_.shapes.size()));
@@ -300,7 +320,7 @@ private:
     {
         double factor;
         is_similarity(p.render_from_node, factor);
-        add_shape(p, t_.first_sphere() + std::uint32_t(t_.spheres.size()), false);
+        make_opaque(add_shape(p, t_.first_sphere() + std::uint32_t(t_.spheres.size()), false));
         SphereTable sphere;
         const Vec3d center = p.render_from_node.point(s.center);
         sphere.center = to_float(center);
@@ -322,7 +342,7 @@ private:
     {
         double factor;
         is_similarity(p.render_from_node, factor);
-        add_shape(p, t_.first_disk() + std::uint32_t(t_.disks.size()), false);
+        make_opaque(add_shape(p, t_.first_disk() + std::uint32_t(t_.disks.size()), false));
         const Vec3d n = normal(p.render_from_node.inverse(), d.normal);
         t_.disks.push_back({to_float(p.render_from_node.point(d.center)), to_float(n), float(d.radius * factor)});
         take_primitives(1);
@@ -333,6 +353,7 @@ private:
         double factor;
         is_similarity(p.render_from_node, factor);
         ShapeTable& shape = add_shape(p, t_.first_curve() + std::uint32_t(t_.curves.size()), false);
+        make_opaque(shape);
         if (curves.basis == CurveBasis::linear) shape.flags |= ShapeTable::linear_curves;
         if (curves.ribbons) shape.flags |= ShapeTable::ribbons;
         take_primitives(fathom::add_curves(t_, curves, p.render_from_node, factor));
@@ -343,7 +364,7 @@ private:
     {
         double factor;
         is_similarity(p.render_from_node, factor);
-        add_shape(p, t_.first_point() + std::uint32_t(t_.points.size()), false);
+        make_opaque(add_shape(p, t_.first_point() + std::uint32_t(t_.points.size()), false));
         for (std::size_t i = 0; i < points.centers.size(); ++i) {
             const Vec3f c = to_float(p.render_from_node.point(to_double(points.centers[i])));
             t_.points.push_back({c.x, c.y, c.z, float(points.radii[i] * factor)});
@@ -356,7 +377,7 @@ private:
     Compiler& c_;
     SceneTables& t_;
     const Placing placing_;
-    std::size_t degenerate_ = 0;
+    std::size_t degenerate_ = 0, opaque_ = 0;
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> instance_shapes_;  ///< by mesh_shape and material
     std::map<const void*, std::uint32_t> placed_shapes_;  ///< shapes with the primitives of what is placed
     std::vector<std::pair<const PlacedShape*, std::vector<Rectangle>>> joined_;  ///< shapes of joined triangles

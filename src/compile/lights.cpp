@@ -62,7 +62,8 @@ private:
              p < t_.primitive_count() && t_.shape_of_primitive[p] == shape_index; ++p) {
             LightTable light = primitive_light(p, shape.flags & ShapeTable::flipped);
             light.primitive = p;
-            light.material = material.emission_texture != no_index ? shape.material : no_index;
+            const bool varied = material.emission_texture != no_index || (shape.flags & ShapeTable::alpha_tested);
+            light.material = varied ? shape.material : no_index;
             light.two_sided = (material.flags & MaterialTable::two_sided_emission) != 0;
             std::copy(material.emission.begin(), material.emission.end(), light.radiance);
             // Power; a texture is taken for half as bright as its factor.

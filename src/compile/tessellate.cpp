@@ -40,11 +40,15 @@ Mesh disk_mesh(const Disk& disk)
 {
     Mesh mesh;
     const Vec3d n = normalize(disk.normal);
-    const Vec3d s = normalize(cross(std::abs(n.x) > 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, n)), t = cross(n, s);
+    // As Frame does, along whose axes uv go on a disk that is no mesh.
+    const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
+    const Vec3d s{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, t{b, sign + n.y * n.y * a, -n.y};
     mesh.positions.push_back(to_float(disk.center));
+    mesh.uvs[0].push_back({0.5f, 0.5f});
     for (std::uint32_t i = 0; i < around; ++i) {
         const double phi = 2 * std::numbers::pi * i / around;
         mesh.positions.push_back(to_float(disk.center + (s * std::cos(phi) + t * std::sin(phi)) * disk.radius));
+        mesh.uvs[0].push_back({float(0.5 + 0.5 * std::cos(phi)), float(0.5 - 0.5 * std::sin(phi))});
         mesh.indices.insert(mesh.indices.end(), {0, i + 1, (i + 1) % around + 1});
     }
     return mesh;

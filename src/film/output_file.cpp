@@ -20,7 +20,12 @@ OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_
         const fs::path real = fs::weakly_canonical(target, error);
         if (!error) target_ = real;
     }
-    if (fs::is_directory(target_, error)) throw Error(name_, "", "can't write: this is a folder");
+    const fs::file_status status = fs::status(target_, error);
+    if (fs::is_directory(status)) throw Error(name_, "", "can't write: this is a folder");
+    // Nor may a file take the place of a device, nor of what its owner protected.
+    if (fs::exists(status) && !fs::is_regular_file(status))
+        throw Error(name_, "", "can't write: this is a device or a pipe, not a file");
+    if (fs::exists(status) && access(target_.c_str(), W_OK) != 0) fail("can't write", errno);
     const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
     if (!fs::exists(folder, error))
         throw Error(name_, "", fmt::format("can't write: there is no folder '{}'", folder.string()));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 
 #include "geometry/bvh_neighbours.h"
 
@@ -70,25 +71,36 @@ void prepare(const RayArrays& rays, std::size_t at, int n, const BvhData& bvh, S
     }
 }
 
-void put(const BvhData& bvh, const RayHits& hits, int i, const HitArraysOut& out, std::size_t to)
-{
-    const BvhKey key = hits.key(bvh, i);
-    out.t[to] = hits.t[i];
-    out.u[to] = key & 1 ? 1 - hits.u[i] : hits.u[i];
-    out.v[to] = key & 1 ? 1 - hits.v[i] : hits.v[i];
-    out.primitive[to] = key == no_index ? no_index : key >> 1;
-    out.instance[to] = hits.instance[i];
-}
+/// Hits of a stream as callers want them.
+struct PutHits {
+    alignas(64) float t[stream_size], u[stream_size], v[stream_size];
+    alignas(64) std::uint32_t primitive[stream_size], instance[stream_size];
+
+    PutHits(const BvhData& bvh, const RayHits& hits, int n)
+    {
+        for (int i = 0; i < n; i += lanes) {
+            const UInt what = load(hits.what + i);
+            const Mask none = what == UInt(no_index), is_place = ((what & UInt(hit_is_place)) != UInt(0u)) & !none;
+            const UInt key = select(is_place, gather(bvh.keys.data(), what & UInt(~hit_is_place), is_place), what);
+            const Mask second = (key & UInt(1u)) != UInt(0u);
+            const Float along = load(hits.u + i), across = load(hits.v + i);
+            store(t + i, load(hits.t + i));
+            store(u + i, select(second, Float(1) - along, along));
+            store(v + i, select(second, Float(1) - across, across));
+            store(primitive + i, select(none, UInt(no_index), key >> 1));
+            store(instance + i, load(hits.instance + i));
+        }
+    }
+};
 
 /// Too few rays that are alike are not worth a walk of their own.
 constexpr int least_packet = 8;
 
 template <bool any_hit, bool moving>
-void start_at_root(const BvhData& bvh, RayMask rays, Stream<any_hit, moving>& stream)
+void start_at_root(RayMask rays, Stream<any_hit, moving>& stream)
 {
     for (RayMask m = rays; m; m &= m - 1) {
-        stream.defer(std::countr_zero(m), bvh.root, 0);
-        stream.start(std::countr_zero(m));
+        stream.begin(std::countr_zero(m));
     }
 }
 
@@ -101,7 +113,7 @@ void trace_alike(const BvhData& bvh, RayMask rest, StreamMemory& memory, Stream<
         if (std::popcount(rays) >= least_packet)
             PacketTraversal<any_hit, moving>(bvh, memory, stream, rays, {bvh.root, no_index, bvh.radius}).run();
         else
-            start_at_root(bvh, rays, stream);
+            start_at_root(rays, stream);
     }
     stream.run();
 }
@@ -111,7 +123,6 @@ template <bool any_hit, bool moving>
 void trace(const BvhData& bvh, int n, bool coherent, StreamMemory& memory)
 {
     Stream<any_hit, moving> stream(bvh, memory);
-    for (int i = 0; i < n; ++i) stream.add(i);
     const RayMask all = n == 64 ? ~RayMask(0) : (RayMask(1) << n) - 1;
     if constexpr (lanes > 1) {
         if (coherent) return trace_alike(bvh, all, memory, stream);
@@ -123,7 +134,7 @@ void trace(const BvhData& bvh, int n, bool coherent, StreamMemory& memory)
             }
         }
     }
-    start_at_root(bvh, all, stream);
+    start_at_root(all, stream);
     stream.run();
 }
 
@@ -161,8 +172,9 @@ private:
     alignas(64) float data_[8][most + 64];
 };
 
+/// put(hits, n, at): notes the hits of rays [at, at + n), which stand at the beginning of hits.
 template <bool any_hit, class Put>
-void trace_streams(const BvhData& bvh, const RayArrays& rays, bool coherent, BvhVisits* visits, const Put& put_hit)
+void trace_streams(const BvhData& bvh, const RayArrays& rays, bool coherent, BvhVisits* visits, const Put& put)
 {
     static thread_local StreamMemory memory;
     memory.visits = {};
@@ -170,39 +182,57 @@ void trace_streams(const BvhData& bvh, const RayArrays& rays, bool coherent, Bvh
         const int n = int(std::min(std::size_t(stream_size), rays.count - at));
         prepare(rays, at, n, bvh, memory);
         if (!bvh.empty) bvh.moving ? trace<any_hit, true>(bvh, n, coherent, memory) : trace<any_hit, false>(bvh, n, coherent, memory);
-        for (int i = 0; i < n; ++i) put_hit(memory.hits, i, at + std::size_t(i));
+        put(memory.hits, n, at);
     }
     if (!visits) return;
     visits->nodes += memory.visits.nodes;
     visits->primitives += memory.visits.primitives;
 }
 
-template <bool any_hit, class Put>
-void trace_all(const BvhData& bvh, const RayArrays& rays, bool coherent, BvhVisits* visits, const Put& put_hit)
+/// put_in_order(hits, n, at) as above; put_one(hits, i, to): notes hit i as that of ray `to`.
+template <bool any_hit, class PutInOrder, class Prepare, class PutOne>
+void trace_all(const BvhData& bvh, const RayArrays& rays, bool coherent, BvhVisits* visits, const PutInOrder& put_in_order, const Prepare& prepared, const PutOne& put_one)
 {
     if (!bvh.moving || !coherent || !rays.time || rays.count <= stream_size)
-        return trace_streams<any_hit>(bvh, rays, coherent, visits, put_hit);
+        return trace_streams<any_hit>(bvh, rays, coherent, visits, put_in_order);
     for (std::size_t first = 0; first < rays.count; first += SortedByTime::most) {
         const std::size_t n = std::min(SortedByTime::most, rays.count - first);
         const SortedByTime by_time(rays, first, n, bvh.tables->shutter_open, bvh.tables->shutter_close);
-        trace_streams<any_hit>(bvh, by_time.sorted, true, visits, [&](const RayHits& hits, int i, std::size_t to) {
-            put_hit(hits, i, by_time.place(to));
+        trace_streams<any_hit>(bvh, by_time.sorted, true, visits, [&](const RayHits& hits, int count, std::size_t at) {
+            const auto found = prepared(hits, count);
+            for (int i = 0; i < count; ++i) put_one(found, i, by_time.place(at + std::size_t(i)));
         });
     }
 }
 
 }  // namespace
 
-void Bvh::closest(const RayArrays& rays, const HitArraysOut& hits, bool coherent, BvhVisits* visits) const
+void Bvh::closest(const RayArrays& rays, const HitArraysOut& out, bool coherent, BvhVisits* visits) const
 {
-    trace_all<false>(*data_, rays, coherent, visits,
-                     [&](const RayHits& from, int i, std::size_t to) { put(*data_, from, i, hits, to); });
+    const auto prepared = [&](const RayHits& hits, int n) { return PutHits(*data_, hits, n); };
+    const auto put_in_order = [&](const RayHits& hits, int n, std::size_t at) {
+        const PutHits found = prepared(hits, n);
+        const std::size_t bytes = std::size_t(n) * sizeof(float);
+        std::memcpy(out.t + at, found.t, bytes);
+        std::memcpy(out.u + at, found.u, bytes);
+        std::memcpy(out.v + at, found.v, bytes);
+        std::memcpy(out.primitive + at, found.primitive, bytes);
+        std::memcpy(out.instance + at, found.instance, bytes);
+    };
+    trace_all<false>(*data_, rays, coherent, visits, put_in_order, prepared, [&](const PutHits& found, int i, std::size_t to) {
+        out.t[to] = found.t[i], out.u[to] = found.u[i], out.v[to] = found.v[i];
+        out.primitive[to] = found.primitive[i], out.instance[to] = found.instance[i];
+    });
 }
 
 void Bvh::occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent, BvhVisits* visits) const
 {
-    trace_all<true>(*data_, rays, coherent, visits,
-                    [&](const RayHits& from, int i, std::size_t to) { blocked[to] = from.what[i] != no_index; });
+    const auto put_in_order = [&](const RayHits& hits, int n, std::size_t at) {
+        for (int i = 0; i < n; ++i) blocked[at + std::size_t(i)] = hits.what[i] != no_index;
+    };
+    const auto prepared = [](const RayHits& hits, int) { return hits.what; };
+    trace_all<true>(*data_, rays, coherent, visits, put_in_order, prepared,
+                    [&](const std::uint32_t* what, int i, std::size_t to) { blocked[to] = what[i] != no_index; });
 }
 
 }  // namespace fathom

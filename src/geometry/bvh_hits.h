@@ -8,6 +8,10 @@ namespace fathom::inline FATHOM_LANES {
 
 inline constexpr int stream_size = 64;
 
+/// A bit for each ray of a stream.
+using RayMask = std::uint64_t;
+static_assert(stream_size <= 64);
+
 /// Of each ray the nearest hit so far: the least of (t, key, instance). What was hit is a key or, with this bit, the
 /// place of one in BvhData::keys, which is looked up when it is needed: mostly once a ray, at its end.
 inline constexpr std::uint32_t hit_is_place = 1u << 31;

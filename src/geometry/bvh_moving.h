@@ -3,7 +3,7 @@
 ///
 /// A vertex stands in a leaf once, however many triangles share it: it is put where it is at the ray's time, moved and
 /// sheared once, and what the triangles see of it is then taken from registers.
-#include "geometry/bvh_ray.h"
+#include "geometry/bvh_hits.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -84,6 +84,46 @@ public:
 private:
     std::ptrdiff_t step_, begin_;
     Float fraction_;
+};
+
+/// Between which times rays are that keep together; as in RayTimes.
+struct PacketTimes {
+    float first_shutter = 0, last_shutter = 0, first_fraction = 0, last_fraction = 0;
+    std::uint32_t key = 0;
+    bool same_key = true;  ///< for all of the rays
+
+    PacketTimes() = default;
+    PacketTimes(const RayTimes& times, RayMask rays) : key(times.key[std::countr_zero(rays)])
+    {
+        Float low[2] = {Float(infinity), Float(infinity)}, minus_high[2] = {Float(infinity), Float(infinity)};
+        for (int i = 0; i < stream_size; i += lanes) {
+            const Mask m = mask_from_bits(std::uint32_t(rays >> i) & std::uint32_t((RayMask(1) << lanes) - 1));
+            same_key &= none(m & !(load(times.key + i) == UInt(key)));
+            const Float x[2] = {load(times.shutter + i), load(times.fraction + i)};
+            for (int k = 0; k < 2; ++k) {
+                low[k] = select(m, min(low[k], x[k]), low[k]);
+                minus_high[k] = select(m, min(minus_high[k], -x[k]), minus_high[k]);
+            }
+        }
+        first_shutter = least(low[0]), last_shutter = -least(minus_high[0]);
+        first_fraction = least(low[1]), last_fraction = -least(minus_high[1]);
+    }
+
+    /// Of each triangle's box at all of these times, which must have the same key: what is linear is so between the first
+    /// and the last.
+    [[gnu::always_inline]] void bounds(const MovingLeaf& leaf, Float low[3], Float high[3]) const
+    {
+        const CornerNumbers corner[] = {{leaf, 0, 0}, {leaf, 1, 0}, {leaf, 2, 0}};
+        const LeafTime first(leaf, key, Float(first_fraction)), last(leaf, key, Float(last_fraction));
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = Float(infinity), high[axis] = Float(-infinity);
+            for (const CornerNumbers& c : corner) {
+                const float* const p = leaf.axis(axis);
+                low[axis] = min(low[axis], c.of(p, [&](const float* v) { return min(first.row(v), last.row(v)); }));
+                high[axis] = max(high[axis], c.of(p, [&](const float* v) { return max(first.row(v), last.row(v)); }));
+            }
+        }
+    }
 };
 
 /// What the watertight test needs of triangles, one per lane: their corners, relative to the ray's origin, axes permuted,

@@ -53,7 +53,7 @@ public:
                 size = visit_node(bvh_.nodes[entry.reference], entry.rays, size);
             }
         }
-        for (RayMask m = rays_; m; m &= m - 1) stream_.start(std::countr_zero(m));
+        for (RayMask m = stream_.waiting(); m; m &= m - 1) stream_.start(std::countr_zero(m));
     }
 
 private:
@@ -68,7 +68,7 @@ private:
     {
         stream_.start(ray);
         stream_.run();
-        stream_.add(ray);
+        stream_.forget(RayMask(1) << ray);
         stream_.defer(ray, reference, 0);
     }
 

@@ -8,9 +8,6 @@
 
 namespace fathom::inline FATHOM_LANES {
 
-using RayMask = std::uint64_t;
-static_assert(stream_size <= 64);
-
 /// Those of the rays that have the octant and axis of the first of them.
 inline RayMask alike(const PreparedRays* all, RayMask rays)
 {
@@ -48,10 +45,24 @@ public:
         const PreparedRay r{&part(first / lanes).f[0][first % lanes]};
         for (int k = 0; k < 3; ++k) {
             side_[k] = r.integer(PreparedRays::side_x + k);
-            axes_[k] = int(r.integer(PreparedRays::axis) + std::uint32_t(k) + 1) % 3;
+            axes_[k] = (r.integer(PreparedRays::axis) + std::uint32_t(k) + 1) % 3;
         }
         octant_ = r.integer(PreparedRays::octant);
-        set_intervals();
+        for (int k = 0; k < parts; ++k) set_intervals(k);
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool down = octant_ >> axis & 1;
+            all_.near_origin[axis] = down ? infinity : -infinity;
+            all_.far_origin[axis] = -all_.near_origin[axis];
+            for (int k = 0; k < parts; ++k) {
+                const Intervals& part = of_part_[k];
+                const auto extend = [&](float& x, float y, bool up) { x = up == (x < y) ? y : x; };
+                extend(all_.low_inverse[axis], part.low_inverse[axis], false);
+                extend(all_.high_inverse[axis], part.high_inverse[axis], true);
+                extend(all_.near_origin[axis], part.near_origin[axis], !down);
+                extend(all_.far_origin[axis], part.far_origin[axis], down);
+            }
+        }
+        if (moving) times_ = PacketTimes(memory.times, rays);
         update_reach();
     }
 
@@ -76,13 +87,16 @@ public:
                 visit_leaf(entry.reference, rays);
             }
         }
-        for (RayMask m = rays_ & ~blocked_; m; m &= m - 1) stream_.start(std::countr_zero(m));
+        start(rays_);
     }
     RayMask blocked() const { return blocked_; }
 
 private:
     static constexpr int parts = stream_size / lanes;
     static constexpr int few = moving ? (any_hit ? 12 : 2) : 3;
+    /// So few rays at a leaf meet it one by one, lanes being triangles. Rays through what moves, each at its own time, come
+    /// to leaves from farther apart.
+    static constexpr int few_at_leaf = moving ? 12 : 0;
     /// So many are worth moving into an instance together.
     static constexpr int least_within = 8;
 
@@ -93,49 +107,30 @@ private:
     const PreparedRays& part(int i) const { return within ? memory_.together[i] : memory_.world[i]; }
     std::uint32_t instance() const { return within ? space_.instance : no_index; }
 
-    void set_intervals()
-    {
-        if (moving) {
-            const RayTimes& times = memory_.times;
-            set_range(times.shutter, first_shutter_, last_shutter_);
-            set_range(times.fraction, first_fraction_, last_fraction_);
-            key_ = times.key[std::countr_zero(rays_)];
-            for (int i = 0; i < parts; ++i)
-                same_key_ &= none(part_of(rays_, i) & !(load(times.key + i * lanes) == UInt(key_)));
-        }
-        for (int axis = 0; axis < 3; ++axis) {
-            const Float none(infinity);
-            Float low_inverse = none, high_inverse = none, low = none, high = none;  // the high ones negated
-            for (int i = 0; i < parts; ++i) {
-                const Mask m = part_of(rays_, i);
-                const Vec3 o = load_vec3(part(i).f[PreparedRays::origin_x], part(i).f[PreparedRays::origin_y],
-                                         part(i).f[PreparedRays::origin_z]);
-                const Float inverse = load(part(i).f[PreparedRays::inverse_x + axis]);
-                const Float x = load(part(i).f[PreparedRays::origin_x + axis]), slack = ray_slack(o, space_.radius);
-                low_inverse = min(low_inverse, select(m, inverse, none));
-                high_inverse = min(high_inverse, select(m, -inverse, none));
-                low = min(low, select(m, x - slack, none));
-                high = min(high, select(m, -(x + slack), none));
-            }
-            low_inverse_[axis] = least(low_inverse);
-            high_inverse_[axis] = -least(high_inverse);
-            const float from = least(low), to = -least(high);
-            const bool down = octant_ >> axis & 1;
-            near_origin_[axis] = down ? from : to;
-            far_origin_[axis] = down ? to : from;
-        }
-    }
+    /// Of some rays: inverse directions, and origins, widened by the slack, whose distance is least and greatest; and how
+    /// far they reach at most.
+    struct Intervals {
+        float low_inverse[3] = {infinity, infinity, infinity}, high_inverse[3] = {-infinity, -infinity, -infinity};
+        float near_origin[3], far_origin[3];
+        float reach = -1;
+    };
 
-    void set_range(const float* values, float& first, float& last) const
+    void set_intervals(int k)
     {
-        Float low(infinity), minus_high(infinity);
-        for (int i = 0; i < parts; ++i) {
-            const Float x = load(values + i * lanes);
-            low = min(low, select(part_of(rays_, i), x, low));
-            minus_high = min(minus_high, select(part_of(rays_, i), -x, minus_high));
+        Intervals& of = of_part_[k];
+        const Mask m = part_of(rays_, k);
+        const PreparedRays& r = part(k);
+        const Vec3 o = load_vec3(r.f[PreparedRays::origin_x], r.f[PreparedRays::origin_y], r.f[PreparedRays::origin_z]);
+        const Float outside(infinity), slack = ray_slack(o, space_.radius);
+        for (int axis = 0; axis < 3; ++axis) {
+            const Float inverse = load(r.f[PreparedRays::inverse_x + axis]), x = load(r.f[PreparedRays::origin_x + axis]);
+            of.low_inverse[axis] = least(select(m, inverse, outside));
+            of.high_inverse[axis] = -least(select(m, -inverse, outside));
+            const float from = least(select(m, x - slack, outside)), to = -least(select(m, -(x + slack), outside));
+            const bool down = octant_ >> axis & 1;
+            of.near_origin[axis] = down ? from : to;
+            of.far_origin[axis] = down ? to : from;
         }
-        first = least(low);
-        last = -least(minus_high);
     }
 
     /// Rays that might find something at t or beyond.
@@ -147,19 +142,24 @@ private:
         return rays & ~blocked_;
     }
 
+    void update_reach(int k)
+    {
+        of_part_[k].reach = -least(select(part_of(rays_, k), -load(memory_.hits.t + k * lanes), Float(1)));
+    }
     void update_reach()
     {
-        Float low(infinity);
-        for (int i = 0; i < parts; ++i)
-            low = min(low, select(part_of(rays_, i), -load(memory_.hits.t + i * lanes), low));
-        reach_ = -least(low);
+        all_.reach = -1;
+        for (int k = 0; k < parts; ++k) {
+            update_reach(k);
+            all_.reach = std::max(all_.reach, of_part_[k].reach);
+        }
     }
 
     /// The distances that any of the rays could have to boxes.
-    [[gnu::always_inline]] void intervals(int axis, Float near_plane, Float far_plane, Float& near, Float& far) const
+    [[gnu::always_inline]] static void intervals(const Intervals& of, int axis, Float near_plane, Float far_plane, Float& near, Float& far)
     {
-        const Float lo(low_inverse_[axis]), hi(high_inverse_[axis]);
-        const Float a = near_plane - Float(near_origin_[axis]), b = far_plane - Float(far_origin_[axis]);
+        const Float lo(of.low_inverse[axis]), hi(of.high_inverse[axis]);
+        const Float a = near_plane - Float(of.near_origin[axis]), b = far_plane - Float(of.far_origin[axis]);
         near = max(near, min(a * lo, a * hi));
         far = min(far, max(b * lo, b * hi));
     }
@@ -172,15 +172,26 @@ private:
     {
         stream_.start(ray);
         stream_.run();
-        begin_again(ray);
+        begin_again(RayMask(1) << ray);
         stream_.defer(ray, reference, t);
     }
-    /// A ray that the stream has done with is where this packet is.
-    void begin_again(int ray)
+    /// What was deferred of these rays is begun.
+    void start(RayMask rays)
     {
-        stream_.add(ray);
-        if (within) stream_.enter(ray, instance(), &part(ray / lanes).f[0][ray % lanes]);
-        if (any_hit && memory_.hits.what[ray] != no_index) blocked_ |= RayMask(1) << ray;
+        for (RayMask m = rays & ~blocked_ & stream_.waiting(); m; m &= m - 1) stream_.start(std::countr_zero(m));
+    }
+    /// Rays that the stream has done with are where this packet is.
+    void begin_again(RayMask rays)
+    {
+        stream_.forget(rays);
+        for (RayMask m = within ? rays : 0; m; m &= m - 1) {
+            const int ray = std::countr_zero(m);
+            stream_.enter(ray, instance(), &part(ray / lanes).f[0][ray % lanes]);
+        }
+        for (int k = 0; any_hit && k < parts; ++k) {
+            const Mask found = load(memory_.hits.what + k * lanes) != UInt(no_index);
+            blocked_ |= rays & RayMask(mask_bits(found)) << k * lanes;
+        }
     }
 
     [[gnu::noinline]] void visit_other(std::uint32_t reference, float t, RayMask rays, int size)
@@ -197,9 +208,9 @@ private:
     /// Lets the stream do what it has been given.
     void finish(RayMask rays)
     {
-        for (RayMask m = rays & ~blocked_; m; m &= m - 1) stream_.start(std::countr_zero(m));
+        start(rays);
         stream_.run();
-        for (RayMask m = rays; m; m &= m - 1) begin_again(std::countr_zero(m));
+        begin_again(rays);
         if (!any_hit) update_reach();
     }
 
@@ -241,9 +252,9 @@ private:
             rest &= ~same;
             if (std::popcount(same) < least_within) apart |= same;
         }
-        for (RayMask m = apart & ~blocked_; m; m &= m - 1) stream_.start(std::countr_zero(m));
+        start(apart);
         finish(0);
-        for (RayMask m = rays; m; m &= m - 1) begin_again(std::countr_zero(m));
+        begin_again(rays);
         if (!any_hit) update_reach();
     }
 
@@ -257,7 +268,7 @@ private:
         BoxDistances box;
         for (int k = 0; k < box_parts; ++k) {
             box.near[k] = Float(0);
-            box.far[k] = Float(reach_);
+            box.far[k] = Float(all_.reach);
             for (int axis = 0; axis < 3; ++axis) {
                 const std::ptrdiff_t near_row = side_[axis] + k * lanes,
                                      far_row = (2 * axis + 3) * bvh_width - side_[axis] + k * lanes;
@@ -266,13 +277,14 @@ private:
                     // The nearest and farthest that they are at any ray's time.
                     const bool down = octant_ >> axis & 1;
                     const Float near_change = load(change + near_row), far_change = load(change + far_row);
-                    const Float near_end = fma(near_change, Float(last_shutter_), near),
-                                far_end = fma(far_change, Float(last_shutter_), far);
-                    near = fma(near_change, Float(first_shutter_), near), far = fma(far_change, Float(first_shutter_), far);
+                    const Float near_end = fma(near_change, Float(times_.last_shutter), near),
+                                far_end = fma(far_change, Float(times_.last_shutter), far);
+                    near = fma(near_change, Float(times_.first_shutter), near);
+                    far = fma(far_change, Float(times_.first_shutter), far);
                     near = down ? max(near, near_end) : min(near, near_end);
                     far = down ? min(far, far_end) : max(far, far_end);
                 }
-                intervals(axis, near, far, box.near[k], box.far[k]);
+                intervals(all_, axis, near, far, box.near[k], box.far[k]);
             }
         }
         static constexpr std::array<std::uint32_t, bvh_width> slots = {0, 1, 2,  3,  4,  5,  6,  7,
@@ -336,41 +348,16 @@ private:
         return meet & rays;
     }
 
-    /// Lanes are triangles here: which of them could be met.
-    [[gnu::always_inline]] std::uint32_t candidates(const float* data, std::ptrdiff_t n) const
+    /// Lanes are triangles here: which of them could be met, by their boxes.
+    [[gnu::always_inline]] std::uint32_t candidates(const Intervals& of, Mask triangles, const Float low[3], const Float high[3]) const
     {
-        Float near(0.f), far(reach_);
+        Float near(0), far(of.reach);
         for (int axis = 0; axis < 3; ++axis) {
-            const float* const p = data + axis * n;
-            const Float a = load(p), b = load(p + 3 * n), c = load(p + 6 * n);
-            const Float low = min(min(a, b), c), high = max(max(a, b), c);
             const bool down = octant_ >> axis & 1;
-            intervals(axis, down ? high : low, down ? low : high, near, far);
+            intervals(of, axis, down ? high[axis] : low[axis], down ? low[axis] : high[axis], near, far);
         }
-        return mask_bits((near <= far) & first_lanes(std::size_t(n)));
+        return mask_bits((near <= far) & triangles);
     }
-
-    /// The same for triangles that move: by where they are at the first ray's time and at the last one's.
-    [[gnu::always_inline]] std::uint32_t moving_candidates(const MovingLeaf& leaf) const
-    {
-        const CornerNumbers corner[] = {{leaf, 0, 0}, {leaf, 1, 0}, {leaf, 2, 0}};
-        const LeafTime first(leaf, key_, Float(first_fraction_)), last(leaf, key_, Float(last_fraction_));
-        Float near(0.f), far(reach_);
-        for (int axis = 0; axis < 3; ++axis) {
-            Float low(infinity), high(-infinity);
-            for (const CornerNumbers& c : corner) {
-                low = min(low, c.of(leaf.axis(axis), [&](const float* p) { return min(first.row(p), last.row(p)); }));
-                high = max(high, c.of(leaf.axis(axis), [&](const float* p) { return max(first.row(p), last.row(p)); }));
-            }
-            const bool down = octant_ >> axis & 1;
-            intervals(axis, down ? high : low, down ? low : high, near, far);
-        }
-        return mask_bits((near <= far) & first_lanes(std::size_t(leaf.count())));
-    }
-
-    /// So few rays at a leaf meet it one by one, lanes being triangles. Rays through what moves, each at its own time, come
-    /// to leaves from farther apart.
-    static constexpr int few_at_leaf = moving ? 12 : 0;
 
     [[gnu::noinline]] void visit_leaf_apart(std::uint32_t reference, RayMask rays)
     {
@@ -391,61 +378,89 @@ private:
         const std::uint32_t first = BvhReference::first_triangle(reference);
         const float* const data = &bvh_.triangles[9 * std::size_t(first)];
         memory_.visits.primitives += std::uint64_t(n * std::popcount(rays));
+        Float low[3], high[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            const float* const p = data + axis * n;
+            const Float a = load(p), b = load(p + 3 * n), c = load(p + 6 * n);
+            low[axis] = min(min(a, b), c), high[axis] = max(max(a, b), c);
+        }
+        const Mask triangles = first_lanes(std::size_t(n));
         bool found = false;
-        for (std::uint32_t bits = candidates(data, n); bits; bits &= bits - 1) {
-            const int i = std::countr_zero(bits);
-            const auto corner = [&](std::ptrdiff_t k) {
-                const float* const p = data + 3 * k * n + i;
-                return Vec3{Float(p[axes_[0] * n]), Float(p[axes_[1] * n]), Float(p[axes_[2] * n])};
-            };
-            const Vec3 a = corner(0), b = corner(1), c = corner(2);
-            for (int k = 0; k < parts; ++k) {
-                const Mask active = part_of(rays & ~blocked_, k);
-                if (none(active)) continue;
-                const PreparedRays& r = part(k);
-                const Vec3 o = load_vec3(r.f[PreparedRays::origin_x + axes_[0]], r.f[PreparedRays::origin_x + axes_[1]],
-                                         r.f[PreparedRays::origin_x + axes_[2]]);
-                const Vec3 pa = a - o, pb = b - o, pc = c - o;
-                TriangleWeights w =
-                    triangle_weights(load(r.f[PreparedRays::shear_x]), load(r.f[PreparedRays::shear_y]), pa, pb, pc);
-                w.inside &= active;
-                if (none(w.inside)) continue;
-                found |= take(k, hit_is_place | (first + std::uint32_t(i)), w, {pa.z, pb.z, pc.z});
-            }
+        for (int k = 0; k < parts; ++k) {
+            const Mask active = part_of(rays & ~blocked_, k);
+            if (none(active)) continue;
+            if (const std::uint32_t bits = candidates(of_part_[k], triangles, low, high)) found |= meet_triangles(data, n, first, bits, k, active);
         }
         if (found && !any_hit) update_reach();
+    }
+
+    /// A part of the rays with some of a leaf's triangles.
+    [[gnu::always_inline]] bool meet_triangles(const float* data, std::ptrdiff_t n, std::uint32_t first, std::uint32_t bits, int k, Mask active)
+    {
+        const PreparedRays& r = part(k);
+        const Vec3 o = load_vec3(r.f[PreparedRays::origin_x + axes_[0]], r.f[PreparedRays::origin_x + axes_[1]],
+                                 r.f[PreparedRays::origin_x + axes_[2]]);
+        const Float shear_x = load(r.f[PreparedRays::shear_x]), shear_y = load(r.f[PreparedRays::shear_y]);
+        bool found = false;
+        for (; bits; bits &= bits - 1) {
+            const int i = std::countr_zero(bits);
+            const auto corner = [&](std::ptrdiff_t vertex) {
+                const float* const p = data + 3 * vertex * n + i;
+                return Vec3{Float(p[axes_[0] * n]), Float(p[axes_[1] * n]), Float(p[axes_[2] * n])} - o;
+            };
+            const Vec3 a = corner(0), b = corner(1), c = corner(2);
+            TriangleWeights w = triangle_weights(shear_x, shear_y, a, b, c);
+            w.inside &= active;
+            if (none(w.inside)) continue;
+            if (!take(k, hit_is_place | (first + std::uint32_t(i)), w, {a.z, b.z, c.z})) continue;
+            found = true;
+            if (any_hit) active = part_of(rays_ & ~blocked_, k) & active;
+        }
+        return found;
     }
 
     /// The same for triangles that move.
     [[gnu::noinline]] void visit_moving_leaf(std::uint32_t reference, RayMask rays)
     {
-        if (!same_key_ || std::popcount(rays) <= few_at_leaf) return visit_leaf_apart(reference, rays);
+        if (!times_.same_key || std::popcount(rays) <= few_at_leaf) return visit_leaf_apart(reference, rays);
         const MovingLeaf leaf{{&bvh_.others[std::size_t(BvhReference::place(reference)) * BvhLeaf::unit]}};
         memory_.visits.primitives += std::uint64_t(leaf.count() * std::popcount(rays));
+        Float low[3], high[3];
+        times_.bounds(leaf, low, high);
         bool found = false;
-        for (std::uint32_t bits = moving_candidates(leaf); bits; bits &= bits - 1) {
-            const int i = std::countr_zero(bits);
-            for (int k = 0; k < parts; ++k) {
-                const Mask active = part_of(rays & ~blocked_, k);
-                if (none(active)) continue;
-                const PreparedRays& r = part(k);
-                const LeafTime time(leaf, key_, load(memory_.times.fraction + k * lanes));
-                const auto corner = [&](int c) {
-                    const float* const vertex = leaf.axis(0) + leaf.corners(c)[i];
-                    const auto coordinate = [&](int axis) {
-                        return time.one(vertex + axis * leaf.vertices()) - load(r.f[PreparedRays::origin_x + axis]);
-                    };
-                    return Vec3{coordinate(axes_[0]), coordinate(axes_[1]), coordinate(axes_[2])};
-                };
-                const Vec3 pa = corner(0), pb = corner(1), pc = corner(2);
-                TriangleWeights w =
-                    triangle_weights(load(r.f[PreparedRays::shear_x]), load(r.f[PreparedRays::shear_y]), pa, pb, pc);
-                w.inside &= active;
-                if (none(w.inside)) continue;
-                found |= take(k, leaf.ids()[i], w, {pa.z, pb.z, pc.z});
-            }
+        for (int k = 0; k < parts; ++k) {
+            const Mask active = part_of(rays & ~blocked_, k);
+            if (none(active)) continue;
+            const std::uint32_t bits = candidates(of_part_[k], first_lanes(std::size_t(leaf.count())), low, high);
+            if (bits) found |= meet_triangles(leaf, bits, k, active);
         }
         if (found && !any_hit) update_reach();
+    }
+
+    [[gnu::always_inline]] bool meet_triangles(const MovingLeaf& leaf, std::uint32_t bits, int k, Mask active)
+    {
+        const PreparedRays& r = part(k);
+        const LeafTime time(leaf, times_.key, load(memory_.times.fraction + k * lanes));
+        bool found = false;
+        for (; bits; bits &= bits - 1) {
+            const int i = std::countr_zero(bits);
+            const auto corner = [&](int c) {
+                const float* const vertex = leaf.axis(0) + leaf.corners(c)[i];
+                const auto coordinate = [&](std::ptrdiff_t axis) {
+                    return time.one(vertex + axis * leaf.vertices()) - load(r.f[PreparedRays::origin_x + axis]);
+                };
+                return Vec3{coordinate(axes_[0]), coordinate(axes_[1]), coordinate(axes_[2])};
+            };
+            const Vec3 a = corner(0), b = corner(1), c = corner(2);
+            TriangleWeights w =
+                triangle_weights(load(r.f[PreparedRays::shear_x]), load(r.f[PreparedRays::shear_y]), a, b, c);
+            w.inside &= active;
+            if (none(w.inside)) continue;
+            if (!take(k, leaf.ids()[i], w, {a.z, b.z, c.z})) continue;
+            found = true;
+            if (any_hit) active = part_of(rays_ & ~blocked_, k) & active;
+        }
+        return found;
     }
 
     /// The hits of a part of the rays with one triangle; what: as in RayHits.
@@ -496,15 +511,9 @@ private:
     Space space_;
     int bottom_;
     std::uint32_t octant_ = 0;
-    std::ptrdiff_t side_[3];
-    int axes_[3];
-    /// Of all the rays: inverse directions, and origins, widened by the slack, whose distance is least and greatest.
-    float low_inverse_[3], high_inverse_[3], near_origin_[3], far_origin_[3];
-    float reach_ = 0;
-    /// Of all the rays: as in RayTimes.
-    float first_shutter_ = 0, last_shutter_ = 0, first_fraction_ = 0, last_fraction_ = 0;
-    std::uint32_t key_ = 0;
-    bool same_key_ = true;
+    std::ptrdiff_t side_[3], axes_[3];
+    Intervals all_, of_part_[parts];
+    PacketTimes times_;
 };
 
 }  // namespace fathom::inline FATHOM_LANES

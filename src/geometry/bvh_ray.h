@@ -15,16 +15,6 @@
 
 namespace fathom::inline FATHOM_LANES {
 
-/// The least of the lanes.
-inline float least(Float x)
-{
-    alignas(64) float lane[lanes];
-    store(lane, x);
-    float result = lane[0];
-    for (float v : lane) result = v < result ? v : result;
-    return result;
-}
-
 /// By how much boxes are widened for a ray.
 inline Float ray_slack(const Vec3& o, float radius)
 {

@@ -24,38 +24,46 @@ public:
         memory.stacks.resize(std::max(memory.stacks.size(), 2 * stride_ * stream_size));
     }
 
-    /// Begins with a ray of memory.world, which so far has nowhere to go.
-    void add(int ray)
+    /// A ray of memory.world, from the root on.
+    void begin(int ray)
     {
-        std::uint32_t* const bottom = memory_.stacks.data() + std::size_t(ray) * 2 * stride_;
-        states_[ray] = {&memory_.world[ray / lanes].f[0][ray % lanes], bottom, end, no_index, bottom};
-        push(ray, end, -infinity);
+        add(ray);
+        queue(ray, bvh_.root, next_.n);
     }
     /// Leaves a part of the tree for later, of whose box t is the distance; false if there is no more room.
     bool defer(int ray, std::uint32_t reference, float t)
     {
+        if (!is_known(ray)) add(ray);
         if (size(ray) > bvh_deferred) return false;
         push(ray, reference, t);
+        waiting_ |= RayMask(1) << ray;
         return true;
     }
     /// The ray goes on in what an instance places, until it comes to the end put on its stack here.
     void enter(int ray, std::uint32_t instance, const float* prepared_there)
     {
+        if (!is_known(ray)) add(ray);
         states_[ray].prepared = prepared_there;
         states_[ray].instance = instance;
         push(ray, end, -infinity);
     }
+    /// Rays of which something was deferred since they were last started.
+    RayMask waiting() const { return waiting_; }
     /// What was deferred and is not out of reach by now is to be visited, the last first.
     void start(int ray)
     {
-        if (size(ray) == 1) return;
+        waiting_ &= ~(RayMask(1) << ray);
         if (!any_hit) remove_beyond(ray, memory_.hits.t[ray]);
         pop(ray, next_.n);
     }
 
+    /// Rays that have been traced may be deferred again, in the world.
+    void forget(RayMask rays) { known_ &= ~rays; }
+
     /// Tests a leaf of triangles there and then; true if something in it is the nearest so far.
     bool meet(int ray, std::uint32_t reference)
     {
+        if (!is_known(ray)) add(ray);
         states_[ray].reference = reference;
         const int n = triangle_count(reference);
         memory_.visits.primitives += std::uint64_t(n);
@@ -117,6 +125,17 @@ private:
         std::uint32_t reference, instance;
         std::uint32_t* bottom;
     };
+
+    /// A ray that has nowhere to go yet.
+    void add(int ray)
+    {
+        std::uint32_t* const bottom = memory_.stacks.data() + std::size_t(ray) * 2 * stride_;
+        states_[ray] = {&memory_.world[ray / lanes].f[0][ray % lanes], bottom, end, no_index, bottom};
+        push(ray, end, -infinity);
+        known_ |= RayMask(1) << ray;
+        waiting_ &= ~(RayMask(1) << ray);
+    }
+    bool is_known(int ray) const { return known_ >> ray & 1; }
 
     PreparedRay prepared(int ray) const { return {states_[ray].prepared}; }
     BvhStack stack(int ray) const { return {states_[ray].bottom, distances(states_[ray].bottom)}; }
@@ -444,6 +463,7 @@ private:
     StreamMemory& memory_;
     const std::size_t stride_;
     Queues now_, next_;
+    RayMask known_ = 0, waiting_ = 0;  ///< whose state is set; of which something was deferred
     State states_[stream_size];
 };
 

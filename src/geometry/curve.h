@@ -1,6 +1,6 @@
 #pragma once
-/// Curves: cubic Bezier segments or lines with a radius that changes along them, cut into straight pieces that are tested
-/// by lanes. The pieces are the surface: whoever looks at a hit computes them again, to the same bits.
+/// Curves: cubic Bezier segments or lines with a radius that changes along them, cut into straight pieces that are
+/// tested by lanes. The pieces are the surface: whoever looks at a hit computes them again, to the same bits.
 #include <type_traits>
 
 #include "geometry/ray.h"
@@ -47,17 +47,17 @@ inline namespace FATHOM_LANES {
 
 /// Pieces of curves, one per lane.
 struct CurvePiece {
-    Vec3 a, b;       ///< ends of its axis
-    Float ra, rb;    ///< radii there
+    Vec3 a, b;     ///< ends of its axis
+    Float ra, rb;  ///< radii there
 };
 
 /// Lanes whose ray (of unit direction) enters the piece from outside at 0 < t <= t_max; w: where along it, in [0, 1].
 ///
-/// The piece is what a ball sweeps whose centre goes from a to b and whose radius goes from ra to rb. A point p is on its
-/// side if the least of |p - c(w)|^2 - r(w)^2 over w is 0; with the best w for a point of the ray that is a quadratic in t.
-/// All is computed about the point of the axis that is nearest to the ray, so that thin and long pieces keep their
-/// precision. Han, Wald, Usher et al. 2019, "Ray Tracing Generalized Tube Primitives: Method and Applications", has
-/// the geometry; the way of solving is ours.
+/// The piece is what a ball sweeps whose centre goes from a to b and whose radius goes from ra to rb. A point p is on
+/// its side if the least of |p - c(w)|^2 - r(w)^2 over w is 0; with the best w for a point of the ray that is a
+/// quadratic in t. All is computed about the point of the axis that is nearest to the ray, so that thin and long pieces
+/// keep their precision. Han, Wald, Usher et al. 2019, "Ray Tracing Generalized Tube Primitives: Method and
+/// Applications", has the geometry; the way of solving is ours.
 inline Mask meet_round_piece(const CurvePiece& piece, const Vec3& o, const Vec3& d, Float t_max, Float& t, Float& w)
 {
     const Vec3 whole = piece.b - piece.a, q = o - piece.a;
@@ -84,7 +84,8 @@ inline Mask meet_round_piece(const CurvePiece& piece, const Vec3& o, const Vec3&
     const Float side_w = w0 + fma(m, side_t, n) / A * inverse;
     t = t0 + side_t;
     w = side_w;
-    Mask found = (A > Float(0)) & (discriminant >= Float(0)) & (side_w >= Float(0)) & (side_w <= Float(1)) & (t > Float(0));
+    Mask found =
+        (A > Float(0)) & (discriminant >= Float(0)) & (side_w >= Float(0)) & (side_w <= Float(1)) & (t > Float(0));
     const auto cap = [&](const Vec3& center, Float radius, Float place) {
         const Float tc = dot(d, center - o);
         const Vec3 foot = fma(d, tc, o - center);
@@ -102,8 +103,8 @@ inline Mask meet_round_piece(const CurvePiece& piece, const Vec3& o, const Vec3&
 
 /// Lanes whose ray meets the piece as a ribbon that is turned towards the ray, at 0 < t <= t_max; w as above.
 ///
-/// Seen along the ray: whether the ray passes between the lines through the ends that are perpendicular to the curve there
-/// (start, end: its tangents; neighbours share them, so nothing gapes), and how far from the axis. Nakamaru, Ohno
+/// Seen along the ray: whether the ray passes between the lines through the ends that are perpendicular to the curve
+/// there (start, end: its tangents; neighbours share them, so nothing gapes), and how far from the axis. Nakamaru, Ohno
 /// 2002, "Ray Tracing for Curves Primitive"; Pharr, Jakob, Humphreys 2023, "Physically Based Rendering", 6.7.
 inline Mask meet_ribbon_piece(const CurvePiece& piece, const Vec3& start, const Vec3& end, const Vec3& o, const Vec3& d,
                               Float t_max, Float& t, Float& w)

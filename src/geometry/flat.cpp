@@ -7,11 +7,26 @@ namespace fathom::inline FATHOM_LANES {
 
 namespace {
 
-Vec3f add(Vec3f a, Vec3f b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Vec3f sub(Vec3f a, Vec3f b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vec3d wide(Vec3f a) { return {a.x, a.y, a.z}; }
-Vec3f narrow(Vec3d a) { return {float(a.x), float(a.y), float(a.z)}; }
-float component(Vec3f a, int axis) { return axis == 0 ? a.x : axis == 1 ? a.y : a.z; }
+Vec3f add(Vec3f a, Vec3f b)
+{
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+Vec3f sub(Vec3f a, Vec3f b)
+{
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+Vec3d wide(Vec3f a)
+{
+    return {a.x, a.y, a.z};
+}
+Vec3f narrow(Vec3d a)
+{
+    return {float(a.x), float(a.y), float(a.z)};
+}
+float component(Vec3f a, int axis)
+{
+    return axis == 0 ? a.x : axis == 1 ? a.y : a.z;
+}
 
 struct Extent {
     float lo[3], hi[3];
@@ -47,7 +62,10 @@ int flat_axis(const QuadTable& quad, float tolerance)
     return -1;
 }
 
-bool close(float a, float b, float tolerance) { return std::fabs(a - b) <= tolerance; }
+bool close(float a, float b, float tolerance)
+{
+    return std::fabs(a - b) <= tolerance;
+}
 
 /// Which face of the box the rectangle covers exactly (2 axis + high), or -1.
 int face_of(const Extent& box, const Extent& rectangle, int axis, float tolerance)
@@ -143,8 +161,8 @@ std::vector<Vec3d> hull_points(const SceneTables& tables)
     for (std::uint32_t v : tables.triangles) points.push_back(wide(tables.positions[v]));
     const auto add_round = [&](Vec3f center, double radius) {
         for (int i = 0; i < 8; ++i)
-            points.push_back(wide(center) + Vec3d{i & 1 ? radius : -radius, i & 2 ? radius : -radius,
-                                                  i & 4 ? radius : -radius});
+            points.push_back(wide(center) +
+                             Vec3d{i & 1 ? radius : -radius, i & 2 ? radius : -radius, i & 4 ? radius : -radius});
     };
     for (const SphereTable& s : tables.spheres) {
         add_round(s.center, std::fabs(s.radius));
@@ -198,15 +216,15 @@ void FlatScene::build(const SceneTables& tables)
     for (const Box& box : all.boxes) {
         face_primitives.insert(face_primitives.end(), box.faces, box.faces + codes_per_box);
     }
-    face_primitives.resize(face_primitives.size() + 32, no_index);
+    face_primitives.resize(face_primitives.size() + lookup_size, no_index);
     for (std::uint32_t i = 0; i < tables.quads.size(); ++i) {
         if (finder.used[i]) continue;
         const QuadTable& q = tables.quads[i];
         const Vec3d u = wide(q.edge_u), v = wide(q.edge_v), n = cross(u, v);
         const double n2 = dot(n, n);
         if (n2 == 0) continue;
-        all.quads.push_back({q.corner, narrow(normalize(n)), narrow(cross(v, n) * (1 / n2)), narrow(cross(n, u) * (1 / n2)),
-                             tables.first_quad() + i});
+        all.quads.push_back({q.corner, narrow(normalize(n)), narrow(cross(v, n) * (1 / n2)),
+                             narrow(cross(n, u) * (1 / n2)), tables.first_quad() + i});
     }
     for (std::uint32_t i = 0; i < tables.triangle_count(); ++i) {
         const std::uint32_t* v = &tables.triangles[3 * i];
@@ -217,7 +235,8 @@ void FlatScene::build(const SceneTables& tables)
 
     find_occluders(tables, points, tolerance);
     for (List* list : {&all, &occluders})
-        list->only_boxes = list->quads.empty() && list->triangles.empty() && list->spheres.empty() && list->disks.empty();
+        list->only_boxes =
+            list->quads.empty() && list->triangles.empty() && list->spheres.empty() && list->disks.empty();
 }
 
 void FlatScene::find_occluders(const SceneTables& tables, const std::vector<Vec3d>& points, double tolerance)
@@ -231,9 +250,12 @@ void FlatScene::find_occluders(const SceneTables& tables, const std::vector<Vec3
     // A ray towards a point of the only light, which is flat, is not blocked by that light.
     const std::uint32_t only_light = tables.lights.size() == 1 ? tables.lights[0].primitive : no_index;
     std::erase_if(occluders.boxes, [&](const Box& box) {
-        return std::all_of(box.faces, box.faces + 6, [&](std::uint32_t face) { return face == no_index || face == only_light || quad_on_hull(face); });
+        return std::all_of(box.faces, box.faces + 6, [&](std::uint32_t face) {
+            return face == no_index || face == only_light || quad_on_hull(face);
+        });
     });
-    std::erase_if(occluders.quads, [&](const Quad& q) { return q.primitive == only_light || quad_on_hull(q.primitive); });
+    std::erase_if(occluders.quads,
+                  [&](const Quad& q) { return q.primitive == only_light || quad_on_hull(q.primitive); });
     std::erase_if(occluders.triangles, [&](const Triangle& t) {
         const Vec3d n = cross(wide(sub(t.b, t.a)), wide(sub(t.c, t.a)));
         return t.primitive == only_light || on_hull(points, wide(t.a), normalize(n), tolerance);

@@ -1,9 +1,9 @@
 #pragma once
 /// Scenes of a few dozen primitives: every ray is tested against all of them, N rays at a time.
 ///
-/// What makes it fast is done when it is built: parallelograms that are faces of one axis-aligned box become that box (one
-/// slab test for up to six of them, from inside and outside), and primitives on the hull of the scene are left out of
-/// shadow tests, since nothing lies beyond them.
+/// What makes it fast is done when it is built: parallelograms that are faces of one axis-aligned box become that box
+/// (one slab test for up to six of them, from inside and outside), and primitives on the hull of the scene are left out
+/// of shadow tests, since nothing lies beyond them.
 #include <vector>
 
 #include "geometry/ray.h"
@@ -20,7 +20,8 @@ struct FlatScene {
     struct Box {
         Vec3f lo, hi;
         bool closed = false;
-        /// By face code, 2 axis + high: the primitive there; no_index where the box is open, and as padding for lookup().
+        /// By face code, 2 axis + high: the primitive there; no_index where the box is open, and as padding for
+        /// lookup().
         std::uint32_t faces[16];
     };
     struct Quad {
@@ -51,7 +52,7 @@ struct FlatScene {
     UInt primitive_of_code(UInt code) const
     {
         const int n = int(codes_per_box * all.boxes.size());
-        return n <= 32 ? lookup(face_primitives.data(), n, code) : gather(face_primitives.data(), code);
+        return lookup_or_gather(face_primitives.data(), n, code);
     }
 
     static bool fits(const SceneTables& tables);
@@ -93,7 +94,8 @@ struct Slabs {
 /// What the tests of a ray with all boxes share.
 struct SlabRay {
     Vec3 inverse, o_inverse;
-    UInt entered[3];  ///< by axis: code of the face through which the ray enters a box; it leaves by the code with bit 0 flipped
+    UInt entered[3];  ///< by axis: code of the face through which the ray enters a box; it leaves by the code with bit
+                      ///< 0 flipped
 
     [[gnu::always_inline]] explicit SlabRay(const Ray& ray) : inverse(safe_inverse(ray.d))
     {
@@ -118,7 +120,8 @@ struct SlabRay {
 }
 
 /// code: of the face that is hit at t, from `first` on.
-[[gnu::always_inline]] inline void closest_box(const FlatScene::Box& box, std::uint32_t first, const SlabRay& ray, Float& t, UInt& code)
+[[gnu::always_inline]] inline void closest_box(const FlatScene::Box& box, std::uint32_t first, const SlabRay& ray,
+                                               Float& t, UInt& code)
 {
     const Slabs s = slabs(box, ray.inverse, ray.o_inverse);
     const Mask meets = (s.t_near <= s.t_far) & (s.t_far > Float(0));

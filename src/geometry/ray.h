@@ -11,7 +11,8 @@ struct Ray {
     Float time;
 };
 
-/// The nearest hit of each lane: the least of (t, primitive). Without a hit primitive is no_index and t the ray's t_max.
+/// The nearest hit of each lane: the least of (t, primitive). Without a hit primitive is no_index and t the ray's
+/// t_max.
 struct Hit {
     Float t;
     UInt primitive;
@@ -28,8 +29,8 @@ inline Vec3 safe_inverse(Vec3 d)
     return {inverse(d.x), inverse(d.y), inverse(d.z)};
 }
 
-/// A point moved off its surface along n (the unit geometric normal, on the side where the ray goes on), by more than the
-/// rounding error of p: the error of a float position is a few 2^-24 of its largest coordinate.
+/// A point moved off its surface along n (the unit geometric normal, on the side where the ray goes on), by more than
+/// the rounding error of p: the error of a float position is a few 2^-24 of its largest coordinate.
 inline Vec3 offset_origin(Vec3 p, Vec3 n, Float extent)
 {
     return fma(n, Float(0x1p-19f) * max(max_abs(p), extent), p);

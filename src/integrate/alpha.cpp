@@ -67,14 +67,10 @@ float image_value(const SceneTables& tables, const TextureTable& t, std::uint32_
     return float(top * (1 - fy) + bottom * fy);
 }
 
-}  // namespace
-
-bool alpha_passes(const void* context, std::uint32_t primitive, std::uint32_t instance, float u, float v)
+/// At a place of a triangle or quad, which a shape of the material shows.
+float alpha_of(const SceneTables& t, const MaterialTable& m, std::uint32_t primitive, float u, float v)
 {
-    const auto& t = *static_cast<const SceneTables*>(context);
     const ShapeTable& own = t.shapes[t.shape_of_primitive[primitive]];
-    const ShapeTable& shape = instance == no_index ? own : t.shapes[t.instances[instance].shape];
-    const MaterialTable& m = t.materials[shape.material];
     float alpha = m.alpha;
     const bool is_triangle = primitive < t.first_quad();
     const std::uint32_t* vertex = is_triangle ? &t.triangles[3 * std::size_t(primitive)] : nullptr;
@@ -95,6 +91,26 @@ bool alpha_passes(const void* context, std::uint32_t primitive, std::uint32_t in
             alpha *= image_value(t, texture, m.alpha_channel, map[0] * s + map[1] * r + map[2],
                                  map[3] * s + map[4] * r + map[5]);
     }
+    return alpha;
+}
+
+}  // namespace
+
+float alpha_share(const SceneTables& tables, std::uint32_t material, std::uint32_t primitive, float u, float v)
+{
+    const MaterialTable& m = tables.materials[material];
+    if (m.alpha_mode == std::uint32_t(AlphaMode::opaque) || primitive >= tables.first_sphere()) return 1;
+    const float alpha = alpha_of(tables, m, primitive, u, v);
+    if (m.alpha_mode == std::uint32_t(AlphaMode::mask)) return alpha >= m.alpha_cutoff ? 1.f : 0.f;
+    return std::clamp(alpha, 0.f, 1.f);
+}
+
+bool alpha_passes(const void* context, std::uint32_t primitive, std::uint32_t instance, float u, float v)
+{
+    const auto& t = *static_cast<const SceneTables*>(context);
+    const std::uint32_t shape = instance == no_index ? t.shape_of_primitive[primitive] : t.instances[instance].shape;
+    const MaterialTable& m = t.materials[t.shapes[shape].material];
+    const float alpha = alpha_of(t, m, primitive, u, v);
     if (m.alpha_mode == std::uint32_t(AlphaMode::mask)) return alpha >= m.alpha_cutoff;
     if (alpha >= 1) return true;
     const std::uint32_t place =

@@ -1,4 +1,5 @@
 #pragma once
+#include "integrate/alpha.h"
 #include "integrate/camera_paths.h"
 #include "integrate/surface.h"
 #include "light/environment.h"
@@ -12,6 +13,8 @@ public:
     LightChoice(const LaneScene& scene, const SurfaceReader& surfaces)
         : scene_(scene), tables_(scene.tables), surfaces_(surfaces)
     {
+        is_alone_ = tables_.lights.size() == 1 && tables_.environment.light == no_index &&
+                    tables_.lights[0].material == no_index;
     }
 
     /// A point of the only light, or of one chosen by power; then the sample's density is that of both choices.
@@ -20,7 +23,7 @@ public:
     [[gnu::always_inline]] LightSample sample(Mask valid, Vec3 eye, const SampleKey& key, UInt seed, Sample2 random,
                                               Float time) const
     {
-        if (tables_.lights.size() == 1 && tables_.environment.light == no_index)
+        if (is_alone_)
             return sample_light(LightRecord<true>(tables_.lights.data(), UInt(0u)), eye, time, random, valid);
         return choose(valid, eye, sample_2d(key, pair_seed(seed, pair_choice)).y, random, time);
     }
@@ -54,21 +57,24 @@ private:
             s.radiance = select(environment, e.radiance, s.radiance);
             s.is_delta = s.is_delta & !environment;
         }
-        if (const UInt material = light.material(); scene_.textured && any(valid & (material != UInt(no_index))))
-            s.radiance = s.radiance * texture_factor(light, material, eye, s, valid & (material != UInt(no_index)));
+        if (scene_.varied_lights) {
+            const UInt material = light.material();
+            const Mask varied = valid & (material != UInt(no_index));
+            if (any(varied)) s.radiance = s.radiance * factor_at(light, material, eye, s, time, varied);
+        }
         s.inverse_pdf = s.inverse_pdf / light.pmf();
         return s;
     }
 
-    /// The emission texture's factor at the sampled point of a light.
+    /// What the emission texture and alpha leave of the radiance at the sampled point of a light.
     template <class Light>
-    Spectrum texture_factor(const Light& light, UInt material, Vec3 from, const LightSample& s, Mask m) const
+    Spectrum factor_at(const Light& light, UInt material, Vec3 from, const LightSample& s, Float time, Mask m) const
     {
         SurfaceHit hit;
         hit.o = from;
         hit.d = s.wi;
         hit.t = s.distance;
-        hit.time = Float(0);
+        hit.time = time;
         hit.primitive = light.primitive();
         hit.instance = UInt(no_index);
         // Barycentric weights of a triangle's point; other kinds find theirs from the position.
@@ -82,13 +88,27 @@ private:
         const UInt texture = surfaces_.material_word(offsetof(MaterialTable, emission_texture), material, m);
         const Texel t = evaluate_textures(tables_, texture, surface.at, m);
         Spectrum factor;
-        for (int c = 0; c < channels; ++c) factor.c[c] = select(m, t.c[c], Float(1));
+        const Float stopped = alpha_at(hit, surface, material, m);
+        for (int c = 0; c < channels; ++c) factor.c[c] = select(m, t.c[c] * stopped, Float(1));
         return factor;
+    }
+
+    Float alpha_at(const SurfaceHit& hit, const Surface& surface, UInt material, Mask m) const
+    {
+        // A quad's edges may be known by direction and length only; its uv are found without them.
+        const Mask quad = !less(hit.primitive, UInt(tables_.first_quad()));
+        float share[lanes] = {}, u[lanes], v[lanes];
+        std::uint32_t primitives[lanes], materials[lanes];
+        store(u, select(quad, surface.at.u[0], hit.u)), store(v, select(quad, Float(1) - surface.at.v[0], hit.v));
+        store(primitives, hit.primitive), store(materials, material);
+        for_each_active(m, [&](int i) { share[i] = alpha_share(tables_, materials[i], primitives[i], u[i], v[i]); });
+        return load(share);
     }
 
     const LaneScene& scene_;
     const SceneTables& tables_;
     const SurfaceReader& surfaces_;
+    bool is_alone_;  ///< there is one light, and its radiance is the same all over
 };
 
 }  // namespace fathom::inline FATHOM_LANES

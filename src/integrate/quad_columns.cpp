@@ -9,9 +9,8 @@ namespace fathom::inline FATHOM_LANES {
 void QuadColumns::build(const SceneTables& tables)
 {
     size_ = int(tables.quads.size());
-    // lookup() reads 32 entries from any place.
-    stride_ = std::max<std::size_t>(tables.quads.size() + 1, small_table);
-    values_.assign(columns * stride_ + small_table, 0);
+    stride_ = std::max<std::size_t>(tables.quads.size() + 1, lookup_size);
+    values_.assign(columns * stride_ + lookup_size, 0);
     for (std::size_t q = 0; q < tables.quads.size(); ++q) {
         const auto set = [&](int column, double value) { values_[std::size_t(column) * stride_ + q] = float(value); };
         const auto set_bits = [&](int column, std::uint32_t bits) {

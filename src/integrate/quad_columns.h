@@ -23,7 +23,7 @@ public:
     Vec3 tangent(UInt quad) const
     {
         return {number(3, quad), number(4, quad), number(5, quad)};
-    }                                                          ///< unit, in its plane
+    }  ///< unit, in its plane
     Float extent(UInt quad) const { return number(6, quad); }  ///< largest component of an edge
     UInt flags(UInt quad) const { return float_bits(number(7, quad)); }
     UInt light(UInt quad) const { return float_bits(number(8, quad)); }  ///< or no_index
@@ -33,12 +33,12 @@ public:
     std::size_t memory_bytes() const { return values_.size() * sizeof(float); }
 
 private:
-    static constexpr int small_table = 32, columns = 9 + 2 * channels;
+    static constexpr int columns = 9 + 2 * channels;
 
     Float number(int column, UInt quad) const
     {
         const float* table = values_.data() + std::size_t(column) * stride_;
-        if (size_ <= small_table) return lookup(table, size_, quad);
+        if (size_ <= lookup_size) return lookup(table, size_, quad);
         // For what is no quad stands the last entry: also for triangles, whose numbers lie before those of quads.
         const UInt last(static_cast<std::uint32_t>(size_));
         const Mask is_quad = less(quad, last) & !less(quad, UInt(0u));

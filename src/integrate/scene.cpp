@@ -30,6 +30,8 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
                              (material.flags & MaterialTable::emits ? emits : 0u));
     }
     textured = !tables.textures.empty();
+    varied_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
+                                [](const LightTable& light) { return light.material != no_index; });
     only_diffuse_quads = is_flat && !tables.moving && !textured && tables.triangles.empty() && tables.spheres.empty() &&
                          tables.disks.empty();
     for (const ShapeTable& shape : tables.shapes) {
@@ -39,7 +41,7 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
     }
     if (is_flat) {
         for (std::uint32_t shape : tables.shape_of_primitive) primitive_info.push_back(shape_info[shape]);
-        primitive_info.resize(primitive_info.size() + small_table);
+        primitive_info.resize(primitive_info.size() + lookup_size);
     }
     quads.build(tables);
     sees_environment = EnvironmentKind(tables.environment.kind) != EnvironmentKind::none;

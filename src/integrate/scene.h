@@ -24,10 +24,10 @@ struct LaneScene final : KernelScene {
     /// Per primitive, if the scene is flat: shape_info of its shape; padded for lookup().
     std::vector<std::uint32_t> primitive_info;
     QuadColumns quads;
-    static constexpr int small_table = 32;
     std::uint32_t kinds = 0;  ///< bit per BsdfKind that occurs
     bool textured = false;    ///< uv matter somewhere
     bool normal_mapped = false;
+    bool varied_lights = false;  ///< some are not alike all over, see LightTable::material
     bool has_absorption = false;
     bool sees_environment = false;    ///< rays that leave the scene bring something
     bool only_diffuse_quads = false;  ///< flat, smooth, without textures or motion: QuadTracer renders it
@@ -47,11 +47,7 @@ struct LaneScene final : KernelScene {
 
 inline UInt LaneScene::info_of(UInt primitive, UInt instance, Mask m) const
 {
-    if (is_flat) {
-        const int n = int(tables.shape_of_primitive.size());
-        if (n > small_table) return gather(primitive_info.data(), primitive, m);
-        return select(m, lookup(primitive_info.data(), n, primitive), UInt(0u));
-    }
+    if (is_flat) return lookup_or_gather(primitive_info.data(), int(tables.shape_of_primitive.size()), primitive, m);
     UInt shape = gather(tables.shape_of_primitive.data(), primitive, m);
     if (!tables.instances.empty()) {
         const Mask placed = m & (instance != UInt(no_index));

@@ -180,7 +180,7 @@ struct LightTable {
     float radiance[channels] = {};  ///< or intensity, or irradiance
     float cos_inner = 0, cos_outer = 0;
     std::uint32_t two_sided = 0;
-    std::uint32_t material = no_index;  ///< whose emission texture scales radiance, if it has one
+    std::uint32_t material = no_index;  ///< whose emission texture or alpha scales radiance, if it has one
     std::uint32_t primitive = no_index;
     float motion[3] = {};
     float center[3] = {};  ///< of a rectangle

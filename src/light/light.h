@@ -76,7 +76,7 @@ struct LightSample {
     Float inverse_pdf;  ///< of the direction, per solid angle, without the choice of the light; 1 for delta lights;
                         ///< 0: nothing arrives
     Spectrum radiance;  ///< that arrives if nothing blocks it (delta lights: irradiance at normal incidence)
-    Mask is_delta;
+    Mask is_delta;      ///< no direction that a surface chooses meets it: the sample counts in full
 };
 
 inline Mask is_kind(UInt kind, LightTableKind wanted)
@@ -223,14 +223,14 @@ template <class Light>
     const Mask directional = is_kind(kind, LightTableKind::directional);
     if (any(directional)) {
         // radius holds 1 - cos of the disk's half angle; 0 is a delta. radiance holds irradiance or radiance
-        // accordingly.
+        // accordingly. The disk is nothing that a ray can hit.
         const Float spread = light.radius();
         const Vec3 wi = Frame(-light.edge_u()).to_world(sample_cone(random, spread));
         const Mask delta = spread <= Float(0);
         s.wi = select(directional, wi, s.wi);
         s.distance = select(directional, Float(infinity), s.distance);
         s.inverse_pdf = select(directional, select(delta, Float(1), Float(2 * pi) * spread), s.inverse_pdf);
-        s.is_delta |= directional & delta;
+        s.is_delta |= directional;
     }
     s.inverse_pdf = select((cos_light > Float(0)) | two_sided, s.inverse_pdf, Float(0));
     return s;

@@ -54,6 +54,7 @@ using native::max;
 using native::min;
 using native::none;
 using native::reverse_bits;
+using native::least;
 using native::rotate16;
 using native::select;
 using native::sqrt;
@@ -65,6 +66,20 @@ using native::UInt;
 #endif
 
 namespace fathom::inline FATHOM_LANES {
+
+/// The most entries of a table that lookup() reads from registers; so many must be readable from the table's start on.
+inline constexpr int lookup_size = 32;
+
+/// Entries of a table with padding for lookup(), whatever its size; every index must be one of the table's `n`.
+inline UInt lookup_or_gather(const std::uint32_t* table, int n, UInt index)
+{
+    return n <= lookup_size ? lookup(table, n, index) : gather(table, index);
+}
+/// For the lanes of m, whose indices alone must be the table's; 0 in others.
+inline UInt lookup_or_gather(const std::uint32_t* table, int n, UInt index, Mask m)
+{
+    return n <= lookup_size ? select(m, lookup(table, n, index), UInt(0u)) : gather(table, index, m);
+}
 
 inline Float abs(Float a) { return bits_float(float_bits(a) & UInt(0x7fffffffu)); }
 /// Magnitude of a, sign of b.

@@ -180,6 +180,13 @@ inline UInt lookup(const std::uint32_t* table, int n, UInt index)
 {
     return _mm256_castps_si256(lookup(reinterpret_cast<const float*>(table), n, index).v);
 }
+/// The least of the lanes.
+inline float least(Float a)
+{
+    __m128 x = _mm_min_ps(_mm256_castps256_ps128(a.v), _mm256_extractf128_ps(a.v, 1));
+    x = _mm_min_ps(x, _mm_movehl_ps(x, x));
+    return _mm_cvtss_f32(_mm_min_ss(x, _mm_movehdup_ps(x)));
+}
 inline UInt rotate16(UInt x)
 {
     const __m256i words =

@@ -139,6 +139,8 @@ inline UInt lookup(const std::uint32_t* table, int n, UInt index)
 {
     return _mm512_castps_si512(lookup(reinterpret_cast<const float*>(table), n, index).v);
 }
+/// The least of the lanes.
+inline float least(Float a) { return _mm512_reduce_min_ps(a.v); }
 inline UInt rotate16(UInt x) { return _mm512_rol_epi32(x.v, 16); }
 
 }  // namespace fathom::native

@@ -118,6 +118,7 @@ inline UInt lookup(const std::uint32_t* t, int n, UInt i)
 {
     return {native::lookup(t, n, i.a), native::lookup(t, n, i.b)};
 }
+inline float least(Float x) { return native::least(native::min(x.a, x.b)); }
 inline UInt rotate16(UInt x) { return {native::rotate16(x.a), native::rotate16(x.b)}; }
 
 }  // namespace fathom::inline FATHOM_LANES

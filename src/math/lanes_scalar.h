@@ -64,6 +64,8 @@ inline UInt reverse_bits(UInt x)
 /// A table of 32 floats that is read by index, of which `n` are in use; any index is safe.
 inline Float lookup(const float* table, int, UInt index) { return table[index & 31]; }
 inline UInt lookup(const std::uint32_t* table, int, UInt index) { return table[index & 31]; }
+/// The least of the lanes.
+inline float least(Float a) { return a; }
 inline UInt rotate16(UInt x) { return x >> 16 | x << 16; }
 
 }  // namespace fathom::native

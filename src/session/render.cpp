@@ -81,8 +81,8 @@ int tile_size(Crop crop, std::uint64_t samples, int threads)
     const auto jobs = [&](int s) {
         return std::uint64_t((crop.x1 - crop.x0 + s - 1) / s) * std::uint64_t((crop.y1 - crop.y0 + s - 1) / s);
     };
-    while (size < 128 && std::uint64_t(4 * size * size) * samples <= samples_per_job &&
-           jobs(2 * size) >= std::uint64_t(8 * threads))
+    const auto pixels = [](int s) { return std::uint64_t(s) * std::uint64_t(s); };
+    while (size < 128 && pixels(2 * size) * samples <= samples_per_job && jobs(2 * size) >= 8 * std::uint64_t(threads))
         size *= 2;
     return size;
 }

@@ -78,6 +78,7 @@ class CommandLine(unittest.TestCase):
         self.refused(2, "render")
         self.refused(2, "render", "box.json", "--bogus", words=["--bogus"])
         self.refused(2, "render", "box.json", "other.json")
+        self.refused(2, "render", "box.json", "--spp", "4", "--spp=5", words=["--spp is given more than once"])
         self.refused(2, "merge", "a.exr", words=["-o"])
 
     def test_nonsense_values(self):
@@ -93,7 +94,7 @@ class CommandLine(unittest.TestCase):
             "--roulette-depth": ["-1"],
             "--light-sampling": ["maybe"],
             "--samples": ["5:5", "9:3", "5", "a:b", "-1:4"],
-            "--only-sample": ["1,2", "800,0,0", "0,600,0", "-1,0,0"],
+            "--only-sample": ["1,2", "800,0,0", "0,600,0", "-1,0,0", "0,0,4294967296"],
             "--aov": ["colour", ""],
             "--exposure": ["nan", "inf", "1000", "x"],
             "--tonemap": ["aces"],

@@ -49,6 +49,26 @@ TEST(CheckOutput, RefusesAFolderWithoutTheRightToWrite)
     chmod(folder.path().c_str(), 0700);
 }
 
+TEST(CheckOutput, RefusesAFileThatMayNotBeWritten)
+{
+    if (geteuid() == 0) GTEST_SKIP() << "root may write everything";
+    const TemporaryFolder folder;
+    write_image(folder.path() / "a.png", made_image(4, 4), {});
+    chmod((folder.path() / "a.png").c_str(), 0400);
+    EXPECT_THROW(check_output(folder.path() / "a.png"), Error);
+}
+
+TEST(CheckOutput, RefusesDevicesAndPipes)
+{
+    const TemporaryFolder folder;
+    const fs::path pipe = folder.path() / "pipe.png", link = folder.path() / "link.png";
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    fs::create_symlink("pipe.png", link);
+    for (const fs::path& file : {pipe, link})
+        EXPECT_EQ(message_of([&] { check_output(file); }), "can't write: this is a device or a pipe, not a file");
+    EXPECT_TRUE(fs::is_fifo(pipe));
+}
+
 TEST(WriteImage, ReplacesAndFollowsLinks)
 {
     const TemporaryFolder folder;

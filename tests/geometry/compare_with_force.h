@@ -42,7 +42,8 @@ inline Rays nasty_rays(const SceneTables& tables, float radius, std::size_t n, s
     return rays;
 }
 
-/// Rays that keep together, as those of a camera: 64 from near one place in nearly one direction, at times of their own.
+/// Rays that keep together, as those of a camera: 64 from near one place in nearly one direction, at times of their
+/// own.
 inline Rays bundles(const SceneTables& tables, float radius, std::size_t n, std::uint64_t seed)
 {
     Random random(seed);
@@ -59,7 +60,8 @@ inline Rays bundles(const SceneTables& tables, float radius, std::size_t n, std:
     return rays;
 }
 
-inline void expect_same(const SceneTables& tables, const Hits& got, const Hits& expected, std::size_t n, const char* what)
+inline void expect_same(const SceneTables& tables, const Hits& got, const Hits& expected, std::size_t n,
+                        const char* what)
 {
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < n; ++i) {

@@ -59,11 +59,21 @@ TEST(Curves, degenerate)
     for (std::size_t i = 0; i < 160; i += 4) {
         Vec4f* p = &tables.curve_points[i];
         switch (i / 4 % 5) {
-            case 0: p[1] = p[2] = p[3] = p[0]; break;
-            case 1: p[0].w = p[1].w = p[2].w = p[3].w = 0; break;
-            case 2: p[0].w = 0; break;
-            case 3: p[1] = p[2] = p[3] = p[0], p[3].w = 5 * p[0].w, p[3].x += 0.01f; break;
-            default: p[2] = p[1], p[3] = p[0]; break;
+            case 0:
+                p[1] = p[2] = p[3] = p[0];
+                break;
+            case 1:
+                p[0].w = p[1].w = p[2].w = p[3].w = 0;
+                break;
+            case 2:
+                p[0].w = 0;
+                break;
+            case 3:
+                p[1] = p[2] = p[3] = p[0], p[3].w = 5 * p[0].w, p[3].x += 0.01f;
+                break;
+            default:
+                p[2] = p[1], p[3] = p[0];
+                break;
         }
     }
     compare_with_force(tables, 10, 10'000, "degenerate");

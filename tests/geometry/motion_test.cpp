@@ -177,7 +177,8 @@ TEST(Motion, the_same_bits_everywhere)
 {
     std::uint64_t hash = 1469598103934665603u;
     const auto mix_in = [&](std::uint32_t x) { hash = (hash ^ x) * 1099511628211u; };
-    for (const SceneTables& tables : {moving_soup(2'000, 100, 10, 5, {0, 0.25f, 1}), moving_instances(100, 3, 2, true)}) {
+    for (const SceneTables& tables :
+         {moving_soup(2'000, 100, 10, 5, {0, 0.25f, 1}), moving_instances(100, 3, 2, true)}) {
         Bvh bvh;
         bvh.build(tables);
         Rays rays = nasty_rays(tables, 100, 10'000, 15);

@@ -143,10 +143,10 @@ inline Vec3 corner_at(const SceneTables& tables, BvhKey key, int corner, Float t
     return p;
 }
 
-/// One primitive against rays, in the world or, if instance is not no_index, in the space of what that places. scale: the
-/// length that directions had there.
-inline void meet_by_force(const SceneTables& tables, std::uint32_t primitive, const Ray& ray, Float scale, UInt instance,
-                          Hit& hit)
+/// One primitive against rays, in the world or, if instance is not no_index, in the space of what that places. scale:
+/// the length that directions had there.
+inline void meet_by_force(const SceneTables& tables, std::uint32_t primitive, const Ray& ray, Float scale,
+                          UInt instance, Hit& hit)
 {
     const auto take = [&](Mask m, Float t, Float u, Float v) {
         const Mask first_instance = (hit.primitive == UInt(primitive)) & less(instance, hit.instance);
@@ -195,7 +195,8 @@ inline void meet_by_force(const SceneTables& tables, std::uint32_t primitive, co
             m &= Mask(e.a.r > 0 || e.b.r > 0);
             const Float share(1 / float(pieces)), u = fma(w, share, Float(float(piece)) * share);
             t = t * (Float(1) / scale);
-            const Mask lower = (t == hit.t) & (hit.primitive == UInt(primitive)) & (hit.instance == instance) & (u < hit.u);
+            const Mask lower =
+                (t == hit.t) & (hit.primitive == UInt(primitive)) & (hit.instance == instance) & (u < hit.u);
             hit.u = select(m & lower, u, hit.u);
             take(m & (t <= hit.t), t, u, Float(0));
         }

@@ -115,20 +115,83 @@ TEST(Lights, SphereOverAPlane)
     }
 }
 
+/// The configuration factor of a rectangle of a by c, parallel to the floor, with a corner at height h above the point:
+/// Howell, C-11.
+double rectangle_factor(double a, double c, double h)
+{
+    const double x = a / h, y = c / h, sx = std::sqrt(1 + x * x), sy = std::sqrt(1 + y * y);
+    return (x / sx * std::atan(y / sx) + y / sy * std::atan(x / sy)) / (2 * std::numbers::pi);
+}
+
 TEST(Lights, RectangleOverAPlane)
 {
-    // The configuration factor of a rectangle parallel to the floor with a corner above the point: Howell, C-11.
     const double a = 2, c = 1.5, h = 1.2;
-    const double x = a / h, y = c / h, sx = std::sqrt(1 + x * x), sy = std::sqrt(1 + y * y);
-    const double factor = (x / sx * std::atan(y / sx) + y / sy * std::atan(x / sy)) / (2 * std::numbers::pi);
     for (bool light_sampling : {true, false}) {
         SceneBuilder b = floor_scene(0.5f);
         b.add(Rectangle{{0, h, 0}, {a, 0, 0}, {0, 0, c}}, b.diffuse(0, {3, 3, 3}, true));
         b.scene.cameras[0].position = {-0.5, 0.5, -0.5};
         RenderSettings settings = small_picture(16, 16);
         settings.light_sampling = light_sampling;
-        expect_mean(render_film(b.scene, settings, light_sampling ? 64 : 4096), 0.5 * 3 * factor, 0.01);
+        expect_mean(render_film(b.scene, settings, light_sampling ? 64 : 4096), 0.5 * 3 * rectangle_factor(a, c, h),
+                    0.01);
     }
+}
+
+/// Of a lamp that its texture makes dark in one half, the other half is left; alone or beside another lamp.
+TEST(Lights, TextureOfALamp)
+{
+    const double a = 2, c = 1.5, h = 1.2;
+    for (bool is_alone : {true, false})
+        for (bool light_sampling : {true, false}) {
+            SceneBuilder b = floor_scene(0.5f);
+            Texture halves;
+            halves.kind = TextureKind::checker_uv;
+            halves.uv_scale = {2, 1};
+            halves.color_a = {1, 1, 1};
+            halves.color_b = {0, 0, 0};
+            b.scene.textures.push_back(halves);
+            const int lamp = b.diffuse(0, {3, 3, 3}, true);
+            b.scene.materials[std::size_t(lamp)].emission.texture = 0;
+            b.add(Rectangle{{0, h, 0}, {2 * a, 0, 0}, {0, 0, c}}, lamp);
+            if (!is_alone) b.add(Rectangle{{0, -1, 0}, {a, 0, 0}, {0, 0, c}}, lamp);  // below the floor
+            b.scene.cameras[0].position = {-0.5, 0.5, -0.5};
+            RenderSettings settings = small_picture(16, 16);
+            settings.light_sampling = light_sampling;
+            expect_mean(render_film(b.scene, settings, light_sampling ? 256 : 4096),
+                        0.5 * 3 * rectangle_factor(a, c, h), 0.01);
+        }
+}
+
+/// A lamp that lets three quarters of the rays pass gives a quarter of its light, one that is cut out shows what is
+/// left.
+TEST(Lights, AlphaOfALamp)
+{
+    const double a = 2, c = 1.5, h = 1.2;
+    Mesh mesh;  // opaque for x < a, by vertex colours that cross the cutoff there
+    for (int i = 0; i < 4; ++i) {
+        mesh.positions.push_back({float(i & 1 ? 2 * a : 0), float(h), float(i & 2 ? c : 0)});
+        mesh.colors.push_back({1, 1, 1, i & 1 ? 0.f : 1.f});
+    }
+    mesh.indices = {0, 1, 3, 0, 3, 2};
+    for (bool cut_out : {false, true})
+        for (bool light_sampling : {true, false}) {
+            SceneBuilder b = floor_scene(0.5f);
+            const int lamp = b.diffuse(0, {3, 3, 3}, true);
+            Material& m = b.scene.materials[std::size_t(lamp)];
+            m.alpha_mode = cut_out ? AlphaMode::mask : AlphaMode::blend;
+            m.alpha.value = cut_out ? 1 : 0.25f;
+            m.use_vertex_color = true;
+            b.scene.meshes.push_back(mesh);
+            if (cut_out)
+                b.add(MeshInstance{0}, lamp);
+            else
+                b.add(Rectangle{{0, h, 0}, {a, 0, 0}, {0, 0, c}}, lamp);
+            b.scene.cameras[0].position = {-0.5, 0.5, -0.5};
+            RenderSettings settings = small_picture(16, 16);
+            settings.light_sampling = light_sampling;
+            expect_mean(render_film(b.scene, settings, light_sampling ? 256 : 4096),
+                        0.5 * 3 * rectangle_factor(a, c, h) * (cut_out ? 1 : 0.25), 0.01);
+        }
 }
 
 TEST(Lights, DiskOverAPlane)
@@ -153,8 +216,9 @@ TEST(Lights, PointSpotAndDirectional)
     expect_mean(mean(light, {1, 2, 0}), 0.5 / std::numbers::pi * 5 / 5 * (2 / std::sqrt(5.0)), 0.005);
     light.kind = LightKind::directional;
     expect_mean(mean(light, {0, 0, 0}), 0.5 / std::numbers::pi * 5);
-    light.angle = 0.2;
-    expect_mean(mean(light, {0, 0, 0}), 0.5 / std::numbers::pi * 5, 0.01);
+    // So large that directions would often meet it, if it were something to meet.
+    light.angle = 1.2;
+    expect_mean(mean(light, {0, 0, 0}), 0.5 / std::numbers::pi * 5);
     light.kind = LightKind::spot;
     light.inner_angle = 0.3;
     light.outer_angle = 0.6;
@@ -174,6 +238,51 @@ TEST(Lights, ManyOfThemAddUp)
         expected += 0.5 * e * r * r / d2 * 3 / std::sqrt(d2);
     }
     expect_mean(render_film(b.scene, small_picture(16, 16), 256), expected, 0.01);
+}
+
+TEST(Alpha, OfEveryShape)
+{
+    const std::vector<decltype(Shape::geometry)> shapes = {Sphere{{0, 0, -5}, 2, {}}, Disk{{0, 0, -5}, {0, 0, 1}, 2},
+                                                           Rectangle{{-2, -2, -5}, {4, 0, 0}, {0, 4, 0}},
+                                                           Box{{-2, -2, -6}, {2, 2, -5}}};
+    for (const auto& shape : shapes) {
+        SceneBuilder b;
+        Material m;
+        m.kind = MaterialKind::none;
+        m.emission.value = {1, 1, 1};
+        m.alpha_mode = AlphaMode::blend;
+        m.alpha.value = 0.25f;
+        b.scene.nodes[0].shapes.push_back({shape, b.material(m), ""});
+        b.camera({0, 0, 0}, {0, 0, -1}, 10);
+        expect_mean(render_film(b.scene, small_picture(), 256), 0.25, 0.01);
+    }
+}
+
+/// A disk shows its texture in the same place when a transform makes an ellipse of it.
+TEST(Textures, OfADistortedDisk)
+{
+    const auto mean = [](const Transform& transform) {
+        SceneBuilder b;
+        Texture checker;
+        checker.kind = TextureKind::checker_uv;
+        checker.scale = 2;
+        b.scene.textures.push_back(checker);
+        Material m;
+        m.kind = MaterialKind::none;
+        m.emission = {{1, 1, 1}, 0};
+        Node node;
+        node.parent_from_node = transform;
+        node.shapes.push_back({Disk{{0, 0, 0}, {0.2, -0.4, 1}, 1}, b.material(m), ""});
+        b.scene.roots.push_back(1);
+        b.scene.nodes.push_back(node);
+        b.camera({0.3, 0.1, 3}, {0.3, 0.1, 0}, 10);
+        return mean_of(render_film(b.scene, small_picture(), 64)).value[0];
+    };
+    // A transform so near to none that the picture is the same.
+    const double expected = mean({});
+    EXPECT_GT(expected, 0.1);
+    EXPECT_LT(expected, 0.9);
+    EXPECT_NEAR(mean(Transform::scale({1.0002, 1, 1})), expected, 0.01);
 }
 
 TEST(Glass, AbsorbsByTheWayInside)

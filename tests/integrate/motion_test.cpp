@@ -289,5 +289,29 @@ TEST(MotionPicture, lamps)
     EXPECT_NEAR(m.value[0], expected, 4 * (m.error[0] + error) + 0.002 * expected);
 }
 
+/// A lamp whose bottom alone is bright: sampled or met by chance, it shows the floor its bottom wherever it is by then.
+TEST(MotionPicture, textured_lamps)
+{
+    Mean mean[2];
+    for (bool light_sampling : {true, false}) {
+        SceneBuilder s;
+        s.add(Rectangle{{-4, 0, 4}, {8, 0, 0}, {0, 0, -8}}, s.diffuse(0.5f));
+        s.camera({0, 6, 0.1}, {0, 0, 0}, 40);
+        s.scene.cameras[0].shutter_close = 1;
+        Texture bands;
+        bands.kind = TextureKind::checker_uv;
+        bands.uv_scale = {1, 4};
+        s.scene.textures.push_back(bands);
+        const int lamp = s.diffuse(0, {5, 5, 5});
+        s.scene.materials[std::size_t(lamp)].emission.texture = 0;
+        s.add(Sphere{{-3, 2, 0}, 0.8, Vec3d{3, 2, 0}}, lamp);
+        RenderSettings settings = small_picture();
+        settings.light_sampling = light_sampling;
+        mean[light_sampling] = mean_of(render_film(s.scene, settings, light_sampling ? 256 : 2048));
+    }
+    EXPECT_NEAR(mean[1].value[0], mean[0].value[0], 4 * (mean[1].error[0] + mean[0].error[0]));
+    EXPECT_GT(mean[0].value[0], 20 * mean[0].error[0]);
+}
+
 }  // namespace
 }  // namespace fathom
