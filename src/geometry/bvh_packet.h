@@ -77,7 +77,7 @@ public:
             const RayMask rays = entry.rays & reached_by(entry.t);
             if (rays == 0) continue;
             const bool is_node = BvhReference::is_node(entry.reference);
-            if (std::popcount(rays) <= few) {
+            if (are_few(rays, is_node)) {
                 for (RayMask m = rays; m; m &= m - 1) defer(std::countr_zero(m), entry.reference, entry.t);
             } else if (!is_node && !BvhReference::is_triangles(entry.reference)) {
                 visit_other(entry.reference, entry.t, rays, size);
@@ -93,13 +93,23 @@ public:
 
 private:
     static constexpr int parts = stream_size / lanes;
-    static constexpr int few = moving ? (any_hit ? 12 : 2) : 3;
+    static constexpr int few_moving = any_hit ? 12 : 2;
     /// So few rays at a leaf meet it one by one, lanes being triangles. Rays through what moves, each at its own time, come
     /// to leaves from farther apart.
     static constexpr int few_at_leaf = moving ? 12 : 0;
     /// So many are worth moving into an instance together.
     static constexpr int least_within = 8;
 
+    /// Whether rays had better go on alone: a visit together takes time for each part that holds any. Measured.
+    static bool are_few(RayMask rays, bool is_node)
+    {
+        if (moving) return std::popcount(rays) <= few_moving;
+        if (!any_hit) return std::popcount(rays) <= (is_node ? 6 : 3);
+        int parts_in_use = 0;
+        for (int k = 0; k < parts; ++k) parts_in_use += holds_any(rays, k);
+        return std::popcount(rays) <= 1 + (is_node ? 3 : 2) * parts_in_use;
+    }
+    static bool holds_any(RayMask rays, int part) { return rays >> part * lanes & ((RayMask(1) << lanes) - 1); }
     static Mask part_of(RayMask rays, int part)
     {
         return mask_from_bits(std::uint32_t(rays >> part * lanes) & std::uint32_t((RayMask(1) << lanes) - 1));
@@ -307,6 +317,7 @@ private:
             const Vec3 far_planes{plane(3 * row - side_[0]), plane(5 * row - side_[1]), plane(7 * row - side_[2])};
             RayMask meet = 0;
             for (int k = 0; k < parts; ++k) {
+                if (!holds_any(rays, k)) continue;
                 const PreparedRays& r = part(k);
                 const auto field = [&](int f) { return load(r.f[f]); };
                 const Float ix = field(PreparedRays::inverse_x), iy = field(PreparedRays::inverse_y),
@@ -332,7 +343,7 @@ private:
     {
         RayMask meet = 0;
         for (int k = 0; k < parts; ++k) {
-            if (none(part_of(rays, k))) continue;
+            if (!holds_any(rays, k)) continue;
             const PreparedRays& r = part(k);
             const Float time = load(memory_.times.shutter + k * lanes);
             Float near(0.f), far = load(memory_.hits.t + k * lanes);
