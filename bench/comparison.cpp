@@ -83,9 +83,8 @@ struct EmbreeWay {
 
 double run_embree(const RaySet& set, const EmbreeCaster& embree, EmbreeWay way, int threads, Results& results)
 {
-    return run(set, threads, [&](std::size_t first, std::size_t n) {
-        embree.cast(set, first, n, way.call, way.coherent, results);
-    });
+    return run(set, threads,
+               [&](std::size_t first, std::size_t n) { embree.cast(set, first, n, way.call, way.coherent, results); });
 }
 
 EmbreeWay best_way(const RaySet& set, const Scene& scene, const Options& options, Results& results)
@@ -99,7 +98,8 @@ EmbreeWay best_way(const RaySet& set, const Scene& scene, const Options& options
             if (hint && set.shadow && scene.hint_hangs) continue;
             const EmbreeWay way{EmbreeCaster::Call(call), hint};
             double rate = 0;
-            for (int i = 0; i < 2; ++i) rate = std::max(rate, run_embree(set, *scene.embree, way, options.threads, results));
+            for (int i = 0; i < 2; ++i)
+                rate = std::max(rate, run_embree(set, *scene.embree, way, options.threads, results));
             if (options.details)
                 std::fprintf(stderr, "  %s, %s: embree %s%s: %.2f\n", set.kind.c_str(), scene.name, names[call],
                              hint ? " coherent" : "", rate);

@@ -51,9 +51,9 @@ void EmbreeCaster::add_mesh(RTCScene scene, const SceneTables& t) const
     const std::size_t times = std::max<std::size_t>(1, t.vertex_times.size()), n = t.positions.size() / times;
     rtcSetGeometryTimeStepCount(geometry, unsigned(times));
     for (std::size_t k = 0; k < times; ++k)
-        std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, unsigned(k), RTC_FORMAT_FLOAT3,
-                                            sizeof(Vec3f), n),
-                    &t.positions[k * n], n * sizeof(Vec3f));
+        std::memcpy(
+            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, unsigned(k), RTC_FORMAT_FLOAT3, sizeof(Vec3f), n),
+            &t.positions[k * n], n * sizeof(Vec3f));
     std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, t.triangle_count()),
                 t.triangles.data(), t.triangles.size() * 4);
     rtcCommitGeometry(geometry);

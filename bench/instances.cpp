@@ -31,7 +31,8 @@ Mesh in_many_places(Mesh mesh)
     };
     for (int i = 0; i < side; ++i)
         for (int j = 0; j < side; ++j) {
-            const double x = width * (i - 0.5 * side + uniform(-0.2, 0.2)), z = width * (j - 0.5 * side + uniform(-0.2, 0.2));
+            const double x = width * (i - 0.5 * side + uniform(-0.2, 0.2)),
+                         z = width * (j - 0.5 * side + uniform(-0.2, 0.2));
             const double y = tall * (std::sin(x / (9 * width)) + std::cos(z / (7 * width)));
             const double scale = uniform(0.7, 1.3), angle = uniform(0, 6.2831853), tilt = uniform(-0.1, 0.1);
             const Transform t = Transform::translate({x, y, z}) * Transform::rotate({0, 1, 0}, angle) *
@@ -56,16 +57,20 @@ void measure_instances(const Mesh& one, const Options& options)
     const auto embree = build_embree(mesh.tables, options);
     for (const RaySet& set : make_ray_sets(mesh, bvh, options.parts)) {
         const Rates rates = compare(mesh.name, set, {{"instances", bvh, embree.get(), true}}, options);
-        std::printf("{\"mesh\": \"%s\", \"kind\": \"%s\", \"isa\": \"%s\", \"threads\": %d, \"instances\": %zu, \"ours\": %.3f, "
-                    "\"embree\": %.3f, \"ratio\": %.3f}\n",
-                    mesh.name.c_str(), set.kind.c_str(), lanes_name, options.threads, mesh.tables.instances.size(),
-                    median(rates.ours[0]), median(rates.embree[0]), median_ratio(rates.ours[0], rates.embree[0]));
+        std::printf(
+            "{\"mesh\": \"%s\", \"kind\": \"%s\", \"isa\": \"%s\", \"threads\": %d, \"instances\": %zu, \"ours\": "
+            "%.3f, "
+            "\"embree\": %.3f, \"ratio\": %.3f}\n",
+            mesh.name.c_str(), set.kind.c_str(), lanes_name, options.threads, mesh.tables.instances.size(),
+            median(rates.ours[0]), median(rates.embree[0]), median_ratio(rates.ours[0], rates.embree[0]));
         std::fflush(stdout);
     }
-    std::printf("{\"mesh\": \"%s\", \"instances\": %zu, \"build_s\": {\"ours\": %.2f, \"embree\": %.2f}, \"bytes\": {\"ours\": %zu, "
-                "\"embree\": %zu}}\n",
-                mesh.name.c_str(), mesh.tables.instances.size(), bvh.statistics().build_s, embree ? embree->build_s() : 0,
-                bvh.statistics().bytes, embree ? embree->bytes() : 0);
+    std::printf(
+        "{\"mesh\": \"%s\", \"instances\": %zu, \"build_s\": {\"ours\": %.2f, \"embree\": %.2f}, \"bytes\": {\"ours\": "
+        "%zu, "
+        "\"embree\": %zu}}\n",
+        mesh.name.c_str(), mesh.tables.instances.size(), bvh.statistics().build_s, embree ? embree->build_s() : 0,
+        bvh.statistics().bytes, embree ? embree->bytes() : 0);
     std::fflush(stdout);
 }
 

@@ -1,6 +1,6 @@
-/// Rays through a mesh that stands still, and through the same mesh while it moves by 5 % of its size: each vertex along its
-/// own line, or all of it as an instance that is shifted and turned by 3 degrees. The same rays for all, each at a time of
-/// its own.
+/// Rays through a mesh that stands still, and through the same mesh while it moves by 5 % of its size: each vertex
+/// along its own line, or all of it as an instance that is shifted and turned by 3 degrees. The same rays for all, each
+/// at a time of its own.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -36,8 +36,8 @@ SceneTables with_moving_vertices(SceneTables tables)
     for (std::size_t i = 0; i < n; ++i) {
         const Vec3f p = tables.positions[i];
         const float a = p.x * wave, b = p.y * wave + p.z * wave;
-        tables.positions.push_back({p.x + way * std::cos(a) * std::cos(b), p.y + way * std::sin(a) * std::cos(b),
-                                    p.z + way * std::sin(b)});
+        tables.positions.push_back(
+            {p.x + way * std::cos(a) * std::cos(b), p.y + way * std::sin(a) * std::cos(b), p.z + way * std::sin(b)});
     }
     tables.shapes[0].moving_vertices = std::uint32_t(n);
     tables.vertex_times = {0, 1};
@@ -97,7 +97,8 @@ void measure_motion(const Mesh& mesh, const Options& options)
     if (options.details)
         for (const auto& c : cases) {
             const BvhStatistics& s = c->bvh.statistics();
-            std::fprintf(stderr, "%s, %s: cost %.2f, %zu nodes of %.1f children, %zu leaves of %.1f\n", mesh.name.c_str(), c->name, s.cost, s.nodes,
+            std::fprintf(stderr, "%s, %s: cost %.2f, %zu nodes of %.1f children, %zu leaves of %.1f\n",
+                         mesh.name.c_str(), c->name, s.cost, s.nodes,
                          double(s.children) / double(std::max<std::size_t>(1, s.nodes)), s.leaves,
                          double(s.leaf_primitives) / double(std::max<std::size_t>(1, s.leaves)));
         }
@@ -108,20 +109,22 @@ void measure_motion(const Mesh& mesh, const Options& options)
         for (float& time : set.time) time = float((x = x * 747796405u + 2891336453u) >> 8) * 0x1p-24f;
         const Rates rates = compare(mesh.name, set, scenes, options);
         for (std::size_t c = 0; c < cases.size(); ++c)
-            std::printf("{\"mesh\": \"%s\", \"kind\": \"%s\", \"isa\": \"%s\", \"threads\": %d, \"case\": \"%s\", "
-                        "\"ours\": %.3f, \"embree\": %.3f, \"ratio\": %.3f, \"ours_times_still\": %.3f, "
-                        "\"embree_times_still\": %.3f}\n",
-                        mesh.name.c_str(), set.kind.c_str(), lanes_name, options.threads, cases[c]->name,
-                        median(rates.ours[c]), median(rates.embree[c]), median_ratio(rates.ours[c], rates.embree[c]),
-                        median_ratio(rates.ours[c], rates.ours[0]), median_ratio(rates.embree[c], rates.embree[0]));
+            std::printf(
+                "{\"mesh\": \"%s\", \"kind\": \"%s\", \"isa\": \"%s\", \"threads\": %d, \"case\": \"%s\", "
+                "\"ours\": %.3f, \"embree\": %.3f, \"ratio\": %.3f, \"ours_times_still\": %.3f, "
+                "\"embree_times_still\": %.3f}\n",
+                mesh.name.c_str(), set.kind.c_str(), lanes_name, options.threads, cases[c]->name, median(rates.ours[c]),
+                median(rates.embree[c]), median_ratio(rates.ours[c], rates.embree[c]),
+                median_ratio(rates.ours[c], rates.ours[0]), median_ratio(rates.embree[c], rates.embree[0]));
         std::fflush(stdout);
     }
     const double triangles = mesh.tables.triangle_count();
     for (const auto& c : cases)
-        std::printf("{\"mesh\": \"%s\", \"case\": \"%s\", \"build_s\": {\"ours\": %.2f, \"embree\": %.2f}, "
-                    "\"bytes_per_triangle\": {\"ours\": %.1f, \"embree\": %.1f}}\n",
-                    mesh.name.c_str(), c->name, c->bvh.statistics().build_s, c->embree ? c->embree->build_s() : 0,
-                    double(c->bvh.statistics().bytes) / triangles, c->embree ? double(c->embree->bytes()) / triangles : 0);
+        std::printf(
+            "{\"mesh\": \"%s\", \"case\": \"%s\", \"build_s\": {\"ours\": %.2f, \"embree\": %.2f}, "
+            "\"bytes_per_triangle\": {\"ours\": %.1f, \"embree\": %.1f}}\n",
+            mesh.name.c_str(), c->name, c->bvh.statistics().build_s, c->embree ? c->embree->build_s() : 0,
+            double(c->bvh.statistics().bytes) / triangles, c->embree ? double(c->embree->bytes()) / triangles : 0);
     std::fflush(stdout);
 }
 

@@ -40,8 +40,9 @@ void measure(const Mesh& mesh, const Options& options)
         "\"bytes_per_triangle\": {\"ours\": %.1f, \"embree\": %.1f}, \"peak_bytes_per_triangle\": {\"ours\": %.1f, "
         "\"embree\": %.1f}}\n",
         mesh.name.c_str(), lanes_name, options.threads, triangles, triangles * 1e-6 / median(build),
-        embree ? triangles * 1e-6 / embree->build_s() : 0, double(s.bytes) / triangles, embree ? double(embree->bytes()) / triangles : 0,
-        double(s.peak_bytes) / triangles, embree ? double(embree->peak_bytes()) / triangles : 0);
+        embree ? triangles * 1e-6 / embree->build_s() : 0, double(s.bytes) / triangles,
+        embree ? double(embree->bytes()) / triangles : 0, double(s.peak_bytes) / triangles,
+        embree ? double(embree->peak_bytes()) / triangles : 0);
     std::fflush(stdout);
 }
 
@@ -78,9 +79,10 @@ int run_all(int argc, char** argv)
         else if (arg == "--instances")
             options.instances = true;
         else
-            throw std::runtime_error(arg +
-                                     ": known are --mesh FILE.ply, --generate NAME, --threads N, --runs N, --parts N, "
-                                     "--build fast|default|high, --not-robust, --ours-only, --details, --motion, --instances");
+            throw std::runtime_error(
+                arg +
+                ": known are --mesh FILE.ply, --generate NAME, --threads N, --runs N, --parts N, "
+                "--build fast|default|high, --not-robust, --ours-only, --details, --motion, --instances");
     }
     const auto measure_mesh = options.instances ? measure_instances : options.motion ? measure_motion : measure;
     for (const Options::Source& mesh : options.meshes)

@@ -49,8 +49,8 @@ struct BvhReference {
     static std::uint32_t place(std::uint32_t r) { return r & 0x07ffffffu; }
 };
 
-/// A leaf in BvhData::others: how many primitives, their numbers (indices of spheres and disks, keys of triangles), then
-/// from the next multiple of leaf_unit on what is tested.
+/// A leaf in BvhData::others: how many primitives, their numbers (indices of spheres and disks, keys of triangles),
+/// then from the next multiple of leaf_unit on what is tested.
 struct BvhLeaf {
     static constexpr std::size_t unit = 4;
     const std::uint32_t* words;
@@ -61,8 +61,8 @@ struct BvhLeaf {
     const float* data() const { return reinterpret_cast<const float*>(words + header(words[0] & 255)); }
 };
 
-/// One of triangles that move: by triangle, as bytes, which vertex is its first corner, its second, its third; then for each
-/// of the scene's vertex_times x, y, z of the vertices. How many those are stands beside the count.
+/// One of triangles that move: by triangle, as bytes, which vertex is its first corner, its second, its third; then for
+/// each of the scene's vertex_times x, y, z of the vertices. How many those are stands beside the count.
 struct MovingLeaf : BvhLeaf {
     static constexpr int max_vertices = 16, vertices_shift = 8;
 
@@ -93,13 +93,13 @@ struct BvhData {
     /// since readers take 16 floats at once.
     LargeArray<float> triangles;
     LargeArray<BvhKey> keys;
-    std::vector<std::uint32_t> others;  ///< leaves, see BvhLeaf; padded
+    std::vector<std::uint32_t, LargeAllocator<std::uint32_t>> others;  ///< leaves, see BvhLeaf; padded
 
     std::uint32_t root = 0;  ///< a reference
     int stack_size = 0;      ///< that traversal can need
     float radius = 0;        ///< the largest coordinate of anything in the world
     bool empty = true;
-    bool moving = false;     ///< something does while the shutter is open
+    bool moving = false;  ///< something does while the shutter is open
     /// What instances place, by shape.
     struct Mesh {
         std::uint32_t root = 0;

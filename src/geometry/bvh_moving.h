@@ -74,7 +74,10 @@ public:
     {
     }
     /// Of as many vertices as there are lanes.
-    [[gnu::always_inline]] Float row(const float* p) const { return mix(load(p + begin_), load(p + begin_ + step_), fraction_); }
+    [[gnu::always_inline]] Float row(const float* p) const
+    {
+        return mix(load(p + begin_), load(p + begin_ + step_), fraction_);
+    }
     /// Of one vertex, for rays of all lanes.
     [[gnu::always_inline]] Float one(const float* p) const
     {
@@ -109,8 +112,8 @@ struct PacketTimes {
         first_fraction = least(low[1]), last_fraction = -least(minus_high[1]);
     }
 
-    /// Of each triangle's box at all of these times, which must have the same key: what is linear is so between the first
-    /// and the last.
+    /// Of each triangle's box at all of these times, which must have the same key: what is linear is so between the
+    /// first and the last.
     [[gnu::always_inline]] void bounds(const MovingLeaf& leaf, Float low[3], Float high[3]) const
     {
         const CornerNumbers corner[] = {{leaf, 0, 0}, {leaf, 1, 0}, {leaf, 2, 0}};
@@ -126,8 +129,8 @@ struct PacketTimes {
     }
 };
 
-/// What the watertight test needs of triangles, one per lane: their corners, relative to the ray's origin, axes permuted,
-/// sheared so that the ray runs along z.
+/// What the watertight test needs of triangles, one per lane: their corners, relative to the ray's origin, axes
+/// permuted, sheared so that the ray runs along z.
 class SeenTriangles {
 public:
     /// at: of the first lane's triangle.
@@ -143,10 +146,14 @@ public:
         const auto seen_z = [this, o = origin(axis)](const float* p) { return time_.row(p) - o; };
         const auto sheared = [&](std::ptrdiff_t other, int shear) {
             return [this, seen_z, to_z = (axis - other) * leaf_.vertices(), o = origin(other),
-                    by = Float(ray_.number(shear))](const float* p) { return fma(-by, seen_z(p + to_z), time_.row(p) - o); };
+                    by = Float(ray_.number(shear))](const float* p) {
+                return fma(-by, seen_z(p + to_z), time_.row(p) - o);
+            };
         };
         const auto x = sheared(ix, PreparedRays::shear_x), y = sheared(iy, PreparedRays::shear_y);
-        const auto point = [&](int k) { return Point2{corner_[k].of(leaf_.axis(ix), x), corner_[k].of(leaf_.axis(iy), y)}; };
+        const auto point = [&](int k) {
+            return Point2{corner_[k].of(leaf_.axis(ix), x), corner_[k].of(leaf_.axis(iy), y)};
+        };
         const auto depth = [&](int k) { return corner_[k].of(leaf_.axis(axis), seen_z); };
         z = {depth(0), depth(1), depth(2)};
         return triangle_weights(point(0), point(1), point(2));

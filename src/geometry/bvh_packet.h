@@ -12,9 +12,7 @@ namespace fathom::inline FATHOM_LANES {
 inline RayMask alike(const PreparedRays* all, RayMask rays)
 {
     const int first = std::countr_zero(rays);
-    const auto of_first = [&](int field) {
-        return float_bits(Float(all[first / lanes].f[field][first % lanes]));
-    };
+    const auto of_first = [&](int field) { return float_bits(Float(all[first / lanes].f[field][first % lanes])); };
     const UInt octant = of_first(PreparedRays::octant), axis = of_first(PreparedRays::axis);
     RayMask same = 0;
     for (int part = 0; part < stream_size / lanes; ++part) {
@@ -94,8 +92,8 @@ public:
 private:
     static constexpr int parts = stream_size / lanes;
     static constexpr int few_moving = any_hit ? 12 : 2;
-    /// So few rays at a leaf meet it one by one, lanes being triangles. Rays through what moves, each at its own time, come
-    /// to leaves from farther apart.
+    /// So few rays at a leaf meet it one by one, lanes being triangles. Rays through what moves, each at its own time,
+    /// come to leaves from farther apart.
     static constexpr int few_at_leaf = moving ? 12 : 0;
     /// So many are worth moving into an instance together.
     static constexpr int least_within = 8;
@@ -117,8 +115,8 @@ private:
     const PreparedRays& part(int i) const { return within ? memory_.together[i] : memory_.world[i]; }
     std::uint32_t instance() const { return within ? space_.instance : no_index; }
 
-    /// Of some rays: inverse directions, and origins, widened by the slack, whose distance is least and greatest; and how
-    /// far they reach at most.
+    /// Of some rays: inverse directions, and origins, widened by the slack, whose distance is least and greatest; and
+    /// how far they reach at most.
     struct Intervals {
         float low_inverse[3] = {infinity, infinity, infinity}, high_inverse[3] = {-infinity, -infinity, -infinity};
         float near_origin[3], far_origin[3];
@@ -133,7 +131,8 @@ private:
         const Vec3 o = load_vec3(r.f[PreparedRays::origin_x], r.f[PreparedRays::origin_y], r.f[PreparedRays::origin_z]);
         const Float outside(infinity), slack = ray_slack(o, space_.radius);
         for (int axis = 0; axis < 3; ++axis) {
-            const Float inverse = load(r.f[PreparedRays::inverse_x + axis]), x = load(r.f[PreparedRays::origin_x + axis]);
+            const Float inverse = load(r.f[PreparedRays::inverse_x + axis]),
+                        x = load(r.f[PreparedRays::origin_x + axis]);
             of.low_inverse[axis] = least(select(m, inverse, outside));
             of.high_inverse[axis] = -least(select(m, -inverse, outside));
             const float from = least(select(m, x - slack, outside)), to = -least(select(m, -(x + slack), outside));
@@ -166,7 +165,8 @@ private:
     }
 
     /// The distances that any of the rays could have to boxes.
-    [[gnu::always_inline]] static void intervals(const Intervals& of, int axis, Float near_plane, Float far_plane, Float& near, Float& far)
+    [[gnu::always_inline]] static void intervals(const Intervals& of, int axis, Float near_plane, Float far_plane,
+                                                 Float& near, Float& far)
     {
         const Float lo(of.low_inverse[axis]), hi(of.high_inverse[axis]);
         const Float a = near_plane - Float(of.near_origin[axis]), b = far_plane - Float(of.far_origin[axis]);
@@ -349,7 +349,9 @@ private:
             Float near(0.f), far = load(memory_.hits.t + k * lanes);
             for (int axis = 0; axis < 3; ++axis) {
                 const std::ptrdiff_t near_row = side_[axis], far_row = (2 * axis + 3) * bvh_width - side_[axis];
-                const auto plane = [&](std::ptrdiff_t row) { return fma(Float(change[row]), time, Float(bounds[row])); };
+                const auto plane = [&](std::ptrdiff_t row) {
+                    return fma(Float(change[row]), time, Float(bounds[row]));
+                };
                 const Float inverse = load(r.f[PreparedRays::inverse_x + axis]);
                 near = max(near, fma(plane(near_row), inverse, load(r.f[PreparedRays::near_x + axis])));
                 far = min(far, fma(plane(far_row), inverse, load(r.f[PreparedRays::far_x + axis])));
@@ -360,7 +362,8 @@ private:
     }
 
     /// Lanes are triangles here: which of them could be met, by their boxes.
-    [[gnu::always_inline]] std::uint32_t candidates(const Intervals& of, Mask triangles, const Float low[3], const Float high[3]) const
+    [[gnu::always_inline]] std::uint32_t candidates(const Intervals& of, Mask triangles, const Float low[3],
+                                                    const Float high[3]) const
     {
         Float near(0), far(of.reach);
         for (int axis = 0; axis < 3; ++axis) {
@@ -400,13 +403,15 @@ private:
         for (int k = 0; k < parts; ++k) {
             const Mask active = part_of(rays & ~blocked_, k);
             if (none(active)) continue;
-            if (const std::uint32_t bits = candidates(of_part_[k], triangles, low, high)) found |= meet_triangles(data, n, first, bits, k, active);
+            if (const std::uint32_t bits = candidates(of_part_[k], triangles, low, high))
+                found |= meet_triangles(data, n, first, bits, k, active);
         }
         if (found && !any_hit) update_reach();
     }
 
     /// A part of the rays with some of a leaf's triangles.
-    [[gnu::always_inline]] bool meet_triangles(const float* data, std::ptrdiff_t n, std::uint32_t first, std::uint32_t bits, int k, Mask active)
+    [[gnu::always_inline]] bool meet_triangles(const float* data, std::ptrdiff_t n, std::uint32_t first,
+                                               std::uint32_t bits, int k, Mask active)
     {
         const PreparedRays& r = part(k);
         const Vec3 o = load_vec3(r.f[PreparedRays::origin_x + axes_[0]], r.f[PreparedRays::origin_x + axes_[1]],

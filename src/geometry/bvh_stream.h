@@ -105,7 +105,8 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t end = BvhReference::other_bit | std::uint32_t(BvhReference::end) << BvhReference::kind_shift;
+    static constexpr std::uint32_t end = BvhReference::other_bit | std::uint32_t(BvhReference::end)
+                                                                       << BvhReference::kind_shift;
     static constexpr int leaf_wave = 8;
     /// How many rays earlier a node is fetched: later is too late, earlier crowds the queues of the processor.
     static constexpr int ahead = 4;
@@ -175,9 +176,10 @@ private:
     [[gnu::always_inline]] void fetch_leaf(int ray) const
     {
         const std::uint32_t reference = states_[ray].reference;
-        const auto* const p =
-            moves(reference) ? reinterpret_cast<const char*>(moving_leaf(reference).words)
-                             : reinterpret_cast<const char*>(&bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(reference))]);
+        const auto* const p = moves(reference)
+                                  ? reinterpret_cast<const char*>(moving_leaf(reference).words)
+                                  : reinterpret_cast<const char*>(
+                                        &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(reference))]);
         for (int line = 0; line < 6; ++line) __builtin_prefetch(p + 64 * line);
     }
 
@@ -207,7 +209,8 @@ private:
         const BoxDistances box = distances_to(node, r, Float(memory_.hits.t[ray]));
         std::uint32_t*& top = states_[ray].top;
         const BvhStack above{top, distances(top)};
-        top += any_hit ? push_any(above, 0, node, box) : push_in_order(above, 0, node.child, node.order[r.integer(PreparedRays::octant)], box);
+        top += any_hit ? push_any(above, 0, node, box)
+                       : push_in_order(above, 0, node.child, node.order[r.integer(PreparedRays::octant)], box);
         pop(ray, n);
     }
 
@@ -241,12 +244,14 @@ private:
     }
     BvhKey triangle_key(std::uint32_t leaf, int i) const
     {
-        return moves(leaf) ? moving_leaf(leaf).ids()[i] : bvh_.keys[BvhReference::first_triangle(leaf) + std::uint32_t(i)];
+        return moves(leaf) ? moving_leaf(leaf).ids()[i]
+                           : bvh_.keys[BvhReference::first_triangle(leaf) + std::uint32_t(i)];
     }
     /// As in RayHits::what.
     std::uint32_t name_of(std::uint32_t leaf, int i) const
     {
-        return moves(leaf) ? triangle_key(leaf, i) : hit_is_place | (BvhReference::first_triangle(leaf) + std::uint32_t(i));
+        return moves(leaf) ? triangle_key(leaf, i)
+                           : hit_is_place | (BvhReference::first_triangle(leaf) + std::uint32_t(i));
     }
 
     [[gnu::always_inline]] TriangleWeights meet_triangles(int ray, int at, Vec3& z) const

@@ -15,9 +15,8 @@ using V16i = std::int32_t __attribute__((vector_size(64)));
 
 // In units of one node visited; measured on interiors, terrain and foliage (bench/rays.cpp).
 constexpr float node_cost = 1.f, triangle_leaf_cost = 0.3f, triangle_cost = 0.06f, other_leaf_cost = 0.7f,
-                other_cost = 0.05f, instance_cost = 4.f, moving_leaf_cost = 0.4f,
-                moving_triangle_cost = 0.06f, curve_leaf_cost = 1.5f, curve_cost = 0.1f, point_leaf_cost = 0.5f,
-                point_cost = 0.05f;
+                other_cost = 0.05f, instance_cost = 4.f, moving_leaf_cost = 0.4f, moving_triangle_cost = 0.06f,
+                curve_leaf_cost = 1.5f, curve_cost = 0.1f, point_leaf_cost = 0.5f, point_cost = 0.05f;
 
 constexpr int halving_depth = 50;
 
@@ -307,12 +306,18 @@ private:
     static BvhReference::Kind reference_kind(std::uint32_t item_kind)
     {
         switch (item_kind) {
-            case Item::sphere: return BvhReference::spheres;
-            case Item::disk: return BvhReference::disks;
-            case Item::moving_triangle: return BvhReference::moving_triangles;
-            case Item::curve: return BvhReference::curves;
-            case Item::ribbon: return BvhReference::ribbons;
-            default: return BvhReference::points;
+            case Item::sphere:
+                return BvhReference::spheres;
+            case Item::disk:
+                return BvhReference::disks;
+            case Item::moving_triangle:
+                return BvhReference::moving_triangles;
+            case Item::curve:
+                return BvhReference::curves;
+            case Item::ribbon:
+                return BvhReference::ribbons;
+            default:
+                return BvhReference::points;
         }
     }
 
@@ -320,8 +325,8 @@ private:
     {
         std::sort(node.items, node.items + node.count, [](const Item& a, const Item& b) { return a.id < b.id; });
         // Pieces of one triangle may meet again.
-        Item* const end = std::unique(node.items, node.items + node.count,
-                                      [](const Item& a, const Item& b) { return a.id == b.id; });
+        Item* const end =
+            std::unique(node.items, node.items + node.count, [](const Item& a, const Item& b) { return a.id == b.id; });
         const std::size_t first = next_triangle_, n = std::size_t(end - node.items);
         next_triangle_ += n;
         float* out = &bvh_.triangles[9 * first];
