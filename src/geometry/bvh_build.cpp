@@ -159,7 +159,7 @@ public:
         for (Treelet& t : treelets_) close_gap(t);
         bvh_.statistics.cost += solve(top).c[0] / std::max(top.box.half_area(), std::numeric_limits<float>::min());
         for (const Treelet& t : treelets_) bvh_.statistics.leaves += t.leaves;
-        return emit(top);
+        return emit(top).reference;
     }
 
 private:
@@ -220,7 +220,7 @@ private:
         collect(*node.right, j - k, out, count);
     }
 
-    std::uint32_t emit(const UpperNode& node)
+    Subtree emit(const UpperNode& node)
     {
         if (!node.left) return emit_treelet(treelets_[node.treelet]);
         const std::size_t self = nodes_.size();
@@ -231,17 +231,18 @@ private:
         collect(*node.left, k, children, count);
         collect(*node.right, bvh_width - k, children, count);
         Box boxes[bvh_width];
-        for (int i = 0; i < count; ++i) boxes[i] = children[i]->box;
-        finish_node(nodes_[self], boxes, count);
+        Subtree subtrees[bvh_width];
         for (int i = 0; i < count; ++i) {
-            const std::uint32_t child = emit(*children[i]);
-            nodes_[self].child[i] = child;
+            boxes[i] = children[i]->box;
+            subtrees[i] = emit(*children[i]);
         }
-        return std::uint32_t(self);
+        Subtree all = finish_node(nodes_[self], boxes, subtrees, count);
+        all.reference = std::uint32_t(self);
+        return all;
     }
 
     /// Moves the treelet's nodes behind the others; its root.
-    std::uint32_t emit_treelet(Treelet& treelet)
+    Subtree emit_treelet(Treelet& treelet)
     {
         const std::size_t first_node = nodes_.size(), first_other = bvh_.others.size();
         const auto place = [&](std::uint32_t reference) {
@@ -259,7 +260,8 @@ private:
         if (bvh_.others.size() / BvhLeaf::unit > BvhReference::max_others)
             throw std::length_error("the scene has too many moving triangles, spheres or disks");
         treelet.nodes = {};
-        return place(treelet.root);
+        treelet.root.reference = place(treelet.root.reference);
+        return treelet.root;
     }
 
     const SceneTables& tables_;

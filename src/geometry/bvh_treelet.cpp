@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace fathom::bvh {
 
@@ -77,26 +78,32 @@ Costs join(const Costs& left, const Costs& right, float half_area, float leaf, C
     return costs;
 }
 
-void finish_node(BvhNode& node, const Box* boxes, int count)
+namespace {
+
+/// Slots by share of rays stopped, for the work it takes.
+void order_by_blocking(const Subtree* children, int count, int* slots)
 {
-    constexpr float inf = std::numeric_limits<float>::infinity();
-    for (int i = 0; i < bvh_width; ++i)
-        for (int axis = 0; axis < 3; ++axis) {
-            node.bounds[axis][i] = i < count ? boxes[i].low(axis) : inf;
-            node.bounds[3 + axis][i] = i < count ? boxes[i].high(axis) : -inf;
-        }
-    for (int i = count; i < bvh_width; ++i) node.child[i] = 0;
+    for (int i = 0; i < count; ++i) {
+        slots[i] = i;
+        const auto gain = [&](int slot) { return children[slot].blocking / children[slot].cost; };
+        for (int j = i; j > 0 && gain(slots[j]) < gain(slots[j - 1]); --j) std::swap(slots[j], slots[j - 1]);
+    }
+}
+
+/// Slots by octant, from far to near: by the centre's place along the octant's diagonal.
+void order_by_distance(BvhNode& node, int count)
+{
     for (int octant = 0; octant < 4; ++octant) {
-        // By the centre's place along the octant's diagonal. The opposite octant goes the other way round.
+        // The opposite octant goes the other way round.
         float key[bvh_width];
         int slots[bvh_width];
         for (int i = 0; i < bvh_width; ++i) {
             slots[i] = i;
-            key[i] = -inf;
+            key[i] = -std::numeric_limits<float>::infinity();
             if (i >= count) continue;
             key[i] = 0;
             for (int axis = 0; axis < 3; ++axis) {
-                const float c = boxes[i].low(axis) + boxes[i].high(axis);
+                const float c = node.bounds[axis][i] + node.bounds[3 + axis][i];
                 key[i] += octant >> axis & 1 ? -c : c;
             }
         }
@@ -112,6 +119,33 @@ void finish_node(BvhNode& node, const Box* boxes, int count)
             node.order[octant ^ 7][word] = std::uint32_t(opposite >> 32 * word);
         }
     }
+}
+
+}  // namespace
+
+Subtree finish_node(BvhNode& node, const Box* boxes, const Subtree* children, int count)
+{
+    int from[bvh_width];
+    order_by_blocking(children, count, from);
+    Box all;
+    for (int i = 0; i < count; ++i) all.extend(boxes[i]);
+    const float half_area = std::max(all.half_area(), std::numeric_limits<float>::min());
+    float passing = 1, cost = node_cost;
+    constexpr float inf = std::numeric_limits<float>::infinity();
+    for (int i = 0; i < bvh_width; ++i) {
+        const bool used = i < count;
+        node.child[i] = used ? children[from[i]].reference : 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            node.bounds[axis][i] = used ? boxes[from[i]].low(axis) : inf;
+            node.bounds[3 + axis][i] = used ? boxes[from[i]].high(axis) : -inf;
+        }
+        if (!used) continue;
+        const float share = boxes[from[i]].half_area() / half_area;
+        passing *= 1 - share * children[from[i]].blocking;
+        cost += share * children[from[i]].cost;
+    }
+    order_by_distance(node, count);
+    return {0, 1 - passing, cost};
 }
 
 std::size_t halve(const Item* items, std::size_t n, Split& split, CenterBounds& left, CenterBounds& right)
@@ -270,7 +304,7 @@ private:
 
     bool is_leaf(std::uint32_t node) const { return nodes_[node].whole || nodes_[node].choices[0] == 0; }
 
-    std::uint32_t emit(std::uint32_t node)
+    Subtree emit(std::uint32_t node)
     {
         if (is_leaf(node)) return emit_leaf(nodes_[node]);
         const std::uint32_t self = std::uint32_t(treelet_.nodes.size());
@@ -282,25 +316,39 @@ private:
         collect(nodes_[node].right, bvh_width - k, children, count);
         Box boxes[bvh_width];
         for (int i = 0; i < count; ++i) boxes[i] = nodes_[children[i]].box;
-        finish_node(treelet_.nodes[self], boxes, count);
+        Subtree subtrees[bvh_width];
         // The leaves of one node lie side by side.
         for (int i = 0; i < count; ++i)
-            if (is_leaf(children[i])) treelet_.nodes[self].child[i] = emit_leaf(nodes_[children[i]]);
+            if (is_leaf(children[i])) subtrees[i] = emit_leaf(nodes_[children[i]]);
         for (int i = 0; i < count; ++i)
-            if (!is_leaf(children[i])) {
-                const std::uint32_t child = emit(children[i]);
-                treelet_.nodes[self].child[i] = child;
-            }
-        return self;
+            if (!is_leaf(children[i])) subtrees[i] = emit(children[i]);
+        Subtree all = finish_node(treelet_.nodes[self], boxes, subtrees, count);
+        all.reference = self;
+        return all;
     }
 
-    std::uint32_t emit_leaf(const Node& node)
+    Subtree emit_leaf(const Node& node)
     {
         ++treelet_.leaves;
-        if (node.kinds == Item::triangle) return emit_triangles(node);
-        if (node.kinds == Item::instance) return BvhReference::others(BvhReference::instance, node.items->id);
+        const float cost = leaf_cost(node.kinds, node.count);
+        if (node.kinds == Item::triangle) {
+            float area = 0;
+            const std::uint32_t reference = emit_triangles(node, area);
+            // A ray through the box meets a triangle of area a with a probability of a / half_area, wherever it lies.
+            return {reference, 1 - std::exp(-area / std::max(node.box.half_area(), std::numeric_limits<float>::min())), cost};
+        }
+        constexpr float unknown = 0.5f;
+        if (node.kinds == Item::instance)
+            return {BvhReference::others(BvhReference::instance, node.items->id), unknown, cost};
         const std::size_t first = put_leaf(tables_, node.items, node.count, treelet_.others);
-        return BvhReference::others(reference_kind(node.kinds), first / BvhLeaf::unit);
+        return {BvhReference::others(reference_kind(node.kinds), first / BvhLeaf::unit), unknown, cost};
+    }
+
+    static float area_of(const Vec3f v[3])
+    {
+        const float ax = v[1].x - v[0].x, ay = v[1].y - v[0].y, az = v[1].z - v[0].z;
+        const float bx = v[2].x - v[0].x, by = v[2].y - v[0].y, bz = v[2].z - v[0].z;
+        return 0.5f * std::hypot(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx);
     }
 
     static BvhReference::Kind reference_kind(std::uint32_t item_kind)
@@ -321,7 +369,8 @@ private:
         }
     }
 
-    std::uint32_t emit_triangles(const Node& node)
+    /// area: of them all, added to.
+    std::uint32_t emit_triangles(const Node& node, float& area)
     {
         std::sort(node.items, node.items + node.count, [](const Item& a, const Item& b) { return a.id < b.id; });
         // Pieces of one triangle may meet again.
@@ -335,6 +384,7 @@ private:
             bvh_.keys[first + i] = key;
             Vec3f vertices[3];
             vertices_of(tables_, key, vertices);
+            area += area_of(vertices);
             for (std::size_t v = 0; v < 3; ++v) {
                 out[(3 * v + 0) * n + i] = vertices[v].x;
                 out[(3 * v + 1) * n + i] = vertices[v].y;

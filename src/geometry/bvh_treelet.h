@@ -25,6 +25,13 @@ Costs join(const Costs& left, const Costs& right, float half_area, float leaf_co
 /// Of one leaf, by a ray that meets it; infinite where there can be no such leaf.
 float leaf_cost(std::uint32_t kinds, std::size_t count);
 
+/// A child of a wide node, or a root.
+struct Subtree {
+    std::uint32_t reference = 0;
+    float blocking = 0;  ///< share of the rays through its box that something in it stops, roughly
+    float cost = 0;      ///< of a ray through its box, in nodes visited
+};
+
 /// A range of items at the bottom of the upper tree, and what was built of it. References are relative to the arrays
 /// here, but those of triangles, which lie in the tree's.
 struct Treelet {
@@ -43,7 +50,7 @@ struct Treelet {
     /// So many items stay together where one leaf can hold them.
     std::size_t together = 1;
 
-    std::uint32_t root = 0;
+    Subtree root;
     float cost = 0;
     std::vector<BvhNode> nodes;
     std::vector<std::uint32_t> others;
@@ -55,8 +62,9 @@ struct Treelet {
     void build(const SceneTables& tables, BvhData& bvh);
 };
 
-/// Fills the bounds and order of a node whose children are given.
-void finish_node(BvhNode& node, const Box* boxes, int count);
+/// A node's parts: puts children into slots so that the last one stops rays soonest, for the work it takes; rays that ask
+/// for any hit go there first. Returns what the node is to its own parent; its reference is left to be set.
+Subtree finish_node(BvhNode& node, const Box* boxes, const Subtree* children, int count);
 
 /// Splits where find_split finds nothing, or the tree gets too deep: in halves.
 std::size_t halve(const Item* items, std::size_t n, Split& split, CenterBounds& left, CenterBounds& right);
