@@ -267,6 +267,24 @@ private:
         if (!any_hit) update_reach();
     }
 
+    /// Slots whose box may be met, the last to be visited first, and their distances; how many.
+    [[gnu::always_inline]] static int slots_met(const BoxDistances& box, std::uint32_t* slots, float* t)
+    {
+        alignas(64) float near[bvh_width];
+        std::uint32_t bits = 0;
+        for (int k = 0; k < box_parts; ++k) {
+            store(near + k * lanes, box.near[k]);
+            bits |= mask_bits(box.near[k] <= box.far[k]) << k * lanes;
+        }
+        int count = 0;
+        for (; bits; bits &= bits - 1) {
+            slots[count] = std::uint32_t(std::countr_zero(bits));
+            t[count] = near[slots[count]];
+            ++count;
+        }
+        return count;
+    }
+
     int visit_node(std::uint32_t reference, RayMask rays, int size)
     {
         const BvhNode& node = bvh_.nodes[moving ? BvhReference::node(reference) : reference];
@@ -297,7 +315,7 @@ private:
         alignas(64) static constexpr auto aligned_slots = slots;
         alignas(64) std::uint32_t met[2 * bvh_width];
         alignas(64) float met_t[2 * bvh_width];
-        const int count = push_in_order({met, met_t}, 0, aligned_slots.data(), node.order[octant_], box);
+        const int count = any_hit ? slots_met(box, met, met_t) : push_in_order({met, met_t}, 0, aligned_slots.data(), node.order[octant_], box);
         for (int i = 0; i < count; ++i) {
             const std::uint32_t slot = met[i];
             if (moving && change) {

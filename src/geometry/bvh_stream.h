@@ -10,6 +10,7 @@
 #include "geometry/bvh_boxes.h"
 #include "geometry/bvh_hits.h"
 #include "geometry/bvh_leaves.h"
+#include "geometry/bvh_triangles.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -203,33 +204,10 @@ private:
         pop(ray, n);
     }
 
-    struct Block {
-        alignas(64) float a[lanes], b[lanes], c[lanes], z[3][lanes];
-        std::uint32_t inside, reference;
+    struct Block : WeighedTriangles {
+        std::uint32_t reference;
         int ray;
     };
-
-    [[gnu::always_inline]] TriangleWeights meet_triangles(int ray, int at, Vec3& z) const
-    {
-        const PreparedRay r = prepared(ray);
-        const std::uint32_t reference = states_[ray].reference;
-        const std::ptrdiff_t n = BvhReference::triangle_count(reference);
-        const float* const data = &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(reference))] + at;
-        const std::uint32_t axis = r.integer(PreparedRays::axis);
-        const std::ptrdiff_t ix = axis == 2 ? 0 : axis + 1, iy = axis == 0 ? 2 : axis - 1, iz = axis;
-        const Float ox(r.number(PreparedRays::origin_x + int(ix))), oy(r.number(PreparedRays::origin_x + int(iy))),
-            oz(r.number(PreparedRays::origin_x + int(iz)));
-        const auto corner = [&](std::ptrdiff_t k) {
-            const float* const p = data + 3 * k * n;
-            return Vec3{load(p + ix * n) - ox, load(p + iy * n) - oy, load(p + iz * n) - oz};
-        };
-        const Vec3 pa = corner(0), pb = corner(1), pc = corner(2);
-        z = {pa.z, pb.z, pc.z};
-        TriangleWeights w = triangle_weights(Float(r.number(PreparedRays::shear_x)),
-                                             Float(r.number(PreparedRays::shear_y)), pa, pb, pc);
-        w.inside &= first_lanes(std::size_t(n - at));
-        return w;
-    }
 
     /// First which rays pass through a triangle at all, then where. Neither can be foreseen, so there is no branch on
     /// it.
@@ -241,12 +219,8 @@ private:
         for (int i = 0; i < count; ++i) fetch_leaf(rays[i]);
         for (int i = 0; i < count; ++i) {
             Block& block = blocks[met];
-            Vec3 z;
-            const TriangleWeights w = meet_triangles(rays[i], 0, z);
-            store(block.a, w.a), store(block.b, w.b), store(block.c, w.c);
-            store(block.z[0], z.x), store(block.z[1], z.y), store(block.z[2], z.z);
-            block.inside = mask_bits(w.inside);
             block.reference = states_[rays[i]].reference;
+            weigh_triangles(bvh_, block.reference, 0, prepared(rays[i]), block);
             block.ray = rays[i];
             triangles += BvhReference::triangle_count(block.reference);
             const int passes = block.inside != 0;
@@ -263,12 +237,10 @@ private:
     {
         const int ray = block.ray;
         RayHits& hits = memory_.hits;
-        const TriangleWeights w{load(block.a), load(block.b), load(block.c), mask_from_bits(block.inside)};
         const std::uint32_t first = BvhReference::first_triangle(block.reference);
         Float t, u, v;
         const Float t_max(hits.t[ray]);
-        Mask m = triangle_distance(w, Float(prepared(ray).number(PreparedRays::shear_z)),
-                                   load_vec3(block.z[0], block.z[1], block.z[2]), t_max, t, u, v);
+        Mask m = triangle_distance(block.weights(), Float(prepared(ray).number(PreparedRays::shear_z)), block.corners_z(), t_max, t, u, v);
         if (any_hit) m &= t < t_max;
         const std::uint32_t least = least_lanes(m, t);
         alignas(64) float ts[lanes], us[lanes], vs[lanes];
@@ -299,10 +271,9 @@ private:
         memory_.visits.primitives += std::uint64_t(n);
         bool found = false;
         for (int at = 0; at < n; at += lanes) {
-            Vec3 z;
-            const TriangleWeights w = meet_triangles(ray, at, z);
-            if (none(w.inside)) continue;
-            found |= take_triangles(ray, at, w, z);
+            WeighedTriangles triangles;
+            weigh_triangles(bvh_, states_[ray].reference, at, prepared(ray), triangles);
+            if (triangles.inside) found |= take_triangles(ray, at, triangles.weights(), triangles.corners_z());
             if (any_hit && found) return;
         }
         go_on(ray, found);

@@ -32,16 +32,25 @@ struct TriangleRay {
 
 /// a b - c d with a relative error of at most 2^-23, so its sign is right: W. Kahan's algorithm; Jeannerod, Louvet,
 /// Muller 2013, "Further analysis of Kahan's algorithm for the accurate computation of 2x2 determinants".
-inline Float difference_of_products(Float a, Float b, Float c, Float d)
+template <class F>
+[[gnu::always_inline]] inline F difference_of_products(F a, F b, F c, F d)
 {
-    const Float cd = c * d;
+    const F cd = c * d;
     return fma(a, b, -cd) + fma(-c, d, cd);
 }
 
-/// Where a ray passes a triangle, as weights of its corners that are still to be divided by their sum.
-struct TriangleWeights {
-    Float a, b, c;
-    Mask inside;
+/// Where a ray passes a triangle, as weights of its corners that are still to be divided by their sum. F: Float, or half of
+/// one where Float is a pair.
+template <class F>
+struct TriangleWeightsOf {
+    F a, b, c;
+    decltype(a <= b) inside;
+};
+using TriangleWeights = TriangleWeightsOf<Float>;
+
+template <class F>
+struct TriangleCorner {
+    F x, y, z;
 };
 
 /// The corners are relative to the ray's origin and permuted as in TriangleRay.
@@ -50,18 +59,24 @@ struct TriangleWeights {
 /// the origin of the sheared plane lies by an exact decision, and an edge belongs to both. Since the weights are as
 /// exact, the ray at t is as near to the triangle as the corners' rounding allows, needles and edge-on triangles
 /// included.
-[[gnu::always_inline]] inline TriangleWeights triangle_weights(Float shear_x, Float shear_y, const Vec3& pa,
-                                                               const Vec3& pb, const Vec3& pc)
+template <class F>
+[[gnu::always_inline]] inline TriangleWeightsOf<F> triangle_weights(F shear_x, F shear_y, const TriangleCorner<F>& pa,
+                                                                    const TriangleCorner<F>& pb, const TriangleCorner<F>& pc)
 {
-    const Float ax = fma(-shear_x, pa.z, pa.x), ay = fma(-shear_y, pa.z, pa.y);
-    const Float bx = fma(-shear_x, pb.z, pb.x), by = fma(-shear_y, pb.z, pb.y);
-    const Float cx = fma(-shear_x, pc.z, pc.x), cy = fma(-shear_y, pc.z, pc.y);
-    TriangleWeights w;
+    const F ax = fma(-shear_x, pa.z, pa.x), ay = fma(-shear_y, pa.z, pa.y);
+    const F bx = fma(-shear_x, pb.z, pb.x), by = fma(-shear_y, pb.z, pb.y);
+    const F cx = fma(-shear_x, pc.z, pc.x), cy = fma(-shear_y, pc.z, pc.y);
+    TriangleWeightsOf<F> w;
     w.a = difference_of_products(cx, by, cy, bx);
     w.b = difference_of_products(ax, cy, ay, cx);
     w.c = difference_of_products(bx, ay, by, ax);
-    w.inside = (min(min(w.a, w.b), w.c) >= Float(0)) | (max(max(w.a, w.b), w.c) <= Float(0));
+    w.inside = (min(min(w.a, w.b), w.c) >= F(0)) | (max(max(w.a, w.b), w.c) <= F(0));
     return w;
+}
+[[gnu::always_inline]] inline TriangleWeights triangle_weights(Float shear_x, Float shear_y, const Vec3& pa, const Vec3& pb, const Vec3& pc)
+{
+    const auto corner = [](const Vec3& p) { return TriangleCorner<Float>{p.x, p.y, p.z}; };
+    return triangle_weights(shear_x, shear_y, corner(pa), corner(pb), corner(pc));
 }
 
 /// Lanes that are inside and at 0 < t <= t_max; z: of the corners; u and v are the weights of b and c.
