@@ -71,6 +71,7 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count)
     if (parts.size() != count)
         throw UsageError(fmt::format("expected {} numbers with commas between, found '{}'", count, text));
     std::vector<double> numbers;
+    numbers.reserve(parts.size());
     for (const std::string& part : parts) numbers.push_back(parse_number(part));
     return numbers;
 }

@@ -26,14 +26,19 @@ bool has_channel(const Image& image, const std::string& channel)
 
 /// The library knows sums, not the files that they came from.
 template <class Action>
-auto naming(const std::string& file, Action action)
+auto naming(const std::filesystem::path& file, Action action)
 {
     try {
         return action();
     } catch (const Error& error) {
         if (!error.file().empty()) throw;
-        throw Error(file, error.place(), error.message());
+        throw Error(file.string(), error.place(), error.message());
     }
+}
+
+Film film_of(const Image& part, const std::filesystem::path& file)
+{
+    return naming(file, [&] { return Film::from_sums(load_sums(part, file.string())); });
 }
 
 int run_merge(const MergeOptions& o)
@@ -42,44 +47,42 @@ int run_merge(const MergeOptions& o)
     for (const auto& file : o.picture.outputs) check_output(file);
     Reporter reporter(o.quiet ? ReportMode::quiet : default_report_mode());
 
-    std::optional<Film> film;
-    std::optional<Crop> crop;
+    // The first part decides what else the picture holds.
     bool alpha = false, variance = false, counts = false;
     std::map<std::string, std::string> attributes;
-    for (const auto& file : o.parts) {
-        const std::string name = file.string();
-        const Image part = read_image(file);
-        Film part_film = naming(name, [&] { return Film::from_sums(load_sums(part, name)); });
-        if (film) {
-            naming(name, [&] { film->merge(part_film); });
-            continue;
-        }
-        film = std::move(part_film);
-        alpha = has_channel(part, "A");
-        variance = part.find("variance");
-        counts = part.find("samples");
-        attributes = part.attributes;
-        const auto text = attributes.find("fathom.crop");
-        if (text != attributes.end() && text->second != "none") crop = parse_crop(text->second);
+    Film film = [&] {
+        const Image first = read_image(o.parts.front());
+        alpha = has_channel(first, "A");
+        variance = first.find("variance");
+        counts = first.find("samples");
+        attributes = first.attributes;
+        return film_of(first, o.parts.front());
+    }();
+    for (std::size_t i = 1; i < o.parts.size(); ++i) {
+        const Film part = film_of(read_image(o.parts[i]), o.parts[i]);
+        naming(o.parts[i], [&] { film.merge(part); });
     }
+    std::optional<Crop> crop;
+    const auto text = attributes.find("fathom.crop");
+    if (text != attributes.end() && text->second != "none") crop = parse_crop(text->second);
 
-    Image image = film->image(alpha, variance);
-    if (counts) image.layers.push_back(sample_count_layer(*film, crop));
+    Image image = film.image(alpha, variance);
+    if (counts) image.layers.push_back(sample_count_layer(film, crop));
     // Times of one part say nothing of the whole.
     for (const char* name : {"fathom.load_s", "fathom.build_s", "fathom.render_s", "fathom.rays"})
         attributes.erase(name);
     std::erase_if(attributes, [](const auto& attribute) { return attribute.first.rfind("fathom.sums.", 0) == 0; });
-    attributes["fathom.samples"] = text_of(film->samples());
-    attributes["fathom.samples_per_pixel"] = fmt::format("{}", film->samples_per_pixel());
-    attributes["fathom.dropped_samples"] = fmt::format("{}", film->dropped_samples());
+    attributes["fathom.samples"] = text_of(film.samples());
+    attributes["fathom.samples_per_pixel"] = fmt::format("{}", film.samples_per_pixel());
+    attributes["fathom.dropped_samples"] = fmt::format("{}", film.dropped_samples());
     image.attributes = std::move(attributes);
-    if (writes_exr(o.picture) && !o.no_sums) store_sums(film->sums(), image);
+    if (writes_exr(o.picture) && !o.no_sums) store_sums(film.sums(), image);
     const WriteOptions write = write_options(o.picture, {});
     for (const auto& file : o.picture.outputs) {
         write_image(file, image, write);
         reporter.written(file.string());
     }
-    reporter.note(fmt::format("{} samples a pixel: {}", film->samples_per_pixel(), text_of(film->samples())));
+    reporter.note(fmt::format("{} samples a pixel: {}", film.samples_per_pixel(), text_of(film.samples())));
     return exit_ok;
 }
 

@@ -137,12 +137,13 @@ public:
 
     void run(Film& film, std::optional<std::uint64_t> samples)
     {
+        const std::uint64_t most = samples.value_or(most_samples);
         if (options_.range)
             render_range(film, *options_.range, options_.range->second - options_.range->first);
         else if (options_.time_s)
-            render_for_time(film, samples.value_or(most_samples));
+            render_for_time(film, *options_.time_s, most);
         else
-            render_range(film, {0, *samples}, *samples);
+            render_range(film, {0, most}, most);
         render_s = seconds_since_start() - start_s_;
     }
 
@@ -176,7 +177,7 @@ private:
     }
 
     /// Ranges that double, so that their overhead is small, until the next would end too late.
-    void render_for_time(Film& film, std::uint64_t most)
+    void render_for_time(Film& film, double time_s, std::uint64_t most)
     {
         std::uint64_t done = 0, next = 1;
         while (true) {
@@ -187,7 +188,7 @@ private:
             const double now_s = seconds_since_start();
             // The rate of the latest range: the first ones are slower, with cold caches.
             const double sample_s = std::max((now_s - begin_s) / double(next), 1e-9);
-            const double fit = std::max(0.0, (*options_.time_s - now_s) / sample_s);
+            const double fit = std::max(0.0, (time_s - now_s) / sample_s);
             next = std::min({done, most - done, std::uint64_t(std::min(fit, 1e15))});
             if (next == 0) return;
         }

@@ -4,6 +4,7 @@
 /// A vertex stands in a leaf once, however many triangles share it: it is put where it is at the ray's time, moved and
 /// sheared once, and what the triangles see of it is then taken from registers.
 #include "geometry/bvh_hits.h"
+#include "geometry/bvh_triangles.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -129,43 +130,25 @@ struct PacketTimes {
     }
 };
 
-/// What the watertight test needs of triangles, one per lane: their corners, relative to the ray's origin, axes
-/// permuted, sheared so that the ray runs along z.
-class SeenTriangles {
-public:
-    /// at: of the first lane's triangle.
-    [[gnu::always_inline]] SeenTriangles(const MovingLeaf& leaf, const PreparedRay& r, const LeafTime& time, int at)
-        : leaf_(leaf), ray_(r), time_(time), corner_{{leaf, 0, at}, {leaf, 1, at}, {leaf, 2, at}}
-    {
-    }
-    /// z: of the corners.
-    [[gnu::always_inline]] TriangleWeights weights(Vec3& z) const
-    {
-        const std::ptrdiff_t axis = ray_.integer(PreparedRays::axis);
-        const std::ptrdiff_t ix = axis == 2 ? 0 : axis + 1, iy = axis == 0 ? 2 : axis - 1;
-        const auto seen_z = [this, o = origin(axis)](const float* p) { return time_.row(p) - o; };
-        const auto sheared = [&](std::ptrdiff_t other, int shear) {
-            return [this, seen_z, to_z = (axis - other) * leaf_.vertices(), o = origin(other),
-                    by = Float(ray_.number(shear))](const float* p) {
-                return fma(-by, seen_z(p + to_z), time_.row(p) - o);
-            };
+/// The ray with a leaf's triangles from `at` on, as many as there are lanes at most.
+[[gnu::always_inline]] inline void weigh_triangles(const MovingLeaf& leaf, const LeafTime& time, int at, const PreparedRay& r,
+                                                   WeighedTriangles& out)
+{
+    const CornerNumbers corner[] = {{leaf, 0, at}, {leaf, 1, at}, {leaf, 2, at}};
+    const std::ptrdiff_t axis = r.integer(PreparedRays::axis), ix = axis == 2 ? 0 : axis + 1, iy = axis == 0 ? 2 : axis - 1;
+    const auto origin = [&](std::ptrdiff_t i) { return Float(r.number(PreparedRays::origin_x + int(i))); };
+    const auto z = [&, o = origin(axis)](const float* p) { return time.row(p) - o; };
+    const auto sheared = [&](std::ptrdiff_t i, int shear) {
+        return [&, to_z = (axis - i) * leaf.vertices(), o = origin(i), by = Float(r.number(shear))](const float* p) {
+            return fma(-by, z(p + to_z), time.row(p) - o);
         };
-        const auto x = sheared(ix, PreparedRays::shear_x), y = sheared(iy, PreparedRays::shear_y);
-        const auto point = [&](int k) {
-            return Point2{corner_[k].of(leaf_.axis(ix), x), corner_[k].of(leaf_.axis(iy), y)};
-        };
-        const auto depth = [&](int k) { return corner_[k].of(leaf_.axis(axis), seen_z); };
-        z = {depth(0), depth(1), depth(2)};
-        return triangle_weights(point(0), point(1), point(2));
-    }
-
-private:
-    Float origin(std::ptrdiff_t axis) const { return Float(ray_.number(PreparedRays::origin_x + int(axis))); }
-
-    const MovingLeaf leaf_;
-    const PreparedRay ray_;
-    const LeafTime time_;
-    const CornerNumbers corner_[3];
-};
+    };
+    const auto x = sheared(ix, PreparedRays::shear_x), y = sheared(iy, PreparedRays::shear_y);
+    const auto seen = [&](int k) { return SeenCorner<Float>{corner[k].of(leaf.axis(ix), x), corner[k].of(leaf.axis(iy), y)}; };
+    const TriangleWeights w = triangle_weights(seen(0), seen(1), seen(2));
+    store(out.a, w.a), store(out.b, w.b), store(out.c, w.c);
+    for (int k = 0; k < 3; ++k) store(out.z[k], corner[k].of(leaf.axis(axis), z));
+    out.inside = mask_bits(w.inside & first_lanes(std::size_t(leaf.count() - at)));
+}
 
 }  // namespace fathom::inline FATHOM_LANES

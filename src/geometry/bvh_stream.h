@@ -69,9 +69,9 @@ public:
         memory_.visits.primitives += std::uint64_t(n);
         bool found = false;
         for (int at = 0; at < n && !(any_hit && found); at += lanes) {
-            Vec3 z;
-            const TriangleWeights w = meet_triangles(ray, at, z);
-            found |= any(w.inside) && take_triangles(ray, at, w, z);
+            WeighedTriangles triangles;
+            weigh(ray, at, triangles);
+            if (triangles.inside) found |= take_triangles(ray, at, triangles.weights(), triangles.corners_z());
         }
         return found;
     }
@@ -226,9 +226,8 @@ private:
         pop(ray, n);
     }
 
-    struct Block {
-        alignas(64) float a[lanes], b[lanes], c[lanes], z[3][lanes];
-        std::uint32_t inside, reference;
+    struct Block : WeighedTriangles {
+        std::uint32_t reference;
         int ray;
     };
 
@@ -254,33 +253,13 @@ private:
                            : hit_is_place | (BvhReference::first_triangle(leaf) + std::uint32_t(i));
     }
 
-    [[gnu::always_inline]] TriangleWeights meet_triangles(int ray, int at, Vec3& z) const
+    [[gnu::always_inline]] void weigh(int ray, int at, WeighedTriangles& out) const
     {
-        const PreparedRay r = prepared(ray);
-        const std::uint32_t reference = states_[ray].reference;
-        if (moves(reference)) {
-            const MovingLeaf leaf = moving_leaf(reference);
-            const LeafTime time(leaf, memory_.times.key[ray], Float(memory_.times.fraction[ray]));
-            TriangleWeights w = SeenTriangles(leaf, r, time, at).weights(z);
-            w.inside &= first_lanes(std::size_t(leaf.count() - at));
-            return w;
-        }
-        const std::ptrdiff_t n = BvhReference::triangle_count(reference);
-        const float* const data = &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(reference))] + at;
-        const std::uint32_t axis = r.integer(PreparedRays::axis);
-        const std::ptrdiff_t ix = axis == 2 ? 0 : axis + 1, iy = axis == 0 ? 2 : axis - 1, iz = axis;
-        const Float ox(r.number(PreparedRays::origin_x + int(ix))), oy(r.number(PreparedRays::origin_x + int(iy))),
-            oz(r.number(PreparedRays::origin_x + int(iz)));
-        const auto corner = [&](std::ptrdiff_t k) {
-            const float* const p = data + 3 * k * n;
-            return Vec3{load(p + ix * n) - ox, load(p + iy * n) - oy, load(p + iz * n) - oz};
-        };
-        const Vec3 pa = corner(0), pb = corner(1), pc = corner(2);
-        z = {pa.z, pb.z, pc.z};
-        TriangleWeights w = triangle_weights(Float(r.number(PreparedRays::shear_x)),
-                                             Float(r.number(PreparedRays::shear_y)), pa, pb, pc);
-        w.inside &= first_lanes(std::size_t(n - at));
-        return w;
+        const std::uint32_t leaf = states_[ray].reference;
+        if (!moves(leaf)) return weigh_triangles(bvh_, leaf, at, prepared(ray), out);
+        const MovingLeaf moved = moving_leaf(leaf);
+        const LeafTime time(moved, memory_.times.key[ray], Float(memory_.times.fraction[ray]));
+        weigh_triangles(moved, time, at, prepared(ray), out);
     }
 
     /// First which rays pass through a triangle at all, then where. Neither can be foreseen, so there is no branch on
@@ -293,12 +272,8 @@ private:
         for (int i = 0; i < count; ++i) fetch_leaf(rays[i]);
         for (int i = 0; i < count; ++i) {
             Block& block = blocks[met];
-            Vec3 z;
-            const TriangleWeights w = meet_triangles(rays[i], 0, z);
-            store(block.a, w.a), store(block.b, w.b), store(block.c, w.c);
-            store(block.z[0], z.x), store(block.z[1], z.y), store(block.z[2], z.z);
-            block.inside = mask_bits(w.inside);
             block.reference = states_[rays[i]].reference;
+            weigh(rays[i], 0, block);
             block.ray = rays[i];
             triangles += triangle_count(block.reference);
             const int passes = block.inside != 0;
@@ -315,11 +290,9 @@ private:
     {
         const int ray = block.ray;
         RayHits& hits = memory_.hits;
-        const TriangleWeights w{load(block.a), load(block.b), load(block.c), mask_from_bits(block.inside)};
         Float t, u, v;
         const Float t_max(hits.t[ray]);
-        Mask m = triangle_distance(w, Float(prepared(ray).number(PreparedRays::shear_z)),
-                                   load_vec3(block.z[0], block.z[1], block.z[2]), t_max, t, u, v);
+        Mask m = triangle_distance(block.weights(), Float(prepared(ray).number(PreparedRays::shear_z)), block.corners_z(), t_max, t, u, v);
         if (any_hit) m &= t < t_max;
         const std::uint32_t least = least_lanes(m, t);
         alignas(64) float ts[lanes], us[lanes], vs[lanes];
@@ -344,20 +317,7 @@ private:
     }
 
     /// The same where lanes are few.
-    void visit_leaf(int ray)
-    {
-        const int n = triangle_count(states_[ray].reference);
-        memory_.visits.primitives += std::uint64_t(n);
-        bool found = false;
-        for (int at = 0; at < n; at += lanes) {
-            Vec3 z;
-            const TriangleWeights w = meet_triangles(ray, at, z);
-            if (none(w.inside)) continue;
-            found |= take_triangles(ray, at, w, z);
-            if (any_hit && found) return;
-        }
-        go_on(ray, found);
-    }
+    void visit_leaf(int ray) { go_on(ray, meet(ray, states_[ray].reference)); }
 
     [[gnu::always_inline]] bool take_triangles(int ray, int at, const TriangleWeights& w, const Vec3& z)
     {

@@ -32,21 +32,31 @@ struct TriangleRay {
 
 /// a b - c d with a relative error of at most 2^-23, so its sign is right: W. Kahan's algorithm; Jeannerod, Louvet,
 /// Muller 2013, "Further analysis of Kahan's algorithm for the accurate computation of 2x2 determinants".
-inline Float difference_of_products(Float a, Float b, Float c, Float d)
+template <class F>
+[[gnu::always_inline]] inline F difference_of_products(F a, F b, F c, F d)
 {
-    const Float cd = c * d;
+    const F cd = c * d;
     return fma(a, b, -cd) + fma(-c, d, cd);
 }
 
-/// Where a ray passes a triangle, as weights of its corners that are still to be divided by their sum.
-struct TriangleWeights {
-    Float a, b, c;
-    Mask inside;
+/// Where a ray passes a triangle, as weights of its corners that are still to be divided by their sum. F: Float, or half of
+/// one where Float is a pair.
+template <class F>
+struct TriangleWeightsOf {
+    F a, b, c;
+    decltype(a <= b) inside;
+};
+using TriangleWeights = TriangleWeightsOf<Float>;
+
+template <class F>
+struct TriangleCorner {
+    F x, y, z;
 };
 
 /// A corner on the plane across the ray.
-struct Point2 {
-    Float x, y;
+template <class F>
+struct SeenCorner {
+    F x, y;
 };
 
 /// The corners are relative to the ray's origin, permuted as in TriangleRay and sheared.
@@ -55,22 +65,31 @@ struct Point2 {
 /// the origin of the sheared plane lies by an exact decision, and an edge belongs to both. Since the weights are as
 /// exact, the ray at t is as near to the triangle as the corners' rounding allows, needles and edge-on triangles
 /// included.
-[[gnu::always_inline]] inline TriangleWeights triangle_weights(const Point2& a, const Point2& b, const Point2& c)
+template <class F>
+[[gnu::always_inline]] inline TriangleWeightsOf<F> triangle_weights(const SeenCorner<F>& a, const SeenCorner<F>& b,
+                                                                    const SeenCorner<F>& c)
 {
-    TriangleWeights w;
+    TriangleWeightsOf<F> w;
     w.a = difference_of_products(c.x, b.y, c.y, b.x);
     w.b = difference_of_products(a.x, c.y, a.y, c.x);
     w.c = difference_of_products(b.x, a.y, b.y, a.x);
-    w.inside = (min(min(w.a, w.b), w.c) >= Float(0)) | (max(max(w.a, w.b), w.c) <= Float(0));
+    w.inside = (min(min(w.a, w.b), w.c) >= F(0)) | (max(max(w.a, w.b), w.c) <= F(0));
     return w;
 }
-
 /// The same for corners that are not sheared yet.
-[[gnu::always_inline]] inline TriangleWeights triangle_weights(Float shear_x, Float shear_y, const Vec3& pa,
-                                                               const Vec3& pb, const Vec3& pc)
+template <class F>
+[[gnu::always_inline]] inline TriangleWeightsOf<F> triangle_weights(F shear_x, F shear_y, const TriangleCorner<F>& pa,
+                                                                    const TriangleCorner<F>& pb, const TriangleCorner<F>& pc)
 {
-    const auto sheared = [&](const Vec3& p) { return Point2{fma(-shear_x, p.z, p.x), fma(-shear_y, p.z, p.y)}; };
+    const auto sheared = [&](const TriangleCorner<F>& p) {
+        return SeenCorner<F>{fma(-shear_x, p.z, p.x), fma(-shear_y, p.z, p.y)};
+    };
     return triangle_weights(sheared(pa), sheared(pb), sheared(pc));
+}
+[[gnu::always_inline]] inline TriangleWeights triangle_weights(Float shear_x, Float shear_y, const Vec3& pa, const Vec3& pb, const Vec3& pc)
+{
+    const auto corner = [](const Vec3& p) { return TriangleCorner<Float>{p.x, p.y, p.z}; };
+    return triangle_weights(shear_x, shear_y, corner(pa), corner(pb), corner(pc));
 }
 
 /// Lanes that are inside and at 0 < t <= t_max; z: of the corners; u and v are the weights of b and c.
