@@ -31,7 +31,7 @@ struct Scene {
     const char* name;
     const Bvh& bvh;
     const EmbreeCaster* embree;  ///< null: only ours is measured
-    /// Embree 3.13.5 does not return from some shadow rays into many instances if they have the coherent hint.
+    /// Embree 3.13.5 does not return from some shadow rays into instances if they have the coherent hint.
     bool hint_hangs = false;
 };
 
