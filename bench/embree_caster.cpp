@@ -5,27 +5,92 @@
 
 namespace fathom::bench {
 
-EmbreeCaster::EmbreeCaster(const Mesh& mesh, const std::string& isa, int threads, bool robust)
+namespace {
+
+std::array<float, 12> inverse_of(const std::array<float, 12>& m)
+{
+    Transform t;
+    for (std::size_t i = 0; i < 12; ++i) t.m[i / 4][i % 4] = m[i];
+    const Transform inverse = t.inverse();
+    std::array<float, 12> rows{};
+    for (std::size_t i = 0; i < 12; ++i) rows[i] = float(inverse.m[i / 4][i % 4]);
+    return rows;
+}
+
+}  // namespace
+
+EmbreeCaster::EmbreeCaster(const SceneTables& tables, const std::string& isa, int threads, bool robust)
 {
     const std::string config = "hugepages=1,threads=" + std::to_string(threads) + (isa.empty() ? "" : ",isa=" + isa);
     device_ = rtcNewDevice(config.c_str());
     rtcSetDeviceMemoryMonitorFunction(device_, &count_memory, this);
-    scene_ = rtcNewScene(device_);
-    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_MEDIUM);
-    rtcSetSceneFlags(scene_, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    scene_ = new_scene(robust);
+    RTCScene mesh = tables.instances.empty() ? scene_ : new_scene(robust);
+    add_mesh(mesh, tables);
+    const double start = now(threads);
+    rtcCommitScene(mesh);
+    if (mesh != scene_) {
+        for (const InstanceTable& instance : tables.instances) add_instance(mesh, tables, instance);
+        rtcReleaseScene(mesh);  // instances keep it
+        rtcCommitScene(scene_);
+    }
+    build_s_ = now(threads) - start;
+}
+
+RTCScene EmbreeCaster::new_scene(bool robust) const
+{
+    RTCScene scene = rtcNewScene(device_);
+    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
+    rtcSetSceneFlags(scene, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    return scene;
+}
+
+void EmbreeCaster::add_mesh(RTCScene scene, const SceneTables& t) const
+{
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    const SceneTables& t = mesh.tables;
-    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
-                                        t.positions.size()),
-                t.positions.data(), t.positions.size() * sizeof(Vec3f));
+    const std::size_t times = std::max<std::size_t>(1, t.vertex_times.size()), n = t.positions.size() / times;
+    rtcSetGeometryTimeStepCount(geometry, unsigned(times));
+    for (std::size_t k = 0; k < times; ++k)
+        std::memcpy(
+            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, unsigned(k), RTC_FORMAT_FLOAT3, sizeof(Vec3f), n),
+            &t.positions[k * n], n * sizeof(Vec3f));
     std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, t.triangle_count()),
                 t.triangles.data(), t.triangles.size() * 4);
     rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene_, geometry);
+    rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
-    const double start = now(threads);
-    rtcCommitScene(scene_);
-    build_s_ = now(threads) - start;
+}
+
+namespace {
+
+/// Rigid ones.
+RTCQuaternionDecomposition decomposition(const PoseTable& pose)
+{
+    RTCQuaternionDecomposition q;
+    rtcInitQuaternionDecomposition(&q);
+    rtcQuaternionDecompositionSetQuaternion(&q, pose.rotation[3], pose.rotation[0], pose.rotation[1], pose.rotation[2]);
+    rtcQuaternionDecompositionSetTranslation(&q, pose.translation[0], pose.translation[1], pose.translation[2]);
+    return q;
+}
+
+}  // namespace
+
+void EmbreeCaster::add_instance(RTCScene mesh, const SceneTables& tables, const InstanceTable& placed) const
+{
+    RTCGeometry instance = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance, mesh);
+    rtcSetGeometryTimeStepCount(instance, std::max(1u, placed.pose_count()));
+    for (std::uint32_t k = 0; k < placed.pose_count(); ++k) {
+        const RTCQuaternionDecomposition pose = decomposition(tables.poses[placed.first_pose() + k]);
+        rtcSetGeometryTransformQuaternion(instance, k, &pose);
+    }
+    if (placed.pose_count() == 0) {
+        const std::array<float, 12> transform = inverse_of(placed.object_from_render);
+        rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, transform.data());
+    }
+    rtcCommitGeometry(instance);
+    rtcAttachGeometry(scene_, instance);
+    rtcReleaseGeometry(instance);
 }
 
 EmbreeCaster::~EmbreeCaster()
@@ -51,8 +116,9 @@ void cast_single(RTCScene scene, RTCIntersectContext& context, const RaySet& set
 {
     for (std::size_t i = first; i < first + n; ++i) {
         RTCRayHit r;
+        const float time = set.time.empty() ? 0 : set.time[i];
         r.ray = {set.o[0][i], set.o[1][i], set.o[2][i],  0,   set.d[0][i], set.d[1][i],
-                 set.d[2][i], 0,           set.t_max[i], ~0u, 0,           0};
+                 set.d[2][i], time,        set.t_max[i], ~0u, 0,           0};
         if (set.shadow) {
             rtcOccluded1(scene, &context, &r.ray);
             results.blocked[i] = r.ray.tfar < 0;
@@ -80,7 +146,10 @@ void cast_packets(const RaySet& set, std::size_t first, std::size_t n, Results& 
         copy(p.ray.dir_x, set.d[0]), copy(p.ray.dir_y, set.d[1]), copy(p.ray.dir_z, set.d[2]);
         copy(p.ray.tfar, set.t_max);
         std::memset(p.ray.tnear, 0, N * 4);
-        std::memset(p.ray.time, 0, N * 4);
+        if (set.time.empty())
+            std::memset(p.ray.time, 0, N * 4);
+        else
+            copy(p.ray.time, set.time);
         std::memset(p.ray.mask, 0xff, N * 4);
         std::memset(p.ray.flags, 0, N * 4);
         if (set.shadow) {
@@ -127,7 +196,7 @@ void cast_stream(RTCScene scene, RTCIntersectContext& context, const RaySet& set
                  pointer(set.d[0], i),
                  pointer(set.d[1], i),
                  pointer(set.d[2], i),
-                 s.zero,
+                 set.time.empty() ? s.zero : pointer(set.time, i),
                  t,
                  s.ones,
                  s.id,

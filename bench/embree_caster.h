@@ -28,8 +28,10 @@ class EmbreeCaster {
 public:
     enum Call { single, packet8, packet16, stream, call_count };
 
+    /// One mesh of triangles, itself or where instances place it; vertices and instances may move.
+    ///
     /// isa: as Embree's option of that name; empty for the machine's best. Builds with so many threads.
-    EmbreeCaster(const Mesh& mesh, const std::string& isa, int threads, bool robust);
+    EmbreeCaster(const SceneTables& tables, const std::string& isa, int threads, bool robust);
     ~EmbreeCaster();
     EmbreeCaster(const EmbreeCaster&) = delete;
     EmbreeCaster& operator=(const EmbreeCaster&) = delete;
@@ -43,6 +45,9 @@ public:
 
 private:
     static bool count_memory(void* self, ssize_t bytes, bool post);
+    RTCScene new_scene(bool robust) const;
+    void add_mesh(RTCScene scene, const SceneTables& tables) const;
+    void add_instance(RTCScene mesh, const SceneTables& tables, const InstanceTable& instance) const;
 
     RTCDevice device_ = nullptr;
     RTCScene scene_ = nullptr;

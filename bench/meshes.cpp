@@ -116,6 +116,26 @@ void make_terrain(Mesh& mesh, std::size_t triangles)
     mesh.view = {{-700, 330, -800}, {0, 60, 0}, {0, 1, 0}, 60};
 }
 
+void make_boulder(Mesh& mesh, std::size_t triangles)
+{
+    SceneTables& t = mesh.tables;
+    const std::size_t n = std::size_t(std::sqrt(double(triangles) / 4));  // rows; twice as many columns
+    const double pi = 3.14159265358979;
+    for (std::size_t i = 0; i <= n; ++i)
+        for (std::size_t j = 0; j <= 2 * n; ++j) {
+            const double theta = pi * double(i) / double(n), phi = pi * double(j % (2 * n)) / double(n);
+            const Vec3d d{std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
+            const double r = 30 + 0.1 * (height(d.x + 2 + d.y * 0.3, d.z + 2) + height(d.y + 3, d.z - d.x * 0.4 + 3));
+            t.positions.push_back({float(r * d.x), float(0.8 * r * d.y), float(r * d.z)});
+        }
+    const auto at = [n](std::size_t i, std::size_t j) { return std::uint32_t(i * (2 * n + 1) + j); };
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < 2 * n; ++j)
+            for (std::uint32_t v : {at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1), at(i, j + 1), at(i + 1, j)})
+                t.triangles.push_back(v);
+    mesh.view = framing(t);
+}
+
 void make_foliage(Mesh& mesh, std::size_t triangles)
 {
     // Bunches of blades, each a strip of three slivers.
@@ -217,14 +237,16 @@ Mesh generate(const std::string& name)
     mesh.name = name;
     const std::size_t dash = name.find('-');
     const std::string kind = name.substr(0, dash);
-    const std::size_t millions = dash == std::string::npos ? 1 : std::stoul(name.substr(dash + 1));
-    const std::size_t triangles = millions ? millions * 1'000'000 : 50'000;
+    const double millions = dash == std::string::npos ? 1 : std::stod(name.substr(dash + 1));
+    const std::size_t triangles = millions > 0 ? std::size_t(millions * 1e6) : 50'000;
     if (kind == "terrain")
         make_terrain(mesh, triangles);
     else if (kind == "foliage")
         make_foliage(mesh, triangles);
+    else if (kind == "boulder")
+        make_boulder(mesh, triangles);
     else
-        throw std::runtime_error(name + ": known are terrain-N and foliage-N");
+        throw std::runtime_error(name + ": known are terrain-N, foliage-N and boulder-N");
     finish(mesh);
     return mesh;
 }

@@ -20,8 +20,8 @@ struct Mesh {
 /// look_at, up, x_fov_degrees), or frames the mesh. Throws std::runtime_error.
 Mesh read_ply(const std::string& path);
 
-/// "terrain-N": a height field of about N million triangles; "foliage-N": slivers of leaves, N million; with N = 0:
-/// some ten thousand. Throws std::runtime_error for any other name.
+/// "terrain-N": a height field of about N million triangles; "foliage-N": slivers of leaves, N million; "boulder-N": a
+/// rough ball. N may have a point; with N = 0: some ten thousand. Throws std::runtime_error for any other name.
 Mesh generate(const std::string& name);
 
 }  // namespace fathom::bench

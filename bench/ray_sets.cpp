@@ -33,14 +33,12 @@ RayView ray_view(const View& view)
     return result;
 }
 
-double diagonal_of(const SceneTables& tables)
+/// A normal of what an instance places, in the world.
+Vec3d from_object(const InstanceTable& instance, const Vec3d& n)
 {
-    Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-    for (const Vec3f& p : tables.positions) {
-        low = {std::min(low.x, double(p.x)), std::min(low.y, double(p.y)), std::min(low.z, double(p.z))};
-        high = {std::max(high.x, double(p.x)), std::max(high.y, double(p.y)), std::max(high.z, double(p.z))};
-    }
-    return length(high - low);
+    const auto& m = instance.object_from_render;
+    const auto column = [&](std::size_t i) { return n.x * m[i] + n.y * m[4 + i] + n.z * m[8 + i]; };
+    return {column(0), column(1), column(2)};
 }
 
 std::vector<RayPoint> hit_points(const SceneTables& tables, const Bvh& bvh, const RaySet& set)
@@ -51,12 +49,14 @@ std::vector<RayPoint> hit_points(const SceneTables& tables, const Bvh& bvh, cons
     bvh.closest(set.arrays(0, n), {t.data(), u.data(), v.data(), primitive.data(), instance.data()}, set.coherent);
     std::vector<RayPoint> points;
     for (std::size_t i = 0; i < n; ++i) {
-        if (primitive[i] == 0xffffffffu) continue;
+        if (primitive[i] == no_index) continue;
         const std::uint32_t* corners = &tables.triangles[3 * std::size_t(primitive[i])];
         const Vec3d a = wide(tables.positions[corners[0]]), b = wide(tables.positions[corners[1]]),
                     c = wide(tables.positions[corners[2]]);
         const Vec3d o{set.o[0][i], set.o[1][i], set.o[2][i]}, d{set.d[0][i], set.d[1][i], set.d[2][i]};
-        const Vec3d normal = normalize(cross(b - a, c - a));
+        Vec3d normal = cross(b - a, c - a);
+        if (instance[i] != no_index) normal = from_object(tables.instances[instance[i]], normal);
+        normal = normalize(normal);
         points.push_back({o + d * double(t[i]), dot(normal, d) > 0 ? -normal : normal});
     }
     return points;
@@ -67,7 +67,7 @@ std::vector<RayPoint> hit_points(const SceneTables& tables, const Bvh& bvh, cons
 std::vector<RaySet> make_ray_sets(const Mesh& mesh, const Bvh& bvh, std::size_t parts)
 {
     const auto points = [&](const RaySet& set) { return hit_points(mesh.tables, bvh, set); };
-    return fathom::make_ray_sets(ray_view(mesh.view), diagonal_of(mesh.tables), points, parts);
+    return fathom::make_ray_sets(ray_view(mesh.view), bvh.statistics().diagonal, points, parts);
 }
 
 }  // namespace fathom::bench

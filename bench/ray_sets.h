@@ -11,7 +11,7 @@ namespace fathom::bench {
 /// running.
 double now(int threads);
 
-/// Of a picture of 1920x1080.
+/// Of a picture of 1920x1080. Meshes stand still, by instances or without.
 std::vector<RaySet> make_ray_sets(const Mesh& mesh, const Bvh& bvh, std::size_t parts);
 
 }  // namespace fathom::bench

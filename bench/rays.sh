@@ -1,12 +1,17 @@
 #!/bin/bash
 # Rays per second, ours and Embree's: one JSON line per mesh and kind of ray, and a last one about building the trees.
-#   bench/rays.sh [--quick] [--mesh FILE.ply]... [--threads N] [--build fast|default|high]
+#   bench/rays.sh [--quick] [--motion | --instances] [--mesh FILE.ply]... [--threads N] [--build fast|default|high] [--not-robust]
 # Meshes: those named by --mesh; else the *.ply in $FATHOM_MESHES, if it is set, and generated ones.
 # --quick: fewer rays of smaller meshes, with the best instruction set that the machine has.
+# --motion: each mesh at rest, with vertices that move by 5 % of its size, placed, and placed and moving as far; all rays at
+#   random times; "ours_times_still" and "embree_times_still": rays/s as a part of those of the mesh at rest.
+# --instances: each mesh in 10,000 places; unless named otherwise generated ones of 100,000 triangles.
+# --not-robust: Embree without its robust flag; ours stays watertight.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 quick=false
+mode=
 meshes=()
 options=()
 while [ $# -gt 0 ]; do
@@ -14,7 +19,9 @@ while [ $# -gt 0 ]; do
         --quick) quick=true ;;
         --mesh) meshes+=(--mesh "$(realpath "$OLDPWD/$2" 2>/dev/null || realpath "$2")"); shift ;;
         --threads | --build) options+=("$1" "$2"); shift ;;
-        *) sed -n '2,5p' "$0" >&2; exit 2 ;;
+        --motion | --instances) mode=$1; options+=("$1") ;;
+        --not-robust) options+=("$1") ;;
+        *) sed -n '2,9p' "$0" >&2; exit 2 ;;
     esac
     shift
 done
@@ -44,7 +51,9 @@ if [ ${#programs[@]} = 0 ]; then
     exit 1
 fi
 
-if [ ${#meshes[@]} = 0 ]; then
+if [ ${#meshes[@]} = 0 ] && [ "$mode" = --instances ]; then
+    meshes=(--generate boulder-0.1 --generate foliage-0.1)
+elif [ ${#meshes[@]} = 0 ]; then
     if [ -n "${FATHOM_MESHES:-}" ]; then
         for name in living-room kitchen; do
             [ -f "$FATHOM_MESHES/$name.ply" ] && meshes+=(--mesh "$FATHOM_MESHES/$name.ply")
@@ -53,7 +62,7 @@ if [ ${#meshes[@]} = 0 ]; then
         echo "bench/rays.sh: FATHOM_MESHES is not set: generated meshes only" >&2
     fi
     meshes+=(--generate terrain-1 --generate foliage-1)
-    $quick || meshes+=(--generate terrain-10)
+    $quick || [ "$mode" = --motion ] || meshes+=(--generate terrain-10)
 fi
 $quick && options+=(--parts 64 --runs 3)
 

@@ -142,11 +142,11 @@ void trace(const BvhData& bvh, int n, bool coherent, StreamMemory& memory)
 /// rays does not matter to what they hit.
 class SortedByTime {
 public:
-    static constexpr std::size_t most = 1024;
+    static constexpr std::size_t most = 512;
 
     SortedByTime(const RayArrays& rays, std::size_t first, std::size_t n, float open, float close) : first_(first)
     {
-        constexpr std::size_t buckets = 64;
+        constexpr std::size_t buckets = 8;
         const float scale = float(buckets) / (close - open);
         std::uint32_t begin[buckets + 1] = {};
         std::uint8_t bucket[most];

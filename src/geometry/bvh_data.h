@@ -39,23 +39,37 @@ struct BvhReference {
     static bool is_moving(std::uint32_t node) { return node & moving_bit; }
     static std::uint32_t node(std::uint32_t r) { return r & (moving_bit - 1); }
     static bool is_triangles(std::uint32_t r) { return r >= triangle_bit; }
+    static bool is_moving_triangles(std::uint32_t r)
+    {
+        return r >> kind_shift == (other_bit >> kind_shift | moving_triangles);
+    }
     static int triangle_count(std::uint32_t r) { return int(r >> 27 & 15) + 1; }
     static std::uint32_t first_triangle(std::uint32_t r) { return r & 0x07ffffffu; }
     static Kind other_kind(std::uint32_t r) { return Kind(r >> kind_shift & 7); }
     static std::uint32_t place(std::uint32_t r) { return r & 0x07ffffffu; }
 };
 
-/// A leaf in BvhData::others: how many primitives, their numbers (indices of spheres and disks, keys of triangles), then
-/// from the next multiple of leaf_unit on what is tested: of moving triangles, for each of the scene's vertex_times 9
-/// arrays as in BvhData::triangles.
+/// A leaf in BvhData::others: how many primitives, their numbers (indices of spheres and disks, keys of triangles),
+/// then from the next multiple of leaf_unit on what is tested.
 struct BvhLeaf {
     static constexpr std::size_t unit = 4;
     const std::uint32_t* words;
 
-    int count() const { return int(words[0]); }
+    int count() const { return int(words[0] & 255); }
     const std::uint32_t* ids() const { return words + 1; }
     static std::size_t header(std::size_t n) { return (n + unit) / unit * unit; }
-    const float* data() const { return reinterpret_cast<const float*>(words + header(words[0])); }
+    const float* data() const { return reinterpret_cast<const float*>(words + header(words[0] & 255)); }
+};
+
+/// One of triangles that move: by triangle, as bytes, which vertex is its first corner, its second, its third; then for
+/// each of the scene's vertex_times x, y, z of the vertices. How many those are stands beside the count.
+struct MovingLeaf : BvhLeaf {
+    static constexpr int max_vertices = 16, vertices_shift = 8;
+
+    static std::size_t corner_words(std::size_t n) { return (3 * n + 3) / 4; }
+    std::ptrdiff_t vertices() const { return words[0] >> vertices_shift; }
+    const std::uint8_t* corners(int k) const { return reinterpret_cast<const std::uint8_t*>(data()) + k * count(); }
+    const float* axis(std::ptrdiff_t i) const { return data() + corner_words(std::size_t(count())) + i * vertices(); }
 };
 
 /// Up to 16 children; the boxes of slots without a child are empty (low bound above high). Behind a node that moves
@@ -79,13 +93,13 @@ struct BvhData {
     /// since readers take 16 floats at once.
     LargeArray<float> triangles;
     LargeArray<BvhKey> keys;
-    std::vector<std::uint32_t> others;  ///< leaves, see BvhLeaf; padded
+    std::vector<std::uint32_t, LargeAllocator<std::uint32_t>> others;  ///< leaves, see BvhLeaf; padded
 
     std::uint32_t root = 0;  ///< a reference
     int stack_size = 0;      ///< that traversal can need
     float radius = 0;        ///< the largest coordinate of anything in the world
     bool empty = true;
-    bool moving = false;     ///< something does while the shutter is open
+    bool moving = false;  ///< something does while the shutter is open
     /// What instances place, by shape.
     struct Mesh {
         std::uint32_t root = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 namespace fathom::bvh {
 
@@ -28,20 +29,6 @@ private:
     std::vector<std::uint32_t>& words_;
     std::size_t n_, first_;
 };
-
-void put_moving_triangles(const SceneTables& tables, const std::vector<std::uint32_t>& keys,
-                          std::vector<std::uint32_t>& words)
-{
-    for (std::size_t time = 0; time < tables.vertex_times.size(); ++time) {
-        Arrays arrays(words, keys.size(), 9);
-        for (std::size_t i = 0; i < keys.size(); ++i) {
-            Vec3f vertices[3];
-            vertices_of(tables, keys[i], vertices, time);
-            for (std::size_t v = 0; v < 3; ++v)
-                arrays.set_vector(3 * v, i, {vertices[v].x, vertices[v].y, vertices[v].z, 0});
-        }
-    }
-}
 
 void put_curves(const SceneTables& tables, const std::vector<std::uint32_t>& ids, bool ribbons,
                 std::vector<std::uint32_t>& words)
@@ -93,6 +80,57 @@ PieceEnds piece_ends(const SceneTables& tables, std::uint32_t id, bool linear)
     return {bezier(p, begin), bezier(p, end), bezier_tangent(p, begin), bezier_tangent(p, end)};
 }
 
+bool MovingTriangles::add(BvhKey key)
+{
+    if (count_ == bvh_width) return false;
+    const int before = vertex_count_;
+    for (int k = 0; k < 3; ++k) {
+        const std::uint32_t vertex = tables_.triangles[3 * std::size_t(key >> 1) + std::size_t(k)];
+        const std::uint32_t* const end = vertices_ + vertex_count_;
+        const int number = int(std::find(static_cast<const std::uint32_t*>(vertices_), end, vertex) - vertices_);
+        if (number == MovingLeaf::max_vertices) {
+            vertex_count_ = before;
+            return false;
+        }
+        if (number == vertex_count_) {
+            vertices_[vertex_count_] = vertex;
+            triangle_[vertex_count_] = std::uint8_t(count_);
+            corner_[vertex_count_++] = std::uint8_t(k);
+        }
+        corners_[k][count_] = std::uint8_t(number);
+    }
+    keys_[count_++] = key;
+    return true;
+}
+
+void MovingTriangles::put(std::vector<std::uint32_t>& words) const
+{
+    const std::size_t first = words.size(), n = std::size_t(count_), v = std::size_t(vertex_count_);
+    words.push_back(std::uint32_t(n | v << MovingLeaf::vertices_shift));
+    words.insert(words.end(), keys_, keys_ + n);
+    words.resize(first + BvhLeaf::header(n) + MovingLeaf::corner_words(n));
+    auto* const bytes = reinterpret_cast<std::uint8_t*>(&words[first + BvhLeaf::header(n)]);
+    for (std::size_t k = 0; k < 3; ++k) std::memcpy(bytes + k * n, corners_[k], n);
+    for (std::size_t time = 0; time < tables_.vertex_times.size(); ++time) {
+        Arrays arrays(words, v, 3);
+        for (std::size_t i = 0; i < v; ++i) {
+            Vec3f corners[3];
+            vertices_of(tables_, keys_[triangle_[i]], corners, time);
+            const Vec3f& p = corners[corner_[i]];
+            arrays.set_vector(0, i, {p.x, p.y, p.z, 0});
+        }
+    }
+}
+
+bool fit_together(const SceneTables& tables, std::uint32_t kinds, const Item* items, std::size_t n)
+{
+    if (kinds != Item::moving_triangle || 3 * n <= MovingLeaf::max_vertices) return true;
+    MovingTriangles triangles(tables);
+    for (std::size_t i = 0; i < n; ++i)
+        if (!triangles.add(items[i].id)) return false;
+    return true;
+}
+
 std::size_t put_leaf(const SceneTables& tables, const Item* items, std::size_t n, std::vector<std::uint32_t>& words)
 {
     std::vector<std::uint32_t> ids(n);
@@ -101,10 +139,15 @@ std::size_t put_leaf(const SceneTables& tables, const Item* items, std::size_t n
     const std::size_t first = words.size();
     const std::uint32_t kind = items[0].kind;
     const bool curves = kind == Item::curve || kind == Item::ribbon;
-    words.push_back(std::uint32_t(n));
-    for (std::uint32_t id : ids) words.push_back(curves ? id >> piece_bits : id);
-    words.resize(first + BvhLeaf::header(n));
-    if (kind == Item::moving_triangle) put_moving_triangles(tables, ids, words);
+    if (kind == Item::moving_triangle) {
+        MovingTriangles triangles(tables);
+        for (std::uint32_t id : ids) triangles.add(id);
+        triangles.put(words);
+    } else {
+        words.push_back(std::uint32_t(n));
+        for (std::uint32_t id : ids) words.push_back(curves ? id >> piece_bits : id);
+        words.resize(first + BvhLeaf::header(n));
+    }
     if (curves) put_curves(tables, ids, kind == Item::ribbon, words);
     if (kind == Item::point) put_points(tables, ids, words);
     words.resize((words.size() + BvhLeaf::unit - 1) / BvhLeaf::unit * BvhLeaf::unit);

@@ -113,37 +113,4 @@ bool meet_curves(const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
     return meet_all<any_hit>(leaf.count(), ray, meet, offer);
 }
 
-/// key, fraction: the time among the scene's vertex_times.
-template <bool any_hit, class Offer>
-bool meet_moving_triangles(const BvhLeaf& leaf, const PreparedRay& r, std::uint32_t key, Float fraction, Float t_max,
-                           const Offer& offer)
-{
-    const std::ptrdiff_t n = leaf.count();
-    const float* const data = leaf.data() + 9 * n * std::ptrdiff_t(key);
-    const auto axis = std::ptrdiff_t(r.integer(PreparedRays::axis));
-    const std::ptrdiff_t ix = axis == 2 ? 0 : axis + 1, iy = axis == 0 ? 2 : axis - 1, iz = axis;
-    const auto origin = [&](std::ptrdiff_t i) { return Float(r.number(PreparedRays::origin_x + int(i))); };
-    const Float ox = origin(ix), oy = origin(iy), oz = origin(iz);
-    bool found = false;
-    for (std::ptrdiff_t at = 0; at < n; at += lanes) {
-        const auto corner = [&](std::ptrdiff_t k) {
-            const float* const p = data + 3 * k * n + at;
-            const auto coordinate = [&](std::ptrdiff_t i) {
-                return mix(load(p + i * n), load(p + (i + 9) * n), fraction);
-            };
-            return Vec3{coordinate(ix) - ox, coordinate(iy) - oy, coordinate(iz) - oz};
-        };
-        const Vec3 pa = corner(0), pb = corner(1), pc = corner(2);
-        TriangleWeights w = triangle_weights(Float(r.number(PreparedRays::shear_x)),
-                                             Float(r.number(PreparedRays::shear_y)), pa, pb, pc);
-        w.inside &= first_lanes(std::size_t(n - at));
-        if (none(w.inside)) continue;
-        Float t, u, v;
-        const Mask m = triangle_distance(w, Float(r.number(PreparedRays::shear_z)), {pa.z, pb.z, pc.z}, t_max, t, u, v);
-        found |= any(m) && offer(int(at), m, t, u, v);
-        if (any_hit && found) break;
-    }
-    return found;
-}
-
 }  // namespace fathom::inline FATHOM_LANES

@@ -11,8 +11,35 @@
 
 namespace fathom {
 
-/// An array of plain values that are not initialised, on large pages where the system has them: a tree of hundreds of
-/// megabytes is read all over, and each small page costs a look-up.
+/// Memory on large pages where the system has them: a tree of hundreds of megabytes is read all over, and each small
+/// page costs a look-up. To be freed by std::free.
+inline void* allocate_large(std::size_t bytes)
+{
+    constexpr std::size_t large_page = std::size_t(2) << 20;
+    const std::size_t alignment = bytes >= large_page ? large_page : 64;
+    void* const data = std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
+    if (!data) throw std::bad_alloc();
+#if defined(__linux__)
+    if (bytes >= large_page) madvise(data, bytes, MADV_HUGEPAGE);
+#endif
+    return data;
+}
+
+/// For vectors of such memory.
+template <class T>
+struct LargeAllocator {
+    using value_type = T;
+    LargeAllocator() = default;
+    template <class U>
+    LargeAllocator(const LargeAllocator<U>&)
+    {
+    }
+    T* allocate(std::size_t n) { return static_cast<T*>(allocate_large(n * sizeof(T))); }
+    void deallocate(T* p, std::size_t) { std::free(p); }
+    bool operator==(const LargeAllocator&) const { return true; }
+};
+
+/// An array of plain values that are not initialised, in such memory.
 template <class T>
 class LargeArray {
 public:
@@ -20,13 +47,7 @@ public:
     explicit LargeArray(std::size_t size) : size_(size)
     {
         if (size == 0) return;
-        constexpr std::size_t large_page = std::size_t(2) << 20;
-        const std::size_t alignment = bytes() >= large_page ? large_page : 64;
-        data_ = static_cast<T*>(std::aligned_alloc(alignment, (bytes() + alignment - 1) / alignment * alignment));
-        if (!data_) throw std::bad_alloc();
-#if defined(__linux__)
-        if (bytes() >= large_page) madvise(data_, bytes(), MADV_HUGEPAGE);
-#endif
+        data_ = static_cast<T*>(allocate_large(bytes()));
     }
     ~LargeArray() { std::free(data_); }
     LargeArray(LargeArray&& other) noexcept { swap(other); }

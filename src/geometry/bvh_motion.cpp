@@ -54,7 +54,8 @@ Matrix pose_between(const PoseTable& a, const PoseTable& b, double f)
 double largest(const Box& box)
 {
     double r = 0;
-    for (int axis = 0; axis < 3; ++axis) r = std::max({r, double(std::fabs(box.low(axis))), double(std::fabs(box.high(axis)))});
+    for (int axis = 0; axis < 3; ++axis)
+        r = std::max({r, double(std::fabs(box.low(axis))), double(std::fabs(box.high(axis)))});
     return r;
 }
 
@@ -108,8 +109,8 @@ MovingBox triangle_box(const SceneTables& tables, BvhKey key)
         const float open = tables.vertex_times.front(), close = tables.vertex_times.back();
         times[k] = (tables.vertex_times[k] - open) / (close - open);
         for (const Vec3f& p : v) {
-            const float x[8] = {p.x, p.y, p.z, std::numeric_limits<float>::infinity(), -p.x, -p.y, -p.z,
-                                std::numeric_limits<float>::infinity()};
+            const float x[8] = {p.x,  p.y,  p.z,  std::numeric_limits<float>::infinity(),
+                                -p.x, -p.y, -p.z, std::numeric_limits<float>::infinity()};
             V8 point;
             std::memcpy(&point, x, sizeof point);
             boxes[k].extend(point);
@@ -153,8 +154,8 @@ MovingBox moving_instance_box(const SceneTables& tables, const InstanceTable& in
     };
     for (std::uint32_t i = 0; i + 1 < instance.pose_count(); ++i) {
         const PoseTable &a = poses[i], &b = poses[i + 1];
-        // A point moves as f = T + R v, with T and v linear: |f''| is at most w^2 |v| + 2 w |v'|, if R turns by w, and f
-        // strays from its chord by at most an eighth of that.
+        // A point moves as f = T + R v, with T and v linear: |f''| is at most w^2 |v| + 2 w |v'|, if R turns by w, and
+        // f strays from its chord by at most an eighth of that.
         double stretch = 0, change = 0;
         for (int k = 0; k < 6; ++k) {
             stretch += 2 * std::max(std::fabs(double(a.stretch[k])), std::fabs(double(b.stretch[k])));
@@ -226,7 +227,11 @@ class MotionAdder {
 public:
     MotionAdder(const SceneTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes,
                 std::vector<BvhNode>& nodes, std::size_t first)
-        : tables_(tables), bvh_(bvh), mesh_boxes_(mesh_boxes), nodes_(nodes), first_(first),
+        : tables_(tables),
+          bvh_(bvh),
+          mesh_boxes_(mesh_boxes),
+          nodes_(nodes),
+          first_(first),
           still_(nodes.begin() + std::ptrdiff_t(first), nodes.end())
     {
         nodes_.resize(first);

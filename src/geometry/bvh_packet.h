@@ -12,9 +12,7 @@ namespace fathom::inline FATHOM_LANES {
 inline RayMask alike(const PreparedRays* all, RayMask rays)
 {
     const int first = std::countr_zero(rays);
-    const auto of_first = [&](int field) {
-        return float_bits(Float(all[first / lanes].f[field][first % lanes]));
-    };
+    const auto of_first = [&](int field) { return float_bits(Float(all[first / lanes].f[field][first % lanes])); };
     const UInt octant = of_first(PreparedRays::octant), axis = of_first(PreparedRays::axis);
     RayMask same = 0;
     for (int part = 0; part < stream_size / lanes; ++part) {
@@ -62,6 +60,7 @@ public:
                 extend(all_.far_origin[axis], part.far_origin[axis], down);
             }
         }
+        if (moving) times_ = PacketTimes(memory.times, rays);
         update_reach();
     }
 
@@ -92,8 +91,10 @@ public:
 
 private:
     static constexpr int parts = stream_size / lanes;
-    /// Rays through what moves part sooner: each at its own time sees boxes elsewhere.
-    static constexpr int few_moving = 8;
+    static constexpr int few_moving = any_hit ? 12 : 2;
+    /// So few rays at a leaf meet it one by one, lanes being triangles. Rays through what moves, each at its own time,
+    /// come to leaves from farther apart.
+    static constexpr int few_at_leaf = moving ? 12 : 0;
     /// So many are worth moving into an instance together.
     static constexpr int least_within = 8;
 
@@ -114,8 +115,8 @@ private:
     const PreparedRays& part(int i) const { return within ? memory_.together[i] : memory_.world[i]; }
     std::uint32_t instance() const { return within ? space_.instance : no_index; }
 
-    /// Of some rays: inverse directions, and origins, widened by the slack, whose distance is least and greatest; and how
-    /// far they reach at most.
+    /// Of some rays: inverse directions, and origins, widened by the slack, whose distance is least and greatest; and
+    /// how far they reach at most.
     struct Intervals {
         float low_inverse[3] = {infinity, infinity, infinity}, high_inverse[3] = {-infinity, -infinity, -infinity};
         float near_origin[3], far_origin[3];
@@ -130,7 +131,8 @@ private:
         const Vec3 o = load_vec3(r.f[PreparedRays::origin_x], r.f[PreparedRays::origin_y], r.f[PreparedRays::origin_z]);
         const Float outside(infinity), slack = ray_slack(o, space_.radius);
         for (int axis = 0; axis < 3; ++axis) {
-            const Float inverse = load(r.f[PreparedRays::inverse_x + axis]), x = load(r.f[PreparedRays::origin_x + axis]);
+            const Float inverse = load(r.f[PreparedRays::inverse_x + axis]),
+                        x = load(r.f[PreparedRays::origin_x + axis]);
             of.low_inverse[axis] = least(select(m, inverse, outside));
             of.high_inverse[axis] = -least(select(m, -inverse, outside));
             const float from = least(select(m, x - slack, outside)), to = -least(select(m, -(x + slack), outside));
@@ -163,7 +165,8 @@ private:
     }
 
     /// The distances that any of the rays could have to boxes.
-    [[gnu::always_inline]] static void intervals(const Intervals& of, int axis, Float near_plane, Float far_plane, Float& near, Float& far)
+    [[gnu::always_inline]] static void intervals(const Intervals& of, int axis, Float near_plane, Float far_plane,
+                                                 Float& near, Float& far)
     {
         const Float lo(of.low_inverse[axis]), hi(of.high_inverse[axis]);
         const Float a = near_plane - Float(of.near_origin[axis]), b = far_plane - Float(of.far_origin[axis]);
@@ -206,9 +209,7 @@ private:
         if constexpr (!within)
             if (BvhReference::other_kind(reference) == BvhReference::instance && std::popcount(rays) >= least_within)
                 return visit_instance(BvhReference::place(reference), rays, size);
-        if (moving && BvhReference::other_kind(reference) == BvhReference::moving_triangles &&
-            bvh_.tables->vertex_times.size() == 2)
-            return visit_moving_leaf({&bvh_.others[std::size_t(BvhReference::place(reference)) * BvhLeaf::unit]}, rays);
+        if (moving && BvhReference::is_moving_triangles(reference)) return visit_moving_leaf(reference, rays);
         // Each ray for itself, but now: what lies behind need not be visited if something is hit.
         for (RayMask m = rays; m; m &= m - 1) defer(std::countr_zero(m), reference, t);
         finish(rays);
@@ -301,9 +302,13 @@ private:
                                      far_row = (2 * axis + 3) * bvh_width - side_[axis] + k * lanes;
                 Float near = load(bounds + near_row), far = load(bounds + far_row);
                 if (moving && change) {
-                    // The nearest and farthest that they are at any time.
+                    // The nearest and farthest that they are at any ray's time.
                     const bool down = octant_ >> axis & 1;
-                    const Float near_end = near + load(change + near_row), far_end = far + load(change + far_row);
+                    const Float near_change = load(change + near_row), far_change = load(change + far_row);
+                    const Float near_end = fma(near_change, Float(times_.last_shutter), near),
+                                far_end = fma(far_change, Float(times_.last_shutter), far);
+                    near = fma(near_change, Float(times_.first_shutter), near);
+                    far = fma(far_change, Float(times_.first_shutter), far);
                     near = down ? max(near, near_end) : min(near, near_end);
                     far = down ? min(far, far_end) : max(far, far_end);
                 }
@@ -319,7 +324,7 @@ private:
         for (int i = 0; i < count; ++i) {
             const std::uint32_t slot = met[i];
             if (moving && change) {
-                const RayMask meet = rays & meet_moving(bounds + slot, change + slot);
+                const RayMask meet = meet_moving(bounds + slot, change + slot, rays);
                 memory_.packet_stack[std::size_t(size)] = {meet, node.child[slot], met_t[i]};
                 size += meet != 0;
                 continue;
@@ -352,27 +357,31 @@ private:
     }
 
     /// Which rays meet one box of a node that moves.
-    RayMask meet_moving(const float* bounds, const float* change) const
+    RayMask meet_moving(const float* bounds, const float* change, RayMask rays) const
     {
         RayMask meet = 0;
         for (int k = 0; k < parts; ++k) {
+            if (!holds_any(rays, k)) continue;
             const PreparedRays& r = part(k);
             const Float time = load(memory_.times.shutter + k * lanes);
             Float near(0.f), far = load(memory_.hits.t + k * lanes);
             for (int axis = 0; axis < 3; ++axis) {
                 const std::ptrdiff_t near_row = side_[axis], far_row = (2 * axis + 3) * bvh_width - side_[axis];
-                const auto plane = [&](std::ptrdiff_t row) { return fma(Float(change[row]), time, Float(bounds[row])); };
+                const auto plane = [&](std::ptrdiff_t row) {
+                    return fma(Float(change[row]), time, Float(bounds[row]));
+                };
                 const Float inverse = load(r.f[PreparedRays::inverse_x + axis]);
                 near = max(near, fma(plane(near_row), inverse, load(r.f[PreparedRays::near_x + axis])));
                 far = min(far, fma(plane(far_row), inverse, load(r.f[PreparedRays::far_x + axis])));
             }
             meet |= RayMask(mask_bits(near <= far)) << k * lanes;
         }
-        return meet;
+        return meet & rays;
     }
 
     /// Lanes are triangles here: which of them could be met, by their boxes.
-    [[gnu::always_inline]] std::uint32_t candidates(const Intervals& of, Mask triangles, const Float low[3], const Float high[3]) const
+    [[gnu::always_inline]] std::uint32_t candidates(const Intervals& of, Mask triangles, const Float low[3],
+                                                    const Float high[3]) const
     {
         Float near(0), far(of.reach);
         for (int axis = 0; axis < 3; ++axis) {
@@ -382,8 +391,21 @@ private:
         return mask_bits((near <= far) & triangles);
     }
 
+    [[gnu::noinline]] void visit_leaf_apart(std::uint32_t reference, RayMask rays)
+    {
+        bool found = false;
+        for (RayMask m = rays; m; m &= m - 1) {
+            const int ray = std::countr_zero(m);
+            const bool hit = stream_.meet(ray, reference);
+            if (any_hit && hit) blocked_ |= RayMask(1) << ray;
+            found |= hit;
+        }
+        if (found && !any_hit) update_reach();
+    }
+
     void visit_leaf(std::uint32_t reference, RayMask rays)
     {
+        if (std::popcount(rays) <= few_at_leaf) return visit_leaf_apart(reference, rays);
         const std::ptrdiff_t n = BvhReference::triangle_count(reference);
         const std::uint32_t first = BvhReference::first_triangle(reference);
         const float* const data = &bvh_.triangles[9 * std::size_t(first)];
@@ -399,13 +421,15 @@ private:
         for (int k = 0; k < parts; ++k) {
             const Mask active = part_of(rays & ~blocked_, k);
             if (none(active)) continue;
-            if (const std::uint32_t bits = candidates(of_part_[k], triangles, low, high)) found |= meet_triangles(data, n, first, bits, k, active);
+            if (const std::uint32_t bits = candidates(of_part_[k], triangles, low, high))
+                found |= meet_triangles(data, n, first, bits, k, active);
         }
         if (found && !any_hit) update_reach();
     }
 
     /// A part of the rays with some of a leaf's triangles.
-    [[gnu::always_inline]] bool meet_triangles(const float* data, std::ptrdiff_t n, std::uint32_t first, std::uint32_t bits, int k, Mask active)
+    [[gnu::always_inline]] bool meet_triangles(const float* data, std::ptrdiff_t n, std::uint32_t first,
+                                               std::uint32_t bits, int k, Mask active)
     {
         const PreparedRays& r = part(k);
         const Vec3 o = load_vec3(r.f[PreparedRays::origin_x + axes_[0]], r.f[PreparedRays::origin_x + axes_[1]],
@@ -429,51 +453,48 @@ private:
         return found;
     }
 
-    /// Of n moving triangles from `at` on, in data.
-    [[gnu::always_inline]] std::uint32_t moving_candidates(const float* data, std::ptrdiff_t n, std::ptrdiff_t at) const
+    /// The same for triangles that move.
+    [[gnu::noinline]] void visit_moving_leaf(std::uint32_t reference, RayMask rays)
     {
+        if (!times_.same_key || std::popcount(rays) <= few_at_leaf) return visit_leaf_apart(reference, rays);
+        const MovingLeaf leaf{{&bvh_.others[std::size_t(BvhReference::place(reference)) * BvhLeaf::unit]}};
+        memory_.visits.primitives += std::uint64_t(leaf.count() * std::popcount(rays));
         Float low[3], high[3];
-        for (int axis = 0; axis < 3; ++axis) {
-            const float* const p = data + axis * n + at;
-            const Float a = load(p), b = load(p + 3 * n), c = load(p + 6 * n);
-            const Float d = load(p + 9 * n), e = load(p + 12 * n), f = load(p + 15 * n);
-            low[axis] = min(min(min(a, b), min(c, d)), min(e, f)), high[axis] = max(max(max(a, b), max(c, d)), max(e, f));
+        times_.bounds(leaf, low, high);
+        bool found = false;
+        for (int k = 0; k < parts; ++k) {
+            const Mask active = part_of(rays & ~blocked_, k);
+            if (none(active)) continue;
+            const std::uint32_t bits = candidates(of_part_[k], first_lanes(std::size_t(leaf.count())), low, high);
+            if (bits) found |= meet_triangles(leaf, bits, k, active);
         }
-        return candidates(all_, first_lanes(std::size_t(n - at)), low, high);
+        if (found && !any_hit) update_reach();
     }
 
-    /// The same for triangles whose corners go straight from when the shutter opens until it closes.
-    void visit_moving_leaf(const BvhLeaf& leaf, RayMask rays)
+    [[gnu::always_inline]] bool meet_triangles(const MovingLeaf& leaf, std::uint32_t bits, int k, Mask active)
     {
-        const std::ptrdiff_t n = leaf.count();
-        const float* const data = leaf.data();
-        memory_.visits.primitives += std::uint64_t(n * std::popcount(rays));
+        const PreparedRays& r = part(k);
+        const LeafTime time(leaf, times_.key, load(memory_.times.fraction + k * lanes));
         bool found = false;
-        for (std::ptrdiff_t at = 0; at < n; at += lanes)
-            for (std::uint32_t bits = moving_candidates(data, n, at); bits; bits &= bits - 1) {
-                const std::ptrdiff_t i = at + std::countr_zero(bits);
-                for (int k = 0; k < parts; ++k) {
-                    const Mask active = part_of(rays & ~blocked_, k);
-                    if (none(active)) continue;
-                    const PreparedRays& r = part(k);
-                    const Float fraction = load(memory_.times.fraction + k * lanes);
-                    const auto corner = [&](std::ptrdiff_t vertex) {
-                        const float* const p = data + 3 * vertex * n + i;
-                        const auto coordinate = [&](int axis) {
-                            return mix(Float(p[axis * n]), Float(p[(axis + 9) * n]), fraction) -
-                                   load(r.f[PreparedRays::origin_x + axis]);
-                        };
-                        return Vec3{coordinate(axes_[0]), coordinate(axes_[1]), coordinate(axes_[2])};
-                    };
-                    const Vec3 pa = corner(0), pb = corner(1), pc = corner(2);
-                    TriangleWeights w = triangle_weights(load(r.f[PreparedRays::shear_x]),
-                                                         load(r.f[PreparedRays::shear_y]), pa, pb, pc);
-                    w.inside &= active;
-                    if (none(w.inside)) continue;
-                    found |= take(k, leaf.ids()[i], w, {pa.z, pb.z, pc.z});
-                }
-            }
-        if (found && !any_hit) update_reach();
+        for (; bits; bits &= bits - 1) {
+            const int i = std::countr_zero(bits);
+            const auto corner = [&](int c) {
+                const float* const vertex = leaf.axis(0) + leaf.corners(c)[i];
+                const auto coordinate = [&](std::ptrdiff_t axis) {
+                    return time.one(vertex + axis * leaf.vertices()) - load(r.f[PreparedRays::origin_x + axis]);
+                };
+                return Vec3{coordinate(axes_[0]), coordinate(axes_[1]), coordinate(axes_[2])};
+            };
+            const Vec3 a = corner(0), b = corner(1), c = corner(2);
+            TriangleWeights w =
+                triangle_weights(load(r.f[PreparedRays::shear_x]), load(r.f[PreparedRays::shear_y]), a, b, c);
+            w.inside &= active;
+            if (none(w.inside)) continue;
+            if (!take(k, leaf.ids()[i], w, {a.z, b.z, c.z})) continue;
+            found = true;
+            if (any_hit) active = part_of(rays_ & ~blocked_, k) & active;
+        }
+        return found;
     }
 
     /// The hits of a part of the rays with one triangle; what: as in RayHits.
@@ -526,6 +547,7 @@ private:
     std::uint32_t octant_ = 0;
     std::ptrdiff_t side_[3], axes_[3];
     Intervals all_, of_part_[parts];
+    PacketTimes times_;
 };
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -10,7 +10,7 @@
 #include "geometry/bvh_boxes.h"
 #include "geometry/bvh_hits.h"
 #include "geometry/bvh_leaves.h"
-#include "geometry/bvh_triangles.h"
+#include "geometry/bvh_moving.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -60,6 +60,22 @@ public:
     /// Rays that have been traced may be deferred again, in the world.
     void forget(RayMask rays) { known_ &= ~rays; }
 
+    /// Tests a leaf of triangles there and then; true if something in it is the nearest so far.
+    bool meet(int ray, std::uint32_t reference)
+    {
+        if (!is_known(ray)) add(ray);
+        states_[ray].reference = reference;
+        const int n = triangle_count(reference);
+        memory_.visits.primitives += std::uint64_t(n);
+        bool found = false;
+        for (int at = 0; at < n && !(any_hit && found); at += lanes) {
+            WeighedTriangles triangles;
+            weigh(ray, at, triangles);
+            if (triangles.inside) found |= take_triangles(ray, at, triangles.weights(), triangles.corners_z());
+        }
+        return found;
+    }
+
     /// Traces all that were started; memory.hits are set where something was hit.
     void run()
     {
@@ -89,7 +105,8 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t end = BvhReference::other_bit | std::uint32_t(BvhReference::end) << BvhReference::kind_shift;
+    static constexpr std::uint32_t end = BvhReference::other_bit | std::uint32_t(BvhReference::end)
+                                                                       << BvhReference::kind_shift;
     static constexpr int leaf_wave = 8;
     /// How many rays earlier a node is fetched: later is too late, earlier crowds the queues of the processor.
     static constexpr int ahead = 4;
@@ -158,8 +175,11 @@ private:
     }
     [[gnu::always_inline]] void fetch_leaf(int ray) const
     {
-        const auto* const p = reinterpret_cast<const char*>(
-            &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(states_[ray].reference))]);
+        const std::uint32_t reference = states_[ray].reference;
+        const auto* const p = moves(reference)
+                                  ? reinterpret_cast<const char*>(moving_leaf(reference).words)
+                                  : reinterpret_cast<const char*>(
+                                        &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(reference))]);
         for (int line = 0; line < 6; ++line) __builtin_prefetch(p + 64 * line);
     }
 
@@ -167,7 +187,8 @@ private:
     [[gnu::always_inline]] void queue(int ray, std::uint32_t reference, Counts& n, int really = 1)
     {
         states_[ray].reference = reference;
-        const bool is_node = BvhReference::is_node(reference), is_leaf = BvhReference::is_triangles(reference);
+        const bool is_node = BvhReference::is_node(reference),
+                   is_leaf = BvhReference::is_triangles(reference) || moves(reference);
         next_.node[n.nodes] = next_.leaf[n.leaves] = next_.other[n.others] = std::uint8_t(ray);
         n.nodes += int(is_node) & really;
         n.leaves += int(is_leaf) & really;
@@ -188,7 +209,8 @@ private:
         const BoxDistances box = distances_to(node, r, Float(memory_.hits.t[ray]));
         std::uint32_t*& top = states_[ray].top;
         const BvhStack above{top, distances(top)};
-        top += any_hit ? push_any(above, 0, node, box) : push_in_order(above, 0, node.child, node.order[r.integer(PreparedRays::octant)], box);
+        top += any_hit ? push_any(above, 0, node, box)
+                       : push_in_order(above, 0, node.child, node.order[r.integer(PreparedRays::octant)], box);
         pop(ray, n);
     }
 
@@ -209,6 +231,37 @@ private:
         int ray;
     };
 
+    /// Leaves of triangles, those that move among them.
+    static bool moves(std::uint32_t leaf) { return moving && BvhReference::is_moving_triangles(leaf); }
+    MovingLeaf moving_leaf(std::uint32_t reference) const
+    {
+        return {{&bvh_.others[std::size_t(BvhReference::place(reference)) * BvhLeaf::unit]}};
+    }
+    int triangle_count(std::uint32_t leaf) const
+    {
+        return moves(leaf) ? moving_leaf(leaf).count() : BvhReference::triangle_count(leaf);
+    }
+    BvhKey triangle_key(std::uint32_t leaf, int i) const
+    {
+        return moves(leaf) ? moving_leaf(leaf).ids()[i]
+                           : bvh_.keys[BvhReference::first_triangle(leaf) + std::uint32_t(i)];
+    }
+    /// As in RayHits::what.
+    std::uint32_t name_of(std::uint32_t leaf, int i) const
+    {
+        return moves(leaf) ? triangle_key(leaf, i)
+                           : hit_is_place | (BvhReference::first_triangle(leaf) + std::uint32_t(i));
+    }
+
+    [[gnu::always_inline]] void weigh(int ray, int at, WeighedTriangles& out) const
+    {
+        const std::uint32_t leaf = states_[ray].reference;
+        if (!moves(leaf)) return weigh_triangles(bvh_, leaf, at, prepared(ray), out);
+        const MovingLeaf moved = moving_leaf(leaf);
+        const LeafTime time(moved, memory_.times.key[ray], Float(memory_.times.fraction[ray]));
+        weigh_triangles(moved, time, at, prepared(ray), out);
+    }
+
     /// First which rays pass through a triangle at all, then where. Neither can be foreseen, so there is no branch on
     /// it.
     void visit_leaves(const std::uint8_t* rays, int count)
@@ -220,9 +273,9 @@ private:
         for (int i = 0; i < count; ++i) {
             Block& block = blocks[met];
             block.reference = states_[rays[i]].reference;
-            weigh_triangles(bvh_, block.reference, 0, prepared(rays[i]), block);
+            weigh(rays[i], 0, block);
             block.ray = rays[i];
-            triangles += BvhReference::triangle_count(block.reference);
+            triangles += triangle_count(block.reference);
             const int passes = block.inside != 0;
             met += passes;
             // Those that pass by go on now.
@@ -237,7 +290,6 @@ private:
     {
         const int ray = block.ray;
         RayHits& hits = memory_.hits;
-        const std::uint32_t first = BvhReference::first_triangle(block.reference);
         Float t, u, v;
         const Float t_max(hits.t[ray]);
         Mask m = triangle_distance(block.weights(), Float(prepared(ray).number(PreparedRays::shear_z)), block.corners_z(), t_max, t, u, v);
@@ -249,14 +301,14 @@ private:
         bool found = least != 0;
         if (bvh_.has_alpha || (!any_hit && found && (std::has_single_bit(least) == 0 || ts[lane] == hits.t[ray]))) {
             // A tie, or a hit to be asked for: one by one.
-            found = take(ray, m, t, u, v, [&](int k) { return bvh_.keys[first + std::uint32_t(k)]; });
+            found = take(ray, m, t, u, v, [&](int k) { return triangle_key(block.reference, k); });
         } else if (any_hit) {
             hits.what[ray] = found ? 0 : hits.what[ray];
         } else {
             hits.t[ray] = found ? ts[lane] : hits.t[ray];
             hits.u[ray] = found ? us[lane] : hits.u[ray];
             hits.v[ray] = found ? vs[lane] : hits.v[ray];
-            hits.what[ray] = found ? hit_is_place | (first + std::uint32_t(lane)) : hits.what[ray];
+            hits.what[ray] = found ? name_of(block.reference, lane) : hits.what[ray];
             hits.instance[ray] = found ? states_[ray].instance : hits.instance[ray];
         }
         if (any_hit) return pop(ray, n, 1 - int(found));
@@ -265,19 +317,7 @@ private:
     }
 
     /// The same where lanes are few.
-    void visit_leaf(int ray)
-    {
-        const int n = BvhReference::triangle_count(states_[ray].reference);
-        memory_.visits.primitives += std::uint64_t(n);
-        bool found = false;
-        for (int at = 0; at < n; at += lanes) {
-            WeighedTriangles triangles;
-            weigh_triangles(bvh_, states_[ray].reference, at, prepared(ray), triangles);
-            if (triangles.inside) found |= take_triangles(ray, at, triangles.weights(), triangles.corners_z());
-            if (any_hit && found) return;
-        }
-        go_on(ray, found);
-    }
+    void visit_leaf(int ray) { go_on(ray, meet(ray, states_[ray].reference)); }
 
     [[gnu::always_inline]] bool take_triangles(int ray, int at, const TriangleWeights& w, const Vec3& z)
     {
@@ -286,8 +326,7 @@ private:
         Mask m = triangle_distance(w, Float(prepared(ray).number(PreparedRays::shear_z)), z, t_max, t, u, v);
         if (any_hit) m &= t < t_max;
         if (none(m)) return false;
-        const BvhKey* const keys = &bvh_.keys[BvhReference::first_triangle(states_[ray].reference) + std::uint32_t(at)];
-        return take(ray, m, t, u, v, [keys](int lane) { return keys[lane]; });
+        return take(ray, m, t, u, v, [&](int lane) { return triangle_key(states_[ray].reference, at + lane); });
     }
 
     /// After a leaf: away with what lies beyond a new hit, and on.
@@ -344,10 +383,6 @@ private:
                 return take(ray, m, t, u, v, [&](int lane) { return first + factor * leaf.ids()[at + lane]; });
             };
         };
-        if (kind == BvhReference::moving_triangles)
-            return meet_moving_triangles<any_hit>(leaf, prepared(ray), memory_.times.key[ray],
-                                                  Float(memory_.times.fraction[ray]), Float(memory_.hits.t[ray]),
-                                                  offer_keys(0, 1));
         const LeafRay r(prepared(ray), states_[ray].instance != no_index);
         switch (kind) {
             case BvhReference::spheres:

@@ -16,9 +16,8 @@ using V16i = std::int32_t __attribute__((vector_size(64)));
 
 // In units of one node visited; measured on interiors, terrain and foliage (bench/rays.cpp).
 constexpr float node_cost = 1.f, triangle_leaf_cost = 0.3f, triangle_cost = 0.06f, other_leaf_cost = 0.7f,
-                other_cost = 0.05f, instance_cost = 4.f, moving_leaf_cost = 0.8f,
-                moving_triangle_cost = 0.1f, curve_leaf_cost = 1.5f, curve_cost = 0.1f, point_leaf_cost = 0.5f,
-                point_cost = 0.05f;
+                other_cost = 0.05f, instance_cost = 4.f, moving_leaf_cost = 0.4f, moving_triangle_cost = 0.06f,
+                curve_leaf_cost = 1.5f, curve_cost = 0.1f, point_leaf_cost = 0.5f, point_cost = 0.05f;
 
 constexpr int halving_depth = 50;
 
@@ -212,6 +211,14 @@ private:
         return true;
     }
 
+    /// Whether a leaf can hold what would be in it is asked only where a leaf would be best.
+    Costs join_sides(Node& node, const Costs& left, const Costs& right, float half_area) const
+    {
+        const Costs costs = join(left, right, half_area, leaf_cost(node.kinds, node.count), node.choices);
+        if (node.choices[0] != 0 || fit_together(tables_, node.kinds, node.items, node.count)) return costs;
+        return join(left, right, half_area, std::numeric_limits<float>::infinity(), node.choices);
+    }
+
     /// Adds the node of n items from the first on, split by their codes, and all below.
     Costs split_sorted(std::size_t first, std::size_t n)
     {
@@ -231,7 +238,7 @@ private:
         node.kinds = nodes_[self + 1].kinds | nodes_[right_child].kinds;
         node.box = nodes_[self + 1].box;
         node.box.extend(nodes_[right_child].box);
-        return join(l, r, node.box.half_area(), leaf_cost(node.kinds, n), node.choices);
+        return join_sides(node, l, r, node.box.half_area());
     }
 
     /// Adds the node of these items, which are moved to pieces_, and all below.
@@ -255,7 +262,7 @@ private:
         node.right = right_child;
         node.count = std::uint32_t(pieces_.size() - first);
         node.kinds = nodes_[self + 1].kinds | nodes_[right_child].kinds;
-        return join(l, r, area, leaf_cost(node.kinds, node.count), node.choices);
+        return join_sides(node, l, r, area);
     }
 
     /// Adds the node of these items and all below.
@@ -280,7 +287,7 @@ private:
         Node& node = nodes_[self];
         node.right = right_child;
         node.kinds = nodes_[self + 1].kinds | nodes_[right_child].kinds;
-        return join(l, r, area, leaf_cost(node.kinds, n), node.choices);
+        return join_sides(node, l, r, area);
     }
 
     /// The nodes that stand for `node` where it may be up to j children.
@@ -347,12 +354,18 @@ private:
     static BvhReference::Kind reference_kind(std::uint32_t item_kind)
     {
         switch (item_kind) {
-            case Item::sphere: return BvhReference::spheres;
-            case Item::disk: return BvhReference::disks;
-            case Item::moving_triangle: return BvhReference::moving_triangles;
-            case Item::curve: return BvhReference::curves;
-            case Item::ribbon: return BvhReference::ribbons;
-            default: return BvhReference::points;
+            case Item::sphere:
+                return BvhReference::spheres;
+            case Item::disk:
+                return BvhReference::disks;
+            case Item::moving_triangle:
+                return BvhReference::moving_triangles;
+            case Item::curve:
+                return BvhReference::curves;
+            case Item::ribbon:
+                return BvhReference::ribbons;
+            default:
+                return BvhReference::points;
         }
     }
 
@@ -361,8 +374,8 @@ private:
     {
         std::sort(node.items, node.items + node.count, [](const Item& a, const Item& b) { return a.id < b.id; });
         // Pieces of one triangle may meet again.
-        Item* const end = std::unique(node.items, node.items + node.count,
-                                      [](const Item& a, const Item& b) { return a.id == b.id; });
+        Item* const end =
+            std::unique(node.items, node.items + node.count, [](const Item& a, const Item& b) { return a.id == b.id; });
         const std::size_t first = next_triangle_, n = std::size_t(end - node.items);
         next_triangle_ += n;
         float* out = &bvh_.triangles[9 * first];

@@ -53,25 +53,38 @@ struct TriangleCorner {
     F x, y, z;
 };
 
-/// The corners are relative to the ray's origin and permuted as in TriangleRay.
+/// A corner on the plane across the ray.
+template <class F>
+struct SeenCorner {
+    F x, y;
+};
+
+/// The corners are relative to the ray's origin, permuted as in TriangleRay and sheared.
 ///
 /// No ray slips through between two triangles with a common edge: both see the same rounded corners, on whose two sides
 /// the origin of the sheared plane lies by an exact decision, and an edge belongs to both. Since the weights are as
 /// exact, the ray at t is as near to the triangle as the corners' rounding allows, needles and edge-on triangles
 /// included.
 template <class F>
+[[gnu::always_inline]] inline TriangleWeightsOf<F> triangle_weights(const SeenCorner<F>& a, const SeenCorner<F>& b,
+                                                                    const SeenCorner<F>& c)
+{
+    TriangleWeightsOf<F> w;
+    w.a = difference_of_products(c.x, b.y, c.y, b.x);
+    w.b = difference_of_products(a.x, c.y, a.y, c.x);
+    w.c = difference_of_products(b.x, a.y, b.y, a.x);
+    w.inside = (min(min(w.a, w.b), w.c) >= F(0)) | (max(max(w.a, w.b), w.c) <= F(0));
+    return w;
+}
+/// The same for corners that are not sheared yet.
+template <class F>
 [[gnu::always_inline]] inline TriangleWeightsOf<F> triangle_weights(F shear_x, F shear_y, const TriangleCorner<F>& pa,
                                                                     const TriangleCorner<F>& pb, const TriangleCorner<F>& pc)
 {
-    const F ax = fma(-shear_x, pa.z, pa.x), ay = fma(-shear_y, pa.z, pa.y);
-    const F bx = fma(-shear_x, pb.z, pb.x), by = fma(-shear_y, pb.z, pb.y);
-    const F cx = fma(-shear_x, pc.z, pc.x), cy = fma(-shear_y, pc.z, pc.y);
-    TriangleWeightsOf<F> w;
-    w.a = difference_of_products(cx, by, cy, bx);
-    w.b = difference_of_products(ax, cy, ay, cx);
-    w.c = difference_of_products(bx, ay, by, ax);
-    w.inside = (min(min(w.a, w.b), w.c) >= F(0)) | (max(max(w.a, w.b), w.c) <= F(0));
-    return w;
+    const auto sheared = [&](const TriangleCorner<F>& p) {
+        return SeenCorner<F>{fma(-shear_x, p.z, p.x), fma(-shear_y, p.z, p.y)};
+    };
+    return triangle_weights(sheared(pa), sheared(pb), sheared(pc));
 }
 [[gnu::always_inline]] inline TriangleWeights triangle_weights(Float shear_x, Float shear_y, const Vec3& pa, const Vec3& pb, const Vec3& pc)
 {

@@ -15,6 +15,7 @@ struct RaySet {
     bool shadow = false;    ///< it only matters whether they hit anything
     bool coherent = false;  ///< neighbours keep together
     std::vector<float> o[3], d[3], t_max;
+    std::vector<float> time;  ///< none: all at 0
 
     std::size_t count() const { return t_max.size() - padding; }
     RayArrays arrays(std::size_t first, std::size_t n) const;

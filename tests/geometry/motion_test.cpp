@@ -48,6 +48,39 @@ TEST(Motion, vertices)
     compare_with_force(moving_soup(2'000, 1, 0.1f, 0.1f, {0, 1}, {3e5f, -1e6f, 2e5f}), 1.5e6f, 10'000, "far away");
 }
 
+/// Neighbours share vertices, of which some are in one place only when the shutter opens.
+SceneTables moving_cloth(std::uint32_t n, std::vector<float> times)
+{
+    Random random(n);
+    SceneTables tables = empty_tables();
+    for (std::size_t key = 0; key < times.size(); ++key)
+        for (std::uint32_t i = 0; i <= n; ++i)
+            for (std::uint32_t j = 0; j <= n; ++j) {
+                const bool folded = key == 0 && i % 7 == 0 && i > 0;
+                const float x = float(folded ? i - 1 : i), y = float(j);
+                tables.positions.push_back(plus({x, y, std::sin(x + float(key)) * std::cos(y)},
+                                                key == 0 ? Vec3f{} : random.point(0.4f)));
+            }
+    for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t j = 0; j < n; ++j) {
+            const std::uint32_t a = i * (n + 1) + j, b = a + n + 1;
+            for (std::uint32_t v : {a, a + 1, b, b + 1, b, a + 1}) tables.triangles.push_back(v);
+        }
+    tables.shapes[0].moving_vertices = (n + 1) * (n + 1);
+    tables.vertex_times = times;
+    tables.shutter_open = times.front();
+    tables.shutter_close = times.back();
+    finish(tables);
+    return tables;
+}
+
+TEST(Motion, shared_vertices)
+{
+    compare_with_force(moving_cloth(3, {0, 1}), 5, 10'000, "a few");
+    compare_with_force(moving_cloth(40, {0, 1}), 40, 20'000, "cloth");
+    compare_with_force(moving_cloth(30, {0, 0.25f, 1}), 30, 10'000, "three keys");
+}
+
 /// Rays at times other than those of the shutter's see it as it opens or closes, and don't fall out of the world.
 TEST(Motion, times_outside_the_shutter)
 {
