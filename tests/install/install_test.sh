@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# install_test.sh BUILD SOURCE COMPILER GENERATOR: installs, moves the installed tree elsewhere, and uses it from there: the program,
-# and examples/first_picture built with find_package(fathom).
+# install_test.sh BUILD SOURCE COMPILER GENERATOR [SANITIZERS]: installs, moves the installed tree elsewhere, and uses it from
+# there: the program, and examples/first_picture built with find_package(fathom), and with the library's sanitizers.
 set -euo pipefail
-build=$1 source=$2 compiler=$3 generator=$4
+build=$1 source=$2 compiler=$3 generator=$4 sanitizers=${5:-}
 place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
 
@@ -43,7 +43,7 @@ done
 
 # TBB, OpenEXR and the others are no business of who uses the library: none is looked for here.
 cmake -G "$generator" -S "$source/examples/first_picture" -B example -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release \
-    -DCMAKE_PREFIX_PATH="$prefix" >configure.log || { cat configure.log && exit 1; }
+    -DCMAKE_CXX_FLAGS="${sanitizers:+-fsanitize=$sanitizers}" -DCMAKE_PREFIX_PATH="$prefix" >configure.log || { cat configure.log && exit 1; }
 cmake --build example >build.log || { cat build.log && exit 1; }
 expect "the example renders" ./example/first_picture picture.png
 expect "the example wrote a picture" is_png picture.png

@@ -105,14 +105,14 @@ void GltfFile::check_extensions()
 {
     const JsonValue& required = list("extensionsRequired");
     for (std::size_t i = 0; i < required.size(); ++i) {
-        const std::string& name = required[i].string();
+        const std::string name = required[i].string();
         if (!contains(known_extensions, name) && !contains(harmless_extensions, name) &&
             !contains(left_out_extensions, name))
             required[i].fail(fmt::format("the file requires {}, which is not supported", printable(name)));
     }
     const JsonValue& used = list("extensionsUsed");
     for (std::size_t i = 0; i < used.size(); ++i) {
-        const std::string& name = used[i].string();
+        const std::string name = used[i].string();
         if (!contains(known_extensions, name) && !contains(harmless_extensions, name))
             warn(fmt::format("extension {} is not supported and left out", printable(name)));
     }

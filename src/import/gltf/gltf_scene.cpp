@@ -70,7 +70,7 @@ int GltfReader::camera(const JsonValue& index)
     camera.name = fmt::format("camera {}", index.count());
     if (const auto name = v.get("name")) camera.name = name->string();
     if (!v.has("type")) v.fail("key 'type' is missing");
-    const std::string& type = v["type"].string();
+    const std::string type = v["type"].string();
     // The aspect of the file is that of the window it was made in. Ours is the picture's, which shows at least as much.
     if (type == "perspective" && v.has("perspective")) {
         const JsonValue perspective = v["perspective"];
@@ -103,7 +103,7 @@ int GltfReader::light(const JsonValue& index)
     Light light;
     if (const auto name = v.get("name")) light.name = name->string();
     if (!v.has("type")) v.fail("key 'type' is missing");
-    const std::string& type = v["type"].string();
+    const std::string type = v["type"].string();
     if (type == "point")
         light.kind = LightKind::point;
     else if (type == "spot")
