@@ -20,6 +20,7 @@ struct Options {
     TreeBuild build = TreeBuild::standard;
     bool robust = true, details = false, with_embree = true;
     bool motion = false, instances = false;
+    std::string write;  ///< a folder to write the meshes to, instead
 };
 
 double median(std::vector<double> x);
@@ -31,7 +32,7 @@ struct Scene {
     const char* name;
     const Bvh& bvh;
     const EmbreeCaster* embree;  ///< null: only ours is measured
-    /// Embree 3.13.5 does not return from some shadow rays into many instances if they have the coherent hint.
+    /// Embree 3.13.5 does not return from some shadow rays into instances if they have the coherent hint.
     bool hint_hangs = false;
 };
 

@@ -251,4 +251,26 @@ Mesh generate(const std::string& name)
     return mesh;
 }
 
+void write_ply(const Mesh& mesh, const std::string& path)
+{
+    const SceneTables& t = mesh.tables;
+    std::ofstream out(path, std::ios::binary);
+    out << "ply\nformat binary_little_endian 1.0\nelement vertex " << t.positions.size()
+        << "\nproperty float x\nproperty float y\nproperty float z\nelement face " << t.triangle_count()
+        << "\nproperty list uchar int vertex_indices\nend_header\n";
+    out.write(reinterpret_cast<const char*>(t.positions.data()), std::streamsize(t.positions.size() * sizeof(Vec3f)));
+    for (std::size_t i = 0; i < t.triangles.size(); i += 3) {
+        out.put(3);
+        out.write(reinterpret_cast<const char*>(&t.triangles[i]), 12);
+    }
+    const View& view = mesh.view;
+    const auto list = [](const Vec3d& v) { return nlohmann::json{v.x, v.y, v.z}; };
+    std::ofstream(path.substr(0, path.find_last_of('.')) + ".json")
+        << nlohmann::json{{"position", list(view.position)},
+                          {"look_at", list(view.look_at)},
+                          {"up", list(view.up)},
+                          {"x_fov_degrees", view.x_fov_deg}};
+    if (!out.flush()) throw std::runtime_error(path + ": can't be written");
+}
+
 }  // namespace fathom::bench

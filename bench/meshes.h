@@ -24,4 +24,7 @@ Mesh read_ply(const std::string& path);
 /// rough ball. N may have a point; with N = 0: some ten thousand. Throws std::runtime_error for any other name.
 Mesh generate(const std::string& name);
 
+/// As read_ply reads it, with the view beside it. Throws std::runtime_error.
+void write_ply(const Mesh& mesh, const std::string& path);
+
 }  // namespace fathom::bench

@@ -93,7 +93,7 @@ void measure_motion(const Mesh& mesh, const Options& options)
     add("placed", placed(mesh.tables, false));
     add("placed, moving", placed(mesh.tables, true));
     std::vector<Scene> scenes;
-    for (const auto& c : cases) scenes.push_back({c->name, c->bvh, c->embree.get()});
+    for (const auto& c : cases) scenes.push_back({c->name, c->bvh, c->embree.get(), !c->tables.instances.empty()});
     if (options.details)
         for (const auto& c : cases) {
             const BvhStatistics& s = c->bvh.statistics();

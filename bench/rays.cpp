@@ -74,19 +74,26 @@ int run_all(int argc, char** argv)
             options.with_embree = false;
         else if (arg == "--details")
             options.details = true;
+        else if (arg == "--write")
+            options.write = value();
         else if (arg == "--motion")
             options.motion = true;
         else if (arg == "--instances")
             options.instances = true;
         else
-            throw std::runtime_error(
-                arg +
-                ": known are --mesh FILE.ply, --generate NAME, --threads N, --runs N, --parts N, "
-                "--build fast|default|high, --not-robust, --ours-only, --details, --motion, --instances");
+            throw std::runtime_error(arg +
+                                     ": known are --mesh FILE.ply, --generate NAME, --threads N, --runs N, --parts N, "
+                                     "--build fast|default|high, --not-robust, --ours-only, --details, --motion, "
+                                     "--instances, --write FOLDER");
     }
     const auto measure_mesh = options.instances ? measure_instances : options.motion ? measure_motion : measure;
-    for (const Options::Source& mesh : options.meshes)
-        measure_mesh(mesh.generated ? generate(mesh.name) : read_ply(mesh.name), options);
+    for (const Options::Source& source : options.meshes) {
+        const Mesh mesh = source.generated ? generate(source.name) : read_ply(source.name);
+        if (options.write.empty())
+            measure_mesh(mesh, options);
+        else
+            write_ply(mesh, options.write + "/" + mesh.name + ".ply");
+    }
     return 0;
 }
 

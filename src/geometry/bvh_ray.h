@@ -16,9 +16,9 @@
 namespace fathom::inline FATHOM_LANES {
 
 /// By how much boxes are widened for a ray.
-inline Float ray_slack(const Vec3& o, float radius)
+inline Float ray_slack(const Vec3& o, Float radius)
 {
-    return Float(bvh_slack) * (max_abs(o) + Float(radius));
+    return Float(bvh_slack) * (max_abs(o) + radius);
 }
 
 /// Rays, one per lane: the distance to a plane at x is fma(x, inverse.x, near.x), or far.x, if it is of a box's nearer
@@ -27,7 +27,7 @@ struct BoxRays {
     Vec3 inverse, near, far;
 
     BoxRays() = default;
-    BoxRays(const Vec3& o, const Vec3& d, float radius) : inverse(safe_inverse(d))
+    BoxRays(const Vec3& o, const Vec3& d, Float radius) : inverse(safe_inverse(d))
     {
         const Float slack = ray_slack(o, radius);
         const auto offset = [&](Float x, Float dx, Float ix, Float sign) {
@@ -75,7 +75,7 @@ struct PreparedRays {
     /// which the direction is longest; side: where in BvhNode::bounds the nearer sides begin, by axis.
     alignas(64) float f[field_count][lanes];
 
-    void prepare(const Vec3& o, const Vec3& d, Float ray_t_max, Float ray_time, float radius)
+    void prepare(const Vec3& o, const Vec3& d, Float ray_t_max, Float ray_time, Float radius)
     {
         const BoxRays box(o, d, radius);
         const TriangleRay shear(Ray{o, d, ray_t_max, ray_time});

@@ -6,6 +6,8 @@
 /// nodes are fetched meanwhile. Rays that have come to a leaf wait for the wave of leaves. Each ray visits what it
 /// would visit alone in the same order.
 #include <array>
+#include <iterator>
+#include <utility>
 
 #include "geometry/bvh_boxes.h"
 #include "geometry/bvh_hits.h"
@@ -97,10 +99,19 @@ public:
                 for (int i = 0; i < now_.n.leaves; ++i) visit_leaf(now_.leaf[i]);
             }
             for (int i = 0; i < std::min(ahead, now_.n.others); ++i) fetch_other(now_.other[i]);
+            std::uint8_t entering[lanes];
+            int n = 0;
             for (int i = 0; i < now_.n.others; ++i) {
                 fetch_other(now_.other[std::min(i + ahead, now_.n.others - 1)]);
-                visit_other(now_.other[i]);
+                const int ray = now_.other[i];
+                if (!moving || BvhReference::other_kind(states_[ray].reference) != BvhReference::instance) {
+                    visit_other(ray);
+                    continue;
+                }
+                entering[n++] = std::uint8_t(ray);
+                if (n == lanes) enter_instances(entering, std::exchange(n, 0));
             }
+            if (n > 0) enter_instances(entering, n);
         }
     }
 
@@ -404,8 +415,7 @@ private:
         const InstanceTable& placed = bvh_.tables->instances[index];
         const BvhData::Mesh& mesh = bvh_.meshes[placed.mesh_shape];
         const PreparedRay r = prepared(ray);
-        const Affine to_object =
-            object_from_render(*bvh_.tables, placed, Float(moving ? r.number(PreparedRays::time) : 0.f));
+        const Affine to_object = object_from_render(*bvh_.tables, placed, Float(0.f));
         const Vec3 o = to_object.point(r.vector(PreparedRays::origin_x));
         const Vec3 d = to_object.vector(r.vector(PreparedRays::direction_x));
         PreparedRays inner;
@@ -415,6 +425,40 @@ private:
             object.f[field][ray % lanes] = inner.f[field][0];
         enter(ray, index, &object.f[0][ray % lanes]);
         queue(ray, mesh.root, next_.n);
+    }
+
+    /// The same where instances may move, which takes much work: as many rays at a time as there are lanes.
+    [[gnu::noinline]] void enter_instances(const std::uint8_t* rays, int count)
+    {
+        constexpr int copied[] = {PreparedRays::origin_x,    PreparedRays::origin_y,    PreparedRays::origin_z,
+                                  PreparedRays::direction_x, PreparedRays::direction_y, PreparedRays::direction_z,
+                                  PreparedRays::time};
+        alignas(64) float in[std::size(copied)][lanes] = {}, t_max[lanes] = {}, radius[lanes] = {};
+        alignas(64) std::uint32_t index[lanes] = {};
+        for (int i = 0; i < count; ++i) {
+            const PreparedRay r = prepared(rays[i]);
+            for (std::size_t k = 0; k < std::size(copied); ++k) in[k][i] = r.number(copied[k]);
+            t_max[i] = memory_.hits.t[rays[i]];
+            index[i] = BvhReference::place(states_[rays[i]].reference);
+            radius[i] = mesh_of(index[i]).radius;
+        }
+        const Float time = load(in[6]);
+        const Affine to_object = object_from_render(*bvh_.tables, load(index), time, first_lanes(std::size_t(count)));
+        PreparedRays inner;
+        inner.prepare(to_object.point(load_vec3(in[0], in[1], in[2])), to_object.vector(load_vec3(in[3], in[4], in[5])),
+                      load(t_max), time, load(radius));
+        for (int i = 0; i < count; ++i) {
+            const int ray = rays[i];
+            PreparedRays& object = memory_.object[ray / lanes];
+            for (int field = 0; field < PreparedRays::field_count; ++field)
+                object.f[field][ray % lanes] = inner.f[field][i];
+            enter(ray, index[i], &object.f[0][ray % lanes]);
+            queue(ray, mesh_of(index[i]).root, next_.n);
+        }
+    }
+    const BvhData::Mesh& mesh_of(std::uint32_t instance) const
+    {
+        return bvh_.meshes[bvh_.tables->instances[instance].mesh_shape];
     }
 
     void leave_instance(int ray)
