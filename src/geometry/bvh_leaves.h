@@ -1,5 +1,5 @@
 #pragma once
-/// One ray against a leaf of something other than triangles that stand still: lanes are primitives.
+/// One ray against a leaf of something other than triangles: lanes are primitives.
 #include "geometry/bvh_ray.h"
 #include "geometry/curve.h"
 
