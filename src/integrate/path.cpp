@@ -142,7 +142,8 @@ private:
             list(hit & ((info & UInt(LaneScene::emits)) != UInt(0u)), i, emitting_, emitting);
             if (scene_.sees_environment || settings_.background.given) list(alive & !hit, i, missing_, missing);
             const UInt kind = (info >> LaneScene::kind_shift) & UInt(LaneScene::kind_mask);
-            const Mask scatters = hit & (kind != UInt(0u));
+            const Mask scatters =
+                hit & (kind != UInt(0u)) & may_scatter(settings_, state & UInt(PathPool::bounce_mask));
             list(valid & !scatters, i, finished_, finished);
             store(&kinds_[i], select(scatters, kind, UInt(0u)));
         }

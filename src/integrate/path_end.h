@@ -5,10 +5,19 @@
 
 namespace fathom::inline FATHOM_LANES {
 
+/// Bounces are counted in 15 bits: a path that got there is one in a number too large to be met.
 inline constexpr std::uint32_t max_bounces = 0x7ff0;
 
-/// Lanes whose path ends after this bounce: nothing is left, Russian roulette, the limit of depth. Those that survive
-/// the roulette carry more.
+/// Lanes that may scatter where they are, `bounce` bounces from the camera: there they have a light sampled, too.
+[[gnu::always_inline]] inline Mask may_scatter(const KernelSettings& settings, UInt bounce)
+{
+    const std::uint32_t limit =
+        settings.max_depth >= 0 ? std::min(std::uint32_t(settings.max_depth), max_bounces) : max_bounces;
+    return less(bounce, UInt(limit));
+}
+
+/// Lanes whose path ends after this bounce: nothing is left, or Russian roulette. Those that survive the roulette carry
+/// more.
 ///
 /// bounce: how many came before this one. eta_scale: undoes refraction's scaling of radiance, which is no loss.
 [[gnu::always_inline]] inline Mask end_some(const KernelSettings& settings, const SampleKey& key, UInt seed,
@@ -22,10 +31,7 @@ inline constexpr std::uint32_t max_bounces = 0x7ff0;
         ends |= roulette & (sample_hash(key, pair_seed(seed, pair_roulette)) >= survival);
         throughput = throughput * select(roulette, reciprocal(survival), Float(1));
     }
-    // Bounces are counted in 15 bits: a path that got there is one in a number too large to be met.
-    const std::uint32_t limit =
-        settings.max_depth >= 0 ? std::min(std::uint32_t(settings.max_depth), max_bounces) : max_bounces;
-    return ends | !less(bounce, UInt(limit));
+    return ends;
 }
 
 }  // namespace fathom::inline FATHOM_LANES

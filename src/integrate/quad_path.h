@@ -61,7 +61,7 @@ private:
             first_hits_.add({at.o, at.d, at.t, Float(0), Float(0), Float(0), at.quad, UInt(no_index)}, path.pixel, path.key.reversed_index, at.hits);
         Spectrum sum(Float(0));
         at.add_radiance(*this, Spectrum(Float(1)), sum);
-        const Mask goes_on = at.goes_on();
+        const Mask goes_on = at.goes_on() & may_scatter(settings_, UInt(0u));
         finish(valid & !goes_on, path.pixel, path.key.reversed_index, sum);
         at.keep_place(*this, UInt(0u), goes_on, to);
         for (int c = 0; c < channels; ++c) keep(throughput + c, Float(1), goes_on, to), keep(radiance + c, sum.c[c], goes_on, to);
@@ -92,7 +92,7 @@ private:
         at.alive = valid & !end_some(settings_, key(i), seed, before, Float(1), left);
         at.meet(*this);
         at.add_radiance(*this, left, sum);
-        const Mask goes_on = at.goes_on();
+        const Mask goes_on = at.goes_on() & may_scatter(settings_, before + UInt(1u));
         finish(valid & !goes_on, pool_.integer(pixel, i), pool_.integer(reversed_index, i), sum);
         at.keep_place(*this, before + UInt(1u), goes_on, to);
         for (int c = 0; c < channels; ++c) keep(throughput + c, left.c[c], goes_on, to), keep(radiance + c, sum.c[c], goes_on, to);

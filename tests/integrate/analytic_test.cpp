@@ -162,6 +162,31 @@ TEST(Lights, TextureOfALamp)
         }
 }
 
+/// A limit of depth leaves out the same, whether lights are sampled or found by chance, in rooms of quads or elsewhere.
+TEST(Lights, ALimitOfDepth)
+{
+    for (bool quads : {true, false})
+        for (int max_depth : {0, 1, 2}) {
+            Mean mean[2];
+            for (bool light_sampling : {true, false}) {
+                SceneBuilder b;
+                const int grey = b.diffuse(0.5f);
+                b.add(Rectangle{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}}, grey);
+                b.add(Rectangle{{-2, 0, -2}, {4, 0, 0}, {0, 4, 0}}, grey);
+                b.add(Rectangle{{-1, 3, -1}, {2, 0, 0}, {0, 0, 2}}, b.diffuse(0, {5, 5, 5}));
+                if (!quads) b.add(Sphere{{1, 1, 0}, 0.5, {}}, grey);
+                b.camera({0, 2, 6}, {0, 2, 0}, 50);
+                RenderSettings settings = small_picture();
+                settings.light_sampling = light_sampling;
+                settings.max_depth = max_depth;
+                mean[light_sampling] = mean_of(render_film(b.scene, settings, light_sampling ? 64 : 1024));
+            }
+            EXPECT_NEAR(mean[1].value[0], mean[0].value[0], 4 * (mean[1].error[0] + mean[0].error[0]) + 1e-6)
+                << quads << " " << max_depth;
+            EXPECT_GT(mean[0].value[0], max_depth == 0 ? 0 : 0.1);
+        }
+}
+
 /// A lamp that lets three quarters of the rays pass gives a quarter of its light, one that is cut out shows what is
 /// left.
 TEST(Lights, AlphaOfALamp)
