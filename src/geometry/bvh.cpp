@@ -138,8 +138,8 @@ void trace(const BvhData& bvh, int n, bool coherent, StreamMemory& memory)
     stream.run();
 }
 
-/// Rays of one time see the same boxes: before they are cut into streams they are sorted by time, coarsely. The order of
-/// rays does not matter to what they hit.
+/// Rays of one time see the same boxes: before they are cut into streams they are sorted by time, coarsely. The order
+/// of rays does not matter to what they hit.
 class SortedByTime {
 public:
     static constexpr std::size_t most = 512;
@@ -160,7 +160,8 @@ public:
         const float* const from[] = {rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz, rays.time, rays.t_max};
         for (int field = 0; field < (rays.t_max ? 8 : 7); ++field)
             for (std::size_t i = 0; i < n; ++i) data_[field][i] = from[field][first + order_[i]];
-        sorted = {data_[0], data_[1], data_[2], data_[3], data_[4], data_[5], rays.t_max ? data_[7] : nullptr, data_[6], n};
+        sorted = {data_[0], data_[1], data_[2], data_[3], data_[4], data_[5], rays.t_max ? data_[7] : nullptr,
+                  data_[6], n};
     }
     std::size_t place(std::size_t i) const { return first_ + order_[i]; }
 
@@ -181,7 +182,9 @@ void trace_streams(const BvhData& bvh, const RayArrays& rays, bool coherent, Bvh
     for (std::size_t at = 0; at < rays.count; at += stream_size) {
         const int n = int(std::min(std::size_t(stream_size), rays.count - at));
         prepare(rays, at, n, bvh, memory);
-        if (!bvh.empty) bvh.moving ? trace<any_hit, true>(bvh, n, coherent, memory) : trace<any_hit, false>(bvh, n, coherent, memory);
+        if (!bvh.empty)
+            bvh.moving ? trace<any_hit, true>(bvh, n, coherent, memory)
+                       : trace<any_hit, false>(bvh, n, coherent, memory);
         put(memory.hits, n, at);
     }
     if (!visits) return;
@@ -191,7 +194,8 @@ void trace_streams(const BvhData& bvh, const RayArrays& rays, bool coherent, Bvh
 
 /// put_in_order(hits, n, at) as above; put_one(hits, i, to): notes hit i as that of ray `to`.
 template <bool any_hit, class PutInOrder, class Prepare, class PutOne>
-void trace_all(const BvhData& bvh, const RayArrays& rays, bool coherent, BvhVisits* visits, const PutInOrder& put_in_order, const Prepare& prepared, const PutOne& put_one)
+void trace_all(const BvhData& bvh, const RayArrays& rays, bool coherent, BvhVisits* visits,
+               const PutInOrder& put_in_order, const Prepare& prepared, const PutOne& put_one)
 {
     if (!bvh.moving || !coherent || !rays.time || rays.count <= stream_size)
         return trace_streams<any_hit>(bvh, rays, coherent, visits, put_in_order);
@@ -219,10 +223,11 @@ void Bvh::closest(const RayArrays& rays, const HitArraysOut& out, bool coherent,
         std::memcpy(out.primitive + at, found.primitive, bytes);
         std::memcpy(out.instance + at, found.instance, bytes);
     };
-    trace_all<false>(*data_, rays, coherent, visits, put_in_order, prepared, [&](const PutHits& found, int i, std::size_t to) {
-        out.t[to] = found.t[i], out.u[to] = found.u[i], out.v[to] = found.v[i];
-        out.primitive[to] = found.primitive[i], out.instance[to] = found.instance[i];
-    });
+    trace_all<false>(*data_, rays, coherent, visits, put_in_order, prepared,
+                     [&](const PutHits& found, int i, std::size_t to) {
+                         out.t[to] = found.t[i], out.u[to] = found.u[i], out.v[to] = found.v[i];
+                         out.primitive[to] = found.primitive[i], out.instance[to] = found.instance[i];
+                     });
 }
 
 void Bvh::occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent, BvhVisits* visits) const

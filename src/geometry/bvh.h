@@ -42,7 +42,7 @@ struct BvhStatistics {
     std::size_t bytes = 0;                        ///< of all that rendering needs
     std::size_t peak_bytes = 0;                   ///< while building, the result included
     double cost = 0;                              ///< expected steps of a random ray that meets the scene
-    double diagonal = 0;  ///< of the box around everything
+    double diagonal = 0;                          ///< of the box around everything
     double build_s = 0;
 };
 

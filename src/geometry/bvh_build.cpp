@@ -22,8 +22,8 @@ namespace bvh {
 namespace {
 
 constexpr std::size_t treelet_size = 1 << 15;
-/// By TreeBuild: so many items stay together where one leaf can hold them. To split four takes half of the time and gains
-/// little.
+/// By TreeBuild: so many items stay together where one leaf can hold them. To split four takes half of the time and
+/// gains little.
 constexpr std::size_t together[] = {4, 4, 4};
 constexpr std::size_t parallel_binning = 1 << 17;
 constexpr int halving_depth = 50;
@@ -325,9 +325,12 @@ std::size_t count_triangles(const SceneTables& tables)
 std::size_t extra_bytes(TreeBuild level, std::size_t items)
 {
     switch (level) {
-        case TreeBuild::fast: return items * 4;     // codes; sorting takes less than the tree
-        case TreeBuild::high: return items * std::size_t(2 * (1 + most_cuts) * sizeof(Item));  // while one is split
-        default: return 0;
+        case TreeBuild::fast:
+            return items * 4;  // codes; sorting takes less than the tree
+        case TreeBuild::high:
+            return items * std::size_t(2 * (1 + most_cuts) * sizeof(Item));  // while one is split
+        default:
+            return 0;
     }
 }
 
@@ -335,9 +338,8 @@ bool anything_moves(const SceneTables& tables)
 {
     if (!shutter_takes_time(tables)) return false;
     if (!tables.vertex_times.empty() || !tables.poses.empty()) return true;
-    return std::any_of(tables.spheres.begin(), tables.spheres.end(), [](const SphereTable& s) {
-        return s.motion.x != 0 || s.motion.y != 0 || s.motion.z != 0;
-    });
+    return std::any_of(tables.spheres.begin(), tables.spheres.end(),
+                       [](const SphereTable& s) { return s.motion.x != 0 || s.motion.y != 0 || s.motion.z != 0; });
 }
 
 }  // namespace
@@ -392,8 +394,9 @@ void build_bvh(const SceneTables& tables, BvhData& tree, TreeBuild level)
         ItemList list = world_items(tables, tree, mesh_boxes);
         tree.empty = list.count == 0;
         if (!tree.empty)
-            tree.statistics.diagonal = std::hypot(list.box.high(0) - list.box.low(0), list.box.high(1) - list.box.low(1),
-                                                  list.box.high(2) - list.box.low(2));
+            tree.statistics.diagonal =
+                std::hypot(list.box.high(0) - list.box.low(0), list.box.high(1) - list.box.low(1),
+                           list.box.high(2) - list.box.low(2));
         if (!tree.empty) tree.radius = add_tree(list, tree.root).radius();
     }
     // Readers take 16 floats at once.
@@ -406,8 +409,8 @@ void build_bvh(const SceneTables& tables, BvhData& tree, TreeBuild level)
         if (!mesh.empty) count_children(tree, mesh.root);
     tree.stack_size = stack_size_of(tree);
     BvhStatistics& s = tree.statistics;
-    s.bytes = tree.nodes.bytes() + (9 * sizeof(float) + sizeof(BvhKey)) * (next_triangle + bvh_width) + tree.others.size() * 4 +
-              tree.meshes.size() * sizeof(BvhData::Mesh);
+    s.bytes = tree.nodes.bytes() + (9 * sizeof(float) + sizeof(BvhKey)) * (next_triangle + bvh_width) +
+              tree.others.size() * 4 + tree.meshes.size() * sizeof(BvhData::Mesh);
     s.peak_bytes = s.bytes + std::max(items_bytes, tree.nodes.bytes()) + tree.nodes.bytes();
 }
 

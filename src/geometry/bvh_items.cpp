@@ -155,7 +155,8 @@ bool curve_item(const SceneTables& tables, std::uint32_t segment, std::uint32_t 
 bool point_item(const SceneTables& tables, std::uint32_t index, Item& item)
 {
     const Vec4f& p = tables.points[index];
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z) || !std::isfinite(p.w) || !(p.w > 0)) return false;
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z) || !std::isfinite(p.w) || !(p.w > 0))
+        return false;
     const double r = p.w * (1 + 0x1p-18);
     set_box(item, {p.x - r, p.y - r, p.z - r}, {p.x + r, p.y + r, p.z + r});
     item.id = index;
@@ -233,9 +234,8 @@ ItemList shape_items(const SceneTables& tables, const BvhData& bvh, std::uint32_
 {
     const std::size_t n = last - first;
     if (first < tables.first_quad())
-        return make_items(n, [&](std::size_t i, Item& item) {
-            return triangle_item(tables, bvh, BvhKey(2 * (first + i)), item);
-        });
+        return make_items(
+            n, [&](std::size_t i, Item& item) { return triangle_item(tables, bvh, BvhKey(2 * (first + i)), item); });
     if (first < tables.first_sphere())
         return make_items(2 * n, [&](std::size_t i, Item& item) {
             return triangle_item(tables, bvh, BvhKey(2 * std::size_t(first) + i), item);

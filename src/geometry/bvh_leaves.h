@@ -18,8 +18,8 @@ inline Float array_from(const BvhLeaf& leaf, int k, int at)
     return load(leaf.data() + k * leaf.count() + at);
 }
 
-/// A ray as leaves of round things want it: with a direction of length 1, which it does not have in the space of what an
-/// instance places.
+/// A ray as leaves of round things want it: with a direction of length 1, which it does not have in the space of what
+/// an instance places.
 struct LeafRay {
     Vec3 o, d;
     Float scale, inverse_scale;  ///< of distances here to those of the ray
@@ -39,8 +39,8 @@ struct LeafRay {
     }
 };
 
-/// Each calls offer(at, m, t, u, v) for lanes that are hit, at any distance, at being the number of the first lane in the
-/// leaf, until it returns true for any_hit. True if any call did.
+/// Each calls offer(at, m, t, u, v) for lanes that are hit, at any distance, at being the number of the first lane in
+/// the leaf, until it returns true for any_hit. True if any call did.
 template <bool any_hit, class Meet, class Offer>
 bool meet_all(int n, const LeafRay& ray, const Meet& meet, const Offer& offer)
 {
@@ -85,14 +85,14 @@ template <bool any_hit, class Offer>
 bool meet_points(const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
     const auto meet = [&](int at, Float& t, Float&, Float&) {
-        return meet_sphere({array_from(leaf, 0, at), array_from(leaf, 1, at), array_from(leaf, 2, at)}, array_from(leaf, 3, at), ray.o,
-                           ray.d, Float(infinity), t);
+        return meet_sphere({array_from(leaf, 0, at), array_from(leaf, 1, at), array_from(leaf, 2, at)},
+                           array_from(leaf, 3, at), ray.o, ray.d, Float(infinity), t);
     };
     return meet_all<any_hit>(leaf.count(), ray, meet, offer);
 }
 
-/// Data: 10 arrays, both ends with their radii, where the piece begins along its segment, and how much of it that is; of
-/// ribbons besides the tangents at both ends.
+/// Data: 10 arrays, both ends with their radii, where the piece begins along its segment, and how much of it that is;
+/// of ribbons besides the tangents at both ends.
 template <bool any_hit, bool ribbons, class Offer>
 bool meet_curves(const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {

@@ -131,11 +131,12 @@ struct PacketTimes {
 };
 
 /// The ray with a leaf's triangles from `at` on, as many as there are lanes at most.
-[[gnu::always_inline]] inline void weigh_triangles(const MovingLeaf& leaf, const LeafTime& time, int at, const PreparedRay& r,
-                                                   WeighedTriangles& out)
+[[gnu::always_inline]] inline void weigh_triangles(const MovingLeaf& leaf, const LeafTime& time, int at,
+                                                   const PreparedRay& r, WeighedTriangles& out)
 {
     const CornerNumbers corner[] = {{leaf, 0, at}, {leaf, 1, at}, {leaf, 2, at}};
-    const std::ptrdiff_t axis = r.integer(PreparedRays::axis), ix = axis == 2 ? 0 : axis + 1, iy = axis == 0 ? 2 : axis - 1;
+    const std::ptrdiff_t axis = r.integer(PreparedRays::axis), ix = axis == 2 ? 0 : axis + 1,
+                         iy = axis == 0 ? 2 : axis - 1;
     const auto origin = [&](std::ptrdiff_t i) { return Float(r.number(PreparedRays::origin_x + int(i))); };
     const auto z = [&, o = origin(axis)](const float* p) { return time.row(p) - o; };
     const auto sheared = [&](std::ptrdiff_t i, int shear) {
@@ -144,7 +145,9 @@ struct PacketTimes {
         };
     };
     const auto x = sheared(ix, PreparedRays::shear_x), y = sheared(iy, PreparedRays::shear_y);
-    const auto seen = [&](int k) { return SeenCorner<Float>{corner[k].of(leaf.axis(ix), x), corner[k].of(leaf.axis(iy), y)}; };
+    const auto seen = [&](int k) {
+        return SeenCorner<Float>{corner[k].of(leaf.axis(ix), x), corner[k].of(leaf.axis(iy), y)};
+    };
     const TriangleWeights w = triangle_weights(seen(0), seen(1), seen(2));
     store(out.a, w.a), store(out.b, w.b), store(out.c, w.c);
     for (int k = 0; k < 3; ++k) store(out.z[k], corner[k].of(leaf.axis(axis), z));

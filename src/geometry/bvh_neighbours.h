@@ -47,7 +47,8 @@ public:
         stack[size++] = {rays_, bvh_.root, 0};
         while (size > 0) {
             const PacketEntry entry = stack[--size];
-            if (!BvhReference::is_node(entry.reference) || BvhReference::is_moving(entry.reference) || std::popcount(entry.rays) <= few) {
+            if (!BvhReference::is_node(entry.reference) || BvhReference::is_moving(entry.reference) ||
+                std::popcount(entry.rays) <= few) {
                 for (RayMask m = entry.rays; m; m &= m - 1) defer(std::countr_zero(m), entry.reference);
             } else {
                 size = visit_node(bvh_.nodes[entry.reference], entry.rays, size);

@@ -320,7 +320,8 @@ private:
         alignas(64) static constexpr auto aligned_slots = slots;
         alignas(64) std::uint32_t met[2 * bvh_width];
         alignas(64) float met_t[2 * bvh_width];
-        const int count = any_hit ? slots_met(box, met, met_t) : push_in_order({met, met_t}, 0, aligned_slots.data(), node.order[octant_], box);
+        const int count = any_hit ? slots_met(box, met, met_t)
+                                  : push_in_order({met, met_t}, 0, aligned_slots.data(), node.order[octant_], box);
         for (int i = 0; i < count; ++i) {
             const std::uint32_t slot = met[i];
             if (moving && change) {

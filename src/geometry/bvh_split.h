@@ -121,9 +121,9 @@ struct Bins {
 };
 
 struct Split {
-    int axis = -1;  ///< none found
-    int bin = 0;    ///< items of bins up to this one go left
-    float cost = 0; ///< area times number of items, summed over both sides
+    int axis = -1;   ///< none found
+    int bin = 0;     ///< items of bins up to this one go left
+    float cost = 0;  ///< area times number of items, summed over both sides
     Box left, right;
 };
 

@@ -303,7 +303,8 @@ private:
         RayHits& hits = memory_.hits;
         Float t, u, v;
         const Float t_max(hits.t[ray]);
-        Mask m = triangle_distance(block.weights(), Float(prepared(ray).number(PreparedRays::shear_z)), block.corners_z(), t_max, t, u, v);
+        Mask m = triangle_distance(block.weights(), Float(prepared(ray).number(PreparedRays::shear_z)),
+                                   block.corners_z(), t_max, t, u, v);
         if (any_hit) m &= t < t_max;
         const std::uint32_t least = least_lanes(m, t);
         alignas(64) float ts[lanes], us[lanes], vs[lanes];

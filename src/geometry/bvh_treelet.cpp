@@ -335,7 +335,8 @@ private:
             float area = 0;
             const std::uint32_t reference = emit_triangles(node, area);
             // A ray through the box meets a triangle of area a with a probability of a / half_area, wherever it lies.
-            return {reference, 1 - std::exp(-area / std::max(node.box.half_area(), std::numeric_limits<float>::min())), cost};
+            return {reference, 1 - std::exp(-area / std::max(node.box.half_area(), std::numeric_limits<float>::min())),
+                    cost};
         }
         constexpr float unknown = 0.5f;
         if (node.kinds == Item::instance)

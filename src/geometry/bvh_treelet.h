@@ -58,12 +58,13 @@ struct Treelet {
 
     /// How many triangles it may have at most.
     std::size_t most_triangles() const { return triangles + side.budget; }
-    /// Writes the triangles' vertices and keys into bvh; `triangles` is then how many there are. Where there are codes, box is found here.
+    /// Writes the triangles' vertices and keys into bvh; `triangles` is then how many there are. Where there are codes,
+    /// box is found here.
     void build(const SceneTables& tables, BvhData& bvh);
 };
 
-/// A node's parts: puts children into slots so that the last one stops rays soonest, for the work it takes; rays that ask
-/// for any hit go there first. Returns what the node is to its own parent; its reference is left to be set.
+/// A node's parts: puts children into slots so that the last one stops rays soonest, for the work it takes; rays that
+/// ask for any hit go there first. Returns what the node is to its own parent; its reference is left to be set.
 Subtree finish_node(BvhNode& node, const Box* boxes, const Subtree* children, int count);
 
 /// Splits where find_split finds nothing, or the tree gets too deep: in halves.

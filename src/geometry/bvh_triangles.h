@@ -16,7 +16,8 @@ struct WeighedTriangles {
 
 /// F: Float, or half of one for so few triangles.
 template <class F>
-[[gnu::always_inline]] inline void weigh_triangles(const float* data, std::ptrdiff_t n, const PreparedRay& r, WeighedTriangles& out)
+[[gnu::always_inline]] inline void weigh_triangles(const float* data, std::ptrdiff_t n, const PreparedRay& r,
+                                                   WeighedTriangles& out)
 {
     const std::uint32_t axis = r.integer(PreparedRays::axis);
     const std::ptrdiff_t ix = axis == 2 ? 0 : axis + 1, iy = axis == 0 ? 2 : axis - 1, iz = axis;
@@ -41,7 +42,8 @@ template <class F>
 }
 
 /// The ray with n triangles from `at` on, as many as there are lanes at most.
-[[gnu::always_inline]] inline void weigh_triangles(const BvhData& bvh, std::uint32_t leaf, int at, const PreparedRay& r, WeighedTriangles& out)
+[[gnu::always_inline]] inline void weigh_triangles(const BvhData& bvh, std::uint32_t leaf, int at, const PreparedRay& r,
+                                                   WeighedTriangles& out)
 {
     const std::ptrdiff_t n = BvhReference::triangle_count(leaf);
     const float* const data = &bvh.triangles[9 * std::size_t(BvhReference::first_triangle(leaf))] + at;

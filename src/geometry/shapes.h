@@ -39,8 +39,8 @@ template <class F>
     return fma(a, b, -cd) + fma(-c, d, cd);
 }
 
-/// Where a ray passes a triangle, as weights of its corners that are still to be divided by their sum. F: Float, or half of
-/// one where Float is a pair.
+/// Where a ray passes a triangle, as weights of its corners that are still to be divided by their sum. F: Float, or
+/// half of one where Float is a pair.
 template <class F>
 struct TriangleWeightsOf {
     F a, b, c;
@@ -79,14 +79,16 @@ template <class F>
 /// The same for corners that are not sheared yet.
 template <class F>
 [[gnu::always_inline]] inline TriangleWeightsOf<F> triangle_weights(F shear_x, F shear_y, const TriangleCorner<F>& pa,
-                                                                    const TriangleCorner<F>& pb, const TriangleCorner<F>& pc)
+                                                                    const TriangleCorner<F>& pb,
+                                                                    const TriangleCorner<F>& pc)
 {
     const auto sheared = [&](const TriangleCorner<F>& p) {
         return SeenCorner<F>{fma(-shear_x, p.z, p.x), fma(-shear_y, p.z, p.y)};
     };
     return triangle_weights(sheared(pa), sheared(pb), sheared(pc));
 }
-[[gnu::always_inline]] inline TriangleWeights triangle_weights(Float shear_x, Float shear_y, const Vec3& pa, const Vec3& pb, const Vec3& pc)
+[[gnu::always_inline]] inline TriangleWeights triangle_weights(Float shear_x, Float shear_y, const Vec3& pa,
+                                                               const Vec3& pb, const Vec3& pc)
 {
     const auto corner = [](const Vec3& p) { return TriangleCorner<Float>{p.x, p.y, p.z}; };
     return triangle_weights(shear_x, shear_y, corner(pa), corner(pb), corner(pc));

@@ -16,10 +16,16 @@ namespace fathom::inline FATHOM_LANES {
 
 class QuadTracer {
 public:
-    QuadTracer(const LaneScene& scene, const CameraTable& camera, const KernelSettings& settings, const KernelJob& job, TileSums& sums,
-               KernelCounters& counters)
-        : scene_(scene), tables_(scene.tables), settings_(settings), surfaces_(scene), lights_(scene, surfaces_),
-          camera_paths_(scene, camera, settings, job), first_hits_(scene, surfaces_, camera, settings.aovs, sums), sums_(sums),
+    QuadTracer(const LaneScene& scene, const CameraTable& camera, const KernelSettings& settings, const KernelJob& job,
+               TileSums& sums, KernelCounters& counters)
+        : scene_(scene),
+          tables_(scene.tables),
+          settings_(settings),
+          surfaces_(scene),
+          lights_(scene, surfaces_),
+          camera_paths_(scene, camera, settings, job),
+          first_hits_(scene, surfaces_, camera, settings.aovs, sums),
+          sums_(sums),
           counters_(counters)
     {
         lights_are_sampled_ = settings.light_sampling && !tables_.lights.empty();
@@ -43,9 +49,18 @@ public:
 private:
     static constexpr std::size_t capacity = 512;
 
-    /// Fields of a path that waits on a surface. `place` holds the quad in its low 16 bits, the bounces so far in the next
-    /// 15, and on top whether the path is on the quad's back.
-    enum Field { eye = 0, throughput = 3, radiance = throughput + channels, place = radiance + channels, pixel_hash, reversed_index, pixel, field_count };
+    /// Fields of a path that waits on a surface. `place` holds the quad in its low 16 bits, the bounces so far in the
+    /// next 15, and on top whether the path is on the quad's back.
+    enum Field {
+        eye = 0,
+        throughput = 3,
+        radiance = throughput + channels,
+        place = radiance + channels,
+        pixel_hash,
+        reversed_index,
+        pixel,
+        field_count
+    };
     static constexpr std::uint32_t quad_mask = 0xffff, bounce_mask = 0x7fff, back = 1u << 31;
     static constexpr int bounce_shift = 16;
 
@@ -58,14 +73,17 @@ private:
         Arrival<true> at{path.ray.o, path.ray.d, Float(0), valid};
         at.meet(*this);
         if (first_hits_.wanted())
-            first_hits_.add({at.o, at.d, at.t, Float(0), Float(0), Float(0), at.quad, UInt(no_index)}, path.pixel, path.key.reversed_index, at.hits);
+            first_hits_.add({at.o, at.d, at.t, Float(0), Float(0), Float(0), at.quad, UInt(no_index)}, path.pixel,
+                            path.key.reversed_index, at.hits);
         Spectrum sum(Float(0));
         at.add_radiance(*this, Spectrum(Float(1)), sum);
         const Mask goes_on = at.goes_on() & may_scatter(settings_, UInt(0u));
         finish(valid & !goes_on, path.pixel, path.key.reversed_index, sum);
         at.keep_place(*this, UInt(0u), goes_on, to);
-        for (int c = 0; c < channels; ++c) keep(throughput + c, Float(1), goes_on, to), keep(radiance + c, sum.c[c], goes_on, to);
-        keep(pixel_hash, bits_float(path.key.pixel_hash), goes_on, to), keep(reversed_index, bits_float(path.key.reversed_index), goes_on, to);
+        for (int c = 0; c < channels; ++c)
+            keep(throughput + c, Float(1), goes_on, to), keep(radiance + c, sum.c[c], goes_on, to);
+        keep(pixel_hash, bits_float(path.key.pixel_hash), goes_on, to),
+            keep(reversed_index, bits_float(path.key.reversed_index), goes_on, to);
         keep(pixel, bits_float(path.pixel), goes_on, to);
         return to + std::size_t(count(goes_on));
     }
@@ -83,7 +101,8 @@ private:
 
         const Vec3 local = sample_cosine_hemisphere(sample_2d(index, pair_seed(seed, pair_bsdf)));
         const Vec3 n = normal(i), tangent = scene_.quads.tangent(quad(i));
-        Arrival<false> at{pool_.vector(eye, i), Frame(tangent, cross(n, tangent), n).to_world(local), local.z * Float(inv_pi), valid};
+        Arrival<false> at{pool_.vector(eye, i), Frame(tangent, cross(n, tangent), n).to_world(local),
+                          local.z * Float(inv_pi), valid};
 
         Spectrum left = pool_.spectrum(throughput, i) * scene_.quads.color(quad(i));
         Spectrum sum;
@@ -95,7 +114,8 @@ private:
         const Mask goes_on = at.goes_on() & may_scatter(settings_, before + UInt(1u));
         finish(valid & !goes_on, pool_.integer(pixel, i), pool_.integer(reversed_index, i), sum);
         at.keep_place(*this, before + UInt(1u), goes_on, to);
-        for (int c = 0; c < channels; ++c) keep(throughput + c, left.c[c], goes_on, to), keep(radiance + c, sum.c[c], goes_on, to);
+        for (int c = 0; c < channels; ++c)
+            keep(throughput + c, left.c[c], goes_on, to), keep(radiance + c, sum.c[c], goes_on, to);
         for (const int field : {pixel_hash, reversed_index, pixel}) keep(field, pool_.number(field, i), goes_on, to);
         return to + std::size_t(count(goes_on));
     }
@@ -106,17 +126,23 @@ private:
     /// On the side of the path.
     Vec3 normal(std::size_t i) const { return flip_sign(scene_.quads.normal(quad(i)), pool_.number(place, i)); }
 
-    void keep(int field, Float value, Mask goes_on, std::size_t to) { compress_store(&pool_.data[field][to], value, goes_on); }
+    void keep(int field, Float value, Mask goes_on, std::size_t to)
+    {
+        compress_store(&pool_.data[field][to], value, goes_on);
+    }
 
     /// What a sampled light sends to the paths if nothing is in the way, times cosine / pi, over the density; to be
     /// multiplied by throughput and the surface's colour.
     [[gnu::always_inline]] Spectrum direct_light(std::size_t i, Mask valid, UInt seed, UInt index)
     {
-        const LightSample s = lights_.sample(valid, pool_.vector(eye, i), key(i), seed, sample_2d(index, pair_seed(seed, pair_light)), Float(0));
+        const LightSample s = lights_.sample(valid, pool_.vector(eye, i), key(i), seed,
+                                             sample_2d(index, pair_seed(seed, pair_light)), Float(0));
         const Float cosine = dot(s.wi, normal(i));
         const Mask lit = valid & (s.inverse_pdf > Float(0)) & (cosine > Float(0));
         counters_.rays += std::uint64_t(count(lit));
-        const Mask clear = lit & !scene_.flat.occluded(tables_, Ray{pool_.vector(eye, i), s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)}, lit);
+        const Mask clear =
+            lit & !scene_.flat.occluded(
+                      tables_, Ray{pool_.vector(eye, i), s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)}, lit);
         // f_cos / pdf, times the power heuristic in terms of r = bsdf_pdf / pdf: 1 / (1 + r^2).
         const Float r = cosine * Float(inv_pi) * s.inverse_pdf;
         Float weight = r * reciprocal(fma(r, r, Float(1)));
@@ -154,7 +180,8 @@ private:
         /// What quads and background send to the ray's origin, weighted against light sampling.
         [[gnu::always_inline]] void add_radiance(QuadTracer& tracer, const Spectrum& left, Spectrum& sum)
         {
-            const UInt shining_side = select(facing > Float(0), UInt(QuadColumns::emits_front), UInt(QuadColumns::emits_back));
+            const UInt shining_side =
+                select(facing > Float(0), UInt(QuadColumns::emits_front), UInt(QuadColumns::emits_back));
             const Mask shines = hits & ((flags & shining_side) != UInt(0u));
             if (any(shines)) {
                 const Float weight = select(shines, emission_weight(tracer, shines), Float(0));
@@ -184,16 +211,18 @@ private:
         /// By value: nothing of the caller's has to live in memory for its sake. 0 outside the mask.
         [[gnu::noinline]] static Spectrum background(const QuadTracer& tracer, Vec3 d, Float pdf, Mask misses)
         {
-            const Spectrum seen = tracer.lights_.environment(tracer.settings_.background, tracer.lights_are_sampled_, d, Mask(from_camera),
-                                                             Mask(from_camera), pdf, misses);
+            const Spectrum seen = tracer.lights_.environment(tracer.settings_.background, tracer.lights_are_sampled_, d,
+                                                             Mask(from_camera), Mask(from_camera), pdf, misses);
             return select(misses, seen, Spectrum(Float(0)));
         }
 
         [[gnu::always_inline]] void keep_place(QuadTracer& tracer, UInt bounces, Mask goes_on, std::size_t to) const
         {
             const Vec3 p = offset_origin(fma(d, t, o), flip_sign(n, facing), max(t, tracer.scene_.quads.extent(quad)));
-            tracer.keep(eye, p.x, goes_on, to), tracer.keep(eye + 1, p.y, goes_on, to), tracer.keep(eye + 2, p.z, goes_on, to);
-            tracer.keep(place, bits_float(quad | bounces << bounce_shift | (float_bits(facing) & UInt(back))), goes_on, to);
+            tracer.keep(eye, p.x, goes_on, to), tracer.keep(eye + 1, p.y, goes_on, to),
+                tracer.keep(eye + 2, p.z, goes_on, to);
+            tracer.keep(place, bits_float(quad | bounces << bounce_shift | (float_bits(facing) & UInt(back))), goes_on,
+                        to);
         }
     };
 

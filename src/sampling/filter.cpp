@@ -14,8 +14,7 @@ void invert(float* inverse, int size, double radius, F f)
 {
     constexpr int steps = 1 << 15;
     std::vector<double> sum(steps + 1);
-    for (int i = 0; i < steps; ++i)
-        sum[std::size_t(i) + 1] = sum[std::size_t(i)] + f(radius * ((i + 0.5) / steps - 1));
+    for (int i = 0; i < steps; ++i) sum[std::size_t(i) + 1] = sum[std::size_t(i)] + f(radius * ((i + 0.5) / steps - 1));
     int at = 0;
     for (int i = 0; i <= size; ++i) {
         const double root = double(i) / size, wanted = sum[steps] * root * root * root * root;

@@ -5,12 +5,13 @@
 
 namespace fathom::inline FATHOM_LANES {
 
-/// Sampling of a pixel filter by its inverse cumulative distribution: every sample then has the same weight, and a pixel
-/// owns its samples (Ernst, Stamminger, Greiner 2006, "Filter Importance Sampling"). Both filters are separable, positive,
-/// and end two pixels from the centre (Gaussian, sigma 0.5) or 1.65 (Blackman-Harris).
+/// Sampling of a pixel filter by its inverse cumulative distribution: every sample then has the same weight, and a
+/// pixel owns its samples (Ernst, Stamminger, Greiner 2006, "Filter Importance Sampling"). Both filters are separable,
+/// positive, and end two pixels from the centre (Gaussian, sigma 0.5) or 1.65 (Blackman-Harris).
 struct FilterTable {
     static constexpr int size = 512;
-    /// The left half of the inverse, by the fourth root of the share: filters end softly, and there the inverse is steep.
+    /// The left half of the inverse, by the fourth root of the share: filters end softly, and there the inverse is
+    /// steep.
     float inverse[size + 1];
 
     void make_gaussian();

@@ -1,9 +1,9 @@
 #pragma once
 /// Owen-scrambled Sobol points: the random numbers of a path.
 ///
-/// Every number is a function of (seed, pixel, sample index, dimension) alone. Dimensions come in pairs; each pair is the
-/// first two Sobol dimensions, shuffled and scrambled for itself ("padding"): Burley 2020, "Practical Hash-based Owen
-/// Scrambling". The hash is the improved Laine-Karras one of Vegdahl 2021.
+/// Every number is a function of (seed, pixel, sample index, dimension) alone. Dimensions come in pairs; each pair is
+/// the first two Sobol dimensions, shuffled and scrambled for itself ("padding"): Burley 2020, "Practical Hash-based
+/// Owen Scrambling". The hash is the improved Laine-Karras one of Vegdahl 2021.
 #include "math/hash.h"
 #include "math/lanes.h"
 
@@ -43,16 +43,28 @@ inline UInt sobol1_reversed(UInt i)
 }
 
 /// To [0, 1): 24 bits, so that 1 is never reached.
-inline Float unit_float(UInt bits) { return to_float(bits >> 8) * Float(0x1p-24f); }
+inline Float unit_float(UInt bits)
+{
+    return to_float(bits >> 8) * Float(0x1p-24f);
+}
 
 /// The seed of a group of dimensions: one per bounce, and one for the camera.
-inline UInt group_seed(const SampleKey& key, UInt group) { return hash(key.pixel_hash + group * UInt(0x9e3779b9u)); }
+inline UInt group_seed(const SampleKey& key, UInt group)
+{
+    return hash(key.pixel_hash + group * UInt(0x9e3779b9u));
+}
 /// Seeds of the pairs of a group. Odd constants of full period; the scrambling hash mixes them on.
-inline UInt pair_seed(UInt group_seed, std::uint32_t pair) { return group_seed * UInt(0x8da6b343u + 0x3504f330u * pair); }
+inline UInt pair_seed(UInt group_seed, std::uint32_t pair)
+{
+    return group_seed * UInt(0x8da6b343u + 0x3504f330u * pair);
+}
 
-/// The order in which a pair takes the points of the sequence. Two pairs whose numbers never enter one product may share
-/// it, their scramblings being independent: the sum of what they estimate has no covariance. Others may not.
-inline UInt shuffled_index(const SampleKey& key, UInt seed) { return reverse_bits(scramble_reversed(key.reversed_index, seed)); }
+/// The order in which a pair takes the points of the sequence. Two pairs whose numbers never enter one product may
+/// share it, their scramblings being independent: the sum of what they estimate has no covariance. Others may not.
+inline UInt shuffled_index(const SampleKey& key, UInt seed)
+{
+    return reverse_bits(scramble_reversed(key.reversed_index, seed));
+}
 
 /// The pair of dimensions that a seed stands for.
 inline Sample2 sample_2d(UInt index, UInt seed)
@@ -61,7 +73,10 @@ inline Sample2 sample_2d(UInt index, UInt seed)
     const UInt y = reverse_bits(scramble_reversed(sobol1_reversed(index), seed * UInt(0xd8163841u)));
     return {unit_float(x), unit_float(y)};
 }
-inline Sample2 sample_2d(const SampleKey& key, UInt seed) { return sample_2d(shuffled_index(key, seed), seed); }
+inline Sample2 sample_2d(const SampleKey& key, UInt seed)
+{
+    return sample_2d(shuffled_index(key, seed), seed);
+}
 
 /// A number without any structure, for decisions where none would help.
 inline Float sample_hash(const SampleKey& key, UInt seed)

@@ -28,8 +28,8 @@ inline DiskPoint sample_disk(Sample2 u)
     return {r * phi.cos, r * phi.sin};
 }
 
-/// Direction about +z within a cone, uniform per solid angle: density 1 / (2 pi (1 - cos_max)). one_minus_cos_max is given
-/// instead of cos_max, since small cones would lose it to rounding.
+/// Direction about +z within a cone, uniform per solid angle: density 1 / (2 pi (1 - cos_max)). one_minus_cos_max is
+/// given instead of cos_max, since small cones would lose it to rounding.
 inline Vec3 sample_cone(Sample2 u, Float one_minus_cos_max)
 {
     const Float one_minus_cos = u.x * one_minus_cos_max;
@@ -38,7 +38,8 @@ inline Vec3 sample_cone(Sample2 u, Float one_minus_cos_max)
     return {sin_theta * phi.cos, sin_theta * phi.sin, Float(1) - one_minus_cos};
 }
 
-/// Power heuristic for one sample of each of two strategies: Veach 1997, eq. 9.13 with beta = 2. Safe for huge densities.
+/// Power heuristic for one sample of each of two strategies: Veach 1997, eq. 9.13 with beta = 2. Safe for huge
+/// densities.
 inline Float mis_weight(Float pdf, Float other)
 {
     const Float r = other * reciprocal(pdf);

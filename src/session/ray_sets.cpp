@@ -8,9 +8,15 @@ namespace fathom {
 
 RayArrays RaySet::arrays(std::size_t first, std::size_t n) const
 {
-    return {&o[0][first], &o[1][first],  &o[2][first],
-            &d[0][first], &d[1][first],  &d[2][first],
-            &t_max[first], time.empty() ? nullptr : &time[first], n};
+    return {&o[0][first],
+            &o[1][first],
+            &o[2][first],
+            &d[0][first],
+            &d[1][first],
+            &d[2][first],
+            &t_max[first],
+            time.empty() ? nullptr : &time[first],
+            n};
 }
 
 namespace {

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "geometry/bvh_data.h"
 #include "compare_with_force.h"
+#include "geometry/bvh_data.h"
 
 namespace fathom {
 namespace {
@@ -188,8 +188,8 @@ SceneTables instances(std::size_t n, double spread)
         };
         const float angle = random.uniform(0, 6);
         const Vec3d scales{scale(), scale(), scale()};
-        const Transform t = Transform::translate({p.x, p.y, p.z}) *
-                            Transform::rotate({axis.x, axis.y, axis.z}, angle) * Transform::scale(scales);
+        const Transform t = Transform::translate({p.x, p.y, p.z}) * Transform::rotate({axis.x, axis.y, axis.z}, angle) *
+                            Transform::scale(scales);
         InstanceTable instance;
         instance.object_from_render = rounded(t.inverse());
         instance.mesh_shape = instance.shape = 1 + random.below(3);

@@ -58,8 +58,8 @@ SceneTables moving_cloth(std::uint32_t n, std::vector<float> times)
             for (std::uint32_t j = 0; j <= n; ++j) {
                 const bool folded = key == 0 && i % 7 == 0 && i > 0;
                 const float x = float(folded ? i - 1 : i), y = float(j);
-                tables.positions.push_back(plus({x, y, std::sin(x + float(key)) * std::cos(y)},
-                                                key == 0 ? Vec3f{} : random.point(0.4f)));
+                tables.positions.push_back(
+                    plus({x, y, std::sin(x + float(key)) * std::cos(y)}, key == 0 ? Vec3f{} : random.point(0.4f)));
             }
     for (std::uint32_t i = 0; i < n; ++i)
         for (std::uint32_t j = 0; j < n; ++j) {
