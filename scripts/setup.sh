@@ -11,7 +11,7 @@ packages_to_build=(
     libassimp-dev libsfml-dev
 )
 packages_to_test=(
-    libgtest-dev libbenchmark-dev libembree-dev
+    clang-format-19 libgtest-dev libbenchmark-dev libembree-dev
     python3 python3-jsonschema xvfb xdotool imagemagick
 )
 
@@ -57,12 +57,15 @@ apt_has() {
     apt-cache show "$1" >/dev/null 2>&1
 }
 
-# missing_of PACKAGE...: those that are not installed, a line each. GCC will do where apt knows of no clang-19.
+# missing_of PACKAGE...: those that are not installed, a line each. Where apt knows of no clang-19, GCC will do, and the
+# layout of sources is not tested.
 missing_of() {
     local package
     for package in "$@"; do
         # Lists that have neither have not been fetched yet.
-        if [ "$package" = clang-19 ] && ! is_installed clang-19 && ! apt_has clang-19 && apt_has g++; then package=g++; fi
+        if [[ $package = clang-*19 ]] && ! is_installed "$package" && ! apt_has "$package" && apt_has g++; then
+            if [ "$package" = clang-19 ]; then package=g++; else continue; fi
+        fi
         is_installed "$package" || echo "$package"
     done
 }
