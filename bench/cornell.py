@@ -42,7 +42,7 @@ def fathom_rate(*arguments):
 
 
 def mitsuba_rate(peers, threads):
-    run = subprocess.run([sys.executable, peers, "mitsuba", "--spp", "64", "--threads", str(threads)], check=True,
+    run = subprocess.run([sys.executable, str(Path(peers).resolve()), "mitsuba", "--spp", "64", "--threads", str(threads)], check=True,
                          capture_output=True, text=True, cwd=Path(peers).resolve().parent)
     return json.loads(run.stdout.strip().splitlines()[-1])["million_samples_per_s"]
 
