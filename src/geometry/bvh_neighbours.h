@@ -17,8 +17,7 @@ public:
             Float low(infinity), high(infinity);  // high: negated
             for (int i = 0; i < parts; ++i) {
                 const PreparedRays& r = memory.world[i];
-                const Mask m =
-                    mask_from_bits(std::uint32_t(rays >> i * lanes) & std::uint32_t((RayMask(1) << lanes) - 1));
+                const Mask m = part_of(rays, i);
                 const Vec3 o =
                     load_vec3(r.f[PreparedRays::origin_x], r.f[PreparedRays::origin_y], r.f[PreparedRays::origin_z]);
                 const Float x = load(r.f[PreparedRays::origin_x + axis]), slack = ray_slack(o, bvh.radius);

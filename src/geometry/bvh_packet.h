@@ -4,25 +4,10 @@
 /// They must have the same signs of direction and the same longest axis. A box or triangle is first tested against all
 /// rays at once, by intervals that hold their origins and inverse directions; what passes is tested ray by ray. Where
 /// few rays are left, the rest of their way is put on their own stacks, to be gone when the walk has found what it can.
+#include "geometry/bvh_intervals.h"
 #include "geometry/bvh_stream.h"
 
 namespace fathom::inline FATHOM_LANES {
-
-/// Those of the rays that have the octant and axis of the first of them.
-inline RayMask alike(const PreparedRays* all, RayMask rays)
-{
-    const int first = std::countr_zero(rays);
-    const auto of_first = [&](int field) { return float_bits(Float(all[first / lanes].f[field][first % lanes])); };
-    const UInt octant = of_first(PreparedRays::octant), axis = of_first(PreparedRays::axis);
-    RayMask same = 0;
-    for (int part = 0; part < stream_size / lanes; ++part) {
-        const PreparedRays& r = all[part];
-        const Mask m = (float_bits(load(r.f[PreparedRays::octant])) == octant) &
-                       (float_bits(load(r.f[PreparedRays::axis])) == axis);
-        same |= RayMask(mask_bits(m)) << part * lanes;
-    }
-    return same & rays;
-}
 
 /// within  the rays are in the space of what an instance places, in memory.together; else in the world
 template <bool any_hit, bool moving, bool within = false>
@@ -46,19 +31,10 @@ public:
             axes_[k] = (r.integer(PreparedRays::axis) + std::uint32_t(k) + 1) % 3;
         }
         octant_ = r.integer(PreparedRays::octant);
-        for (int k = 0; k < parts; ++k) set_intervals(k);
-        for (int axis = 0; axis < 3; ++axis) {
-            const bool down = octant_ >> axis & 1;
-            all_.near_origin[axis] = down ? infinity : -infinity;
-            all_.far_origin[axis] = -all_.near_origin[axis];
-            for (int k = 0; k < parts; ++k) {
-                const Intervals& part = of_part_[k];
-                const auto extend = [&](float& x, float y, bool up) { x = up == (x < y) ? y : x; };
-                extend(all_.low_inverse[axis], part.low_inverse[axis], false);
-                extend(all_.high_inverse[axis], part.high_inverse[axis], true);
-                extend(all_.near_origin[axis], part.near_origin[axis], !down);
-                extend(all_.far_origin[axis], part.far_origin[axis], down);
-            }
+        all_.begin(octant_);
+        for (int k = 0; k < parts; ++k) {
+            of_part_[k].set(part(k), part_of(rays_, k), octant_, space_.radius);
+            all_.extend(of_part_[k], octant_);
         }
         if (moving) times_ = PacketTimes(memory.times, rays);
         update_reach();
@@ -107,40 +83,8 @@ private:
         for (int k = 0; k < parts; ++k) parts_in_use += holds_any(rays, k);
         return std::popcount(rays) <= 1 + (is_node ? 3 : 2) * parts_in_use;
     }
-    static bool holds_any(RayMask rays, int part) { return rays >> part * lanes & ((RayMask(1) << lanes) - 1); }
-    static Mask part_of(RayMask rays, int part)
-    {
-        return mask_from_bits(std::uint32_t(rays >> part * lanes) & std::uint32_t((RayMask(1) << lanes) - 1));
-    }
     const PreparedRays& part(int i) const { return within ? memory_.together[i] : memory_.world[i]; }
     std::uint32_t instance() const { return within ? space_.instance : no_index; }
-
-    /// Of some rays: inverse directions, and origins, widened by the slack, whose distance is least and greatest; and
-    /// how far they reach at most.
-    struct Intervals {
-        float low_inverse[3] = {infinity, infinity, infinity}, high_inverse[3] = {-infinity, -infinity, -infinity};
-        float near_origin[3], far_origin[3];
-        float reach = -1;
-    };
-
-    void set_intervals(int k)
-    {
-        Intervals& of = of_part_[k];
-        const Mask m = part_of(rays_, k);
-        const PreparedRays& r = part(k);
-        const Vec3 o = load_vec3(r.f[PreparedRays::origin_x], r.f[PreparedRays::origin_y], r.f[PreparedRays::origin_z]);
-        const Float outside(infinity), slack = ray_slack(o, space_.radius);
-        for (int axis = 0; axis < 3; ++axis) {
-            const Float inverse = load(r.f[PreparedRays::inverse_x + axis]),
-                        x = load(r.f[PreparedRays::origin_x + axis]);
-            of.low_inverse[axis] = least(select(m, inverse, outside));
-            of.high_inverse[axis] = -least(select(m, -inverse, outside));
-            const float from = least(select(m, x - slack, outside)), to = -least(select(m, -(x + slack), outside));
-            const bool down = octant_ >> axis & 1;
-            of.near_origin[axis] = down ? from : to;
-            of.far_origin[axis] = down ? to : from;
-        }
-    }
 
     /// Rays that might find something at t or beyond.
     RayMask reached_by(float t) const
@@ -162,16 +106,6 @@ private:
             update_reach(k);
             all_.reach = std::max(all_.reach, of_part_[k].reach);
         }
-    }
-
-    /// The distances that any of the rays could have to boxes.
-    [[gnu::always_inline]] static void intervals(const Intervals& of, int axis, Float near_plane, Float far_plane,
-                                                 Float& near, Float& far)
-    {
-        const Float lo(of.low_inverse[axis]), hi(of.high_inverse[axis]);
-        const Float a = near_plane - Float(of.near_origin[axis]), b = far_plane - Float(of.far_origin[axis]);
-        near = max(near, min(a * lo, a * hi));
-        far = min(far, max(b * lo, b * hi));
     }
 
     void defer(int ray, std::uint32_t reference, float t)
@@ -312,7 +246,7 @@ private:
                     near = down ? max(near, near_end) : min(near, near_end);
                     far = down ? min(far, far_end) : max(far, far_end);
                 }
-                intervals(all_, axis, near, far, box.near[k], box.far[k]);
+                all_.distances(axis, near, far, box.near[k], box.far[k]);
             }
         }
         static constexpr std::array<std::uint32_t, bvh_width> slots = {0, 1, 2,  3,  4,  5,  6,  7,
@@ -381,13 +315,13 @@ private:
     }
 
     /// Lanes are triangles here: which of them could be met, by their boxes.
-    [[gnu::always_inline]] std::uint32_t candidates(const Intervals& of, Mask triangles, const Float low[3],
+    [[gnu::always_inline]] std::uint32_t candidates(const RayIntervals& of, Mask triangles, const Float low[3],
                                                     const Float high[3]) const
     {
         Float near(0), far(of.reach);
         for (int axis = 0; axis < 3; ++axis) {
             const bool down = octant_ >> axis & 1;
-            intervals(of, axis, down ? high[axis] : low[axis], down ? low[axis] : high[axis], near, far);
+            of.distances(axis, down ? high[axis] : low[axis], down ? low[axis] : high[axis], near, far);
         }
         return mask_bits((near <= far) & triangles);
     }
@@ -547,7 +481,7 @@ private:
     int bottom_;
     std::uint32_t octant_ = 0;
     std::ptrdiff_t side_[3], axes_[3];
-    Intervals all_, of_part_[parts];
+    RayIntervals all_, of_part_[parts];
     PacketTimes times_;
 };
 
