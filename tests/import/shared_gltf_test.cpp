@@ -33,6 +33,11 @@ struct Model {
     std::size_t triangles;  ///< counted over instances, those without area included
     std::size_t materials, images, cameras, lights;
 };
+/// As a test's name shows it.
+void PrintTo(const Model& model, std::ostream* out)
+{
+    *out << model.file;
+}
 
 class SharedGltf : public ImportTest, public ::testing::WithParamInterface<Model> {
 protected:
