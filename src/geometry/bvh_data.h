@@ -1,5 +1,5 @@
 #pragma once
-/// The tree as it lies in memory. Neither building it nor its layout knows of lanes; traversal is in bvh_single.h and
+/// The tree as it lies in memory. Neither building it nor its layout knows of lanes; traversal is in bvh_stream.h and
 /// bvh_packet.h.
 #include <cstdint>
 #include <vector>
@@ -75,8 +75,8 @@ struct MovingLeaf : BvhLeaf {
 /// Up to 16 children; the boxes of slots without a child are empty (low bound above high). Behind a node that moves
 /// stands another, whose bounds are what the first one's change by until the shutter closes.
 struct alignas(64) BvhNode {
-    float bounds[6][bvh_width];  ///< low x, y, z, high x, y, z
-    std::uint32_t child[bvh_width];
+    float bounds[6][bvh_width];      ///< low x, y, z, high x, y, z
+    std::uint32_t child[bvh_width];  ///< any-hit rays take the last first: it stops most of them for the work it takes
     /// By octant (bit per axis, set where the direction is negative): the slots from far to near, 4 bits each, the
     /// first 8 in the low word.
     std::uint32_t order[8][2];
