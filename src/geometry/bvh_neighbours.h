@@ -2,7 +2,7 @@
 /// Short rays that start near each other, in any direction: they share the upper part of their way.
 ///
 /// From the root down, boxes are tested against the box that holds all the rays, then against the rays, by vectors.
-/// Leaves, and nodes that only few rays meet, are put on the rays' own stacks.
+/// Leaves, and nodes that only few rays meet, are put on the rays' own stacks; a leaf that many come to is met at once.
 #include "geometry/bvh_packet.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -45,21 +45,34 @@ public:
         int size = 0;
         stack[size++] = {rays_, bvh_.root, 0};
         while (size > 0) {
-            const PacketEntry entry = stack[--size];
+            PacketEntry entry = stack[--size];
+            entry.rays &= ~blocked_;
             if (!BvhReference::is_node(entry.reference) || BvhReference::is_moving(entry.reference) ||
                 std::popcount(entry.rays) <= few) {
                 for (RayMask m = entry.rays; m; m &= m - 1) defer(std::countr_zero(m), entry.reference);
+                if (BvhReference::is_triangles(entry.reference) && std::popcount(entry.rays) > few) finish(entry.rays);
             } else {
                 size = visit_node(bvh_.nodes[entry.reference], entry.rays, size);
             }
         }
-        for (RayMask m = stream_.waiting(); m; m &= m - 1) stream_.start(std::countr_zero(m));
+        for (RayMask m = stream_.waiting() & ~blocked_; m; m &= m - 1) stream_.start(std::countr_zero(m));
     }
 
 private:
     static constexpr int parts = stream_size / lanes;
     static constexpr int few = 8;
 
+    /// Where many rays come to a leaf, those that it stops need not go on.
+    void finish(RayMask rays)
+    {
+        for (RayMask m = rays; m; m &= m - 1) stream_.start(std::countr_zero(m));
+        stream_.run();
+        stream_.forget(rays);
+        for (int k = 0; k < parts; ++k) {
+            const Mask found = load(memory_.hits.what + k * lanes) != UInt(no_index);
+            blocked_ |= rays & RayMask(mask_bits(found)) << k * lanes;
+        }
+    }
     void defer(int ray, std::uint32_t reference)
     {
         if (!stream_.defer(ray, reference, 0)) make_room(ray, reference);
@@ -108,7 +121,7 @@ private:
     const BvhData& bvh_;
     StreamMemory& memory_;
     Stream<any_hit, moving>& stream_;
-    RayMask rays_;
+    RayMask rays_, blocked_ = 0;
     float low_[3], high_[3];  ///< of the box around all rays
 };
 
