@@ -33,6 +33,13 @@ struct RayHits {
         // Of a curve's segment several pieces may be tested.
         return other_instance != instance[i] ? other_instance < instance[i] : other_u < u[i];
     }
+    /// Rays that have hit something.
+    RayMask found() const
+    {
+        RayMask rays = 0;
+        for (int i = 0; i < stream_size; i += lanes) rays |= RayMask(mask_bits(load(what + i) != UInt(no_index))) << i;
+        return rays;
+    }
     void set(int i, float new_t, float new_u, float new_v, std::uint32_t new_what, std::uint32_t new_instance)
     {
         t[i] = new_t, u[i] = new_u, v[i] = new_v, what[i] = new_what, instance[i] = new_instance;

@@ -68,10 +68,7 @@ private:
         for (RayMask m = rays; m; m &= m - 1) stream_.start(std::countr_zero(m));
         stream_.run();
         stream_.forget(rays);
-        for (int k = 0; k < parts; ++k) {
-            const Mask found = load(memory_.hits.what + k * lanes) != UInt(no_index);
-            blocked_ |= rays & RayMask(mask_bits(found)) << k * lanes;
-        }
+        blocked_ |= rays & memory_.hits.found();
     }
     void defer(int ray, std::uint32_t reference)
     {

@@ -132,10 +132,7 @@ private:
             const int ray = std::countr_zero(m);
             stream_.enter(ray, instance(), &part(ray / lanes).f[0][ray % lanes]);
         }
-        for (int k = 0; any_hit && k < parts; ++k) {
-            const Mask found = load(memory_.hits.what + k * lanes) != UInt(no_index);
-            blocked_ |= rays & RayMask(mask_bits(found)) << k * lanes;
-        }
+        if (any_hit) blocked_ |= rays & memory_.hits.found();
     }
 
     [[gnu::noinline]] void visit_other(std::uint32_t reference, float t, RayMask rays, int size)
@@ -190,16 +187,7 @@ private:
             blocked_ |= inner.blocked() & same;
         }
         // What inner packets have started runs here, with the rest.
-        RayMask apart = 0;
-        for (RayMask rest = rays; rest;) {
-            const RayMask same = alike(memory_.together, rest);
-            rest &= ~same;
-            if (std::popcount(same) < least_within) apart |= same;
-        }
-        start(apart);
-        finish(0);
-        begin_again(rays);
-        if (!any_hit) update_reach();
+        finish(rays);
     }
 
     /// Slots whose box may be met, the last to be visited first, and their distances; how many.
