@@ -6,7 +6,8 @@ namespace fathom {
 ///
 /// fast      by Morton codes: previews of large scenes
 /// standard  by the surface area heuristic
-/// high      the same with large triangles cut in pieces where that is better, and all of the tree improved: takes longer
+/// high      the same with large triangles cut in pieces where that is better, and the whole tree improved: takes
+/// longer
 ///           and more memory, casts rays faster
 enum class TreeBuild { fast, standard, high };
 
