@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t treelet_size = 1 << 15;
 /// By TreeBuild: so many items stay together where one leaf can hold them. To split four takes half of the time and
 /// gains little.
-constexpr std::size_t together[] = {4, 4, 4};
+constexpr std::size_t together[] = {4, 4, 4, 4};
 constexpr std::size_t parallel_binning = 1 << 17;
 constexpr int halving_depth = 50;
 
@@ -156,7 +156,15 @@ public:
                               for (std::size_t i = range.begin(); i < range.end(); ++i)
                                   treelets_[i].build(tables_, bvh_);
                           });
-        for (Treelet& t : treelets_) close_gap(t);
+        list.items = {};
+        std::size_t other_words = 0, treelet_nodes = 0;
+        for (Treelet& t : treelets_) {
+            close_gap(t);
+            other_words += t.others.size();
+            treelet_nodes += t.nodes.size();
+        }
+        make_room(bvh_.others, other_words + bvh_width);
+        make_room(nodes_, treelet_nodes + treelets_.size());
         bvh_.statistics.cost += solve(top).c[0] / std::max(top.box.half_area(), std::numeric_limits<float>::min());
         for (const Treelet& t : treelets_) bvh_.statistics.leaves += t.leaves;
         return emit(top).reference;
@@ -181,6 +189,7 @@ private:
         treelet.side = std::move(node.side);
         treelet.root_area = root_area_;
         treelet.together = together[std::size_t(level_)];
+        treelet.compact = level_ == TreeBuild::compact;
         treelets_.push_back(std::move(treelet));
     }
 
@@ -188,11 +197,22 @@ private:
     void close_gap(Treelet& t)
     {
         t.moved = t.first_triangle - next_triangle_;
-        if (t.moved > 0) {
-            std::memmove(&bvh_.triangles[9 * next_triangle_], &bvh_.triangles[9 * t.first_triangle], 36 * t.triangles);
-            std::memmove(&bvh_.keys[next_triangle_], &bvh_.keys[t.first_triangle], 4 * t.triangles);
+        const float* const triangles = t.compact ? t.triangles_apart.data() : &bvh_.triangles[9 * t.first_triangle];
+        const BvhKey* const keys = t.compact ? t.keys_apart.data() : &bvh_.keys[t.first_triangle];
+        if (t.triangles > 0 && (t.compact || t.moved > 0)) {
+            std::memmove(&bvh_.triangles[9 * next_triangle_], triangles, 36 * t.triangles);
+            std::memmove(&bvh_.keys[next_triangle_], keys, 4 * t.triangles);
         }
         next_triangle_ += t.triangles;
+        t.triangles_apart = {};
+        t.keys_apart = {};
+    }
+
+    /// So that many more fit; where few are added often, for more.
+    template <class Vector>
+    static void make_room(Vector& v, std::size_t more)
+    {
+        if (v.size() + more > v.capacity()) v.reserve(std::max(v.size() + more, v.size() * 3 / 2));
     }
 
     Costs solve(UpperNode& node)
@@ -248,8 +268,12 @@ private:
         const auto place = [&](std::uint32_t reference) {
             if (BvhReference::is_node(reference)) return std::uint32_t(reference + first_node);
             if (BvhReference::is_triangles(reference)) return std::uint32_t(reference - treelet.moved);
-            const bool stays = BvhReference::other_kind(reference) == BvhReference::instance;
-            return stays ? reference : std::uint32_t(reference + first_other / BvhLeaf::unit);
+            if (BvhReference::is_indexed_triangles(reference))
+                return std::uint32_t(reference + first_other / BvhLeaf::unit);
+            if (BvhReference::other_kind(reference) == BvhReference::instance) return reference;
+            if (BvhReference::place(reference) + first_other / BvhLeaf::unit >= BvhReference::max_others)
+                throw std::length_error("the scene has too many spheres, disks, curves or points");
+            return std::uint32_t(reference + first_other / BvhLeaf::unit);
         };
         for (BvhNode& node : treelet.nodes) {
             for (int i = 0; i < bvh_width && node.bounds[0][i] <= node.bounds[3][i]; ++i)
@@ -257,9 +281,10 @@ private:
         }
         nodes_.insert(nodes_.end(), treelet.nodes.begin(), treelet.nodes.end());
         bvh_.others.insert(bvh_.others.end(), treelet.others.begin(), treelet.others.end());
-        if (bvh_.others.size() / BvhLeaf::unit > BvhReference::max_others)
-            throw std::length_error("the scene has too many moving triangles, spheres or disks");
+        if (bvh_.others.size() / BvhLeaf::unit > BvhReference::max_indexed)
+            throw std::length_error("the scene has too many moving triangles");
         treelet.nodes = {};
+        treelet.others = {};
         treelet.root.reference = place(treelet.root.reference);
         return treelet.root;
     }
@@ -321,16 +346,16 @@ std::size_t count_triangles(const SceneTables& tables)
     return n;
 }
 
-/// What a level of building takes beside the items that the tree is made of.
-std::size_t extra_bytes(TreeBuild level, std::size_t items)
+/// What the items that the tree is made of take, and what a level of building keeps beside them.
+std::size_t bytes_of_items(TreeBuild level, const ItemList& list)
 {
     switch (level) {
         case TreeBuild::fast:
-            return items * 4;  // codes; sorting takes less than the tree
+            return list.items.bytes() + list.count * 4;  // codes; sorting takes less than the tree
         case TreeBuild::high:
-            return items * std::size_t(2 * (1 + most_cuts) * sizeof(Item));  // while one is split
+            return list.count * std::size_t(2 * (1 + most_cuts) * sizeof(Item));  // while one is split
         default:
-            return 0;
+            return list.items.bytes();
     }
 }
 
@@ -375,11 +400,10 @@ void build_bvh(const SceneTables& tables, BvhData& tree, TreeBuild level)
     std::vector<MovingBox> mesh_boxes(tree.meshes.size());
     /// Its box and root are then known.
     const auto add_tree = [&](ItemList& list, std::uint32_t& root) {
-        const std::size_t items = list.count;
-        tree.statistics.leaf_primitives += items;
+        tree.statistics.leaf_primitives += list.count;
+        items_bytes = std::max(items_bytes, bytes_of_items(level, list));
         const std::size_t first = nodes.size();
         root = TreeBuilder(tables, tree, nodes, next_triangle, level).build(list);
-        items_bytes = std::max(items_bytes, list.items.bytes() + extra_bytes(level, items));
         if (!tree.moving) return MovingBox{list.box, list.box};
         return add_motion(tables, tree, mesh_boxes, nodes, first, root, list.box);
     };
@@ -409,9 +433,11 @@ void build_bvh(const SceneTables& tables, BvhData& tree, TreeBuild level)
         if (!mesh.empty) count_children(tree, mesh.root);
     tree.stack_size = stack_size_of(tree);
     BvhStatistics& s = tree.statistics;
-    s.bytes = tree.nodes.bytes() + (9 * sizeof(float) + sizeof(BvhKey)) * (next_triangle + bvh_width) +
-              tree.others.size() * 4 + tree.meshes.size() * sizeof(BvhData::Mesh);
-    s.peak_bytes = s.bytes + std::max(items_bytes, tree.nodes.bytes()) + tree.nodes.bytes();
+    const std::size_t others_bytes = tree.others.size() * sizeof(tree.others[0]);
+    s.bytes = tree.nodes.bytes() + (9 * sizeof(float) + sizeof(BvhKey)) * (next_triangle + bvh_width) + others_bytes +
+              tree.meshes.size() * sizeof(BvhData::Mesh);
+    // Either with all items and what treelets are made of them, or without items while the latter are joined.
+    s.peak_bytes = s.bytes + std::max(items_bytes, tree.nodes.bytes() + others_bytes);
 }
 
 }  // namespace fathom

@@ -50,7 +50,8 @@ public:
             if (!BvhReference::is_node(entry.reference) || BvhReference::is_moving(entry.reference) ||
                 std::popcount(entry.rays) <= few) {
                 for (RayMask m = entry.rays; m; m &= m - 1) defer(std::countr_zero(m), entry.reference);
-                if (BvhReference::is_triangles(entry.reference) && std::popcount(entry.rays) > few) finish(entry.rays);
+                if (BvhReference::is_triangle_leaf(entry.reference) && std::popcount(entry.rays) > few)
+                    finish(entry.rays);
             } else {
                 size = visit_node(bvh_.nodes[entry.reference], entry.rays, size);
             }

@@ -342,7 +342,10 @@ private:
         if (node.kinds == Item::instance)
             return {BvhReference::others(BvhReference::instance, node.items->id), unknown, cost};
         const std::size_t first = put_leaf(tables_, node.items, node.count, treelet_.others);
-        return {BvhReference::others(reference_kind(node.kinds), first / BvhLeaf::unit), unknown, cost};
+        const std::uint32_t reference = node.kinds == Item::moving_triangle
+                                            ? BvhReference::indexed_triangles(first / BvhLeaf::unit)
+                                            : BvhReference::others(reference_kind(node.kinds), first / BvhLeaf::unit);
+        return {reference, unknown, cost};
     }
 
     static float area_of(const Vec3f v[3])
@@ -359,8 +362,6 @@ private:
                 return BvhReference::spheres;
             case Item::disk:
                 return BvhReference::disks;
-            case Item::moving_triangle:
-                return BvhReference::moving_triangles;
             case Item::curve:
                 return BvhReference::curves;
             case Item::ribbon:
@@ -377,12 +378,23 @@ private:
         // Pieces of one triangle may meet again.
         Item* const end =
             std::unique(node.items, node.items + node.count, [](const Item& a, const Item& b) { return a.id == b.id; });
-        const std::size_t first = next_triangle_, n = std::size_t(end - node.items);
+        const std::size_t n = std::size_t(end - node.items);
+        std::uint32_t indexed = 0;
+        if (treelet_.compact && emit_indexed(node.items, n, indexed, area)) return indexed;
+        const std::size_t first = next_triangle_;
         next_triangle_ += n;
         float* out = &bvh_.triangles[9 * first];
+        BvhKey* keys = &bvh_.keys[first];
+        if (treelet_.compact) {
+            const std::size_t before = treelet_.keys_apart.size();
+            treelet_.triangles_apart.resize(9 * (before + n));
+            treelet_.keys_apart.resize(before + n);
+            out = &treelet_.triangles_apart[9 * before];
+            keys = &treelet_.keys_apart[before];
+        }
         for (std::size_t i = 0; i < n; ++i) {
             const BvhKey key = node.items[i].id;
-            bvh_.keys[first + i] = key;
+            keys[i] = key;
             Vec3f vertices[3];
             vertices_of(tables_, key, vertices);
             area += area_of(vertices);
@@ -393,6 +405,24 @@ private:
             }
         }
         return BvhReference::triangles(first, n);
+    }
+
+    /// As a leaf that holds each vertex once, if that is smaller; else false.
+    bool emit_indexed(const Item* items, std::size_t n, std::uint32_t& reference, float& area)
+    {
+        IndexedTriangles triangles(tables_, false);
+        for (std::size_t i = 0; i < n; ++i)
+            if (!triangles.add(items[i].id)) return false;
+        constexpr std::size_t plain_words = 10;
+        if (triangles.words() >= plain_words * n) return false;
+        for (std::size_t i = 0; i < n; ++i) {
+            Vec3f vertices[3];
+            vertices_of(tables_, items[i].id, vertices);
+            area += area_of(vertices);
+        }
+        const std::size_t first = triangles.put(treelet_.others);
+        reference = BvhReference::indexed_triangles(first / BvhLeaf::unit);
+        return true;
     }
 
     Treelet& treelet_;

@@ -47,6 +47,7 @@ struct Treelet {
     /// If not empty: items that may be cut, instead of the above.
     ItemSide side;
     float root_area = 0;
+    bool compact = false;  ///< leaves of triangles hold each vertex once, where that is smaller
     /// So many items stay together where one leaf can hold them.
     std::size_t together = 1;
 
@@ -54,12 +55,15 @@ struct Treelet {
     float cost = 0;
     std::vector<BvhNode> nodes;
     std::vector<std::uint32_t> others;
+    /// Of a compact one, of which few triangles may be left: what else is written into the tree's arrays.
+    std::vector<float> triangles_apart;
+    std::vector<BvhKey> keys_apart;
     std::size_t leaves = 0;
 
     /// How many triangles it may have at most.
     std::size_t most_triangles() const { return triangles + side.budget; }
-    /// Writes the triangles' vertices and keys into bvh; `triangles` is then how many there are. Where there are codes,
-    /// box is found here.
+    /// Writes the triangles' vertices and keys into bvh, if not compact; `triangles` is then how many there are. Where
+    /// there are codes, box is found here.
     void build(const SceneTables& tables, BvhData& bvh);
 };
 
