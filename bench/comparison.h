@@ -20,6 +20,7 @@ struct Options {
     TreeBuild build = TreeBuild::standard;
     bool robust = true, details = false, with_embree = true;
     bool motion = false, instances = false;
+    std::string kind;   ///< of rays; empty: all
     std::string write;  ///< a folder to write the meshes to, instead
 };
 

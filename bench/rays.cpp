@@ -26,6 +26,7 @@ void measure(const Mesh& mesh, const Options& options)
                      s.cost, s.nodes, double(s.children) / double(std::max<std::size_t>(1, s.nodes)), s.leaves,
                      double(s.leaf_primitives) / double(std::max<std::size_t>(1, s.leaves)));
     for (const RaySet& set : make_ray_sets(mesh, bvh, options.parts)) {
+        if (!options.kind.empty() && set.kind != options.kind) continue;
         const Rates rates = compare(mesh.name, set, {{"still", bvh, embree.get()}}, options);
         std::printf(
             "{\"mesh\": \"%s\", \"kind\": \"%s\", \"isa\": \"%s\", \"threads\": %d, \"ours\": %.3f, \"embree\": %.3f, "
@@ -75,6 +76,8 @@ int run_all(int argc, char** argv)
             options.with_embree = false;
         else if (arg == "--details")
             options.details = true;
+        else if (arg == "--kind")
+            options.kind = value();
         else if (arg == "--write")
             options.write = value();
         else if (arg == "--motion")
@@ -86,7 +89,7 @@ int run_all(int argc, char** argv)
                 arg +
                 ": known are --mesh FILE.ply, --generate NAME, --threads N, --runs N, --parts N, "
                 "--build fast|default|high|compact, --not-robust, --ours-only, --details, --motion, "
-                "--instances, --write FOLDER");
+                "--instances, --kind NAME, --write FOLDER");
     }
     const auto measure_mesh = options.instances ? measure_instances : options.motion ? measure_motion : measure;
     for (const Options::Source& source : options.meshes) {

@@ -2,7 +2,8 @@
 /// Short rays that start near each other, in any direction: they share the upper part of their way.
 ///
 /// From the root down, boxes are tested against the box that holds all the rays, then against the rays, by vectors.
-/// Leaves, and nodes that only few rays meet, are put on the rays' own stacks; a leaf that many come to is met at once.
+/// Leaves, and nodes that are cheaper for each ray alone, are put on the rays' own stacks; a leaf that many come to is
+/// met at once, as long as such leaves stop rays.
 #include "geometry/bvh_packet.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -47,13 +48,13 @@ public:
         while (size > 0) {
             PacketEntry entry = stack[--size];
             entry.rays &= ~blocked_;
-            if (!BvhReference::is_node(entry.reference) || BvhReference::is_moving(entry.reference) ||
-                std::popcount(entry.rays) <= few) {
-                for (RayMask m = entry.rays; m; m &= m - 1) defer(std::countr_zero(m), entry.reference);
-                if (BvhReference::is_triangle_leaf(entry.reference) && std::popcount(entry.rays) > few)
-                    finish(entry.rays);
+            if (BvhReference::is_node(entry.reference) && !BvhReference::is_moving(entry.reference) &&
+                std::popcount(entry.rays) > few) {
+                size = visit_node(entry, size);
             } else {
-                size = visit_node(bvh_.nodes[entry.reference], entry.rays, size);
+                defer(entry);
+                if (BvhReference::is_triangle_leaf(entry.reference) && std::popcount(entry.rays) > crowd_)
+                    finish(entry.rays);
             }
         }
         for (RayMask m = stream_.waiting() & ~blocked_; m; m &= m - 1) stream_.start(std::countr_zero(m));
@@ -61,7 +62,7 @@ public:
 
 private:
     static constexpr int parts = stream_size / lanes;
-    static constexpr int few = 8;
+    static constexpr int few = 3;
 
     /// Where many rays come to a leaf, those that it stops need not go on.
     void finish(RayMask rays)
@@ -69,7 +70,13 @@ private:
         for (RayMask m = rays; m; m &= m - 1) stream_.start(std::countr_zero(m));
         stream_.run();
         stream_.forget(rays);
-        blocked_ |= rays & memory_.hits.found();
+        const RayMask stopped = rays & memory_.hits.found();
+        blocked_ |= stopped;
+        if (4 * std::popcount(stopped) < std::popcount(rays)) crowd_ *= 2;
+    }
+    void defer(const PacketEntry& entry)
+    {
+        for (RayMask m = entry.rays; m; m &= m - 1) defer(std::countr_zero(m), entry.reference);
     }
     void defer(int ray, std::uint32_t reference)
     {
@@ -83,9 +90,19 @@ private:
         stream_.defer(ray, reference, 0);
     }
 
-    int visit_node(const BvhNode& node, RayMask rays, int size)
+    /// Whether vectors of rays against so many boxes take less time than each ray alone against all boxes of the node.
+    static bool are_many(RayMask rays, int boxes)
     {
-        memory_.visits.nodes += std::uint64_t(std::popcount(rays));
+        constexpr int tests_alone = 4;  // that take as long as a ray alone; measured
+        int parts_in_use = 0;
+        for (int k = 0; k < parts; ++k) parts_in_use += holds_any(rays, k);
+        return tests_alone * std::popcount(rays) >= boxes * parts_in_use;
+    }
+
+    int visit_node(const PacketEntry& entry, int size)
+    {
+        const BvhNode& node = bvh_.nodes[entry.reference];
+        const RayMask rays = entry.rays;
         std::uint32_t met = 0;
         for (int k = 0; k < box_parts; ++k) {
             Mask m(true);
@@ -94,10 +111,16 @@ private:
                      (Float(low_[axis]) <= load(node.bounds[3 + axis] + k * lanes));
             met |= mask_bits(m) << k * lanes;
         }
+        if (!are_many(rays, std::popcount(met))) {
+            defer(entry);
+            return size;
+        }
+        memory_.visits.nodes += std::uint64_t(std::popcount(rays));
         for (; met; met &= met - 1) {
             const int slot = std::countr_zero(met);
             RayMask meet = 0;
             for (int k = 0; k < parts; ++k) {
+                if (!holds_any(rays, k)) continue;
                 const PreparedRays& r = memory_.world[k];
                 Float near(0.f), far = load(memory_.hits.t + k * lanes);
                 for (int axis = 0; axis < 3; ++axis) {
@@ -120,6 +143,7 @@ private:
     StreamMemory& memory_;
     Stream<any_hit, moving>& stream_;
     RayMask rays_, blocked_ = 0;
+    int crowd_ = 8;           ///< so many rays at a leaf meet it at once
     float low_[3], high_[3];  ///< of the box around all rays
 };
 

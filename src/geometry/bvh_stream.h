@@ -73,7 +73,7 @@ public:
         for (int at = 0; at < n && !(any_hit && found); at += lanes) {
             WeighedTriangles triangles;
             weigh(ray, at, triangles);
-            if (triangles.inside) found |= take_triangles(ray, at, triangles.weights(), triangles.corners_z());
+            if (triangles.inside) found |= take_triangles(ray, at, triangles);
         }
         return found;
     }
@@ -93,8 +93,13 @@ public:
                 next_.n = counts;
             }
             if constexpr (lanes == bvh_width) {
-                for (int i = 0; i < now_.n.leaves; i += leaf_wave)
-                    visit_leaves(&now_.leaf[i], std::min(leaf_wave, now_.n.leaves - i));
+                for (int i = 0; i < std::min(leaf_wave, now_.n.leaves); ++i) fetch_leaf(now_.leaf[i]);
+                if (any_hit && !bvh_.has_alpha) {
+                    visit_leaves_for_any();
+                } else {
+                    for (int i = 0; i < now_.n.leaves; i += leaf_wave)
+                        visit_leaves(i, std::min(i + leaf_wave, now_.n.leaves));
+                }
             } else {
                 for (int i = 0; i < now_.n.leaves; ++i) visit_leaf(now_.leaf[i]);
             }
@@ -117,6 +122,7 @@ public:
 
 private:
     static constexpr std::uint32_t end = BvhReference::others(BvhReference::end, 0);
+    /// So many leaves are met at a time; also, how many leaves earlier one is fetched.
     static constexpr int leaf_wave = 8;
     /// How many rays earlier a node is fetched: later is too late, earlier crowds the queues of the processor.
     static constexpr int ahead = 4;
@@ -269,48 +275,76 @@ private:
     }
 
     /// First which rays pass through a triangle at all, then where. Neither can be foreseen, so there is no branch on
-    /// it.
-    void visit_leaves(const std::uint8_t* rays, int count)
+    /// it. (Both at once takes a tenth more time.)
+    void visit_leaves(int first, int last)
     {
         Block blocks[leaf_wave + 1];
         int met = 0, triangles = 0;
         Counts n = next_.n;
-        for (int i = 0; i < count; ++i) fetch_leaf(rays[i]);
-        for (int i = 0; i < count; ++i) {
+        for (int i = first; i < last; ++i) {
+            const int ray = now_.leaf[i];
+            fetch_leaf(now_.leaf[std::min(i + leaf_wave, now_.n.leaves - 1)]);
             Block& block = blocks[met];
-            block.reference = states_[rays[i]].reference;
-            weigh(rays[i], 0, block);
-            block.ray = rays[i];
+            block.reference = states_[ray].reference;
+            weigh(ray, 0, block);
+            block.ray = ray;
             triangles += triangle_count(block.reference);
             const int passes = block.inside != 0;
             met += passes;
             // Those that pass by go on now.
-            pop(rays[i], n, 1 - passes);
+            pop(ray, n, 1 - passes);
         }
         memory_.visits.primitives += std::uint64_t(triangles);
         for (int i = 0; i < met; ++i) finish_leaf(blocks[i], n);
         next_.n = n;
     }
 
+    /// The same where any hit will do, and all that is asked of a leaf is one bit: at once takes a fifth less time.
+    void visit_leaves_for_any()
+    {
+        int triangles = 0;
+        Counts n = next_.n;
+        for (int i = 0; i < now_.n.leaves; ++i) {
+            const int ray = now_.leaf[i];
+            fetch_leaf(now_.leaf[std::min(i + leaf_wave, now_.n.leaves - 1)]);
+            triangles += triangle_count(states_[ray].reference);
+            WeighedTriangles weighed;
+            weigh(ray, 0, weighed);
+            const int found = any(distances_to_triangles(ray, weighed).hit);
+            memory_.hits.what[ray] = found ? 0 : memory_.hits.what[ray];
+            pop(ray, n, 1 - found);
+        }
+        memory_.visits.primitives += std::uint64_t(triangles);
+        next_.n = n;
+    }
+
+    struct TriangleDistances {
+        Float t, u, v;
+        Mask hit;
+    };
+    /// Of a ray to what it passes through.
+    [[gnu::always_inline]] TriangleDistances distances_to_triangles(int ray, const WeighedTriangles& weighed) const
+    {
+        const Float t_max(memory_.hits.t[ray]), shear_z(prepared(ray).number(PreparedRays::shear_z));
+        TriangleDistances to;
+        to.hit = triangle_distance(weighed.weights(), shear_z, weighed.corners_z(), t_max, to.t, to.u, to.v);
+        if (any_hit) to.hit &= to.t < t_max;
+        return to;
+    }
+
     [[gnu::always_inline]] void finish_leaf(const Block& block, Counts& n)
     {
         const int ray = block.ray;
         RayHits& hits = memory_.hits;
-        Float t, u, v;
-        const Float t_max(hits.t[ray]);
-        Mask m = triangle_distance(block.weights(), Float(prepared(ray).number(PreparedRays::shear_z)),
-                                   block.corners_z(), t_max, t, u, v);
-        if (any_hit) m &= t < t_max;
+        const auto [t, u, v, m] = distances_to_triangles(ray, block);
         const std::uint32_t least = least_lanes(m, t);
         alignas(64) float ts[lanes], us[lanes], vs[lanes];
         store(ts, t), store(us, u), store(vs, v);
         const int lane = std::countr_zero(least | 1u << (lanes - 1));
         bool found = least != 0;
-        if (bvh_.has_alpha || (!any_hit && found && (std::has_single_bit(least) == 0 || ts[lane] == hits.t[ray]))) {
+        if (bvh_.has_alpha || (found && (!std::has_single_bit(least) || ts[lane] == hits.t[ray]))) {
             // A tie, or a hit to be asked for: one by one.
             found = take(ray, m, t, u, v, [&](int k) { return triangle_key(block.reference, k); });
-        } else if (any_hit) {
-            hits.what[ray] = found ? 0 : hits.what[ray];
         } else {
             hits.t[ray] = found ? ts[lane] : hits.t[ray];
             hits.u[ray] = found ? us[lane] : hits.u[ray];
@@ -326,12 +360,9 @@ private:
     /// The same where lanes are few.
     void visit_leaf(int ray) { go_on(ray, meet(ray, states_[ray].reference)); }
 
-    [[gnu::always_inline]] bool take_triangles(int ray, int at, const TriangleWeights& w, const Vec3& z)
+    [[gnu::always_inline]] bool take_triangles(int ray, int at, const WeighedTriangles& weighed)
     {
-        Float t, u, v;
-        const Float t_max(memory_.hits.t[ray]);
-        Mask m = triangle_distance(w, Float(prepared(ray).number(PreparedRays::shear_z)), z, t_max, t, u, v);
-        if (any_hit) m &= t < t_max;
+        const auto [t, u, v, m] = distances_to_triangles(ray, weighed);
         if (none(m)) return false;
         return take(ray, m, t, u, v, [&](int lane) { return triangle_key(states_[ray].reference, at + lane); });
     }
