@@ -126,8 +126,8 @@ void trace(const BvhData& bvh, int n, bool coherent, StreamMemory& memory)
     const RayMask all = n == 64 ? ~RayMask(0) : (RayMask(1) << n) - 1;
     if constexpr (lanes > 1) {
         if (coherent) return trace_alike(bvh, all, memory, stream);
-        if (any_hit && !moving) {
-            NeighbourTraversal<any_hit, moving> neighbours(bvh, memory, stream, all);
+        if constexpr (any_hit && !moving) {
+            NeighbourTraversal neighbours(bvh, memory, stream, all);
             if (neighbours.fits()) {
                 neighbours.run();
                 return stream.run();

@@ -143,22 +143,21 @@ std::size_t IndexedTriangles::put(std::vector<std::uint32_t>& words) const
     return first;
 }
 
-bool fit_together(const SceneTables& tables, std::uint32_t kinds, const Item* items, std::size_t n)
+bool fit_together(const SceneTables& tables, std::uint32_t kinds, const std::uint32_t* ids, std::size_t n)
 {
     if (kinds != Item::moving_triangle || 3 * n <= IndexedLeaf::max_vertices) return true;
     IndexedTriangles triangles(tables, true);
     for (std::size_t i = 0; i < n; ++i)
-        if (!triangles.add(items[i].id)) return false;
+        if (!triangles.add(ids[i])) return false;
     return true;
 }
 
-std::size_t put_leaf(const SceneTables& tables, const Item* items, std::size_t n, std::vector<std::uint32_t>& words)
+std::size_t put_leaf(const SceneTables& tables, std::uint32_t kind, const std::uint32_t* first_id, std::size_t n,
+                     std::vector<std::uint32_t>& words)
 {
-    std::vector<std::uint32_t> ids(n);
-    for (std::size_t i = 0; i < n; ++i) ids[i] = items[i].id;
+    std::vector<std::uint32_t> ids(first_id, first_id + n);
     std::sort(ids.begin(), ids.end());
     const std::size_t first = words.size();
-    const std::uint32_t kind = items[0].kind;
     const bool curves = kind == Item::curve || kind == Item::ribbon;
     if (kind == Item::moving_triangle) {
         IndexedTriangles triangles(tables, true);

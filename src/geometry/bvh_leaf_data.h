@@ -53,9 +53,10 @@ private:
 };
 
 /// Whether one leaf can hold these items.
-bool fit_together(const SceneTables& tables, std::uint32_t kinds, const Item* items, std::size_t n);
+bool fit_together(const SceneTables& tables, std::uint32_t kinds, const std::uint32_t* ids, std::size_t n);
 
 /// Appends a leaf of one kind of items; where it begins.
-std::size_t put_leaf(const SceneTables& tables, const Item* items, std::size_t n, std::vector<std::uint32_t>& words);
+std::size_t put_leaf(const SceneTables& tables, std::uint32_t kind, const std::uint32_t* first_id, std::size_t n,
+                     std::vector<std::uint32_t>& words);
 
 }  // namespace fathom::bvh

@@ -2,16 +2,16 @@
 /// Short rays that start near each other, in any direction: they share the upper part of their way.
 ///
 /// From the root down, boxes are tested against the box that holds all the rays, then against the rays, by vectors.
-/// Leaves, and nodes that are cheaper for each ray alone, are put on the rays' own stacks; a leaf that many come to is
-/// met at once, as long as such leaves stop rays.
+/// So do leaves that many rays come to; what takes less time for each ray alone is put on the rays' own stacks.
 #include "geometry/bvh_packet.h"
 
 namespace fathom::inline FATHOM_LANES {
 
-template <bool any_hit, bool moving>
+/// For any hit, where nothing moves.
 class NeighbourTraversal {
 public:
-    NeighbourTraversal(const BvhData& bvh, StreamMemory& memory, Stream<any_hit, moving>& stream, RayMask rays)
+    using RayStream = Stream<true, false>;
+    NeighbourTraversal(const BvhData& bvh, StreamMemory& memory, RayStream& stream, RayMask rays)
         : bvh_(bvh), memory_(memory), stream_(stream), rays_(rays)
     {
         for (int axis = 0; axis < 3; ++axis) {
@@ -48,13 +48,12 @@ public:
         while (size > 0) {
             PacketEntry entry = stack[--size];
             entry.rays &= ~blocked_;
-            if (BvhReference::is_node(entry.reference) && !BvhReference::is_moving(entry.reference) &&
-                std::popcount(entry.rays) > few) {
+            if (BvhReference::is_node(entry.reference) && std::popcount(entry.rays) > few) {
                 size = visit_node(entry, size);
+            } else if (BvhReference::is_triangle_leaf(entry.reference) && !bvh_.has_alpha && is_crowded(entry)) {
+                meet_leaf(entry);
             } else {
                 defer(entry);
-                if (BvhReference::is_triangle_leaf(entry.reference) && std::popcount(entry.rays) > crowd_)
-                    finish(entry.rays);
             }
         }
         for (RayMask m = stream_.waiting() & ~blocked_; m; m &= m - 1) stream_.start(std::countr_zero(m));
@@ -64,15 +63,58 @@ private:
     static constexpr int parts = stream_size / lanes;
     static constexpr int few = 3;
 
-    /// Where many rays come to a leaf, those that it stops need not go on.
-    void finish(RayMask rays)
+    static int parts_with(RayMask rays)
     {
-        for (RayMask m = rays; m; m &= m - 1) stream_.start(std::countr_zero(m));
-        stream_.run();
-        stream_.forget(rays);
-        const RayMask stopped = rays & memory_.hits.found();
-        blocked_ |= stopped;
-        if (4 * std::popcount(stopped) < std::popcount(rays)) crowd_ *= 2;
+        int n = 0;
+        for (int k = 0; k < parts; ++k) n += holds_any(rays, k);
+        return n;
+    }
+
+    /// Whether vectors of rays against each triangle take less time than each ray against all at once. Measured.
+    static bool is_crowded(const PacketEntry& leaf)
+    {
+        return 2 * std::popcount(leaf.rays) > BvhReference::triangle_count(leaf.reference) * parts_with(leaf.rays);
+    }
+
+    /// Lanes are rays; first, where they are triangles, those that lie off the box that holds the rays are left out.
+    void meet_leaf(const PacketEntry& leaf)
+    {
+        const std::ptrdiff_t n = BvhReference::triangle_count(leaf.reference);
+        const float* const data = &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(leaf.reference))];
+        memory_.visits.primitives += std::uint64_t(n * std::popcount(leaf.rays));
+        Mask near = first_lanes(std::size_t(n));
+        for (int axis = 0; axis < 3; ++axis) {
+            const float* const p = data + axis * n;
+            const Float a = load(p), b = load(p + 3 * n), c = load(p + 6 * n);
+            near &= (min(min(a, b), c) <= Float(high_[axis])) & (Float(low_[axis]) <= max(max(a, b), c));
+        }
+        const std::uint32_t triangles = mask_bits(near);
+        for (int k = 0; k < parts; ++k)
+            if (holds_any(leaf.rays, k)) meet_triangles(data, n, triangles, k, part_of(leaf.rays, k));
+    }
+    /// A part of the rays with some of a leaf's triangles: those that are stopped go no further.
+    void meet_triangles(const float* data, std::ptrdiff_t n, std::uint32_t triangles, int k, Mask active)
+    {
+        const TriangleRay ray = memory_.world[k].triangle_ray();
+        const Float t_max = load(memory_.hits.t + k * lanes);
+        Mask stopped(false);
+        for (std::uint32_t left = triangles; left && any(active); left &= left - 1) {
+            const float* const p = data + std::countr_zero(left);
+            const auto corner = [&](std::ptrdiff_t vertex) {
+                const float* const q = p + 3 * vertex * n;
+                return ray.permute(Vec3{Float(q[0]), Float(q[n]), Float(q[2 * n])} - ray.o);
+            };
+            const Vec3 a = corner(0), b = corner(1), c = corner(2);
+            TriangleWeights w = triangle_weights(ray.shear_x, ray.shear_y, a, b, c);
+            w.inside &= active;
+            Float t, u, v;
+            const Mask hit = triangle_distance(w, ray.shear_z, {a.z, b.z, c.z}, t_max, t, u, v) & (t < t_max);
+            stopped |= hit;
+            active &= !hit;
+        }
+        std::uint32_t* const what = memory_.hits.what + k * lanes;
+        store(what, select(stopped, UInt(0u), load(what)));
+        blocked_ |= RayMask(mask_bits(stopped)) << k * lanes;
     }
     void defer(const PacketEntry& entry)
     {
@@ -94,9 +136,7 @@ private:
     static bool are_many(RayMask rays, int boxes)
     {
         constexpr int tests_alone = 4;  // that take as long as a ray alone; measured
-        int parts_in_use = 0;
-        for (int k = 0; k < parts; ++k) parts_in_use += holds_any(rays, k);
-        return tests_alone * std::popcount(rays) >= boxes * parts_in_use;
+        return tests_alone * std::popcount(rays) >= boxes * parts_with(rays);
     }
 
     int visit_node(const PacketEntry& entry, int size)
@@ -141,9 +181,8 @@ private:
 
     const BvhData& bvh_;
     StreamMemory& memory_;
-    Stream<any_hit, moving>& stream_;
+    RayStream& stream_;
     RayMask rays_, blocked_ = 0;
-    int crowd_ = 8;           ///< so many rays at a leaf meet it at once
     float low_[3], high_[3];  ///< of the box around all rays
 };
 

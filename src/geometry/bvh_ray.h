@@ -99,6 +99,18 @@ struct PreparedRays {
         store(f[octant], bits_float(x | y << 1 | z << 2));
         store(f[axis], bits_float(select(shear.x_major, UInt(0u), select(shear.y_major, UInt(1u), UInt(2u)))));
     }
+
+    /// As they see triangles.
+    TriangleRay triangle_ray() const
+    {
+        const UInt major = float_bits(load(f[axis]));
+        return {load_vec3(f[origin_x], f[origin_y], f[origin_z]),
+                major == UInt(0u),
+                major == UInt(1u),
+                load(f[shear_x]),
+                load(f[shear_y]),
+                load(f[shear_z])};
+    }
 };
 
 /// One of them.

@@ -3,18 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/bvh_treelet.h"
-
 namespace fathom::bvh {
 
 namespace {
 
 constexpr int planes = 16;
-constexpr int halving_depth = 50;
 /// Fewer are not worth looking for a plane between.
 constexpr std::size_t least_items = 16;
 /// Sides of an object split that share less than this part of the scene's box are good enough.
-constexpr float least_overlap = 1e-5f;
+constexpr float least_overlap = 1e-3f;
 
 float overlap(const Box& a, const Box& b)
 {
@@ -25,19 +22,55 @@ float overlap(const Box& a, const Box& b)
     return both.half_area();
 }
 
-bool is_empty(const Item& item)
+bool is_empty(const Box& box)
 {
     for (int axis = 0; axis < 3; ++axis)
-        if (!(item.low[axis] <= -item.minus_high[axis])) return true;
+        if (!(box.low(axis) <= box.high(axis))) return true;
     return false;
 }
 
-/// Where the planes between bins are; a little irregular from rounding, but the same for all who ask.
+bool is_empty(const Item& item)
+{
+    return is_empty(Box(item));
+}
+
+/// Between the planes.
 struct Cells {
-    float low, size;
+    float low, size, inverse;
+    Cells(float low, float high) : low(low), size((high - low) / planes), inverse(1 / size) {}
     float plane(int i) const { return low + size * float(i); }
-    int of(float x) const { return std::clamp(int((x - low) / size), 0, planes - 1); }
+    int of(float x) const { return std::clamp(int((x - low) * inverse), 0, planes - 1); }
 };
+
+V8 as_box(const Vec3f& p)
+{
+    return {p.x, p.y, p.z, 0, -p.x, -p.y, -p.z, 0};
+}
+
+/// Extends the boxes of cells by the parts of a triangle there, of which `item` is a piece; roughly, as cut() finds
+/// what is really left on each side.
+void add_parts(const Item& item, const Vec3f* corners, int axis, const Cells& cells, int first, int last, Box* box)
+{
+    Box part[planes];
+    for (int i = 0; i < 3; ++i) {
+        V8 a = as_box(corners[i]), b = as_box(corners[(i + 1) % 3]);
+        if (a[axis] > b[axis]) std::swap(a, b);
+        const int begin = cells.of(a[axis]), end = cells.of(b[axis]);
+        part[begin].extend(a);
+        part[end].extend(b);
+        const V8 step = (b - a) * (1 / (b[axis] - a[axis]));
+        for (int k = std::max(begin, first - 1); k < std::min(end, last + 1); ++k) {
+            const V8 on = a + step * (cells.plane(k + 1) - a[axis]);
+            part[k].extend(on);
+            part[k + 1].extend(on);
+        }
+    }
+    const Box whole(item);
+    for (int k = first; k <= last; ++k) {
+        part[k].v = part[k].v > whole.v ? part[k].v : whole.v;  // (low, -high): the larger is the inner
+        if (!is_empty(part[k])) box[k].extend(part[k]);
+    }
+}
 
 }  // namespace
 
@@ -78,28 +111,27 @@ void SpatialSplitter::cut(const Item& whole, int axis, float at, Item& left, Ite
     right.low[axis] = std::max(right.low[axis], at);
 }
 
-SpatialSplitter::Plane SpatialSplitter::best_plane(const ItemSide& all) const
+SpatialSplitter::Plane SpatialSplitter::best_plane(const ItemSet& all) const
 {
     Plane best;
     best.cost = std::numeric_limits<float>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
-        const Cells cells{all.box.low(axis), (all.box.high(axis) - all.box.low(axis)) / planes};
+        const Cells cells(all.box.low(axis), all.box.high(axis));
         if (!(cells.size > 1e-30f)) continue;
         Box box[planes];
         std::size_t begin[planes] = {}, end[planes] = {};
-        for (const Item& item : all.items) {
+        for (std::size_t k = 0; k < all.count; ++k) {
+            const Item& item = all.items[k];
             int first = cells.of(item.low[axis]), last = cells.of(-item.minus_high[axis]);
             if (item.kind != Item::triangle) first = last = cells.of((item.low[axis] - item.minus_high[axis]) / 2);
             ++begin[first], ++end[last];
-            Item rest = item;
-            for (int i = first; i < last; ++i) {
-                Item left, right;
-                cut(rest, axis, cells.plane(i + 1), left, right);
-                if (!is_empty(left)) box[i].extend(left);
-                rest = right;
-                if (is_empty(rest)) break;
+            if (first == last) {
+                box[first].extend(item);
+                continue;
             }
-            if (!is_empty(rest)) box[last].extend(rest);
+            Vec3f corners[3];
+            vertices_of(tables_, item.id, corners);
+            add_parts(item, corners, axis, cells, first, last, box);
         }
         float right_cost[planes];
         std::size_t right_count[planes], count = 0;
@@ -114,72 +146,83 @@ SpatialSplitter::Plane SpatialSplitter::best_plane(const ItemSide& all) const
         for (int i = 0; i + 1 < planes; ++i) {
             side.extend(box[i]);
             count += begin[i];
-            if (count == 0 || right_count[i] == 0) continue;
+            if (count == 0 || right_count[i] == 0 || count >= all.count || right_count[i] >= all.count) continue;
             const float cost = side.half_area() * float(count) + right_cost[i];
             if (!(cost < best.cost)) continue;
-            best = {axis, cells.plane(i + 1), cost, count + right_count[i] - all.items.size()};
+            best = {axis, cells.plane(i + 1), cost, count + right_count[i] - all.count};
         }
     }
     return best;
 }
 
-void SpatialSplitter::divide(const ItemSide& all, const Plane& plane, ItemSide& left, ItemSide& right) const
+/// False if one side has got all after all, since bins are coarse. Right sides of what is cut stand behind the others.
+bool SpatialSplitter::divide(const ItemSet& all, const Plane& plane, ItemSet& left, ItemSet& right) const
 {
-    for (const Item& item : all.items) {
+    const auto add = [](ItemSet& side, const Item& item) {
+        ++side.count;
+        side.box.extend(item);
+        side.centers.extend(center2(item));
+    };
+    std::size_t room = all.room;
+    Item *to = all.items, *end = all.items + all.count;
+    for (std::size_t i = 0; i < all.count; ++i) {
+        const Item item = all.items[i];
         const float low = item.low[plane.axis], high = -item.minus_high[plane.axis];
-        if (high <= plane.at) {
-            left.add(item);
-        } else if (low >= plane.at) {
-            right.add(item);
-        } else if (item.kind != Item::triangle) {
-            (low / 2 + high / 2 < plane.at ? left : right).add(item);
-        } else {
+        bool goes_left = high <= plane.at || (low < plane.at && low / 2 + high / 2 < plane.at);
+        Item mine = item;
+        if (low < plane.at && plane.at < high && item.kind == Item::triangle && room > 0) {
             Item l, r;
             cut(item, plane.axis, plane.at, l, r);
-            if (!is_empty(l)) left.add(l);
-            if (!is_empty(r)) right.add(r);
+            goes_left = !is_empty(l);
+            if (!is_empty(l) && !is_empty(r)) {
+                mine = l;
+                --room;
+                *end++ = r;
+                add(right, r);
+            }
         }
+        add(goes_left ? left : right, mine);
+        all.items[i] = *to;
+        *to = mine;
+        to += goes_left;
     }
+    left.items = all.items;
+    right.items = to;
+    left.room = room;  // for now
+    return left.count > 0 && right.count > 0;
 }
 
-void SpatialSplitter::split(ItemSide& all, int depth, ItemSide& left, ItemSide& right) const
+void SpatialSplitter::split(const ItemSet& all, int depth, ItemSet& left, ItemSet& right) const
 {
-    const std::size_t n = all.items.size();
     BinMap map(all.centers, Bins::max);
     Split object;
-    if (n > 2 && depth < halving_depth) object = find_split(all.items.data(), n, all.centers, map);
-    // Without a budget, or without need, triangles stay whole.
+    if (all.count > 2 && depth < halving_depth) object = find_split(all.items, all.count, all.centers, map);
+    // Without room, or without need, triangles stay whole.
     const bool crowded = object.axis < 0 || overlap(object.left, object.right) > least_overlap * root_area_;
-    if (all.budget > 0 && n >= least_items && depth < halving_depth && crowded) {
+    if (all.room > 0 && all.count >= least_items && depth < halving_depth && crowded) {
         const Plane plane = best_plane(all);
-        const float object_cost = object.axis < 0 ? all.box.half_area() * float(n) : object.cost;
-        if (plane.axis >= 0 && plane.cuts <= all.budget && plane.cost < object_cost) {
-            divide(all, plane, left, right);
-            // One side may have got all, and bins are coarse: then objects are split after all.
-            const std::size_t sum = left.items.size() + right.items.size();
-            if (left.items.size() < n && right.items.size() < n && !left.items.empty() && !right.items.empty() &&
-                sum - n <= all.budget) {
-                const std::size_t budget = all.budget - (sum - n);
-                left.budget = budget * left.items.size() / sum;
-                right.budget = budget - left.budget;
-                all = {};
-                return;
+        const float object_cost = object.axis < 0 ? all.box.half_area() * float(all.count) : object.cost;
+        if (plane.axis >= 0 && plane.cuts <= all.room && plane.cost < object_cost) {
+            if (!divide(all, plane, left, right)) {
+                ItemSet same = left.count > 0 ? left : right;
+                same.room = left.room;
+                left = right = {};
+                split_at(same, {}, map, left, right);
+                left.room = same.room;
             }
-            left = right = {};
         }
     }
-    std::size_t middle = 0;
-    if (object.axis >= 0)
-        middle = partition(all.items.data(), n, map, object, left.centers, right.centers);
-    else
-        middle = halve(all.items.data(), n, object, left.centers, right.centers);
-    left.box = object.left;
-    right.box = object.right;
-    left.items.assign(all.items.begin(), all.items.begin() + std::ptrdiff_t(middle));
-    right.items.assign(all.items.begin() + std::ptrdiff_t(middle), all.items.end());
-    left.budget = all.budget * middle / n;
-    right.budget = all.budget - left.budget;
-    all = {};
+    if (left.count == 0) {
+        split_at(all, object, map, left, right);
+        left.room = all.room;
+    }
+    const std::size_t room = left.room, sum = left.count + right.count;
+    left.room = room * left.count / sum;
+    right.room = room - left.room;
+    // The right side moves on; in which order its items are does not matter.
+    const std::size_t moved = std::min(left.room, right.count);
+    std::copy_backward(right.items, right.items + moved, right.items + left.room + right.count);
+    right.items += left.room;
 }
 
 }  // namespace fathom::bvh

@@ -107,7 +107,7 @@ Split best_split(const Bins& bins, const BinMap& map)
 
 Split find_split(const Item* items, std::size_t n, const CenterBounds& centers, BinMap& map)
 {
-    map = BinMap(centers, n <= 4 ? 4 : n <= 16 ? 8 : Bins::max);
+    map = BinMap(centers, n <= 8 ? 4 : n <= 32 ? 8 : Bins::max);
     Bins bins(map.last + 1);
     bins.add(items, n, map);
     return best_split(bins, map);
@@ -116,27 +116,56 @@ Split find_split(const Item* items, std::size_t n, const CenterBounds& centers, 
 std::size_t partition(Item* items, std::size_t n, const BinMap& map, const Split& split, CenterBounds& left,
                       CenterBounds& right)
 {
-    // Without branches: which side an item goes to can't be foreseen.
-    constexpr float inf = std::numeric_limits<float>::infinity();
-    const V4 none = {inf, inf, inf, inf};
+    // Without branches: which side an item goes to can't be foreseen. Centres as (c, -c), like boxes.
+    using V8i = std::int32_t __attribute__((vector_size(32)));
+    const V8 none = Box().v;
+    V8 bounds[2] = {none, none};
+    const V4i last_left = V4i{} + split.bin;
     std::size_t to = 0;
     for (std::size_t i = 0; i < n; ++i) {
         const Item item = items[i];
-        const V4 center = center2(item);
-        const bool is_left = map(center)[split.axis] <= split.bin;
+        const V8 box = Box(item).v;
+        const V8 center = box - __builtin_shufflevector(box, box, 4, 5, 6, 7, 0, 1, 2, 3);
+        const V4i stays = map(__builtin_shufflevector(center, center, 0, 1, 2, 3)) <= last_left;
+        const std::int32_t is_left = stays[split.axis];
         items[i] = items[to];
         items[to] = item;
-        to += is_left;
-        const V4i l = V4i{} - std::int32_t(is_left);
-        const V4 low = center, minus_high = -center;
-        const V4 low_left = l ? low : none, low_right = l ? none : low;
-        const V4 high_left = l ? minus_high : none, high_right = l ? none : minus_high;
-        left.low = left.low < low_left ? left.low : low_left;
-        left.minus_high = left.minus_high < high_left ? left.minus_high : high_left;
-        right.low = right.low < low_right ? right.low : low_right;
-        right.minus_high = right.minus_high < high_right ? right.minus_high : high_right;
+        to -= std::ptrdiff_t(is_left);
+        const V8i l = V8i{} + is_left;
+        const V8 for_left = l ? center : none, for_right = l ? none : center;
+        bounds[0] = bounds[0] < for_left ? bounds[0] : for_left;
+        bounds[1] = bounds[1] < for_right ? bounds[1] : for_right;
     }
+    std::memcpy(&left, &bounds[0], sizeof left);
+    std::memcpy(&right, &bounds[1], sizeof right);
     return to;
+}
+
+void split_at(const ItemSet& all, const Split& split, const BinMap& map, ItemSet& left, ItemSet& right)
+{
+    if (split.axis >= 0) {
+        left.count = partition(all.items, all.count, map, split, left.centers, right.centers);
+        left.box = split.left;
+        right.box = split.right;
+    } else {
+        left.count = all.count / 2;
+        for (std::size_t i = 0; i < all.count; ++i) {
+            ItemSet& side = i < left.count ? left : right;
+            side.box.extend(all.items[i]);
+            side.centers.extend(center2(all.items[i]));
+        }
+    }
+    left.items = all.items;
+    right.items = all.items + left.count;
+    right.count = all.count - left.count;
+}
+
+void split_objects(const ItemSet& all, int depth, ItemSet& left, ItemSet& right)
+{
+    BinMap map(all.centers, Bins::max);
+    Split split;
+    if (all.count > 2 && depth < halving_depth) split = find_split(all.items, all.count, all.centers, map);
+    split_at(all, split, map, left, right);
 }
 
 }  // namespace fathom::bvh

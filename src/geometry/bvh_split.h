@@ -40,7 +40,14 @@ struct alignas(32) Box {
         constexpr float inf = std::numeric_limits<float>::infinity();
         v = V8{inf, inf, inf, inf, inf, inf, inf, inf};
     }
-    explicit Box(const Item& item) { std::memcpy(&v, &item, sizeof v); }
+    explicit Box(const Item& item) : Box(static_cast<const void*>(&item)) {}
+    /// Of 32 bytes like those of an item, whose numbers beside the box would be denormal floats, which are slow.
+    explicit Box(const void* data)
+    {
+        using V8i = std::int32_t __attribute__((vector_size(32)));
+        std::memcpy(&v, data, sizeof v);
+        v = V8(V8i(v) & V8i{-1, -1, -1, 0, -1, -1, -1, 0});
+    }
     void extend(const V8& other) { v = v < other ? v : other; }
     void extend(const Box& other) { extend(other.v); }
     void extend(const Item& item) { extend(Box(item)); }
@@ -83,6 +90,14 @@ struct CenterBounds {
         low = low < other.low ? low : other.low;
         minus_high = minus_high < other.minus_high ? minus_high : other.minus_high;
     }
+};
+
+/// Items that stand together, with room behind them for as many more as they may become.
+struct ItemSet {
+    Item* items = nullptr;
+    std::size_t count = 0, room = 0;
+    Box box;
+    CenterBounds centers;
 };
 
 /// Which bin a centre falls into, by axis.
@@ -134,5 +149,13 @@ Split find_split(const Item* items, std::size_t n, const CenterBounds& centers, 
 /// Moves the items of the left side to the front; their number. Also the bounds of centres of both sides.
 std::size_t partition(Item* items, std::size_t n, const BinMap& map, const Split& split, CenterBounds& left,
                       CenterBounds& right);
+/// Splits `all`, of at least 2 items, by find_split, where it finds nothing or the tree gets too deep in halves. Sets
+/// of items without room.
+void split_objects(const ItemSet& all, int depth, ItemSet& left, ItemSet& right);
+/// As found by find_split, of the same map; in halves if it found nothing.
+void split_at(const ItemSet& all, const Split& split, const BinMap& map, ItemSet& left, ItemSet& right);
+
+/// From this depth on, sets are split in halves.
+inline constexpr int halving_depth = 50;
 
 }  // namespace fathom::bvh

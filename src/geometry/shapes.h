@@ -12,6 +12,10 @@ struct TriangleRay {
     Mask x_major, y_major;
     Float shear_x, shear_y, shear_z;
 
+    TriangleRay(const Vec3& o, Mask x_major, Mask y_major, Float shear_x, Float shear_y, Float shear_z)
+        : o(o), x_major(x_major), y_major(y_major), shear_x(shear_x), shear_y(shear_y), shear_z(shear_z)
+    {
+    }
     explicit TriangleRay(const Ray& ray) : o(ray.o)
     {
         const Float ax = abs(ray.d.x), ay = abs(ray.d.y), az = abs(ray.d.z);

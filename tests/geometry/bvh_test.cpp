@@ -76,13 +76,14 @@ TEST(Bvh, short_rays)
         Rays rays;
         for (int group = 0; group < 100; ++group) {
             const Vec3f center = random.point(100);
+            const float reach = group % 2 ? 5 : 20;  // rays within a quarter of the scene's size are near each other
             for (int i = 0; i < 64; ++i) {
                 const bool is_long = some_long && random.below(20) == 0;
                 const Vec3f along = random.below(3)   ? random.direction()
                                     : random.below(2) ? Vec3f{0, 0, 1}
                                                       : Vec3f{-1, 0, 0};
                 rays.add(plus(center, random.point(2)), along,
-                         is_long ? std::numeric_limits<float>::infinity() : random.uniform(0, 20));
+                         is_long ? std::numeric_limits<float>::infinity() : random.uniform(0, reach));
             }
         }
         const Hits expected = cast_by_force(tables, rays);
