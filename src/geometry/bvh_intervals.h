@@ -1,5 +1,8 @@
 #pragma once
 /// What is common to rays that keep together: a box or triangle that their intervals rule out, none of them meets.
+#include <algorithm>
+#include <cstring>
+
 #include "geometry/bvh_hits.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -36,44 +39,21 @@ struct RayIntervals {
     float low_inverse[3], high_inverse[3], near_origin[3], far_origin[3];
     float reach = -1;
 
-    /// Of no rays.
-    void begin(std::uint32_t octant)
+    /// Of each part of the rays; returns those of all of them. radius: of the tree.
+    template <std::size_t parts, class Part>
+    static RayIntervals find(RayIntervals (&of_part)[parts], const Part& part, RayMask rays, std::uint32_t octant,
+                             float radius)
     {
-        for (int axis = 0; axis < 3; ++axis) {
-            const bool down = octant >> axis & 1;
-            low_inverse[axis] = infinity, high_inverse[axis] = -infinity;
-            near_origin[axis] = down ? infinity : -infinity;
-            far_origin[axis] = -near_origin[axis];
+        float least[parts][count], of_all[count];
+        std::fill_n(of_all, count, infinity);
+        for (std::size_t k = 0; k < parts; ++k) {
+            find_least(part(int(k)), part_of(rays, int(k)), octant, radius, least[k]);
+            for (int i = 0; i < count; ++i) of_all[i] = std::min(of_all[i], least[k][i]);
+            of_part[k].set(least[k], octant);
         }
-    }
-
-    /// radius: of the tree.
-    void set(const PreparedRays& r, Mask m, std::uint32_t octant, float radius)
-    {
-        const Vec3 o = load_vec3(r.f[PreparedRays::origin_x], r.f[PreparedRays::origin_y], r.f[PreparedRays::origin_z]);
-        const Float outside(infinity), slack = ray_slack(o, radius);
-        for (int axis = 0; axis < 3; ++axis) {
-            const Float inverse = load(r.f[PreparedRays::inverse_x + axis]);
-            const Float x = load(r.f[PreparedRays::origin_x + axis]);
-            low_inverse[axis] = least(select(m, inverse, outside));
-            high_inverse[axis] = -least(select(m, -inverse, outside));
-            const float from = least(select(m, x - slack, outside)), to = -least(select(m, -(x + slack), outside));
-            const bool down = octant >> axis & 1;
-            near_origin[axis] = down ? from : to;
-            far_origin[axis] = down ? to : from;
-        }
-    }
-
-    void extend(const RayIntervals& other, std::uint32_t octant)
-    {
-        for (int axis = 0; axis < 3; ++axis) {
-            const bool down = octant >> axis & 1;
-            low_inverse[axis] = std::min(low_inverse[axis], other.low_inverse[axis]);
-            high_inverse[axis] = std::max(high_inverse[axis], other.high_inverse[axis]);
-            const auto widen = [](float& x, float y, bool up) { x = up ? std::max(x, y) : std::min(x, y); };
-            widen(near_origin[axis], other.near_origin[axis], !down);
-            widen(far_origin[axis], other.far_origin[axis], down);
-        }
+        RayIntervals all;
+        all.set(of_all, octant);
+        return all;
     }
 
     /// The distances that any of the rays could have to boxes.
@@ -83,6 +63,39 @@ struct RayIntervals {
         const Float a = near_plane - Float(near_origin[axis]), b = far_plane - Float(far_origin[axis]);
         near = max(near, min(a * lo, a * hi));
         far = min(far, max(b * lo, b * hi));
+    }
+
+private:
+    static constexpr int count = 16;  ///< of numbers below, the last 4 of no use
+
+    /// The least inverse by axis, the greatest, the nearest origin, the farthest; the greatest are negated.
+    static void find_least(const PreparedRays& r, Mask m, std::uint32_t octant, float radius, float (&out)[count])
+    {
+        const Vec3 o = load_vec3(r.f[PreparedRays::origin_x], r.f[PreparedRays::origin_y], r.f[PreparedRays::origin_z]);
+        const Float outside(infinity), slack = ray_slack(o, radius);
+        Float x[count];
+        for (int axis = 0; axis < 3; ++axis) {
+            const Float inverse = load(r.f[PreparedRays::inverse_x + axis]);
+            const Float origin = load(r.f[PreparedRays::origin_x + axis]);
+            const Float from = select(m, origin - slack, outside), to = select(m, -(origin + slack), outside);
+            const bool down = octant >> axis & 1;
+            x[axis] = select(m, inverse, outside);
+            x[3 + axis] = select(m, -inverse, outside);
+            x[6 + axis] = down ? from : to;
+            x[9 + axis] = down ? to : from;
+        }
+        std::fill_n(x + 12, 4, outside);
+        least_each(x, out);
+    }
+    void set(const float (&least)[count], std::uint32_t octant)
+    {
+        for (int axis = 0; axis < 3; ++axis) {
+            const float down = octant >> axis & 1 ? 1.f : -1.f;
+            low_inverse[axis] = least[axis];
+            high_inverse[axis] = -least[3 + axis];
+            near_origin[axis] = down * least[6 + axis];
+            far_origin[axis] = -down * least[9 + axis];
+        }
     }
 };
 

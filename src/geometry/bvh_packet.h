@@ -31,11 +31,8 @@ public:
             axes_[k] = (r.integer(PreparedRays::axis) + std::uint32_t(k) + 1) % 3;
         }
         octant_ = r.integer(PreparedRays::octant);
-        all_.begin(octant_);
-        for (int k = 0; k < parts; ++k) {
-            of_part_[k].set(part(k), part_of(rays_, k), octant_, space_.radius);
-            all_.extend(of_part_[k], octant_);
-        }
+        all_ = RayIntervals::find(
+            of_part_, [this](int k) -> const PreparedRays& { return part(k); }, rays, octant_, space.radius);
         if (moving) times_ = PacketTimes(memory.times, rays);
         update_reach();
     }

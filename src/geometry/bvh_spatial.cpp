@@ -42,9 +42,11 @@ struct Cells {
     int of(float x) const { return std::clamp(int((x - low) * inverse), 0, planes - 1); }
 };
 
-V8 as_box(const Vec3f& p)
+Box around(const Vec3f& p)
 {
-    return {p.x, p.y, p.z, 0, -p.x, -p.y, -p.z, 0};
+    Box box;
+    box.v = V8{p.x, p.y, p.z, 0, -p.x, -p.y, -p.z, 0};
+    return box;
 }
 
 /// Extends the boxes of cells by the parts of a triangle there, of which `item` is a piece; roughly, as cut() finds
@@ -53,7 +55,7 @@ void add_parts(const Item& item, const Vec3f* corners, int axis, const Cells& ce
 {
     Box part[planes];
     for (int i = 0; i < 3; ++i) {
-        V8 a = as_box(corners[i]), b = as_box(corners[(i + 1) % 3]);
+        V8 a = around(corners[i]).v, b = around(corners[(i + 1) % 3]).v;
         if (a[axis] > b[axis]) std::swap(a, b);
         const int begin = cells.of(a[axis]), end = cells.of(b[axis]);
         part[begin].extend(a);

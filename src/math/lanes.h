@@ -45,6 +45,7 @@ using native::iota;
 using native::lanes;
 using native::lanes_name;
 using native::least;
+using native::least_each;
 using native::less;
 using native::load;
 using native::lookup;

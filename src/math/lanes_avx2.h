@@ -187,6 +187,24 @@ inline float least(Float a)
     x = _mm_min_ps(x, _mm_movehl_ps(x, x));
     return _mm_cvtss_f32(_mm_min_ss(x, _mm_movehdup_ps(x)));
 }
+/// The least of the lanes of each.
+inline void least_each(const Float (&x)[16], float (&out)[16])
+{
+    // From (a, b) the lesser of their lanes in turns, a b a b ...; so on to a b c d in each half.
+    const auto singles = [](__m256 a, __m256 b) {
+        return _mm256_min_ps(_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
+    };
+    const auto doubles = [](__m256 a, __m256 b) {
+        const __m256d p = _mm256_castps_pd(a), q = _mm256_castps_pd(b);
+        return _mm256_min_ps(_mm256_castpd_ps(_mm256_unpacklo_pd(p, q)), _mm256_castpd_ps(_mm256_unpackhi_pd(p, q)));
+    };
+    const auto four = [&](const Float* f) { return doubles(singles(f[0].v, f[1].v), singles(f[2].v, f[3].v)); };
+    for (int i = 0; i < 16; i += 8) {
+        const __m256 a = four(x + i), b = four(x + i + 4);
+        _mm256_storeu_ps(out + i,
+                         _mm256_min_ps(_mm256_permute2f128_ps(a, b, 0x20), _mm256_permute2f128_ps(a, b, 0x31)));
+    }
+}
 inline UInt rotate16(UInt x)
 {
     const __m256i words =

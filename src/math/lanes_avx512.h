@@ -141,6 +141,24 @@ inline UInt lookup(const std::uint32_t* table, int n, UInt index)
 }
 /// The least of the lanes.
 inline float least(Float a) { return _mm512_reduce_min_ps(a.v); }
+/// The least of the lanes of each.
+inline void least_each(const Float (&x)[16], float (&out)[16])
+{
+    // From (a, b) the lesser of their lanes in turns, a b a b ...; so on to a b c d in each quarter.
+    const auto singles = [](__m512 a, __m512 b) {
+        return _mm512_min_ps(_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
+    };
+    const auto doubles = [](__m512 a, __m512 b) {
+        const __m512d p = _mm512_castps_pd(a), q = _mm512_castps_pd(b);
+        return _mm512_min_ps(_mm512_castpd_ps(_mm512_unpacklo_pd(p, q)), _mm512_castpd_ps(_mm512_unpackhi_pd(p, q)));
+    };
+    const auto four = [&](const Float* f) { return doubles(singles(f[0].v, f[1].v), singles(f[2].v, f[3].v)); };
+    const auto quarters = [](__m512 a, __m512 b) {
+        return _mm512_min_ps(_mm512_shuffle_f32x4(a, b, 0x44), _mm512_shuffle_f32x4(a, b, 0xee));
+    };
+    const __m512 low = quarters(four(x), four(x + 4)), high = quarters(four(x + 8), four(x + 12));
+    _mm512_storeu_ps(out, _mm512_min_ps(_mm512_shuffle_f32x4(low, high, 0x88), _mm512_shuffle_f32x4(low, high, 0xdd)));
+}
 inline UInt rotate16(UInt x) { return _mm512_rol_epi32(x.v, 16); }
 
 }  // namespace fathom::native

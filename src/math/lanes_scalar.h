@@ -66,6 +66,11 @@ inline Float lookup(const float* table, int, UInt index) { return table[index & 
 inline UInt lookup(const std::uint32_t* table, int, UInt index) { return table[index & 31]; }
 /// The least of the lanes.
 inline float least(Float a) { return a; }
+/// The least of the lanes of each.
+inline void least_each(const Float (&x)[16], float (&out)[16])
+{
+    for (int i = 0; i < 16; ++i) out[i] = x[i];
+}
 inline UInt rotate16(UInt x) { return x >> 16 | x << 16; }
 
 }  // namespace fathom::native

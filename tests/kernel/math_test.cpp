@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -45,6 +46,23 @@ TEST(Lanes, MinAndMaxOfNanAreTheSecondArgument)
     EXPECT_EQ(first(min(Float(nan), Float(1))), 1);
     EXPECT_EQ(first(max(Float(nan), Float(1))), 1);
     EXPECT_TRUE(std::isnan(first(min(Float(1), Float(nan)))));
+}
+
+TEST(Lanes, LeastOfEach)
+{
+    test::Random random;
+    for (int n = 0; n < 50; ++n) {
+        Float x[16];
+        float out[16];
+        for (Float& a : x) a = random.next() - Float(0.5f);
+        least_each(x, out);
+        for (int i = 0; i < 16; ++i) {
+            float y[lanes];
+            store(y, x[i]);
+            EXPECT_EQ(out[i], *std::min_element(y, y + lanes));
+            EXPECT_EQ(least(x[i]), out[i]);
+        }
+    }
 }
 
 TEST(Lanes, CompressGatherAndReverse)
