@@ -123,6 +123,12 @@ struct BvhData {
         return {{&others[std::size_t(BvhReference::indexed_place(reference)) * BvhLeaf::unit]}};
     }
 
+    /// Of a leaf of triangles, of either kind.
+    int triangle_count(std::uint32_t leaf) const
+    {
+        return BvhReference::is_triangles(leaf) ? BvhReference::triangle_count(leaf) : indexed_leaf(leaf).count();
+    }
+
     const SceneTables* tables = nullptr;
     AlphaTest alpha_test = nullptr;
     const void* alpha_context = nullptr;

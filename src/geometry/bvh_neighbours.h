@@ -71,38 +71,60 @@ private:
     }
 
     /// Whether vectors of rays against each triangle take less time than each ray against all at once. Measured.
-    static bool is_crowded(const PacketEntry& leaf)
+    bool is_crowded(const PacketEntry& leaf) const
     {
-        return 2 * std::popcount(leaf.rays) > BvhReference::triangle_count(leaf.reference) * parts_with(leaf.rays);
+        return 2 * std::popcount(leaf.rays) > bvh_.triangle_count(leaf.reference) * parts_with(leaf.rays);
     }
 
     /// Lanes are rays; first, where they are triangles, those that lie off the box that holds the rays are left out.
-    void meet_leaf(const PacketEntry& leaf)
+    void meet_leaf(const PacketEntry& entry)
     {
-        const std::ptrdiff_t n = BvhReference::triangle_count(leaf.reference);
-        const float* const data = &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(leaf.reference))];
-        memory_.visits.primitives += std::uint64_t(n * std::popcount(leaf.rays));
-        Mask near = first_lanes(std::size_t(n));
+        if (BvhReference::is_indexed_triangles(entry.reference)) return meet_indexed_leaf(entry);
+        const std::ptrdiff_t n = BvhReference::triangle_count(entry.reference);
+        const float* const data = &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(entry.reference))];
+        Float low[3], high[3];
         for (int axis = 0; axis < 3; ++axis) {
             const float* const p = data + axis * n;
             const Float a = load(p), b = load(p + 3 * n), c = load(p + 6 * n);
-            near &= (min(min(a, b), c) <= Float(high_[axis])) & (Float(low_[axis]) <= max(max(a, b), c));
+            low[axis] = min(min(a, b), c), high[axis] = max(max(a, b), c);
         }
+        meet_triangles(entry, int(n), low, high, n,
+                       [&](int i, std::ptrdiff_t vertex) { return data + i + 3 * vertex * n; });
+    }
+    /// The same for one that holds each vertex once.
+    [[gnu::noinline]] void meet_indexed_leaf(const PacketEntry& entry)
+    {
+        const IndexedLeaf leaf = bvh_.indexed_leaf(entry.reference);
+        Float low[3], high[3];
+        PacketTimes().bounds<false>(leaf, low, high);
+        meet_triangles(entry, leaf.count(), low, high, leaf.vertices(),
+                       [&](int i, int vertex) { return leaf.axis(0) + leaf.corners(vertex)[i]; });
+    }
+    /// The rays with n triangles in these boxes; corner(i, vertex): x of one, y and z come `step` later each.
+    template <class Corner>
+    [[gnu::always_inline]] void meet_triangles(const PacketEntry& entry, int n, const Float low[3], const Float high[3],
+                                               std::ptrdiff_t step, const Corner& corner)
+    {
+        memory_.visits.primitives += std::uint64_t(n * std::popcount(entry.rays));
+        Mask near = first_lanes(std::size_t(n));
+        for (int axis = 0; axis < 3; ++axis)
+            near &= (low[axis] <= Float(high_[axis])) & (Float(low_[axis]) <= high[axis]);
         const std::uint32_t triangles = mask_bits(near);
         for (int k = 0; k < parts; ++k)
-            if (holds_any(leaf.rays, k)) meet_triangles(data, n, triangles, k, part_of(leaf.rays, k));
+            if (holds_any(entry.rays, k)) meet_triangles(step, corner, triangles, k, part_of(entry.rays, k));
     }
     /// A part of the rays with some of a leaf's triangles: those that are stopped go no further.
-    void meet_triangles(const float* data, std::ptrdiff_t n, std::uint32_t triangles, int k, Mask active)
+    template <class Corner>
+    void meet_triangles(std::ptrdiff_t step, const Corner& corner_of, std::uint32_t triangles, int k, Mask active)
     {
         const TriangleRay ray = memory_.world[k].triangle_ray();
         const Float t_max = load(memory_.hits.t + k * lanes);
         Mask stopped(false);
         for (std::uint32_t left = triangles; left && any(active); left &= left - 1) {
-            const float* const p = data + std::countr_zero(left);
-            const auto corner = [&](std::ptrdiff_t vertex) {
-                const float* const q = p + 3 * vertex * n;
-                return ray.permute(Vec3{Float(q[0]), Float(q[n]), Float(q[2 * n])} - ray.o);
+            const int i = std::countr_zero(left);
+            const auto corner = [&](int vertex) {
+                const float* const q = corner_of(i, vertex);
+                return ray.permute(Vec3{Float(q[0]), Float(q[step]), Float(q[2 * step])} - ray.o);
             };
             const Vec3 a = corner(0), b = corner(1), c = corner(2);
             TriangleWeights w = triangle_weights(ray.shear_x, ray.shear_y, a, b, c);

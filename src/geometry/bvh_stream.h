@@ -249,10 +249,7 @@ private:
     /// Leaves of triangles, of either kind.
     static bool is_indexed(std::uint32_t leaf) { return BvhReference::is_indexed_triangles(leaf); }
     IndexedLeaf indexed_leaf(std::uint32_t reference) const { return bvh_.indexed_leaf(reference); }
-    int triangle_count(std::uint32_t leaf) const
-    {
-        return is_indexed(leaf) ? indexed_leaf(leaf).count() : BvhReference::triangle_count(leaf);
-    }
+    int triangle_count(std::uint32_t leaf) const { return bvh_.triangle_count(leaf); }
     BvhKey triangle_key(std::uint32_t leaf, int i) const
     {
         return is_indexed(leaf) ? indexed_leaf(leaf).ids()[i]
