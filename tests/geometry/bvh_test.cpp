@@ -65,17 +65,41 @@ TEST(Bvh, grids_piles_and_duplicates)
     compare_with_force(tables, 8, 20'000, "pile");
 }
 
-/// Short rays that start near each other share their way, unless some are not short.
-TEST(Bvh, short_rays)
+/// Uneven ground of n x n squares, in triangles. apart: each has vertices of its own, as where faces have normals.
+SceneTables ground(std::uint32_t n, bool apart)
 {
-    const SceneTables tables = soup(3'000, 100, 10, 1);
+    Random random(24);
+    SceneTables tables = empty_tables();
+    for (std::uint32_t i = 0; i <= n * (n + 2); ++i)
+        tables.positions.push_back({float(i / (n + 1)), random.uniform(), float(i % (n + 1))});
+    for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t j = 0; j < n; ++j) {
+            const std::uint32_t a = i * (n + 1) + j, b = a + 1, c = a + n + 1, d = c + 1;
+            for (std::uint32_t v : {a, b, c, b, d, c}) tables.triangles.push_back(v);
+        }
+    if (apart) {
+        const std::vector<Vec3f> shared = tables.positions;
+        tables.positions.clear();
+        for (std::uint32_t& v : tables.triangles) {
+            tables.positions.push_back(shared[v]);
+            v = std::uint32_t(tables.positions.size() - 1);
+        }
+    }
+    finish(tables);
+    return tables;
+}
+
+/// centers: of the places where they start, near each other.
+template <class Centers>
+void expect_short_rays(const SceneTables& tables, TreeBuild level, const Centers& centers)
+{
     Bvh bvh;
-    bvh.build(tables);
+    bvh.build(tables, level);
     Random random(41);
     for (bool some_long : {false, true}) {
         Rays rays;
         for (int group = 0; group < 100; ++group) {
-            const Vec3f center = random.point(100);
+            const Vec3f center = centers(random);
             const float reach = group % 2 ? 5 : 20;  // rays within a quarter of the scene's size are near each other
             for (int i = 0; i < 64; ++i) {
                 const bool is_long = some_long && random.below(20) == 0;
@@ -97,6 +121,20 @@ TEST(Bvh, short_rays)
             EXPECT_EQ(wrong, 0u);
             EXPECT_GT(hits, 100u);
         }
+    }
+}
+
+/// Short rays that start near each other share their way, unless some are not short.
+TEST(Bvh, short_rays)
+{
+    const SceneTables hills = ground(60, false);
+    for (TreeBuild level : {TreeBuild::standard, TreeBuild::compact}) {
+        SCOPED_TRACE(int(level));
+        expect_short_rays(soup(3'000, 100, 10, 1), level, [](Random& random) { return random.point(100); });
+        const auto on_ground = [&](Random& random) {
+            return hills.positions[random.below(std::uint32_t(hills.positions.size()))];
+        };
+        expect_short_rays(hills, level, on_ground);
     }
 }
 
@@ -344,30 +382,6 @@ TEST(Bvh, levels_of_building)
     // Nothing is shared in a soup.
     EXPECT_EQ(of[3].bytes, of[1].bytes);
     EXPECT_EQ(of[3].cost, of[1].cost);
-}
-
-/// Uneven ground of n x n squares, in triangles. apart: each has vertices of its own, as where faces have normals.
-SceneTables ground(std::uint32_t n, bool apart)
-{
-    Random random(24);
-    SceneTables tables = empty_tables();
-    for (std::uint32_t i = 0; i <= n * (n + 2); ++i)
-        tables.positions.push_back({float(i / (n + 1)), random.uniform(), float(i % (n + 1))});
-    for (std::uint32_t i = 0; i < n; ++i)
-        for (std::uint32_t j = 0; j < n; ++j) {
-            const std::uint32_t a = i * (n + 1) + j, b = a + 1, c = a + n + 1, d = c + 1;
-            for (std::uint32_t v : {a, b, c, b, d, c}) tables.triangles.push_back(v);
-        }
-    if (apart) {
-        const std::vector<Vec3f> shared = tables.positions;
-        tables.positions.clear();
-        for (std::uint32_t& v : tables.triangles) {
-            tables.positions.push_back(shared[v]);
-            v = std::uint32_t(tables.positions.size() - 1);
-        }
-    }
-    finish(tables);
-    return tables;
 }
 
 TEST(Bvh, bytes_of_a_triangle)
