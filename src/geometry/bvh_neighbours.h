@@ -54,7 +54,7 @@ public:
             entry.rays &= ~blocked_;
             if (BvhReference::is_node(entry.reference) && std::popcount(entry.rays) > few) {
                 size = visit_node(entry, size);
-            } else if (BvhReference::is_triangles(entry.reference) && !bvh_.has_alpha && is_crowded(entry)) {
+            } else if (BvhReference::is_triangle_leaf(entry.reference) && !bvh_.has_alpha && is_crowded(entry)) {
                 meet_leaf(entry);
             } else {
                 defer(entry);
@@ -75,23 +75,44 @@ private:
     }
 
     /// Whether vectors of rays against each triangle take less time than each ray against all at once. Measured.
-    static bool is_crowded(const PacketEntry& leaf)
+    bool is_crowded(const PacketEntry& leaf) const
     {
-        return 2 * std::popcount(leaf.rays) > BvhReference::triangle_count(leaf.reference) * parts_with(leaf.rays);
+        return 2 * std::popcount(leaf.rays) > bvh_.triangle_count(leaf.reference) * parts_with(leaf.rays);
     }
 
     /// Lanes are rays; first, where they are triangles, those that lie off the box that holds the rays are left out.
-    void meet_leaf(const PacketEntry& leaf)
+    void meet_leaf(const PacketEntry& entry)
     {
-        const std::ptrdiff_t n = BvhReference::triangle_count(leaf.reference);
-        const float* const data = &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(leaf.reference))];
-        memory_.visits.primitives += std::uint64_t(n * std::popcount(leaf.rays));
-        Mask near = first_lanes(std::size_t(n));
+        if (BvhReference::is_indexed_triangles(entry.reference)) return meet_indexed_leaf(entry);
+        const std::ptrdiff_t n = BvhReference::triangle_count(entry.reference);
+        const float* const data = &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(entry.reference))];
+        Float low[3], high[3];
         for (int axis = 0; axis < 3; ++axis) {
             const float* const p = data + axis * n;
             const Float a = load(p), b = load(p + 3 * n), c = load(p + 6 * n);
-            near &= (min(min(a, b), c) <= Float(high_[axis])) & (Float(low_[axis]) <= max(max(a, b), c));
+            low[axis] = min(min(a, b), c), high[axis] = max(max(a, b), c);
         }
+        meet_triangles(entry, int(n), low, high, n,
+                       [&](int i, std::ptrdiff_t vertex) { return data + i + 3 * vertex * n; });
+    }
+    /// The same for one that holds each vertex once.
+    [[gnu::noinline]] void meet_indexed_leaf(const PacketEntry& entry)
+    {
+        const IndexedLeaf leaf = bvh_.indexed_leaf(entry.reference);
+        Float low[3], high[3];
+        PacketTimes().bounds<false>(leaf, low, high);
+        meet_triangles(entry, leaf.count(), low, high, leaf.vertices(),
+                       [&](int i, int vertex) { return leaf.axis(0) + leaf.corners(vertex)[i]; });
+    }
+    /// The rays with n triangles in these boxes; corner(i, vertex): x of one, y and z come `step` later each.
+    template <class Corner>
+    [[gnu::always_inline]] void meet_triangles(const PacketEntry& entry, int n, const Float low[3], const Float high[3],
+                                               std::ptrdiff_t step, const Corner& corner)
+    {
+        memory_.visits.primitives += std::uint64_t(n * std::popcount(entry.rays));
+        Mask near = first_lanes(std::size_t(n));
+        for (int axis = 0; axis < 3; ++axis)
+            near &= (low[axis] <= Float(high_[axis])) & (Float(low_[axis]) <= high[axis]);
         const std::uint32_t triangles = mask_bits(near);
         // By triangle and corner x, y, z and a gap; readers may take 32 floats.
         alignas(64) float corners[lanes * 12 + 32];
@@ -99,10 +120,10 @@ private:
             const int i = std::countr_zero(left);
             for (int vertex = 0; vertex < 3; ++vertex)
                 for (int axis = 0; axis < 3; ++axis)
-                    corners[12 * i + 4 * vertex + axis] = data[(3 * vertex + axis) * n + i];
+                    corners[12 * i + 4 * vertex + axis] = corner(i, vertex)[axis * step];
         }
         for (int k = 0; k < parts; ++k)
-            if (holds_any(leaf.rays, k)) meet_triangles(corners, triangles, k, part_of(leaf.rays, k));
+            if (holds_any(entry.rays, k)) meet_triangles(corners, triangles, k, part_of(entry.rays, k));
     }
     /// A part of the rays with some of a leaf's triangles: those that are stopped go no further.
     void meet_triangles(const float* corners, std::uint32_t triangles, int k, Mask active)
