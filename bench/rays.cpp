@@ -66,9 +66,10 @@ int run_all(int argc, char** argv)
             options.parts = std::stoul(value());
         else if (arg == "--build") {
             const std::string level = value();
-            if (level != "fast" && level != "default" && level != "high")
-                throw std::runtime_error("--build: known are fast, default, high");
-            options.build = level == "fast" ? TreeBuild::fast : level == "high" ? TreeBuild::high : TreeBuild::standard;
+            const std::string_view levels[] = {"fast", "default", "high", "compact"};  // by TreeBuild
+            const auto found = std::find(std::begin(levels), std::end(levels), level);
+            if (found == std::end(levels)) throw std::runtime_error("--build: known are fast, default, high, compact");
+            options.build = TreeBuild(found - std::begin(levels));
         } else if (arg == "--not-robust")
             options.robust = false;
         else if (arg == "--ours-only")
@@ -84,10 +85,11 @@ int run_all(int argc, char** argv)
         else if (arg == "--instances")
             options.instances = true;
         else
-            throw std::runtime_error(arg +
-                                     ": known are --mesh FILE.ply, --generate NAME, --threads N, --runs N, --parts N, "
-                                     "--build fast|default|high, --not-robust, --ours-only, --details, --motion, "
-                                     "--instances, --kind NAME, --write FOLDER");
+            throw std::runtime_error(
+                arg +
+                ": known are --mesh FILE.ply, --generate NAME, --threads N, --runs N, --parts N, "
+                "--build fast|default|high|compact, --not-robust, --ours-only, --details, --motion, "
+                "--instances, --kind NAME, --write FOLDER");
     }
     const auto measure_mesh = options.instances ? measure_instances : options.motion ? measure_motion : measure;
     for (const Options::Source& source : options.meshes) {

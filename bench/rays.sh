@@ -1,6 +1,6 @@
 #!/bin/bash
 # Rays per second, ours and Embree's: one JSON line per mesh and kind of ray, and a last one about building the trees.
-#   bench/rays.sh [--quick] [--motion | --instances] [--mesh FILE.ply]... [--threads N] [--build fast|default|high] [--not-robust]
+#   bench/rays.sh [--quick] [--motion | --instances] [--mesh FILE.ply]... [--threads N] [--build fast|default|high|compact] [--not-robust]
 # Meshes: those named by --mesh; else the *.ply in $FATHOM_MESHES, if it is set, and generated ones.
 # --quick: fewer rays of smaller meshes, with the best instruction set that the machine has.
 # --motion: each mesh at rest, with vertices that move by 5 % of its size, placed, and placed and moving as far; all rays at

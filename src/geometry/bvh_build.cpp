@@ -162,9 +162,11 @@ void build_bvh(const SceneTables& tables, BvhData& tree, TreeBuild level)
         Peak binary_peak;
         BinaryTree binary = binary_tree(tables, level, make_list, list, binary_peak);
         peak.see(leaves_bytes() + nodes.size() * sizeof(BvhNode) + binary_peak.bytes);
-        root = collapse(tables, binary, tree, nodes, next_triangle);
-        // What chunks hold is moved one after the other.
-        peak.see(leaves_bytes() + nodes.size() * sizeof(BvhNode) + binary.bytes());
+        const std::size_t binary_bytes = binary.bytes(), others_before = tree.others.size() * 4;
+        root = collapse(tables, binary, tree, nodes, next_triangle, level == TreeBuild::compact);
+        // With the binary tree, then while what chunks hold is moved.
+        const std::size_t moved = (nodes.size() - first) * sizeof(BvhNode) + tree.others.size() * 4 - others_before;
+        peak.see(leaves_bytes() + nodes.size() * sizeof(BvhNode) + std::max(binary_bytes, moved));
         if (!tree.moving) return MovingBox{list.box, list.box};
         return add_motion(tables, tree, mesh_boxes, nodes, first, root, list.box);
     };

@@ -31,6 +31,8 @@ public:
 
     void run()
     {
+        // As much as leaves that save a quarter can take: growing would leave holes behind.
+        if (chunk_.compact) chunk_.others.reserve(chunk_.triangles * plain_words * 3 / 4);
         chunk_.root = emit(tree_.nodes[chunk_.from]);
         chunk_.triangles = next_triangle_ - chunk_.first_triangle;
     }
@@ -71,8 +73,10 @@ private:
         }
         constexpr float unknown = 0.5f;
         if (node.kinds == Item::instance) return {BvhReference::others(BvhReference::instance, ids[0]), unknown, cost};
-        const std::size_t first = put_leaf(tables_, node.kinds, ids, std::size_t(n), chunk_.others);
-        return {BvhReference::others(reference_kind(node.kinds), first / BvhLeaf::unit), unknown, cost};
+        const std::size_t place = put_leaf(tables_, node.kinds, ids, std::size_t(n), chunk_.others) / BvhLeaf::unit;
+        return {node.kinds == Item::moving_triangle ? BvhReference::indexed_triangles(place)
+                                                    : BvhReference::others(reference_kind(node.kinds), place),
+                unknown, cost};
     }
 
     static float area_of(const Vec3f v[3])
@@ -89,8 +93,6 @@ private:
                 return BvhReference::spheres;
             case Item::disk:
                 return BvhReference::disks;
-            case Item::moving_triangle:
-                return BvhReference::moving_triangles;
             case Item::curve:
                 return BvhReference::curves;
             case Item::ribbon:
@@ -105,11 +107,22 @@ private:
     {
         std::sort(ids, ids + count);
         // Pieces of one triangle may meet again.
-        const std::size_t first = next_triangle_, n = std::size_t(std::unique(ids, ids + count) - ids);
+        const std::size_t n = std::size_t(std::unique(ids, ids + count) - ids);
+        std::uint32_t indexed = 0;
+        if (chunk_.compact && emit_indexed(ids, n, indexed, area)) return indexed;
+        const std::size_t first = next_triangle_;
         next_triangle_ += n;
         float* out = &bvh_.triangles[9 * first];
+        BvhKey* keys = &bvh_.keys[first];
+        if (chunk_.compact) {
+            const std::size_t before = chunk_.keys_apart.size();
+            chunk_.triangles_apart.resize(9 * (before + n));
+            chunk_.keys_apart.resize(before + n);
+            out = &chunk_.triangles_apart[9 * before];
+            keys = &chunk_.keys_apart[before];
+        }
         for (std::size_t i = 0; i < n; ++i) {
-            bvh_.keys[first + i] = ids[i];
+            keys[i] = ids[i];
             Vec3f vertices[3];
             vertices_of(tables_, ids[i], vertices);
             area += area_of(vertices);
@@ -121,6 +134,25 @@ private:
         }
         return BvhReference::triangles(first, n);
     }
+
+    /// As a leaf that holds each vertex once, if that is smaller by a quarter, as where triangles form a mesh; else
+    /// false. For less it isn't worth while: rays that meet leaves of both kinds in turn take longer.
+    bool emit_indexed(const std::uint32_t* ids, std::size_t n, std::uint32_t& reference, float& area)
+    {
+        IndexedTriangles triangles(tables_, false);
+        for (std::size_t i = 0; i < n; ++i)
+            if (!triangles.add(ids[i])) return false;
+        if (4 * triangles.words() > 3 * plain_words * n) return false;
+        for (std::size_t i = 0; i < n; ++i) {
+            Vec3f vertices[3];
+            vertices_of(tables_, ids[i], vertices);
+            area += area_of(vertices);
+        }
+        reference = BvhReference::indexed_triangles(triangles.put(chunk_.others) / BvhLeaf::unit);
+        return true;
+    }
+
+    static constexpr std::size_t plain_words = 10;  ///< of a triangle, with its key
 
     Chunk& chunk_;
     const SceneTables& tables_;

@@ -26,9 +26,14 @@ struct Chunk {
     std::size_t triangles = 0;       ///< at most; when it is written: how many there are
     std::size_t moved = 0;           ///< by how much they were moved towards the front afterwards
     std::size_t leaves = 0;
+    std::size_t first_node = 0, first_other = 0;  ///< where they go in the tree's arrays
+    bool compact = false;  ///< leaves of triangles hold each vertex once, where that is much smaller
     Subtree root;
     std::vector<BvhNode> nodes;
     std::vector<std::uint32_t> others;
+    /// Of a compact one, in which few triangles may be left: what else is written into the tree's arrays.
+    std::vector<float> triangles_apart;
+    std::vector<BvhKey> keys_apart;
 
     /// Finds `triangles`.
     void count_triangles(const BinaryTree& tree);

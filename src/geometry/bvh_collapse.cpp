@@ -70,8 +70,8 @@ private:
 class Collapse {
 public:
     Collapse(const SceneTables& tables, BinaryTree& tree, BvhData& bvh, std::vector<BvhNode>& nodes,
-             std::size_t& next_triangle)
-        : tables_(tables), tree_(tree), bvh_(bvh), nodes_(nodes), next_triangle_(next_triangle)
+             std::size_t& next_triangle, bool compact)
+        : tables_(tables), tree_(tree), bvh_(bvh), nodes_(nodes), next_triangle_(next_triangle), compact_(compact)
     {
     }
 
@@ -92,24 +92,32 @@ public:
             room += c.triangles;
         }
         each([&](Chunk& c) { c.write(tables_, tree_, bvh_); });
-        std::size_t more_nodes = 0, more_others = 0;
+        std::size_t end_of_nodes = nodes_.size() + upper_nodes_, end_of_others = bvh_.others.size();
         for (Chunk& c : chunks_) {
             close_gap(c);
             bvh_.statistics.leaves += c.leaves;
-            more_nodes += c.nodes.size();
-            more_others += c.others.size();
+            c.first_node = end_of_nodes;
+            c.first_other = end_of_others;
+            end_of_nodes += c.nodes.size();
+            end_of_others += c.others.size();
         }
-        make_room(nodes_, more_nodes + upper_nodes_);
-        make_room(bvh_.others, more_others + bvh_width);
-        return emit(0).reference;
+        if (end_of_others / BvhLeaf::unit > BvhReference::max_indexed)
+            throw std::length_error("the scene has too many moving triangles");
+        make_room(nodes_, end_of_nodes);
+        make_room(bvh_.others, end_of_others + bvh_width);
+        const std::uint32_t root = emit(0).reference;
+        // Before there are two of what chunks hold.
+        tree_ = {};
+        for (Chunk& c : chunks_) append(c);
+        return root;
     }
 
 private:
-    /// So that many more fit; where few are added often, for more.
+    /// So that many fit; where few are added often, more.
     template <class Vector>
-    static void make_room(Vector& v, std::size_t more)
+    static void make_room(Vector& v, std::size_t size)
     {
-        if (v.size() + more > v.capacity()) v.reserve(std::max(v.size() + more, v.size() * 3 / 2));
+        if (size > v.capacity()) v.reserve(std::max(size, v.size() * 3 / 2));
     }
 
     /// In the order in which emit comes to them.
@@ -118,6 +126,7 @@ private:
         const BinaryNode& node = tree_.nodes[i];
         if (is_chunk(node)) {
             chunks_.emplace_back().from = i;
+            chunks_.back().compact = compact_;
             return;
         }
         ++upper_nodes_;
@@ -132,17 +141,21 @@ private:
     void close_gap(Chunk& c)
     {
         c.moved = c.first_triangle - next_triangle_;
-        if (c.moved > 0) {
-            std::memmove(&bvh_.triangles[9 * next_triangle_], &bvh_.triangles[9 * c.first_triangle], 36 * c.triangles);
-            std::memmove(&bvh_.keys[next_triangle_], &bvh_.keys[c.first_triangle], 4 * c.triangles);
+        const float* const triangles = compact_ ? c.triangles_apart.data() : &bvh_.triangles[9 * c.first_triangle];
+        const BvhKey* const keys = compact_ ? c.keys_apart.data() : &bvh_.keys[c.first_triangle];
+        if (c.triangles > 0 && (compact_ || c.moved > 0)) {
+            std::memmove(&bvh_.triangles[9 * next_triangle_], triangles, 36 * c.triangles);
+            std::memmove(&bvh_.keys[next_triangle_], keys, 4 * c.triangles);
         }
         next_triangle_ += c.triangles;
+        c.triangles_apart = {};
+        c.keys_apart = {};
     }
 
     Subtree emit(std::uint32_t i)
     {
         const BinaryNode& node = tree_.nodes[i];
-        if (is_chunk(node)) return emit_chunk(chunks_[next_chunk_++]);
+        if (is_chunk(node)) return placed_root(chunks_[next_chunk_++]);
         const std::size_t self = nodes_.size();
         nodes_.emplace_back();
         std::uint32_t children[bvh_width];
@@ -158,28 +171,36 @@ private:
         return all;
     }
 
-    /// Moves the chunk's nodes behind the others; its root.
-    Subtree emit_chunk(Chunk& chunk)
+    /// What was relative to the chunk's arrays.
+    static std::uint32_t place(const Chunk& chunk, std::uint32_t reference)
     {
-        const std::size_t first_node = nodes_.size(), first_other = bvh_.others.size();
-        const auto place = [&](std::uint32_t reference) {
-            if (BvhReference::is_node(reference)) return std::uint32_t(reference + first_node);
-            if (BvhReference::is_triangles(reference)) return std::uint32_t(reference - chunk.moved);
-            const bool stays = BvhReference::other_kind(reference) == BvhReference::instance;
-            return stays ? reference : std::uint32_t(reference + first_other / BvhLeaf::unit);
-        };
+        if (BvhReference::is_node(reference)) return std::uint32_t(reference + chunk.first_node);
+        if (BvhReference::is_triangles(reference)) return std::uint32_t(reference - chunk.moved);
+        const std::size_t first_leaf = chunk.first_other / BvhLeaf::unit;
+        if (BvhReference::is_indexed_triangles(reference)) return std::uint32_t(reference + first_leaf);
+        if (BvhReference::other_kind(reference) == BvhReference::instance) return reference;
+        if (BvhReference::place(reference) + first_leaf >= BvhReference::max_others)
+            throw std::length_error("the scene has too many spheres, disks, curves or points");
+        return std::uint32_t(reference + first_leaf);
+    }
+    static Subtree placed_root(const Chunk& chunk)
+    {
+        Subtree root = chunk.root;
+        root.reference = place(chunk, root.reference);
+        return root;
+    }
+
+    /// Moves the chunk's nodes and leaves behind the others.
+    void append(Chunk& chunk)
+    {
         for (BvhNode& node : chunk.nodes) {
             for (int i = 0; i < bvh_width && node.bounds[0][i] <= node.bounds[3][i]; ++i)
-                node.child[i] = place(node.child[i]);
+                node.child[i] = place(chunk, node.child[i]);
         }
         nodes_.insert(nodes_.end(), chunk.nodes.begin(), chunk.nodes.end());
         bvh_.others.insert(bvh_.others.end(), chunk.others.begin(), chunk.others.end());
-        if (bvh_.others.size() / BvhLeaf::unit > BvhReference::max_others)
-            throw std::length_error("the scene has too many moving triangles, spheres or disks");
         chunk.nodes = {};
         chunk.others = {};
-        chunk.root.reference = place(chunk.root.reference);
-        return chunk.root;
     }
 
     const SceneTables& tables_;
@@ -187,6 +208,7 @@ private:
     BvhData& bvh_;
     std::vector<BvhNode>& nodes_;
     std::size_t& next_triangle_;
+    const bool compact_;
     std::vector<Chunk> chunks_;
     std::size_t next_chunk_ = 0, upper_nodes_ = 0;
 };
@@ -200,9 +222,9 @@ float expected_cost(const SceneTables& tables, BinaryTree& tree)
 }
 
 std::uint32_t collapse(const SceneTables& tables, BinaryTree& tree, BvhData& bvh, std::vector<BvhNode>& nodes,
-                       std::size_t& next_triangle)
+                       std::size_t& next_triangle, bool compact)
 {
-    return Collapse(tables, tree, bvh, nodes, next_triangle).run();
+    return Collapse(tables, tree, bvh, nodes, next_triangle, compact).run();
 }
 
 }  // namespace fathom::bvh

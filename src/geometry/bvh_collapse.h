@@ -8,9 +8,10 @@ namespace fathom::bvh {
 /// Of a ray that meets the root's box, in nodes visited, if the tree is collapsed as well as it can be.
 float expected_cost(const SceneTables& tables, BinaryTree& tree);
 
-/// Adds the nodes and leaves of a tree; its root.
+/// Adds the nodes and leaves of a tree, which is then freed; its root.
 /// next_triangle  where its triangles go, and then the next tree's
+/// compact        as in Chunk
 std::uint32_t collapse(const SceneTables& tables, BinaryTree& tree, BvhData& bvh, std::vector<BvhNode>& nodes,
-                       std::size_t& next_triangle);
+                       std::size_t& next_triangle, bool compact);
 
 }  // namespace fathom::bvh

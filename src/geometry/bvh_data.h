@@ -16,14 +16,19 @@ inline constexpr int bvh_deferred = 46;
 
 /// What a child of a node is, in 32 bits.
 ///
-///     00 moving:1 node:29            a node; a moving one takes two places in BvhData::nodes
-///     01 kind:3 place:27             an instance, or a leaf of something other than triangles
-///     1  count-1:4 first:27          triangles
+///     000 moving:1 node:28           a node; a moving one takes two places in BvhData::nodes
+///     kind:5 place:27                an instance, or a leaf of something other than triangles
+///     011 place:29                   triangles that hold each vertex once, see IndexedLeaf
+///     1 count-1:4 first:27           triangles
+///
+/// In this order, so that one comparison tells nodes, or leaves of triangles.
 struct BvhReference {
-    /// Only on stacks, `end`: the end of all that a ray has to do, or in one space.
-    enum Kind : std::uint32_t { spheres, disks, instance, moving_triangles, curves, ribbons, points, end };
-    static constexpr std::uint32_t triangle_bit = 1u << 31, other_bit = 1u << 30, moving_bit = 1u << 29;
-    static constexpr std::size_t max_triangles = std::size_t(1) << 27, max_others = std::size_t(1) << 27;
+    /// Only on stacks, `end`: the end of all that a ray has to do, or in one space. From 4 to 11.
+    enum Kind : std::uint32_t { spheres = 4, disks, instance, curves, ribbons, points, end };
+    static constexpr std::uint32_t triangle_bit = 1u << 31, indexed_bits = 3u << 29, node_end = 1u << 29,
+                                   moving_bit = 1u << 28;
+    static constexpr std::size_t max_triangles = std::size_t(1) << 27, max_others = std::size_t(1) << 27,
+                                 max_indexed = std::size_t(1) << 29;
     static constexpr int kind_shift = 27;
 
     static std::uint32_t triangles(std::size_t first, std::size_t count)
@@ -31,43 +36,48 @@ struct BvhReference {
         return triangle_bit | std::uint32_t(count - 1) << 27 | std::uint32_t(first);
     }
     /// place: of an instance its number, else where in BvhData::others its leaf begins, in units of leaf_unit.
-    static std::uint32_t others(Kind kind, std::size_t place)
+    static constexpr std::uint32_t others(Kind kind, std::size_t place)
     {
-        return other_bit | kind << kind_shift | std::uint32_t(place);
+        return kind << kind_shift | std::uint32_t(place);
     }
-    static bool is_node(std::uint32_t r) { return r < other_bit; }
+    static std::uint32_t indexed_triangles(std::size_t place) { return indexed_bits | std::uint32_t(place); }
+
+    static bool is_node(std::uint32_t r) { return r < node_end; }
     static bool is_moving(std::uint32_t node) { return node & moving_bit; }
     static std::uint32_t node(std::uint32_t r) { return r & (moving_bit - 1); }
+    /// Of either kind.
+    static bool is_triangle_leaf(std::uint32_t r) { return r >= indexed_bits; }
     static bool is_triangles(std::uint32_t r) { return r >= triangle_bit; }
-    static bool is_moving_triangles(std::uint32_t r)
-    {
-        return r >> kind_shift == (other_bit >> kind_shift | moving_triangles);
-    }
+    static bool is_indexed_triangles(std::uint32_t r) { return is_triangle_leaf(r) && !is_triangles(r); }
+    static std::uint32_t indexed_place(std::uint32_t r) { return r & ~indexed_bits; }
     static int triangle_count(std::uint32_t r) { return int(r >> 27 & 15) + 1; }
     static std::uint32_t first_triangle(std::uint32_t r) { return r & 0x07ffffffu; }
-    static Kind other_kind(std::uint32_t r) { return Kind(r >> kind_shift & 7); }
+    static Kind other_kind(std::uint32_t r) { return Kind(r >> kind_shift); }
     static std::uint32_t place(std::uint32_t r) { return r & 0x07ffffffu; }
 };
 
 /// A leaf in BvhData::others: how many primitives, their numbers (indices of spheres and disks, keys of triangles),
-/// then from the next multiple of leaf_unit on what is tested.
+/// then what is tested.
 struct BvhLeaf {
     static constexpr std::size_t unit = 4;
     const std::uint32_t* words;
 
     int count() const { return int(words[0] & 255); }
     const std::uint32_t* ids() const { return words + 1; }
-    static std::size_t header(std::size_t n) { return (n + unit) / unit * unit; }
+    static std::size_t header(std::size_t n) { return 1 + n; }
     const float* data() const { return reinterpret_cast<const float*>(words + header(words[0] & 255)); }
 };
 
-/// One of triangles that move: by triangle, as bytes, which vertex is its first corner, its second, its third; then for
-/// each of the scene's vertex_times x, y, z of the vertices. How many those are stands beside the count.
-struct MovingLeaf : BvhLeaf {
+/// One of triangles that holds each of their vertices once: by triangle, as bytes, which vertex is its first corner,
+/// its second, its third; then x, y, z of the vertices, where they move for each of the scene's vertex_times. How many
+/// those are and whether they move stands beside the count.
+struct IndexedLeaf : BvhLeaf {
     static constexpr int max_vertices = 16, vertices_shift = 8;
+    static constexpr std::uint32_t moving_bit = 1u << 16;
 
     static std::size_t corner_words(std::size_t n) { return (3 * n + 3) / 4; }
-    std::ptrdiff_t vertices() const { return words[0] >> vertices_shift; }
+    std::ptrdiff_t vertices() const { return words[0] >> vertices_shift & 255; }
+    bool moves() const { return words[0] & moving_bit; }
     const std::uint8_t* corners(int k) const { return reinterpret_cast<const std::uint8_t*>(data()) + k * count(); }
     const float* axis(std::ptrdiff_t i) const { return data() + corner_words(std::size_t(count())) + i * vertices(); }
 };
@@ -107,6 +117,17 @@ struct BvhData {
         bool empty = true;
     };
     std::vector<Mesh> meshes;  ///< as many as shapes, or none
+
+    IndexedLeaf indexed_leaf(std::uint32_t reference) const
+    {
+        return {{&others[std::size_t(BvhReference::indexed_place(reference)) * BvhLeaf::unit]}};
+    }
+
+    /// Of a leaf of triangles, of either kind.
+    int triangle_count(std::uint32_t leaf) const
+    {
+        return BvhReference::is_triangles(leaf) ? BvhReference::triangle_count(leaf) : indexed_leaf(leaf).count();
+    }
 
     const SceneTables* tables = nullptr;
     AlphaTest alpha_test = nullptr;

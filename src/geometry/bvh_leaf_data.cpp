@@ -8,6 +8,12 @@ namespace fathom::bvh {
 
 namespace {
 
+/// Leaves begin at multiples of the unit.
+std::size_t in_units(std::size_t words)
+{
+    return (words + BvhLeaf::unit - 1) / BvhLeaf::unit * BvhLeaf::unit;
+}
+
 /// Arrays of n numbers behind a leaf's header.
 class Arrays {
 public:
@@ -80,20 +86,27 @@ PieceEnds piece_ends(const SceneTables& tables, std::uint32_t id, bool linear)
     return {bezier(p, begin), bezier(p, end), bezier_tangent(p, begin), bezier_tangent(p, end)};
 }
 
-bool MovingTriangles::add(BvhKey key)
+IndexedTriangles::Vertex IndexedTriangles::vertex(BvhKey key, int corner, const Vec3f& position) const
+{
+    if (moving_) return {tables_.triangles[3 * std::size_t(key >> 1) + std::size_t(corner)], 0, 0};
+    return std::bit_cast<Vertex>(position);
+}
+
+bool IndexedTriangles::add(BvhKey key)
 {
     if (count_ == bvh_width) return false;
     const int before = vertex_count_;
+    Vec3f positions[3];
+    vertices_of(tables_, key, positions);
     for (int k = 0; k < 3; ++k) {
-        const std::uint32_t vertex = tables_.triangles[3 * std::size_t(key >> 1) + std::size_t(k)];
-        const std::uint32_t* const end = vertices_ + vertex_count_;
-        const int number = int(std::find(static_cast<const std::uint32_t*>(vertices_), end, vertex) - vertices_);
-        if (number == MovingLeaf::max_vertices) {
+        const Vertex v = vertex(key, k, positions[k]);
+        const int number = int(std::find(vertices_, vertices_ + vertex_count_, v) - vertices_);
+        if (number == IndexedLeaf::max_vertices) {
             vertex_count_ = before;
             return false;
         }
         if (number == vertex_count_) {
-            vertices_[vertex_count_] = vertex;
+            vertices_[vertex_count_] = v;
             triangle_[vertex_count_] = std::uint8_t(count_);
             corner_[vertex_count_++] = std::uint8_t(k);
         }
@@ -103,15 +116,21 @@ bool MovingTriangles::add(BvhKey key)
     return true;
 }
 
-void MovingTriangles::put(std::vector<std::uint32_t>& words) const
+std::size_t IndexedTriangles::words() const
+{
+    const std::size_t n = std::size_t(count_), v = std::size_t(vertex_count_);
+    return in_units(BvhLeaf::header(n) + IndexedLeaf::corner_words(n) + 3 * v * times());
+}
+
+std::size_t IndexedTriangles::put(std::vector<std::uint32_t>& words) const
 {
     const std::size_t first = words.size(), n = std::size_t(count_), v = std::size_t(vertex_count_);
-    words.push_back(std::uint32_t(n | v << MovingLeaf::vertices_shift));
+    words.push_back(std::uint32_t(n | v << IndexedLeaf::vertices_shift) | (moving_ ? IndexedLeaf::moving_bit : 0));
     words.insert(words.end(), keys_, keys_ + n);
-    words.resize(first + BvhLeaf::header(n) + MovingLeaf::corner_words(n));
+    words.resize(first + BvhLeaf::header(n) + IndexedLeaf::corner_words(n));
     auto* const bytes = reinterpret_cast<std::uint8_t*>(&words[first + BvhLeaf::header(n)]);
     for (std::size_t k = 0; k < 3; ++k) std::memcpy(bytes + k * n, corners_[k], n);
-    for (std::size_t time = 0; time < tables_.vertex_times.size(); ++time) {
+    for (std::size_t time = 0; time < times(); ++time) {
         Arrays arrays(words, v, 3);
         for (std::size_t i = 0; i < v; ++i) {
             Vec3f corners[3];
@@ -120,12 +139,14 @@ void MovingTriangles::put(std::vector<std::uint32_t>& words) const
             arrays.set_vector(0, i, {p.x, p.y, p.z, 0});
         }
     }
+    words.resize(in_units(words.size()));
+    return first;
 }
 
 bool fit_together(const SceneTables& tables, std::uint32_t kinds, const std::uint32_t* ids, std::size_t n)
 {
-    if (kinds != Item::moving_triangle || 3 * n <= MovingLeaf::max_vertices) return true;
-    MovingTriangles triangles(tables);
+    if (kinds != Item::moving_triangle || 3 * n <= IndexedLeaf::max_vertices) return true;
+    IndexedTriangles triangles(tables, true);
     for (std::size_t i = 0; i < n; ++i)
         if (!triangles.add(ids[i])) return false;
     return true;
@@ -139,17 +160,15 @@ std::size_t put_leaf(const SceneTables& tables, std::uint32_t kind, const std::u
     const std::size_t first = words.size();
     const bool curves = kind == Item::curve || kind == Item::ribbon;
     if (kind == Item::moving_triangle) {
-        MovingTriangles triangles(tables);
+        IndexedTriangles triangles(tables, true);
         for (std::uint32_t id : ids) triangles.add(id);
-        triangles.put(words);
-    } else {
-        words.push_back(std::uint32_t(n));
-        for (std::uint32_t id : ids) words.push_back(curves ? id >> piece_bits : id);
-        words.resize(first + BvhLeaf::header(n));
+        return triangles.put(words);
     }
+    words.push_back(std::uint32_t(n));
+    for (std::uint32_t id : ids) words.push_back(curves ? id >> piece_bits : id);
     if (curves) put_curves(tables, ids, kind == Item::ribbon, words);
     if (kind == Item::point) put_points(tables, ids, words);
-    words.resize((words.size() + BvhLeaf::unit - 1) / BvhLeaf::unit * BvhLeaf::unit);
+    words.resize(in_units(words.size()));
     return first;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// What leaves of curves, points and moving triangles hold beside the numbers of their primitives.
+/// What leaves in BvhData::others hold beside the numbers of their primitives.
+#include <array>
 #include <vector>
 
 #include "geometry/bvh_data.h"
@@ -22,23 +23,33 @@ struct PieceEnds {
 /// linear: whether the segment is a line. The same bits as surfaces and tests find.
 PieceEnds piece_ends(const SceneTables& tables, std::uint32_t id, bool linear);
 
-/// The triangles of a leaf of moving ones, each vertex once.
-class MovingTriangles {
+/// The triangles of a leaf that holds each vertex once.
+class IndexedTriangles {
 public:
-    explicit MovingTriangles(const SceneTables& tables) : tables_(tables) {}
+    /// moving  whether they do; all or none
+    IndexedTriangles(const SceneTables& tables, bool moving) : tables_(tables), moving_(moving) {}
     /// False, and nothing is added, if there were too many vertices or triangles.
     bool add(BvhKey key);
-    /// Appends the leaf.
-    void put(std::vector<std::uint32_t>& words) const;
+    /// What put adds.
+    std::size_t words() const;
+    /// Appends the leaf; where it begins.
+    std::size_t put(std::vector<std::uint32_t>& words) const;
 
 private:
+    /// Which vertex it is: of those that stand still their coordinates' bits, as meshes may have a vertex several
+    /// times, with other normals. Those that move may meet for once: by number.
+    using Vertex = std::array<std::uint32_t, 3>;
+    Vertex vertex(BvhKey key, int corner, const Vec3f& position) const;
+    std::size_t times() const { return moving_ ? tables_.vertex_times.size() : 1; }
+
     const SceneTables& tables_;
+    const bool moving_;
     int count_ = 0, vertex_count_ = 0;
     BvhKey keys_[bvh_width];
     std::uint8_t corners_[3][bvh_width];
-    std::uint32_t vertices_[MovingLeaf::max_vertices];
+    Vertex vertices_[IndexedLeaf::max_vertices];
     /// Of each vertex the triangle that it was first seen of, and which corner.
-    std::uint8_t triangle_[MovingLeaf::max_vertices], corner_[MovingLeaf::max_vertices];
+    std::uint8_t triangle_[IndexedLeaf::max_vertices], corner_[IndexedLeaf::max_vertices];
 };
 
 /// Whether one leaf can hold these items.

@@ -246,17 +246,20 @@ public:
             moving.extend(moving_box(tables_, bvh_, mesh_boxes_, kind, id));
         };
         if (BvhReference::is_triangles(reference)) return {box, box};
+        if (BvhReference::is_indexed_triangles(reference)) {
+            const IndexedLeaf leaf = bvh_.indexed_leaf(reference);
+            if (!leaf.moves()) return {box, box};
+            for (int i = 0; i < leaf.count(); ++i) extend(Item::moving_triangle, leaf.ids()[i]);
+            return moving;
+        }
         const std::uint32_t place = BvhReference::place(reference);
         switch (BvhReference::other_kind(reference)) {
             case BvhReference::instance:
                 extend(Item::instance, place);
                 return moving;
-            case BvhReference::spheres:
-            case BvhReference::moving_triangles: {
-                const bool spheres = BvhReference::other_kind(reference) == BvhReference::spheres;
+            case BvhReference::spheres: {
                 const BvhLeaf leaf{&bvh_.others[place * BvhLeaf::unit]};
-                for (int i = 0; i < leaf.count(); ++i)
-                    extend(spheres ? Item::sphere : Item::moving_triangle, leaf.ids()[i]);
+                for (int i = 0; i < leaf.count(); ++i) extend(Item::sphere, leaf.ids()[i]);
                 return moving;
             }
             default:

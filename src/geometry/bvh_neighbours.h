@@ -26,6 +26,10 @@ public:
                                       min(load(r.f[PreparedRays::t_max]), Float(1e30f)), x);  // not 0 times infinity
                 low = min(low, select(m, min(x, end) - slack, low));
                 high = min(high, select(m, -(max(x, end) + slack), high));
+                const Float near = load(r.f[PreparedRays::near_x + axis]), far = load(r.f[PreparedRays::far_x + axis]);
+                const Mask down = load(r.f[PreparedRays::inverse_x + axis]) < Float(0);
+                store(to_low_[axis] + i * lanes, select(down, far, near));
+                store(to_high_[axis] + i * lanes, select(down, near, far));
             }
             low_[axis] = least(low);
             high_[axis] = -least(high);
@@ -50,7 +54,7 @@ public:
             entry.rays &= ~blocked_;
             if (BvhReference::is_node(entry.reference) && std::popcount(entry.rays) > few) {
                 size = visit_node(entry, size);
-            } else if (BvhReference::is_triangles(entry.reference) && !bvh_.has_alpha && is_crowded(entry)) {
+            } else if (BvhReference::is_triangle_leaf(entry.reference) && !bvh_.has_alpha && is_crowded(entry)) {
                 meet_leaf(entry);
             } else {
                 defer(entry);
@@ -71,40 +75,70 @@ private:
     }
 
     /// Whether vectors of rays against each triangle take less time than each ray against all at once. Measured.
-    static bool is_crowded(const PacketEntry& leaf)
+    bool is_crowded(const PacketEntry& leaf) const
     {
-        return 2 * std::popcount(leaf.rays) > BvhReference::triangle_count(leaf.reference) * parts_with(leaf.rays);
+        return 2 * std::popcount(leaf.rays) > bvh_.triangle_count(leaf.reference) * parts_with(leaf.rays);
     }
 
     /// Lanes are rays; first, where they are triangles, those that lie off the box that holds the rays are left out.
-    void meet_leaf(const PacketEntry& leaf)
+    void meet_leaf(const PacketEntry& entry)
     {
-        const std::ptrdiff_t n = BvhReference::triangle_count(leaf.reference);
-        const float* const data = &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(leaf.reference))];
-        memory_.visits.primitives += std::uint64_t(n * std::popcount(leaf.rays));
-        Mask near = first_lanes(std::size_t(n));
+        if (BvhReference::is_indexed_triangles(entry.reference)) return meet_indexed_leaf(entry);
+        const std::ptrdiff_t n = BvhReference::triangle_count(entry.reference);
+        const float* const data = &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(entry.reference))];
+        Float low[3], high[3];
         for (int axis = 0; axis < 3; ++axis) {
             const float* const p = data + axis * n;
             const Float a = load(p), b = load(p + 3 * n), c = load(p + 6 * n);
-            near &= (min(min(a, b), c) <= Float(high_[axis])) & (Float(low_[axis]) <= max(max(a, b), c));
+            low[axis] = min(min(a, b), c), high[axis] = max(max(a, b), c);
         }
+        meet_triangles(entry, int(n), low, high, n,
+                       [&](int i, std::ptrdiff_t vertex) { return data + i + 3 * vertex * n; });
+    }
+    /// The same for one that holds each vertex once.
+    [[gnu::noinline]] void meet_indexed_leaf(const PacketEntry& entry)
+    {
+        const IndexedLeaf leaf = bvh_.indexed_leaf(entry.reference);
+        Float low[3], high[3];
+        PacketTimes().bounds<false>(leaf, low, high);
+        meet_triangles(entry, leaf.count(), low, high, leaf.vertices(),
+                       [&](int i, int vertex) { return leaf.axis(0) + leaf.corners(vertex)[i]; });
+    }
+    /// The rays with n triangles in these boxes; corner(i, vertex): x of one, y and z come `step` later each.
+    template <class Corner>
+    [[gnu::always_inline]] void meet_triangles(const PacketEntry& entry, int n, const Float low[3], const Float high[3],
+                                               std::ptrdiff_t step, const Corner& corner)
+    {
+        memory_.visits.primitives += std::uint64_t(n * std::popcount(entry.rays));
+        Mask near = first_lanes(std::size_t(n));
+        for (int axis = 0; axis < 3; ++axis)
+            near &= (low[axis] <= Float(high_[axis])) & (Float(low_[axis]) <= high[axis]);
         const std::uint32_t triangles = mask_bits(near);
+        // By triangle and corner x, y, z and a gap; readers may take 32 floats.
+        alignas(64) float corners[lanes * 12 + 32];
+        for (std::uint32_t left = triangles; left; left &= left - 1) {
+            const int i = std::countr_zero(left);
+            for (int vertex = 0; vertex < 3; ++vertex)
+                for (int axis = 0; axis < 3; ++axis)
+                    corners[12 * i + 4 * vertex + axis] = corner(i, vertex)[axis * step];
+        }
         for (int k = 0; k < parts; ++k)
-            if (holds_any(leaf.rays, k)) meet_triangles(data, n, triangles, k, part_of(leaf.rays, k));
+            if (holds_any(entry.rays, k)) meet_triangles(corners, triangles, k, part_of(entry.rays, k));
     }
     /// A part of the rays with some of a leaf's triangles: those that are stopped go no further.
-    void meet_triangles(const float* data, std::ptrdiff_t n, std::uint32_t triangles, int k, Mask active)
+    void meet_triangles(const float* corners, std::uint32_t triangles, int k, Mask active)
     {
         const TriangleRay ray = memory_.world[k].triangle_ray();
+        const Vec3 o = ray.permute(ray.o);
+        const UInt x = ray.permuted(0), y = ray.permuted(1), z = ray.permuted(2);
         const Float t_max = load(memory_.hits.t + k * lanes);
         Mask stopped(false);
         for (std::uint32_t left = triangles; left && any(active); left &= left - 1) {
-            const float* const p = data + std::countr_zero(left);
-            const auto corner = [&](std::ptrdiff_t vertex) {
-                const float* const q = p + 3 * vertex * n;
-                return ray.permute(Vec3{Float(q[0]), Float(q[n]), Float(q[2 * n])} - ray.o);
+            const float* const triangle = corners + 12 * std::countr_zero(left);
+            const auto corner = [&](const float* p) {
+                return Vec3{lookup(p, 3, x), lookup(p, 3, y), lookup(p, 3, z)} - o;
             };
-            const Vec3 a = corner(0), b = corner(1), c = corner(2);
+            const Vec3 a = corner(triangle), b = corner(triangle + 4), c = corner(triangle + 8);
             TriangleWeights w = triangle_weights(ray.shear_x, ray.shear_y, a, b, c);
             w.inside &= active;
             Float t, u, v;
@@ -164,11 +198,12 @@ private:
                 const PreparedRays& r = memory_.world[k];
                 Float near(0.f), far = load(memory_.hits.t + k * lanes);
                 for (int axis = 0; axis < 3; ++axis) {
-                    const Float low(node.bounds[axis][slot]), high(node.bounds[3 + axis][slot]);
                     const Float inverse = load(r.f[PreparedRays::inverse_x + axis]);
-                    const Mask down = inverse < Float(0);
-                    near = max(near, fma(select(down, high, low), inverse, load(r.f[PreparedRays::near_x + axis])));
-                    far = min(far, fma(select(down, low, high), inverse, load(r.f[PreparedRays::far_x + axis])));
+                    const Float low = fma(Float(node.bounds[axis][slot]), inverse, load(to_low_[axis] + k * lanes));
+                    const Float high =
+                        fma(Float(node.bounds[3 + axis][slot]), inverse, load(to_high_[axis] + k * lanes));
+                    near = max(near, min(low, high));
+                    far = min(far, max(low, high));
                 }
                 meet |= RayMask(mask_bits(near <= far)) << k * lanes;
             }
@@ -183,7 +218,8 @@ private:
     StreamMemory& memory_;
     RayStream& stream_;
     RayMask rays_, blocked_ = 0;
-    float low_[3], high_[3];  ///< of the box around all rays
+    alignas(64) float to_low_[3][stream_size], to_high_[3][stream_size];  ///< near and far of PreparedRays, by side
+    float low_[3], high_[3];                                              ///< of the box around all rays
 };
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -137,7 +137,7 @@ private:
         if constexpr (!within)
             if (BvhReference::other_kind(reference) == BvhReference::instance && std::popcount(rays) >= least_within)
                 return visit_instance(BvhReference::place(reference), rays, size);
-        if (moving && BvhReference::is_moving_triangles(reference)) return visit_moving_leaf(reference, rays);
+        if (BvhReference::is_indexed_triangles(reference)) return visit_indexed_leaf(reference, rays);
         // Each ray for itself, but now: what lies behind need not be visited if something is hit.
         for (RayMask m = rays; m; m &= m - 1) defer(std::countr_zero(m), reference, t);
         finish(rays);
@@ -373,14 +373,14 @@ private:
         return found;
     }
 
-    /// The same for triangles that move.
-    [[gnu::noinline]] void visit_moving_leaf(std::uint32_t reference, RayMask rays)
+    /// The same for a leaf that holds each vertex once.
+    [[gnu::noinline]] void visit_indexed_leaf(std::uint32_t reference, RayMask rays)
     {
         if (!times_.same_key || std::popcount(rays) <= few_at_leaf) return visit_leaf_apart(reference, rays);
-        const MovingLeaf leaf{{&bvh_.others[std::size_t(BvhReference::place(reference)) * BvhLeaf::unit]}};
+        const IndexedLeaf leaf = bvh_.indexed_leaf(reference);
         memory_.visits.primitives += std::uint64_t(leaf.count() * std::popcount(rays));
         Float low[3], high[3];
-        times_.bounds(leaf, low, high);
+        times_.bounds<moving>(leaf, low, high);
         bool found = false;
         for (int k = 0; k < parts; ++k) {
             const Mask active = part_of(rays & ~blocked_, k);
@@ -391,17 +391,18 @@ private:
         if (found && !any_hit) update_reach();
     }
 
-    [[gnu::always_inline]] bool meet_triangles(const MovingLeaf& leaf, std::uint32_t bits, int k, Mask active)
+    [[gnu::always_inline]] bool meet_triangles(const IndexedLeaf& leaf, std::uint32_t bits, int k, Mask active)
     {
         const PreparedRays& r = part(k);
-        const LeafTime time(leaf, times_.key, load(memory_.times.fraction + k * lanes));
+        const Float fraction = moving ? load(memory_.times.fraction + k * lanes) : Float(0);
+        const LeafVertices<moving, Float> vertices(leaf, times_.key, fraction);
         bool found = false;
         for (; bits; bits &= bits - 1) {
             const int i = std::countr_zero(bits);
             const auto corner = [&](int c) {
                 const float* const vertex = leaf.axis(0) + leaf.corners(c)[i];
                 const auto coordinate = [&](std::ptrdiff_t axis) {
-                    return time.one(vertex + axis * leaf.vertices()) - load(r.f[PreparedRays::origin_x + axis]);
+                    return vertices.one(vertex + axis * leaf.vertices()) - load(r.f[PreparedRays::origin_x + axis]);
                 };
                 return Vec3{coordinate(axes_[0]), coordinate(axes_[1]), coordinate(axes_[2])};
             };

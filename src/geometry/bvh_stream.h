@@ -11,8 +11,8 @@
 
 #include "geometry/bvh_boxes.h"
 #include "geometry/bvh_hits.h"
+#include "geometry/bvh_indexed.h"
 #include "geometry/bvh_leaves.h"
-#include "geometry/bvh_moving.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -121,8 +121,7 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t end = BvhReference::other_bit | std::uint32_t(BvhReference::end)
-                                                                       << BvhReference::kind_shift;
+    static constexpr std::uint32_t end = BvhReference::others(BvhReference::end, 0);
     /// So many leaves are met at a time; also, how many leaves earlier one is fetched.
     static constexpr int leaf_wave = 8;
     /// How many rays earlier a node is fetched: later is too late, earlier crowds the queues of the processor.
@@ -193,8 +192,8 @@ private:
     [[gnu::always_inline]] void fetch_leaf(int ray) const
     {
         const std::uint32_t reference = states_[ray].reference;
-        const auto* const p = moves(reference)
-                                  ? reinterpret_cast<const char*>(moving_leaf(reference).words)
+        const auto* const p = is_indexed(reference)
+                                  ? reinterpret_cast<const char*>(indexed_leaf(reference).words)
                                   : reinterpret_cast<const char*>(
                                         &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(reference))]);
         for (int line = 0; line < 6; ++line) __builtin_prefetch(p + 64 * line);
@@ -204,8 +203,7 @@ private:
     [[gnu::always_inline]] void queue(int ray, std::uint32_t reference, Counts& n, int really = 1)
     {
         states_[ray].reference = reference;
-        const bool is_node = BvhReference::is_node(reference),
-                   is_leaf = BvhReference::is_triangles(reference) || moves(reference);
+        const bool is_node = BvhReference::is_node(reference), is_leaf = BvhReference::is_triangle_leaf(reference);
         next_.node[n.nodes] = next_.leaf[n.leaves] = next_.other[n.others] = std::uint8_t(ray);
         n.nodes += int(is_node) & really;
         n.leaves += int(is_leaf) & really;
@@ -248,35 +246,29 @@ private:
         int ray;
     };
 
-    /// Leaves of triangles, those that move among them.
-    static bool moves(std::uint32_t leaf) { return moving && BvhReference::is_moving_triangles(leaf); }
-    MovingLeaf moving_leaf(std::uint32_t reference) const
-    {
-        return {{&bvh_.others[std::size_t(BvhReference::place(reference)) * BvhLeaf::unit]}};
-    }
-    int triangle_count(std::uint32_t leaf) const
-    {
-        return moves(leaf) ? moving_leaf(leaf).count() : BvhReference::triangle_count(leaf);
-    }
+    /// Leaves of triangles, of either kind.
+    static bool is_indexed(std::uint32_t leaf) { return BvhReference::is_indexed_triangles(leaf); }
+    IndexedLeaf indexed_leaf(std::uint32_t reference) const { return bvh_.indexed_leaf(reference); }
+    int triangle_count(std::uint32_t leaf) const { return bvh_.triangle_count(leaf); }
     BvhKey triangle_key(std::uint32_t leaf, int i) const
     {
-        return moves(leaf) ? moving_leaf(leaf).ids()[i]
-                           : bvh_.keys[BvhReference::first_triangle(leaf) + std::uint32_t(i)];
+        return is_indexed(leaf) ? indexed_leaf(leaf).ids()[i]
+                                : bvh_.keys[BvhReference::first_triangle(leaf) + std::uint32_t(i)];
     }
     /// As in RayHits::what.
     std::uint32_t name_of(std::uint32_t leaf, int i) const
     {
-        return moves(leaf) ? triangle_key(leaf, i)
-                           : hit_is_place | (BvhReference::first_triangle(leaf) + std::uint32_t(i));
+        return is_indexed(leaf) ? triangle_key(leaf, i)
+                                : hit_is_place | (BvhReference::first_triangle(leaf) + std::uint32_t(i));
     }
 
     [[gnu::always_inline]] void weigh(int ray, int at, WeighedTriangles& out) const
     {
         const std::uint32_t leaf = states_[ray].reference;
-        if (!moves(leaf)) return weigh_triangles(bvh_, leaf, at, prepared(ray), out);
-        const MovingLeaf moved = moving_leaf(leaf);
-        const LeafTime time(moved, memory_.times.key[ray], Float(memory_.times.fraction[ray]));
-        weigh_triangles(moved, time, at, prepared(ray), out);
+        if (!is_indexed(leaf)) return weigh_triangles(bvh_, leaf, at, prepared(ray), out);
+        const std::uint32_t key = moving ? memory_.times.key[ray] : 0;
+        const float fraction = moving ? memory_.times.fraction[ray] : 0;
+        weigh_triangles<moving>(indexed_leaf(leaf), key, fraction, at, prepared(ray), out);
     }
 
     /// First which rays pass through a triangle at all, then where. Neither can be foreseen, so there is no branch on

@@ -14,6 +14,16 @@ struct WeighedTriangles {
     Vec3 corners_z() const { return load_vec3(z[0], z[1], z[2]); }
 };
 
+/// F: Float, or half of one.
+template <class F>
+[[gnu::always_inline]] inline F load_as(const float* p)
+{
+    if constexpr (std::is_same_v<F, Float>)
+        return load(p);
+    else
+        return native::load(p);
+}
+
 /// F: Float, or half of one for so few triangles.
 template <class F>
 [[gnu::always_inline]] inline void weigh_triangles(const float* data, std::ptrdiff_t n, const PreparedRay& r,
@@ -23,15 +33,9 @@ template <class F>
     const std::ptrdiff_t ix = axis == 2 ? 0 : axis + 1, iy = axis == 0 ? 2 : axis - 1, iz = axis;
     const F ox(r.number(PreparedRays::origin_x + int(ix))), oy(r.number(PreparedRays::origin_x + int(iy))),
         oz(r.number(PreparedRays::origin_x + int(iz)));
-    const auto read = [](const float* p) {
-        if constexpr (std::is_same_v<F, Float>)
-            return load(p);
-        else
-            return native::load(p);
-    };
     const auto corner = [&](std::ptrdiff_t k) {
         const float* const p = data + 3 * k * n;
-        return TriangleCorner<F>{read(p + ix * n) - ox, read(p + iy * n) - oy, read(p + iz * n) - oz};
+        return TriangleCorner<F>{load_as<F>(p + ix * n) - ox, load_as<F>(p + iy * n) - oy, load_as<F>(p + iz * n) - oz};
     };
     const TriangleCorner<F> a = corner(0), b = corner(1), c = corner(2);
     const TriangleWeightsOf<F> w =

@@ -32,6 +32,11 @@ struct TriangleRay {
         return {select(x_major, v.y, select(y_major, v.z, v.x)), select(x_major, v.z, select(y_major, v.x, v.y)),
                 select(x_major, v.x, select(y_major, v.y, v.z))};
     }
+    /// Which coordinate becomes the i-th.
+    UInt permuted(std::uint32_t i) const
+    {
+        return select(x_major, UInt((i + 1) % 3), select(y_major, UInt((i + 2) % 3), UInt(i)));
+    }
 };
 
 /// a b - c d with a relative error of at most 2^-23, so its sign is right: W. Kahan's algorithm; Jeannerod, Louvet,

@@ -139,7 +139,7 @@ void FathomJsonReader::read_render(const JsonValue& v)
     if (!word.empty()) hints.tonemap = word;
     word.clear();
     const std::vector<std::pair<std::string, std::string>> builds = {
-        {"fast", "fast"}, {"default", "default"}, {"high", "high"}};
+        {"fast", "fast"}, {"default", "default"}, {"high", "high"}, {"compact", "compact"}};
     o.read_enum("build", builds, word);
     if (!word.empty()) hints.build = word;
     if (auto value = o.get("light_sampling")) hints.light_sampling = value->boolean();

@@ -79,7 +79,8 @@ struct Scene::Data {
 Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings,
                      TreeBuild build)
 {
-    if (build != TreeBuild::standard) warnings.add(build == TreeBuild::fast ? "build fast" : "build high");
+    const char* const builds[] = {"fast", "default", "high", "compact"};  // by TreeBuild
+    if (build != TreeBuild::standard) warnings.add(fmt::format("build {}", builds[std::size_t(build)]));
     Scene scene;
     scene.data_ = std::make_shared<Data>();
     scene.data_->camera = world_camera(description, camera);

@@ -65,17 +65,41 @@ TEST(Bvh, grids_piles_and_duplicates)
     compare_with_force(tables, 8, 20'000, "pile");
 }
 
-/// Short rays that start near each other share their way, unless some are not short.
-TEST(Bvh, short_rays)
+/// Uneven ground of n x n squares, in triangles. apart: each has vertices of its own, as where faces have normals.
+SceneTables ground(std::uint32_t n, bool apart)
 {
-    const SceneTables tables = soup(3'000, 100, 10, 1);
+    Random random(24);
+    SceneTables tables = empty_tables();
+    for (std::uint32_t i = 0; i <= n * (n + 2); ++i)
+        tables.positions.push_back({float(i / (n + 1)), random.uniform(), float(i % (n + 1))});
+    for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t j = 0; j < n; ++j) {
+            const std::uint32_t a = i * (n + 1) + j, b = a + 1, c = a + n + 1, d = c + 1;
+            for (std::uint32_t v : {a, b, c, b, d, c}) tables.triangles.push_back(v);
+        }
+    if (apart) {
+        const std::vector<Vec3f> shared = tables.positions;
+        tables.positions.clear();
+        for (std::uint32_t& v : tables.triangles) {
+            tables.positions.push_back(shared[v]);
+            v = std::uint32_t(tables.positions.size() - 1);
+        }
+    }
+    finish(tables);
+    return tables;
+}
+
+/// centers: of the places where they start, near each other.
+template <class Centers>
+void expect_short_rays(const SceneTables& tables, TreeBuild level, const Centers& centers)
+{
     Bvh bvh;
-    bvh.build(tables);
+    bvh.build(tables, level);
     Random random(41);
     for (bool some_long : {false, true}) {
         Rays rays;
         for (int group = 0; group < 100; ++group) {
-            const Vec3f center = random.point(100);
+            const Vec3f center = centers(random);
             const float reach = group % 2 ? 5 : 20;  // rays within a quarter of the scene's size are near each other
             for (int i = 0; i < 64; ++i) {
                 const bool is_long = some_long && random.below(20) == 0;
@@ -97,6 +121,20 @@ TEST(Bvh, short_rays)
             EXPECT_EQ(wrong, 0u);
             EXPECT_GT(hits, 100u);
         }
+    }
+}
+
+/// Short rays that start near each other share their way, unless some are not short.
+TEST(Bvh, short_rays)
+{
+    const SceneTables hills = ground(60, false);
+    for (TreeBuild level : {TreeBuild::standard, TreeBuild::compact}) {
+        SCOPED_TRACE(int(level));
+        expect_short_rays(soup(3'000, 100, 10, 1), level, [](Random& random) { return random.point(100); });
+        const auto on_ground = [&](Random& random) {
+            return hills.positions[random.below(std::uint32_t(hills.positions.size()))];
+        };
+        expect_short_rays(hills, level, on_ground);
     }
 }
 
@@ -313,8 +351,10 @@ TEST(Bvh, the_same_tree_for_any_number_of_threads)
         ASSERT_EQ(one.nodes.size(), many.nodes.size());
         ASSERT_EQ(one.statistics.bytes, many.statistics.bytes);
         EXPECT_EQ(std::memcmp(one.nodes.data(), many.nodes.data(), one.nodes.bytes()), 0);
-        const std::size_t triangles = (one.statistics.bytes - one.nodes.bytes()) / 40 - bvh_width - 1;
-        EXPECT_GE(triangles + 16, tables.triangle_count());
+        ASSERT_EQ(one.others, many.others);
+        const std::size_t bytes = one.statistics.bytes - one.nodes.bytes() - 4 * one.others.size();
+        const std::size_t triangles = bytes / 40 - bvh_width;
+        if (level != TreeBuild::compact) EXPECT_GE(triangles, tables.triangle_count());
         EXPECT_EQ(std::memcmp(one.triangles.data(), many.triangles.data(), 36 * triangles), 0);
         EXPECT_EQ(std::memcmp(one.keys.data(), many.keys.data(), 4 * triangles), 0);
     }
@@ -328,7 +368,7 @@ TEST(Bvh, levels_of_building)
     for (int i = 0; i < 500; ++i) add_triangle(tables, random.point(100), random.point(100), random.point(100));
     tables.shape_of_primitive.clear();
     finish(tables);
-    BvhStatistics of[3];
+    BvhStatistics of[std::size(tree_builds)];
     for (TreeBuild level : tree_builds) {
         Bvh bvh;
         bvh.build(tables, level);
@@ -339,6 +379,62 @@ TEST(Bvh, levels_of_building)
     EXPECT_LT(of[1].cost, of[0].cost);
     EXPECT_LT(of[2].cost, 0.97 * of[1].cost);
     EXPECT_LT(of[2].bytes, 1.4 * of[1].bytes);
+    // Nothing is shared in a soup.
+    EXPECT_EQ(of[3].bytes, of[1].bytes);
+    EXPECT_EQ(of[3].cost, of[1].cost);
+}
+
+TEST(Bvh, bytes_of_a_triangle)
+{
+    for (bool apart : {false, true}) {
+        const SceneTables tables = ground(200, apart);
+        const double n = tables.triangle_count();
+        Bvh plain, compact;
+        plain.build(tables);
+        compact.build(tables, TreeBuild::compact);
+        EXPECT_EQ(compact.statistics().cost, plain.statistics().cost);
+        EXPECT_EQ(compact.statistics().leaves, plain.statistics().leaves);
+        EXPECT_LE(double(plain.statistics().bytes) / n, 50);
+        EXPECT_LE(double(compact.statistics().bytes) / n, 35);
+        EXPECT_LE(double(compact.statistics().peak_bytes) / n, 75);
+    }
+    // Slivers, some of which share an edge: nothing is larger for it.
+    SceneTables slivers = empty_tables();
+    Random random(25);
+    for (int i = 0; i < 20'000; ++i) {
+        const Vec3f a = random.point(100), b = plus(a, random.point(10)), c = plus(a, random.point(0.1f));
+        add_triangle(slivers, a, b, c);
+        if (i % 2) add_triangle(slivers, a, plus(b, random.point(0.1f)), c);
+    }
+    finish(slivers);
+    Bvh plain, compact;
+    plain.build(slivers);
+    compact.build(slivers, TreeBuild::compact);
+    EXPECT_LE(compact.statistics().bytes, plain.statistics().bytes);
+    EXPECT_LE(compact.statistics().peak_bytes, plain.statistics().peak_bytes);
+}
+
+/// Leaves of both kinds, of up to 16 triangles, side by side.
+TEST(Bvh, compact_leaves)
+{
+    SceneTables tables = ground(60, false);
+    Random random(26);
+    for (int i = 0; i < 1'000; ++i) {
+        const Vec3f a = random.point(60);
+        add_triangle(tables, a, plus(a, random.point(3)), plus(a, random.point(3)));
+    }
+    // A fan: more triangles than a leaf can hold over as many vertices as it can.
+    const Vec3f hub{10, 20, 10};
+    for (int i = 0; i < 40; ++i) {
+        const auto rim = [&](int k) {
+            const float angle = float(k) * 0.15f;
+            return plus(hub, {std::cos(angle), 0.01f * std::sin(3 * angle), std::sin(angle)});
+        };
+        add_triangle(tables, hub, rim(i), rim(i + 1));
+    }
+    tables.shape_of_primitive.clear();
+    finish(tables);
+    compare_with_force(tables, 60, 20'000, "ground");
 }
 
 /// A leaf's triangles are counted whole, a node once for each ray.

@@ -7,7 +7,7 @@
 
 namespace fathom {
 
-inline constexpr TreeBuild tree_builds[] = {TreeBuild::fast, TreeBuild::standard, TreeBuild::high};
+inline constexpr TreeBuild tree_builds[] = {TreeBuild::fast, TreeBuild::standard, TreeBuild::high, TreeBuild::compact};
 
 /// Rays from within and without: at random, axis-aligned, at vertices, in planes of triangles, short ones.
 inline Rays nasty_rays(const SceneTables& tables, float radius, std::size_t n, std::uint64_t seed)

@@ -78,6 +78,7 @@ void expect_no_misses(const SceneTables& tables, Vec3f center, float inside, std
     expect_no_misses(tables, TreeBuild::standard, center, inside, n);
     // The pieces of triangles that this cuts leave no cracks either.
     expect_no_misses(tables, TreeBuild::high, center, inside, n / 4);
+    expect_no_misses(tables, TreeBuild::compact, center, inside, n / 4);
 }
 
 constexpr std::size_t many = lanes == 1 ? 50'000 : 1'000'000;

@@ -61,7 +61,7 @@ def main():
                 out = os.path.join(folder, "threads.exr")
                 run(program, "render", path, "--samples", "0:6", "--threads", threads, "-o", out, *common)
                 seen[threads + " threads"] = pixels(out)
-            for build in ["fast", "high"]:
+            for build in ["fast", "high", "compact"]:
                 out = os.path.join(folder, "build.exr")
                 run(program, "render", path, "--samples", "0:6", "--build", build, "-o", out, *common)
                 seen[build + " tree"] = pixels(out)
