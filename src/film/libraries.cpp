@@ -15,8 +15,8 @@ namespace fathom {
 std::vector<std::string> image_libraries()
 {
     const int webp = WebPGetDecoderVersion();
-    return {"OpenEXR " OPENEXR_VERSION_STRING, fmt::format("libpng {}", png_get_libpng_ver(nullptr)),
-            "libjpeg-turbo " FATHOM_TEXT(LIBJPEG_TURBO_VERSION),
+    return {fmt::format("OpenEXR {}", OPENEXR_VERSION_STRING), fmt::format("libpng {}", png_get_libpng_ver(nullptr)),
+            fmt::format("libjpeg-turbo {}", FATHOM_TEXT(LIBJPEG_TURBO_VERSION)),
             fmt::format("libwebp {}.{}.{}", webp >> 16, webp >> 8 & 255, webp & 255), "stb_image"};
 }
 

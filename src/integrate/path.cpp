@@ -9,6 +9,7 @@
 
 #include "integrate/pool.h"
 #include "integrate/quad_path.h"
+#include "integrate/shade_stage.h"
 
 namespace fathom {
 
@@ -25,18 +26,18 @@ public:
           surfaces_(scene),
           lights_(scene, surfaces_),
           settings_(settings),
+          lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, surfaces_, camera, settings.aovs, sums),
           sums_(sums),
-          counters_(counters)
+          counters_(counters),
+          shade_(scene, settings, lights_are_sampled_, counters)
     {
         has_time_ = tables_.moving;
-        has_glass_ = scene.kinds >> std::uint32_t(BsdfKind::glass) & 1;
         // Fields of the pool that have to travel with a path.
-        travelling_fields_ = has_time_    ? PathPool::time + 1
-                             : has_glass_ ? PathPool::eta_scale + 1
-                                          : PathPool::state + 1;
-        lights_are_sampled_ = settings.light_sampling && !tables_.lights.empty();
+        travelling_fields_ = has_time_                         ? PathPool::time + 1
+                             : scene.has_kind(BsdfKind::glass) ? PathPool::eta_scale + 1
+                                                               : PathPool::state + 1;
     }
 
     void run()
@@ -49,7 +50,7 @@ public:
             trace(fresh, active);
             active = sort(active);
             std::swap(paths_, spare_);
-            shade_all();
+            shade_.run(*paths_, packed_hits_, kind_end_);
         }
     }
 
@@ -158,7 +159,7 @@ private:
         }
         std::size_t packed = 0;
         for (std::uint32_t kind = 1; kind < std::uint32_t(BsdfKind::count); ++kind) {
-            if (scene_.kinds >> kind & 1) packed = pack(active, kind, packed);
+            if (scene_.has_kind(BsdfKind(kind))) packed = pack(active, kind, packed);
             kind_end_[kind] = packed;
         }
         return packed;
@@ -282,206 +283,27 @@ private:
         }
     }
 
-    // ------------------------------------------------------------------------------------------- shade
-
-    void shade_all()
-    {
-        shadows_ = 0;
-        std::size_t begin = 0;
-        for (std::uint32_t kind = 1; kind < std::uint32_t(BsdfKind::count); ++kind) {
-            const std::size_t end = kind_end_[kind];
-            if (begin < end) switch (BsdfKind(kind)) {
-                    case BsdfKind::diffuse:
-                        shade<DiffuseBsdf>(begin, end);
-                        break;
-                    case BsdfKind::metal:
-                        shade<MetalBsdf>(begin, end);
-                        break;
-                    case BsdfKind::fuzz_metal:
-                        shade<FuzzMetalBsdf>(begin, end);
-                        break;
-                    case BsdfKind::glass:
-                        shade<GlassBsdf>(begin, end);
-                        break;
-                    case BsdfKind::principled:
-                        shade<PrincipledBsdf>(begin, end);
-                        break;
-                    case BsdfKind::none:
-                    case BsdfKind::count:
-                        break;
-                }
-            begin = end;
-        }
-        if (shadows_ > 0) trace_shadows();
-    }
-
-    /// Samples a light for each path, then its next direction.
-    template <class Bsdf>
-    void shade(std::size_t begin, std::size_t end)
-    {
-        for (std::size_t i = begin; i < end; i += lanes) shade_gang<Bsdf>(i, first_lanes(end - i));
-    }
-
-    template <class Bsdf>
-    [[gnu::always_inline]] void shade_gang(std::size_t i, Mask valid)
-    {
-        PathPool& p = *paths_;
-        const SampleKey key{p.integer(PathPool::pixel_hash, i), p.integer(PathPool::reversed_index, i)};
-        const UInt state = p.integer(PathPool::state, i);
-        const UInt bounce = state & UInt(PathPool::bounce_mask);
-        const UInt seed = group_seed(key, bounce + UInt(1u));
-        // The light's point and the next direction are never multiplied with each other.
-        const UInt index = shuffled_index(key, seed);
-        const Vec3 d = p.vector(PathPool::direction, i);
-        const Float t = load(&packed_hits_.t[i]);
-        const Float time = has_time_ ? p.number(PathPool::time, i) : Float(0);
-        Spectrum throughput = p.spectrum(PathPool::throughput, i);
-
-        // The surface, its normals turned to the side that the path is on.
-        Vec3 hit_point, ng, ns;
-        Float extent;
-        MaterialPoint m;
-        const SurfaceHit hit{p.vector(PathPool::origin, i),
-                             d,
-                             t,
-                             load(&packed_hits_.u[i]),
-                             load(&packed_hits_.v[i]),
-                             time,
-                             load(&packed_hits_.primitive[i]),
-                             scene_.is_flat ? UInt(no_index) : load(&packed_hits_.instance[i])};
-        Surface s = surfaces_.read(hit, valid);
-        const UInt material = surfaces_.material_of(s.shape, valid);
-        const Float facing = -dot(d, s.ng);
-        m = surfaces_.material(s, material, facing > Float(0), valid);
-        hit_point = s.p;
-        extent = s.extent;
-        ng = flip_sign(s.ng, facing);
-        ns = flip_sign(s.ns, facing);
-        // Seen from behind its shading normal, a surface shows its geometric one.
-        ns = select(dot(d, ns) < Float(-1e-4f), ns, ng);
-        if (scene_.has_absorption) throughput = absorb(throughput, material, t, facing <= Float(0), valid);
-        const Frame frame(ns);
-        const Bsdf bsdf(m);
-        const Vec3 wo = upper(frame.to_local(-d));
-        const auto start = [&](Vec3 wi) {
-            const Vec3 side = Bsdf::transmits ? flip_sign(ng, dot(wi, ng)) : ng;
-            return offset_origin(hit_point, side, extent);
-        };
-
-        if (lights_are_sampled_) {
-            // Lights are seen from where the shadow ray starts: right at the surface a light that passes through it, or
-            // a distance that ends behind the light, would be one of rounding.
-            const Vec3 eye = offset_origin(hit_point, ng, extent);
-            const Sample2 random = sample_2d(index, pair_seed(seed, pair_light));
-            const LightSample sample = lights_.sample(valid, eye, key, seed, random, time);
-            light_gang(i, valid, m, bsdf, frame, wo, ng, eye, start, throughput, sample, time);
-        }
-
-        const Float choice = sample_2d(key, pair_seed(seed, pair_choice)).x;
-        const BsdfSample next = bsdf.sample(wo, sample_2d(index, pair_seed(seed, pair_bsdf)), choice);
-        const Vec3 wi = frame.to_world(next.wi);
-        throughput = throughput * next.weight;
-        // A shading normal must not send light through the surface, nor keep it from passing.
-        const Float side = dot(wi, ng);
-        throughput = select(equal(side > Float(0), next.wi.z > Float(0)), throughput, Spectrum(Float(0)));
-        UInt next_state = (state & UInt(~PathPool::specular)) + UInt(1u);
-        next_state = select(next.is_delta, next_state | UInt(PathPool::specular), next_state);
-        Float eta_scale(1.f);
-        if (has_glass_) {
-            eta_scale = p.number(PathPool::eta_scale, i) * next.eta * next.eta;
-            p.set(PathPool::eta_scale, i, eta_scale, valid);
-        }
-        const Mask ends = end_some(settings_, key, seed, bounce, eta_scale, throughput);
-        next_state = select(ends, next_state | UInt(PathPool::dead), next_state);
-        p.set(PathPool::origin, i, start(wi), valid);
-        p.set(PathPool::direction, i, wi, valid);
-        p.set(PathPool::throughput, i, throughput, valid);
-        p.set(PathPool::bsdf_pdf, i, next.pdf, valid);
-        p.set(PathPool::state, i, next_state, valid);
-    }
-
-    /// Directions that rounding put below the horizon come back above it.
-    static Vec3 upper(Vec3 w) { return {w.x, w.y, max(w.z, Float(1e-4f))}; }
-
-    /// What is left after the way through the material's inside.
-    Spectrum absorb(Spectrum throughput, UInt material, Float t, Mask inside, Mask m) const
-    {
-        const Spectrum sigma = surfaces_.material_spectrum(offsetof(MaterialTable, absorption), material, m & inside);
-        for (int c = 0; c < channels; ++c)
-            throughput.c[c] = throughput.c[c] * select(inside, exp(-(sigma.c[c] * t)), Float(1));
-        return throughput;
-    }
-
-    /// Adds a light sample's contribution if nothing is in the way.
-    template <class Bsdf, class Start>
-    [[gnu::always_inline]] void light_gang(std::size_t i, Mask valid, const MaterialPoint& m, const Bsdf& bsdf,
-                                           const Frame& frame, Vec3 wo, Vec3 ng, Vec3 eye, const Start& start,
-                                           const Spectrum& throughput, const LightSample& s, Float time)
-    {
-        PathPool& p = *paths_;
-        Mask lit = valid & (s.inverse_pdf > Float(0));
-        const Vec3 wi = frame.to_local(s.wi);
-        lit &= bsdf.has_smooth() & equal(wi.z > Float(0), dot(s.wi, ng) > Float(0));
-        if (!Bsdf::transmits) lit &= wi.z > Float(0);
-        const BsdfEval e = bsdf.eval(wo, wi);
-        const Float r = e.pdf * s.inverse_pdf;
-        const Float weight = select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * s.inverse_pdf;
-        const Spectrum add = throughput * e.f_cos * s.radiance * weight;
-        lit &= any_positive(add);
-        if (none(lit)) return;
-        counters_.rays += std::uint64_t(count(lit));
-        const Vec3 o = Bsdf::transmits ? start(s.wi) : eye;
-        // On the surface's other side the way is longer or shorter.
-        const Float distance = Bsdf::transmits ? s.distance + dot(eye - o, s.wi) : s.distance;
-        const Float t_max = distance * Float(1 - 0x1p-16f);
-        if (scene_.is_flat) {
-            const Mask clear = lit & !scene_.flat.occluded(tables_, Ray{o, s.wi, t_max, time}, lit);
-            p.set(PathPool::radiance, i, p.spectrum(PathPool::radiance, i) + select(clear, add, Spectrum(Float(0))),
-                  valid);
-            return;
-        }
-        const auto keep = [&](int field, Float value) { compress_store(&shadow_data_[field][shadows_], value, lit); };
-        keep(0, o.x), keep(1, o.y), keep(2, o.z), keep(3, s.wi.x), keep(4, s.wi.y), keep(5, s.wi.z), keep(6, t_max),
-            keep(7, time);
-        for (int c = 0; c < channels; ++c) keep(8 + c, add.c[c]);
-        compress_store(&shadow_path_[shadows_], iota() + UInt(std::uint32_t(i)), lit);
-        shadows_ += std::size_t(count(lit));
-    }
-
-    /// Adds the contributions of the shadow rays that nothing blocks.
-    void trace_shadows()
-    {
-        const auto& s = shadow_data_;
-        scene_.bvh.occluded({s[0], s[1], s[2], s[3], s[4], s[5], s[6], has_time_ ? s[7] : nullptr, shadows_}, blocked_,
-                            false);
-        PathPool& p = *paths_;
-        for (std::size_t k = 0; k < shadows_; ++k)
-            if (!blocked_[k])
-                for (int c = 0; c < channels; ++c) p.data[PathPool::radiance + c][shadow_path_[k]] += s[8 + c][k];
-    }
-
     const LaneScene& scene_;
     const SceneTables& tables_;
     const SurfaceReader surfaces_;
     const LightChoice lights_;
     const KernelSettings& settings_;
+    const bool lights_are_sampled_;
     const CameraPaths camera_paths_;
     FirstHits first_hits_;
     TileSums& sums_;
     KernelCounters& counters_;
-    bool has_time_ = false, has_glass_ = false, lights_are_sampled_ = false;
+    bool has_time_ = false;
     int travelling_fields_ = 0;
-    std::uint32_t next_ = 0;  ///< number of the job's next path
-    std::size_t shadows_ = 0;
+    std::uint32_t next_ = 0;                                   ///< number of the job's next path
     std::size_t kind_end_[std::size_t(BsdfKind::count)] = {};  ///< in the packed pool, by kind
 
-    static constexpr std::size_t padded = PathPool::capacity + 32;
+    static constexpr std::size_t padded = PathPool::padded;
     PathPool pools_[2];
     PathPool *paths_ = &pools_[0], *spare_ = &pools_[1];
     HitArrays hits_, packed_hits_;
+    ShadeStage shade_;
     alignas(64) std::uint32_t kinds_[padded];
-    alignas(64) float shadow_data_[8 + channels][padded];
-    std::uint32_t shadow_path_[padded], blocked_[padded];
     std::uint32_t emitting_[padded], missing_[padded], finished_[padded];
 };
 

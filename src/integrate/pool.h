@@ -30,6 +30,7 @@ struct PathFields {
 /// The fields of PathPool.
 struct PathPoolLayout {
     static constexpr int capacity = 512;
+    static constexpr std::size_t padded = capacity + 32;  ///< with room behind for whole registers
 
     enum Field {
         origin = 0,
@@ -46,8 +47,8 @@ struct PathPoolLayout {
     };
 };
 
-/// Paths under way, with room behind for whole registers.
-struct PathPool : PathPoolLayout, PathFields<PathPoolLayout::field_count, PathPoolLayout::capacity + 32> {
+/// Paths under way.
+struct PathPool : PathPoolLayout, PathFields<PathPoolLayout::field_count, PathPoolLayout::padded> {
     /// `state` holds the bounce in its low 16 bits, above it the pixel (its place in the job), and:
     static constexpr std::uint32_t bounce_mask = 0xffff;
     static constexpr int pixel_shift = 16;
@@ -95,7 +96,7 @@ struct PathPool : PathPoolLayout, PathFields<PathPoolLayout::field_count, PathPo
 
 /// What tracing the pool gave, one entry a path.
 struct HitArrays {
-    static constexpr std::size_t padded = PathPool::capacity + 32;
+    static constexpr std::size_t padded = PathPool::padded;
     alignas(64) float t[padded], u[padded], v[padded];
     alignas(64) std::uint32_t primitive[padded], instance[padded];
 };

@@ -41,6 +41,7 @@ struct LaneScene final : KernelScene {
     void surface(const RayArrays& rays, const HitArraysOut& hits, float* const points[3],
                  float* const normals[3]) const override;
 
+    bool has_kind(BsdfKind kind) const { return kinds >> std::uint32_t(kind) & 1; }
     /// shape_info of what was hit; 0 outside the mask.
     UInt info_of(UInt primitive, UInt instance, Mask m) const;
 };
