@@ -17,6 +17,20 @@ inline Mask part_of(RayMask rays, int part)
     return mask_from_bits(std::uint32_t(rays >> part * lanes) & std::uint32_t((RayMask(1) << lanes) - 1));
 }
 
+inline int parts_with(RayMask rays)
+{
+    int n = 0;
+    for (int k = 0; k < stream_size / lanes; ++k) n += holds_any(rays, k);
+    return n;
+}
+
+/// Whether vectors of rays against so many boxes of a node take less time than each ray alone against all of them.
+/// tests_alone  of a vector against a box take as long as the latter; measured
+inline bool are_many(RayMask rays, int boxes, int tests_alone)
+{
+    return tests_alone * std::popcount(rays) >= boxes * parts_with(rays);
+}
+
 /// Those of the rays that have the octant and axis of the first of them.
 inline RayMask alike(const PreparedRays* all, RayMask rays)
 {

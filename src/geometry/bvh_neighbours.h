@@ -67,13 +67,6 @@ private:
     static constexpr int parts = stream_size / lanes;
     static constexpr int few = 3;
 
-    static int parts_with(RayMask rays)
-    {
-        int n = 0;
-        for (int k = 0; k < parts; ++k) n += holds_any(rays, k);
-        return n;
-    }
-
     /// Whether vectors of rays against each triangle take less time than each ray against all at once. Measured.
     bool is_crowded(const PacketEntry& leaf) const
     {
@@ -166,13 +159,6 @@ private:
         stream_.defer(ray, reference, 0);
     }
 
-    /// Whether vectors of rays against so many boxes take less time than each ray alone against all boxes of the node.
-    static bool are_many(RayMask rays, int boxes)
-    {
-        constexpr int tests_alone = 4;  // that take as long as a ray alone; measured
-        return tests_alone * std::popcount(rays) >= boxes * parts_with(rays);
-    }
-
     int visit_node(const PacketEntry& entry, int size)
     {
         const BvhNode& node = bvh_.nodes[entry.reference];
@@ -185,7 +171,7 @@ private:
                      (Float(low_[axis]) <= load(node.bounds[3 + axis] + k * lanes));
             met |= mask_bits(m) << k * lanes;
         }
-        if (!are_many(rays, std::popcount(met))) {
+        if (!are_many(rays, std::popcount(met), 4)) {
             defer(entry);
             return size;
         }

@@ -49,11 +49,11 @@ public:
             if (rays == 0) continue;
             const bool is_node = BvhReference::is_node(entry.reference);
             if (are_few(rays, is_node)) {
-                for (RayMask m = rays; m; m &= m - 1) defer(std::countr_zero(m), entry.reference, entry.t);
+                defer({rays, entry.reference, entry.t});
             } else if (!is_node && !BvhReference::is_triangles(entry.reference)) {
                 visit_other(entry.reference, entry.t, rays, size);
             } else if (is_node) {
-                size = visit_node(entry.reference, rays, size);
+                size = visit_node({rays, entry.reference, entry.t}, size);
             } else {
                 visit_leaf(entry.reference, rays);
             }
@@ -76,9 +76,7 @@ private:
     {
         if (moving) return std::popcount(rays) <= few_moving;
         if (!any_hit) return std::popcount(rays) <= (is_node ? 6 : 3);
-        int parts_in_use = 0;
-        for (int k = 0; k < parts; ++k) parts_in_use += holds_any(rays, k);
-        return std::popcount(rays) <= 1 + (is_node ? 3 : 2) * parts_in_use;
+        return std::popcount(rays) <= 1 + (is_node ? 3 : 2) * parts_with(rays);
     }
     const PreparedRays& part(int i) const { return within ? memory_.together[i] : memory_.world[i]; }
     std::uint32_t instance() const { return within ? space_.instance : no_index; }
@@ -105,6 +103,10 @@ private:
         }
     }
 
+    void defer(const PacketEntry& entry)
+    {
+        for (RayMask m = entry.rays; m; m &= m - 1) defer(std::countr_zero(m), entry.reference, entry.t);
+    }
     void defer(int ray, std::uint32_t reference, float t)
     {
         if (!stream_.defer(ray, reference, t)) make_room(ray, reference, t);
@@ -205,10 +207,10 @@ private:
         return count;
     }
 
-    int visit_node(std::uint32_t reference, RayMask rays, int size)
+    int visit_node(const PacketEntry& entry, int size)
     {
+        const auto [rays, reference, t] = entry;
         const BvhNode& node = bvh_.nodes[moving ? BvhReference::node(reference) : reference];
-        memory_.visits.nodes += std::uint64_t(std::popcount(rays));
         const float* const bounds = node.bounds[0];
         // What the boxes change by; none: they stand still.
         const float* const change = moving && BvhReference::is_moving(reference) ? (&node)[1].bounds[0] : nullptr;
@@ -241,6 +243,11 @@ private:
         alignas(64) float met_t[2 * bvh_width];
         const int count = any_hit ? slots_met(box, met, met_t)
                                   : push_in_order({met, met_t}, 0, aligned_slots.data(), node.order[octant_], box);
+        if (any_hit && !moving && !are_many(rays, count, 4)) {
+            defer(entry);
+            return size;
+        }
+        memory_.visits.nodes += std::uint64_t(std::popcount(rays));
         for (int i = 0; i < count; ++i) {
             const std::uint32_t slot = met[i];
             if (moving && change) {
