@@ -1,7 +1,6 @@
 #pragma once
 /// What is common to rays that keep together: a box or triangle that their intervals rule out, none of them meets.
 #include <algorithm>
-#include <cstring>
 
 #include "geometry/bvh_hits.h"
 
@@ -25,9 +24,9 @@ inline int parts_with(RayMask rays)
 }
 
 /// Whether vectors of rays against so many boxes of a node take less time than each ray alone against all of them.
-/// tests_alone  of a vector against a box take as long as the latter; measured
-inline bool are_many(RayMask rays, int boxes, int tests_alone)
+inline bool are_many(RayMask rays, int boxes)
 {
+    constexpr int tests_alone = 4;  // of a vector against a box take as long as a ray alone; measured
     return tests_alone * std::popcount(rays) >= boxes * parts_with(rays);
 }
 

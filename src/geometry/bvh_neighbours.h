@@ -80,11 +80,7 @@ private:
         const std::ptrdiff_t n = BvhReference::triangle_count(entry.reference);
         const float* const data = &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(entry.reference))];
         Float low[3], high[3];
-        for (int axis = 0; axis < 3; ++axis) {
-            const float* const p = data + axis * n;
-            const Float a = load(p), b = load(p + 3 * n), c = load(p + 6 * n);
-            low[axis] = min(min(a, b), c), high[axis] = max(max(a, b), c);
-        }
+        triangle_boxes(data, n, low, high);
         meet_triangles(entry, int(n), low, high, n,
                        [&](int i, std::ptrdiff_t vertex) { return data + i + 3 * vertex * n; });
     }
@@ -171,7 +167,7 @@ private:
                      (Float(low_[axis]) <= load(node.bounds[3 + axis] + k * lanes));
             met |= mask_bits(m) << k * lanes;
         }
-        if (!are_many(rays, std::popcount(met), 4)) {
+        if (!are_many(rays, std::popcount(met))) {
             defer(entry);
             return size;
         }

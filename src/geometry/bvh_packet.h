@@ -141,7 +141,7 @@ private:
                 return visit_instance(BvhReference::place(reference), rays, size);
         if (BvhReference::is_indexed_triangles(reference)) return visit_indexed_leaf(reference, rays);
         // Each ray for itself, but now: what lies behind need not be visited if something is hit.
-        for (RayMask m = rays; m; m &= m - 1) defer(std::countr_zero(m), reference, t);
+        defer({rays, reference, t});
         finish(rays);
     }
 
@@ -243,7 +243,7 @@ private:
         alignas(64) float met_t[2 * bvh_width];
         const int count = any_hit ? slots_met(box, met, met_t)
                                   : push_in_order({met, met_t}, 0, aligned_slots.data(), node.order[octant_], box);
-        if (any_hit && !moving && !are_many(rays, count, 4)) {
+        if (any_hit && !moving && !are_many(rays, count)) {
             defer(entry);
             return size;
         }
@@ -338,11 +338,7 @@ private:
         const float* const data = &bvh_.triangles[9 * std::size_t(first)];
         memory_.visits.primitives += std::uint64_t(n * std::popcount(rays));
         Float low[3], high[3];
-        for (int axis = 0; axis < 3; ++axis) {
-            const float* const p = data + axis * n;
-            const Float a = load(p), b = load(p + 3 * n), c = load(p + 6 * n);
-            low[axis] = min(min(a, b), c), high[axis] = max(max(a, b), c);
-        }
+        triangle_boxes(data, n, low, high);
         const Mask triangles = first_lanes(std::size_t(n));
         bool found = false;
         for (int k = 0; k < parts; ++k) {

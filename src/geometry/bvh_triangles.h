@@ -14,6 +14,16 @@ struct WeighedTriangles {
     Vec3 corners_z() const { return load_vec3(z[0], z[1], z[2]); }
 };
 
+/// The boxes of a leaf's n triangles, a lane each.
+[[gnu::always_inline]] inline void triangle_boxes(const float* data, std::ptrdiff_t n, Float low[3], Float high[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        const float* const p = data + axis * n;
+        const Float a = load(p), b = load(p + 3 * n), c = load(p + 6 * n);
+        low[axis] = min(min(a, b), c), high[axis] = max(max(a, b), c);
+    }
+}
+
 /// F: Float, or half of one.
 template <class F>
 [[gnu::always_inline]] inline F load_as(const float* p)
