@@ -24,7 +24,6 @@ void add_render(CLI::App& app, Run& run);
 void add_merge(CLI::App& app, Run& run);
 void add_info(CLI::App& app, Run& run);
 void add_view(CLI::App& app, Run& run);
-void add_bench(CLI::App& app, Run& run);
 void add_version(CLI::App& app, Run& run);
 
 /// Reads the command line, does what it says, prints what went wrong; returns the exit code.

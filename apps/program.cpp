@@ -44,7 +44,6 @@ int run_program(int argc, char** argv)
     add_merge(app, run);
     add_info(app, run);
     add_view(app, run);
-    add_bench(app, run);
     add_version(app, run);
     try {
         app.parse(argc, argv);

@@ -24,7 +24,7 @@ double seconds(int threads, const std::function<void()>& f)
     return now(threads) - start;
 }
 
-Bvh build(const SceneTables& tables, const Options& options)
+Bvh build(const GeometryTables& tables, const Options& options)
 {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(options.threads));
     Bvh bvh;
@@ -32,7 +32,7 @@ Bvh build(const SceneTables& tables, const Options& options)
     return bvh;
 }
 
-std::unique_ptr<EmbreeCaster> build_embree(const SceneTables& tables, const Options& options)
+std::unique_ptr<EmbreeCaster> build_embree(const GeometryTables& tables, const Options& options)
 {
     if (!options.with_embree) return nullptr;
     const char* const isa = std::string(lanes_name) == "AVX2" ? "avx2" : "";  // no better one than ours

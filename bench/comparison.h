@@ -47,8 +47,8 @@ struct Rates {
 Rates compare(const std::string& mesh, const RaySet& set, const std::vector<Scene>& scenes, const Options& options);
 
 /// Both built on as many threads as the options say; Embree's null where only ours is to be measured.
-Bvh build(const SceneTables& tables, const Options& options);
-std::unique_ptr<EmbreeCaster> build_embree(const SceneTables& tables, const Options& options);
+Bvh build(const GeometryTables& tables, const Options& options);
+std::unique_ptr<EmbreeCaster> build_embree(const GeometryTables& tables, const Options& options);
 
 /// Of quotients run by run.
 double median_ratio(const std::vector<double>& a, const std::vector<double>& b);

@@ -19,7 +19,7 @@ std::array<float, 12> inverse_of(const std::array<float, 12>& m)
 
 }  // namespace
 
-EmbreeCaster::EmbreeCaster(const SceneTables& tables, const std::string& isa, int threads, bool robust)
+EmbreeCaster::EmbreeCaster(const GeometryTables& tables, const std::string& isa, int threads, bool robust)
 {
     const std::string config = "hugepages=1,threads=" + std::to_string(threads) + (isa.empty() ? "" : ",isa=" + isa);
     device_ = rtcNewDevice(config.c_str());
@@ -30,7 +30,7 @@ EmbreeCaster::EmbreeCaster(const SceneTables& tables, const std::string& isa, in
     const double start = now(threads);
     rtcCommitScene(mesh);
     if (mesh != scene_) {
-        for (const InstanceTable& instance : tables.instances) add_instance(mesh, tables, instance);
+        for (const InstanceRecord& instance : tables.instances) add_instance(mesh, tables, instance);
         rtcReleaseScene(mesh);  // instances keep it
         rtcCommitScene(scene_);
     }
@@ -45,7 +45,7 @@ RTCScene EmbreeCaster::new_scene(bool robust) const
     return scene;
 }
 
-void EmbreeCaster::add_mesh(RTCScene scene, const SceneTables& t) const
+void EmbreeCaster::add_mesh(RTCScene scene, const GeometryTables& t) const
 {
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     const std::size_t times = std::max<std::size_t>(1, t.vertex_times.size()), n = t.positions.size() / times;
@@ -64,7 +64,7 @@ void EmbreeCaster::add_mesh(RTCScene scene, const SceneTables& t) const
 namespace {
 
 /// Rigid ones.
-RTCQuaternionDecomposition decomposition(const PoseTable& pose)
+RTCQuaternionDecomposition decomposition(const PoseRecord& pose)
 {
     RTCQuaternionDecomposition q;
     rtcInitQuaternionDecomposition(&q);
@@ -75,7 +75,7 @@ RTCQuaternionDecomposition decomposition(const PoseTable& pose)
 
 }  // namespace
 
-void EmbreeCaster::add_instance(RTCScene mesh, const SceneTables& tables, const InstanceTable& placed) const
+void EmbreeCaster::add_instance(RTCScene mesh, const GeometryTables& tables, const InstanceRecord& placed) const
 {
     RTCGeometry instance = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, mesh);

@@ -31,7 +31,7 @@ public:
     /// One mesh of triangles, itself or where instances place it; vertices and instances may move.
     ///
     /// isa: as Embree's option of that name; empty for the machine's best. Builds with so many threads.
-    EmbreeCaster(const SceneTables& tables, const std::string& isa, int threads, bool robust);
+    EmbreeCaster(const GeometryTables& tables, const std::string& isa, int threads, bool robust);
     ~EmbreeCaster();
     EmbreeCaster(const EmbreeCaster&) = delete;
     EmbreeCaster& operator=(const EmbreeCaster&) = delete;
@@ -46,8 +46,8 @@ public:
 private:
     static bool count_memory(void* self, ssize_t bytes, bool post);
     RTCScene new_scene(bool robust) const;
-    void add_mesh(RTCScene scene, const SceneTables& tables) const;
-    void add_instance(RTCScene mesh, const SceneTables& tables, const InstanceTable& instance) const;
+    void add_mesh(RTCScene scene, const GeometryTables& tables) const;
+    void add_instance(RTCScene mesh, const GeometryTables& tables, const InstanceRecord& instance) const;
 
     RTCDevice device_ = nullptr;
     RTCScene scene_ = nullptr;

@@ -14,7 +14,7 @@ constexpr int side = 100;
 /// They stand as close as their bounds allow, and a little closer.
 Mesh in_many_places(Mesh mesh)
 {
-    SceneTables& tables = mesh.tables;
+    GeometryTables& tables = mesh.tables;
     Vec3f low = tables.positions[0], high = low;
     for (const Vec3f& p : tables.positions) {
         low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
@@ -22,7 +22,7 @@ Mesh in_many_places(Mesh mesh)
     }
     const double width = 0.9 * std::max(high.x - low.x, high.z - low.z), tall = high.y - low.y;
     const Vec3d foot{-0.5 * (low.x + high.x), -double(low.y), -0.5 * (low.z + high.z)};
-    tables.shapes[0].flags |= ShapeTable::placed;
+    tables.shapes[0].flags |= ShapeRecord::only_instanced;
     tables.world_triangles = 0;
     std::uint64_t state = 7;
     const auto uniform = [&state](double from, double to) {
@@ -39,7 +39,7 @@ Mesh in_many_places(Mesh mesh)
                                 Transform::rotate({1, 0, 0}, tilt) * Transform::scale({scale, scale, scale}) *
                                 Transform::translate(foot);
             const Transform inverse = t.inverse();
-            InstanceTable instance;
+            InstanceRecord instance;
             for (std::size_t k = 0; k < 12; ++k) instance.object_from_render[k] = float(inverse.m[k / 4][k % 4]);
             tables.instances.push_back(instance);
         }

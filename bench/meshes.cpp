@@ -14,13 +14,13 @@ namespace {
 
 void finish(Mesh& mesh)
 {
-    SceneTables& t = mesh.tables;
+    GeometryTables& t = mesh.tables;
     t.shapes.emplace_back();
     t.world_triangles = t.triangle_count();
     t.shape_of_primitive.assign(t.triangle_count(), 0);
 }
 
-View framing(const SceneTables& tables)
+View framing(const GeometryTables& tables)
 {
     Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
     for (const Vec3f& p : tables.positions) {
@@ -100,7 +100,7 @@ double height(double x, double y)
 
 void make_terrain(Mesh& mesh, std::size_t triangles)
 {
-    SceneTables& t = mesh.tables;
+    GeometryTables& t = mesh.tables;
     const std::size_t n = std::size_t(std::sqrt(double(triangles) / 2));
     for (std::size_t i = 0; i <= n; ++i)
         for (std::size_t j = 0; j <= n; ++j) {
@@ -118,7 +118,7 @@ void make_terrain(Mesh& mesh, std::size_t triangles)
 
 void make_boulder(Mesh& mesh, std::size_t triangles)
 {
-    SceneTables& t = mesh.tables;
+    GeometryTables& t = mesh.tables;
     const std::size_t n = std::size_t(std::sqrt(double(triangles) / 4));  // rows; twice as many columns
     const double pi = 3.14159265358979;
     for (std::size_t i = 0; i <= n; ++i)
@@ -139,7 +139,7 @@ void make_boulder(Mesh& mesh, std::size_t triangles)
 void make_foliage(Mesh& mesh, std::size_t triangles)
 {
     // Bunches of blades, each a strip of three slivers.
-    SceneTables& t = mesh.tables;
+    GeometryTables& t = mesh.tables;
     std::uint64_t state = 99;
     const auto uniform = [&state](double low, double high) {
         state = state * 6364136223846793005u + 1442695040888963407u;
@@ -253,7 +253,7 @@ Mesh generate(const std::string& name)
 
 void write_ply(const Mesh& mesh, const std::string& path)
 {
-    const SceneTables& t = mesh.tables;
+    const GeometryTables& t = mesh.tables;
     std::ofstream out(path, std::ios::binary);
     out << "ply\nformat binary_little_endian 1.0\nelement vertex " << t.positions.size()
         << "\nproperty float x\nproperty float y\nproperty float z\nelement face " << t.triangle_count()

@@ -2,7 +2,7 @@
 /// Meshes to measure with: read from a PLY file, or generated.
 #include <string>
 
-#include "integrate/tables.h"
+#include "geometry/records.h"
 
 namespace fathom::bench {
 
@@ -12,7 +12,7 @@ struct View {
 };
 struct Mesh {
     std::string name;
-    SceneTables tables;
+    GeometryTables tables;
     View view;
 };
 

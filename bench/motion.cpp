@@ -17,7 +17,7 @@ struct Size {
     Vec3f center;
 };
 
-Size size_of(const SceneTables& tables)
+Size size_of(const GeometryTables& tables)
 {
     Vec3f low = tables.positions[0], high = low;
     for (const Vec3f& p : tables.positions) {
@@ -28,7 +28,7 @@ Size size_of(const SceneTables& tables)
     return {std::sqrt(x * x + y * y + z * z), {(low.x + high.x) / 2, (low.y + high.y) / 2, (low.z + high.z) / 2}};
 }
 
-SceneTables with_moving_vertices(SceneTables tables)
+GeometryTables with_moving_vertices(GeometryTables tables)
 {
     const Size size = size_of(tables);
     const std::size_t n = tables.positions.size();
@@ -45,16 +45,16 @@ SceneTables with_moving_vertices(SceneTables tables)
     return tables;
 }
 
-SceneTables placed(SceneTables tables, bool moving)
+GeometryTables placed(GeometryTables tables, bool moving)
 {
     const Size size = size_of(tables);
-    tables.shapes[0].flags |= ShapeTable::placed;
+    tables.shapes[0].flags |= ShapeRecord::only_instanced;
     tables.world_triangles = 0;
-    InstanceTable instance;
+    InstanceRecord instance;
     instance.object_from_render = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     if (moving) {
         const double half = 3 * 3.14159265358979 / 360;
-        PoseTable from, to;
+        PoseRecord from, to;
         from.rotation[3] = 1;
         for (int i : {0, 3, 5}) from.stretch[i] = to.stretch[i] = 1;
         to.time = 1;
@@ -72,7 +72,7 @@ SceneTables placed(SceneTables tables, bool moving)
 
 struct Case {
     const char* name;
-    SceneTables tables;
+    GeometryTables tables;
     Bvh bvh;
     std::unique_ptr<EmbreeCaster> embree;
 };
@@ -82,7 +82,7 @@ struct Case {
 void measure_motion(const Mesh& mesh, const Options& options)
 {
     std::vector<std::unique_ptr<Case>> cases;
-    const auto add = [&](const char* name, SceneTables tables) {
+    const auto add = [&](const char* name, GeometryTables tables) {
         cases.push_back(std::make_unique<Case>(Case{name, std::move(tables), {}, {}}));
         Case& added = *cases.back();
         added.bvh = build(added.tables, options);

@@ -34,14 +34,14 @@ RayView ray_view(const View& view)
 }
 
 /// A normal of what an instance places, in the world.
-Vec3d from_object(const InstanceTable& instance, const Vec3d& n)
+Vec3d from_object(const InstanceRecord& instance, const Vec3d& n)
 {
     const auto& m = instance.object_from_render;
     const auto column = [&](std::size_t i) { return n.x * m[i] + n.y * m[4 + i] + n.z * m[8 + i]; };
     return {column(0), column(1), column(2)};
 }
 
-std::vector<RayPoint> hit_points(const SceneTables& tables, const Bvh& bvh, const RaySet& set)
+std::vector<RayPoint> hit_points(const GeometryTables& tables, const Bvh& bvh, const RaySet& set)
 {
     const std::size_t n = set.count();
     std::vector<float> t(n), u(n), v(n);

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "meshes.h"
-#include "session/ray_sets.h"
+#include "picture_rays.h"
 
 namespace fathom::bench {
 

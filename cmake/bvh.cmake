@@ -1,8 +1,8 @@
 # The acceleration structure alone, for one instruction set: tests and benchmarks link it without the kernel around it.
-set(FATHOM_BVH_SOURCES bvh.cpp bvh_binary.cpp bvh_build.cpp bvh_chunk.cpp bvh_collapse.cpp bvh_cost.cpp bvh_items.cpp
-  bvh_leaf_data.cpp bvh_morton.cpp bvh_motion.cpp bvh_reinsertion.cpp bvh_slots.cpp bvh_spatial.cpp bvh_split.cpp
-  bvh_treelet.cpp)
-list(TRANSFORM FATHOM_BVH_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/src/geometry/)
+set(FATHOM_BVH_SOURCES bvh.cpp build/binary.cpp build/build.cpp build/chunk.cpp build/collapse.cpp build/cost.cpp
+  build/items.cpp build/leaf_data.cpp build/morton.cpp build/motion.cpp build/reinsertion.cpp build/slots.cpp
+  build/spatial.cpp build/split.cpp build/treelet.cpp)
+list(TRANSFORM FATHOM_BVH_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/src/geometry/bvh/)
 
 function(fathom_bvh_library name isa)
   add_library(${name} STATIC ${FATHOM_BVH_SOURCES})

@@ -41,7 +41,7 @@ endif()
 set(FATHOM_ISA_PAIRS_base 0)
 set(FATHOM_ISA_PAIRS_x86-64-v3 1)
 set(FATHOM_ISA_PAIRS_x86-64-v4 1)
-# The same for the tree of src/geometry/bvh.h, which has 16 lanes wherever there are registers.
+# The same for the tree of src/geometry/bvh/bvh.h, which has 16 lanes wherever there are registers.
 set(FATHOM_BVH_PAIRS_base 0)
 set(FATHOM_BVH_PAIRS_x86-64-v3 1)
 set(FATHOM_BVH_PAIRS_x86-64-v4 0)

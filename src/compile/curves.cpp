@@ -47,7 +47,7 @@ std::uint32_t pieces_of(const Segment& s)
     for (const Point& p : s) radius = std::max(radius, p.r);
     const double allowed = radius / 50;
     std::uint32_t pieces = 1;
-    while (pieces < CurveTable::max_pieces && bend / 8 > allowed * pieces * pieces) pieces *= 2;
+    while (pieces < CurveRecord::max_pieces && bend / 8 > allowed * pieces * pieces) pieces *= 2;
     return pieces;
 }
 
@@ -73,7 +73,7 @@ std::size_t add_curves(SceneTables& tables, const Curves& curves, const Transfor
         if (count < order) continue;
         const std::size_t segments = (count - order) / step + 1;
         for (std::size_t i = 0; i < segments; ++i) {
-            CurveTable table;
+            CurveRecord table;
             table.u0 = float(double(i) / double(segments));
             table.u1 = float(double(i + 1) / double(segments));
             if (linear) {

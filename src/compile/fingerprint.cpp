@@ -11,7 +11,7 @@ std::uint64_t fingerprint(const SceneTables& t)
     f.add(t.shapes), f.add(t.instances), f.add(t.poses), f.add(t.vertex_times), f.add(t.materials), f.add(t.texels),
         f.add(t.lights), f.add(t.light_cdf);
     for (const auto& image : t.packed_images) f.add(image);
-    for (const TextureTable& texture : t.textures) {
+    for (const TextureRecord& texture : t.textures) {
         // Member by member where there may be padding.
         f.add(&texture.texels, sizeof texture.texels);
         f.add(&texture.uv_map, sizeof texture.uv_map);
@@ -29,8 +29,9 @@ std::uint64_t fingerprint(const SceneTables& t)
                                          texture.octaves};
         f.add(numbers, sizeof numbers);
     }
-    const EnvironmentTable& e = t.environment;
+    const EnvironmentRecord& e = t.environment;
     f.add(&e.kind, sizeof e.kind);
+    f.add(e.texels);
     f.add(&e.color, sizeof e.color), f.add(&e.bottom, sizeof e.bottom), f.add(&e.top, sizeof e.top);
     f.add(&e.environment_from_render, sizeof e.environment_from_render);
     f.add(&t.origin, sizeof t.origin), f.add(&t.render_scale, sizeof t.render_scale);

@@ -82,7 +82,7 @@ private:
         PlacedShape own = p;
         own.render_from_node = Transform();
         add_primitives(own, nullptr);
-        t_.shapes.back().flags |= ShapeTable::placed;
+        t_.shapes.back().flags |= ShapeRecord::only_instanced;
     }
 
     void add_primitives(const PlacedShape& p, const std::vector<NodeKey>* poses)
@@ -113,9 +113,9 @@ private:
     /// Nothing but positions matters: the picture of a parallelogram is that of its two triangles.
     bool is_plain(const PlacedShape& p, const Mesh& mesh) const
     {
-        const MaterialTable& m = t_.materials[material_of(*p.shape)];
+        const MaterialRecord& m = t_.materials[material_of(*p.shape)];
         const bool textured =
-            (m.flags & (MaterialTable::textured | MaterialTable::normal_mapped)) || m.emission_texture != no_index;
+            (m.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped)) || m.emission_texture != no_index;
         return mesh.normals.empty() && mesh.motion.empty() && !textured &&
                m.alpha_mode == std::uint32_t(AlphaMode::opaque);
     }
@@ -150,18 +150,18 @@ private:
     }
 
     /// For round primitives.
-    void make_opaque(ShapeTable& shape)
+    void make_opaque(ShapeRecord& shape)
     {
-        opaque_ += (shape.flags & ShapeTable::alpha_tested) != 0;
-        shape.flags &= ~std::uint32_t(ShapeTable::alpha_tested);
+        opaque_ += (shape.flags & ShapeRecord::alpha_tested) != 0;
+        shape.flags &= ~std::uint32_t(ShapeRecord::alpha_tested);
     }
 
-    ShapeTable& add_shape(const PlacedShape& p, std::uint32_t first_primitive, bool mirrored)
+    ShapeRecord& add_shape(const PlacedShape& p, std::uint32_t first_primitive, bool mirrored)
     {
-        ShapeTable shape;
+        ShapeRecord shape;
         shape.material = material_of(*p.shape);
-        if (has_alpha(shape.material)) shape.flags |= ShapeTable::alpha_tested;
-        if (mirrored) shape.flags |= ShapeTable::flipped;
+        if (has_alpha(shape.material)) shape.flags |= ShapeRecord::alpha_tested;
+        if (mirrored) shape.flags |= ShapeRecord::flipped;
         shape.first_primitive = first_primitive;
         shape.object_id = p.object_id;
         t_.shapes.push_back(shape);
@@ -179,7 +179,7 @@ private:
     void add_mesh(const PlacedShape& p, const Mesh& mesh, const Transform& transform)
     {
         const bool mirrored = transform.determinant() < 0;
-        ShapeTable& shape = add_shape(p, t_.triangle_count(), mirrored);
+        ShapeRecord& shape = add_shape(p, t_.triangle_count(), mirrored);
         const std::size_t base = t_.positions.size();
         if (base + mesh.positions.size() > 0x7fffffffu) throw Error(c_.scene.file, "", "more than 2^31 vertices");
         // Normals go by the inverse transpose; its scale does not matter.
@@ -188,7 +188,7 @@ private:
             const std::size_t first = t_.positions.size();
             for (Vec3f q : positions) t_.positions.push_back(to_float(transform.point(to_double(q))));
             if (normals.empty()) return;
-            shape.flags |= ShapeTable::has_normals;
+            shape.flags |= ShapeRecord::has_normals;
             pad(t_.normals, first);
             for (Vec3f n : normals) t_.normals.push_back(to_float(normal(inverse, to_double(n))));
         };
@@ -206,16 +206,16 @@ private:
             add_vertices(key.positions, key.normals);
         }
         if (!mesh.tangents.empty()) {
-            shape.flags |= ShapeTable::has_tangents;
+            shape.flags |= ShapeRecord::has_tangents;
             pad(t_.tangents, base);
             for (Vec4f v : mesh.tangents) {
                 const Vec3d d = normalize(transform.vector({v.x, v.y, v.z}));
                 t_.tangents.push_back({float(d.x), float(d.y), float(d.z), mirrored ? -v.w : v.w});
             }
         }
-        copy(mesh.uvs[0], t_.uv0, base, shape, ShapeTable::has_uv0);
-        copy(mesh.uvs[1], t_.uv1, base, shape, ShapeTable::has_uv1);
-        copy(mesh.colors, t_.colors, base, shape, ShapeTable::has_colors);
+        copy(mesh.uvs[0], t_.uv0, base, shape, ShapeRecord::has_uv0);
+        copy(mesh.uvs[1], t_.uv1, base, shape, ShapeRecord::has_uv1);
+        copy(mesh.colors, t_.colors, base, shape, ShapeRecord::has_colors);
         for (std::uint32_t i : mesh.indices) t_.triangles.push_back(std::uint32_t(base) + i);
         count_degenerate(t_.triangles.size() - mesh.indices.size());
         take_primitives(mesh.indices.size() / 3);
@@ -234,7 +234,7 @@ private:
         if (v.size() < size) v.resize(size);
     }
     template <class T>
-    static void copy(const std::vector<T>& from, std::vector<T>& to, std::size_t base, ShapeTable& shape,
+    static void copy(const std::vector<T>& from, std::vector<T>& to, std::size_t base, ShapeRecord& shape,
                      std::uint32_t flag)
     {
         if (from.empty()) return;
@@ -264,14 +264,14 @@ private:
 
     void add_instance(const PlacedShape& p, const Placed& all)
     {
-        InstanceTable instance;
+        InstanceRecord instance;
         instance.mesh_shape = placed_shapes_.at(placing_.content_of(*p.shape));
         instance.object_id = p.object_id;
         // A shape without primitives of its own: the material and flags of instances that agree in them.
-        ShapeTable shape = t_.shapes[instance.mesh_shape];
+        ShapeRecord shape = t_.shapes[instance.mesh_shape];
         shape.material = material_of(*p.shape);
-        shape.flags &= ~std::uint32_t(ShapeTable::alpha_tested);
-        if (has_alpha(shape.material)) shape.flags |= ShapeTable::alpha_tested;
+        shape.flags &= ~std::uint32_t(ShapeRecord::alpha_tested);
+        if (has_alpha(shape.material)) shape.flags |= ShapeRecord::alpha_tested;
         if (shape.first_primitive >= t_.first_sphere()) make_opaque(shape);
         // Never flipped: normals go by the inverse transpose, which keeps their side also where the transform mirrors.
         const auto [known, is_new] =
@@ -281,8 +281,8 @@ private:
         const Transform inverse = p.render_from_node.inverse();
         for (std::size_t i = 0; i < 12; ++i) instance.object_from_render[i] = float(inverse.m[i / 4][i % 4]);
         if (p.motion >= 0) {
-            const std::vector<PoseTable> poses = pose_tables(all.motions[std::size_t(p.motion)]);
-            if (poses.size() > InstanceTable::most_poses || t_.poses.size() > InstanceTable::most_first_pose)
+            const std::vector<PoseRecord> poses = pose_tables(all.motions[std::size_t(p.motion)]);
+            if (poses.size() > InstanceRecord::most_poses || t_.poses.size() > InstanceRecord::most_first_pose)
                 throw Error(c_.scene.file, "",
                             "motion of nodes is too complicated: more keys while the shutter is open than can be held");
             instance.poses = std::uint32_t(t_.poses.size()) << 8 | std::uint32_t(poses.size());
@@ -321,7 +321,7 @@ private:
         double factor;
         is_similarity(p.render_from_node, factor);
         make_opaque(add_shape(p, t_.first_sphere() + std::uint32_t(t_.spheres.size()), false));
-        SphereTable sphere;
+        SphereRecord sphere;
         const Vec3d center = p.render_from_node.point(s.center);
         sphere.center = to_float(center);
         sphere.radius = float(s.radius * factor);
@@ -352,12 +352,12 @@ private:
     {
         double factor;
         is_similarity(p.render_from_node, factor);
-        ShapeTable& shape = add_shape(p, t_.first_curve() + std::uint32_t(t_.curves.size()), false);
+        ShapeRecord& shape = add_shape(p, t_.first_curve() + std::uint32_t(t_.curves.size()), false);
         make_opaque(shape);
-        if (curves.basis == CurveBasis::linear) shape.flags |= ShapeTable::linear_curves;
-        if (curves.ribbons) shape.flags |= ShapeTable::ribbons;
+        if (curves.basis == CurveBasis::linear) shape.flags |= ShapeRecord::linear_curves;
+        if (curves.ribbons) shape.flags |= ShapeRecord::ribbons;
         take_primitives(fathom::add_curves(t_, curves, p.render_from_node, factor));
-        if (t_.curves.size() > CurveTable::max_segments)
+        if (t_.curves.size() > CurveRecord::max_segments)
             throw Error(c_.scene.file, "", "more than 2^27 segments of curves");
     }
     void add_points(const PlacedShape& p, const Points& points)

@@ -263,15 +263,17 @@ ImageStore::ImageStore(Compiler& c)
     for (std::size_t i = 0; i < uses.size(); ++i) {
         std::optional<Decoded>& picture = decoded[i];
         pictures.push_back(picture ? std::move(*picture) : decode_alone(c, uses[i]));
-        floats += pictures.back().floats.size();
+        if (uses[i].is_texture) floats += pictures.back().floats.size();
     }
     Decoder(c.scene, 1).check_memory(double(floats) * sizeof(float));
     c.tables.texels.reserve(floats);
     for (std::size_t i = 0; i < uses.size(); ++i) {
-        Decoded d = std::move(pictures[i]);  // its floats go when they have been copied
+        Decoded d = std::move(pictures[i]);  // its floats go when they are where they belong
         Texels& texels = texels_[uses[i].key()];
         texels = {d.format, c.tables.packed_images.size(), d.width, d.height};
-        if (d.format != TexelFormat::float4) {
+        if (!uses[i].is_texture) {
+            c.tables.environment.texels = std::move(d.floats);
+        } else if (d.format != TexelFormat::float4) {
             c.tables.packed_images.push_back(std::move(d.words));
         } else {
             texels.place = c.tables.texels.size() / 4;

@@ -22,12 +22,12 @@ public:
 
     struct Texels {
         TexelFormat format = TexelFormat::float4;
-        std::uint64_t place = 0;  ///< as TextureTable::texels
+        std::uint64_t place = 0;  ///< as TextureRecord::texels
         int width = 0, height = 0;
     };
     /// In the narrowest format that holds every value exactly: four bytes a texel for pictures of 8 bits.
     Texels texture(int image, ColorSpace space) const;
-    /// In four floats a texel, which environments are looked up in.
+    /// The size of the environment's, whose floats are EnvironmentRecord::texels.
     Texels environment(int image) const;
 
 private:

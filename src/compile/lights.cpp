@@ -8,7 +8,7 @@ namespace fathom {
 
 namespace {
 
-SpectrumTable spectrum(Color c)
+Rgb spectrum(Color c)
 {
     return {c.r, c.g, c.b};
 }
@@ -28,7 +28,7 @@ public:
     void run(const std::vector<PlacedLight>& lights)
     {
         scene_radius_ = radius();
-        for (ShapeTable& shape : t_.shapes) add_emissive(shape);
+        for (ShapeRecord& shape : t_.shapes) add_emissive(shape);
         for (const PlacedLight& light : lights) add_light(light);
         add_environment();
         make_distribution();
@@ -39,20 +39,20 @@ private:
     {
         double r = 1;
         for (const Vec3f& p : t_.positions) r = std::max(r, length(to_double(p)));
-        for (const QuadTable& q : t_.quads) r = std::max(r, length(to_double(q.corner)));
-        for (const SphereTable& s : t_.spheres)
+        for (const QuadRecord& q : t_.quads) r = std::max(r, length(to_double(q.corner)));
+        for (const SphereRecord& s : t_.spheres)
             r = std::max(r, length(to_double(s.center)) + std::abs(double(s.radius)));
         return r;
     }
 
     /// One light per primitive of a shape that emits.
-    void add_emissive(ShapeTable& shape)
+    void add_emissive(ShapeRecord& shape)
     {
         const std::uint32_t shape_index = std::uint32_t(&shape - t_.shapes.data());
-        const MaterialTable& material = t_.materials[shape.material];
-        if (!(material.flags & MaterialTable::emits) || (material.flags & MaterialTable::unlit)) return;
+        const MaterialRecord& material = t_.materials[shape.material];
+        if (!(material.flags & MaterialRecord::emits) || (material.flags & MaterialRecord::unlit)) return;
         // What moves in other ways than spheres do is found by the directions that surfaces choose, not sampled.
-        if (shape.moving_vertices > 0 || (shape.flags & ShapeTable::placed)) return;
+        if (shape.moving_vertices > 0 || (shape.flags & ShapeRecord::only_instanced)) return;
         const std::uint32_t first = shape.first_primitive;
         if (first < t_.primitive_count() && t_.shape_of_primitive[first] != shape_index) return;  // of an instance
         // So are curves, which have no sampling.
@@ -60,35 +60,35 @@ private:
         shape.light_base = std::uint32_t(t_.lights.size());
         for (std::uint32_t p = shape.first_primitive;
              p < t_.primitive_count() && t_.shape_of_primitive[p] == shape_index; ++p) {
-            LightTable light = primitive_light(p, shape.flags & ShapeTable::flipped);
+            LightRecord light = primitive_light(p, shape.flags & ShapeRecord::flipped);
             light.primitive = p;
-            const bool varied = material.emission_texture != no_index || (shape.flags & ShapeTable::alpha_tested);
+            const bool varied = material.emission_texture != no_index || (shape.flags & ShapeRecord::alpha_tested);
             light.material = varied ? shape.material : no_index;
-            light.two_sided = (material.flags & MaterialTable::two_sided_emission) != 0;
+            light.two_sided = (material.flags & MaterialRecord::two_sided_emission) != 0;
             std::copy(material.emission.begin(), material.emission.end(), light.radiance);
             // Power; a texture is taken for half as bright as its factor.
             add(light, luminance(light.radiance) * light.area * std::numbers::pi * (light.two_sided ? 2 : 1));
         }
     }
 
-    LightTable primitive_light(std::uint32_t p, bool flipped) const
+    LightRecord primitive_light(std::uint32_t p, bool flipped) const
     {
-        LightTable light;
+        LightRecord light;
         const double side = flipped ? -1 : 1;
         if (p < t_.first_quad()) {
             const std::uint32_t* v = &t_.triangles[3 * std::size_t(p)];
             const Vec3d a = to_double(t_.positions[v[0]]), u = to_double(t_.positions[v[1]]) - a,
                         w = to_double(t_.positions[v[2]]) - a;
             const Vec3d n = cross(u, w);
-            light.kind = std::uint32_t(LightTableKind::triangle);
+            light.kind = std::uint32_t(LightRecordKind::triangle);
             put(light.position, a), put(light.edge_u, u), put(light.edge_v, w);
             put(light.normal, normalize(n) * side);
             light.area = float(length(n) / 2);
         } else if (p < t_.first_sphere()) {
-            const QuadTable& q = t_.quads[p - t_.first_quad()];
+            const QuadRecord& q = t_.quads[p - t_.first_quad()];
             const Vec3d u = to_double(q.edge_u), v = to_double(q.edge_v), n = cross(u, v);
             const bool right_angle = std::abs(dot(u, v)) <= 1e-6 * length(u) * length(v);
-            light.kind = std::uint32_t(right_angle ? LightTableKind::rectangle : LightTableKind::parallelogram);
+            light.kind = std::uint32_t(right_angle ? LightRecordKind::rectangle : LightRecordKind::parallelogram);
             put(light.position, to_double(q.corner));
             put(light.edge_u, right_angle ? normalize(u) : u), put(light.edge_v, right_angle ? normalize(v) : v);
             put(light.normal, normalize(n) * side);
@@ -97,20 +97,20 @@ private:
             put(light.center, to_double(q.corner) + (u + v) * 0.5);
             light.radius = float(length(u + v));
         } else if (p < t_.first_disk()) {
-            const SphereTable& s = t_.spheres[p - t_.first_sphere()];
-            light.kind = std::uint32_t(LightTableKind::sphere);
+            const SphereRecord& s = t_.spheres[p - t_.first_sphere()];
+            light.kind = std::uint32_t(LightRecordKind::sphere);
             put(light.position, to_double(s.center)), put(light.motion, to_double(s.motion));
             light.radius = s.radius;
             light.area = float(4 * std::numbers::pi * double(s.radius) * double(s.radius));
         } else if (p >= t_.first_point()) {
             const Vec4f& point = t_.points[p - t_.first_point()];
-            light.kind = std::uint32_t(LightTableKind::sphere);
+            light.kind = std::uint32_t(LightRecordKind::sphere);
             put(light.position, {point.x, point.y, point.z});
             light.radius = point.w;
             light.area = float(4 * std::numbers::pi * double(point.w) * double(point.w));
         } else {
-            const DiskTable& d = t_.disks[p - t_.first_disk()];
-            light.kind = std::uint32_t(LightTableKind::disk);
+            const DiskRecord& d = t_.disks[p - t_.first_disk()];
+            light.kind = std::uint32_t(LightRecordKind::disk);
             put(light.position, to_double(d.center)), put(light.normal, to_double(d.normal));
             light.radius = d.radius;
             light.area = float(std::numbers::pi * double(d.radius) * double(d.radius));
@@ -121,14 +121,14 @@ private:
     void add_light(const PlacedLight& placed)
     {
         const Light& l = *placed.light;
-        LightTable light;
+        LightRecord light;
         light.two_sided = 1;
-        const SpectrumTable intensity = spectrum(l.intensity);
+        const Rgb intensity = spectrum(l.intensity);
         std::copy(intensity.begin(), intensity.end(), light.radiance);
         put(light.position, placed.render_from_node.point({0, 0, 0}));
         put(light.edge_u, normalize(placed.render_from_node.vector({0, 0, -1})));
         if (l.kind == LightKind::directional) {
-            light.kind = std::uint32_t(LightTableKind::directional);
+            light.kind = std::uint32_t(LightRecordKind::directional);
             put(light.position, {0, 0, 0});
             if (l.angle > 0) {
                 // Irradiance E of a disk of half angle a at normal incidence is its radiance times pi sin^2 a.
@@ -141,7 +141,7 @@ private:
         }
         // Intensity is per world unit squared of distance; render space is scaled.
         for (float& r : light.radiance) r = float(r * c_.space.scale * c_.space.scale);
-        light.kind = std::uint32_t(l.kind == LightKind::spot ? LightTableKind::spot : LightTableKind::point);
+        light.kind = std::uint32_t(l.kind == LightKind::spot ? LightRecordKind::spot : LightRecordKind::point);
         light.cos_inner = float(std::cos(l.inner_angle));
         light.cos_outer = float(std::cos(l.outer_angle));
         add(light, luminance(light.radiance) * 4 * std::numbers::pi);
@@ -150,7 +150,7 @@ private:
     void add_environment()
     {
         const Environment& e = c_.scene.environment;
-        EnvironmentTable& t = t_.environment;
+        EnvironmentRecord& t = t_.environment;
         t.kind = std::uint32_t(e.kind);
         t.color = spectrum(e.color);
         t.bottom = spectrum(e.bottom);
@@ -163,8 +163,8 @@ private:
         const double mean = make_environment_distribution();
         if (mean <= 0) return;
         t.light = std::uint32_t(t_.lights.size());
-        LightTable light;
-        light.kind = std::uint32_t(LightTableKind::environment);
+        LightRecord light;
+        light.kind = std::uint32_t(LightRecordKind::environment);
         light.two_sided = 1;
         add(light, mean * std::numbers::pi * 4 * std::numbers::pi * scene_radius_ * scene_radius_ / 4);
     }
@@ -174,12 +174,12 @@ private:
     /// radiance.
     double make_environment_distribution()
     {
-        EnvironmentTable& t = t_.environment;
+        EnvironmentRecord& t = t_.environment;
         const int w = t.width, h = t.height;
         const auto value = [&](int x, int y) {
             x = (x + w) % w;
             y = std::clamp(y, 0, h - 1);
-            const float* texel = &t_.texels[(t.texels + std::uint64_t(y) * std::uint64_t(w) + std::uint64_t(x)) * 4];
+            const float* texel = &t.texels[(std::uint64_t(y) * std::uint64_t(w) + std::uint64_t(x)) * 4];
             const float c[3] = {texel[0] * t.color[0], texel[1] * t.color[1], texel[2] * t.color[2]};
             return std::max(0.0, luminance(c));
         };
@@ -209,7 +209,7 @@ private:
         return total / weight;
     }
 
-    void add(const LightTable& light, double power)
+    void add(const LightRecord& light, double power)
     {
         t_.lights.push_back(light);
         powers_.push_back(power);

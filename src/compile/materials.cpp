@@ -8,14 +8,14 @@ namespace fathom {
 
 namespace {
 
-SpectrumTable spectrum(Color c)
+Rgb spectrum(Color c)
 {
     return {c.r, c.g, c.b};
 }
 
-TextureTable compile_texture(Compiler& c, ImageStore& images, const Texture& texture)
+TextureRecord compile_texture(Compiler& c, ImageStore& images, const Texture& texture)
 {
-    TextureTable t;
+    TextureRecord t;
     t.kind = std::uint32_t(texture.kind);
     if (texture.kind == TextureKind::image && texture.image >= 0) {
         const ImageStore::Texels texels = images.texture(texture.image, texture.color_space);
@@ -66,23 +66,23 @@ std::uint32_t texture_id(int index)
     return index < 0 ? no_index : std::uint32_t(index);
 }
 
-MaterialTable compile_material(Compiler& c, const Material& m)
+MaterialRecord compile_material(Compiler& c, const Material& m)
 {
-    MaterialTable t;
+    MaterialRecord t;
     t.bsdf = std::uint32_t(bsdf_kind(m));
     t.base_color = spectrum(m.base_color.value);
     t.base_texture = texture_id(m.base_color.texture);
     if (m.kind == MaterialKind::glass) {
         t.base_color = spectrum(m.transmission_color.value);
         t.base_texture = texture_id(m.transmission_color.texture);
-        if (m.thin) t.flags |= MaterialTable::thin;
+        if (m.thin) t.flags |= MaterialRecord::thin;
     }
     t.emission = spectrum(m.emission.value);
     t.emission_texture = texture_id(m.emission.texture);
     if (m.kind == MaterialKind::unlit) {
         t.emission = t.base_color;
         t.emission_texture = t.base_texture;
-        t.flags |= MaterialTable::unlit;
+        t.flags |= MaterialRecord::unlit;
     }
     t.roughness = m.roughness.value;
     t.roughness_texture = texture_id(m.roughness.texture);
@@ -105,13 +105,13 @@ MaterialTable compile_material(Compiler& c, const Material& m)
             const float color = std::max(i == 0 ? a.r : i == 1 ? a.g : a.b, 1e-6f);
             t.absorption[i] = float(-std::log(double(color)) / (m.attenuation_distance * c.space.scale));
         }
-    if (m.use_vertex_color) t.flags |= MaterialTable::vertex_colored;
+    if (m.use_vertex_color) t.flags |= MaterialRecord::vertex_colored;
     if (t.base_texture != no_index || t.roughness_texture != no_index || t.metallic_texture != no_index ||
         m.use_vertex_color)
-        t.flags |= MaterialTable::textured;
-    if (t.normal_texture != no_index) t.flags |= MaterialTable::normal_mapped;
-    if (std::max({t.emission[0], t.emission[1], t.emission[2]}) > 0) t.flags |= MaterialTable::emits;
-    if (m.emission_two_sided || m.kind == MaterialKind::unlit) t.flags |= MaterialTable::two_sided_emission;
+        t.flags |= MaterialRecord::textured;
+    if (t.normal_texture != no_index) t.flags |= MaterialRecord::normal_mapped;
+    if (std::max({t.emission[0], t.emission[1], t.emission[2]}) > 0) t.flags |= MaterialRecord::emits;
+    if (m.emission_two_sided || m.kind == MaterialKind::unlit) t.flags |= MaterialRecord::two_sided_emission;
     return t;
 }
 
@@ -124,10 +124,8 @@ void compile_materials(Compiler& c)
     for (const Material& material : c.scene.materials) c.tables.materials.push_back(compile_material(c, material));
     // The last one stands for shapes without a material.
     c.tables.materials.push_back(compile_material(c, Material{}));
-    // Environment images lie among the texels too.
     if (c.scene.environment.kind == EnvironmentKind::image && c.scene.environment.image >= 0) {
         const ImageStore::Texels texels = images.environment(c.scene.environment.image);
-        c.tables.environment.texels = texels.place;
         c.tables.environment.width = texels.width;
         c.tables.environment.height = texels.height;
     }

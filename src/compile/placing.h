@@ -29,7 +29,7 @@ private:
     const Mesh& mesh_of(MeshInstance m) const { return c_.scene.meshes[std::size_t(m.mesh)]; }
     bool emits(const Shape& shape) const
     {
-        return c_.tables.materials[material_index(c_.tables, shape)].flags & MaterialTable::emits;
+        return c_.tables.materials[material_index(c_.tables, shape)].flags & MaterialRecord::emits;
     }
     void find_vertex_times();
     void count_uses();

@@ -71,9 +71,9 @@ std::vector<NodeKey> fit_poses(const std::function<Transform(double)>& at, const
     return PoseFitter(at, content).fit(times);
 }
 
-std::vector<PoseTable> pose_tables(const std::vector<NodeKey>& poses)
+std::vector<PoseRecord> pose_tables(const std::vector<NodeKey>& poses)
 {
-    std::vector<PoseTable> tables(poses.size());
+    std::vector<PoseRecord> tables(poses.size());
     std::array<double, 4> before{};
     for (std::size_t i = 0; i < poses.size(); ++i) {
         Pose pose = pose_of(poses[i].parent_from_node);
@@ -82,7 +82,7 @@ std::vector<PoseTable> pose_tables(const std::vector<NodeKey>& poses)
         // A quaternion and its opposite are one rotation: the shorter way.
         if (cosine < 0)
             for (double& q : pose.rotation) q = -q;
-        PoseTable& t = tables[i];
+        PoseRecord& t = tables[i];
         t.time = float(poses[i].time);
         t.translation[0] = float(pose.translation.x);
         t.translation[1] = float(pose.translation.y);

@@ -7,7 +7,7 @@
 
 namespace fathom {
 
-/// Poses between which interpolation (integrate/tables.h, PoseTable) follows a motion.
+/// Poses between which interpolation (integrate/tables.h, PoseRecord) follows a motion.
 ///
 /// at       render_from_object at a time
 /// times    ascending, two or more: where the motion's pieces join
@@ -19,6 +19,6 @@ namespace fathom {
 std::vector<NodeKey> fit_poses(const std::function<Transform(double)>& at, const std::vector<double>& times,
                                const Bounds& content);
 
-std::vector<PoseTable> pose_tables(const std::vector<NodeKey>& poses);
+std::vector<PoseRecord> pose_tables(const std::vector<NodeKey>& poses);
 
 }  // namespace fathom

@@ -38,7 +38,7 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
     std::vector<std::size_t> triangles(tables.shapes.size());
     for (std::uint32_t i = tables.world_triangles; i < tables.first_quad(); ++i)
         ++triangles[tables.shape_of_primitive[i]];
-    for (const InstanceTable& instance : tables.instances) s.triangles += triangles[instance.mesh_shape];
+    for (const InstanceRecord& instance : tables.instances) s.triangles += triangles[instance.mesh_shape];
     s.primitives = tables.primitive_count();
     s.instances = tables.instances.size();
     s.lights = tables.lights.size();
@@ -47,7 +47,8 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
                      bytes(tables.uv0) + bytes(tables.uv1) + bytes(tables.triangles) + bytes(tables.quads) +
                      bytes(tables.shape_of_primitive) + bytes(tables.shapes) + bytes(tables.instances) +
                      bytes(tables.curves) + bytes(tables.curve_points) + bytes(tables.points) + bytes(tables.poses) +
-                     bytes(tables.texels) + bytes(tables.lights) + kernel.memory_bytes();
+                     bytes(tables.texels) + bytes(tables.environment.texels) + bytes(tables.lights) +
+                     kernel.memory_bytes();
     for (const auto& image : tables.packed_images) s.memory_bytes += bytes(image);
     return s;
 }
@@ -125,10 +126,10 @@ void Scene::set_camera(const Camera& camera)
     data_->camera = camera;
 }
 
-CameraTable Scene::Data::camera_table(int width, int height) const
+CameraRecord Scene::Data::camera_table(int width, int height) const
 {
     const double scale = tables->render_scale;
-    CameraTable t;
+    CameraRecord t;
     const Vec3d forward = normalize(camera.look_at - camera.position);
     Vec3d right = cross(forward, camera.up);
     // Looking along `up`: any other direction will do.
@@ -151,7 +152,7 @@ CameraTable Scene::Data::camera_table(int width, int height) const
 
 std::string Scene::Data::key(int width, int height) const
 {
-    const CameraTable table = camera_table(width, height);
+    const CameraRecord table = camera_table(width, height);
     Fingerprint f;
     f.add(&table, sizeof table);
     return fmt::format("{:016x}{:016x}", fingerprint, f.value());

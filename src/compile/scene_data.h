@@ -14,7 +14,7 @@ struct Scene::Data {
     std::unique_ptr<KernelScene> kernel;
     std::uint64_t fingerprint = 0;  ///< of the tables, the camera left out
 
-    CameraTable camera_table(int width, int height) const;
+    CameraRecord camera_table(int width, int height) const;
     /// What two films must share to be merged: scene and camera.
     std::string key(int width, int height) const;
 };

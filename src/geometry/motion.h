@@ -1,7 +1,7 @@
 #pragma once
 /// What moves, at the time of a ray: written once for the tree, for surfaces and for tests, so that all of them see the
 /// same bits.
-#include "integrate/tables.h"
+#include "geometry/records.h"
 #include "math/elementary.h"
 #include "math/vec3.h"
 
@@ -13,7 +13,7 @@ struct KeyTime {
     Float fraction;
 };
 
-inline KeyTime vertex_key(const SceneTables& tables, Float time)
+inline KeyTime vertex_key(const GeometryTables& tables, Float time)
 {
     const std::vector<float>& times = tables.vertex_times;
     KeyTime k{UInt(0u), Float(0)};
@@ -113,7 +113,7 @@ Affine pose_at(const Number& number, UInt pose_count, Float time)
 }
 
 /// object_from_render of one instance for rays of all lanes.
-inline Affine object_from_render(const SceneTables& tables, const InstanceTable& instance, Float time)
+inline Affine object_from_render(const GeometryTables& tables, const InstanceRecord& instance, Float time)
 {
     if (instance.pose_count() == 0) {
         const auto& m = instance.object_from_render;
@@ -126,7 +126,7 @@ inline Affine object_from_render(const SceneTables& tables, const InstanceTable&
 }
 
 /// The same for an instance per lane of the mask.
-inline Affine object_from_render(const SceneTables& tables, UInt instance, Float time, Mask m)
+inline Affine object_from_render(const GeometryTables& tables, UInt instance, Float time, Mask m)
 {
     const float* base = reinterpret_cast<const float*>(tables.instances.data());
     const auto* words = reinterpret_cast<const std::uint32_t*>(tables.instances.data());
@@ -135,7 +135,7 @@ inline Affine object_from_render(const SceneTables& tables, UInt instance, Float
     const auto row = [&](int i) { return Vec3(number(i), number(i + 1), number(i + 2)); };
     Affine a{{row(0), row(4), row(8)}, {number(3), number(7), number(11)}};
     if (tables.poses.empty()) return a;
-    const UInt word = gather(words + offsetof(InstanceTable, poses) / 4, at, m);
+    const UInt word = gather(words + offsetof(InstanceRecord, poses) / 4, at, m);
     const UInt count = word & UInt(255u), first = word >> 8;
     const Mask moving = m & (count != UInt(0u));
     if (none(moving)) return a;

@@ -1,5 +1,5 @@
 #pragma once
-#include "integrate/tables.h"
+#include "geometry/records.h"
 #include "math/vec3.h"
 
 namespace fathom::inline FATHOM_LANES {

@@ -9,12 +9,12 @@
 
 #include "fathom/error.h"
 #include "import/assimp/open_module.h"
-#include "import/fathom_json.h"
+#include "import/common/load_context.h"
+#include "import/common/read_file.h"
+#include "import/fathom/fathom_json.h"
 #include "import/gltf/gltf.h"
-#include "import/load_context.h"
 #include "import/obj/obj.h"
 #include "import/ply/ply.h"
-#include "import/read_file.h"
 #include "import/stl/stl.h"
 #include "scene/check.h"
 

@@ -30,7 +30,7 @@ int wrapped(double x, int size, std::uint32_t mode)
     return int(std::min<long long>(r, 2 * size - 1 - r));
 }
 
-double texel_value(const SceneTables& tables, const TextureTable& t, std::uint64_t index, std::uint32_t channel)
+double texel_value(const SceneTables& tables, const TextureRecord& t, std::uint64_t index, std::uint32_t channel)
 {
     if (TexelFormat(t.format) == TexelFormat::float4) return double(tables.texels[(t.texels + index) * 4 + channel]);
     const std::vector<std::uint32_t>& words = tables.packed_images[t.texels];
@@ -53,7 +53,7 @@ double texel_value(const SceneTables& tables, const TextureTable& t, std::uint64
     return is_srgb ? double(tables.linear_of_srgb[code]) : code / 255.0;
 }
 
-float image_value(const SceneTables& tables, const TextureTable& t, std::uint32_t channel, float u, float v)
+float image_value(const SceneTables& tables, const TextureRecord& t, std::uint32_t channel, float u, float v)
 {
     const double x = double(u) * t.width - 0.5, y = double(v) * t.height - 0.5;
     const auto texel = [&](double tx, double ty) {
@@ -68,21 +68,21 @@ float image_value(const SceneTables& tables, const TextureTable& t, std::uint32_
 }
 
 /// At a place of a triangle or quad, which a shape of the material shows.
-float alpha_of(const SceneTables& t, const MaterialTable& m, std::uint32_t primitive, float u, float v)
+float alpha_of(const SceneTables& t, const MaterialRecord& m, std::uint32_t primitive, float u, float v)
 {
-    const ShapeTable& own = t.shapes[t.shape_of_primitive[primitive]];
+    const ShapeRecord& own = t.shapes[t.shape_of_primitive[primitive]];
     float alpha = m.alpha;
     const bool is_triangle = primitive < t.first_quad();
     const std::uint32_t* vertex = is_triangle ? &t.triangles[3 * std::size_t(primitive)] : nullptr;
     const float w = 1 - u - v;
-    if (is_triangle && (own.flags & ShapeTable::has_colors) && (m.flags & MaterialTable::vertex_colored))
+    if (is_triangle && (own.flags & ShapeRecord::has_colors) && (m.flags & MaterialRecord::vertex_colored))
         alpha *= t.colors[vertex[0]].w * w + t.colors[vertex[1]].w * u + t.colors[vertex[2]].w * v;
     if (m.alpha_texture != no_index) {
-        const TextureTable& texture = t.textures[m.alpha_texture];
+        const TextureRecord& texture = t.textures[m.alpha_texture];
         float s = u, r = 1 - v;
         if (is_triangle) {
             const auto& uv = texture.uv_set ? t.uv1 : t.uv0;
-            const bool has = own.flags & (texture.uv_set ? ShapeTable::has_uv1 : ShapeTable::has_uv0);
+            const bool has = own.flags & (texture.uv_set ? ShapeRecord::has_uv1 : ShapeRecord::has_uv0);
             s = has ? uv[vertex[0]].x * w + uv[vertex[1]].x * u + uv[vertex[2]].x * v : 0;
             r = has ? uv[vertex[0]].y * w + uv[vertex[1]].y * u + uv[vertex[2]].y * v : 0;
         }
@@ -98,7 +98,7 @@ float alpha_of(const SceneTables& t, const MaterialTable& m, std::uint32_t primi
 
 float alpha_share(const SceneTables& tables, std::uint32_t material, std::uint32_t primitive, float u, float v)
 {
-    const MaterialTable& m = tables.materials[material];
+    const MaterialRecord& m = tables.materials[material];
     if (m.alpha_mode == std::uint32_t(AlphaMode::opaque) || primitive >= tables.first_sphere()) return 1;
     const float alpha = alpha_of(tables, m, primitive, u, v);
     if (m.alpha_mode == std::uint32_t(AlphaMode::mask)) return alpha >= m.alpha_cutoff ? 1.f : 0.f;
@@ -109,7 +109,7 @@ bool alpha_passes(const void* context, std::uint32_t primitive, std::uint32_t in
 {
     const auto& t = *static_cast<const SceneTables*>(context);
     const std::uint32_t shape = instance == no_index ? t.shape_of_primitive[primitive] : t.instances[instance].shape;
-    const MaterialTable& m = t.materials[t.shapes[shape].material];
+    const MaterialRecord& m = t.materials[t.shapes[shape].material];
     const float alpha = alpha_of(t, m, primitive, u, v);
     if (m.alpha_mode == std::uint32_t(AlphaMode::mask)) return alpha >= m.alpha_cutoff;
     if (alpha >= 1) return true;

@@ -1,5 +1,5 @@
 #pragma once
-#include "integrate/tables.h"
+#include "integrate/camera_record.h"
 #include "sampling/warp.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -10,7 +10,7 @@ struct CameraRay {
 };
 
 /// The ray through the point (x, y) of the picture, from 0 to 1 and y downwards; lens and time are random.
-inline CameraRay camera_ray(const CameraTable& camera, Float x, Float y, Sample2 lens, Float time)
+inline CameraRay camera_ray(const CameraRecord& camera, Float x, Float y, Sample2 lens, Float time)
 {
     const Float sx = fma(x, Float(2), Float(-1)) * Float(camera.half_width);
     const Float sy = fma(y, Float(-2), Float(1)) * Float(camera.half_height);

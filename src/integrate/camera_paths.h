@@ -11,7 +11,8 @@ enum BouncePair : std::uint32_t { pair_light, pair_bsdf, pair_choice, pair_roule
 /// The beginnings of a job's paths, numbered pixel by pixel.
 class CameraPaths {
 public:
-    CameraPaths(const LaneScene& scene, const CameraTable& camera, const KernelSettings& settings, const KernelJob& job)
+    CameraPaths(const LaneScene& scene, const CameraRecord& camera, const KernelSettings& settings,
+                const KernelJob& job)
         : scene_(scene), camera_(camera), settings_(settings), job_(job), total_(job.pixel_count * job.samples)
     {
     }
@@ -56,7 +57,7 @@ public:
 
 private:
     const LaneScene& scene_;
-    const CameraTable& camera_;
+    const CameraRecord& camera_;
     const KernelSettings& settings_;
     const KernelJob& job_;
     std::uint32_t total_;

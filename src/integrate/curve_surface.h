@@ -1,6 +1,6 @@
 #pragma once
 /// The surface of a curve where a ray has met one of its pieces.
-#include "geometry/curve.h"
+#include "geometry/shapes/curve.h"
 #include "integrate/surface_hit.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -15,12 +15,12 @@ inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, Floa
     const auto* words = reinterpret_cast<const std::uint32_t*>(tables.curves.data());
     const float* numbers = reinterpret_cast<const float*>(words);
     const UInt at = segment << 2;
-    const UInt first = gather(words + offsetof(CurveTable, first_point) / 4, at, m);
-    const Float pieces = to_float(gather(words + offsetof(CurveTable, pieces) / 4, at, m));
-    const Float u0 = gather(numbers + offsetof(CurveTable, u0) / 4, at, m),
-                u1 = gather(numbers + offsetof(CurveTable, u1) / 4, at, m);
-    const Mask linear = (flags & UInt(ShapeTable::linear_curves)) != UInt(0u);
-    const Mask ribbon = (flags & UInt(ShapeTable::ribbons)) != UInt(0u);
+    const UInt first = gather(words + offsetof(CurveRecord, first_point) / 4, at, m);
+    const Float pieces = to_float(gather(words + offsetof(CurveRecord, pieces) / 4, at, m));
+    const Float u0 = gather(numbers + offsetof(CurveRecord, u0) / 4, at, m),
+                u1 = gather(numbers + offsetof(CurveRecord, u1) / 4, at, m);
+    const Mask linear = (flags & UInt(ShapeRecord::linear_curves)) != UInt(0u);
+    const Mask ribbon = (flags & UInt(ShapeRecord::ribbons)) != UInt(0u);
 
     const float* points = reinterpret_cast<const float*>(tables.curve_points.data());
     CurvePoint<Float> p[4];

@@ -7,8 +7,8 @@ namespace fathom::inline FATHOM_LANES {
 /// Albedo, normal, depth and the like of the first hits of camera paths.
 class FirstHits {
 public:
-    FirstHits(const LaneScene& scene, const SurfaceReader& surfaces, const CameraTable& camera, const AovPlaces& places,
-              TileSums& sums)
+    FirstHits(const LaneScene& scene, const SurfaceReader& surfaces, const CameraRecord& camera,
+              const AovPlaces& places, TileSums& sums)
         : scene_(scene), surfaces_(surfaces), camera_(camera), places_(places), sums_(sums)
     {
     }
@@ -63,7 +63,7 @@ private:
 
     const LaneScene& scene_;
     const SurfaceReader& surfaces_;
-    const CameraTable& camera_;
+    const CameraRecord& camera_;
     const AovPlaces& places_;
     TileSums& sums_;
 };

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "fathom/export.h"
+#include "fathom/tree_build.h"
 #include "film/tile_sums.h"
-#include "geometry/bvh.h"
+#include "integrate/camera_record.h"
 #include "integrate/tables.h"
 
 namespace fathom {
@@ -17,23 +18,12 @@ class KernelScene {
 public:
     virtual ~KernelScene() = default;
     virtual std::size_t memory_bytes() const = 0;
-
-    /// What the tree over the scene is like, which is built now if the kernel traces without one (a few dozen
-    /// primitives).
-    virtual const BvhStatistics& need_tree() = 0;
-    /// Rays through that tree, as Bvh casts them.
-    virtual void closest(const RayArrays& rays, const HitArraysOut& hits, bool coherent, BvhVisits& visits) const = 0;
-    virtual void occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent, BvhVisits& visits) const = 0;
-    /// Where rays met what `hits` says, and the geometric normals there, towards the rays' origins; arrays by
-    /// coordinate. All arrays are readable and writable for 32 elements past rays.count.
-    virtual void surface(const RayArrays& rays, const HitArraysOut& hits, float* const points[3],
-                         float* const normals[3]) const = 0;
 };
 
 /// What the camera sees where there is nothing, instead of the environment.
 struct KernelBackground {
     bool given = false;
-    SpectrumTable radiance{};
+    Rgb radiance{};
 };
 
 struct KernelSettings {
@@ -62,7 +52,7 @@ struct KernelCounters {
 FATHOM_API std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables> tables,
                                                           TreeBuild level = TreeBuild::standard);
 /// Adds the job's samples to `sums`, indexed by the position of the pixel in job.pixels.
-FATHOM_API void render_job(const KernelScene& scene, const CameraTable& camera, const KernelSettings& settings,
+FATHOM_API void render_job(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
                            const KernelJob& job, TileSums& sums, KernelCounters& counters);
 FATHOM_API int kernel_lanes();
 FATHOM_API const char* kernel_name();

@@ -24,7 +24,7 @@ public:
                                               Float time) const
     {
         if (is_alone_)
-            return sample_light(LightRecord<true>(tables_.lights.data(), UInt(0u)), eye, time, random, valid);
+            return sample_light(LightReader<true>(tables_.lights.data(), UInt(0u)), eye, time, random, valid);
         return choose(valid, eye, sample_2d(key, pair_seed(seed, pair_choice)).y, random, time);
     }
 
@@ -46,9 +46,9 @@ private:
     [[gnu::noinline]] LightSample choose(Mask valid, Vec3 eye, Float u, Sample2 random, Float time) const
     {
         const UInt index = detail::find_interval(tables_.light_cdf.data(), UInt(0u), int(tables_.lights.size()), u);
-        const LightRecord<false> light(tables_.lights.data(), index);
+        const LightReader<false> light(tables_.lights.data(), index);
         LightSample s = sample_light(light, eye, time, random, valid);
-        const Mask environment = is_kind(light.kind(), LightTableKind::environment);
+        const Mask environment = is_kind(light.kind(), LightRecordKind::environment);
         if (any(valid & environment)) {
             const EnvironmentSample e = sample_environment(tables_, random, valid & environment);
             s.wi = select(environment, e.wi, s.wi);
@@ -85,7 +85,7 @@ private:
         hit.u = dot(cross(r, v), n) * scale;
         hit.v = dot(cross(u, r), n) * scale;
         const Surface surface = surfaces_.read(hit, m);
-        const UInt texture = surfaces_.material_word(offsetof(MaterialTable, emission_texture), material, m);
+        const UInt texture = surfaces_.material_word(offsetof(MaterialRecord, emission_texture), material, m);
         const Texel t = evaluate_textures(tables_, texture, surface.at, m);
         Spectrum factor;
         const Float stopped = alpha_at(hit, surface, material, m);

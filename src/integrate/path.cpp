@@ -7,8 +7,8 @@
 /// never on its neighbours.
 #include <algorithm>
 
+#include "integrate/fast/quads/quad_path.h"
 #include "integrate/pool.h"
-#include "integrate/quad_path.h"
 #include "integrate/shade_stage.h"
 
 namespace fathom {
@@ -19,7 +19,7 @@ namespace {
 
 class PathTracer {
 public:
-    PathTracer(const LaneScene& scene, const CameraTable& camera, const KernelSettings& settings, const KernelJob& job,
+    PathTracer(const LaneScene& scene, const CameraRecord& camera, const KernelSettings& settings, const KernelJob& job,
                TileSums& sums, KernelCounters& counters)
         : scene_(scene),
           tables_(scene.tables),
@@ -228,12 +228,12 @@ private:
         const SurfaceHit hit = gather_hit(index, m);
         const UInt shape = surfaces_.shape_of(hit.primitive, hit.instance, m);
         const UInt material = surfaces_.material_of(shape, m);
-        const UInt flags = surfaces_.material_word(offsetof(MaterialTable, flags), material, m);
-        const UInt light_base = surfaces_.shape_word(offsetof(ShapeTable, light_base), shape, m);
+        const UInt flags = surfaces_.material_word(offsetof(MaterialRecord, flags), material, m);
+        const UInt light_base = surfaces_.shape_word(offsetof(ShapeRecord, light_base), shape, m);
         const Mask is_light = m & (light_base != UInt(no_index));
-        const UInt first = surfaces_.shape_word(offsetof(ShapeTable, first_primitive), shape, is_light);
+        const UInt first = surfaces_.shape_word(offsetof(ShapeRecord, first_primitive), shape, is_light);
         const UInt light_index = select(is_light, light_base + (hit.primitive - first), UInt(0u));
-        const Mask two_sided = (flags & UInt(MaterialTable::two_sided_emission)) != UInt(0u);
+        const Mask two_sided = (flags & UInt(MaterialRecord::two_sided_emission)) != UInt(0u);
 
         Mask shows = m & two_sided;
         const Surface s = surfaces_.read(hit, m);
@@ -242,7 +242,7 @@ private:
         const Mask specular = (p.gather_integer(PathPool::state, index, m) & UInt(PathPool::specular)) != UInt(0u);
         Float weight(1.f);
         if (const Mask shared = shows & is_light & !specular; lights_are_sampled_ && any(shared)) {
-            const LightRecord<false> light(tables_.lights.data(), light_index);
+            const LightReader<false> light(tables_.lights.data(), light_index);
             const Float pdf = p.gather_number(PathPool::bsdf_pdf, index, m);
             weight = select(
                 shared, mis_weight(pdf, light.pmf() * pdf_light(light, hit.o, hit.time, hit.d, hit.t, shared)), weight);
@@ -311,7 +311,7 @@ private:
 
 }  // namespace FATHOM_LANES
 
-void render_job(const KernelScene& scene, const CameraTable& camera, const KernelSettings& settings,
+void render_job(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
                 const KernelJob& job, TileSums& sums, KernelCounters& counters)
 {
     const auto& lane_scene = static_cast<const LaneScene&>(scene);

@@ -20,8 +20,8 @@ inline constexpr std::uint32_t max_bounces = 0x7ff0;
 /// more.
 ///
 /// bounce: how many came before this one. eta_scale: undoes refraction's scaling of radiance, which is no loss.
-[[gnu::always_inline]] inline Mask end_some(const KernelSettings& settings, const SampleKey& key, UInt seed,
-                                            UInt bounce, Float eta_scale, Spectrum& throughput)
+[[gnu::always_inline]] inline Mask apply_roulette(const KernelSettings& settings, const SampleKey& key, UInt seed,
+                                                  UInt bounce, Float eta_scale, Spectrum& throughput)
 {
     const Float largest = max_component(throughput);
     Mask ends = !(largest > Float(0));

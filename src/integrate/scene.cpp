@@ -9,33 +9,49 @@ namespace fathom {
 
 inline namespace FATHOM_LANES {
 
+namespace {
+
+ShadowTargets shadow_targets(const LightTables& tables)
+{
+    ShadowTargets targets;
+    targets.infinite = tables.environment.light != no_index;
+    for (const LightRecord& light : tables.lights) {
+        targets.places.push_back({light.position[0], light.position[1], light.position[2]});
+        targets.infinite |= light.kind == std::uint32_t(LightRecordKind::directional);
+    }
+    if (tables.lights.size() == 1) targets.only_primitive = tables.lights[0].primitive;
+    return targets;
+}
+
+}  // namespace
+
 LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
     : tables_owner(std::move(t)), tables(*tables_owner)
 {
     const bool has_alpha = std::any_of(tables.shapes.begin(), tables.shapes.end(),
-                                       [](const ShapeTable& s) { return s.flags & ShapeTable::alpha_tested; });
+                                       [](const ShapeRecord& s) { return s.flags & ShapeRecord::alpha_tested; });
     is_flat = FlatScene::fits(tables) && !has_alpha;
     if (is_flat) {
-        flat.build(tables);
+        flat.build(tables, shadow_targets(tables));
     } else {
         bvh.build(tables, level);
         if (has_alpha) bvh.set_alpha_test(&alpha_passes, &tables);
     }
-    for (const ShapeTable& shape : tables.shapes) {
-        const MaterialTable& material = tables.materials[shape.material];
+    for (const ShapeRecord& shape : tables.shapes) {
+        const MaterialRecord& material = tables.materials[shape.material];
         kinds |= 1u << material.bsdf;
-        normal_mapped |= (material.flags & MaterialTable::normal_mapped) != 0;
+        normal_mapped |= (material.flags & MaterialRecord::normal_mapped) != 0;
         for (float a : material.absorption) has_absorption |= a > 0;
         shape_info.push_back(shape.material | material.bsdf << kind_shift |
-                             (material.flags & MaterialTable::emits ? emits : 0u));
+                             (material.flags & MaterialRecord::emits ? emits : 0u));
     }
     textured = !tables.textures.empty();
     varied_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
-                                [](const LightTable& light) { return light.material != no_index; });
+                                [](const LightRecord& light) { return light.material != no_index; });
     only_diffuse_quads = is_flat && !tables.moving && !textured && tables.triangles.empty() && tables.spheres.empty() &&
                          tables.disks.empty();
-    for (const ShapeTable& shape : tables.shapes) {
-        const MaterialTable& m = tables.materials[shape.material];
+    for (const ShapeRecord& shape : tables.shapes) {
+        const MaterialRecord& m = tables.materials[shape.material];
         only_diffuse_quads &=
             m.bsdf == std::uint32_t(BsdfKind::none) || (m.bsdf == std::uint32_t(BsdfKind::diffuse) && m.roughness == 0);
     }

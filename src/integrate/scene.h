@@ -1,8 +1,8 @@
 #pragma once
-#include "geometry/bvh.h"
-#include "geometry/flat.h"
+#include "geometry/bvh/bvh.h"
+#include "geometry/flat/flat.h"
+#include "integrate/fast/quads/quad_columns.h"
 #include "integrate/kernel.h"
-#include "integrate/quad_columns.h"
 #include "sampling/filter.h"
 #include "shading/spectrum.h"
 
@@ -27,7 +27,7 @@ struct LaneScene final : KernelScene {
     std::uint32_t kinds = 0;  ///< bit per BsdfKind that occurs
     bool textured = false;    ///< uv matter somewhere
     bool normal_mapped = false;
-    bool varied_lights = false;  ///< some are not alike all over, see LightTable::material
+    bool varied_lights = false;  ///< some are not alike all over, see LightRecord::material
     bool has_absorption = false;
     bool sees_environment = false;    ///< rays that leave the scene bring something
     bool only_diffuse_quads = false;  ///< flat, smooth, without textures or motion: QuadTracer renders it
@@ -35,11 +35,6 @@ struct LaneScene final : KernelScene {
 
     LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level);
     std::size_t memory_bytes() const override;
-    const BvhStatistics& need_tree() override;
-    void closest(const RayArrays& rays, const HitArraysOut& hits, bool coherent, BvhVisits& visits) const override;
-    void occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent, BvhVisits& visits) const override;
-    void surface(const RayArrays& rays, const HitArraysOut& hits, float* const points[3],
-                 float* const normals[3]) const override;
 
     bool has_kind(BsdfKind kind) const { return kinds >> std::uint32_t(kind) & 1; }
     /// shape_info of what was hit; 0 outside the mask.
@@ -53,8 +48,8 @@ inline UInt LaneScene::info_of(UInt primitive, UInt instance, Mask m) const
     if (!tables.instances.empty()) {
         const Mask placed = m & (instance != UInt(no_index));
         const auto* words = reinterpret_cast<const std::uint32_t*>(tables.instances.data());
-        const UInt row = instance * UInt(sizeof(InstanceTable) / 4);
-        shape = select(placed, gather(words + offsetof(InstanceTable, shape) / 4, row, placed), shape);
+        const UInt row = instance * UInt(sizeof(InstanceRecord) / 4);
+        shape = select(placed, gather(words + offsetof(InstanceRecord, shape) / 4, row, placed), shape);
     }
     return gather(shape_info.data(), shape, m);
 }

@@ -136,7 +136,7 @@ private:
             eta_scale = p.number(PathPool::eta_scale, i) * next.eta * next.eta;
             p.set(PathPool::eta_scale, i, eta_scale, valid);
         }
-        const Mask ends = end_some(settings_, key, seed, bounce, eta_scale, throughput);
+        const Mask ends = apply_roulette(settings_, key, seed, bounce, eta_scale, throughput);
         next_state = select(ends, next_state | UInt(PathPool::dead), next_state);
         p.set(PathPool::origin, i, start(wi), valid);
         p.set(PathPool::direction, i, wi, valid);
@@ -151,7 +151,7 @@ private:
     /// What is left after the way through the material's inside.
     Spectrum absorb(Spectrum throughput, UInt material, Float t, Mask inside, Mask m) const
     {
-        const Spectrum sigma = surfaces_.material_spectrum(offsetof(MaterialTable, absorption), material, m & inside);
+        const Spectrum sigma = surfaces_.material_spectrum(offsetof(MaterialRecord, absorption), material, m & inside);
         for (int c = 0; c < channels; ++c)
             throughput.c[c] = throughput.c[c] * select(inside, exp(-(sigma.c[c] * t)), Float(1));
         return throughput;

@@ -18,8 +18,8 @@ public:
         const UInt own = gather(t_.shape_of_primitive.data(), primitive, m);
         if (t_.instances.empty()) return own;
         const Mask placed = m & (instance != UInt(no_index));
-        const UInt by_instance = gather(words(t_.instances.data()) + offsetof(InstanceTable, shape) / 4,
-                                        instance * UInt(sizeof(InstanceTable) / 4), placed);
+        const UInt by_instance = gather(words(t_.instances.data()) + offsetof(InstanceRecord, shape) / 4,
+                                        instance * UInt(sizeof(InstanceRecord) / 4), placed);
         return select(placed, by_instance, own);
     }
 
@@ -43,7 +43,7 @@ public:
         for (int i = 0; i < 2; ++i) s.at.u[i] = hit.u, s.at.v[i] = hit.v;
         s.ng = Vec3(Float(0), Float(0), Float(1));
 
-        const UInt flags = shape_word(offsetof(ShapeTable, flags), s.shape, m);
+        const UInt flags = shape_word(offsetof(ShapeRecord, flags), s.shape, m);
         const Mask triangle = m & less(hit.primitive, UInt(t_.first_quad()));
         const Mask quad = m & !triangle & less(hit.primitive, UInt(t_.first_sphere()));
         const Mask sphere = m & !triangle & !quad & less(hit.primitive, UInt(t_.first_disk()));
@@ -63,7 +63,7 @@ public:
         if (any(point)) read_point(hit, point, s);
         if (any(placed)) place(to_object, placed, s);
         s.extent = max(s.extent, hit.t);
-        const Float side = select((flags & UInt(ShapeTable::flipped)) != UInt(0), Float(-1), Float(1));
+        const Float side = select((flags & UInt(ShapeRecord::flipped)) != UInt(0), Float(-1), Float(1));
         s.ng = flip_sign(s.ng, side);
         // Vertex normals came with the transform already; whatever they say, the geometric normal decides the side.
         s.ns = flip_sign(s.ns, dot(s.ns, s.ng));
@@ -75,27 +75,27 @@ public:
     /// For the instance id AOV.
     UInt object_of(const SurfaceHit& hit, UInt shape, Mask m) const
     {
-        const UInt own = shape_word(offsetof(ShapeTable, object_id), shape, m);
+        const UInt own = shape_word(offsetof(ShapeRecord, object_id), shape, m);
         if (t_.instances.empty()) return own;
         const Mask placed = m & (hit.instance != UInt(no_index));
-        const std::uint32_t* ids = words(t_.instances.data()) + offsetof(InstanceTable, object_id) / 4;
+        const std::uint32_t* ids = words(t_.instances.data()) + offsetof(InstanceRecord, object_id) / 4;
         return select(placed, gather(ids, hit.instance << 4, placed), own);
     }
 
     UInt shape_word(std::size_t offset, UInt shape, Mask m) const
     {
-        return gather(words(t_.shapes.data()) + offset / 4, shape * UInt(sizeof(ShapeTable) / 4), m);
+        return gather(words(t_.shapes.data()) + offset / 4, shape * UInt(sizeof(ShapeRecord) / 4), m);
     }
-    UInt material_of(UInt shape, Mask m) const { return shape_word(offsetof(ShapeTable, material), shape, m); }
+    UInt material_of(UInt shape, Mask m) const { return shape_word(offsetof(ShapeRecord, material), shape, m); }
 
     Float material_number(std::size_t offset, UInt material, Mask m) const
     {
         return gather(reinterpret_cast<const float*>(t_.materials.data()) + offset / 4,
-                      material * UInt(sizeof(MaterialTable) / 4), m);
+                      material * UInt(sizeof(MaterialRecord) / 4), m);
     }
     UInt material_word(std::size_t offset, UInt material, Mask m) const
     {
-        return gather(words(t_.materials.data()) + offset / 4, material * UInt(sizeof(MaterialTable) / 4), m);
+        return gather(words(t_.materials.data()) + offset / 4, material * UInt(sizeof(MaterialRecord) / 4), m);
     }
     Spectrum material_spectrum(std::size_t offset, UInt material, Mask m) const
     {
@@ -106,9 +106,9 @@ public:
 
     Spectrum emission(const Surface& s, UInt material, Mask m) const
     {
-        Spectrum e = material_spectrum(offsetof(MaterialTable, emission), material, m);
+        Spectrum e = material_spectrum(offsetof(MaterialRecord, emission), material, m);
         if (!scene_.textured) return e;
-        const UInt texture = material_word(offsetof(MaterialTable, emission_texture), material, m);
+        const UInt texture = material_word(offsetof(MaterialRecord, emission_texture), material, m);
         const Texel t = evaluate_textures(t_, texture, s.at, m);
         for (int c = 0; c < channels; ++c) e.c[c] = e.c[c] * t.c[c];
         return e;
@@ -119,18 +119,18 @@ public:
     {
         MaterialPoint p;
         p.entering = entering;
-        p.base_color = material_spectrum(offsetof(MaterialTable, base_color), index, m);
-        p.roughness = material_number(offsetof(MaterialTable, roughness), index, m);
-        p.metallic = material_number(offsetof(MaterialTable, metallic), index, m);
-        p.ior = material_number(offsetof(MaterialTable, ior), index, m);
-        p.fuzz = material_number(offsetof(MaterialTable, fuzz), index, m);
-        const UInt flags = material_word(offsetof(MaterialTable, flags), index, m);
-        p.thin = (flags & UInt(MaterialTable::thin)) != UInt(0);
-        const Mask colored = m & ((flags & UInt(MaterialTable::vertex_colored)) != UInt(0));
+        p.base_color = material_spectrum(offsetof(MaterialRecord, base_color), index, m);
+        p.roughness = material_number(offsetof(MaterialRecord, roughness), index, m);
+        p.metallic = material_number(offsetof(MaterialRecord, metallic), index, m);
+        p.ior = material_number(offsetof(MaterialRecord, ior), index, m);
+        p.fuzz = material_number(offsetof(MaterialRecord, fuzz), index, m);
+        const UInt flags = material_word(offsetof(MaterialRecord, flags), index, m);
+        p.thin = (flags & UInt(MaterialRecord::thin)) != UInt(0);
+        const Mask colored = m & ((flags & UInt(MaterialRecord::vertex_colored)) != UInt(0));
         if (any(colored)) p.base_color = select(colored, p.base_color * s.color, p.base_color);
-        const Mask textured = m & ((flags & UInt(MaterialTable::textured)) != UInt(0));
+        const Mask textured = m & ((flags & UInt(MaterialRecord::textured)) != UInt(0));
         if (any(textured)) apply_textures(s, index, textured, p);
-        const Mask bent = m & ((flags & UInt(MaterialTable::normal_mapped)) != UInt(0));
+        const Mask bent = m & ((flags & UInt(MaterialRecord::normal_mapped)) != UInt(0));
         if (any(bent)) bend_normal(s, index, bent);
         return p;
     }
@@ -160,7 +160,7 @@ private:
         UInt vertices(0u);  // of a mesh that moves
         if (!t_.vertex_times.empty()) {
             key = vertex_key(t_, hit.time);
-            vertices = shape_word(offsetof(ShapeTable, moving_vertices), s.shape, m);
+            vertices = shape_word(offsetof(ShapeRecord, moving_vertices), s.shape, m);
         }
         const Mask moving = m & (vertices != UInt(0u));
         // Per vertex, at the path's time.
@@ -180,7 +180,7 @@ private:
         Float edge = max(max_abs(e1), max_abs(e2));
         const auto has = [&](std::uint32_t flag) { return m & ((flags & UInt(flag)) != UInt(0)); };
 
-        if (const Mask smooth = has(ShapeTable::has_normals); any(smooth)) {
+        if (const Mask smooth = has(ShapeRecord::has_normals); any(smooth)) {
             const float* table = floats(t_.normals.data());
             const auto at = [&](int k) {
                 const Vec3 still = gather3(table, vertex[k] * UInt(3), smooth);
@@ -191,16 +191,16 @@ private:
             // Normals that cancel or are missing leave the geometric one.
             ns = select(smooth & (dot(interpolated, interpolated) > Float(1e-12f)), interpolated, ns);
         }
-        read_uv(t_.uv0, vertex, hit, w, has(ShapeTable::has_uv0), s.at.u[0], s.at.v[0]);
-        read_uv(t_.uv1, vertex, hit, w, has(ShapeTable::has_uv1), s.at.u[1], s.at.v[1]);
-        Vec3 tangent = uv_tangent(e1, e2, vertex, has(ShapeTable::has_uv0), s.bitangent_sign);
-        if (const Mask given = has(ShapeTable::has_tangents); any(given)) {
+        read_uv(t_.uv0, vertex, hit, w, has(ShapeRecord::has_uv0), s.at.u[0], s.at.v[0]);
+        read_uv(t_.uv1, vertex, hit, w, has(ShapeRecord::has_uv1), s.at.u[1], s.at.v[1]);
+        Vec3 tangent = uv_tangent(e1, e2, vertex, has(ShapeRecord::has_uv0), s.bitangent_sign);
+        if (const Mask given = has(ShapeRecord::has_tangents); any(given)) {
             const auto* table = reinterpret_cast<const float*>(t_.tangents.data());
             const auto at = [&](int k) { return gather3(table, vertex[k] << 2, given); };
             tangent = select(given, interpolate(at(0), at(1), at(2)), tangent);
             s.bitangent_sign = select(given, gather(table + 3, vertex[0] << 2, given), s.bitangent_sign);
         }
-        if (const Mask colored = has(ShapeTable::has_colors); any(colored)) {
+        if (const Mask colored = has(ShapeRecord::has_colors); any(colored)) {
             const auto* table = reinterpret_cast<const float*>(t_.colors.data());
             for (int c = 0; c < 4; ++c) {
                 const auto at = [&](int k) { return gather(table + c, vertex[k] << 2, colored); };
@@ -269,7 +269,7 @@ private:
         s.ns = select(m, s.ng, s.ns);
         if (!scene_.textured) return;
         const float* base = reinterpret_cast<const float*>(t_.quads.data());
-        const UInt at = quad * UInt(sizeof(QuadTable) / 4);
+        const UInt at = quad * UInt(sizeof(QuadRecord) / 4);
         const Vec3 corner = gather3(base, at, m), u = gather3(base + 3, at, m), v = gather3(base + 6, at, m);
         const Vec3 n = cross(u, v), r = s.p - corner;
         const Float scale = Float(1) / max(dot(n, n), Float(1e-30f));
@@ -285,7 +285,7 @@ private:
     void read_sphere(const SurfaceHit& hit, Mask m, Surface& s) const
     {
         const float* base = reinterpret_cast<const float*>(t_.spheres.data());
-        const UInt at = (hit.primitive - UInt(t_.first_sphere())) * UInt(sizeof(SphereTable) / 4);
+        const UInt at = (hit.primitive - UInt(t_.first_sphere())) * UInt(sizeof(SphereRecord) / 4);
         const Vec3 center = fma(gather3(base + 3, at, m), hit.time, gather3(base, at, m));
         read_ball(center, gather(base + 6, at, m), m, s);
     }
@@ -293,7 +293,7 @@ private:
     void read_disk(const SurfaceHit& hit, Mask m, Surface& s) const
     {
         const float* base = reinterpret_cast<const float*>(t_.disks.data());
-        const UInt at = (hit.primitive - UInt(t_.first_disk())) * UInt(sizeof(DiskTable) / 4);
+        const UInt at = (hit.primitive - UInt(t_.first_disk())) * UInt(sizeof(DiskRecord) / 4);
         const Vec3 center = gather3(base, at, m), n = gather3(base + 3, at, m);
         const Float radius = gather(base + 6, at, m);
         s.ng = select(m, n, s.ng);
@@ -339,7 +339,7 @@ private:
     void apply_textures(const Surface& s, UInt index, Mask m, MaterialPoint& p) const
     {
         const Texel base =
-            evaluate_textures(t_, material_word(offsetof(MaterialTable, base_texture), index, m), s.at, m);
+            evaluate_textures(t_, material_word(offsetof(MaterialRecord, base_texture), index, m), s.at, m);
         for (int c = 0; c < channels; ++c)
             p.base_color.c[c] = select(m, p.base_color.c[c] * base.c[c], p.base_color.c[c]);
         const auto scalar = [&](std::size_t texture, std::size_t channel, Float& value) {
@@ -352,15 +352,15 @@ private:
                 select(c == UInt(0), t.c[0], select(c == UInt(1), t.c[1], select(c == UInt(2), t.c[2], t.c[3])));
             value = select(has, value * factor, value);
         };
-        scalar(offsetof(MaterialTable, roughness_texture), offsetof(MaterialTable, roughness_channel), p.roughness);
-        scalar(offsetof(MaterialTable, metallic_texture), offsetof(MaterialTable, metallic_channel), p.metallic);
+        scalar(offsetof(MaterialRecord, roughness_texture), offsetof(MaterialRecord, roughness_channel), p.roughness);
+        scalar(offsetof(MaterialRecord, metallic_texture), offsetof(MaterialRecord, metallic_channel), p.metallic);
     }
 
     void bend_normal(Surface& s, UInt index, Mask m) const
     {
         const Texel t =
-            evaluate_textures(t_, material_word(offsetof(MaterialTable, normal_texture), index, m), s.at, m);
-        const Float scale = material_number(offsetof(MaterialTable, normal_scale), index, m);
+            evaluate_textures(t_, material_word(offsetof(MaterialRecord, normal_texture), index, m), s.at, m);
+        const Float scale = material_number(offsetof(MaterialRecord, normal_scale), index, m);
         const Float x = fma(t.c[0], Float(2), Float(-1)) * scale, y = fma(t.c[1], Float(2), Float(-1)) * scale,
                     z = fma(t.c[2], Float(2), Float(-1));
         // Gram-Schmidt: the tangent may not be perpendicular to the interpolated normal.

@@ -2,13 +2,14 @@
 /// Radiance from outside the scene, by direction, and sampling of it where it is an image.
 #include "fathom/description.h"
 #include "light/light.h"
+#include "light/records.h"
 #include "shading/texture.h"
 
 namespace fathom::inline FATHOM_LANES {
 
 namespace detail {
 
-inline Vec3 rotate_in(const EnvironmentTable& e, Vec3 d)
+inline Vec3 rotate_in(const EnvironmentRecord& e, Vec3 d)
 {
     const auto& m = e.environment_from_render;
     const auto row = [&](std::size_t i) {
@@ -17,7 +18,7 @@ inline Vec3 rotate_in(const EnvironmentTable& e, Vec3 d)
     return {row(0), row(3), row(6)};
 }
 /// By the transpose: the map is a rotation.
-inline Vec3 rotate_out(const EnvironmentTable& e, Vec3 d)
+inline Vec3 rotate_out(const EnvironmentRecord& e, Vec3 d)
 {
     const auto& m = e.environment_from_render;
     const auto column = [&](std::size_t i) {
@@ -54,9 +55,9 @@ inline UInt find_interval(const float* table, UInt first, int n, Float x)
 
 }  // namespace detail
 
-inline Spectrum environment_radiance(const SceneTables& tables, Vec3 direction, Mask m)
+inline Spectrum environment_radiance(const LightTables& tables, Vec3 direction, Mask m)
 {
-    const EnvironmentTable& e = tables.environment;
+    const EnvironmentRecord& e = tables.environment;
     Spectrum radiance;
     switch (EnvironmentKind(e.kind)) {
         case EnvironmentKind::none:
@@ -73,21 +74,20 @@ inline Spectrum environment_radiance(const SceneTables& tables, Vec3 direction, 
             break;
     }
     const detail::ImagePoint at = detail::image_point(detail::rotate_in(e, direction));
-    TextureTable image;
-    image.texels = e.texels;
+    TextureRecord image;
     image.width = e.width;
     image.height = e.height;
     image.wrap_u = std::uint32_t(Wrap::repeat);
     image.wrap_v = std::uint32_t(Wrap::clamp);
-    const Texel t = lookup_image(tables.texels.data(), image, at.u, at.v, m);
+    const Texel t = lookup_image(e.texels.data(), image, at.u, at.v, m);
     for (std::size_t i = 0; i < channels; ++i) radiance.c[i] = t.c[i] * Float(e.color[i]);
     return radiance;
 }
 
 /// Density per solid angle with which sample_environment gives the direction; 0 if the environment is not sampled.
-inline Float environment_pdf(const SceneTables& tables, Vec3 direction)
+inline Float environment_pdf(const LightTables& tables, Vec3 direction)
 {
-    const EnvironmentTable& e = tables.environment;
+    const EnvironmentRecord& e = tables.environment;
     if (e.light == no_index || EnvironmentKind(e.kind) != EnvironmentKind::image) return Float(0);
     const Vec3 d = detail::rotate_in(e, direction);
     const detail::ImagePoint at = detail::image_point(d);
@@ -107,9 +107,9 @@ struct EnvironmentSample {
     Spectrum radiance;
 };
 
-inline EnvironmentSample sample_environment(const SceneTables& tables, Sample2 random, Mask m)
+inline EnvironmentSample sample_environment(const LightTables& tables, Sample2 random, Mask m)
 {
-    const EnvironmentTable& e = tables.environment;
+    const EnvironmentRecord& e = tables.environment;
     const auto within = [](const float* table, UInt at, Float x) {
         const Float lo = gather(table, at), hi = gather(table + 1, at);
         return clamp((x - lo) / max(hi - lo, Float(1e-20f)), Float(0), Float(0.9999999f));

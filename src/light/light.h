@@ -1,6 +1,7 @@
 #pragma once
 /// Sampling of lights by lanes, and the density with which a light's point would have been sampled.
 #include "geometry/ray.h"
+#include "light/records.h"
 #include "light/rectangle.h"
 #include "sampling/warp.h"
 #include "shading/spectrum.h"
@@ -24,12 +25,13 @@ Mask sees_rectangle_large(const Light& light, Vec3 p)
 ///
 /// one  all lanes have light 0: nothing is gathered
 template <bool one>
-class LightRecord {
+class LightReader {
 public:
-    LightRecord(const LightTable* table, UInt index) : base_(reinterpret_cast<const float*>(table)), offset_(index << 5)
+    LightReader(const LightRecord* table, UInt index)
+        : base_(reinterpret_cast<const float*>(table)), offset_(index << 5)
     {
     }
-#define FATHOM_LIGHT_FIELD(member) (offsetof(LightTable, member) / sizeof(float))
+#define FATHOM_LIGHT_FIELD(member) (offsetof(LightRecord, member) / sizeof(float))
     UInt kind() const { return integer(FATHOM_LIGHT_FIELD(kind)); }
     Float pmf() const { return value(FATHOM_LIGHT_FIELD(pmf)); }
     Vec3 position() const { return vector(FATHOM_LIGHT_FIELD(position)); }
@@ -79,7 +81,7 @@ struct LightSample {
     Mask is_delta;      ///< no direction that a surface chooses meets it: the sample counts in full
 };
 
-inline Mask is_kind(UInt kind, LightTableKind wanted)
+inline Mask is_kind(UInt kind, LightRecordKind wanted)
 {
     return kind == UInt(std::uint32_t(wanted));
 }
@@ -156,18 +158,18 @@ template <class Light>
     s.is_delta = Mask(false);
     const UInt kind = light.kind();
     const Mask two_sided = light.two_sided() != UInt(0);
-    const Mask rectangle = is_kind(kind, LightTableKind::rectangle);
+    const Mask rectangle = is_kind(kind, LightRecordKind::rectangle);
     s.wi = {Float(0), Float(0), Float(1)};
     s.distance = Float(1);
     s.inverse_pdf = Float(1);
     Float cos_light = Float(1);
     if (any(rectangle)) detail::sample_rectangle(light, p, random, active & rectangle).put(rectangle, s, cos_light);
-    const Mask parallelogram = is_kind(kind, LightTableKind::parallelogram);
+    const Mask parallelogram = is_kind(kind, LightRecordKind::parallelogram);
     if (any(parallelogram)) {
         const Vec3 q = fma(light.edge_u(), random.x, fma(light.edge_v(), random.y, light.position()));
         detail::FlatLightPoint(q - p, light.normal(), light.area()).put(parallelogram, s, cos_light);
     }
-    const Mask triangle = is_kind(kind, LightTableKind::triangle);
+    const Mask triangle = is_kind(kind, LightRecordKind::triangle);
     if (any(triangle)) {
         // Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
         const Mask upper = random.y > random.x;
@@ -176,14 +178,14 @@ template <class Light>
         const Vec3 q = fma(light.edge_u(), u, fma(light.edge_v(), v, light.position()));
         detail::FlatLightPoint(q - p, light.normal(), light.area()).put(triangle, s, cos_light);
     }
-    const Mask disk = is_kind(kind, LightTableKind::disk);
+    const Mask disk = is_kind(kind, LightRecordKind::disk);
     if (any(disk)) {
         const DiskPoint d = sample_disk(random);
         const Frame frame(light.normal());
         const Vec3 q = fma(frame.s, d.x * light.radius(), fma(frame.t, d.y * light.radius(), light.position()));
         detail::FlatLightPoint(q - p, light.normal(), light.area()).put(disk, s, cos_light);
     }
-    const Mask sphere = is_kind(kind, LightTableKind::sphere);
+    const Mask sphere = is_kind(kind, LightRecordKind::sphere);
     if (any(sphere)) {
         const Vec3 to_center = fma(light.motion(), time, light.position()) - p;
         const Float d2 = dot(to_center, to_center), r = abs(light.radius());
@@ -204,7 +206,7 @@ template <class Light>
         const Float side = select(outside, Float(1), Float(-1));
         cos_light = select(sphere, flip_sign(side, light.radius()), cos_light);
     }
-    const Mask point = is_kind(kind, LightTableKind::point), spot = is_kind(kind, LightTableKind::spot);
+    const Mask point = is_kind(kind, LightRecordKind::point), spot = is_kind(kind, LightRecordKind::spot);
     if (any(point | spot)) {
         const Vec3 to = light.position() - p;
         const Float distance2 = dot(to, to), distance = sqrt(distance2);
@@ -220,7 +222,7 @@ template <class Light>
         s.radiance = select(point | spot, s.radiance * strength, s.radiance);
         s.is_delta |= point | spot;
     }
-    const Mask directional = is_kind(kind, LightTableKind::directional);
+    const Mask directional = is_kind(kind, LightRecordKind::directional);
     if (any(directional)) {
         // radius holds 1 - cos of the disk's half angle; 0 is a delta. radiance holds irradiance or radiance
         // accordingly. The disk is nothing that a ray can hit.
@@ -242,7 +244,8 @@ template <class Light>
 [[gnu::always_inline]] inline LightSample sample_light(const Light& light, Vec3 p, Float time, Sample2 random,
                                                        Mask active)
 {
-    if (!all(is_kind(light.kind(), LightTableKind::rectangle))) return sample_any_light(light, p, time, random, active);
+    if (!all(is_kind(light.kind(), LightRecordKind::rectangle)))
+        return sample_any_light(light, p, time, random, active);
     const auto point = detail::sample_rectangle(light, p, random, active);
     LightSample s;
     s.wi = point.wi;
@@ -287,8 +290,8 @@ template <class Light>
     const UInt kind = light.kind();
     const Float cosine = abs(dot(wi, light.normal()));
     const Float pdf = distance * distance * reciprocal(max(cosine * light.area(), Float(1e-30f)));
-    const Mask large = active & is_kind(kind, LightTableKind::rectangle) & sees_rectangle_large(light, p);
-    const Mask sphere = active & is_kind(kind, LightTableKind::sphere);
+    const Mask large = active & is_kind(kind, LightRecordKind::rectangle) & sees_rectangle_large(light, p);
+    const Mask sphere = active & is_kind(kind, LightRecordKind::sphere);
     return any(large | sphere) ? detail::pdf_by_angle(light, p, time, pdf, large, sphere) : pdf;
 }
 

@@ -4,7 +4,7 @@
 
 namespace fathom::inline FATHOM_LANES {
 
-/// N vectors, one per lane. Where a name has no suffix the space is render space (src/integrate/tables.h).
+/// N vectors, one per lane. Where a name has no suffix the space is render space (src/geometry/records.h).
 struct Vec3 {
     Float x, y, z;
     Vec3() = default;

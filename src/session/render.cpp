@@ -212,7 +212,7 @@ private:
     const Scene::Data& scene_;
     Film::Data& film_;
     KernelSettings kernel_;
-    CameraTable camera_;
+    CameraRecord camera_;
     Crop crop_;
     int threads_;
     tbb::global_control limit_;  ///< more threads than cores are allowed where they are asked for
@@ -310,7 +310,7 @@ Color render_sample(const Scene& scene, const RenderSettings& settings, int x, i
     pixel_settings.width = pixel_settings.height = 1;
     const Film film(pixel_settings);
     const KernelSettings kernel = kernel_settings(one, film.data());
-    const CameraTable camera = scene.data().camera_table(settings.width, settings.height);
+    const CameraRecord camera = scene.data().camera_table(settings.width, settings.height);
     const std::uint32_t pixel = std::uint32_t(y) << 16 | std::uint32_t(x);
     TileSums sums;
     sums.reset(1, kernel.film_words);

@@ -1,6 +1,6 @@
 #pragma once
-#include "integrate/tables.h"
 #include "math/lanes.h"
+#include "shading/rgb.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -17,7 +17,7 @@ struct Spectrum {
     {
         for (int i = 0; i < channels; ++i) c[i] = Float(table[i]);
     }
-    explicit Spectrum(const SpectrumTable& table) : Spectrum(table.data()) {}
+    explicit Spectrum(const Rgb& table) : Spectrum(table.data()) {}
 };
 
 inline Spectrum operator+(Spectrum a, const Spectrum& b)

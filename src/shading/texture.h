@@ -1,10 +1,10 @@
 #pragma once
 /// Textures by lanes: images in full resolution, checkers, Perlin noise and what is made of it.
 #include "fathom/description.h"
-#include "integrate/tables.h"
 #include "math/elementary.h"
 #include "math/hash.h"
 #include "math/vec3.h"
+#include "shading/records.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -71,7 +71,7 @@ inline Float wrap(Float x, int size, std::uint32_t mode)
 
 /// Mixes the four texels about (u, v), or takes the nearest. fetch(number of the texel) gives a Texel.
 template <class Fetch>
-Texel filter_texels(const TextureTable& t, Float u, Float v, Fetch&& fetch)
+Texel filter_texels(const TextureRecord& t, Float u, Float v, Fetch&& fetch)
 {
     const Float x = clamp(u * Float(float(t.width)), Float(-1e9f), Float(1e9f)) - Float(0.5f);
     const Float y = clamp(v * Float(float(t.height)), Float(-1e9f), Float(1e9f)) - Float(0.5f);
@@ -102,7 +102,7 @@ inline Float float_of_half(UInt half)
 }  // namespace detail
 
 /// The bilinear value at (u, v) of an image of four floats a texel; v grows downwards.
-inline Texel lookup_image(const float* all_texels, const TextureTable& t, Float u, Float v, Mask m)
+inline Texel lookup_image(const float* all_texels, const TextureRecord& t, Float u, Float v, Mask m)
 {
     const float* texels = all_texels + t.texels * 4;
     return detail::filter_texels(t, u, v, [&](UInt number) {
@@ -115,7 +115,7 @@ inline Texel lookup_image(const float* all_texels, const TextureTable& t, Float 
 }
 
 /// The same of an image in any format.
-inline Texel lookup_image(const SceneTables& tables, const TextureTable& t, Float u, Float v, Mask m)
+inline Texel lookup_image(const ShadingTables& tables, const TextureRecord& t, Float u, Float v, Mask m)
 {
     if (TexelFormat(t.format) == TexelFormat::float4) return lookup_image(tables.texels.data(), t, u, v, m);
     const std::uint32_t* words = tables.packed_images[t.texels].data();
@@ -167,7 +167,7 @@ inline Texel lookup_image(const SceneTables& tables, const TextureTable& t, Floa
 }
 
 /// One texture, the same for all lanes.
-inline Texel evaluate_texture(const SceneTables& tables, const TextureTable& t, const TexturePoint& at, Mask m)
+inline Texel evaluate_texture(const ShadingTables& tables, const TextureRecord& t, const TexturePoint& at, Mask m)
 {
     const int set = t.uv_set ? 1 : 0;
     const Float u = fma(at.u[set], Float(t.uv_map[0]), fma(at.v[set], Float(t.uv_map[1]), Float(t.uv_map[2])));
@@ -205,7 +205,7 @@ inline Texel evaluate_texture(const SceneTables& tables, const TextureTable& t, 
 }
 
 /// A texture of each lane's own; 1 where there is none.
-inline Texel evaluate_textures(const SceneTables& tables, UInt texture, const TexturePoint& at, Mask m)
+inline Texel evaluate_textures(const ShadingTables& tables, UInt texture, const TexturePoint& at, Mask m)
 {
     Texel r;
     for (Float& c : r.c) c = Float(1);

@@ -63,7 +63,7 @@ class CommandLine(unittest.TestCase):
     # ------------------------------------------------------------------------------------------------ usage
 
     def test_help_and_version(self):
-        for command in ("render", "merge", "info", "view", "bench", "bench rays", "version"):
+        for command in ("render", "merge", "info", "view", "version"):
             text = self.ok(*command.split(), "--help").stdout
             self.assertIn("Example", text)
             self.assertIn("Exit codes", text)
@@ -326,68 +326,6 @@ class CommandLine(unittest.TestCase):
         process.communicate(timeout=20)
         self.assertEqual(process.returncode, 130)
         self.assertEqual(sorted(os.listdir(self.folder)), ["box.json", "slow.json"])
-
-    # ------------------------------------------------------------------------------------------------ bench
-
-    def test_bench_rays(self):
-        self.refused(2, "bench", words=["subcommand"])
-        self.refused(2, "bench", "rays")
-        self.refused(2, "bench", "rays", "box.json", "--runs", "0", words=["--runs"])
-        self.refused(2, "bench", "rays", "box.json", "--build", "slow", words=["--build", "fast or default or high or compact"])
-        self.refused(1, "bench", "rays", "none.json", words=["none.json"])
-        # The double answers with what it was asked for.
-        found = json.loads(self.ok("bench", "rays", "box.json", "--json", "--threads", "3", "--runs", "7", "--rays",
-                                   "1000", "--size", "20x10").stdout)
-        self.assertEqual(found["triangles"], 200)
-        self.assertEqual((found["threads"], found["build"]), (3, "default"))
-        self.assertEqual((found["bytes_per_triangle"], found["peak_bytes_per_triangle"]), (20000, 40000))
-        self.assertEqual(found["build_s"], 0.5)
-        self.assertAlmostEqual(found["build_mtris_s"], 0.0004)
-        self.assertEqual(found["rays"], [{"kind": "primary", "rays": 1000, "mrays_s": 3, "nodes_per_ray": 7,
-                                          "triangles_per_ray": 4}])
-        text = self.ok("bench", "rays", "box.json", "--threads", "3").stdout
-        self.assertIn("3 threads", text)
-        self.assertRegex(text, r"primary +262144 +3\.000 +5\.00 +4\.00")
-
-    def test_bench_rays_of_scenes(self):
-        if not PROGRAM:
-            self.skipTest("needs the program")
-        hills = "".join(f"v {x} {x * y % 3} {y}\n" for y in range(20) for x in range(20))
-        for y in range(19):
-            for x in range(1, 20):
-                hills += "".join(f"f {a} {b} {c}\n" for a, b, c in ((20 * y + x, 20 * y + x + 1, 20 * y + x + 20),
-                                                                    (20 * y + x + 1, 20 * y + x + 21, 20 * y + x + 20)))
-        self.scene("many.obj", hills)
-        self.scene("few.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-        for name, least in (("many.obj", 722), ("few.obj", 1)):
-            for build in ("fast", "default", "high", "compact"):
-                found = json.loads(self.ok("bench", "rays", name, "--json", "--size", "64x48", "--runs", "1", "--build",
-                                           build, program=PROGRAM).stdout)
-                self.assertEqual(found["build"], build)
-                self.assertGreaterEqual(found["triangles"], least)
-                self.assertGreater(found["bytes_per_triangle"], 20)
-                peak, bytes_at_rest = found["peak_bytes_per_triangle"], found["bytes_per_triangle"]
-                # What building takes besides is less than what the arrays of a single triangle end with.
-                (self.assertGreater if least > 1 else self.assertGreaterEqual)(peak, bytes_at_rest)
-                kinds = {rate["kind"]: rate for rate in found["rays"]}
-                self.assertTrue({"primary", "shadow", "bounce-1", "occlusion"} <= kinds.keys(), kinds.keys())
-                for rate in kinds.values():
-                    self.assertGreater(rate["mrays_s"], 0)
-                    self.assertLess(rate["nodes_per_ray"], 50)
-                self.assertGreater(kinds["primary"]["triangles_per_ray"], 0)
-            if name == "many.obj":
-                self.assertGreater(kinds["bounce-1"]["nodes_per_ray"], 1)
-
-    def test_build_is_asked_for(self):
-        self.assertNotIn("warning: build", self.ok("render", "box.json", "--spp", "1", "-o", "a.png").stderr)
-        self.assertIn("build fast", self.ok("render", "box.json", "--spp", "1", "-o", "a.png", "--build", "fast").stderr)
-        self.scene("high.json", "camera a hint-build high")
-        self.assertIn("build high", self.ok("render", "high.json", "--spp", "1", "-o", "a.png").stderr)
-        self.assertIn("build fast", self.ok("render", "high.json", "--spp", "1", "-o", "a.png", "--build", "fast").stderr)
-        self.scene("compact.json", "camera a hint-build compact")
-        self.assertIn("build compact", self.ok("render", "compact.json", "--spp", "1", "-o", "a.png").stderr)
-        self.scene("low.json", "camera a hint-build low")
-        self.refused(1, "render", "low.json", words=["low.json: build: "])
 
     # ------------------------------------------------------------------------------------------------ info, view
 

@@ -7,7 +7,6 @@
 
 #include "fathom/error.h"
 #include "fathom/load.h"
-#include "fathom/ray_benchmark.h"
 #include "fathom/render.h"
 
 // A library for tests of the command line: a scene file is words, and a sample is worth a number that its index
@@ -233,14 +232,6 @@ bool render(const Scene&, const RenderSettings& settings, SampleRange range, Fil
 Color render_sample(const Scene&, const RenderSettings&, int x, int y, std::uint64_t sample)
 {
     return {float(x), float(y), float(sample)};
-}
-RayBenchmark benchmark_rays(const Scene&, const RayBenchmarkSettings& settings)
-{
-    return {{{"primary", settings.rays, double(settings.threads), double(settings.runs), 4}},
-            std::size_t(settings.width) * std::size_t(settings.height),
-            4'000'000,
-            8'000'000,
-            0.5};
 }
 int simd_width()
 {

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
+#include "../image/pictures.h"
 #include "fathom/error.h"
 #include "fathom/render.h"
-#include "pictures.h"
 
 namespace fathom {
 namespace {

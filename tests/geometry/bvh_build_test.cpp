@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "compare_with_force.h"
-#include "geometry/bvh_collapse.h"
-#include "geometry/bvh_reinsertion.h"
+#include "geometry/bvh/build/collapse.h"
+#include "geometry/bvh/build/reinsertion.h"
 
 namespace fathom {
 namespace {
@@ -15,17 +15,17 @@ using bvh::BinaryNode;
 using bvh::BinaryTree;
 
 /// Many small triangles and a few large ones, for which splits find no good place.
-SceneTables small_and_large(int small, int large)
+GeometryTables small_and_large(int small, int large)
 {
     Random random(31);
-    SceneTables tables = soup(small, 100, 1, 32);
+    GeometryTables tables = soup(small, 100, 1, 32);
     for (int i = 0; i < large; ++i) add_triangle(tables, random.point(100), random.point(100), random.point(100));
     tables.shape_of_primitive.clear();
     finish(tables);
     return tables;
 }
 
-BinaryTree split(const SceneTables& tables, TreeBuild level, bool cut)
+BinaryTree split(const GeometryTables& tables, TreeBuild level, bool cut)
 {
     BvhData bvh;
     bvh.tables = &tables;
@@ -81,7 +81,7 @@ std::vector<std::uint32_t> check(const BinaryTree& tree, std::size_t& deepest)
 
 TEST(BvhBuild, reinsertion_lowers_the_cost_of_the_same_leaves)
 {
-    const SceneTables tables = small_and_large(50'000, 500);
+    const GeometryTables tables = small_and_large(50'000, 500);
     for (const bool cut : {false, true}) {
         SCOPED_TRACE(cut);
         BinaryTree tree = split(tables, TreeBuild::high, cut);
@@ -105,7 +105,7 @@ TEST(BvhBuild, reinsertion_lowers_the_cost_of_the_same_leaves)
 
 TEST(BvhBuild, reinsertion_of_the_largest_finds_most)
 {
-    const SceneTables tables = small_and_large(50'000, 500);
+    const GeometryTables tables = small_and_large(50'000, 500);
     BinaryTree some = split(tables, TreeBuild::standard, false), all = split(tables, TreeBuild::standard, false);
     const double before = sum_of_areas(some);
     bvh::reinsert(some, {3, 0.02});
@@ -116,7 +116,7 @@ TEST(BvhBuild, reinsertion_of_the_largest_finds_most)
 
 TEST(BvhBuild, reinsertion_is_the_same_for_any_number_of_threads)
 {
-    const SceneTables tables = small_and_large(100'000, 1'000);
+    const GeometryTables tables = small_and_large(100'000, 1'000);
     const auto build = [&](std::size_t threads) {
         tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
         BinaryTree tree = split(tables, TreeBuild::high, true);
@@ -135,7 +135,7 @@ TEST(BvhBuild, reinsertion_is_the_same_for_any_number_of_threads)
 /// Boxes in boxes want to become a list, which stacks have no room for.
 TEST(BvhBuild, reinsertion_makes_no_deep_trees)
 {
-    SceneTables tables;
+    GeometryTables tables;
     for (int i = 0; i < 20'000; ++i) {
         const float r = 1 + 0.001f * float(i);
         add_triangle(tables, {-r, -r, -r}, {r, r, -r}, {-r, r, r});
@@ -152,7 +152,7 @@ TEST(BvhBuild, reinsertion_makes_no_deep_trees)
 /// The goal for all levels, twice 64, where many triangles are cut.
 TEST(BvhBuild, peak_bytes_of_a_triangle)
 {
-    const SceneTables tables = small_and_large(150'000, 10'000);
+    const GeometryTables tables = small_and_large(150'000, 10'000);
     for (const TreeBuild level : {TreeBuild::fast, TreeBuild::standard, TreeBuild::high}) {
         Bvh bvh;
         bvh.build(tables, level);
@@ -168,7 +168,7 @@ TEST(BvhBuild, the_high_level_does_what_is_best)
 {
     for (const bool aslant : {false, true}) {
         SCOPED_TRACE(aslant);
-        SceneTables tables = soup(20'000, 100, 1, 33);
+        GeometryTables tables = soup(20'000, 100, 1, 33);
         Random random(34);
         for (int i = 0; i < 400; ++i) {
             const Vec3f a = random.point(100);

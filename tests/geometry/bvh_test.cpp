@@ -2,14 +2,14 @@
 #include <tbb/global_control.h>
 
 #include "compare_with_force.h"
-#include "geometry/bvh_data.h"
+#include "geometry/bvh/layout/data.h"
 
 namespace fathom {
 namespace {
 
 TEST(Bvh, nothing)
 {
-    SceneTables tables = empty_tables();
+    GeometryTables tables = empty_tables();
     finish(tables);
     compare_with_force(tables, 1, 100, "nothing");
     Bvh never_built;
@@ -40,7 +40,7 @@ TEST(Bvh, treelets_and_upper_tree)
 TEST(Bvh, needles)
 {
     Random random(3);
-    SceneTables tables = empty_tables();
+    GeometryTables tables = empty_tables();
     for (int i = 0; i < 3'000; ++i) {
         const Vec3f a = random.point(100), b = plus(a, times(random.direction(), 80)),
                     c = plus(b, times(random.direction(), 1e-5f));
@@ -52,7 +52,7 @@ TEST(Bvh, needles)
 
 TEST(Bvh, grids_piles_and_duplicates)
 {
-    SceneTables tables = empty_tables();
+    GeometryTables tables = empty_tables();
     for (int copy = 0; copy < 40; ++copy)
         for (int x = 0; x < 8; ++x)
             for (int y = 0; y < 8; ++y) {
@@ -66,10 +66,10 @@ TEST(Bvh, grids_piles_and_duplicates)
 }
 
 /// Uneven ground of n x n squares, in triangles. apart: each has vertices of its own, as where faces have normals.
-SceneTables ground(std::uint32_t n, bool apart)
+GeometryTables ground(std::uint32_t n, bool apart)
 {
     Random random(24);
-    SceneTables tables = empty_tables();
+    GeometryTables tables = empty_tables();
     for (std::uint32_t i = 0; i <= n * (n + 2); ++i)
         tables.positions.push_back({float(i / (n + 1)), random.uniform(), float(i % (n + 1))});
     for (std::uint32_t i = 0; i < n; ++i)
@@ -91,7 +91,7 @@ SceneTables ground(std::uint32_t n, bool apart)
 
 /// centers: of the places where they start, near each other.
 template <class Centers>
-void expect_short_rays(const SceneTables& tables, TreeBuild level, const Centers& centers)
+void expect_short_rays(const GeometryTables& tables, TreeBuild level, const Centers& centers)
 {
     Bvh bvh;
     bvh.build(tables, level);
@@ -127,7 +127,7 @@ void expect_short_rays(const SceneTables& tables, TreeBuild level, const Centers
 /// Short rays that start near each other share their way, unless some are not short.
 TEST(Bvh, short_rays)
 {
-    const SceneTables hills = ground(60, false);
+    const GeometryTables hills = ground(60, false);
     for (TreeBuild level : {TreeBuild::standard, TreeBuild::compact}) {
         SCOPED_TRACE(int(level));
         expect_short_rays(soup(3'000, 100, 10, 1), level, [](Random& random) { return random.point(100); });
@@ -140,7 +140,7 @@ TEST(Bvh, short_rays)
 
 TEST(Bvh, degenerate_and_not_finite)
 {
-    SceneTables tables = soup(500, 10, 3, 5);
+    GeometryTables tables = soup(500, 10, 3, 5);
     Random random(6);
     const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
     for (int i = 0; i < 100; ++i) {
@@ -157,7 +157,7 @@ TEST(Bvh, degenerate_and_not_finite)
     bvh.build(tables);
     EXPECT_LT(bvh.statistics().leaf_primitives, tables.triangle_count());
     // By force, without those that are left out.
-    SceneTables finite = tables;
+    GeometryTables finite = tables;
     for (std::uint32_t& v : finite.triangles)
         if (!std::isfinite(finite.positions[v].x)) finite.triangles[&v - finite.triangles.data()] = 0;
     for (std::size_t i = 0; i < finite.triangles.size(); i += 3)
@@ -169,7 +169,7 @@ TEST(Bvh, degenerate_and_not_finite)
 TEST(Bvh, exponential_sizes)
 {
     // Each split takes one off: the deepest tree that there can be.
-    SceneTables tables = empty_tables();
+    GeometryTables tables = empty_tables();
     for (int i = -60; i < 60; ++i) {
         const float s = std::ldexp(1.f, i);
         add_triangle(tables, {s, s, s}, {s, 2 * s, s}, {s, s, 2 * s});
@@ -178,10 +178,10 @@ TEST(Bvh, exponential_sizes)
     compare_with_force(tables, 100, 20'000, "exponential");
 }
 
-SceneTables all_kinds(std::size_t n)
+GeometryTables all_kinds(std::size_t n)
 {
     Random random(11);
-    SceneTables tables = soup(n, 100, 10, 21);
+    GeometryTables tables = soup(n, 100, 10, 21);
     tables.shutter_open = 0;
     tables.shutter_close = 1;
     for (std::size_t i = 0; i < n; ++i) {
@@ -201,15 +201,15 @@ TEST(Bvh, all_kinds)
     compare_with_force(all_kinds(500), 100, 30'000, "all kinds");
 }
 
-SceneTables instances(std::size_t n, double spread)
+GeometryTables instances(std::size_t n, double spread)
 {
     Random random(12);
-    SceneTables tables = soup(200, 50, 20, 31);
+    GeometryTables tables = soup(200, 50, 20, 31);
     tables.world_triangles = tables.triangle_count();
     for (std::uint32_t mesh = 1; mesh <= 3; ++mesh) {
-        ShapeTable shape;
+        ShapeRecord shape;
         shape.first_primitive = tables.triangle_count();
-        shape.flags = ShapeTable::placed;
+        shape.flags = ShapeRecord::only_instanced;
         tables.shapes.push_back(shape);
         for (int i = 0; i < (mesh == 3 ? 0 : 150); ++i) {
             const Vec3f a = random.point(1);
@@ -229,7 +229,7 @@ SceneTables instances(std::size_t n, double spread)
         const Vec3d scales{scale(), scale(), scale()};
         const Transform t = Transform::translate({p.x, p.y, p.z}) * Transform::rotate({axis.x, axis.y, axis.z}, angle) *
                             Transform::scale(scales);
-        InstanceTable instance;
+        InstanceRecord instance;
         instance.object_from_render = rounded(t.inverse());
         instance.mesh_shape = instance.shape = 1 + random.below(3);
         tables.instances.push_back(instance);
@@ -251,27 +251,27 @@ TEST(Bvh, instances)
 TEST(Bvh, bytes_of_an_instance)
 {
     Random random(3);
-    SceneTables tables = soup(100, 1, 0.3f, 4);
+    GeometryTables tables = soup(100, 1, 0.3f, 4);
     tables.world_triangles = 0;
-    tables.shapes[0].flags = ShapeTable::placed;
+    tables.shapes[0].flags = ShapeRecord::only_instanced;
     tables.shape_of_primitive.assign(100, 0);
     constexpr std::size_t n = 100'000;
     for (std::size_t i = 0; i < n; ++i) {
         const Vec3f p = random.point(100);
-        InstanceTable instance;
+        InstanceRecord instance;
         instance.object_from_render = rounded(Transform::translate({p.x, p.y, p.z}).inverse());
         tables.instances.push_back(instance);
     }
     Bvh bvh;
     bvh.build(tables);
-    const double bytes = sizeof(InstanceTable) + double(bvh.statistics().bytes) / double(n);
+    const double bytes = sizeof(InstanceRecord) + double(bvh.statistics().bytes) / double(n);
     EXPECT_LE(bytes, 128);
 }
 
 TEST(Bvh, alpha)
 {
-    SceneTables tables = instances(50, 2);
-    tables.shapes[0].flags |= ShapeTable::alpha_tested, tables.shapes[1].flags |= ShapeTable::alpha_tested;
+    GeometryTables tables = instances(50, 2);
+    tables.shapes[0].flags |= ShapeRecord::alpha_tested, tables.shapes[1].flags |= ShapeRecord::alpha_tested;
     tables.quads.push_back({{-50, -50, 3}, {100, 0, 0}, {0, 100, 0}});
     finish(tables);
     struct Asked {
@@ -312,7 +312,7 @@ TEST(Bvh, alpha)
 /// Bits must not depend on the instruction set: the same figure in each build of this test.
 TEST(Bvh, the_same_bits_everywhere)
 {
-    SceneTables tables = all_kinds(2'000);
+    GeometryTables tables = all_kinds(2'000);
     Rays rays = nasty_rays(tables, 100, 20'000, 15);
     for (TreeBuild level : tree_builds) {
         Bvh bvh;
@@ -334,7 +334,7 @@ TEST(Bvh, the_same_bits_everywhere)
 TEST(Bvh, the_same_tree_for_any_number_of_threads)
 {
     // Large ones among them, for spatial splits to cut.
-    SceneTables tables = soup(200'000, 100, 1, 16);
+    GeometryTables tables = soup(200'000, 100, 1, 16);
     Random random(17);
     for (int i = 0; i < 2'000; ++i) add_triangle(tables, random.point(100), random.point(100), random.point(100));
     tables.shape_of_primitive.clear();
@@ -364,7 +364,7 @@ TEST(Bvh, the_same_tree_for_any_number_of_threads)
 TEST(Bvh, levels_of_building)
 {
     Random random(18);
-    SceneTables tables = soup(20'000, 100, 1, 19);
+    GeometryTables tables = soup(20'000, 100, 1, 19);
     for (int i = 0; i < 500; ++i) add_triangle(tables, random.point(100), random.point(100), random.point(100));
     tables.shape_of_primitive.clear();
     finish(tables);
@@ -387,7 +387,7 @@ TEST(Bvh, levels_of_building)
 TEST(Bvh, bytes_of_a_triangle)
 {
     for (bool apart : {false, true}) {
-        const SceneTables tables = ground(200, apart);
+        const GeometryTables tables = ground(200, apart);
         const double n = tables.triangle_count();
         Bvh plain, compact;
         plain.build(tables);
@@ -399,7 +399,7 @@ TEST(Bvh, bytes_of_a_triangle)
         EXPECT_LE(double(compact.statistics().peak_bytes) / n, 75);
     }
     // Slivers, some of which share an edge: nothing is larger for it.
-    SceneTables slivers = empty_tables();
+    GeometryTables slivers = empty_tables();
     Random random(25);
     for (int i = 0; i < 20'000; ++i) {
         const Vec3f a = random.point(100), b = plus(a, random.point(10)), c = plus(a, random.point(0.1f));
@@ -417,7 +417,7 @@ TEST(Bvh, bytes_of_a_triangle)
 /// Leaves of both kinds, of up to 16 triangles, side by side.
 TEST(Bvh, compact_leaves)
 {
-    SceneTables tables = ground(60, false);
+    GeometryTables tables = ground(60, false);
     Random random(26);
     for (int i = 0; i < 1'000; ++i) {
         const Vec3f a = random.point(60);
@@ -440,7 +440,7 @@ TEST(Bvh, compact_leaves)
 /// A leaf's triangles are counted whole, a node once for each ray.
 TEST(Bvh, visits)
 {
-    SceneTables tables = soup(5, 1, 1, 20);
+    GeometryTables tables = soup(5, 1, 1, 20);
     Bvh few;
     few.build(tables);
     Rays rays = bundles(tables, 1, 640, 21);

@@ -2,7 +2,7 @@
 /// The tree against the plainest way to cast rays.
 #include <gtest/gtest.h>
 
-#include "geometry/bvh_data.h"
+#include "geometry/bvh/layout/data.h"
 #include "rays_and_scenes.h"
 
 namespace fathom {
@@ -10,7 +10,7 @@ namespace fathom {
 inline constexpr TreeBuild tree_builds[] = {TreeBuild::fast, TreeBuild::standard, TreeBuild::high, TreeBuild::compact};
 
 /// Rays from within and without: at random, axis-aligned, at vertices, in planes of triangles, short ones.
-inline Rays nasty_rays(const SceneTables& tables, float radius, std::size_t n, std::uint64_t seed)
+inline Rays nasty_rays(const GeometryTables& tables, float radius, std::size_t n, std::uint64_t seed)
 {
     Random random(seed);
     Rays rays;
@@ -44,7 +44,7 @@ inline Rays nasty_rays(const SceneTables& tables, float radius, std::size_t n, s
 
 /// Rays that keep together, as those of a camera: 64 from near one place in nearly one direction, at times of their
 /// own.
-inline Rays bundles(const SceneTables& tables, float radius, std::size_t n, std::uint64_t seed)
+inline Rays bundles(const GeometryTables& tables, float radius, std::size_t n, std::uint64_t seed)
 {
     Random random(seed);
     Rays rays;
@@ -60,7 +60,7 @@ inline Rays bundles(const SceneTables& tables, float radius, std::size_t n, std:
     return rays;
 }
 
-inline void expect_same(const SceneTables& tables, const Hits& got, const Hits& expected, std::size_t n,
+inline void expect_same(const GeometryTables& tables, const Hits& got, const Hits& expected, std::size_t n,
                         const char* what)
 {
     std::size_t wrong = 0;
@@ -81,7 +81,7 @@ inline void expect_same(const SceneTables& tables, const Hits& got, const Hits& 
     EXPECT_EQ(wrong, 0u) << what;
 }
 
-inline void compare_with_force(const SceneTables& tables, const Bvh& bvh, Rays rays, const char* what)
+inline void compare_with_force(const GeometryTables& tables, const Bvh& bvh, Rays rays, const char* what)
 {
     const Hits expected = cast_by_force(tables, rays);
     for (bool coherent : {false, true}) {
@@ -93,7 +93,7 @@ inline void compare_with_force(const SceneTables& tables, const Bvh& bvh, Rays r
     }
 }
 
-inline void compare_with_force(const SceneTables& tables, float radius, std::size_t n, const char* what)
+inline void compare_with_force(const GeometryTables& tables, float radius, std::size_t n, const char* what)
 {
     // One lane takes a while.
     if (lanes == 1) n /= 10;
@@ -107,10 +107,10 @@ inline void compare_with_force(const SceneTables& tables, float radius, std::siz
     }
 }
 
-inline SceneTables soup(std::size_t n, float radius, float size, std::uint64_t seed, Vec3f offset = {})
+inline GeometryTables soup(std::size_t n, float radius, float size, std::uint64_t seed, Vec3f offset = {})
 {
     Random random(seed);
-    SceneTables tables = empty_tables();
+    GeometryTables tables = empty_tables();
     for (std::size_t i = 0; i < n; ++i) {
         const Vec3f a = plus(random.point(radius), offset);
         const Vec3f b = plus(a, random.point(size)), c = plus(a, random.point(size));

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "compare_with_force.h"
-#include "geometry/bvh_leaf_data.h"
+#include "geometry/bvh/build/leaf_data.h"
 
 namespace fathom {
 namespace {
@@ -12,17 +12,17 @@ Vec4f point_with(Vec3f p, float radius)
 }
 
 /// Curves of all kinds, in the world: shape 0 round and cubic, 1 ribbons, 2 round lines, 3 ribbons of lines; and balls.
-SceneTables curves(std::size_t n, float radius, float size, float thickness, Vec3f offset = {})
+GeometryTables curves(std::size_t n, float radius, float size, float thickness, Vec3f offset = {})
 {
     Random random(n + 100);
-    SceneTables tables = empty_tables();
+    GeometryTables tables = empty_tables();
     tables.shapes.resize(5);
-    tables.shapes[1].flags = ShapeTable::ribbons;
-    tables.shapes[2].flags = ShapeTable::linear_curves;
-    tables.shapes[3].flags = ShapeTable::linear_curves | ShapeTable::ribbons;
+    tables.shapes[1].flags = ShapeRecord::ribbons;
+    tables.shapes[2].flags = ShapeRecord::linear_curves;
+    tables.shapes[3].flags = ShapeRecord::linear_curves | ShapeRecord::ribbons;
     for (std::uint32_t shape = 0; shape < 4; ++shape)
         for (std::size_t i = 0; i < n; ++i) {
-            CurveTable curve;
+            CurveRecord curve;
             curve.first_point = std::uint32_t(tables.curve_points.size());
             curve.pieces = shape < 2 ? 1u << random.below(6) : 1;
             tables.curves.push_back(curve);
@@ -53,7 +53,7 @@ TEST(Curves, against_force)
 
 TEST(Curves, degenerate)
 {
-    SceneTables tables = curves(40, 10, 3, 0.5f);
+    GeometryTables tables = curves(40, 10, 3, 0.5f);
     Random random(3);
     // Points instead of curves, no radius, radii that go to nothing, one ball within the other, a hairpin.
     for (std::size_t i = 0; i < 160; i += 4) {
@@ -87,7 +87,7 @@ TEST(Curves, degenerate)
 
 TEST(Curves, not_finite)
 {
-    SceneTables tables = curves(5, 1, 1, 0.5f);
+    GeometryTables tables = curves(5, 1, 1, 0.5f);
     Bvh whole, bvh;
     whole.build(tables);
     const std::size_t pieces = tables.curves[1].pieces;
@@ -100,10 +100,10 @@ TEST(Curves, not_finite)
 
 TEST(Curves, placed_and_moving)
 {
-    SceneTables tables = curves(30, 1, 0.5f, 0.1f);
+    GeometryTables tables = curves(30, 1, 0.5f, 0.1f);
     std::uint32_t first = tables.first_curve();
     for (std::uint32_t i = 0; i < 5; ++i) {
-        tables.shapes[i].flags |= ShapeTable::placed;
+        tables.shapes[i].flags |= ShapeRecord::only_instanced;
         tables.shapes[i].first_primitive = first;
         first += 30;
     }
@@ -111,14 +111,14 @@ TEST(Curves, placed_and_moving)
     Random random(8);
     for (std::uint32_t i = 0; i < 60; ++i) {
         const Vec3f p = random.point(20), axis = random.direction();
-        InstanceTable instance;
+        InstanceRecord instance;
         instance.mesh_shape = instance.shape = i % 5;
         const Transform t = Transform::translate({p.x, p.y, p.z}) * Transform::rotate({axis.x, axis.y, axis.z}, 2) *
                             Transform::scale({4, i % 3 ? -2. : 7., 1});
         instance.object_from_render = rounded(t.inverse());
         if (i % 2) {
             instance.poses = std::uint32_t(tables.poses.size()) << 8 | 2;
-            PoseTable pose;
+            PoseRecord pose;
             pose.translation[0] = p.x, pose.translation[1] = p.y, pose.translation[2] = p.z;
             pose.rotation[3] = 1;
             pose.stretch[0] = 4, pose.stretch[3] = 2, pose.stretch[5] = 1;
@@ -231,7 +231,7 @@ TEST(Curves, area_of_ribbons_and_capsules)
 
 TEST(Curves, the_same_bits_everywhere)
 {
-    const SceneTables tables = curves(500, 100, 20, 1);
+    const GeometryTables tables = curves(500, 100, 20, 1);
     Bvh bvh;
     bvh.build(tables);
     Rays rays = nasty_rays(tables, 100, 20'000, 15);

@@ -6,7 +6,7 @@ namespace fathom {
 namespace {
 
 /// A triangle that goes from one place to the next.
-void add_moving_triangle(SceneTables& tables, std::vector<std::vector<Vec3f>>& keys, Vec3f a, Vec3f b, Vec3f c,
+void add_moving_triangle(GeometryTables& tables, std::vector<std::vector<Vec3f>>& keys, Vec3f a, Vec3f b, Vec3f c,
                          Random& random, float way)
 {
     for (Vec3f v : {a, b, c}) {
@@ -19,10 +19,11 @@ void add_moving_triangle(SceneTables& tables, std::vector<std::vector<Vec3f>>& k
 }
 
 /// n triangles of one mesh whose vertices each go their own way.
-SceneTables moving_soup(std::size_t n, float radius, float size, float way, std::vector<float> times, Vec3f offset = {})
+GeometryTables moving_soup(std::size_t n, float radius, float size, float way, std::vector<float> times,
+                           Vec3f offset = {})
 {
     Random random(n);
-    SceneTables tables = empty_tables();
+    GeometryTables tables = empty_tables();
     std::vector<std::vector<Vec3f>> keys(times.size());
     for (std::size_t i = 0; i < n; ++i) {
         const Vec3f a = plus(random.point(radius), offset);
@@ -49,10 +50,10 @@ TEST(Motion, vertices)
 }
 
 /// Neighbours share vertices, of which some are in one place only when the shutter opens.
-SceneTables moving_cloth(std::uint32_t n, std::vector<float> times)
+GeometryTables moving_cloth(std::uint32_t n, std::vector<float> times)
 {
     Random random(n);
-    SceneTables tables = empty_tables();
+    GeometryTables tables = empty_tables();
     for (std::size_t key = 0; key < times.size(); ++key)
         for (std::uint32_t i = 0; i <= n; ++i)
             for (std::uint32_t j = 0; j <= n; ++j) {
@@ -90,7 +91,7 @@ TEST(Motion, times_outside_the_shutter)
 TEST(Motion, beside_what_stands_still)
 {
     Random random(5);
-    SceneTables tables = moving_soup(800, 100, 10, 20, {0, 1});
+    GeometryTables tables = moving_soup(800, 100, 10, 20, {0, 1});
     for (int i = 0; i < 800; ++i) {
         const Vec3f a = random.point(100);
         const Vec3f b = plus(a, random.point(10)), c = plus(a, random.point(10));
@@ -108,7 +109,7 @@ TEST(Motion, beside_what_stands_still)
 
 TEST(Motion, degenerate_and_not_finite)
 {
-    SceneTables tables = moving_soup(300, 10, 3, 2, {0, 1});
+    GeometryTables tables = moving_soup(300, 10, 3, 2, {0, 1});
     const std::size_t vertices = 900;
     // One that is a point at first, one that is a point at last, one that is a line, one never finite.
     for (std::size_t k = 0; k < 3; ++k) {
@@ -124,9 +125,9 @@ TEST(Motion, degenerate_and_not_finite)
     EXPECT_EQ(bvh.statistics().leaf_primitives, 299u);
 }
 
-PoseTable random_pose(Random& random, float time, double spread)
+PoseRecord random_pose(Random& random, float time, double spread)
 {
-    PoseTable pose;
+    PoseRecord pose;
     pose.time = time;
     const Vec3f p = random.point(60);
     pose.translation[0] = p.x, pose.translation[1] = p.y, pose.translation[2] = p.z;
@@ -141,18 +142,18 @@ PoseTable random_pose(Random& random, float time, double spread)
 }
 
 /// Shapes of each kind, placed by instances that move and by some that don't.
-SceneTables moving_instances(std::size_t n, std::uint32_t poses, double spread, bool moving_mesh)
+GeometryTables moving_instances(std::size_t n, std::uint32_t poses, double spread, bool moving_mesh)
 {
     Random random(n);
-    SceneTables tables = moving_mesh ? moving_soup(100, 1, 0.3f, 0.2f, {0, 0.5f, 1}) : soup(100, 1, 0.3f, 9);
+    GeometryTables tables = moving_mesh ? moving_soup(100, 1, 0.3f, 0.2f, {0, 0.5f, 1}) : soup(100, 1, 0.3f, 9);
     tables.world_triangles = 0;
     tables.shutter_open = 0, tables.shutter_close = 1;
-    tables.shapes[0].flags = ShapeTable::placed;
+    tables.shapes[0].flags = ShapeRecord::only_instanced;
     tables.shape_of_primitive.assign(100, 0);
     const auto add_shape = [&](int count) {
         tables.shape_of_primitive.resize(tables.shape_of_primitive.size() + std::size_t(count),
                                          std::uint32_t(tables.shapes.size()));
-        tables.shapes.emplace_back().flags = ShapeTable::placed;
+        tables.shapes.emplace_back().flags = ShapeRecord::only_instanced;
     };
     for (int i = 0; i < 5; ++i) tables.quads.push_back({random.point(1), random.point(1), random.point(1)});
     add_shape(5);
@@ -165,7 +166,7 @@ SceneTables moving_instances(std::size_t n, std::uint32_t poses, double spread, 
     tables.shapes[2].first_primitive = tables.first_sphere();
     tables.shapes[3].first_primitive = tables.first_disk();
     for (std::size_t i = 0; i < n; ++i) {
-        InstanceTable instance;
+        InstanceRecord instance;
         instance.mesh_shape = instance.shape = random.below(4);
         if (i % 4 == 0) {
             const Vec3f p = random.point(60), axis = random.direction();
@@ -176,9 +177,9 @@ SceneTables moving_instances(std::size_t n, std::uint32_t poses, double spread, 
         } else {
             instance.poses = std::uint32_t(tables.poses.size()) << 8 | poses;
             for (std::uint32_t k = 0; k < poses; ++k) {
-                PoseTable pose = random_pose(random, float(k) / float(poses - 1), spread);
+                PoseRecord pose = random_pose(random, float(k) / float(poses - 1), spread);
                 if (k > 0) {
-                    PoseTable& before = tables.poses.back();
+                    PoseRecord& before = tables.poses.back();
                     double cosine = 0;
                     for (int c = 0; c < 4; ++c) cosine += double(pose.rotation[c]) * before.rotation[c];
                     if (cosine < 0)
@@ -210,7 +211,7 @@ TEST(Motion, the_same_bits_everywhere)
 {
     std::uint64_t hash = 1469598103934665603u;
     const auto mix_in = [&](std::uint32_t x) { hash = (hash ^ x) * 1099511628211u; };
-    for (const SceneTables& tables :
+    for (const GeometryTables& tables :
          {moving_soup(2'000, 100, 10, 5, {0, 0.25f, 1}), moving_instances(100, 3, 2, true)}) {
         Bvh bvh;
         bvh.build(tables);
@@ -228,8 +229,8 @@ TEST(Motion, the_same_bits_everywhere)
 /// Boxes that move hold what they should and little else: rays find their way in not many more steps.
 TEST(Motion, boxes_follow)
 {
-    const SceneTables tables = moving_soup(20'000, 100, 1, 0, {0, 1});
-    SceneTables flying = tables;
+    const GeometryTables tables = moving_soup(20'000, 100, 1, 0, {0, 1});
+    GeometryTables flying = tables;
     for (std::size_t i = 60'000; i < 120'000; ++i) flying.positions[i] = plus(flying.positions[i], {30, 20, -10});
     Bvh still, moving;
     still.build(tables);

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/bvh.h"
-#include "geometry/bvh_leaf_data.h"
-#include "geometry/bvh_ray.h"
-#include "geometry/curve.h"
+#include "geometry/bvh/build/leaf_data.h"
+#include "geometry/bvh/bvh.h"
+#include "geometry/bvh/traverse/ray.h"
+#include "geometry/shapes/curve.h"
 
 namespace fathom {
 
@@ -55,14 +55,14 @@ inline Vec3f unit_towards(Vec3f from, Vec3f to)
 }
 
 /// Tables with one shape for all that is in the world.
-inline SceneTables empty_tables()
+inline GeometryTables empty_tables()
 {
-    SceneTables tables;
+    GeometryTables tables;
     tables.shapes.emplace_back();
     tables.materials.emplace_back();
     return tables;
 }
-inline void add_triangle(SceneTables& tables, Vec3f a, Vec3f b, Vec3f c)
+inline void add_triangle(GeometryTables& tables, Vec3f a, Vec3f b, Vec3f c)
 {
     for (Vec3f v : {a, b, c}) {
         tables.triangles.push_back(std::uint32_t(tables.positions.size()));
@@ -70,7 +70,7 @@ inline void add_triangle(SceneTables& tables, Vec3f a, Vec3f b, Vec3f c)
     }
 }
 /// To be called when all primitives are there; instanced meshes have been numbered already.
-inline void finish(SceneTables& tables)
+inline void finish(GeometryTables& tables)
 {
     if (tables.instances.empty()) tables.world_triangles = tables.triangle_count();
     tables.shape_of_primitive.resize(tables.primitive_count(), 0);
@@ -125,7 +125,7 @@ inline std::vector<std::uint32_t> cast_shadows(const Bvh& bvh, Rays& rays, bool 
 }
 
 /// A corner of what a key names, for each lane at its time.
-inline Vec3 corner_at(const SceneTables& tables, BvhKey key, int corner, Float time)
+inline Vec3 corner_at(const GeometryTables& tables, BvhKey key, int corner, Float time)
 {
     Vec3f v[3];
     vertices_of(tables, key, v);
@@ -145,7 +145,7 @@ inline Vec3 corner_at(const SceneTables& tables, BvhKey key, int corner, Float t
 
 /// One primitive against rays, in the world or, if instance is not no_index, in the space of what that places. scale:
 /// the length that directions had there.
-inline void meet_by_force(const SceneTables& tables, std::uint32_t primitive, const Ray& ray, Float scale,
+inline void meet_by_force(const GeometryTables& tables, std::uint32_t primitive, const Ray& ray, Float scale,
                           UInt instance, Hit& hit)
 {
     const auto take = [&](Mask m, Float t, Float u, Float v) {
@@ -174,7 +174,7 @@ inline void meet_by_force(const SceneTables& tables, std::uint32_t primitive, co
     }
     Mask m;
     if (primitive < tables.first_disk()) {
-        const SphereTable& s = tables.spheres[primitive - tables.first_sphere()];
+        const SphereRecord& s = tables.spheres[primitive - tables.first_sphere()];
         m = meet_sphere(fma(Vec3(s.motion), ray.time, Vec3(s.center)), Float(s.radius), ray.o, ray.d, far, t);
     } else if (primitive >= tables.first_point()) {
         const Vec4f& p = tables.points[primitive - tables.first_point()];
@@ -186,10 +186,10 @@ inline void meet_by_force(const SceneTables& tables, std::uint32_t primitive, co
         const auto vector = [](const CurvePoint<float>& p) { return Vec3(Vec3f{p.x, p.y, p.z}); };
         for (std::uint32_t piece = 0; piece < pieces; ++piece) {
             const bvh::PieceEnds e =
-                bvh::piece_ends(tables, bvh::piece_id(segment, piece), flags & ShapeTable::linear_curves);
+                bvh::piece_ends(tables, bvh::piece_id(segment, piece), flags & ShapeRecord::linear_curves);
             const CurvePiece ends{vector(e.a), vector(e.b), Float(e.a.r), Float(e.b.r)};
             Float w;
-            m = flags & ShapeTable::ribbons
+            m = flags & ShapeRecord::ribbons
                     ? meet_ribbon_piece(ends, vector(e.tangent_a), vector(e.tangent_b), ray.o, ray.d, far, t, w)
                     : meet_round_piece(ends, ray.o, ray.d, far, t, w);
             m &= Mask(e.a.r > 0 || e.b.r > 0);
@@ -202,7 +202,7 @@ inline void meet_by_force(const SceneTables& tables, std::uint32_t primitive, co
         }
         return;
     } else {
-        const DiskTable& d = tables.disks[primitive - tables.first_disk()];
+        const DiskRecord& d = tables.disks[primitive - tables.first_disk()];
         m = meet_disk(Vec3(d.center), Vec3(d.normal), Float(d.radius), ray.o, ray.d, far, t);
     }
     t = t * (Float(1) / scale);
@@ -210,7 +210,7 @@ inline void meet_by_force(const SceneTables& tables, std::uint32_t primitive, co
 }
 
 /// The nearest hits by testing everything, with the tests of geometry/shapes.h.
-inline Hits cast_by_force(const SceneTables& tables, Rays& rays)
+inline Hits cast_by_force(const GeometryTables& tables, Rays& rays)
 {
     const RayArrays arrays = rays.arrays();
     Hits hits(arrays.count + 32);
@@ -220,11 +220,11 @@ inline Hits cast_by_force(const SceneTables& tables, Rays& rays)
                       load(arrays.time + i)};
         Hit hit{ray.t_max, UInt(no_index), UInt(no_index), Float(0), Float(0)};
         for (std::uint32_t k = 0; k < tables.primitive_count(); ++k) {
-            const bool placed = tables.shapes[tables.shape_of_primitive[k]].flags & ShapeTable::placed;
+            const bool placed = tables.shapes[tables.shape_of_primitive[k]].flags & ShapeRecord::only_instanced;
             if (!placed) meet_by_force(tables, k, ray, Float(1), UInt(no_index), hit);
         }
         for (std::uint32_t k = 0; k < tables.instances.size(); ++k) {
-            const InstanceTable& instance = tables.instances[k];
+            const InstanceRecord& instance = tables.instances[k];
             const Affine to_object = object_from_render(tables, instance, ray.time);
             const Ray inner{to_object.point(ray.o), to_object.vector(ray.d), ray.t_max, ray.time};
             // Round shapes want unit directions.

@@ -7,10 +7,10 @@ namespace fathom {
 namespace {
 
 /// A sphere of bumps: rings of vertices, triangles between them, closed at the poles.
-SceneTables closed_mesh(int rings, int sectors, float radius, float bumps, Vec3f center, Vec3f scale)
+GeometryTables closed_mesh(int rings, int sectors, float radius, float bumps, Vec3f center, Vec3f scale)
 {
     Random random(5);
-    SceneTables tables = empty_tables();
+    GeometryTables tables = empty_tables();
     const auto add = [&](double theta, double phi) {
         const double r = radius * (1 + bumps * random.uniform(-1, 1));
         tables.positions.push_back({float(center.x + scale.x * r * std::sin(theta) * std::cos(phi)),
@@ -37,7 +37,7 @@ SceneTables closed_mesh(int rings, int sectors, float radius, float bumps, Vec3f
     return tables;
 }
 
-void expect_no_misses(const SceneTables& tables, TreeBuild level, Vec3f center, float inside, std::size_t n)
+void expect_no_misses(const GeometryTables& tables, TreeBuild level, Vec3f center, float inside, std::size_t n)
 {
     Bvh bvh;
     bvh.build(tables, level);
@@ -73,7 +73,7 @@ void expect_no_misses(const SceneTables& tables, TreeBuild level, Vec3f center, 
     }
 }
 
-void expect_no_misses(const SceneTables& tables, Vec3f center, float inside, std::size_t n)
+void expect_no_misses(const GeometryTables& tables, Vec3f center, float inside, std::size_t n)
 {
     expect_no_misses(tables, TreeBuild::standard, center, inside, n);
     // The pieces of triangles that this cuts leave no cracks either.
@@ -102,7 +102,7 @@ TEST(Watertight, large_and_fine)
 /// An axis-aligned box of many equal squares: edges and corners everywhere in planes of boxes of the tree.
 TEST(Watertight, box_of_squares)
 {
-    SceneTables tables = empty_tables();
+    GeometryTables tables = empty_tables();
     const int n = 24;
     const float size = 10;
     for (int axis = 0; axis < 3; ++axis)

@@ -17,10 +17,10 @@ void put(float* to, Vec3d v)
     to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z);
 }
 
-LightTable rectangle_light(Vec3d corner, Vec3d u, Vec3d v)
+LightRecord rectangle_light(Vec3d corner, Vec3d u, Vec3d v)
 {
-    LightTable l;
-    l.kind = std::uint32_t(LightTableKind::rectangle);
+    LightRecord l;
+    l.kind = std::uint32_t(LightRecordKind::rectangle);
     l.pmf = 1;
     put(l.position, corner), put(l.edge_u, normalize(u)), put(l.edge_v, normalize(v));
     put(l.normal, normalize(cross(u, v)));
@@ -78,8 +78,8 @@ TEST(Rectangle, SolidAngleIsThatOfItsParts)
 TEST(Rectangle, IsSampledUniformlyByAngleFromNearAndByAreaFromFar)
 {
     for (const Place& place : places) {
-        const LightTable table = rectangle_light(place.corner, place.u, place.v);
-        const LightRecord<false> light(&table, UInt(0u));
+        const LightRecord table = rectangle_light(place.corner, place.u, place.v);
+        const LightReader<false> light(&table, UInt(0u));
         const Vec3 p(Vec3f{float(place.p.x), float(place.p.y), float(place.p.z)});
         test::Random random;
         // Cells of the rectangle; each expects its share of the solid angle, or of the area.
@@ -118,9 +118,9 @@ TEST(Rectangle, IsSampledUniformlyByAngleFromNearAndByAreaFromFar)
 }
 
 /// The mean of inverse_pdf * cosine-free light over samples is the solid angle; checks kinds sampled by area.
-double estimate_solid_angle(const LightTable& table, Vec3 p)
+double estimate_solid_angle(const LightRecord& table, Vec3 p)
 {
-    const LightRecord<false> light(&table, UInt(0u));
+    const LightReader<false> light(&table, UInt(0u));
     test::Random random;
     double sum = 0;
     int n = 0;
@@ -136,13 +136,13 @@ double estimate_solid_angle(const LightTable& table, Vec3 p)
 TEST(Lights, InverseDensitiesAverageToTheSolidAngle)
 {
     const Vec3 p(Float(0), Float(0), Float(0));
-    LightTable l = rectangle_light({1, -1, 2}, {2, 0, 0}, {0, 1, 1});
-    l.kind = std::uint32_t(LightTableKind::parallelogram);
+    LightRecord l = rectangle_light({1, -1, 2}, {2, 0, 0}, {0, 1, 1});
+    l.kind = std::uint32_t(LightRecordKind::parallelogram);
     put(l.edge_u, {2, 0, 0}), put(l.edge_v, {0, 1, 1});
     EXPECT_NEAR(estimate_solid_angle(l, p) / solid_angle({0, 0, 0}, {1, -1, 2}, {2, 0, 0}, {0, 1, 1}), 1, 0.005);
 
-    LightTable triangle = l;
-    triangle.kind = std::uint32_t(LightTableKind::triangle);
+    LightRecord triangle = l;
+    triangle.kind = std::uint32_t(LightRecordKind::triangle);
     triangle.area = l.area / 2;
     // Van Oosterom and Strackee 1983.
     const Vec3d a{1, -1, 2}, b{3, -1, 2}, c{1, 0, 3};
@@ -151,15 +151,15 @@ TEST(Lights, InverseDensitiesAverageToTheSolidAngle)
         2 * std::atan2(std::abs(dot(a, cross(b, c))), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(a, c) * lb);
     EXPECT_NEAR(estimate_solid_angle(triangle, p) / exact, 1, 0.005);
 
-    LightTable disk;
-    disk.kind = std::uint32_t(LightTableKind::disk);
+    LightRecord disk;
+    disk.kind = std::uint32_t(LightRecordKind::disk);
     put(disk.position, {0, 0, 2}), put(disk.normal, {0, 0, -1});
     disk.radius = 1.5f;
     disk.area = float(std::numbers::pi * 2.25);
     EXPECT_NEAR(estimate_solid_angle(disk, p) / (2 * std::numbers::pi * (1 - 2 / 2.5)), 1, 0.005);
 
-    LightTable sphere;
-    sphere.kind = std::uint32_t(LightTableKind::sphere);
+    LightRecord sphere;
+    sphere.kind = std::uint32_t(LightRecordKind::sphere);
     put(sphere.position, {0, 3, 4});
     sphere.radius = 3;
     EXPECT_NEAR(estimate_solid_angle(sphere, p) / (2 * std::numbers::pi * (1 - 0.8)), 1, 1e-5);
@@ -167,10 +167,10 @@ TEST(Lights, InverseDensitiesAverageToTheSolidAngle)
 
 TEST(Sphere, SamplesLieOnItAndInTheConeOfDirections)
 {
-    LightTable table;
-    table.kind = std::uint32_t(LightTableKind::sphere);
+    LightRecord table;
+    table.kind = std::uint32_t(LightRecordKind::sphere);
     put(table.position, {0, 3, 4});
-    const LightRecord<false> light(&table, UInt(0u));
+    const LightReader<false> light(&table, UInt(0u));
     for (float radius : {1e-3f, 0.5f, 4.9f}) {
         table.radius = radius;
         test::Random random;
@@ -190,10 +190,10 @@ TEST(Sphere, SamplesLieOnItAndInTheConeOfDirections)
 
 TEST(Sphere, FromInsideEveryDirectionIsAlikeAndTheRightSideShows)
 {
-    LightTable table;
-    table.kind = std::uint32_t(LightTableKind::sphere);
+    LightRecord table;
+    table.kind = std::uint32_t(LightRecordKind::sphere);
     table.radius = -10;  // shines inwards
-    const LightRecord<false> light(&table, UInt(0u));
+    const LightReader<false> light(&table, UInt(0u));
     EXPECT_NEAR(estimate_solid_angle(table, Vec3(Float(1), Float(2), Float(3))), 4 * std::numbers::pi, 1e-3);
     table.radius = 10;  // shines outwards only: dark inside
     EXPECT_EQ(estimate_solid_angle(table, Vec3(Float(1), Float(2), Float(3))), 0);

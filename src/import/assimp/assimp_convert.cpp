@@ -5,7 +5,7 @@
 #include <cstring>
 #include <numbers>
 
-#include "import/polygon.h"
+#include "import/common/polygon.h"
 
 namespace fathom {
 

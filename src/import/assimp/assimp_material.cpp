@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "import/assimp/assimp_convert.h"
-#include "import/phong.h"
+#include "import/common/phong.h"
 
 namespace fathom {
 

@@ -9,8 +9,8 @@
 #include "import/assimp/answer_bytes.h"
 #include "import/assimp/apart.h"
 #include "import/assimp/module.h"
-#include "import/mesh_cleanup.h"
-#include "import/read_file.h"
+#include "import/common/mesh_cleanup.h"
+#include "import/common/read_file.h"
 
 namespace fathom {
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <filesystem>
 
-#include "import/load_context.h"
+#include "import/common/load_context.h"
 
 namespace fathom {
 

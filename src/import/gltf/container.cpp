@@ -7,8 +7,8 @@
 #include <cstring>
 
 #include "fathom/error.h"
+#include "import/common/read_file.h"
 #include "import/gltf/data_uri.h"
-#include "import/read_file.h"
 
 namespace fathom {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "fathom/load.h"
-#include "import/json_object.h"
+#include "import/common/json_object.h"
 
 namespace fathom {
 

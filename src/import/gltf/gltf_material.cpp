@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include "import/common/read_file.h"
 #include "import/gltf/data_uri.h"
 #include "import/gltf/gltf_reader.h"
-#include "import/read_file.h"
 
 namespace fathom {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "import/common/mesh_cleanup.h"
+#include "import/common/read_file.h"
 #include "import/gltf/gltf_reader.h"
-#include "import/mesh_cleanup.h"
-#include "import/read_file.h"
 
 namespace fathom {
 

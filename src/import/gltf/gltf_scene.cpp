@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "import/common/read_file.h"
+#include "import/common/suggest.h"
 #include "import/gltf/gltf.h"
 #include "import/gltf/gltf_reader.h"
-#include "import/read_file.h"
-#include "import/suggest.h"
 #include "scene/check.h"
 
 namespace fathom {

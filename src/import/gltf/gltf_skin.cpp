@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
+#include "import/common/mesh_cleanup.h"
 #include "import/gltf/gltf_reader.h"
-#include "import/mesh_cleanup.h"
 
 namespace fathom {
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <optional>
 
+#include "import/common/phong.h"
+#include "import/common/text_scanner.h"
 #include "import/obj/obj.h"
-#include "import/phong.h"
-#include "import/text_scanner.h"
 
 namespace fathom {
 

@@ -4,10 +4,10 @@
 #include <memory>
 #include <optional>
 
-#include "import/mesh_cleanup.h"
-#include "import/polygon.h"
-#include "import/text_scanner.h"
-#include "import/vertex_index.h"
+#include "import/common/mesh_cleanup.h"
+#include "import/common/polygon.h"
+#include "import/common/text_scanner.h"
+#include "import/common/vertex_index.h"
 
 namespace fathom {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "import/load_context.h"
+#include "import/common/load_context.h"
 
 namespace fathom {
 

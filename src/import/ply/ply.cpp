@@ -4,10 +4,10 @@
 #include <cstring>
 #include <limits>
 
-#include "import/mesh_cleanup.h"
+#include "import/common/mesh_cleanup.h"
+#include "import/common/polygon.h"
 #include "import/ply/ply_body.h"
 #include "import/ply/ply_header.h"
-#include "import/polygon.h"
 
 namespace fathom {
 

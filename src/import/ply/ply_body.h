@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "import/common/text_scanner.h"
 #include "import/ply/ply_header.h"
-#include "import/text_scanner.h"
 
 namespace fathom {
 

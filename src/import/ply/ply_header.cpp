@@ -1,6 +1,6 @@
 #include "import/ply/ply_header.h"
 
-#include "import/text_scanner.h"
+#include "import/common/text_scanner.h"
 
 namespace fathom {
 

@@ -3,9 +3,9 @@
 #include <bit>
 #include <cstring>
 
-#include "import/mesh_cleanup.h"
-#include "import/text_scanner.h"
-#include "import/vertex_index.h"
+#include "import/common/mesh_cleanup.h"
+#include "import/common/text_scanner.h"
+#include "import/common/vertex_index.h"
 
 namespace fathom {
 

@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <string>
 
-#include "import/load_context.h"
+#include "import/common/load_context.h"
 
 namespace fathom {
 

@@ -1,0 +1,17 @@
+#pragma once
+/// From a binary tree to nodes of 16 children and leaves.
+#include "geometry/bvh/build/binary.h"
+#include "geometry/bvh/build/slots.h"
+
+namespace fathom::bvh {
+
+/// Of a ray that meets the root's box, in nodes visited, if the tree is collapsed as well as it can be.
+float expected_cost(const GeometryTables& tables, BinaryTree& tree);
+
+/// Adds the nodes and leaves of a tree, which is then freed; its root.
+/// next_triangle  where its triangles go, and then the next tree's
+/// compact        as in Chunk
+std::uint32_t collapse(const GeometryTables& tables, BinaryTree& tree, BvhData& bvh, std::vector<BvhNode>& nodes,
+                       std::size_t& next_triangle, bool compact);
+
+}  // namespace fathom::bvh

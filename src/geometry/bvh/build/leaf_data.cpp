@@ -1,0 +1,175 @@
+#include "geometry/bvh/build/leaf_data.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+namespace fathom::bvh {
+
+namespace {
+
+/// Leaves begin at multiples of the unit.
+std::size_t in_units(std::size_t words)
+{
+    return (words + BvhLeaf::unit - 1) / BvhLeaf::unit * BvhLeaf::unit;
+}
+
+/// Arrays of n numbers behind a leaf's header.
+class Arrays {
+public:
+    Arrays(std::vector<std::uint32_t>& words, std::size_t n, std::size_t count)
+        : words_(words), n_(n), first_(words.size())
+    {
+        words.resize(first_ + count * n);
+    }
+    void set(std::size_t array, std::size_t i, float value)
+    {
+        words_[first_ + array * n_ + i] = std::bit_cast<std::uint32_t>(value);
+    }
+    void set_vector(std::size_t array, std::size_t i, const CurvePoint<float>& p)
+    {
+        set(array, i, p.x), set(array + 1, i, p.y), set(array + 2, i, p.z);
+    }
+
+private:
+    std::vector<std::uint32_t>& words_;
+    std::size_t n_, first_;
+};
+
+void put_curves(const GeometryTables& tables, const std::vector<std::uint32_t>& ids, bool ribbons,
+                std::vector<std::uint32_t>& words)
+{
+    Arrays arrays(words, ids.size(), ribbons ? 16 : 10);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        const std::uint32_t segment = ids[i] >> piece_bits, piece = ids[i] & (CurveRecord::max_pieces - 1);
+        const std::uint32_t shape = tables.shape_of_primitive[tables.first_curve() + segment];
+        const PieceEnds ends = piece_ends(tables, ids[i], tables.shapes[shape].flags & ShapeRecord::linear_curves);
+        const float share = 1 / float(tables.curves[segment].pieces);
+        arrays.set_vector(0, i, ends.a);
+        arrays.set(3, i, ends.a.r);
+        arrays.set_vector(4, i, ends.b);
+        arrays.set(7, i, ends.b.r);
+        arrays.set(8, i, float(piece) * share);
+        arrays.set(9, i, share);
+        if (!ribbons) continue;
+        arrays.set_vector(10, i, ends.tangent_a);
+        arrays.set_vector(13, i, ends.tangent_b);
+    }
+}
+
+void put_points(const GeometryTables& tables, const std::vector<std::uint32_t>& ids, std::vector<std::uint32_t>& words)
+{
+    Arrays arrays(words, ids.size(), 4);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        const Vec4f& p = tables.points[ids[i]];
+        arrays.set_vector(0, i, {p.x, p.y, p.z, 0});
+        arrays.set(3, i, p.w);
+    }
+}
+
+}  // namespace
+
+PieceEnds piece_ends(const GeometryTables& tables, std::uint32_t id, bool linear)
+{
+    const CurveRecord& curve = tables.curves[id >> piece_bits];
+    const std::uint32_t piece = id & (CurveRecord::max_pieces - 1);
+    CurvePoint<float> p[4];
+    for (std::size_t i = 0; i < (linear ? 2 : 4); ++i) {
+        const Vec4f& v = tables.curve_points[curve.first_point + i];
+        p[i] = {v.x, v.y, v.z, v.w};
+    }
+    if (linear) {
+        const CurvePoint<float> along{p[1].x - p[0].x, p[1].y - p[0].y, p[1].z - p[0].z, 0};
+        return {p[0], p[1], along, along};
+    }
+    const float share = 1 / float(curve.pieces), begin = float(piece) * share, end = float(piece + 1) * share;
+    return {bezier(p, begin), bezier(p, end), bezier_tangent(p, begin), bezier_tangent(p, end)};
+}
+
+IndexedTriangles::Vertex IndexedTriangles::vertex(BvhKey key, int corner, const Vec3f& position) const
+{
+    if (moving_) return {tables_.triangles[3 * std::size_t(key >> 1) + std::size_t(corner)], 0, 0};
+    return std::bit_cast<Vertex>(position);
+}
+
+bool IndexedTriangles::add(BvhKey key)
+{
+    if (count_ == bvh_width) return false;
+    const int before = vertex_count_;
+    Vec3f positions[3];
+    vertices_of(tables_, key, positions);
+    for (int k = 0; k < 3; ++k) {
+        const Vertex v = vertex(key, k, positions[k]);
+        const int number = int(std::find(vertices_, vertices_ + vertex_count_, v) - vertices_);
+        if (number == IndexedLeaf::max_vertices) {
+            vertex_count_ = before;
+            return false;
+        }
+        if (number == vertex_count_) {
+            vertices_[vertex_count_] = v;
+            triangle_[vertex_count_] = std::uint8_t(count_);
+            corner_[vertex_count_++] = std::uint8_t(k);
+        }
+        corners_[k][count_] = std::uint8_t(number);
+    }
+    keys_[count_++] = key;
+    return true;
+}
+
+std::size_t IndexedTriangles::words() const
+{
+    const std::size_t n = std::size_t(count_), v = std::size_t(vertex_count_);
+    return in_units(BvhLeaf::header(n) + IndexedLeaf::corner_words(n) + 3 * v * times());
+}
+
+std::size_t IndexedTriangles::put(std::vector<std::uint32_t>& words) const
+{
+    const std::size_t first = words.size(), n = std::size_t(count_), v = std::size_t(vertex_count_);
+    words.push_back(std::uint32_t(n | v << IndexedLeaf::vertices_shift) | (moving_ ? IndexedLeaf::moving_bit : 0));
+    words.insert(words.end(), keys_, keys_ + n);
+    words.resize(first + BvhLeaf::header(n) + IndexedLeaf::corner_words(n));
+    auto* const bytes = reinterpret_cast<std::uint8_t*>(&words[first + BvhLeaf::header(n)]);
+    for (std::size_t k = 0; k < 3; ++k) std::memcpy(bytes + k * n, corners_[k], n);
+    for (std::size_t time = 0; time < times(); ++time) {
+        Arrays arrays(words, v, 3);
+        for (std::size_t i = 0; i < v; ++i) {
+            Vec3f corners[3];
+            vertices_of(tables_, keys_[triangle_[i]], corners, time);
+            const Vec3f& p = corners[corner_[i]];
+            arrays.set_vector(0, i, {p.x, p.y, p.z, 0});
+        }
+    }
+    words.resize(in_units(words.size()));
+    return first;
+}
+
+bool fit_together(const GeometryTables& tables, std::uint32_t kinds, const std::uint32_t* ids, std::size_t n)
+{
+    if (kinds != Item::moving_triangle || 3 * n <= IndexedLeaf::max_vertices) return true;
+    IndexedTriangles triangles(tables, true);
+    for (std::size_t i = 0; i < n; ++i)
+        if (!triangles.add(ids[i])) return false;
+    return true;
+}
+
+std::size_t put_leaf(const GeometryTables& tables, std::uint32_t kind, const std::uint32_t* first_id, std::size_t n,
+                     std::vector<std::uint32_t>& words)
+{
+    std::vector<std::uint32_t> ids(first_id, first_id + n);
+    std::sort(ids.begin(), ids.end());
+    const std::size_t first = words.size();
+    const bool curves = kind == Item::curve || kind == Item::ribbon;
+    if (kind == Item::moving_triangle) {
+        IndexedTriangles triangles(tables, true);
+        for (std::uint32_t id : ids) triangles.add(id);
+        return triangles.put(words);
+    }
+    words.push_back(std::uint32_t(n));
+    for (std::uint32_t id : ids) words.push_back(curves ? id >> piece_bits : id);
+    if (curves) put_curves(tables, ids, kind == Item::ribbon, words);
+    if (kind == Item::point) put_points(tables, ids, words);
+    words.resize(in_units(words.size()));
+    return first;
+}
+
+}  // namespace fathom::bvh

@@ -1,0 +1,243 @@
+/// What the tree offers to its callers: plain arrays in, plain arrays out.
+#include "geometry/bvh/bvh.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+#include "geometry/bvh/traverse/neighbours.h"
+
+namespace fathom {
+
+struct Bvh::Data : BvhData {};
+
+Bvh::Bvh() : data_(std::make_unique<Data>()) {}
+Bvh::~Bvh() = default;
+Bvh::Bvh(Bvh&&) noexcept = default;
+Bvh& Bvh::operator=(Bvh&&) noexcept = default;
+
+void Bvh::build(const GeometryTables& tables, TreeBuild level)
+{
+    const auto start = std::chrono::steady_clock::now();
+    auto data = std::make_unique<Data>();
+    data->alpha_test = data_->alpha_test;
+    data->alpha_context = data_->alpha_context;
+    build_bvh(tables, *data, level);
+    data->statistics.build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    data->has_alpha = data->alpha_test && data->any_alpha_shape;
+    data_ = std::move(data);
+}
+
+void Bvh::set_alpha_test(AlphaTest test, const void* context)
+{
+    data_->alpha_test = test;
+    data_->alpha_context = context;
+    data_->has_alpha = test && data_->any_alpha_shape;
+}
+
+const BvhStatistics& Bvh::statistics() const
+{
+    return data_->statistics;
+}
+
+namespace {
+
+// Sorting incoherent rays by octant, to let those of one octant share the upper part of the tree, gained up to 20 % on
+// first bounces and lost as much on third ones: not done.
+
+/// Times before the shutter opens or after it closes count as that moment: nothing is known of others.
+void prepare_times(const GeometryTables& tables, Float time, RayTimes& times, int i)
+{
+    const float open = tables.shutter_open, close = tables.shutter_close;
+    store(times.shutter + i, clamp((time - Float(open)) * Float(1 / (close - open)), Float(0), Float(1)));
+    const KeyTime vertices = vertex_key(tables, time);
+    store(times.key + i, vertices.key);
+    store(times.fraction + i, vertices.fraction);
+}
+
+/// Rays [at, at + n), at most stream_size, made ready for tracing.
+void prepare(const RayArrays& rays, std::size_t at, int n, const BvhData& bvh, StreamMemory& memory)
+{
+    for (int i = 0; i < n; i += lanes) {
+        const std::size_t k = at + std::size_t(i);
+        const Float t_max = rays.t_max ? load(rays.t_max + k) : Float(infinity);
+        const Float time = rays.time ? load(rays.time + k) : Float(0);
+        memory.world[i / lanes].prepare(load_vec3(rays.ox + k, rays.oy + k, rays.oz + k),
+                                        load_vec3(rays.dx + k, rays.dy + k, rays.dz + k), t_max, time, bvh.radius);
+        store(memory.hits.t + i, t_max);
+        store(memory.hits.what + i, UInt(no_index));
+        store(memory.hits.instance + i, UInt(no_index));
+        if (bvh.moving) prepare_times(*bvh.tables, time, memory.times, i);
+    }
+}
+
+/// Hits of a stream as callers want them.
+struct PutHits {
+    alignas(64) float t[stream_size], u[stream_size], v[stream_size];
+    alignas(64) std::uint32_t primitive[stream_size], instance[stream_size];
+
+    PutHits(const BvhData& bvh, const RayHits& hits, int n)
+    {
+        for (int i = 0; i < n; i += lanes) {
+            const UInt what = load(hits.what + i);
+            const Mask none = what == UInt(no_index), is_place = ((what & UInt(hit_is_place)) != UInt(0u)) & !none;
+            const UInt key = select(is_place, gather(bvh.keys.data(), what & UInt(~hit_is_place), is_place), what);
+            const Mask second = (key & UInt(1u)) != UInt(0u);
+            const Float along = load(hits.u + i), across = load(hits.v + i);
+            store(t + i, load(hits.t + i));
+            store(u + i, select(second, Float(1) - along, along));
+            store(v + i, select(second, Float(1) - across, across));
+            store(primitive + i, select(none, UInt(no_index), key >> 1));
+            store(instance + i, load(hits.instance + i));
+        }
+    }
+};
+
+/// Too few rays that are alike are not worth a walk of their own.
+constexpr int least_packet = 8;
+
+template <bool any_hit, bool moving>
+void start_at_root(RayMask rays, Stream<any_hit, moving>& stream)
+{
+    for (RayMask m = rays; m; m &= m - 1) {
+        stream.begin(std::countr_zero(m));
+    }
+}
+
+template <bool any_hit, bool moving>
+void trace_alike(const BvhData& bvh, RayMask rest, StreamMemory& memory, Stream<any_hit, moving>& stream)
+{
+    while (rest) {
+        const RayMask rays = alike(memory.world, rest);
+        rest &= ~rays;
+        if (std::popcount(rays) >= least_packet)
+            PacketTraversal<any_hit, moving>(bvh, memory, stream, rays, {bvh.root, no_index, bvh.radius}).run();
+        else
+            start_at_root(rays, stream);
+    }
+    stream.run();
+}
+
+/// Traces the first n rays of the memory.
+template <bool any_hit, bool moving>
+void trace(const BvhData& bvh, int n, bool coherent, StreamMemory& memory)
+{
+    Stream<any_hit, moving> stream(bvh, memory);
+    const RayMask all = n == 64 ? ~RayMask(0) : (RayMask(1) << n) - 1;
+    if constexpr (lanes > 1) {
+        if (coherent) return trace_alike(bvh, all, memory, stream);
+        if constexpr (any_hit && !moving) {
+            NeighbourTraversal neighbours(bvh, memory, stream, all);
+            if (neighbours.fits()) {
+                neighbours.run();
+                return stream.run();
+            }
+        }
+    }
+    start_at_root(all, stream);
+    stream.run();
+}
+
+/// Rays of one time see the same boxes: before they are cut into streams they are sorted by time, coarsely. The order
+/// of rays does not matter to what they hit.
+class SortedByTime {
+public:
+    static constexpr std::size_t most = 512;
+
+    SortedByTime(const RayArrays& rays, std::size_t first, std::size_t n, float open, float close) : first_(first)
+    {
+        constexpr std::size_t buckets = 8;
+        const float scale = float(buckets) / (close - open);
+        std::uint32_t begin[buckets + 1] = {};
+        std::uint8_t bucket[most];
+        for (std::size_t i = 0; i < n; ++i) {
+            const float at = (rays.time[first + i] - open) * scale;
+            bucket[i] = std::uint8_t(std::clamp(at, 0.f, float(buckets - 1)));
+            ++begin[bucket[i] + 1];
+        }
+        for (std::size_t i = 0; i < buckets; ++i) begin[i + 1] += begin[i];
+        for (std::size_t i = 0; i < n; ++i) order_[begin[bucket[i]]++] = std::uint32_t(i);
+        const float* const from[] = {rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz, rays.time, rays.t_max};
+        for (int field = 0; field < (rays.t_max ? 8 : 7); ++field)
+            for (std::size_t i = 0; i < n; ++i) data_[field][i] = from[field][first + order_[i]];
+        sorted = {data_[0], data_[1], data_[2], data_[3], data_[4], data_[5], rays.t_max ? data_[7] : nullptr,
+                  data_[6], n};
+    }
+    std::size_t place(std::size_t i) const { return first_ + order_[i]; }
+
+    RayArrays sorted;
+
+private:
+    std::size_t first_;
+    std::uint32_t order_[most];
+    alignas(64) float data_[8][most + 64];
+};
+
+/// put(hits, n, at): notes the hits of rays [at, at + n), which stand at the beginning of hits.
+template <bool any_hit, class Put>
+void trace_streams(const BvhData& bvh, const RayArrays& rays, bool coherent, BvhVisits* visits, const Put& put)
+{
+    static thread_local StreamMemory memory;
+    memory.visits = {};
+    for (std::size_t at = 0; at < rays.count; at += stream_size) {
+        const int n = int(std::min(std::size_t(stream_size), rays.count - at));
+        prepare(rays, at, n, bvh, memory);
+        if (!bvh.empty)
+            bvh.moving ? trace<any_hit, true>(bvh, n, coherent, memory)
+                       : trace<any_hit, false>(bvh, n, coherent, memory);
+        put(memory.hits, n, at);
+    }
+    if (!visits) return;
+    visits->nodes += memory.visits.nodes;
+    visits->primitives += memory.visits.primitives;
+}
+
+/// put_in_order(hits, n, at) as above; put_one(hits, i, to): notes hit i as that of ray `to`.
+template <bool any_hit, class PutInOrder, class Prepare, class PutOne>
+void trace_all(const BvhData& bvh, const RayArrays& rays, bool coherent, BvhVisits* visits,
+               const PutInOrder& put_in_order, const Prepare& prepared, const PutOne& put_one)
+{
+    if (!bvh.moving || !coherent || !rays.time || rays.count <= stream_size)
+        return trace_streams<any_hit>(bvh, rays, coherent, visits, put_in_order);
+    for (std::size_t first = 0; first < rays.count; first += SortedByTime::most) {
+        const std::size_t n = std::min(SortedByTime::most, rays.count - first);
+        const SortedByTime by_time(rays, first, n, bvh.tables->shutter_open, bvh.tables->shutter_close);
+        trace_streams<any_hit>(bvh, by_time.sorted, true, visits, [&](const RayHits& hits, int count, std::size_t at) {
+            const auto found = prepared(hits, count);
+            for (int i = 0; i < count; ++i) put_one(found, i, by_time.place(at + std::size_t(i)));
+        });
+    }
+}
+
+}  // namespace
+
+void Bvh::closest(const RayArrays& rays, const HitArraysOut& out, bool coherent, BvhVisits* visits) const
+{
+    const auto prepared = [&](const RayHits& hits, int n) { return PutHits(*data_, hits, n); };
+    const auto put_in_order = [&](const RayHits& hits, int n, std::size_t at) {
+        const PutHits found = prepared(hits, n);
+        const std::size_t bytes = std::size_t(n) * sizeof(float);
+        std::memcpy(out.t + at, found.t, bytes);
+        std::memcpy(out.u + at, found.u, bytes);
+        std::memcpy(out.v + at, found.v, bytes);
+        std::memcpy(out.primitive + at, found.primitive, bytes);
+        std::memcpy(out.instance + at, found.instance, bytes);
+    };
+    trace_all<false>(*data_, rays, coherent, visits, put_in_order, prepared,
+                     [&](const PutHits& found, int i, std::size_t to) {
+                         out.t[to] = found.t[i], out.u[to] = found.u[i], out.v[to] = found.v[i];
+                         out.primitive[to] = found.primitive[i], out.instance[to] = found.instance[i];
+                     });
+}
+
+void Bvh::occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent, BvhVisits* visits) const
+{
+    const auto put_in_order = [&](const RayHits& hits, int n, std::size_t at) {
+        for (int i = 0; i < n; ++i) blocked[at + std::size_t(i)] = hits.what[i] != no_index;
+    };
+    const auto prepared = [](const RayHits& hits, int) { return hits.what; };
+    trace_all<true>(*data_, rays, coherent, visits, put_in_order, prepared,
+                    [&](const std::uint32_t* what, int i, std::size_t to) { blocked[to] = what[i] != no_index; });
+}
+
+}  // namespace fathom

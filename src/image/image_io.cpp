@@ -1,0 +1,189 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <fstream>
+#include <new>
+
+#include "fathom/error.h"
+#include "fathom/image.h"
+#include "fathom/memory.h"
+#include "image/formats.h"
+#include "image/output_file.h"
+
+namespace fathom {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+enum class Format { exr, png, jpeg, hdr };
+
+Format output_format(const fs::path& file)
+{
+    std::string extension = file.extension().string();
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    if (extension == ".exr") return Format::exr;
+    if (extension == ".png") return Format::png;
+    if (extension == ".jpg" || extension == ".jpeg") return Format::jpeg;
+    if (extension == ".hdr") return Format::hdr;
+    throw Error(file.string(), "",
+                fmt::format("can't write {}: the formats are .exr, .png, .jpg and .hdr",
+                            extension.empty() ? "a picture without an extension" : "'" + extension + "'"));
+}
+
+/// The widest and highest picture that the format (or its library) takes.
+int largest_side(Format format)
+{
+    switch (format) {
+        case Format::jpeg:
+            return 65500;
+        case Format::png:
+            return 1000000;
+        default:
+            return 1 << 24;
+    }
+}
+
+void check_format_size(const fs::path& file, Format format, int width, int height)
+{
+    if (std::max(width, height) > largest_side(format))
+        throw Error(file.string(), "",
+                    fmt::format("this format holds up to {} pixels a side, the picture is {}x{}", largest_side(format),
+                                width, height));
+}
+
+void check_consistent(const fs::path& file, const Image& image)
+{
+    const std::size_t pixels = std::size_t(std::max(image.width, 0)) * std::size_t(std::max(image.height, 0));
+    bool consistent = pixels > 0 && !image.layers.empty();
+    for (const Image::Layer& layer : image.layers)
+        consistent = consistent && !layer.channels.empty() && layer.pixels.size() == pixels * layer.channels.size();
+    for (const Image::UintChannel& channel : image.uint_channels)
+        consistent = consistent && channel.values.size() == pixels;
+    if (!consistent) throw Error(file.string(), "", "can't write an empty picture, or layers that are not of its size");
+}
+
+std::string in_gigabytes(double bytes)
+{
+    return fmt::format("{:.1f} GB", bytes / 1e9);
+}
+
+bool begins_with(const EncodedImage& file, const char* magic, std::size_t size, std::size_t at = 0)
+{
+    return file.size >= at + size && std::memcmp(file.bytes + at, magic, size) == 0;
+}
+
+Image decode(const EncodedImage& file)
+{
+    if (file.size == 0) throw Error(file.name, "", "the file is empty");
+    if (begins_with(file, "\x76\x2f\x31\x01", 4)) return read_exr(file);
+    if (begins_with(file, "\x89PNG", 4)) return read_png(file);
+    if (begins_with(file, "\xff\xd8\xff", 3)) return read_jpeg(file);
+    if (begins_with(file, "RIFF", 4) && begins_with(file, "WEBP", 4, 8)) return read_webp(file);
+    if (begins_with(file, "#?", 2)) return read_hdr(file);
+    return read_stb(file);
+}
+
+}  // namespace
+
+void check_size(const EncodedImage& file, std::uint64_t width, std::uint64_t height, std::uint64_t bytes_per_pixel)
+{
+    const std::string& name = file.name;
+    if (width == 0 || height == 0) throw Error(name, "", fmt::format("a picture of {}x{} pixels", width, height));
+    if (width > 0x7fffffff || height > 0x7fffffff)
+        throw Error(name, "", fmt::format("a picture of {}x{} pixels is too large", width, height));
+    const double bytes = double(width) * double(height) * double(bytes_per_pixel);
+    const double available = double(std::min(available_memory_bytes(), file.memory_limit));
+    if (bytes > available)
+        throw Error(name, "",
+                    fmt::format("a picture of {}x{} pixels needs {} of memory, {} are there", width, height,
+                                in_gigabytes(bytes), in_gigabytes(available)));
+}
+
+Image make_image(int width, int height, int channels)
+{
+    static const std::vector<std::string> names[] = {{"Y"}, {"Y", "A"}, {"R", "G", "B"}, {"R", "G", "B", "A"}};
+    Image image;
+    image.width = width;
+    image.height = height;
+    image.layers.push_back({"", names[channels - 1],
+                            std::vector<float>(std::size_t(width) * std::size_t(height) * std::size_t(channels))});
+    return image;
+}
+
+void check_output(const fs::path& file, int width, int height)
+{
+    check_format_size(file, output_format(file), width, height);
+    // Trying is the only sure way to know: rights, read-only file systems and quotas all have their say.
+    OutputFile attempt(file);
+}
+
+void write_image(const fs::path& file, const Image& image, const WriteOptions& options)
+{
+    const Format format = output_format(file);
+    check_consistent(file, image);
+    check_format_size(file, format, image.width, image.height);
+    try {
+        OutputFile output(file);
+        switch (format) {
+            case Format::exr:
+                write_exr(output, image, options);
+                break;
+            case Format::png:
+                output.write(encode_png(image, options));
+                break;
+            case Format::jpeg:
+                output.write(encode_jpeg(image, options));
+                break;
+            case Format::hdr:
+                output.write(encode_hdr(image));
+                break;
+        }
+        output.commit();
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw Error(file.string(), "", "can't write: not enough memory to encode the picture");
+    } catch (const std::exception& error) {
+        throw Error(file.string(), "", fmt::format("can't write: {}", error.what()));
+    }
+}
+
+Image read_image(const fs::path& file, std::uint64_t memory_limit)
+{
+    const std::string name = file.string();
+    std::error_code error;
+    const fs::file_status status = fs::status(file, error);
+    if (!fs::exists(status)) throw Error(name, "", "there is no such file");
+    if (fs::is_directory(status)) throw Error(name, "", "this is a folder, not a picture");
+    std::ifstream in(file, std::ios::binary);
+    if (!in) throw Error(name, "", "can't be read: " + std::generic_category().message(errno));
+    std::vector<char> bytes;
+    try {
+        const std::uintmax_t size = fs::file_size(file, error);
+        if (error) throw Error(name, "", "can't be read: " + error.message());
+        if (size > std::min(available_memory_bytes(), memory_limit))
+            throw Error(name, "", "the file is larger than the memory at hand");
+        bytes.resize(size);
+    } catch (const std::bad_alloc&) {
+        throw Error(name, "", "the file is larger than the memory at hand");
+    }
+    if (!in.read(bytes.data(), std::streamsize(bytes.size()))) throw Error(name, "", "can't be read to its end");
+    return read_image(name, bytes.data(), bytes.size(), memory_limit);
+}
+
+Image read_image(const std::string& name, const void* bytes, std::size_t size, std::uint64_t memory_limit)
+{
+    try {
+        return decode({name, static_cast<const unsigned char*>(bytes), size, memory_limit});
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw Error(name, "", "the picture needs more memory than there is");
+    } catch (const std::exception& error) {
+        throw Error(name, "", error.what());
+    }
+}
+
+}  // namespace fathom

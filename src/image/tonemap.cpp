@@ -1,0 +1,150 @@
+#include "image/tonemap.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "image/formats.h"
+
+namespace fathom {
+
+namespace {
+
+/// The nearest 8-bit sRGB code of linear light, exactly as by the formula, without its power: the upper bits of the
+/// float choose a bucket, and within a bucket there is at most one step to the next code. A window does this for each
+/// frame.
+class SrgbTable {
+public:
+    SrgbTable()
+    {
+        for (int code = 1; code < 256; ++code) threshold_[code] = float(linear_from_srgb((code - 0.5) / 255));
+        threshold_[0] = 0;
+        threshold_[256] = 2;
+        int code = 0;
+        for (std::uint32_t i = 0; i < first_code_.size(); ++i) {
+            const float start = std::bit_cast<float>((i + first_bucket) << shift);
+            while (threshold_[code + 1] <= start) ++code;
+            first_code_[i] = static_cast<unsigned char>(code);
+        }
+    }
+
+    unsigned char code(float linear) const
+    {
+        // Without branches: on noise they would be guessed wrong. The order of operands makes NaN the smallest.
+        linear = linear > smallest ? linear : smallest;
+        linear = linear < largest ? linear : largest;
+        const unsigned code = first_code_[(std::bit_cast<std::uint32_t>(linear) >> shift) - first_bucket];
+        return static_cast<unsigned char>(code + unsigned(linear >= threshold_[code + 1]));
+    }
+
+private:
+    static constexpr int shift = 16;                  // 7 bits of mantissa: 128 buckets an octave
+    static constexpr float smallest = 0x1p-13f;       // code 1 begins at 0.5 / 255 / 12.92 = 1.5e-4
+    static constexpr float largest = 0x1.fffffep-1f;  // code 255 begins at 0.9955
+    static constexpr std::uint32_t first_bucket = std::bit_cast<std::uint32_t>(smallest) >> shift;
+    std::array<float, 257> threshold_;
+    std::array<unsigned char, 13 * 128> first_code_;
+};
+
+const SrgbTable& srgb_table()
+{
+    static const SrgbTable table;
+    return table;
+}
+
+/// NaN becomes 0.
+float clamp_unit(float x)
+{
+    return x > 0 ? std::min(x, 1.0f) : 0.0f;
+}
+
+}  // namespace
+
+double srgb_from_linear(double linear)
+{
+    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+double linear_from_srgb(double encoded)
+{
+    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+float filmic_curve(float x)
+{
+    // Beyond this the squares overflow, and the curve has long reached 1.
+    x = std::min(x, 1e6f);
+    return x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f);
+}
+
+DisplayMap::DisplayMap(const DisplayTransform& display)
+    : scale_(float(std::exp2(display.exposure_ev))), filmic_(display.tonemap == Tonemap::filmic)
+{
+}
+
+float DisplayMap::display_linear(float radiance) const
+{
+    const float x = radiance * scale_;
+    return filmic_ ? filmic_curve(x > 0 ? x : 0) : x;
+}
+
+unsigned char DisplayMap::code8(float radiance) const
+{
+    return srgb_table().code(display_linear(radiance));
+}
+
+std::uint16_t DisplayMap::code16(float radiance) const
+{
+    return std::uint16_t(srgb_from_linear(clamp_unit(display_linear(radiance))) * 65535 + 0.5);
+}
+
+unsigned char unit8(float value)
+{
+    return static_cast<unsigned char>(clamp_unit(value) * 255 + 0.5f);
+}
+std::uint16_t unit16(float value)
+{
+    return std::uint16_t(clamp_unit(value) * 65535 + 0.5f);
+}
+
+DisplayChannels display_channels(const Image::Layer& layer)
+{
+    const auto index = [&](const char* name) {
+        const auto found = std::find(layer.channels.begin(), layer.channels.end(), name);
+        return found == layer.channels.end() ? -1 : int(found - layer.channels.begin());
+    };
+    DisplayChannels channels{index("R"), index("G"), index("B"), index("A")};
+    if (channels.r < 0 || channels.g < 0 || channels.b < 0) {
+        const bool three = layer.channels.size() >= 3;
+        channels.r = 0;
+        channels.g = three ? 1 : 0;
+        channels.b = three ? 2 : 0;
+    }
+    return channels;
+}
+
+std::vector<unsigned char> to_display(const Image::Layer& layer, int width, int height, const DisplayTransform& display)
+{
+    const DisplayMap map(display);
+    const DisplayChannels channels = display_channels(layer);
+    const std::size_t pixels = std::size_t(width) * std::size_t(height), stride = layer.channels.size();
+    std::vector<unsigned char> codes(pixels * 4);
+    for (std::size_t i = 0; i < pixels; ++i) {
+        const float* pixel = layer.pixels.data() + i * stride;
+        float straight = 1;
+        unsigned char alpha = 255;
+        if (channels.a >= 0) {
+            const float a = pixel[channels.a];
+            alpha = unit8(a);
+            straight = a > 0 ? 1 / a : 0;
+        }
+        codes[i * 4] = map.code8(pixel[channels.r] * straight);
+        codes[i * 4 + 1] = map.code8(pixel[channels.g] * straight);
+        codes[i * 4 + 2] = map.code8(pixel[channels.b] * straight);
+        codes[i * 4 + 3] = alpha;
+    }
+    return codes;
+}
+
+}  // namespace fathom

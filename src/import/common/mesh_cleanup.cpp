@@ -1,0 +1,96 @@
+#include "import/common/mesh_cleanup.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace fathom {
+
+namespace {
+
+Vec3d to_double(Vec3f v)
+{
+    return {v.x, v.y, v.z};
+}
+
+/// Twice the area along the normal. In double the differences of floats are exact enough that 0 means 0.
+Vec3d area_vector(const Mesh& mesh, std::size_t i)
+{
+    const Vec3d a = to_double(mesh.positions[mesh.indices[i]]);
+    const Vec3d b = to_double(mesh.positions[mesh.indices[i + 1]]);
+    const Vec3d c = to_double(mesh.positions[mesh.indices[i + 2]]);
+    return cross(b - a, c - a);
+}
+
+std::size_t remove_degenerate(Mesh& mesh)
+{
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        const Vec3d area = area_vector(mesh, i);
+        // NaN passes: positions that are not finite are an error, found and named later.
+        if (area == Vec3d{0, 0, 0}) continue;
+        if (kept != i)
+            for (std::size_t k = 0; k < 3; ++k) mesh.indices[kept + k] = mesh.indices[i + k];
+        kept += 3;
+    }
+    const std::size_t removed = (mesh.indices.size() - kept) / 3;
+    mesh.indices.resize(kept);
+    return removed;
+}
+
+bool is_good(Vec3f n)
+{
+    const float l2 = n.x * n.x + n.y * n.y + n.z * n.z;
+    return std::isfinite(l2) && l2 > 0;
+}
+
+std::size_t replace_normals(Mesh& mesh)
+{
+    std::size_t bad = 0;
+    for (Vec3f n : mesh.normals) bad += !is_good(n);
+    if (bad == 0) return 0;
+    std::vector<Vec3d> sums(mesh.positions.size());
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        const Vec3d area = area_vector(mesh, i);
+        for (std::size_t k = 0; k < 3; ++k) sums[mesh.indices[i + k]] = sums[mesh.indices[i + k]] + area;
+    }
+    std::size_t replaced = 0;
+    std::vector<char> used(mesh.positions.size(), 0);
+    for (std::uint32_t index : mesh.indices) used[index] = 1;
+    for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
+        if (is_good(mesh.normals[i])) continue;
+        const Vec3d n = normalize(sums[i]);
+        mesh.normals[i] = length(n) > 0.5 ? Vec3f{float(n.x), float(n.y), float(n.z)} : Vec3f{0, 0, 1};
+        // Vertices that no triangle uses matter to nobody.
+        replaced += std::size_t(used[i]);
+    }
+    return replaced;
+}
+
+template <class T>
+std::size_t zero_unless_finite(std::vector<T>& values)
+{
+    std::size_t bad = 0;
+    for (T& value : values) {
+        float* p = &value.x;
+        for (std::size_t k = 0; k < sizeof(T) / sizeof(float); ++k)
+            if (!std::isfinite(p[k])) p[k] = 0, ++bad;
+    }
+    return bad;
+}
+
+}  // namespace
+
+void clean_mesh(Mesh& mesh, const std::string& file, Warnings& warnings)
+{
+    warnings.add(fmt::format("{}: triangles without area are left out", file), remove_degenerate(mesh));
+    warnings.add(fmt::format("{}: normals without direction are replaced by those of the faces around", file),
+                 replace_normals(mesh));
+    std::size_t bad =
+        zero_unless_finite(mesh.uvs[0]) + zero_unless_finite(mesh.uvs[1]) + zero_unless_finite(mesh.colors);
+    bad += zero_unless_finite(mesh.tangents);
+    warnings.add(fmt::format("{}: texture coordinates, tangents or colours that are not finite are taken as 0", file),
+                 bad);
+}
+
+}  // namespace fathom

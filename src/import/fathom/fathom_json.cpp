@@ -1,0 +1,224 @@
+#include "import/fathom/fathom_json.h"
+
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "fathom/error.h"
+#include "import/common/read_file.h"
+#include "import/common/suggest.h"
+#include "import/fathom/fathom_json_reader.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr double radians_per_degree = std::numbers::pi / 180;
+
+void check_camera(const JsonValue& v, const Camera& camera)
+{
+    const Vec3d view = camera.look_at - camera.position;
+    if (length(view) == 0) v.fail("'position' and 'look_at' are the same point");
+    if (length(cross(normalize(view), normalize(camera.up))) < 1e-9)
+        v.fail("'up' must not be zero or parallel to the direction of view");
+    if (camera.aspect < 0) v["aspect"].fail("must not be negative");
+    if (camera.aperture < 0) v["aperture"].fail("must not be negative");
+    if (camera.focus_distance < 0) v["focus_distance"].fail("must not be negative");
+}
+
+}  // namespace
+
+Camera FathomJsonReader::read_camera(const JsonValue& v, const std::string& name)
+{
+    Camera camera;
+    camera.name = name;
+    JsonObject o(v);
+    o.read("name", camera.name);
+    o.read_enum("kind", {{"perspective", CameraKind::perspective}, {"orthographic", CameraKind::orthographic}},
+                camera.kind);
+    o.read("position", camera.position);
+    o.read("look_at", camera.look_at);
+    o.read("up", camera.up);
+    o.read("aspect", camera.aspect);
+    if (auto shutter = o.get("shutter")) {
+        shutter->array_of(2);
+        camera.shutter_open = (*shutter)[0].number();
+        camera.shutter_close = (*shutter)[1].number();
+        if (camera.shutter_close < camera.shutter_open) shutter->fail("the shutter closes before it opens");
+    }
+    if (camera.kind == CameraKind::perspective) {
+        if (auto fov = o.get("fov_y_deg")) {
+            camera.fov_y = fov->number() * radians_per_degree;
+            if (!(camera.fov_y > 0 && camera.fov_y < std::numbers::pi))
+                fov->fail(fmt::format("must be between 0 and 180, found {}", fov->number()));
+        }
+        o.read("aperture", camera.aperture);
+        o.read("focus_distance", camera.focus_distance);
+        o.done("in a perspective camera");
+    } else {
+        o.read("height", camera.height);
+        if (!(camera.height > 0)) v["height"].fail("must be greater than 0");
+        o.done("in an orthographic camera");
+    }
+    check_camera(v, camera);
+    return camera;
+}
+
+void FathomJsonReader::read_cameras(JsonObject& scene)
+{
+    const auto add = [&](const JsonValue& v, const std::string& name) {
+        Node node;
+        node.name = name;
+        node.camera = int(scene_.cameras.size());
+        scene_.cameras.push_back(read_camera(v, name));
+        scene_.roots.push_back(int(scene_.nodes.size()));
+        scene_.nodes.push_back(std::move(node));
+    };
+    const auto camera = scene.get("camera");
+    const auto cameras = scene.get("cameras");
+    if (camera && cameras) cameras->fail("a file has either 'camera' or 'cameras'");
+    if (camera) add(*camera, "camera");
+    if (!cameras) return;
+    cameras->object();
+    for (const auto& [name, json] : cameras->json().items()) add((*cameras)[name], name);
+}
+
+void FathomJsonReader::read_environment(const JsonValue& v)
+{
+    Environment& environment = scene_.environment;
+    JsonObject o(v);
+    if (!v.has("kind")) v.fail("key 'kind' is missing: none, constant, gradient or image");
+    o.read_enum("kind",
+                {{"none", EnvironmentKind::none},
+                 {"constant", EnvironmentKind::constant},
+                 {"gradient", EnvironmentKind::gradient},
+                 {"image", EnvironmentKind::image}},
+                environment.kind);
+    if (environment.kind == EnvironmentKind::constant || environment.kind == EnvironmentKind::image)
+        o.read("color", environment.color);
+    if (environment.kind == EnvironmentKind::gradient) {
+        o.read("bottom", environment.bottom);
+        o.read("top", environment.top);
+    }
+    if (environment.kind == EnvironmentKind::image) environment.image = image(o.require("image"));
+    if (environment.kind == EnvironmentKind::gradient || environment.kind == EnvironmentKind::image) {
+        if (auto rotate = o.get("rotate")) environment.world_from_environment = read_rotation(*rotate);
+    }
+    o.done(fmt::format("in an environment of kind '{}'", v["kind"].string()));
+}
+
+void FathomJsonReader::read_render(const JsonValue& v)
+{
+    RenderHints& hints = scene_.hints;
+    JsonObject o(v);
+    const auto read_int = [&](const char* key, std::optional<int>& out, int least) {
+        if (auto value = o.get(key)) {
+            out = value->integer();
+            if (*out < least) value->fail(fmt::format("must be at least {}, found {}", least, *out));
+        }
+    };
+    if (auto size = o.get("size")) {
+        size->array_of(2);
+        for (std::size_t i : {0, 1}) {
+            const int pixels = (*size)[i].integer();
+            if (pixels < 1) (*size)[i].fail("a picture is at least 1 pixel wide and high");
+            (i == 0 ? hints.width : hints.height) = pixels;
+        }
+    }
+    read_int("samples", hints.samples, 1);
+    read_int("max_depth", hints.max_depth, -1);
+    read_int("roulette_depth", hints.roulette_depth, 0);
+    const std::vector<std::pair<std::string, std::string>> filters = {
+        {"box", "box"}, {"gaussian", "gaussian"}, {"blackman-harris", "blackman-harris"}};
+    std::string word;
+    o.read_enum("filter", filters, word);
+    if (!word.empty()) hints.filter = word;
+    word.clear();
+    const std::vector<std::pair<std::string, std::string>> tonemaps = {{"srgb", "srgb"}, {"filmic", "filmic"}};
+    o.read_enum("tonemap", tonemaps, word);
+    if (!word.empty()) hints.tonemap = word;
+    word.clear();
+    const std::vector<std::pair<std::string, std::string>> builds = {
+        {"fast", "fast"}, {"default", "default"}, {"high", "high"}, {"compact", "compact"}};
+    o.read_enum("build", builds, word);
+    if (!word.empty()) hints.build = word;
+    if (auto value = o.get("light_sampling")) hints.light_sampling = value->boolean();
+    if (auto value = o.get("exposure")) hints.exposure = value->number();
+    o.done("in render settings");
+}
+
+JsonValue FathomJsonReader::find(const char* table_name, const char* what, const JsonValue& v)
+{
+    const std::string& name = v.string();
+    const JsonValue* named = table(table_name);
+    if (named && named->has(name)) return (*named)[name];
+    std::vector<std::string> names;
+    if (named)
+        for (const auto& [key, json] : named->json().items()) names.push_back(key);
+    v.fail(fmt::format("there is no {} named '{}'{}", what, printable(name), suggestion(name, names)));
+}
+
+const JsonValue* FathomJsonReader::table(const char* key)
+{
+    const auto found = tables_.find(key);
+    return found == tables_.end() ? nullptr : &found->second;
+}
+
+void FathomJsonReader::read_unused()
+{
+    if (const JsonValue* textures = table("textures"))
+        for (const auto& [name, json] : textures->json().items())
+            if (!textures_.contains({name, Use::color}) && !textures_.contains({name, Use::data}))
+                textures_[{name, Use::color}] = add_texture((*textures)[name], name, Use::color);
+    if (const JsonValue* meshes = table("meshes"))
+        for (const auto& [name, json] : meshes->json().items())
+            if (!meshes_.contains(name)) meshes_[name] = add_mesh((*meshes)[name], name);
+    if (const JsonValue* nodes = table("nodes"))
+        for (const auto& [name, json] : nodes->json().items())
+            if (!nodes_.contains(name)) {
+                const JsonValue v = (*nodes)[name];
+                nodes_[name].state = State::read;
+                nodes_[name].index = add_node(v, name, 0);
+            }
+}
+
+SceneDescription FathomJsonReader::read()
+{
+    JsonObject o(root_);
+    scene_.file = file_.string();
+    if (auto schema = o.get("$schema")) schema->string();
+    if (auto version = o.get("fathom"))
+        if (version->integer() != 1)
+            version->fail(fmt::format("format {} is not known; this version reads format 1", version->integer()));
+    for (const char* key : {"textures", "materials", "meshes", "nodes"})
+        if (auto v = o.get(key)) tables_.emplace(key, v->object());
+
+    read_cameras(o);
+    // Materials first and in the file's order, so that ids in pictures follow it; the rest when it is referred to.
+    if (const JsonValue* materials = table("materials"))
+        for (const auto& [name, json] : materials->json().items())
+            materials_[name] = add_material((*materials)[name], name);
+    if (auto nodes = o.get("scene")) {
+        nodes->array();
+        for (std::size_t i = 0; i < nodes->size(); ++i) {
+            const JsonValue v = (*nodes)[i];
+            scene_.roots.push_back(node(v, 0));
+        }
+    }
+    read_lights(o);
+    if (auto environment = o.get("environment")) read_environment(*environment);
+    if (auto render = o.get("render")) read_render(*render);
+    o.done("in a scene");
+    read_unused();
+    return std::move(scene_);
+}
+
+SceneDescription read_fathom_json(const std::filesystem::path& file, std::string_view text, LoadContext& context)
+{
+    const std::string name = file.string();
+    const Json json = parse_json(name, text, DuplicateKeys::error);
+    const JsonValue root(name, json);
+    return FathomJsonReader(file, root, context).read();
+}
+
+}  // namespace fathom

@@ -1,0 +1,47 @@
+#include "integrate/fast/quads/quad_columns.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace fathom::inline FATHOM_LANES {
+
+void QuadColumns::build(const SceneTables& tables)
+{
+    size_ = int(tables.quads.size());
+    stride_ = std::max<std::size_t>(tables.quads.size() + 1, lookup_size);
+    values_.assign(columns * stride_ + lookup_size, 0);
+    for (std::size_t q = 0; q < tables.quads.size(); ++q) {
+        const auto set = [&](int column, double value) { values_[std::size_t(column) * stride_ + q] = float(value); };
+        const auto set_bits = [&](int column, std::uint32_t bits) {
+            values_[std::size_t(column) * stride_ + q] = std::bit_cast<float>(bits);
+        };
+        const Vec3f eu = tables.quads[q].edge_u, ev = tables.quads[q].edge_v;
+        const Vec3d u{eu.x, eu.y, eu.z}, v{ev.x, ev.y, ev.z};
+        const Vec3d n = normalize(cross(u, v)), t = normalize(u);
+        set(0, n.x), set(1, n.y), set(2, n.z);
+        set(3, t.x), set(4, t.y), set(5, t.z);
+        float extent = 0;
+        for (float x : {eu.x, eu.y, eu.z, ev.x, ev.y, ev.z}) extent = std::max(extent, std::abs(x));
+        set(6, extent);
+
+        const std::uint32_t primitive = tables.first_quad() + std::uint32_t(q);
+        const ShapeRecord& shape = tables.shapes[tables.shape_of_primitive[primitive]];
+        const MaterialRecord& material = tables.materials[shape.material];
+        // Emission is on the side of the front as the scene says, which a mirroring transform swaps.
+        const bool flipped = (shape.flags & ShapeRecord::flipped) != 0;
+        std::uint32_t flags = material.bsdf == std::uint32_t(BsdfKind::none) ? 0u : std::uint32_t(scatters);
+        const bool emits = material.flags & MaterialRecord::emits,
+                   two_sided = material.flags & MaterialRecord::two_sided_emission;
+        if (emits && (two_sided || !flipped)) flags |= emits_front;
+        if (emits && (two_sided || flipped)) flags |= emits_back;
+        set_bits(7, flags);
+        set_bits(8, shape.light_base == no_index ? no_index : shape.light_base + (primitive - shape.first_primitive));
+        for (std::size_t c = 0; c < channels; ++c) {
+            set(9 + int(c), material.base_color[c]);
+            set(9 + channels + int(c), material.emission[c]);
+        }
+    }
+}
+
+}  // namespace fathom::inline FATHOM_LANES

@@ -1,0 +1,280 @@
+#pragma once
+/// The path loop for flat scenes of smooth, untextured, diffuse quads, as boxes and rooms are: the same estimator as
+/// PathTracer's, in fewer instructions.
+///
+///     start ─┬─▶ arrive ─▶ pool ─▶ light, next direction ─┐
+///            └───────────────────◀───────────────────────┘
+///
+/// What a path meets next is found while its state is still in registers, and only paths that go on are stored. All
+/// state fits into the first-level cache.
+#include "integrate/first_hits.h"
+#include "integrate/light_choice.h"
+#include "integrate/path_end.h"
+#include "integrate/pool.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+class QuadTracer {
+public:
+    QuadTracer(const LaneScene& scene, const CameraRecord& camera, const KernelSettings& settings, const KernelJob& job,
+               TileSums& sums, KernelCounters& counters)
+        : scene_(scene),
+          tables_(scene.tables),
+          settings_(settings),
+          surfaces_(scene),
+          lights_(scene, surfaces_),
+          camera_paths_(scene, camera, settings, job),
+          first_hits_(scene, surfaces_, camera, settings.aovs, sums),
+          sums_(sums),
+          counters_(counters)
+    {
+        lights_are_sampled_ = settings.light_sampling && !tables_.lights.empty();
+        sees_background_ = scene.sees_environment || settings.background.given;
+    }
+
+    void run()
+    {
+        std::size_t active = 0;
+        for (;;) {
+            while (active + lanes <= capacity && next_ < camera_paths_.total()) active = start(active);
+            if (active == 0) break;
+            // Paths that go on take the places before those still to be read.
+            std::size_t kept = 0;
+            for (std::size_t i = 0; i < active; i += lanes) kept = bounce(i, first_lanes(active - i), kept);
+            active = kept;
+        }
+        sum_ended();
+    }
+
+private:
+    static constexpr std::size_t capacity = 512;
+
+    /// Fields of a path that waits on a surface. `place` holds the quad in its low 16 bits, the bounces so far in the
+    /// next 15, and on top whether the path is on the quad's back.
+    enum Field {
+        eye = 0,
+        throughput = 3,
+        radiance = throughput + channels,
+        place = radiance + channels,
+        pixel_hash,
+        reversed_index,
+        pixel,
+        field_count
+    };
+    static constexpr std::uint32_t quad_mask = 0xffff, bounce_mask = 0x7fff, back = 1u << 31;
+    static constexpr int bounce_shift = 16;
+
+    /// Camera paths: those that meet a surface which scatters are stored from `to` on. Returns where the next ones go.
+    [[gnu::noinline, gnu::flatten]] std::size_t start(std::size_t to)
+    {
+        const Mask valid = first_lanes(camera_paths_.total() - next_);
+        const CameraPaths::Path path = camera_paths_.make(next_);
+        next_ += lanes;
+        Arrival<true> at{path.ray.o, path.ray.d, Float(0), valid};
+        at.meet(*this);
+        if (first_hits_.wanted())
+            first_hits_.add({at.o, at.d, at.t, Float(0), Float(0), Float(0), at.quad, UInt(no_index)}, path.pixel,
+                            path.key.reversed_index, at.hits);
+        Spectrum sum(Float(0));
+        at.add_radiance(*this, Spectrum(Float(1)), sum);
+        const Mask goes_on = at.goes_on() & may_scatter(settings_, UInt(0u));
+        finish(valid & !goes_on, path.pixel, path.key.reversed_index, sum);
+        at.keep_place(*this, UInt(0u), goes_on, to);
+        for (int c = 0; c < channels; ++c)
+            keep(throughput + c, Float(1), goes_on, to), keep(radiance + c, sum.c[c], goes_on, to);
+        keep(pixel_hash, bits_float(path.key.pixel_hash), goes_on, to),
+            keep(reversed_index, bits_float(path.key.reversed_index), goes_on, to);
+        keep(pixel, bits_float(path.pixel), goes_on, to);
+        return to + std::size_t(count(goes_on));
+    }
+
+    /// A light, and the next direction, for the paths stored from i on; `to` is at most i.
+    ///
+    /// Fields are read where they are needed, and again where they are needed again: registers are scarce.
+    [[gnu::noinline, gnu::flatten]] std::size_t bounce(std::size_t i, Mask valid, std::size_t to)
+    {
+        const UInt seed = group_seed(key(i), bounces(i) + UInt(1u));
+        // The light's point and the next direction are never multiplied with each other.
+        const UInt index = shuffled_index(key(i), seed);
+        Spectrum light(Float(0));
+        if (lights_are_sampled_) light = direct_light(i, valid, seed, index);
+
+        const Vec3 local = sample_cosine_hemisphere(sample_2d(index, pair_seed(seed, pair_bsdf)));
+        const Vec3 n = normal(i), tangent = scene_.quads.tangent(quad(i));
+        Arrival<false> at{pool_.vector(eye, i), Frame(tangent, cross(n, tangent), n).to_world(local),
+                          local.z * Float(inv_pi), valid};
+
+        Spectrum left = pool_.spectrum(throughput, i) * scene_.quads.color(quad(i));
+        Spectrum sum;
+        for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c], light.c[c], pool_.number(radiance + c, i));
+        const UInt before = bounces(i);
+        at.alive = valid & !apply_roulette(settings_, key(i), seed, before, Float(1), left);
+        at.meet(*this);
+        at.add_radiance(*this, left, sum);
+        const Mask goes_on = at.goes_on() & may_scatter(settings_, before + UInt(1u));
+        finish(valid & !goes_on, pool_.integer(pixel, i), pool_.integer(reversed_index, i), sum);
+        at.keep_place(*this, before + UInt(1u), goes_on, to);
+        for (int c = 0; c < channels; ++c)
+            keep(throughput + c, left.c[c], goes_on, to), keep(radiance + c, sum.c[c], goes_on, to);
+        for (const int field : {pixel_hash, reversed_index, pixel}) keep(field, pool_.number(field, i), goes_on, to);
+        return to + std::size_t(count(goes_on));
+    }
+
+    SampleKey key(std::size_t i) const { return {pool_.integer(pixel_hash, i), pool_.integer(reversed_index, i)}; }
+    UInt quad(std::size_t i) const { return pool_.integer(place, i) & UInt(quad_mask); }
+    UInt bounces(std::size_t i) const { return (pool_.integer(place, i) >> bounce_shift) & UInt(bounce_mask); }
+    /// On the side of the path.
+    Vec3 normal(std::size_t i) const { return flip_sign(scene_.quads.normal(quad(i)), pool_.number(place, i)); }
+
+    void keep(int field, Float value, Mask goes_on, std::size_t to)
+    {
+        compress_store(&pool_.data[field][to], value, goes_on);
+    }
+
+    /// What a sampled light sends to the paths if nothing is in the way, times cosine / pi, over the density; to be
+    /// multiplied by throughput and the surface's colour.
+    [[gnu::always_inline]] Spectrum direct_light(std::size_t i, Mask valid, UInt seed, UInt index)
+    {
+        const LightSample s = lights_.sample(valid, pool_.vector(eye, i), key(i), seed,
+                                             sample_2d(index, pair_seed(seed, pair_light)), Float(0));
+        const Float cosine = dot(s.wi, normal(i));
+        const Mask lit = valid & (s.inverse_pdf > Float(0)) & (cosine > Float(0));
+        counters_.rays += std::uint64_t(count(lit));
+        const Mask clear =
+            lit & !scene_.flat.occluded(
+                      tables_, Ray{pool_.vector(eye, i), s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)}, lit);
+        // f_cos / pdf, times the power heuristic in terms of r = bsdf_pdf / pdf: 1 / (1 + r^2).
+        const Float r = cosine * Float(inv_pi) * s.inverse_pdf;
+        Float weight = r * reciprocal(fma(r, r, Float(1)));
+        if (any(s.is_delta)) weight = select(s.is_delta, r, weight);
+        return s.radiance * select(clear, weight, Float(0));
+    }
+
+    /// Rays on their way to what they meet.
+    template <bool from_camera>
+    struct Arrival {
+        Vec3 o, d;
+        Float pdf;   ///< of the direction
+        Mask alive;  ///< lanes with a ray
+
+        Float t{};
+        UInt quad{}, flags{};
+        Mask hits{};
+        Vec3 n{};
+        Float facing{};  ///< positive on the side of the quad's normal
+
+        [[gnu::always_inline]] void meet(QuadTracer& tracer)
+        {
+            const LaneScene& scene = tracer.scene_;
+            tracer.counters_.rays += std::uint64_t(count(alive));
+            const Hit hit = scene.flat.closest(scene.tables, Ray{o, d, Float(infinity), Float(0)});
+            t = hit.t;
+            quad = hit.primitive;  // there are no triangles before them
+            hits = alive & (quad != UInt(no_index));
+            flags = scene.quads.flags(quad);
+            n = scene.quads.normal(quad);
+            facing = -dot(d, n);
+        }
+        Mask goes_on() const { return hits & ((flags & UInt(QuadColumns::scatters)) != UInt(0u)); }
+
+        /// What quads and background send to the ray's origin, weighted against light sampling.
+        [[gnu::always_inline]] void add_radiance(QuadTracer& tracer, const Spectrum& left, Spectrum& sum)
+        {
+            const UInt shining_side =
+                select(facing > Float(0), UInt(QuadColumns::emits_front), UInt(QuadColumns::emits_back));
+            const Mask shines = hits & ((flags & shining_side) != UInt(0u));
+            if (any(shines)) {
+                const Float weight = select(shines, emission_weight(tracer, shines), Float(0));
+                const Spectrum emitted = tracer.scene_.quads.emission(quad);
+                for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c] * emitted.c[c], weight, sum.c[c]);
+            }
+            if (const Mask misses = alive & !hits; tracer.sees_background_ && any(misses))
+                sum = sum + left * background(tracer, d, pdf, misses);
+        }
+
+        [[gnu::always_inline]] Float emission_weight(const QuadTracer& tracer, Mask shines) const
+        {
+            if (from_camera || !tracer.lights_are_sampled_) return Float(1);
+            const auto& lights = tracer.tables_.lights;
+            const UInt light = tracer.scene_.quads.light(quad);
+            const Mask shared = shines & (light != UInt(no_index));
+            Float other;
+            if (lights.size() == 1) {
+                other = pdf_light(LightReader<true>(lights.data(), UInt(0u)), o, Float(0), d, t, shared);
+            } else {
+                const LightReader<false> record(lights.data(), select(shared, light, UInt(0u)));
+                other = record.pmf() * pdf_light(record, o, Float(0), d, t, shared);
+            }
+            return select(shared, mis_weight(pdf, other), Float(1));
+        }
+
+        /// By value: nothing of the caller's has to live in memory for its sake. 0 outside the mask.
+        [[gnu::noinline]] static Spectrum background(const QuadTracer& tracer, Vec3 d, Float pdf, Mask misses)
+        {
+            const Spectrum seen = tracer.lights_.environment(tracer.settings_.background, tracer.lights_are_sampled_, d,
+                                                             Mask(from_camera), Mask(from_camera), pdf, misses);
+            return select(misses, seen, Spectrum(Float(0)));
+        }
+
+        [[gnu::always_inline]] void keep_place(QuadTracer& tracer, UInt bounces, Mask goes_on, std::size_t to) const
+        {
+            const Vec3 p = offset_origin(fma(d, t, o), flip_sign(n, facing), max(t, tracer.scene_.quads.extent(quad)));
+            tracer.keep(eye, p.x, goes_on, to), tracer.keep(eye + 1, p.y, goes_on, to),
+                tracer.keep(eye + 2, p.z, goes_on, to);
+            tracer.keep(place, bits_float(quad | bounces << bounce_shift | (float_bits(facing) & UInt(back))), goes_on,
+                        to);
+        }
+    };
+
+    /// Notes the sums of paths that have ended.
+    [[gnu::always_inline]] void finish(Mask ended, UInt pixels, UInt reversed, const Spectrum& sum)
+    {
+        Float largest = abs(sum.c[0]);
+        for (int c = 1; c < channels; ++c) largest = max(abs(sum.c[c]), largest);
+        // NaN is not small; where max() loses one, the comparison of the sum finds it.
+        Float total = sum.c[0];
+        for (int c = 1; c < channels; ++c) total = total + sum.c[c];
+        const Mask small = ended & (largest < Float(TileSums::small)) & (total == total);
+        if (const Mask large = ended & !small; any(large)) sum_large(large, pixels, reversed, sum);
+        compress_store(&ended_pixel_[ended_], pixels, small);
+        for (int c = 0; c < channels; ++c) compress_store(&ended_radiance_[c][ended_], sum.c[c], small);
+        ended_ += std::size_t(count(small));
+        if (ended_ > capacity - lanes) sum_ended();
+    }
+    [[gnu::noinline]] void sum_large(Mask m, UInt pixels, UInt reversed, Spectrum sum)
+    {
+        std::uint32_t pixel_of[lanes], sample[lanes];
+        float value[channels][lanes];
+        store(pixel_of, pixels), store(sample, reverse_bits(reversed));
+        for (int c = 0; c < channels; ++c) store(value[c], sum.c[c]);
+        for_each_active(m, [&](int k) { sums_.add(pixel_of[k], sample[k], value[0][k], value[1][k], value[2][k]); });
+    }
+    [[gnu::noinline]] void sum_ended()
+    {
+        for (std::size_t k = 0; k < ended_; ++k)
+            sums_.add_small(ended_pixel_[k], ended_radiance_[0][k], ended_radiance_[1][k], ended_radiance_[2][k]);
+        ended_ = 0;
+    }
+
+    const LaneScene& scene_;
+    const SceneTables& tables_;
+    const KernelSettings& settings_;
+    const SurfaceReader surfaces_;
+    const LightChoice lights_;
+    const CameraPaths camera_paths_;
+    FirstHits first_hits_;
+    TileSums& sums_;
+    KernelCounters& counters_;
+    bool lights_are_sampled_ = false, sees_background_ = false;
+    std::uint32_t next_ = 0;  ///< number of the job's next path
+
+    /// Room behind for stores of whole registers.
+    static constexpr std::size_t padding = 2 * lanes;
+    PathFields<field_count, capacity + padding> pool_;
+    /// Paths that have ended: summed many at a time.
+    std::size_t ended_ = 0;
+    std::uint32_t ended_pixel_[capacity + padding];
+    float ended_radiance_[channels][capacity + padding];
+};
+
+}  // namespace fathom::inline FATHOM_LANES

@@ -1,0 +1,76 @@
+#pragma once
+/// Materials and textures as the kernel reads them.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "math/no_index.h"
+#include "shading/rgb.h"
+
+namespace fathom {
+
+enum class BsdfKind : std::uint32_t {
+    none,  ///< black, or only emits
+    diffuse,
+    metal,  ///< GGX conductor; alpha 0 is a mirror
+    fuzz_metal,
+    glass,
+    principled,
+    count
+};
+
+/// How an image's texels lie in memory. Each format is taken only where it holds every value exactly.
+enum class TexelFormat : std::uint32_t {
+    float4,      ///< four floats, in ShadingTables::texels
+    bytes,       ///< one word of packed_images: red in the lowest byte, alpha in the highest, 255 is 1
+    bytes_srgb,  ///< the same, but red, green and blue are sRGB codes, decoded by ShadingTables::linear_of_srgb
+    halves,      ///< two words: red and green, blue and alpha; the lower half first
+    shorts,      ///< the same with 16-bit integers, 65535 is 1
+};
+
+struct TextureRecord {
+    std::uint32_t kind = 0;  ///< TextureKind
+    // image: format, offset into texels (in fours) or number among packed_images, size, wrap modes
+    std::uint32_t format = 0;  ///< TexelFormat
+    std::uint64_t texels = 0;
+    int width = 0, height = 0;
+    std::uint32_t wrap_u = 0, wrap_v = 0, nearest = 0;
+    std::uint32_t uv_set = 0;
+    std::array<float, 6> uv_map{1, 0, 0, 0, 1, 0};  ///< two rows: texture uv from mesh uv
+    float scale = 1, turbulence_weight = 0;
+    std::uint32_t octaves = 7;
+    std::array<float, 4> color_a{}, color_b{};
+};
+
+struct MaterialRecord {
+    enum Flags : std::uint32_t {
+        textured = 1,
+        normal_mapped = 2,
+        vertex_colored = 4,
+        emits = 8,
+        two_sided_emission = 16,
+        unlit = 32 /* shows its emission, but lights nothing */,
+        thin = 64
+    };
+    std::uint32_t bsdf = 0;  ///< BsdfKind
+    std::uint32_t flags = 0;
+    Rgb base_color{};
+    Rgb emission{};
+    Rgb absorption{};  ///< per unit of render space, inside
+    float roughness = 0, metallic = 0, ior = 1.5f, fuzz = 0, normal_scale = 1;
+    float alpha = 1, alpha_cutoff = 0;
+    std::uint32_t alpha_mode = 0;  ///< AlphaMode
+    std::uint32_t base_texture = no_index, roughness_texture = no_index, metallic_texture = no_index,
+                  emission_texture = no_index, normal_texture = no_index, alpha_texture = no_index;
+    std::uint32_t roughness_channel = 1, metallic_channel = 2, alpha_channel = 3;
+};
+
+struct ShadingTables {
+    std::vector<MaterialRecord> materials;
+    std::vector<TextureRecord> textures;
+    std::vector<float> texels;  ///< of images in four floats a texel: what no other format holds
+    std::vector<std::vector<std::uint32_t>> packed_images;  ///< of the others, image by image
+    std::array<float, 256> linear_of_srgb{};
+};
+
+}  // namespace fathom
