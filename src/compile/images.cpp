@@ -9,6 +9,7 @@
 #include <cmath>
 #include <new>
 #include <optional>
+#include <set>
 #include <tuple>
 
 #include "fathom/error.h"
@@ -185,9 +186,9 @@ struct Use {
 std::vector<Use> uses_of(const SceneDescription& scene)
 {
     std::vector<Use> uses;
+    std::set<decltype(Use().key())> seen;
     const auto add = [&](Use use) {
-        const auto same = [&](const Use& u) { return u.key() == use.key(); };
-        if (use.image >= 0 && std::none_of(uses.begin(), uses.end(), same)) uses.push_back(use);
+        if (use.image >= 0 && seen.insert(use.key()).second) uses.push_back(use);
     };
     for (const Texture& texture : scene.textures)
         if (texture.kind == TextureKind::image) add({texture.image, texture.color_space, true});

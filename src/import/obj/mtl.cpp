@@ -191,11 +191,9 @@ private:
     {
         std::string path(name);
         std::replace(path.begin(), path.end(), '\\', '/');
-        const std::filesystem::path file = file_.parent_path() / path;
-        for (std::size_t i = 0; i < scene_.images.size(); ++i)
-            if (scene_.images[i].path == file) return int(i);
-        scene_.images.push_back({path, file, {}});
-        return int(scene_.images.size()) - 1;
+        const auto [found, is_new] = images_.try_emplace(path, int(scene_.images.size()));
+        if (is_new) scene_.images.push_back({path, file_.parent_path() / path, {}});
+        return found->second;
     }
 
     void add(Entry& e)
@@ -239,6 +237,7 @@ private:
     SceneDescription& scene_;
     std::map<std::string, int, std::less<>>& by_name_;
     Warnings& warnings_;
+    std::map<std::string, int> images_;
     float bump_scale_ = 1;
 };
 

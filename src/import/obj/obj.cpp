@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "import/common/mesh_cleanup.h"
 #include "import/common/polygon.h"
@@ -194,6 +195,7 @@ private:
         const std::filesystem::path file = context_.locate(file_.parent_path() / std::string(name));
         std::error_code error;
         if (!std::filesystem::is_regular_file(file, error)) return false;
+        if (!libraries_.insert(file).second) return true;
         read_mtl(file, context_.read(file), scene_, materials_, warnings_);
         return true;
     }
@@ -246,6 +248,7 @@ private:
     std::vector<Vec2f> uvs_;
     std::vector<Vec4f> colors_;
     std::map<std::string, int, std::less<>> materials_;
+    std::set<std::filesystem::path> libraries_;  ///< that were read
     std::map<int, int> colored_;
 
     std::string object_;
