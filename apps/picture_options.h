@@ -29,7 +29,7 @@ WriteOptions write_options(const PictureOptions& options, const RenderHints& hin
 /// "0:16,32:48"
 std::string text_of(const std::vector<SampleRange>& samples);
 /// A layer that tells how many samples each pixel has.
-Image::Layer sample_count_layer(const Film& film, const std::optional<Crop>& crop);
+Image::Layer sample_count_layer(const Film& film);
 
 extern const std::vector<std::string> tonemap_names;
 

@@ -9,6 +9,9 @@
 
 namespace fathom {
 
+/// Throws Error if there is no picture of these settings: its size or its crop is impossible.
+void check_settings(const RenderSettings& settings);
+
 /// What a film sums per pixel, in this order. Which there are follows from the settings.
 /// AovPlaces has the first of each one's sums; `ids` the word of (sample index, instance id, material id) of the first
 /// sample.
@@ -20,12 +23,13 @@ struct FilmLayout : AovPlaces {
 };
 
 struct Film::Data {
+    explicit Data(FilmKey key);
+    /// As a new one of another key; memory is kept.
+    void reset(FilmKey new_key);
+
+    FilmKey key;
     int width = 0, height = 0;
-    std::vector<Aov> aovs;
-    bool alpha = false;
     FilmLayout layout{{}, false};
-    std::string key;  ///< settings; the scene joins when something is rendered
-    std::string scene_key;
     std::vector<SampleRange> samples;
     std::uint64_t dropped = 0;
     std::optional<SamplePlace> dropped_sample;

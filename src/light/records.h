@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "fathom/render.h"
 #include "math/no_index.h"
 #include "shading/rgb.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 #include "shading/spectrum.h"
-#include "shading/texture.h"
+#include "shading/textures/node.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -19,8 +19,6 @@ struct Surface {
     Float bitangent_sign;
     Float extent;  ///< the largest length that went into p: bounds its rounding error
     TexturePoint at;
-    Spectrum color;  ///< of the vertices
-    Float color_alpha;
     UInt shape;
 };
 

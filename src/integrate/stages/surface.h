@@ -1,10 +1,10 @@
 #pragma once
-/// From a hit to the surface there: position, normals, uv, and the material with its textures applied.
+/// From a hit to the surface there: position, normals, uv.
 #include "geometry/motion.h"
-#include "integrate/curve_surface.h"
 #include "integrate/scene.h"
-#include "shading/bsdf.h"
-#include "shading/texture.h"
+#include "integrate/stages/curve_surface.h"
+#include "math/gather_member.h"
+#include "shading/textures/textures.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -18,9 +18,7 @@ public:
         const UInt own = gather(t_.shape_of_primitive.data(), primitive, m);
         if (t_.instances.empty()) return own;
         const Mask placed = m & (instance != UInt(no_index));
-        const UInt by_instance = gather(words(t_.instances.data()) + offsetof(InstanceRecord, shape) / 4,
-                                        instance * UInt(sizeof(InstanceRecord) / 4), placed);
-        return select(placed, by_instance, own);
+        return select(placed, gather(t_.instances, &InstanceRecord::shape, instance, placed), own);
     }
 
     Surface read(const SurfaceHit& hit, Mask m) const
@@ -38,12 +36,11 @@ public:
         s.tangent = Vec3(Float(0), Float(0), Float(0));
         s.bitangent_sign = Float(1);
         s.extent = Float(0);
-        s.color = Spectrum(Float(1));
-        s.color_alpha = Float(1);
+        for (Float& c : s.at.vertex_color) c = Float(1);
         for (int i = 0; i < 2; ++i) s.at.u[i] = hit.u, s.at.v[i] = hit.v;
         s.ng = Vec3(Float(0), Float(0), Float(1));
 
-        const UInt flags = shape_word(offsetof(ShapeRecord, flags), s.shape, m);
+        const UInt flags = gather(t_.shapes, &ShapeRecord::flags, s.shape, m);
         const Mask triangle = m & less(hit.primitive, UInt(t_.first_quad()));
         const Mask quad = m & !triangle & less(hit.primitive, UInt(t_.first_sphere()));
         const Mask sphere = m & !triangle & !quad & less(hit.primitive, UInt(t_.first_disk()));
@@ -75,78 +72,23 @@ public:
     /// For the instance id AOV.
     UInt object_of(const SurfaceHit& hit, UInt shape, Mask m) const
     {
-        const UInt own = shape_word(offsetof(ShapeRecord, object_id), shape, m);
+        const UInt own = gather(t_.shapes, &ShapeRecord::object_id, shape, m);
         if (t_.instances.empty()) return own;
         const Mask placed = m & (hit.instance != UInt(no_index));
-        const std::uint32_t* ids = words(t_.instances.data()) + offsetof(InstanceRecord, object_id) / 4;
-        return select(placed, gather(ids, hit.instance << 4, placed), own);
+        return select(placed, gather(t_.instances, &InstanceRecord::object_id, hit.instance, placed), own);
     }
 
-    UInt shape_word(std::size_t offset, UInt shape, Mask m) const
+    /// The light that a primitive of a shape is, or no_index.
+    UInt light_of(UInt shape, UInt primitive, Mask m) const
     {
-        return gather(words(t_.shapes.data()) + offset / 4, shape * UInt(sizeof(ShapeRecord) / 4), m);
+        const UInt base = gather(t_.shapes, &ShapeRecord::light_base, shape, m);
+        const Mask is_light = m & (base != UInt(no_index));
+        const UInt first = gather(t_.shapes, &ShapeRecord::first_primitive, shape, is_light);
+        return select(is_light, base + (primitive - first), UInt(no_index));
     }
-    UInt material_of(UInt shape, Mask m) const { return shape_word(offsetof(ShapeRecord, material), shape, m); }
-
-    Float material_number(std::size_t offset, UInt material, Mask m) const
-    {
-        return gather(reinterpret_cast<const float*>(t_.materials.data()) + offset / 4,
-                      material * UInt(sizeof(MaterialRecord) / 4), m);
-    }
-    UInt material_word(std::size_t offset, UInt material, Mask m) const
-    {
-        return gather(words(t_.materials.data()) + offset / 4, material * UInt(sizeof(MaterialRecord) / 4), m);
-    }
-    Spectrum material_spectrum(std::size_t offset, UInt material, Mask m) const
-    {
-        Spectrum s;
-        for (std::size_t c = 0; c < channels; ++c) s.c[c] = material_number(offset + 4 * c, material, m);
-        return s;
-    }
-
-    Spectrum emission(const Surface& s, UInt material, Mask m) const
-    {
-        Spectrum e = material_spectrum(offsetof(MaterialRecord, emission), material, m);
-        if (!scene_.textured) return e;
-        const UInt texture = material_word(offsetof(MaterialRecord, emission_texture), material, m);
-        const Texel t = evaluate_textures(t_, texture, s.at, m);
-        for (int c = 0; c < channels; ++c) e.c[c] = e.c[c] * t.c[c];
-        return e;
-    }
-
-    /// Parameters of the material, and the shading normal bent by its normal map.
-    MaterialPoint material(Surface& s, UInt index, Mask entering, Mask m) const
-    {
-        MaterialPoint p;
-        p.entering = entering;
-        p.base_color = material_spectrum(offsetof(MaterialRecord, base_color), index, m);
-        p.roughness = material_number(offsetof(MaterialRecord, roughness), index, m);
-        p.metallic = material_number(offsetof(MaterialRecord, metallic), index, m);
-        p.ior = material_number(offsetof(MaterialRecord, ior), index, m);
-        p.fuzz = material_number(offsetof(MaterialRecord, fuzz), index, m);
-        const UInt flags = material_word(offsetof(MaterialRecord, flags), index, m);
-        p.thin = (flags & UInt(MaterialRecord::thin)) != UInt(0);
-        const Mask colored = m & ((flags & UInt(MaterialRecord::vertex_colored)) != UInt(0));
-        if (any(colored)) p.base_color = select(colored, p.base_color * s.color, p.base_color);
-        const Mask textured = m & ((flags & UInt(MaterialRecord::textured)) != UInt(0));
-        if (any(textured)) apply_textures(s, index, textured, p);
-        const Mask bent = m & ((flags & UInt(MaterialRecord::normal_mapped)) != UInt(0));
-        if (any(bent)) bend_normal(s, index, bent);
-        return p;
-    }
+    UInt material_of(UInt shape, Mask m) const { return gather(t_.shapes, &ShapeRecord::material, shape, m); }
 
 private:
-    template <class T>
-    static const std::uint32_t* words(const T* table)
-    {
-        return reinterpret_cast<const std::uint32_t*>(table);
-    }
-    static const float* floats(const Vec3f* v) { return reinterpret_cast<const float*>(v); }
-    Vec3 gather3(const float* base, UInt index, Mask m) const
-    {
-        return {gather(base, index, m), gather(base + 1, index, m), gather(base + 2, index, m)};
-    }
-
     void read_triangle(const SurfaceHit& hit, UInt flags, Mask m, Surface& s) const
     {
         const UInt first = hit.primitive * UInt(3);
@@ -154,20 +96,19 @@ private:
         Vec3 position[3];
         for (std::uint32_t k = 0; k < 3; ++k) {
             vertex[k] = gather(t_.triangles.data() + k, first, m);
-            position[k] = gather3(floats(t_.positions.data()), vertex[k] * UInt(3), m);
+            position[k] = gather(t_.positions, vertex[k], m);
         }
         KeyTime key{UInt(0u), Float(0)};
         UInt vertices(0u);  // of a mesh that moves
         if (!t_.vertex_times.empty()) {
             key = vertex_key(t_, hit.time);
-            vertices = shape_word(offsetof(ShapeRecord, moving_vertices), s.shape, m);
+            vertices = gather(t_.shapes, &ShapeRecord::moving_vertices, s.shape, m);
         }
         const Mask moving = m & (vertices != UInt(0u));
         // Per vertex, at the path's time.
         const auto at_time = [&](const std::vector<Vec3f>& table, UInt v, Mask which) {
-            const UInt now = (v + key.key * vertices) * UInt(3), then = (v + (key.key + UInt(1u)) * vertices) * UInt(3);
-            return mix(gather3(floats(table.data()), now, which), gather3(floats(table.data()), then, which),
-                       key.fraction);
+            const UInt now = v + key.key * vertices, then = v + (key.key + UInt(1u)) * vertices;
+            return mix(gather(table, now, which), gather(table, then, which), key.fraction);
         };
         if (any(moving))
             for (int k = 0; k < 3; ++k)
@@ -181,9 +122,8 @@ private:
         const auto has = [&](std::uint32_t flag) { return m & ((flags & UInt(flag)) != UInt(0)); };
 
         if (const Mask smooth = has(ShapeRecord::has_normals); any(smooth)) {
-            const float* table = floats(t_.normals.data());
             const auto at = [&](int k) {
-                const Vec3 still = gather3(table, vertex[k] * UInt(3), smooth);
+                const Vec3 still = gather(t_.normals, vertex[k], smooth);
                 const Mask changes = smooth & moving;
                 return any(changes) ? select(changes, at_time(t_.normals, vertex[k], changes), still) : still;
             };
@@ -196,7 +136,7 @@ private:
         Vec3 tangent = uv_tangent(e1, e2, vertex, has(ShapeRecord::has_uv0), s.bitangent_sign);
         if (const Mask given = has(ShapeRecord::has_tangents); any(given)) {
             const auto* table = reinterpret_cast<const float*>(t_.tangents.data());
-            const auto at = [&](int k) { return gather3(table, vertex[k] << 2, given); };
+            const auto at = [&](int k) { return gather_vector(table, vertex[k] << 2, given); };
             tangent = select(given, interpolate(at(0), at(1), at(2)), tangent);
             s.bitangent_sign = select(given, gather(table + 3, vertex[0] << 2, given), s.bitangent_sign);
         }
@@ -205,7 +145,7 @@ private:
             for (int c = 0; c < 4; ++c) {
                 const auto at = [&](int k) { return gather(table + c, vertex[k] << 2, colored); };
                 const Float value = fma(at(0), w, fma(at(1), hit.u, at(2) * hit.v));
-                Float& to = c < channels ? s.color.c[c] : s.color_alpha;
+                Float& to = s.at.vertex_color[c];
                 to = select(colored, value, to);
             }
         }
@@ -268,9 +208,9 @@ private:
         s.extent = select(m, max(s.extent, scene_.quads.extent(quad)), s.extent);
         s.ns = select(m, s.ng, s.ns);
         if (!scene_.textured) return;
-        const float* base = reinterpret_cast<const float*>(t_.quads.data());
-        const UInt at = quad * UInt(sizeof(QuadRecord) / 4);
-        const Vec3 corner = gather3(base, at, m), u = gather3(base + 3, at, m), v = gather3(base + 6, at, m);
+        const Vec3 corner = gather(t_.quads, &QuadRecord::corner, quad, m),
+                   u = gather(t_.quads, &QuadRecord::edge_u, quad, m),
+                   v = gather(t_.quads, &QuadRecord::edge_v, quad, m);
         const Vec3 n = cross(u, v), r = s.p - corner;
         const Float scale = Float(1) / max(dot(n, n), Float(1e-30f));
         const Float uu = dot(r, cross(v, n)) * scale, vv = dot(r, cross(n, u)) * scale;
@@ -284,18 +224,18 @@ private:
 
     void read_sphere(const SurfaceHit& hit, Mask m, Surface& s) const
     {
-        const float* base = reinterpret_cast<const float*>(t_.spheres.data());
-        const UInt at = (hit.primitive - UInt(t_.first_sphere())) * UInt(sizeof(SphereRecord) / 4);
-        const Vec3 center = fma(gather3(base + 3, at, m), hit.time, gather3(base, at, m));
-        read_ball(center, gather(base + 6, at, m), m, s);
+        const UInt at = hit.primitive - UInt(t_.first_sphere());
+        const Vec3 center = fma(gather(t_.spheres, &SphereRecord::motion, at, m), hit.time,
+                                gather(t_.spheres, &SphereRecord::center, at, m));
+        read_ball(center, gather(t_.spheres, &SphereRecord::radius, at, m), m, s);
     }
 
     void read_disk(const SurfaceHit& hit, Mask m, Surface& s) const
     {
-        const float* base = reinterpret_cast<const float*>(t_.disks.data());
-        const UInt at = (hit.primitive - UInt(t_.first_disk())) * UInt(sizeof(DiskRecord) / 4);
-        const Vec3 center = gather3(base, at, m), n = gather3(base + 3, at, m);
-        const Float radius = gather(base + 6, at, m);
+        const UInt at = hit.primitive - UInt(t_.first_disk());
+        const Vec3 center = gather(t_.disks, &DiskRecord::center, at, m),
+                   n = gather(t_.disks, &DiskRecord::normal, at, m);
+        const Float radius = gather(t_.disks, &DiskRecord::radius, at, m);
         s.ng = select(m, n, s.ng);
         s.ns = select(m, n, s.ns);
         s.extent = select(m, max(s.extent, radius), s.extent);
@@ -314,7 +254,7 @@ private:
     {
         const float* base = reinterpret_cast<const float*>(t_.points.data());
         const UInt at = (hit.primitive - UInt(t_.first_point())) << 2;
-        read_ball(gather3(base, at, m), gather(base + 3, at, m), m, s);
+        read_ball(gather_vector(base, at, m), gather(base + 3, at, m), m, s);
     }
 
     /// radius: negative where the normal points inwards.
@@ -334,43 +274,6 @@ private:
             s.at.v[i] = select(m, v, s.at.v[i]);
         }
         s.tangent = select(m, Vec3(out.z, Float(0), -out.x), s.tangent);
-    }
-
-    void apply_textures(const Surface& s, UInt index, Mask m, MaterialPoint& p) const
-    {
-        const Texel base =
-            evaluate_textures(t_, material_word(offsetof(MaterialRecord, base_texture), index, m), s.at, m);
-        for (int c = 0; c < channels; ++c)
-            p.base_color.c[c] = select(m, p.base_color.c[c] * base.c[c], p.base_color.c[c]);
-        const auto scalar = [&](std::size_t texture, std::size_t channel, Float& value) {
-            const UInt id = material_word(texture, index, m);
-            const Mask has = m & (id != UInt(no_index));
-            if (none(has)) return;
-            const Texel t = evaluate_textures(t_, id, s.at, has);
-            const UInt c = material_word(channel, index, m);
-            const Float factor =
-                select(c == UInt(0), t.c[0], select(c == UInt(1), t.c[1], select(c == UInt(2), t.c[2], t.c[3])));
-            value = select(has, value * factor, value);
-        };
-        scalar(offsetof(MaterialRecord, roughness_texture), offsetof(MaterialRecord, roughness_channel), p.roughness);
-        scalar(offsetof(MaterialRecord, metallic_texture), offsetof(MaterialRecord, metallic_channel), p.metallic);
-    }
-
-    void bend_normal(Surface& s, UInt index, Mask m) const
-    {
-        const Texel t =
-            evaluate_textures(t_, material_word(offsetof(MaterialRecord, normal_texture), index, m), s.at, m);
-        const Float scale = material_number(offsetof(MaterialRecord, normal_scale), index, m);
-        const Float x = fma(t.c[0], Float(2), Float(-1)) * scale, y = fma(t.c[1], Float(2), Float(-1)) * scale,
-                    z = fma(t.c[2], Float(2), Float(-1));
-        // Gram-Schmidt: the tangent may not be perpendicular to the interpolated normal.
-        const Vec3 raw = s.tangent - s.ns * dot(s.tangent, s.ns);
-        const Mask known = m & (dot(raw, raw) > Float(1e-20f));
-        const Vec3 tangent = normalize(select(known, raw, Vec3(Float(1), Float(0), Float(0))));
-        const Vec3 bitangent = cross(s.ns, tangent) * s.bitangent_sign;
-        const Vec3 bent = fma(tangent, x, fma(bitangent, y, s.ns * z));
-        const Mask use = known & (dot(bent, bent) > Float(1e-12f));
-        s.ns = select(use, normalize(bent), s.ns);
     }
 
     const LaneScene& scene_;
