@@ -297,6 +297,56 @@ TEST(Textures, OfADistortedDisk)
         m.emission = {{1, 1, 1}, 0};
         Node node;
         node.parent_from_node = transform;
+/// A spot's light from the middle of its cone to beyond its edge, for cones from a hair's breadth to more than half of
+/// all directions: KHR_lights_punctual's formula, in double.
+TEST(Lights, SpotOfEveryWidth)
+{
+    const auto one_minus_cos = [](double a) { return 2 * std::sin(a / 2) * std::sin(a / 2); };
+    for (double outer : {1e-4, 1e-2, 0.5, std::numbers::pi / 2, 2.0, 3.0})
+        for (double inner : {0.0, 0.5, 1.0})
+            for (double at : {0.0, 0.3, 0.75, 0.95, 1.1}) {
+                if (at * outer > 3) continue;
+                SceneBuilder b = floor_scene(0.5f);
+                b.scene.cameras[0].fov_y = outer * 1e-3;
+                Light light;
+                light.kind = LightKind::spot;
+                light.intensity = {5, 5, 5};
+                light.inner_angle = inner * outer;
+                light.outer_angle = outer;
+                // Above the place that is seen; its axis, the node's -z, away from there by the angle.
+                b.light(light, Transform::translate({0, 2, 0}) * Transform::rotate({0, 0, 1}, at * outer) *
+                                   Transform::rotate({1, 0, 0}, -std::numbers::pi / 2));
+                const double edge = one_minus_cos(outer), falloff = edge - one_minus_cos(inner * outer),
+                             inside = edge - one_minus_cos(at * outer);
+                const double x = inside <= 0 ? 0 : inside >= falloff ? 1 : inside / falloff;
+                SCOPED_TRACE("outer " + std::to_string(outer) + " inner " + std::to_string(inner) + " at " +
+                             std::to_string(at));
+                expect_mean(render_film(b.scene, small_picture(4, 4), 4), 0.5 / std::numbers::pi * 5 / 4 * x * x,
+                            0.004);
+            }
+}
+
+/// Angles that vanish give light that is finite: a directional one its irradiance, a spot nothing but on its axis.
+TEST(Lights, AnglesNearZero)
+{
+    for (double angle : {1e-4, 1e-6, 1e-7, 1e-12, 1e-20, 1e-40, 0.0}) {
+        SCOPED_TRACE(angle);
+        for (LightKind kind : {LightKind::directional, LightKind::spot}) {
+            SceneBuilder b = floor_scene(0.5f);
+            Light light;
+            light.kind = kind;
+            light.intensity = {5, 5, 5};
+            light.angle = light.inner_angle = light.outer_angle = angle;
+            b.light(light, Transform::translate({0, 2, 0}) * Transform::rotate({1, 0, 0}, -std::numbers::pi / 2));
+            const Film film = render_film(b.scene, small_picture(4, 4), 4);
+            if (kind == LightKind::directional)
+                expect_mean(film, 0.5 / std::numbers::pi * 5);
+            else
+                EXPECT_LE(mean_of(film).value[0], 0.5 / std::numbers::pi * 5 / 4 * 1.001);
+        }
+    }
+}
+
         node.shapes.push_back({Disk{{0, 0, 0}, {0.2, -0.4, 1}, 1}, b.material(m), ""});
         b.scene.roots.push_back(1);
         b.scene.nodes.push_back(node);
