@@ -3,6 +3,7 @@
 #include "geometry/motion.h"
 #include "integrate/curve_surface.h"
 #include "integrate/scene.h"
+#include "integrate/vertex_attributes.h"
 #include "shading/bsdf.h"
 #include "shading/texture.h"
 
@@ -191,8 +192,9 @@ private:
             // Normals that cancel or are missing leave the geometric one.
             ns = select(smooth & (dot(interpolated, interpolated) > Float(1e-12f)), interpolated, ns);
         }
-        read_uv(t_.uv0, vertex, hit, w, has(ShapeRecord::has_uv0), s.at.u[0], s.at.v[0]);
-        read_uv(t_.uv1, vertex, hit, w, has(ShapeRecord::has_uv1), s.at.u[1], s.at.v[1]);
+        const TrianglePlace place{{vertex[0], vertex[1], vertex[2]}, hit.u, hit.v};
+        place.read_uv(t_.uv0, has(ShapeRecord::has_uv0), s.at.u[0], s.at.v[0]);
+        place.read_uv(t_.uv1, has(ShapeRecord::has_uv1), s.at.u[1], s.at.v[1]);
         Vec3 tangent = uv_tangent(e1, e2, vertex, has(ShapeRecord::has_uv0), s.bitangent_sign);
         if (const Mask given = has(ShapeRecord::has_tangents); any(given)) {
             const auto* table = reinterpret_cast<const float*>(t_.tangents.data());
@@ -203,10 +205,8 @@ private:
         if (const Mask colored = has(ShapeRecord::has_colors); any(colored)) {
             const auto* table = reinterpret_cast<const float*>(t_.colors.data());
             for (int c = 0; c < 4; ++c) {
-                const auto at = [&](int k) { return gather(table + c, vertex[k] << 2, colored); };
-                const Float value = fma(at(0), w, fma(at(1), hit.u, at(2) * hit.v));
                 Float& to = c < channels ? s.color.c[c] : s.color_alpha;
-                to = select(colored, value, to);
+                to = select(colored, place.number(table + c, 2, colored), to);
             }
         }
         s.p = select(m, p, s.p);
@@ -216,19 +216,8 @@ private:
         s.tangent = select(m, tangent, s.tangent);
     }
 
-    void read_uv(const std::vector<Vec2f>& table, const UInt* vertex, const SurfaceHit& hit, Float w, Mask m, Float& u,
-                 Float& v) const
-    {
-        if (none(m)) return;
-        const auto* base = reinterpret_cast<const float*>(table.data());
-        for (int c = 0; c < 2; ++c) {
-            const auto at = [&](int k) { return gather(base + c, vertex[k] << 1, m); };
-            Float& to = c == 0 ? u : v;
-            to = select(m, fma(at(0), w, fma(at(1), hit.u, at(2) * hit.v)), to);
-        }
-    }
-
-    /// dp/du of the first uv set, and on which side of cross(n, t) v grows; for meshes without tangents.
+    /// dp/du of the first uv set, and the side of cross(cross(e1, e2), t) on which v shrinks; for meshes without
+    /// tangents.
     Vec3 uv_tangent(Vec3 e1, Vec3 e2, const UInt* vertex, Mask m, Float& sign) const
     {
         Vec3 tangent(Float(0), Float(0), Float(0));

@@ -347,6 +347,127 @@ TEST(Lights, AnglesNearZero)
     }
 }
 
+TEST(Lights, ManyOfThemAddUp)
+{
+    SceneBuilder b = floor_scene(0.5f);
+    double expected = 0;
+    for (int i = 0; i < 20; ++i) {
+        const double x = 0.4 * i - 4, e = 1 + i % 3;
+        // Small enough that none hides another.
+        b.add(Sphere{{x, 3, 1}, 0.05 + 0.002 * i, {}}, b.diffuse(0, {float(e), float(e), float(e)}));
+        const double d2 = x * x + 10, r = 0.05 + 0.002 * i;
+        expected += 0.5 * e * r * r / d2 * 3 / std::sqrt(d2);
+    }
+    expect_mean(render_film(b.scene, small_picture(16, 16), 256), expected, 0.01);
+}
+
+TEST(Alpha, OfEveryShape)
+{
+    const std::vector<decltype(Shape::geometry)> shapes = {Sphere{{0, 0, -5}, 2, {}}, Disk{{0, 0, -5}, {0, 0, 1}, 2},
+                                                           Rectangle{{-2, -2, -5}, {4, 0, 0}, {0, 4, 0}},
+                                                           Box{{-2, -2, -6}, {2, 2, -5}}};
+    for (const auto& shape : shapes) {
+        SceneBuilder b;
+        Material m;
+        m.kind = MaterialKind::none;
+        m.emission.value = {1, 1, 1};
+        m.alpha_mode = AlphaMode::blend;
+        m.alpha.value = 0.25f;
+        b.scene.nodes[0].shapes.push_back({shape, b.material(m), ""});
+        b.camera({0, 0, 0}, {0, 0, -1}, 10);
+        expect_mean(render_film(b.scene, small_picture(), 256), 0.25, 0.01);
+    }
+}
+
+/// Each layer decides for itself which rays it stops: n of them let (1 - alpha)^n through, whether they are shapes of
+/// their own or instances of one mesh, and also where they lie right behind each other.
+TEST(Alpha, OfAStackOfLayers)
+{
+    constexpr std::uint32_t n = 48;
+    Mesh grid;  // large enough that copies are instances
+    for (std::uint32_t i = 0; i <= n; ++i)
+        for (std::uint32_t j = 0; j <= n; ++j)
+            grid.positions.push_back({4 * float(i) / n - 2, 4 * float(j) / n - 2, 0});
+    for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t j = 0; j < n; ++j) {
+            const std::uint32_t a = i * (n + 1) + j, b = a + n + 1;
+            grid.indices.insert(grid.indices.end(), {a, b, a + 1, a + 1, b, b + 1});
+        }
+    for (const bool copies : {false, true})
+        for (const double distance : {0.5, 0.0})
+            for (const float alpha : {0.2f, 0.5f}) {
+                SceneBuilder b;
+                Material m;
+                m.kind = MaterialKind::none;
+                m.alpha_mode = AlphaMode::blend;
+                m.alpha.value = alpha;
+                const int layer = b.material(m);
+                b.scene.meshes.push_back(grid);
+                for (int i = 0; i < 4; ++i) {
+                    Node node;
+                    node.parent_from_node = Transform::translate({0, 0, -5 - distance * i});
+                    if (copies)
+                        node.shapes.push_back({MeshInstance{0}, layer, ""});
+                    else
+                        node.shapes.push_back({Rectangle{{-2, -2, 0}, {4, 0, 0}, {0, 4, 0}}, layer, ""});
+                    b.scene.roots.push_back(int(b.scene.nodes.size()));
+                    b.scene.nodes.push_back(node);
+                }
+                b.scene.environment = white();
+                b.camera({0, 0, 0}, {0, 0, -1}, 10);
+                b.scene.cameras[0].kind = CameraKind::orthographic;
+                SCOPED_TRACE(std::to_string(copies) + " " + std::to_string(distance));
+                expect_mean(render_film(b.scene, small_picture(), 64), std::pow(1 - alpha, 4), 0);
+            }
+}
+
+/// What a texture's alpha stops is what the same texture shows: black against white and white against black make white.
+TEST(Alpha, OfEveryTexture)
+{
+    for (const TextureKind kind : {TextureKind::checker_uv, TextureKind::checker_space, TextureKind::noise,
+                                   TextureKind::turbulence, TextureKind::marble}) {
+        Texture texture;
+        texture.kind = kind;
+        texture.scale = 3;
+        texture.color_a = {0.25f, 0, 0};
+        double sum = 0, error2 = 0;
+        for (const bool as_alpha : {false, true}) {
+            SceneBuilder b;
+            b.scene.textures.push_back(texture);
+            Material m;
+            m.kind = MaterialKind::none;
+            if (as_alpha) {
+                m.alpha_mode = AlphaMode::blend;
+                m.alpha = {1, 0, 0};
+                b.scene.environment = white();
+            } else {
+                m.emission = {{1, 1, 1}, 0};
+            }
+            b.add(Rectangle{{-2, -2, -5}, {4, 0, 0}, {0, 4, 0}}, b.material(m));
+            b.camera({0, 0, 0}, {0, 0, -1}, 30);
+            const Mean mean = mean_of(render_film(b.scene, small_picture(), 256));
+            EXPECT_GT(mean.value[0], 0.1);
+            EXPECT_LT(mean.value[0], 0.9);
+            sum += mean.value[0], error2 += mean.error[0] * mean.error[0];
+        }
+        EXPECT_NEAR(sum, 1, 4 * std::sqrt(error2)) << int(kind);
+    }
+}
+
+/// A disk shows its texture in the same place when a transform makes an ellipse of it.
+TEST(Textures, OfADistortedDisk)
+{
+    const auto mean = [](const Transform& transform) {
+        SceneBuilder b;
+        Texture checker;
+        checker.kind = TextureKind::checker_uv;
+        checker.scale = 2;
+        b.scene.textures.push_back(checker);
+        Material m;
+        m.kind = MaterialKind::none;
+        m.emission = {{1, 1, 1}, 0};
+        Node node;
+        node.parent_from_node = transform;
         node.shapes.push_back({Disk{{0, 0, 0}, {0.2, -0.4, 1}, 1}, b.material(m), ""});
         b.scene.roots.push_back(1);
         b.scene.nodes.push_back(node);
