@@ -66,6 +66,52 @@ TEST(Furnace, EveryMaterialUnderAWhiteSky)
     expect(m, 1, 0.002);
 }
 
+/// Roulette adds no noise where nothing is lost: each path through glass brings what the sky has, exactly.
+TEST(Furnace, LosslessPathsHaveNoVariance)
+{
+    for (const bool thin : {false, true}) {
+        SceneBuilder b;
+        Material glass;
+        glass.kind = MaterialKind::glass;
+        glass.thin = thin;
+        const int m = b.material(glass);
+        if (thin)
+            for (int i = 0; i < 4; ++i) b.add(Rectangle{{-50, -50, -2.0 - i}, {100, 0, 0}, {0, 100, 0}}, m);
+        else
+            for (int i = 0; i < 2; ++i) b.add(Sphere{{0, 0, -10}, 4.0 - i, {}}, m);
+        b.scene.environment = white();
+        b.camera({0, 0, 0}, {0, 0, -1}, 30);
+        const Mean mean = mean_of(render_film(b.scene, small_picture(), 64));
+        EXPECT_NEAR(mean.value[0], 1, 1e-4);
+        EXPECT_LT(mean.error[0], 1e-5);
+    }
+}
+
+/// In a closed room that absorbs nothing paths end all the same, after some 64 + 20 bounces; beside a black lamp of
+/// radiance 1 there is a radiance of 1 everywhere.
+TEST(Furnace, PathsEndInAClosedWhiteRoom)
+{
+    for (const bool lamp : {false, true}) {
+        SceneBuilder b;
+        b.add(Sphere{{0, 0, 0}, -1, {}}, b.diffuse(1));
+        if (lamp) b.add(Sphere{{0, 0, 0}, 0.5, {}}, b.diffuse(0, {1, 1, 1}));
+        b.camera({0.3, 0.6, 0.2}, {1, 0.6, 0}, 60);
+        Warnings warnings;
+        const Scene scene = Scene::compile(b.scene, "", warnings);
+        const RenderSettings settings = small_picture();
+        Film film(settings);
+        std::uint64_t rays = 0;
+        render(scene, settings, {0, 64}, film, nullptr,
+               [&](const Progress& progress, const Film&) { rays = progress.rays; });
+        expect_mean(film, lamp ? 1 : 0, 0.001);
+        const double rays_per_path = double(rays) / (64 * 32 * 24);
+        if (lamp)
+            EXPECT_LT(rays_per_path, 2 * (64 + 20));
+        else
+            EXPECT_NEAR(rays_per_path, 64 + 20, 2);
+    }
+}
+
 TEST(Furnace, TheSameForATreeOfTriangles)
 {
     // An octahedron split often enough to need the tree.
