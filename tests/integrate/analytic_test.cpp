@@ -297,52 +297,6 @@ TEST(Lights, PointSpotAndDirectional)
     expect_mean(mean(light, {3, 2, 0}), 0, 0);
 }
 
-TEST(Lights, ManyOfThemAddUp)
-{
-    SceneBuilder b = floor_scene(0.5f);
-    double expected = 0;
-    for (int i = 0; i < 20; ++i) {
-        const double x = 0.4 * i - 4, e = 1 + i % 3;
-        // Small enough that none hides another.
-        b.add(Sphere{{x, 3, 1}, 0.05 + 0.002 * i, {}}, b.diffuse(0, {float(e), float(e), float(e)}));
-        const double d2 = x * x + 10, r = 0.05 + 0.002 * i;
-        expected += 0.5 * e * r * r / d2 * 3 / std::sqrt(d2);
-    }
-    expect_mean(render_film(b.scene, small_picture(16, 16), 256), expected, 0.01);
-}
-
-TEST(Alpha, OfEveryShape)
-{
-    const std::vector<decltype(Shape::geometry)> shapes = {Sphere{{0, 0, -5}, 2, {}}, Disk{{0, 0, -5}, {0, 0, 1}, 2},
-                                                           Rectangle{{-2, -2, -5}, {4, 0, 0}, {0, 4, 0}},
-                                                           Box{{-2, -2, -6}, {2, 2, -5}}};
-    for (const auto& shape : shapes) {
-        SceneBuilder b;
-        Material m;
-        m.kind = MaterialKind::none;
-        m.emission.value = {1, 1, 1};
-        m.alpha_mode = AlphaMode::blend;
-        m.alpha.value = 0.25f;
-        b.scene.nodes[0].shapes.push_back({shape, b.material(m), ""});
-        b.camera({0, 0, 0}, {0, 0, -1}, 10);
-        expect_mean(render_film(b.scene, small_picture(), 256), 0.25, 0.01);
-    }
-}
-
-/// A disk shows its texture in the same place when a transform makes an ellipse of it.
-TEST(Textures, OfADistortedDisk)
-{
-    const auto mean = [](const Transform& transform) {
-        SceneBuilder b;
-        Texture checker;
-        checker.kind = TextureKind::checker_uv;
-        checker.scale = 2;
-        b.scene.textures.push_back(checker);
-        Material m;
-        m.kind = MaterialKind::none;
-        m.emission = {{1, 1, 1}, 0};
-        Node node;
-        node.parent_from_node = transform;
 /// A spot's light from the middle of its cone to beyond its edge, for cones from a hair's breadth to more than half of
 /// all directions: KHR_lights_punctual's formula, in double.
 TEST(Lights, SpotOfEveryWidth)
@@ -525,6 +479,54 @@ TEST(Textures, OfADistortedDisk)
     EXPECT_GT(expected, 0.1);
     EXPECT_LT(expected, 0.9);
     EXPECT_NEAR(mean(Transform::scale({1.0002, 1, 1})), expected, 0.01);
+}
+
+/// Shapes show their texture turned as their node is: the same picture as of a camera that goes round the other way,
+/// and where the node mirrors, that picture mirrored, since cameras are not.
+TEST(Textures, TurnWithTheNode)
+{
+    const Transform turn = Transform::rotate({0.3, 1, 0.5}, 1.1) * Transform::rotate({1, 0, 0}, 0.4);
+    const Transform mirror = Transform::scale({-1.5, 1.5, 1.5});
+    Points points;
+    points.centers = {{0, 0, 0}};
+    points.radii = {1};
+    const std::vector<decltype(Shape::geometry)> shapes = {Sphere{{0, 0, 0}, 1, {}}, Disk{{0, 0, 0}, {0.2, 0.3, 1}, 1},
+                                                           PointsInstance{0}};
+    for (const auto& shape : shapes)
+        for (const bool mirrors : {false, true}) {
+            const Transform transform = mirrors ? turn * mirror : turn;
+            Image pictures[2];
+            for (const bool turns_camera : {false, true}) {
+                SceneBuilder b;
+                b.scene.points.push_back(points);
+                Texture checker;
+                checker.kind = TextureKind::checker_uv;
+                checker.uv_scale = {4, 4};
+                checker.color_b = {1, 0.5f, 0.25f};
+                b.scene.textures.push_back(checker);
+                Material m;
+                m.kind = MaterialKind::none;
+                m.emission = {{1, 1, 1}, 0};
+                m.emission_two_sided = true;
+                Node node;
+                if (!turns_camera) node.parent_from_node = transform;
+                node.shapes.push_back({shape, b.material(m), ""});
+                b.scene.roots.push_back(1);
+                b.scene.nodes.push_back(node);
+                b.camera({0.3, 0.2, 4}, {0, 0, 0}, 50);
+                if (turns_camera) b.scene.nodes[0].parent_from_node = transform.inverse();
+                pictures[turns_camera] = render_film(b.scene, small_picture(), 64).image(false, false);
+            }
+            double difference = 0;
+            for (int y = 0; y < 24; ++y)
+                for (int x = 0; x < 32; ++x) {
+                    const auto at = [&](int picture, int column) {
+                        return double(pictures[picture].layers[0].pixels[std::size_t(3 * (y * 32 + column) + 1)]);
+                    };
+                    difference += std::abs(at(0, x) - at(1, mirrors ? 31 - x : x)) / (32 * 24);
+                }
+            EXPECT_LT(difference, 0.02) << shape.index() << " " << mirrors;
+        }
 }
 
 TEST(Glass, AbsorbsByTheWayInside)
