@@ -44,7 +44,7 @@ FilmLayout::FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted)
     depth = take(has(Aov::depth), 1);
     position = take(has(Aov::position), 3);
     hits = take(depth >= 0 || position >= 0, 1);
-    words = sums * ExactSum::words;
+    words += sums * ExactSum::words;
     if (has(Aov::instance_id) || has(Aov::material_id)) {
         ids = words;
         words += 3;
@@ -156,9 +156,8 @@ Image Film::image(bool alpha, bool variance) const
     const FilmLayout& layout = film.layout;
     const double n = double(samples_per_pixel());
     const double scale = n > 0 ? 1 / n : 0;
-    const auto sum = [](const std::uint32_t* pixel, int index) {
-        return ExactSum::value(pixel + index * ExactSum::words);
-    };
+    const auto radiance = [](const std::uint32_t* pixel, int c) { return ExactSum::value(radiance_sum(pixel, c)); };
+    const auto sum = [](const std::uint32_t* pixel, int place) { return ExactSum::value(other_sum(pixel, place)); };
     const auto mean_of = [&](int first) {
         return [=](const std::uint32_t* pixel, int c) { return float(sum(pixel, first + c) * scale); };
     };
@@ -174,10 +173,12 @@ Image Film::image(bool alpha, bool variance) const
     image.height = film.height;
     if (alpha && layout.alpha >= 0)
         image.layers.push_back(fill(film, "", {"R", "G", "B", "A"}, [&](const std::uint32_t* pixel, int c) {
-            return float(sum(pixel, c < 3 ? c : layout.alpha) * scale);
+            return float((c < 3 ? radiance(pixel, c) : sum(pixel, layout.alpha)) * scale);
         }));
     else
-        image.layers.push_back(fill(film, "", {"R", "G", "B"}, mean_of(0)));
+        image.layers.push_back(fill(film, "", {"R", "G", "B"}, [&](const std::uint32_t* pixel, int c) {
+            return float(radiance(pixel, c) * scale);
+        }));
     for (Aov aov : film.key.settings.aovs) {
         const auto id = [&](int word) {
             return [=](const std::uint32_t* pixel, int) { return float(pixel[layout.ids + word]); };
@@ -207,8 +208,8 @@ Image Film::image(bool alpha, bool variance) const
     if (variance)
         image.layers.push_back(fill(film, "variance", {"R", "G", "B"}, [&](const std::uint32_t* pixel, int c) {
             if (n < 2) return 0.0f;
-            const double mean = sum(pixel, c) * scale;
-            return float(std::max(0.0, sum(pixel, 3 + c) * scale - mean * mean) / (n - 1));
+            const double mean = radiance(pixel, c) * scale;
+            return float(std::max(0.0, ExactSquareSum::value(square_sum(pixel, c)) * scale - mean * mean) / (n - 1));
         }));
     return image;
 }

@@ -55,6 +55,7 @@ struct Affine {
         const auto sum = [](const Vec3& r) { return abs(r.x) + abs(r.y) + abs(r.z); };
         return max(max(sum(row[0]), sum(row[1])), sum(row[2]));
     }
+    Float determinant() const { return dot(row[0], cross(row[1], row[2])); }
     Affine inverse() const
     {
         const Vec3 x = cross(row[1], row[2]), y = cross(row[2], row[0]), z = cross(row[0], row[1]);

@@ -44,8 +44,8 @@ public:
     Float length_v() const { return value(&LightRecord::length_v); }
     Float area() const { return value(&LightRecord::area); }
     Float radius() const { return value(&LightRecord::radius); }
-    Float cos_inner() const { return value(&LightRecord::cos_inner); }
-    Float cos_outer() const { return value(&LightRecord::cos_outer); }
+    Float outer() const { return value(&LightRecord::outer); }
+    Float falloff() const { return value(&LightRecord::falloff); }
     UInt two_sided() const { return integer(&LightRecord::two_sided); }
     UInt material() const { return integer(&LightRecord::material); }
     UInt primitive() const { return integer(&LightRecord::primitive); }
@@ -217,10 +217,11 @@ template <class Light>
         const Float distance2 = dot(to, to), distance = sqrt(distance2);
         const Vec3 wi = to * (Float(1) / distance);
         Float strength = Float(1) / distance2;
-        // Smoothstep from the outer to the inner cone, squared as KHR_lights_punctual suggests.
-        const Float c = -dot(wi, light.edge_u());
-        const Float x = clamp((c - light.cos_outer()) / max(light.cos_inner() - light.cos_outer(), Float(1e-4f)),
-                              Float(0), Float(1));
+        // Linear in the cosine from the outer to the inner cone, squared as KHR_lights_punctual suggests. 1 - cos is
+        // half the square of the chord, which keeps its digits where the cosine is nearly 1.
+        const Vec3 chord = wi + light.edge_u();
+        const Float inside = fma(dot(chord, chord), Float(-0.5f), light.outer());
+        const Float x = clamp(inside / max(light.falloff(), Float(1e-30f)), Float(0), Float(1));
         strength = select(spot, strength * x * x, strength);
         s.wi = select(point | spot, wi, s.wi);
         s.distance = select(point | spot, distance, s.distance);

@@ -124,8 +124,8 @@ void add_to_words(const Worker& worker, const Film::Data& film, std::uint32_t* w
     for (const TileSums::Slow& slow : worker.sums.slow()) {
         std::uint32_t* sums = pixel_words(worker, slow.pixel, film, words);
         for (int c = 0; c < 3; ++c) {
-            ExactSum::add_number(sums + c * ExactSum::words, slow.value[c]);
-            ExactSum::add_number(sums + (3 + c) * ExactSum::words, double(slow.value[c]) * slow.value[c]);
+            ExactSum::add_number(radiance_sum(sums, c), slow.value[c]);
+            ExactSquareSum::add_number(square_sum(sums, c), double(slow.value[c]) * slow.value[c]);
         }
     }
 }

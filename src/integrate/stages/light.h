@@ -1,9 +1,9 @@
 #pragma once
-#include "integrate/alpha.h"
 #include "integrate/camera_paths.h"
 #include "integrate/stages/material.h"
 #include "light/environment.h"
 #include "light/selector.h"
+#include "shading/alpha.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -97,21 +97,11 @@ private:
         const UInt texture = materials_.get(&MaterialRecord::emission_texture, material, m);
         const Texel t = evaluate_textures(tables_, texture, surface.at, m);
         Spectrum factor;
-        const Float stopped = alpha_at(hit, surface, material, m);
+        // Round primitives are opaque.
+        const Mask flat = m & less(hit.primitive, UInt(tables_.first_sphere()));
+        const Float stopped = alpha_share(tables_, material, surface.at, flat);
         for (int c = 0; c < channels; ++c) factor.c[c] = select(m, t.c[c] * stopped, Float(1));
         return factor;
-    }
-
-    Float alpha_at(const SurfaceHit& hit, const Surface& surface, UInt material, Mask m) const
-    {
-        // A quad's edges may be known by direction and length only; its uv are found without them.
-        const Mask quad = !less(hit.primitive, UInt(tables_.first_quad()));
-        float share[lanes] = {}, u[lanes], v[lanes];
-        std::uint32_t primitives[lanes], materials[lanes];
-        store(u, select(quad, surface.at.u[0], hit.u)), store(v, select(quad, Float(1) - surface.at.v[0], hit.v));
-        store(primitives, hit.primitive), store(materials, material);
-        for_each_active(m, [&](int i) { share[i] = alpha_share(tables_, materials[i], primitives[i], u[i], v[i]); });
-        return load(share);
     }
 
     const LaneScene& scene_;

@@ -3,6 +3,7 @@
 #include "geometry/motion.h"
 #include "integrate/scene.h"
 #include "integrate/stages/curve_surface.h"
+#include "integrate/vertex_attributes.h"
 #include "math/gather_member.h"
 #include "shading/textures/textures.h"
 
@@ -62,8 +63,11 @@ public:
         s.extent = max(s.extent, hit.t);
         const Float side = select((flags & UInt(ShapeRecord::flipped)) != UInt(0), Float(-1), Float(1));
         s.ng = flip_sign(s.ng, side);
-        // Vertex normals came with the transform already; whatever they say, the geometric normal decides the side.
-        s.ns = flip_sign(s.ns, dot(s.ns, s.ng));
+        // Vertex normals came with the transform already; whatever they say, the geometric normal decides the side. The
+        // bitangent stays where it is.
+        const Float agreement = dot(s.ns, s.ng);
+        s.ns = flip_sign(s.ns, agreement);
+        s.bitangent_sign = flip_sign(s.bitangent_sign, agreement);
         s.at.p_world = fma(s.p, Float(float(1 / t_.render_scale)),
                            Vec3(Float(float(t_.origin.x)), Float(float(t_.origin.y)), Float(float(t_.origin.z))));
         return s;
@@ -131,9 +135,11 @@ private:
             // Normals that cancel or are missing leave the geometric one.
             ns = select(smooth & (dot(interpolated, interpolated) > Float(1e-12f)), interpolated, ns);
         }
-        read_uv(t_.uv0, vertex, hit, w, has(ShapeRecord::has_uv0), s.at.u[0], s.at.v[0]);
-        read_uv(t_.uv1, vertex, hit, w, has(ShapeRecord::has_uv1), s.at.u[1], s.at.v[1]);
+        const TrianglePlace place{{vertex[0], vertex[1], vertex[2]}, hit.u, hit.v};
+        place.read_uv(t_.uv0, has(ShapeRecord::has_uv0), s.at.u[0], s.at.v[0]);
+        place.read_uv(t_.uv1, has(ShapeRecord::has_uv1), s.at.u[1], s.at.v[1]);
         Vec3 tangent = uv_tangent(e1, e2, vertex, has(ShapeRecord::has_uv0), s.bitangent_sign);
+        s.bitangent_sign = select(m, flip_sign(s.bitangent_sign, dot(n, ns)), s.bitangent_sign);
         if (const Mask given = has(ShapeRecord::has_tangents); any(given)) {
             const auto* table = reinterpret_cast<const float*>(t_.tangents.data());
             const auto at = [&](int k) { return gather_vector(table, vertex[k] << 2, given); };
@@ -143,10 +149,8 @@ private:
         if (const Mask colored = has(ShapeRecord::has_colors); any(colored)) {
             const auto* table = reinterpret_cast<const float*>(t_.colors.data());
             for (int c = 0; c < 4; ++c) {
-                const auto at = [&](int k) { return gather(table + c, vertex[k] << 2, colored); };
-                const Float value = fma(at(0), w, fma(at(1), hit.u, at(2) * hit.v));
                 Float& to = s.at.vertex_color[c];
-                to = select(colored, value, to);
+                to = select(colored, place.number(table + c, 2, colored), to);
             }
         }
         s.p = select(m, p, s.p);
@@ -156,19 +160,8 @@ private:
         s.tangent = select(m, tangent, s.tangent);
     }
 
-    void read_uv(const std::vector<Vec2f>& table, const UInt* vertex, const SurfaceHit& hit, Float w, Mask m, Float& u,
-                 Float& v) const
-    {
-        if (none(m)) return;
-        const auto* base = reinterpret_cast<const float*>(table.data());
-        for (int c = 0; c < 2; ++c) {
-            const auto at = [&](int k) { return gather(base + c, vertex[k] << 1, m); };
-            Float& to = c == 0 ? u : v;
-            to = select(m, fma(at(0), w, fma(at(1), hit.u, at(2) * hit.v)), to);
-        }
-    }
-
-    /// dp/du of the first uv set, and on which side of cross(n, t) v grows; for meshes without tangents.
+    /// dp/du of the first uv set, and the side of cross(cross(e1, e2), t) on which v shrinks; for meshes without
+    /// tangents.
     Vec3 uv_tangent(Vec3 e1, Vec3 e2, const UInt* vertex, Mask m, Float& sign) const
     {
         Vec3 tangent(Float(0), Float(0), Float(0));
@@ -198,6 +191,7 @@ private:
         s.ng = select(m, normal(s.ng), s.ng);
         s.ns = select(m, normal(s.ns), s.ns);
         s.tangent = select(m, to_render.vector(s.tangent), s.tangent);
+        s.bitangent_sign = select(m, flip_sign(s.bitangent_sign, to_object.determinant()), s.bitangent_sign);
     }
 
     void read_quad(const SurfaceHit& hit, Mask m, Surface& s) const
@@ -222,6 +216,34 @@ private:
         s.tangent = select(m, u, s.tangent);
     }
 
+    /// The axes of the nodes of round shapes, by which their uv go.
+    struct NodeAxes {
+        Vec3 row[3];
+        bool turned;  ///< else they are those of the space at hand, bit for bit
+
+        Vec3 to_node(Vec3 v) const { return turned ? Vec3(dot(row[0], v), dot(row[1], v), dot(row[2], v)) : v; }
+        /// -1 where the node mirrors.
+        Float handedness() const { return turned ? dot(row[0], cross(row[1], row[2])) : Float(1); }
+        Vec3 from_node(Vec3 v) const { return turned ? fma(row[0], v.x, fma(row[1], v.y, row[2] * v.z)) : v; }
+    };
+    NodeAxes node_axes(UInt shape, Mask m) const
+    {
+        NodeAxes axes;
+        axes.turned = false;
+        if (t_.frames.empty()) return axes;
+        const UInt frame = gather(t_.shapes, &ShapeRecord::frame, shape, m);
+        const Mask turned = m & (frame != UInt(no_index));
+        axes.turned = any(turned);
+        const float* rows = t_.frames[0].data();
+        for (int i = 0; i < 3; ++i) {
+            const auto number = [&](int k) {
+                return select(turned, gather(rows + 3 * i + k, frame * UInt(9u), turned), Float(i == k ? 1.f : 0.f));
+            };
+            axes.row[i] = {number(0), number(1), number(2)};
+        }
+        return axes;
+    }
+
     void read_sphere(const SurfaceHit& hit, Mask m, Surface& s) const
     {
         const UInt at = hit.primitive - UInt(t_.first_sphere());
@@ -240,14 +262,16 @@ private:
         s.ns = select(m, n, s.ns);
         s.extent = select(m, max(s.extent, radius), s.extent);
         if (!scene_.textured) return;
-        const Frame frame(n);
-        const Vec3 r = s.p - center;
+        const NodeAxes axes = node_axes(s.shape, m);
+        const Frame frame(axes.to_node(n));
+        const Vec3 r = axes.to_node(s.p - center);
         const Float scale = Float(0.5f) / radius;
         for (int i = 0; i < 2; ++i) {
             s.at.u[i] = select(m, fma(dot(r, frame.s), scale, Float(0.5f)), s.at.u[i]);
             s.at.v[i] = select(m, fma(dot(r, frame.t), -scale, Float(0.5f)), s.at.v[i]);
         }
-        s.tangent = select(m, frame.s, s.tangent);
+        s.tangent = select(m, axes.from_node(frame.s), s.tangent);
+        s.bitangent_sign = select(m, axes.handedness(), s.bitangent_sign);
     }
 
     void read_point(const SurfaceHit& hit, Mask m, Surface& s) const
@@ -267,13 +291,16 @@ private:
         s.ns = select(m, s.ng, s.ns);
         if (!scene_.textured) return;
         // u around +y, v from the pole at +y down.
-        const Float u = atan2(-out.z, out.x) * Float(0.5f * inv_pi);
-        const Float v = acos(clamp(out.y, Float(-1), Float(1))) * Float(inv_pi);
+        const NodeAxes axes = node_axes(s.shape, m);
+        const Vec3 to = axes.to_node(out);
+        const Float u = atan2(-to.z, to.x) * Float(0.5f * inv_pi);
+        const Float v = acos(clamp(to.y, Float(-1), Float(1))) * Float(inv_pi);
         for (int i = 0; i < 2; ++i) {
             s.at.u[i] = select(m, select(u < Float(0), u + Float(1), u), s.at.u[i]);
             s.at.v[i] = select(m, v, s.at.v[i]);
         }
-        s.tangent = select(m, Vec3(out.z, Float(0), -out.x), s.tangent);
+        s.tangent = select(m, axes.from_node({to.z, Float(0), -to.x}), s.tangent);
+        s.bitangent_sign = select(m, flip_sign(axes.handedness(), radius), s.bitangent_sign);
     }
 
     const LaneScene& scene_;

@@ -4,29 +4,27 @@
 
 namespace fathom::inline FATHOM_LANES {
 
-/// The metallic-roughness model of glTF 2.0 (its appendix B): a diffuse base under a specular layer of GGX facets,
-/// mixed with a metal. The specular part is scaled for multiple scattering, as the metal's; the base gets what the
-/// layer's directional albedo leaves (where glTF's own formula takes the half vector's reflectance, and makes energy at
-/// grazing angles).
+/// The metallic-roughness model of glTF 2.0 (its appendix B): the mixture by `metallic` of a metal and of a dielectric,
+/// a diffuse base under a specular layer, both of the same GGX facets. Each is scaled by itself for multiple
+/// scattering, which is no linear function of the reflectance, as the metal's; the base gets what the layer's
+/// directional albedo leaves (where glTF's own formula takes the half vector's reflectance, and makes energy at grazing
+/// angles).
 class PrincipledBsdf {
 public:
     static constexpr MaterialKind kind = MaterialKind::principled;
     static constexpr bool transmits = false;
 
     explicit PrincipledBsdf(const MaterialPoint& m)
-        : roughness_(m.roughness), ggx_{max(m.roughness * m.roughness, Float(2 * min_alpha))}, metallic_(m.metallic)
+        : roughness_(m.roughness),
+          ggx_{max(m.roughness * m.roughness, Float(2 * min_alpha))},
+          metallic_(m.metallic),
+          color_(m.base_color)
     {
         const Float r = (m.ior - Float(1)) / (m.ior + Float(1));
-        Float most_f0(0.f), most_diffuse(0.f);
-        for (int i = 0; i < channels; ++i) {
-            dielectric_f0_ = r * r;
-            f0_.c[i] = fma(metallic_, m.base_color.c[i] - r * r, r * r);
-            diffuse_.c[i] = m.base_color.c[i] * (Float(1) - metallic_);
-            most_f0 = max(most_f0, f0_.c[i]);
-            most_diffuse = max(most_diffuse, diffuse_.c[i]);
-        }
-        most_f0_ = most_f0;
-        most_diffuse_ = most_diffuse;
+        dielectric_f0_ = r * r;
+        const Float most = max_component(color_);
+        most_f0_ = fma(metallic_, max(most, dielectric_f0_) - dielectric_f0_, dielectric_f0_);
+        most_diffuse_ = most * (Float(1) - metallic_);
     }
     Mask has_smooth() const { return Mask(true); }
     BsdfEval eval(Vec3 wo, Vec3 wi) const
@@ -37,14 +35,15 @@ public:
         const Float specular = d * ggx_.g2(wo, wi) / (Float(4) * wo.z);
         const Float w = schlick_weight(dot(wo, h));
         const Float e = ggx_albedo(wo.z, roughness_), more = (Float(1) - e) / e;
+        const auto reflected = [&](Float f0) { return fma(Float(1) - f0, w, f0) * fma(f0, more, Float(1)); };
         const Float cosine = wi.z * Float(inv_pi);
         const Float base = (Float(1) - layer_albedo(wo.z)) * cosine;
+        const Float layer = reflected(dielectric_f0_) * specular;
         const Float p = specular_probability(wo);
         BsdfEval r;
         for (int i = 0; i < channels; ++i) {
-            const Float fresnel = fma(Float(1) - f0_.c[i], w, f0_.c[i]);
-            const Float f = fma(fresnel * fma(f0_.c[i], more, Float(1)), specular, base * diffuse_.c[i]);
-            r.f_cos.c[i] = select(valid, f, Float(0));
+            const Float dielectric = fma(base, color_.c[i], layer), metal = reflected(color_.c[i]) * specular;
+            r.f_cos.c[i] = select(valid, fma(metallic_, metal - dielectric, dielectric), Float(0));
         }
         r.pdf = select(valid, fma(p, ggx_.g1(wo) * d / (Float(4) * wo.z), (Float(1) - p) * cosine), Float(0));
         return r;
@@ -76,7 +75,7 @@ private:
     Float roughness_;
     Ggx ggx_;
     Float metallic_, dielectric_f0_, most_f0_, most_diffuse_;
-    Spectrum f0_, diffuse_;
+    Spectrum color_;
 };
 
 }  // namespace fathom::inline FATHOM_LANES
