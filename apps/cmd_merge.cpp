@@ -74,12 +74,9 @@ int run_merge(const MergeOptions& o)
     image.attributes = std::move(attributes);
     if (writes_exr(o.picture) && !o.no_sums) store_sums(film.sums(), image);
     const WriteOptions write = write_options(o.picture, {});
-    for (const auto& file : o.picture.outputs) {
-        write_image(file, image, write);
-        reporter.written(file.string());
-    }
+    const bool all_written = write_pictures(o.picture, image, write, reporter);
     reporter.note(fmt::format("{} samples a pixel: {}", film.samples_per_pixel(), text_of(film.samples())));
-    return exit_ok;
+    return all_written ? exit_ok : exit_error;
 }
 
 }  // namespace

@@ -6,11 +6,14 @@
 #include "commands.h"
 #include "fathom/error.h"
 #include "fathom/memory.h"
+#include "fathom/threads.h"
+#include "inputs.h"
 #include "interrupt.h"
 #include "picture_options.h"
 #include "render_options.h"
 #include "reporter.h"
 #include "scene_options.h"
+#include "streams.h"
 
 namespace fathom::cli {
 
@@ -232,7 +235,12 @@ int run_render(RenderOptions& o, Reporter& reporter)
 
     Summary summary;
     Warnings warnings;
-    LoadedScene loaded = load_for_render(o.scene, warnings);
+    const ThreadLimit limit = limit_threads(o.settings, reporter);
+    LoadedScene loaded = [&] {
+        const Reporter::Phase phase(reporter, "load", "reading " + o.scene.file.string());
+        return load_for_render(o.scene, warnings);
+    }();
+    check_outputs_are_no_inputs(o.picture.outputs, loaded.description);
     const RenderSettings settings = settings_for(o, loaded);
     const WriteOptions write = write_options(o.picture, loaded.description.hints);
     if (!o.only_sample) check_memory(settings, o.mergeable);
@@ -243,7 +251,10 @@ int run_render(RenderOptions& o, Reporter& reporter)
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
     summary.load_s = seconds_since_start();
 
-    const Scene scene = Scene::compile(loaded.description, loaded.camera, warnings, loaded.build);
+    const Scene scene = [&] {
+        const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
+        return Scene::compile(loaded.description, loaded.camera, warnings, loaded.build);
+    }();
     // From here on the compiled scene is all that is needed.
     loaded.description = {};
     summary.build_s = seconds_since_start() - summary.load_s;
@@ -252,8 +263,8 @@ int run_render(RenderOptions& o, Reporter& reporter)
 
     if (o.only_sample) {
         const Color c = render_sample(job, o.only_sample->x, o.only_sample->y, o.only_sample->index);
-        fmt::print("pixel {},{} sample {}: {:.9g} {:.9g} {:.9g}\n", o.only_sample->x, o.only_sample->y,
-                   o.only_sample->index, c.r, c.g, c.b);
+        print(fmt::format("pixel {},{} sample {}: {:.9g} {:.9g} {:.9g}\n", o.only_sample->x, o.only_sample->y,
+                          o.only_sample->index, c.r, c.g, c.b));
         return exit_ok;
     }
 
@@ -261,6 +272,9 @@ int run_render(RenderOptions& o, Reporter& reporter)
         samples = default_samples;
         reporter.note(fmt::format("{} samples a pixel, as neither --spp nor --time is given", default_samples));
     }
+    if (o.range && !o.mergeable)
+        reporter.note(
+            "the samples of --samples can't be merged later: their sums are kept in EXR only, add -o FILE.exr");
     if (simd_width() == 1)
         reporter.note("this machine has neither AVX2 nor AVX-512: the kernel runs one lane wide, which is slow");
     finish_on_interrupt(
@@ -283,10 +297,7 @@ int run_render(RenderOptions& o, Reporter& reporter)
     if (o.aov_samples) image.layers.push_back(sample_count_layer(film));
     image.attributes = attributes(o, settings, loaded, film, summary);
     if (o.mergeable) store_sums(film.sums(), image);
-    for (const auto& file : o.picture.outputs) {
-        write_image(file, image, write);
-        reporter.written(file.string());
-    }
+    const bool all_written = write_pictures(o.picture, image, write, reporter);
     summary.write_s = seconds_since_start() - write_start_s;
     if (film.dropped_samples() > 0) {
         Warnings dropped;
@@ -300,6 +311,7 @@ int run_render(RenderOptions& o, Reporter& reporter)
     if (rendering.cut_short)
         reporter.note(fmt::format("interrupted: the picture has {} samples a pixel", film.samples_per_pixel()));
     reporter.summary(summary);
+    if (!all_written) return exit_error;
     return rendering.cut_short ? exit_interrupted : exit_ok;
 }
 

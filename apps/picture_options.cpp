@@ -60,6 +60,21 @@ WriteOptions write_options(const PictureOptions& options, const RenderHints& hin
     return write;
 }
 
+bool write_pictures(const PictureOptions& options, const Image& image, const WriteOptions& write, Reporter& reporter)
+{
+    bool all = true;
+    for (const auto& file : options.outputs) {
+        try {
+            write_image(file, image, write);
+            reporter.written(file.string());
+        } catch (const Error& error) {
+            reporter.error(error.what());
+            all = false;
+        }
+    }
+    return all;
+}
+
 std::string text_of(const std::vector<SampleRange>& samples)
 {
     std::string text;

@@ -14,7 +14,8 @@ void add_settings_options(Command& command, SettingsOptions& o)
     constexpr std::uint64_t most_int = 1u << 30;
     command.add_value("--seed", "N", "another seed, other noise (default 0)",
                       [&](const std::string& text) { o.seed = std::uint32_t(parse_integer(text, 0, 0xffffffffu)); });
-    command.add_value("--threads", "N", "threads (default: all cores); the picture doesn't depend on it",
+    command.add_value("--threads", "N",
+                      "threads (default: all cores that this process may use); the picture doesn't depend on it",
                       [&](const std::string& text) { o.threads = int(parse_integer(text, 1, 4096)); });
     command.add_value("--filter", "NAME", "box, gaussian or blackman-harris (default)",
                       [&](const std::string& text) { o.filter = Filter(parse_word(text, filter_names)); });
@@ -62,6 +63,16 @@ RenderSettings settings_of(const SettingsOptions& o, const RenderHints& hints, c
     settings.seed = o.seed;
     settings.threads = o.threads;
     return settings;
+}
+
+ThreadLimit limit_threads(SettingsOptions& options, Reporter& reporter)
+{
+    const int wanted = options.threads > 0 ? options.threads : available_threads();
+    ThreadLimit limit(wanted);
+    options.threads = limit.threads();
+    if (options.threads < wanted)
+        reporter.note(fmt::format("only {} of {} threads can be started here", options.threads, wanted));
+    return limit;
 }
 
 std::optional<std::uint64_t> hinted_samples(const RenderHints& hints, const std::string& file)

@@ -4,6 +4,8 @@
 
 #include "arguments.h"
 #include "fathom/render.h"
+#include "fathom/threads.h"
+#include "reporter.h"
 
 namespace fathom::cli {
 
@@ -26,6 +28,10 @@ void add_settings_options(Command& command, SettingsOptions& options);
 ///
 /// file  the scene's, for messages
 RenderSettings settings_of(const SettingsOptions& options, const RenderHints& hints, const std::string& file);
+
+/// The limit on threads that --threads asks for; settings then have the number of them. Says so where the system allows
+/// fewer.
+ThreadLimit limit_threads(SettingsOptions& options, Reporter& reporter);
 
 /// How many samples a pixel the scene asks for, if it does.
 std::optional<std::uint64_t> hinted_samples(const RenderHints& hints, const std::string& file);

@@ -46,10 +46,10 @@ set(FATHOM_BVH_PAIRS_base 0)
 set(FATHOM_BVH_PAIRS_x86-64-v3 1)
 set(FATHOM_BVH_PAIRS_x86-64-v4 0)
 # Sanitizers get the base alone: at one lane the same source is ordinary code, which they see through, and they need a
-# quarter of an hour to compile the wide kernels. A list of one's own, -DFATHOM_ISAS="base;x86-64-v3", builds sooner.
-if(NOT DEFINED FATHOM_ISAS)
-  set(FATHOM_ISAS base)
-  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT FATHOM_SANITIZE)
-    list(APPEND FATHOM_ISAS x86-64-v3 x86-64-v4)
-  endif()
+# quarter of an hour to compile the wide kernels.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT FATHOM_SANITIZE)
+  set(FATHOM_ALL_ISAS base x86-64-v3 x86-64-v4)
+else()
+  set(FATHOM_ALL_ISAS base)
 endif()
+set(FATHOM_ISAS "${FATHOM_ALL_ISAS}" CACHE STRING "Instruction sets of the kernel library; fewer build sooner")

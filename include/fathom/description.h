@@ -276,7 +276,8 @@ struct RenderHints {
 };
 
 struct SceneDescription {
-    std::string file;  ///< where it came from, for messages
+    std::string file;                          ///< where it came from, for messages
+    std::vector<std::filesystem::path> files;  ///< all that were read for it, its own first; not those of images
     std::vector<ImageFile> images;
     std::vector<Texture> textures;
     std::vector<Material> materials;

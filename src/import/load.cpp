@@ -54,12 +54,20 @@ bool looks_like_gltf(std::string_view text)
            text.find("\"fathom\"") == std::string_view::npos;
 }
 
+/// As JSON does whose file has no name, as /dev/stdin.
+bool begins_as_object(std::string_view text)
+{
+    const std::size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+    return first != std::string_view::npos && text[first] == '{';
+}
+
 /// By content where a format has a sign of its own, else by extension.
 Format format_of(const std::string& extension, std::string_view bytes)
 {
     if (bytes.starts_with("glTF") || extension == ".gltf" || extension == ".glb") return Format::gltf;
     if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r") || extension == ".ply") return Format::ply;
-    if (extension == ".json") return looks_like_gltf(bytes) ? Format::gltf : Format::fathom;
+    if (extension == ".json" || (extension.empty() && begins_as_object(bytes)))
+        return looks_like_gltf(bytes) ? Format::gltf : Format::fathom;
     if (extension == ".obj") return Format::obj;
     if (extension == ".stl") return Format::stl;
     return Format::other;
@@ -93,7 +101,8 @@ SceneDescription load_file(const std::filesystem::path& file, const LoadOptions&
 {
     const OpenFile open(context, file);
     const std::string extension = lower_extension(file);
-    const std::string bytes = read_nonempty_file(file);
+    const std::string bytes = context.read(file);
+    if (bytes.empty()) throw Error(file.string(), "", "the file is empty");
     const Format format = format_of(extension, bytes);
     if (!options.scene.empty() && format != Format::gltf)
         throw Error(file.string(), "",
@@ -127,9 +136,12 @@ SceneDescription load_file(const std::filesystem::path& file, const LoadOptions&
 
 SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings)
 {
-    LoadContext context{warnings, {}};
     try {
+        LoadContext context(file, options.confine, warnings);
         SceneDescription scene = load_file(file, options, context);
+        for (ImageFile& image : scene.images)
+            if (!image.path.empty()) image.path = context.locate(image.path);
+        scene.files = context.files();
         check_scene(scene);
         return scene;
     } catch (const std::bad_alloc&) {

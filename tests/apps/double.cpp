@@ -11,7 +11,8 @@
 
 // A library for tests of the command line: a scene file is words, and a sample is worth a number that its index
 // decides.
-//   camera NAME, aspect A, size WxH, spp N, slow MS (a pass), warn TEXT, nan, hint-filter NAME, hint-build NAME, empty
+//   camera NAME, aspect A, size WxH, spp N, slow MS (a pass), warn TEXT, nan, hint-filter NAME, hint-build NAME,
+//   texture NAME, file NAME, slow-load MS, empty
 namespace fathom {
 
 namespace {
@@ -50,6 +51,16 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
             dropped_per_render = 3;
         } else if (word == "hint-filter") {
             in >> scene.hints.filter.emplace();
+        } else if (word == "texture") {
+            in >> word;
+            scene.images.push_back({word, file.parent_path() / word, {}});
+        } else if (word == "file") {
+            in >> word;
+            scene.files.push_back(file.parent_path() / word);
+        } else if (word == "slow-load") {
+            int ms = 0;
+            in >> ms;
+            std::this_thread::sleep_for(std::chrono::milliseconds(ms));
         } else if (word == "hint-build") {
             in >> scene.hints.build.emplace();
         } else if (word != "empty") {

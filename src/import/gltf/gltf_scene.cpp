@@ -276,7 +276,7 @@ SceneDescription GltfReader::read()
 SceneDescription read_gltf(const std::filesystem::path& file, const std::string& bytes, const LoadOptions& options,
                            LoadContext& context)
 {
-    GltfFile gltf(file, bytes, context.warnings);
+    GltfFile gltf(file, bytes, context);
     return GltfReader(gltf, options).read();
 }
 
