@@ -181,9 +181,9 @@ private:
     /// Brings what order_ lists into the spare pool, and its hits with it.
     void pack(std::size_t packed)
     {
+        // One by one: gathers take as long or longer, also where they are instructions.
         const auto permute = [&](const auto& from, auto& to) {
-            for (std::size_t i = 0; i < packed; i += lanes)
-                to.store(i, from.gather(order_.load(i), first_lanes(packed - i)));
+            for (std::size_t i = 0; i < packed; ++i) to[i] = from[order_[i]];
         };
         PathPool::for_travelling(*paths_, *spare_, extras_, permute);
         HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, permute);
