@@ -62,12 +62,8 @@ int run_merge(const MergeOptions& o)
         const Film part = film_of(read_image(o.parts[i]), o.parts[i]);
         naming(o.parts[i], [&] { film.merge(part); });
     }
-    std::optional<Crop> crop;
-    const auto text = attributes.find("fathom.crop");
-    if (text != attributes.end() && text->second != "none") crop = parse_crop(text->second);
-
     Image image = film.image(alpha, variance);
-    if (counts) image.layers.push_back(sample_count_layer(film, crop));
+    if (counts) image.layers.push_back(sample_count_layer(film));
     // Times of one part say nothing of the whole.
     for (const char* name : {"fathom.load_s", "fathom.build_s", "fathom.render_s", "fathom.rays"})
         attributes.erase(name);

@@ -32,7 +32,7 @@ std::string text_of(const std::vector<SampleRange>& samples);
 /// Writes all files of the options and tells which; false if one could not be, which is told too: the others are there.
 bool write_pictures(const PictureOptions& options, const Image& image, const WriteOptions& write, Reporter& reporter);
 /// A layer that tells how many samples each pixel has.
-Image::Layer sample_count_layer(const Film& film, const std::optional<Crop>& crop);
+Image::Layer sample_count_layer(const Film& film);
 
 extern const std::vector<std::string> tonemap_names;
 

@@ -26,6 +26,13 @@ void add_settings_options(Command& command, SettingsOptions& o)
                       [&](const std::string& text) { o.roulette_depth = int(parse_integer(text, 0, most_int)); });
     command.add_value("--light-sampling", "on|off", "off: lights are only found by chance (default on)",
                       [&](const std::string& text) { o.light_sampling = parse_word(text, {"off", "on"}) == 1; });
+    command.add_value(
+        "--light-selection", "power|uniform",
+        "which light a surface samples: brighter ones more often (default), or all alike, to compare with",
+        [&](const std::string& text) { o.light_selection = LightSelection(parse_word(text, {"power", "uniform"})); });
+    command.add_value("--loop", "general|fast",
+                      "general: rooms of plain quads, too, by the loop for all scenes, to debug (default fast)",
+                      [&](const std::string& text) { o.general_loop = parse_word(text, {"fast", "general"}) == 1; });
     command.add_value("--background", "COLOUR",
                       "what the camera sees behind the scene (lights nothing): #rrggbb, linear r,g,b, black, white, or "
                       "transparent (alpha in EXR and PNG; black in a window)",
@@ -49,6 +56,8 @@ RenderSettings settings_of(const SettingsOptions& o, const RenderHints& hints, c
         settings.filter = Filter(name - filter_names.begin());
     }
     settings.filter = o.filter.value_or(settings.filter);
+    settings.light_selection = o.light_selection;
+    settings.general_loop = o.general_loop;
     settings.background = o.background;
     settings.alpha = o.transparent;
     settings.seed = o.seed;

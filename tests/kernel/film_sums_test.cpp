@@ -37,29 +37,52 @@ TEST(ExactSum, RoundsToItsUnitOnly)
     }
 }
 
+TEST(ExactSquareSum, DoesNotDependOnOrderOrGroupingAndStopsAtItsEnd)
+{
+    std::mt19937 random(3);
+    std::vector<double> values;
+    for (int i = 0; i < 10000; ++i) values.push_back(std::ldexp(double(random()), int(random() % 110) - 80));
+    for (const double scale : {1.0, 0x1p50}) {  // within the range, and beyond it
+        std::uint32_t forward[4] = {}, backward[4] = {}, left[4] = {}, right[4] = {};
+        double expected = 0;
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            ExactSquareSum::add_number(forward, values[i] * scale);
+            ExactSquareSum::add_number(backward, values[values.size() - 1 - i] * scale);
+            ExactSquareSum::add_number(i % 3 ? left : right, values[i] * scale);
+            expected += std::min(values[i] * scale, 0x1p64);
+        }
+        ExactSquareSum::add(left, right);
+        for (int i = 0; i < 4; ++i) {
+            EXPECT_EQ(forward[i], backward[i]);
+            EXPECT_EQ(forward[i], left[i]);
+        }
+        EXPECT_NEAR(ExactSquareSum::value(forward) / std::min(expected, 0x1p74), 1, 1e-9);
+    }
+}
+
 TEST(TileSums, FastAndSlowWaysAgree)
 {
     std::mt19937 random(4);
     TileSums fast;
-    fast.reset(1, 18);
-    std::uint32_t film[18] = {}, plain[18] = {};
+    fast.reset(1, other_words);
+    std::uint32_t film[other_words] = {}, plain[other_words] = {};
     for (int i = 0; i < 1000; ++i) {
-        const float v[3] = {float(random() % 1000) * 0.1f, 0.3f * float(i % 7), 1e-4f * float(random() % 100)};
+        const float v[3] = {float(random() % 1000) * 0.1f, 0.3f * float(i % 7), 1e-7f * float(random() % 100)};
         fast.add(0, 0, v[0], v[1], v[2]);
         for (int c = 0; c < 3; ++c) {
-            ExactSum::add_number(plain + 3 * c, v[c]);
-            ExactSum::add_number(plain + 3 * (3 + c), double(v[c]) * v[c]);
+            ExactSum::add_number(radiance_sum(plain, c), v[c]);
+            ExactSquareSum::add_number(square_sum(plain, c), double(v[c]) * v[c]);
         }
     }
-    fast.add_to(0, film, 6, -1);
-    for (int i = 0; i < 18; ++i) EXPECT_EQ(film[i], plain[i]) << i;
+    fast.add_to(0, film, 0, -1);
+    for (int i = 0; i < other_words; ++i) EXPECT_EQ(film[i], plain[i]) << i;
     EXPECT_TRUE(fast.slow().empty());
 }
 
 TEST(TileSums, BrightSamplesAreKeptApartAndBadOnesCounted)
 {
     TileSums sums;
-    sums.reset(2, 18);
+    sums.reset(2, other_words);
     sums.add(1, 5, 1e6f, 0, 0);
     sums.add(1, 7, std::nanf(""), 0, 0);
     sums.add(0, 8, 0, INFINITY, 0);
