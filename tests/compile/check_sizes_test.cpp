@@ -44,8 +44,9 @@ std::string error_of(const std::function<void(SceneDescription&)>& change)
         const Scene compiled = Scene::compile(scene, "", warnings);
         RenderSettings settings;
         settings.width = settings.height = 16;
-        Film film(settings);
-        render(compiled, settings, {0, 2}, film);
+        const RenderJob job(compiled, settings);
+        Film film(job);
+        render(job, {0, 2}, film);
         if (film.dropped_samples() > 0) return "samples that are no numbers";
         for (const auto& [message, times] : warnings.counts()) return message;
     } catch (const Error& error) {

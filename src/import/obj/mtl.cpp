@@ -20,6 +20,9 @@ struct Entry {
     float normal_scale = 1;
 };
 
+/// Widths of the picture, for -bm 1: the format leaves it to the program.
+constexpr float height_of_white = 0.01f;
+
 class MtlReader {
 public:
     MtlReader(const std::filesystem::path& file, std::string_view text, SceneDescription& scene,
@@ -113,7 +116,6 @@ private:
     /// Heights, by the format; what programs write there is mostly a normal map, which only its name can tell.
     void read_bump(Entry& e)
     {
-        const int before = int(scene_.textures.size());
         const int texture = map(ColorSpace::linear);
         if (texture < 0) return;
         std::string file = scene_.images[std::size_t(scene_.textures[std::size_t(texture)].image)].name;
@@ -124,8 +126,11 @@ private:
                 e.normal_scale = bump_scale_;
                 return;
             }
-        warnings_.add(name_ + ": bump maps made of heights are not supported and left out");
-        if (int(scene_.textures.size()) > before) scene_.textures.pop_back();
+        // A normal map that the file has too says more.
+        if (e.map_normal >= 0) return;
+        e.map_normal = texture;
+        e.normal_scale = 1;
+        scene_.textures[std::size_t(texture)].height_scale = bump_scale_ * height_of_white;
     }
 
     /// Options, then a file whose name may have spaces.
