@@ -283,4 +283,10 @@ SceneDescription read_gltf(const std::filesystem::path& file, const std::string&
     return GltfReader(gltf, options).read();
 }
 
+bool looks_like_gltf(std::string_view text)
+{
+    return text.find("\"asset\"") != std::string_view::npos && text.find("\"version\"") != std::string_view::npos &&
+           text.find("\"fathom\"") == std::string_view::npos;
+}
+
 }  // namespace fathom
