@@ -102,6 +102,7 @@ bool fits_half(const Image::Layer& layer)
 
 Image read_exr(const EncodedImage& file)
 {
+    bool is_small = true;
     {
         // The size is looked at before OpenEXR makes tables of it.
         MemoryInput stream(file);
@@ -117,9 +118,11 @@ Image read_exr(const EncodedImage& file)
         check_size(file, std::uint64_t(std::max<std::int64_t>(std::int64_t(window.max.x) - window.min.x + 1, 0)),
                    std::uint64_t(std::max<std::int64_t>(std::int64_t(window.max.y) - window.min.y + 1, 0)),
                    channels * sizeof(float) + 1);
+        // Threads take longer to wake up than such a picture takes to read.
+        is_small = (std::int64_t(window.max.x) - window.min.x) * (std::int64_t(window.max.y) - window.min.y) < 1 << 16;
     }
     MemoryInput stream(file);
-    Imf::InputFile input(stream, compression_threads());
+    Imf::InputFile input(stream, is_small ? 0 : compression_threads());
     if (!input.isComplete()) throw Error(file.name, "", "the file is cut short: rows of the picture are missing");
 
     const Imf::Header& header = input.header();
