@@ -46,9 +46,11 @@ set(FATHOM_BVH_PAIRS_base 0)
 set(FATHOM_BVH_PAIRS_x86-64-v3 1)
 set(FATHOM_BVH_PAIRS_x86-64-v4 0)
 # Sanitizers get the base alone: at one lane the same source is ordinary code, which they see through, and they need a
-# quarter of an hour to compile the wide kernels.
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT FATHOM_SANITIZE)
-  set(FATHOM_ISAS base x86-64-v3 x86-64-v4)
-else()
-  set(FATHOM_ISAS base)
+# quarter of an hour to compile the wide kernels. Whoever works on the kernel may ask for fewer: -DFATHOM_ISAS=base.
+if(NOT DEFINED FATHOM_ISAS)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT FATHOM_SANITIZE)
+    set(FATHOM_ISAS base x86-64-v3 x86-64-v4)
+  else()
+    set(FATHOM_ISAS base)
+  endif()
 endif()
