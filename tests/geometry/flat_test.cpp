@@ -27,17 +27,20 @@ Found nearest(const GeometryTables& tables, Vec3d o, Vec3d d, double time, doubl
     }
     for (std::uint32_t i = 0; i < tables.quads.size(); ++i) {
         const QuadRecord& q = tables.quads[i];
-        take(plain::meet_parallelogram(plain::wide(q.corner), plain::wide(q.edge_u), plain::wide(q.edge_v), o, d, grow).t,
+        take(plain::meet_parallelogram(plain::wide(q.corner), plain::wide(q.edge_u), plain::wide(q.edge_v), o, d, grow)
+                 .t,
              tables.first_quad() + i);
     }
     for (std::uint32_t i = 0; i < tables.spheres.size(); ++i) {
         const SphereRecord& s = tables.spheres[i];
-        take(plain::meet_sphere(plain::wide(s.center) + plain::wide(s.motion) * time, std::abs(double(s.radius)), o, d, grow),
+        take(plain::meet_sphere(plain::wide(s.center) + plain::wide(s.motion) * time, std::abs(double(s.radius)), o, d,
+                                grow),
              tables.first_sphere() + i);
     }
     for (std::uint32_t i = 0; i < tables.disks.size(); ++i) {
         const DiskRecord& q = tables.disks[i];
-        take(plain::meet_disk(plain::wide(q.center), plain::wide(q.normal), q.radius, o, d, grow), tables.first_disk() + i);
+        take(plain::meet_disk(plain::wide(q.center), plain::wide(q.normal), q.radius, o, d, grow),
+             tables.first_disk() + i);
     }
     return found;
 }
@@ -107,7 +110,9 @@ TEST(Flat, NearestHits)
                 const Vec3f o = random.point(random.below(3) ? 4.f : 7.f);
                 const Vec3f d = random.below(8) ? random.direction() : Vec3f{0, random.below(2) ? 1.f : -1.f, 0};
                 const float time = random.uniform();
-                const auto plain = [&](double grow) { return nearest(tables, plain::wide(o), plain::wide(d), time, grow); };
+                const auto plain = [&](double grow) {
+                    return nearest(tables, plain::wide(o), plain::wide(d), time, grow);
+                };
                 const Found larger = plain(1e-4), smaller = plain(-1e-4);
                 // Not where an edge or the origin's own surface decides.
                 if (larger.primitive != smaller.primitive || larger.t < 1e-3) continue;

@@ -59,7 +59,6 @@ inline GeometryTables empty_tables()
 {
     GeometryTables tables;
     tables.shapes.emplace_back();
-    tables.materials.emplace_back();
     return tables;
 }
 inline void add_triangle(GeometryTables& tables, Vec3f a, Vec3f b, Vec3f c)

@@ -38,7 +38,8 @@ TEST(Shapes, TrianglesInDouble)
         const Vec3f a = random.point(3), b = random.point(3), c = random.point(3), o = random.point(5);
         const Vec3f d = unit_towards(o, random.point(2));
         const auto plain = [&](double grow) {
-            return plain::meet_triangle(plain::wide(a), plain::wide(b), plain::wide(c), plain::wide(o), plain::wide(d), grow);
+            return plain::meet_triangle(plain::wide(a), plain::wide(b), plain::wide(c), plain::wide(o), plain::wide(d),
+                                        grow);
         };
         const plain::Crossing expected = plain(0);
         if ((plain(1e-4).t < plain::nothing) != (plain(-1e-4).t < plain::nothing) || expected.t < 1e-3) continue;
@@ -79,9 +80,7 @@ TEST(Shapes, SharedEdgesBelongToTheLowestNumber)
 /// The nearest of two, whatever the order, and nothing beyond the ray's end or behind its origin.
 TEST(Shapes, TheNearestCounts)
 {
-    const auto triangle_at = [](float z) {
-        return std::array{Vec3f{-1, -1, z}, Vec3f{2, -1, z}, Vec3f{-1, 2, z}};
-    };
+    const auto triangle_at = [](float z) { return std::array{Vec3f{-1, -1, z}, Vec3f{2, -1, z}, Vec3f{-1, 2, z}}; };
     SphereRecord sphere;
     DiskRecord disk;
     disk.normal = {0, 0, -1};
@@ -97,7 +96,8 @@ TEST(Shapes, TheNearestCounts)
                         const auto v = triangle_at(z);
                         closest_triangle(TriangleRay(ray), Vec3(v[0]), Vec3(v[1]), Vec3(v[2]), UInt(number), hit);
                         const auto behind = triangle_at(-z);
-                        closest_triangle(TriangleRay(ray), Vec3(behind[0]), Vec3(behind[1]), Vec3(behind[2]), UInt(1u), hit);
+                        closest_triangle(TriangleRay(ray), Vec3(behind[0]), Vec3(behind[1]), Vec3(behind[2]), UInt(1u),
+                                         hit);
                     }
                     sphere.radius = 0.25f, sphere.center = {0, 0, z + 0.25f};
                     if (kind == 1) closest_sphere(sphere, number, ray, hit);
@@ -158,10 +158,12 @@ TEST(Shapes, SpheresAndDisksInDouble)
         inside += length(plain::wide(o) - center) < radius;
         check([&](double grow) { return plain::meet_sphere(center, radius, plain::wide(o), plain::wide(d), grow); }, a,
               spheres);
-        check([&](double grow) {
-            return plain::meet_disk(plain::wide(disk.center), plain::wide(disk.normal), disk.radius, plain::wide(o),
-                                    plain::wide(d), grow);
-        }, b, disks);
+        check(
+            [&](double grow) {
+                return plain::meet_disk(plain::wide(disk.center), plain::wide(disk.normal), disk.radius, plain::wide(o),
+                                        plain::wide(d), grow);
+            },
+            b, disks);
     }
     EXPECT_GT(spheres, 1000);
     EXPECT_GT(disks, 1000);

@@ -124,17 +124,19 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
     LightTables tables = image_tables(12, 10, 4, 4);
     const Transform turn = Transform::rotate({0.3, -1, 0.5}, 2);
     for (std::size_t i = 0; i < 9; ++i) tables.environment.environment_from_render[i] = float(turn.m[i / 3][i % 3]);
-    const auto pdf = [&](test::Direction d) { return double(first(environment_pdf(tables, lanes_of({d.x, d.y, d.z})))); };
+    const auto pdf = [&](test::Direction d) {
+        return double(first(environment_pdf(tables, lanes_of({d.x, d.y, d.z}))));
+    };
     EXPECT_NEAR(test::integrate_sphere(pdf), 1, 3e-3);
     // In the middle of a cell: its share of (u, v), over the solid angle 2 pi^2 sin(theta) du dv.
     const EnvironmentRecord& e = tables.environment;
     for (const auto& [x, y] : {std::pair{0, 0}, {7, 3}, {11, 9}}) {
-        const double share = (double(e.marginal[std::size_t(y) + 1]) - e.marginal[std::size_t(y)]) *
-                             (double(e.conditional[std::size_t(y * 13 + x + 1)]) - e.conditional[std::size_t(y * 13 + x)]);
+        const double share =
+            (double(e.marginal[std::size_t(y) + 1]) - e.marginal[std::size_t(y)]) *
+            (double(e.conditional[std::size_t(y * 13 + x + 1)]) - e.conditional[std::size_t(y * 13 + x)]);
         const double theta = std::numbers::pi * (y + 0.5) / 10;
         const Vec3d d = turn.inverse().vector(direction_of((x + 0.5) / 12, (y + 0.5) / 10));
-        EXPECT_NEAR(pdf({d.x, d.y, d.z}) /
-                        (share * 120 / (2 * std::numbers::pi * std::numbers::pi * std::sin(theta))),
+        EXPECT_NEAR(pdf({d.x, d.y, d.z}) / (share * 120 / (2 * std::numbers::pi * std::numbers::pi * std::sin(theta))),
                     1, 1e-3);
     }
 
@@ -154,7 +156,8 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
             ASSERT_EQ(radiance[i], again[i]);
             const Vec3d d = turn.vector({x[0][i], x[1][i], x[2][i]});
             ASSERT_NEAR(length(d), 1, 1e-5);
-            const double u = std::atan2(d.x, -d.z) / (2 * std::numbers::pi) + 0.5, v = std::acos(d.y) / std::numbers::pi;
+            const double u = std::atan2(d.x, -d.z) / (2 * std::numbers::pi) + 0.5,
+                         v = std::acos(d.y) / std::numbers::pi;
             ++observed[std::size_t(std::clamp(int(v * 10), 0, 9) * 12 + std::clamp(int(u * 12), 0, 11))];
         }
     }

@@ -103,7 +103,8 @@ TEST(TileSums, PixelsAndFirstHits)
         sums.add_to(pixel, film, 8, 24);
         const double v = double(pixel) - 0.5;
         const double expected[] = {v, 2, 127, v * v, 4, 127.0 * 127, 3 * (1.25 * pixel - 1), 3};
-        for (int s = 0; s < 8; ++s) EXPECT_NEAR(ExactSum::value(film + 3 * s), 2 * expected[s], 1e-9) << pixel << " " << s;
+        for (int s = 0; s < 8; ++s)
+            EXPECT_NEAR(ExactSum::value(film + 3 * s), 2 * expected[s], 1e-9) << pixel << " " << s;
         EXPECT_EQ(film[24], 4u);
         EXPECT_EQ(film[25], 14u);
         EXPECT_EQ(film[26], 20 + pixel);

@@ -220,7 +220,8 @@ TEST(Sphere, IsSampledUniformlyInTheConeThatItFills)
         Vec3d center;
         double radius;
     };
-    for (const Case& c : {Case{{0, 3, 4}, 0.05}, {{0, 3, 4}, 3}, {{-2, 1, 0.5}, 2.28}, {{1, 0, 0}, 1.5}, {{0, 0, -1}, -4}}) {
+    for (const Case& c :
+         {Case{{0, 3, 4}, 0.05}, {{0, 3, 4}, 3}, {{-2, 1, 0.5}, 2.28}, {{1, 0, 0}, 1.5}, {{0, 0, -1}, -4}}) {
         LightRecord table;
         table.kind = std::uint32_t(LightRecordKind::sphere);
         put(table.position, c.center);
@@ -240,9 +241,9 @@ TEST(Sphere, IsSampledUniformlyInTheConeThatItFills)
             EXPECT_NEAR(length(w), 1, 3e-6);
             const double x = dot(w, s), y = dot(w, t), z = dot(w, n), sine2 = x * x + y * y;
             const double lost = z > 0 ? sine2 / (1 + z) : 1 - z;
-            ++observed[std::size_t(std::clamp(int(lost / spread * rings), 0, rings - 1) * sectors +
-                                   std::clamp(int((std::atan2(y, x) / (2 * std::numbers::pi) + 0.5) * sectors), 0,
-                                              sectors - 1))];
+            ++observed[std::size_t(
+                std::clamp(int(lost / spread * rings), 0, rings - 1) * sectors +
+                std::clamp(int((std::atan2(y, x) / (2 * std::numbers::pi) + 0.5) * sectors), 0, sectors - 1))];
             // The nearer of both places where the line meets the sphere, or the one in front.
             const double b = z * d, root = std::sqrt(std::max(0.0, c.radius * c.radius - d * d * sine2));
             EXPECT_NEAR(distance, outside ? b - root : b + root, 2e-3 * d);
@@ -324,8 +325,8 @@ TEST(FlatLights, AreSampledUniformlyByArea)
 /// In front something arrives, behind nothing, unless both sides shine.
 TEST(FlatLights, ShineToTheSideOfTheirNormal)
 {
-    for (const LightRecordKind kind : {LightRecordKind::rectangle, LightRecordKind::parallelogram,
-                                       LightRecordKind::triangle, LightRecordKind::disk})
+    for (const LightRecordKind kind :
+         {LightRecordKind::rectangle, LightRecordKind::parallelogram, LightRecordKind::triangle, LightRecordKind::disk})
         for (const bool two_sided : {false, true})
             for (const double far : {1.0, 10.0}) {
                 LightRecord table = rectangle_light({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
@@ -382,8 +383,8 @@ TEST(SpotLight, FallsOffBetweenItsCones)
     for (const double angle : {0.0, 0.2, 0.399, 0.401, 0.5, 0.65, 0.8, 0.899, 0.901, 1.2, 2.0, 3.1})
         for (const double distance : {1.0, 2.5}) {
             const Vec3d from = (axis * std::cos(angle) + (s * 0.6 + t * 0.8) * std::sin(angle)) * distance;
-            const double x = std::clamp(
-                (std::cos(angle) - std::cos(outer)) / (std::cos(inner) - std::cos(outer)), 0.0, 1.0);
+            const double x =
+                std::clamp((std::cos(angle) - std::cos(outer)) / (std::cos(inner) - std::cos(outer)), 0.0, 1.0);
             EXPECT_NEAR(first(sample_of(table, from).radiance.c[1]), 3 * x * x / (distance * distance), 2e-5) << angle;
         }
 }
@@ -414,7 +415,8 @@ TEST(DirectionalLight, ComesFromOneDirectionOrADisk)
     for_samples(table, {1, 2, 3}, 0, 40000, [&](Vec3d w, double, double inverse, double) {
         ++drawn;
         EXPECT_NEAR(inverse, 2 * std::numbers::pi * 0.2, 1e-5);
-        const double lost = 1 - dot(w, -travels), turn = std::atan2(dot(w, t), dot(w, s)) / (2 * std::numbers::pi) + 0.5;
+        const double lost = 1 - dot(w, -travels),
+                     turn = std::atan2(dot(w, t), dot(w, s)) / (2 * std::numbers::pi) + 0.5;
         ASSERT_LE(lost, 0.2 + 1e-6);
         ++observed[std::size_t(std::clamp(int(lost / 0.2 * rings), 0, rings - 1) * sectors +
                                std::clamp(int(turn * sectors), 0, sectors - 1))];

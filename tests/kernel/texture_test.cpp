@@ -81,15 +81,15 @@ TEST(ImageTexture, TexelsInEachWrapMode)
                             const int under = wrapped(y + 1, height, wrap_v);
                             for (int c = 0; c < 4; ++c) {
                                 ASSERT_NEAR(first(at.c[c]), value(tx, ty, c), 3e-6) << x << " " << y << " " << c;
-                                ASSERT_NEAR(first(right.c[c]),
-                                            nearest ? value(tx, ty, c)
-                                                    : 0.75 * value(tx, ty, c) + 0.25 * value(next, ty, c),
-                                            3e-6)
+                                ASSERT_NEAR(
+                                    first(right.c[c]),
+                                    nearest ? value(tx, ty, c) : 0.75 * value(tx, ty, c) + 0.25 * value(next, ty, c),
+                                    3e-6)
                                     << x << " " << y << " " << c;
-                                ASSERT_NEAR(first(below.c[c]),
-                                            nearest ? value(tx, ty, c)
-                                                    : 0.75 * value(tx, ty, c) + 0.25 * value(tx, under, c),
-                                            3e-6)
+                                ASSERT_NEAR(
+                                    first(below.c[c]),
+                                    nearest ? value(tx, ty, c) : 0.75 * value(tx, ty, c) + 0.25 * value(tx, under, c),
+                                    3e-6)
                                     << x << " " << y << " " << c;
                             }
                         }
@@ -184,7 +184,8 @@ TEST(Textures, Checkers)
     space.scale = 2;
     test::Random random;
     for (int i = 0; i < 500; ++i) {
-        const double a = first(random.next()) * 8 - 4, b = first(random.next()) * 8 - 4, c = first(random.next()) * 8 - 4;
+        const double a = first(random.next()) * 8 - 4, b = first(random.next()) * 8 - 4,
+                     c = first(random.next()) * 8 - 4;
         const int cells = int(std::floor(float(a) * 3)) + int(std::floor(float(b) * 3));
         EXPECT_EQ(share(uv, point(a, b, 0, 0)), std::abs(cells) % 2);
         const double product = std::sin(2 * a) * std::sin(2 * b) * std::sin(2 * c);
@@ -241,7 +242,8 @@ TEST(Textures, NoiseOfThePaper)
 {
     TextureRecord t = mixed(TextureKind::noise);
     // Nothing at lattice points.
-    for (const Vec3d& p : {Vec3d{0, 0, 0}, {3, -2, 7}, {-100, 5, 1}}) EXPECT_NEAR(share(t, point(0, 0, 0, 0, p)), 0.5, 1e-6);
+    for (const Vec3d& p : {Vec3d{0, 0, 0}, {3, -2, 7}, {-100, 5, 1}})
+        EXPECT_NEAR(share(t, point(0, 0, 0, 0, p)), 0.5, 1e-6);
     TextureRecord turbulent = mixed(TextureKind::turbulence), marble = mixed(TextureKind::marble);
     t.scale = 1.5f, turbulent.scale = 0.75f, marble.scale = 2.5f;
     turbulent.octaves = 3, marble.octaves = 4;
