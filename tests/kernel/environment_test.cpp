@@ -27,6 +27,26 @@ Vec3d direction_of(double u, double v)
     return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
 }
 
+/// A rotation about an axis (Rodrigues).
+struct Turn {
+    Vec3d axis;
+    double angle;
+
+    Vec3d vector(Vec3d v) const
+    {
+        const Vec3d a = normalize(axis);
+        return v * std::cos(angle) + cross(a, v) * std::sin(angle) + a * (dot(a, v) * (1 - std::cos(angle)));
+    }
+    Turn inverse() const { return {axis, -angle}; }
+    /// environment from render.
+    void put_into(EnvironmentRecord& e) const
+    {
+        const Vec3d x = vector({1, 0, 0}), y = vector({0, 1, 0}), z = vector({0, 0, 1});
+        const double rows[9] = {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z};
+        for (std::size_t i = 0; i < 9; ++i) e.environment_from_render[i] = float(rows[i]);
+    }
+};
+
 /// An image whose texels are black but one, with tables for sampling that have no empty cell.
 LightTables image_tables(int width, int height, int x, int y)
 {
@@ -94,8 +114,8 @@ TEST(Environment, ABrightTexelIsSeenWhereItIs)
 TEST(Environment, RotatesWithItsMatrix)
 {
     LightTables tables = image_tables(16, 8, 11, 2);
-    const Transform turn = Transform::rotate({1, 2, 0.5}, 0.8);  // environment from render
-    for (std::size_t i = 0; i < 9; ++i) tables.environment.environment_from_render[i] = float(turn.m[i / 3][i % 3]);
+    const Turn turn{{1, 2, 0.5}, 0.8};
+    turn.put_into(tables.environment);
     const Vec3d bright = turn.inverse().vector(direction_of(11.5 / 16, 2.5 / 8));
     EXPECT_NEAR(first(environment_radiance(tables, lanes_of(bright), Mask(true)).c[0]), 1, 1e-4);
     // There and back.
@@ -122,8 +142,8 @@ TEST(Environment, RotatesWithItsMatrix)
 TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
 {
     LightTables tables = image_tables(12, 10, 4, 4);
-    const Transform turn = Transform::rotate({0.3, -1, 0.5}, 2);
-    for (std::size_t i = 0; i < 9; ++i) tables.environment.environment_from_render[i] = float(turn.m[i / 3][i % 3]);
+    const Turn turn{{0.3, -1, 0.5}, 2};
+    turn.put_into(tables.environment);
     const auto pdf = [&](test::Direction d) {
         return double(first(environment_pdf(tables, lanes_of({d.x, d.y, d.z}))));
     };
