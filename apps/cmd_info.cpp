@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "fathom/error.h"
 #include "scene_options.h"
+#include "streams.h"
 
 namespace fathom::cli {
 
@@ -132,7 +133,9 @@ std::string join(const ordered_json& values, const char* key)
 
 void print_text(const ordered_json& info)
 {
-    const auto line = [](const std::string& name, const std::string& value) { fmt::print("{:<16} {}\n", name, value); };
+    const auto line = [](const std::string& name, const std::string& value) {
+        print(fmt::format("{:<16} {}\n", name, value));
+    };
     line("file", info["file"]);
     // Cameras and lights are told by name below.
     for (const auto& [name, value] : info["counts"].items())
@@ -177,7 +180,7 @@ void add_info(CLI::App& program, Run& run)
     command.set_run(run, [options] {
         const ordered_json info = describe(*options);
         if (options->json)
-            fmt::print("{}\n", info.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+            print(info.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
         else
             print_text(info);
         return int(exit_ok);

@@ -62,12 +62,8 @@ int run_merge(const MergeOptions& o)
         const Film part = film_of(read_image(o.parts[i]), o.parts[i]);
         naming(o.parts[i], [&] { film.merge(part); });
     }
-    std::optional<Crop> crop;
-    const auto text = attributes.find("fathom.crop");
-    if (text != attributes.end() && text->second != "none") crop = parse_crop(text->second);
-
     Image image = film.image(alpha, variance);
-    if (counts) image.layers.push_back(sample_count_layer(film, crop));
+    if (counts) image.layers.push_back(sample_count_layer(film));
     // Times of one part say nothing of the whole.
     for (const char* name : {"fathom.load_s", "fathom.build_s", "fathom.render_s", "fathom.rays"})
         attributes.erase(name);
@@ -78,12 +74,9 @@ int run_merge(const MergeOptions& o)
     image.attributes = std::move(attributes);
     if (writes_exr(o.picture) && !o.no_sums) store_sums(film.sums(), image);
     const WriteOptions write = write_options(o.picture, {});
-    for (const auto& file : o.picture.outputs) {
-        write_image(file, image, write);
-        reporter.written(file.string());
-    }
+    const bool all_written = write_pictures(o.picture, image, write, reporter);
     reporter.note(fmt::format("{} samples a pixel: {}", film.samples_per_pixel(), text_of(film.samples())));
-    return exit_ok;
+    return all_written ? exit_ok : exit_error;
 }
 
 }  // namespace

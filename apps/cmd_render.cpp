@@ -6,11 +6,14 @@
 #include "commands.h"
 #include "fathom/error.h"
 #include "fathom/memory.h"
+#include "fathom/threads.h"
+#include "inputs.h"
 #include "interrupt.h"
 #include "picture_options.h"
 #include "render_options.h"
 #include "reporter.h"
 #include "scene_options.h"
+#include "streams.h"
 
 namespace fathom::cli {
 
@@ -126,11 +129,12 @@ void check_memory(const RenderSettings& settings, bool mergeable)
 }
 
 /// Renders what the options ask for into one film, and tells how far it is.
-class Job {
+class Rendering {
 public:
-    Job(const RenderOptions& options, const Scene& scene, const RenderSettings& settings, Reporter& reporter)
-        : options_(options), scene_(scene), settings_(settings), reporter_(reporter), start_s_(seconds_since_start())
+    Rendering(const RenderOptions& options, const RenderJob& job, Reporter& reporter)
+        : options_(options), job_(job), reporter_(reporter), start_s_(seconds_since_start())
     {
+        const RenderSettings& settings = job.settings();
         const Crop crop = settings.crop.value_or(Crop{0, 0, settings.width, settings.height});
         pixels_ = std::uint64_t(crop.x1 - crop.x0) * std::uint64_t(crop.y1 - crop.y0);
     }
@@ -160,7 +164,7 @@ private:
             last = p;
             report(p, total);
         };
-        cut_short = !render(scene_, settings_, range, film, &interrupted(), on_pass);
+        cut_short = !render(job_, range, film, &interrupted(), on_pass);
         done_ += cut_short ? last.samples_done : pixels_ * (range.second - range.first);
         rays += last.rays;
         report({}, total, !cut_short);
@@ -195,8 +199,7 @@ private:
     }
 
     const RenderOptions& options_;
-    const Scene& scene_;
-    const RenderSettings& settings_;
+    const RenderJob& job_;
     Reporter& reporter_;
     double start_s_;
     std::uint64_t pixels_ = 0, done_ = 0;
@@ -232,7 +235,12 @@ int run_render(RenderOptions& o, Reporter& reporter)
 
     Summary summary;
     Warnings warnings;
-    LoadedScene loaded = load_for_render(o.scene, warnings);
+    const ThreadLimit limit = limit_threads(o.settings, reporter);
+    LoadedScene loaded = [&] {
+        const Reporter::Phase phase(reporter, "load", "reading " + o.scene.file.string());
+        return load_for_render(o.scene, warnings);
+    }();
+    check_outputs_are_no_inputs(o.picture.outputs, loaded.description);
     const RenderSettings settings = settings_for(o, loaded);
     const WriteOptions write = write_options(o.picture, loaded.description.hints);
     if (!o.only_sample) check_memory(settings, o.mergeable);
@@ -243,16 +251,20 @@ int run_render(RenderOptions& o, Reporter& reporter)
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
     summary.load_s = seconds_since_start();
 
-    Scene scene = Scene::compile(loaded.description, loaded.camera, warnings, loaded.build);
+    const Scene scene = [&] {
+        const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
+        return Scene::compile(loaded.description, loaded.camera, warnings, loaded.build);
+    }();
     // From here on the compiled scene is all that is needed.
     loaded.description = {};
     summary.build_s = seconds_since_start() - summary.load_s;
     reporter.warnings(warnings);
+    const RenderJob job(scene, settings);
 
     if (o.only_sample) {
-        const Color c = render_sample(scene, settings, o.only_sample->x, o.only_sample->y, o.only_sample->index);
-        fmt::print("pixel {},{} sample {}: {:.9g} {:.9g} {:.9g}\n", o.only_sample->x, o.only_sample->y,
-                   o.only_sample->index, c.r, c.g, c.b);
+        const Color c = render_sample(job, o.only_sample->x, o.only_sample->y, o.only_sample->index);
+        print(fmt::format("pixel {},{} sample {}: {:.9g} {:.9g} {:.9g}\n", o.only_sample->x, o.only_sample->y,
+                          o.only_sample->index, c.r, c.g, c.b));
         return exit_ok;
     }
 
@@ -260,32 +272,32 @@ int run_render(RenderOptions& o, Reporter& reporter)
         samples = default_samples;
         reporter.note(fmt::format("{} samples a pixel, as neither --spp nor --time is given", default_samples));
     }
+    if (o.range && !o.mergeable)
+        reporter.note(
+            "the samples of --samples can't be merged later: their sums are kept in EXR only, add -o FILE.exr");
     if (simd_width() == 1)
         reporter.note("this machine has neither AVX2 nor AVX-512: the kernel runs one lane wide, which is slow");
     finish_on_interrupt(
         reporter.mode() == ReportMode::json
             ? "{\"event\":\"interrupted\"}\n"
             : "\nfathom: interrupted: finishing this pass, then the picture is written; once more stops at once\n");
-    Film film(settings);
-    Job job(o, scene, settings, reporter);
-    job.run(film, samples);
-    summary.render_s = job.render_s;
-    summary.rays = job.rays;
+    Film film(job);
+    Rendering rendering(o, job, reporter);
+    rendering.run(film, samples);
+    summary.render_s = rendering.render_s;
+    summary.rays = rendering.rays;
     summary.samples_per_pixel = film.samples_per_pixel();
-    if (job.cut_short && film.samples().empty()) {
+    if (rendering.cut_short && film.samples().empty()) {
         reporter.error("interrupted before the first pass was done: no picture is written");
         return exit_interrupted;
     }
 
     const double write_start_s = seconds_since_start();
     Image image = film.image(settings.alpha, o.aov_variance);
-    if (o.aov_samples) image.layers.push_back(sample_count_layer(film, settings.crop));
+    if (o.aov_samples) image.layers.push_back(sample_count_layer(film));
     image.attributes = attributes(o, settings, loaded, film, summary);
     if (o.mergeable) store_sums(film.sums(), image);
-    for (const auto& file : o.picture.outputs) {
-        write_image(file, image, write);
-        reporter.written(file.string());
-    }
+    const bool all_written = write_pictures(o.picture, image, write, reporter);
     summary.write_s = seconds_since_start() - write_start_s;
     if (film.dropped_samples() > 0) {
         Warnings dropped;
@@ -296,10 +308,11 @@ int run_render(RenderOptions& o, Reporter& reporter)
         dropped.add(text);
         reporter.warnings(dropped);
     }
-    if (job.cut_short)
+    if (rendering.cut_short)
         reporter.note(fmt::format("interrupted: the picture has {} samples a pixel", film.samples_per_pixel()));
     reporter.summary(summary);
-    return job.cut_short ? exit_interrupted : exit_ok;
+    if (!all_written) return exit_error;
+    return rendering.cut_short ? exit_interrupted : exit_ok;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "arguments.h"
 #include "fathom/image.h"
 #include "fathom/render.h"
+#include "streams.h"
 
 namespace fathom::cli {
 
@@ -13,12 +14,12 @@ void add_version(CLI::App& program, Run& run)
     Command command(program, "version", "Print version, SIMD width in use, libraries");
     command.set_footer("Example:\n  fathom version\n\nExit codes: 0 done; 2 wrong usage.");
     command.set_run(run, [] {
-        fmt::print("fathom {}\n", FATHOM_VERSION);
-        fmt::print("SIMD: {}, {} lane{}\n", simd_name(), simd_width(), simd_width() == 1 ? "" : "s");
-        fmt::print("libraries: {}, CLI11 {}, fmt {}.{}.{}, nlohmann-json {}.{}.{}\n",
-                   fmt::join(image_libraries(), ", "), CLI11_VERSION, FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
-                   FMT_VERSION % 100, NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
-                   NLOHMANN_JSON_VERSION_PATCH);
+        print(fmt::format("fathom {}\n", FATHOM_VERSION));
+        print(fmt::format("SIMD: {}, {} lane{}\n", simd_name(), simd_width(), simd_width() == 1 ? "" : "s"));
+        print(fmt::format("libraries: {}, CLI11 {}, fmt {}.{}.{}, nlohmann-json {}.{}.{}\n",
+                          fmt::join(image_libraries(), ", "), CLI11_VERSION, FMT_VERSION / 10000,
+                          FMT_VERSION / 100 % 100, FMT_VERSION % 100, NLOHMANN_JSON_VERSION_MAJOR,
+                          NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH));
         return int(exit_ok);
     });
 }

@@ -57,7 +57,7 @@ Function* function_of(void* module, const char* symbol)
     return function;
 }
 
-int run_view(const ViewOptions& o)
+int run_view(ViewOptions& o)
 {
     // Before a scene is loaded, which can take long.
     void* const module = open_module();
@@ -67,7 +67,11 @@ int run_view(const ViewOptions& o)
 
     Reporter reporter(default_report_mode());
     Warnings warnings;
-    LoadedScene loaded = load_for_render(o.scene, warnings);
+    const ThreadLimit limit = limit_threads(o.settings, reporter);
+    LoadedScene loaded = [&] {
+        const Reporter::Phase phase(reporter, "load", "reading " + o.scene.file.string());
+        return load_for_render(o.scene, warnings);
+    }();
     const RenderHints& hints = loaded.description.hints;
     RenderSettings settings = settings_of(o.settings, hints, o.scene.file.string());
     settings.width = loaded.size.width;
@@ -76,7 +80,10 @@ int run_view(const ViewOptions& o)
     if (!loaded.added.empty())
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
 
-    Scene scene = Scene::compile(loaded.description, loaded.camera, warnings, loaded.build);
+    Scene scene = [&] {
+        const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
+        return Scene::compile(loaded.description, loaded.camera, warnings, loaded.build);
+    }();
     view::ViewJob job{std::move(scene), settings, {}, 0, {}, {}, {}, 0, nullptr};
     reporter.warnings(warnings);
     job.name = o.scene.file.filename().string();

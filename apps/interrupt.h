@@ -3,7 +3,7 @@
 
 namespace fathom::cli {
 
-/// From here on the first Ctrl-C (or SIGTERM) sets interrupted() and prints `line`; the second ends the program.
+/// From here on the first Ctrl-C (SIGTERM, SIGHUP) sets interrupted() and prints `line`; the second ends the program.
 void finish_on_interrupt(const char* line);
 const std::atomic<bool>& interrupted();
 

@@ -60,6 +60,21 @@ WriteOptions write_options(const PictureOptions& options, const RenderHints& hin
     return write;
 }
 
+bool write_pictures(const PictureOptions& options, const Image& image, const WriteOptions& write, Reporter& reporter)
+{
+    bool all = true;
+    for (const auto& file : options.outputs) {
+        try {
+            write_image(file, image, write);
+            reporter.written(file.string());
+        } catch (const Error& error) {
+            reporter.error(error.what());
+            all = false;
+        }
+    }
+    return all;
+}
+
 std::string text_of(const std::vector<SampleRange>& samples)
 {
     std::string text;
@@ -68,9 +83,9 @@ std::string text_of(const std::vector<SampleRange>& samples)
     return text;
 }
 
-Image::Layer sample_count_layer(const Film& film, const std::optional<Crop>& crop)
+Image::Layer sample_count_layer(const Film& film)
 {
-    const Crop inside = crop.value_or(Crop{0, 0, film.width(), film.height()});
+    const Crop inside = film.key().settings.crop.value_or(Crop{0, 0, film.width(), film.height()});
     Image::Layer layer{"samples", {"Y"}, std::vector<float>(std::size_t(film.width()) * std::size_t(film.height()))};
     for (int y = inside.y0; y < inside.y1; ++y) {
         const auto row = layer.pixels.begin() + std::ptrdiff_t(y) * film.width();

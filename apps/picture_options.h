@@ -7,6 +7,7 @@
 #include "arguments.h"
 #include "fathom/image.h"
 #include "fathom/render.h"
+#include "reporter.h"
 
 namespace fathom::cli {
 
@@ -28,8 +29,10 @@ WriteOptions write_options(const PictureOptions& options, const RenderHints& hin
 
 /// "0:16,32:48"
 std::string text_of(const std::vector<SampleRange>& samples);
+/// Writes all files of the options and tells which; false if one could not be, which is told too: the others are there.
+bool write_pictures(const PictureOptions& options, const Image& image, const WriteOptions& write, Reporter& reporter);
 /// A layer that tells how many samples each pixel has.
-Image::Layer sample_count_layer(const Film& film, const std::optional<Crop>& crop);
+Image::Layer sample_count_layer(const Film& film);
 
 extern const std::vector<std::string> tonemap_names;
 

@@ -2,9 +2,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <new>
+#include <sstream>
 
 #include "commands.h"
 #include "fathom/error.h"
+#include "streams.h"
 
 namespace fathom::cli {
 
@@ -13,8 +15,17 @@ namespace {
 int complain(std::string message, int code)
 {
     std::replace(message.begin(), message.end(), '\n', ' ');
-    fmt::print(stderr, "fathom: {}\n", message);
+    say(fmt::format("fathom: {}\n", message));
     return code;
+}
+
+/// --help and --version: CLI11 knows the texts.
+int tell(const CLI::App& app, const CLI::ParseError& request)
+{
+    std::ostringstream text;
+    app.exit(request, text, text);
+    print(text.str());
+    return exit_ok;
 }
 
 /// CLI11's words, but where they don't say what is the matter.
@@ -25,12 +36,12 @@ std::string usage_message(const std::string& message)
     return message;
 }
 
-}  // namespace
-
-int run_program(int argc, char** argv)
+/// What the command line asks for; returns the exit code.
+int parse_and_run(int argc, char** argv)
 {
     CLI::App app("Fathom, a path tracer for CPUs: a scene file in, a picture out.", "fathom");
     app.require_subcommand(1);
+    app.set_version_flag("--version", "fathom " FATHOM_VERSION, "Print the version (`fathom version` tells more)");
     app.footer(
         "Examples:\n"
         "  fathom render scene.json                      256 samples a pixel, to scene.png\n"
@@ -49,7 +60,7 @@ int run_program(int argc, char** argv)
         app.parse(argc, argv);
         return run();
     } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() == 0) return app.exit(error);  // --help
+        if (error.get_exit_code() == 0) return tell(app, error);
         return complain(fmt::format("{} (see fathom --help)", usage_message(error.what())), exit_usage);
     } catch (const UsageError& error) {
         return complain(error.what(), exit_usage);
@@ -60,6 +71,19 @@ int run_program(int argc, char** argv)
     } catch (const std::exception& error) {
         return complain(error.what(), exit_error);
     }
+}
+
+}  // namespace
+
+int run_program(int argc, char** argv)
+{
+    int code = exit_error;
+    try {
+        code = parse_and_run(argc, argv);
+    } catch (const Error& error) {
+        code = complain(error.what(), exit_error);
+    }
+    return code == exit_ok && could_not_say() ? exit_error : code;
 }
 
 }  // namespace fathom::cli

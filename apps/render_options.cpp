@@ -14,7 +14,8 @@ void add_settings_options(Command& command, SettingsOptions& o)
     constexpr std::uint64_t most_int = 1u << 30;
     command.add_value("--seed", "N", "another seed, other noise (default 0)",
                       [&](const std::string& text) { o.seed = std::uint32_t(parse_integer(text, 0, 0xffffffffu)); });
-    command.add_value("--threads", "N", "threads (default: all cores); the picture doesn't depend on it",
+    command.add_value("--threads", "N",
+                      "threads (default: all cores that this process may use); the picture doesn't depend on it",
                       [&](const std::string& text) { o.threads = int(parse_integer(text, 1, 4096)); });
     command.add_value("--filter", "NAME", "box, gaussian or blackman-harris (default)",
                       [&](const std::string& text) { o.filter = Filter(parse_word(text, filter_names)); });
@@ -25,6 +26,13 @@ void add_settings_options(Command& command, SettingsOptions& o)
                       [&](const std::string& text) { o.roulette_depth = int(parse_integer(text, 0, most_int)); });
     command.add_value("--light-sampling", "on|off", "off: lights are only found by chance (default on)",
                       [&](const std::string& text) { o.light_sampling = parse_word(text, {"off", "on"}) == 1; });
+    command.add_value(
+        "--light-selection", "power|uniform",
+        "which light a surface samples: brighter ones more often (default), or all alike, to compare with",
+        [&](const std::string& text) { o.light_selection = LightSelection(parse_word(text, {"power", "uniform"})); });
+    command.add_value("--loop", "general|fast",
+                      "general: rooms of plain quads, too, by the loop for all scenes, to debug (default fast)",
+                      [&](const std::string& text) { o.general_loop = parse_word(text, {"fast", "general"}) == 1; });
     command.add_value("--background", "COLOUR",
                       "what the camera sees behind the scene (lights nothing): #rrggbb, linear r,g,b, black, white, or "
                       "transparent (alpha in EXR and PNG; black in a window)",
@@ -48,11 +56,23 @@ RenderSettings settings_of(const SettingsOptions& o, const RenderHints& hints, c
         settings.filter = Filter(name - filter_names.begin());
     }
     settings.filter = o.filter.value_or(settings.filter);
+    settings.light_selection = o.light_selection;
+    settings.general_loop = o.general_loop;
     settings.background = o.background;
     settings.alpha = o.transparent;
     settings.seed = o.seed;
     settings.threads = o.threads;
     return settings;
+}
+
+ThreadLimit limit_threads(SettingsOptions& options, Reporter& reporter)
+{
+    const int wanted = options.threads > 0 ? options.threads : available_threads();
+    ThreadLimit limit(wanted);
+    options.threads = limit.threads();
+    if (options.threads < wanted)
+        reporter.note(fmt::format("only {} of {} threads can be started here", options.threads, wanted));
+    return limit;
 }
 
 std::optional<std::uint64_t> hinted_samples(const RenderHints& hints, const std::string& file)

@@ -4,6 +4,8 @@
 
 #include "arguments.h"
 #include "fathom/render.h"
+#include "fathom/threads.h"
+#include "reporter.h"
 
 namespace fathom::cli {
 
@@ -11,6 +13,8 @@ namespace fathom::cli {
 struct SettingsOptions {
     std::optional<int> max_depth, roulette_depth;  ///< a max_depth of -1 is none
     std::optional<bool> light_sampling;
+    LightSelection light_selection = LightSelection::power;
+    bool general_loop = false;
     std::optional<Filter> filter;
     std::optional<Color> background;
     bool transparent = false;
@@ -25,10 +29,12 @@ void add_settings_options(Command& command, SettingsOptions& options);
 /// file  the scene's, for messages
 RenderSettings settings_of(const SettingsOptions& options, const RenderHints& hints, const std::string& file);
 
+/// The limit on threads that --threads asks for; settings then have the number of them. Says so where the system allows
+/// fewer.
+ThreadLimit limit_threads(SettingsOptions& options, Reporter& reporter);
+
 /// How many samples a pixel the scene asks for, if it does.
 std::optional<std::uint64_t> hinted_samples(const RenderHints& hints, const std::string& file);
-
-inline constexpr std::uint64_t most_samples = 1ull << 32;
 
 /// Position is Filter's value.
 extern const std::vector<std::string> filter_names;

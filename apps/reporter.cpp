@@ -1,20 +1,28 @@
 #include "reporter.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "commands.h"
+#include "streams.h"
 
 namespace fathom::cli {
 
 namespace {
 
-constexpr int bar_width = 24;
+/// Columns of the terminal that a line may fill: in the last one some terminals begin a new line.
+int terminal_columns()
+{
+    winsize size{};
+    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return 79;
+    return size.ws_col - 1;
+}
 
 std::string duration(double seconds)
 {
@@ -30,6 +38,24 @@ std::string with_unit(double number)
     for (const auto& [unit, name] : {std::pair{1e9, "G"}, {1e6, "M"}, {1e3, "k"}})
         if (number >= unit) return fmt::format("{:.2f} {}", number / unit, name);
     return fmt::format("{:.0f} ", number);
+}
+
+/// A bar and what the terminal has room for behind it: the most telling words go last.
+std::string progress_line(double done, const std::string& rate, const std::string& elapsed, const std::string& left,
+                          int columns)
+{
+    constexpr int shortest_bar = 8, longest_bar = 24, around_bar = 3;
+    const std::string percent = fmt::format("{:5.1f} %", done * 100);
+    for (const std::string& text :
+         {fmt::format("{}  {}samples/s  {} elapsed, {} left", percent, rate, elapsed, left),
+          fmt::format("{}  {} elapsed, {} left", percent, elapsed, left), fmt::format("{}  {} left", percent, left)}) {
+        const int room = columns - int(text.size()) - around_bar;
+        if (room < shortest_bar) continue;
+        const int width = std::min(room, longest_bar), full = int(done * width);
+        return fmt::format("[{}{}] {}", std::string(std::size_t(full), '#'),
+                           std::string(std::size_t(width - full), '.'), text);
+    }
+    return percent.substr(0, std::size_t(std::max(columns, 0)));
 }
 
 }  // namespace
@@ -55,12 +81,12 @@ std::uint64_t peak_memory_bytes()
 void Reporter::print(const nlohmann::json& event)
 {
     // File names may hold any bytes; JSON may not.
-    fmt::print(stderr, "{}\n", event.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    say(event.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
 }
 
 void Reporter::end_bar()
 {
-    if (bar_) fmt::print(stderr, "\n");
+    if (bar_) say("\n");
     bar_ = false;
 }
 
@@ -69,7 +95,7 @@ void Reporter::note(const std::string& text)
     if (mode_ == ReportMode::quiet) return;
     if (mode_ == ReportMode::json) return print({{"event", "note"}, {"message", text}});
     end_bar();
-    fmt::print(stderr, "{}\n", text);
+    say(text + '\n');
 }
 
 void Reporter::warnings(const Warnings& warnings)
@@ -79,7 +105,7 @@ void Reporter::warnings(const Warnings& warnings)
         if (mode_ == ReportMode::json)
             print({{"event", "warning"}, {"message", message}, {"count", count}});
         else
-            fmt::print(stderr, "fathom: warning: {}{}\n", message, count > 1 ? fmt::format(" ({} times)", count) : "");
+            say(fmt::format("fathom: warning: {}{}\n", message, count > 1 ? fmt::format(" ({} times)", count) : ""));
     }
 }
 
@@ -89,7 +115,7 @@ void Reporter::error(const std::string& text)
     if (mode_ == ReportMode::json)
         print({{"event", "error"}, {"message", text}});
     else
-        fmt::print(stderr, "fathom: {}\n", text);
+        say(fmt::format("fathom: {}\n", text));
 }
 
 void Reporter::written(const std::string& file)
@@ -98,16 +124,64 @@ void Reporter::written(const std::string& file)
     note("wrote " + file);
 }
 
+double Reporter::interval_s() const
+{
+    return mode_ == ReportMode::terminal ? 0.1 : mode_ == ReportMode::json ? 0.5 : 10;
+}
+
+Reporter::Phase::Phase(Reporter& reporter, std::string name, std::string text)
+    : reporter_(reporter), name_(std::move(name)), text_(std::move(text))
+{
+    if (reporter.mode_ == ReportMode::quiet) return;
+    try {
+        thread_ = std::thread([this] { run(); });
+    } catch (const std::system_error&) {
+        // Where no thread can be started the phase goes by in silence.
+    }
+}
+
+Reporter::Phase::~Phase()
+{
+    if (!thread_.joinable()) return;
+    {
+        const std::lock_guard lock(mutex_);
+        end_ = true;
+    }
+    ended_.notify_one();
+    thread_.join();
+    if (reporter_.bar_) say("\r\x1b[K");
+    reporter_.bar_ = false;
+}
+
+void Reporter::Phase::run()
+{
+    const double start_s = seconds_since_start();
+    const auto interval = std::chrono::duration<double>(std::max(reporter_.interval_s(), 0.3));
+    std::unique_lock lock(mutex_);
+    while (!ended_.wait_for(lock, interval, [&] { return end_; })) tell(seconds_since_start() - start_s);
+}
+
+void Reporter::Phase::tell(double elapsed_s)
+{
+    if (reporter_.mode_ == ReportMode::json)
+        return reporter_.print({{"event", "phase"}, {"phase", name_}, {"elapsed_s", elapsed_s}});
+    const std::string time = fmt::format(": {}", duration(elapsed_s));
+    if (reporter_.mode_ == ReportMode::lines) return say(text_ + time + '\n');
+    const std::size_t room = std::size_t(std::max(terminal_columns() - int(time.size()), 0));
+    say(fmt::format("\r{}{}\x1b[K", text_.substr(0, room), time));
+    reporter_.bar_ = true;
+}
+
 void Reporter::progress(double done, double elapsed_s, const Progress& progress, bool force)
 {
     if (mode_ == ReportMode::quiet) return;
-    const double interval_s = mode_ == ReportMode::terminal ? 0.1 : mode_ == ReportMode::json ? 0.5 : 10;
     const double now_s = seconds_since_start();
     // Without a terminal, the first line comes after the interval too: short renders print none.
     if (mode_ == ReportMode::lines && last_s_ < 0) last_s_ = now_s - elapsed_s;
-    if (!force && now_s - last_s_ < interval_s) return;
-    if (mode_ == ReportMode::lines && force) return;
+    if (!force && now_s - last_s_ < interval_s()) return;
+    if (force && (mode_ == ReportMode::lines || last_samples_ == progress.samples_done)) return;
     last_s_ = now_s;
+    last_samples_ = progress.samples_done;
     done = std::clamp(done, 0.0, 1.0);
     const double rate = elapsed_s > 0 ? double(progress.samples_done) / elapsed_s : 0;
     const double remaining_s = done > 0 ? elapsed_s * (1 - done) / done : 0;
@@ -120,12 +194,11 @@ void Reporter::progress(double done, double elapsed_s, const Progress& progress,
                       {"samples_per_s", rate},
                       {"elapsed_s", elapsed_s},
                       {"remaining_s", remaining_s}});
-    const std::string text = fmt::format("{:5.1f} %  {}samples/s  {} elapsed, {} left", done * 100, with_unit(rate),
-                                         duration(elapsed_s), duration(remaining_s));
-    if (mode_ == ReportMode::lines) return fmt::print(stderr, "{}\n", text);
-    const int full = int(done * bar_width);
-    fmt::print(stderr, "\r[{}{}] {}\x1b[K", std::string(full, '#'), std::string(bar_width - full, '.'), text);
-    std::fflush(stderr);
+    const std::string elapsed = duration(elapsed_s), left = duration(remaining_s);
+    if (mode_ == ReportMode::lines)
+        return say(
+            fmt::format("{:5.1f} %  {}samples/s  {} elapsed, {} left\n", done * 100, with_unit(rate), elapsed, left));
+    say(fmt::format("\r{}\x1b[K", progress_line(done, with_unit(rate), elapsed, left, terminal_columns())));
     bar_ = true;
 }
 

@@ -1,6 +1,9 @@
 #pragma once
+#include <condition_variable>
+#include <mutex>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <thread>
 
 #include "fathom/load.h"
 #include "fathom/render.h"
@@ -31,6 +34,28 @@ public:
     void written(const std::string& file);
     void summary(const Summary& summary);
 
+    /// While it lives, a phase whose end can't be foreseen is told every now and then, if it takes long. Nothing else
+    /// is told meanwhile.
+    class Phase {
+    public:
+        /// name  "load"; text  "reading scene.json"
+        Phase(Reporter& reporter, std::string name, std::string text);
+        Phase(const Phase&) = delete;
+        Phase& operator=(const Phase&) = delete;
+        ~Phase();
+
+    private:
+        void tell(double elapsed_s);
+        void run();
+
+        Reporter& reporter_;
+        std::string name_, text_;
+        std::mutex mutex_;
+        std::condition_variable ended_;
+        bool end_ = false;
+        std::thread thread_;
+    };
+
     /// done  0 to 1; the rest is told from it
     /// force  now, however short ago the last was
     void progress(double done, double elapsed_s, const Progress& progress, bool force = false);
@@ -38,10 +63,12 @@ public:
 private:
     void print(const nlohmann::json& event);
     void end_bar();
+    double interval_s() const;
 
     ReportMode mode_;
     double last_s_ = -1e9;
-    bool bar_ = false;  ///< the cursor stands behind a bar
+    std::uint64_t last_samples_ = 0;  ///< of the last line of progress
+    bool bar_ = false;                ///< the cursor stands behind a bar
 };
 
 /// terminal or lines, as stderr is.

@@ -122,6 +122,8 @@ void add_file_options(Command& command, SceneOptions& options)
                       [&](const std::string& text) { options.scene = text; });
     command.add_value("--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
                       [&](const std::string& text) { options.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
+    command.add_flag("--confine", options.confine,
+                     "read only files in the scene's folder and below, links followed: for scenes by strangers");
 }
 
 LoadOptions load_options(const SceneOptions& options)
@@ -129,6 +131,7 @@ LoadOptions load_options(const SceneOptions& options)
     LoadOptions load;
     load.scene = options.scene;
     load.up_axis = options.up_axis;
+    load.confine = options.confine;
     return load;
 }
 

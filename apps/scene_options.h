@@ -15,6 +15,7 @@ struct SceneOptions {
     std::filesystem::path file;
     std::string scene;  ///< of a file with several; empty: the one that the file says
     char up_axis = 0;
+    bool confine = false;
     std::string camera;
     std::optional<Vec3d> look_from, look_at, up;
     std::optional<double> fov_deg;

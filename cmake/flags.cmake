@@ -46,11 +46,10 @@ set(FATHOM_BVH_PAIRS_base 0)
 set(FATHOM_BVH_PAIRS_x86-64-v3 1)
 set(FATHOM_BVH_PAIRS_x86-64-v4 0)
 # Sanitizers get the base alone: at one lane the same source is ordinary code, which they see through, and they need a
-# quarter of an hour to compile the wide kernels. Whoever works on the kernel may ask for fewer: -DFATHOM_ISAS=base.
-if(NOT DEFINED FATHOM_ISAS)
-  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT FATHOM_SANITIZE)
-    set(FATHOM_ISAS base x86-64-v3 x86-64-v4)
-  else()
-    set(FATHOM_ISAS base)
-  endif()
+# quarter of an hour to compile the wide kernels.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT FATHOM_SANITIZE)
+  set(FATHOM_ALL_ISAS base x86-64-v3 x86-64-v4)
+else()
+  set(FATHOM_ALL_ISAS base)
 endif()
+set(FATHOM_ISAS "${FATHOM_ALL_ISAS}" CACHE STRING "Instruction sets of the kernel library; fewer build sooner")

@@ -171,7 +171,6 @@ void Renderer::take_request()
     if (request_.move != work_.move) {
         rendered_s_ = 0;
         rendered_samples_ = 0;
-        scene_.set_camera(request_.camera);
     }
     if (request_.move != work_.move || request_.view != work_.view) shown_ = false;
     work_ = request_;
@@ -186,14 +185,20 @@ RenderSettings Renderer::settings_for(View view) const
     return settings;
 }
 
-Renderer::Target& Renderer::target(View view, const RenderSettings& settings, bool full_size)
+/// With the camera at work.
+RenderJob Renderer::job_for(const RenderSettings& settings) const
+{
+    return RenderJob(scene_, work_.camera, settings);
+}
+
+Renderer::Target& Renderer::target(View view, const RenderJob& job, bool full_size)
 {
     auto& targets = full_size ? films_ : previews_;
     auto found = targets.find(view);
-    if (found == targets.end()) found = targets.emplace(view, Target{Film(settings), work_.move}).first;
+    if (found == targets.end()) found = targets.emplace(view, Target{Film(job), work_.move}).first;
     Target& t = found->second;
     if (t.move != work_.move) {
-        t.film.clear();
+        t.film.reset(job);
         t.move = work_.move;
     }
     return t;
@@ -207,17 +212,17 @@ std::uint64_t Renderer::picture_samples() const
 
 std::optional<Renderer::Pass> Renderer::full_pass(View film)
 {
-    const RenderSettings settings = settings_for(film);
-    Target& t = target(film, settings, true);
+    const RenderJob job = job_for(settings_for(film));
+    Target& t = target(film, job, true);
     const std::uint64_t done = t.film.samples_per_pixel();
     const std::uint64_t end = samples_end(film);
     // What is there already when a view is chosen again is shown at once.
-    if (!shown_ && done > 0) return Pass{&t, settings, {done, done}, true};
+    if (!shown_ && done > 0) return Pass{&t, job, {done, done}, true};
     if (done >= end) return {};
     const double fit = pass_s_ > 0 ? longest_pass_s / pass_s_ : 1;
     std::uint64_t count = std::clamp<std::uint64_t>(done, 1, most_pass_samples);
     count = std::min(count, std::uint64_t(std::clamp(fit, 1.0, double(most_pass_samples))));
-    return Pass{&t, settings, {done, std::min(done + count, end)}, true};
+    return Pass{&t, job, {done, std::min(done + count, end)}, true};
 }
 
 std::optional<Renderer::Pass> Renderer::next_pass()
@@ -231,10 +236,11 @@ std::optional<Renderer::Pass> Renderer::next_pass()
     RenderSettings settings = settings_for(film);
     settings.width = int(std::ceil(work_.width * scale));
     settings.height = int(std::ceil(work_.height * scale));
-    Target& t = target(film, settings, false);
+    const RenderJob job = job_for(settings);
+    Target& t = target(film, job, false);
     // Of this move, but another view was chosen before it was seen at full size.
-    if (t.film.samples_per_pixel() > 0) t.film.clear();
-    return Pass{&t, settings, {0, 1}, false};
+    if (t.film.samples_per_pixel() > 0) t.film.reset(job);
+    return Pass{&t, job, {0, 1}, false};
 }
 
 std::uint64_t Renderer::samples_end(View film) const
@@ -253,12 +259,12 @@ bool Renderer::render(const Pass& pass)
     const auto start = Clock::now();
     const std::uint64_t samples = pass.range.second - pass.range.first;
     if (samples == 0) return true;
-    if (!render_pass(scene_, pass.settings, pass.range, pass.target->film, cancel_)) return false;
+    if (!render_pass(pass.job, pass.range, pass.target->film, cancel_)) return false;
     if (!pass.full_size) return true;
     const double seconds = seconds_since(start);
     pass_s_ = seconds / double(samples);
     rendered_s_ += seconds;
-    rendered_samples_ += samples * std::uint64_t(pass.settings.width) * std::uint64_t(pass.settings.height);
+    rendered_samples_ += samples * std::uint64_t(pass.job.settings().width) * std::uint64_t(pass.job.settings().height);
     return true;
 }
 
@@ -267,8 +273,8 @@ void Renderer::publish(const Pass& pass)
     Frame frame;
     frame.move = work_.move;
     frame.view = work_.view;
-    frame.width = pass.settings.width;
-    frame.height = pass.settings.height;
+    frame.width = pass.job.settings().width;
+    frame.height = pass.job.settings().height;
     frame.full_size = pass.full_size;
     frame.samples = pass.full_size ? pass.target->film.samples_per_pixel() : 0;
     frame.samples_end = samples_end(work_.view);
@@ -292,10 +298,9 @@ void Renderer::answer_pick(PickRequest request)
     settings.filter = Filter::box;
     settings.aovs = {Aov::depth};
     settings.max_depth = 0;
-    scene_.set_camera(request.camera);
-    Film film(settings);
-    fathom::render(scene_, settings, {0, 1}, film);
-    scene_.set_camera(work_.camera);
+    const RenderJob job(scene_, request.camera, settings);
+    Film film(job);
+    fathom::render(job, {0, 1}, film);
     const Image image = film.image(false, false);
     request.where.distance = image.find("depth")->pixels[0];
     const std::lock_guard lock(mutex_);

@@ -85,7 +85,7 @@ private:
     };
     struct Pass {
         Target* target;
-        RenderSettings settings;
+        RenderJob job;
         SampleRange range;
         bool full_size;
     };
@@ -93,8 +93,9 @@ private:
     void take_request();
     std::optional<Pass> next_pass();
     std::optional<Pass> full_pass(View film);
-    Target& target(View view, const RenderSettings& settings, bool full_size);
+    Target& target(View view, const RenderJob& job, bool full_size);
     RenderSettings settings_for(View view) const;
+    RenderJob job_for(const RenderSettings& settings) const;
     std::uint64_t samples_end(View film) const;
     std::uint64_t picture_samples() const;
     bool render(const Pass& pass);
@@ -104,7 +105,7 @@ private:
     void say(const std::string& message);
 
     // Of the thread alone.
-    Scene scene_;
+    const Scene scene_;
     const RenderSettings settings_;
     const std::uint64_t samples_;
     Work work_;

@@ -257,7 +257,7 @@ std::vector<std::string> Viewer::help_lines() const
             "click             focus there",
             "W A S D Q E       fly (Q down, E up)",
             "arrows            look around",
-            "R                 camera of the scene",
+            "R                 camera of the scene again (only the camera)",
             "+ -               exposure",
             "T                 tone map",
             "1 to 8, Tab       picture, albedo, normal,",

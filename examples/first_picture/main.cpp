@@ -30,8 +30,9 @@ try {
     const fathom::Scene compiled = fathom::Scene::compile(scene, "", warnings);
     fathom::RenderSettings settings;
     settings.width = 400, settings.height = 300;
-    fathom::Film film(settings);
-    fathom::render(compiled, settings, {0, 64}, film);
+    const fathom::RenderJob job(compiled, settings);
+    fathom::Film film(job);
+    fathom::render(job, {0, 64}, film);
     const char* file = argc > 1 ? argv[1] : "first-picture.png";
     fathom::write_image(file, film.image(false, false), {});
     std::printf("%s: 64 samples a pixel, %d lanes\n", file, fathom::simd_width());

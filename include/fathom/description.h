@@ -26,6 +26,19 @@ struct ImageFile {
 /// How 8- and 16-bit values of a colour image are encoded (HDR, EXR: always linear).
 enum class ColorSpace { srgb, linear };
 enum class Wrap { repeat, clamp, mirror };
+
+/// value, multiplied by the texture if there is one.
+struct ColorInput {
+    Color value{1, 1, 1};
+    int texture = -1;
+};
+/// value, multiplied by one channel (0 red to 3 alpha) of the texture if there is one.
+struct FloatInput {
+    float value = 1;
+    int texture = -1;
+    int channel = 0;
+};
+
 enum class TextureKind {
     image,          ///< bilinear (or nearest) lookup in full resolution
     checker_uv,     ///< color_a where floor(scale u) + floor(scale v) is even, else color_b
@@ -33,8 +46,22 @@ enum class TextureKind {
     noise,          ///< Perlin noise of scale * p mixed from color_a (0) to color_b (1) by 0.5 (1 + noise)
     turbulence,     ///< sum over octaves of |noise| / 2^i, mixed from color_a (0) to color_b (1)
     marble,         ///< 0.5 (1 + sin(scale z + turbulence_weight * turbulence(p))) mixed from color_a to color_b
+    mix,            ///< from color_a (factor 0) to color_b (factor 1)
+    scale,          ///< color_a times color_b
+    uv_transform,   ///< color_a's texture, looked up at transformed texture coordinates
+    ramp,           ///< the factor as a colour: linear between stops
+    vertex_color,   ///< the mesh's vertex colours; white where it has none
+};
+inline constexpr int texture_kind_count = 11;
+
+/// A colour at a number.
+struct RampStop {
+    float position = 0;
+    Color color;
 };
 
+/// A node of a graph: what it refers to may be textures itself, which must not lead back to it. Colours of textures
+/// have an alpha, too, which is 1 where a node is made of plain colours.
 struct Texture {
     std::string name;
     TextureKind kind = TextureKind::image;
@@ -51,33 +78,24 @@ struct Texture {
     float scale = 1;
     float turbulence_weight = 10;
     int octaves = 7;
-    Color color_a{0, 0, 0}, color_b{1, 1, 1};
-};
-
-/// value, multiplied by the texture if there is one.
-struct ColorInput {
-    Color value{1, 1, 1};
-    int texture = -1;
-};
-/// value, multiplied by one channel (0 red to 3 alpha) of the texture if there is one.
-struct FloatInput {
-    float value = 1;
-    int texture = -1;
-    int channel = 0;
+    ColorInput color_a{{0, 0, 0}, -1}, color_b{{1, 1, 1}, -1};
+    FloatInput factor;            ///< mix, ramp
+    std::vector<RampStop> stops;  ///< ramp: 2 to 16, by ascending position
 };
 
 // ---------------------------------------------------------------------------------------------------- materials
 
 enum class MaterialKind {
-    diffuse,  ///< base_color; roughness > 0: Oren-Nayar (Fujii's fit), sigma = roughness
+    none,     ///< black; for pure emitters
+    unlit,    ///< shows base_color whatever the light, and lights nothing
+    diffuse,  ///< base_color; roughness > 0: energy-preserving Oren-Nayar
     metal,    ///< base_color is the reflectance at normal incidence; roughness is the GGX alpha's root; 0 is a mirror
     fuzz_metal,  ///< the report's metal: mirror direction plus fuzz times a random point of the unit sphere
     glass,       ///< smooth or rough dielectric of index ior, solid or thin; a solid absorbs by attenuation_color over
                  ///< attenuation_distance
     principled,  ///< metallic-roughness of glTF 2.0: base_color, metallic, roughness, ior
-    unlit,       ///< shows base_color whatever the light, and lights nothing
-    none,        ///< black; for pure emitters
 };
+inline constexpr int material_kind_count = 7;
 
 enum class AlphaMode { opaque, mask, blend };
 
@@ -258,7 +276,8 @@ struct RenderHints {
 };
 
 struct SceneDescription {
-    std::string file;  ///< where it came from, for messages
+    std::string file;                          ///< where it came from, for messages
+    std::vector<std::filesystem::path> files;  ///< all that were read for it, its own first; not those of images
     std::vector<ImageFile> images;
     std::vector<Texture> textures;
     std::vector<Material> materials;

@@ -28,6 +28,9 @@ struct LoadOptions {
     std::string scene;  ///< glTF: name or number of the scene to load; empty: the one that the file says
     char up_axis =
         0;  ///< 'y' or 'z': which axis of the file points up; 0: as the format says. z-up files are turned to y-up
+    /// Only files of the scene's folder and below are read, links followed: for scenes by strangers. Else a scene reads
+    /// whatever it names.
+    bool confine = false;
 };
 
 /// Reads a scene or model file; the format is told by the content or the extension: Fathom's own JSON, glTF, GLB, OBJ,

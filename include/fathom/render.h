@@ -18,6 +18,9 @@ namespace fathom {
 
 enum class Filter { box, gaussian, blackman_harris };
 
+/// How the light is chosen that a surface samples: by power, or each as often as any other.
+enum class LightSelection : std::uint32_t { power, uniform };
+
 /// What is averaged per pixel beside radiance.
 enum class Aov { albedo, normal, depth, position, instance_id, material_id };
 
@@ -33,6 +36,7 @@ struct RenderSettings {
     int max_depth = -1;      ///< surfaces a path may scatter at; -1: no limit. A limit is bias
     int roulette_depth = 5;  ///< bounces before Russian roulette begins
     bool light_sampling = true;
+    LightSelection light_selection = LightSelection::power;
     Filter filter = Filter::blackman_harris;
     std::optional<Crop> crop;  ///< only these pixels are rendered; the picture keeps its size
     std::vector<Aov> aovs;
@@ -40,6 +44,9 @@ struct RenderSettings {
     std::optional<Color> background;
     bool alpha = false;  ///< sums coverage too: the film's picture can have A
     int threads = 0;     ///< 0: all cores
+    /// Rooms of smooth, diffuse quads are rendered by a loop of their own unless this is set: for debugging. The two
+    /// compute the same estimator.
+    bool general_loop = false;
 };
 
 struct SceneStatistics {
@@ -47,7 +54,7 @@ struct SceneStatistics {
     double build_s = 0;
 };
 
-/// A compiled scene: read-only, shared by whoever renders it.
+/// A compiled scene: never changed, shared by whoever renders it. Copies refer to the same one.
 class FATHOM_API Scene {
 public:
     /// camera: name of one of the scene's cameras; empty: the first. Throws Error if the scene can't be rendered
@@ -56,30 +63,67 @@ public:
                          TreeBuild build = TreeBuild::standard);
 
     const SceneStatistics& statistics() const;
-    /// The camera in world space; may be replaced without compiling again.
+    /// The camera that it was compiled for, in world space.
     const Camera& camera() const;
-    void set_camera(const Camera& camera);
+    /// Of all that decides pictures of it, beside camera and settings.
+    std::uint64_t fingerprint() const;
 
     struct Data;
     const Data& data() const { return *data_; }
 
 private:
-    std::shared_ptr<Data> data_;
+    std::shared_ptr<const Data> data_;
 };
 
-using SampleRange = std::pair<std::uint64_t, std::uint64_t>;  ///< first, and one past the last
+/// What a film is of. Films may be merged if nothing keeps their keys apart.
+struct FATHOM_API FilmKey {
+    RenderSettings settings;  ///< threads don't count
+    std::string scene;        ///< fingerprint of the compiled scene and the camera
+
+    /// As text, for files; parse is its inverse and throws Error if the text is no key, or that of an impossible film.
+    std::string text() const;
+    static FilmKey parse(const std::string& text);
+    /// What keeps two apart, in words ("seed 1, not 0"); empty if nothing does.
+    std::string difference(const FilmKey& other) const;
+};
+
+/// A picture to be rendered: scene, camera and settings, checked when it is made.
+class FATHOM_API RenderJob {
+public:
+    /// As the camera sees the scene that it was compiled for. Throws Error if that is no picture: a size outside 1x1 to
+    /// 65535x65535, a crop that is empty or not inside, numbers of the camera that are not finite in render space.
+    RenderJob(const Scene& scene, const RenderSettings& settings);
+    /// As another camera sees it, in world space. Throws Error too if something moves and the shutter has other times:
+    /// they are compiled into the scene.
+    RenderJob(const Scene& scene, const Camera& camera, const RenderSettings& settings);
+
+    const Scene& scene() const;
+    const Camera& camera() const;
+    const RenderSettings& settings() const { return key().settings; }
+    const FilmKey& key() const;
+
+    struct Data;
+    const Data& data() const { return *data_; }
+
+private:
+    std::shared_ptr<const Data> data_;
+};
+
+using SampleRange = std::pair<std::uint64_t, std::uint64_t>;           ///< first, and one past the last
+inline constexpr std::uint64_t most_samples = std::uint64_t(1) << 32;  ///< where sample indices end
 
 /// Exact sums of samples: the same whatever the order, the threads, or the parts they came in.
 class FATHOM_API Film {
 public:
-    Film(const RenderSettings& settings);
+    explicit Film(const RenderJob& job);
     Film(Film&&) noexcept;
     Film& operator=(Film&&) noexcept;
     ~Film();
 
-    /// Forgets all samples, and the scene: as a new film of the same settings, without the cost of new memory.
-    void clear();
+    /// Forgets all samples: as a new film of the job, without the cost of new memory where the layout is the same.
+    void reset(const RenderJob& job);
 
+    const FilmKey& key() const;
     int width() const;
     int height() const;
     /// Sorted, disjoint, merged where they touch.
@@ -94,8 +138,7 @@ public:
     };
     std::optional<SamplePlace> dropped_sample() const;
 
-    /// Adds the sums of the same scene and settings over other samples. Throws Error if they overlap or don't belong
-    /// together.
+    /// Adds the sums of a film of an equal key over other samples. Throws Error if they overlap or the keys differ.
     void merge(const Film& other);
 
     /// Means so far: the picture (with A if alpha), and a layer per AOV, "variance" (of the mean) if asked for.
@@ -107,9 +150,10 @@ public:
         std::vector<std::uint32_t> words;
         std::vector<SampleRange> samples;
         std::uint64_t dropped = 0;
-        std::string key;  ///< must agree for two films to be merged: settings and scene
+        std::string key;  ///< FilmKey::text
     };
     Sums sums() const;
+    /// Throws Error if they are not the sums of any film: sizes, ranges and the key are checked first.
     static Film from_sums(const Sums& sums);
 
     struct Data;
@@ -117,7 +161,7 @@ public:
     const Data& data() const { return *data_; }
 
 private:
-    Film() = default;
+    explicit Film(FilmKey key);
     std::unique_ptr<Data> data_;
 };
 
@@ -132,12 +176,12 @@ struct Progress {
     std::uint64_t rays = 0;
 };
 
-/// Renders the samples [range.first, range.second) of every pixel into `film`. Returns true if done; false if `cancel`
-/// became true: then film holds the passes that were finished, which film.samples() tells.
+/// Renders the samples [range.first, range.second) of every pixel into `film`, which must be one of the job. Returns
+/// true if done; false if `cancel` became true: then film holds the passes that were finished, which film.samples()
+/// tells.
 ///
 /// on_pass  called between passes from the calling thread with the film so far
-FATHOM_API bool render(const Scene& scene, const RenderSettings& settings, SampleRange range, Film& film,
-                       const std::atomic<bool>* cancel = nullptr,
+FATHOM_API bool render(const RenderJob& job, SampleRange range, Film& film, const std::atomic<bool>* cancel = nullptr,
                        const std::function<void(const Progress&, const Film&)>& on_pass = {});
 
 /// Renders the samples of `range`, 1 to 1024 of them, as one pass, for programs that may lose interest in it at any
@@ -145,12 +189,10 @@ FATHOM_API bool render(const Scene& scene, const RenderSettings& settings, Sampl
 /// became true, which is looked at between tiles, that is every few milliseconds: `film` is then as it was before.
 ///
 /// A film that has samples takes as much memory again for further ones, and keeps it.
-FATHOM_API bool render_pass(const Scene& scene, const RenderSettings& settings, SampleRange range, Film& film,
-                            const std::atomic<bool>& cancel);
+FATHOM_API bool render_pass(const RenderJob& job, SampleRange range, Film& film, const std::atomic<bool>& cancel);
 
 /// One sample of one pixel, radiance in Rec.709: the same value that it has inside a whole picture.
-FATHOM_API Color render_sample(const Scene& scene, const RenderSettings& settings, int x, int y,
-                               std::uint64_t sample_index);
+FATHOM_API Color render_sample(const RenderJob& job, int x, int y, std::uint64_t sample_index);
 
 /// Lanes of the kernel that the loader chose on this machine: 16, 8 or 1; and its name: "AVX-512", "AVX2", "base".
 FATHOM_API int simd_width();

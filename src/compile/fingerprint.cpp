@@ -7,15 +7,17 @@ std::uint64_t fingerprint(const SceneTables& t)
     Fingerprint f;
     f.add(t.positions), f.add(t.normals), f.add(t.tangents), f.add(t.colors), f.add(t.uv0), f.add(t.uv1);
     f.add(t.triangles), f.add(t.quads), f.add(t.spheres), f.add(t.disks), f.add(t.curves), f.add(t.curve_points),
-        f.add(t.points), f.add(t.shape_of_primitive);
+        f.add(t.points), f.add(t.frames), f.add(t.shape_of_primitive);
     f.add(t.shapes), f.add(t.instances), f.add(t.poses), f.add(t.vertex_times), f.add(t.materials), f.add(t.texels),
         f.add(t.lights), f.add(t.light_cdf);
+    f.add(t.ramp_stops);
     for (const auto& image : t.packed_images) f.add(image);
     for (const TextureRecord& texture : t.textures) {
         // Member by member where there may be padding.
         f.add(&texture.texels, sizeof texture.texels);
         f.add(&texture.uv_map, sizeof texture.uv_map);
         f.add(&texture.scale, 2 * sizeof(float));
+        f.add(&texture.factor, sizeof texture.factor);
         f.add(&texture.color_a, sizeof texture.color_a);
         f.add(&texture.color_b, sizeof texture.color_b);
         const std::uint32_t numbers[] = {texture.kind,
@@ -26,7 +28,13 @@ std::uint64_t fingerprint(const SceneTables& t)
                                          texture.wrap_v,
                                          texture.nearest,
                                          texture.uv_set,
-                                         texture.octaves};
+                                         texture.octaves,
+                                         texture.texture_a,
+                                         texture.texture_b,
+                                         texture.factor_texture,
+                                         texture.factor_channel,
+                                         texture.first_stop,
+                                         texture.stop_count};
         f.add(numbers, sizeof numbers);
     }
     const EnvironmentRecord& e = t.environment;

@@ -168,6 +168,31 @@ private:
         return t_.shapes.back();
     }
 
+    /// For round primitives, whose uv go by the axes of their node. It must be a similarity.
+    void set_frame(ShapeRecord& shape, const Transform& node_from_render, double factor)
+    {
+        const MaterialRecord& m = t_.materials[shape.material];
+        const bool shows =
+            (m.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped)) || m.emission_texture != no_index;
+        std::array<float, 9> rows;
+        bool turned = false;
+        for (std::size_t i = 0; i < 9; ++i) {
+            const double number = node_from_render.m[i / 3][i % 3] * factor;
+            rows[i] = float(number);
+            turned |= std::abs(number - (i % 4 == 0)) > 1e-9;
+        }
+        if (!shows || !turned) return;
+        shape.frame = std::uint32_t(t_.frames.size());
+        t_.frames.push_back(rows);
+    }
+
+    void add_round_shape(const PlacedShape& p, std::uint32_t first_primitive, double factor)
+    {
+        ShapeRecord& shape = add_shape(p, first_primitive, false);
+        make_opaque(shape);
+        set_frame(shape, p.render_from_node.inverse(), factor);
+    }
+
     /// Numbers `count` primitives of the last shape.
     void take_primitives(std::size_t count)
     {
@@ -320,7 +345,7 @@ private:
     {
         double factor;
         is_similarity(p.render_from_node, factor);
-        make_opaque(add_shape(p, t_.first_sphere() + std::uint32_t(t_.spheres.size()), false));
+        add_round_shape(p, t_.first_sphere() + std::uint32_t(t_.spheres.size()), factor);
         SphereRecord sphere;
         const Vec3d center = p.render_from_node.point(s.center);
         sphere.center = to_float(center);
@@ -342,7 +367,7 @@ private:
     {
         double factor;
         is_similarity(p.render_from_node, factor);
-        make_opaque(add_shape(p, t_.first_disk() + std::uint32_t(t_.disks.size()), false));
+        add_round_shape(p, t_.first_disk() + std::uint32_t(t_.disks.size()), factor);
         const Vec3d n = normal(p.render_from_node.inverse(), d.normal);
         t_.disks.push_back({to_float(p.render_from_node.point(d.center)), to_float(n), float(d.radius * factor)});
         take_primitives(1);
@@ -364,7 +389,7 @@ private:
     {
         double factor;
         is_similarity(p.render_from_node, factor);
-        make_opaque(add_shape(p, t_.first_point() + std::uint32_t(t_.points.size()), false));
+        add_round_shape(p, t_.first_point() + std::uint32_t(t_.points.size()), factor);
         for (std::size_t i = 0; i < points.centers.size(); ++i) {
             const Vec3f c = to_float(p.render_from_node.point(to_double(points.centers[i])));
             t_.points.push_back({c.x, c.y, c.z, float(points.radii[i] * factor)});

@@ -16,6 +16,15 @@ double luminance(const float* c)
 {
     return 0.2126 * double(c[0]) + 0.7152 * double(c[1]) + 0.0722 * double(c[2]);
 }
+/// Without cancellation where the angle is small.
+double one_minus_cos(double angle)
+{
+    const double s = std::sin(angle / 2);
+    return 2 * s * s;
+}
+/// Directions in float don't tell the parts of a narrower disk apart.
+constexpr double least_angle = 1e-6;
+
 void put(float* to, Vec3d v)
 {
     to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z);
@@ -130,10 +139,10 @@ private:
         if (l.kind == LightKind::directional) {
             light.kind = std::uint32_t(LightRecordKind::directional);
             put(light.position, {0, 0, 0});
-            if (l.angle > 0) {
+            if (l.angle > least_angle) {
                 // Irradiance E of a disk of half angle a at normal incidence is its radiance times pi sin^2 a.
                 const double half = std::min(l.angle / 2, std::numbers::pi / 2), s = std::sin(half);
-                light.radius = float(2 * std::sin(half / 2) * std::sin(half / 2));
+                light.radius = float(one_minus_cos(half));
                 for (float& r : light.radiance) r = float(r / (std::numbers::pi * s * s));
             }
             add(light, luminance(intensity.data()) * std::numbers::pi * scene_radius_ * scene_radius_);
@@ -142,8 +151,9 @@ private:
         // Intensity is per world unit squared of distance; render space is scaled.
         for (float& r : light.radiance) r = float(r * c_.space.scale * c_.space.scale);
         light.kind = std::uint32_t(l.kind == LightKind::spot ? LightRecordKind::spot : LightRecordKind::point);
-        light.cos_inner = float(std::cos(l.inner_angle));
-        light.cos_outer = float(std::cos(l.outer_angle));
+        const double outer = one_minus_cos(l.outer_angle);
+        light.outer = float(outer);
+        light.falloff = float(outer - one_minus_cos(std::min(l.inner_angle, l.outer_angle)));
         add(light, luminance(light.radiance) * 4 * std::numbers::pi);
     }
 

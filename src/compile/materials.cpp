@@ -13,6 +13,11 @@ Rgb spectrum(Color c)
     return {c.r, c.g, c.b};
 }
 
+std::uint32_t texture_id(int index)
+{
+    return index < 0 ? no_index : std::uint32_t(index);
+}
+
 TextureRecord compile_texture(Compiler& c, ImageStore& images, const Texture& texture)
 {
     TextureRecord t;
@@ -36,40 +41,24 @@ TextureRecord compile_texture(Compiler& c, ImageStore& images, const Texture& te
     t.scale = texture.scale;
     t.turbulence_weight = texture.turbulence_weight;
     t.octaves = std::uint32_t(std::clamp(texture.octaves, 1, 16));
-    t.color_a = {texture.color_a.r, texture.color_a.g, texture.color_a.b, 1};
-    t.color_b = {texture.color_b.r, texture.color_b.g, texture.color_b.b, 1};
+    const Color a = texture.color_a.value, b = texture.color_b.value;
+    t.color_a = {a.r, a.g, a.b, 1};
+    t.color_b = {b.r, b.g, b.b, 1};
+    t.texture_a = texture_id(texture.color_a.texture);
+    t.texture_b = texture_id(texture.color_b.texture);
+    t.factor = texture.factor.value;
+    t.factor_texture = texture_id(texture.factor.texture);
+    t.factor_channel = std::uint32_t(texture.factor.channel);
+    t.first_stop = std::uint32_t(c.tables.ramp_stops.size());
+    t.stop_count = std::uint32_t(texture.stops.size());
+    for (const RampStop& stop : texture.stops) c.tables.ramp_stops.push_back({stop.position, spectrum(stop.color)});
     return t;
-}
-
-BsdfKind bsdf_kind(const Material& m)
-{
-    switch (m.kind) {
-        case MaterialKind::diffuse:
-            return BsdfKind::diffuse;
-        case MaterialKind::metal:
-            return BsdfKind::metal;
-        case MaterialKind::fuzz_metal:
-            return BsdfKind::fuzz_metal;
-        case MaterialKind::glass:
-            return BsdfKind::glass;
-        case MaterialKind::principled:
-            return BsdfKind::principled;
-        case MaterialKind::unlit:
-        case MaterialKind::none:
-            return BsdfKind::none;
-    }
-    return BsdfKind::none;
-}
-
-std::uint32_t texture_id(int index)
-{
-    return index < 0 ? no_index : std::uint32_t(index);
 }
 
 MaterialRecord compile_material(Compiler& c, const Material& m)
 {
     MaterialRecord t;
-    t.bsdf = std::uint32_t(bsdf_kind(m));
+    t.kind = std::uint32_t(m.kind == MaterialKind::unlit ? MaterialKind::none : m.kind);
     t.base_color = spectrum(m.base_color.value);
     t.base_texture = texture_id(m.base_color.texture);
     if (m.kind == MaterialKind::glass) {

@@ -89,27 +89,28 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
 {
     const auto start = std::chrono::steady_clock::now();
     check_scene(description);
-    Scene scene;
-    scene.data_ = std::make_shared<Data>();
-    scene.data_->camera = world_camera(description, camera);
+    auto data = std::make_shared<Data>();
+    data->camera = world_camera(description, camera);
 
     auto tables = std::make_shared<SceneTables>();
-    Compiler compiler{description, make_render_space(description, scene.data_->camera), *tables, warnings};
+    Compiler compiler{description, make_render_space(description, data->camera), *tables, warnings};
     tables->origin = compiler.space.origin;
     tables->render_scale = compiler.space.scale;
-    tables->shutter_open = float(scene.data_->camera.shutter_open);
-    tables->shutter_close = float(scene.data_->camera.shutter_close);
+    tables->shutter_open = float(data->camera.shutter_open);
+    tables->shutter_close = float(data->camera.shutter_close);
     compile_materials(compiler);
     const Placed placed = place(compiler);
     check_memory(description, placed);
     compile_geometry(compiler, placed);
     compile_lights(compiler, placed.lights);
 
-    scene.data_->fingerprint = fingerprint(*tables);
-    scene.data_->tables = tables;
-    scene.data_->kernel = make_kernel_scene(tables, build);
-    scene.data_->statistics = statistics_of(*tables, *scene.data_->kernel);
-    scene.data_->statistics.build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    data->fingerprint = fathom::fingerprint(*tables);
+    data->tables = tables;
+    data->kernel = make_kernel_scene(tables, build);
+    data->statistics = statistics_of(*tables, *data->kernel);
+    data->statistics.build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    Scene scene;
+    scene.data_ = std::move(data);
     return scene;
 }
 
@@ -121,40 +122,40 @@ const Camera& Scene::camera() const
 {
     return data_->camera;
 }
-void Scene::set_camera(const Camera& camera)
+std::uint64_t Scene::fingerprint() const
 {
-    data_->camera = camera;
+    return data_->fingerprint;
 }
 
-CameraRecord Scene::Data::camera_table(int width, int height) const
+CameraRecord Scene::Data::camera_record(const Camera& seen_by, int width, int height) const
 {
     const double scale = tables->render_scale;
     CameraRecord t;
-    const Vec3d forward = normalize(camera.look_at - camera.position);
-    Vec3d right = cross(forward, camera.up);
+    const Vec3d forward = normalize(seen_by.look_at - seen_by.position);
+    Vec3d right = cross(forward, seen_by.up);
     // Looking along `up`: any other direction will do.
-    if (length(right) < 1e-9 * length(camera.up))
+    if (length(right) < 1e-9 * length(seen_by.up))
         right = cross(forward, std::abs(forward.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1});
     right = normalize(right);
-    put(t.position, (camera.position - tables->origin) * scale);
+    put(t.position, (seen_by.position - tables->origin) * scale);
     put(t.right, right), put(t.up, cross(right, forward)), put(t.forward, forward);
-    t.orthographic = camera.kind == CameraKind::orthographic;
-    const double half_height = t.orthographic ? camera.height / 2 * scale : std::tan(camera.fov_y / 2);
+    t.orthographic = seen_by.kind == CameraKind::orthographic;
+    const double half_height = t.orthographic ? seen_by.height / 2 * scale : std::tan(seen_by.fov_y / 2);
     t.half_height = float(half_height);
     t.half_width = float(half_height * width / height);
-    t.lens_radius = float(camera.aperture / 2 * scale);
-    const double focus = camera.focus_distance > 0 ? camera.focus_distance : length(camera.look_at - camera.position);
+    t.lens_radius = float(seen_by.aperture / 2 * scale);
+    const double focus =
+        seen_by.focus_distance > 0 ? seen_by.focus_distance : length(seen_by.look_at - seen_by.position);
     t.focus_distance = float(focus * scale);
-    t.shutter_open = float(camera.shutter_open);
-    t.shutter_close = float(camera.shutter_close);
+    t.shutter_open = float(seen_by.shutter_open);
+    t.shutter_close = float(seen_by.shutter_close);
     return t;
 }
 
-std::string Scene::Data::key(int width, int height) const
+std::string Scene::Data::key(const CameraRecord& seen_by) const
 {
-    const CameraRecord table = camera_table(width, height);
     Fingerprint f;
-    f.add(&table, sizeof table);
+    f.add(&seen_by, sizeof seen_by);
     return fmt::format("{:016x}{:016x}", fingerprint, f.value());
 }
 

@@ -11,28 +11,6 @@ namespace fathom {
 
 namespace {
 
-std::string key_of(const RenderSettings& s)
-{
-    std::string aovs;
-    for (Aov aov : s.aovs) aovs += fmt::format("{}", int(aov));
-    std::string key =
-        fmt::format("aovs={};alpha={};seed={};max_depth={};roulette_depth={};light_sampling={};filter={}", aovs,
-                    int(s.alpha), s.seed, s.max_depth, s.roulette_depth, int(s.light_sampling), int(s.filter));
-    if (s.crop) key += fmt::format(";crop={},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1);
-    if (s.background)
-        key += fmt::format(";background={:a},{:a},{:a}", s.background->r, s.background->g, s.background->b);
-    return key;
-}
-
-/// The value of `name=value;` in a key.
-std::string field_of(const std::string& key, const std::string& name)
-{
-    const std::size_t at = key.find(name + "=");
-    if (at == std::string::npos) throw Error("", "", "its sums are of no film that this version knows");
-    const std::size_t begin = at + name.size() + 1;
-    return key.substr(begin, key.find(';', begin) - begin);
-}
-
 Image::Layer layer(const Film::Data& film, const std::string& name, const std::vector<std::string>& channels)
 {
     return {name, channels, std::vector<float>(std::size_t(film.width) * std::size_t(film.height) * channels.size())};
@@ -66,7 +44,7 @@ FilmLayout::FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted)
     depth = take(has(Aov::depth), 1);
     position = take(has(Aov::position), 3);
     hits = take(depth >= 0 || position >= 0, 1);
-    words = sums * ExactSum::words;
+    words += sums * ExactSum::words;
     if (has(Aov::instance_id) || has(Aov::material_id)) {
         ids = words;
         words += 3;
@@ -93,37 +71,37 @@ void Film::Data::add_range(SampleRange range)
     samples = std::move(joined);
 }
 
-Film::Film(const RenderSettings& settings) : data_(new Data)
+Film::Data::Data(FilmKey new_key)
 {
-    data_->width = settings.width;
-    data_->height = settings.height;
-    data_->aovs = settings.aovs;
-    data_->alpha = settings.alpha;
-    data_->layout = FilmLayout(settings.aovs, settings.alpha);
-    data_->key = key_of(settings);
-    const std::size_t pixels = std::size_t(settings.width) * std::size_t(settings.height);
-    data_->words.resize(pixels * std::size_t(data_->layout.words));
-    if (data_->layout.ids >= 0)
-        for (std::size_t i = 0; i < pixels; ++i) data_->pixel(i)[data_->layout.ids] = 0xffffffffu;
+    reset(std::move(new_key));
 }
+
+void Film::Data::reset(FilmKey new_key)
+{
+    key = std::move(new_key);
+    width = key.settings.width;
+    height = key.settings.height;
+    layout = FilmLayout(key.settings.aovs, key.settings.alpha);
+    samples.clear();
+    dropped = 0;
+    dropped_sample.reset();
+    const std::size_t pixels = std::size_t(width) * std::size_t(height);
+    words.assign(pixels * std::size_t(layout.words), 0u);
+    pass_words.clear();
+    if (layout.ids >= 0)
+        for (std::size_t i = 0; i < pixels; ++i) pixel(i)[layout.ids] = 0xffffffffu;
+}
+
+Film::Film(FilmKey key) : data_(new Data(std::move(key))) {}
 
 Film::Film(Film&&) noexcept = default;
 Film& Film::operator=(Film&&) noexcept = default;
 Film::~Film() = default;
 
-void Film::clear()
+const FilmKey& Film::key() const
 {
-    Data& data = *data_;
-    data.samples.clear();
-    data.scene_key.clear();
-    data.dropped = 0;
-    data.dropped_sample.reset();
-    std::fill(data.words.begin(), data.words.end(), 0u);
-    if (data.layout.ids >= 0)
-        for (std::size_t i = 0; i * std::size_t(data.layout.words) < data.words.size(); ++i)
-            data.pixel(i)[data.layout.ids] = 0xffffffffu;
+    return data_->key;
 }
-
 int Film::width() const
 {
     return data_->width;
@@ -157,12 +135,8 @@ void Film::merge(const Film& other)
 {
     const Data& from = *other.data_;
     Data& to = *data_;
-    if (from.width != to.width || from.height != to.height)
-        throw Error("", "", fmt::format("is {}x{} pixels, not {}x{}", from.width, from.height, to.width, to.height));
-    if (from.key != to.key)
-        throw Error("", "", fmt::format("was rendered with other settings: '{}', not '{}'", from.key, to.key));
-    if (!from.samples.empty() && !to.samples.empty() && from.scene_key != to.scene_key)
-        throw Error("", "", "shows another scene or camera");
+    if (const std::string difference = from.key.difference(to.key); !difference.empty())
+        throw Error("", "", "does not belong to the others: " + difference);
     const std::vector<SampleRange> before = to.samples;
     try {
         for (const SampleRange& r : from.samples) to.add_range(r);
@@ -170,7 +144,6 @@ void Film::merge(const Film& other)
         to.samples = before;
         throw;
     }
-    if (to.scene_key.empty()) to.scene_key = from.scene_key;
     to.dropped += from.dropped;
     if (!to.dropped_sample) to.dropped_sample = from.dropped_sample;
     const std::size_t pixels = std::size_t(to.width) * std::size_t(to.height);
@@ -183,9 +156,8 @@ Image Film::image(bool alpha, bool variance) const
     const FilmLayout& layout = film.layout;
     const double n = double(samples_per_pixel());
     const double scale = n > 0 ? 1 / n : 0;
-    const auto sum = [](const std::uint32_t* pixel, int index) {
-        return ExactSum::value(pixel + index * ExactSum::words);
-    };
+    const auto radiance = [](const std::uint32_t* pixel, int c) { return ExactSum::value(radiance_sum(pixel, c)); };
+    const auto sum = [](const std::uint32_t* pixel, int place) { return ExactSum::value(other_sum(pixel, place)); };
     const auto mean_of = [&](int first) {
         return [=](const std::uint32_t* pixel, int c) { return float(sum(pixel, first + c) * scale); };
     };
@@ -201,11 +173,13 @@ Image Film::image(bool alpha, bool variance) const
     image.height = film.height;
     if (alpha && layout.alpha >= 0)
         image.layers.push_back(fill(film, "", {"R", "G", "B", "A"}, [&](const std::uint32_t* pixel, int c) {
-            return float(sum(pixel, c < 3 ? c : layout.alpha) * scale);
+            return float((c < 3 ? radiance(pixel, c) : sum(pixel, layout.alpha)) * scale);
         }));
     else
-        image.layers.push_back(fill(film, "", {"R", "G", "B"}, mean_of(0)));
-    for (Aov aov : film.aovs) {
+        image.layers.push_back(fill(film, "", {"R", "G", "B"}, [&](const std::uint32_t* pixel, int c) {
+            return float(radiance(pixel, c) * scale);
+        }));
+    for (Aov aov : film.key.settings.aovs) {
         const auto id = [&](int word) {
             return [=](const std::uint32_t* pixel, int) { return float(pixel[layout.ids + word]); };
         };
@@ -234,8 +208,8 @@ Image Film::image(bool alpha, bool variance) const
     if (variance)
         image.layers.push_back(fill(film, "variance", {"R", "G", "B"}, [&](const std::uint32_t* pixel, int c) {
             if (n < 2) return 0.0f;
-            const double mean = sum(pixel, c) * scale;
-            return float(std::max(0.0, sum(pixel, 3 + c) * scale - mean * mean) / (n - 1));
+            const double mean = radiance(pixel, c) * scale;
+            return float(std::max(0.0, ExactSquareSum::value(square_sum(pixel, c)) * scale - mean * mean) / (n - 1));
         }));
     return image;
 }
@@ -249,33 +223,31 @@ Film::Sums Film::sums() const
     sums.words = data_->words;
     sums.samples = data_->samples;
     sums.dropped = data_->dropped;
-    sums.key = data_->key + ";scene=" + data_->scene_key;
+    sums.key = data_->key.text();
     return sums;
 }
 
 Film Film::from_sums(const Sums& sums)
 {
-    RenderSettings settings;
-    settings.width = sums.width;
-    settings.height = sums.height;
-    for (char digit : field_of(sums.key, "aovs")) {
-        if (digit < '0' || digit > '5') throw Error("", "", "its sums are of no film that this version knows");
-        settings.aovs.push_back(Aov(digit - '0'));
+    FilmKey key = FilmKey::parse(sums.key);
+    const RenderSettings& settings = key.settings;
+    if (settings.width != sums.width || settings.height != sums.height)
+        throw Error("", "",
+                    fmt::format("its sums are of {}x{} pixels, but those of a picture of {}x{}", sums.width,
+                                sums.height, settings.width, settings.height));
+    const int words = FilmLayout(settings.aovs, settings.alpha).words;
+    const std::size_t pixels = std::size_t(settings.width) * std::size_t(settings.height);
+    if (words != sums.words_per_pixel || sums.words.size() != pixels * std::size_t(words))
+        throw Error("", "",
+                    fmt::format("its sums have {} words a pixel, {} were expected", sums.words_per_pixel, words));
+    Film film(std::move(key));
+    for (const SampleRange& range : sums.samples) {
+        if (range.first >= range.second || range.second > most_samples)
+            throw Error("", "", fmt::format("there is no range of samples {}:{}", range.first, range.second));
+        film.data_->add_range(range);
     }
-    settings.alpha = field_of(sums.key, "alpha") == "1";
-    Film film(settings);
-    Data& data = film.data();
-    if (data.layout.words != sums.words_per_pixel || data.words.size() != sums.words.size())
-        throw Error(
-            "", "",
-            fmt::format("its sums have {} words a pixel, {} were expected", sums.words_per_pixel, data.layout.words));
-    const std::size_t scene = sums.key.rfind(";scene=");
-    if (scene == std::string::npos) throw Error("", "", "its sums don't say which scene they are of");
-    data.key = sums.key.substr(0, scene);
-    data.scene_key = sums.key.substr(scene + 7);
-    data.words = sums.words;
-    data.samples = sums.samples;
-    data.dropped = sums.dropped;
+    film.data_->words = sums.words;
+    film.data_->dropped = sums.dropped;
     return film;
 }
 

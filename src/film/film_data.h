@@ -9,23 +9,27 @@
 
 namespace fathom {
 
-/// What a film sums per pixel, in this order. Which there are follows from the settings.
+/// Throws Error if there is no picture of these settings: its size or its crop is impossible.
+void check_settings(const RenderSettings& settings);
+
+/// What a film sums per pixel: radiance, its squares, and then, in this order, what the settings ask for.
 /// AovPlaces has the first of each one's sums; `ids` the word of (sample index, instance id, material id) of the first
 /// sample.
 struct FilmLayout : AovPlaces {
-    int sums = 6;    ///< radiance, and its squares, come first
-    int words = 18;  ///< 32-bit words a pixel
+    int sums = 0;             ///< besides radiance and its squares
+    int words = other_words;  ///< 32-bit words a pixel
 
     FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted);
 };
 
 struct Film::Data {
+    explicit Data(FilmKey key);
+    /// As a new one of another key; memory is kept.
+    void reset(FilmKey new_key);
+
+    FilmKey key;
     int width = 0, height = 0;
-    std::vector<Aov> aovs;
-    bool alpha = false;
     FilmLayout layout{{}, false};
-    std::string key;  ///< settings; the scene joins when something is rendered
-    std::string scene_key;
     std::vector<SampleRange> samples;
     std::uint64_t dropped = 0;
     std::optional<SamplePlace> dropped_sample;
@@ -38,7 +42,11 @@ struct Film::Data {
     void add_pixel(std::size_t index, const std::uint32_t* other)
     {
         std::uint32_t* own = pixel(index);
-        for (int s = 0; s < layout.sums; ++s) ExactSum::add(own + s * ExactSum::words, other + s * ExactSum::words);
+        for (int c = 0; c < 3; ++c) {
+            ExactSum::add(radiance_sum(own, c), radiance_sum(other, c));
+            ExactSquareSum::add(square_sum(own, c), square_sum(other, c));
+        }
+        for (int s = 0; s < layout.sums; ++s) ExactSum::add(other_sum(own, s), other_sum(other, s));
         // Of ids, which can't be averaged, those of the lowest sample count.
         if (const int ids = layout.ids; ids >= 0 && other[ids] < own[ids])
             for (int i = 0; i < 3; ++i) own[ids + i] = other[ids + i];

@@ -8,7 +8,25 @@
 
 namespace fathom {
 
-/// Where a film keeps what it sums per pixel; -1: not wanted. See FilmLayout.
+/// The words of a film's pixel: sums of radiance, of its squares, then of all else, in the order of FilmLayout.
+inline constexpr int square_words = 3 * ExactSum::words, other_words = square_words + 3 * ExactSquareSum::words;
+template <class Word>
+Word* radiance_sum(Word* pixel, int channel)
+{
+    return pixel + channel * ExactSum::words;
+}
+template <class Word>
+Word* square_sum(Word* pixel, int channel)
+{
+    return pixel + square_words + channel * ExactSquareSum::words;
+}
+template <class Word>
+Word* other_sum(Word* pixel, int place)
+{
+    return pixel + other_words + place * ExactSum::words;
+}
+
+/// Which of the other sums of a pixel are whose; -1: not wanted. See FilmLayout.
 struct AovPlaces {
     int alpha = -1, albedo = -1, normal = -1, depth = -1, position = -1, hits = -1, ids = -1;
     bool any() const { return alpha >= 0 || albedo >= 0 || normal >= 0 || depth >= 0 || position >= 0 || ids >= 0; }
@@ -23,11 +41,14 @@ public:
     using Doubles = double __attribute__((vector_size(32)));
     using Integers = std::int64_t __attribute__((vector_size(32)));
     // GCC aligns such vectors by the instruction set that it compiles for: the library and its kernels must agree.
+    /// Squares in two parts: multiples of 2^-20, and what is left of each, which may be negative, in its own units.
     struct alignas(32) Fast {
-        Integers sum{}, square{};
+        Integers sum{}, square{}, square_rest{};
     };
 
-    static constexpr double magic = 0x1.8p52 / double(std::uint64_t(1) << ExactSum::fraction_bits);
+    /// Adding 1.5 * 2^52 units leaves a value, rounded to units, in the low bits of the double.
+    static constexpr double magic(int fraction_bits) { return 0x1.8p52 / double(std::uint64_t(1) << fraction_bits); }
+    static constexpr int square_bits = 20;
 
     /// words  of a pixel in the film
     void reset(std::size_t pixels, std::size_t words)
@@ -60,18 +81,20 @@ public:
         if (keep_values) [[unlikely]]
             value[0] = r, value[1] = g, value[2] = b;
         const Doubles v{r, g, b, 0};
-        // Adding 1.5 * 2^52 units leaves the value, rounded to units, in the low bits of the double.
-        const Doubles sum = v + magic, square = v * v + magic;
+        constexpr double unit = magic(ExactSum::fraction_bits), coarse = magic(square_bits),
+                         fine = magic(ExactSquareSum::fraction_bits);
+        const Doubles sum = v + unit, square = v * v, upper = square + coarse,
+                      rest = (square - (upper - coarse)) + fine;
         Fast& sums = fast_[pixel];
-        sums.sum += (Integers)sum - std::bit_cast<std::int64_t>(magic);
-        sums.square += (Integers)square - std::bit_cast<std::int64_t>(magic);
+        sums.sum += (Integers)sum - std::bit_cast<std::int64_t>(unit);
+        sums.square += (Integers)upper - std::bit_cast<std::int64_t>(coarse);
+        sums.square_rest += (Integers)rest - std::bit_cast<std::int64_t>(fine);
     }
 
     /// Adds to another sum of the film, by its place there.
     void add_first_hit(std::uint32_t pixel, int place, float number)
     {
-        if (std::isfinite(number))
-            ExactSum::add_number(first_hit(pixel) + std::size_t(place) * ExactSum::words, number);
+        if (std::isfinite(number)) ExactSum::add_number(other_sum(first_hit(pixel), place), number);
     }
     /// Keeps the ids of the lowest sample.
     void set_ids(std::uint32_t pixel, int word, std::uint32_t sample, std::uint32_t instance, std::uint32_t material)
@@ -80,16 +103,20 @@ public:
         if (sample < ids[0] || ids[3] == 0) ids[0] = sample, ids[1] = instance, ids[2] = material, ids[3] = 1;
     }
 
-    /// Adds everything to the film's words of a pixel. ids: the film's word of ids, or -1.
+    /// Adds everything but slow() to the film's words of a pixel. ids: the film's word of ids, or -1.
     void add_to(std::uint32_t pixel, std::uint32_t* film, int sums, int ids) const
     {
+        const Fast& fast = fast_[pixel];
         for (int c = 0; c < 3; ++c) {
-            ExactSum::add(film + c * ExactSum::words, fast_[pixel].sum[c]);
-            ExactSum::add(film + (3 + c) * ExactSum::words, fast_[pixel].square[c]);
+            ExactSum::add(radiance_sum(film, c), fast.sum[c]);
+            // A square is not below its upper part by more than rounding, so no sum is negative.
+            constexpr int shift = ExactSquareSum::fraction_bits - square_bits;
+            ExactSquareSum::add(square_sum(film, c), (ExactSquareSum::Wide(fast.square[c]) << shift) +
+                                                         ExactSquareSum::Wide(fast.square_rest[c]));
         }
         if (first_hits_.empty()) return;
         const std::uint32_t* from = &first_hits_[pixel * (words_per_pixel_ + 1)];
-        for (int s = 6; s < sums; ++s) ExactSum::add(film + s * ExactSum::words, from + s * ExactSum::words);
+        for (int s = 0; s < sums; ++s) ExactSum::add(other_sum(film, s), other_sum(from, s));
         if (ids >= 0 && from[ids + 3] && from[ids] < film[ids])
             for (int i = 0; i < 3; ++i) film[ids + i] = from[ids + i];
     }

@@ -3,6 +3,7 @@
 /// same bits.
 #include "geometry/records.h"
 #include "math/elementary.h"
+#include "math/gather_member.h"
 #include "math/vec3.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -54,6 +55,7 @@ struct Affine {
         const auto sum = [](const Vec3& r) { return abs(r.x) + abs(r.y) + abs(r.z); };
         return max(max(sum(row[0]), sum(row[1])), sum(row[2]));
     }
+    Float determinant() const { return dot(row[0], cross(row[1], row[2])); }
     Affine inverse() const
     {
         const Vec3 x = cross(row[1], row[2]), y = cross(row[2], row[0]), z = cross(row[0], row[1]);
@@ -129,13 +131,12 @@ inline Affine object_from_render(const GeometryTables& tables, const InstanceRec
 inline Affine object_from_render(const GeometryTables& tables, UInt instance, Float time, Mask m)
 {
     const float* base = reinterpret_cast<const float*>(tables.instances.data());
-    const auto* words = reinterpret_cast<const std::uint32_t*>(tables.instances.data());
     const UInt at = instance << 4;
     const auto number = [&](int i) { return gather(base + i, at, m); };
     const auto row = [&](int i) { return Vec3(number(i), number(i + 1), number(i + 2)); };
     Affine a{{row(0), row(4), row(8)}, {number(3), number(7), number(11)}};
     if (tables.poses.empty()) return a;
-    const UInt word = gather(words + offsetof(InstanceRecord, poses) / 4, at, m);
+    const UInt word = gather(tables.instances, &InstanceRecord::poses, instance, m);
     const UInt count = word & UInt(255u), first = word >> 8;
     const Mask moving = m & (count != UInt(0u));
     if (none(moving)) return a;

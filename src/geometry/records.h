@@ -57,6 +57,7 @@ struct ShapeRecord {
     std::uint32_t first_primitive = 0;
     std::uint32_t light_base = no_index;  ///< light of its first primitive; the others follow
     std::uint32_t object_id = 0;          ///< for the instance id AOV, of what stands in the world
+    std::uint32_t frame = no_index;       ///< in frames: how round primitives are turned, where their uv show it
     /// Vertices of the mesh if they move, else 0: vertex v is v + k * moving_vertices at vertex_times[k].
     std::uint32_t moving_vertices = 0;
 };
@@ -99,8 +100,9 @@ struct GeometryTables {
     std::vector<SphereRecord> spheres;
     std::vector<DiskRecord> disks;
     std::vector<CurveRecord> curves;
-    std::vector<Vec4f> curve_points;  ///< place and radius; segments of a cubic curve share their ends
-    std::vector<Vec4f> points;        ///< balls: centre and radius
+    std::vector<Vec4f> curve_points;           ///< place and radius; segments of a cubic curve share their ends
+    std::vector<Vec4f> points;                 ///< balls: centre and radius
+    std::vector<std::array<float, 9>> frames;  ///< rows of rotations from here to a node's space
     std::vector<std::uint32_t> shape_of_primitive;
     std::vector<ShapeRecord> shapes;
     std::vector<InstanceRecord> instances;

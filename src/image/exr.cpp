@@ -12,11 +12,11 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <thread>
 
 #include "fathom/error.h"
 #include "image/formats.h"
 #include "image/output_file.h"
+#include "scene/machine.h"
 
 namespace fathom {
 
@@ -60,7 +60,7 @@ int compression_threads()
     // several threads, and the pool must not change under one of them.
     static const int threads = [] {
         if (Imf::globalThreadCount() == 0)
-            Imf::setGlobalThreadCount(int(std::clamp(std::thread::hardware_concurrency(), 1u, 4u)));
+            Imf::setGlobalThreadCount(startable_threads(1 + std::min(usable_cores("/"), 4)) - 1);
         return Imf::globalThreadCount();
     }();
     return threads;
@@ -143,6 +143,8 @@ Image read_exr(const EncodedImage& file)
         layer.channels.push_back(dot == std::string::npos ? name : name.substr(dot + 1));
     }
     if (image.layers[0].channels.empty()) image.layers.erase(image.layers.begin());
+    if (image.layers.empty())
+        throw Error(file.name, "", "there is no picture in it: all its channels are integers, as ids have them");
 
     Imf::FrameBuffer buffer;
     const auto insert = [&](const std::string& name, Imf::PixelType type, void* values, std::size_t stride) {

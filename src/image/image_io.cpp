@@ -157,6 +157,7 @@ Image read_image(const fs::path& file, std::uint64_t memory_limit)
     const fs::file_status status = fs::status(file, error);
     if (!fs::exists(status)) throw Error(name, "", "there is no such file");
     if (fs::is_directory(status)) throw Error(name, "", "this is a folder, not a picture");
+    if (!fs::is_regular_file(status)) throw Error(name, "", "this is a device or a pipe, not a picture");
     std::ifstream in(file, std::ios::binary);
     if (!in) throw Error(name, "", "can't be read: " + std::generic_category().message(errno));
     std::vector<char> bytes;

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <cerrno>
 #include <system_error>
@@ -34,7 +35,8 @@ OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_
     temporary_ = folder / fmt::format(".{}.{}-{}.part", target_.filename().string().substr(0, 200), getpid(), count++);
     int descriptor = -1;
 #ifdef O_TMPFILE
-    descriptor = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+    // Its name comes by way of /proc, which a chroot may lack.
+    if (access("/proc/self/fd", F_OK) == 0) descriptor = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
     nameless_ = descriptor >= 0;
 #endif
     // Not every file system has nameless files.
@@ -47,6 +49,16 @@ OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_
         if (!nameless_) unlink(temporary_.c_str());
         fail("can't write", reason);
     }
+    keep_rights();
+}
+
+/// Who may read and write the earlier file may do so with the new one. Its owner is only root's to keep.
+void OutputFile::keep_rights() const
+{
+    struct stat before{};
+    if (stat(target_.c_str(), &before) != 0) return;
+    [[maybe_unused]] const int owned = fchown(fileno(file_), before.st_uid, before.st_gid);
+    if (fchmod(fileno(file_), before.st_mode & 0777) != 0) fail("can't write", errno);
 }
 
 OutputFile::~OutputFile()

@@ -24,6 +24,7 @@ public:
     void commit();
 
 private:
+    void keep_rights() const;
     [[noreturn]] void fail(const std::string& what, int error) const;
 
     std::string name_;              ///< as the user gave it

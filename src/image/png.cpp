@@ -55,6 +55,7 @@ struct Reader {
     png_structp png = nullptr;
     png_infop info = nullptr;
     Failure failure{};
+    std::size_t stored_row_bytes = 0;
 
     Reader()
     {
@@ -70,6 +71,7 @@ bool read_header(Reader& reader, Source& source)
     if (setjmp(png_jmpbuf(reader.png))) return false;
     png_set_read_fn(reader.png, &source, on_read);
     png_read_info(reader.png, reader.info);
+    reader.stored_row_bytes = png_get_rowbytes(reader.png, reader.info);
     // Palettes, 1 to 4 bits and transparent colours become channels of 8 bits; 16 bits come in this machine's order.
     png_set_expand(reader.png);
     if (png_get_bit_depth(reader.png, reader.info) == 16) png_set_swap(reader.png);
@@ -153,7 +155,7 @@ Image read_png(const EncodedImage& file)
     const std::size_t row_bytes = png_get_rowbytes(reader.png, reader.info);
     check_size(file, width, height, std::size_t(channels) * (sizeof(float) + (wide ? 2 : 1)));
     // Deflate makes at most 1032 bytes of one: a short file that claims a huge picture is not worth the memory.
-    if (double(row_bytes) * double(height) / 8 > 1032.0 * double(file.size))
+    if (double(reader.stored_row_bytes) * double(height) > 1032.0 * double(file.size))
         throw Error(file.name, "",
                     fmt::format("damaged PNG: {} bytes can't hold {}x{} pixels", file.size, width, height));
 

@@ -31,7 +31,9 @@ struct KernelSettings {
     std::uint32_t seed = 0;
     int max_depth = -1, roulette_depth = 5;
     bool light_sampling = true;
-    std::uint32_t filter = 0;  ///< Filter
+    LightSelection light_selection = LightSelection::power;
+    bool general_loop = false;  ///< rooms of quads, too, are rendered by the loop for all scenes
+    std::uint32_t filter = 0;   ///< Filter
     AovPlaces aovs;
     KernelBackground background;
     std::size_t film_words = 0;  ///< 32-bit words of a pixel in the film

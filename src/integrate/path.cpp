@@ -1,15 +1,15 @@
 /// The path loop: a pool of paths per thread, run through stages.
 ///
-///     refill ─▶ trace ─▶ sort ─▶ emission, film ─▶ shade, by kind of bsdf ─▶ shadows ─▶ refill ...
+///     refill ─▶ trace ─▶ arrive: emission, environment, film; sort, pack ─▶ shade, shadows ─▶ bury ─▶ refill ...
 ///
-/// Each stage runs over the whole pool N lanes at a time. After the nearest hit the pool is packed once, kind by kind,
-/// so that shading has full lanes that run the same code. What a path sums to depends on its own random numbers alone,
-/// never on its neighbours.
+/// Each stage runs over the whole pool N lanes at a time. After the nearest hit the pool is packed once, sorted by kind
+/// of closure and by material, so that shading has full lanes that run the same code. What a path sums to depends on
+/// its own random numbers alone, never on its neighbours.
 #include <algorithm>
 
 #include "integrate/fast/quads/quad_path.h"
 #include "integrate/pool.h"
-#include "integrate/shade_stage.h"
+#include "integrate/stages/shade.h"
 
 namespace fathom {
 
@@ -24,20 +24,17 @@ public:
         : scene_(scene),
           tables_(scene.tables),
           surfaces_(scene),
-          lights_(scene, surfaces_),
+          materials_(scene),
+          lights_(scene, settings.light_selection),
           settings_(settings),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
+          extras_{tables_.moving, scene.refracts},
           camera_paths_(scene, camera, settings, job),
-          first_hits_(scene, surfaces_, camera, settings.aovs, sums),
+          first_hits_(scene, camera, settings.aovs, sums),
           sums_(sums),
           counters_(counters),
-          shade_(scene, settings, lights_are_sampled_, counters)
+          shade_(scene, settings, counters)
     {
-        has_time_ = tables_.moving;
-        // Fields of the pool that have to travel with a path.
-        travelling_fields_ = has_time_                         ? PathPool::time + 1
-                             : scene.has_kind(BsdfKind::glass) ? PathPool::eta_scale + 1
-                                                               : PathPool::state + 1;
     }
 
     void run()
@@ -48,9 +45,10 @@ public:
             active = refill(active);
             if (active == 0) return;
             trace(fresh, active);
-            active = sort(active);
+            active = arrive(active);
             std::swap(paths_, spare_);
             shade_.run(*paths_, packed_hits_, kind_end_);
+            active = bury(active);
         }
     }
 
@@ -60,7 +58,7 @@ private:
     /// Appends camera paths until the pool is full or the job has no more. Returns the number of paths.
     std::size_t refill(std::size_t active)
     {
-        const std::size_t added = std::min<std::size_t>(PathPool::capacity - active, camera_paths_.total() - next_);
+        const std::size_t added = std::min<std::size_t>(pool_capacity - active, camera_paths_.total() - next_);
         for (std::size_t i = 0; i < added; i += lanes) generate(active + i, next_ + std::uint32_t(i));
         next_ += std::uint32_t(added);
         return active + added;
@@ -71,23 +69,23 @@ private:
     {
         const CameraPaths::Path path = camera_paths_.make(first);
         PathPool& p = *paths_;
-        p.set(PathPool::origin, to, path.ray.o);
-        p.set(PathPool::direction, to, path.ray.d);
-        p.set(PathPool::throughput, to, Spectrum(Float(1)));
-        p.set(PathPool::radiance, to, Spectrum(Float(0)));
-        p.set(PathPool::pixel_hash, to, path.key.pixel_hash);
-        p.set(PathPool::reversed_index, to, path.key.reversed_index);
-        p.set(PathPool::state, to, UInt(PathPool::specular) | path.pixel << PathPool::pixel_shift);
-        p.set(PathPool::bsdf_pdf, to, Float(0));
-        p.set(PathPool::eta_scale, to, Float(1));
-        p.set(PathPool::time, to, path.ray.time);
+        p.origin.store(to, path.ray.o);
+        p.direction.store(to, path.ray.d);
+        p.throughput.store(to, Spectrum(Float(1)));
+        p.radiance.store(to, Spectrum(Float(0)));
+        p.pixel_hash.store(to, path.key.pixel_hash);
+        p.reversed_index.store(to, path.key.reversed_index);
+        p.state.store(to, UInt(PathPool::specular) | path.pixel << PathPool::pixel_shift);
+        p.bsdf_pdf.store(to, Float(0));
+        p.eta_scale.store(to, Float(1));
+        p.time.store(to, path.ray.time);
     }
 
     // ------------------------------------------------------------------------------------------- trace
 
     void trace(std::size_t fresh, std::size_t active)
     {
-        PathPool& p = *paths_;
+        const PathPool& p = *paths_;
         counters_.rays += active;
         if (!scene_.is_flat) {
             trace_range(0, fresh, false);
@@ -95,13 +93,13 @@ private:
             return;
         }
         for (std::size_t i = 0; i < active; i += lanes) {
-            const Ray ray{p.vector(PathPool::origin, i), p.vector(PathPool::direction, i), Float(infinity),
-                          has_time_ ? p.number(PathPool::time, i) : Float(0)};
+            const Ray ray{p.origin.load(i), p.direction.load(i), Float(infinity),
+                          extras_.time ? p.time.load(i) : Float(0)};
             const Hit hit = scene_.flat.closest(tables_, ray);
-            store(&hits_.t[i], hit.t);
-            store(&hits_.primitive[i], hit.primitive);
-            store(&hits_.u[i], hit.u);
-            store(&hits_.v[i], hit.v);
+            hits_.t.store(i, hit.t);
+            hits_.primitive.store(i, hit.primitive);
+            hits_.u.store(i, hit.u);
+            hits_.v.store(i, hit.v);
         }
     }
 
@@ -109,114 +107,141 @@ private:
     {
         if (begin == end) return;
         PathPool& p = *paths_;
-        const auto field = [&](int f) { return &p.data[f][begin]; };
-        const RayArrays rays{field(PathPool::origin),
-                             field(PathPool::origin + 1),
-                             field(PathPool::origin + 2),
-                             field(PathPool::direction),
-                             field(PathPool::direction + 1),
-                             field(PathPool::direction + 2),
+        const RayArrays rays{&p.origin.x[begin],
+                             &p.origin.y[begin],
+                             &p.origin.z[begin],
+                             &p.direction.x[begin],
+                             &p.direction.y[begin],
+                             &p.direction.z[begin],
                              nullptr,
-                             has_time_ ? field(PathPool::time) : nullptr,
+                             extras_.time ? &p.time[begin] : nullptr,
                              end - begin};
         scene_.bvh.closest(
             rays, {&hits_.t[begin], &hits_.u[begin], &hits_.v[begin], &hits_.primitive[begin], &hits_.instance[begin]},
             coherent);
     }
 
-    // ------------------------------------------------------------------------------------------- sort
+    // ------------------------------------------------------------------------------------------- arrive
 
-    /// Ends the paths that left the scene or met what doesn't scatter, and packs the others, kind by kind, into the
-    /// spare pool. Returns how many those are.
-    std::size_t sort(std::size_t active)
+    /// Ends the paths that left the scene or met what doesn't scatter, and packs the others, sorted, into the spare
+    /// pool. Returns how many those are.
+    std::size_t arrive(std::size_t active)
     {
         std::size_t emitting = 0, missing = 0, finished = 0;
         PathPool& p = *paths_;
         for (std::size_t i = 0; i < active; i += lanes) {
             const Mask valid = first_lanes(active - i);
-            const UInt primitive = load(&hits_.primitive[i]);
-            const UInt state = p.integer(PathPool::state, i);
-            const Mask alive = valid & ((state & UInt(PathPool::dead)) == UInt(0u));
-            const Mask hit = alive & (primitive != UInt(no_index));
-            const UInt instance = scene_.is_flat ? UInt(no_index) : load(&hits_.instance[i]);
+            const UInt primitive = hits_.primitive.load(i);
+            const Mask hit = valid & (primitive != UInt(no_index));
+            const UInt instance = scene_.is_flat ? UInt(no_index) : hits_.instance.load(i);
             const UInt info = scene_.info_of(primitive, instance, hit);
             list(hit & ((info & UInt(LaneScene::emits)) != UInt(0u)), i, emitting_, emitting);
-            if (scene_.sees_environment || settings_.background.given) list(alive & !hit, i, missing_, missing);
-            const UInt kind = (info >> LaneScene::kind_shift) & UInt(LaneScene::kind_mask);
-            const Mask scatters =
-                hit & (kind != UInt(0u)) & may_scatter(settings_, state & UInt(PathPool::bounce_mask));
+            if (scene_.sees_environment || settings_.background.given) list(valid & !hit, i, missing_, missing);
+            const UInt bucket = info & UInt(LaneScene::bucket_mask);
+            const Mask scatters = hit & !less(bucket, UInt(1u << LaneScene::kind_shift)) &
+                                  may_scatter(settings_, p.state.load(i) & UInt(PathPool::bounce_mask));
             list(valid & !scatters, i, finished_, finished);
-            store(&kinds_[i], select(scatters, kind, UInt(0u)));
+            buckets_.store(i, select(scatters, bucket, UInt(0u)));
         }
         if (first_hits_.wanted()) add_first_hits(active);
         for (std::size_t i = 0; i < emitting; i += lanes) add_emission(i, first_lanes(emitting - i));
         for (std::size_t i = 0; i < missing; i += lanes) add_environment(i, first_lanes(missing - i));
-        for (std::size_t i = 0; i < finished; ++i) {
-            const std::size_t k = finished_[i];
-            sums_.add(p.scalar_integer(PathPool::state, k) >> PathPool::pixel_shift & (PathPool::max_pixels - 1),
-                      reversed_scalar(p.scalar_integer(PathPool::reversed_index, k)), p.data[PathPool::radiance][k],
-                      p.data[PathPool::radiance + 1][k], p.data[PathPool::radiance + 2][k]);
-        }
-        std::size_t packed = 0;
-        for (std::uint32_t kind = 1; kind < std::uint32_t(BsdfKind::count); ++kind) {
-            if (scene_.has_kind(BsdfKind(kind))) packed = pack(active, kind, packed);
-            kind_end_[kind] = packed;
-        }
+        for (std::size_t i = 0; i < finished; ++i) finish(finished_[i]);
+        const std::size_t packed = sort(active);
+        pack(packed);
         return packed;
     }
 
     /// Appends the numbers of the lanes, which begin at `first`, to a list.
-    static void list(Mask m, std::size_t first, std::uint32_t* numbers, std::size_t& size)
+    static void list(Mask m, std::size_t first, Column<std::uint32_t>& numbers, std::size_t& size)
     {
         if (none(m)) return;
-        compress_store(numbers + size, iota() + UInt(std::uint32_t(first)), m);
+        numbers.append(size, iota() + UInt(std::uint32_t(first)), m);
         size += std::size_t(count(m));
     }
 
-    std::size_t pack(std::size_t active, std::uint32_t kind, std::size_t packed)
+    /// Fills order_ with the numbers of the paths that go on, by bucket, and kind_end_; returns how many they are.
+    std::size_t sort(std::size_t active)
     {
-        const PathPool& from = *paths_;
-        PathPool& to = *spare_;
-        for (std::size_t i = 0; i < active; i += lanes) {
-            const Mask m = load(&kinds_[i]) == UInt(kind);
-            if (none(m)) continue;
-            for (int f = 0; f < travelling_fields_; ++f) compress_store(&to.data[f][packed], load(&from.data[f][i]), m);
-            compress_store(&packed_hits_.t[packed], load(&hits_.t[i]), m);
-            compress_store(&packed_hits_.primitive[packed], load(&hits_.primitive[i]), m);
-            compress_store(&packed_hits_.u[packed], load(&hits_.u[i]), m);
-            compress_store(&packed_hits_.v[packed], load(&hits_.v[i]), m);
-            if (!scene_.is_flat) compress_store(&packed_hits_.instance[packed], load(&hits_.instance[i]), m);
-            packed += std::size_t(count(m));
+        std::uint32_t place[LaneScene::buckets] = {};
+        for (std::size_t i = 0; i < active; ++i) ++place[buckets_[i]];
+        // Bucket 0 is of those that don't go on.
+        std::uint32_t sum = 0;
+        for (std::uint32_t bucket = 1; bucket < LaneScene::buckets; ++bucket) {
+            const std::uint32_t size = place[bucket];
+            place[bucket] = sum;
+            sum += size;
+            kind_end_[bucket >> LaneScene::kind_shift] = sum;
         }
-        return packed;
+        for (std::size_t i = 0; i < active; ++i)
+            if (buckets_[i] != 0) order_[place[buckets_[i]]++] = std::uint32_t(i);
+        return sum;
     }
+
+    /// Brings what order_ lists into the spare pool, and its hits with it.
+    void pack(std::size_t packed)
+    {
+        // One by one: gathers take as long or longer, also where they are instructions.
+        const auto permute = [&](const auto& from, auto& to) {
+            for (std::size_t i = 0; i < packed; ++i) to[i] = from[order_[i]];
+        };
+        PathPool::for_travelling(*paths_, *spare_, extras_, permute);
+        HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, permute);
+    }
+
+    // ------------------------------------------------------------------------------------------- end
+
+    /// Hands a path's radiance to the film.
+    void finish(std::size_t i)
+    {
+        const PathPool& p = *paths_;
+        sums_.add(PathPool::pixel_of(p.state[i]), reversed_scalar(p.reversed_index[i]), p.radiance.c[0][i],
+                  p.radiance.c[1][i], p.radiance.c[2][i]);
+    }
+
+    /// Ends the paths that are dead after shading, before they are traced once more; the last ones take their places.
+    /// Returns how many are left.
+    std::size_t bury(std::size_t active)
+    {
+        PathPool& p = *paths_;
+        std::size_t dead = 0;
+        for (std::size_t i = 0; i < active; i += lanes)
+            list(first_lanes(active - i) & ((p.state.load(i) & UInt(PathPool::dead)) != UInt(0u)), i, finished_, dead);
+        while (dead > 0) {
+            const std::size_t i = finished_[--dead];
+            finish(i);
+            --active;
+            if (i == active) continue;
+            PathPool::for_travelling(p, p, extras_, [&](auto& column, auto&) { column[i] = column[active]; });
+            p.bsdf_pdf[i] = p.bsdf_pdf[active];
+        }
+        return active;
+    }
+
+    // ------------------------------------------------------------------------------------------- emission
 
     /// The hits of the listed paths.
     SurfaceHit gather_hit(UInt index, Mask m) const
     {
         const PathPool& p = *paths_;
-        SurfaceHit hit;
-        hit.o = p.gather_vector(PathPool::origin, index, m);
-        hit.d = p.gather_vector(PathPool::direction, index, m);
-        hit.t = gather(hits_.t, index, m);
-        hit.primitive = gather(hits_.primitive, index, m);
-        hit.time = has_time_ ? p.gather_number(PathPool::time, index, m) : Float(0);
-        hit.u = gather(hits_.u, index, m);
-        hit.v = gather(hits_.v, index, m);
-        hit.instance = scene_.is_flat ? UInt(no_index) : gather(hits_.instance, index, m);
-        return hit;
+        return {p.origin.gather(index, m),        p.direction.gather(index, m),
+                hits_.t.gather(index, m),         hits_.u.gather(index, m),
+                hits_.v.gather(index, m),         extras_.time ? p.time.gather(index, m) : Float(0),
+                hits_.primitive.gather(index, m), scene_.is_flat ? UInt(no_index) : hits_.instance.gather(index, m)};
     }
 
-    /// Adds throughput * emitted * weight to the radiance of the listed paths.
-    void add_radiance(const std::uint32_t* numbers, UInt index, const Spectrum& emitted, Float weight, Mask m)
+    /// Adds throughput * emitted * weight to the radiance of the paths that the list has at `at` and on.
+    void add_radiance(const Column<std::uint32_t>& numbers, std::size_t at, const Spectrum& emitted, Float weight,
+                      Mask m)
     {
         PathPool& p = *paths_;
+        const UInt index = numbers.load(at);
         for (int c = 0; c < channels; ++c) {
-            const Float old = p.gather_number(PathPool::radiance + c, index, m);
-            const Float throughput = p.gather_number(PathPool::throughput + c, index, m);
+            const Float old = p.radiance.c[c].gather(index, m);
+            const Float throughput = p.throughput.c[c].gather(index, m);
             float sum[lanes];
             store(sum, fma(throughput * emitted.c[c], weight, old));
-            for_each_active(m, [&](int lane) { p.data[PathPool::radiance + c][numbers[lane]] = sum[lane]; });
+            for_each_active(m, [&](int lane) { p.radiance.c[c][numbers[at + std::size_t(lane)]] = sum[lane]; });
         }
     }
 
@@ -224,44 +249,40 @@ private:
     void add_emission(std::size_t at, Mask m)
     {
         const PathPool& p = *paths_;
-        const UInt index = load(&emitting_[at]);
+        const UInt index = emitting_.load(at);
         const SurfaceHit hit = gather_hit(index, m);
-        const UInt shape = surfaces_.shape_of(hit.primitive, hit.instance, m);
-        const UInt material = surfaces_.material_of(shape, m);
-        const UInt flags = surfaces_.material_word(offsetof(MaterialRecord, flags), material, m);
-        const UInt light_base = surfaces_.shape_word(offsetof(ShapeRecord, light_base), shape, m);
-        const Mask is_light = m & (light_base != UInt(no_index));
-        const UInt first = surfaces_.shape_word(offsetof(ShapeRecord, first_primitive), shape, is_light);
-        const UInt light_index = select(is_light, light_base + (hit.primitive - first), UInt(0u));
-        const Mask two_sided = (flags & UInt(MaterialRecord::two_sided_emission)) != UInt(0u);
-
-        Mask shows = m & two_sided;
         const Surface s = surfaces_.read(hit, m);
-        shows |= m & (dot(hit.d, s.ng) < Float(0));
-        const Spectrum emitted = surfaces_.emission(s, material, m);
-        const Mask specular = (p.gather_integer(PathPool::state, index, m) & UInt(PathPool::specular)) != UInt(0u);
+        const UInt material = surfaces_.material_of(s.shape, m);
+        const UInt flags = materials_.get(&MaterialRecord::flags, material, m);
+        const Mask two_sided = (flags & UInt(MaterialRecord::two_sided_emission)) != UInt(0u);
+        const Mask shows = m & (two_sided | (dot(hit.d, s.ng) < Float(0)));
+        const Spectrum emitted = materials_.emission(s, material, m);
+        const Mask specular = (p.state.gather(index, m) & UInt(PathPool::specular)) != UInt(0u);
         Float weight(1.f);
-        if (const Mask shared = shows & is_light & !specular; lights_are_sampled_ && any(shared)) {
-            const LightReader<false> light(tables_.lights.data(), light_index);
-            const Float pdf = p.gather_number(PathPool::bsdf_pdf, index, m);
-            weight = select(
-                shared, mis_weight(pdf, light.pmf() * pdf_light(light, hit.o, hit.time, hit.d, hit.t, shared)), weight);
+        if (lights_are_sampled_) {
+            const UInt light = surfaces_.light_of(s.shape, hit.primitive, m);
+            if (const Mask shared = shows & (light != UInt(no_index)) & !specular; any(shared)) {
+                const LightReader<false> record(tables_.lights.data(), select(shared, light, UInt(0u)));
+                const Float pdf = p.bsdf_pdf.gather(index, m);
+                weight =
+                    select(shared, lights_.emission_weight(record, hit.o, hit.time, hit.d, hit.t, pdf, shared), weight);
+            }
         }
-        add_radiance(&emitting_[at], index, select(shows, emitted, Spectrum(Float(0))), weight, m);
+        add_radiance(emitting_, at, select(shows, emitted, Spectrum(Float(0))), weight, m);
     }
 
     void add_environment(std::size_t at, Mask m)
     {
         const PathPool& p = *paths_;
-        const UInt index = load(&missing_[at]);
-        const Vec3 d = p.gather_vector(PathPool::direction, index, m);
-        const UInt state = p.gather_integer(PathPool::state, index, m);
+        const UInt index = missing_.load(at);
+        const Vec3 d = p.direction.gather(index, m);
+        const UInt state = p.state.gather(index, m);
         const Mask specular = (state & UInt(PathPool::specular)) != UInt(0u);
         const Mask from_camera = (state & UInt(PathPool::bounce_mask)) == UInt(0u);
-        const Float pdf = p.gather_number(PathPool::bsdf_pdf, index, m);
+        const Float pdf = p.bsdf_pdf.gather(index, m);
         const Spectrum radiance =
             lights_.environment(settings_.background, lights_are_sampled_, d, from_camera, specular, pdf, m);
-        add_radiance(&missing_[at], index, radiance, Float(1), m);
+        add_radiance(missing_, at, radiance, Float(1), m);
     }
 
     // ------------------------------------------------------------------------------------------- first hits
@@ -271,40 +292,36 @@ private:
     {
         const PathPool& p = *paths_;
         for (std::size_t i = 0; i < active; i += lanes) {
-            const UInt state = p.integer(PathPool::state, i);
-            // A path of bounce 0 that has not been shaded yet.
-            const Mask m =
-                first_lanes(active - i) & ((state & UInt(PathPool::bounce_mask | PathPool::dead)) == UInt(0u));
-            const Mask hits = m & (load(&hits_.primitive[i]) != UInt(no_index));
+            const UInt state = p.state.load(i);
+            const Mask m = first_lanes(active - i) & ((state & UInt(PathPool::bounce_mask)) == UInt(0u));
+            const Mask hits = m & (hits_.primitive.load(i) != UInt(no_index));
             if (none(hits)) continue;
-            first_hits_.add(gather_hit(iota() + UInt(std::uint32_t(i)), hits),
-                            (state >> PathPool::pixel_shift) & UInt(PathPool::max_pixels - 1),
-                            p.integer(PathPool::reversed_index, i), hits);
+            first_hits_.add(gather_hit(iota() + UInt(std::uint32_t(i)), hits), PathPool::pixel_of(state),
+                            p.reversed_index.load(i), hits);
         }
     }
 
     const LaneScene& scene_;
     const SceneTables& tables_;
     const SurfaceReader surfaces_;
-    const LightChoice lights_;
+    const MaterialReader materials_;
+    const LightSampler lights_;
     const KernelSettings& settings_;
     const bool lights_are_sampled_;
+    const PathExtras extras_;
     const CameraPaths camera_paths_;
     FirstHits first_hits_;
     TileSums& sums_;
     KernelCounters& counters_;
-    bool has_time_ = false;
-    int travelling_fields_ = 0;
-    std::uint32_t next_ = 0;                                   ///< number of the job's next path
-    std::size_t kind_end_[std::size_t(BsdfKind::count)] = {};  ///< in the packed pool, by kind
+    std::uint32_t next_ = 0;                          ///< number of the job's next path
+    std::size_t kind_end_[material_kind_count] = {};  ///< in the packed pool, by MaterialKind
 
-    static constexpr std::size_t padded = PathPool::padded;
     PathPool pools_[2];
     PathPool *paths_ = &pools_[0], *spare_ = &pools_[1];
-    HitArrays hits_, packed_hits_;
+    HitColumns hits_, packed_hits_;
     ShadeStage shade_;
-    alignas(64) std::uint32_t kinds_[padded];
-    std::uint32_t emitting_[padded], missing_[padded], finished_[padded];
+    Column<std::uint32_t> buckets_, order_;
+    Column<std::uint32_t> emitting_, missing_, finished_;
 };
 
 }  // namespace
@@ -321,7 +338,7 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
         const std::unique_ptr<Tracer> tracer(new Tracer(lane_scene, camera, settings, job, sums, counters));
         tracer->run();
     };
-    if (lane_scene.only_diffuse_quads)
+    if (lane_scene.only_diffuse_quads && !settings.general_loop)
         run(std::type_identity<QuadTracer>());
     else
         run(std::type_identity<PathTracer>());

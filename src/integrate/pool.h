@@ -1,104 +1,134 @@
 #pragma once
 #include <cstdint>
-#include <cstring>
 
 #include "math/vec3.h"
 #include "shading/spectrum.h"
 
 namespace fathom::inline FATHOM_LANES {
 
-/// Numbers of many paths, field by field, path by path; loops run over them N lanes at a time.
-template <int fields, std::size_t size>
-struct PathFields {
-    UInt integer(int field, std::size_t i) const { return float_bits(load(&data[field][i])); }
-    Float number(int field, std::size_t i) const { return load(&data[field][i]); }
-    Vec3 vector(int field, std::size_t i) const
-    {
-        return {number(field, i), number(field + 1, i), number(field + 2, i)};
-    }
-    Spectrum spectrum(int field, std::size_t i) const
-    {
-        Spectrum s;
-        for (int c = 0; c < channels; ++c) s.c[c] = number(field + c, i);
-        return s;
-    }
+/// So many paths are under way at once in a thread.
+inline constexpr std::size_t pool_capacity = 512;
+/// Columns have room behind for stores of whole registers.
+inline constexpr std::size_t pool_padded = pool_capacity + 32;
 
-    /// Floats, and the bits of integers.
-    alignas(64) float data[fields][size];
+/// A number of many paths, path by path; loops run over it N lanes at a time. T: float or a 32-bit integer.
+template <class T>
+struct Column {
+    using Lanes = decltype(fathom::load(static_cast<const T*>(nullptr)));
+
+    Lanes load(std::size_t i) const { return fathom::load(&data[i]); }
+    void store(std::size_t i, Lanes value) { fathom::store(&data[i], value); }
+    /// Only the lanes of the mask: what follows belongs to other paths.
+    void store(std::size_t i, Lanes value, Mask m) { store(i, select(m, value, load(i))); }
+    /// The lanes of the mask, one behind the other.
+    void append(std::size_t i, Lanes value, Mask m) { compress_store(&data[i], value, m); }
+    Lanes gather(UInt index, Mask m) const { return fathom::gather(data, index, m); }
+    T& operator[](std::size_t i) { return data[i]; }
+    T operator[](std::size_t i) const { return data[i]; }
+
+    alignas(64) T data[pool_padded];
 };
 
-/// The fields of PathPool.
-struct PathPoolLayout {
-    static constexpr int capacity = 512;
-    static constexpr std::size_t padded = capacity + 32;  ///< with room behind for whole registers
+struct VectorColumn {
+    Vec3 load(std::size_t i) const { return {x.load(i), y.load(i), z.load(i)}; }
+    void store(std::size_t i, const Vec3& v) { x.store(i, v.x), y.store(i, v.y), z.store(i, v.z); }
+    void store(std::size_t i, const Vec3& v, Mask m) { x.store(i, v.x, m), y.store(i, v.y, m), z.store(i, v.z, m); }
+    void append(std::size_t i, const Vec3& v, Mask m) { x.append(i, v.x, m), y.append(i, v.y, m), z.append(i, v.z, m); }
+    Vec3 gather(UInt index, Mask m) const { return {x.gather(index, m), y.gather(index, m), z.gather(index, m)}; }
 
-    enum Field {
-        origin = 0,
-        direction = 3,
-        throughput = 6,
-        radiance = throughput + channels,
-        pixel_hash = radiance + channels,
-        reversed_index,
-        state,
-        eta_scale,
-        time,
-        bsdf_pdf,
-        field_count
-    };
+    Column<float> x, y, z;
+};
+
+struct SpectrumColumn {
+    Spectrum load(std::size_t i) const
+    {
+        Spectrum s;
+        for (int k = 0; k < channels; ++k) s.c[k] = c[k].load(i);
+        return s;
+    }
+    void store(std::size_t i, const Spectrum& s)
+    {
+        for (int k = 0; k < channels; ++k) c[k].store(i, s.c[k]);
+    }
+    void store(std::size_t i, const Spectrum& s, Mask m)
+    {
+        for (int k = 0; k < channels; ++k) c[k].store(i, s.c[k], m);
+    }
+    void append(std::size_t i, const Spectrum& s, Mask m)
+    {
+        for (int k = 0; k < channels; ++k) c[k].append(i, s.c[k], m);
+    }
+
+    Column<float> c[channels];
+};
+
+/// Calls f(column of a, the same of b) for each plain column of two columns of the same type.
+template <class T, class F>
+void for_columns(Column<T>& a, Column<T>& b, F&& f)
+{
+    f(a, b);
+}
+template <class F>
+void for_columns(VectorColumn& a, VectorColumn& b, F&& f)
+{
+    f(a.x, b.x), f(a.y, b.y), f(a.z, b.z);
+}
+template <class F>
+void for_columns(SpectrumColumn& a, SpectrumColumn& b, F&& f)
+{
+    for (int k = 0; k < channels; ++k) f(a.c[k], b.c[k]);
+}
+
+/// What a path carries that not every scene needs.
+struct PathExtras {
+    bool time = false;       ///< something moves
+    bool eta_scale = false;  ///< something refracts
 };
 
 /// Paths under way.
-struct PathPool : PathPoolLayout, PathFields<PathPoolLayout::field_count, PathPoolLayout::padded> {
-    /// `state` holds the bounce in its low 16 bits, above it the pixel (its place in the job), and:
+struct PathPool {
+    VectorColumn origin, direction;
+    SpectrumColumn throughput, radiance;
+    Column<std::uint32_t> pixel_hash, reversed_index;  ///< see SampleKey
+    /// The bounce in its low 16 bits, above it the pixel (its place in the job), and:
+    Column<std::uint32_t> state;
     static constexpr std::uint32_t bounce_mask = 0xffff;
     static constexpr int pixel_shift = 16;
     static constexpr std::uint32_t max_pixels = 1u << 14;
     static constexpr std::uint32_t specular = 1u << 31;  ///< the last direction came from a delta lobe, or the camera
     static constexpr std::uint32_t dead = 1u << 30;      ///< throughput is 0, or roulette ended the path
+    Column<float> bsdf_pdf;  ///< of the last direction; of no use to whoever shades, which gives it anew
+    Column<float> eta_scale, time;
 
-    void set(int field, std::size_t i, Float value) { store(&data[field][i], value); }
-    void set(int field, std::size_t i, UInt value) { store(&data[field][i], bits_float(value)); }
-    void set(int field, std::size_t i, const Vec3& v)
+    /// Calls f(column of a, the same of b) for what a path takes with it to its next surface and on from there.
+    template <class F>
+    static void for_travelling(PathPool& a, PathPool& b, PathExtras extras, F&& f)
     {
-        set(field, i, v.x), set(field + 1, i, v.y), set(field + 2, i, v.z);
+        for_columns(a.origin, b.origin, f), for_columns(a.direction, b.direction, f);
+        for_columns(a.throughput, b.throughput, f), for_columns(a.radiance, b.radiance, f);
+        f(a.pixel_hash, b.pixel_hash), f(a.reversed_index, b.reversed_index), f(a.state, b.state);
+        if (extras.eta_scale) f(a.eta_scale, b.eta_scale);
+        if (extras.time) f(a.time, b.time);
     }
-    void set(int field, std::size_t i, const Spectrum& s)
+    template <class Word>
+    static Word pixel_of(Word state)
     {
-        for (int c = 0; c < channels; ++c) set(field + c, i, s.c[c]);
-    }
-    /// Only the lanes of the mask: what follows belongs to other kinds of paths.
-    void set(int field, std::size_t i, Float value, Mask m)
-    {
-        store(&data[field][i], select(m, value, load(&data[field][i])));
-    }
-    void set(int field, std::size_t i, UInt value, Mask m) { set(field, i, bits_float(value), m); }
-    void set(int field, std::size_t i, const Vec3& v, Mask m)
-    {
-        set(field, i, v.x, m), set(field + 1, i, v.y, m), set(field + 2, i, v.z, m);
-    }
-    void set(int field, std::size_t i, const Spectrum& s, Mask m)
-    {
-        for (int c = 0; c < channels; ++c) set(field + c, i, s.c[c], m);
-    }
-    std::uint32_t scalar_integer(int field, std::size_t i) const
-    {
-        return std::bit_cast<std::uint32_t>(data[field][i]);
-    }
-
-    /// By lanes from a list of positions.
-    UInt gather_integer(int field, UInt index, Mask m) const { return float_bits(gather(data[field], index, m)); }
-    Float gather_number(int field, UInt index, Mask m) const { return gather(data[field], index, m); }
-    Vec3 gather_vector(int field, UInt index, Mask m) const
-    {
-        return {gather_number(field, index, m), gather_number(field + 1, index, m), gather_number(field + 2, index, m)};
+        return (state >> pixel_shift) & Word(max_pixels - 1);
     }
 };
 
 /// What tracing the pool gave, one entry a path.
-struct HitArrays {
-    static constexpr std::size_t padded = PathPool::padded;
-    alignas(64) float t[padded], u[padded], v[padded];
-    alignas(64) std::uint32_t primitive[padded], instance[padded];
+struct HitColumns {
+    Column<float> t, u, v;
+    Column<std::uint32_t> primitive, instance;
+
+    /// Calls f(column of a, the same of b) for each; the instance only where there are any.
+    template <class F>
+    static void for_all(HitColumns& a, HitColumns& b, bool instances, F&& f)
+    {
+        f(a.t, b.t), f(a.u, b.u), f(a.v, b.v), f(a.primitive, b.primitive);
+        if (instances) f(a.instance, b.instance);
+    }
 };
 
 }  // namespace fathom::inline FATHOM_LANES

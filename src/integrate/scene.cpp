@@ -39,10 +39,12 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
     }
     for (const ShapeRecord& shape : tables.shapes) {
         const MaterialRecord& material = tables.materials[shape.material];
-        kinds |= 1u << material.bsdf;
+        kinds |= 1u << material.kind;
+        refracts |= Closures::transmits(MaterialKind(material.kind));
         normal_mapped |= (material.flags & MaterialRecord::normal_mapped) != 0;
         for (float a : material.absorption) has_absorption |= a > 0;
-        shape_info.push_back(shape.material | material.bsdf << kind_shift |
+        const std::uint32_t kind = Closures::contains(MaterialKind(material.kind)) ? material.kind : 0;
+        shape_info.push_back(kind << kind_shift | (shape.material & ((1u << kind_shift) - 1)) |
                              (material.flags & MaterialRecord::emits ? emits : 0u));
     }
     textured = !tables.textures.empty();
@@ -52,8 +54,8 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
                          tables.disks.empty();
     for (const ShapeRecord& shape : tables.shapes) {
         const MaterialRecord& m = tables.materials[shape.material];
-        only_diffuse_quads &=
-            m.bsdf == std::uint32_t(BsdfKind::none) || (m.bsdf == std::uint32_t(BsdfKind::diffuse) && m.roughness == 0);
+        only_diffuse_quads &= !Closures::contains(MaterialKind(m.kind)) ||
+                              (MaterialKind(m.kind) == MaterialKind::diffuse && m.roughness == 0);
     }
     if (is_flat) {
         for (std::uint32_t shape : tables.shape_of_primitive) primitive_info.push_back(shape_info[shape]);

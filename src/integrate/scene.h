@@ -1,10 +1,12 @@
 #pragma once
+#include "fathom/description.h"
 #include "geometry/bvh/bvh.h"
 #include "geometry/flat/flat.h"
 #include "integrate/fast/quads/quad_columns.h"
 #include "integrate/kernel.h"
+#include "math/gather_member.h"
 #include "sampling/filter.h"
-#include "shading/spectrum.h"
+#include "shading/closures/closures.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -16,18 +18,21 @@ struct LaneScene final : KernelScene {
     bool is_flat = false;
     FlatScene flat;
     Bvh bvh;
-    /// Per shape: material in the low 24 bits, BsdfKind above, the emission flag on top.
+    /// Per shape: the bucket of its material, and the emission flag on top.
     std::vector<std::uint32_t> shape_info;
     static constexpr std::uint32_t emits = 1u << 31;
-    static constexpr int kind_shift = 24;
-    static constexpr std::uint32_t kind_mask = 0xf, material_mask = 0xffffff;
+    /// Paths are sorted by bucket before they are shaded: first by MaterialKind, then by material (modulo 32).
+    static constexpr std::uint32_t bucket_mask = 0xff, kind_shift = 5;
+    static constexpr std::uint32_t buckets = std::uint32_t(material_kind_count) << kind_shift;
+    static_assert(buckets <= bucket_mask + 1);
     /// Per primitive, if the scene is flat: shape_info of its shape; padded for lookup().
     std::vector<std::uint32_t> primitive_info;
     QuadColumns quads;
-    std::uint32_t kinds = 0;  ///< bit per BsdfKind that occurs
+    std::uint32_t kinds = 0;  ///< bit per MaterialKind that occurs
     bool textured = false;    ///< uv matter somewhere
     bool normal_mapped = false;
     bool varied_lights = false;  ///< some are not alike all over, see LightRecord::material
+    bool refracts = false;       ///< some material lets light pass
     bool has_absorption = false;
     bool sees_environment = false;    ///< rays that leave the scene bring something
     bool only_diffuse_quads = false;  ///< flat, smooth, without textures or motion: QuadTracer renders it
@@ -36,7 +41,7 @@ struct LaneScene final : KernelScene {
     LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level);
     std::size_t memory_bytes() const override;
 
-    bool has_kind(BsdfKind kind) const { return kinds >> std::uint32_t(kind) & 1; }
+    bool has_kind(MaterialKind kind) const { return kinds >> std::uint32_t(kind) & 1; }
     /// shape_info of what was hit; 0 outside the mask.
     UInt info_of(UInt primitive, UInt instance, Mask m) const;
 };
@@ -47,9 +52,7 @@ inline UInt LaneScene::info_of(UInt primitive, UInt instance, Mask m) const
     UInt shape = gather(tables.shape_of_primitive.data(), primitive, m);
     if (!tables.instances.empty()) {
         const Mask placed = m & (instance != UInt(no_index));
-        const auto* words = reinterpret_cast<const std::uint32_t*>(tables.instances.data());
-        const UInt row = instance * UInt(sizeof(InstanceRecord) / 4);
-        shape = select(placed, gather(words + offsetof(InstanceRecord, shape) / 4, row, placed), shape);
+        shape = select(placed, gather(tables.instances, &InstanceRecord::shape, instance, placed), shape);
     }
     return gather(shape_info.data(), shape, m);
 }

@@ -3,7 +3,8 @@
 #include "fathom/description.h"
 #include "light/light.h"
 #include "light/records.h"
-#include "shading/texture.h"
+#include "sampling/inversion.h"
+#include "shading/textures/image.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -35,22 +36,6 @@ inline ImagePoint image_point(Vec3 d)
 {
     return {fma(atan2(d.x, -d.z), Float(0.5f * inv_pi), Float(0.5f)),
             acos(clamp(d.y, Float(-1), Float(1))) * Float(inv_pi)};
-}
-
-/// The interval of a cumulative table of n + 1 ascending values that holds x: its number below n.
-inline UInt find_interval(const float* table, UInt first, int n, Float x)
-{
-    UInt lo(0u), size(static_cast<std::uint32_t>(n));
-    for (int left = n; left > 1; left = (left + 1) / 2) {
-        const UInt half = (size + UInt(1)) >> 1;
-        // Halves by rounding up may overlap; never past the end.
-        const UInt middle = select(less(lo + half, UInt(static_cast<std::uint32_t>(n))), lo + half,
-                                   UInt(static_cast<std::uint32_t>(n - 1)));
-        const Mask right = gather(table, first + middle) <= x;
-        lo = select(right, middle, lo);
-        size = half;
-    }
-    return lo;
 }
 
 }  // namespace detail
@@ -114,10 +99,10 @@ inline EnvironmentSample sample_environment(const LightTables& tables, Sample2 r
         const Float lo = gather(table, at), hi = gather(table + 1, at);
         return clamp((x - lo) / max(hi - lo, Float(1e-20f)), Float(0), Float(0.9999999f));
     };
-    const UInt y = detail::find_interval(e.marginal.data(), UInt(0u), e.height, random.y);
+    const UInt y = find_interval(e.marginal.data(), UInt(0u), e.height, random.y);
     const Float v = (to_float(y) + within(e.marginal.data(), y, random.y)) * Float(1.0f / float(e.height));
     const UInt first = y * UInt(std::uint32_t(e.width + 1));
-    const UInt x = detail::find_interval(e.conditional.data(), first, e.width, random.x);
+    const UInt x = find_interval(e.conditional.data(), first, e.width, random.x);
     const Float u = (to_float(x) + within(e.conditional.data(), first + x, random.x)) * Float(1.0f / float(e.width));
     const SinCos theta = sincos_2pi(v * Float(0.5f)), phi = sincos_2pi(u - Float(0.5f));
     const Vec3 d{theta.sin * phi.sin, theta.cos, -(theta.sin * phi.cos)};

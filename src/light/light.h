@@ -3,6 +3,7 @@
 #include "geometry/ray.h"
 #include "light/records.h"
 #include "light/rectangle.h"
+#include "math/gather_member.h"
 #include "sampling/warp.h"
 #include "shading/spectrum.h"
 
@@ -31,42 +32,46 @@ public:
         : base_(reinterpret_cast<const float*>(table)), offset_(index << 5)
     {
     }
-#define FATHOM_LIGHT_FIELD(member) (offsetof(LightRecord, member) / sizeof(float))
-    UInt kind() const { return integer(FATHOM_LIGHT_FIELD(kind)); }
-    Float pmf() const { return value(FATHOM_LIGHT_FIELD(pmf)); }
-    Vec3 position() const { return vector(FATHOM_LIGHT_FIELD(position)); }
-    Vec3 edge_u() const { return vector(FATHOM_LIGHT_FIELD(edge_u)); }
-    Vec3 edge_v() const { return vector(FATHOM_LIGHT_FIELD(edge_v)); }
-    Vec3 normal() const { return vector(FATHOM_LIGHT_FIELD(normal)); }
-    Vec3 center() const { return vector(FATHOM_LIGHT_FIELD(center)); }
-    Vec3 motion() const { return vector(FATHOM_LIGHT_FIELD(motion)); }
-    Float length_u() const { return value(FATHOM_LIGHT_FIELD(length_u)); }
-    Float length_v() const { return value(FATHOM_LIGHT_FIELD(length_v)); }
-    Float area() const { return value(FATHOM_LIGHT_FIELD(area)); }
-    Float radius() const { return value(FATHOM_LIGHT_FIELD(radius)); }
-    Float cos_inner() const { return value(FATHOM_LIGHT_FIELD(cos_inner)); }
-    Float cos_outer() const { return value(FATHOM_LIGHT_FIELD(cos_outer)); }
-    UInt two_sided() const { return integer(FATHOM_LIGHT_FIELD(two_sided)); }
-    UInt material() const { return integer(FATHOM_LIGHT_FIELD(material)); }
-    UInt primitive() const { return integer(FATHOM_LIGHT_FIELD(primitive)); }
+    UInt kind() const { return integer(&LightRecord::kind); }
+    Float pmf() const { return value(&LightRecord::pmf); }
+    Vec3 position() const { return vector(&LightRecord::position); }
+    Vec3 edge_u() const { return vector(&LightRecord::edge_u); }
+    Vec3 edge_v() const { return vector(&LightRecord::edge_v); }
+    Vec3 normal() const { return vector(&LightRecord::normal); }
+    Vec3 center() const { return vector(&LightRecord::center); }
+    Vec3 motion() const { return vector(&LightRecord::motion); }
+    Float length_u() const { return value(&LightRecord::length_u); }
+    Float length_v() const { return value(&LightRecord::length_v); }
+    Float area() const { return value(&LightRecord::area); }
+    Float radius() const { return value(&LightRecord::radius); }
+    Float outer() const { return value(&LightRecord::outer); }
+    Float falloff() const { return value(&LightRecord::falloff); }
+    UInt two_sided() const { return integer(&LightRecord::two_sided); }
+    UInt material() const { return integer(&LightRecord::material); }
+    UInt primitive() const { return integer(&LightRecord::primitive); }
     Spectrum radiance() const
     {
+        const std::size_t first = detail::word_of(&LightRecord::radiance);
         Spectrum s;
-        for (int i = 0; i < channels; ++i) s.c[i] = value(FATHOM_LIGHT_FIELD(radiance) + i);
+        for (std::size_t i = 0; i < channels; ++i) s.c[i] = word(first + i);
         return s;
     }
-#undef FATHOM_LIGHT_FIELD
 
 private:
-    Float value(std::size_t field) const
+    Float word(std::size_t number) const
     {
         if constexpr (one)
-            return Float(base_[field]);
+            return Float(base_[number]);
         else
-            return gather(base_ + field, offset_);
+            return gather(base_ + number, offset_);
     }
-    UInt integer(std::size_t field) const { return float_bits(value(field)); }
-    Vec3 vector(std::size_t field) const { return {value(field), value(field + 1), value(field + 2)}; }
+    Float value(float LightRecord::* member) const { return word(detail::word_of(member)); }
+    UInt integer(std::uint32_t LightRecord::* member) const { return float_bits(word(detail::word_of(member))); }
+    Vec3 vector(float (LightRecord::*member)[3]) const
+    {
+        const std::size_t first = detail::word_of(member);
+        return {word(first), word(first + 1), word(first + 2)};
+    }
 
     const float* base_;
     UInt offset_;
@@ -212,10 +217,11 @@ template <class Light>
         const Float distance2 = dot(to, to), distance = sqrt(distance2);
         const Vec3 wi = to * (Float(1) / distance);
         Float strength = Float(1) / distance2;
-        // Smoothstep from the outer to the inner cone, squared as KHR_lights_punctual suggests.
-        const Float c = -dot(wi, light.edge_u());
-        const Float x = clamp((c - light.cos_outer()) / max(light.cos_inner() - light.cos_outer(), Float(1e-4f)),
-                              Float(0), Float(1));
+        // Linear in the cosine from the outer to the inner cone, squared as KHR_lights_punctual suggests. 1 - cos is
+        // half the square of the chord, which keeps its digits where the cosine is nearly 1.
+        const Vec3 chord = wi + light.edge_u();
+        const Float inside = fma(dot(chord, chord), Float(-0.5f), light.outer());
+        const Float x = clamp(inside / max(light.falloff(), Float(1e-30f)), Float(0), Float(1));
         strength = select(spot, strength * x * x, strength);
         s.wi = select(point | spot, wi, s.wi);
         s.distance = select(point | spot, distance, s.distance);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "fathom/render.h"
 #include "math/no_index.h"
 #include "shading/rgb.h"
 
@@ -33,7 +34,8 @@ struct LightRecord {
     float area = 0;
     float radius = 0;               ///< rectangle: its diagonal
     float radiance[channels] = {};  ///< or intensity, or irradiance
-    float cos_inner = 0, cos_outer = 0;
+    float outer = 0;                ///< spot: 1 - cos of the half angle beyond which nothing arrives
+    float falloff = 0;              ///< from there inwards, in the same measure, the light grows to its full intensity
     std::uint32_t two_sided = 0;
     std::uint32_t material = no_index;  ///< whose emission texture or alpha scales radiance, if it has one
     std::uint32_t primitive = no_index;

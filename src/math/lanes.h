@@ -11,7 +11,12 @@
 #include <cstddef>
 #include <cstdint>
 
-#if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__) && defined(__AVX512BW__)
+/// FATHOM_ONE_LANE: one lane whatever the instruction set, for a file that is called for one thing at a time.
+#if FATHOM_ONE_LANE
+#undef FATHOM_LANE_PAIRS
+#define FATHOM_LANE_PAIRS 0
+#include "math/lanes_scalar.h"
+#elif defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__) && defined(__AVX512BW__)
 #include "math/lanes_avx512.h"
 #elif defined(__AVX2__) && defined(__FMA__)
 #include "math/lanes_avx2.h"
@@ -21,7 +26,9 @@
 
 /// Everything that is made of lanes lives in this inline namespace: two files of one library may use lanes of different
 /// number, and the linker must not take the code of one for the other.
-#if FATHOM_LANE_PAIRS
+#if FATHOM_ONE_LANE
+#define FATHOM_LANES one_lane
+#elif FATHOM_LANE_PAIRS
 #define FATHOM_LANES lanes_in_pairs
 #else
 #define FATHOM_LANES lanes_single

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace fathom::native {
+namespace fathom::avx2 {
 
 inline constexpr int lanes = 8;
 inline constexpr const char* lanes_name = "AVX2";
@@ -212,4 +212,7 @@ inline UInt rotate16(UInt x)
     return _mm256_shuffle_epi8(x.v, words);
 }
 
-}  // namespace fathom::native
+}  // namespace fathom::avx2
+namespace fathom {
+namespace native = avx2;
+}

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace fathom::native {
+namespace fathom::avx512 {
 
 inline constexpr int lanes = 16;
 inline constexpr const char* lanes_name = "AVX-512";
@@ -161,4 +161,7 @@ inline void least_each(const Float (&x)[16], float (&out)[16])
 }
 inline UInt rotate16(UInt x) { return _mm512_rol_epi32(x.v, 16); }
 
-}  // namespace fathom::native
+}  // namespace fathom::avx512
+namespace fathom {
+namespace native = avx512;
+}

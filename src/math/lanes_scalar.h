@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace fathom::native {
+namespace fathom::scalar {
 
 using Float = float;
 using UInt = std::uint32_t;
@@ -73,4 +73,7 @@ inline void least_each(const Float (&x)[16], float (&out)[16])
 }
 inline UInt rotate16(UInt x) { return x >> 16 | x << 16; }
 
-}  // namespace fathom::native
+}  // namespace fathom::scalar
+namespace fathom {
+namespace native = scalar;
+}

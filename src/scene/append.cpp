@@ -3,6 +3,9 @@
 #include <iterator>
 #include <utility>
 
+#include "scene/material_table.h"
+#include "scene/texture_table.h"
+
 namespace fathom {
 
 namespace {
@@ -31,13 +34,12 @@ Appended append_scene(SceneDescription& to, SceneDescription from)
     const int curves = int(to.curves.size()), points = int(to.points.size());
     const int lights = int(to.lights.size()), cameras = int(to.cameras.size()), nodes = int(to.nodes.size());
 
-    for (Texture& texture : from.textures) shift(texture.image, images);
-    for (Material& material : from.materials) {
-        for (int* texture : {&material.base_color.texture, &material.transmission_color.texture,
-                             &material.roughness.texture, &material.metallic.texture, &material.emission.texture,
-                             &material.alpha.texture, &material.normal_texture})
-            shift(*texture, textures);
+    const auto shift_texture = [&](int& texture, const char*) { shift(texture, textures); };
+    for (Texture& texture : from.textures) {
+        shift(texture.image, images);
+        for_each_texture(texture, texture_parameters(), shift_texture);
     }
+    for (Material& material : from.materials) for_each_texture(material, material_parameters(), shift_texture);
     for (Node& node : from.nodes) {
         for (int& child : node.children) shift(child, nodes);
         for (Shape& shape : node.shapes) {

@@ -4,6 +4,8 @@
 #include <string>
 
 #include "fathom/error.h"
+#include "scene/material_table.h"
+#include "scene/texture_table.h"
 
 namespace fathom {
 
@@ -24,7 +26,8 @@ public:
     void check()
     {
         for (std::size_t i = 0; i < scene_.textures.size(); ++i)
-            index(scene_.textures[i].image, scene_.images.size(), element("textures", i) + ".image", "image");
+            check_texture(scene_.textures[i], element("textures", i));
+        check_texture_graph();
         for (std::size_t i = 0; i < scene_.materials.size(); ++i)
             check_material(scene_.materials[i], element("materials", i));
         for (std::size_t i = 0; i < scene_.meshes.size(); ++i) check_mesh(scene_.meshes[i], element("meshes", i));
@@ -61,13 +64,74 @@ private:
 
     void check_material(const Material& m, const std::string& place) const
     {
-        for (const auto& [texture, name] :
-             {std::pair{m.base_color.texture, ".base_color"},
-              std::pair{m.transmission_color.texture, ".transmission_color"},
-              std::pair{m.roughness.texture, ".roughness"}, std::pair{m.metallic.texture, ".metallic"},
-              std::pair{m.emission.texture, ".emission"}, std::pair{m.alpha.texture, ".alpha"},
-              std::pair{m.normal_texture, ".normal_texture"}})
-            if (texture != -1) required(texture, scene_.textures.size(), place + name, "texture");
+        for_each_texture(m, material_parameters(), [&](int texture, const char* key) {
+            index(texture, scene_.textures.size(), place + '.' + key, "texture");
+        });
+        check_finite(m, material_parameters(), place);
+    }
+
+    void check_texture(const Texture& t, const std::string& place) const
+    {
+        index(t.image, scene_.images.size(), place + ".image", "image");
+        for_each_texture(t, texture_parameters(), [&](int texture, const char* key) {
+            index(texture, scene_.textures.size(), place + '.' + key, "texture");
+        });
+        check_finite(t, texture_parameters(), place);
+        if (t.kind != TextureKind::ramp) return;
+        if (t.stops.size() < 2 || t.stops.size() > 16)
+            fail(place + ".stops", std::to_string(t.stops.size()) + " stops: 2 to 16 make a ramp");
+        for (std::size_t i = 0; i < t.stops.size(); ++i)
+            if (!std::isfinite(t.stops[i].position) || (i > 0 && !(t.stops[i - 1].position < t.stops[i].position)))
+                fail(place + '.' + element("stops", i), "positions must be finite and ascend");
+    }
+
+    template <class Owner>
+    void check_finite(const Owner& owner, std::span<const Parameter<Owner>> parameters, const std::string& place) const
+    {
+        const auto is_finite = [](const auto& value) {
+            using T = std::decay_t<decltype(value)>;
+            if constexpr (std::is_same_v<T, Color>)
+                return std::isfinite(value.r) && std::isfinite(value.g) && std::isfinite(value.b);
+            else if constexpr (std::is_same_v<T, Vec2f>)
+                return std::isfinite(value.x) && std::isfinite(value.y);
+            else if constexpr (std::is_floating_point_v<T>)
+                return std::isfinite(value);
+            else
+                return true;
+        };
+        for (const Parameter<Owner>& p : parameters)
+            std::visit(
+                [&](auto member) {
+                    using Member = decltype(member);
+                    if constexpr (std::is_member_object_pointer_v<Member>) {
+                        const auto& value = owner.*member;
+                        bool finite = is_finite(value);
+                        if constexpr (requires { value.value; }) finite = is_finite(value.value);
+                        if (!finite) fail(place + '.' + p.key, "is not finite");
+                    }
+                },
+                p.member);
+    }
+
+    /// Textures may refer to textures, but not to themselves.
+    void check_texture_graph() const
+    {
+        constexpr int deepest = 16;
+        std::vector<int> depth(scene_.textures.size(), 0);
+        // Longer and longer ways, until none has grown: a circle never stops.
+        for (;;) {
+            bool grown = false;
+            for (std::size_t i = 0; i < scene_.textures.size(); ++i)
+                for_each_texture(scene_.textures[i], texture_parameters(), [&](int texture, const char*) {
+                    if (texture < 0 || depth[std::size_t(texture)] < depth[i]) return;
+                    depth[i] = depth[std::size_t(texture)] + 1;
+                    grown = true;
+                    if (depth[i] > deepest)
+                        fail(element("textures", i), "textures are nested more than " + std::to_string(deepest) +
+                                                         " deep, or one contains itself");
+                });
+            if (!grown) return;
+        }
     }
 
     void check_mesh(const Mesh& mesh, const std::string& place) const

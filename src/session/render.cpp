@@ -9,10 +9,10 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "compile/scene_data.h"
 #include "fathom/error.h"
 #include "film/film_data.h"
 #include "integrate/kernel.h"
+#include "session/job.h"
 
 namespace fathom {
 
@@ -25,7 +25,7 @@ constexpr double pass_s = 0.4;
 /// What a job of the smallest tile can hold.
 constexpr std::uint64_t most_pass_samples = 1024;
 
-KernelSettings kernel_settings(const RenderSettings& s, const Film::Data& film)
+KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout)
 {
     KernelSettings k;
     k.width = s.width;
@@ -34,9 +34,11 @@ KernelSettings kernel_settings(const RenderSettings& s, const Film::Data& film)
     k.max_depth = s.max_depth;
     k.roulette_depth = s.roulette_depth;
     k.light_sampling = s.light_sampling;
+    k.light_selection = s.light_selection;
+    k.general_loop = s.general_loop;
     k.filter = std::uint32_t(s.filter);
-    k.aovs = film.layout;
-    k.film_words = std::size_t(film.layout.words);
+    k.aovs = layout;
+    k.film_words = std::size_t(layout.words);
     k.background.given = s.background.has_value();
     if (s.background) k.background.radiance = {s.background->r, s.background->g, s.background->b};
     return k;
@@ -122,40 +124,33 @@ void add_to_words(const Worker& worker, const Film::Data& film, std::uint32_t* w
     for (const TileSums::Slow& slow : worker.sums.slow()) {
         std::uint32_t* sums = pixel_words(worker, slow.pixel, film, words);
         for (int c = 0; c < 3; ++c) {
-            ExactSum::add_number(sums + c * ExactSum::words, slow.value[c]);
-            ExactSum::add_number(sums + (3 + c) * ExactSum::words, double(slow.value[c]) * slow.value[c]);
+            ExactSum::add_number(radiance_sum(sums, c), slow.value[c]);
+            ExactSquareSum::add_number(square_sum(sums, c), double(slow.value[c]) * slow.value[c]);
         }
     }
 }
 
-void check(const RenderSettings& s, SampleRange range)
+void check_range(SampleRange range)
 {
-    if (s.width < 1 || s.height < 1 || s.width > 65535 || s.height > 65535)
-        throw Error("", "",
-                    fmt::format("a picture of {}x{} can't be rendered: 1x1 to 65535x65535 can", s.width, s.height));
-    if (range.second > (std::uint64_t(1) << 32)) throw Error("", "", "sample indices end at 4294967296");
-    if (s.crop && (s.crop->x0 < 0 || s.crop->y0 < 0 || s.crop->x1 > s.width || s.crop->y1 > s.height ||
-                   s.crop->x0 >= s.crop->x1 || s.crop->y0 >= s.crop->y1))
-        throw Error("", "", "the crop is empty or not inside the picture");
+    if (range.second > most_samples) throw Error("", "", fmt::format("sample indices end at {}", most_samples - 1));
 }
 
 /// What one call renders with, and how it renders the tiles of a pass.
 class Passes {
 public:
-    Passes(const Scene& scene, const RenderSettings& settings, Film::Data& film)
-        : scene_(scene.data()),
+    Passes(const RenderJob& job, Film::Data& film)
+        : scene_(job.scene().data()),
           film_(film),
-          kernel_(kernel_settings(settings, film)),
-          camera_(scene_.camera_table(settings.width, settings.height)),
-          crop_(settings.crop.value_or(Crop{0, 0, settings.width, settings.height})),
-          threads_(settings.threads > 0 ? settings.threads : tbb::this_task_arena::max_concurrency()),
+          kernel_(kernel_settings(job.settings(), film.layout)),
+          camera_(job.data().camera_record),
+          crop_(job.settings().crop.value_or(Crop{0, 0, job.settings().width, job.settings().height})),
+          threads_(job.settings().threads > 0 ? job.settings().threads : tbb::this_task_arena::max_concurrency()),
           limit_(tbb::global_control::max_allowed_parallelism,
                  std::size_t(std::max(threads_, tbb::this_task_arena::max_concurrency()))),
-          arena_(threads_),
-          scene_key_(scene_.key(settings.width, settings.height))
+          arena_(threads_)
     {
-        if (!film.samples.empty() && film.scene_key != scene_key_)
-            throw Error("", "", "the film holds another scene or camera");
+        if (const std::string difference = film.key.difference(job.key()); !difference.empty())
+            throw Error("", "", "the film is of another job: " + difference);
     }
 
     std::uint64_t pixels() const { return std::uint64_t(crop_.x1 - crop_.x0) * std::uint64_t(crop_.y1 - crop_.y0); }
@@ -187,7 +182,6 @@ public:
     std::uint64_t finish(SampleRange range)
     {
         film_.add_range(range);
-        film_.scene_key = scene_key_;
         std::uint64_t rays = 0;
         for (Worker& worker : workers_) {
             rays += worker.counters.rays;
@@ -212,23 +206,22 @@ private:
     const Scene::Data& scene_;
     Film::Data& film_;
     KernelSettings kernel_;
-    CameraRecord camera_;
+    const CameraRecord& camera_;
     Crop crop_;
     int threads_;
     tbb::global_control limit_;  ///< more threads than cores are allowed where they are asked for
     tbb::task_arena arena_;
-    std::string scene_key_;
     Workers workers_;
 };
 
 }  // namespace
 
-bool render(const Scene& scene, const RenderSettings& settings, SampleRange range, Film& film,
-            const std::atomic<bool>* cancel, const std::function<void(const Progress&, const Film&)>& on_pass)
+bool render(const RenderJob& job, SampleRange range, Film& film, const std::atomic<bool>* cancel,
+            const std::function<void(const Progress&, const Film&)>& on_pass)
 {
-    check(settings, range);
+    check_range(range);
     Film::Data& data = film.data();
-    Passes passes(scene, settings, data);
+    Passes passes(job, data);
     Progress progress;
     progress.samples_total = passes.pixels() * (range.second - range.first);
     std::uint64_t next = range.first, pass = std::max<std::uint64_t>(1, 2000000 / passes.pixels());
@@ -250,14 +243,13 @@ bool render(const Scene& scene, const RenderSettings& settings, SampleRange rang
     return true;
 }
 
-bool render_pass(const Scene& scene, const RenderSettings& settings, SampleRange range, Film& film,
-                 const std::atomic<bool>& cancel)
+bool render_pass(const RenderJob& job, SampleRange range, Film& film, const std::atomic<bool>& cancel)
 {
-    check(settings, range);
+    check_range(range);
     if (range.first >= range.second || range.second - range.first > most_pass_samples)
         throw Error("", "", fmt::format("a pass has 1 to {} samples", most_pass_samples));
     Film::Data& data = film.data();
-    Passes passes(scene, settings, data);
+    Passes passes(job, data);
     for (const SampleRange& r : data.samples)
         if (range.first < r.second && r.first < range.second)
             throw Error("", "", fmt::format("samples of {}:{} are in the film already", range.first, range.second));
@@ -281,13 +273,14 @@ bool render_pass(const Scene& scene, const RenderSettings& settings, SampleRange
         return stopped.load(std::memory_order_relaxed);
     });
     if (stopped) {
-        if (is_first) film.clear();
+        if (is_first) film.reset(job);
         return false;
     }
     if (is_first) {
         passes.finish(range);
         return true;
     }
+    const RenderSettings& settings = job.settings();
     const Crop crop = settings.crop.value_or(Crop{0, 0, settings.width, settings.height});
     passes.for_ranges(std::size_t(crop.y1 - crop.y0), [&](std::size_t first, std::size_t last) {
         for (std::size_t row = first; row < last; ++row) {
@@ -300,23 +293,22 @@ bool render_pass(const Scene& scene, const RenderSettings& settings, SampleRange
     return true;
 }
 
-Color render_sample(const Scene& scene, const RenderSettings& settings, int x, int y, std::uint64_t sample_index)
+Color render_sample(const RenderJob& job, int x, int y, std::uint64_t sample_index)
 {
-    RenderSettings one = settings;
-    one.crop = Crop{x, y, x + 1, y + 1};
-    one.aovs.clear();
-    check(one, {sample_index, sample_index + 1});
-    RenderSettings pixel_settings;
-    pixel_settings.width = pixel_settings.height = 1;
-    const Film film(pixel_settings);
-    const KernelSettings kernel = kernel_settings(one, film.data());
-    const CameraRecord camera = scene.data().camera_table(settings.width, settings.height);
+    const RenderSettings& settings = job.settings();
+    check_range({sample_index, sample_index + 1});
+    if (x < 0 || y < 0 || x >= settings.width || y >= settings.height)
+        throw Error(
+            "", "",
+            fmt::format("there is no pixel {},{} in a picture of {}x{}", x, y, settings.width, settings.height));
+    const KernelSettings kernel = kernel_settings(settings, FilmLayout({}, false));
     const std::uint32_t pixel = std::uint32_t(y) << 16 | std::uint32_t(x);
     TileSums sums;
     sums.reset(1, kernel.film_words);
     sums.keep_values = true;
     KernelCounters counters;
-    render_job(*scene.data().kernel, camera, kernel, {&pixel, 1, std::uint32_t(sample_index), 1}, sums, counters);
+    render_job(*job.scene().data().kernel, job.data().camera_record, kernel,
+               {&pixel, 1, std::uint32_t(sample_index), 1}, sums, counters);
     const float* v = sums.value;
     return {v[0], v[1], v[2]};
 }

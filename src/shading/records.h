@@ -9,16 +9,6 @@
 
 namespace fathom {
 
-enum class BsdfKind : std::uint32_t {
-    none,  ///< black, or only emits
-    diffuse,
-    metal,  ///< GGX conductor; alpha 0 is a mirror
-    fuzz_metal,
-    glass,
-    principled,
-    count
-};
-
 /// How an image's texels lie in memory. Each format is taken only where it holds every value exactly.
 enum class TexelFormat : std::uint32_t {
     float4,      ///< four floats, in ShadingTables::texels
@@ -40,6 +30,10 @@ struct TextureRecord {
     float scale = 1, turbulence_weight = 0;
     std::uint32_t octaves = 7;
     std::array<float, 4> color_a{}, color_b{};
+    std::uint32_t texture_a = no_index, texture_b = no_index;  ///< which they are multiplied by
+    float factor = 1;
+    std::uint32_t factor_texture = no_index, factor_channel = 0;
+    std::uint32_t first_stop = 0, stop_count = 0;
 };
 
 struct MaterialRecord {
@@ -52,7 +46,7 @@ struct MaterialRecord {
         unlit = 32 /* shows its emission, but lights nothing */,
         thin = 64
     };
-    std::uint32_t bsdf = 0;  ///< BsdfKind
+    std::uint32_t kind = 0;  ///< MaterialKind; `none` for all that doesn't scatter
     std::uint32_t flags = 0;
     Rgb base_color{};
     Rgb emission{};
@@ -65,9 +59,15 @@ struct MaterialRecord {
     std::uint32_t roughness_channel = 1, metallic_channel = 2, alpha_channel = 3;
 };
 
+struct RampStopRecord {
+    float position = 0;
+    Rgb color{};
+};
+
 struct ShadingTables {
     std::vector<MaterialRecord> materials;
     std::vector<TextureRecord> textures;
+    std::vector<RampStopRecord> ramp_stops;
     std::vector<float> texels;  ///< of images in four floats a texel: what no other format holds
     std::vector<std::vector<std::uint32_t>> packed_images;  ///< of the others, image by image
     std::array<float, 256> linear_of_srgb{};

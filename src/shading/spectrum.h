@@ -1,5 +1,5 @@
 #pragma once
-#include "math/lanes.h"
+#include "math/gather_member.h"
 #include "shading/rgb.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -45,6 +45,17 @@ inline Spectrum select(Mask m, Spectrum a, const Spectrum& b)
 {
     for (int i = 0; i < channels; ++i) a.c[i] = select(m, a.c[i], b.c[i]);
     return a;
+}
+/// A colour of records[index] for the lanes of m; 0 in others.
+template <class Record>
+[[gnu::always_inline]] inline Spectrum gather(const std::vector<Record>& records, Rgb Record::* member, UInt index,
+                                              Mask m)
+{
+    const float* base = reinterpret_cast<const float*>(records.data()) + detail::word_of(member);
+    const UInt at = index * UInt(detail::record_words<Record>);
+    Spectrum s;
+    for (int i = 0; i < channels; ++i) s.c[i] = gather(base + i, at, m);
+    return s;
 }
 inline Float max_component(const Spectrum& a)
 {

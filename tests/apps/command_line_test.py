@@ -3,15 +3,19 @@
 
 command_line_test.py DOUBLE [PROGRAM]    DOUBLE is the program with the library of double.cpp behind it
 """
+import fcntl
 import json
 import os
+import pty
 import re
+import shutil
 import resource
 import signal
 import struct
 import subprocess
 import sys
 import tempfile
+import termios
 import time
 import unittest
 
@@ -68,6 +72,7 @@ class CommandLine(unittest.TestCase):
             self.assertIn("Example", text)
             self.assertIn("Exit codes", text)
         self.assertIn("130", self.ok("--help").stdout)
+        self.assertEqual(self.ok("--version").stdout, self.ok("version").stdout.splitlines()[0] + "\n")
         text = self.ok("version").stdout
         for word in ("fathom", "SIMD", "OpenEXR", "libpng"):
             self.assertIn(word, text)
@@ -147,6 +152,86 @@ class CommandLine(unittest.TestCase):
         os.mkdir(self.path("folder.png"))
         self.refused(1, "render", "box.json", "-o", "folder.png", words=["folder.png"])
         self.refused(1, "render", "box.json", "--size", "70000x10", "-o", "a.jpg", words=["a.jpg", "70000x10"])
+
+    def test_no_input_is_overwritten(self):
+        self.scene("box.png", "a texture")
+        self.scene("box.bin", "vertices")
+        self.scene("sky.exr", "a sky")
+        self.scene("box.json", "camera main texture box.png file box.bin")
+        os.link(self.path("box.png"), self.path("hard.png"))
+        os.symlink("box.png", self.path("link.png"))
+        os.symlink("box.json", self.path("scene.png"))
+        os.symlink("box.bin", self.path("bin.exr"))
+        os.mkdir(self.path("sub"))
+        for name, what in (("box.png", "a texture of this scene"), ("./sub/../box.png", "a texture of this scene"),
+                           ("hard.png", "a texture of this scene"), ("link.png", "a texture of this scene"),
+                           ("scene.png", "the scene itself"), ("bin.exr", "a file of this scene"),
+                           ("sky.exr", "a texture of this scene")):
+            self.refused(1, "render", "box.json", "--env", "sky.exr", "-q", "-o", "new.png", "-o", name,
+                         words=[f"fathom: {name} is {what}: name another with -o"])
+        # The name that is taken where none is given, and only that of what is really read.
+        self.refused(1, "render", "box.json", "-q", words=["box.png is a texture of this scene"])
+        self.ok("render", "box.json", "-q", "--spp", "1", "-o", "sky.exr")
+
+    def test_a_file_that_fails_leaves_the_others(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (500000, 500000))
+
+        result = self.run_program("render", "box.json", "--spp", "1", "-q", "--size", "500x500", "-o", "a.exr",
+                                  "-o", "a.png", preexec_fn=limit)
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stderr, r"fathom: a.exr: can't write: .*\n$")
+        self.assertEqual(png_size(self.path("a.png"))[:2], (500, 500))
+        self.assertFalse(os.path.exists(self.path("a.exr")))
+        self.ok("render", "box.json", "--samples", "0:1", "-q", "--size", "200x200", "-o", "p.exr")
+        self.ok("merge", "p.exr", "-q", "-o", "m.exr", "-o", "m.png")
+        most = (os.path.getsize(self.path("m.exr")) + os.path.getsize(self.path("m.png"))) // 2
+        os.remove(self.path("m.png"))
+        result = self.run_program("merge", "p.exr", "-q", "-o", "m.exr", "-o", "m.png",
+                                  preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)))
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual(png_size(self.path("m.png"))[:2], (200, 200))
+
+    def test_the_picture_is_kept_when_nobody_listens(self):
+        for close in (lambda: os.close(2), lambda: os.dup2(os.open("/dev/full", os.O_WRONLY), 2)):
+            process = subprocess.run([DOUBLE, "render", "box.json", "--spp", "1", "-o", "a.png"], cwd=self.folder,
+                                     stdout=subprocess.PIPE, preexec_fn=close, timeout=60)
+            self.assertEqual(process.returncode, 1)
+            self.assertEqual(png_size(self.path("a.png"))[:2], (800, 600))
+            os.remove(self.path("a.png"))
+        # A reader that goes away, as `| head -1` does, while progress is told.
+        self.scene("slow.json", "camera a slow 30")
+        process = subprocess.Popen([DOUBLE, "render", "slow.json", "--spp", "50", "--progress", "json", "-o", "a.png"],
+                                   cwd=self.folder, stderr=subprocess.PIPE)
+        process.stderr.readline()
+        process.stderr.close()
+        self.assertEqual(process.wait(timeout=60), 1)
+        self.assertEqual(png_size(self.path("a.png"))[:2], (800, 600))
+        # Where there is nothing to be said nothing is lost.
+        process = subprocess.run([DOUBLE, "version"], stdout=subprocess.PIPE, preexec_fn=lambda: os.close(2), timeout=60)
+        self.assertEqual(process.returncode, 0)
+
+    def test_output_that_can_t_be_printed(self):
+        for arguments in (["version"], ["--version"], ["--help"], ["info", "box.json"], ["info", "box.json", "--json"],
+                          ["render", "box.json", "-q", "--only-sample", "1,2,3"]):
+            with open("/dev/full", "w") as full:
+                result = subprocess.run([DOUBLE, *arguments], cwd=self.folder, stdout=full, stderr=subprocess.PIPE,
+                                        text=True, timeout=60)
+            self.assertEqual(result.returncode, 1, arguments)
+            lines = [line for line in result.stderr.splitlines() if "warning" not in line]
+            self.assertEqual(len(lines), 1, result.stderr)
+            self.assertIn("standard output: can't write: ", lines[0])
+
+    def test_without_proc(self):
+        script = 'mount -t tmpfs none /proc && exec "$@"'
+        rights = [] if os.geteuid() == 0 else ["--user", "--map-root-user"]
+        command = ["unshare", *rights, "--mount", "sh", "-c", script, "sh"]
+        if not shutil.which("unshare") or subprocess.run([*command, "true"], capture_output=True).returncode != 0:
+            self.skipTest("nothing can be mounted here")
+        result = subprocess.run([*command, DOUBLE, "render", "box.json", "--spp", "1", "-o", "a.exr", "-o", "a.png"],
+                                cwd=self.folder, capture_output=True, text=True, timeout=60)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["a.exr", "a.png", "box.json"])
 
     def test_too_large_is_refused_before_it_is_tried(self):
         start = time.monotonic()
@@ -287,14 +372,67 @@ class CommandLine(unittest.TestCase):
         kinds = [event["event"] for event in events]
         for kind in ("progress", "warning", "written", "summary"):
             self.assertIn(kind, kinds)
+        self.assertNotIn("phase", kinds)
         progress = [event for event in events if event["event"] == "progress"]
         self.assertEqual(progress[-1]["samples_done"], 30 * 16)
         self.assertEqual(progress[-1]["done"], 1)
+        counts = [event["samples_done"] for event in progress]
+        self.assertEqual(sorted(set(counts)), counts, "a line is told twice")
         self.assertEqual(events[-1]["samples_per_pixel"], 30)
         self.assertGreater(events[-1]["peak_memory_bytes"], 1e6)
         result = self.run_program("render", "none.json", "--progress", "json")
         self.assertEqual(result.returncode, 1)
         self.assertEqual(json.loads(result.stderr)["event"], "error")
+
+    def test_the_last_line_of_progress_is_told_once(self):
+        # Two passes, each long enough to be told of: the end of the second is the end of all.
+        self.scene("slow.json", "camera a slow 700")
+        text = self.ok("render", "slow.json", "--spp", "2", "--size", "4x4", "--progress", "json").stderr
+        done = [event["done"] for event in map(json.loads, text.splitlines()) if event["event"] == "progress"]
+        self.assertEqual(done, [0.5, 1])
+
+    def test_loading_is_told(self):
+        self.scene("slow.json", "camera a slow-load 1300")
+        text = self.ok("render", "slow.json", "--spp", "1", "--size", "4x4", "--progress", "json").stderr
+        phases = [event for event in map(json.loads, text.splitlines()) if event["event"] == "phase"]
+        self.assertEqual({phase["phase"] for phase in phases}, {"load"})
+        self.assertGreater(phases[-1]["elapsed_s"], 0.9)
+
+    def in_terminal(self, columns, *arguments):
+        """What the program writes to a terminal so wide."""
+        ours, its = pty.openpty()
+        fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+        process = subprocess.Popen([DOUBLE, *arguments], cwd=self.folder, stderr=its)
+        os.close(its)
+        text = b""
+        while True:
+            try:
+                chunk = os.read(ours, 4096)
+            except OSError:  # the other end is closed
+                break
+            if not chunk:
+                break
+            text += chunk
+        os.close(ours)
+        self.assertEqual(process.wait(timeout=60), 0)
+        return text.decode()
+
+    def test_the_bar_fits_the_terminal(self):
+        self.scene("slow.json", "camera a slow-load 700 slow 60")
+        for columns in (20, 30, 50, 80, 300):
+            text = self.in_terminal(columns, "render", "slow.json", "--spp", "8", "--size", "4x4")
+            lines = [line.replace("\x1b[K", "") for line in re.findall(r"\r([^\r\n]+)", text)]
+            bars = [line for line in lines if "%" in line]
+            self.assertGreater(len(bars), 2, text)
+            self.assertTrue(any(line.startswith("reading") or columns < 30 for line in lines), text)
+            self.assertLess(max(len(line) for line in lines if "%" in line or "reading" in line), columns)
+            self.assertIn("100.0 %", bars[-1])
+            if columns >= 80:
+                self.assertRegex(bars[-1], r"^\[#+\] .* elapsed, .* left$")
+
+    def test_samples_that_can_t_be_merged(self):
+        self.assertIn("add -o FILE.exr", self.ok("render", "box.json", "--samples", "0:2", "-o", "a.png").stderr)
+        self.assertNotIn("merged", self.ok("render", "box.json", "--samples", "0:2", "-o", "a.exr").stderr)
 
     def start_slow(self, pass_ms, *arguments):
         self.scene("slow.json", f"camera a slow {pass_ms}")
@@ -306,7 +444,7 @@ class CommandLine(unittest.TestCase):
         self.fail("no progress")
 
     def test_interrupt_writes_the_picture_so_far(self):
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             process = self.start_slow(100, "--progress", "json", "-o", "a.png")
             process.send_signal(number)
             text = process.communicate(timeout=20)[1]
@@ -314,6 +452,16 @@ class CommandLine(unittest.TestCase):
             self.assertIn("interrupted", text)
             self.assertEqual(png_size(self.path("a.png"))[:2], (4, 4))
             os.remove(self.path("a.png"))
+
+    def test_under_nohup_the_end_of_the_terminal_means_nothing(self):
+        self.scene("slow.json", "camera a slow 40")
+        process = subprocess.Popen([DOUBLE, "render", "slow.json", "--spp", "40", "--size", "4x4", "--progress", "json"],
+                                   cwd=self.folder, stderr=subprocess.PIPE, text=True,
+                                   preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+        process.stderr.readline()
+        process.send_signal(signal.SIGHUP)
+        process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 0)
 
     def test_second_interrupt_stops(self):
         # The pass under way must still be so when the second signal comes, on a busy machine too.
@@ -362,6 +510,28 @@ class CommandLine(unittest.TestCase):
         for command in ("render", "info"):
             result = self.ok(command, "box.json", "--scene", "two", *(["--spp", "1"] if command == "render" else []))
             self.assertIn("scene two", result.stderr + result.stdout)
+
+    def test_threads_that_can_t_be_started(self):
+        if not PROGRAM or os.geteuid() != 0:
+            self.skipTest("needs the program, and root, who can become a user that may have few threads")
+        self.scene("sphere.json", '{"fathom": 1, "scene": [{"sphere": {"radius": 1}}]}')
+        os.chmod(self.folder, 0o777)
+
+        def become_nobody():
+            os.setgid(54321)
+            resource.setrlimit(resource.RLIMIT_NPROC, (3, 3))
+            os.setuid(54321)
+
+        probe = self.run_program("version", program=PROGRAM, preexec_fn=become_nobody)
+        if probe.returncode != 0:
+            self.skipTest("another user can't run the program here")
+        result = self.run_program("render", "sphere.json", "--spp", "4", "--size", "64x64", "--threads", "16", "-o",
+                                  "a.exr", "-o", "a.png", program=PROGRAM, preexec_fn=become_nobody)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("only 3 of 16 threads can be started here", result.stderr)
+        self.ok("render", "sphere.json", "--spp", "4", "--size", "64x64", "-o", "b.png", program=PROGRAM)
+        with open(self.path("a.png"), "rb") as one, open(self.path("b.png"), "rb") as other:
+            self.assertEqual(one.read(), other.read())
 
     def test_the_program_itself(self):
         if not PROGRAM:

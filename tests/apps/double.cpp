@@ -11,7 +11,8 @@
 
 // A library for tests of the command line: a scene file is words, and a sample is worth a number that its index
 // decides.
-//   camera NAME, aspect A, size WxH, spp N, slow MS (a pass), warn TEXT, nan, hint-filter NAME, hint-build NAME, empty
+//   camera NAME, aspect A, size WxH, spp N, slow MS (a pass), warn TEXT, nan, hint-filter NAME, hint-build NAME,
+//   texture NAME, file NAME, slow-load MS, empty
 namespace fathom {
 
 namespace {
@@ -50,6 +51,16 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
             dropped_per_render = 3;
         } else if (word == "hint-filter") {
             in >> scene.hints.filter.emplace();
+        } else if (word == "texture") {
+            in >> word;
+            scene.images.push_back({word, file.parent_path() / word, {}});
+        } else if (word == "file") {
+            in >> word;
+            scene.files.push_back(file.parent_path() / word);
+        } else if (word == "slow-load") {
+            int ms = 0;
+            in >> ms;
+            std::this_thread::sleep_for(std::chrono::milliseconds(ms));
         } else if (word == "hint-build") {
             in >> scene.hints.build.emplace();
         } else if (word != "empty") {
@@ -80,16 +91,17 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
 {
     const char* const builds[] = {"fast", "default", "high", "compact"};  // by TreeBuild
     if (build != TreeBuild::standard) warnings.add(fmt::format("build {}", builds[std::size_t(build)]));
-    Scene scene;
-    scene.data_ = std::make_shared<Data>();
-    scene.data_->camera = world_camera(description, camera);
-    const Camera& c = scene.data_->camera;
+    auto data = std::make_shared<Data>();
+    data->camera = world_camera(description, camera);
+    const Camera& c = data->camera;
     // The camera and the environment, for tests to see.
     warnings.add(fmt::format("camera '{}' at {},{},{} to {},{},{} up {},{},{} fov {:.4g} aspect {}", c.name,
                              c.position.x, c.position.y, c.position.z, c.look_at.x, c.look_at.y, c.look_at.z, c.up.x,
                              c.up.y, c.up.z, c.fov_y * 180 / M_PI, c.aspect));
     if (description.environment.kind == EnvironmentKind::image)
         warnings.add("environment " + description.images.at(std::size_t(description.environment.image)).path.string());
+    Scene scene;
+    scene.data_ = std::move(data);
     return scene;
 }
 const SceneStatistics& Scene::statistics() const
@@ -100,30 +112,30 @@ const Camera& Scene::camera() const
 {
     return data_->camera;
 }
-void Scene::set_camera(const Camera& camera)
+
+struct RenderJob::Data {
+    Scene scene;
+    Camera camera;
+    FilmKey key;
+};
+RenderJob::RenderJob(const Scene& scene, const RenderSettings& settings) : RenderJob(scene, scene.camera(), settings) {}
+RenderJob::RenderJob(const Scene& scene, const Camera& camera, const RenderSettings& settings)
+    : data_(std::make_shared<const Data>(Data{scene, camera, {settings, std::string(32, '0')}}))
 {
-    data_->camera = camera;
+}
+const FilmKey& RenderJob::key() const
+{
+    return data_->key;
 }
 
 struct Film::Data {
-    RenderSettings settings;
-    std::string key;
+    FilmKey key;
     std::vector<SampleRange> samples;
     std::uint64_t dropped = 0;
     std::vector<std::uint32_t> sums;
 };
 
 namespace {
-
-std::string key_of(const RenderSettings& s)
-{
-    return fmt::format(
-        "{}x{} seed {} depth {} roulette {} nee {} filter {} crop {} bg {} alpha {}", s.width, s.height, s.seed,
-        s.max_depth, s.roulette_depth, s.light_sampling, int(s.filter),
-        s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none",
-        s.background ? fmt::format("{:.4f},{:.4f},{:.4f}", s.background->r, s.background->g, s.background->b) : "none",
-        s.alpha);
-}
 
 void add_range(Film::Data& data, SampleRange range)
 {
@@ -142,20 +154,26 @@ void add_range(Film::Data& data, SampleRange range)
 
 }  // namespace
 
-Film::Film(const RenderSettings& s)
-    : data_(new Data{s, key_of(s), {}, 0, std::vector<std::uint32_t>(std::size_t(s.width) * std::size_t(s.height))})
+Film::Film(FilmKey key) : data_(new Data)
 {
+    data_->sums.resize(std::size_t(key.settings.width) * std::size_t(key.settings.height));
+    data_->key = std::move(key);
+}
+Film::Film(const RenderJob& job) : Film(job.key()) {}
+const FilmKey& Film::key() const
+{
+    return data_->key;
 }
 Film::Film(Film&&) noexcept = default;
 Film& Film::operator=(Film&&) noexcept = default;
 Film::~Film() = default;
 int Film::width() const
 {
-    return data_->settings.width;
+    return data_->key.settings.width;
 }
 int Film::height() const
 {
-    return data_->settings.height;
+    return data_->key.settings.height;
 }
 const std::vector<SampleRange>& Film::samples() const
 {
@@ -178,7 +196,8 @@ std::optional<Film::SamplePlace> Film::dropped_sample() const
 }
 void Film::merge(const Film& other)
 {
-    if (data_->key != other.data_->key) throw Error("", "", "other settings: " + other.data_->key);
+    if (const std::string difference = other.key().difference(key()); !difference.empty())
+        throw Error("", "", difference);
     for (const SampleRange& range : other.data_->samples) add_range(*data_, range);
     for (std::size_t i = 0; i < data_->sums.size(); ++i) data_->sums[i] += other.data_->sums[i];
     data_->dropped += other.data_->dropped;
@@ -197,22 +216,19 @@ Image Film::image(bool alpha, bool variance) const
 }
 Film::Sums Film::sums() const
 {
-    return {width(), height(), 1, data_->sums, data_->samples, data_->dropped, data_->key};
+    return {width(), height(), 1, data_->sums, data_->samples, data_->dropped, data_->key.text()};
 }
 Film Film::from_sums(const Sums& sums)
 {
-    RenderSettings settings;
-    settings.width = sums.width, settings.height = sums.height;
-    Film film(settings);
-    film.data_->key = sums.key;
+    Film film(FilmKey::parse(sums.key));
     film.data_->sums = sums.words;
     film.data_->samples = sums.samples;
     film.data_->dropped = sums.dropped;
     return film;
 }
 
-bool render(const Scene&, const RenderSettings& settings, SampleRange range, Film& film,
-            const std::atomic<bool>* cancel, const std::function<void(const Progress&, const Film&)>& on_pass)
+bool render(const RenderJob&, SampleRange range, Film& film, const std::atomic<bool>* cancel,
+            const std::function<void(const Progress&, const Film&)>& on_pass)
 {
     Film::Data& data = film.data();
     const std::uint64_t pixels = data.sums.size();
@@ -229,7 +245,7 @@ bool render(const Scene&, const RenderSettings& settings, SampleRange range, Fil
     data.dropped = dropped_per_render;
     return true;
 }
-Color render_sample(const Scene&, const RenderSettings&, int x, int y, std::uint64_t sample)
+Color render_sample(const RenderJob&, int x, int y, std::uint64_t sample)
 {
     return {float(x), float(y), float(sample)};
 }

@@ -143,8 +143,8 @@ TEST(LightTable, PointSpotAndSun)
         for (std::size_t c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(t.lights[i].radiance[c], float(double(c + 1) * s * s));
     EXPECT_FLOAT_EQ(t.lights[0].position[1], float(5 * s));
     EXPECT_NEAR(t.lights[1].edge_u[1], -1, 1e-6);  // -z turned downwards
-    EXPECT_FLOAT_EQ(t.lights[1].cos_inner, float(std::cos(0.2)));
-    EXPECT_FLOAT_EQ(t.lights[1].cos_outer, float(std::cos(0.5)));
+    EXPECT_FLOAT_EQ(t.lights[1].outer, float(1 - std::cos(0.5)));
+    EXPECT_FLOAT_EQ(t.lights[1].falloff, float(std::cos(0.2) - std::cos(0.5)));
     EXPECT_FLOAT_EQ(t.lights[2].radiance[2], 3);  // irradiance knows no scale
     EXPECT_EQ(t.lights[2].radius, 0);
     EXPECT_NEAR(t.lights[2].edge_u[2], -1, 1e-6);
@@ -176,7 +176,7 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     const SceneTables& t = *scene.data().tables;
     ASSERT_EQ(t.materials.size(), 4u);
     const MaterialRecord& r = t.materials[0];
-    EXPECT_EQ(r.bsdf, std::uint32_t(BsdfKind::glass));
+    EXPECT_EQ(r.kind, std::uint32_t(MaterialKind::glass));
     for (std::size_t c = 0; c < 3; ++c) {
         EXPECT_EQ(r.base_color[c], 0.2f + 0.1f * float(c));
         // Of the way through so many metres, attenuation_color is left: by exp(-sigma t) in render units.
@@ -199,7 +199,7 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     EXPECT_FALSE(r.flags & MaterialRecord::thin);
     EXPECT_TRUE(t.materials[1].flags & MaterialRecord::thin);
     EXPECT_TRUE(t.materials[2].flags & MaterialRecord::unlit);
-    EXPECT_EQ(t.materials[2].bsdf, std::uint32_t(BsdfKind::none));
+    EXPECT_EQ(t.materials[2].kind, std::uint32_t(MaterialKind::none));
     EXPECT_TRUE(t.lights.empty());
 }
 
@@ -212,9 +212,9 @@ TEST(CameraTable, FrameSizeAndLens)
     c.position = {1, 2, 3}, c.look_at = {11, 2, 3}, c.up = {1, 1, 0};
     c.fov_y = 1, c.aperture = 0.5, c.focus_distance = 4;
     c.shutter_open = 0.25, c.shutter_close = 0.75;
-    Scene scene = compiled(d);
+    const Scene scene = compiled(d);
     const double s = scene.data().tables->render_scale;
-    CameraRecord r = scene.data().camera_table(30, 20);
+    CameraRecord r = scene.data().camera_record(scene.camera(), 30, 20);
     const auto expect = [](const float(&got)[3], Vec3d e) {
         EXPECT_NEAR(got[0], e.x, 1e-5);
         EXPECT_NEAR(got[1], e.y, 1e-5);
@@ -233,13 +233,11 @@ TEST(CameraTable, FrameSizeAndLens)
     Camera moved = scene.camera();
     moved.position = {1, 2, 8}, moved.look_at = {11, 2, 8};
     moved.focus_distance = 0;
-    scene.set_camera(moved);
-    r = scene.data().camera_table(30, 20);
+    r = scene.data().camera_record(moved, 30, 20);
     expect(r.position, {0, 0, 5 * s});
     EXPECT_FLOAT_EQ(r.focus_distance, float(10 * s));
     moved.kind = CameraKind::orthographic, moved.height = 7;
-    scene.set_camera(moved);
-    r = scene.data().camera_table(30, 20);
+    r = scene.data().camera_record(moved, 30, 20);
     EXPECT_EQ(r.orthographic, 1u);
     EXPECT_FLOAT_EQ(r.half_height, float(3.5 * s));
     EXPECT_FLOAT_EQ(r.half_width, float(5.25 * s));
@@ -498,7 +496,10 @@ TEST(Fingerprint, TellsScenesApart)
     d.nodes[0].shapes = {{MeshInstance{0}, 0, ""}, {Sphere{{0, 0, -9}, 1, {}}, 0, ""}};
     d.environment.kind = EnvironmentKind::gradient;
     add_light(d, {}, {});
-    const auto print = [](const SceneDescription& s) { return compiled(s).data().key(8, 8); };
+    const auto print = [](const SceneDescription& s) {
+        const Scene scene = compiled(s);
+        return scene.data().key(scene.data().camera_record(scene.camera(), 8, 8));
+    };
     std::set<std::string> seen{print(d)};
     EXPECT_EQ(print(d), *seen.begin());
     const std::vector<std::function<void(SceneDescription&)>> changes = {
@@ -512,7 +513,7 @@ TEST(Fingerprint, TellsScenesApart)
         [](SceneDescription& s) { s.materials[0].kind = MaterialKind::metal; },
         [](SceneDescription& s) { s.textures[0].scale = 2; },
         [](SceneDescription& s) { s.textures[0].kind = TextureKind::marble; },
-        [](SceneDescription& s) { s.textures[0].color_b.b = 0.1f; },
+        [](SceneDescription& s) { s.textures[0].color_b.value.b = 0.1f; },
         [](SceneDescription& s) { s.environment.top.r = 0.1f; },
         [](SceneDescription& s) { s.environment.world_from_environment = Transform::rotate({1, 0, 0}, 1); },
         [](SceneDescription& s) { s.lights[0].intensity.r = 2; },

@@ -275,9 +275,11 @@ TEST(Bvh, alpha)
     tables.quads.push_back({{-50, -50, 3}, {100, 0, 0}, {0, 100, 0}});
     finish(tables);
     struct Asked {
-        static bool test(const void*, std::uint32_t primitive, std::uint32_t instance, float u, float v)
+        static bool test(const void*, const AlphaCandidate& c)
         {
-            return (primitive + instance) % 3 != 0 && u + v < 0.9f;
+            const std::uint32_t ray = std::bit_cast<std::uint32_t>(c.origin[0]) + std::bit_cast<std::uint32_t>(c.t) +
+                                      std::bit_cast<std::uint32_t>(c.direction[1]);
+            return (c.primitive + c.instance + ray) % 3 != 0 && c.u + c.v < 0.9f;
         }
     };
     Bvh bvh;
@@ -298,8 +300,13 @@ TEST(Bvh, alpha)
         if (first.primitive[i] == no_index) continue;
         const std::uint32_t shape = first.instance[i] == no_index ? tables.shape_of_primitive[first.primitive[i]]
                                                                   : tables.instances[first.instance[i]].shape;
-        const bool counts =
-            shape > 1 || Asked::test(nullptr, first.primitive[i], first.instance[i], first.u[i], first.v[i]);
+        const bool counts = shape > 1 || Asked::test(nullptr, {{rays.o[0][i], rays.o[1][i], rays.o[2][i]},
+                                                               {rays.d[0][i], rays.d[1][i], rays.d[2][i]},
+                                                               first.t[i],
+                                                               first.u[i],
+                                                               first.v[i],
+                                                               first.primitive[i],
+                                                               first.instance[i]});
         passed += !counts;
         if (counts)
             EXPECT_EQ(hits.primitive[i], first.primitive[i]);

@@ -80,6 +80,27 @@ TEST(WriteImage, ReplacesAndFollowsLinks)
     EXPECT_EQ(folder.files(), 2u);
 }
 
+TEST(WriteImage, KeepsWhoMayReadTheFile)
+{
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "a.png";
+    write_image(file, made_image(4, 4), {});
+    for (const mode_t mode : {0600u, 0664u, 0777u}) {
+        ASSERT_EQ(chmod(file.c_str(), mode), 0);
+        write_image(file, made_image(5, 4), {});
+        struct stat status{};
+        ASSERT_EQ(stat(file.c_str(), &status), 0);
+        EXPECT_EQ(status.st_mode & 07777, mode);
+    }
+    if (geteuid() != 0) return;
+    ASSERT_EQ(chown(file.c_str(), 54321, 54322), 0);
+    write_image(file, made_image(4, 4), {});
+    struct stat status{};
+    ASSERT_EQ(stat(file.c_str(), &status), 0);
+    EXPECT_EQ(status.st_uid, 54321u);
+    EXPECT_EQ(status.st_gid, 54322u);
+}
+
 TEST(WriteImage, KeepsTheEarlierFileWhenTheDiskIsFull)
 {
     // A limit on the size of files stands for a full disk: write() fails in the same places.

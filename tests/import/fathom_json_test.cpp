@@ -201,8 +201,8 @@ TEST_F(FathomJson, EveryKeyOfATexture)
     EXPECT_EQ(a.uv_scale.y, 4);
     EXPECT_FLOAT_EQ(a.uv_rotation, float(std::numbers::pi / 2));
     EXPECT_EQ(b.kind, TextureKind::marble);
-    EXPECT_EQ(b.color_a, (Color{1, 2, 3}));
-    EXPECT_EQ(b.color_b, (Color{4, 5, 6}));
+    EXPECT_EQ(b.color_a.value, (Color{1, 2, 3}));
+    EXPECT_EQ(b.color_b.value, (Color{4, 5, 6}));
     EXPECT_EQ(b.scale, 7);
     EXPECT_EQ(b.octaves, 3);
     EXPECT_EQ(b.turbulence_weight, 8);

@@ -66,6 +66,52 @@ TEST(Furnace, EveryMaterialUnderAWhiteSky)
     expect(m, 1, 0.002);
 }
 
+/// Roulette adds no noise where nothing is lost: each path through glass brings what the sky has, exactly.
+TEST(Furnace, LosslessPathsHaveNoVariance)
+{
+    for (const bool thin : {false, true}) {
+        SceneBuilder b;
+        Material glass;
+        glass.kind = MaterialKind::glass;
+        glass.thin = thin;
+        const int m = b.material(glass);
+        if (thin)
+            for (int i = 0; i < 4; ++i) b.add(Rectangle{{-50, -50, -2.0 - i}, {100, 0, 0}, {0, 100, 0}}, m);
+        else
+            for (int i = 0; i < 2; ++i) b.add(Sphere{{0, 0, -10}, 4.0 - i, {}}, m);
+        b.scene.environment = white();
+        b.camera({0, 0, 0}, {0, 0, -1}, 30);
+        const Mean mean = mean_of(render_film(b.scene, small_picture(), 64));
+        EXPECT_NEAR(mean.value[0], 1, 1e-4);
+        EXPECT_LT(mean.error[0], 1e-5);
+    }
+}
+
+/// In a closed room that absorbs nothing paths end all the same, after some 64 + 20 bounces; beside a black lamp of
+/// radiance 1 there is a radiance of 1 everywhere.
+TEST(Furnace, PathsEndInAClosedWhiteRoom)
+{
+    for (const bool lamp : {false, true}) {
+        SceneBuilder b;
+        b.add(Sphere{{0, 0, 0}, -1, {}}, b.diffuse(1));
+        if (lamp) b.add(Sphere{{0, 0, 0}, 0.5, {}}, b.diffuse(0, {1, 1, 1}));
+        b.camera({0.3, 0.6, 0.2}, {1, 0.6, 0}, 60);
+        Warnings warnings;
+        const Scene scene = Scene::compile(b.scene, "", warnings);
+        const RenderSettings settings = small_picture();
+        const RenderJob job(scene, settings);
+        Film film(job);
+        std::uint64_t rays = 0;
+        render(job, {0, 64}, film, nullptr, [&](const Progress& progress, const Film&) { rays = progress.rays; });
+        expect_mean(film, lamp ? 1 : 0, 0.001);
+        const double rays_per_path = double(rays) / (64 * 32 * 24);
+        if (lamp)
+            EXPECT_LT(rays_per_path, 2 * (64 + 20));
+        else
+            EXPECT_NEAR(rays_per_path, 64 + 20, 2);
+    }
+}
+
 TEST(Furnace, TheSameForATreeOfTriangles)
 {
     // An octahedron split often enough to need the tree.
@@ -147,8 +193,8 @@ TEST(Lights, TextureOfALamp)
             Texture halves;
             halves.kind = TextureKind::checker_uv;
             halves.uv_scale = {2, 1};
-            halves.color_a = {1, 1, 1};
-            halves.color_b = {0, 0, 0};
+            halves.color_a.value = {1, 1, 1};
+            halves.color_b.value = {0, 0, 0};
             b.scene.textures.push_back(halves);
             const int lamp = b.diffuse(0, {3, 3, 3}, true);
             b.scene.materials[std::size_t(lamp)].emission.texture = 0;
@@ -251,6 +297,56 @@ TEST(Lights, PointSpotAndDirectional)
     expect_mean(mean(light, {3, 2, 0}), 0, 0);
 }
 
+/// A spot's light from the middle of its cone to beyond its edge, for cones from a hair's breadth to more than half of
+/// all directions: KHR_lights_punctual's formula, in double.
+TEST(Lights, SpotOfEveryWidth)
+{
+    const auto one_minus_cos = [](double a) { return 2 * std::sin(a / 2) * std::sin(a / 2); };
+    for (double outer : {1e-4, 1e-2, 0.5, std::numbers::pi / 2, 2.0, 3.0})
+        for (double inner : {0.0, 0.5, 1.0})
+            for (double at : {0.0, 0.3, 0.75, 0.95, 1.1}) {
+                if (at * outer > 3) continue;
+                SceneBuilder b = floor_scene(0.5f);
+                b.scene.cameras[0].fov_y = outer * 1e-3;
+                Light light;
+                light.kind = LightKind::spot;
+                light.intensity = {5, 5, 5};
+                light.inner_angle = inner * outer;
+                light.outer_angle = outer;
+                // Above the place that is seen; its axis, the node's -z, away from there by the angle.
+                b.light(light, Transform::translate({0, 2, 0}) * Transform::rotate({0, 0, 1}, at * outer) *
+                                   Transform::rotate({1, 0, 0}, -std::numbers::pi / 2));
+                const double edge = one_minus_cos(outer), falloff = edge - one_minus_cos(inner * outer),
+                             inside = edge - one_minus_cos(at * outer);
+                const double x = inside <= 0 ? 0 : inside >= falloff ? 1 : inside / falloff;
+                SCOPED_TRACE("outer " + std::to_string(outer) + " inner " + std::to_string(inner) + " at " +
+                             std::to_string(at));
+                expect_mean(render_film(b.scene, small_picture(4, 4), 4), 0.5 / std::numbers::pi * 5 / 4 * x * x,
+                            0.004);
+            }
+}
+
+/// Angles that vanish give light that is finite: a directional one its irradiance, a spot nothing but on its axis.
+TEST(Lights, AnglesNearZero)
+{
+    for (double angle : {1e-4, 1e-6, 1e-7, 1e-12, 1e-20, 1e-40, 0.0}) {
+        SCOPED_TRACE(angle);
+        for (LightKind kind : {LightKind::directional, LightKind::spot}) {
+            SceneBuilder b = floor_scene(0.5f);
+            Light light;
+            light.kind = kind;
+            light.intensity = {5, 5, 5};
+            light.angle = light.inner_angle = light.outer_angle = angle;
+            b.light(light, Transform::translate({0, 2, 0}) * Transform::rotate({1, 0, 0}, -std::numbers::pi / 2));
+            const Film film = render_film(b.scene, small_picture(4, 4), 4);
+            if (kind == LightKind::directional)
+                expect_mean(film, 0.5 / std::numbers::pi * 5);
+            else
+                EXPECT_LE(mean_of(film).value[0], 0.5 / std::numbers::pi * 5 / 4 * 1.001);
+        }
+    }
+}
+
 TEST(Lights, ManyOfThemAddUp)
 {
     SceneBuilder b = floor_scene(0.5f);
@@ -283,6 +379,81 @@ TEST(Alpha, OfEveryShape)
     }
 }
 
+/// Each layer decides for itself which rays it stops: n of them let (1 - alpha)^n through, whether they are shapes of
+/// their own or instances of one mesh, and also where they lie right behind each other.
+TEST(Alpha, OfAStackOfLayers)
+{
+    constexpr std::uint32_t n = 48;
+    Mesh grid;  // large enough that copies are instances
+    for (std::uint32_t i = 0; i <= n; ++i)
+        for (std::uint32_t j = 0; j <= n; ++j)
+            grid.positions.push_back({4 * float(i) / n - 2, 4 * float(j) / n - 2, 0});
+    for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t j = 0; j < n; ++j) {
+            const std::uint32_t a = i * (n + 1) + j, b = a + n + 1;
+            grid.indices.insert(grid.indices.end(), {a, b, a + 1, a + 1, b, b + 1});
+        }
+    for (const bool copies : {false, true})
+        for (const double distance : {0.5, 0.0})
+            for (const float alpha : {0.2f, 0.5f}) {
+                SceneBuilder b;
+                Material m;
+                m.kind = MaterialKind::none;
+                m.alpha_mode = AlphaMode::blend;
+                m.alpha.value = alpha;
+                const int layer = b.material(m);
+                b.scene.meshes.push_back(grid);
+                for (int i = 0; i < 4; ++i) {
+                    Node node;
+                    node.parent_from_node = Transform::translate({0, 0, -5 - distance * i});
+                    if (copies)
+                        node.shapes.push_back({MeshInstance{0}, layer, ""});
+                    else
+                        node.shapes.push_back({Rectangle{{-2, -2, 0}, {4, 0, 0}, {0, 4, 0}}, layer, ""});
+                    b.scene.roots.push_back(int(b.scene.nodes.size()));
+                    b.scene.nodes.push_back(node);
+                }
+                b.scene.environment = white();
+                b.camera({0, 0, 0}, {0, 0, -1}, 10);
+                b.scene.cameras[0].kind = CameraKind::orthographic;
+                SCOPED_TRACE(std::to_string(copies) + " " + std::to_string(distance));
+                expect_mean(render_film(b.scene, small_picture(), 64), std::pow(1 - alpha, 4), 0);
+            }
+}
+
+/// What a texture's alpha stops is what the same texture shows: black against white and white against black make white.
+TEST(Alpha, OfEveryTexture)
+{
+    for (const TextureKind kind : {TextureKind::checker_uv, TextureKind::checker_space, TextureKind::noise,
+                                   TextureKind::turbulence, TextureKind::marble}) {
+        Texture texture;
+        texture.kind = kind;
+        texture.scale = 3;
+        texture.color_a.value = {0.25f, 0, 0};
+        double sum = 0, error2 = 0;
+        for (const bool as_alpha : {false, true}) {
+            SceneBuilder b;
+            b.scene.textures.push_back(texture);
+            Material m;
+            m.kind = MaterialKind::none;
+            if (as_alpha) {
+                m.alpha_mode = AlphaMode::blend;
+                m.alpha = {1, 0, 0};
+                b.scene.environment = white();
+            } else {
+                m.emission = {{1, 1, 1}, 0};
+            }
+            b.add(Rectangle{{-2, -2, -5}, {4, 0, 0}, {0, 4, 0}}, b.material(m));
+            b.camera({0, 0, 0}, {0, 0, -1}, 30);
+            const Mean mean = mean_of(render_film(b.scene, small_picture(), 256));
+            EXPECT_GT(mean.value[0], 0.1);
+            EXPECT_LT(mean.value[0], 0.9);
+            sum += mean.value[0], error2 += mean.error[0] * mean.error[0];
+        }
+        EXPECT_NEAR(sum, 1, 4 * std::sqrt(error2)) << int(kind);
+    }
+}
+
 /// A disk shows its texture in the same place when a transform makes an ellipse of it.
 TEST(Textures, OfADistortedDisk)
 {
@@ -308,6 +479,54 @@ TEST(Textures, OfADistortedDisk)
     EXPECT_GT(expected, 0.1);
     EXPECT_LT(expected, 0.9);
     EXPECT_NEAR(mean(Transform::scale({1.0002, 1, 1})), expected, 0.01);
+}
+
+/// Shapes show their texture turned as their node is: the same picture as of a camera that goes round the other way,
+/// and where the node mirrors, that picture mirrored, since cameras are not.
+TEST(Textures, TurnWithTheNode)
+{
+    const Transform turn = Transform::rotate({0.3, 1, 0.5}, 1.1) * Transform::rotate({1, 0, 0}, 0.4);
+    const Transform mirror = Transform::scale({-1.5, 1.5, 1.5});
+    Points points;
+    points.centers = {{0, 0, 0}};
+    points.radii = {1};
+    const std::vector<decltype(Shape::geometry)> shapes = {Sphere{{0, 0, 0}, 1, {}}, Disk{{0, 0, 0}, {0.2, 0.3, 1}, 1},
+                                                           PointsInstance{0}};
+    for (const auto& shape : shapes)
+        for (const bool mirrors : {false, true}) {
+            const Transform transform = mirrors ? turn * mirror : turn;
+            Image pictures[2];
+            for (const bool turns_camera : {false, true}) {
+                SceneBuilder b;
+                b.scene.points.push_back(points);
+                Texture checker;
+                checker.kind = TextureKind::checker_uv;
+                checker.uv_scale = {4, 4};
+                checker.color_b.value = {1, 0.5f, 0.25f};
+                b.scene.textures.push_back(checker);
+                Material m;
+                m.kind = MaterialKind::none;
+                m.emission = {{1, 1, 1}, 0};
+                m.emission_two_sided = true;
+                Node node;
+                if (!turns_camera) node.parent_from_node = transform;
+                node.shapes.push_back({shape, b.material(m), ""});
+                b.scene.roots.push_back(1);
+                b.scene.nodes.push_back(node);
+                b.camera({0.3, 0.2, 4}, {0, 0, 0}, 50);
+                if (turns_camera) b.scene.nodes[0].parent_from_node = transform.inverse();
+                pictures[turns_camera] = render_film(b.scene, small_picture(), 64).image(false, false);
+            }
+            double difference = 0;
+            for (int y = 0; y < 24; ++y)
+                for (int x = 0; x < 32; ++x) {
+                    const auto at = [&](int picture, int column) {
+                        return double(pictures[picture].layers[0].pixels[std::size_t(3 * (y * 32 + column) + 1)]);
+                    };
+                    difference += std::abs(at(0, x) - at(1, mirrors ? 31 - x : x)) / (32 * 24);
+                }
+            EXPECT_LT(difference, 0.02) << shape.index() << " " << mirrors;
+        }
 }
 
 TEST(Glass, AbsorbsByTheWayInside)

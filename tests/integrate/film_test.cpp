@@ -17,8 +17,9 @@ SceneDescription ball()
 
 Film part(const Scene& scene, const RenderSettings& settings, SampleRange range)
 {
-    Film film(settings);
-    EXPECT_TRUE(render(scene, settings, range, film));
+    const RenderJob job(scene, settings);
+    Film film(job);
+    EXPECT_TRUE(render(job, range, film));
     return film;
 }
 
@@ -79,7 +80,7 @@ TEST(Film, OneSampleReplayedIsTheOneInThePicture)
     const RenderSettings settings = small_picture();
     const Image image = part(scene, settings, {7, 8}).image(false, false);
     for (int x : {3, 16, 20}) {
-        const Color c = render_sample(scene, settings, x, 11, 7);
+        const Color c = render_sample(RenderJob(scene, settings), x, 11, 7);
         EXPECT_NEAR(c.r, image.layers[0].pixels[std::size_t(11 * 32 + x) * 3], 1e-10 + 1e-6 * c.r);
     }
 }

@@ -70,8 +70,9 @@ inline Film render_film(const SceneDescription& description, const RenderSetting
 {
     Warnings warnings;
     const Scene scene = Scene::compile(description, "", warnings);
-    Film film(settings);
-    EXPECT_TRUE(render(scene, settings, {0, samples}, film));
+    const RenderJob job(scene, settings);
+    Film film(job);
+    EXPECT_TRUE(render(job, {0, samples}, film));
     EXPECT_EQ(film.dropped_samples(), 0u);
     return film;
 }

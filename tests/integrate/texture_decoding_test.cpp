@@ -81,9 +81,9 @@ Outcome compile_with(int threads, const SceneDescription& description)
     Warnings warnings;
     tbb::task_arena(threads).execute([&] {
         const Scene scene = Scene::compile(description, "", warnings);
-        const RenderSettings settings = test::small_picture(side, side);
-        Film film(settings);
-        render(scene, settings, {0, 4}, film);
+        const RenderJob job(scene, test::small_picture(side, side));
+        Film film(job);
+        render(job, {0, 4}, film);
         outcome.pixels = film.image(false, false).layers[0].pixels;
         outcome.memory_bytes = scene.statistics().memory_bytes;
     });

@@ -3,9 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "chi_square.h"
-#include "lane_helpers.h"
-#include "shading/bsdf.h"
+#include "closure_checks.h"
+#include "shading/closures/closures.h"
 
 // Scattering functions against the papers' formulae, written again in double.
 namespace fathom {
@@ -13,20 +12,9 @@ namespace {
 
 using test::Direction;
 using test::first;
-
-MaterialPoint material(float color, float roughness, float metallic = 0, float ior = 1.5f)
-{
-    return {Spectrum(Float(color)), Float(roughness), Float(metallic), Float(ior), Float(0), Mask(true), Mask(false)};
-}
-Vec3 lane_direction(Direction d)
-{
-    return {Float(float(d.x)), Float(float(d.y)), Float(float(d.z))};
-}
-Vec3 outgoing(double degrees)
-{
-    const double t = degrees * std::numbers::pi / 180;
-    return lane_direction({std::sin(t), 0, std::cos(t)});
-}
+using test::lane_direction;
+using test::material;
+using test::outgoing;
 
 double dot3(Direction a, Direction b)
 {
@@ -134,7 +122,7 @@ TEST(Metal, IsTheFormula)
             }
 }
 
-/// glTF 2.0, appendix B, with a base that gets what the layer leaves.
+/// glTF 2.0, appendix B: the mixture of a metal and of a dielectric, whose base gets what its layer leaves.
 TEST(Principled, IsTheFormula)
 {
     const double color = 0.6, roughness = 0.5;
@@ -144,18 +132,15 @@ TEST(Principled, IsTheFormula)
                 for (const Direction& wi : some_directions) {
                     const BsdfEval e = PrincipledBsdf(material(float(color), float(roughness), metallic, ior))
                                            .eval(lane_direction(wo), lane_direction(wi));
-                    const double dielectric = std::pow((double(ior) - 1) / (double(ior) + 1), 2);
-                    const double f0 = dielectric + (color - dielectric) * double(metallic);
-                    const Float z(float(wo.z)), r { float(roughness) };
-                    const double albedo = first(ggx_albedo(z, r)),
-                                 weighted = first(ggx_lookup(ggx_schlick_table, z, r));
-                    const double layer =
-                        (dielectric * albedo + (1 - dielectric) * weighted) * made_up(dielectric, albedo);
-                    const double specular = schlick(f0, dot3(wo, half_way(wo, wi))) * made_up(f0, albedo) *
-                                            ggx_f_cos(wo, wi, roughness * roughness);
-                    const double base =
-                        color * (1 - double(metallic)) * (1 - std::min(1.0, layer)) * wi.z / std::numbers::pi;
-                    EXPECT_NEAR(first(e.f_cos.c[0]) / (specular + base), 1, 2e-4) << metallic << " " << ior;
+                    const double f0 = std::pow((double(ior) - 1) / (double(ior) + 1), 2);
+                    const Float z(float(wo.z)), r{float(roughness)};
+                    const double albedo = first(ggx_albedo(z, r)), weighted = first(ggx_lookup(ggx_schlick_table, z, r));
+                    const double facets = ggx_f_cos(wo, wi, roughness * roughness), h = dot3(wo, half_way(wo, wi));
+                    const double layer = (f0 * albedo + (1 - f0) * weighted) * made_up(f0, albedo);
+                    const double dielectric = schlick(f0, h) * made_up(f0, albedo) * facets +
+                                              color * (1 - std::min(1.0, layer)) * wi.z / std::numbers::pi;
+                    const double metal = schlick(color, h) * made_up(color, albedo) * facets, m = double(metallic);
+                    EXPECT_NEAR(first(e.f_cos.c[0]) / (m * metal + (1 - m) * dielectric), 1, 2e-4) << metallic << " " << ior;
                 }
 }
 

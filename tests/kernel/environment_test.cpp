@@ -209,7 +209,7 @@ TEST(Environment, IntervalsOfATable)
             const float x = float(k) / 200;
             int expected = 0;
             while (expected + 1 < n && table[std::size_t(expected) + 1] <= x) ++expected;
-            const auto found = int(first(detail::find_interval(table.data(), UInt(0u), n, Float(x))));
+            const auto found = int(first(find_interval(table.data(), UInt(0u), n, Float(x))));
             EXPECT_EQ(found, expected) << n << " " << x;
         }
     }

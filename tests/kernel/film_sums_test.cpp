@@ -61,53 +61,80 @@ TEST(ExactSum, CarriesBeyond64Bits)
     EXPECT_EQ(a[2], 2u);
 }
 
+TEST(ExactSquareSum, DoesNotDependOnOrderOrGroupingAndStopsAtItsEnd)
+{
+    std::mt19937 random(3);
+    std::vector<double> values;
+    for (int i = 0; i < 10000; ++i) values.push_back(std::ldexp(double(random()), int(random() % 110) - 80));
+    for (const double scale : {1.0, 0x1p50}) {  // within the range, and beyond it
+        std::uint32_t forward[4] = {}, backward[4] = {}, left[4] = {}, right[4] = {};
+        double expected = 0;
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            ExactSquareSum::add_number(forward, values[i] * scale);
+            ExactSquareSum::add_number(backward, values[values.size() - 1 - i] * scale);
+            ExactSquareSum::add_number(i % 3 ? left : right, values[i] * scale);
+            expected += std::min(values[i] * scale, 0x1p64);
+        }
+        ExactSquareSum::add(left, right);
+        for (int i = 0; i < 4; ++i) {
+            EXPECT_EQ(forward[i], backward[i]);
+            EXPECT_EQ(forward[i], left[i]);
+        }
+        EXPECT_NEAR(ExactSquareSum::value(forward) / std::min(expected, 0x1p74), 1, 1e-9);
+    }
+}
+
 TEST(TileSums, FastAndSlowWaysAgree)
 {
     std::mt19937 random(4);
     TileSums fast;
-    fast.reset(1, 18);
-    std::uint32_t film[18] = {}, plain[18] = {};
+    fast.reset(1, other_words);
+    std::uint32_t film[other_words] = {}, plain[other_words] = {};
     for (int i = 0; i < 1000; ++i) {
-        const float v[3] = {float(random() % 1000) * 0.1f, 0.3f * float(i % 7), 1e-4f * float(random() % 100)};
+        const float v[3] = {float(random() % 1000) * 0.1f, 0.3f * float(i % 7), 1e-7f * float(random() % 100)};
         fast.add(0, 0, v[0], v[1], v[2]);
         for (int c = 0; c < 3; ++c) {
-            ExactSum::add_number(plain + 3 * c, v[c]);
-            ExactSum::add_number(plain + 3 * (3 + c), double(v[c]) * v[c]);
+            ExactSum::add_number(radiance_sum(plain, c), v[c]);
+            ExactSquareSum::add_number(square_sum(plain, c), double(v[c]) * v[c]);
         }
     }
-    fast.add_to(0, film, 6, -1);
-    for (int i = 0; i < 18; ++i) EXPECT_EQ(film[i], plain[i]) << i;
+    fast.add_to(0, film, 0, -1);
+    for (int i = 0; i < other_words; ++i) EXPECT_EQ(film[i], plain[i]) << i;
     EXPECT_TRUE(fast.slow().empty());
 }
 
 /// Every pixel of a tile has its own sums, of first hits as well; of ids those of the lowest sample.
 TEST(TileSums, PixelsAndFirstHits)
 {
-    // Radiance and squares, depth as sum 6, hits as sum 7, then ids.
-    constexpr std::size_t words = 8 * 3 + 3;
+    // Besides radiance and squares depth and hits, then ids.
+    constexpr int sums_of_first_hits = 2, ids = other_words + sums_of_first_hits * ExactSum::words;
+    constexpr std::size_t words = ids + 3;
     TileSums sums;
     sums.reset(3, words);
     for (std::uint32_t pixel = 0; pixel < 3; ++pixel) {
         sums.add(pixel, 0, float(pixel) - 0.5f, 2, 127);
         for (int hit = 0; hit < 3; ++hit) {
-            sums.add_first_hit(pixel, 6, 1.25f * float(pixel) - 1);
-            sums.add_first_hit(pixel, 7, 1);
+            sums.add_first_hit(pixel, 0, 1.25f * float(pixel) - 1);
+            sums.add_first_hit(pixel, 1, 1);
         }
-        sums.add_first_hit(pixel, 6, INFINITY);
-        for (std::uint32_t sample : {9u, 4u, 6u}) sums.set_ids(pixel, 8 * 3, sample, 10 + sample, 20 + pixel);
+        sums.add_first_hit(pixel, 0, INFINITY);
+        for (std::uint32_t sample : {9u, 4u, 6u}) sums.set_ids(pixel, ids, sample, 10 + sample, 20 + pixel);
     }
     for (std::uint32_t pixel = 0; pixel < 3; ++pixel) {
         std::uint32_t film[words] = {};
-        film[24] = 0xffffffffu;
-        sums.add_to(pixel, film, 8, 24);
-        sums.add_to(pixel, film, 8, 24);
-        const double v = double(pixel) - 0.5;
-        const double expected[] = {v, 2, 127, v * v, 4, 127.0 * 127, 3 * (1.25 * pixel - 1), 3};
-        for (int s = 0; s < 8; ++s)
-            EXPECT_NEAR(ExactSum::value(film + 3 * s), 2 * expected[s], 1e-9) << pixel << " " << s;
-        EXPECT_EQ(film[24], 4u);
-        EXPECT_EQ(film[25], 14u);
-        EXPECT_EQ(film[26], 20 + pixel);
+        film[ids] = 0xffffffffu;
+        sums.add_to(pixel, film, sums_of_first_hits, ids);
+        sums.add_to(pixel, film, sums_of_first_hits, ids);
+        const double values[] = {double(pixel) - 0.5, 2, 127};
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_NEAR(ExactSum::value(radiance_sum(film, c)), 2 * values[c], 1e-9) << pixel << " " << c;
+            EXPECT_NEAR(ExactSquareSum::value(square_sum(film, c)), 2 * values[c] * values[c], 1e-9) << pixel << " " << c;
+        }
+        EXPECT_NEAR(ExactSum::value(other_sum(film, 0)), 6 * (1.25 * pixel - 1), 1e-9);
+        EXPECT_NEAR(ExactSum::value(other_sum(film, 1)), 6, 1e-9);
+        EXPECT_EQ(film[ids], 4u);
+        EXPECT_EQ(film[ids + 1], 14u);
+        EXPECT_EQ(film[ids + 2], 20 + pixel);
     }
     EXPECT_TRUE(sums.slow().empty());
 }
@@ -115,7 +142,7 @@ TEST(TileSums, PixelsAndFirstHits)
 TEST(TileSums, BrightSamplesAreKeptApartAndBadOnesCounted)
 {
     TileSums sums;
-    sums.reset(2, 18);
+    sums.reset(2, other_words);
     sums.add(1, 5, 1e6f, 0, 0);
     sums.add(1, 7, std::nanf(""), 0, 0);
     sums.add(0, 8, 0, INFINITY, 0);

@@ -376,7 +376,7 @@ TEST(SpotLight, FallsOffBetweenItsCones)
     table.two_sided = 1;
     const Vec3d axis = normalize(Vec3d{1, -2, 0.5});
     put(table.edge_u, axis);
-    table.cos_inner = float(std::cos(inner)), table.cos_outer = float(std::cos(outer));
+    table.outer = float(1 - std::cos(outer)), table.falloff = float(std::cos(inner) - std::cos(outer));
     for (float& r : table.radiance) r = 3;
     Vec3d s, t;
     perpendicular(axis, s, t);

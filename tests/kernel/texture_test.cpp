@@ -1,4 +1,4 @@
-#include "shading/texture.h"
+#include "shading/textures/textures.h"
 
 #include <gtest/gtest.h>
 
@@ -134,7 +134,8 @@ TexturePoint point(double u0, double v0, double u1, double v1, Vec3d p = {})
 {
     return {{Float(float(u0)), Float(float(u1))},
             {Float(float(v0)), Float(float(v1))},
-            Vec3(Vec3f{float(p.x), float(p.y), float(p.z)})};
+            Vec3(Vec3f{float(p.x), float(p.y), float(p.z)}),
+            {Float(1), Float(1), Float(1), Float(1)}};
 }
 
 /// Two colours, so that the share of the second can be read off; alpha likewise.
@@ -149,7 +150,8 @@ TextureRecord mixed(TextureKind kind)
 
 double share(const TextureRecord& t, const TexturePoint& at)
 {
-    const Texel texel = evaluate_texture({}, t, at, Mask(true));
+    const ShadingTables tables;
+    const Texel texel = TextureGraph(tables).evaluate(t, at, Mask(true));
     const double s = first(texel.c[0]);
     EXPECT_NEAR(first(texel.c[1]), 1 - s, 2e-6);
     EXPECT_NEAR(first(texel.c[2]), 0.5 + 0.25 * s, 2e-6);
@@ -168,7 +170,7 @@ TEST(Textures, UvSetAndMap)
         t.uv_set = second;
         for (const auto& [u, v] : {std::pair{0.1, 0.2}, {0.9, 0.1}, {0.4, 0.6}}) {
             const TexturePoint at = second ? point(7, 8, u, v) : point(u, v, 7, 8);
-            const Texel texel = evaluate_texture(tables, t, at, Mask(true));
+            const Texel texel = TextureGraph(tables).evaluate(t, at, Mask(true));
             const int x = wrapped(int(std::floor((0.5 * u + 0.25 * v + 0.1) * width)), width, Wrap::repeat);
             const int y = wrapped(int(std::floor((-0.125 * u + v + 0.3) * height)), height, Wrap::repeat);
             for (int c = 0; c < 4; ++c) EXPECT_NEAR(first(texel.c[c]), code_of(x, y, c) / 255.0, 1e-6);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <limits>
 #include <thread>
 
 #include "fathom/error.h"
@@ -57,11 +58,12 @@ TEST(RenderPass, MakesTheBitsOfRender)
     for (const bool cropped : {false, true}) {
         RenderSettings settings = small();
         if (cropped) settings.crop = Crop{7, 5, 101, 64};
-        Film whole(settings), passes(settings);
-        render(scene, settings, {0, 7}, whole);
+        const RenderJob job(scene, settings);
+        Film whole(job), passes(job);
+        render(job, {0, 7}, whole);
         const std::atomic<bool> cancel = false;
         for (const SampleRange& range : {SampleRange{0, 1}, {1, 2}, {4, 7}, {2, 4}})
-            EXPECT_TRUE(render_pass(scene, settings, range, passes, cancel));
+            EXPECT_TRUE(render_pass(job, range, passes, cancel));
         expect_same(whole, passes);
     }
 }
@@ -70,15 +72,16 @@ TEST(RenderPass, LeavesTheFilmAsItWasIfCancelled)
 {
     const Scene scene = compiled();
     const RenderSettings settings = small();
-    Film film(settings), as_it_was(settings);
+    const RenderJob job(scene, settings);
+    Film film(job), as_it_was(job);
     std::atomic<bool> cancel = true;
-    EXPECT_FALSE(render_pass(scene, settings, {0, 1}, film, cancel));
+    EXPECT_FALSE(render_pass(job, {0, 1}, film, cancel));
     expect_same(film, as_it_was);
     cancel = false;
-    render_pass(scene, settings, {0, 2}, film, cancel);
-    render_pass(scene, settings, {0, 2}, as_it_was, cancel);
+    render_pass(job, {0, 2}, film, cancel);
+    render_pass(job, {0, 2}, as_it_was, cancel);
     cancel = true;
-    EXPECT_FALSE(render_pass(scene, settings, {2, 5}, film, cancel));
+    EXPECT_FALSE(render_pass(job, {2, 5}, film, cancel));
     expect_same(film, as_it_was);
 }
 
@@ -91,10 +94,11 @@ TEST(RenderPass, CanBeCancelledAtAnyTime)
     settings.width = 640, settings.height = 480;
     const std::atomic<bool> never = false;
     for (const std::uint64_t before : {0, 2}) {
-        Film film(settings), as_it_was(settings);
+        const RenderJob job(scene, settings);
+        Film film(job), as_it_was(job);
         if (before > 0) {
-            render_pass(scene, settings, {0, before}, film, never);
-            render_pass(scene, settings, {0, before}, as_it_was, never);
+            render_pass(job, {0, before}, film, never);
+            render_pass(job, {0, before}, as_it_was, never);
         }
         for (const auto time : {2ms, 10ms, 40ms}) {
             std::atomic<bool> cancel = false;
@@ -104,52 +108,156 @@ TEST(RenderPass, CanBeCancelledAtAnyTime)
             });
             // Far more than any machine does in that time.
             const auto start = std::chrono::steady_clock::now();
-            EXPECT_FALSE(render_pass(scene, settings, {before, before + 1024}, film, cancel));
+            EXPECT_FALSE(render_pass(job, {before, before + 1024}, film, cancel));
             EXPECT_LT(std::chrono::steady_clock::now() - start, 2s);
             canceller.join();
             expect_same(film, as_it_was);
         }
-        EXPECT_TRUE(render_pass(scene, settings, {before, before + 1}, film, never));
-        Film whole(settings);
-        render(scene, settings, {0, before + 1}, whole);
+        EXPECT_TRUE(render_pass(job, {before, before + 1}, film, never));
+        Film whole(job);
+        render(job, {0, before + 1}, whole);
         expect_same(film, whole);
     }
 }
 
 TEST(RenderPass, RefusesWhatIsWrong)
 {
-    Scene scene = compiled();
+    const Scene scene = compiled();
     const RenderSettings settings = small();
     const std::atomic<bool> cancel = false;
-    Film film(settings), as_it_was(settings);
+    const RenderJob job(scene, settings);
+    Film film(job), as_it_was(job);
     for (const SampleRange& wrong : {SampleRange{0, 0}, {3, 2}, {0, 1025}})
-        EXPECT_THROW(render_pass(scene, settings, wrong, film, cancel), Error);
+        EXPECT_THROW(render_pass(job, wrong, film, cancel), Error);
     expect_same(film, as_it_was);
-    render_pass(scene, settings, {0, 2}, film, cancel);
-    render_pass(scene, settings, {0, 2}, as_it_was, cancel);
-    EXPECT_THROW(render_pass(scene, settings, {1, 3}, film, cancel), Error);
+    render_pass(job, {0, 2}, film, cancel);
+    render_pass(job, {0, 2}, as_it_was, cancel);
+    EXPECT_THROW(render_pass(job, {1, 3}, film, cancel), Error);
     Camera camera = scene.camera();
     camera.position.x += 1;
-    scene.set_camera(camera);
-    EXPECT_THROW(render_pass(scene, settings, {2, 3}, film, cancel), Error);
+    const RenderJob moved(scene, camera, settings);
+    EXPECT_THROW(render_pass(moved, {2, 3}, film, cancel), Error);
     expect_same(film, as_it_was);
 }
 
-TEST(Film, ClearedIsAsNew)
+TEST(Film, ResetIsAsNew)
 {
-    Scene scene = compiled();
+    const Scene scene = compiled();
     const RenderSettings settings = small();
-    Film film(settings);
-    render(scene, settings, {0, 2}, film);
-    film.clear();
-    expect_same(film, Film(settings));
+    const RenderJob job(scene, settings);
+    Film film(job);
+    render(job, {0, 2}, film);
+    film.reset(job);
+    expect_same(film, Film(job));
     Camera camera = scene.camera();
     camera.position.x += 1;
-    scene.set_camera(camera);
-    Film other(settings);
-    render(scene, settings, {0, 2}, other);
-    render(scene, settings, {0, 2}, film);
+    RenderSettings smaller = settings;
+    smaller.width /= 2;
+    smaller.aovs.clear();
+    const RenderJob moved(scene, camera, smaller);
+    Film other(moved);
+    render(moved, {0, 2}, other);
+    film.reset(moved);
+    render(moved, {0, 2}, film);
     expect_same(film, other);
+}
+
+/// What could be put together wrongly can't be put together at all.
+TEST(RenderJob, RefusesWhatIsNoPicture)
+{
+    const Scene scene = compiled();
+    const auto refused = [&](auto change) {
+        RenderSettings settings = small();
+        Camera camera = scene.camera();
+        change(settings, camera);
+        EXPECT_THROW(RenderJob(scene, camera, settings), Error);
+    };
+    refused([](RenderSettings& s, Camera&) { s.width = 0; });
+    refused([](RenderSettings& s, Camera&) { s.height = 65536; });
+    refused([](RenderSettings& s, Camera&) { s.crop = Crop{0, 0, 121, 90}; });
+    refused([](RenderSettings& s, Camera&) { s.crop = Crop{5, 5, 5, 9}; });
+    refused([](RenderSettings& s, Camera&) { s.crop = Crop{-1, 0, 5, 9}; });
+    refused([](RenderSettings&, Camera& c) { c.position.x = 1e30; });
+    refused([](RenderSettings&, Camera& c) { c.aperture = 1e30; });
+    refused([](RenderSettings&, Camera& c) { c.look_at = c.position; });
+    refused([](RenderSettings&, Camera& c) { c.position.y = std::numeric_limits<double>::quiet_NaN(); });
+}
+
+TEST(RenderJob, OnlyFilmsOfItAreRendered)
+{
+    const Scene scene = compiled();
+    const RenderJob job(scene, small());
+    RenderSettings other = small();
+    other.width = 200;
+    Film larger{RenderJob(scene, other)};
+    EXPECT_THROW(render(job, {0, 1}, larger), Error);
+    other = small();
+    other.aovs.clear();
+    Film without_layers{RenderJob(scene, other)};
+    EXPECT_THROW(render(job, {0, 1}, without_layers), Error);
+    other = small();
+    other.threads = 1;  // decides no bit
+    Film same{RenderJob(scene, other)};
+    EXPECT_TRUE(render(job, {0, 1}, same));
+}
+
+TEST(FilmKey, IsItsText)
+{
+    const Scene scene = compiled();
+    RenderSettings settings = small();
+    settings.crop = Crop{3, 4, 50, 60};
+    settings.background = Color{0.1f, -2.5f, 1e-3f};
+    settings.seed = 4000000000u;
+    settings.filter = Filter::gaussian;
+    settings.light_sampling = false;
+    const RenderJob job(scene, settings);
+    const FilmKey again = FilmKey::parse(job.key().text());
+    EXPECT_EQ(again.difference(job.key()), "");
+    EXPECT_EQ(again.text(), job.key().text());
+    settings.seed = 1;
+    EXPECT_EQ(RenderJob(scene, settings).key().difference(job.key()), "seed is 1, not 4000000000");
+}
+
+TEST(FilmKey, RefusesWhatIsNone)
+{
+    const std::string good = RenderJob(compiled(), small()).key().text();
+    const auto with = [&](const std::string& from, const std::string& to) {
+        std::string text = good;
+        const std::size_t at = text.find(from);
+        EXPECT_NE(at, std::string::npos) << from;
+        return text.replace(at, from.size(), to);
+    };
+    EXPECT_NO_THROW(FilmKey::parse(good));
+    for (const std::string& bad :
+         {std::string(), std::string("size"), with("size=120x90", "size=0x90"), with("size=120x90", "size=120x"),
+          with("size=120x90", "size=99999x90"), with("alpha=0", "alpha=2"), with("aovs=24", "aovs=27"),
+          with("aovs=24", "aovs=00000000"), with("crop=none", "crop=0,0,1"), with("crop=none", "crop=5,0,5,9"),
+          with("crop=none", "crop=0,0,200,9"), with("crop=none", "crop=0,0,70000000000,9"),
+          with("filter=2", "filter=3"), with("background=none", "background=nan,0,0"), good + ";more=1",
+          good.substr(0, good.size() - 1)})
+        EXPECT_THROW(FilmKey::parse(bad), Error) << bad;
+}
+
+TEST(Film, RefusesSumsThatAreNone)
+{
+    const Scene scene = compiled();
+    const RenderJob job(scene, small());
+    Film film(job);
+    render(job, {0, 2}, film);
+    const Film::Sums good = film.sums();
+    EXPECT_NO_THROW(Film::from_sums(good));
+    const auto refused = [&](auto change) {
+        Film::Sums bad = good;
+        change(bad);
+        EXPECT_THROW(Film::from_sums(bad), Error);
+    };
+    refused([](Film::Sums& s) { s.words.pop_back(); });
+    refused([](Film::Sums& s) { s.width = 60, s.height = 180; });
+    refused([](Film::Sums& s) { s.words_per_pixel = 18; });
+    refused([](Film::Sums& s) { s.samples = {{2, 2}}; });
+    refused([](Film::Sums& s) { s.samples = {{0, 5}, {4, 8}}; });
+    refused([](Film::Sums& s) { s.samples = {{0, most_samples + 1}}; });
+    refused([](Film::Sums& s) { s.key.clear(); });
 }
 
 }  // namespace

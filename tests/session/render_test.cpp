@@ -30,8 +30,9 @@ SceneDescription scene_of(int kind, float radiance)
 Image rendered(const SceneDescription& d, const RenderSettings& settings, SampleRange range)
 {
     Warnings warnings;
-    Film film(settings);
-    EXPECT_TRUE(render(Scene::compile(d, "", warnings), settings, range, film));
+    const RenderJob job(Scene::compile(d, "", warnings), settings);
+    Film film(job);
+    EXPECT_TRUE(render(job, range, film));
     return film.image(settings.alpha, true);
 }
 
@@ -108,13 +109,14 @@ TEST(Render, MeanAndVarianceOfItsSamples)
     const Scene scene = Scene::compile(noisy(1), "", warnings);
     RenderSettings settings;
     settings.width = 9, settings.height = 7;
-    Film film(settings);
-    render(scene, settings, {5, 25}, film);
+    const RenderJob job(scene, settings);
+    Film film(job);
+    render(job, {5, 25}, film);
     const Image image = film.image(false, true);
     for (const auto& [x, y] : {std::pair{0, 0}, {8, 6}, {3, 2}}) {
         double sum = 0, squares = 0;
         for (std::uint64_t s = 5; s < 25; ++s) {
-            const double v = double(render_sample(scene, settings, x, y, s).g);
+            const double v = double(render_sample(job, x, y, s).g);
             sum += v, squares += v * v;
         }
         const std::size_t i = std::size_t(3 * (y * 9 + x) + 1);
@@ -133,9 +135,10 @@ TEST(Render, TellsItsProgress)
     RenderSettings settings;
     settings.width = 20, settings.height = 10;
     settings.crop = Crop{2, 3, 7, 9};
-    Film film(settings);
+    const RenderJob job(scene, settings);
+    Film film(job);
     Progress last;
-    render(scene, settings, {0, 3000}, film, nullptr, [&](const Progress& p, const Film& f) {
+    render(job, {0, 3000}, film, nullptr, [&](const Progress& p, const Film& f) {
         EXPECT_GT(p.samples_done, last.samples_done);
         EXPECT_EQ(p.samples_done, f.samples_per_pixel() * 5 * 6);
         EXPECT_EQ(p.samples_total, 3000u * 5 * 6);
@@ -144,8 +147,8 @@ TEST(Render, TellsItsProgress)
     EXPECT_EQ(last.samples_done, last.samples_total);
     EXPECT_GE(last.rays, last.samples_total);
     std::atomic<bool> cancel = true;
-    Film other(settings);
-    EXPECT_FALSE(render(scene, settings, {0, 10}, other, &cancel));
+    Film other(job);
+    EXPECT_FALSE(render(job, {0, 10}, other, &cancel));
     EXPECT_EQ(other.samples_per_pixel(), 0u);
 }
 

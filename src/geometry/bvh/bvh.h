@@ -32,9 +32,16 @@ struct HitArraysOut {
     std::uint32_t *primitive, *instance;
 };
 
-/// Whether a hit counts on a shape with ShapeRecord::alpha_tested. Must answer alike whenever it is asked the same; may
-/// be asked for hits that turn out not to be the nearest. u = v = 0 for spheres and disks.
-using AlphaTest = bool (*)(const void* context, std::uint32_t primitive, std::uint32_t instance, float u, float v);
+/// A hit on a shape with ShapeRecord::alpha_tested: the ray as it was given, and the rest as in HitArraysOut; u = v = 0
+/// for spheres and disks.
+struct AlphaCandidate {
+    float origin[3], direction[3];
+    float t, u, v;
+    std::uint32_t primitive, instance;
+};
+/// Whether such a hit counts. Must answer alike whenever it is asked the same; may be asked for hits that turn out not
+/// to be the nearest.
+using AlphaTest = bool (*)(const void* context, const AlphaCandidate& candidate);
 
 struct BvhStatistics {
     std::size_t nodes = 0, children = 0;          ///< nodes of 16, and how many of their children are in use

@@ -108,7 +108,7 @@ void members(Archive& a, T& x)
     } else if constexpr (std::is_same_v<Type, Node>) {
         all(x.name, x.parent_from_node, x.children, x.shapes, x.light, x.camera);
     } else if constexpr (std::is_same_v<Type, SceneDescription>) {
-        all(x.images, x.textures, x.materials, x.meshes, x.lights, x.cameras, x.nodes, x.roots);
+        all(x.files, x.images, x.textures, x.materials, x.meshes, x.lights, x.cameras, x.nodes, x.roots);
     } else {
         static_assert(std::is_same_v<Type, AssimpAnswer>);
         all(x.scene, x.error, x.warnings);

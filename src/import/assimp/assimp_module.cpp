@@ -1,7 +1,9 @@
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include "import/assimp/assimp_convert.h"
@@ -47,9 +49,43 @@ Transform file_to_world(const aiScene& scene, bool turn_up)
     return t;
 }
 
-void read(const std::filesystem::path& file, bool turn_up, AssimpAnswer& answer)
+/// What Assimp opens: regular files, and where that is asked for only those of one folder.
+class Files : public Assimp::DefaultIOSystem {
+public:
+    Files(const AssimpRequest& request, std::vector<std::filesystem::path>& opened) : request_(request), opened_(opened)
+    {
+    }
+
+    bool Exists(const char* file) const override { return may_open(file) && DefaultIOSystem::Exists(file); }
+    Assimp::IOStream* Open(const char* file, const char* mode) override
+    {
+        // Nothing is written, and a pipe might never be filled.
+        if (mode[0] != 'r' || !may_open(file)) return nullptr;
+        Assimp::IOStream* const stream = DefaultIOSystem::Open(file, mode);
+        if (stream) opened_.emplace_back(file);
+        return stream;
+    }
+
+private:
+    bool may_open(const char* file) const
+    {
+        std::error_code error;
+        if (!std::filesystem::is_regular_file(file, error)) return false;
+        const std::filesystem::path& folder = request_.folder;
+        if (folder.empty() || file == request_.file) return true;
+        const std::filesystem::path real = std::filesystem::canonical(file, error);
+        return !error && std::mismatch(folder.begin(), folder.end(), real.begin(), real.end()).first == folder.end();
+    }
+
+    const AssimpRequest& request_;
+    std::vector<std::filesystem::path>& opened_;
+};
+
+void read(const AssimpRequest& request, AssimpAnswer& answer)
 {
+    const std::filesystem::path& file = request.file;
     Assimp::Importer importer;
+    importer.SetIOHandler(new Files(request, answer.scene.files));  // which the importer owns
     if (!importer.IsExtensionSupported(file.extension().string())) {
         answer.error = "no reader knows this format";
         return;
@@ -67,7 +103,7 @@ void read(const std::filesystem::path& file, bool turn_up, AssimpAnswer& answer)
         answer.error = "there are no meshes in it";
         return;
     }
-    AssimpConverter(*scene, file, answer).convert(file_to_world(*scene, turn_up));
+    AssimpConverter(*scene, file, answer).convert(file_to_world(*scene, request.turn_up));
     if (scene->mNumAnimations > 0) answer.warnings.push_back("animations are not played: the pose at rest is shown");
 }
 
@@ -80,10 +116,10 @@ extern "C" {
 FATHOM_API extern const char fathom_assimp_version[];
 const char fathom_assimp_version[] = FATHOM_VERSION;
 
-FATHOM_API void fathom_assimp_read(const std::filesystem::path& file, bool turn_up, fathom::AssimpAnswer& answer)
+FATHOM_API void fathom_assimp_read(const fathom::AssimpRequest& request, fathom::AssimpAnswer& answer)
 {
     try {
-        fathom::read(file, turn_up, answer);
+        fathom::read(request, answer);
     } catch (const std::exception& e) {
         answer.error = e.what();
     } catch (...) {

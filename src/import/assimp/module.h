@@ -15,8 +15,14 @@ struct AssimpAnswer {
     std::vector<std::string> warnings;
 };
 
-/// turn_up  whether to follow what the file says of its axes
-using AssimpRead = void (*)(const std::filesystem::path& file, bool turn_up, AssimpAnswer& answer);
+struct AssimpRequest {
+    std::filesystem::path file;
+    bool turn_up = true;           ///< whether to follow what the file says of its axes
+    std::filesystem::path folder;  ///< only files in here are opened; empty: all
+};
+
+/// Files beside the one that was asked for are listed in answer.scene.files.
+using AssimpRead = void (*)(const AssimpRequest& request, AssimpAnswer& answer);
 
 constexpr const char* assimp_module_file = "libfathom_assimp.so";
 constexpr const char* assimp_read_symbol = "fathom_assimp_read";

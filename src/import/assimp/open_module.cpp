@@ -57,6 +57,9 @@ void* open_module(std::string& why)
 SceneDescription read_with_assimp(const std::filesystem::path& file, const LoadOptions& options, LoadContext& context)
 {
     const std::string name = file.string();
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error))
+        throw Error(name, "", "what it is can't be told from the content: give a file whose name has an extension");
     std::string why;
     void* const module = open_module(why);
     const auto read = module ? reinterpret_cast<AssimpRead>(dlsym(module, assimp_read_symbol)) : nullptr;
@@ -71,7 +74,7 @@ SceneDescription read_with_assimp(const std::filesystem::path& file, const LoadO
     const ApartResult result = run_apart(
         [&] {
             AssimpAnswer answer;
-            read(file, options.up_axis == 0, answer);
+            read({file, options.up_axis == 0, context.folder()}, answer);
             return to_bytes(answer);
         },
         unsigned(30 + 10 * megabytes), (std::size_t(2) << 30) + megabytes * (std::size_t(200) << 20));
@@ -85,6 +88,8 @@ SceneDescription read_with_assimp(const std::filesystem::path& file, const LoadO
             if (index >= mesh.positions.size()) throw Error(name, printable(mesh.name), "a corner refers to no vertex");
         clean_mesh(mesh, name, context.warnings);
     }
+    for (const std::filesystem::path& opened : answer.scene.files) context.add_file(opened);
+    answer.scene.files.clear();
     answer.scene.file = name;
     return std::move(answer.scene);
 }

@@ -103,6 +103,9 @@ public:
 
     const JsonValue& value() const { return value_; }
 
+    /// The number of the word that v is; throws Error with a suggestion if it is none of them.
+    static std::size_t find_word(const JsonValue& v, const std::vector<std::string>& names);
+
 private:
     template <class Pairs>
     static std::size_t word_index(const JsonValue& v, const Pairs& words)
@@ -111,7 +114,6 @@ private:
         for (const auto& word : words) names.push_back(word.first);
         return find_word(v, names);
     }
-    static std::size_t find_word(const JsonValue& v, const std::vector<std::string>& names);
 
     JsonValue value_;
     std::vector<std::string> known_{"comment"};

@@ -1,7 +1,9 @@
 #include "import/common/read_file.h"
 
 #include <fcntl.h>
+#include <linux/magic.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -35,13 +37,22 @@ struct Descriptor {
 
 std::string read_file(const std::filesystem::path& file)
 {
-    const Descriptor opened{open(file.c_str(), O_RDONLY | O_CLOEXEC)};
+    // A pipe that nobody writes to would not be opened for ever.
+    const Descriptor opened{open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
     if (opened.fd < 0) fail(file, errno);
     struct stat status;
     if (fstat(opened.fd, &status) != 0) fail(file, errno);
     if (S_ISDIR(status.st_mode)) fail(file, EISDIR);
     // It may never end.
     if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode)) throw Error(file.string(), "", "is a device, not a file");
+    if (S_ISSOCK(status.st_mode)) throw Error(file.string(), "", "is a socket, not a file");
+    if (S_ISFIFO(status.st_mode)) {
+        // Standard input is a pipe without a name: whoever started the program fills it.
+        struct statfs system{};
+        if (fstatfs(opened.fd, &system) != 0 || system.f_type != PIPEFS_MAGIC)
+            throw Error(file.string(), "", "is a named pipe, not a file");
+        fcntl(opened.fd, F_SETFL, fcntl(opened.fd, F_GETFL) & ~O_NONBLOCK);
+    }
 
     std::string bytes;
     try {
@@ -67,13 +78,6 @@ std::string read_file(const std::filesystem::path& file)
     } catch (const std::length_error&) {
         throw Error(file.string(), "", "does not fit into memory");
     }
-    return bytes;
-}
-
-std::string read_nonempty_file(const std::filesystem::path& file)
-{
-    std::string bytes = read_file(file);
-    if (bytes.empty()) throw Error(file.string(), "", "the file is empty");
     return bytes;
 }
 

@@ -5,11 +5,9 @@
 
 namespace fathom {
 
-/// The bytes of a file. Throws Error that says why they can't be had: missing, a directory, no permission, no memory.
+/// The bytes of a file, or of a pipe without a name, as standard input may be. Throws Error that says why they can't be
+/// had: missing, a directory, a device, no permission, no memory.
 std::string read_file(const std::filesystem::path& file);
-
-/// As read_file, and throws Error if the file is empty.
-std::string read_nonempty_file(const std::filesystem::path& file);
 
 /// Text from a file made fit for a message: one line, at most 80 characters, control characters as `?`.
 std::string printable(std::string_view text);

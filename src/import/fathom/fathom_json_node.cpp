@@ -118,7 +118,7 @@ void FathomJsonReader::read_model(JsonObject& o, const JsonValue& path, Node& no
     auto found = models_.find(key);
     if (found == models_.end()) {
         SceneDescription model;
-        const std::filesystem::path file = file_.parent_path() / path.string();
+        const std::filesystem::path file = context_.locate(file_.parent_path() / path.string());
         if (!std::filesystem::exists(file)) path.fail(fmt::format("no such file: '{}'", file.string()));
         model = load_file(file, options, context_);
         found = models_.emplace(key, append_scene(scene_, std::move(model))).first;

@@ -8,6 +8,7 @@
 #include "import/common/json_object.h"
 #include "import/common/load_context.h"
 #include "scene/append.h"
+#include "scene/parameters.h"
 
 namespace fathom {
 
@@ -45,12 +46,17 @@ private:
     int image(const JsonValue& path);
     int texture(const JsonValue& v, Use use);
     int add_texture(const JsonValue& v, const std::string& name, Use use);
-    void read_color(JsonObject& o, const char* key, ColorInput& out);
-    void read_float(JsonObject& o, const char* key, FloatInput& out, double least, double most);
-    void read_reflectance(JsonObject& o, const char* key, ColorInput& out);
+    /// The parameters that a kind of Owner has. use: of what their textures are looked up for; if not given, of a
+    /// colour for colours, else of data.
+    template <class Owner>
+    void read_parameters(JsonObject& o, std::span<const Parameter<Owner>> parameters, std::uint32_t kind,
+                         std::optional<Use> use, Owner& owner);
+    void read_color(const JsonValue& v, Use use, ColorInput& out);
+    void read_float(const JsonValue& v, Use use, FloatInput& out);
+    static std::vector<RampStop> read_stops(const JsonValue& v);
     int material(const JsonValue& v);
     int add_material(const JsonValue& v, const std::string& name);
-    void read_emission(JsonObject& o, Material& material);
+    void read_emission_unit(JsonObject& o, Material& material);
 
     // fathom_json_light.cpp
     /// Adds a light and the node that places it; returns the node.

@@ -48,8 +48,8 @@ const Json empty_list = Json::array();
 
 }  // namespace
 
-GltfFile::GltfFile(std::filesystem::path file, const std::string& bytes, Warnings& warnings)
-    : file_(std::move(file)), name_(file_.string()), warnings_(warnings), root_(name_, json_, PlaceStyle::path)
+GltfFile::GltfFile(std::filesystem::path file, const std::string& bytes, LoadContext& context)
+    : file_(std::move(file)), name_(file_.string()), context_(context), root_(name_, json_, PlaceStyle::path)
 {
     split(bytes);
     json_ = parse_json(name_, text_, DuplicateKeys::last_wins);
@@ -158,7 +158,7 @@ void GltfFile::load_buffer(const JsonValue& v, bool is_first, std::string& out, 
         } else {
             if (text.find("://") != std::string::npos) uri->fail("only files and data URIs can be read");
             try {
-                out = read_file(file_.parent_path() / decode_percent(text));
+                out = context_.read(file_.parent_path() / decode_percent(text));
             } catch (const Error& e) {
                 uri->fail(fmt::format("'{}': {}", printable(text), e.message()));
             }
@@ -196,7 +196,7 @@ GltfFile::View GltfFile::buffer_view(const JsonValue& index)
 
 void GltfFile::warn(const std::string& message, std::size_t times)
 {
-    warnings_.add(fmt::format("{}: {}", name_, message), times);
+    context_.warnings.add(fmt::format("{}: {}", name_, message), times);
 }
 
 }  // namespace fathom

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "fathom/load.h"
 #include "import/common/json_object.h"
+#include "import/common/load_context.h"
 
 namespace fathom {
 
@@ -18,7 +18,7 @@ public:
     /// extensions that are used and not known.
     ///
     /// bytes  must outlive this
-    GltfFile(std::filesystem::path file, const std::string& bytes, Warnings& warnings);
+    GltfFile(std::filesystem::path file, const std::string& bytes, LoadContext& context);
     GltfFile(const GltfFile&) = delete;
     GltfFile& operator=(const GltfFile&) = delete;
 
@@ -35,7 +35,7 @@ public:
     View buffer_view(const JsonValue& index);
 
     void warn(const std::string& message, std::size_t times = 1);
-    Warnings& warnings() { return warnings_; }
+    Warnings& warnings() { return context_.warnings; }
     const std::filesystem::path& path() const { return file_; }
     const std::string& name() const { return name_; }
 
@@ -49,7 +49,7 @@ private:
 
     std::filesystem::path file_;
     std::string name_;
-    Warnings& warnings_;
+    LoadContext& context_;
     std::string_view text_;
     std::optional<std::span<const char>> binary_chunk_;
     Json json_;

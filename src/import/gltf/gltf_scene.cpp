@@ -276,8 +276,14 @@ SceneDescription GltfReader::read()
 SceneDescription read_gltf(const std::filesystem::path& file, const std::string& bytes, const LoadOptions& options,
                            LoadContext& context)
 {
-    GltfFile gltf(file, bytes, context.warnings);
+    GltfFile gltf(file, bytes, context);
     return GltfReader(gltf, options).read();
+}
+
+bool looks_like_gltf(std::string_view text)
+{
+    return text.find("\"asset\"") != std::string_view::npos && text.find("\"version\"") != std::string_view::npos &&
+           text.find("\"fathom\"") == std::string_view::npos;
 }
 
 }  // namespace fathom

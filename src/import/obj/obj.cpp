@@ -30,7 +30,7 @@ struct Corner {
 class ObjReader {
 public:
     ObjReader(const std::filesystem::path& file, std::string_view text, LoadContext& context)
-        : file_(file), name_(file.string()), scan_(name_, text), warnings_(context.warnings)
+        : file_(file), name_(file.string()), scan_(name_, text), context_(context), warnings_(context.warnings)
     {
     }
 
@@ -191,12 +191,10 @@ private:
 
     bool read_library_file(std::string_view name)
     {
-        std::string path(name);
-        std::replace(path.begin(), path.end(), '\\', '/');
-        const std::filesystem::path file = file_.parent_path() / path;
+        const std::filesystem::path file = context_.locate(file_.parent_path() / std::string(name));
         std::error_code error;
         if (!std::filesystem::is_regular_file(file, error)) return false;
-        read_mtl(file, read_file(file), scene_, materials_, warnings_);
+        read_mtl(file, context_.read(file), scene_, materials_, warnings_);
         return true;
     }
 
@@ -240,6 +238,7 @@ private:
     const std::filesystem::path& file_;
     std::string name_;
     TextScanner scan_;
+    LoadContext& context_;
     Warnings& warnings_;
     SceneDescription scene_;
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "import/common/load_context.h"
+#include "import/common/importer.h"
 
 namespace fathom {
 
@@ -15,5 +15,9 @@ SceneDescription read_obj(const std::filesystem::path& file, std::string_view te
 /// Adds the materials of an MTL file to the scene, and their indices to `by_name`.
 void read_mtl(const std::filesystem::path& file, std::string_view text, SceneDescription& scene,
               std::map<std::string, int, std::less<>>& by_name, Warnings& warnings);
+
+inline constexpr Importer obj_importer{
+    [](const SourceFile& f) { return f.extension == ".obj"; },
+    [](const SourceFile& f, LoadContext& context) { return read_obj(f.path, f.bytes, context); }};
 
 }  // namespace fathom

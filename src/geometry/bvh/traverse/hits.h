@@ -46,17 +46,6 @@ struct RayHits {
     }
 };
 
-/// Whether a hit counts.
-inline bool passes_alpha(const BvhData& bvh, BvhKey key, std::uint32_t instance, float u, float v)
-{
-    const GeometryTables& tables = *bvh.tables;
-    const std::uint32_t shape =
-        instance == no_index ? tables.shape_of_primitive[key >> 1] : tables.instances[instance].shape;
-    if (!(tables.shapes[shape].flags & ShapeRecord::alpha_tested)) return true;
-    if (key & 1) u = 1 - u, v = 1 - v;
-    return bvh.alpha_test(bvh.alpha_context, key >> 1, instance, u, v);
-}
-
 struct PacketEntry {
     std::uint64_t rays;
     std::uint32_t reference;
@@ -78,5 +67,27 @@ struct StreamMemory {
     std::vector<std::uint32_t> stacks;
     std::vector<PacketEntry> packet_stack;
 };
+
+/// Whether a hit of a ray of the stream counts. u, v: as RayHits has them.
+inline bool passes_alpha(const BvhData& bvh, const StreamMemory& memory, int ray, BvhKey key, std::uint32_t instance,
+                         float t, float u, float v)
+{
+    const GeometryTables& tables = *bvh.tables;
+    const std::uint32_t shape =
+        instance == no_index ? tables.shape_of_primitive[key >> 1] : tables.instances[instance].shape;
+    if (!(tables.shapes[shape].flags & ShapeRecord::alpha_tested)) return true;
+    if (key & 1) u = 1 - u, v = 1 - v;
+    const PreparedRays& world = memory.world[ray / lanes];
+    const auto number = [&](int field) { return world.f[field][ray % lanes]; };
+    const AlphaCandidate candidate{
+        {number(PreparedRays::origin_x), number(PreparedRays::origin_y), number(PreparedRays::origin_z)},
+        {number(PreparedRays::direction_x), number(PreparedRays::direction_y), number(PreparedRays::direction_z)},
+        t,
+        u,
+        v,
+        key >> 1,
+        instance};
+    return bvh.alpha_test(bvh.alpha_context, candidate);
+}
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -454,7 +454,9 @@ private:
         bool found = false;
         for_each_active(m, [&](int lane) {
             if (!memory_.hits.loses_to(bvh_, base + lane, ts[lane], us[lane], key, instance())) return;
-            if (bvh_.has_alpha && !passes_alpha(bvh_, key, instance(), us[lane], vs[lane])) return;
+            if (bvh_.has_alpha &&
+                !passes_alpha(bvh_, memory_, base + lane, key, instance(), ts[lane], us[lane], vs[lane]))
+                return;
             memory_.hits.set(base + lane, ts[lane], us[lane], vs[lane], key, instance());
             if (any_hit) blocked_ |= RayMask(1) << (base + lane);
             found = true;

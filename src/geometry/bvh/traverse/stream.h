@@ -383,7 +383,9 @@ private:
         for_each_active(m, [&](int lane) {
             const BvhKey key = key_of(lane);
             if (!hits.loses_to(bvh_, ray, ts[lane], us[lane], key, states_[ray].instance)) return;
-            if (bvh_.has_alpha && !passes_alpha(bvh_, key, states_[ray].instance, us[lane], vs[lane])) return;
+            if (bvh_.has_alpha &&
+                !passes_alpha(bvh_, memory_, ray, key, states_[ray].instance, ts[lane], us[lane], vs[lane]))
+                return;
             hits.set(ray, ts[lane], us[lane], vs[lane], key, states_[ray].instance);
             found = true;
         });

@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "fathom/description.h"
 #include "integrate/tables.h"
 #include "math/vec3.h"
 #include "shading/spectrum.h"

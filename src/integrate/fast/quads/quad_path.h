@@ -7,12 +7,22 @@
 ///
 /// What a path meets next is found while its state is still in registers, and only paths that go on are stored. All
 /// state fits into the first-level cache.
-#include "integrate/first_hits.h"
-#include "integrate/light_choice.h"
-#include "integrate/path_end.h"
 #include "integrate/pool.h"
+#include "integrate/stages/first_hits.h"
+#include "integrate/stages/light.h"
+#include "integrate/stages/path_end.h"
 
 namespace fathom::inline FATHOM_LANES {
+
+/// Paths that wait on a surface each.
+struct QuadPool {
+    VectorColumn eye;
+    SpectrumColumn throughput, radiance;
+    /// The quad in its low 16 bits, the bounces so far in the next 15, and on top whether the path is on the quad's
+    /// back.
+    Column<std::uint32_t> place;
+    Column<std::uint32_t> pixel_hash, reversed_index, pixel;
+};
 
 class QuadTracer {
 public:
@@ -21,10 +31,9 @@ public:
         : scene_(scene),
           tables_(scene.tables),
           settings_(settings),
-          surfaces_(scene),
-          lights_(scene, surfaces_),
+          lights_(scene, settings.light_selection),
           camera_paths_(scene, camera, settings, job),
-          first_hits_(scene, surfaces_, camera, settings.aovs, sums),
+          first_hits_(scene, camera, settings.aovs, sums),
           sums_(sums),
           counters_(counters)
     {
@@ -36,7 +45,7 @@ public:
     {
         std::size_t active = 0;
         for (;;) {
-            while (active + lanes <= capacity && next_ < camera_paths_.total()) active = start(active);
+            while (active + lanes <= pool_capacity && next_ < camera_paths_.total()) active = start(active);
             if (active == 0) break;
             // Paths that go on take the places before those still to be read.
             std::size_t kept = 0;
@@ -47,20 +56,6 @@ public:
     }
 
 private:
-    static constexpr std::size_t capacity = 512;
-
-    /// Fields of a path that waits on a surface. `place` holds the quad in its low 16 bits, the bounces so far in the
-    /// next 15, and on top whether the path is on the quad's back.
-    enum Field {
-        eye = 0,
-        throughput = 3,
-        radiance = throughput + channels,
-        place = radiance + channels,
-        pixel_hash,
-        reversed_index,
-        pixel,
-        field_count
-    };
     static constexpr std::uint32_t quad_mask = 0xffff, bounce_mask = 0x7fff, back = 1u << 31;
     static constexpr int bounce_shift = 16;
 
@@ -80,11 +75,10 @@ private:
         const Mask goes_on = at.goes_on() & may_scatter(settings_, UInt(0u));
         finish(valid & !goes_on, path.pixel, path.key.reversed_index, sum);
         at.keep_place(*this, UInt(0u), goes_on, to);
-        for (int c = 0; c < channels; ++c)
-            keep(throughput + c, Float(1), goes_on, to), keep(radiance + c, sum.c[c], goes_on, to);
-        keep(pixel_hash, bits_float(path.key.pixel_hash), goes_on, to),
-            keep(reversed_index, bits_float(path.key.reversed_index), goes_on, to);
-        keep(pixel, bits_float(path.pixel), goes_on, to);
+        pool_.throughput.append(to, Spectrum(Float(1)), goes_on), pool_.radiance.append(to, sum, goes_on);
+        pool_.pixel_hash.append(to, path.key.pixel_hash, goes_on);
+        pool_.reversed_index.append(to, path.key.reversed_index, goes_on);
+        pool_.pixel.append(to, path.pixel, goes_on);
         return to + std::size_t(count(goes_on));
     }
 
@@ -101,48 +95,46 @@ private:
 
         const Vec3 local = sample_cosine_hemisphere(sample_2d(index, pair_seed(seed, pair_bsdf)));
         const Vec3 n = normal(i), tangent = scene_.quads.tangent(quad(i));
-        Arrival<false> at{pool_.vector(eye, i), Frame(tangent, cross(n, tangent), n).to_world(local),
+        Arrival<false> at{pool_.eye.load(i), Frame(tangent, cross(n, tangent), n).to_world(local),
                           local.z * Float(inv_pi), valid};
 
-        Spectrum left = pool_.spectrum(throughput, i) * scene_.quads.color(quad(i));
+        Spectrum left = pool_.throughput.load(i) * scene_.quads.color(quad(i));
         Spectrum sum;
-        for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c], light.c[c], pool_.number(radiance + c, i));
+        for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c], light.c[c], pool_.radiance.c[c].load(i));
         const UInt before = bounces(i);
         at.alive = valid & !apply_roulette(settings_, key(i), seed, before, Float(1), left);
         at.meet(*this);
         at.add_radiance(*this, left, sum);
         const Mask goes_on = at.goes_on() & may_scatter(settings_, before + UInt(1u));
-        finish(valid & !goes_on, pool_.integer(pixel, i), pool_.integer(reversed_index, i), sum);
+        finish(valid & !goes_on, pool_.pixel.load(i), pool_.reversed_index.load(i), sum);
         at.keep_place(*this, before + UInt(1u), goes_on, to);
-        for (int c = 0; c < channels; ++c)
-            keep(throughput + c, left.c[c], goes_on, to), keep(radiance + c, sum.c[c], goes_on, to);
-        for (const int field : {pixel_hash, reversed_index, pixel}) keep(field, pool_.number(field, i), goes_on, to);
+        pool_.throughput.append(to, left, goes_on), pool_.radiance.append(to, sum, goes_on);
+        for (Column<std::uint32_t>* column : {&pool_.pixel_hash, &pool_.reversed_index, &pool_.pixel})
+            column->append(to, column->load(i), goes_on);
         return to + std::size_t(count(goes_on));
     }
 
-    SampleKey key(std::size_t i) const { return {pool_.integer(pixel_hash, i), pool_.integer(reversed_index, i)}; }
-    UInt quad(std::size_t i) const { return pool_.integer(place, i) & UInt(quad_mask); }
-    UInt bounces(std::size_t i) const { return (pool_.integer(place, i) >> bounce_shift) & UInt(bounce_mask); }
+    SampleKey key(std::size_t i) const { return {pool_.pixel_hash.load(i), pool_.reversed_index.load(i)}; }
+    UInt quad(std::size_t i) const { return pool_.place.load(i) & UInt(quad_mask); }
+    UInt bounces(std::size_t i) const { return (pool_.place.load(i) >> bounce_shift) & UInt(bounce_mask); }
     /// On the side of the path.
-    Vec3 normal(std::size_t i) const { return flip_sign(scene_.quads.normal(quad(i)), pool_.number(place, i)); }
-
-    void keep(int field, Float value, Mask goes_on, std::size_t to)
+    Vec3 normal(std::size_t i) const
     {
-        compress_store(&pool_.data[field][to], value, goes_on);
+        return flip_sign(scene_.quads.normal(quad(i)), bits_float(pool_.place.load(i)));
     }
 
     /// What a sampled light sends to the paths if nothing is in the way, times cosine / pi, over the density; to be
     /// multiplied by throughput and the surface's colour.
     [[gnu::always_inline]] Spectrum direct_light(std::size_t i, Mask valid, UInt seed, UInt index)
     {
-        const LightSample s = lights_.sample(valid, pool_.vector(eye, i), key(i), seed,
+        const LightSample s = lights_.sample(valid, pool_.eye.load(i), key(i), seed,
                                              sample_2d(index, pair_seed(seed, pair_light)), Float(0));
         const Float cosine = dot(s.wi, normal(i));
         const Mask lit = valid & (s.inverse_pdf > Float(0)) & (cosine > Float(0));
         counters_.rays += std::uint64_t(count(lit));
         const Mask clear =
-            lit & !scene_.flat.occluded(
-                      tables_, Ray{pool_.vector(eye, i), s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)}, lit);
+            lit & !scene_.flat.occluded(tables_,
+                                        Ray{pool_.eye.load(i), s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)}, lit);
         // f_cos / pdf, times the power heuristic in terms of r = bsdf_pdf / pdf: 1 / (1 + r^2).
         const Float r = cosine * Float(inv_pi) * s.inverse_pdf;
         Float weight = r * reciprocal(fma(r, r, Float(1)));
@@ -198,14 +190,12 @@ private:
             const auto& lights = tracer.tables_.lights;
             const UInt light = tracer.scene_.quads.light(quad);
             const Mask shared = shines & (light != UInt(no_index));
-            Float other;
             if (lights.size() == 1) {
-                other = pdf_light(LightReader<true>(lights.data(), UInt(0u)), o, Float(0), d, t, shared);
-            } else {
-                const LightReader<false> record(lights.data(), select(shared, light, UInt(0u)));
-                other = record.pmf() * pdf_light(record, o, Float(0), d, t, shared);
+                const LightReader<true> record(lights.data(), UInt(0u));
+                return select(shared, mis_weight(pdf, pdf_light(record, o, Float(0), d, t, shared)), Float(1));
             }
-            return select(shared, mis_weight(pdf, other), Float(1));
+            const LightReader<false> record(lights.data(), select(shared, light, UInt(0u)));
+            return select(shared, tracer.lights_.emission_weight(record, o, Float(0), d, t, pdf, shared), Float(1));
         }
 
         /// By value: nothing of the caller's has to live in memory for its sake. 0 outside the mask.
@@ -219,10 +209,8 @@ private:
         [[gnu::always_inline]] void keep_place(QuadTracer& tracer, UInt bounces, Mask goes_on, std::size_t to) const
         {
             const Vec3 p = offset_origin(fma(d, t, o), flip_sign(n, facing), max(t, tracer.scene_.quads.extent(quad)));
-            tracer.keep(eye, p.x, goes_on, to), tracer.keep(eye + 1, p.y, goes_on, to),
-                tracer.keep(eye + 2, p.z, goes_on, to);
-            tracer.keep(place, bits_float(quad | bounces << bounce_shift | (float_bits(facing) & UInt(back))), goes_on,
-                        to);
+            tracer.pool_.eye.append(to, p, goes_on);
+            tracer.pool_.place.append(to, quad | bounces << bounce_shift | (float_bits(facing) & UInt(back)), goes_on);
         }
     };
 
@@ -236,10 +224,10 @@ private:
         for (int c = 1; c < channels; ++c) total = total + sum.c[c];
         const Mask small = ended & (largest < Float(TileSums::small)) & (total == total);
         if (const Mask large = ended & !small; any(large)) sum_large(large, pixels, reversed, sum);
-        compress_store(&ended_pixel_[ended_], pixels, small);
-        for (int c = 0; c < channels; ++c) compress_store(&ended_radiance_[c][ended_], sum.c[c], small);
+        ended_pixel_.append(ended_, pixels, small);
+        ended_radiance_.append(ended_, sum, small);
         ended_ += std::size_t(count(small));
-        if (ended_ > capacity - lanes) sum_ended();
+        if (ended_ > pool_capacity - lanes) sum_ended();
     }
     [[gnu::noinline]] void sum_large(Mask m, UInt pixels, UInt reversed, Spectrum sum)
     {
@@ -252,15 +240,14 @@ private:
     [[gnu::noinline]] void sum_ended()
     {
         for (std::size_t k = 0; k < ended_; ++k)
-            sums_.add_small(ended_pixel_[k], ended_radiance_[0][k], ended_radiance_[1][k], ended_radiance_[2][k]);
+            sums_.add_small(ended_pixel_[k], ended_radiance_.c[0][k], ended_radiance_.c[1][k], ended_radiance_.c[2][k]);
         ended_ = 0;
     }
 
     const LaneScene& scene_;
     const SceneTables& tables_;
     const KernelSettings& settings_;
-    const SurfaceReader surfaces_;
-    const LightChoice lights_;
+    const LightSampler lights_;
     const CameraPaths camera_paths_;
     FirstHits first_hits_;
     TileSums& sums_;
@@ -268,13 +255,11 @@ private:
     bool lights_are_sampled_ = false, sees_background_ = false;
     std::uint32_t next_ = 0;  ///< number of the job's next path
 
-    /// Room behind for stores of whole registers.
-    static constexpr std::size_t padding = 2 * lanes;
-    PathFields<field_count, capacity + padding> pool_;
+    QuadPool pool_;
     /// Paths that have ended: summed many at a time.
     std::size_t ended_ = 0;
-    std::uint32_t ended_pixel_[capacity + padding];
-    float ended_radiance_[channels][capacity + padding];
+    Column<std::uint32_t> ended_pixel_;
+    SpectrumColumn ended_radiance_;
 };
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -8,6 +8,10 @@ namespace fathom::inline FATHOM_LANES {
 /// Bounces are counted in 15 bits: a path that got there is one in a number too large to be met.
 inline constexpr std::uint32_t max_bounces = 0x7ff0;
 
+/// Paths that lose nothing go on for sure up to this bounce: through stacks of glass, roulette would only add noise.
+/// From there on one in twenty ends, or in a closed white room none ever would.
+inline constexpr std::uint32_t sure_bounces = 64;
+
 /// Lanes that may scatter where they are, `bounce` bounces from the camera: there they have a light sampled, too.
 [[gnu::always_inline]] inline Mask may_scatter(const KernelSettings& settings, UInt bounce)
 {
@@ -27,7 +31,8 @@ inline constexpr std::uint32_t max_bounces = 0x7ff0;
     Mask ends = !(largest > Float(0));
     const Mask roulette = !less(bounce + UInt(1u), UInt(std::uint32_t(settings.roulette_depth)));
     if (any(roulette)) {
-        const Float survival = clamp(largest * eta_scale, Float(1e-3f), Float(0.95f));
+        const Float most = select(less(bounce, UInt(sure_bounces)), Float(1), Float(0.95f));
+        const Float survival = clamp(largest * eta_scale, Float(1e-3f), most);
         ends |= roulette & (sample_hash(key, pair_seed(seed, pair_roulette)) >= survival);
         throughput = throughput * select(roulette, reciprocal(survival), Float(1));
     }

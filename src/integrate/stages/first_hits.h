@@ -1,15 +1,14 @@
 #pragma once
 #include "integrate/kernel.h"
-#include "integrate/surface.h"
+#include "integrate/stages/material.h"
 
 namespace fathom::inline FATHOM_LANES {
 
 /// Albedo, normal, depth and the like of the first hits of camera paths.
 class FirstHits {
 public:
-    FirstHits(const LaneScene& scene, const SurfaceReader& surfaces, const CameraRecord& camera,
-              const AovPlaces& places, TileSums& sums)
-        : scene_(scene), surfaces_(surfaces), camera_(camera), places_(places), sums_(sums)
+    FirstHits(const LaneScene& scene, const CameraRecord& camera, const AovPlaces& places, TileSums& sums)
+        : scene_(scene), surfaces_(scene), materials_(scene), camera_(camera), places_(places), sums_(sums)
     {
     }
 
@@ -21,7 +20,7 @@ public:
         if (none(hits)) return;
         Surface s = surfaces_.read(hit, hits);
         const UInt material = surfaces_.material_of(s.shape, hits);
-        const MaterialPoint point = surfaces_.material(s, material, hits, hits);
+        const MaterialPoint point = materials_.read(s, material, hits, hits);
         const Vec3 n = flip_sign(s.ns, -dot(hit.d, s.ng));
         const Float depth =
             dot(s.p - hit.o, Vec3(Float(camera_.forward[0]), Float(camera_.forward[1]), Float(camera_.forward[2])));
@@ -62,7 +61,8 @@ private:
     }
 
     const LaneScene& scene_;
-    const SurfaceReader& surfaces_;
+    const SurfaceReader surfaces_;
+    const MaterialReader materials_;
     const CameraRecord& camera_;
     const AovPlaces& places_;
     TileSums& sums_;

@@ -1,7 +1,8 @@
 #pragma once
 /// The surface of a curve where a ray has met one of its pieces.
 #include "geometry/shapes/curve.h"
-#include "integrate/surface_hit.h"
+#include "integrate/stages/surface_hit.h"
+#include "math/gather_member.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -12,13 +13,10 @@ namespace fathom::inline FATHOM_LANES {
 inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, Float u, const Vec3& d, Mask m,
                        Surface& surface)
 {
-    const auto* words = reinterpret_cast<const std::uint32_t*>(tables.curves.data());
-    const float* numbers = reinterpret_cast<const float*>(words);
-    const UInt at = segment << 2;
-    const UInt first = gather(words + offsetof(CurveRecord, first_point) / 4, at, m);
-    const Float pieces = to_float(gather(words + offsetof(CurveRecord, pieces) / 4, at, m));
-    const Float u0 = gather(numbers + offsetof(CurveRecord, u0) / 4, at, m),
-                u1 = gather(numbers + offsetof(CurveRecord, u1) / 4, at, m);
+    const UInt first = gather(tables.curves, &CurveRecord::first_point, segment, m);
+    const Float pieces = to_float(gather(tables.curves, &CurveRecord::pieces, segment, m));
+    const Float u0 = gather(tables.curves, &CurveRecord::u0, segment, m),
+                u1 = gather(tables.curves, &CurveRecord::u1, segment, m);
     const Mask linear = (flags & UInt(ShapeRecord::linear_curves)) != UInt(0u);
     const Mask ribbon = (flags & UInt(ShapeRecord::ribbons)) != UInt(0u);
 

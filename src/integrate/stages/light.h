@@ -1,23 +1,23 @@
 #pragma once
-#include "integrate/alpha.h"
 #include "integrate/camera_paths.h"
-#include "integrate/surface.h"
+#include "integrate/stages/material.h"
 #include "light/environment.h"
-#include "light/light.h"
+#include "light/selector.h"
+#include "shading/alpha.h"
 
 namespace fathom::inline FATHOM_LANES {
 
 /// Light sampling: which light, then which point of it.
-class LightChoice {
+class LightSampler {
 public:
-    LightChoice(const LaneScene& scene, const SurfaceReader& surfaces)
-        : scene_(scene), tables_(scene.tables), surfaces_(surfaces)
+    LightSampler(const LaneScene& scene, LightSelection selection)
+        : scene_(scene), tables_(scene.tables), surfaces_(scene), materials_(scene), selector_(scene.tables, selection)
     {
         is_alone_ = tables_.lights.size() == 1 && tables_.environment.light == no_index &&
                     tables_.lights[0].material == no_index;
     }
 
-    /// A point of the only light, or of one chosen by power; then the sample's density is that of both choices.
+    /// A point of the only light, or of one that is selected; then the sample's density is that of both choices.
     ///
     /// key, seed: of the bounce, for the choice. random: for the point.
     [[gnu::always_inline]] LightSample sample(Mask valid, Vec3 eye, const SampleKey& key, UInt seed, Sample2 random,
@@ -36,16 +36,25 @@ public:
         Spectrum radiance = environment_radiance(tables_, d, m);
         if (background.given) radiance = select(from_camera, Spectrum(background.radiance), radiance);
         if (lights_are_sampled && tables_.environment.light != no_index && any(m & !specular)) {
-            const Float pmf(tables_.lights[tables_.environment.light].pmf);
+            const Float pmf(selector_.pmf(tables_.environment.light));
             radiance = radiance * select(specular, Float(1), mis_weight(pdf, pmf * environment_pdf(tables_, d)));
         }
         return radiance;
     }
 
+    /// The weight of light that a surface sends along d, found there by a direction sampled with density pdf instead of
+    /// by sampling the light; for the lanes of m. o: where the direction began.
+    template <class Light>
+    [[gnu::always_inline]] Float emission_weight(const Light& light, const Vec3& o, Float time, const Vec3& d,
+                                                 Float distance, Float pdf, Mask m) const
+    {
+        return mis_weight(pdf, selector_.pmf(light) * pdf_light(light, o, time, d, distance, m));
+    }
+
 private:
     [[gnu::noinline]] LightSample choose(Mask valid, Vec3 eye, Float u, Sample2 random, Float time) const
     {
-        const UInt index = detail::find_interval(tables_.light_cdf.data(), UInt(0u), int(tables_.lights.size()), u);
+        const UInt index = selector_.select(u);
         const LightReader<false> light(tables_.lights.data(), index);
         LightSample s = sample_light(light, eye, time, random, valid);
         const Mask environment = is_kind(light.kind(), LightRecordKind::environment);
@@ -62,7 +71,7 @@ private:
             const Mask varied = valid & (material != UInt(no_index));
             if (any(varied)) s.radiance = s.radiance * factor_at(light, material, eye, s, time, varied);
         }
-        s.inverse_pdf = s.inverse_pdf / light.pmf();
+        s.inverse_pdf = s.inverse_pdf / selector_.pmf(light);
         return s;
     }
 
@@ -85,29 +94,21 @@ private:
         hit.u = dot(cross(r, v), n) * scale;
         hit.v = dot(cross(u, r), n) * scale;
         const Surface surface = surfaces_.read(hit, m);
-        const UInt texture = surfaces_.material_word(offsetof(MaterialRecord, emission_texture), material, m);
+        const UInt texture = materials_.get(&MaterialRecord::emission_texture, material, m);
         const Texel t = evaluate_textures(tables_, texture, surface.at, m);
         Spectrum factor;
-        const Float stopped = alpha_at(hit, surface, material, m);
+        // Round primitives are opaque.
+        const Mask flat = m & less(hit.primitive, UInt(tables_.first_sphere()));
+        const Float stopped = alpha_share(tables_, material, surface.at, flat);
         for (int c = 0; c < channels; ++c) factor.c[c] = select(m, t.c[c] * stopped, Float(1));
         return factor;
     }
 
-    Float alpha_at(const SurfaceHit& hit, const Surface& surface, UInt material, Mask m) const
-    {
-        // A quad's edges may be known by direction and length only; its uv are found without them.
-        const Mask quad = !less(hit.primitive, UInt(tables_.first_quad()));
-        float share[lanes] = {}, u[lanes], v[lanes];
-        std::uint32_t primitives[lanes], materials[lanes];
-        store(u, select(quad, surface.at.u[0], hit.u)), store(v, select(quad, Float(1) - surface.at.v[0], hit.v));
-        store(primitives, hit.primitive), store(materials, material);
-        for_each_active(m, [&](int i) { share[i] = alpha_share(tables_, materials[i], primitives[i], u[i], v[i]); });
-        return load(share);
-    }
-
     const LaneScene& scene_;
     const SceneTables& tables_;
-    const SurfaceReader& surfaces_;
+    const SurfaceReader surfaces_;
+    const MaterialReader materials_;
+    const LightSelector selector_;
     bool is_alone_;  ///< there is one light, and its radiance is the same all over
 };
 

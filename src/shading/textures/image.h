@@ -1,59 +1,9 @@
 #pragma once
-/// Textures by lanes: images in full resolution, checkers, Perlin noise and what is made of it.
-#include "fathom/description.h"
-#include "math/elementary.h"
-#include "math/hash.h"
-#include "math/vec3.h"
-#include "shading/records.h"
+#include "shading/textures/node.h"
 
 namespace fathom::inline FATHOM_LANES {
 
-struct Texel {
-    Float c[4];
-};
-
-/// Where a texture is looked up.
-struct TexturePoint {
-    Float u[2], v[2];  ///< the two uv sets
-    Vec3 p_world;
-};
-
 namespace detail {
-
-/// Gradient noise: Perlin 2002, "Improving Noise", with a hash of the lattice point instead of a table. About -1 to 1.
-inline Float perlin_noise(Vec3 p)
-{
-    const Vec3 cell{floor(p.x), floor(p.y), floor(p.z)};
-    const Vec3 f = p - cell;
-    const UInt x = to_uint(clamp(cell.x, Float(-1e9f), Float(1e9f))),
-               y = to_uint(clamp(cell.y, Float(-1e9f), Float(1e9f))),
-               z = to_uint(clamp(cell.z, Float(-1e9f), Float(1e9f)));
-    const auto fade = [](Float t) { return t * t * t * fma(t, fma(t, Float(6), Float(-15)), Float(10)); };
-    const auto corner = [&](std::uint32_t dx, std::uint32_t dy, std::uint32_t dz) {
-        const UInt h = hash((x + UInt(dx)) + hash((y + UInt(dy)) + hash(z + UInt(dz)))) & UInt(15);
-        const Float fx = f.x - Float(float(dx)), fy = f.y - Float(float(dy)), fz = f.z - Float(float(dz));
-        // Perlin's 12 edge directions, four of them twice.
-        const Float a = select(less(h, UInt(8)), fx, fy);
-        const Float b = select(less(h, UInt(4)), fy, select((h == UInt(12)) | (h == UInt(14)), fx, fz));
-        return bits_float(float_bits(a) ^ (h << 31)) + bits_float(float_bits(b) ^ ((h >> 1) << 31));
-    };
-    const auto mix = [](Float t, Float a, Float b) { return fma(t, b - a, a); };
-    const Float u = fade(f.x), v = fade(f.y), w = fade(f.z);
-    return mix(w, mix(v, mix(u, corner(0, 0, 0), corner(1, 0, 0)), mix(u, corner(0, 1, 0), corner(1, 1, 0))),
-               mix(v, mix(u, corner(0, 0, 1), corner(1, 0, 1)), mix(u, corner(0, 1, 1), corner(1, 1, 1))));
-}
-
-inline Float turbulence(Vec3 p, std::uint32_t octaves)
-{
-    Float sum(0.f);
-    float weight = 1;
-    for (std::uint32_t i = 0; i < octaves; ++i) {
-        sum = fma(abs(perlin_noise(p)), Float(weight), sum);
-        p = p + p;
-        weight *= 0.5f;
-    }
-    return sum;
-}
 
 /// Texel numbers, wrapped into [0, size). x is whole.
 inline Float wrap(Float x, int size, std::uint32_t mode)
@@ -166,54 +116,15 @@ inline Texel lookup_image(const ShadingTables& tables, const TextureRecord& t, F
     return r;
 }
 
-/// One texture, the same for all lanes.
-inline Texel evaluate_texture(const ShadingTables& tables, const TextureRecord& t, const TexturePoint& at, Mask m)
-{
-    const int set = t.uv_set ? 1 : 0;
-    const Float u = fma(at.u[set], Float(t.uv_map[0]), fma(at.v[set], Float(t.uv_map[1]), Float(t.uv_map[2])));
-    const Float v = fma(at.u[set], Float(t.uv_map[3]), fma(at.v[set], Float(t.uv_map[4]), Float(t.uv_map[5])));
-    Float mix(0.f);  // from color_a to color_b
-    const Vec3 p = at.p_world * Float(t.scale);
-    switch (TextureKind(t.kind)) {
-        case TextureKind::image:
-            return lookup_image(tables, t, u, v, m);
-        case TextureKind::checker_uv: {
-            const Float cell = floor(u * Float(t.scale)) + floor(v * Float(t.scale));
-            mix = cell - floor(cell * Float(0.5f)) * Float(2);
-            break;
-        }
-        case TextureKind::checker_space: {
-            const auto sine = [](Float x) { return sincos_2pi(x * Float(0.5f * inv_pi)).sin; };
-            mix = select(sine(p.x) * sine(p.y) * sine(p.z) < Float(0), Float(1), Float(0));
-            break;
-        }
-        case TextureKind::noise:
-            mix = fma(detail::perlin_noise(p), Float(0.5f), Float(0.5f));
-            break;
-        case TextureKind::turbulence:
-            mix = detail::turbulence(p, t.octaves);
-            break;
-        case TextureKind::marble: {
-            const Float phase = fma(detail::turbulence(at.p_world, t.octaves), Float(t.turbulence_weight), p.z);
-            mix = fma(sincos_2pi(phase * Float(0.5f * inv_pi)).sin, Float(0.5f), Float(0.5f));
-            break;
-        }
-    }
-    Texel r;
-    for (std::size_t c = 0; c < 4; ++c) r.c[c] = fma(mix, Float(t.color_b[c] - t.color_a[c]), Float(t.color_a[c]));
-    return r;
-}
+/// A picture.
+struct ImageTexture {
+    static constexpr TextureKind kind = TextureKind::image;
 
-/// A texture of each lane's own; 1 where there is none.
-inline Texel evaluate_textures(const ShadingTables& tables, UInt texture, const TexturePoint& at, Mask m)
-{
-    Texel r;
-    for (Float& c : r.c) c = Float(1);
-    for_each_unique(m & (texture != UInt(no_index)), texture, [&](std::uint32_t index, Mask same) {
-        const Texel t = evaluate_texture(tables, tables.textures[index], at, same);
-        for (int c = 0; c < 4; ++c) r.c[c] = select(same, t.c[c], r.c[c]);
-    });
-    return r;
-}
+    static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
+    {
+        const TextureUv uv(t, at);
+        return lookup_image(graph.tables, t, uv.u, uv.v, m);
+    }
+};
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -1,10 +1,11 @@
 #pragma once
-/// From a hit to the surface there: position, normals, uv, and the material with its textures applied.
+/// From a hit to the surface there: position, normals, uv.
 #include "geometry/motion.h"
-#include "integrate/curve_surface.h"
 #include "integrate/scene.h"
-#include "shading/bsdf.h"
-#include "shading/texture.h"
+#include "integrate/stages/curve_surface.h"
+#include "integrate/vertex_attributes.h"
+#include "math/gather_member.h"
+#include "shading/textures/textures.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -18,9 +19,7 @@ public:
         const UInt own = gather(t_.shape_of_primitive.data(), primitive, m);
         if (t_.instances.empty()) return own;
         const Mask placed = m & (instance != UInt(no_index));
-        const UInt by_instance = gather(words(t_.instances.data()) + offsetof(InstanceRecord, shape) / 4,
-                                        instance * UInt(sizeof(InstanceRecord) / 4), placed);
-        return select(placed, by_instance, own);
+        return select(placed, gather(t_.instances, &InstanceRecord::shape, instance, placed), own);
     }
 
     Surface read(const SurfaceHit& hit, Mask m) const
@@ -38,12 +37,11 @@ public:
         s.tangent = Vec3(Float(0), Float(0), Float(0));
         s.bitangent_sign = Float(1);
         s.extent = Float(0);
-        s.color = Spectrum(Float(1));
-        s.color_alpha = Float(1);
+        for (Float& c : s.at.vertex_color) c = Float(1);
         for (int i = 0; i < 2; ++i) s.at.u[i] = hit.u, s.at.v[i] = hit.v;
         s.ng = Vec3(Float(0), Float(0), Float(1));
 
-        const UInt flags = shape_word(offsetof(ShapeRecord, flags), s.shape, m);
+        const UInt flags = gather(t_.shapes, &ShapeRecord::flags, s.shape, m);
         const Mask triangle = m & less(hit.primitive, UInt(t_.first_quad()));
         const Mask quad = m & !triangle & less(hit.primitive, UInt(t_.first_sphere()));
         const Mask sphere = m & !triangle & !quad & less(hit.primitive, UInt(t_.first_disk()));
@@ -65,8 +63,11 @@ public:
         s.extent = max(s.extent, hit.t);
         const Float side = select((flags & UInt(ShapeRecord::flipped)) != UInt(0), Float(-1), Float(1));
         s.ng = flip_sign(s.ng, side);
-        // Vertex normals came with the transform already; whatever they say, the geometric normal decides the side.
-        s.ns = flip_sign(s.ns, dot(s.ns, s.ng));
+        // Vertex normals came with the transform already; whatever they say, the geometric normal decides the side. The
+        // bitangent stays where it is.
+        const Float agreement = dot(s.ns, s.ng);
+        s.ns = flip_sign(s.ns, agreement);
+        s.bitangent_sign = flip_sign(s.bitangent_sign, agreement);
         s.at.p_world = fma(s.p, Float(float(1 / t_.render_scale)),
                            Vec3(Float(float(t_.origin.x)), Float(float(t_.origin.y)), Float(float(t_.origin.z))));
         return s;
@@ -75,78 +76,23 @@ public:
     /// For the instance id AOV.
     UInt object_of(const SurfaceHit& hit, UInt shape, Mask m) const
     {
-        const UInt own = shape_word(offsetof(ShapeRecord, object_id), shape, m);
+        const UInt own = gather(t_.shapes, &ShapeRecord::object_id, shape, m);
         if (t_.instances.empty()) return own;
         const Mask placed = m & (hit.instance != UInt(no_index));
-        const std::uint32_t* ids = words(t_.instances.data()) + offsetof(InstanceRecord, object_id) / 4;
-        return select(placed, gather(ids, hit.instance << 4, placed), own);
+        return select(placed, gather(t_.instances, &InstanceRecord::object_id, hit.instance, placed), own);
     }
 
-    UInt shape_word(std::size_t offset, UInt shape, Mask m) const
+    /// The light that a primitive of a shape is, or no_index.
+    UInt light_of(UInt shape, UInt primitive, Mask m) const
     {
-        return gather(words(t_.shapes.data()) + offset / 4, shape * UInt(sizeof(ShapeRecord) / 4), m);
+        const UInt base = gather(t_.shapes, &ShapeRecord::light_base, shape, m);
+        const Mask is_light = m & (base != UInt(no_index));
+        const UInt first = gather(t_.shapes, &ShapeRecord::first_primitive, shape, is_light);
+        return select(is_light, base + (primitive - first), UInt(no_index));
     }
-    UInt material_of(UInt shape, Mask m) const { return shape_word(offsetof(ShapeRecord, material), shape, m); }
-
-    Float material_number(std::size_t offset, UInt material, Mask m) const
-    {
-        return gather(reinterpret_cast<const float*>(t_.materials.data()) + offset / 4,
-                      material * UInt(sizeof(MaterialRecord) / 4), m);
-    }
-    UInt material_word(std::size_t offset, UInt material, Mask m) const
-    {
-        return gather(words(t_.materials.data()) + offset / 4, material * UInt(sizeof(MaterialRecord) / 4), m);
-    }
-    Spectrum material_spectrum(std::size_t offset, UInt material, Mask m) const
-    {
-        Spectrum s;
-        for (std::size_t c = 0; c < channels; ++c) s.c[c] = material_number(offset + 4 * c, material, m);
-        return s;
-    }
-
-    Spectrum emission(const Surface& s, UInt material, Mask m) const
-    {
-        Spectrum e = material_spectrum(offsetof(MaterialRecord, emission), material, m);
-        if (!scene_.textured) return e;
-        const UInt texture = material_word(offsetof(MaterialRecord, emission_texture), material, m);
-        const Texel t = evaluate_textures(t_, texture, s.at, m);
-        for (int c = 0; c < channels; ++c) e.c[c] = e.c[c] * t.c[c];
-        return e;
-    }
-
-    /// Parameters of the material, and the shading normal bent by its normal map.
-    MaterialPoint material(Surface& s, UInt index, Mask entering, Mask m) const
-    {
-        MaterialPoint p;
-        p.entering = entering;
-        p.base_color = material_spectrum(offsetof(MaterialRecord, base_color), index, m);
-        p.roughness = material_number(offsetof(MaterialRecord, roughness), index, m);
-        p.metallic = material_number(offsetof(MaterialRecord, metallic), index, m);
-        p.ior = material_number(offsetof(MaterialRecord, ior), index, m);
-        p.fuzz = material_number(offsetof(MaterialRecord, fuzz), index, m);
-        const UInt flags = material_word(offsetof(MaterialRecord, flags), index, m);
-        p.thin = (flags & UInt(MaterialRecord::thin)) != UInt(0);
-        const Mask colored = m & ((flags & UInt(MaterialRecord::vertex_colored)) != UInt(0));
-        if (any(colored)) p.base_color = select(colored, p.base_color * s.color, p.base_color);
-        const Mask textured = m & ((flags & UInt(MaterialRecord::textured)) != UInt(0));
-        if (any(textured)) apply_textures(s, index, textured, p);
-        const Mask bent = m & ((flags & UInt(MaterialRecord::normal_mapped)) != UInt(0));
-        if (any(bent)) bend_normal(s, index, bent);
-        return p;
-    }
+    UInt material_of(UInt shape, Mask m) const { return gather(t_.shapes, &ShapeRecord::material, shape, m); }
 
 private:
-    template <class T>
-    static const std::uint32_t* words(const T* table)
-    {
-        return reinterpret_cast<const std::uint32_t*>(table);
-    }
-    static const float* floats(const Vec3f* v) { return reinterpret_cast<const float*>(v); }
-    Vec3 gather3(const float* base, UInt index, Mask m) const
-    {
-        return {gather(base, index, m), gather(base + 1, index, m), gather(base + 2, index, m)};
-    }
-
     void read_triangle(const SurfaceHit& hit, UInt flags, Mask m, Surface& s) const
     {
         const UInt first = hit.primitive * UInt(3);
@@ -154,20 +100,19 @@ private:
         Vec3 position[3];
         for (std::uint32_t k = 0; k < 3; ++k) {
             vertex[k] = gather(t_.triangles.data() + k, first, m);
-            position[k] = gather3(floats(t_.positions.data()), vertex[k] * UInt(3), m);
+            position[k] = gather(t_.positions, vertex[k], m);
         }
         KeyTime key{UInt(0u), Float(0)};
         UInt vertices(0u);  // of a mesh that moves
         if (!t_.vertex_times.empty()) {
             key = vertex_key(t_, hit.time);
-            vertices = shape_word(offsetof(ShapeRecord, moving_vertices), s.shape, m);
+            vertices = gather(t_.shapes, &ShapeRecord::moving_vertices, s.shape, m);
         }
         const Mask moving = m & (vertices != UInt(0u));
         // Per vertex, at the path's time.
         const auto at_time = [&](const std::vector<Vec3f>& table, UInt v, Mask which) {
-            const UInt now = (v + key.key * vertices) * UInt(3), then = (v + (key.key + UInt(1u)) * vertices) * UInt(3);
-            return mix(gather3(floats(table.data()), now, which), gather3(floats(table.data()), then, which),
-                       key.fraction);
+            const UInt now = v + key.key * vertices, then = v + (key.key + UInt(1u)) * vertices;
+            return mix(gather(table, now, which), gather(table, then, which), key.fraction);
         };
         if (any(moving))
             for (int k = 0; k < 3; ++k)
@@ -181,9 +126,8 @@ private:
         const auto has = [&](std::uint32_t flag) { return m & ((flags & UInt(flag)) != UInt(0)); };
 
         if (const Mask smooth = has(ShapeRecord::has_normals); any(smooth)) {
-            const float* table = floats(t_.normals.data());
             const auto at = [&](int k) {
-                const Vec3 still = gather3(table, vertex[k] * UInt(3), smooth);
+                const Vec3 still = gather(t_.normals, vertex[k], smooth);
                 const Mask changes = smooth & moving;
                 return any(changes) ? select(changes, at_time(t_.normals, vertex[k], changes), still) : still;
             };
@@ -191,22 +135,22 @@ private:
             // Normals that cancel or are missing leave the geometric one.
             ns = select(smooth & (dot(interpolated, interpolated) > Float(1e-12f)), interpolated, ns);
         }
-        read_uv(t_.uv0, vertex, hit, w, has(ShapeRecord::has_uv0), s.at.u[0], s.at.v[0]);
-        read_uv(t_.uv1, vertex, hit, w, has(ShapeRecord::has_uv1), s.at.u[1], s.at.v[1]);
+        const TrianglePlace place{{vertex[0], vertex[1], vertex[2]}, hit.u, hit.v};
+        place.read_uv(t_.uv0, has(ShapeRecord::has_uv0), s.at.u[0], s.at.v[0]);
+        place.read_uv(t_.uv1, has(ShapeRecord::has_uv1), s.at.u[1], s.at.v[1]);
         Vec3 tangent = uv_tangent(e1, e2, vertex, has(ShapeRecord::has_uv0), s.bitangent_sign);
+        s.bitangent_sign = select(m, flip_sign(s.bitangent_sign, dot(n, ns)), s.bitangent_sign);
         if (const Mask given = has(ShapeRecord::has_tangents); any(given)) {
             const auto* table = reinterpret_cast<const float*>(t_.tangents.data());
-            const auto at = [&](int k) { return gather3(table, vertex[k] << 2, given); };
+            const auto at = [&](int k) { return gather_vector(table, vertex[k] << 2, given); };
             tangent = select(given, interpolate(at(0), at(1), at(2)), tangent);
             s.bitangent_sign = select(given, gather(table + 3, vertex[0] << 2, given), s.bitangent_sign);
         }
         if (const Mask colored = has(ShapeRecord::has_colors); any(colored)) {
             const auto* table = reinterpret_cast<const float*>(t_.colors.data());
             for (int c = 0; c < 4; ++c) {
-                const auto at = [&](int k) { return gather(table + c, vertex[k] << 2, colored); };
-                const Float value = fma(at(0), w, fma(at(1), hit.u, at(2) * hit.v));
-                Float& to = c < channels ? s.color.c[c] : s.color_alpha;
-                to = select(colored, value, to);
+                Float& to = s.at.vertex_color[c];
+                to = select(colored, place.number(table + c, 2, colored), to);
             }
         }
         s.p = select(m, p, s.p);
@@ -216,19 +160,8 @@ private:
         s.tangent = select(m, tangent, s.tangent);
     }
 
-    void read_uv(const std::vector<Vec2f>& table, const UInt* vertex, const SurfaceHit& hit, Float w, Mask m, Float& u,
-                 Float& v) const
-    {
-        if (none(m)) return;
-        const auto* base = reinterpret_cast<const float*>(table.data());
-        for (int c = 0; c < 2; ++c) {
-            const auto at = [&](int k) { return gather(base + c, vertex[k] << 1, m); };
-            Float& to = c == 0 ? u : v;
-            to = select(m, fma(at(0), w, fma(at(1), hit.u, at(2) * hit.v)), to);
-        }
-    }
-
-    /// dp/du of the first uv set, and on which side of cross(n, t) v grows; for meshes without tangents.
+    /// dp/du of the first uv set, and the side of cross(cross(e1, e2), t) on which v shrinks; for meshes without
+    /// tangents.
     Vec3 uv_tangent(Vec3 e1, Vec3 e2, const UInt* vertex, Mask m, Float& sign) const
     {
         Vec3 tangent(Float(0), Float(0), Float(0));
@@ -258,6 +191,7 @@ private:
         s.ng = select(m, normal(s.ng), s.ng);
         s.ns = select(m, normal(s.ns), s.ns);
         s.tangent = select(m, to_render.vector(s.tangent), s.tangent);
+        s.bitangent_sign = select(m, flip_sign(s.bitangent_sign, to_object.determinant()), s.bitangent_sign);
     }
 
     void read_quad(const SurfaceHit& hit, Mask m, Surface& s) const
@@ -268,9 +202,9 @@ private:
         s.extent = select(m, max(s.extent, scene_.quads.extent(quad)), s.extent);
         s.ns = select(m, s.ng, s.ns);
         if (!scene_.textured) return;
-        const float* base = reinterpret_cast<const float*>(t_.quads.data());
-        const UInt at = quad * UInt(sizeof(QuadRecord) / 4);
-        const Vec3 corner = gather3(base, at, m), u = gather3(base + 3, at, m), v = gather3(base + 6, at, m);
+        const Vec3 corner = gather(t_.quads, &QuadRecord::corner, quad, m),
+                   u = gather(t_.quads, &QuadRecord::edge_u, quad, m),
+                   v = gather(t_.quads, &QuadRecord::edge_v, quad, m);
         const Vec3 n = cross(u, v), r = s.p - corner;
         const Float scale = Float(1) / max(dot(n, n), Float(1e-30f));
         const Float uu = dot(r, cross(v, n)) * scale, vv = dot(r, cross(n, u)) * scale;
@@ -282,39 +216,69 @@ private:
         s.tangent = select(m, u, s.tangent);
     }
 
+    /// The axes of the nodes of round shapes, by which their uv go.
+    struct NodeAxes {
+        Vec3 row[3];
+        bool turned;  ///< else they are those of the space at hand, bit for bit
+
+        Vec3 to_node(Vec3 v) const { return turned ? Vec3(dot(row[0], v), dot(row[1], v), dot(row[2], v)) : v; }
+        /// -1 where the node mirrors.
+        Float handedness() const { return turned ? dot(row[0], cross(row[1], row[2])) : Float(1); }
+        Vec3 from_node(Vec3 v) const { return turned ? fma(row[0], v.x, fma(row[1], v.y, row[2] * v.z)) : v; }
+    };
+    NodeAxes node_axes(UInt shape, Mask m) const
+    {
+        NodeAxes axes;
+        axes.turned = false;
+        if (t_.frames.empty()) return axes;
+        const UInt frame = gather(t_.shapes, &ShapeRecord::frame, shape, m);
+        const Mask turned = m & (frame != UInt(no_index));
+        axes.turned = any(turned);
+        const float* rows = t_.frames[0].data();
+        for (int i = 0; i < 3; ++i) {
+            const auto number = [&](int k) {
+                return select(turned, gather(rows + 3 * i + k, frame * UInt(9u), turned), Float(i == k ? 1.f : 0.f));
+            };
+            axes.row[i] = {number(0), number(1), number(2)};
+        }
+        return axes;
+    }
+
     void read_sphere(const SurfaceHit& hit, Mask m, Surface& s) const
     {
-        const float* base = reinterpret_cast<const float*>(t_.spheres.data());
-        const UInt at = (hit.primitive - UInt(t_.first_sphere())) * UInt(sizeof(SphereRecord) / 4);
-        const Vec3 center = fma(gather3(base + 3, at, m), hit.time, gather3(base, at, m));
-        read_ball(center, gather(base + 6, at, m), m, s);
+        const UInt at = hit.primitive - UInt(t_.first_sphere());
+        const Vec3 center = fma(gather(t_.spheres, &SphereRecord::motion, at, m), hit.time,
+                                gather(t_.spheres, &SphereRecord::center, at, m));
+        read_ball(center, gather(t_.spheres, &SphereRecord::radius, at, m), m, s);
     }
 
     void read_disk(const SurfaceHit& hit, Mask m, Surface& s) const
     {
-        const float* base = reinterpret_cast<const float*>(t_.disks.data());
-        const UInt at = (hit.primitive - UInt(t_.first_disk())) * UInt(sizeof(DiskRecord) / 4);
-        const Vec3 center = gather3(base, at, m), n = gather3(base + 3, at, m);
-        const Float radius = gather(base + 6, at, m);
+        const UInt at = hit.primitive - UInt(t_.first_disk());
+        const Vec3 center = gather(t_.disks, &DiskRecord::center, at, m),
+                   n = gather(t_.disks, &DiskRecord::normal, at, m);
+        const Float radius = gather(t_.disks, &DiskRecord::radius, at, m);
         s.ng = select(m, n, s.ng);
         s.ns = select(m, n, s.ns);
         s.extent = select(m, max(s.extent, radius), s.extent);
         if (!scene_.textured) return;
-        const Frame frame(n);
-        const Vec3 r = s.p - center;
+        const NodeAxes axes = node_axes(s.shape, m);
+        const Frame frame(axes.to_node(n));
+        const Vec3 r = axes.to_node(s.p - center);
         const Float scale = Float(0.5f) / radius;
         for (int i = 0; i < 2; ++i) {
             s.at.u[i] = select(m, fma(dot(r, frame.s), scale, Float(0.5f)), s.at.u[i]);
             s.at.v[i] = select(m, fma(dot(r, frame.t), -scale, Float(0.5f)), s.at.v[i]);
         }
-        s.tangent = select(m, frame.s, s.tangent);
+        s.tangent = select(m, axes.from_node(frame.s), s.tangent);
+        s.bitangent_sign = select(m, axes.handedness(), s.bitangent_sign);
     }
 
     void read_point(const SurfaceHit& hit, Mask m, Surface& s) const
     {
         const float* base = reinterpret_cast<const float*>(t_.points.data());
         const UInt at = (hit.primitive - UInt(t_.first_point())) << 2;
-        read_ball(gather3(base, at, m), gather(base + 3, at, m), m, s);
+        read_ball(gather_vector(base, at, m), gather(base + 3, at, m), m, s);
     }
 
     /// radius: negative where the normal points inwards.
@@ -327,50 +291,16 @@ private:
         s.ns = select(m, s.ng, s.ns);
         if (!scene_.textured) return;
         // u around +y, v from the pole at +y down.
-        const Float u = atan2(-out.z, out.x) * Float(0.5f * inv_pi);
-        const Float v = acos(clamp(out.y, Float(-1), Float(1))) * Float(inv_pi);
+        const NodeAxes axes = node_axes(s.shape, m);
+        const Vec3 to = axes.to_node(out);
+        const Float u = atan2(-to.z, to.x) * Float(0.5f * inv_pi);
+        const Float v = acos(clamp(to.y, Float(-1), Float(1))) * Float(inv_pi);
         for (int i = 0; i < 2; ++i) {
             s.at.u[i] = select(m, select(u < Float(0), u + Float(1), u), s.at.u[i]);
             s.at.v[i] = select(m, v, s.at.v[i]);
         }
-        s.tangent = select(m, Vec3(out.z, Float(0), -out.x), s.tangent);
-    }
-
-    void apply_textures(const Surface& s, UInt index, Mask m, MaterialPoint& p) const
-    {
-        const Texel base =
-            evaluate_textures(t_, material_word(offsetof(MaterialRecord, base_texture), index, m), s.at, m);
-        for (int c = 0; c < channels; ++c)
-            p.base_color.c[c] = select(m, p.base_color.c[c] * base.c[c], p.base_color.c[c]);
-        const auto scalar = [&](std::size_t texture, std::size_t channel, Float& value) {
-            const UInt id = material_word(texture, index, m);
-            const Mask has = m & (id != UInt(no_index));
-            if (none(has)) return;
-            const Texel t = evaluate_textures(t_, id, s.at, has);
-            const UInt c = material_word(channel, index, m);
-            const Float factor =
-                select(c == UInt(0), t.c[0], select(c == UInt(1), t.c[1], select(c == UInt(2), t.c[2], t.c[3])));
-            value = select(has, value * factor, value);
-        };
-        scalar(offsetof(MaterialRecord, roughness_texture), offsetof(MaterialRecord, roughness_channel), p.roughness);
-        scalar(offsetof(MaterialRecord, metallic_texture), offsetof(MaterialRecord, metallic_channel), p.metallic);
-    }
-
-    void bend_normal(Surface& s, UInt index, Mask m) const
-    {
-        const Texel t =
-            evaluate_textures(t_, material_word(offsetof(MaterialRecord, normal_texture), index, m), s.at, m);
-        const Float scale = material_number(offsetof(MaterialRecord, normal_scale), index, m);
-        const Float x = fma(t.c[0], Float(2), Float(-1)) * scale, y = fma(t.c[1], Float(2), Float(-1)) * scale,
-                    z = fma(t.c[2], Float(2), Float(-1));
-        // Gram-Schmidt: the tangent may not be perpendicular to the interpolated normal.
-        const Vec3 raw = s.tangent - s.ns * dot(s.tangent, s.ns);
-        const Mask known = m & (dot(raw, raw) > Float(1e-20f));
-        const Vec3 tangent = normalize(select(known, raw, Vec3(Float(1), Float(0), Float(0))));
-        const Vec3 bitangent = cross(s.ns, tangent) * s.bitangent_sign;
-        const Vec3 bent = fma(tangent, x, fma(bitangent, y, s.ns * z));
-        const Mask use = known & (dot(bent, bent) > Float(1e-12f));
-        s.ns = select(use, normalize(bent), s.ns);
+        s.tangent = select(m, axes.from_node({to.z, Float(0), -to.x}), s.tangent);
+        s.bitangent_sign = select(m, flip_sign(axes.handedness(), radius), s.bitangent_sign);
     }
 
     const LaneScene& scene_;

@@ -1,0 +1,140 @@
+#pragma once
+#include "integrate/kernel.h"
+#include "integrate/stages/light.h"
+#include "integrate/stages/scatter.h"
+#include "integrate/stages/shadow.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// What happens to paths where they meet a surface that scatters: each has a light sampled and gets its next direction.
+class ShadeStage {
+public:
+    ShadeStage(const LaneScene& scene, const KernelSettings& settings, KernelCounters& counters)
+        : scene_(scene),
+          tables_(scene.tables),
+          surfaces_(scene),
+          materials_(scene),
+          lights_(scene, settings.light_selection),
+          settings_(settings),
+          counters_(counters),
+          lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
+          has_time_(scene.tables.moving)
+    {
+    }
+
+    /// Shades paths that are sorted by kind. kind_end: where each MaterialKind ends in the pool.
+    void run(PathPool& paths, const HitColumns& hits, const std::size_t* kind_end)
+    {
+        paths_ = &paths, hits_ = &hits;
+        shadows_.clear();
+        std::size_t begin = 0;
+        for (int kind = 0; kind < material_kind_count; ++kind) {
+            const std::size_t end = kind_end[kind];
+            if (begin < end)
+                Closures::visit(MaterialKind(kind), [&]<class Closure>() {
+                    for (std::size_t i = begin; i < end; i += lanes) shade<Closure>(i, first_lanes(end - i));
+                });
+            begin = end;
+        }
+        shadows_.trace(scene_, paths);
+    }
+
+private:
+    /// Samples a light for each path of a gang, then its next direction.
+    template <class Closure>
+    [[gnu::always_inline]] void shade(std::size_t i, Mask valid)
+    {
+        PathPool& p = *paths_;
+        const SampleKey key{p.pixel_hash.load(i), p.reversed_index.load(i)};
+        const UInt state = p.state.load(i);
+        const UInt bounce = state & UInt(PathPool::bounce_mask);
+        const UInt seed = group_seed(key, bounce + UInt(1u));
+        // The light's point and the next direction are never multiplied with each other.
+        const UInt index = shuffled_index(key, seed);
+        const Float time = has_time_ ? p.time.load(i) : Float(0);
+        const SurfaceHit hit{p.origin.load(i),         p.direction.load(i),
+                             hits_->t.load(i),         hits_->u.load(i),
+                             hits_->v.load(i),         time,
+                             hits_->primitive.load(i), scene_.is_flat ? UInt(no_index) : hits_->instance.load(i)};
+        const ShadingPoint at = read_shading_point(surfaces_, materials_, hit, valid);
+        Spectrum throughput = p.throughput.load(i);
+        if (scene_.has_absorption) throughput = absorb(throughput, at, hit.t, valid);
+        const Closure closure(at.material);
+        if (lights_are_sampled_) sample_light<Closure>(i, valid, closure, at, key, seed, index, throughput, time);
+
+        Scattered next = scatter(closure, at, key, seed, index, throughput);
+        UInt next_state = (state & UInt(~PathPool::specular)) + UInt(1u);
+        next_state = select(next.is_delta, next_state | UInt(PathPool::specular), next_state);
+        Float eta_scale(1.f);
+        if (scene_.refracts) {
+            eta_scale = p.eta_scale.load(i) * next.eta * next.eta;
+            p.eta_scale.store(i, eta_scale, valid);
+        }
+        const Mask ends = apply_roulette(settings_, key, seed, bounce, eta_scale, next.throughput);
+        next_state = select(ends, next_state | UInt(PathPool::dead), next_state);
+        p.origin.store(i, at.start<Closure>(next.wi), valid);
+        p.direction.store(i, next.wi, valid);
+        p.throughput.store(i, next.throughput, valid);
+        p.bsdf_pdf.store(i, next.pdf, valid);
+        p.state.store(i, next_state, valid);
+    }
+
+    /// What is left after the way through the material's inside.
+    Spectrum absorb(Spectrum throughput, const ShadingPoint& at, Float t, Mask m) const
+    {
+        const Spectrum sigma = materials_.get(&MaterialRecord::absorption, at.material_index, m & at.inside);
+        for (int c = 0; c < channels; ++c)
+            throughput.c[c] = throughput.c[c] * select(at.inside, exp(-(sigma.c[c] * t)), Float(1));
+        return throughput;
+    }
+
+    /// Adds a light sample's contribution, or has its shadow ray queued.
+    template <class Closure>
+    [[gnu::always_inline]] void sample_light(std::size_t i, Mask valid, const Closure& closure, const ShadingPoint& at,
+                                             const SampleKey& key, UInt seed, UInt index, const Spectrum& throughput,
+                                             Float time)
+    {
+        // Lights are seen from where the shadow ray starts: right at the surface a light that passes through it, or
+        // a distance that ends behind the light, would be one of rounding.
+        const Vec3 eye = offset_origin(at.p, at.ng, at.extent);
+        const Sample2 random = sample_2d(index, pair_seed(seed, pair_light));
+        const LightSample s = lights_.sample(valid, eye, key, seed, random, time);
+        Mask lit = valid & (s.inverse_pdf > Float(0));
+        const Vec3 wi = at.frame.to_local(s.wi);
+        lit &= closure.has_smooth() & equal(wi.z > Float(0), dot(s.wi, at.ng) > Float(0));
+        if (!Closure::transmits) lit &= wi.z > Float(0);
+        const BsdfEval e = closure.eval(at.wo, wi);
+        const Float r = e.pdf * s.inverse_pdf;
+        const Float weight = select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * s.inverse_pdf;
+        const Spectrum add = throughput * e.f_cos * s.radiance * weight;
+        lit &= any_positive(add);
+        if (none(lit)) return;
+        counters_.rays += std::uint64_t(count(lit));
+        const Vec3 o = Closure::transmits ? at.start<Closure>(s.wi) : eye;
+        // On the surface's other side the way is longer or shorter.
+        const Float distance = Closure::transmits ? s.distance + dot(eye - o, s.wi) : s.distance;
+        const Ray ray{o, s.wi, distance * Float(1 - 0x1p-16f), time};
+        if (!scene_.is_flat) {
+            shadows_.push(ray, add, i, lit);
+            return;
+        }
+        PathPool& p = *paths_;
+        const Mask clear = lit & !scene_.flat.occluded(tables_, ray, lit);
+        p.radiance.store(i, p.radiance.load(i) + select(clear, add, Spectrum(Float(0))), valid);
+    }
+
+    const LaneScene& scene_;
+    const SceneTables& tables_;
+    const SurfaceReader surfaces_;
+    const MaterialReader materials_;
+    const LightSampler lights_;
+    const KernelSettings& settings_;
+    KernelCounters& counters_;
+    bool lights_are_sampled_, has_time_;
+
+    PathPool* paths_ = nullptr;
+    const HitColumns* hits_ = nullptr;
+    ShadowQueue shadows_;
+};
+
+}  // namespace fathom::inline FATHOM_LANES

@@ -1,0 +1,25 @@
+#pragma once
+#include "shading/spectrum.h"
+#include "shading/textures/node.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// A hit of each lane, and the ray that made it.
+struct SurfaceHit {
+    Vec3 o, d;
+    Float t, u, v, time;
+    UInt primitive, instance;
+};
+
+struct Surface {
+    Vec3 p;
+    Vec3 ng;               ///< geometric normal, unit, on the side of the shape's front
+    Vec3 ns;               ///< shading normal, on the same side
+    Vec3 tangent;          ///< along growing u; zero where unknown
+    Float bitangent_sign;  ///< on which side of cross(ns, tangent) green of normal maps points: up in the image
+    Float extent;          ///< the largest length that went into p: bounds its rounding error
+    TexturePoint at;
+    UInt shape;
+};
+
+}  // namespace fathom::inline FATHOM_LANES

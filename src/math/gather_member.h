@@ -1,0 +1,71 @@
+#pragma once
+/// Members of records, gathered by their names: each lane has an index into one array of records.
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <type_traits>
+#include <vector>
+
+#include "math/vec3.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+namespace detail {
+
+/// Where a member stands in its record, in words of 32 bits.
+template <class Record, class Member>
+[[gnu::always_inline]] inline std::size_t word_of(Member Record::* member)
+{
+    // Room for a record, but none is made.
+    union Room {
+        char nothing;
+        Record record;
+        Room() {}
+        ~Room() {}
+    } room;
+    const auto* const at = reinterpret_cast<const char*>(std::addressof(room.record.*member));
+    return std::size_t(at - reinterpret_cast<const char*>(std::addressof(room.record))) / 4;
+}
+
+template <class Record>
+inline constexpr std::uint32_t record_words = [] {
+    static_assert(std::is_standard_layout_v<Record> && sizeof(Record) % 4 == 0 && alignof(Record) <= 8);
+    return std::uint32_t(sizeof(Record) / 4);
+}();
+
+}  // namespace detail
+
+inline Vec3 gather_vector(const float* base, UInt at, Mask m)
+{
+    return {gather(base, at, m), gather(base + 1, at, m), gather(base + 2, at, m)};
+}
+
+/// The member of records[index] for the lanes of m; 0 in others.
+template <class Record>
+[[gnu::always_inline]] inline Float gather(const std::vector<Record>& records, float Record::* member, UInt index,
+                                           Mask m)
+{
+    const auto* base = reinterpret_cast<const float*>(records.data());
+    return gather(base + detail::word_of(member), index * UInt(detail::record_words<Record>), m);
+}
+template <class Record>
+[[gnu::always_inline]] inline UInt gather(const std::vector<Record>& records, std::uint32_t Record::* member,
+                                          UInt index, Mask m)
+{
+    const auto* base = reinterpret_cast<const std::uint32_t*>(records.data());
+    return gather(base + detail::word_of(member), index * UInt(detail::record_words<Record>), m);
+}
+template <class Record>
+[[gnu::always_inline]] inline Vec3 gather(const std::vector<Record>& records, Vec3f Record::* member, UInt index,
+                                          Mask m)
+{
+    const auto* base = reinterpret_cast<const float*>(records.data());
+    return gather_vector(base + detail::word_of(member), index * UInt(detail::record_words<Record>), m);
+}
+/// A whole vector of each lane.
+[[gnu::always_inline]] inline Vec3 gather(const std::vector<Vec3f>& vectors, UInt index, Mask m)
+{
+    return gather_vector(reinterpret_cast<const float*>(vectors.data()), index * UInt(3), m);
+}
+
+}  // namespace fathom::inline FATHOM_LANES

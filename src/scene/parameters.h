@@ -1,0 +1,75 @@
+#pragma once
+/// Parameters of materials and textures, listed once: reading and checking files, their schema, joining scenes and
+/// compiling follow from the lists (material_table.h, texture_table.h).
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <variant>
+
+#include "fathom/description.h"
+
+namespace fathom {
+
+/// A reference by index, which is -1 where there is none.
+template <class Owner>
+struct TextureReference {
+    int Owner::* index;
+};
+template <class Owner>
+struct ImageReference {
+    int Owner::* index;
+};
+
+/// A parameter that some kinds of Owner have.
+template <class Owner>
+struct Parameter {
+    using Member = std::variant<ColorInput Owner::*, FloatInput Owner::*, Color Owner::*, float Owner::*,
+                                double Owner::*, int Owner::*, bool Owner::*, Vec2f Owner::*, AlphaMode Owner::*,
+                                Wrap Owner::*, ColorSpace Owner::*, std::vector<RampStop> Owner::*,
+                                TextureReference<Owner>, ImageReference<Owner>>;
+    static constexpr double unbounded = std::numeric_limits<double>::infinity();
+
+    const char* key;      ///< in files
+    std::uint32_t kinds;  ///< bit per kind that has it
+    Member member;
+    const char* meaning;                            ///< one line, with the unit where there is one
+    double least = -unbounded, most = unbounded;    ///< of the number, or of each channel
+    double unit = 1;                                ///< of the file, in that of the description
+    std::span<const char* const> words = {};        ///< for enumerators and choices: as files call them, in order
+    const char* excess = nullptr;                   ///< why more than `most` is wrong, for the message
+    bool required = false, default_by_use = false;  ///< default_by_use: the default depends on where it is used
+
+    bool is_of(std::uint32_t kind) const { return kinds >> kind & 1; }
+};
+
+/// A kind of Owner, as files call it.
+template <class Kind>
+struct KindName {
+    Kind kind;
+    const char* name;
+    const char* meaning;
+};
+
+/// The bits of some kinds.
+template <class... Kind>
+constexpr std::uint32_t kind_bits(Kind... kinds)
+{
+    return ((1u << std::uint32_t(kinds)) | ... | 0u);
+}
+
+/// Calls f(int& index, key) for each texture that a material or texture refers to, whatever its kind.
+template <class Owner, class F>
+void for_each_texture(Owner& owner, std::span<const Parameter<std::remove_const_t<Owner>>> parameters, F&& f)
+{
+    using Plain = std::remove_const_t<Owner>;
+    for (const Parameter<Plain>& p : parameters) {
+        if (const auto* color = std::get_if<ColorInput Plain::*>(&p.member))
+            f((owner.*(*color)).texture, p.key);
+        else if (const auto* number = std::get_if<FloatInput Plain::*>(&p.member))
+            f((owner.*(*number)).texture, p.key);
+        else if (const auto* texture = std::get_if<TextureReference<Plain>>(&p.member))
+            f(owner.*(texture->index), p.key);
+    }
+}
+
+}  // namespace fathom

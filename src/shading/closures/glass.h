@@ -1,0 +1,100 @@
+#pragma once
+#include "shading/closures/closure.h"
+#include "shading/microfacet.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+inline Vec3 refract(Vec3 wo, Vec3 h, Float cos_o, Float cos_t, Float eta)
+{
+    return h * (cos_o / eta - cos_t) - wo * (Float(1) / eta);
+}
+
+/// A dielectric boundary, smooth or of GGX facets: Walter et al. 2007, "Microfacet Models for Refraction through Rough
+/// Surfaces". Radiance that is refracted is scaled by the square of the indices' ratio, and by the root of the colour:
+/// a way in and out of a solid takes the whole of it.
+///
+/// Or a thin sheet, two boundaries with nothing between. What it lets through goes straight on, times the colour;
+/// facets spread that as they spread reflections, on the other side. Of a reflectance r of each boundary, all the ways
+/// between them (r, t r t, t r^3 t, ...) make 2 r / (1 + r). Scaled for multiple scattering, as the metal is.
+class GlassBsdf {
+public:
+    static constexpr MaterialKind kind = MaterialKind::glass;
+    static constexpr bool transmits = true;
+
+    explicit GlassBsdf(const MaterialPoint& m)
+        : roughness_(m.roughness),
+          ggx_{max(m.roughness * m.roughness, Float(min_alpha))},
+          color_(m.base_color),
+          is_thin_(m.thin)
+    {
+        eta_ = select(m.entering | is_thin_, m.ior, Float(1) / m.ior);
+        is_smooth_ = m.roughness * m.roughness < Float(min_alpha);
+        for (Float& c : color_.c) c = select(is_thin_, c, sqrt(max(c, Float(0))));
+    }
+    Mask has_smooth() const { return !is_smooth_; }
+    BsdfEval eval(Vec3 wo, Vec3 wi) const
+    {
+        const Mask reflects = wi.z > Float(0);
+        // Where facets decide as for a reflection, they get one.
+        const Mask mirrors = reflects | is_thin_;
+        wi.z = select(is_thin_, abs(wi.z), wi.z);
+        Vec3 h = select(mirrors, wo + wi, fma(wi, eta_, wo));
+        h = normalize(h + Vec3{Float(0), Float(0), Float(1e-20f)});
+        h = flip_sign(h, h.z);
+        const Float o = dot(wo, h), i = dot(wi, h);
+        // Facets seen from behind scatter nothing: wo in front, wi on the side it goes to.
+        const Mask valid = has_smooth() & (o > Float(0)) & equal(i > Float(0), mirrors);
+        Float cos_t;
+        const Float r = reflectance(min(o, Float(1)), cos_t);
+        const Float share = select(reflects, r, Float(1) - r);
+        const Float d = ggx_.d(h), g = ggx_.g2(wo, wi), visible = ggx_.g1(wo) * d / wo.z;
+        const Float denominator = i + o / eta_;
+        const Float jacobian = abs(i) / max(denominator * denominator, Float(1e-20f));
+        const Float f_mirror = share * d * g / (Float(4) * wo.z);
+        const Float f_refract = share * d * g * jacobian * o / (wo.z * eta_ * eta_);
+        const Float f = select(valid, select(mirrors, f_mirror, f_refract), Float(0));
+        const Float pdf = select(valid, visible * share * select(mirrors, Float(0.25f), jacobian * o), Float(0));
+        return {tint(reflects) * (f * gain(wo)), pdf};
+    }
+    BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
+    {
+        const Vec3 h = select(is_smooth_, Vec3{Float(0), Float(0), Float(1)}, ggx_.sample(wo, u));
+        const Float o = clamp(dot(wo, h), Float(0), Float(1));
+        Float cos_t;
+        const Float r = reflectance(o, cos_t);
+        const Mask reflects = u1 < r;
+        const Vec3 mirrored = reflect(wo, h), straight{mirrored.x, mirrored.y, -mirrored.z};
+        const Vec3 through = select(is_thin_, straight, refract(wo, h, o, cos_t, eta_));
+        const Vec3 wi = normalize(select(reflects, mirrored, through));
+        const Mask valid = equal(wi.z > Float(0), reflects);
+        const Float g = select(is_smooth_, Float(1), ggx_.g2(wo, wi) / ggx_.g1(wo));
+        const Mask refracts = !(reflects | is_thin_);
+        const Float weight = select(refracts, g / (eta_ * eta_), g);
+        const Float pdf = eval(wo, wi).pdf;
+        return {wi, tint(reflects) * select(valid, weight * gain(wo), Float(0)), pdf, is_smooth_,
+                select(refracts, eta_, Float(1))};
+    }
+
+private:
+    Float reflectance(Float cosine, Float& cos_t) const
+    {
+        const Float r = fresnel_dielectric(cosine, eta_, cos_t);
+        return select(is_thin_, Float(2) * r / (Float(1) + r), r);
+    }
+    /// What makes up for light that facets of a thin sheet scatter more than once.
+    Float gain(Vec3 wo) const
+    {
+        const Mask rough_sheet = is_thin_ & !is_smooth_;
+        if (none(rough_sheet)) return Float(1);
+        return select(rough_sheet, Float(1) / ggx_albedo(wo.z, roughness_), Float(1));
+    }
+    Spectrum tint(Mask reflects) const { return select(reflects, Spectrum(Float(1)), color_); }
+
+    Float roughness_;
+    Ggx ggx_;
+    Spectrum color_;
+    Float eta_;
+    Mask is_thin_, is_smooth_;
+};
+
+}  // namespace fathom::inline FATHOM_LANES

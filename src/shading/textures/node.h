@@ -1,0 +1,85 @@
+#pragma once
+/// What all textures share. A texture is a node of a graph: a class with
+///     static constexpr TextureKind kind
+///     static Texel evaluate(const TextureGraph&, const TextureRecord&, const TexturePoint&, Mask)
+/// for one texture that is the same for all lanes; the graph evaluates what the node refers to.
+#include "fathom/description.h"
+#include "math/elementary.h"
+#include "math/vec3.h"
+#include "shading/records.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+struct Texel {
+    Float c[4];
+};
+
+/// Where a texture is looked up.
+struct TexturePoint {
+    Float u[2], v[2];  ///< the two uv sets
+    Vec3 p_world;
+    Float vertex_color[4];  ///< white where the mesh has none
+};
+
+/// uv of the set that the texture looks at, after its map.
+struct TextureUv {
+    Float u, v;
+
+    TextureUv(const TextureRecord& t, const TexturePoint& at)
+    {
+        const int set = t.uv_set ? 1 : 0;
+        u = fma(at.u[set], Float(t.uv_map[0]), fma(at.v[set], Float(t.uv_map[1]), Float(t.uv_map[2])));
+        v = fma(at.u[set], Float(t.uv_map[3]), fma(at.v[set], Float(t.uv_map[4]), Float(t.uv_map[5])));
+    }
+};
+
+/// What nodes refer to, evaluated.
+class TextureGraph {
+public:
+    explicit TextureGraph(const ShadingTables& tables) : tables(tables) {}
+
+    /// One texture, the same for all lanes.
+    Texel evaluate(const TextureRecord& t, const TexturePoint& at, Mask m) const;
+    /// color_a or color_b, times their textures.
+    Texel color_a(const TextureRecord& t, const TexturePoint& at, Mask m) const
+    {
+        return color(t.color_a, t.texture_a, at, m);
+    }
+    Texel color_b(const TextureRecord& t, const TexturePoint& at, Mask m) const
+    {
+        return color(t.color_b, t.texture_b, at, m);
+    }
+    Float factor(const TextureRecord& t, const TexturePoint& at, Mask m) const
+    {
+        if (t.factor_texture == no_index) return Float(t.factor);
+        return evaluate(tables.textures[t.factor_texture], at, m).c[t.factor_channel] * Float(t.factor);
+    }
+    /// From color_a (0) to color_b (1).
+    Texel mix(const TextureRecord& t, Float amount, const TexturePoint& at, Mask m) const
+    {
+        Texel r;
+        if (t.texture_a == no_index && t.texture_b == no_index) {
+            for (std::size_t c = 0; c < 4; ++c)
+                r.c[c] = fma(amount, Float(t.color_b[c] - t.color_a[c]), Float(t.color_a[c]));
+            return r;
+        }
+        const Texel a = color_a(t, at, m), b = color_b(t, at, m);
+        for (int c = 0; c < 4; ++c) r.c[c] = fma(amount, b.c[c] - a.c[c], a.c[c]);
+        return r;
+    }
+
+    const ShadingTables& tables;
+
+private:
+    Texel color(const std::array<float, 4>& value, std::uint32_t texture, const TexturePoint& at, Mask m) const
+    {
+        Texel r;
+        for (std::size_t c = 0; c < 4; ++c) r.c[c] = Float(value[c]);
+        if (texture == no_index) return r;
+        const Texel t = evaluate(tables.textures[texture], at, m);
+        for (int c = 0; c < 4; ++c) r.c[c] = r.c[c] * t.c[c];
+        return r;
+    }
+};
+
+}  // namespace fathom::inline FATHOM_LANES

@@ -1,0 +1,46 @@
+#pragma once
+/// All textures: the list that lookups are made from.
+#include "shading/textures/checker.h"
+#include "shading/textures/image.h"
+#include "shading/textures/mix.h"
+#include "shading/textures/noise.h"
+#include "shading/textures/ramp.h"
+#include "shading/textures/scale.h"
+#include "shading/textures/uv_transform.h"
+#include "shading/textures/vertex_color.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+template <class... Node>
+struct TextureList {
+    static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
+    {
+        Texel r;
+        ((TextureKind(t.kind) == Node::kind ? void(r = Node::evaluate(graph, t, at, m)) : void()), ...);
+        return r;
+    }
+};
+
+using Textures =
+    TextureList<ImageTexture, CheckerUvTexture, CheckerSpaceTexture, NoiseTexture, TurbulenceTexture, MarbleTexture,
+                MixTexture, ScaleTexture, UvTransformTexture, RampTexture, VertexColorTexture>;
+
+[[gnu::noinline]] inline Texel TextureGraph::evaluate(const TextureRecord& t, const TexturePoint& at, Mask m) const
+{
+    return Textures::evaluate(*this, t, at, m);
+}
+
+/// A texture of each lane's own; 1 where there is none.
+inline Texel evaluate_textures(const ShadingTables& tables, UInt texture, const TexturePoint& at, Mask m)
+{
+    const TextureGraph graph(tables);
+    Texel r;
+    for (Float& c : r.c) c = Float(1);
+    for_each_unique(m & (texture != UInt(no_index)), texture, [&](std::uint32_t index, Mask same) {
+        const Texel t = graph.evaluate(tables.textures[index], at, same);
+        for (int c = 0; c < 4; ++c) r.c[c] = select(same, t.c[c], r.c[c]);
+    });
+    return r;
+}
+
+}  // namespace fathom::inline FATHOM_LANES

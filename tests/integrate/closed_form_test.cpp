@@ -1,0 +1,191 @@
+/// Lights, lenses and textures against formulas, one thing at a time: a factor of two anywhere shows.
+#include "../image/pictures.h"
+#include "picture_helpers.h"
+
+namespace fathom {
+namespace {
+
+using namespace test;
+
+constexpr double pi = std::numbers::pi;
+
+/// A diffuse floor seen from above through a narrow lens; the lights are all there is.
+SceneBuilder floor_scene(float albedo)
+{
+    SceneBuilder b;
+    b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(albedo));
+    b.camera({0, 1, 0}, {0, 0, 0}, 0.1);
+    return b;
+}
+
+TEST(ClosedForm, PointLightsAtDistancesAndAngles)
+{
+    for (double height : {0.3, 2.0, 40.0, 3000.0})
+        for (double angle : {0.0, 0.7, 1.4}) {
+            SceneBuilder b = floor_scene(0.5f);
+            b.scene.cameras[0].position.y = 0.1;
+            Light light;
+            const float intensity = float(7 * height * height);
+            light.intensity = {intensity, intensity, intensity};
+            b.light(light, Transform::translate({height * std::tan(angle), height, 0}));
+            SCOPED_TRACE(std::to_string(height) + " " + std::to_string(angle));
+            expect_mean(render_film(b.scene, small_picture(4, 4), 4), 0.5 / pi * 7 * std::pow(std::cos(angle), 3),
+                        0.002);
+        }
+}
+
+TEST(ClosedForm, DirectionalLightsAtAngles)
+{
+    for (double disk : {0.0, 1e-3, 0.3})
+        for (double angle : {0.0, 0.7, 1.4}) {
+            SceneBuilder b = floor_scene(0.5f);
+            Light light;
+            light.kind = LightKind::directional;
+            light.intensity = {7, 7, 7};
+            light.angle = disk;
+            b.light(light, Transform::rotate({0, 0, 1}, angle) * Transform::rotate({1, 0, 0}, -pi / 2));
+            SCOPED_TRACE(std::to_string(disk) + " " + std::to_string(angle));
+            // Irradiance at normal incidence, times the cosine: exact while the disk is above the horizon.
+            expect_mean(render_film(b.scene, small_picture(8, 8), 256), 0.5 / pi * 7 * std::cos(angle), 0.004);
+        }
+}
+
+/// E = pi L sin^2 cos for a ball, of half angle a, in a direction; pi L r^2 / (r^2 + h^2) for a disk right above.
+TEST(ClosedForm, BallsAndDisksAtDistances)
+{
+    for (bool light_sampling : {true, false})
+        for (double distance : {1.5, 4.0, 10.0}) {
+            RenderSettings settings = small_picture(8, 8);
+            settings.light_sampling = light_sampling;
+            const std::uint64_t samples = light_sampling ? 256 : 8192;
+            SceneBuilder ball = floor_scene(0.5f);
+            ball.scene.cameras[0].position = {0.2, 0.1, 0.1};
+            const double angle = 0.5;
+            ball.add(Sphere{{distance * std::sin(angle), distance * std::cos(angle), 0}, 1, {}},
+                     ball.diffuse(0, {3, 3, 3}));
+            SCOPED_TRACE(std::to_string(light_sampling) + " " + std::to_string(distance));
+            expect_mean(render_film(ball.scene, settings, samples), 0.5 * 3 / (distance * distance) * std::cos(angle),
+                        0.004);
+            SceneBuilder disk = floor_scene(0.5f);
+            disk.scene.cameras[0].position = {0.2, 0.1, 0.1};
+            disk.add(Disk{{0, distance, 0}, {0, -1, 0}, 1}, disk.diffuse(0, {3, 3, 3}));
+            expect_mean(render_film(disk.scene, settings, samples), 0.5 * 3 / (1 + distance * distance), 0.004);
+        }
+}
+
+/// An environment of few pixels, between which radiance is bilinear: its irradiance by adding up directions.
+TEST(ClosedForm, EnvironmentImages)
+{
+    constexpr int w = 8, h = 4;
+    const TemporaryFolder folder;
+    Image image = made_image(w, h);
+    for (int c = 0; c < 3; ++c) image.layers[0].pixels[std::size_t((1 * w + 5) * 3 + c)] = 20;  // a sun
+    write_image(folder.path() / "sky.exr", image, {});
+    const auto texel = [&](int x, int y, int c) {
+        return double(image.layers[0].pixels[std::size_t((std::clamp(y, 0, h - 1) * w + (x % w + w) % w) * 3 + c)]);
+    };
+    const auto radiance = [&](Vec3d d, int c) {
+        const double x = (std::atan2(d.x, -d.z) / (2 * pi) + 0.5) * w - 0.5, y = std::acos(d.y) / pi * h - 0.5;
+        const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
+        const double fx = x - x0, fy = y - y0;
+        return (texel(x0, y0, c) * (1 - fx) + texel(x0 + 1, y0, c) * fx) * (1 - fy) +
+               (texel(x0, y0 + 1, c) * (1 - fx) + texel(x0 + 1, y0 + 1, c) * fx) * fy;
+    };
+    // Turned, so that the picture's axes are told apart.
+    const Transform turn = Transform::rotate({1, 2, 0.5}, 0.6);
+    double expected[3] = {};
+    constexpr int n = 1000;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            // Directions by the cosine: of a unit disk, raised.
+            const double r = std::sqrt((i + 0.5) / n), phi = 2 * pi * (j + 0.5) / n;
+            const Vec3d d = turn.inverse().vector({r * std::cos(phi), std::sqrt(1 - r * r), r * std::sin(phi)});
+            for (int c = 0; c < 3; ++c) expected[c] += radiance(d, c) / (n * n);
+        }
+    for (bool light_sampling : {true, false}) {
+        SceneBuilder b = floor_scene(0.5f);
+        b.scene.images.push_back({"sky", folder.path() / "sky.exr", {}});
+        b.scene.environment.kind = EnvironmentKind::image;
+        b.scene.environment.image = 0;
+        b.scene.environment.world_from_environment = turn;
+        RenderSettings settings = small_picture(8, 8);
+        settings.light_sampling = light_sampling;
+        const Mean mean = mean_of(render_film(b.scene, settings, 4096));
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(mean.value[c], 0.5 * expected[c], 4 * mean.error[c] + 1e-4 * expected[c])
+                << light_sampling << " channel " << c;
+    }
+}
+
+/// An edge between black and white through a lens: of the circle that a point of a pixel sees there, the share beyond
+/// the edge. In focus the circle is a point.
+TEST(ClosedForm, LensAndFocus)
+{
+    constexpr double aperture = 0.2, distance = 3;
+    constexpr int width = 40;
+    for (const auto kind : {CameraKind::perspective, CameraKind::orthographic})
+        for (const double focus : {0.0, 3.0, 2.0, 6.0}) {
+            SceneBuilder b;
+            b.add(Rectangle{{0, -50, -distance}, {50, 0, 0}, {0, 100, 0}}, b.diffuse(0, {1, 1, 1}));
+            b.camera({0, 0, 0}, {0, 0, -4});
+            Camera& camera = b.scene.cameras[0];
+            camera.kind = kind;
+            camera.height = 0.4;
+            camera.fov_y = 2 * std::atan(0.2 / distance);
+            camera.aperture = aperture;
+            camera.focus_distance = focus;
+            const double in_focus = focus > 0 ? focus : 4;  // else where the camera looks at
+            const double radius = aperture / 2 * std::abs(distance - in_focus) / in_focus;
+            const Image image = render_film(b.scene, small_picture(width, width), 256).image(false, false);
+            for (int x = 0; x < width; ++x) {
+                double expected = 0;
+                constexpr int parts = 50;
+                for (int k = 0; k < parts; ++k) {
+                    const double at = ((x + (k + 0.5) / parts) / width - 0.5) * 0.4;
+                    const double s = radius > 0 ? std::clamp(at / radius, -1.0, 1.0) : at > 0 ? 1 : -1;
+                    expected += (0.5 + (s * std::sqrt(1 - s * s) + std::asin(s)) / pi) / parts;
+                }
+                double mean = 0;
+                for (int y = 0; y < width; ++y)
+                    mean += image.layers[0].pixels[std::size_t(3 * (y * width + x))] / width;
+                EXPECT_NEAR(mean, expected, 0.01) << int(kind) << " " << focus << " " << x;
+            }
+        }
+}
+
+/// A factor from one channel of a texture is the factor that the channel holds there.
+TEST(ClosedForm, ChannelsOfTextures)
+{
+    const float in_texture[3] = {0.25f, 0.5f, 0.875f};
+    Texture constant;
+    constant.kind = TextureKind::checker_uv;
+    constant.color_a.value = constant.color_b.value = {in_texture[0], in_texture[1], in_texture[2]};
+    const auto mean = [&](FloatInput Material::* input, bool textured, int channel) {
+        SceneBuilder b;
+        b.scene.textures.push_back(constant);
+        Material m;
+        m.kind = MaterialKind::principled;
+        m.base_color.value = {0.9f, 0.5f, 0.1f};
+        m.roughness.value = 0.5f, m.metallic.value = 0.5f;
+        m.alpha_mode = AlphaMode::blend;
+        m.*input = textured ? FloatInput{0.8f, 0, channel} : FloatInput{0.8f * in_texture[channel], -1, 0};
+        b.add(Rectangle{{-2, -2, 0}, {4, 0, 0}, {0, 4, 0}}, b.material(m));
+        Light light;
+        light.intensity = {50, 50, 50};
+        b.light(light, Transform::translate({2, 1, 2}));
+        b.camera({-2, -1, 2.2}, {0, 0, 0}, 20);
+        return mean_of(render_film(b.scene, small_picture(16, 16), 16)).value[0];
+    };
+    for (FloatInput Material::* input : {&Material::roughness, &Material::metallic, &Material::alpha}) {
+        double last = 0;
+        for (int channel = 0; channel < 3; ++channel) {
+            const double textured = mean(input, true, channel);
+            EXPECT_NEAR(textured / mean(input, false, channel), 1, 1e-4) << channel;
+            EXPECT_GT(std::abs(textured / last - 1), 0.05) << "channels show no difference";
+            last = textured;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace fathom

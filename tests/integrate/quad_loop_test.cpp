@@ -1,0 +1,112 @@
+/// The loop for rooms of quads against the loop for all scenes: the same estimator, sample by sample.
+#include <random>
+
+#include "picture_helpers.h"
+
+namespace fathom {
+namespace {
+
+using namespace test;
+
+/// A room with its front open, some boxes and loose quads in it, one to three lamps, and sometimes a sky.
+SceneDescription random_room(unsigned seed)
+{
+    std::mt19937 engine(seed);
+    const auto uniform = [&](double lo, double hi) { return lo + (hi - lo) * double(engine() >> 8) / 16777216.0; };
+    SceneBuilder b;
+    const auto color = [&] {
+        Material m;
+        m.base_color.value = {float(uniform(0.1, 0.95)), float(uniform(0.1, 0.95)), float(uniform(0.1, 0.95))};
+        b.scene.materials.push_back(m);
+        return int(b.scene.materials.size()) - 1;
+    };
+    b.add(Rectangle{{-1, -1, 1}, {2, 0, 0}, {0, 0, -2}}, color());
+    b.add(Rectangle{{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}}, color());
+    b.add(Rectangle{{-1, -1, -1}, {2, 0, 0}, {0, 2, 0}}, color());
+    b.add(Rectangle{{-1, -1, 1}, {0, 0, -2}, {0, 2, 0}}, color());
+    b.add(Rectangle{{1, -1, -1}, {0, 0, 2}, {0, 2, 0}}, color());
+    for (int i = 0; i < 2 + int(seed % 3); ++i) {
+        const Vec3d corner{uniform(-0.8, 0.3), uniform(-0.99, 0), uniform(-0.8, 0.3)};
+        b.add(Box{corner, corner + Vec3d{uniform(0.1, 0.5), uniform(0.1, 0.6), uniform(0.1, 0.5)}}, color());
+    }
+    for (int i = 0; i < int(seed % 4); ++i)
+        b.add(Rectangle{{uniform(-0.5, 0.5), uniform(-0.5, 0.5), uniform(-0.5, 0.5)},
+                        {uniform(-0.4, 0.4), uniform(0.1, 0.4), uniform(-0.4, 0.4)},
+                        {uniform(0.1, 0.4), uniform(-0.4, 0.4), uniform(-0.4, 0.4)}},
+              color());
+    for (int i = 0; i < 1 + int(seed % 3); ++i) {
+        Material lamp;
+        lamp.kind = seed % 2 ? MaterialKind::none : MaterialKind::diffuse;
+        lamp.emission.value = {float(uniform(2, 9)), float(uniform(2, 9)), float(uniform(2, 9))};
+        lamp.emission_two_sided = seed % 5 == 0;
+        b.scene.materials.push_back(lamp);
+        const double side = uniform(0.1, 0.5);
+        b.add(Rectangle{{uniform(-0.9, 0.3), uniform(0.9, 0.99), uniform(-0.9, 0.3)}, {side, 0, 0}, {0, 0, side}},
+              int(b.scene.materials.size()) - 1);
+    }
+    if (seed % 3 == 0) b.scene.environment.kind = EnvironmentKind::gradient;
+    b.camera({0.2, 0.1, 3.4}, {0, 0, 0});
+    return b.scene;
+}
+
+/// Sum over pixels and channels of the variance of a pixel's mean.
+double total_variance(const Film& film)
+{
+    const Image image = film.image(false, true);
+    double sum = 0;
+    for (float v : image.find("variance")->pixels) sum += double(v);
+    return sum;
+}
+
+TEST(QuadLoop, HasTheMeanAndTheVarianceOfTheGeneralLoop)
+{
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+        SCOPED_TRACE(seed);
+        Warnings warnings;
+        const Scene scene = Scene::compile(random_room(seed), "", warnings);
+        RenderSettings fast = small_picture(), general = fast;
+        general.general_loop = true;
+        general.seed = 1;
+        const RenderJob jobs[] = {{scene, fast}, {scene, general}};
+        Film films[] = {Film(jobs[0]), Film(jobs[1])};
+        for (int i = 0; i < 2; ++i) render(jobs[i], {0, 256}, films[i]);
+        const Image a = films[0].image(false, true), b = films[1].image(false, true);
+        const auto &va = a.find("variance")->pixels, &vb = b.find("variance")->pixels;
+        double z2 = 0, difference = 0, error2 = 0;
+        int n = 0;
+        for (std::size_t i = 0; i < va.size(); ++i) {
+            const double d = double(a.layers[0].pixels[i]) - double(b.layers[0].pixels[i]);
+            const double v = double(va[i]) + double(vb[i]);
+            difference += d, error2 += v;
+            if (v > 0) z2 += d * d / v, ++n;
+        }
+        // Stratified samples are better than their variance says, never worse: the mean of z^2 is at most 1.
+        EXPECT_LT(z2 / n, 1.1);
+        EXPECT_LT(std::abs(difference), 4 * std::sqrt(error2));
+        EXPECT_NEAR(total_variance(films[0]) / total_variance(films[1]), 1, 0.05);
+    }
+}
+
+/// By the same random numbers both take the same ways, but where rounding decides at an edge.
+TEST(QuadLoop, TakesTheWaysOfTheGeneralLoop)
+{
+    int compared = 0, different = 0;
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+        Warnings warnings;
+        const Scene scene = Scene::compile(random_room(seed), "", warnings);
+        RenderSettings fast = small_picture(), general = fast;
+        general.general_loop = true;
+        const RenderJob a(scene, fast), b(scene, general);
+        for (std::uint64_t sample = 0; sample < 200; ++sample) {
+            const int x = int(sample * 7 % 32), y = int(sample * 5 % 24);
+            const Color p = render_sample(a, x, y, sample), q = render_sample(b, x, y, sample);
+            ++compared;
+            different += std::abs(p.r - q.r) > 2e-3f * (p.r + q.r) || std::abs(p.g - q.g) > 2e-3f * (p.g + q.g);
+        }
+    }
+    EXPECT_EQ(compared, 2000);
+    EXPECT_LE(different, 20);
+}
+
+}  // namespace
+}  // namespace fathom

@@ -1,0 +1,180 @@
+/// Writes the parts of docs/scene.schema.json that follow from the lists of materials and textures
+/// (src/scene/material_table.cpp, texture_table.cpp):  scene_schema FILE
+/// With --check it only says whether they are as they should be.
+#include <charconv>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "scene/material_table.h"
+#include "scene/texture_table.h"
+
+namespace fathom {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A float as it is written, 0.8 and not 0.800000011920929.
+Json number(double value, bool single)
+{
+    if (single) {
+        char text[32];
+        const auto end = std::to_chars(text, text + sizeof text, float(value)).ptr;
+        std::from_chars(text, end, value);
+    }
+    if (value == double(long(value))) return long(value);
+    return value;
+}
+
+Json color(Color c)
+{
+    if (c.r == c.g && c.g == c.b) return number(double(c.r), true);
+    return {number(double(c.r), true), number(double(c.g), true), number(double(c.b), true)};
+}
+
+Json reference(const std::string& name)
+{
+    return {{"$ref", "#/$defs/" + name}};
+}
+
+template <class Owner>
+void add_bounds(Json& json, const Parameter<Owner>& p)
+{
+    if (p.least != p.unbounded && p.least != -p.unbounded) json["minimum"] = number(p.least, false);
+    if (p.most != p.unbounded) json["maximum"] = number(p.most, false);
+}
+
+/// The type of a parameter, and its default.
+template <class Owner, class Member>
+Json type_of(const Parameter<Owner>& p, Member member, Json& value)
+{
+    static const Owner made{};
+    Json json = Json::object();
+    if constexpr (std::is_same_v<Member, TextureReference<Owner>>) {
+        return reference("textureInput");
+    } else if constexpr (std::is_same_v<Member, ImageReference<Owner>>) {
+        return {{"type", "string"}};
+    } else {
+        const auto& out = made.*member;
+        using T = std::decay_t<decltype(out)>;
+        if (!p.words.empty()) {
+            for (const char* word : p.words) json["enum"].push_back(word);
+            if constexpr (std::is_enum_v<T> || std::is_same_v<T, bool>) value = p.words[std::size_t(out)];
+        } else if constexpr (std::is_same_v<T, ColorInput>) {
+            value = color(out.value);
+            return reference(p.most == 1 ? "reflectanceInput" : "colorInput");
+        } else if constexpr (std::is_same_v<T, FloatInput>) {
+            value = number(double(out.value), true);
+            return reference("unitInput");
+        } else if constexpr (std::is_same_v<T, Color>) {
+            value = color(out);
+            return reference(p.most == 1 ? "reflectance" : "color");
+        } else if constexpr (std::is_same_v<T, Vec2f>) {
+            value = {number(double(out.x), true), number(double(out.y), true)};
+            return reference("vec2");
+        } else if constexpr (std::is_same_v<T, std::vector<RampStop>>) {
+            json = {{"type", "array"}, {"minItems", 2}, {"maxItems", 16}};
+            json["items"] = {{"type", "array"},
+                             {"prefixItems", {{{"type", "number"}}, reference("color")}},
+                             {"minItems", 2},
+                             {"maxItems", 2}};
+        } else if constexpr (std::is_same_v<T, bool>) {
+            json["type"] = "boolean";
+            value = out;
+        } else if constexpr (std::is_arithmetic_v<T>) {
+            json["type"] = std::is_same_v<T, int> ? "integer" : "number";
+            add_bounds(json, p);
+            value = number(double(out) / p.unit, std::is_same_v<T, float>);
+        }
+    }
+    return json;
+}
+
+template <class Owner>
+Json property(const Parameter<Owner>& p)
+{
+    Json value;
+    Json json = std::visit([&](auto member) { return type_of(p, member, value); }, p.member);
+    json["description"] = p.meaning;
+    if (!value.is_null() && !p.required && !p.default_by_use) json["default"] = value;
+    return json;
+}
+
+template <class Owner, class Kind>
+Json kinds(std::span<const KindName<Kind>> names, std::span<const Parameter<Owner>> parameters, Kind default_kind)
+{
+    Json all = Json::array();
+    for (const KindName<Kind>& name : names) {
+        Json properties = {{"kind", {{"const", name.name}}}};
+        Json required = Json::array();
+        if (name.kind != default_kind) required.push_back("kind");
+        for (const Parameter<Owner>& p : parameters) {
+            if (!p.is_of(std::uint32_t(name.kind))) continue;
+            properties[p.key] = property(p);
+            if (p.required) required.push_back(p.key);
+            if (std::string(p.key) == "emission")
+                properties["emission_unit"] = {{"description", "unit of emission"},
+                                               {"enum", {"nit", "lm/m2", "W/m2/sr", "W/m2"}},
+                                               {"default", "nit"}};
+        }
+        properties["comment"] = reference("comment");
+        Json kind = {{"type", "object"}, {"description", name.meaning}, {"properties", properties}};
+        if (!required.empty()) kind["required"] = required;
+        kind["additionalProperties"] = false;
+        all.push_back(kind);
+    }
+    return {{"oneOf", all}};
+}
+
+/// On one line where it fits.
+std::string text_of(const Json& json, std::size_t indent)
+{
+    constexpr std::size_t width = 124;
+    if (!json.is_structured()) return json.dump();
+    const auto write = [&](const std::string& separator, const std::string& edge) {
+        std::string text;
+        for (const auto& [key, value] : json.items())
+            text += (text.empty() ? "" : separator) + (json.is_object() ? Json(key).dump() + ": " : "") +
+                    text_of(value, indent + 2);
+        return (json.is_object() ? "{" : "[") + edge + text;
+    };
+    const std::string end = json.is_object() ? "}" : "]", line = write(", ", "") + end;
+    if (indent + line.size() <= width && line.find('\n') == std::string::npos) return line;
+    const std::string inner = "\n" + std::string(indent + 2, ' ');
+    return write("," + inner, inner) + "\n" + std::string(indent, ' ') + end;
+}
+
+int run(const std::string& file, bool check)
+{
+    std::ifstream in(file);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    Json schema = Json::parse(text);
+    schema["$defs"]["texture"] = kinds(texture_kinds(), texture_parameters(), TextureKind::image);
+    schema["$defs"]["material"] = kinds(material_kinds(), material_parameters(), MaterialKind::diffuse);
+    const std::string made = text_of(schema, 0) + '\n';
+    if (made == text) return 0;
+    if (check) {
+        std::fprintf(stderr, "%s is not what the lists of materials and textures make of it: run scene_schema on it\n",
+                     file.c_str());
+        return 1;
+    }
+    std::ofstream(file) << made;
+    return 0;
+}
+
+}  // namespace
+
+}  // namespace fathom
+
+int main(int argc, char** argv)
+{
+    const bool check = argc == 3 && std::string(argv[1]) == "--check";
+    if (argc != 2 && !check) {
+        std::fprintf(stderr, "usage: scene_schema [--check] docs/scene.schema.json\n");
+        return 2;
+    }
+    return fathom::run(argv[argc - 1], check);
+}
