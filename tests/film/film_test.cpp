@@ -53,7 +53,7 @@ TEST(FilmLayout, HasAPlaceForEach)
 
 TEST(FilmImage, MeansOfWhatWasSummed)
 {
-    Film film(
+    Film film = test::made_film(
         settings_with({Aov::albedo, Aov::normal, Aov::depth, Aov::position, Aov::instance_id, Aov::material_id}, true));
     Film::Data& data = film.data();
     const FilmLayout& layout = data.layout;
