@@ -29,11 +29,13 @@ void add_other(Film& film, std::size_t pixel, int place, double value)
 /// One sum after the other, none on top of another.
 TEST(FilmLayout, HasAPlaceForEach)
 {
-    const FilmLayout all({Aov::position, Aov::albedo, Aov::depth, Aov::normal, Aov::instance_id, Aov::material_id}, true);
+    const FilmLayout all({Aov::position, Aov::albedo, Aov::depth, Aov::normal, Aov::instance_id, Aov::material_id},
+                         true);
     struct Part {
         int first, count;
     };
-    const Part parts[] = {{all.alpha, 1}, {all.albedo, 3}, {all.normal, 3}, {all.depth, 1}, {all.position, 3}, {all.hits, 1}};
+    const Part parts[] = {{all.alpha, 1}, {all.albedo, 3},   {all.normal, 3},
+                          {all.depth, 1}, {all.position, 3}, {all.hits, 1}};
     std::vector<int> used(std::size_t(all.sums), 0);
     for (const Part& p : parts)
         for (int i = 0; i < p.count; ++i) ++used.at(std::size_t(p.first + i));

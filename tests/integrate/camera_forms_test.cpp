@@ -175,6 +175,7 @@ TEST(Layers, OfASphere)
         SceneBuilder b;
         b.diffuse(0.1f);
         const int material = b.diffuse(0.25f);
+        b.scene.materials[1].base_color.value = {0.125f, 0.25f, 0.5f};
         for (int i = 0; i < (tree ? 100 : 0); ++i) b.add(Sphere{{80, 0.1 * i, 0}, 0.01, {}}, 0);
         b.add(Sphere{{80, -5, 0}, 0.01, {}}, 0);
         b.add(Sphere{{1, 2, -3}, 1.5, {}}, material);
@@ -193,7 +194,7 @@ TEST(Layers, OfASphere)
             const auto value = [&](const char* name, std::size_t stride, std::size_t c) {
                 return image.find(name)->pixels[stride * i + c];
             };
-            EXPECT_NEAR(value("albedo", 3, 1), 0.25, 1e-6);
+            for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(value("albedo", 3, c), 0.125 * double(1 << c), 1e-6);
             EXPECT_NEAR(value("normal", 3, 0), n.x, 0.02);
             EXPECT_NEAR(value("normal", 3, 1), n.y, 0.02);
             EXPECT_NEAR(value("normal", 3, 2), n.z, 0.02);
@@ -210,6 +211,35 @@ TEST(Layers, OfASphere)
         EXPECT_EQ(image.find("position")->pixels[1], 0);
         EXPECT_EQ(image.find("normal")->pixels[2], 0);
         EXPECT_EQ(image.layers[0].pixels[3], 0);
+    }
+}
+
+/// What is placed several times has an id for each place, and the material that is told there.
+TEST(Layers, IdsOfInstances)
+{
+    SceneBuilder b;
+    Points points;
+    points.centers = {{0, 0, 0}, {0, 0.3f, 0}};
+    points.radii = {0.4f, 0.4f};
+    b.scene.points.push_back(points);
+    for (int i = 0; i < 3; ++i) {
+        Node node;
+        node.parent_from_node = Transform::translate({1.2 * i - 1.2, 0, 0});
+        node.shapes.push_back({PointsInstance{0}, b.diffuse(0.25f * float(i + 1)), ""});
+        b.scene.roots.push_back(int(b.scene.nodes.size()));
+        b.scene.nodes.push_back(node);
+    }
+    b.camera({0, 0, 5}, {0, 0, 0});
+    b.scene.cameras[0].kind = CameraKind::orthographic;
+    b.scene.cameras[0].height = 1.2;
+    RenderSettings settings = small_picture(33, 11);
+    settings.aovs = {Aov::instance_id, Aov::material_id, Aov::albedo};
+    const Image image = render_film(b.scene, settings, 4).image(false, false);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t pixel = 5 * 33 + 5 + 11 * i;
+        EXPECT_EQ(image.find("instance")->pixels[pixel], float(i));
+        EXPECT_EQ(image.find("material")->pixels[pixel], float(i));
+        EXPECT_FLOAT_EQ(image.find("albedo")->pixels[3 * pixel], 0.25f * float(i + 1));
     }
 }
 

@@ -177,6 +177,34 @@ TEST(LightForms, Triangles)
     EXPECT_LT(n.y, 0);
 }
 
+/// Triangles of one mesh, of very different sizes and slants: each is weighted as itself, also where it is found by
+/// chance.
+TEST(LightForms, TrianglesOfOneMesh)
+{
+    const std::vector<Vec3d> corners[] = {{{-0.5, 0.9, -0.5}, {0.9, 0.7, 0.1}, {-0.2, 0.9, 1.3}},
+                                          {{1.2, 0.1, -0.8}, {1.2, 0.9, 0.6}, {1.1, 0.1, 0.8}},
+                                          {{-1.2, 0.3, 0}, {-1.1, 0.35, 0.1}, {-1.2, 0.5, 0.2}}};
+    for (const Vec3d& p : {floor_points[0], floor_points[1]})
+        for (const bool light_sampling : {true, false}) {
+            Floor floor;
+            floor.light_sampling = light_sampling;
+            floor.samples = light_sampling ? 1024 : 8192;
+            double expected = 0;
+            for (const auto& triangle : corners) expected += 3 * polygon(triangle, p);
+            floor.furnish = [&](SceneBuilder& b) {
+                Mesh mesh;
+                for (const auto& triangle : corners)
+                    for (const Vec3d& c : triangle) {
+                        mesh.indices.push_back(std::uint32_t(mesh.positions.size()));
+                        mesh.positions.push_back({float(c.x), float(c.y), float(c.z)});
+                    }
+                b.scene.meshes.push_back(mesh);
+                b.add(MeshInstance{0}, b.diffuse(0, {3, 3, 3}, true));
+            };
+            floor.expect(p.x, p.z, expected, 2e-3);
+        }
+}
+
 /// Parallel to the floor, off its axis (Howell, B-13 turned into a point's).
 TEST(LightForms, Disk)
 {

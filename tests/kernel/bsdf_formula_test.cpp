@@ -133,14 +133,16 @@ TEST(Principled, IsTheFormula)
                     const BsdfEval e = PrincipledBsdf(material(float(color), float(roughness), metallic, ior))
                                            .eval(lane_direction(wo), lane_direction(wi));
                     const double f0 = std::pow((double(ior) - 1) / (double(ior) + 1), 2);
-                    const Float z(float(wo.z)), r{float(roughness)};
-                    const double albedo = first(ggx_albedo(z, r)), weighted = first(ggx_lookup(ggx_schlick_table, z, r));
+                    const Float z(float(wo.z)), r { float(roughness) };
+                    const double albedo = first(ggx_albedo(z, r)),
+                                 weighted = first(ggx_lookup(ggx_schlick_table, z, r));
                     const double facets = ggx_f_cos(wo, wi, roughness * roughness), h = dot3(wo, half_way(wo, wi));
                     const double layer = (f0 * albedo + (1 - f0) * weighted) * made_up(f0, albedo);
                     const double dielectric = schlick(f0, h) * made_up(f0, albedo) * facets +
                                               color * (1 - std::min(1.0, layer)) * wi.z / std::numbers::pi;
                     const double metal = schlick(color, h) * made_up(color, albedo) * facets, m = double(metallic);
-                    EXPECT_NEAR(first(e.f_cos.c[0]) / (m * metal + (1 - m) * dielectric), 1, 2e-4) << metallic << " " << ior;
+                    EXPECT_NEAR(first(e.f_cos.c[0]) / (m * metal + (1 - m) * dielectric), 1, 2e-4)
+                        << metallic << " " << ior;
                 }
 }
 

@@ -128,7 +128,8 @@ TEST(TileSums, PixelsAndFirstHits)
         const double values[] = {double(pixel) - 0.5, 2, 127};
         for (int c = 0; c < 3; ++c) {
             EXPECT_NEAR(ExactSum::value(radiance_sum(film, c)), 2 * values[c], 1e-9) << pixel << " " << c;
-            EXPECT_NEAR(ExactSquareSum::value(square_sum(film, c)), 2 * values[c] * values[c], 1e-9) << pixel << " " << c;
+            EXPECT_NEAR(ExactSquareSum::value(square_sum(film, c)), 2 * values[c] * values[c], 1e-9)
+                << pixel << " " << c;
         }
         EXPECT_NEAR(ExactSum::value(other_sum(film, 0)), 6 * (1.25 * pixel - 1), 1e-9);
         EXPECT_NEAR(ExactSum::value(other_sum(film, 1)), 6, 1e-9);

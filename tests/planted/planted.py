@@ -61,6 +61,8 @@ def plant(rule, root):
     planted, found = {}, 0
     pattern = pattern_of(rule)
     for path in sorted(root.glob("src/" + rule["files"])):
+        if path.suffix not in (".h", ".cpp") or path.stem.endswith("_test"):
+            continue
         text, n = pattern.subn(lambda _: rule["replace"], path.read_text())
         found += n
         if n:

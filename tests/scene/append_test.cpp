@@ -13,6 +13,7 @@ SceneDescription scene_of(const std::string& name)
     s.images[0].name = name;
     s.textures.resize(2);
     s.textures[1].name = name, s.textures[1].image = 0;
+    s.textures[0].color_a.texture = s.textures[0].color_b.texture = s.textures[0].factor.texture = 1;
     s.materials.resize(1);
     Material& m = s.materials[0];
     m.name = name;
@@ -60,7 +61,11 @@ TEST(AppendScene, EverythingStillRefersToItsOwn)
                             m.emission.texture, m.alpha.texture, m.normal_texture}) {
             EXPECT_EQ(all.textures[std::size_t(texture)].name, name);
             EXPECT_EQ(all.images[std::size_t(all.textures[std::size_t(texture)].image)].name, name);
-            EXPECT_EQ(all.textures[std::size_t(texture) - 1].image, -1);
+            // The one before it is made of it.
+            const Texture& node = all.textures[std::size_t(texture) - 1];
+            EXPECT_EQ(node.image, -1);
+            for (int input : {node.color_a.texture, node.color_b.texture, node.factor.texture})
+                EXPECT_EQ(input, texture);
         }
     }
 }
