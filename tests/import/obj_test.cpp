@@ -45,6 +45,26 @@ TEST_F(Obj, PolygonsAndIndices)
     EXPECT_TRUE(warnings_.empty());
 }
 
+/// Counted back from the last one so far, of each kind its own, whatever comes later.
+TEST_F(Obj, IndicesFromTheEnd)
+{
+    const SceneDescription scene =
+        load("a.obj",
+             "v 9 9 9\nv 0 0 0\nv 1 0 0\nvt 0 0\nvt 0.5 0\nvt 0.25 1\nvn 1 0 0\nvn 0 0 1\nv 0 1 0\n"
+             "f -3/-3/-1 -2/-2/-1 -1/-1/-2\nv 7 7 7\nvt 1 1\nvn 0 1 0\n");
+    const Mesh& mesh = scene.meshes.at(0);
+    ASSERT_EQ(mesh.indices.size(), 3u);
+    const auto at = [&](std::size_t k) { return mesh.indices[k]; };
+    EXPECT_EQ(mesh.positions[at(0)].x, 0);
+    EXPECT_EQ(mesh.positions[at(1)].x, 1);
+    EXPECT_EQ(mesh.positions[at(2)].y, 1);
+    EXPECT_EQ(mesh.uvs[0][at(0)].x, 0);
+    EXPECT_EQ(mesh.uvs[0][at(1)].x, 0.5f);
+    EXPECT_EQ(mesh.uvs[0][at(2)].y, 0);  // 1 from below
+    EXPECT_EQ(mesh.normals[at(0)].z, 1);
+    EXPECT_EQ(mesh.normals[at(2)].x, 1);
+}
+
 TEST_F(Obj, ConcavePolygons)
 {
     // An arrow head whose fan from the first corner would leave it; and the letter C.
