@@ -118,7 +118,7 @@ std::vector<std::string> gltf_seeds()
     // Three corners, three indices.
     const std::string uri =
         "data:application/octet-stream;base64,"
-                            "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA";
+        "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA";
     const auto text = [](const std::string& buffer) {
         return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 2]}], "nodes": [{"mesh": 0, "children": [1],
   "rotation": [0, 0, 0, 1]}, {"camera": 0, "translation": [0, 0, 5]}, {"mesh": 0, "extensions": {"KHR_node_visibility":
