@@ -64,7 +64,8 @@ private:
     void read_lights(JsonObject& scene);
 
     // fathom_json_shape.cpp
-    Transform transform(const JsonValue& v);
+    /// depth  of arrays around it
+    Transform transform(const JsonValue& v, int depth = 0);
     std::optional<Shape> read_shape(JsonObject& o);
     int mesh(const JsonValue& v);
     int add_mesh(const JsonValue& v, const std::string& name);

@@ -9,7 +9,8 @@
 namespace fathom {
 
 /// Reads Wavefront OBJ with its MTL files: polygons, given normals, texture coordinates, vertex colours. Each object
-/// and material is a mesh. Curves, lines and points are a counted warning.
+/// and material is a mesh. Points (`p`, or all vertices of a file without faces) become balls, see add_point_cloud;
+/// curves and lines are a counted warning.
 SceneDescription read_obj(const std::filesystem::path& file, std::string_view text, LoadContext& context);
 
 /// Adds the materials of an MTL file to the scene, and their indices to `by_name`.
