@@ -66,7 +66,8 @@ TEST(GlassForms, ASlabShiftsWhatIsBehindIt)
             // A half plane behind, across the ray, whose edge is on the ray as it would go on.
             const Vec3d d{std::sin(a), 0, -std::cos(a)}, across{std::cos(a), 0, std::sin(a)};
             b.add(Rectangle{d * 20 + Vec3d{0, -9, 0}, across * 9, {0, 18, 0}}, b.material(light));
-            b.camera(d * -5, {0, 0, 0});
+            // From so far away that all of the picture begins before the slab.
+            b.camera(d * -15, {0, 0, 0});
             b.scene.cameras[0].kind = CameraKind::orthographic;
             b.scene.cameras[0].height = 4;
             RenderSettings settings = small_picture(64, 16);

@@ -213,7 +213,7 @@ TEST_F(TextureForms, ColoursMultiply)
         Material m;
         m.kind = emits ? MaterialKind::none : MaterialKind::diffuse;
         (emits ? m.emission : m.base_color) = {{0.5f, 0.75f, 1}, t};
-        v.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, v.material(m));
+        v.add(Rectangle{{-2, -2, 0}, {4, 0, 0}, {0, 4, 0}}, v.material(m));
         v.scene.environment.kind = EnvironmentKind::constant;
         const Mean mean = mean_of(render_film(v.scene, small_picture(8, 8), 16));
         const double expected[] = {0.25, 0.1875, 0.125};
