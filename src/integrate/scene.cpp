@@ -61,7 +61,7 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
         for (std::uint32_t shape : tables.shape_of_primitive) primitive_info.push_back(shape_info[shape]);
         primitive_info.resize(primitive_info.size() + lookup_size);
     }
-    quads.build(tables);
+    quads.build(tables, !is_flat);
     sees_environment = EnvironmentKind(tables.environment.kind) != EnvironmentKind::none;
     filters[0].make_gaussian();
     filters[1].make_blackman_harris();

@@ -96,7 +96,7 @@ private:
     {
         // Lights are seen from where the shadow ray starts: right at the surface a light that passes through it, or
         // a distance that ends behind the light, would be one of rounding.
-        const Vec3 eye = offset_origin(at.p, at.ng, at.extent);
+        const Vec3 eye = fma(at.ng, at.offset, at.p);
         const Sample2 random = sample_2d(index, pair_seed(seed, pair_light));
         const LightSample s = lights_.sample(valid, eye, key, seed, random, time);
         Mask lit = valid & (s.inverse_pdf > Float(0));

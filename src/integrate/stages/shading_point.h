@@ -6,7 +6,7 @@ namespace fathom::inline FATHOM_LANES {
 /// Where a path meets a surface: place and frame turned to the side that the path is on, and the material there.
 struct ShadingPoint {
     Vec3 p, ng;
-    Float extent;  ///< see Surface
+    Float offset;  ///< see Surface
     Frame frame;   ///< of the shading normal
     Vec3 wo;       ///< to where the path came from, in the frame
     UInt material_index;
@@ -18,7 +18,7 @@ struct ShadingPoint {
     [[gnu::always_inline]] Vec3 start(const Vec3& wi) const
     {
         const Vec3 side = Closure::transmits ? flip_sign(ng, dot(wi, ng)) : ng;
-        return offset_origin(p, side, extent);
+        return fma(side, offset, p);
     }
 };
 
@@ -45,7 +45,7 @@ inline Vec3 upper(Vec3 w)
     // Seen from behind its shading normal, a surface shows its geometric one.
     ns = select(dot(hit.d, ns) < Float(-1e-4f), ns, ng);
     const Frame frame(ns);
-    return {s.p, ng, s.extent, frame, detail::upper(frame.to_local(-hit.d)), material, point, facing <= Float(0)};
+    return {s.p, ng, s.offset, frame, detail::upper(frame.to_local(-hit.d)), material, point, facing <= Float(0)};
 }
 
 }  // namespace fathom::inline FATHOM_LANES

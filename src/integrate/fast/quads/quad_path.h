@@ -208,8 +208,9 @@ private:
 
         [[gnu::always_inline]] void keep_place(QuadTracer& tracer, UInt bounces, Mask goes_on, std::size_t to) const
         {
-            const Vec3 p = offset_origin(fma(d, t, o), flip_sign(n, facing), max(t, tracer.scene_.quads.extent(quad)));
-            tracer.pool_.eye.append(to, p, goes_on);
+            const Vec3 p = fma(d, t, o);
+            const Float offset = rounding_along(n, p, d * t) + tracer.scene_.quads.rounding(quad);
+            tracer.pool_.eye.append(to, fma(n, flip_sign(offset, facing), p), goes_on);
             tracer.pool_.place.append(to, quad | bounces << bounce_shift | (float_bits(facing) & UInt(back)), goes_on);
         }
     };
