@@ -87,7 +87,7 @@ struct Texture {
 
 enum class MaterialKind {
     none,     ///< black; for pure emitters
-    unlit,    ///< shows base_color whatever the light, and lights nothing
+    unlit,    ///< shows base_color whatever the light, also in mirrors and through glass; lights nothing
     diffuse,  ///< base_color; roughness > 0: energy-preserving Oren-Nayar
     metal,    ///< base_color is the reflectance at normal incidence; roughness is the GGX alpha's root; 0 is a mirror
     fuzz_metal,  ///< the report's metal: mirror direction plus fuzz times a random point of the unit sphere

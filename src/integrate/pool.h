@@ -92,7 +92,8 @@ struct PathPool {
     Column<std::uint32_t> pixel_hash, reversed_index;  ///< see SampleKey
     /// The bounce in its low 16 bits, above it the pixel (its place in the job), and:
     Column<std::uint32_t> state;
-    static constexpr std::uint32_t bounce_mask = 0xffff;
+    static constexpr std::uint32_t bounce_mask = 0x7fff;
+    static constexpr std::uint32_t scattered = 1u << 15;  ///< some direction came from other than delta lobes
     static constexpr int pixel_shift = 16;
     static constexpr std::uint32_t max_pixels = 1u << 14;
     static constexpr std::uint32_t specular = 1u << 31;  ///< the last direction came from a delta lobe, or the camera

@@ -64,7 +64,7 @@ private:
 
         Scattered next = scatter(closure, at, key, seed, index, throughput);
         UInt next_state = (state & UInt(~PathPool::specular)) + UInt(1u);
-        next_state = select(next.is_delta, next_state | UInt(PathPool::specular), next_state);
+        next_state = next_state | select(next.is_delta, UInt(PathPool::specular), UInt(PathPool::scattered));
         Float eta_scale(1.f);
         if (scene_.refracts) {
             eta_scale = p.eta_scale.load(i) * next.eta * next.eta;

@@ -42,6 +42,7 @@ void QuadColumns::build(const SceneTables& tables, bool sheared)
                    two_sided = material.flags & MaterialRecord::two_sided_emission;
         if (emits && (two_sided || !flipped)) flags |= emits_front;
         if (emits && (two_sided || flipped)) flags |= emits_back;
+        if (material.flags & MaterialRecord::unlit) flags |= unlit;
         set_bits(7, flags);
         set_bits(8, shape.light_base == no_index ? no_index : shape.light_base + (primitive - shape.first_primitive));
         for (std::size_t c = 0; c < channels; ++c) {

@@ -174,7 +174,8 @@ private:
         {
             const UInt shining_side =
                 select(facing > Float(0), UInt(QuadColumns::emits_front), UInt(QuadColumns::emits_back));
-            const Mask shines = hits & ((flags & shining_side) != UInt(0u));
+            Mask shines = hits & ((flags & shining_side) != UInt(0u));
+            if (!from_camera) shines &= (flags & UInt(QuadColumns::unlit)) == UInt(0u);
             if (any(shines)) {
                 const Float weight = select(shines, emission_weight(tracer, shines), Float(0));
                 const Spectrum emitted = tracer.scene_.quads.emission(quad);
