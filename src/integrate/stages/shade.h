@@ -56,7 +56,7 @@ private:
                              hits_->t.load(i),         hits_->u.load(i),
                              hits_->v.load(i),         time,
                              hits_->primitive.load(i), scene_.is_flat ? UInt(no_index) : hits_->instance.load(i)};
-        const ShadingPoint at = read_shading_point(surfaces_, materials_, hit, valid);
+        const ShadingPoint at = read_shading_point<Closure>(surfaces_, materials_, hit, valid);
         Spectrum throughput = p.throughput.load(i);
         if (scene_.has_absorption) throughput = absorb(throughput, at, hit.t, valid);
         const Closure closure(at.material);
