@@ -109,6 +109,7 @@ struct Material {
     float ior = 1.5f;
     Color attenuation_color{1, 1, 1};
     double attenuation_distance = 0;  ///< metres after which attenuation_color is left; 0: clear
+    int priority = 0;  ///< glass: where solids overlap, the one of greatest priority is there; of equal ones the inner
     /// Glass: what is left of light that went through, in and out of a solid, or once a thin sheet.
     ColorInput transmission_color;
     bool thin = false;                   ///< glass: a sheet without thickness, which light passes straight on

@@ -9,6 +9,7 @@
 
 #include "integrate/fast/quads/quad_path.h"
 #include "integrate/pool.h"
+#include "integrate/stages/camera_media.h"
 #include "integrate/stages/shade.h"
 
 namespace fathom {
@@ -28,7 +29,8 @@ public:
           lights_(scene, settings.light_selection),
           settings_(settings),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
-          extras_{tables_.moving, scene.refracts},
+          extras_{tables_.moving, scene.refracts, scene.tracks_media},
+          camera_media_(scene.tracks_media ? media_at(scene, camera) : MediumStack()),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
           sums_(sums),
@@ -79,6 +81,7 @@ private:
         p.bsdf_pdf.store(to, Float(0));
         p.eta_scale.store(to, Float(1));
         p.time.store(to, path.ray.time);
+        p.media.store(to, camera_media_);
     }
 
     // ------------------------------------------------------------------------------------------- trace
@@ -127,6 +130,7 @@ private:
     /// pool. Returns how many those are.
     std::size_t arrive(std::size_t active)
     {
+        if (scene_.has_absorption) attenuate(active);
         std::size_t emitting = 0, missing = 0, finished = 0;
         PathPool& p = *paths_;
         for (std::size_t i = 0; i < active; i += lanes) {
@@ -150,6 +154,19 @@ private:
         const std::size_t packed = sort(active);
         pack(packed);
         return packed;
+    }
+
+    /// What the media leave of the light on the ways to what was met.
+    void attenuate(std::size_t active)
+    {
+        PathPool& p = *paths_;
+        for (std::size_t i = 0; i < active; i += lanes) {
+            const UInt medium = p.media.load(i).current();
+            const Mask inside = first_lanes(active - i) & (medium != UInt(0u));
+            if (none(inside)) continue;
+            const Spectrum left = transmittance(tables_, medium, hits_.t.load(i), inside);
+            p.throughput.store(i, p.throughput.load(i) * left, inside);
+        }
     }
 
     /// Appends the numbers of the lanes, which begin at `first`, to a list.
@@ -313,6 +330,7 @@ private:
     const KernelSettings& settings_;
     const bool lights_are_sampled_;
     const PathExtras extras_;
+    const MediumStack camera_media_;
     const CameraPaths camera_paths_;
     FirstHits first_hits_;
     TileSums& sums_;

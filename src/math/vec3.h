@@ -34,6 +34,7 @@ inline Float max_abs(Vec3 a) { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
 struct Frame {
     Vec3 s, t, n;
 
+    Frame() = default;
     /// Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
     explicit Frame(Vec3 normal) : n(normal)
     {

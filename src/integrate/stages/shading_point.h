@@ -1,5 +1,6 @@
 #pragma once
 #include "integrate/stages/material.h"
+#include "media/stack.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -11,7 +12,11 @@ struct ShadingPoint {
     Vec3 wo;       ///< to where the path came from, in the frame
     UInt material_index;
     MaterialPoint material;
-    Mask inside;  ///< the path came from behind the geometric normal
+    Vec3 d;       ///< the path came along this
+    Mask inside;  ///< from behind the geometric normal
+    /// What the path is in, and what it comes to if it passes, where that is kept track of.
+    MediumStack media, media_beyond;
+    Mask passes_on;  ///< the same medium is on both sides: nothing is there
 
     /// Where a ray begins that leaves along wi.
     template <class Closure>
@@ -65,6 +70,18 @@ inline Mask refracts_about_ng(const Vec3& wo, const Vec3& ng, const Vec3& ns, Fl
     return (passes & back) | (!passes & (cos2_beyond(by_ng) > Float(0)));
 }
 
+/// What lies beyond the boundary of a solid, to whose index that of the solid is then relative.
+inline void find_media(const MaterialReader& materials, Mask m, ShadingPoint& at)
+{
+    const UInt medium = materials.get(&MaterialRecord::medium, at.material_index, m);
+    const Mask solid = m & (medium != UInt(0u));
+    if (none(solid)) return;
+    const MediumBoundary boundary(materials.tables(), at.media, medium, !at.inside, solid);
+    at.media_beyond = select(solid, boundary.beyond, at.media);
+    at.passes_on = solid & !boundary.is_there;
+    at.material.ior = select(solid, at.material.ior / boundary.other_ior, at.material.ior);
+}
+
 /// Directions that rounding put below the horizon come back above it.
 inline Vec3 upper(Vec3 w)
 {
@@ -73,29 +90,38 @@ inline Vec3 upper(Vec3 w)
 
 }  // namespace detail
 
+/// media: what the path is in; null where nobody keeps track of it.
 template <class Closure>
 [[gnu::always_inline]] inline ShadingPoint read_shading_point(const SurfaceReader& surfaces,
                                                               const MaterialReader& materials, const SurfaceHit& hit,
-                                                              Mask m)
+                                                              const MediumStack* media, Mask m)
 {
     Surface s = surfaces.read(hit, m);
-    const UInt material = surfaces.material_of(s.shape, m);
+    ShadingPoint at;
+    at.material_index = surfaces.material_of(s.shape, m);
+    at.d = hit.d;
     const Float facing = -dot(hit.d, s.ng);
-    const MaterialPoint point = materials.read(s, material, facing > Float(0), m);
-    const Vec3 ng = flip_sign(s.ng, facing);
+    at.inside = facing <= Float(0);
+    at.material = materials.read(s, at.material_index, facing > Float(0), m);
+    at.p = s.p, at.offset = s.offset;
+    at.ng = flip_sign(s.ng, facing);
     Vec3 ns = flip_sign(s.ns, facing);
+    at.passes_on = Mask(false);
+    if (media) at.media = at.media_beyond = *media;
+    if (Closure::transmits && media) detail::find_media(materials, m, at);
     if constexpr (Closure::is_glossy) {
-        ns = detail::bend_to_mirror(-hit.d, ng, ns);
+        ns = detail::bend_to_mirror(-hit.d, at.ng, ns);
         if constexpr (Closure::transmits) {
-            const Float eta = select(facing > Float(0), point.ior, Float(1) / point.ior);
-            ns = select(detail::refracts_about_ng(-hit.d, ng, ns, eta) & !point.thin, ng, ns);
+            const Float eta = select(at.inside, Float(1) / at.material.ior, at.material.ior);
+            ns = select(detail::refracts_about_ng(-hit.d, at.ng, ns, eta) & !at.material.thin, at.ng, ns);
         }
     } else {
         // Seen from behind its shading normal, a surface shows its geometric one.
-        ns = select(dot(hit.d, ns) < Float(-1e-4f), ns, ng);
+        ns = select(dot(hit.d, ns) < Float(-1e-4f), ns, at.ng);
     }
-    const Frame frame(ns);
-    return {s.p, ng, s.offset, frame, detail::upper(frame.to_local(-hit.d)), material, point, facing <= Float(0)};
+    at.frame = Frame(ns);
+    at.wo = detail::upper(at.frame.to_local(-hit.d));
+    return at;
 }
 
 }  // namespace fathom::inline FATHOM_LANES
