@@ -70,6 +70,9 @@ struct Texture {
     ColorSpace color_space = ColorSpace::srgb;
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
     bool nearest = false;
+    /// Unless 0: the picture holds heights, and the texture is the normal map of them, where white lies that many
+    /// widths of the picture above black.
+    float height_scale = 0;
     // all kinds that look at uv: which set, and the map applied to it first: offset + rotation * (scale * uv)
     int uv_set = 0;
     Vec2f uv_offset{0, 0}, uv_scale{1, 1};

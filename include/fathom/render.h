@@ -43,7 +43,7 @@ struct RenderSettings {
     /// What camera rays that leave the scene see instead of the environment; it lights nothing.
     std::optional<Color> background;
     bool alpha = false;  ///< sums coverage too: the film's picture can have A
-    int threads = 0;     ///< 0: all cores
+    int threads = 0;     ///< 0: available_threads()
     /// Rooms of smooth, diffuse quads are rendered by a loop of their own unless this is set: for debugging. The two
     /// compute the same estimator.
     bool general_loop = false;
@@ -194,7 +194,7 @@ FATHOM_API bool render_pass(const RenderJob& job, SampleRange range, Film& film,
 /// One sample of one pixel, radiance in Rec.709: the same value that it has inside a whole picture.
 FATHOM_API Color render_sample(const RenderJob& job, int x, int y, std::uint64_t sample_index);
 
-/// Lanes of the kernel that the loader chose on this machine: 16, 8 or 1; and its name: "AVX-512", "AVX2", "base".
+/// Lanes of the kernel that the loader chose on this machine: 32, 16 or 1; and its name: "AVX-512", "AVX2", "base".
 FATHOM_API int simd_width();
 FATHOM_API const char* simd_name();
 

@@ -14,6 +14,7 @@ struct PlacedShape {
     const Shape* shape;
     Transform render_from_node;  ///< when the shutter opens
     std::uint32_t object_id;
+    int node;         ///< the one that has it
     int motion = -1;  ///< index into Placed::motions; -1: stands still
 };
 /// A light of a node.

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "compile/check_sizes.h"
 #include "compile/compiler.h"
 #include "compile/curves.h"
 #include "compile/parallelograms.h"
@@ -31,7 +32,7 @@ public:
         // Triangles in render space come first, then those of what is placed, then the other kinds.
         for (const PlacedShape& p : placed)
             if (placing_.is_instanced(p))
-                instanced.push_back(&p);
+                vanishes(p.render_from_node) ? void(++vanished_) : instanced.push_back(&p);
             else if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry); !mesh && !needs_tessellation(p))
                 rest.push_back(&p);
             else if (!mesh)
@@ -58,6 +59,9 @@ public:
                                         "supported; they are opaque",
                                         c_.scene.file),
                             opaque_);
+        if (vanished_ > 0)
+            c_.warnings.add(fmt::format("{}: shapes that are scaled to next to nothing are left out", c_.scene.file),
+                            vanished_);
         fill_missing_attributes();
     }
 
@@ -402,7 +406,7 @@ private:
     Compiler& c_;
     SceneTables& t_;
     const Placing placing_;
-    std::size_t degenerate_ = 0, opaque_ = 0;
+    std::size_t degenerate_ = 0, opaque_ = 0, vanished_ = 0;
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> instance_shapes_;  ///< by mesh_shape and material
     std::map<const void*, std::uint32_t> placed_shapes_;  ///< shapes with the primitives of what is placed
     std::vector<std::pair<const PlacedShape*, std::vector<Rectangle>>> joined_;  ///< shapes of joined triangles

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <new>
 #include <optional>
-#include <tuple>
+#include <set>
 
 #include "fathom/error.h"
 #include "fathom/memory.h"
@@ -98,8 +98,12 @@ public:
                                   : read_image(file.name, file.bytes.data(), file.bytes.size(), available());
     }
 
-    Decoded texels(const Image& image, ColorSpace space, bool may_pack) const
+    Decoded texels(const Image& picture, const ImageUse& use) const
     {
+        const Image normals = use.height_scale != 0 ? normal_map(picture, use.height_scale) : Image();
+        const Image& image = use.height_scale != 0 ? normals : picture;
+        const ColorSpace space = use.height_scale != 0 ? ColorSpace::linear : use.space;
+        const bool may_pack = use.is_texture;
         Decoded decoded;
         decoded.width = image.width;
         decoded.height = image.height;
@@ -127,6 +131,36 @@ public:
     }
 
 private:
+    /// Of a picture of heights, whose first channel counts; its edges meet, as those of a tile. Components are rounded
+    /// to 16 bits, which the tables keep as they are.
+    Image normal_map(const Image& heights, float scale) const
+    {
+        const Image::Layer& layer = heights.layers.front();
+        const int channel = std::max(Channels(layer).rgba[0], 0);
+        const std::size_t stride = layer.channels.size();
+        check_memory(12.0 * heights.width * heights.height);
+        Image normals;
+        normals.width = heights.width;
+        normals.height = heights.height;
+        normals.layers.push_back({"", {"R", "G", "B"}, {}});
+        normals.layers[0].pixels.reserve(3 * std::size_t(heights.width) * std::size_t(heights.height));
+        const auto at = [&](int x, int y) {
+            const std::size_t column = std::size_t((x + heights.width) % heights.width);
+            const std::size_t row = std::size_t((y + heights.height) % heights.height);
+            return double(layer.pixels[(row * std::size_t(heights.width) + column) * stride + std::size_t(channel)]);
+        };
+        // A pixel is as wide as it is high; the second component of a normal map points up in the picture.
+        const double slope = 0.5 * double(scale) * heights.width;
+        for (int y = 0; y < heights.height; ++y)
+            for (int x = 0; x < heights.width; ++x) {
+                const Vec3d n =
+                    normalize(Vec3d{-slope * (at(x + 1, y) - at(x - 1, y)), slope * (at(x, y + 1) - at(x, y - 1)), 1});
+                for (const double c : {n.x, n.y, n.z})
+                    normals.layers[0].pixels.push_back(float(std::lrint((0.5 + 0.5 * c) * 65535)) / 65535);
+            }
+        return normals;
+    }
+
     std::uint64_t available() const { return available_memory_bytes() / parts_; }
 
     /// False if the format can't hold one of the values.
@@ -172,26 +206,26 @@ private:
     std::uint64_t parts_;
 };
 
-/// One way to decode one picture.
-struct Use {
-    int image;
-    ColorSpace space;
-    bool is_texture;  ///< textures may be packed, environments are looked up in floats
-
-    auto key() const { return std::tuple(image, space, is_texture); }
-};
+ImageUse use_of(const Texture& texture)
+{
+    return {texture.image, texture.color_space, texture.height_scale, true};
+}
+ImageUse environment_use(int image)
+{
+    return {image, ColorSpace::srgb, 0, false};
+}
 
 /// Every use once, in the order in which their warnings and texels come.
-std::vector<Use> uses_of(const SceneDescription& scene)
+std::vector<ImageUse> uses_of(const SceneDescription& scene)
 {
-    std::vector<Use> uses;
-    const auto add = [&](Use use) {
-        const auto same = [&](const Use& u) { return u.key() == use.key(); };
-        if (use.image >= 0 && std::none_of(uses.begin(), uses.end(), same)) uses.push_back(use);
+    std::vector<ImageUse> uses;
+    std::set<ImageUse> seen;
+    const auto add = [&](const ImageUse& use) {
+        if (use.image >= 0 && seen.insert(use).second) uses.push_back(use);
     };
     for (const Texture& texture : scene.textures)
-        if (texture.kind == TextureKind::image) add({texture.image, texture.color_space, true});
-    if (scene.environment.kind == EnvironmentKind::image) add({scene.environment.image, ColorSpace::srgb, false});
+        if (texture.kind == TextureKind::image) add(use_of(texture));
+    if (scene.environment.kind == EnvironmentKind::image) add(environment_use(scene.environment.image));
     return uses;
 }
 
@@ -204,10 +238,10 @@ Image grey()
     return image;
 }
 
-std::optional<Decoded> try_to_decode(const Decoder& decoder, const Use& use)
+std::optional<Decoded> try_to_decode(const Decoder& decoder, const ImageUse& use)
 {
     try {
-        return decoder.texels(decoder.read(use.image), use.space, use.is_texture);
+        return decoder.texels(decoder.read(use.image), use);
     } catch (const Error&) {
         return std::nullopt;
     } catch (const std::bad_alloc&) {
@@ -217,7 +251,7 @@ std::optional<Decoded> try_to_decode(const Decoder& decoder, const Use& use)
 
 /// Those not yet decoded, by so many threads at once. What fails stays empty: it is damaged, or too large for a share
 /// of the memory.
-void decode_together(const SceneDescription& scene, const std::vector<Use>& uses, int threads,
+void decode_together(const SceneDescription& scene, const std::vector<ImageUse>& uses, int threads,
                      std::vector<std::optional<Decoded>>& decoded)
 {
     // Each thread asks before it allocates, but not whether others have just done so. It asks for the file's bytes, the
@@ -233,7 +267,7 @@ void decode_together(const SceneDescription& scene, const std::vector<Use>& uses
 }
 
 /// With all the memory there is, so that neither what can be read nor what is said depends on the number of threads.
-Decoded decode_alone(const Compiler& c, const Use& use)
+Decoded decode_alone(const Compiler& c, const ImageUse& use)
 {
     const Decoder decoder(c.scene, 1);
     Image image;
@@ -243,7 +277,7 @@ Decoded decode_alone(const Compiler& c, const Use& use)
         c.warnings.add(fmt::format("{}; grey is used instead", error.what()));
         image = grey();
     }
-    return decoder.texels(image, use.space, use.is_texture);
+    return decoder.texels(image, use);
 }
 
 }  // namespace
@@ -252,7 +286,7 @@ ImageStore::ImageStore(Compiler& c)
 {
     for (int code = 0; code < 256; ++code) c.tables.linear_of_srgb[std::size_t(code)] = linear_from_srgb(code / 255.0);
 
-    const std::vector<Use> uses = uses_of(c.scene);
+    const std::vector<ImageUse> uses = uses_of(c.scene);
     std::vector<std::optional<Decoded>> decoded(uses.size());
     // Fewer at once where memory is scarce.
     const std::size_t most = std::size_t(tbb::this_task_arena::max_concurrency());
@@ -269,7 +303,7 @@ ImageStore::ImageStore(Compiler& c)
     c.tables.texels.reserve(floats);
     for (std::size_t i = 0; i < uses.size(); ++i) {
         Decoded d = std::move(pictures[i]);  // its floats go when they are where they belong
-        Texels& texels = texels_[uses[i].key()];
+        Texels& texels = texels_[uses[i]];
         texels = {d.format, c.tables.packed_images.size(), d.width, d.height};
         if (!uses[i].is_texture) {
             c.tables.environment.texels = std::move(d.floats);
@@ -282,14 +316,14 @@ ImageStore::ImageStore(Compiler& c)
     }
 }
 
-ImageStore::Texels ImageStore::texture(int image, ColorSpace space) const
+ImageStore::Texels ImageStore::texture(const Texture& texture) const
 {
-    return texels_.at({image, space, true});
+    return texels_.at(use_of(texture));
 }
 
 ImageStore::Texels ImageStore::environment(int image) const
 {
-    return texels_.at({image, ColorSpace::srgb, false});
+    return texels_.at(environment_use(image));
 }
 
 }  // namespace fathom

@@ -1,12 +1,22 @@
 #pragma once
+#include <compare>
 #include <cstdint>
 #include <map>
-#include <tuple>
 
 #include "compile/compiler.h"
 #include "fathom/image.h"
 
 namespace fathom {
+
+/// One way to decode one picture.
+struct ImageUse {
+    int image;
+    ColorSpace space;
+    float height_scale;  ///< as Texture::height_scale
+    bool is_texture;     ///< textures may be packed, environments are looked up in floats
+
+    friend auto operator<=>(const ImageUse&, const ImageUse&) = default;
+};
 
 /// The texels of image files, among the tables. Each file is read once for each way to decode it; one that can't be
 /// read is grey, with a warning.
@@ -26,13 +36,12 @@ public:
         int width = 0, height = 0;
     };
     /// In the narrowest format that holds every value exactly: four bytes a texel for pictures of 8 bits.
-    Texels texture(int image, ColorSpace space) const;
+    Texels texture(const Texture& texture) const;
     /// The size of the environment's, whose floats are EnvironmentRecord::texels.
     Texels environment(int image) const;
 
 private:
-    std::map<std::tuple<int, ColorSpace, bool>, Texels>
-        texels_;  ///< by image, color space, and whether it is a texture
+    std::map<ImageUse, Texels> texels_;
 };
 
 }  // namespace fathom

@@ -26,7 +26,7 @@ TextureRecord compile_texture(Compiler& c, ImageStore& images, const Texture& te
     TextureRecord t;
     t.kind = std::uint32_t(texture.kind);
     if (texture.kind == TextureKind::image && texture.image >= 0) {
-        const ImageStore::Texels texels = images.texture(texture.image, texture.color_space);
+        const ImageStore::Texels texels = images.texture(texture);
         t.format = std::uint32_t(texels.format);
         t.texels = texels.place;
         t.width = texels.width;

@@ -36,7 +36,7 @@ private:
         int motion = -1;
         if (moving > 0 && !node.shapes.empty()) motion = add_motion(node);
         for (const Shape& shape : node.shapes)
-            placed_.shapes.push_back({&shape, render_from_node, std::uint32_t(placed_.shapes.size()), motion});
+            placed_.shapes.push_back({&shape, render_from_node, std::uint32_t(placed_.shapes.size()), index, motion});
         if (node.light >= 0) placed_.lights.push_back({&c_.scene.lights[std::size_t(node.light)], render_from_node});
         if (moving > 0) still_things_ += std::size_t(node.light >= 0) + std::size_t(node.camera >= 0);
         for (int child : node.children) place_node(child, render_from_node, moving);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "compile/check_sizes.h"
 #include "compile/compiler.h"
 #include "compile/fingerprint.h"
 #include "compile/scene_data.h"
@@ -58,8 +59,8 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
 void check_memory(const SceneDescription& scene, const Placed& placed)
 {
     // An index and a number each, and what the tree takes for a triangle while it is built.
-    constexpr double bytes_per_triangle = 16 + 3 * 64, bytes_per_shape = 512;
-    double bytes = bytes_per_shape * double(placed.shapes.size());
+    constexpr double bytes_per_triangle = 16 + 3 * 64;
+    double bytes = bytes_per_placed_shape * double(placed.shapes.size());
     std::vector<bool> counted(scene.meshes.size());
     for (const PlacedShape& p : placed.shapes) {
         const auto* instance = std::get_if<MeshInstance>(&p.shape->geometry);
@@ -93,13 +94,16 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
     data->camera = world_camera(description, camera);
 
     auto tables = std::make_shared<SceneTables>();
+    check_camera(description, data->camera);
     Compiler compiler{description, make_render_space(description, data->camera), *tables, warnings};
     tables->origin = compiler.space.origin;
     tables->render_scale = compiler.space.scale;
     tables->shutter_open = float(data->camera.shutter_open);
     tables->shutter_close = float(data->camera.shutter_close);
+    check_camera(description, data->camera, compiler.space);
     compile_materials(compiler);
     const Placed placed = place(compiler);
+    check_placed(compiler, placed);
     check_memory(description, placed);
     compile_geometry(compiler, placed);
     compile_lights(compiler, placed.lights);

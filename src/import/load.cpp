@@ -9,7 +9,6 @@
 
 #include "fathom/error.h"
 #include "import/assimp/open_module.h"
-#include "import/common/load_context.h"
 #include "import/common/read_file.h"
 #include "import/fathom/fathom_json.h"
 #include "import/gltf/gltf.h"
@@ -45,33 +44,9 @@ void turn_z_up(SceneDescription& scene)
     scene.nodes.push_back(std::move(turn));
 }
 
-enum class Format { fathom, gltf, obj, ply, stl, other };
-
-/// A JSON file that is glTF has an "asset" with a version near its beginning or end; Fathom's scenes have none.
-bool looks_like_gltf(std::string_view text)
-{
-    return text.find("\"asset\"") != std::string_view::npos && text.find("\"version\"") != std::string_view::npos &&
-           text.find("\"fathom\"") == std::string_view::npos;
-}
-
-/// As JSON does whose file has no name, as /dev/stdin.
-bool begins_as_object(std::string_view text)
-{
-    const std::size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
-    return first != std::string_view::npos && text[first] == '{';
-}
-
-/// By content where a format has a sign of its own, else by extension.
-Format format_of(const std::string& extension, std::string_view bytes)
-{
-    if (bytes.starts_with("glTF") || extension == ".gltf" || extension == ".glb") return Format::gltf;
-    if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r") || extension == ".ply") return Format::ply;
-    if (extension == ".json" || (extension.empty() && begins_as_object(bytes)))
-        return looks_like_gltf(bytes) ? Format::gltf : Format::fathom;
-    if (extension == ".obj") return Format::obj;
-    if (extension == ".stl") return Format::stl;
-    return Format::other;
-}
+/// All of them; the first that recognizes a file reads it.
+constexpr const Importer* importers[] = {&gltf_importer, &ply_importer, &fathom_json_importer,
+                                         &obj_importer,  &stl_importer, &assimp_importer};
 
 /// Keeps the list of open files right, whatever happens.
 class OpenFile {
@@ -100,37 +75,16 @@ private:
 SceneDescription load_file(const std::filesystem::path& file, const LoadOptions& options, LoadContext& context)
 {
     const OpenFile open(context, file);
-    const std::string extension = lower_extension(file);
     const std::string bytes = context.read(file);
     if (bytes.empty()) throw Error(file.string(), "", "the file is empty");
-    const Format format = format_of(extension, bytes);
-    if (!options.scene.empty() && format != Format::gltf)
+    const SourceFile source{file, lower_extension(file), bytes, options};
+    const Importer& importer = **std::find_if(std::begin(importers), std::end(importers),
+                                              [&](const Importer* i) { return i->recognizes(source); });
+    if (!options.scene.empty() && !importer.has_scenes)
         throw Error(file.string(), "",
                     fmt::format("there is no scene '{}': only glTF files have scenes to choose from", options.scene));
-    SceneDescription scene;
-    switch (format) {
-        case Format::gltf:
-            scene = read_gltf(file, bytes, options, context);
-            break;
-        case Format::fathom:
-            scene = read_fathom_json(file, bytes, context);
-            break;
-        case Format::obj:
-            scene = read_obj(file, bytes, context);
-            break;
-        case Format::ply:
-            scene = read_ply(file, bytes, context);
-            break;
-        case Format::stl:
-            scene = read_stl(file, bytes, context);
-            break;
-        case Format::other:
-            scene = read_with_assimp(file, options, context);
-            break;
-    }
-    // STL does not say which axis points up; the programs that make it have z there.
-    const bool is_z_up = options.up_axis ? options.up_axis == 'z' : extension == ".stl";
-    if (is_z_up) turn_z_up(scene);
+    SceneDescription scene = importer.read(source, context);
+    if (options.up_axis ? options.up_axis == 'z' : importer.z_up) turn_z_up(scene);
     return scene;
 }
 

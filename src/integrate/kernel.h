@@ -1,6 +1,7 @@
 #pragma once
-/// The boundary between the library and the kernel library, which exists once per instruction set. Only plain data
-/// crosses it.
+/// The boundary between the library and the kernel library, which exists once per instruction set. Tables, sums and
+/// counters cross it, and a scene that only the kernel that made it looks into; no code compiled for one instruction
+/// set.
 #include <cstdint>
 #include <memory>
 #include <vector>

@@ -151,9 +151,8 @@ private:
         for (std::size_t i = 0; i < emitting; i += lanes) add_emission(i, first_lanes(emitting - i));
         for (std::size_t i = 0; i < missing; i += lanes) add_environment(i, first_lanes(missing - i));
         for (std::size_t i = 0; i < finished; ++i) finish(finished_[i]);
-        const std::size_t packed = sort(active);
-        pack(packed);
-        return packed;
+        // Where there are no textures, nothing is won by an order of the materials.
+        return scene_.textured ? pack_by_material(active) : pack_by_kind(active);
     }
 
     /// What the media leave of the light on the ways to what was met.
@@ -177,33 +176,46 @@ private:
         size += std::size_t(count(m));
     }
 
-    /// Fills order_ with the numbers of the paths that go on, by bucket, and kind_end_; returns how many they are.
-    std::size_t sort(std::size_t active)
+    /// Packs the paths that go on into the spare pool, one kind of closure after the other; returns how many they are.
+    std::size_t pack_by_kind(std::size_t active)
+    {
+        std::size_t packed = 0;
+        for (std::uint32_t kind = 0; kind < material_kind_count; ++kind) {
+            for (std::size_t i = 0; i < active && scene_.has_closure(kind); i += lanes) {
+                const Mask m = (buckets_.load(i) >> LaneScene::kind_shift) == UInt(kind);
+                if (none(m)) continue;
+                const auto append = [&](const auto& from, auto& to) { to.append(packed, from.load(i), m); };
+                PathPool::for_travelling(*paths_, *spare_, extras_, append);
+                HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, append);
+                packed += std::size_t(count(m));
+            }
+            kind_end_[kind] = packed;
+        }
+        return packed;
+    }
+
+    /// The same, and those of a kind in the order of their materials, by a counting sort over buckets.
+    std::size_t pack_by_material(std::size_t active)
     {
         std::uint32_t place[LaneScene::buckets] = {};
         for (std::size_t i = 0; i < active; ++i) ++place[buckets_[i]];
         // Bucket 0 is of those that don't go on.
-        std::uint32_t sum = 0;
+        std::uint32_t packed = 0;
         for (std::uint32_t bucket = 1; bucket < LaneScene::buckets; ++bucket) {
             const std::uint32_t size = place[bucket];
-            place[bucket] = sum;
-            sum += size;
-            kind_end_[bucket >> LaneScene::kind_shift] = sum;
+            place[bucket] = packed;
+            packed += size;
+            kind_end_[bucket >> LaneScene::kind_shift] = packed;
         }
         for (std::size_t i = 0; i < active; ++i)
             if (buckets_[i] != 0) order_[place[buckets_[i]]++] = std::uint32_t(i);
-        return sum;
-    }
-
-    /// Brings what order_ lists into the spare pool, and its hits with it.
-    void pack(std::size_t packed)
-    {
         // One by one: gathers take as long or longer, also where they are instructions.
         const auto permute = [&](const auto& from, auto& to) {
             for (std::size_t i = 0; i < packed; ++i) to[i] = from[order_[i]];
         };
         PathPool::for_travelling(*paths_, *spare_, extras_, permute);
         HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, permute);
+        return packed;
     }
 
     // ------------------------------------------------------------------------------------------- end

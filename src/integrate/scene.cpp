@@ -50,11 +50,11 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
     }
     for (const ShapeRecord& shape : tables.shapes) {
         const MaterialRecord& material = tables.materials[shape.material];
-        kinds |= 1u << material.kind;
         refracts |= Closures::transmits(MaterialKind(material.kind));
         normal_mapped |= (material.flags & MaterialRecord::normal_mapped) != 0;
         for (float a : tables.media[material.medium].absorption) has_absorption |= a > 0;
         const std::uint32_t kind = Closures::contains(MaterialKind(material.kind)) ? material.kind : 0;
+        if (kind != 0) kinds |= 1u << kind;
         shape_info.push_back(kind << kind_shift | (shape.material & ((1u << kind_shift) - 1)) |
                              (material.flags & MaterialRecord::emits ? emits : 0u));
     }

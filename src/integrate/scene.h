@@ -28,7 +28,7 @@ struct LaneScene final : KernelScene {
     /// Per primitive, if the scene is flat: shape_info of its shape; padded for lookup().
     std::vector<std::uint32_t> primitive_info;
     QuadColumns quads;
-    std::uint32_t kinds = 0;  ///< bit per MaterialKind that occurs
+    std::uint32_t kinds = 0;  ///< bit per MaterialKind that occurs and scatters
     bool textured = false;    ///< uv matter somewhere
     bool normal_mapped = false;
     bool varied_lights = false;       ///< some are not alike all over, see LightRecord::material
@@ -42,7 +42,8 @@ struct LaneScene final : KernelScene {
     LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level);
     std::size_t memory_bytes() const override;
 
-    bool has_kind(MaterialKind kind) const { return kinds >> std::uint32_t(kind) & 1; }
+    /// Whether some material of this MaterialKind scatters.
+    bool has_closure(std::uint32_t kind) const { return kinds >> kind & 1; }
     /// shape_info of what was hit; 0 outside the mask.
     UInt info_of(UInt primitive, UInt instance, Mask m) const;
 };

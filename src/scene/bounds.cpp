@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <optional>
 
 #include "fathom/load.h"
 #include "scene/bounds.h"
+#include "scene/motion.h"
 
 namespace fathom {
 
@@ -45,48 +47,8 @@ void add_box(Bounds& bounds, const Transform& t, Vec3d min, Vec3d max)
         add_point(bounds, t.point({i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z}));
 }
 
-/// Boxes of the meshes in their own space, found when first asked for.
-class MeshBoxes {
-public:
-    explicit MeshBoxes(const SceneDescription& scene)
-        : scene_(scene), boxes_(2 * scene.meshes.size()), known_(2 * scene.meshes.size())
-    {
-    }
-
-    void add(Bounds& bounds, const Transform& t, int index)
-    {
-        if (index < 0 || index >= int(scene_.meshes.size())) return;
-        const Mesh& mesh = scene_.meshes[std::size_t(index)];
-        for (const MeshKey& key : mesh.motion) add_positions(bounds, t, 2 * std::size_t(index), key.positions);
-        if (mesh.motion.empty()) add_positions(bounds, t, 2 * std::size_t(index) + 1, mesh.positions);
-    }
-
-    const SceneDescription& scene() const { return scene_; }
-
-private:
-    void add_positions(Bounds& bounds, const Transform& t, std::size_t index, const std::vector<Vec3f>& positions)
-    {
-        // Exact for what a few instances show; the corners of the mesh's box for a forest.
-        if (positions.size() <= budget_) {
-            budget_ -= positions.size();
-            for (Vec3f p : positions) add_point(bounds, t.point({p.x, p.y, p.z}));
-            return;
-        }
-        Bounds& box = boxes_[index];
-        if (!known_[index])
-            for (Vec3f p : positions) add_point(box, {p.x, p.y, p.z});
-        known_[index] = index & 1;  // boxes of keys grow with each
-        if (!box.empty) add_box(bounds, t, box.min, box.max);
-    }
-
-    const SceneDescription& scene_;
-    std::vector<Bounds> boxes_;
-    std::vector<bool> known_;
-    std::size_t budget_ = 20'000'000;
-};
-
-/// Of a box of balls the corners: as good as exact where there are many small ones.
-void add_balls(Bounds& bounds, const Transform& t, const std::vector<Vec3f>& centers, const std::vector<float>& radii)
+/// Of balls: as good as exact where there are many small ones.
+Bounds box_of_balls(const std::vector<Vec3f>& centers, const std::vector<float>& radii)
 {
     Bounds box;
     for (std::size_t i = 0; i < centers.size(); ++i) {
@@ -94,13 +56,78 @@ void add_balls(Bounds& bounds, const Transform& t, const std::vector<Vec3f>& cen
         add_point(box, p - r);
         add_point(box, p + r);
     }
-    if (!box.empty) add_box(bounds, t, box.min, box.max);
+    return box;
 }
 
-void add_shape(Bounds& bounds, MeshBoxes& meshes, const Transform& t, const Shape& shape)
+Bounds box_of_mesh(const Mesh& mesh)
+{
+    Bounds box;
+    const auto add = [&](const std::vector<Vec3f>& positions) {
+        for (Vec3f p : positions) add_point(box, {p.x, p.y, p.z});
+    };
+    for (const MeshKey& key : mesh.motion) add(key.positions);
+    if (mesh.motion.empty()) add(mesh.positions);
+    return box;
+}
+
+/// What shapes refer to, its boxes found when they are first asked for.
+class Contents {
+public:
+    explicit Contents(const SceneDescription& scene) : scene_(scene) {}
+
+    void add_mesh(Bounds& bounds, const Transform& t, int index)
+    {
+        if (index < 0 || index >= int(scene_.meshes.size())) return;
+        const Mesh& mesh = scene_.meshes[std::size_t(index)];
+        const std::size_t points = mesh.positions.size() * std::max<std::size_t>(mesh.motion.size(), 1);
+        if (points > budget_)
+            return add_corners(bounds, t, box(meshes_, scene_.meshes.size(), index, [&] { return box_of_mesh(mesh); }));
+        // Exact for what a few instances show; the corners of the mesh's box for a forest.
+        budget_ -= points;
+        const auto add = [&](const std::vector<Vec3f>& positions) {
+            for (Vec3f p : positions) add_point(bounds, t.point({p.x, p.y, p.z}));
+        };
+        for (const MeshKey& key : mesh.motion) add(key.positions);
+        if (mesh.motion.empty()) add(mesh.positions);
+    }
+    void add_curves(Bounds& bounds, const Transform& t, int index)
+    {
+        const Curves& c = scene_.curves[std::size_t(index)];
+        add_corners(bounds, t,
+                    box(curves_, scene_.curves.size(), index, [&] { return box_of_balls(c.points, c.radii); }));
+    }
+    void add_points(Bounds& bounds, const Transform& t, int index)
+    {
+        const Points& p = scene_.points[std::size_t(index)];
+        add_corners(bounds, t,
+                    box(points_, scene_.points.size(), index, [&] { return box_of_balls(p.centers, p.radii); }));
+    }
+
+private:
+    using Boxes = std::vector<std::optional<Bounds>>;
+
+    template <class Find>
+    static const Bounds& box(Boxes& boxes, std::size_t count, int index, const Find& find)
+    {
+        boxes.resize(count);
+        std::optional<Bounds>& known = boxes[std::size_t(index)];
+        if (!known) known = find();
+        return *known;
+    }
+    static void add_corners(Bounds& bounds, const Transform& t, const Bounds& box)
+    {
+        if (!box.empty) add_box(bounds, t, box.min, box.max);
+    }
+
+    const SceneDescription& scene_;
+    Boxes meshes_, curves_, points_;
+    std::size_t budget_ = 20'000'000;
+};
+
+void add_shape(Bounds& bounds, Contents& contents, const Transform& t, const Shape& shape)
 {
     if (const auto* mesh = std::get_if<MeshInstance>(&shape.geometry)) {
-        meshes.add(bounds, t, mesh->mesh);
+        contents.add_mesh(bounds, t, mesh->mesh);
     } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
         add_sphere(bounds, t, sphere->center, sphere->radius);
         if (sphere->center_end) add_sphere(bounds, t, *sphere->center_end, sphere->radius);
@@ -112,45 +139,71 @@ void add_shape(Bounds& bounds, MeshBoxes& meshes, const Transform& t, const Shap
     } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
         add_disk(bounds, t, *disk);
     } else if (const auto* curves = std::get_if<CurvesInstance>(&shape.geometry)) {
-        const Curves& c = meshes.scene().curves[std::size_t(curves->curves)];
-        add_balls(bounds, t, c.points, c.radii);
+        contents.add_curves(bounds, t, curves->curves);
     } else if (const auto* points = std::get_if<PointsInstance>(&shape.geometry)) {
-        const Points& p = meshes.scene().points[std::size_t(points->points)];
-        add_balls(bounds, t, p.centers, p.radii);
+        contents.add_points(bounds, t, points->points);
     }
 }
 
-void add_node(Bounds& bounds, const SceneDescription& scene, MeshBoxes& meshes, const Transform& parent, int index,
-              int depth)
-{
-    if (index < 0 || index >= int(scene.nodes.size()) || depth > 256) return;
-    const Node& node = scene.nodes[std::size_t(index)];
-    const auto add_at = [&](const Transform& t) {
-        for (const Shape& shape : node.shapes) add_shape(bounds, meshes, t, shape);
-        for (int child : node.children) add_node(bounds, scene, meshes, t, child, depth + 1);
-    };
-    // Between its keys a node may swing out a little further: that does no harm here.
-    if (node.motion.empty()) return add_at(parent * node.parent_from_node);
-    add_at(parent * node.motion.front().parent_from_node);
-    if (node.motion.size() > 1) add_at(parent * node.motion.back().parent_from_node);
-}
+/// Walks the nodes, what is below one that moves once for each of a few times.
+class Walk {
+public:
+    explicit Walk(const SceneDescription& scene) : scene_(scene), contents_(scene)
+    {
+        for (const Node& node : scene.nodes)
+            for (const NodeKey& key : node.motion) times_.push_back(key.time);
+        std::sort(times_.begin(), times_.end());
+        times_.erase(std::unique(times_.begin(), times_.end()), times_.end());
+        // Of many, some that are spread evenly, the first and the last among them.
+        if (const std::size_t all = times_.size(); all > most_times) {
+            for (std::size_t i = 0; i < most_times; ++i) times_[i] = times_[i * (all - 1) / (most_times - 1)];
+            times_.resize(most_times);
+        }
+    }
+
+    Bounds run()
+    {
+        for (int root : scene_.roots) add_node({}, root, nullptr, 0);
+        return bounds_;
+    }
+
+private:
+    static constexpr std::size_t most_times = 9;
+
+    /// time  null where nothing above moves
+    void add_node(const Transform& parent, int index, const double* time, int depth)
+    {
+        if (index < 0 || index >= int(scene_.nodes.size()) || depth > 256) return;
+        const Node& node = scene_.nodes[std::size_t(index)];
+        const auto add_at = [&](const Transform& t, const double* at) {
+            for (const Shape& shape : node.shapes) add_shape(bounds_, contents_, t, shape);
+            for (int child : node.children) add_node(t, child, at, depth + 1);
+        };
+        if (node.motion.empty()) return add_at(parent * node.parent_from_node, time);
+        if (time) return add_at(parent * transform_at(node, *time), time);
+        // Between the times a node may swing out a little further: that does no harm here.
+        for (const double& at : times_) add_at(parent * transform_at(node, at), &at);
+    }
+
+    const SceneDescription& scene_;
+    Contents contents_;
+    std::vector<double> times_;
+    Bounds bounds_;
+};
 
 }  // namespace
 
 Bounds shape_bounds(const SceneDescription& scene, const Shape& shape)
 {
     Bounds bounds;
-    MeshBoxes meshes(scene);
-    add_shape(bounds, meshes, {}, shape);
+    Contents contents(scene);
+    add_shape(bounds, contents, {}, shape);
     return bounds;
 }
 
 Bounds world_bounds(const SceneDescription& scene)
 {
-    Bounds bounds;
-    MeshBoxes meshes(scene);
-    for (int root : scene.roots) add_node(bounds, scene, meshes, {}, root, 0);
-    return bounds;
+    return Walk(scene).run();
 }
 
 }  // namespace fathom

@@ -1,9 +1,12 @@
 #include "scene/check.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <string>
 
 #include "fathom/error.h"
+#include "fathom/memory.h"
 #include "scene/material_table.h"
 #include "scene/texture_table.h"
 
@@ -13,6 +16,8 @@ namespace {
 
 constexpr int deepest_node = 256;
 constexpr double most_places = 1e8;
+constexpr float brightest = 1e20f;
+constexpr const char* too_many_places = "instances make more than 100 million nodes and shapes of it";
 
 std::string element(const char* array, std::size_t index)
 {
@@ -42,6 +47,10 @@ public:
         for (std::size_t i = 0; i < scene_.roots.size(); ++i)
             required(scene_.roots[i], scene_.nodes.size(), element("roots", i), "node");
         index(scene_.environment.image, scene_.images.size(), "environment.image", "image");
+        for (const Color& c : {scene_.environment.color, scene_.environment.bottom, scene_.environment.top})
+            check_brightness(c, "environment");
+        for (std::size_t i = 0; i < scene_.lights.size(); ++i)
+            check_brightness(scene_.lights[i].intensity, element("lights", i));
         check_graph();
     }
 
@@ -62,8 +71,17 @@ private:
         if (i != -1) required(i, size, place, what);
     }
 
+    /// Sums over a scene must still be floats.
+    void check_brightness(const Color& c, const std::string& place) const
+    {
+        for (const float x : {c.r, c.g, c.b})
+            if (!(std::abs(x) <= brightest))
+                fail(place, fmt::format("is as bright as {:g}; up to {:g} can be rendered", x, brightest));
+    }
+
     void check_material(const Material& m, const std::string& place) const
     {
+        check_brightness(m.emission.value, place + ".emission");
         for_each_texture(m, material_parameters(), [&](int texture, const char* key) {
             index(texture, scene_.textures.size(), place + '.' + key, "texture");
         });
@@ -269,7 +287,7 @@ private:
         enum class State : char { unseen, open, done };
         std::vector<State> states(scene_.nodes.size(), State::unseen);
         std::vector<int> depths(scene_.nodes.size(), 0);
-        std::vector<double> places(scene_.nodes.size(), 0);
+        std::vector<double> places(scene_.nodes.size(), 0), shapes(scene_.nodes.size(), 0);
         struct Visit {
             int node;
             std::size_t next_child;
@@ -294,19 +312,30 @@ private:
                     }
                     continue;
                 }
-                places[i] = 1 + double(node.shapes.size());
+                shapes[i] = double(node.shapes.size());
+                places[i] = 1 + shapes[i];
                 for (int child : node.children) {
                     depths[i] = std::max(depths[i], depths[std::size_t(child)] + 1);
                     places[i] += places[std::size_t(child)];
+                    shapes[i] += shapes[std::size_t(child)];
                 }
                 if (depths[i] >= deepest_node)
                     fail(element("nodes", i), "nodes are nested more than " + std::to_string(deepest_node) + " deep");
-                if (places[i] > most_places)
-                    fail(element("nodes", i), "instances make more than 100 million nodes and shapes of it");
+                if (places[i] > most_places) fail(element("nodes", i), too_many_places);
                 states[i] = State::done;
                 stack.pop_back();
             }
         }
+        double all_places = 0, all_shapes = 0;
+        for (int root : scene_.roots) {
+            all_places += places[std::size_t(root)];
+            all_shapes += shapes[std::size_t(root)];
+        }
+        if (all_places > most_places) fail("roots", too_many_places);
+        if (const double bytes = all_shapes * bytes_per_placed_shape; bytes > double(available_memory_bytes()))
+            fail("", fmt::format(
+                         "its instances make {:.0f} shapes, which need about {:.1f} GB of memory; {:.1f} GB are there",
+                         all_shapes, bytes / 1e9, double(available_memory_bytes()) / 1e9));
     }
 
     const SceneDescription& scene_;

@@ -1,6 +1,7 @@
 #pragma once
 /// Parameters of materials and textures, listed once: reading and checking files, their schema, joining scenes and
 /// compiling follow from the lists (material_table.h, texture_table.h).
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -14,10 +15,12 @@ namespace fathom {
 template <class Owner>
 struct TextureReference {
     int Owner::* index;
+    bool operator==(const TextureReference&) const = default;
 };
 template <class Owner>
 struct ImageReference {
     int Owner::* index;
+    bool operator==(const ImageReference&) const = default;
 };
 
 /// A parameter that some kinds of Owner have.
@@ -57,12 +60,15 @@ constexpr std::uint32_t kind_bits(Kind... kinds)
     return ((1u << std::uint32_t(kinds)) | ... | 0u);
 }
 
-/// Calls f(int& index, key) for each texture that a material or texture refers to, whatever its kind.
+/// Calls f(int& index, key) once for each texture that a material or texture refers to, whatever its kind.
 template <class Owner, class F>
 void for_each_texture(Owner& owner, std::span<const Parameter<std::remove_const_t<Owner>>> parameters, F&& f)
 {
     using Plain = std::remove_const_t<Owner>;
     for (const Parameter<Plain>& p : parameters) {
+        // Kinds may list the same member apart, by other words.
+        const auto is_same = [&](const Parameter<Plain>& q) { return q.member == p.member; };
+        if (std::any_of(parameters.data(), &p, is_same)) continue;
         if (const auto* color = std::get_if<ColorInput Plain::*>(&p.member))
             f((owner.*(*color)).texture, p.key);
         else if (const auto* number = std::get_if<FloatInput Plain::*>(&p.member))

@@ -3,7 +3,7 @@
 #include "../image/pictures.h"
 #include "fathom/error.h"
 #include "fathom/render.h"
-#include "film/tile_sums.h"
+#include "made_film.h"
 
 namespace fathom {
 namespace {
@@ -42,20 +42,21 @@ TEST(Sums, ComeBackFromAFileAsTheyWere)
 TEST(Film, VarianceIsRightForDarkAndBrightPictures)
 {
     for (double v : {1e-6, 1e-5, 1e-3, 1.0, 30.0, 60.0, 1e3, 1e6, 3e7, 1e8, 1e9}) {
+        RenderSettings settings;
+        settings.width = settings.height = 1;
+        Film film = test::made_film(settings);
         constexpr int n = 200;
-        TileSums tile;
-        tile.reset(1, other_words);
-        for (int i = 0; i < n; ++i) tile.add(0, std::uint32_t(i), float(i % 2 ? 3 * v : v), float(v), 0);
-        FilmKey key;
-        key.settings.width = key.settings.height = 1;
-        Film::Sums sums{1, 1, other_words, std::vector<std::uint32_t>(other_words), {{0, n}}, 0, key.text()};
-        tile.add_to(0, sums.words.data(), 0, -1);
-        for (const TileSums::Slow& slow : tile.slow())
+        film.data().add_range({0, n});
+        TileSums sums;
+        sums.reset(1, other_words);
+        for (int i = 0; i < n; ++i) sums.add(0, std::uint32_t(i), float(i % 2 ? 3 * v : v), float(v), 0);
+        std::uint32_t* pixel = film.data().pixel(0);
+        sums.add_to(0, pixel, 0, -1);
+        for (const TileSums::Slow& slow : sums.slow())
             for (int c = 0; c < 3; ++c) {
-                ExactSum::add_number(radiance_sum(sums.words.data(), c), slow.value[c]);
-                ExactSquareSum::add_number(square_sum(sums.words.data(), c), double(slow.value[c]) * slow.value[c]);
+                ExactSum::add_number(radiance_sum(pixel, c), slow.value[c]);
+                ExactSquareSum::add_number(square_sum(pixel, c), double(slow.value[c]) * slow.value[c]);
             }
-        const Film film = Film::from_sums(sums);
         const Image image = film.image(false, true);
         const auto& variance = image.find("variance")->pixels;
         EXPECT_NEAR(image.layers[0].pixels[0] / (2 * v), 1, 2e-5) << v;

@@ -182,6 +182,79 @@ TEST(Stb, ReadsPnmInBothDepths)
             EXPECT_THROW(read_image("cut", whole.data(), cut), Error) << cut;
 }
 
+// ---- files made elsewhere, byte by byte: a reader and a writer may agree on what is wrong
+
+const unsigned char png_of_16_bits[] = {
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00,
+    0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x10, 0x06, 0x00, 0x00, 0x00, 0xa4, 0xb2, 0xa3, 0xc9, 0x00,
+    0x00, 0x00, 0x19, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0x60, 0x64, 0xfa, 0xff, 0xbf, 0x81, 0x41,
+    0xc8, 0x84, 0x81, 0x81, 0x81, 0x71, 0xf5, 0xd9, 0xff, 0x0c, 0x00, 0x2a, 0xc2, 0x05, 0x40, 0xad, 0x9b,
+    0x46, 0x0c, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+const unsigned char png_of_8_bits[] = {
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00,
+    0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x02, 0x00, 0x00, 0x00, 0x7b, 0x40, 0xe8, 0xdd, 0x00, 0x00, 0x00,
+    0x0f, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0x60, 0x64, 0x62, 0xfe, 0xdf, 0xc0, 0x00, 0x00, 0x04, 0x20,
+    0x01, 0x86, 0x71, 0x80, 0xaf, 0x9f, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+const unsigned char hdr_of_two_pixels[] = {
+    0x23, 0x3f, 0x52, 0x41, 0x44, 0x49, 0x41, 0x4e, 0x43, 0x45, 0x0a, 0x46, 0x4f, 0x52, 0x4d, 0x41, 0x54, 0x3d,
+    0x33, 0x32, 0x2d, 0x62, 0x69, 0x74, 0x5f, 0x72, 0x6c, 0x65, 0x5f, 0x72, 0x67, 0x62, 0x65, 0x0a, 0x0a, 0x2d,
+    0x59, 0x20, 0x31, 0x20, 0x2b, 0x58, 0x20, 0x32, 0x0a, 0x80, 0x40, 0x20, 0x81, 0xff, 0x00, 0x01, 0x78};
+
+TEST(ForeignFiles, PngHasItsHighByteFirst)
+{
+    const Image wide = read_image("16.png", png_of_16_bits, sizeof png_of_16_bits);
+    EXPECT_EQ(wide.layers[0].channels, (std::vector<std::string>{"R", "G", "B", "A"}));
+    const double codes[] = {0x0102, 0xffff, 0x8000, 0x1234, 0, 1, 0xabcd, 0xff00};
+    for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(wide.layers[0].pixels.at(i), float(codes[i]) / 65535) << i;
+    const Image narrow = read_image("8.png", png_of_8_bits, sizeof png_of_8_bits);
+    const double bytes[] = {1, 2, 3, 255, 128, 0};
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(narrow.layers[0].pixels.at(i), float(bytes[i]) / 255) << i;
+    EXPECT_FALSE(wide.is_linear);
+}
+
+/// Mantissas red, green, blue, then the exponent that they share, of which 128 stands for 0.
+TEST(ForeignFiles, HdrSharesAnExponent)
+{
+    const Image image = read_image("a.hdr", hdr_of_two_pixels, sizeof hdr_of_two_pixels);
+    const double expected[] = {1, 0.5, 0.25, std::ldexp(255, -16), 0, std::ldexp(1, -16)};
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(image.layers[0].pixels.at(i), float(expected[i])) << i;
+    EXPECT_TRUE(image.is_linear);
+}
+
+/// What we write, by its bytes: the first pixel of an uncompressed PNG row, of an HDR, of an EXR.
+TEST(ForeignFiles, WhatIsWrittenIsWhatTheFormatsSay)
+{
+    const TemporaryFolder folder;
+    Image image = made_image(2, 1);
+    image.layers[0].pixels = {1, 0.5f, 0.25f, 4, 2, 1};
+    write_image(folder.path() / "a.hdr", image, {});
+    const std::vector<char> hdr = test::bytes_of(folder.path() / "a.hdr");
+    const std::vector<unsigned char> end(hdr.end() - 8, hdr.end());
+    EXPECT_EQ(end, (std::vector<unsigned char>{128, 64, 32, 129, 128, 64, 32, 131}));
+    write_image(folder.path() / "a.exr", image, {});
+    const std::vector<char> exr = test::bytes_of(folder.path() / "a.exr");
+    // Channels by name: B, G, R, each a row of its own.
+    float values[6];
+    std::memcpy(values, &exr[exr.size() - sizeof values], sizeof values);
+    const float expected[] = {0.25f, 1, 0.5f, 2, 1, 4};
+    for (int i = 0; i < 6; ++i) EXPECT_EQ(values[i], expected[i]) << i;
+}
+
+/// An exposure and a tone map are for what is shown, not for what is measured: EXR and HDR keep radiance.
+TEST(WriteOptions, ExposureIsForDisplays)
+{
+    Image image = made_image(1, 1);
+    image.layers[0].pixels = {0.25f, 0.5f, 0.125f};
+    WriteOptions options;
+    options.display = {1, Tonemap::srgb};
+    options.png_bits = 16;
+    EXPECT_EQ(written_and_read(image, "a.exr", options).layers[0].pixels, image.layers[0].pixels);
+    EXPECT_EQ(written_and_read(image, "a.hdr", options).layers[0].pixels, image.layers[0].pixels);
+    const Image png = written_and_read(image, "a.png", options);
+    for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(png.layers[0].pixels[c], test::srgb(2 * double(image.layers[0].pixels[c])), 1e-5);
+}
+
 TEST(ReadImage, SaysWhatIsWrong)
 {
     const TemporaryFolder folder;

@@ -150,6 +150,180 @@ TEST_F(FathomJson, Glass)
     }
 }
 
+/// Each key of a camera, with numbers that are all different.
+TEST_F(FathomJson, EveryKeyOfACamera)
+{
+    const SceneDescription scene = load("c.json", R"({"cameras": {
+        "a": {"position": [1, 2, 3], "look_at": [4, 5, 7], "up": [0.5, 1, 0.25], "fov_y_deg": 30, "aspect": 1.5, "aperture": 0.125,
+              "focus_distance": 9, "shutter": [0.25, 0.75]},
+        "b": {"kind": "orthographic", "height": 11}}})");
+    ASSERT_EQ(scene.cameras.size(), 2u);
+    const Camera& a = scene.cameras[0];
+    EXPECT_EQ(a.name, "a");
+    EXPECT_EQ(a.kind, CameraKind::perspective);
+    EXPECT_EQ(a.position, (Vec3d{1, 2, 3}));
+    EXPECT_EQ(a.look_at, (Vec3d{4, 5, 7}));
+    EXPECT_EQ(a.up, (Vec3d{0.5, 1, 0.25}));
+    EXPECT_NEAR(a.fov_y, std::numbers::pi / 6, 1e-15);
+    EXPECT_EQ(a.aspect, 1.5);
+    EXPECT_EQ(a.aperture, 0.125);
+    EXPECT_EQ(a.focus_distance, 9);
+    EXPECT_EQ(a.shutter_open, 0.25);
+    EXPECT_EQ(a.shutter_close, 0.75);
+    EXPECT_EQ(scene.cameras[1].kind, CameraKind::orthographic);
+    EXPECT_EQ(scene.cameras[1].height, 11);
+}
+
+TEST_F(FathomJson, EveryKeyOfATexture)
+{
+    const SceneDescription scene = load("t.json", R"({"textures": {
+        "a": {"image": "a.png", "color_space": "linear", "wrap_u": "clamp", "wrap_v": "mirror", "lookup": "nearest", "uv_set": 1,
+              "uv_offset": [1, 2], "uv_scale": [3, 4], "uv_rotation_deg": 90},
+        "b": {"kind": "marble", "color_a": [1, 2, 3], "color_b": [4, 5, 6], "scale": 7, "octaves": 3, "turbulence_weight": 8},
+        "c": {"kind": "checker_uv", "uv_scale": [2, 5]}, "d": {"kind": "checker_space"}, "e": {"kind": "noise"},
+        "f": {"kind": "turbulence", "octaves": 5}}})");
+    const auto texture = [&](const std::string& name) {
+        for (const Texture& t : scene.textures)
+            if (t.name == name) return t;
+        ADD_FAILURE() << name;
+        return Texture{};
+    };
+    const Texture a = texture("a"), b = texture("b");
+    EXPECT_EQ(a.kind, TextureKind::image);
+    EXPECT_EQ(a.color_space, ColorSpace::linear);
+    EXPECT_EQ(a.wrap_u, Wrap::clamp);
+    EXPECT_EQ(a.wrap_v, Wrap::mirror);
+    EXPECT_TRUE(a.nearest);
+    EXPECT_EQ(a.uv_set, 1);
+    EXPECT_EQ(a.uv_offset.x, 1);
+    EXPECT_EQ(a.uv_offset.y, 2);
+    EXPECT_EQ(a.uv_scale.x, 3);
+    EXPECT_EQ(a.uv_scale.y, 4);
+    EXPECT_FLOAT_EQ(a.uv_rotation, float(std::numbers::pi / 2));
+    EXPECT_EQ(b.kind, TextureKind::marble);
+    EXPECT_EQ(b.color_a.value, (Color{1, 2, 3}));
+    EXPECT_EQ(b.color_b.value, (Color{4, 5, 6}));
+    EXPECT_EQ(b.scale, 7);
+    EXPECT_EQ(b.octaves, 3);
+    EXPECT_EQ(b.turbulence_weight, 8);
+    EXPECT_EQ(texture("c").kind, TextureKind::checker_uv);
+    EXPECT_EQ(texture("c").uv_scale.y, 5);
+    EXPECT_EQ(texture("d").kind, TextureKind::checker_space);
+    EXPECT_EQ(texture("e").kind, TextureKind::noise);
+    EXPECT_EQ(texture("f").kind, TextureKind::turbulence);
+    EXPECT_EQ(texture("f").octaves, 5);
+}
+
+TEST_F(FathomJson, EveryKeyOfAMaterial)
+{
+    const SceneDescription scene = load("m.json", R"({"materials": {
+        "a": {"kind": "principled", "color": [0.1, 0.2, 0.3], "roughness": {"texture": {"image": "r.png"}, "channel": "a"},
+              "metallic": {"texture": {"image": "m.png"}, "channel": "r", "value": 0.5}, "ior": 1.25,
+              "emission": [1, 2, 3], "emission_two_sided": true, "normal_map": {"image": "n.png"}, "normal_scale": 0.75,
+              "alpha": {"texture": {"image": "a.png"}, "value": 0.25}, "alpha_mode": "mask", "alpha_cutoff": 0.125,
+              "use_vertex_color": true},
+        "b": {"kind": "glass", "color": [0.4, 0.5, 0.6], "ior": 2, "roughness": 0.5, "attenuation_color": [0.7, 0.8, 0.9],
+              "attenuation_distance": 3},
+        "c": {"kind": "fuzz_metal", "fuzz": 0.3}, "d": {"kind": "metal", "roughness": 0.6},
+        "e": {"alpha": 0.5}, "f": {"kind": "none"}, "g": {"kind": "unlit", "color": [3, 2, 1]}}})");
+    ASSERT_EQ(scene.materials.size(), 7u);
+    const Material &a = scene.materials[0], &b = scene.materials[1];
+    EXPECT_EQ(a.kind, MaterialKind::principled);
+    EXPECT_EQ(a.base_color.value, (Color{0.1f, 0.2f, 0.3f}));
+    EXPECT_EQ(scene.images[std::size_t(scene.textures[std::size_t(a.roughness.texture)].image)].name, "r.png");
+    EXPECT_EQ(a.roughness.channel, 3);
+    EXPECT_EQ(a.roughness.value, 1);
+    EXPECT_EQ(scene.images[std::size_t(scene.textures[std::size_t(a.metallic.texture)].image)].name, "m.png");
+    EXPECT_EQ(a.metallic.channel, 0);
+    EXPECT_EQ(a.metallic.value, 0.5f);
+    EXPECT_EQ(a.ior, 1.25f);
+    EXPECT_EQ(a.emission.value, (Color{1, 2, 3}));
+    EXPECT_TRUE(a.emission_two_sided);
+    EXPECT_EQ(scene.images[std::size_t(scene.textures[std::size_t(a.normal_texture)].image)].name, "n.png");
+    EXPECT_EQ(a.normal_scale, 0.75f);
+    EXPECT_EQ(scene.images[std::size_t(scene.textures[std::size_t(a.alpha.texture)].image)].name, "a.png");
+    EXPECT_EQ(a.alpha.value, 0.25f);
+    EXPECT_EQ(a.alpha.channel, 3);
+    EXPECT_EQ(a.alpha_mode, AlphaMode::mask);
+    EXPECT_EQ(a.alpha_cutoff, 0.125f);
+    EXPECT_TRUE(a.use_vertex_color);
+    EXPECT_EQ(b.transmission_color.value, (Color{0.4f, 0.5f, 0.6f}));
+    EXPECT_EQ(b.ior, 2);
+    EXPECT_EQ(b.roughness.value, 0.5f);
+    EXPECT_EQ(b.attenuation_color, (Color{0.7f, 0.8f, 0.9f}));
+    EXPECT_EQ(b.attenuation_distance, 3);
+    EXPECT_EQ(scene.materials[2].fuzz, 0.3f);
+    EXPECT_EQ(scene.materials[3].kind, MaterialKind::metal);
+    EXPECT_EQ(scene.materials[3].roughness.value, 0.6f);
+    EXPECT_EQ(scene.materials[4].alpha_mode, AlphaMode::blend);
+    EXPECT_EQ(scene.materials[4].kind, MaterialKind::diffuse);
+    EXPECT_EQ(scene.materials[5].kind, MaterialKind::none);
+    EXPECT_EQ(scene.materials[6].base_color.value, (Color{3, 2, 1}));
+}
+
+TEST_F(FathomJson, EveryKeyOfShapesLightsAndSurroundings)
+{
+    const SceneDescription scene = load("s.json", R"({
+        "environment": {"kind": "image", "image": "sky.hdr", "color": [1, 2, 3], "rotate": {"axis": [1, 0, 0], "angle_deg": 90}},
+        "render": {"size": [3, 4], "samples": 5, "max_depth": 6, "roulette_depth": 7, "filter": "gaussian", "build": "high",
+                   "light_sampling": false, "exposure": -1.5, "tonemap": "filmic"},
+        "lights": {"spot": {"kind": "spot", "position": [1, 2, 3], "direction": [0, 0, 1], "inner_angle_deg": 30, "outer_angle_deg": 60}},
+        "scene": [{"sphere": {"center": [1, 2, 3], "radius": -4, "center_end": [5, 6, 7]}},
+                  {"rectangle": {"corner": [1, 2, 3], "edge_u": [4, 5, 6], "edge_v": [7, 8, 10]}},
+                  {"box": {"min": [1, 2, 3], "max": [4, 6, 8]}}, {"disk": {"center": [1, 2, 3], "normal": [4, 5, 6], "radius": 7}},
+                  {"mesh": {"positions": [[1, 2, 3], [4, 5, 6], [7, 8, 10]], "normals": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+                            "tangents": [[1, 0, 0, 1], [0, 1, 0, -1], [0, 0, 1, 1]], "uvs": [[1, 2], [3, 4], [5, 6]],
+                            "uvs_1": [[7, 8], [9, 10], [11, 12]], "colors": [[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12]],
+                            "indices": [[2, 0, 1]]}}]})");
+    const auto& hints = scene.hints;
+    EXPECT_EQ(hints.width, 3);
+    EXPECT_EQ(hints.height, 4);
+    EXPECT_EQ(hints.samples, 5);
+    EXPECT_EQ(hints.max_depth, 6);
+    EXPECT_EQ(hints.roulette_depth, 7);
+    EXPECT_EQ(hints.filter, "gaussian");
+    EXPECT_EQ(hints.build, "high");
+    EXPECT_EQ(hints.light_sampling, false);
+    EXPECT_EQ(hints.exposure, -1.5);
+    EXPECT_EQ(hints.tonemap, "filmic");
+    EXPECT_EQ(scene.environment.color, (Color{1, 2, 3}));
+    expect_near(scene.environment.world_from_environment.vector({0, 1, 0}), {0, 0, 1});
+    EXPECT_NEAR(scene.lights[0].inner_angle, std::numbers::pi / 6, 1e-15);
+    EXPECT_NEAR(scene.lights[0].outer_angle, std::numbers::pi / 3, 1e-15);
+    std::vector<const Shape*> shapes;
+    for (int root : scene.roots)
+        for (const Shape& shape : scene.nodes[std::size_t(root)].shapes) shapes.push_back(&shape);
+    ASSERT_EQ(shapes.size(), 5u);
+    const auto& sphere = std::get<Sphere>(shapes[0]->geometry);
+    EXPECT_EQ(sphere.center, (Vec3d{1, 2, 3}));
+    EXPECT_EQ(sphere.radius, -4);
+    EXPECT_EQ(*sphere.center_end, (Vec3d{5, 6, 7}));
+    const auto& rectangle = std::get<Rectangle>(shapes[1]->geometry);
+    EXPECT_EQ(rectangle.corner, (Vec3d{1, 2, 3}));
+    EXPECT_EQ(rectangle.edge_u, (Vec3d{4, 5, 6}));
+    EXPECT_EQ(rectangle.edge_v, (Vec3d{7, 8, 10}));
+    const auto& box = std::get<Box>(shapes[2]->geometry);
+    EXPECT_EQ(box.min, (Vec3d{1, 2, 3}));
+    EXPECT_EQ(box.max, (Vec3d{4, 6, 8}));
+    const auto& disk = std::get<Disk>(shapes[3]->geometry);
+    EXPECT_EQ(disk.center, (Vec3d{1, 2, 3}));
+    EXPECT_EQ(disk.normal, (Vec3d{4, 5, 6}));
+    EXPECT_EQ(disk.radius, 7);
+    const Mesh& mesh = scene.meshes.at(0);
+    EXPECT_EQ(mesh.positions[1].z, 6);
+    EXPECT_EQ(mesh.normals[1].y, 1);
+    EXPECT_EQ(mesh.tangents[1].w, -1);
+    EXPECT_EQ(mesh.uvs[0][2].x, 5);
+    EXPECT_EQ(mesh.uvs[1][2].y, 12);
+    EXPECT_EQ(mesh.colors[1].w, 8);
+    EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{2, 0, 1}));
+    // The spot shines where it is told from where it is told.
+    for (int root : scene.roots)
+        if (const Node& node = scene.nodes[std::size_t(root)]; node.light >= 0) {
+            expect_near(node.parent_from_node.point({0, 0, -1}), {1, 2, 4});
+        }
+}
+
 TEST_F(FathomJson, UnitsOfLight)
 {
     const SceneDescription scene = load("l.json", R"({

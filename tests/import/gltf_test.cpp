@@ -1,3 +1,4 @@
+#include <cmath>
 #include <numbers>
 
 #include "gltf_builder.h"
@@ -252,6 +253,115 @@ TEST_F(Gltf, CamerasLightsAndTransforms)
     const Transform& t = scene.nodes[0].parent_from_node;
     expect_near(t.point({1, 1, 1}), {1 - 3, 2 + 2, 3 + 4}, 1e-12);
     expect_near(scene.nodes[2].parent_from_node.point({1, 1, 1}), {8, 9, 10});
+}
+
+/// Numbers that are all different: nothing is transposed, swapped or taken from its neighbour.
+TEST_F(Gltf, OddTransforms)
+{
+    const SceneDescription scene = load("a.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1]}],
+        "nodes": [{"matrix": [2, 3, 5, 0, 7, 11, 13, 0, 17, 19, 23, 0, 29, 31, 37, 1]},
+                  {"rotation": [0.1, 0.5, -0.7, 0.5], "scale": [2, 3, 4], "translation": [1, 2, 3]}]})");
+    // Columns of the matrix stand one after the other.
+    expect_near(scene.nodes[0].parent_from_node.point({1, 10, 100}),
+                {2 + 70 + 1700 + 29, 3 + 110 + 1900 + 31, 5 + 130 + 2300 + 37});
+    // x, y, z, w, by the sandwich product: scaled, turned, moved.
+    const Vec3d v{2 * 1.0, 3 * -1.0, 4 * 0.5}, u{0.1, 0.5, -0.7}, t = cross(u, v) * 2.0;
+    expect_near(scene.nodes[1].parent_from_node.point({1, -1, 0.5}), v + t * 0.5 + cross(u, t) + Vec3d{1, 2, 3}, 1e-12);
+}
+
+TEST_F(Gltf, IndicesOfEveryTypeAndSparseOnes)
+{
+    GltfBuilder b;
+    const int positions = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, "VEC3");
+    const int wide = b.accessor(b.view<std::uint32_t>({0, 2, 3}), 5125, 3, "SCALAR");
+    const int middle = b.accessor(b.view<std::uint16_t>({0, 2, 3}), 5123, 3, "SCALAR");
+    const int narrow = b.accessor(b.view<std::uint8_t>({0, 2, 3}), 5121, 3, "SCALAR");
+    const int which = b.view<std::uint32_t>({0, 2}), values = b.view<std::uint16_t>({3, 1});
+    const int sparse = b.accessor(
+        b.view<std::uint16_t>({0, 2, 3}), 5123, 3, "SCALAR",
+        fmt::format(
+            R"("sparse": {{"count": 2, "indices": {{"bufferView": {}, "componentType": 5125}}, "values": {{"bufferView": {}}}}})",
+            which, values));
+    const auto positions_of = [&](int indices) {
+        const Mesh mesh = mesh_of(
+            b.one_primitive(fmt::format(R"("indices": {}, "attributes": {{"POSITION": {}}})", indices, positions)));
+        std::vector<int> corners;
+        // Each corner has at most one coordinate that is 1: its number.
+        for (std::uint32_t i : mesh.indices) {
+            const Vec3f p = mesh.positions.at(i);
+            corners.push_back(p.x == 1 ? 1 : p.y == 1 ? 2 : p.z == 1 ? 3 : 0);
+        }
+        return corners;
+    };
+    for (int accessor : {wide, middle, narrow}) EXPECT_EQ(positions_of(accessor), (std::vector<int>{0, 2, 3}));
+    EXPECT_EQ(positions_of(sparse), (std::vector<int>{3, 2, 1}));
+}
+
+/// A stride larger than the elements, of integers and matrices as well.
+TEST_F(Gltf, Strides)
+{
+    GltfBuilder b;
+    const int positions = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
+    const int uv = b.accessor(b.view<float>({0.5f, 0.25f, 9, 9, 0.75f, 1, 9, 9, 0.125f, 2, 9, 9}, 16), 5126, 3, "VEC2");
+    const int colors =
+        b.accessor(b.view<std::uint16_t>({65535, 0, 13107, 1, 2, 3, 0, 65535, 0, 1, 2, 3, 0, 0, 65535, 1, 2, 3}, 12),
+                   5123, 3, "VEC3", R"("normalized": true)");
+    const Mesh mesh = mesh_of(b.one_primitive(
+        fmt::format(R"("attributes": {{"POSITION": {}, "TEXCOORD_0": {}, "COLOR_0": {}}})", positions, uv, colors)));
+    EXPECT_EQ(mesh.uvs[0].at(1).x, 0.75f);
+    EXPECT_EQ(mesh.uvs[0].at(2).y, 2);
+    EXPECT_FLOAT_EQ(mesh.colors.at(0).z, 0.2f);
+    EXPECT_FLOAT_EQ(mesh.colors.at(1).y, 1);
+    EXPECT_FLOAT_EQ(mesh.colors.at(2).z, 1);
+}
+
+/// What a skin does to normals: by the inverse transpose, so that they stay perpendicular where it stretches.
+TEST_F(Gltf, SkinsBendNormals)
+{
+    GltfBuilder b;
+    // A slope: the normal (0, 1, 1) of the plane y = 1 - z.
+    const int positions = b.floats({0, 1, 0, 1, 1, 0, 0, 0, 1}, "VEC3");
+    const float h = float(std::sqrt(0.5));
+    const int normals = b.floats({0, h, h, 0, h, h, 0, h, h}, "VEC3");
+    const int joints = b.accessor(b.view<std::uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}), 5121, 3, "VEC4");
+    const int weights = b.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+    const SceneDescription scene = load("a.gltf", b.gltf(fmt::format(R"(
+        "scenes": [{{"nodes": [0, 1]}}], "skins": [{{"joints": [1]}}],
+        "nodes": [{{"mesh": 0, "skin": 0}}, {{"scale": [1, 1, 3], "rotation": [0, 0, 0.6, 0.8]}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": {}, "NORMAL": {}, "JOINTS_0": {}, "WEIGHTS_0": {}}}}}]}}])",
+                                                                     positions, normals, joints, weights)));
+    const Mesh& mesh = scene.meshes.at(0);
+    const auto at = [&](std::size_t i) { return Vec3d{mesh.positions[i].x, mesh.positions[i].y, mesh.positions[i].z}; };
+    const Vec3d face = normalize(cross(at(1) - at(0), at(2) - at(0)));
+    const Vec3d n{mesh.normals[1].x, mesh.normals[1].y, mesh.normals[1].z};
+    EXPECT_NEAR(std::abs(dot(face, n)), 1, 1e-6);
+    EXPECT_GT(dot(n, {0, 0, 1}), 0);
+}
+
+TEST_F(Gltf, MorphsAndInstancesTurn)
+{
+    GltfBuilder b;
+    const int positions = b.triangle();
+    const int normals = b.floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+    const int offsets = b.floats({0, 2, 0, 0, 2, 0, 0, 2, 0}, "VEC3");
+    const Mesh morphed = mesh_of(b.gltf(fmt::format(
+        R"("scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0}}], "meshes": [{{"weights": [0, 0.5], "primitives":
+        [{{"attributes": {{"POSITION": {0}, "NORMAL": {1}}}, "targets": [{{"POSITION": {1}}}, {{"NORMAL": {2}}}]}}]}}])",
+        positions, normals, offsets)));
+    expect_equal(morphed.normals[0], {0, 1, 1});
+    expect_equal(morphed.positions[1], {1, 0, 0});
+
+    const int translations = b.floats({1, 2, 3, 4, 5, 6}, "VEC3");
+    const int rotations = b.floats({0, 0, 0, 1, 0.1f, 0.5f, -0.7f, 0.5f}, "VEC4");
+    const int scales = b.floats({1, 1, 1, 2, 3, 4}, "VEC3");
+    const SceneDescription scene = load("a.gltf", b.gltf(fmt::format(R"(
+        "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0, "extensions": {{"EXT_mesh_gpu_instancing": {{"attributes":
+            {{"TRANSLATION": {}, "ROTATION": {}, "SCALE": {}}}}}}}}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": {}}}}}]}}])",
+                                                                     translations, rotations, scales, positions)));
+    const Vec3d v{2, -3, 2}, u{0.1f, 0.5f, -0.7f}, t = cross(u, v) * (2 / (dot(u, u) + 0.25));
+    expect_near(scene.nodes.at(2).parent_from_node.point({1, -1, 0.5}), v + t * 0.5 + cross(u, t) + Vec3d{4, 5, 6},
+                1e-6);
 }
 
 TEST_F(Gltf, ScenesAreChosenByNameOrNumber)

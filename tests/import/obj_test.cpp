@@ -1,3 +1,7 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
 #include "import_test_helpers.h"
 
 namespace fathom::test {
@@ -39,6 +43,26 @@ TEST_F(Obj, PolygonsAndIndices)
     EXPECT_TRUE(scene.meshes[0].normals.empty());
     EXPECT_TRUE(scene.meshes[0].uvs[0].empty());
     EXPECT_TRUE(warnings_.empty());
+}
+
+/// Counted back from the last one so far, of each kind its own, whatever comes later.
+TEST_F(Obj, IndicesFromTheEnd)
+{
+    const SceneDescription scene =
+        load("a.obj",
+             "v 9 9 9\nv 0 0 0\nv 1 0 0\nvt 0 0\nvt 0.5 0\nvt 0.25 1\nvn 1 0 0\nvn 0 0 1\nv 0 1 0\n"
+             "f -3/-3/-1 -2/-2/-1 -1/-1/-2\nv 7 7 7\nvt 1 1\nvn 0 1 0\n");
+    const Mesh& mesh = scene.meshes.at(0);
+    ASSERT_EQ(mesh.indices.size(), 3u);
+    const auto at = [&](std::size_t k) { return mesh.indices[k]; };
+    EXPECT_EQ(mesh.positions[at(0)].x, 0);
+    EXPECT_EQ(mesh.positions[at(1)].x, 1);
+    EXPECT_EQ(mesh.positions[at(2)].y, 1);
+    EXPECT_EQ(mesh.uvs[0][at(0)].x, 0);
+    EXPECT_EQ(mesh.uvs[0][at(1)].x, 0.5f);
+    EXPECT_EQ(mesh.uvs[0][at(2)].y, 0);  // 1 from below
+    EXPECT_EQ(mesh.normals[at(0)].z, 1);
+    EXPECT_EQ(mesh.normals[at(2)].x, 1);
 }
 
 TEST_F(Obj, ConcavePolygons)
@@ -86,7 +110,7 @@ TEST_F(Obj, LinesThatGoOnAndOtherHabits)
                                         "g some group\ns 1\nf 1 2 \\\n 3 4 # the end\nl 1 2\np 1\ncurv 0 1\nwhat 3\n");
     EXPECT_EQ(scene.meshes.at(0).indices.size(), 6u);
     EXPECT_EQ(warnings_with("lines are not shown"), 1u);
-    EXPECT_EQ(warnings_with("points are not shown"), 1u);
+    EXPECT_EQ(scene.points.at(0).centers.size(), 1u);
     EXPECT_EQ(warnings_with("free-form"), 1u);
     EXPECT_EQ(warnings_with("not understood"), 1u);
 }
@@ -177,9 +201,48 @@ disp heights.png
     EXPECT_EQ(textured.alpha.channel, 3);
     EXPECT_EQ(textured.normal_scale, 0.5f);
     EXPECT_GE(textured.normal_texture, 0);
-    EXPECT_EQ(material("bumpy").normal_texture, -1);
-    EXPECT_EQ(warnings_with("heights"), 1u);
+    const Texture& bumps = scene.textures.at(std::size_t(material("bumpy").normal_texture));
+    EXPECT_EQ(bumps.height_scale, 0.01f);
+    EXPECT_EQ(bumps.color_space, ColorSpace::linear);
+    EXPECT_EQ(material("bumpy").normal_scale, 1);
     EXPECT_EQ(warnings_with("'disp'"), 1u);
+}
+
+TEST_F(Obj, ANormalThatIsNotThereCostsOnlyItself)
+{
+    const SceneDescription scene =
+        load("a.obj", std::string(square) + "vn 0.6 0 0.8\nf 1//1 2//9 3//1\nf 1//1 3//-5 4//0\n");
+    ASSERT_EQ(scene.meshes.size(), 1u);
+    const Mesh& mesh = scene.meshes[0];
+    ASSERT_EQ(mesh.indices.size(), 6u);
+    ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
+    for (std::size_t i = 0; i < 6; ++i) {
+        const Vec3f n = mesh.normals[mesh.indices[i]];
+        const bool is_given = i == 0 || i == 2 || i == 3;
+        expect_near({n.x, n.y, n.z}, is_given ? Vec3d{0.6, 0, 0.8} : Vec3d{0, 0, 1}, 1e-6);
+    }
+    EXPECT_EQ(warnings_with("normals that are not there"), 3u);
+}
+
+TEST_F(Obj, Points)
+{
+    // Without faces all vertices are meant: 100 in a square of 9 by 9 whose diagonal is 12.7.
+    std::string text;
+    for (int i = 0; i < 100; ++i) text += fmt::format("v {} {} 5\n", i % 10, i / 10);
+    const SceneDescription all = load("a.obj", text);
+    ASSERT_EQ(all.points.size(), 1u);
+    EXPECT_EQ(all.points[0].centers.size(), 100u);
+    for (float r : all.points[0].radii) EXPECT_FLOAT_EQ(r, float(0.5 * std::sqrt(162) / 10));
+    EXPECT_EQ(all.roots, (std::vector<int>{0}));
+    EXPECT_TRUE(std::holds_alternative<PointsInstance>(all.nodes.at(0).shapes.at(0).geometry));
+    // With `p` those that it names, beside the faces.
+    const SceneDescription some = load("b.obj", std::string(square) + "v 7 8 9\np 5 1 # these\np -1\nf 1 2 3\n");
+    EXPECT_EQ(some.meshes.size(), 1u);
+    ASSERT_EQ(some.points.at(0).centers.size(), 3u);
+    EXPECT_EQ(some.points[0].centers[2].z, 9);
+    EXPECT_EQ(some.roots.size(), 2u);
+    EXPECT_EQ(load("c.obj", "v 1 2 3\n").points.at(0).radii.at(0), 0.01f);
+    EXPECT_EQ(error_of("d.obj", "v 1 2 3\np 2\n"), "line 2: vertex 2 is out of range: there are 1 so far");
 }
 
 TEST_F(Obj, Mistakes)

@@ -149,13 +149,26 @@ TEST_F(Ply, Mistakes)
               "2000000000 elements 'vertex' do not fit into the file, which ends too early");
     EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + "0 0 0\n1 0 0\n1 1 nan\n0 1 0\n3 0 1 2\n"),
               "line 13: the number 'nan' is not finite");
-    EXPECT_EQ(error_of("a.ply", header("ascii", xyz, "", 4, 0) + body),
-              "there are no faces in it: clouds of points can't be shown");
     std::string nan = header("binary_little_endian", xyz, indices, 3, 1);
     for (float x : {0.f, 0.f, 0.f, NAN, 0.f, 0.f, 0.f, 1.f, 0.f}) append(nan, x, false);
     nan += char(3);
     for (int i : {0, 1, 2}) append(nan, i, false);
     EXPECT_EQ(error_of("a.ply", nan), "meshes[0].positions[1]: is not finite");
+}
+
+TEST_F(Ply, CloudsOfPoints)
+{
+    const std::string points = "0 0 0\n3 0 0\n0 4 0\n3 4 0\n";
+    const SceneDescription scene = load("a.ply", header("ascii", xyz, "", 4, 0) + points);
+    EXPECT_TRUE(scene.meshes.empty());
+    ASSERT_EQ(scene.points.size(), 1u);
+    EXPECT_EQ(scene.points[0].centers.size(), 4u);
+    EXPECT_EQ(scene.points[0].radii[0], 1.25f);
+    EXPECT_TRUE(warnings_.empty());
+    std::string nan = header("binary_little_endian", xyz, "", 3, 0);
+    for (float x : {0.f, 0.f, 0.f, NAN, 0.f, 0.f, 0.f, 1.f, 0.f}) append(nan, x, false);
+    EXPECT_EQ(load("b.ply", nan).points.at(0).centers.size(), 2u);
+    EXPECT_EQ(warnings_.counts().size(), 1u);
 }
 
 TEST_F(Ply, EveryTruncation)

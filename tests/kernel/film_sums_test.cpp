@@ -37,6 +37,30 @@ TEST(ExactSum, RoundsToItsUnitOnly)
     }
 }
 
+/// Integers of 64 bits: carries into the third word, upwards and downwards.
+TEST(ExactSum, CarriesBeyond64Bits)
+{
+    std::mt19937_64 random(5);
+    std::uint32_t sum[3] = {};
+    __extension__ using Wide = __int128;
+    Wide expected = 0;
+    for (int i = 0; i < 20000; ++i) {
+        // Mostly up, then mostly down through zero.
+        const auto value = std::int64_t(random() >> 1) * (i < 4000 || i % 3 == 0 ? 1 : -1);
+        ExactSum::add(sum, value);
+        expected += value;
+        for (int word = 0; word < 3; ++word) ASSERT_EQ(sum[word], std::uint32_t(expected >> (32 * word))) << i;
+    }
+    EXPECT_LT(expected, 0);
+    EXPECT_NEAR(ExactSum::value(sum) / (double(expected) * 0x1p-36), 1, 1e-15);
+    // Words as from another film.
+    std::uint32_t a[3] = {0xffffffffu, 0xffffffffu, 1}, one[3] = {1, 0, 0};
+    ExactSum::add(a, one);
+    EXPECT_EQ(a[0], 0u);
+    EXPECT_EQ(a[1], 0u);
+    EXPECT_EQ(a[2], 2u);
+}
+
 TEST(ExactSquareSum, DoesNotDependOnOrderOrGroupingAndStopsAtItsEnd)
 {
     std::mt19937 random(3);
@@ -77,6 +101,43 @@ TEST(TileSums, FastAndSlowWaysAgree)
     fast.add_to(0, film, 0, -1);
     for (int i = 0; i < other_words; ++i) EXPECT_EQ(film[i], plain[i]) << i;
     EXPECT_TRUE(fast.slow().empty());
+}
+
+/// Every pixel of a tile has its own sums, of first hits as well; of ids those of the lowest sample.
+TEST(TileSums, PixelsAndFirstHits)
+{
+    // Besides radiance and squares depth and hits, then ids.
+    constexpr int sums_of_first_hits = 2, ids = other_words + sums_of_first_hits * ExactSum::words;
+    constexpr std::size_t words = ids + 3;
+    TileSums sums;
+    sums.reset(3, words);
+    for (std::uint32_t pixel = 0; pixel < 3; ++pixel) {
+        sums.add(pixel, 0, float(pixel) - 0.5f, 2, 127);
+        for (int hit = 0; hit < 3; ++hit) {
+            sums.add_first_hit(pixel, 0, 1.25f * float(pixel) - 1);
+            sums.add_first_hit(pixel, 1, 1);
+        }
+        sums.add_first_hit(pixel, 0, INFINITY);
+        for (std::uint32_t sample : {9u, 4u, 6u}) sums.set_ids(pixel, ids, sample, 10 + sample, 20 + pixel);
+    }
+    for (std::uint32_t pixel = 0; pixel < 3; ++pixel) {
+        std::uint32_t film[words] = {};
+        film[ids] = 0xffffffffu;
+        sums.add_to(pixel, film, sums_of_first_hits, ids);
+        sums.add_to(pixel, film, sums_of_first_hits, ids);
+        const double values[] = {double(pixel) - 0.5, 2, 127};
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_NEAR(ExactSum::value(radiance_sum(film, c)), 2 * values[c], 1e-9) << pixel << " " << c;
+            EXPECT_NEAR(ExactSquareSum::value(square_sum(film, c)), 2 * values[c] * values[c], 1e-9)
+                << pixel << " " << c;
+        }
+        EXPECT_NEAR(ExactSum::value(other_sum(film, 0)), 6 * (1.25 * pixel - 1), 1e-9);
+        EXPECT_NEAR(ExactSum::value(other_sum(film, 1)), 6, 1e-9);
+        EXPECT_EQ(film[ids], 4u);
+        EXPECT_EQ(film[ids + 1], 14u);
+        EXPECT_EQ(film[ids + 2], 20 + pixel);
+    }
+    EXPECT_TRUE(sums.slow().empty());
 }
 
 TEST(TileSums, BrightSamplesAreKeptApartAndBadOnesCounted)

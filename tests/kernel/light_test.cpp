@@ -188,6 +188,243 @@ TEST(Sphere, SamplesLieOnItAndInTheConeOfDirections)
     }
 }
 
+/// Unit vectors perpendicular to a unit vector and to each other.
+void perpendicular(Vec3d n, Vec3d& s, Vec3d& t)
+{
+    s = normalize(cross(n, std::abs(n.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
+    t = cross(n, s);
+}
+
+/// Calls f(direction, distance, inverse_pdf, pdf of pdf_light) for so many samples of a light.
+template <class F>
+void for_samples(const LightRecord& table, Vec3d from, float time, int n, F&& f)
+{
+    const LightReader<false> light(&table, UInt(0u));
+    const Vec3 p(Vec3f{float(from.x), float(from.y), float(from.z)});
+    test::Random random;
+    for (int k = 0; k < n; k += lanes) {
+        const LightSample s = sample_light(light, p, Float(time), random.next2(), Mask(true));
+        float x[3][lanes], t[lanes], inverse[lanes], pdf[lanes];
+        store(x[0], s.wi.x), store(x[1], s.wi.y), store(x[2], s.wi.z), store(t, s.distance);
+        store(inverse, s.inverse_pdf);
+        store(pdf, pdf_light(light, p, Float(time), s.wi, s.distance, Mask(true)));
+        for (int i = 0; i < lanes; ++i) f(Vec3d{x[0][i], x[1][i], x[2][i]}, double(t[i]), double(inverse[i]), pdf[i]);
+    }
+}
+
+/// The mean of the inverse density, as above, is a constant for a sphere, whatever directions are sampled. These are
+/// looked at here: in cells of cosine and azimuth about the centre's direction, all alike.
+TEST(Sphere, IsSampledUniformlyInTheConeThatItFills)
+{
+    struct Case {
+        Vec3d center;
+        double radius;
+    };
+    for (const Case& c :
+         {Case{{0, 3, 4}, 0.05}, {{0, 3, 4}, 3}, {{-2, 1, 0.5}, 2.28}, {{1, 0, 0}, 1.5}, {{0, 0, -1}, -4}}) {
+        LightRecord table;
+        table.kind = std::uint32_t(LightRecordKind::sphere);
+        put(table.position, c.center);
+        table.radius = float(c.radius);
+        const double d = length(c.center), sin2 = c.radius * c.radius / (d * d);
+        const bool outside = sin2 < 1;
+        // 1 - cos of the cone, or of all directions.
+        const double spread = outside ? sin2 / (1 + std::sqrt(1 - sin2)) : 2;
+        const Vec3d n = normalize(c.center);
+        Vec3d s, t;
+        perpendicular(n, s, t);
+        constexpr int rings = 10, sectors = 12;
+        std::vector<double> observed(rings * sectors), expected(rings * sectors);
+        int drawn = 0;
+        for_samples(table, {0, 0, 0}, 0, 60000, [&](Vec3d w, double distance, double inverse, double pdf) {
+            ++drawn;
+            EXPECT_NEAR(length(w), 1, 3e-6);
+            const double x = dot(w, s), y = dot(w, t), z = dot(w, n), sine2 = x * x + y * y;
+            const double lost = z > 0 ? sine2 / (1 + z) : 1 - z;
+            ++observed[std::size_t(
+                std::clamp(int(lost / spread * rings), 0, rings - 1) * sectors +
+                std::clamp(int((std::atan2(y, x) / (2 * std::numbers::pi) + 0.5) * sectors), 0, sectors - 1))];
+            // The nearer of both places where the line meets the sphere, or the one in front.
+            const double b = z * d, root = std::sqrt(std::max(0.0, c.radius * c.radius - d * d * sine2));
+            EXPECT_NEAR(distance, outside ? b - root : b + root, 2e-3 * d);
+            // Seen from outside what shines outwards, from inside what shines inwards.
+            const bool shines = outside == (c.radius > 0);
+            EXPECT_NEAR(inverse, shines ? 2 * std::numbers::pi * spread : 0, 2e-5 * spread);
+            EXPECT_NEAR(pdf * 2 * std::numbers::pi * spread, 1, 1e-5);
+        });
+        for (double& e : expected) e = double(drawn) / (rings * sectors);
+        EXPECT_EQ(test::chi_square(observed, expected), "") << c.radius;
+    }
+}
+
+TEST(Sphere, IsSampledWhereItIsByThen)
+{
+    LightRecord table;
+    table.kind = std::uint32_t(LightRecordKind::sphere);
+    put(table.position, {0, 0, 4});
+    put(table.motion, {6, 2, 0});
+    table.radius = 0.5f;
+    for (float time : {0.0f, 0.25f, 1.0f}) {
+        const Vec3d center{6 * double(time), 2 * double(time), 4};
+        const double d2 = dot(center, center), spread = 1 - std::sqrt(1 - 0.25 / d2);
+        for_samples(table, {0, 0, 0}, time, 100, [&](Vec3d w, double distance, double inverse, double pdf) {
+            EXPECT_NEAR(length(w * distance - center), 0.5, 2e-3);
+            EXPECT_NEAR(inverse / (2 * std::numbers::pi * spread), 1, 1e-4);
+            EXPECT_NEAR(pdf * inverse, 1, 1e-5);
+        });
+    }
+}
+
+/// Points uniform over the area, in cells of their own coordinates, with the density that belongs to that.
+TEST(FlatLights, AreSampledUniformlyByArea)
+{
+    const Vec3d corner{1, -1, 2}, u{2, 0.5, 0}, v{0.3, 1, 1}, n = cross(u, v), from{0.2, 0.1, -0.5};
+    for (const LightRecordKind kind :
+         {LightRecordKind::parallelogram, LightRecordKind::triangle, LightRecordKind::disk}) {
+        LightRecord table;
+        table.kind = std::uint32_t(kind);
+        table.two_sided = 1;
+        put(table.position, corner), put(table.edge_u, u), put(table.edge_v, v), put(table.normal, normalize(n));
+        table.radius = 0.75f;
+        const double area = kind == LightRecordKind::disk       ? std::numbers::pi * 0.75 * 0.75
+                            : kind == LightRecordKind::triangle ? length(n) / 2
+                                                                : length(n);
+        table.area = float(area);
+        Vec3d s, t;
+        perpendicular(normalize(n), s, t);
+        constexpr int cells = 8;
+        std::vector<double> observed(cells * cells), expected(cells * cells);
+        int drawn = 0;
+        for_samples(table, from, 0, 100000, [&](Vec3d w, double distance, double inverse, double pdf) {
+            ++drawn;
+            const Vec3d r = from + w * distance - corner;
+            ASSERT_NEAR(dot(r, normalize(n)), 0, 1e-5);
+            double a = dot(cross(r, v), n) / dot(n, n), b = dot(cross(u, r), n) / dot(n, n);
+            if (kind == LightRecordKind::disk) {
+                const double x = dot(r, s), y = dot(r, t);
+                a = (x * x + y * y) / (0.75 * 0.75), b = std::atan2(y, x) / (2 * std::numbers::pi) + 0.5;
+            } else if (kind == LightRecordKind::triangle) {
+                ASSERT_LE(a + b, 1 + 1e-5);
+                // To a square, keeping areas: of the triangle that begins at the corner, by its share and its side.
+                const double share = (a + b) * (a + b);
+                b = a + b > 0 ? b / (a + b) : 0, a = share;
+            }
+            ASSERT_NEAR(a, std::clamp(a, 0.0, 1.0), 1e-5);
+            ASSERT_NEAR(b, std::clamp(b, 0.0, 1.0), 1e-5);
+            ++observed[std::size_t(std::clamp(int(a * cells), 0, cells - 1) * cells +
+                                   std::clamp(int(b * cells), 0, cells - 1))];
+            const double solid = area * std::abs(dot(w, normalize(n))) / (distance * distance);
+            ASSERT_NEAR(inverse / solid, 1, 2e-5);
+            ASSERT_NEAR(pdf * inverse, 1, 2e-5);
+        });
+        for (double& e : expected) e = double(drawn) / (cells * cells);
+        EXPECT_EQ(test::chi_square(observed, expected), "") << int(kind);
+    }
+}
+
+/// In front something arrives, behind nothing, unless both sides shine.
+TEST(FlatLights, ShineToTheSideOfTheirNormal)
+{
+    for (const LightRecordKind kind :
+         {LightRecordKind::rectangle, LightRecordKind::parallelogram, LightRecordKind::triangle, LightRecordKind::disk})
+        for (const bool two_sided : {false, true})
+            for (const double far : {1.0, 10.0}) {
+                LightRecord table = rectangle_light({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+                table.kind = std::uint32_t(kind);
+                if (kind == LightRecordKind::disk) put(table.position, {0, 0, 0}), table.radius = 1;
+                table.two_sided = two_sided;
+                for (const double side : {1.0, -1.0})
+                    for_samples(table, {0.1, 0.2, side * far}, 0, 16, [&](Vec3d w, double, double inverse, double) {
+                        EXPECT_LT(w.z * side, 0);
+                        EXPECT_EQ(inverse > 0, two_sided || side > 0) << int(kind) << " " << far;
+                    });
+            }
+}
+
+LightSample sample_of(const LightRecord& table, Vec3d from)
+{
+    return sample_light(LightReader<false>(&table, UInt(0u)), Vec3(Vec3f{float(from.x), float(from.y), float(from.z)}),
+                        Float(0), {Float(0.3f), Float(0.6f)}, Mask(true));
+}
+
+TEST(PointLight, FallsOffWithTheSquareOfTheDistance)
+{
+    LightRecord table;
+    table.kind = std::uint32_t(LightRecordKind::point);
+    table.two_sided = 1;
+    put(table.position, {1, 2, 3});
+    for (int c = 0; c < channels; ++c) table.radiance[c] = float(c + 2);
+    for (const Vec3d& from : {Vec3d{1, 2, 0}, {4, -2, 3}, {-7, 2.5, 9}}) {
+        const LightSample s = sample_of(table, from);
+        const Vec3d to = Vec3d{1, 2, 3} - from;
+        for (int c = 0; c < channels; ++c)
+            EXPECT_NEAR(first(s.radiance.c[c]), (c + 2) / dot(to, to), 1e-6 * (c + 2) / dot(to, to));
+        EXPECT_NEAR(first(s.distance), length(to), 1e-5);
+        EXPECT_NEAR(first(s.wi.y), normalize(to).y, 1e-6);
+        EXPECT_EQ(first(s.inverse_pdf), 1);
+        EXPECT_TRUE(first(s.is_delta));
+    }
+}
+
+/// KHR_lights_punctual: full within the inner cone, none outside the outer one, between them the square of the cosine's
+/// share of the way.
+TEST(SpotLight, FallsOffBetweenItsCones)
+{
+    const double inner = 0.4, outer = 0.9;
+    LightRecord table;
+    table.kind = std::uint32_t(LightRecordKind::spot);
+    table.two_sided = 1;
+    const Vec3d axis = normalize(Vec3d{1, -2, 0.5});
+    put(table.edge_u, axis);
+    table.outer = float(1 - std::cos(outer)), table.falloff = float(std::cos(inner) - std::cos(outer));
+    for (float& r : table.radiance) r = 3;
+    Vec3d s, t;
+    perpendicular(axis, s, t);
+    for (const double angle : {0.0, 0.2, 0.399, 0.401, 0.5, 0.65, 0.8, 0.899, 0.901, 1.2, 2.0, 3.1})
+        for (const double distance : {1.0, 2.5}) {
+            const Vec3d from = (axis * std::cos(angle) + (s * 0.6 + t * 0.8) * std::sin(angle)) * distance;
+            const double x =
+                std::clamp((std::cos(angle) - std::cos(outer)) / (std::cos(inner) - std::cos(outer)), 0.0, 1.0);
+            EXPECT_NEAR(first(sample_of(table, from).radiance.c[1]), 3 * x * x / (distance * distance), 2e-5) << angle;
+        }
+}
+
+TEST(DirectionalLight, ComesFromOneDirectionOrADisk)
+{
+    const Vec3d travels = normalize(Vec3d{1, -2, 0.5});
+    LightRecord table;
+    table.kind = std::uint32_t(LightRecordKind::directional);
+    table.two_sided = 1;
+    put(table.edge_u, travels);
+    for (float& r : table.radiance) r = 7;
+    for (const Vec3d& from : {Vec3d{0, 0, 0}, {100, 5, -3}}) {
+        const LightSample s = sample_of(table, from);
+        EXPECT_NEAR(first(dot(s.wi, Vec3(Vec3f{float(travels.x), float(travels.y), float(travels.z)}))), -1, 1e-6);
+        EXPECT_EQ(first(s.radiance.c[0]), 7);
+        EXPECT_EQ(first(s.inverse_pdf), 1);
+        EXPECT_TRUE(std::isinf(first(s.distance)));
+        EXPECT_TRUE(first(s.is_delta));
+    }
+    // A disk: directions uniform within its cone, of which the inverse density is the solid angle.
+    table.radius = 0.2f;  // 1 - cos
+    Vec3d s, t;
+    perpendicular(-travels, s, t);
+    constexpr int rings = 8, sectors = 8;
+    std::vector<double> observed(rings * sectors), expected(rings * sectors);
+    int drawn = 0;
+    for_samples(table, {1, 2, 3}, 0, 40000, [&](Vec3d w, double, double inverse, double) {
+        ++drawn;
+        EXPECT_NEAR(inverse, 2 * std::numbers::pi * 0.2, 1e-5);
+        const double lost = 1 - dot(w, -travels),
+                     turn = std::atan2(dot(w, t), dot(w, s)) / (2 * std::numbers::pi) + 0.5;
+        ASSERT_LE(lost, 0.2 + 1e-6);
+        ++observed[std::size_t(std::clamp(int(lost / 0.2 * rings), 0, rings - 1) * sectors +
+                               std::clamp(int(turn * sectors), 0, sectors - 1))];
+    });
+    for (double& e : expected) e = double(drawn) / (rings * sectors);
+    EXPECT_EQ(test::chi_square(observed, expected), "");
+}
+
 TEST(Sphere, FromInsideEveryDirectionIsAlikeAndTheRightSideShows)
 {
     LightRecord table;

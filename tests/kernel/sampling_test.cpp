@@ -63,6 +63,20 @@ TEST(Sobol, PairsAndPixelsAreIndependent)
               limit);
 }
 
+/// Without scrambling: the van der Corput sequence, and the second dimension by its generator matrix, which is Pascal's
+/// triangle modulo 2.
+TEST(Sobol, DimensionsAreTheDirectionNumbers)
+{
+    for (std::uint32_t i = 0; i < 1000; ++i) {
+        std::uint32_t expected = 0;
+        for (std::uint32_t k = 0; k < 32; ++k)
+            for (std::uint32_t j = k; j < 32; ++j)
+                // Binomial (j over k) is odd where k's bits are among j's (Lucas).
+                if (i >> j & 1 && (k & j) == k) expected ^= 1u << k;
+        EXPECT_EQ(first(sobol1_reversed(UInt(i))), expected) << i;
+    }
+}
+
 TEST(Sobol, IntegratesSmoothFunctionsMuchBetterThanChance)
 {
     // Owen scrambling: the variance of a smooth integrand falls with n^-3; chance gives n^-1.
@@ -99,24 +113,43 @@ TEST(Warp, CosineHemisphere)
         "");
 }
 
-TEST(Warp, ConeAndItsEdge)
+/// In cells of cosine and azimuth, which are all alike: the cosine alone would be uniform whatever the sine and the
+/// azimuth are.
+TEST(Warp, ConeIsUniformInBothAngles)
 {
-    test::Random random;
-    const double one_minus_cos = 0.3;
-    std::vector<test::Direction> samples;
-    while (samples.size() < 100000) {
-        const Vec3 w = sample_cone(random.next2(), Float(float(one_minus_cos)));
-        float x[lanes], y[lanes], z[lanes];
-        store(x, w.x), store(y, w.y), store(z, w.z);
-        for (int i = 0; i < lanes; ++i) {
-            EXPECT_GE(z[i], 1 - one_minus_cos - 1e-6);
-            samples.push_back({x[i], y[i], z[i]});
+    for (double one_minus_cos : {1e-4, 0.3, 1.7, 2.0}) {
+        constexpr int rings = 12, sectors = 16;
+        std::vector<double> observed(rings * sectors), expected(rings * sectors);
+        test::Random random;
+        int drawn = 0;
+        for (; drawn < 100000; drawn += lanes) {
+            const Vec3 w = sample_cone(random.next2(), Float(float(one_minus_cos)));
+            float x[lanes], y[lanes], z[lanes];
+            store(x, w.x), store(y, w.y), store(z, w.z);
+            for (int i = 0; i < lanes; ++i) {
+                const double sine2 = double(x[i]) * x[i] + double(y[i]) * y[i];
+                ASSERT_NEAR(sine2 + double(z[i]) * z[i], 1, 2e-6);
+                // From the sine where the cosine is near 1: float has no digits left for it.
+                const double lost = z[i] > 0 ? sine2 / (1 + double(z[i])) : 1 - double(z[i]);
+                ASSERT_LE(lost, one_minus_cos * (1 + 1e-5));
+                const double turn = std::atan2(y[i], x[i]) / (2 * std::numbers::pi) + 0.5;
+                ++observed[std::size_t(std::min(rings - 1, int(lost / one_minus_cos * rings)) * sectors +
+                                       std::min(sectors - 1, int(turn * sectors)))];
+            }
         }
+        for (double& e : expected) e = double(drawn) / (rings * sectors);
+        EXPECT_EQ(test::chi_square(observed, expected), "") << one_minus_cos;
     }
-    // Cells of cos 1/12 wide: 0.7 is not on a border, so compare the cosine itself.
-    std::vector<double> observed(30), expected(30, double(samples.size()) / 30);
-    for (const auto& d : samples) ++observed[std::min<std::size_t>(29, std::size_t((1 - d.z) / one_minus_cos * 30))];
-    EXPECT_EQ(test::chi_square(observed, expected), "");
+}
+
+TEST(Warp, PowerHeuristic)
+{
+    for (double a : {1e-3, 0.5, 1.0, 7.0, 1e4})
+        for (double b : {1e-3, 0.5, 1.0, 7.0, 1e4}) {
+            const double weight = first(mis_weight(Float(float(a)), Float(float(b))));
+            EXPECT_NEAR(weight, a * a / (a * a + b * b), 1e-6) << a << " " << b;
+        }
+    EXPECT_FLOAT_EQ(first(mis_weight(Float(1e30f), Float(1))), 1);
 }
 
 TEST(Warp, DiskIsUniform)

@@ -1,15 +1,20 @@
 #include "import/assimp/apart.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
+#include <poll.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fstream>
+
+#include "import/assimp/give_up_rights.h"
 
 namespace fathom {
 
@@ -43,9 +48,14 @@ void write_all(int fd, const std::string& bytes)
     }
 }
 
-[[noreturn]] void run_child(const std::function<std::string()>& work, int out, unsigned seconds,
+[[noreturn]] void run_child(const std::function<std::string()>& work, pid_t parent, int out, unsigned seconds,
                             std::size_t memory_bytes)
 {
+#ifdef PR_SET_PDEATHSIG
+    // Nobody waits for it once the program has gone, which it may have by now.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(1);
+#endif
     // Handlers of the program, as for Ctrl-C, must not run twice.
     for (int signal : {SIGINT, SIGTERM, SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGXCPU})
         std::signal(signal, SIG_DFL);
@@ -54,6 +64,7 @@ void write_all(int fd, const std::string& bytes)
         dup2(nowhere, STDERR_FILENO);
     }
     limit(seconds, memory_bytes);
+    give_up_rights();
     try {
         write_all(out, work());
     } catch (...) {
@@ -71,6 +82,18 @@ std::string reason(int status)
     return WEXITSTATUS(status) == 2 ? "it ran out of memory" : "it failed";
 }
 
+/// False if none came, nor the end, until then.
+bool wait_for_bytes(int fd, std::chrono::steady_clock::time_point deadline)
+{
+    for (;;) {
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+        if (left.count() <= 0) return false;
+        pollfd waiting{fd, POLLIN, 0};
+        const int ready = poll(&waiting, 1, int(std::min<std::int64_t>(left.count(), 1000)));
+        if (ready > 0 || (ready < 0 && errno != EINTR)) return true;
+    }
+}
+
 }  // namespace
 
 ApartResult run_apart(const std::function<std::string()>& work, unsigned seconds, std::size_t memory_bytes)
@@ -81,10 +104,10 @@ ApartResult run_apart(const std::function<std::string()>& work, unsigned seconds
         result.failure = std::strerror(errno);
         return result;
     }
-    const pid_t child = fork();
+    const pid_t parent = getpid(), child = fork();
     if (child == 0) {
         close(ends[0]);
-        run_child(work, ends[1], seconds, memory_bytes);
+        run_child(work, parent, ends[1], seconds, memory_bytes);
     }
     const int error = errno;
     close(ends[1]);
@@ -93,9 +116,15 @@ ApartResult run_apart(const std::function<std::string()>& work, unsigned seconds
         result.failure = std::strerror(error);
         return result;
     }
+    // Work that waits uses no processor time.
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(2 + 3 * std::uint64_t(seconds));
     std::size_t size = 0;
     result.bytes.resize(1 << 16);
     for (;;) {
+        if (!wait_for_bytes(ends[0], deadline)) {
+            kill(child, SIGKILL);
+            break;
+        }
         if (size == result.bytes.size()) result.bytes.resize(2 * size);
         const ssize_t n = read(ends[0], result.bytes.data() + size, result.bytes.size() - size);
         if (n < 0 && errno == EINTR) continue;

@@ -11,7 +11,8 @@ struct ApartResult {
 };
 
 /// Does the work in a child process, so that whatever happens to it happens there. The child has `seconds` of processor
-/// time and `memory_bytes` beyond what the program holds already; what it prints is not seen.
+/// time, somewhat more than three times that to end, and `memory_bytes` beyond what the program holds already; it may
+/// read files, and change nothing (give_up_rights); it ends with the program. What it prints is not seen.
 ApartResult run_apart(const std::function<std::string()>& work, unsigned seconds, std::size_t memory_bytes);
 
 }  // namespace fathom

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <unordered_set>
 #include <vector>
 
 #include "fathom/error.h"
@@ -36,27 +35,80 @@ std::string plain_reason(std::string reason)
     return reason;
 }
 
-/// Finds a key that stands twice in one object.
-class DuplicateFinder {
+/// Thrown out of the parser by what it meets.
+struct SyntaxError {
+    std::size_t byte;  ///< after which the parser stopped
+    std::string reason;
+    bool is_number;  ///< one that no double holds
+};
+
+/// Makes values of what the parser meets. The library's own ways of doing so let keys that stand twice go by, or take
+/// time with the square of an array's length.
+class JsonBuilder : public nlohmann::json_sax<Json> {
 public:
-    bool operator()(int depth, Json::parse_event_t event, const Json& value)
+    Json root;
+    std::string duplicate;  ///< the first key that stands twice in one object
+
+    bool null() override { return add(nullptr); }
+    bool boolean(bool value) override { return add(value); }
+    bool number_integer(number_integer_t value) override { return add(value); }
+    bool number_unsigned(number_unsigned_t value) override { return add(value); }
+    bool number_float(number_float_t value, const string_t&) override { return add(value); }
+    bool string(string_t& value) override { return add(std::move(value)); }
+    bool binary(binary_t&) override { return false; }  // not in text
+    bool start_object(std::size_t) override { return open(Json::object()); }
+    bool start_array(std::size_t) override { return open(Json::array()); }
+    bool end_object() override { return close(); }
+    bool end_array() override { return close(); }
+    bool key(string_t& name) override
     {
-        using Event = Json::parse_event_t;
-        if (event == Event::object_start) {
-            keys_.emplace_back();
-        } else if (event == Event::object_end) {
-            keys_.pop_back();
-        } else if (event == Event::key && !keys_.empty() && duplicate_.empty()) {
-            const std::string& key = value.get_ref<const std::string&>();
-            if (!keys_.back().insert(key).second) duplicate_ = key;
-        }
+        auto& object = open_.back()->get_ref<Json::object_t&>();
+        const auto [member, is_new] = object.emplace(name, nullptr);
+        if (!is_new && duplicate.empty()) duplicate = name;
+        member_ = &member->second;
         return true;
     }
-    const std::string& duplicate() const { return duplicate_; }
+    bool parse_error(std::size_t byte, const std::string&, const Json::exception& error) override
+    {
+        throw SyntaxError{byte, error.what(), dynamic_cast<const Json::out_of_range*>(&error) != nullptr};
+    }
 
 private:
-    std::vector<std::unordered_set<std::string>> keys_;
-    std::string duplicate_;
+    template <class Value>
+    bool add(Value&& value)
+    {
+        put(std::forward<Value>(value));
+        return true;
+    }
+    bool open(Json value)
+    {
+        open_.push_back(put(std::move(value)));
+        return true;
+    }
+    bool close()
+    {
+        open_.pop_back();
+        return true;
+    }
+    template <class Value>
+    Json* put(Value&& value)
+    {
+        if (open_.empty()) {
+            root = std::forward<Value>(value);
+            return &root;
+        }
+        if (open_.back()->is_object()) {
+            *member_ = std::forward<Value>(value);
+            return member_;
+        }
+        auto& array = open_.back()->get_ref<Json::array_t&>();
+        array.emplace_back(std::forward<Value>(value));
+        return &array.back();
+    }
+
+    // A container grows only while nothing in it is open: the pointers hold.
+    std::vector<Json*> open_;
+    Json* member_ = nullptr;  ///< that of the last key
 };
 
 /// Where the key is written for the second time, if it can be told without parsing again.
@@ -75,34 +127,30 @@ std::string place_of_second(std::string_view text, const std::string& key)
 
 Json parse_json(const std::string& file, std::string_view text, DuplicateKeys duplicates)
 {
+    JsonBuilder builder;
     try {
-        if (duplicates == DuplicateKeys::last_wins) return Json::parse(text);
-        DuplicateFinder finder;
-        Json json = Json::parse(
-            text, [&](int depth, Json::parse_event_t event, Json& value) { return finder(depth, event, value); });
-        if (!finder.duplicate().empty())
-            throw Error(file, place_of_second(text, finder.duplicate()),
-                        fmt::format("key '{}' stands twice in one object", printable(finder.duplicate())));
-        return json;
-    } catch (const Json::parse_error& e) {
-        // e.byte counts the byte after which the parser stopped.
-        const std::size_t byte = std::min(text.size(), e.byte > 0 ? e.byte - 1 : 0);
-        std::string reason = plain_reason(e.what());
-        if (byte >= text.size() || reason.find("end of input") != std::string::npos) {
-            reason = "the file ends too early: " + reason;
+        Json::sax_parse(text, &builder);
+    } catch (const SyntaxError& e) {
+        std::string reason = plain_reason(e.reason);
+        if (e.is_number) {
+            // A number like 1e999; the parser quotes it, but does not tell where it is.
+            const std::size_t quote = reason.find('\''), end = reason.rfind('\'');
+            const std::size_t at = quote < end ? text.find(reason.substr(quote + 1, end - quote - 1)) : text.npos;
+            throw Error(file, at != text.npos ? line_and_column(text, at) : "", "not JSON: " + printable(reason));
         }
+        const std::size_t byte = std::min(text.size(), e.byte > 0 ? e.byte - 1 : 0);
+        if (byte >= text.size() || reason.find("end of input") != std::string::npos)
+            reason = "the file ends too early: " + reason;
         // Tokens quoted from the file may be long or binary.
         if (reason.size() > 160) reason = reason.substr(0, 160) + "...";
         for (char& c : reason)
             if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126) c = '?';
         throw Error(file, line_and_column(text, byte), "not JSON: " + reason);
-    } catch (const Json::out_of_range& e) {
-        // A number like 1e999; the parser quotes it, but does not tell where it is.
-        const std::string reason = plain_reason(e.what());
-        const std::size_t quote = reason.find('\''), end = reason.rfind('\'');
-        const std::size_t byte = quote < end ? text.find(reason.substr(quote + 1, end - quote - 1)) : text.npos;
-        throw Error(file, byte != text.npos ? line_and_column(text, byte) : "", "not JSON: " + printable(reason));
     }
+    if (duplicates == DuplicateKeys::error && !builder.duplicate.empty())
+        throw Error(file, place_of_second(text, builder.duplicate),
+                    fmt::format("key '{}' stands twice in one object", printable(builder.duplicate)));
+    return std::move(builder.root);
 }
 
 const char* json_type(const Json& value)

@@ -4,10 +4,12 @@
 #include <string>
 #include <string_view>
 
+#include "import/common/indexed_map.h"
+
 namespace fathom {
 
 /// Keeps the order of keys, which is the order of cameras and materials.
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::basic_json<IndexedMap>;
 
 enum class DuplicateKeys { last_wins, error };
 

@@ -71,8 +71,9 @@ fs::path LoadContext::locate(const fs::path& file)
     std::replace(text.begin(), text.end(), '\\', '/');
     fs::path found;
     for (const fs::path& part : fs::path(text)) {
+        if (part == ".") continue;
         const fs::path folder = found.empty() ? fs::path(".") : found;
-        if (part == "." || part == ".." || part.has_root_directory() || is_there(folder / part)) {
+        if (part == ".." || part.has_root_directory() || is_there(folder / part)) {
             found /= part;
             continue;
         }
@@ -89,7 +90,8 @@ fs::path LoadContext::locate(const fs::path& file)
 
 std::string LoadContext::read(const fs::path& file)
 {
-    const fs::path found = locate(file);
+    // The scene itself is what the user named, wherever a link of that name leads.
+    const fs::path found = files_.empty() ? file : locate(file);
     std::string bytes = read_file(found);
     add_file(found);
     return bytes;

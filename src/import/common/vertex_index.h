@@ -41,7 +41,7 @@ private:
     }
     void grow()
     {
-        slots_.assign(slots_.empty() ? 64 : 2 * slots_.size(), empty);
+        slots_.assign(slots_.empty() ? 8 : 2 * slots_.size(), empty);
         for (std::size_t n = 0; n < keys_.size(); ++n) {
             std::size_t i = hash(keys_[n]) & mask();
             while (slots_[i] != empty) i = (i + 1) & mask();

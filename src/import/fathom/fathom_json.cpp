@@ -213,6 +213,12 @@ SceneDescription FathomJsonReader::read()
     return std::move(scene_);
 }
 
+bool begins_as_object(std::string_view text)
+{
+    const std::size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+    return first != std::string_view::npos && text[first] == '{';
+}
+
 SceneDescription read_fathom_json(const std::filesystem::path& file, std::string_view text, LoadContext& context)
 {
     const std::string name = file.string();

@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "import/common/load_context.h"
+#include "import/common/importer.h"
 
 namespace fathom {
 
@@ -10,5 +10,12 @@ namespace fathom {
 ///
 /// text  the file's content
 SceneDescription read_fathom_json(const std::filesystem::path& file, std::string_view text, LoadContext& context);
+
+/// As JSON does whose file has no name, as /dev/stdin.
+bool begins_as_object(std::string_view text);
+
+inline constexpr Importer fathom_json_importer{
+    [](const SourceFile& f) { return f.extension == ".json" || (f.extension.empty() && begins_as_object(f.bytes)); },
+    [](const SourceFile& f, LoadContext& context) { return read_fathom_json(f.path, f.bytes, context); }};
 
 }  // namespace fathom

@@ -221,11 +221,13 @@ Transform read_rotation(const JsonValue& v)
     return Transform::rotate(axis, angle);
 }
 
-Transform FathomJsonReader::transform(const JsonValue& v)
+Transform FathomJsonReader::transform(const JsonValue& v, int depth)
 {
     Transform result;
     if (v.is_array()) {
-        for (std::size_t i = 0; i < v.size(); ++i) result = transform(v[i]) * result;
+        constexpr int deepest = 32;
+        if (depth > deepest) v.fail(fmt::format("arrays of transforms are nested more than {} deep", deepest));
+        for (std::size_t i = 0; i < v.size(); ++i) result = transform(v[i], depth + 1) * result;
         return result;
     }
     if (!v.is_object()) v.fail_type("a transform: an object, or an array of them");

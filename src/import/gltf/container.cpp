@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "fathom/error.h"
+#include "fathom/memory.h"
 #include "import/common/read_file.h"
 #include "import/gltf/data_uri.h"
 
@@ -192,6 +193,14 @@ GltfFile::View GltfFile::buffer_view(const JsonValue& index)
         if (view.stride < 1 || view.stride > 252) stride->fail(fmt::format("must be 4 to 252, found {}", view.stride));
     }
     return view;
+}
+
+void GltfFile::check_memory(const JsonValue& v, double bytes) const
+{
+    // What is small is not worth asking.
+    if (bytes < 1e6) return;
+    if (const double available = double(available_memory_bytes()); bytes > available)
+        v.fail(fmt::format("needs {:.1f} GB of memory, {:.1f} GB are there", bytes / 1e9, available / 1e9));
 }
 
 void GltfFile::warn(const std::string& message, std::size_t times)

@@ -35,6 +35,9 @@ public:
     View buffer_view(const JsonValue& index);
 
     void warn(const std::string& message, std::size_t times = 1);
+    /// Throws Error that names `v` if it needs more memory than there is: a short file can ask for much of it, by using
+    /// the same bytes many times.
+    void check_memory(const JsonValue& v, double bytes) const;
     Warnings& warnings() { return context_.warnings; }
     const std::filesystem::path& path() const { return file_; }
     const std::string& name() const { return name_; }

@@ -158,6 +158,8 @@ void GltfReader::read_primitive(const JsonValue& primitive, const std::string& n
     const Accessor positions(file_, *position_index);
     if (positions.components() != 3) positions.fail("positions must be VEC3");
 
+    const auto index_count = primitive.get("indices") ? Accessor(file_, *primitive.get("indices")).count() : 0;
+    file_.check_memory(primitive, 36.0 * double(positions.count()) + 12.0 * double(index_count));
     Mesh mesh;
     mesh.indices = read_triangles(primitive, positions.count());
     if (mesh.indices.empty()) return;

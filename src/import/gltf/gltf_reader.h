@@ -66,9 +66,9 @@ private:
     std::map<std::string, int> textures_;
     std::map<std::pair<int, bool>, int> materials_;  ///< by index (-1: none) and whether there are vertex colours
     std::map<std::pair<std::size_t, std::size_t>, std::vector<Part>>
-        meshes_;                ///< by index and node with weights of its own
-    std::vector<int> parents_;  ///< of each node, -1 for none
-    std::vector<std::size_t> invisible_;
+        meshes_;                   ///< by index and node with weights of its own
+    std::vector<int> parents_;     ///< of each node, -1 for none
+    std::vector<bool> invisible_;  ///< by node
 };
 
 }  // namespace fathom

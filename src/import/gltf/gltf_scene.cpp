@@ -148,6 +148,8 @@ void GltfReader::add_instances(const JsonValue& instancing, std::size_t index)
         return values;
     };
     const auto translations = read("TRANSLATION", 3), rotations = read("ROTATION", 4), scales = read("SCALE", 3);
+    file_.check_memory(instancing,
+                       double(count) * double(sizeof(Node) + scene_.nodes[index].shapes.size() * sizeof(Shape)));
     const std::vector<Shape> shapes = std::move(scene_.nodes[index].shapes);
     scene_.nodes[index].shapes.clear();
     for (std::size_t i = 0; i < count; ++i) {
@@ -171,29 +173,29 @@ void GltfReader::read_place(const JsonValue& v, std::size_t index)
     Node& node = scene_.nodes[index];
     if (const auto name = v.get("name")) node.name = printable(name->string());
     node.parent_from_node = read_transform(v);
-    const auto children = v.get("children");
-    if (!children) return;
-    children->array();
-    for (std::size_t i = 0; i < children->size(); ++i) {
-        const JsonValue child = (*children)[i];
-        const JsonValue child_node = file_.follow("nodes", child);
-        const std::size_t c = child.count();
-        if (parents_[c] >= 0) child.fail(fmt::format("{} has two parents", child_node.place()));
-        parents_[c] = int(index);
-        node.children.push_back(int(c));
+    if (const auto children = v.get("children")) {
+        children->array();
+        for (std::size_t i = 0; i < children->size(); ++i) {
+            const JsonValue child = (*children)[i];
+            const JsonValue child_node = file_.follow("nodes", child);
+            const std::size_t c = child.count();
+            if (parents_[c] >= 0) child.fail(fmt::format("{} has two parents", child_node.place()));
+            parents_[c] = int(index);
+            node.children.push_back(int(c));
+        }
     }
     // What is invisible is so with all that hangs below it.
     if (const auto extensions = v.get("extensions"))
         if (const auto visibility = extensions->get("KHR_node_visibility"))
             if (visibility->has("visible") && !(*visibility)["visible"].boolean()) {
                 node.children.clear();
-                invisible_.push_back(index);
+                invisible_[index] = true;
             }
 }
 
 void GltfReader::read_contents(const JsonValue& v, std::size_t index)
 {
-    if (std::find(invisible_.begin(), invisible_.end(), index) != invisible_.end()) return;
+    if (invisible_[index]) return;
     if (const auto c = v.get("camera")) scene_.nodes[index].camera = camera(*c);
     const auto extensions = v.get("extensions");
     if (extensions)
@@ -263,6 +265,7 @@ SceneDescription GltfReader::read()
     const JsonValue& nodes = file_.list("nodes");
     scene_.nodes.resize(nodes.size());
     parents_.assign(nodes.size(), -1);
+    invisible_.assign(nodes.size(), false);
     for (std::size_t i = 0; i < nodes.size(); ++i) read_place(nodes[i], i);
     read_roots();
     const std::vector<bool> reachable = reachable_nodes(scene_);
@@ -278,6 +281,12 @@ SceneDescription read_gltf(const std::filesystem::path& file, const std::string&
 {
     GltfFile gltf(file, bytes, context);
     return GltfReader(gltf, options).read();
+}
+
+bool looks_like_gltf(std::string_view text)
+{
+    return text.find("\"asset\"") != std::string_view::npos && text.find("\"version\"") != std::string_view::npos &&
+           text.find("\"fathom\"") == std::string_view::npos;
 }
 
 }  // namespace fathom

@@ -87,7 +87,9 @@ void GltfReader::add_skinned(const JsonValue& skin_index, std::size_t node_index
             scene_.nodes[node_index].shapes.push_back(shape);
             continue;
         }
-        Mesh mesh = scene_.meshes[std::size_t(std::get<MeshInstance>(shape.geometry).mesh)];
+        const Mesh& at_rest = scene_.meshes[std::size_t(std::get<MeshInstance>(shape.geometry).mesh)];
+        file_.check_memory(skin, 4.0 * double(at_rest.indices.size()) + 80.0 * double(at_rest.positions.size()));
+        Mesh mesh = at_rest;
         for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
             Transform blended = scaled({}, 0);
             double total = 0;

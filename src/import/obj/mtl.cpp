@@ -20,6 +20,9 @@ struct Entry {
     float normal_scale = 1;
 };
 
+/// Widths of the picture, for -bm 1: the format leaves it to the program.
+constexpr float height_of_white = 0.01f;
+
 class MtlReader {
 public:
     MtlReader(const std::filesystem::path& file, std::string_view text, SceneDescription& scene,
@@ -113,7 +116,6 @@ private:
     /// Heights, by the format; what programs write there is mostly a normal map, which only its name can tell.
     void read_bump(Entry& e)
     {
-        const int before = int(scene_.textures.size());
         const int texture = map(ColorSpace::linear);
         if (texture < 0) return;
         std::string file = scene_.images[std::size_t(scene_.textures[std::size_t(texture)].image)].name;
@@ -124,8 +126,11 @@ private:
                 e.normal_scale = bump_scale_;
                 return;
             }
-        warnings_.add(name_ + ": bump maps made of heights are not supported and left out");
-        if (int(scene_.textures.size()) > before) scene_.textures.pop_back();
+        // A normal map that the file has too says more.
+        if (e.map_normal >= 0) return;
+        e.map_normal = texture;
+        e.normal_scale = 1;
+        scene_.textures[std::size_t(texture)].height_scale = bump_scale_ * height_of_white;
     }
 
     /// Options, then a file whose name may have spaces.
@@ -191,11 +196,9 @@ private:
     {
         std::string path(name);
         std::replace(path.begin(), path.end(), '\\', '/');
-        const std::filesystem::path file = file_.parent_path() / path;
-        for (std::size_t i = 0; i < scene_.images.size(); ++i)
-            if (scene_.images[i].path == file) return int(i);
-        scene_.images.push_back({path, file, {}});
-        return int(scene_.images.size()) - 1;
+        const auto [found, is_new] = images_.try_emplace(path, int(scene_.images.size()));
+        if (is_new) scene_.images.push_back({path, file_.parent_path() / path, {}});
+        return found->second;
     }
 
     void add(Entry& e)
@@ -239,6 +242,7 @@ private:
     SceneDescription& scene_;
     std::map<std::string, int, std::less<>>& by_name_;
     Warnings& warnings_;
+    std::map<std::string, int> images_;
     float bump_scale_ = 1;
 };
 

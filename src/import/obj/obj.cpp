@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "import/common/mesh_cleanup.h"
+#include "import/common/point_cloud.h"
 #include "import/common/polygon.h"
 #include "import/common/text_scanner.h"
 #include "import/common/vertex_index.h"
@@ -13,7 +15,7 @@ namespace fathom {
 
 namespace {
 
-constexpr std::uint32_t none = ~0u;
+constexpr std::uint32_t none = ~0u, missing = ~0u - 1;
 
 /// A mesh that grows: all faces of one object with one material, those with normals apart from those without.
 struct Part {
@@ -37,11 +39,13 @@ public:
     SceneDescription read()
     {
         for (; !scan_.at_end(); scan_.next_line()) read_line();
+        if (corners_seen_ == 0 && cloud_.empty()) cloud_ = positions_;
         if (positions_.empty()) throw Error(name_, "", "there are no vertices in it: is it an OBJ file?");
         scene_.file = name_;
         for (auto& [key, part] : parts_) add_part(*part);
         scene_.roots.resize(scene_.nodes.size());
         for (std::size_t i = 0; i < scene_.roots.size(); ++i) scene_.roots[i] = int(i);
+        add_point_cloud(scene_, std::move(cloud_), "points", name_, warnings_);
         return std::move(scene_);
     }
 
@@ -71,7 +75,7 @@ private:
         else if (key == "l")
             warn("lines are not shown");
         else if (key == "p")
-            warn("points are not shown");
+            read_points();
         else if (key == "vp" || key == "curv" || key == "curv2" || key == "surf" || key == "cstype")
             warn("curves and free-form surfaces are not shown");
         else if (key != "g" && key != "s" && key != "mg" && key != "lod" && key != "usemap" && key != "maplib" &&
@@ -113,7 +117,7 @@ private:
         return std::uint32_t(from_zero);
     }
 
-    Corner corner(std::string_view word) const
+    Corner corner(std::string_view word)
     {
         Corner corner{none, none, none};
         const std::size_t slash = word.find('/');
@@ -125,8 +129,25 @@ private:
             corner.uv = index(uv, uvs_.size(), "texture coordinate");
         if (second == std::string_view::npos) return corner;
         word.remove_prefix(second + 1);
-        if (!word.empty()) corner.normal = index(word, normals_.size(), "normal");
+        if (!word.empty()) corner.normal = normal_index(word);
         return corner;
+    }
+
+    /// A normal that isn't there is made up for: the rest of the face is as it should be.
+    std::uint32_t normal_index(std::string_view word)
+    {
+        const auto i = scan_.to_integer<long long>(word);
+        const long long from_zero = i > 0 ? i - 1 : i + (long long)normals_.size();
+        if (i != 0 && from_zero >= 0 && from_zero < (long long)normals_.size()) return std::uint32_t(from_zero);
+        warn("normals that are not there are replaced by those of the faces around");
+        return missing;
+    }
+
+    /// Each word is a vertex.
+    void read_points()
+    {
+        for (std::string_view word = scan_.word(); !word.empty() && word[0] != '#'; word = scan_.word())
+            cloud_.push_back(positions_[index(word, positions_.size(), "vertex")]);
     }
 
     void read_face()
@@ -134,6 +155,7 @@ private:
         corners_.clear();
         for (std::string_view word = scan_.word(); !word.empty() && word[0] != '#'; word = scan_.word())
             corners_.push_back(corner(word));
+        corners_seen_ += corners_.size();
         if (corners_.size() < 3) return warn("faces with fewer than three corners are left out");
         const bool has_normals =
             std::all_of(corners_.begin(), corners_.end(), [](Corner c) { return c.normal != none; });
@@ -156,7 +178,7 @@ private:
         Mesh& mesh = part.mesh;
         if (n < mesh.positions.size()) return n;
         mesh.positions.push_back(positions_[c.position]);
-        if (has_normals) mesh.normals.push_back(normals_[c.normal]);
+        if (has_normals) mesh.normals.push_back(c.normal == missing ? Vec3f{0, 0, 0} : normals_[c.normal]);
         mesh.uvs[0].push_back(c.uv != none ? uvs_[c.uv] : Vec2f{0, 0});
         part.has_uvs |= c.uv != none;
         if (c.position < colors_.size()) {
@@ -194,6 +216,7 @@ private:
         const std::filesystem::path file = context_.locate(file_.parent_path() / std::string(name));
         std::error_code error;
         if (!std::filesystem::is_regular_file(file, error)) return false;
+        if (!libraries_.insert(file).second) return true;
         read_mtl(file, context_.read(file), scene_, materials_, warnings_);
         return true;
     }
@@ -246,6 +269,7 @@ private:
     std::vector<Vec2f> uvs_;
     std::vector<Vec4f> colors_;
     std::map<std::string, int, std::less<>> materials_;
+    std::set<std::filesystem::path> libraries_;  ///< that were read
     std::map<int, int> colored_;
 
     std::string object_;
@@ -254,6 +278,8 @@ private:
     Part* part_ = nullptr;  ///< that of the last face, nullptr after a change of object or material
     bool part_has_normals_ = false;
 
+    std::vector<Vec3f> cloud_;  ///< what `p` names
+    std::size_t corners_seen_ = 0;
     std::vector<Corner> corners_;  ///< of the face being read
     std::vector<Vec3f> points_;
     std::vector<std::uint32_t> triangles_;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "import/common/mesh_cleanup.h"
+#include "import/common/point_cloud.h"
 #include "import/common/polygon.h"
 #include "import/ply/ply_body.h"
 #include "import/ply/ply_header.h"
@@ -276,6 +277,17 @@ private:
     std::vector<std::uint32_t> triangles_;
 };
 
+SceneDescription point_cloud(Mesh vertices, const std::filesystem::path& file, LoadContext& context)
+{
+    const std::string name = file.string();
+    context.warnings.add(name + ": points have no colours of their own here: they are grey", !vertices.colors.empty());
+    SceneDescription scene;
+    scene.file = name;
+    add_point_cloud(scene, std::move(vertices.positions), file.stem().string(), name, context.warnings);
+    if (scene.points.empty()) throw Error(name, "", "none of its points is finite");
+    return scene;
+}
+
 }  // namespace
 
 SceneDescription read_ply(const std::filesystem::path& file, const std::string& bytes, LoadContext& context)
@@ -284,7 +296,8 @@ SceneDescription read_ply(const std::filesystem::path& file, const std::string& 
     PlyReader reader(name, bytes, read_ply_header(name, bytes));
     Mesh mesh = reader.read();
     if (mesh.positions.empty()) throw Error(name, "", "there are no vertices in it");
-    if (mesh.indices.empty()) throw Error(name, "", "there are no faces in it: clouds of points can't be shown");
+    if (mesh.indices.empty() && reader.bad_faces() == 0) return point_cloud(std::move(mesh), file, context);
+    if (mesh.indices.empty()) throw Error(name, "", "there are no triangles in it: its faces have fewer corners");
     context.warnings.add(name + ": faces with fewer than three corners are left out", reader.bad_faces());
     mesh.name = file.stem().string();
     clean_mesh(mesh, name, context.warnings);

@@ -1,0 +1,17 @@
+#pragma once
+#include "film/film_data.h"
+
+namespace fathom::test {
+
+/// An empty film of no scene, to be filled by hand.
+inline Film made_film(const RenderSettings& settings)
+{
+    const Film::Data data(FilmKey{settings, std::string(32, '0')});
+    Film::Sums sums;
+    sums.width = data.width, sums.height = data.height, sums.words_per_pixel = data.layout.words;
+    sums.words = data.words;
+    sums.key = data.key.text();
+    return Film::from_sums(sums);
+}
+
+}  // namespace fathom::test

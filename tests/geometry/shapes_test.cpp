@@ -1,0 +1,201 @@
+#include "geometry/shapes/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include "plain.h"
+#include "rays_and_scenes.h"
+
+namespace fathom {
+namespace {
+
+float lane(Float a)
+{
+    float x[lanes];
+    store(x, a);
+    return x[0];
+}
+std::uint32_t lane(UInt a)
+{
+    std::uint32_t x[lanes];
+    store(x, a);
+    return x[0];
+}
+Ray ray_of(Vec3f o, Vec3f d, float t_max = std::numeric_limits<float>::infinity(), float time = 0)
+{
+    return {Vec3(o), Vec3(d), Float(t_max), Float(time)};
+}
+Hit no_hit(const Ray& ray)
+{
+    return {ray.t_max, UInt(no_index), UInt(no_index), Float(0), Float(0)};
+}
+
+/// Cases in which a shape a little larger and one a little smaller say the same.
+TEST(Shapes, TrianglesInDouble)
+{
+    Random random(1);
+    int hits = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3f a = random.point(3), b = random.point(3), c = random.point(3), o = random.point(5);
+        const Vec3f d = unit_towards(o, random.point(2));
+        const auto plain = [&](double grow) {
+            return plain::meet_triangle(plain::wide(a), plain::wide(b), plain::wide(c), plain::wide(o), plain::wide(d),
+                                        grow);
+        };
+        const plain::Crossing expected = plain(0);
+        if ((plain(1e-4).t < plain::nothing) != (plain(-1e-4).t < plain::nothing) || expected.t < 1e-3) continue;
+        const Ray ray = ray_of(o, d);
+        Hit hit = no_hit(ray);
+        closest_triangle(TriangleRay(ray), Vec3(a), Vec3(b), Vec3(c), UInt(7u), hit);
+        ASSERT_EQ(lane(hit.primitive), expected.t < plain::nothing ? 7 : no_index) << i;
+        if (!(expected.t < plain::nothing)) continue;
+        ++hits;
+        ASSERT_NEAR(lane(hit.t) / expected.t, 1, 1e-3);
+        ASSERT_NEAR(lane(hit.u), expected.u, 1e-3);
+        ASSERT_NEAR(lane(hit.v), expected.v, 1e-3);
+    }
+    EXPECT_GT(hits, 1000);
+}
+
+/// On an edge or corner that triangles share, in either order the one of the lowest number is hit, at the same place.
+TEST(Shapes, SharedEdgesBelongToTheLowestNumber)
+{
+    const Vec3f corner[4] = {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+    const int triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    // Points of the diagonal, whose coordinates are exact; straight along z, and from a corner of the space.
+    for (const float x : {0.0f, 0.25f, 0.5f, 0.75f, 1.0f})
+        for (const Vec3f& o : {Vec3f{x, x, 0}, {0, 0, 0}, {x, x, 3}})
+            for (const bool swapped : {false, true}) {
+                const Vec3f d = unit_towards(o, {x, x, 1});
+                const Ray ray = ray_of(o, d);
+                Hit hit = no_hit(ray);
+                for (int k : {swapped ? 1 : 0, swapped ? 0 : 1}) {
+                    const int* v = triangles[k];
+                    closest_triangle(TriangleRay(ray), Vec3(corner[v[0]]), Vec3(corner[v[1]]), Vec3(corner[v[2]]),
+                                     UInt(std::uint32_t(k + 5)), hit);
+                }
+                EXPECT_EQ(lane(hit.primitive), 5u) << x << " " << o.z << swapped;
+            }
+}
+
+/// The nearest of two, whatever the order, and nothing beyond the ray's end or behind its origin.
+TEST(Shapes, TheNearestCounts)
+{
+    const auto triangle_at = [](float z) { return std::array{Vec3f{-1, -1, z}, Vec3f{2, -1, z}, Vec3f{-1, 2, z}}; };
+    SphereRecord sphere;
+    DiskRecord disk;
+    disk.normal = {0, 0, -1};
+    for (const float t_max : {0.5f, 1.5f, 2.5f, 9.0f})
+        for (int kind = 0; kind < 3; ++kind)
+            for (const bool swapped : {false, true}) {
+                const Ray ray = ray_of({0, 0, 0}, {0, 0, 1}, t_max);
+                Hit hit = no_hit(ray);
+                for (int k : {swapped ? 1 : 0, swapped ? 0 : 1}) {
+                    const float z = float(k + 1);
+                    const std::uint32_t number = k == 0 ? 9 : 4;  // the nearer has the higher number
+                    if (kind == 0) {
+                        const auto v = triangle_at(z);
+                        closest_triangle(TriangleRay(ray), Vec3(v[0]), Vec3(v[1]), Vec3(v[2]), UInt(number), hit);
+                        const auto behind = triangle_at(-z);
+                        closest_triangle(TriangleRay(ray), Vec3(behind[0]), Vec3(behind[1]), Vec3(behind[2]), UInt(1u),
+                                         hit);
+                    }
+                    sphere.radius = 0.25f, sphere.center = {0, 0, z + 0.25f};
+                    if (kind == 1) closest_sphere(sphere, number, ray, hit);
+                    sphere.center = {0, 0, -z};
+                    if (kind == 1) closest_sphere(sphere, 1, ray, hit);
+                    disk.center = {0, 0, z};
+                    if (kind == 2) closest_disk(disk, number, ray, hit);
+                    disk.center = {0, 0, -z};
+                    if (kind == 2) closest_disk(disk, 1, ray, hit);
+                }
+                EXPECT_EQ(lane(hit.primitive), t_max > 1 ? 9 : no_index) << kind << " " << t_max;
+                EXPECT_FLOAT_EQ(lane(hit.t), t_max > 1 ? 1 : t_max);
+            }
+}
+
+/// Of shapes as near as each other the one of the lowest number, in either order.
+TEST(Shapes, RoundOnesInTheSamePlace)
+{
+    SphereRecord sphere;
+    sphere.center = {0, 0, 3};
+    DiskRecord disk;
+    disk.center = {0, 0, 3}, disk.normal = {0, 0, 1};
+    const Ray ray = ray_of({0, 0, 0}, {0, 0, 1});
+    for (const std::uint32_t first : {2u, 3u}) {
+        Hit a = no_hit(ray), b = no_hit(ray);
+        closest_sphere(sphere, first, ray, a), closest_sphere(sphere, 5 - first, ray, a);
+        closest_disk(disk, first, ray, b), closest_disk(disk, 5 - first, ray, b);
+        EXPECT_EQ(lane(a.primitive), 2u);
+        EXPECT_EQ(lane(b.primitive), 2u);
+    }
+}
+
+TEST(Shapes, SpheresAndDisksInDouble)
+{
+    Random random(2);
+    int spheres = 0, disks = 0, inside = 0;
+    for (int i = 0; i < 20000; ++i) {
+        SphereRecord sphere;
+        sphere.center = random.point(3), sphere.motion = random.point(2);
+        sphere.radius = random.uniform(0.1f, 2) * (random.below(2) ? 1.f : -1.f);
+        DiskRecord disk{random.point(2), random.direction(), random.uniform(0.2f, 2)};
+        const Vec3f o = random.point(4), d = unit_towards(o, random.point(2));
+        const float time = random.uniform();
+        const Vec3d center = plain::wide(sphere.center) + plain::wide(sphere.motion) * double(time);
+        const Ray ray = ray_of(o, d, std::numeric_limits<float>::infinity(), time);
+        const auto check = [&](auto plain, const Hit& hit, int& count) {
+            const double expected = plain(0.0);
+            if ((plain(1e-4) < plain::nothing) != (plain(-1e-4) < plain::nothing) || expected < 1e-2) return;
+            ASSERT_EQ(lane(hit.primitive), expected < plain::nothing ? 3 : no_index) << i;
+            if (!(expected < plain::nothing)) return;
+            ++count;
+            ASSERT_NEAR(lane(hit.t), expected, 2e-3);
+        };
+        Hit a = no_hit(ray), b = no_hit(ray);
+        closest_sphere(sphere, 3, ray, a);
+        closest_disk(disk, 3, ray, b);
+        const double radius = std::abs(double(sphere.radius));
+        inside += length(plain::wide(o) - center) < radius;
+        check([&](double grow) { return plain::meet_sphere(center, radius, plain::wide(o), plain::wide(d), grow); }, a,
+              spheres);
+        check(
+            [&](double grow) {
+                return plain::meet_disk(plain::wide(disk.center), plain::wide(disk.normal), disk.radius, plain::wide(o),
+                                        plain::wide(d), grow);
+            },
+            b, disks);
+    }
+    EXPECT_GT(spheres, 1000);
+    EXPECT_GT(disks, 1000);
+    EXPECT_GT(inside, 100);
+}
+
+/// A small sphere far away is met to a hundredth of its radius.
+TEST(Shapes, AFarSmallSphere)
+{
+    SphereRecord sphere;
+    sphere.center = {600, 800, 0}, sphere.radius = 0.1f;
+    for (const float aside : {0.0f, 0.05f, 0.09f, 0.11f}) {
+        const Ray ray = ray_of({-0.8f * aside, 0.6f * aside, 0}, {0.6f, 0.8f, 0});
+        Hit hit = no_hit(ray);
+        closest_sphere(sphere, 0, ray, hit);
+        EXPECT_EQ(lane(hit.primitive), aside < 0.1f ? 0 : no_index) << aside;
+        if (aside < 0.1f) EXPECT_NEAR(lane(hit.t), 1000 - std::sqrt(0.01 - double(aside) * double(aside)), 1e-3);
+    }
+}
+
+/// Off the surface, on the asked side, by more than rounding and by next to nothing.
+TEST(Shapes, OriginsLeaveTheirSurface)
+{
+    for (const float size : {1e-3f, 1.f, 1000.f}) {
+        const Vec3 p(Vec3f{size, 0.5f * size, 0.25f * size}), n(Vec3f{0, 0, -1});
+        const float moved = 0.25f * size - lane(offset_origin(p, n, Float(0)).z);
+        EXPECT_GT(moved, size * 0x1p-21f);
+        EXPECT_LT(moved, size * 0x1p-17f);
+        // What goes into p may be larger than p.
+        EXPECT_GT(0.25f * size - lane(offset_origin(p, n, Float(64 * size)).z), 32 * moved);
+    }
+}
+
+}  // namespace
+}  // namespace fathom

@@ -1,0 +1,301 @@
+#!/usr/bin/env python3
+"""Makes the small scenes of tests/golden/scenes, which together use every feature that a picture can show.
+
+usage: make_scenes.py [FOLDER]      default: the folder `scenes` beside this file
+
+The scenes are part of the repository, so that a changed picture is a change of the program; run this after changing it, and
+accept the new pictures (golden_test.py --accept)."""
+import base64
+import json
+import math
+import pathlib
+import struct
+import sys
+import zlib
+
+FOLDER = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).parent / "scenes"
+FLOOR = {"material": {"color": [0.6, 0.5, 0.4]}, "rectangle": {"corner": [-3, 0, 3], "edge_u": [6, 0, 0], "edge_v": [0, 0, -6]}}
+BALL = {"sphere": {"center": [0, 0.7, 0], "radius": 0.7}}
+CAMERA = {"position": [0.5, 1.6, 4], "look_at": [0, 0.6, 0], "fov_y_deg": 35}
+SKY = {"kind": "gradient", "bottom": [0.3, 0.3, 0.35], "top": [0.7, 0.9, 1.2]}
+LAMP = {"name": "lamp", "material": {"kind": "none", "emission": [6, 5, 4]},
+        "rectangle": {"corner": [-1, 3, -1], "edge_u": [1.5, 0, 0], "edge_v": [0, 0, 1.2]}}
+
+
+def write(name, **content):
+    scene = {"fathom": 1, "camera": CAMERA, "environment": SKY, **content}
+    if scene["environment"] is None:
+        del scene["environment"]
+    if scene["camera"] is None:
+        del scene["camera"]
+    (FOLDER / f"{name}.json").write_text(json.dumps(scene, indent=1) + "\n")
+
+
+def with_material(**material):
+    return [FLOOR, {**BALL, "material": material}]
+
+
+def wall(**material):
+    """Fills the picture."""
+    return [{"material": material, "rectangle": {"corner": [-3, -1, 0], "edge_u": [6, 0, 0], "edge_v": [0, 4, 0]}}, FLOOR]
+
+
+def png(name, width, height, channels, value, bits=8):
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    most = 2 ** bits - 1
+    rows = b""
+    for y in range(height):
+        rows += b"\0"
+        for x in range(width):
+            for v in value(x, y):
+                code = round(max(0, min(1, v)) * most)
+                rows += struct.pack(">H" if bits == 16 else ">B", code)
+    header = struct.pack(">IIBBBBB", width, height, bits, {1: 0, 3: 2, 4: 6}[channels], 0, 0, 0)
+    (FOLDER / name).write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 9)) +
+                                chunk(b"IEND", b""))
+
+
+def hdr(name, width, height, value):
+    data = f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode()
+    for y in range(height):
+        for x in range(width):
+            rgb = value(x, y)
+            mantissa, exponent = math.frexp(max(rgb))
+            data += bytes([int(math.ldexp(v, 8 - exponent)) for v in rgb] + [exponent + 128])
+    (FOLDER / name).write_bytes(data)
+
+
+def assets():
+    png("bands.png", 8, 8, 3, lambda x, y: ((x % 4) / 3, (y % 4) / 3, 0.2 + 0.1 * ((x + y) % 5)))
+    png("wide.png", 5, 3, 3, lambda x, y: (0.1 + 0.15 * x, 0.9 - 0.3 * y, 0.5), bits=16)
+    png("channels.png", 4, 4, 4, lambda x, y: (x / 3, y / 3, ((x + y) % 3) / 2, 0.25 + 0.25 * ((x * y) % 4)))
+    png("bumps.png", 8, 8, 3, lambda x, y: (0.5 + 0.3 * math.sin(x * math.pi / 4), 0.5 + 0.2 * math.cos(y * math.pi / 2), 0.9))
+    hdr("sky.hdr", 12, 6, lambda x, y: (20.0, 16.0, 8.0) if (x, y) == (8, 1) else (0.25 + 0.0625 * y, 0.5, 0.5 + 0.0625 * x))
+    (FOLDER / "model.mtl").write_text("newmtl red\nKd 0.8 0.1 0.1\nnewmtl shiny\nKd 0.2 0.3 0.8\nKs 0.5 0.5 0.5\nNs 60\n"
+                                      "newmtl picture\nKd 1 1 1\nmap_Kd -s 2 2 -o 0.25 0.125 bands.png\n")
+    (FOLDER / "model.obj").write_text(
+        "mtllib model.mtl\nv -0.6 0 0\nv 0.6 0 0\nv 0.6 1.2 -0.2\nv -0.6 1.2 -0.2\nv 0 0.6 0.8\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+        "vn 0 0.16 0.98\nvn 0.5 0 0.8\nusemtl picture\nf 1/1 2/2 3/3 4/4\nusemtl red\nf 1//1 2//2 5//1\n"
+        "usemtl shiny\nf -2 -3 -1\nf 1 5 4\n")
+    points = [(-0.7, 0, 0), (0.7, 0, 0.1), (0.5, 1.2, -0.2), (-0.5, 1.1, 0), (0, 0.5, 0.7)]
+    faces = [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4), (3, 2, 1, 0)]
+    ply = ("ply\nformat binary_big_endian 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+           "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 5\n"
+           "property list uchar int vertex_indices\nend_header\n").encode()
+    for i, p in enumerate(points):
+        ply += struct.pack(">fffBBB", *p, 250 - 40 * i, 60 + 30 * i, 128)
+    for f in faces:
+        ply += struct.pack(f">B{len(f)}i", len(f), *f)
+    (FOLDER / "model.ply").write_bytes(ply)
+    stl = b" " * 80 + struct.pack("<I", 4)
+    for f in faces[:4]:
+        stl += struct.pack("<3f", 0, 0, 0)
+        for i in f:
+            x, y, z = points[i]
+            stl += struct.pack("<3f", x, -z, y)  # z is up in STL
+        stl += b"\0\0"
+    (FOLDER / "model.stl").write_bytes(stl)
+    gltf()
+
+
+def gltf():
+    data, views, accessors = b"", [], []
+
+    def view(fmt, values, stride=None):
+        nonlocal data
+        data += b"\0" * (-len(data) % 4)
+        packed = struct.pack(f"<{len(values)}{fmt}", *values)
+        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(packed), **({"byteStride": stride} if stride else {})})
+        data += packed
+        return len(views) - 1
+
+    def accessor(v, kind, count, component=5126, **more):
+        accessors.append({"bufferView": v, "componentType": component, "count": count, "type": kind, **more})
+        return len(accessors) - 1
+
+    # Interleaved positions and normals of a bent quad, uv in 16 bits, colours in 8, one position by a sparse accessor.
+    corners = [(-0.8, 0, 0), (0.8, 0, 0.2), (0.7, 1.4, 0), (-0.7, 1.3, 0.3)]
+    normals = [(-0.3, 0, 0.95), (0.3, 0, 0.95), (0.3, 0.3, 0.9), (-0.3, 0.3, 0.9)]
+    mixed = view("f", [x for p, n in zip(corners, normals) for x in (*p, *n)], 24)
+    sparse = {"count": 1, "indices": {"bufferView": view("H", [2]), "componentType": 5123},
+              "values": {"bufferView": view("f", [0.9, 1.5, -0.1])}}
+    position = accessor(mixed, "VEC3", 4, sparse=sparse)
+    normal = accessor(mixed, "VEC3", 4, byteOffset=12)
+    uv = accessor(view("H", [0, 65535, 65535, 65535, 65535, 0, 0, 0]), "VEC2", 4, 5123, normalized=True)
+    color = accessor(view("B", [255, 200, 150, 255, 200, 255, 150, 255, 150, 200, 255, 255, 255, 255, 255, 255]), "VEC4", 4, 5121,
+                     normalized=True)
+    indices = accessor(view("B", [0, 1, 2, 0, 2, 3]), "SCALAR", 6, 5121)
+    primitive = {"attributes": {"POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv, "COLOR_0": color}, "indices": indices,
+                 "material": 0}
+    document = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "extensionsUsed": ["KHR_lights_punctual", "KHR_texture_transform"],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "spot", "intensity": 30, "color": [1, 0.8, 0.6],
+                                                           "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.6}}]}},
+        "nodes": [{"children": [1, 2], "rotation": [0.1, 0.3, -0.05, 0.94]}, {"mesh": 0, "translation": [0.1, 0.1, 0]},
+                  {"translation": [0.5, 2, 2], "rotation": [-0.38, 0, 0, 0.92], "extensions": {"KHR_lights_punctual": {"light": 0}}}],
+        "images": [{"uri": "bands.png"}, {"uri": "channels.png"}], "samplers": [{"wrapS": 33648, "wrapT": 33071}],
+        "textures": [{"source": 0, "sampler": 0}, {"source": 1}],
+        "materials": [{"doubleSided": True, "pbrMetallicRoughness": {
+            "baseColorTexture": {"index": 0, "extensions": {"KHR_texture_transform":
+                {"offset": [0.2, 0.1], "scale": [1.5, 0.75], "rotation": 0.4}}},
+            "metallicRoughnessTexture": {"index": 1}, "metallicFactor": 0.8, "roughnessFactor": 0.9}}],
+        "meshes": [{"primitives": [primitive]}], "accessors": accessors, "bufferViews": views,
+        "buffers": [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]}
+    (FOLDER / "model.gltf").write_text(json.dumps(document) + "\n")
+    del document["buffers"][0]["uri"]
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    data += b"\0" * (-len(data) % 4)
+    body = struct.pack("<II", len(text), 0x4e4f534a) + text + struct.pack("<II", len(data), 0x004e4942) + data
+    (FOLDER / "model.glb").write_bytes(b"glTF" + struct.pack("<II", 2, 12 + len(body)) + body)
+
+
+def materials():
+    write("diffuse", scene=with_material(color=[0.8, 0.3, 0.2]))
+    write("diffuse-rough", scene=with_material(color=[0.8, 0.3, 0.2], roughness=0.8))
+    write("mirror", scene=with_material(kind="metal", color=[0.9, 0.7, 0.4]))
+    write("metal-rough", scene=with_material(kind="metal", color=[0.9, 0.7, 0.4], roughness=0.45), lights={
+        "sun": {"kind": "directional", "direction": [-1, -2, -1], "intensity": 2}})
+    write("fuzz-metal", scene=with_material(kind="fuzz_metal", color=[0.9, 0.7, 0.4], fuzz=0.4))
+    write("glass", scene=with_material(kind="glass", ior=1.5))
+    write("glass-rough", scene=with_material(kind="glass", ior=1.4, roughness=0.4, color=[0.6, 0.9, 0.8]))
+    write("glass-absorbing", scene=with_material(kind="glass", attenuation_color=[0.2, 0.6, 0.9], attenuation_distance=0.5))
+    write("glass-thin", scene=with_material(kind="glass", thin=True, color=[0.5, 0.8, 0.9], roughness=0.2))
+    write("principled", scene=with_material(kind="principled", color=[0.7, 0.2, 0.1], roughness=0.3, ior=1.6) + [LAMP])
+    write("principled-metal", scene=with_material(kind="principled", color=[0.7, 0.5, 0.1], roughness=0.5, metallic=0.7) + [LAMP])
+    write("unlit-and-emission", scene=with_material(color=0.2, emission=[0.4, 0.1, 0.2]) + [
+        {"material": {"kind": "unlit", "color": [0.2, 0.8, 0.4]}, "disk": {"center": [1, 0.6, 0.6], "normal": [0, 0, 1], "radius": 0.4}},
+        {"material": {"kind": "none", "emission": [1, 2, 3], "emission_two_sided": True},
+         "rectangle": {"corner": [-1.4, 0.2, 0.5], "edge_u": [0, 0, 0.5], "edge_v": [0, 0.7, 0]}}])
+    write("alpha", scene=[FLOOR, LAMP] + [
+        {"material": {"color": [0.2, 0.5, 0.9], "alpha": {"texture": {"image": "channels.png"}}, "alpha_mode": mode,
+                      "alpha_cutoff": 0.6},
+         "rectangle": {"corner": [x, 0.1, 0.5], "edge_u": [1.1, 0, 0], "edge_v": [0, 1.2, 0.1]}}
+        for mode, x in (("blend", -1.2), ("mask", 0.1))] + [
+        {"material": {"color": 0.9, "alpha": 0.4}, "sphere": {"center": [0, 1.5, -1], "radius": 0.5}}])
+
+
+def textures():
+    write("image-textures", scene=wall(color={"texture": {
+        "image": "bands.png", "wrap_u": "mirror", "wrap_v": "clamp", "uv_scale": [2, 1.5], "uv_offset": [0.1, -0.3],
+        "uv_rotation_deg": 20}, "value": [0.9, 0.8, 0.7]}))
+    write("nearest-16-bits", scene=wall(color={"texture": {"image": "wide.png", "lookup": "nearest", "uv_scale": [1.7, 2.3]}}))
+    write("channels", scene=wall(kind="principled", color=[0.8, 0.6, 0.4],
+                                 roughness={"texture": {"image": "channels.png", "uv_scale": [2, 2]}, "channel": "b", "value": 0.9},
+                                 metallic={"texture": {"image": "channels.png"}, "channel": "r"}) + [LAMP])
+    write("normal-map", scene=wall(kind="principled", color=0.7, roughness=0.4, normal_map={"image": "bumps.png", "uv_scale": [3, 2]},
+                                   normal_scale=0.8) + [LAMP])
+    for name, more in (("checker_uv", {"scale": 5}), ("checker_space", {"scale": 4}), ("noise", {"scale": 3}),
+                       ("turbulence", {"scale": 2, "octaves": 4}), ("marble", {"scale": 3, "octaves": 5, "turbulence_weight": 4})):
+        texture = {"kind": name, "color_a": [0.1, 0.2, 0.6], "color_b": [0.9, 0.8, 0.3], **more}
+        write(name.replace("_", "-"), scene=[FLOOR, {**BALL, "material": {"color": {"texture": texture}}},
+                                             {"material": {"color": {"texture": texture}}, "disk": {"center": [1.2, 0.6, 0], "normal": [-0.3, 0, 1], "radius": 0.5}}])
+    quad = {"positions": [[-1, 0, 0], [1, 0, 0.3], [0.8, 1.5, 0], [-0.8, 1.4, 0.2]], "indices": [[0, 1, 2], [0, 2, 3]],
+            "normals": [[-0.3, 0, 1], [0.3, 0, 1], [0.2, 0.3, 1], [-0.2, 0.3, 1]], "uvs": [[0, 1], [1, 1], [1, 0], [0, 0]],
+            "uvs_1": [[0, 0.5], [2, 0.5], [2, 0], [0, 0]], "colors": [[1, 1, 0.5, 1], [1, 0.5, 1, 1], [0.5, 1, 1, 1], [1, 1, 1, 1]],
+            "tangents": [[1, 0, 0, -1]] * 4}
+    write("mesh-attributes", scene=[FLOOR, LAMP, {"mesh": quad, "material": {
+        "color": {"texture": {"image": "bands.png", "uv_set": 1}}, "normal_map": {"image": "bumps.png"}, "use_vertex_color": True}}])
+
+
+def lights():
+    def lit(name, nodes=(), lights=None, **more):
+        write(name, scene=[FLOOR, {**BALL, "material": {"color": 0.7}}, *nodes], environment=None, lights=lights or {}, **more)
+    lit("point", lights={"l": {"kind": "point", "position": [1, 2, 1.5], "intensity": 8, "color": [1, 0.7, 0.4]}})
+    lit("spot", lights={"l": {"kind": "spot", "position": [1, 3, 1.5], "direction": [-0.3, -1, -0.4], "intensity": 20,
+                              "inner_angle_deg": 8, "outer_angle_deg": 25}})
+    lit("suns", lights={"a": {"kind": "directional", "direction": [-1, -2, -0.5], "intensity": 2},
+                        "b": {"kind": "directional", "direction": [1, -1, 0], "intensity": 1, "angle_deg": 20, "color": [0.4, 0.6, 1]}})
+    emit = {"kind": "none", "emission": [5, 4, 3]}
+    lit("lamp-rectangle", [LAMP])
+    lit("lamp-parallelogram", [{"material": {**emit, "emission_two_sided": True},
+                                "rectangle": {"corner": [-1, 2, 0], "edge_u": [1, 0.2, 0.5], "edge_v": [0.4, 0.3, 1]}}])
+    lit("lamp-triangles", [{"material": emit, "mesh": {"positions": [[-1, 2.2, -1], [1, 2, -0.5], [0, 2.4, 1], [1.2, 1.5, 1]],
+                                                       "indices": [[0, 1, 2], [1, 3, 2]]}}])
+    lit("lamp-disk", [{"material": emit, "disk": {"center": [0.5, 2.2, 0.5], "normal": [-0.2, -1, -0.1], "radius": 0.7}}])
+    lit("lamp-sphere", [{"material": emit, "sphere": {"center": [1, 2, 0.8], "radius": 0.4}}])
+    lit("lamp-textured", [{"material": {"kind": "none", "emission": {"texture": {"image": "bands.png"}, "value": [6, 6, 6]}},
+                           "rectangle": {"corner": [-1, 2.5, -1], "edge_u": [2, 0, 0], "edge_v": [0, 0, 2]}}])
+    lit("many-lamps", [{"material": {"kind": "none", "emission": [2 + i % 3, 3, 5 - i % 4]},
+                        "sphere": {"center": [0.4 * i - 2.2, 1.8 + 0.1 * (i % 4), 0.3 * (i % 5) - 0.5], "radius": 0.06 + 0.01 * (i % 3)}}
+                       for i in range(12)], {"p": {"kind": "point", "position": [0, 2.5, 2], "intensity": 2}})
+    write("sky-constant", scene=with_material(color=0.7), environment={"kind": "constant", "color": [0.5, 0.7, 0.9]})
+    write("sky-gradient", scene=with_material(color=0.7),
+          environment={**SKY, "rotate": {"axis": [1, 0, 0.5], "angle_deg": 50}})
+    write("sky-image", scene=with_material(kind="principled", color=0.7, roughness=0.3),
+          environment={"kind": "image", "image": "sky.hdr", "color": [0.9, 1, 1.1], "rotate": {"axis": [0.2, 1, 0], "angle_deg": 70}})
+
+
+def shapes():
+    grey, red, green = {"color": 0.7}, {"color": [0.7, 0.1, 0.1]}, {"color": [0.1, 0.6, 0.2]}
+    def face(corner, u, v, material):
+        return {"material": material, "rectangle": {"corner": corner, "edge_u": u, "edge_v": v}}
+    write("room", environment=None, camera={"position": [0, 1, 3.4], "look_at": [0, 1, 0], "fov_y_deg": 40}, scene=[
+        face([-1, 0, 1], [2, 0, 0], [0, 0, -2], grey), face([-1, 2, 1], [0, 0, -2], [2, 0, 0], grey),
+        face([-1, 0, -1], [2, 0, 0], [0, 2, 0], grey), face([-1, 0, 1], [0, 0, -2], [0, 2, 0], red),
+        face([1, 0, 1], [0, 2, 0], [0, 0, -2], green),
+        face([-0.3, 1.99, -0.3], [0.6, 0, 0], [0, 0, 0.6], {"kind": "none", "emission": 12}),
+        {"material": grey, "box": {"min": [-0.3, 0, -0.3], "max": [0.3, 0.6, 0.3]},
+         "transform": {"rotate": {"axis": [0, 1, 0], "angle_deg": 20}, "translate": [0.35, 0, 0.3]}},
+        {"material": grey, "box": {"min": [-0.7, 0, -0.6], "max": [-0.2, 1.1, -0.1]}}])
+    write("solids", scene=[FLOOR, LAMP, {"material": red, "box": {"min": [-1.4, 0, -0.3], "max": [-0.7, 0.9, 0.4]}},
+                           {"material": green, "disk": {"center": [1.1, 0.5, 0.2], "normal": [-0.5, 0.2, 1], "radius": 0.5}},
+                           {"material": grey, "sphere": {"center": [0, 0.5, 0], "radius": -0.5}},
+                           {"material": grey, "sphere": {}, "transform": {"scale": [0.6, 0.2, 0.3], "translate": [0.2, 1.3, 0]}}])
+    for basis, count in (("linear", 4), ("bezier", 7), ("bspline", 6), ("catmull-rom", 6)):
+        nodes = [FLOOR, LAMP]
+        for k, style in enumerate(("round", "ribbon")):
+            curves = [[[0.25 * j - 0.8 + 0.8 * k, 0.15 + 0.25 * i + 0.1 * j, 0.4 * math.sin(i + j), 0.03 + 0.012 * (i % 3)]
+                       for i in range(count)] for j in range(3)]
+            nodes.append({"material": [red, green][k], "curves": {"basis": basis, "style": style, "curves": curves}})
+        write(f"curves-{basis}", scene=nodes)
+    write("points", scene=[FLOOR, LAMP, {"material": red, "points": {"points": [
+        [0.9 * math.sin(2.4 * i), 0.2 + 0.03 * i, 0.9 * math.cos(2.4 * i), 0.08 + 0.02 * (i % 3)] for i in range(40)]}},
+        {"material": {"kind": "none", "emission": 3}, "points": {"points": [[0, 0.4, 0], [0.4, 1.5, 0.4]], "radius": 0.1}}])
+    write("instances", nodes={
+        "tuft": {"material": green, "curves": {"radius": 0.06, "curves": [
+            [[0.1 * i, 0, 0], [0.1 * i, 0.3, 0.1], [0.1 * i + 0.1, 0.5, 0.1], [0.1 * i + 0.1, 0.8, 0.3]] for i in range(3)]}},
+        "cluster": {"children": ["tuft", {"instance": "tuft", "transform": {"scale": [-1, 1.2, 1], "translate": [-0.2, 0, 0.4]}}]}},
+        scene=[FLOOR, LAMP, "cluster", {"instance": "cluster", "transform": {"rotate": {"axis": [0, 1, 0], "angle_deg": 70},
+                                                                             "translate": [0.9, 0, 0]}},
+               {"instance": "cluster", "transform": {"matrix": [[0.8, 0.3, 0, -0.9], [0, 1.1, 0.2, 0], [0.1, 0, 0.7, 0.3]]}}])
+
+
+def cameras_and_motion():
+    things = [FLOOR, LAMP] + [{"material": {"color": [0.2 + 0.2 * i, 0.6, 0.8 - 0.2 * i]},
+                               "sphere": {"center": [0.8 * i - 1.2, 0.4, 0.8 - 0.9 * i], "radius": 0.4}} for i in range(4)]
+    write("camera-orthographic", scene=things, camera={"kind": "orthographic", "position": [1, 2, 4], "look_at": [0, 0.5, 0],
+                                                       "up": [0.3, 1, 0], "height": 2.5})
+    write("camera-lens", scene=things, camera={**CAMERA, "aperture": 0.3, "focus_distance": 3.2})
+    write("camera-in-a-node", camera=None, scene=things + [{
+        "transform": {"rotate": {"axis": [0, 1, 0], "angle_deg": 25}, "translate": [1.5, 1, 3]},
+        "camera": {"look_at": [0, -0.1, -1], "up": [0.5, 1, 0], "fov_y_deg": 50, "aspect": 1.5}}])
+    shutter = {**CAMERA, "shutter": [0.1, 0.9]}
+    write("motion-nodes", camera=shutter, scene=[FLOOR, LAMP, {
+        "motion": [{"time": 0, "transform": {"translate": [-0.8, 0.6, 0]}},
+                   {"time": 0.5, "transform": {"rotate": {"axis": [0.2, 0.5, 1], "angle_deg": 100}, "translate": [0, 0.9, 0]}},
+                   {"time": 1, "transform": {"scale": [1, 1.6, 1], "rotate": {"axis": [0, 0, 1], "angle_deg": 170}, "translate": [0.8, 0.6, 0.3]}}],
+        "material": {"kind": "principled", "color": [0.8, 0.3, 0.1], "roughness": 0.4}, "box": {"min": [-0.3, -0.2, -0.3], "max": [0.3, 0.2, 0.3]},
+        "children": [{"material": {"color": 0.9}, "sphere": {"center": [0, 0.5, 0], "radius": 0.15}}]}])
+    write("motion-vertices", camera=shutter, scene=[FLOOR, LAMP, {"material": {"color": [0.2, 0.5, 0.8]}, "mesh": {
+        "positions": [[-0.8, 0.1, 0], [0.8, 0.1, 0], [0, 1.2, 0], [0, 0.4, 0.8]], "indices": [[0, 1, 2], [0, 3, 2], [1, 2, 3]],
+        "motion": [{"time": 0}, {"time": 0.4, "positions": [[-0.6, 0.2, 0], [0.8, 0.1, 0.3], [0.2, 1.4, 0], [0, 0.5, 0.9]]},
+                   {"time": 1, "positions": [[-0.9, 0.4, 0], [0.6, 0.3, 0], [-0.2, 1.0, 0], [0.3, 0.4, 0.6]]}]}}])
+    write("motion-sphere", camera=shutter, scene=[FLOOR, {"material": {"kind": "none", "emission": [4, 3, 2]},
+                                                         "sphere": {"center": [-1, 1.5, 0], "radius": 0.2, "center_end": [1, 1.8, 0.5]}}])
+
+
+def models():
+    for name in ("gltf", "glb", "obj", "ply", "stl"):
+        write(f"model-{name}", scene=[FLOOR, LAMP, {"model": f"model.{name}"}])
+    write("model-replaced", scene=[FLOOR, LAMP, {"model": "model.obj", "materials": {"red": {"kind": "glass"}},
+                                                 "transform": {"rotate": {"axis": [0, 1, 0], "angle_deg": 30}}},
+                                   {"model": "model.ply", "material": {"kind": "metal", "color": [0.9, 0.8, 0.5], "roughness": 0.2},
+                                    "transform": {"scale": 0.5, "translate": [1, 0, 0.8]}}])
+
+
+if __name__ == "__main__":
+    FOLDER.mkdir(exist_ok=True)
+    assets(), materials(), textures(), lights(), shapes(), cameras_and_motion(), models()

@@ -1,0 +1,127 @@
+#include "import/assimp/apart.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+namespace fathom {
+namespace {
+
+constexpr std::size_t memory = std::size_t(256) << 20;
+
+double seconds_of(const std::function<void()>& action)
+{
+    const auto start = std::chrono::steady_clock::now();
+    action();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void sleep_for_ever()
+{
+    for (;;) pause();
+}
+
+TEST(RunApart, ReturnsWhatTheWorkReturns)
+{
+    const std::string large(5'000'000, 'x');
+    const ApartResult result = run_apart([&] { return large; }, 10, memory);
+    EXPECT_EQ(result.failure, "");
+    EXPECT_EQ(result.bytes, large);
+}
+
+TEST(RunApart, EndsWorkThatCrashesOrTakesTooMuch)
+{
+    EXPECT_EQ(run_apart([]() -> std::string { std::abort(); }, 10, memory).failure, "it crashed");
+    EXPECT_EQ(run_apart([] { return std::string(2 * memory, 'x'); }, 10, memory).failure, "it ran out of memory");
+}
+
+TEST(RunApart, EndsWorkThatOnlyWaits)
+{
+    ApartResult result;
+    const double seconds = seconds_of([&] {
+        result = run_apart(
+            []() -> std::string {
+                sleep_for_ever();
+                return "";
+            },
+            0, memory);
+    });
+    EXPECT_EQ(result.failure, "it took too long or too much memory");
+    EXPECT_LT(seconds, 20);
+}
+
+TEST(RunApart, EndsWithTheProgram)
+{
+    // The work holds the writing end of a pipe: that it is gone shows at the other.
+    int ends[2];
+    ASSERT_EQ(pipe(ends), 0);
+    const pid_t program = fork();
+    if (program == 0) {
+        close(ends[0]);
+        run_apart(
+            [&]() -> std::string {
+                [[maybe_unused]] const ssize_t n = write(ends[1], "!", 1);
+                sleep_for_ever();
+                return "";
+            },
+            1000, memory);
+        _exit(0);
+    }
+    close(ends[1]);
+    char byte = 0;
+    ASSERT_EQ(read(ends[0], &byte, 1), 1);
+    kill(program, SIGKILL);
+    waitpid(program, nullptr, 0);
+    fcntl(ends[0], F_SETFL, O_NONBLOCK);
+    bool is_gone = false;
+    for (int i = 0; i < 100 && !is_gone; ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        is_gone = read(ends[0], &byte, 1) == 0;
+    }
+    EXPECT_TRUE(is_gone);
+    close(ends[0]);
+}
+
+TEST(RunApart, MayReadAndNothingElse)
+{
+    if (prctl(PR_GET_SECCOMP) < 0) GTEST_SKIP() << "this kernel can't take rights away";
+    namespace fs = std::filesystem;
+    const fs::path folder = fs::temp_directory_path() / ("fathom_apart_" + std::to_string(getpid()));
+    fs::create_directories(folder);
+    std::ofstream(folder / "a") << "bytes";
+    const std::string file = (folder / "a").string();
+    const ApartResult result = run_apart(
+        [&] {
+            std::string did, bytes;
+            std::ifstream(file) >> bytes;
+            if (bytes == "bytes") did += "read ";
+            if (std::ofstream(file)) did += "wrote ";
+            if (std::ofstream(file + "2")) did += "created ";
+            std::error_code error;
+            if (fs::remove(file, error)) did += "removed ";
+            if (socket(AF_INET, SOCK_STREAM, 0) >= 0) did += "connected ";
+            if (std::system("true") == 0) did += "started ";
+            if (kill(getppid(), 0) == 0) did += "harmed ";
+            return did;
+        },
+        10, memory);
+    EXPECT_EQ(result.failure, "");
+    EXPECT_EQ(result.bytes, "read ");
+    std::string bytes;
+    std::ifstream(folder / "a") >> bytes;
+    EXPECT_EQ(bytes, "bytes");
+    fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace fathom

@@ -1,0 +1,273 @@
+#include "picture_helpers.h"
+
+// Each parameter of a camera, the pixel filters and the other layers of a film, by what they must show of simple
+// scenes.
+namespace fathom {
+namespace {
+
+using namespace test;
+
+/// White without light, before black.
+struct Whites : SceneBuilder {
+    int white(Color color = {1, 1, 1})
+    {
+        Material m;
+        m.kind = MaterialKind::unlit;
+        m.base_color.value = color;
+        return material(m);
+    }
+    std::vector<float> pixels(const RenderSettings& settings, std::uint64_t samples)
+    {
+        return render_film(scene, settings, samples).image(false, false).layers[0].pixels;
+    }
+};
+
+TEST(CameraForms, FieldOfViewAspectAndHeight)
+{
+    for (const auto& [width, height] : {std::pair{32, 32}, {48, 24}, {20, 40}})
+        for (double degrees : {20.0, 60.0, 110.0}) {
+            Whites s;
+            s.camera({0, 0, 3}, {0, 0, 0}, degrees);
+            // A rectangle that reaches over half of the picture's height and a quarter of its width.
+            const double h = 3 * std::tan(degrees * std::numbers::pi / 360) / 2, w = h / 2 * width / height;
+            s.add(Rectangle{{-w, -h, 0}, {2 * w, 0, 0}, {0, 2 * h, 0}}, s.white());
+            const std::vector<float> p = s.pixels(small_picture(width, height), 64);
+            for (int y = 0; y < height; ++y)
+                for (int x = 0; x < width; ++x) {
+                    const bool in = std::abs(x + 0.5 - width / 2.0) < width / 8.0 &&
+                                    std::abs(y + 0.5 - height / 2.0) < height / 4.0;
+                    // Pixels that its edge may touch say nothing.
+                    if (std::abs(std::abs(x + 0.5 - width / 2.0) - width / 8.0) < 0.75 ||
+                        std::abs(std::abs(y + 0.5 - height / 2.0) - height / 4.0) < 0.75)
+                        continue;
+                    ASSERT_EQ(p[std::size_t(3 * (y * width + x))], in ? 1 : 0) << degrees << " " << x << " " << y;
+                }
+            s.scene.cameras[0].kind = CameraKind::orthographic;
+            s.scene.cameras[0].height = 4 * h;
+            EXPECT_NEAR(mean_of(render_film(s.scene, small_picture(width, height), 64)).value[0], 1.0 / 8, 2e-3);
+        }
+}
+
+/// Which way is up, and which is right: two lamps of different colour.
+TEST(CameraForms, PlaceDirectionAndRoll)
+{
+    for (const bool nested : {false, true})
+        for (double roll : {0.0, 0.5, std::numbers::pi / 2, 3.0}) {
+            Whites s;
+            s.camera({4, 1, 2}, {4, 1, -3}, 40);
+            // `up` need not be perpendicular to the view.
+            s.scene.cameras[0].up = {-2 * std::sin(roll), 2 * std::cos(roll), 1};
+            s.add(Sphere{{5, 1, -3}, 0.1, {}}, s.white({1, 0, 0}));  // to the right
+            s.add(Sphere{{4, 2, -3}, 0.1, {}}, s.white({0, 1, 0}));  // above
+            s.add(Sphere{{4, 1, -3}, 0.1, {}}, s.white({0, 0, 1}));  // ahead
+            // All of it somewhere else, twice as large: the same picture.
+            if (nested)
+                s.scene.nodes[0].parent_from_node =
+                    Transform::translate({10, -20, 30}) * Transform::rotate({1, 2, 3}, 1) * Transform::scale({2, 2, 2});
+            const int n = 64;
+            const std::vector<float> p = s.pixels(small_picture(n, n), 16);
+            double sum[3] = {}, x[3] = {}, y[3] = {};
+            for (int i = 0; i < n * n; ++i)
+                for (int c = 0; c < 3; ++c) {
+                    const double v = p[std::size_t(3 * i + c)];
+                    sum[c] += v, x[c] += v * (i % n + 0.5), y[c] += v * (i / n + 0.5);
+                }
+            // A metre at 5 m, in pixels.
+            const double unit = n / 2.0 / (5 * std::tan(20 * std::numbers::pi / 180));
+            const double cosine = std::cos(roll), sine = std::sin(roll);
+            const double expected[3][2] = {{cosine, -sine}, {sine, cosine}, {0, 0}};
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_NEAR(x[c] / sum[c], n / 2.0 + unit * expected[c][0], 0.15) << roll << nested << c;
+                EXPECT_NEAR(y[c] / sum[c], n / 2.0 - unit * expected[c][1], 0.15) << roll << nested << c;
+            }
+        }
+}
+
+/// A point-like square at depth z through a lens of diameter a that is focused at f: a disk, whose diameter in the
+/// plane of focus is a |z - f| / z. Its second moment tells.
+TEST(CameraForms, CircleOfConfusion)
+{
+    struct Case {
+        double aperture, focus, look_at, depth;
+    };
+    for (const Case& c :
+         {Case{0.4, 4, 9, 8}, {0.4, 4, 9, 2}, {0.2, 4, 9, 8}, {0.4, 0, 4, 8}, {0.4, 8, 4, 8}, {0, 4, 4, 8}}) {
+        Whites s;
+        s.camera({0, 0, 0}, {0, 0, -c.look_at}, 30);
+        s.scene.cameras[0].aperture = c.aperture;
+        s.scene.cameras[0].focus_distance = c.focus;
+        const double half = 0.01 * c.depth;
+        s.add(Rectangle{{-half, -half, -c.depth}, {2 * half, 0, 0}, {0, 2 * half, 0}}, s.white());
+        const int n = 64;
+        const std::uint64_t samples = 256;
+        const std::vector<float> p = s.pixels(small_picture(n, n), samples);
+        double sum = 0, moment[2] = {}, mean[2] = {};
+        for (int i = 0; i < n * n; ++i) {
+            const double v = p[std::size_t(3 * i)], at[2] = {i % n + 0.5 - n / 2.0, i / n + 0.5 - n / 2.0};
+            sum += v;
+            for (int k = 0; k < 2; ++k) mean[k] += v * at[k], moment[k] += v * at[k] * at[k];
+        }
+        // At distance 1, a pixel is 2 tan(15 deg) / n.
+        const double focus = c.focus > 0 ? c.focus : c.look_at, pixel = 2 * std::tan(std::numbers::pi / 12) / n;
+        const double radius = c.aperture / 2 * std::abs(c.depth - focus) / c.depth / focus / pixel;
+        // A uniform disk's, the square's own, and that of a pixel.
+        const double expected = radius * radius / 4 + std::pow(half / c.depth / pixel, 2) / 3 + 1.0 / 12;
+        for (int k = 0; k < 2; ++k) {
+            EXPECT_NEAR(mean[k] / sum, 0, 0.1);
+            // The fourth moment of a disk is twice the square of the second: as many samples as were hit.
+            const double error = expected / std::sqrt(sum * double(samples));
+            EXPECT_NEAR(moment[k] / sum, expected, 4 * error + 0.01 * expected)
+                << c.aperture << " " << c.focus << " " << c.depth;
+        }
+    }
+}
+
+/// The edge of a white half plane between two pixels: the share of the filter that lies beyond, by adding it up.
+TEST(FilterForms, ResponseToAnEdge)
+{
+    const auto gaussian = [](double x) { return std::abs(x) < 2 ? std::exp(-2 * x * x) - std::exp(-8.0) : 0; };
+    const auto blackman_harris = [](double x) {
+        const double t = std::numbers::pi * (x / 1.65 + 1);
+        return std::abs(x) < 1.65
+                   ? 0.35875 - 0.48829 * std::cos(t) + 0.14128 * std::cos(2 * t) - 0.01168 * std::cos(3 * t)
+                   : 0;
+    };
+    const auto box = [](double x) { return std::abs(x) < 0.5 ? 1.0 : 0; };
+    const auto share_right = [](const auto& f, double from) {
+        double right = 0, all = 0;
+        for (int i = 0; i < 40000; ++i) {
+            const double x = -2 + (i + 0.5) / 10000;
+            all += f(x);
+            if (x > from) right += f(x);
+        }
+        return right / all;
+    };
+    for (const bool upright : {false, true})
+        for (const Filter filter : {Filter::box, Filter::gaussian, Filter::blackman_harris}) {
+            Whites s;
+            s.camera({0, 0, 5}, {0, 0, 0});
+            s.scene.cameras[0].kind = CameraKind::orthographic;
+            s.scene.cameras[0].height = 16;  // a pixel a metre
+            // The white is to the right, or below.
+            s.add(upright ? Rectangle{{-50, -100, 0}, {100, 0, 0}, {0, 100, 0}}
+                          : Rectangle{{0, -50, 0}, {100, 0, 0}, {0, 100, 0}},
+                  s.white());
+            RenderSettings settings = small_picture(16, 16);
+            settings.filter = filter;
+            const std::vector<float> p = s.pixels(settings, 1024);
+            for (int k = 0; k < 16; ++k) {
+                double mean = 0;
+                for (int j = 0; j < 16; ++j) mean += p[std::size_t(3 * (upright ? k * 16 + j : j * 16 + k))] / 16;
+                // The edge lies 8 - (k + 0.5) beyond the pixel's middle.
+                const double from = 8 - (k + 0.5);
+                const double expected = filter == Filter::box        ? share_right(box, from)
+                                        : filter == Filter::gaussian ? share_right(gaussian, from)
+                                                                     : share_right(blackman_harris, from);
+                EXPECT_NEAR(mean, expected, 2e-3) << int(filter) << upright << " " << k;
+            }
+        }
+}
+
+/// The layers beside the picture: of a sphere, from its equation.
+TEST(Layers, OfASphere)
+{
+    for (const bool tree : {false, true}) {
+        SceneBuilder b;
+        b.diffuse(0.1f);
+        const int material = b.diffuse(0.25f);
+        b.scene.materials[1].base_color.value = {0.125f, 0.25f, 0.5f};
+        for (int i = 0; i < (tree ? 100 : 0); ++i) b.add(Sphere{{80, 0.1 * i, 0}, 0.01, {}}, 0);
+        b.add(Sphere{{80, -5, 0}, 0.01, {}}, 0);
+        b.add(Sphere{{1, 2, -3}, 1.5, {}}, material);
+        b.camera({1, 2, 4}, {1, 2, -3}, 30);
+        RenderSettings settings = small_picture(33, 33);
+        settings.aovs = {Aov::albedo, Aov::normal, Aov::depth, Aov::position, Aov::instance_id, Aov::material_id};
+        settings.alpha = true;
+        const Image image = render_film(b.scene, settings, 32).image(true, false);
+        for (const auto& [x, y] : {std::pair{16, 16}, {22, 16}, {16, 10}, {11, 21}}) {
+            const std::size_t i = std::size_t(y * 33 + x);
+            const double scale = std::tan(15 * std::numbers::pi / 180) * 2 / 33;
+            const Vec3d d = normalize(Vec3d{(x - 16) * scale, (16 - y) * scale, -1});
+            // (0, 0, 7) + t d, seen from the centre.
+            const double t = -7 * d.z - std::sqrt(49 * d.z * d.z - 49 + 2.25);
+            const Vec3d p = Vec3d{0, 0, 7} + d * t, n = p * (1 / 1.5);
+            const auto value = [&](const char* name, std::size_t stride, std::size_t c) {
+                return image.find(name)->pixels[stride * i + c];
+            };
+            for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(value("albedo", 3, c), 0.125 * double(1 << c), 1e-6);
+            EXPECT_NEAR(value("normal", 3, 0), n.x, 0.02);
+            EXPECT_NEAR(value("normal", 3, 1), n.y, 0.02);
+            EXPECT_NEAR(value("normal", 3, 2), n.z, 0.02);
+            EXPECT_NEAR(value("depth", 1, 0), -d.z * t, 0.02);  // along the view axis
+            EXPECT_NEAR(value("position", 3, 0), 1 + p.x, 0.02);
+            EXPECT_NEAR(value("position", 3, 1), 2 + p.y, 0.02);
+            EXPECT_NEAR(value("position", 3, 2), -3 + p.z, 0.02);
+            EXPECT_EQ(value("instance", 1, 0), tree ? 101 : 1);
+            EXPECT_EQ(value("material", 1, 0), 1);
+            EXPECT_EQ(image.layers[0].pixels[4 * i + 3], 1);
+        }
+        // A corner sees nothing.
+        EXPECT_TRUE(std::isinf(image.find("depth")->pixels[0]));
+        EXPECT_EQ(image.find("position")->pixels[1], 0);
+        EXPECT_EQ(image.find("normal")->pixels[2], 0);
+        EXPECT_EQ(image.layers[0].pixels[3], 0);
+    }
+}
+
+/// What is placed several times has an id for each place, and the material that is told there.
+TEST(Layers, IdsOfInstances)
+{
+    SceneBuilder b;
+    Points points;
+    points.centers = {{0, 0, 0}, {0, 0.3f, 0}};
+    points.radii = {0.4f, 0.4f};
+    b.scene.points.push_back(points);
+    for (int i = 0; i < 3; ++i) {
+        Node node;
+        node.parent_from_node = Transform::translate({1.2 * i - 1.2, 0, 0});
+        node.shapes.push_back({PointsInstance{0}, b.diffuse(0.25f * float(i + 1)), ""});
+        b.scene.roots.push_back(int(b.scene.nodes.size()));
+        b.scene.nodes.push_back(node);
+    }
+    b.camera({0, 0, 5}, {0, 0, 0});
+    b.scene.cameras[0].kind = CameraKind::orthographic;
+    b.scene.cameras[0].height = 1.2;
+    RenderSettings settings = small_picture(33, 11);
+    settings.aovs = {Aov::instance_id, Aov::material_id, Aov::albedo};
+    const Image image = render_film(b.scene, settings, 4).image(false, false);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t pixel = 5 * 33 + 5 + 11 * i;
+        EXPECT_EQ(image.find("instance")->pixels[pixel], float(i));
+        EXPECT_EQ(image.find("material")->pixels[pixel], float(i));
+        EXPECT_FLOAT_EQ(image.find("albedo")->pixels[3 * pixel], 0.25f * float(i + 1));
+    }
+}
+
+/// Normals in the layer point towards the viewer, of surfaces seen from behind as well; of smooth meshes they are the
+/// vertices', mixed by place.
+TEST(Layers, NormalsOfSmoothMeshesAndBacks)
+{
+    SceneBuilder b;
+    Mesh mesh;
+    mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}};
+    mesh.normals = {{0, 0, 1}, {0.6f, 0, 0.8f}, {0, 0.6f, 0.8f}};
+    mesh.indices = {0, 1, 2};
+    b.scene.meshes.push_back(mesh);
+    b.add(MeshInstance{0}, b.diffuse(0.5f));
+    b.add(Rectangle{{-1, -1, -4}, {0, 2, 0}, {2, 0, 0}}, b.diffuse(0.5f));  // its front looks away
+    b.camera({0, 0, 5}, {0, 0, 0});
+    b.scene.cameras[0].kind = CameraKind::orthographic;
+    RenderSettings settings = small_picture(16, 16);
+    settings.aovs = {Aov::normal};
+    const Image image = render_film(b.scene, settings, 64).image(false, false);
+    const float* n = &image.find("normal")->pixels[3 * (12 * 16 + 4)];
+    const double u = 4.5 / 16, v = 3.5 / 16;
+    const Vec3d expected = normalize(Vec3d{0, 0, 1} * (1 - u - v) + Vec3d{0.6, 0, 0.8} * u + Vec3d{0, 0.6, 0.8} * v);
+    EXPECT_NEAR(n[0], expected.x, 0.01);
+    EXPECT_NEAR(n[1], expected.y, 0.01);
+    EXPECT_NEAR(n[2], expected.z, 0.01);
+    EXPECT_NEAR(image.find("normal")->pixels[3 * (2 * 16 + 13) + 2], 1, 1e-6);
+}
+
+}  // namespace
+}  // namespace fathom

@@ -1,0 +1,476 @@
+#include <filesystem>
+#include <functional>
+
+#include "picture_helpers.h"
+
+// What each kind of light sends to a point of a floor, against the formula for it, at several places.
+namespace fathom {
+namespace {
+
+using namespace test;
+
+/// A floor y = 0 seen at one point from right above. Each scene is rendered by each of the ways there are: as a room of
+/// quads, as a list with a sphere in it, and by the tree.
+class Floor {
+public:
+    static constexpr float albedo = 0.5f;
+    static constexpr const char* ways[] = {"quads", "list", "tree"};
+
+    std::function<void(SceneBuilder&)> furnish;
+    std::uint64_t samples = 64;
+    bool light_sampling = true;
+
+    /// The three channels' irradiance at (x, 0, z), by the picture's mean.
+    Mean irradiance(double x, double z, int way) const
+    {
+        SceneBuilder b;
+        b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(albedo));
+        furnish(b);
+        // Out of everything's way.
+        for (int i = 0; i < (way == 0 ? 0 : way == 1 ? 1 : 100); ++i)
+            b.add(Sphere{{40 - 0.1 * i, -3, 0}, 0.02, {}}, b.diffuse(0.5f));
+        b.camera({x, 0.02, z}, {x, 0, z});
+        b.scene.cameras[0].kind = CameraKind::orthographic;
+        b.scene.cameras[0].height = 1e-3;
+        RenderSettings settings = small_picture(8, 8);
+        settings.light_sampling = light_sampling;
+        Mean m = mean_of(render_film(b.scene, settings, samples));
+        for (int c = 0; c < 3; ++c) {
+            m.value[c] *= std::numbers::pi / double(albedo);
+            m.error[c] *= std::numbers::pi / double(albedo);
+        }
+        return m;
+    }
+
+    void expect(double x, double z, double expected, double relative = 1e-3) const
+    {
+        for (int way = 0; way < 3; ++way) {
+            const Mean m = irradiance(x, z, way);
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(m.value[c], expected, 4 * m.error[c] + relative * expected + 1e-6)
+                    << "at " << x << ", " << z << " as " << ways[way] << ", channel " << c;
+        }
+    }
+};
+
+const Vec3d floor_points[] = {{0, 0, 0}, {0.7, 0, -0.3}, {-1.5, 0, 0.4}, {3, 0, 2}};
+
+/// Turns -z, along which lights shine, into a direction.
+Transform shining(Vec3d along)
+{
+    const Vec3d d = normalize(along), axis = cross({0, 0, -1}, d);
+    return Transform::rotate(length(axis) > 1e-9 ? axis : Vec3d{0, 1, 0}, std::acos(std::clamp(-d.z, -1.0, 1.0)));
+}
+
+TEST(LightForms, Point)
+{
+    const Vec3d at{0.3, 1.6, -0.2};
+    Floor floor;
+    floor.furnish = [&](SceneBuilder& b) {
+        Light light;
+        light.intensity = {5, 5, 5};
+        b.light(light, Transform::translate(at));
+    };
+    for (const Vec3d& p : floor_points) {
+        const Vec3d to = at - p;
+        floor.expect(p.x, p.z, 5 * to.y / std::pow(length(to), 3));
+    }
+}
+
+TEST(LightForms, Spot)
+{
+    const Vec3d at{0.3, 1.6, -0.2}, along = normalize(Vec3d{-0.5, -1, 0.1});
+    const double inner = 0.3, outer = 0.75;
+    Floor floor;
+    floor.furnish = [&](SceneBuilder& b) {
+        Light light;
+        light.kind = LightKind::spot;
+        light.intensity = {5, 5, 5};
+        light.inner_angle = inner, light.outer_angle = outer;
+        b.light(light, Transform::translate(at) * shining(along));
+    };
+    int full = 0, falling = 0, none = 0;
+    for (double x : {-2.5, -1.5, -1.0, -0.5, 0.0, 0.25, 0.5, 1.5}) {
+        const Vec3d to = at - Vec3d{x, 0, 0};
+        const double c = dot(along, normalize(to) * -1.0);
+        const double share = std::clamp((c - std::cos(outer)) / (std::cos(inner) - std::cos(outer)), 0.0, 1.0);
+        floor.expect(x, 0, 5 * share * share * to.y / std::pow(length(to), 3), 3e-3);
+        (share == 1 ? full : share == 0 ? none : falling)++;
+    }
+    EXPECT_GE(full, 1);
+    EXPECT_GE(falling, 2);
+    EXPECT_GE(none, 1);
+}
+
+TEST(LightForms, DirectionalAndItsDisk)
+{
+    for (const Vec3d& along : {Vec3d{0, -1, 0}, {1, -1, 0.5}, {-0.3, -0.6, 1}})
+        // A disk that is wholly above the horizon gives what its middle would: its radiance is that much less.
+        for (double angle : {0.0, 0.1, 0.7}) {
+            Floor floor;
+            floor.furnish = [&](SceneBuilder& b) {
+                Light sun;
+                sun.kind = LightKind::directional;
+                sun.intensity = {5, 5, 5};
+                sun.angle = angle;
+                b.light(sun, Transform::translate({1, 2, 3}) * shining(along));
+            };
+            floor.samples = 256;
+            floor.expect(0.2, -0.1, -5 * normalize(along).y);
+        }
+}
+
+/// The light of a uniform polygon that is wholly above the floor: Lambert's sum over its edges.
+double polygon(const std::vector<Vec3d>& corners, Vec3d p)
+{
+    Vec3d sum;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Vec3d a = normalize(corners[i] - p), b = normalize(corners[(i + 1) % corners.size()] - p);
+        sum = sum + normalize(cross(a, b)) * std::acos(std::clamp(dot(a, b), -1.0, 1.0));
+    }
+    return std::abs(sum.y) / 2;
+}
+
+TEST(LightForms, RectanglesAndParallelograms)
+{
+    struct Lamp {
+        Vec3d corner, u, v;
+    };
+    for (const Lamp& lamp : {Lamp{{-0.5, 1.2, -0.5}, {1, 0, 0}, {0, 0, 1.5}},     // parallel to the floor
+                             {{1.2, 0.1, -0.5}, {0, 0.9, 0}, {0, 0, 1.5}},        // upright
+                             {{-0.4, 0.8, 0.5}, {0.9, 0.4, 0}, {-0.2, 0.45, 1}},  // slanted
+                             {{-0.5, 1.2, -0.5}, {1, 0, 0.4}, {0.3, 0.2, 1.5}}})  // no right angle
+        for (const Vec3d& p : floor_points)
+            for (const bool light_sampling : {true, false}) {
+                if (!light_sampling && p.x != 0) continue;
+                Floor floor;
+                floor.light_sampling = light_sampling;
+                floor.samples = light_sampling ? 256 : 8192;
+                floor.furnish = [&](SceneBuilder& b) {
+                    b.add(Rectangle{lamp.corner, lamp.u, lamp.v}, b.diffuse(0, {3, 3, 3}, true));
+                };
+                floor.expect(p.x, p.z,
+                             3 * polygon({lamp.corner, lamp.corner + lamp.u, lamp.corner + lamp.u + lamp.v,
+                                          lamp.corner + lamp.v},
+                                         p),
+                             2e-3);
+            }
+}
+
+TEST(LightForms, Triangles)
+{
+    // Its front is below; one of the points is behind it.
+    const std::vector<Vec3d> corners = {{-0.5, 1.2, -0.5}, {0.9, 0.7, 0.1}, {-0.2, 0.9, 1.3}};
+    for (const bool one_sided : {false, true})
+        for (const Vec3d& p : floor_points) {
+            Floor floor;
+            floor.samples = 256;
+            floor.furnish = [&](SceneBuilder& b) {
+                Mesh mesh;
+                for (const Vec3d& c : corners) mesh.positions.push_back({float(c.x), float(c.y), float(c.z)});
+                mesh.indices = {0, 1, 2};  // its normal points down
+                b.scene.meshes.push_back(mesh);
+                b.add(MeshInstance{0}, b.diffuse(0, {3, 3, 3}, !one_sided));
+            };
+            const Vec3d n = cross(corners[1] - corners[0], corners[2] - corners[0]);
+            const bool in_front = dot(n, p - corners[0]) > 0;
+            floor.expect(p.x, p.z, in_front || !one_sided ? 3 * polygon(corners, p) : 0, 2e-3);
+        }
+}
+
+/// Triangles of one mesh, of very different sizes and slants: each is weighted as itself, also where it is found by
+/// chance.
+TEST(LightForms, TrianglesOfOneMesh)
+{
+    const std::vector<Vec3d> corners[] = {{{-0.5, 0.9, -0.5}, {0.9, 0.7, 0.1}, {-0.2, 0.9, 1.3}},
+                                          {{1.2, 0.1, -0.8}, {1.2, 0.9, 0.6}, {1.1, 0.1, 0.8}},
+                                          {{-1.2, 0.3, 0}, {-1.1, 0.35, 0.1}, {-1.2, 0.5, 0.2}}};
+    for (const Vec3d& p : {floor_points[0], floor_points[1]})
+        for (const bool light_sampling : {true, false}) {
+            Floor floor;
+            floor.light_sampling = light_sampling;
+            floor.samples = light_sampling ? 1024 : 8192;
+            double expected = 0;
+            for (const auto& triangle : corners) expected += 3 * polygon(triangle, p);
+            floor.furnish = [&](SceneBuilder& b) {
+                Mesh mesh;
+                for (const auto& triangle : corners)
+                    for (const Vec3d& c : triangle) {
+                        mesh.indices.push_back(std::uint32_t(mesh.positions.size()));
+                        mesh.positions.push_back({float(c.x), float(c.y), float(c.z)});
+                    }
+                b.scene.meshes.push_back(mesh);
+                b.add(MeshInstance{0}, b.diffuse(0, {3, 3, 3}, true));
+            };
+            floor.expect(p.x, p.z, expected, 2e-3);
+        }
+}
+
+/// Parallel to the floor, off its axis (Howell, B-13 turned into a point's).
+TEST(LightForms, Disk)
+{
+    const double h = 1.1, r = 0.8;
+    for (const bool light_sampling : {true, false}) {
+        Floor floor;
+        floor.light_sampling = light_sampling;
+        floor.samples = light_sampling ? 1024 : 8192;
+        floor.furnish = [&](SceneBuilder& b) { b.add(Disk{{0, h, 0}, {0, -2, 0}, r}, b.diffuse(0, {3, 3, 3})); };
+        for (double a : {0.0, 0.5, 1.5}) {
+            if (!light_sampling && a > 0) continue;
+            const double s = r * r + a * a + h * h;
+            floor.expect(
+                0.6 * a, 0.8 * a,
+                3 * std::numbers::pi / 2 * (1 + (r * r - a * a - h * h) / std::sqrt(s * s - 4 * r * r * a * a)), 2e-3);
+        }
+    }
+}
+
+TEST(LightForms, Sphere)
+{
+    const Vec3d center{0.2, 1.3, 0.1};
+    const double r = 0.7;
+    for (const bool light_sampling : {true, false}) {
+        Floor floor;
+        floor.light_sampling = light_sampling;
+        floor.samples = light_sampling ? 256 : 8192;
+        floor.furnish = [&](SceneBuilder& b) { b.add(Sphere{center, r, {}}, b.diffuse(0, {3, 3, 3})); };
+        for (const Vec3d& p : floor_points) {
+            if (!light_sampling && p.x != 0) continue;
+            const Vec3d to = center - p;
+            floor.expect(p.x, p.z, 3 * std::numbers::pi * r * r * to.y / std::pow(length(to), 3), 2e-3);
+        }
+    }
+}
+
+/// Of several lights of different kinds and strengths each counts once.
+TEST(LightForms, AllKindsTogether)
+{
+    Floor floor;
+    floor.samples = 8192;
+    Light point, sun;
+    point.intensity = {4, 4, 4};
+    sun.kind = LightKind::directional;
+    sun.intensity = {0.5f, 0.5f, 0.5f};
+    floor.furnish = [&](SceneBuilder& b) {
+        b.light(point, Transform::translate({1, 2, 0}));
+        b.light(sun, shining({0, -1, 1}));
+        b.add(Rectangle{{-1, 3, -0.5}, {1, 0, 0}, {0, 0, 1}}, b.diffuse(0, {8, 8, 8}, true));
+        b.add(Sphere{{-1.5, 1.5, -1}, 0.2, {}}, b.diffuse(0, {30, 30, 30}));
+    };
+    const Vec3d p{0.1, 0, 0.2}, to = Vec3d{1, 2, 0} - p, ball = Vec3d{-1.5, 1.5, -1} - p;
+    floor.expect(p.x, p.z,
+                 4 * to.y / std::pow(length(to), 3) + 0.5 * std::sqrt(0.5) +
+                     8 * polygon({{-1, 3, -0.5}, {0, 3, -0.5}, {0, 3, 0.5}, {-1, 3, 0.5}}, p) +
+                     30 * std::numbers::pi * 0.04 * ball.y / std::pow(length(ball), 3),
+                 2e-3);
+}
+
+/// Whose front is turned away is dark; a transform that mirrors takes the front with it.
+TEST(LightForms, SidesOfLamps)
+{
+    for (const bool mirrored : {false, true})
+        for (const bool upside_down : {false, true})
+            for (int kind = 0; kind < 4; ++kind) {
+                Floor floor;
+                floor.samples = 256;
+                floor.furnish = [&](SceneBuilder& b) {
+                    const int lamp = b.diffuse(0, {3, 3, 3});
+                    const double up = upside_down ? 1 : -1;
+                    Node node;
+                    // Mirrored along x, which is its own.
+                    node.parent_from_node =
+                        Transform::translate({0, 1, 0}) * Transform::scale({mirrored ? -1.0 : 1.0, 1, 1});
+                    Shape shape;
+                    shape.material = lamp;
+                    if (kind == 0)
+                        shape.geometry = Rectangle{{-0.5, 0, -0.5},
+                                                   {up < 0 ? 1. : 0., 0, up < 0 ? 0. : 1.},
+                                                   {up < 0 ? 0. : 1., 0, up < 0 ? 1. : 0.}};
+                    if (kind == 1) shape.geometry = Disk{{0, 0, 0}, {0, up, 0}, 0.5};
+                    if (kind == 2 || kind == 3) {
+                        Mesh mesh;
+                        mesh.positions = {{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0, 0, 0.5f}};
+                        // With a fourth corner off its plane, so that nothing is joined.
+                        mesh.indices =
+                            up < 0 ? std::vector<std::uint32_t>{0, 1, 2} : std::vector<std::uint32_t>{0, 2, 1};
+                        // Vertex normals do not say which side is the front.
+                        if (kind == 3) mesh.normals.assign(3, {0, 1, 0});
+                        shape.geometry = MeshInstance{int(b.scene.meshes.size())};
+                        b.scene.meshes.push_back(mesh);
+                    }
+                    node.shapes.push_back(shape);
+                    b.scene.roots.push_back(int(b.scene.nodes.size()));
+                    b.scene.nodes.push_back(node);
+                };
+                for (int way = 0; way < 3; ++way) {
+                    const double e = floor.irradiance(0.1, 0.1, way).value[0];
+                    if (upside_down)
+                        EXPECT_EQ(e, 0) << kind << mirrored << " " << Floor::ways[way];
+                    else
+                        EXPECT_GT(e, 0.3) << kind << mirrored << " " << Floor::ways[way];
+                }
+            }
+}
+
+TEST(LightForms, ConstantAndGradientEnvironments)
+{
+    Floor floor;
+    floor.samples = 1024;
+    Environment sky;
+    sky.kind = EnvironmentKind::constant;
+    sky.color = {0.7f, 0.7f, 0.7f};
+    floor.furnish = [&](SceneBuilder& b) { b.scene.environment = sky; };
+    floor.expect(0.3, 0.1, 0.7 * std::numbers::pi);
+    // Mixed by (1 + cos) / 2 of the angle to the gradient's up; over the cosine-weighted half of the sky the mean of
+    // its cosine is 2/3 of that between both ups.
+    sky.kind = EnvironmentKind::gradient;
+    sky.bottom = {1, 1, 1}, sky.top = {3, 3, 3};
+    for (double angle : {0.0, 0.5, std::numbers::pi / 2, 2.5, std::numbers::pi}) {
+        sky.world_from_environment = Transform::rotate({0, 0.2, 1}, angle);
+        const double up = sky.world_from_environment.vector({0, 1, 0}).y;
+        floor.expect(0.3, 0.1, std::numbers::pi * (1 + 2 * (0.5 + 0.5 * up * 2 / 3)));
+    }
+}
+
+/// The directions of an image's places, from the words of the format: its middle looks along -z, its top along +y.
+Vec3d direction_of(double u, double v)
+{
+    const double phi = 2 * std::numbers::pi * (u - 0.5), theta = std::numbers::pi * v;
+    return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
+}
+
+class ImageEnvironment : public testing::Test {
+protected:
+    static constexpr int width = 16, height = 8;
+    ImageEnvironment()
+    {
+        file_ = std::filesystem::temp_directory_path() /
+                (std::string("fathom-sky-") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".exr");
+    }
+    ~ImageEnvironment() override { std::filesystem::remove(file_); }
+
+    /// Black but one texel, whose channels are 1, 2 and 3 times `bright`; on top of `grey` everywhere.
+    void write(int x, int y, float bright, float grey)
+    {
+        Image image;
+        image.width = width, image.height = height;
+        image.layers.push_back({"", {"R", "G", "B"}, std::vector<float>(std::size_t(width * height * 3), grey)});
+        for (int c = 0; c < 3; ++c)
+            image.layers[0].pixels[std::size_t(3 * (y * width + x) + c)] += bright * float(c + 1);
+        write_image(file_, image, {});
+        x_ = x, y_ = y, bright_ = double(bright), grey_ = double(grey);
+    }
+    /// The image between its texels: of the bright one a tent that ends at its neighbours' middles. Rows above the
+    /// first and below the last repeat them.
+    double tent(double u, double v) const
+    {
+        const double dx = std::abs(std::remainder(u * width - 0.5 - x_, double(width)));
+        const double row = std::clamp(v * height - 0.5, 0.0, height - 1.0), dy = std::abs(row - y_);
+        return std::max(0.0, 1 - dx) * std::max(0.0, 1 - dy);
+    }
+    void use(SceneBuilder& b, const Transform& turn, Color color = {1, 1, 1}) const
+    {
+        b.scene.images.push_back({"sky", file_, {}});
+        b.scene.environment.kind = EnvironmentKind::image;
+        b.scene.environment.image = 0;
+        b.scene.environment.color = color;
+        b.scene.environment.world_from_environment = turn;
+    }
+
+    std::filesystem::path file_;
+    int x_ = 0, y_ = 0;
+    double bright_ = 0, grey_ = 0;
+};
+
+TEST_F(ImageEnvironment, IsSeenWhereItIs)
+{
+    write(5, 2, 8, 0.25f);
+    for (const Transform& turn : {Transform(), Transform::rotate({0.5, 1, -0.3}, 1.1)}) {
+        for (const auto& [column, row] : {std::pair{5, 2}, {6, 2}, {5, 3}, {10, 2}, {5, 5}}) {
+            SceneBuilder b;
+            use(b, turn, {1, 0.5f, 2});
+            b.add(Sphere{{0, 0, 0}, 1e-3, {}}, b.diffuse(0.5f));
+            const Vec3d to = turn.vector(direction_of((column + 0.5) / width, (row + 0.5) / height));
+            // A thousandth of a degree is one direction.
+            b.camera(to, to * 2, 1e-3);
+            const Mean m = mean_of(render_film(b.scene, small_picture(4, 4), 4));
+            const double factor[] = {1, 0.5, 2};
+            for (int c = 0; c < 3; ++c) {
+                const double expected = factor[c] * (0.25 + (column == 5 && row == 2 ? 8 * (c + 1) : 0));
+                EXPECT_NEAR(m.value[c], expected, 2e-3 * expected) << column << " " << row << " " << c;
+            }
+        }
+    }
+}
+
+/// Irradiance of the floor, by adding up the image's light over the sky in fine steps.
+TEST_F(ImageEnvironment, LightsTheFloor)
+{
+    for (const auto& [x, y] : {std::pair{5, 2}, {0, 1}, {15, 3}, {8, 0}}) {
+        write(x, y, 20, 0.1f);
+        for (const Transform& turn : {Transform(), Transform::rotate({0.5, 1, -0.3}, 0.6)})
+            for (const bool light_sampling : {true, false}) {
+                double expected = grey_ * std::numbers::pi;
+                constexpr int steps = 400;
+                for (int i = 0; i < 2 * steps; ++i)
+                    for (int j = 0; j < steps; ++j) {
+                        const double u = (i + 0.5) / (2 * steps), v = (j + 0.5) / steps;
+                        const double cosine = turn.vector(direction_of(u, v)).y;
+                        if (cosine > 0)
+                            expected += bright_ * tent(u, v) * cosine * std::sin(std::numbers::pi * v) * 2 *
+                                        std::numbers::pi * std::numbers::pi / (2.0 * steps * steps);
+                    }
+                Floor floor;
+                floor.light_sampling = light_sampling;
+                floor.samples = light_sampling ? 1024 : 8192;
+                floor.furnish = [&](SceneBuilder& b) { use(b, turn, {1, 0.5f, 2}); };
+                for (int way = 0; way < 3; ++way) {
+                    const Mean m = floor.irradiance(0.3, 0.1, way);
+                    const double factor[] = {1, 0.5, 2};
+                    for (int c = 0; c < 3; ++c) {
+                        const double e =
+                            factor[c] * (grey_ * std::numbers::pi + (expected - grey_ * std::numbers::pi) * (c + 1));
+                        EXPECT_NEAR(m.value[c], e, 4 * m.error[c] + 3e-3 * e)
+                            << x << " " << y << " " << light_sampling << " " << Floor::ways[way] << " channel " << c;
+                    }
+                }
+            }
+    }
+}
+
+/// Sampled by luminance: next to no noise is left of a small bright sun in a dark sky.
+TEST_F(ImageEnvironment, IsSampledWhereItIsBright)
+{
+    write(5, 1, 1000, 0.001f);
+    Floor floor;
+    floor.samples = 256;
+    floor.furnish = [&](SceneBuilder& b) { use(b, {}); };
+    for (int way = 0; way < 3; ++way) {
+        const Mean m = floor.irradiance(0, 0, way);
+        // Of 16,384 samples: a relative variance of about one each.
+        EXPECT_LT(m.error[0] / m.value[0], 0.015) << Floor::ways[way];
+    }
+}
+
+/// What one sees of the background lights nothing, and what lights is not seen there.
+TEST(LightForms, Background)
+{
+    Floor floor;
+    floor.furnish = [&](SceneBuilder& b) {
+        b.scene.environment.kind = EnvironmentKind::constant;
+        b.scene.environment.color = {0.5f, 0.5f, 0.5f};
+    };
+    SceneBuilder b;
+    b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(1));
+    floor.furnish(b);
+    b.camera({0, 1, 0}, {0, 0, 0}, 10);
+    RenderSettings settings = small_picture(8, 8);
+    settings.background = Color{7, 8, 9};
+    expect_mean(render_film(b.scene, settings, 256), 0.5);
+    b.scene.cameras[0].look_at = {0, 3, 0};
+    const Mean m = mean_of(render_film(b.scene, settings, 4));
+    for (int c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(float(m.value[c]), float(7 + c));
+}
+
+}  // namespace
+}  // namespace fathom

@@ -1,0 +1,337 @@
+#include <array>
+#include <filesystem>
+#include <functional>
+
+#include "picture_helpers.h"
+
+// Where textures lie on shapes, which channel does what, and what normal maps bend, by arithmetic.
+namespace fathom {
+namespace {
+
+using namespace test;
+
+/// What an orthographic camera at z = 5 sees of [-1, 1] x [-1, 1] in the plane z = 0, pixel by pixel, without noise in
+/// a scene of unlit surfaces.
+class View : public SceneBuilder {
+public:
+    static constexpr int side = 16;
+
+    View()
+    {
+        camera({0, 0, 5}, {0, 0, 0});
+        scene.cameras[0].kind = CameraKind::orthographic;
+        scene.cameras[0].height = 2;
+    }
+    /// Of n pixels a side; one sample each, which lies anywhere in its pixel.
+    std::vector<float> pixels(std::uint64_t samples = 1, int n = side)
+    {
+        return render_film(scene, small_picture(n, n), samples).image(false, false).layers[0].pixels;
+    }
+    Color at(double x, double y)
+    {
+        const std::vector<float> all = pixels();
+        const int column = int((x + 1) / 2 * side), row = int((1 - y) / 2 * side);
+        const float* p = &all[std::size_t(3 * (row * side + column))];
+        return {p[0], p[1], p[2]};
+    }
+    int unlit(int texture)
+    {
+        Material m;
+        m.kind = MaterialKind::unlit;
+        m.base_color = {{1, 1, 1}, texture};
+        return material(m);
+    }
+    int texture(const Texture& t)
+    {
+        scene.textures.push_back(t);
+        return int(scene.textures.size()) - 1;
+    }
+};
+
+class TextureForms : public testing::Test {
+protected:
+    TextureForms()
+    {
+        file_ = std::filesystem::temp_directory_path() /
+                (std::string("fathom-forms-") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".exr");
+    }
+    ~TextureForms() override { std::filesystem::remove(file_); }
+
+    /// Rows from the top; four channels, premultiplied as files are.
+    Texture picture(SceneDescription& scene, int width, int height,
+                    const std::function<std::array<float, 4>(int, int)>& value)
+    {
+        Image image;
+        image.width = width, image.height = height;
+        image.layers.push_back({"", {"R", "G", "B", "A"}, {}});
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                for (float v : value(x, y)) image.layers[0].pixels.push_back(v);
+        write_image(file_, image, {});
+        scene.images.push_back({"picture", file_, {}});
+        Texture t;
+        t.image = int(scene.images.size()) - 1;
+        t.nearest = true;
+        return t;
+    }
+    /// Colours that say where they are: red grows with x, green with y.
+    Texture places(SceneDescription& scene, int n = 4)
+    {
+        return picture(scene, n, n, [](int x, int y) { return std::array{float(x), float(y), 0.5f, 1.f}; });
+    }
+
+    std::filesystem::path file_;
+};
+
+/// Pictures hang upright on what faces the viewer: on rectangles, boxes' fronts, disks, meshes, spheres, in lists and
+/// trees.
+TEST_F(TextureForms, HangUpright)
+{
+    for (const bool tree : {false, true})
+        for (int kind = 0; kind < 5; ++kind) {
+            View v;
+            const int material = v.unlit(v.texture(places(v.scene)));
+            if (kind == 0) v.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, material);
+            if (kind == 1) v.add(Box{{-1, -1, -1}, {1, 1, 0}}, material);
+            if (kind == 2) v.add(Disk{{0, 0, 0}, {0, 0, 1}, std::sqrt(2.0)}, material);
+            if (kind == 3) {
+                Mesh mesh;
+                mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+                mesh.uvs[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+                mesh.indices = {0, 1, 2, 0, 2, 3};
+                v.scene.meshes.push_back(mesh);
+                v.add(MeshInstance{0}, material);
+            }
+            if (kind == 4) v.add(Sphere{{0, 0, 0}, 2, {}}, material);
+            for (int i = 0; i < (tree ? 100 : 0); ++i) v.add(Sphere{{8 + 0.1 * i, 0, -9}, 0.01, {}}, material);
+            for (double x : {-0.8, -0.3, 0.2, 0.7})
+                for (double y : {-0.8, -0.3, 0.2, 0.7}) {
+                    double s = (x + 1) / 2, t = (1 - y) / 2;
+                    if (kind == 2) s = 0.5 + x / 2 / std::sqrt(2.0), t = 0.5 - y / 2 / std::sqrt(2.0);
+                    if (kind == 4) {
+                        // u turns about +y from +x towards -z, v goes down from the pole at +y.
+                        const double z = std::sqrt(4 - x * x - y * y);
+                        s = std::atan2(-z, x) / (2 * std::numbers::pi), s += s < 0 ? 1 : 0;
+                        t = std::acos(y / 2) / std::numbers::pi;
+                    }
+                    // Not where a pixel of 1/8 has texels of two kinds in it.
+                    const double margin = kind == 4 ? 0.12 : 0.26;
+                    const double fs = s * 4 - std::floor(s * 4), ft = t * 4 - std::floor(t * 4);
+                    if (std::min({fs, 1 - fs, ft, 1 - ft}) < margin) continue;
+                    const Color c = v.at(x, y);
+                    EXPECT_EQ(c.r, std::floor(s * 4)) << kind << tree << " " << x << " " << y;
+                    EXPECT_EQ(c.g, std::floor(t * 4)) << kind << tree << " " << x << " " << y;
+                    EXPECT_EQ(c.b, 0.5f);
+                }
+        }
+}
+
+/// KHR_texture_transform: scaled, turned, moved; the matrix of its specification written out.
+TEST_F(TextureForms, OffsetRotationScaleAndSet)
+{
+    for (const bool second : {false, true})
+        for (const float angle : {0.0f, 0.4f, -1.2f}) {
+            View v;
+            Texture t = places(v.scene, 8);
+            t.uv_offset = {0.2f, -0.35f}, t.uv_scale = {0.7f, 1.3f}, t.uv_rotation = angle;
+            t.uv_set = second;
+            t.wrap_u = Wrap::repeat, t.wrap_v = Wrap::repeat;
+            const int material = v.unlit(v.texture(t));
+            Mesh mesh;
+            mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+            mesh.uvs[second ? 1 : 0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+            mesh.uvs[second ? 0 : 1] = {{0.1f, 0.1f}, {0.1f, 0.1f}, {0.1f, 0.1f}, {0.1f, 0.1f}};
+            mesh.indices = {0, 1, 2, 0, 2, 3};
+            v.scene.meshes.push_back(mesh);
+            v.add(MeshInstance{0}, material);
+            const std::vector<float> pixels = v.pixels(1, 64);
+            int checked = 0;
+            for (int row = 0; row < 64; ++row)
+                for (int column = 0; column < 64; ++column) {
+                    // Where all of the pixel lies on one texel.
+                    Color expected;
+                    bool one = true;
+                    for (int corner = 0; corner < 4; ++corner) {
+                        const double s = (column + (corner & 1)) / 64.0 * double(t.uv_scale.x),
+                                     r = (row + (corner >> 1)) / 64.0 * double(t.uv_scale.y);
+                        const double c = std::cos(double(angle)), n = std::sin(double(angle));
+                        const double tu = c * s + n * r + double(t.uv_offset.x),
+                                     tv = -n * s + c * r + double(t.uv_offset.y);
+                        const Color here{float(int(std::floor(tu * 8 + 80)) % 8),
+                                         float(int(std::floor(tv * 8 + 80)) % 8), 0.5f};
+                        if (corner > 0 && !(here == expected)) one = false;
+                        expected = here;
+                    }
+                    if (!one) continue;
+                    ++checked;
+                    const float* p = &pixels[std::size_t(3 * (row * 64 + column))];
+                    ASSERT_EQ((Color{p[0], p[1], p[2]}), expected) << second << angle << " " << column << " " << row;
+                }
+            EXPECT_GT(checked, 1000);
+        }
+}
+
+/// A number that a texture's channel says is that number: no bit of the picture differs by more than rounding.
+TEST_F(TextureForms, ChannelsOfRoughnessMetallicAndAlpha)
+{
+    const std::array<float, 4> value{0.125f, 0.375f, 0.75f, 0.5f};
+    for (int channel = 0; channel < 4; ++channel)
+        for (int what = 0; what < 3; ++what) {
+            std::vector<float> pictures[2];
+            for (const bool textured : {false, true}) {
+                View v;
+                const int t = v.texture(picture(v.scene, 1, 1, [&](int, int) { return value; }));
+                Material m;
+                m.kind = MaterialKind::principled;
+                m.base_color.value = {0.9f, 0.6f, 0.2f};
+                m.roughness.value = 0.5f, m.metallic.value = 0.5f;
+                FloatInput& input = what == 0 ? m.roughness : what == 1 ? m.metallic : m.alpha;
+                const float factor = 0.875f;
+                input = {factor * (textured ? 1 : value[std::size_t(channel)]), textured ? t : -1, channel};
+                if (what == 2) m.alpha_mode = AlphaMode::blend;
+                // One of each, so that both scenes have textures.
+                v.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0.5}}, v.material(m));
+                v.add(Rectangle{{5, -1, 0}, {1, 0, 0}, {0, 1, 0}}, v.unlit(t));
+                v.scene.environment.kind = EnvironmentKind::gradient;
+                pictures[textured] = v.pixels(4);
+            }
+            double difference = 0, total = 0;
+            for (std::size_t i = 0; i < pictures[0].size(); ++i) {
+                difference += std::abs(double(pictures[0][i]) - double(pictures[1][i]));
+                total += double(pictures[0][i]);
+            }
+            EXPECT_LT(difference, 2e-4 * total) << "channel " << channel << " of " << what;
+        }
+}
+
+/// The texture's colour times the value, of what reflects and what shines.
+TEST_F(TextureForms, ColoursMultiply)
+{
+    for (const bool emits : {false, true}) {
+        View v;
+        const int t = v.texture(picture(v.scene, 1, 1, [](int, int) { return std::array{0.5f, 0.25f, 0.125f, 1.f}; }));
+        Material m;
+        m.kind = emits ? MaterialKind::none : MaterialKind::diffuse;
+        (emits ? m.emission : m.base_color) = {{0.5f, 0.75f, 1}, t};
+        v.add(Rectangle{{-2, -2, 0}, {4, 0, 0}, {0, 4, 0}}, v.material(m));
+        v.scene.environment.kind = EnvironmentKind::constant;
+        const Mean mean = mean_of(render_film(v.scene, small_picture(8, 8), 16));
+        const double expected[] = {0.25, 0.1875, 0.125};
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean.value[c], expected[c], 1e-5) << emits;
+    }
+}
+
+/// Colours of vertices, mixed by the place in the triangle; each vertex has its own.
+TEST(VertexForms, ColoursAreMixedByPlace)
+{
+    for (const bool tree : {false, true}) {
+        View v;
+        Mesh mesh;
+        mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}};
+        mesh.colors = {{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}};
+        mesh.indices = {0, 1, 2};
+        v.scene.meshes.push_back(mesh);
+        Material m;
+        m.base_color.value = {1, 0.5f, 0.25f};
+        m.use_vertex_color = true;
+        v.add(MeshInstance{0}, v.material(m));
+        for (int i = 0; i < (tree ? 100 : 0); ++i) v.add(Sphere{{8 + 0.1 * i, 0, -9}, 0.01, {}}, 0);
+        v.scene.environment.kind = EnvironmentKind::constant;
+        const std::vector<float> pixels = v.pixels(64);
+        for (const auto& [x, y] : {std::pair{-0.9, -0.9}, {0.6, -0.9}, {-0.9, 0.6}, {-0.4, -0.3}}) {
+            const int column = int((x + 1) * 8), row = int((1 - y) * 8);
+            const float* p = &pixels[std::size_t(3 * (row * 16 + column))];
+            // In the pixel's middle, give or take the samples' places.
+            const double mx = (column + 0.5) / 8 - 1, my = 1 - (row + 0.5) / 8;
+            const double green = (mx + 1) / 2, blue = (my + 1) / 2;
+            EXPECT_NEAR(p[0], 1 - green - blue, 0.01) << x << " " << y;
+            EXPECT_NEAR(p[1], 0.5 * green, 0.01) << x << " " << y;
+            EXPECT_NEAR(p[2], 0.25 * blue, 0.01) << x << " " << y;
+        }
+    }
+}
+
+/// A normal map of one normal, lit by the sun from several sides: the cosine of that normal, in the frame of what it is
+/// on. Red points along growing u, green up in the picture.
+TEST_F(TextureForms, NormalMaps)
+{
+    const Vec3d coded = normalize(Vec3d{0.3, -0.4, 0.8});
+    for (int kind = 0; kind < 5; ++kind)
+        for (const float scale : {1.0f, 0.5f})
+            for (const Vec3d& to_sun : {Vec3d{0, 0, 1}, normalize(Vec3d{1, 0, 1}), normalize(Vec3d{0.2, -1, 1})}) {
+                View v;
+                Texture t = picture(v.scene, 1, 1, [&](int, int) {
+                    return std::array{float(coded.x / 2 + 0.5), float(coded.y / 2 + 0.5), float(coded.z / 2 + 0.5),
+                                      1.f};
+                });
+                Material m;
+                m.base_color.value = {1, 1, 1};
+                m.normal_texture = v.texture(t);
+                m.normal_scale = scale;
+                const int material = v.material(m);
+                // Tangent and bitangent as the shape has them.
+                Vec3d right{1, 0, 0}, up{0, 1, 0};
+                if (kind == 0) v.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, material);
+                if (kind == 1) {
+                    v.add(Rectangle{{1, -1, 0}, {0, 2, 0}, {-2, 0, 0}}, material);
+                    right = {0, 1, 0}, up = {-1, 0, 0};
+                }
+                if (kind >= 2) {
+                    Mesh mesh;
+                    mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+                    mesh.indices = {0, 1, 2, 0, 2, 3};
+                    mesh.uvs[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+                    if (kind == 3) {  // the picture mirrored: u grows to the left
+                        mesh.uvs[0] = {{1, 1}, {0, 1}, {0, 0}, {1, 0}};
+                        right = {-1, 0, 0};
+                    }
+                    if (kind == 4) {  // tangents that say otherwise: up, with the bitangent to the right of it
+                        mesh.normals.assign(4, {0, 0, 1});
+                        mesh.tangents.assign(4, {0, 1, 0, -1});
+                        right = {0, 1, 0}, up = {1, 0, 0};
+                    }
+                    v.scene.meshes.push_back(mesh);
+                    v.add(MeshInstance{0}, material);
+                }
+                Light sun;
+                sun.kind = LightKind::directional;
+                sun.intensity = {2, 2, 2};
+                const Vec3d axis = cross({0, 0, 1}, to_sun);
+                v.light(sun, Transform::rotate(length(axis) > 0 ? axis : Vec3d{1, 0, 0}, std::acos(to_sun.z)));
+                const double s = double(scale);
+                const Vec3d n = normalize(right * (coded.x * s) + up * (coded.y * s) + Vec3d{0, 0, 1} * coded.z);
+                expect_mean(render_film(v.scene, small_picture(4, 4), 4),
+                            2 / std::numbers::pi * std::max(0.0, dot(n, to_sun)), 1e-3);
+            }
+}
+
+/// Where alpha lets a share of the rays through, so much of the light passes, too; where it cuts, at and above the
+/// cutoff it stands.
+TEST(AlphaForms, ShadowsAndCutoff)
+{
+    Light sun;
+    sun.kind = LightKind::directional;
+    for (const float alpha : {0.0f, 0.3f, 0.8f, 1.0f})
+        for (const AlphaMode mode : {AlphaMode::blend, AlphaMode::mask, AlphaMode::opaque}) {
+            View v;
+            Material floor, veil;
+            floor.base_color.value = {1, 1, 1};
+            veil.kind = MaterialKind::none;
+            veil.alpha.value = alpha;
+            veil.alpha_mode = mode;
+            veil.alpha_cutoff = 0.8f;
+            v.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, v.material(floor));
+            // Before the sun, not before the camera.
+            v.add(Rectangle{{-4, -4, 8}, {8, 0, 0}, {0, 8, 0}}, v.material(veil));
+            v.light(sun, {});
+            const double stopped = mode == AlphaMode::blend  ? double(alpha)
+                                   : mode == AlphaMode::mask ? (alpha >= 0.8f ? 1 : 0)
+                                                             : 1;
+            const Mean m = mean_of(render_film(v.scene, small_picture(16, 16), 64));
+            EXPECT_NEAR(m.value[0], (1 - stopped) / std::numbers::pi, 4 * m.error[0] + 1e-5)
+                << alpha << " " << int(mode);
+        }
+}
+
+}  // namespace
+}  // namespace fathom

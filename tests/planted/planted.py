@@ -1,0 +1,245 @@
+#!/usr/bin/env python3
+"""Plants bugs in a copy of the sources, one at a time, and tells which of them the tests see. See docs/testing.md.
+
+A rule of tests/planted/rules/MODULE.json is
+
+    id       a name that no other rule has
+    bug      what goes wrong, in words
+    files    where the code stands: a glob below src/
+    find     the code. A run of blanks in it stands for any run of blanks and line breaks, so laying out anew changes nothing
+    replace  what is planted instead
+    count    how often the code stands there (default 1); every place is changed
+    targets  what to build, as little as shows the bug
+    tests    which tests ought to fail: a regular expression for ctest -R; without it all quick and full ones run
+    gtest    optional: GTEST_FILTER for a test that runs many at once (kernel_tests)
+    isa      optional: an instruction set other than base whose kernel is to be built, where lanes matter
+"""
+import argparse
+import hashlib
+import json
+import os
+import pathlib
+import random
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PLACE = ROOT / "build" / "planted"
+COPIED = ["CMakeLists.txt", "CMakePresets.json", "LICENSE", "apps", "bench", "cmake", "docs", "examples", "include", "scenes",
+          "scripts", "src", "tests", "tools"]
+REQUIRED = {"id", "bug", "files", "find", "replace", "targets"}
+OPTIONAL = {"count": 1, "tests": "", "gtest": "", "isa": "base"}
+
+
+class RuleError(Exception):
+    pass
+
+
+def read_rules():
+    rules = []
+    for file in sorted((pathlib.Path(__file__).parent / "rules").glob("*.json")):
+        for rule in json.loads(file.read_text()):
+            unknown, missing = rule.keys() - REQUIRED - OPTIONAL.keys(), REQUIRED - rule.keys()
+            if unknown or missing:
+                sys.exit(f"{file}: rule {rule.get('id')}: unknown keys {sorted(unknown)}, missing keys {sorted(missing)}")
+            rules.append({**OPTIONAL, **rule, "module": file.stem})
+    ids = [rule["id"] for rule in rules]
+    for name in {i for i in ids if ids.count(i) > 1}:
+        sys.exit(f"tests/planted/rules: two rules are named {name}")
+    return rules
+
+
+def pattern_of(rule):
+    return re.compile(r"\s+".join(re.escape(part) for part in rule["find"].split()))
+
+
+def plant(rule, root):
+    """The files with the bug in them, by path. Raises RuleError unless the code stands there as often as the rule says."""
+    planted, found = {}, 0
+    pattern = pattern_of(rule)
+    for path in sorted(root.glob("src/" + rule["files"])):
+        if path.suffix not in (".h", ".cpp") or path.stem.endswith("_test"):
+            continue
+        text, n = pattern.subn(lambda _: rule["replace"], path.read_text())
+        found += n
+        if n:
+            planted[path] = text
+    if found != rule["count"]:
+        raise RuleError(f"the code stands {found} times in src/{rule['files']}, not {rule['count']}")
+    if rule["find"].split() == rule["replace"].split():
+        raise RuleError("the bug is the code itself")
+    return planted
+
+
+def check(rules):
+    """Whether every rule still fits the sources; builds nothing."""
+    errors = 0
+    for rule in rules:
+        try:
+            plant(rule, ROOT)
+        except RuleError as error:
+            print(f"{rule['module']}: {rule['id']}: {error}")
+            errors += 1
+    print(f"{len(rules) - errors} of {len(rules)} rules fit the sources")
+    return 1 if errors else 0
+
+
+def write_if_changed(path, data):
+    """Files that stay what they were keep their times, and are not built again."""
+    if path.is_file() and path.read_bytes() == data:
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(data)
+
+
+def copy_tree(to):
+    wanted = set()
+    for name in COPIED:
+        source = ROOT / name
+        for path in [source] if source.is_file() else source.rglob("*"):
+            if path.is_file() and "__pycache__" not in path.parts:
+                relative = path.relative_to(ROOT)
+                wanted.add(to / relative)
+                write_if_changed(to / relative, path.read_bytes())
+                shutil.copymode(path, to / relative)
+    for name in COPIED:
+        for path in [p for p in (to / name).rglob("*") if p.is_file() and p not in wanted]:
+            path.unlink()
+
+
+class Workshop:
+    """A copy of the sources with a build of one instruction set."""
+
+    def __init__(self, isa, jobs):
+        self.jobs = jobs
+        # At the same place in the tree as other builds: so ccache finds what they have compiled.
+        self.tree, self.build = PLACE / "tree", PLACE / "tree" / "build" / isa
+        self.environment = {**os.environ, "CCACHE_BASEDIR": str(self.tree), "LC_ALL": "C"}
+        isas = "base" if isa == "base" else f"base;{isa}"
+        self.run(["cmake", "-S", str(self.tree), "-B", str(self.build), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+                  "-DFATHOM_TESTS=ON", "-DFATHOM_WERROR=OFF", "-DFATHOM_VIEW=OFF", f"-DFATHOM_ISAS={isas}",
+                  f"-DFATHOM_SHARED_SCENES={ROOT.parent / 'shared' / 'scenes'}"], "configure.log", must=True)
+
+    def run(self, command, log, must=False, **more):
+        with open(PLACE / f"{self.build.name}.{log}", "w") as out:
+            result = subprocess.run(command, stdout=out, stderr=subprocess.STDOUT, env={**self.environment, **more})
+        if must and result.returncode:
+            sys.exit(f"failed: {' '.join(command)}\nsee {out.name}")
+        return result.returncode, out.name
+
+    def compile(self, targets):
+        code, log = self.run(["cmake", "--build", str(self.build), f"-j{self.jobs}", "--target", *targets], "build.log")
+        return code == 0, log
+
+    def test(self, rule):
+        """The names of the tests that failed. Raises RuleError if none ran."""
+        names = ["-R", rule["tests"]] if rule["tests"] else ["-L", "quick|full"]
+        # These two look at the sources themselves, and would see any change.
+        names += ["-E", "^(planted_rules|format)$"]
+        _, log = self.run(["ctest", "--test-dir", str(self.build), *names, f"-j{self.jobs}", "--timeout", "300"], "test.log",
+                          **({"GTEST_FILTER": rule["gtest"]} if rule["gtest"] else {}))
+        text = pathlib.Path(log).read_text()
+        count = re.search(r"tests failed out of (\d+)|tests passed.*out of (\d+)", text)
+        if not count or "No tests were found" in text:
+            raise RuleError(f"no test is named like '{rule['tests']}'; see {log}")
+        if "Not Run" in text:
+            raise RuleError(f"a test was not built; see {log}")
+        return re.findall(r"^\s+\d+ - (\S+) \((?!Skipped)", text, re.M)
+
+
+def try_rule(rule, workshop):
+    """caught, SURVIVED or error, and the words to it."""
+    try:
+        planted = plant(rule, workshop.tree)
+    except RuleError as error:
+        return "error", str(error)
+    before = {path: path.read_bytes() for path in planted}
+    try:
+        for path, text in planted.items():
+            path.write_text(text)
+        built, log = workshop.compile(rule["targets"])
+        if not built:
+            return "error", f"the bug does not compile; see {log}"
+        failed = workshop.test(rule)
+        return ("caught", f"by {failed[0]}" + (f" and {len(failed) - 1} more" if failed[1:] else "")) if failed else \
+               ("SURVIVED", rule["bug"])
+    except RuleError as error:
+        return "error", str(error)
+    finally:
+        for path, data in before.items():
+            path.write_bytes(data)
+
+
+def fails_without_a_bug(rules, workshop):
+    """Ids of rules whose tests fail in sources without a bug, which would then prove nothing."""
+    built, log = workshop.compile(sorted({target for rule in rules for target in rule["targets"]}))
+    if not built:
+        sys.exit(f"the sources do not build without a bug; see {log}")
+    failing, known = set(), {}
+    for rule in rules:
+        key = (rule["tests"], rule["gtest"])
+        if key not in known:
+            known[key] = workshop.test(rule)
+        if known[key]:
+            failing.add(rule["id"])
+    return failing
+
+
+def head_seed():
+    """The same for everyone who tests this commit."""
+    head = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "HEAD"], capture_output=True, text=True).stdout.strip()
+    return int(hashlib.sha256(head.encode()).hexdigest(), 16)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("--check", action="store_true", help="only see whether every rule fits the sources; build nothing")
+    parser.add_argument("--list", action="store_true", help="show the rules")
+    parser.add_argument("--only", nargs="+", metavar="ID", help="these rules, or all of a module")
+    parser.add_argument("--sample", type=int, metavar="N", help="N rules at random")
+    parser.add_argument("--seed", type=int, help="for --sample; default: by the commit that is checked out")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes at once")
+    options = parser.parse_args()
+
+    rules = read_rules()
+    if options.only:
+        unknown = set(options.only) - {rule["id"] for rule in rules} - {rule["module"] for rule in rules}
+        if unknown:
+            sys.exit(f"there is no rule or module {', '.join(sorted(unknown))}")
+        rules = [rule for rule in rules if rule["id"] in options.only or rule["module"] in options.only]
+    if options.sample is not None:
+        seed = head_seed() if options.seed is None else options.seed
+        rules = random.Random(seed).sample(rules, min(options.sample, len(rules)))
+    if options.list:
+        for rule in rules:
+            print(f"{rule['module']:10} {rule['id']:32} {rule['bug']}")
+        return 0
+    if options.check:
+        return check(rules)
+
+    copy_tree(PLACE / "tree")
+    results = {}
+    for isa in sorted({rule["isa"] for rule in rules}):
+        workshop = Workshop(isa, options.jobs)
+        mine = [rule for rule in rules if rule["isa"] == isa]
+        failing = fails_without_a_bug(mine, workshop)
+        for rule in mine:
+            start = time.monotonic()
+            result, words = ("error", "its tests fail without the bug, too") if rule["id"] in failing \
+                else try_rule(rule, workshop)
+            results[rule["id"]] = result
+            print(f"{result:9} {rule['module']:10} {rule['id']:32} {words} ({time.monotonic() - start:.0f} s)", flush=True)
+    caught = sum(result == "caught" for result in results.values())
+    for kind in ("SURVIVED", "error"):
+        names = [name for name, result in results.items() if result == kind]
+        if names:
+            print(f"{kind}: {' '.join(names)}")
+    print(f"caught {caught} of {len(results)}")
+    return 0 if caught == len(results) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,74 @@
+#include "scene/motion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace fathom {
+namespace {
+
+void expect_near(Vec3d a, Vec3d b, double tolerance = 1e-9)
+{
+    EXPECT_NEAR(a.x, b.x, tolerance);
+    EXPECT_NEAR(a.y, b.y, tolerance);
+    EXPECT_NEAR(a.z, b.z, tolerance);
+}
+
+/// A turn, a stretching and a shift at once: each part goes its own way, and the parts are put together in that order.
+TEST(NodeMotion, PartsGoTheirOwnWays)
+{
+    Node node;
+    const Vec3d axis{1, -2, 0.5};
+    node.motion = {{1, Transform::translate({1, 2, 3}) * Transform::rotate(axis, 0.5) * Transform::scale({1, 2, 3})},
+                   {3, Transform::translate({5, 0, 3}) * Transform::rotate(axis, 2.5) * Transform::scale({3, 2, 1})},
+                   {4, Transform::translate({5, 0, 9})}};
+    for (double f : {0.0, 0.2, 0.5, 0.9}) {
+        const Transform expected = Transform::translate({1 + 4 * f, 2 - 2 * f, 3}) *
+                                   Transform::rotate(axis, 0.5 + 2 * f) * Transform::scale({1 + 2 * f, 2, 3 - 2 * f});
+        for (const Vec3d& p : {Vec3d{0, 0, 0}, {1, 2, 3}, {-1, 0.5, 0}})
+            expect_near(transform_at(node, 1 + 2 * f).point(p), expected.point(p));
+    }
+    expect_near(transform_at(node, 0).point({1, 1, 1}), node.motion[0].parent_from_node.point({1, 1, 1}));
+    expect_near(transform_at(node, 3).point({1, 1, 1}), node.motion[1].parent_from_node.point({1, 1, 1}));
+    expect_near(transform_at(node, 9).point({1, 1, 1}), {6, 1, 10});
+    // At rest what stands there is not used.
+    node.parent_from_node = Transform::scale({7, 7, 7});
+    expect_near(transform_at(node, 9).point({1, 1, 1}), {6, 1, 10});
+    node.motion.clear();
+    expect_near(transform_at(node, 9).point({1, 1, 1}), {7, 7, 7});
+}
+
+TEST(MeshMotion, VerticesGoStraightBetweenTheirKeys)
+{
+    Mesh mesh;
+    mesh.positions = {{9, 9, 9}};
+    mesh.normals = {{9, 9, 9}};
+    mesh.motion = {{0, {{0, 0, 0}}, {{1, 0, 0}}}, {2, {{4, 8, 0}}, {{0, 1, 0}}}, {3, {{4, 8, 6}}, {{0, 0, 1}}}};
+    struct Case {
+        double time;
+        Vec3f p, n;
+    };
+    for (const Case& c : {Case{-1, {0, 0, 0}, {1, 0, 0}},
+                          {0.5, {1, 2, 0}, {0.75f, 0.25f, 0}},
+                          {2, {4, 8, 0}, {0, 1, 0}},
+                          {2.5, {4, 8, 3}, {0, 0.5f, 0.5f}},
+                          {7, {4, 8, 6}, {0, 0, 1}}}) {
+        const MeshKey key = vertices_at(mesh, c.time);
+        EXPECT_FLOAT_EQ(key.positions[0].x, c.p.x) << c.time;
+        EXPECT_FLOAT_EQ(key.positions[0].y, c.p.y) << c.time;
+        EXPECT_FLOAT_EQ(key.positions[0].z, c.p.z) << c.time;
+        EXPECT_FLOAT_EQ(key.normals[0].x, c.n.x) << c.time;
+        EXPECT_FLOAT_EQ(key.normals[0].y, c.n.y) << c.time;
+        EXPECT_FLOAT_EQ(key.normals[0].z, c.n.z) << c.time;
+    }
+    EXPECT_TRUE(moves(mesh, 0.5, 0.6));
+    EXPECT_FALSE(moves(mesh, 3, 4));
+    EXPECT_FALSE(moves(mesh, -2, 0));
+    mesh.motion[2].positions = mesh.motion[1].positions;
+    EXPECT_TRUE(moves(mesh, 2.1, 2.9));  // its normals do
+    mesh.motion[2].normals = mesh.motion[1].normals;
+    EXPECT_FALSE(moves(mesh, 2.1, 2.9));
+}
+
+}  // namespace
+}  // namespace fathom

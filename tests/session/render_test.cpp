@@ -1,0 +1,175 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "fathom/render.h"
+
+namespace fathom {
+namespace {
+
+/// Of emissive surfaces before nothing, or a sky: quads alone, or with balls, or many.
+SceneDescription scene_of(int kind, float radiance)
+{
+    SceneDescription d;
+    Material m;
+    m.kind = MaterialKind::none;
+    m.emission.value = {radiance, 2 * radiance, 3 * radiance};
+    m.emission_two_sided = true;
+    d.materials = {m, {}};
+    Node node;
+    node.shapes.push_back({Rectangle{{-100, -100, -5}, {200, 0, 0}, {0, 200, 0}}, 0, ""});
+    for (int i = 0; i < (kind == 0 ? 0 : kind == 1 ? 1 : 100); ++i)
+        node.shapes.push_back({Sphere{{0.1 * i, 0, 40}, 0.02, {}}, 1, ""});
+    node.camera = 0;
+    d.nodes.push_back(node);
+    d.roots = {0};
+    d.cameras.emplace_back();
+    return d;
+}
+
+Image rendered(const SceneDescription& d, const RenderSettings& settings, SampleRange range)
+{
+    Warnings warnings;
+    const RenderJob job(Scene::compile(d, "", warnings), settings);
+    Film film(job);
+    EXPECT_TRUE(render(job, range, film));
+    return film.image(settings.alpha, true);
+}
+
+/// Every pixel gets as many samples as were asked for, whatever the size, the range and the threads: a surface that
+/// shines evenly is even, to the last bit, and so is what is too bright for the fast sums.
+TEST(Render, EveryPixelGetsEverySampleOnce)
+{
+    for (int kind = 0; kind < 3; ++kind)
+        for (const float radiance : {0.375f, 100.f, 3000.f})
+            for (const auto& [width, height] : {std::pair{1, 1}, {7, 5}, {33, 17}, {130, 3}})
+                for (const SampleRange& range : {SampleRange{0, 1}, {3, 8}, {1000, 1013}}) {
+                    RenderSettings settings;
+                    settings.width = width, settings.height = height;
+                    settings.filter = Filter::box;
+                    settings.threads = 3;
+                    settings.alpha = true;
+                    const Image image = rendered(scene_of(kind, radiance), settings, range);
+                    for (std::size_t i = 0; i < std::size_t(width * height); ++i) {
+                        for (std::size_t c = 0; c < 3; ++c) {
+                            ASSERT_EQ(image.layers[0].pixels[4 * i + c], radiance * float(c + 1)) << kind << " " << i;
+                            // But for the rounding of a difference of doubles.
+                            ASSERT_LE(image.find("variance")->pixels[3 * i + c], 1e-14f * radiance * radiance * 9);
+                        }
+                        ASSERT_EQ(image.layers[0].pixels[4 * i + 3], 1);
+                    }
+                }
+}
+
+/// A floor in a sky of two colours: noise to tell samples apart by.
+SceneDescription noisy(int kind)
+{
+    SceneDescription d = scene_of(kind, 0);
+    d.nodes[0].shapes[0].material = 1;
+    d.environment.kind = EnvironmentKind::gradient;
+    return d;
+}
+
+TEST(Render, AnotherSeedIsOtherNoise)
+{
+    for (int kind = 0; kind < 3; ++kind) {
+        RenderSettings settings;
+        settings.width = 16, settings.height = 16;
+        const Image a = rendered(noisy(kind), settings, {0, 4});
+        EXPECT_EQ(a.layers[0].pixels, rendered(noisy(kind), settings, {0, 4}).layers[0].pixels);
+        settings.seed = 1;
+        const Image b = rendered(noisy(kind), settings, {0, 4});
+        int same = 0;
+        for (std::size_t i = 0; i < 256; ++i) same += a.layers[0].pixels[3 * i] == b.layers[0].pixels[3 * i];
+        EXPECT_LT(same, 5) << kind;
+    }
+}
+
+/// Each sample is of its own index, and of its own pixel: none is another's.
+TEST(Render, SamplesAndPixelsDiffer)
+{
+    for (int kind = 0; kind < 3; ++kind) {
+        RenderSettings settings;
+        settings.width = 8, settings.height = 8;
+        std::vector<float> seen;
+        for (std::uint64_t sample = 0; sample < 8; ++sample) {
+            const Image image = rendered(noisy(kind), settings, {sample, sample + 1});
+            for (std::size_t i = 0; i < 64; ++i) seen.push_back(image.layers[0].pixels[3 * i]);
+        }
+        std::sort(seen.begin(), seen.end());
+        // By chance two may be the same number.
+        EXPECT_GE(std::unique(seen.begin(), seen.end()) - seen.begin(), 508) << kind;
+    }
+}
+
+/// The mean, and its variance, of what single samples are: one by one, as numbers.
+TEST(Render, MeanAndVarianceOfItsSamples)
+{
+    Warnings warnings;
+    const Scene scene = Scene::compile(noisy(1), "", warnings);
+    RenderSettings settings;
+    settings.width = 9, settings.height = 7;
+    const RenderJob job(scene, settings);
+    Film film(job);
+    render(job, {5, 25}, film);
+    const Image image = film.image(false, true);
+    for (const auto& [x, y] : {std::pair{0, 0}, {8, 6}, {3, 2}}) {
+        double sum = 0, squares = 0;
+        for (std::uint64_t s = 5; s < 25; ++s) {
+            const double v = double(render_sample(job, x, y, s).g);
+            sum += v, squares += v * v;
+        }
+        const std::size_t i = std::size_t(3 * (y * 9 + x) + 1);
+        const double mean = sum / 20;
+        EXPECT_NEAR(image.layers[0].pixels[i], mean, 1e-6);
+        // Of the mean: the samples' variance over n - 1.
+        EXPECT_NEAR(image.find("variance")->pixels[i] / ((squares / 20 - mean * mean) / 19), 1, 1e-4);
+    }
+}
+
+/// Progress counts what there is to do, and what has been done, up to the end.
+TEST(Render, TellsItsProgress)
+{
+    Warnings warnings;
+    const Scene scene = Scene::compile(noisy(0), "", warnings);
+    RenderSettings settings;
+    settings.width = 20, settings.height = 10;
+    settings.crop = Crop{2, 3, 7, 9};
+    const RenderJob job(scene, settings);
+    Film film(job);
+    Progress last;
+    render(job, {0, 3000}, film, nullptr, [&](const Progress& p, const Film& f) {
+        EXPECT_GT(p.samples_done, last.samples_done);
+        EXPECT_EQ(p.samples_done, f.samples_per_pixel() * 5 * 6);
+        EXPECT_EQ(p.samples_total, 3000u * 5 * 6);
+        last = p;
+    });
+    EXPECT_EQ(last.samples_done, last.samples_total);
+    EXPECT_GE(last.rays, last.samples_total);
+    std::atomic<bool> cancel = true;
+    Film other(job);
+    EXPECT_FALSE(render(job, {0, 10}, other, &cancel));
+    EXPECT_EQ(other.samples_per_pixel(), 0u);
+}
+
+/// A limit of depth: 0 shows what shines, 1 adds what it lights, in each kind of scene.
+TEST(Render, DepthIsCountedFromTheCamera)
+{
+    for (int kind = 0; kind < 3; ++kind) {
+        SceneDescription d = scene_of(kind, 1);
+        d.materials[0].kind = MaterialKind::diffuse;
+        d.materials[0].base_color.value = {0.5f, 0.5f, 0.5f};
+        d.environment.kind = EnvironmentKind::constant;
+        d.environment.color = {2, 2, 2};
+        RenderSettings settings;
+        settings.width = settings.height = 8;
+        for (const auto& [depth, expected] : {std::pair{0, 1.0f}, {1, 2.0f}, {2, 2.0f}, {-1, 2.0f}}) {
+            settings.max_depth = depth;
+            const Image image = rendered(d, settings, {0, 16});
+            EXPECT_NEAR(image.layers[0].pixels[3 * 27], expected, 2e-2) << kind << " " << depth;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace fathom
