@@ -43,7 +43,7 @@ struct RenderSettings {
     /// What camera rays that leave the scene see instead of the environment; it lights nothing.
     std::optional<Color> background;
     bool alpha = false;  ///< sums coverage too: the film's picture can have A
-    int threads = 0;     ///< 0: all cores
+    int threads = 0;     ///< 0: available_threads()
     /// Rooms of smooth, diffuse quads are rendered by a loop of their own unless this is set: for debugging. The two
     /// compute the same estimator.
     bool general_loop = false;

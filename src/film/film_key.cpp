@@ -83,8 +83,12 @@ private:
     {
         if constexpr (std::is_floating_point_v<T>) {
             // fmt writes 0x before the digits, which from_chars does not know.
-            if (end - at > 2 && at[0] == '0' && at[1] == 'x') at += 2;
-            return std::from_chars(at, end, out, std::chars_format::hex);
+            const bool negative = at != end && *at == '-';
+            const char* digits = at + negative;
+            if (end - digits > 2 && digits[0] == '0' && digits[1] == 'x') digits += 2;
+            const auto result = std::from_chars(digits, end, out, std::chars_format::hex);
+            if (negative) out = -out;
+            return result;
         } else {
             return std::from_chars(at, end, out);
         }

@@ -98,10 +98,40 @@ bool fits_half(const Image::Layer& layer)
                         [](float v) { return std::abs(v) > largest_half && !std::isinf(v); });
 }
 
+/// OpenEXR believes an attribute's length and asks for as much memory.
+void check_attributes(const EncodedImage& file)
+{
+    const auto fail = [&] { throw Error(file.name, "", "the file is cut short or damaged"); };
+    std::size_t at = 8;
+    const auto skip_word = [&] {
+        const auto* end = at < file.size ? std::memchr(file.bytes + at, 0, file.size - at) : nullptr;
+        if (!end) fail();
+        at = std::size_t(static_cast<const unsigned char*>(end) - file.bytes) + 1;
+    };
+    if (file.size < at) fail();
+    const bool has_parts = file.bytes[5] & 0x10;
+    do {
+        while (at < file.size && file.bytes[at] != 0) {
+            skip_word();  // name
+            skip_word();  // type
+            std::uint32_t size = 0;
+            if (file.size - at < 4) fail();
+            for (int i = 3; i >= 0; --i) size = size << 8 | file.bytes[at + std::size_t(i)];
+            at += 4;
+            if (size > file.size - at) fail();
+            at += size;
+        }
+        if (++at >= file.size) fail();
+        // Files of several parts end their headers with an empty one.
+    } while (has_parts && file.bytes[at] != 0);
+}
+
 }  // namespace
 
 Image read_exr(const EncodedImage& file)
 {
+    check_attributes(file);
+    bool is_small = true;
     {
         // The size is looked at before OpenEXR makes tables of it.
         MemoryInput stream(file);
@@ -117,9 +147,11 @@ Image read_exr(const EncodedImage& file)
         check_size(file, std::uint64_t(std::max<std::int64_t>(std::int64_t(window.max.x) - window.min.x + 1, 0)),
                    std::uint64_t(std::max<std::int64_t>(std::int64_t(window.max.y) - window.min.y + 1, 0)),
                    channels * sizeof(float) + 1);
+        // Threads take longer to wake up than such a picture takes to read.
+        is_small = (std::int64_t(window.max.x) - window.min.x) * (std::int64_t(window.max.y) - window.min.y) < 1 << 16;
     }
     MemoryInput stream(file);
-    Imf::InputFile input(stream, compression_threads());
+    Imf::InputFile input(stream, is_small ? 0 : compression_threads());
     if (!input.isComplete()) throw Error(file.name, "", "the file is cut short: rows of the picture are missing");
 
     const Imf::Header& header = input.header();

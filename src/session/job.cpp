@@ -24,6 +24,9 @@ void check_camera(const CameraRecord& record, const Camera& camera)
             throw Error("", fmt::format("camera '{}'", camera.name),
                         "its position, size, aperture, focus distance or shutter is not finite, or far too large for "
                         "this scene");
+    const float* f = record.forward;
+    if (!(f[0] * f[0] + f[1] * f[1] + f[2] * f[2] > 0.5f))
+        throw Error("", fmt::format("camera '{}'", camera.name), "it looks at the place where it stands");
 }
 
 }  // namespace

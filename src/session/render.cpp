@@ -10,6 +10,7 @@
 #include <tbb/task_arena.h>
 
 #include "fathom/error.h"
+#include "fathom/threads.h"
 #include "film/film_data.h"
 #include "integrate/kernel.h"
 #include "session/job.h"
@@ -144,7 +145,7 @@ public:
           kernel_(kernel_settings(job.settings(), film.layout)),
           camera_(job.data().camera_record),
           crop_(job.settings().crop.value_or(Crop{0, 0, job.settings().width, job.settings().height})),
-          threads_(job.settings().threads > 0 ? job.settings().threads : tbb::this_task_arena::max_concurrency()),
+          threads_(job.settings().threads > 0 ? job.settings().threads : available_threads()),
           limit_(tbb::global_control::max_allowed_parallelism,
                  std::size_t(std::max(threads_, tbb::this_task_arena::max_concurrency()))),
           arena_(threads_)

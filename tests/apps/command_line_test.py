@@ -343,7 +343,7 @@ class CommandLine(unittest.TestCase):
         self.refused(1, "merge", "all.exr", "a.exr", "-o", "x.png", words=["a.exr", "overlap"])
         self.refused(1, "merge", "whole.exr", "-o", "x.png", words=["whole.exr", "--mergeable"])
         self.ok(*self.merge_key("--samples", "30:31", "-o", "d.exr", "--seed", "1"))
-        self.refused(1, "merge", "a.exr", "d.exr", "-o", "x.png", words=["d.exr", "settings"])
+        self.refused(1, "merge", "a.exr", "d.exr", "-o", "x.png", words=["d.exr: ", "seed is 1, not 0"])
         with open(self.path("a.exr"), "rb") as file:
             data = file.read()
         with open(self.path("cut.exr"), "wb") as file:

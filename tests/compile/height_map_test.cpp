@@ -79,8 +79,9 @@ TEST(HeightMap, BendsNormalsAsASurfaceOfThoseHeights)
     const auto both = [](double u, double v) { return 0.5 * u - 0.25 * v; };
     for (const Vec3d sun : {Vec3d{0, 0, 1}, Vec3d{1, 0, 1}, Vec3d{0, 1, 1}, Vec3d{-1, 0.5, 2}}) {
         EXPECT_NEAR(seen(along_u, 0.5f, sun), expected(0.5, 0, sun), 1e-4);
-        EXPECT_NEAR(seen(along_v, 0.5f, sun), expected(0, 0.5, sun), 1e-4);
-        EXPECT_NEAR(seen(both, 0.8f, sun), expected(0.4, -0.2, sun), 1e-4);
+        // Pictures hang upright on rectangles: v grows downwards.
+        EXPECT_NEAR(seen(along_v, 0.5f, sun), expected(0, -0.5, sun), 1e-4);
+        EXPECT_NEAR(seen(both, 0.8f, sun), expected(0.4, 0.2, sun), 1e-4);
     }
 }
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <png.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include "fathom/error.h"
@@ -50,6 +51,23 @@ TEST(Exr, WithoutAnythingButIntegersIsNoPicture)
 {
     EXPECT_EQ(error_of(exr_of_integers()),
               "there is no picture in it: all its channels are integers, as ids have them");
+}
+
+TEST(Exr, AttributesLongerThanTheFileAreNotBelieved)
+{
+    // The length of "compression" is that of two gigabytes of text.
+    std::string file = exr_of_integers();
+    const std::string name = std::string("compression") + '\0' + "compression" + '\0';
+    const std::size_t at = file.find(name);
+    ASSERT_NE(at, std::string::npos);
+    file.replace(at, name.size() + 4, std::string("compression") + '\0' + "string" + '\0' + raw(0x7ffffff0));
+    rlimit before{};
+    getrlimit(RLIMIT_AS, &before);
+    const rlimit small{rlim_t(1) << 30, before.rlim_max};
+    setrlimit(RLIMIT_AS, &small);
+    const std::string error = error_of(file);
+    setrlimit(RLIMIT_AS, &before);
+    EXPECT_EQ(error, "the file is cut short or damaged");
 }
 
 /// A picture of one colour of a palette, which is packed as tightly as can be.

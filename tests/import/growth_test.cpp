@@ -201,6 +201,23 @@ TEST_F(Growth, WhatInstancesNeedIsLookedAtBeforeItIsTaken)
     EXPECT_EQ(error.rfind("its instances make 8388608 shapes, which need about 4.3 GB of memory; ", 0), 0u) << error;
 }
 
+TEST_F(Growth, CopiesOfAModelAreLookedAtBeforeTheyAreMade)
+{
+    // Each node that gives a model another material has all its nodes once more.
+    write("model.json",
+          R"({"fathom": 1, "scene": [)" + joined(20000, [](int) { return std::string(R"({"sphere": {}})"); }) + "]}");
+    const auto file = write("a.json", R"({"fathom": 1, "materials": {"m": {}}, "scene": [)" + joined(2000, [](int) {
+                                          return std::string(R"({"model": "model.json", "material": "m"})");
+                                      }) + "]}");
+    rlimit before{};
+    getrlimit(RLIMIT_AS, &before);
+    const rlimit small{std::size_t(1) << 30, before.rlim_max};
+    setrlimit(RLIMIT_AS, &small);
+    const std::string error = error_of(file);
+    setrlimit(RLIMIT_AS, &before);
+    EXPECT_NE(error.find("a copy of the model with other materials needs "), std::string::npos) << error;
+}
+
 TEST(JsonObjects, FindTheirKeysHoweverManyThereAre)
 {
     std::string text = "{";

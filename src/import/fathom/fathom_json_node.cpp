@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "fathom/error.h"
+#include "fathom/memory.h"
 #include "import/common/read_file.h"
 #include "import/common/suggest.h"
 #include "import/fathom/fathom_json_reader.h"
@@ -128,10 +129,23 @@ void FathomJsonReader::read_model(JsonObject& o, const JsonValue& path, Node& no
     const auto some = o.get("materials");
     if (all && some) some->fail("a model has either 'material' for all of it or 'materials' by name");
     if (all || some) {
+        check_copy(all ? *all : *some, std::size_t(appended.node_end - appended.first_node));
         appended = copy_nodes(scene_, appended);
         override_materials(o, appended);
     }
     node.children = appended.roots;
+}
+
+void FathomJsonReader::check_copy(const JsonValue& v, std::size_t nodes) const
+{
+    // A copy for each node that asks for one: a short file can ask for many. Those that are there move when they grow.
+    const std::size_t all = scene_.nodes.size() + nodes;
+    double bytes = double(nodes) * double(sizeof(Node) + sizeof(Shape));
+    if (all > scene_.nodes.capacity()) bytes += 2 * double(all) * double(sizeof(Node));
+    if (bytes < 1e6) return;
+    if (const double available = double(available_memory_bytes()); bytes > available)
+        v.fail(fmt::format("a copy of the model with other materials needs {:.1f} GB of memory, {:.1f} GB are there",
+                           bytes / 1e9, available / 1e9));
 }
 
 void FathomJsonReader::override_materials(JsonObject& o, const Appended& model)

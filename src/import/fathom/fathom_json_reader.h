@@ -76,6 +76,8 @@ private:
     int named_node(const JsonValue& v, int depth);
     void read_motion(const JsonValue& v, Node& node);
     void read_model(JsonObject& o, const JsonValue& path, Node& node);
+    /// Throws Error if there is no memory for a copy of so many nodes.
+    void check_copy(const JsonValue& v, std::size_t nodes) const;
     void override_materials(JsonObject& o, const Appended& model);
 
     /// The entry of a top-level table that `v`, a string, names. Throws Error with a suggestion if there is none.

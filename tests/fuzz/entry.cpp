@@ -1,0 +1,12 @@
+// One target for libFuzzer, which has the main function.
+#include <cstddef>
+#include <cstdint>
+
+#include "targets.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+    for (const fathom::fuzz::Target& target : fathom::fuzz::targets())
+        if (target.name == FATHOM_FUZZ_TARGET) target.run({reinterpret_cast<const char*>(data), size});
+    return 0;
+}

@@ -1,0 +1,251 @@
+#include "targets.h"
+
+#include <unistd.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "fathom/error.h"
+#include "fathom/image.h"
+#include "fathom/load.h"
+#include "fathom/render.h"
+#include "film/film_data.h"
+#include "import/common/importer.h"
+#include "import/fathom/fathom_json.h"
+#include "import/gltf/gltf.h"
+#include "import/obj/obj.h"
+#include "import/ply/ply.h"
+#include "import/stl/stl.h"
+#include "scene/check.h"
+
+namespace fathom::fuzz {
+
+namespace {
+
+/// Files that these refer to are not there.
+const std::filesystem::path folder = "/nonexistent-folder";
+
+void use(SceneDescription& scene)
+{
+    check_scene(scene);
+    complete_scene(scene, {});
+    world_bounds(scene);
+}
+
+template <const Importer& importer>
+void read_scene(const std::string& bytes)
+{
+    if (bytes.empty()) return;
+    try {
+        const std::filesystem::path file = folder / "a";
+        Warnings warnings;
+        LoadContext context(file, false, warnings);
+        const LoadOptions options;
+        SceneDescription scene = importer.read({file, "", bytes, options}, context);
+        use(scene);
+    } catch (const Error&) {
+        // As it should be.
+    }
+}
+
+void read_materials(const std::string& bytes)
+{
+    try {
+        Warnings warnings;
+        SceneDescription scene;
+        std::map<std::string, int, std::less<>> names;
+        read_mtl(folder / "a.mtl", bytes, scene, names, warnings);
+        use(scene);
+    } catch (const Error&) {
+        // As it should be.
+    }
+}
+
+constexpr std::uint64_t memory = 1 << 28;
+
+void read_picture(const std::string& bytes)
+{
+    try {
+        read_image("a", bytes.data(), bytes.size(), memory);
+    } catch (const Error&) {
+        // As it should be.
+    }
+}
+
+void read_film(const std::string& bytes)
+{
+    try {
+        const Image image = read_image("a.exr", bytes.data(), bytes.size(), memory);
+        Film film = Film::from_sums(load_sums(image, "a.exr"));
+        film.image(true, true);
+    } catch (const Error&) {
+        // As it should be.
+    }
+}
+
+template <class T>
+std::string raw(const std::vector<T>& values)
+{
+    return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+std::string raw(std::uint32_t value)
+{
+    return raw(std::vector<std::uint32_t>{value});
+}
+
+std::vector<std::string> json_seeds()
+{
+    return {
+        R"({"fathom": 1, "camera": {"position": [0, 1, 5], "look_at": [0, 0, 0], "aperture": 0.1, "shutter": [0, 1]},
+  "textures": {"t": {"kind": "checker_uv", "scale": 4, "color_a": [0, 0, 0]}, "i": {"image": "a.png"}},
+  "materials": {"m": {"kind": "diffuse", "base_color": "t"}, "g": {"kind": "glass", "ior": 1.5}},
+  "meshes": {"q": {"positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "indices": [[0, 1, 2]], "uvs": [[0, 0], [1, 0], [0, 1]]}},
+  "nodes": {"n": {"mesh": "q", "material": "m", "children": [{"sphere": {"radius": 2}, "material": "g"}]}},
+  "scene": ["n", {"instance": "n", "transform": [{"scale": 2}, {"rotate": {"axis": [0, 1, 0], "angle_deg": 30}}]},
+    {"motion": [{"time": 0}, {"time": 1, "transform": {"translate": [1, 0, 0]}}], "box": {"min": [0, 0, 0], "max": [1, 1, 1]}}],
+  "lights": {"l": {"kind": "spot", "intensity": 10, "unit": "W", "position": [0, 3, 0]}},
+  "environment": {"kind": "gradient"}, "render": {"size": [32, 24], "samples": 4}})",
+        R"({"fathom": 1, "scene": [{"curves": {"curves": [[[0, 0, 0, 1], [1, 0, 0, 1], [2, 0, 0, 1], [3, 1, 0, 1]]]}},
+  {"points": {"points": [[0, 0, 0], [1, 2, 3, 0.5]]}}, {"disk": {"normal": [0, 1, 0]}},
+  {"rectangle": {"corner": [0, 0, 0], "edge_u": [1, 0, 0], "edge_v": [0, 1, 0]}}]})"};
+}
+
+std::vector<std::string> gltf_seeds()
+{
+    // Three corners, three indices.
+    const std::string uri =
+        "data:application/octet-stream;base64,"
+        "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA";
+    const auto text = [](const std::string& buffer) {
+        return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 2]}], "nodes": [{"mesh": 0, "children": [1],
+  "rotation": [0, 0, 0, 1]}, {"camera": 0, "translation": [0, 0, 5]}, {"mesh": 0, "extensions": {"KHR_node_visibility":
+  {"visible": true}, "EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}}}], "cameras": [{"type": "perspective",
+  "perspective": {"yfov": 0.7, "znear": 0.1}}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 0},
+  "indices": 1, "material": 0}]}], "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "roughnessFactor":
+  0.5}, "alphaMode": "MASK"}], "textures": [{"source": 0}], "images": [{"uri": "a.png"}], "accessors": [{"bufferView": 0,
+  "componentType": 5126, "count": 3, "type": "VEC3", "sparse": {"count": 1, "indices": {"bufferView": 1, "componentType": 5123},
+  "values": {"bufferView": 0}}}, {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"}], "bufferViews":
+  [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 6}], "buffers": [{"byteLength": 42)" +
+               buffer + "}]}";
+    };
+    std::string json = text("");
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    const std::string bytes =
+        raw(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}) + raw(std::vector<std::uint16_t>{0, 1, 2, 0});
+    const std::string glb = raw(0x4e4f534au), bin = raw(0x004e4942u);
+    return {text(R"(, "uri": ")" + uri + '"'), "glTF" + raw(2u) + raw(std::uint32_t(28 + json.size() + bytes.size())) +
+                                                   raw(std::uint32_t(json.size())) + glb + json +
+                                                   raw(std::uint32_t(bytes.size())) + bin + bytes};
+}
+
+std::vector<std::string> obj_seeds()
+{
+    return {
+        "o a\nv 0 0 0\nv 1 0 0 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\nusemtl m\nf 1/1/1 2/2/1 3/1/1 4\n"
+        "f -1//-1 -2//1 -3 \\\n -4\np 1 2\nl 1 2\ng b\ns 1\nmtllib none.mtl\n",
+        "v 0 0 0\nv 1 2 3\n"};
+}
+
+std::vector<std::string> mtl_seeds()
+{
+    return {
+        "newmtl a\nKd 0.5 0.25 1\nKs 1\nNs 20\nd 0.5\nillum 2\nmap_Kd -s 2 2 -o 0.5 0 -clamp on a b.png\nbump -bm 2 "
+        "h.png\n"
+        "newmtl b\nPr 0.3\nPm 1\nKe 1 1 1\nmap_d a.png\nnorm n.png\nTr 0.2\nKa spectral x.rfl\n"};
+}
+
+std::vector<std::string> ply_seeds()
+{
+    const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
+    const auto header = [&](const std::string& format) {
+        return "ply\nformat " + format + " 1.0\nelement vertex 3\n" + xyz +
+               "property uchar red\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    };
+    std::string body;
+    for (int i = 0; i < 3; ++i) body += raw(std::vector<float>{float(i), float(i == 2), 0}) + char(7);
+    body += '\3' + raw(std::vector<std::int32_t>{0, 1, 2});
+    return {header("ascii") + "0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2\n", header("binary_little_endian") + body,
+            header("binary_big_endian") + body,
+            "ply\nformat ascii 1.0\nelement vertex 2\n" + xyz + "end_header\n0 0 0\n1 2 3\n"};
+}
+
+std::vector<std::string> stl_seeds()
+{
+    const std::string triangle = raw(std::vector<float>{0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}) + std::string(2, '\0');
+    return {
+        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+        "0\nendloop\nendfacet\nendsolid\n",
+        std::string(80, ' ') + raw(2u) + triangle + triangle};
+}
+
+std::string written(const Image& image, const std::string& extension, const WriteOptions& options = {})
+{
+    const std::filesystem::path file =
+        std::filesystem::temp_directory_path() / ("fathom_fuzz_" + std::to_string(getpid()) + extension);
+    write_image(file, image, options);
+    std::ifstream in(file, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    std::filesystem::remove(file);
+    return bytes;
+}
+
+Image small_image(int width, int height)
+{
+    Image image;
+    image.width = width;
+    image.height = height;
+    image.layers.push_back({"", {"R", "G", "B", "A"}, {}});
+    for (int i = 0; i < width * height * 4; ++i) image.layers[0].pixels.push_back(float(i % 7) / 7);
+    return image;
+}
+
+std::vector<std::string> image_seeds()
+{
+    const Image image = small_image(5, 4);
+    WriteOptions halves;
+    halves.exr_half = true;
+    halves.png_bits = 16;
+    return {written(image, ".png"),         written(image, ".png", halves), written(image, ".exr"),
+            written(image, ".exr", halves), written(image, ".jpg"),         written(image, ".hdr"),
+            "P6 2 2 255 abcdefghijkl"};
+}
+
+std::vector<std::string> film_seeds()
+{
+    FilmKey key;
+    key.settings.width = 3;
+    key.settings.height = 2;
+    key.scene = std::string(32, '0');
+    Film::Sums sums;
+    sums.width = 3;
+    sums.height = 2;
+    sums.key = key.text();
+    sums.samples = {{0, 4}, {8, 9}};
+    sums.words_per_pixel = FilmLayout({}, false).words;
+    sums.words.assign(6 * std::size_t(sums.words_per_pixel), 1);
+    Film::from_sums(sums);
+    Image image = small_image(3, 2);
+    store_sums(sums, image);
+    return {written(image, ".exr")};
+}
+
+constexpr Target all[] = {{"fathom-json", read_scene<fathom_json_importer>, json_seeds},
+                          {"gltf", read_scene<gltf_importer>, gltf_seeds},
+                          {"obj", read_scene<obj_importer>, obj_seeds},
+                          {"mtl", read_materials, mtl_seeds},
+                          {"ply", read_scene<ply_importer>, ply_seeds},
+                          {"stl", read_scene<stl_importer>, stl_seeds},
+                          {"image", read_picture, image_seeds},
+                          {"film", read_film, film_seeds}};
+
+}  // namespace
+
+std::span<const Target> targets()
+{
+    return all;
+}
+
+}  // namespace fathom::fuzz
