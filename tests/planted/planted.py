@@ -120,7 +120,7 @@ class Workshop:
         self.environment = {**os.environ, "CCACHE_BASEDIR": str(self.tree), "LC_ALL": "C"}
         isas = "base" if isa == "base" else f"base;{isa}"
         self.run(["cmake", "-S", str(self.tree), "-B", str(self.build), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
-                  "-DFATHOM_TESTS=ON", "-DFATHOM_WERROR=OFF", "-DFATHOM_VIEW=OFF", f"-DFATHOM_ISAS={isas}",
+                  "-DFATHOM_TESTS=ON", "-DFATHOM_WERROR=ON", "-DFATHOM_VIEW=OFF", f"-DFATHOM_ISAS={isas}",
                   f"-DFATHOM_SHARED_SCENES={ROOT.parent / 'shared' / 'scenes'}"], "configure.log", must=True)
 
     def run(self, command, log, must=False, **more):
