@@ -22,6 +22,7 @@ import pathlib
 import random
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -124,11 +125,18 @@ class Workshop:
                   f"-DFATHOM_SHARED_SCENES={ROOT.parent / 'shared' / 'scenes'}"], "configure.log", must=True)
 
     def run(self, command, log, must=False, **more):
-        with open(PLACE / f"{self.build.name}.{log}", "w") as out:
-            result = subprocess.run(command, stdout=out, stderr=subprocess.STDOUT, env={**self.environment, **more})
-        if must and result.returncode:
+        # In a group of its own, so that whoever ends this also ends the compilers that it has started.
+        with open(PLACE / f"{self.build.name}.{log}", "w") as out, \
+                subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, env={**self.environment, **more},
+                                 start_new_session=True) as process:
+            try:
+                code = process.wait()
+            except BaseException:
+                os.killpg(process.pid, signal.SIGTERM)
+                raise
+        if must and code:
             sys.exit(f"failed: {' '.join(command)}\nsee {out.name}")
-        return result.returncode, out.name
+        return code, out.name
 
     def compile(self, targets):
         code, log = self.run(["cmake", "--build", str(self.build), f"-j{self.jobs}", "--target", *targets], "build.log")
@@ -219,6 +227,7 @@ def main():
         return 0
     if options.check:
         return check(rules)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
 
     copy_tree(PLACE / "tree")
     results = {}
