@@ -184,16 +184,18 @@ TEST(Shapes, AFarSmallSphere)
     }
 }
 
-/// Off the surface, on the asked side, by more than rounding and by next to nothing.
-TEST(Shapes, OriginsLeaveTheirSurface)
+/// More than rounding, and next to nothing: of what is added up, only what lies along the normal counts.
+TEST(Shapes, RoundingAlongTheNormal)
 {
     for (const float size : {1e-3f, 1.f, 1000.f}) {
         const Vec3 p(Vec3f{size, 0.5f * size, 0.25f * size}), n(Vec3f{0, 0, -1});
-        const float moved = 0.25f * size - lane(offset_origin(p, n, Float(0)).z);
-        EXPECT_GT(moved, size * 0x1p-21f);
-        EXPECT_LT(moved, size * 0x1p-17f);
-        // What goes into p may be larger than p.
-        EXPECT_GT(0.25f * size - lane(offset_origin(p, n, Float(64 * size)).z), 32 * moved);
+        const auto bound = [&](Vec3f way) { return lane(rounding_along(n, p, Vec3(way))); };
+        const float still = bound({0, 0, 0});
+        EXPECT_GT(still, 0.25f * size * 0x1p-23f);
+        EXPECT_LT(still, size * 0x1p-20f);
+        EXPECT_EQ(bound({64 * size, -64 * size, 0}), still);
+        EXPECT_GT(bound({0, 0, 64 * size}), 32 * still);
+        EXPECT_EQ(bound({0, 0, 64 * size}), bound({0, 0, -64 * size}));
     }
 }
 
