@@ -90,7 +90,7 @@ struct Texture {
 
 enum class MaterialKind {
     none,     ///< black; for pure emitters
-    unlit,    ///< shows base_color whatever the light, and lights nothing
+    unlit,    ///< shows base_color whatever the light, also in mirrors and through glass; lights nothing
     diffuse,  ///< base_color; roughness > 0: energy-preserving Oren-Nayar
     metal,    ///< base_color is the reflectance at normal incidence; roughness is the GGX alpha's root; 0 is a mirror
     fuzz_metal,  ///< the report's metal: mirror direction plus fuzz times a random point of the unit sphere
@@ -112,6 +112,7 @@ struct Material {
     float ior = 1.5f;
     Color attenuation_color{1, 1, 1};
     double attenuation_distance = 0;  ///< metres after which attenuation_color is left; 0: clear
+    int priority = 0;  ///< glass: where solids overlap, the one of greatest priority is there; of equal ones the inner
     /// Glass: what is left of light that went through, in and out of a solid, or once a thin sheet.
     ColorInput transmission_color;
     bool thin = false;                   ///< glass: a sheet without thickness, which light passes straight on

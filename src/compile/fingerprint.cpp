@@ -8,8 +8,8 @@ std::uint64_t fingerprint(const SceneTables& t)
     f.add(t.positions), f.add(t.normals), f.add(t.tangents), f.add(t.colors), f.add(t.uv0), f.add(t.uv1);
     f.add(t.triangles), f.add(t.quads), f.add(t.spheres), f.add(t.disks), f.add(t.curves), f.add(t.curve_points),
         f.add(t.points), f.add(t.frames), f.add(t.shape_of_primitive);
-    f.add(t.shapes), f.add(t.instances), f.add(t.poses), f.add(t.vertex_times), f.add(t.materials), f.add(t.texels),
-        f.add(t.lights), f.add(t.light_cdf);
+    f.add(t.shapes), f.add(t.instances), f.add(t.poses), f.add(t.vertex_times), f.add(t.materials), f.add(t.media),
+        f.add(t.texels), f.add(t.lights), f.add(t.light_cdf);
     f.add(t.ramp_stops);
     for (const auto& image : t.packed_images) f.add(image);
     for (const TextureRecord& texture : t.textures) {

@@ -1,8 +1,11 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "compile/compiler.h"
 #include "compile/images.h"
+#include "fathom/error.h"
 
 namespace fathom {
 
@@ -55,6 +58,27 @@ TextureRecord compile_texture(Compiler& c, ImageStore& images, const Texture& te
     return t;
 }
 
+/// The number of what a solid of glass is filled with; glasses that are alike share one.
+std::uint32_t medium_of(Compiler& c, const Material& m)
+{
+    MediumRecord medium;
+    medium.ior = m.ior;
+    medium.priority = std::uint32_t(std::clamp(m.priority, -1000, 1000) + 1001);
+    const Color a = m.attenuation_color;
+    const float colors[] = {a.r, a.g, a.b};
+    if (m.attenuation_distance > 0)
+        for (std::size_t i = 0; i < channels; ++i)
+            medium.absorption[i] =
+                float(-std::log(std::max(double(colors[i]), 1e-6)) / (m.attenuation_distance * c.space.scale));
+    std::vector<MediumRecord>& media = c.tables.media;
+    const auto known = std::find(media.begin() + 1, media.end(), medium);
+    if (known == media.end() && media.size() == MediaTables::most_media)
+        throw Error(c.scene.file, "", fmt::format("more than {} different kinds of glass", media.size() - 1));
+    const auto number = std::uint32_t(known - media.begin());
+    if (known == media.end()) media.push_back(medium);
+    return number;
+}
+
 MaterialRecord compile_material(Compiler& c, const Material& m)
 {
     MaterialRecord t;
@@ -88,12 +112,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     t.alpha_channel = std::uint32_t(m.alpha.channel);
     t.alpha_cutoff = m.alpha_cutoff;
     t.alpha_mode = std::uint32_t(m.alpha_mode);
-    if (m.attenuation_distance > 0 && !m.thin)
-        for (int i = 0; i < channels; ++i) {
-            const Color a = m.attenuation_color;
-            const float color = std::max(i == 0 ? a.r : i == 1 ? a.g : a.b, 1e-6f);
-            t.absorption[i] = float(-std::log(double(color)) / (m.attenuation_distance * c.space.scale));
-        }
+    if (m.kind == MaterialKind::glass && !m.thin) t.medium = medium_of(c, m);
     if (m.use_vertex_color) t.flags |= MaterialRecord::vertex_colored;
     if (t.base_texture != no_index || t.roughness_texture != no_index || t.metallic_texture != no_index ||
         m.use_vertex_color)

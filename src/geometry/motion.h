@@ -49,11 +49,11 @@ struct Affine {
     }
     /// By the transpose: takes normals back through the map whose inverse this is.
     Vec3 transposed_vector(const Vec3& n) const { return fma(row[0], n.x, fma(row[1], n.y, row[2] * n.z)); }
-    /// The largest sum of absolute values of a row: by so much a largest coordinate can grow.
-    Float norm() const
+    /// What point() adds up for each coordinate, as magnitudes.
+    Vec3 reach(const Vec3& p) const
     {
-        const auto sum = [](const Vec3& r) { return abs(r.x) + abs(r.y) + abs(r.z); };
-        return max(max(sum(row[0]), sum(row[1])), sum(row[2]));
+        const Vec3 a = abs(p);
+        return Vec3(dot(abs(row[0]), a), dot(abs(row[1]), a), dot(abs(row[2]), a)) + abs(shift);
     }
     Float determinant() const { return dot(row[0], cross(row[1], row[2])); }
     Affine inverse() const

@@ -29,11 +29,20 @@ inline Vec3 safe_inverse(Vec3 d)
     return {inverse(d.x), inverse(d.y), inverse(d.z)};
 }
 
-/// A point moved off its surface along n (the unit geometric normal, on the side where the ray goes on), by more than
-/// the rounding error of p: the error of a float position is a few 2^-24 of its largest coordinate.
-inline Vec3 offset_origin(Vec3 p, Vec3 n, Float extent)
+/// Rays that leave a surface begin a little off it, or they would meet it again where rounding put them on its other
+/// side. How far that may be is bounded coordinate by coordinate (as in Pharr, Jakob, Humphreys, "Physically Based
+/// Rendering", 6.8, and Ize 2013, "Robust BVH Ray Traversal"), and only what lies along the normal counts: on a level
+/// ground it matters neither how wide it is nor how far away.
+///
+/// n, p  unit geometric normal, and the point
+/// way   what was added up to find the point, and what the intersection test adds up when a ray comes back: of each
+///       coordinate the largest magnitude, with either sign
+/// Units are 2^-24 of a coordinate: p and what was added to it are rounded some times each, here and by the next test.
+inline Float rounding_along(const Vec3& n, const Vec3& p, const Vec3& way)
 {
-    return fma(n, Float(0x1p-19f) * max(max_abs(p), extent), p);
+    return Float(0x1p-21f) * dot(abs(n), abs(p)) + Float(0x1p-22f) * dot(abs(n), abs(way));
 }
+/// What comes on top where the test shears coordinates (TriangleRay), which mixes them.
+inline constexpr float rounding_of_shear = 0x1p-23f;
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -9,6 +9,7 @@
 
 #include "integrate/fast/quads/quad_path.h"
 #include "integrate/pool.h"
+#include "integrate/stages/camera_media.h"
 #include "integrate/stages/shade.h"
 
 namespace fathom {
@@ -28,7 +29,8 @@ public:
           lights_(scene, settings.light_selection),
           settings_(settings),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
-          extras_{tables_.moving, scene.refracts},
+          extras_{tables_.moving, scene.refracts, scene.tracks_media},
+          camera_media_(scene.tracks_media ? media_at(scene, camera) : MediumStack()),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
           sums_(sums),
@@ -79,6 +81,7 @@ private:
         p.bsdf_pdf.store(to, Float(0));
         p.eta_scale.store(to, Float(1));
         p.time.store(to, path.ray.time);
+        p.media.store(to, camera_media_);
     }
 
     // ------------------------------------------------------------------------------------------- trace
@@ -127,6 +130,7 @@ private:
     /// pool. Returns how many those are.
     std::size_t arrive(std::size_t active)
     {
+        if (scene_.has_absorption) attenuate(active);
         std::size_t emitting = 0, missing = 0, finished = 0;
         PathPool& p = *paths_;
         for (std::size_t i = 0; i < active; i += lanes) {
@@ -149,6 +153,19 @@ private:
         for (std::size_t i = 0; i < finished; ++i) finish(finished_[i]);
         // Where there are no textures, nothing is won by an order of the materials.
         return scene_.textured ? pack_by_material(active) : pack_by_kind(active);
+    }
+
+    /// What the media leave of the light on the ways to what was met.
+    void attenuate(std::size_t active)
+    {
+        PathPool& p = *paths_;
+        for (std::size_t i = 0; i < active; i += lanes) {
+            const UInt medium = p.media.load(i).current();
+            const Mask inside = first_lanes(active - i) & (medium != UInt(0u));
+            if (none(inside)) continue;
+            const Spectrum left = transmittance(tables_, medium, hits_.t.load(i), inside);
+            p.throughput.store(i, p.throughput.load(i) * left, inside);
+        }
     }
 
     /// Appends the numbers of the lanes, which begin at `first`, to a list.
@@ -266,10 +283,14 @@ private:
         const Surface s = surfaces_.read(hit, m);
         const UInt material = surfaces_.material_of(s.shape, m);
         const UInt flags = materials_.get(&MaterialRecord::flags, material, m);
-        const Mask two_sided = (flags & UInt(MaterialRecord::two_sided_emission)) != UInt(0u);
-        const Mask shows = m & (two_sided | (dot(hit.d, s.ng) < Float(0)));
+        const UInt state = p.state.gather(index, m);
+        const auto has = [](UInt bits, std::uint32_t flag) { return (bits & UInt(flag)) != UInt(0u); };
+        // What is unlit is seen, in mirrors too, but lights nothing.
+        const Mask would_light = has(flags, MaterialRecord::unlit) & has(state, PathPool::scattered);
+        const Mask two_sided = has(flags, MaterialRecord::two_sided_emission);
+        const Mask shows = m & (two_sided | (dot(hit.d, s.ng) < Float(0))) & !would_light;
         const Spectrum emitted = materials_.emission(s, material, m);
-        const Mask specular = (p.state.gather(index, m) & UInt(PathPool::specular)) != UInt(0u);
+        const Mask specular = has(state, PathPool::specular);
         Float weight(1.f);
         if (lights_are_sampled_) {
             const UInt light = surfaces_.light_of(s.shape, hit.primitive, m);
@@ -321,6 +342,7 @@ private:
     const KernelSettings& settings_;
     const bool lights_are_sampled_;
     const PathExtras extras_;
+    const MediumStack camera_media_;
     const CameraPaths camera_paths_;
     FirstHits first_hits_;
     TileSums& sums_;

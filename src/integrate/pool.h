@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "math/vec3.h"
+#include "media/stack.h"
 #include "shading/spectrum.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -62,6 +63,18 @@ struct SpectrumColumn {
     Column<float> c[channels];
 };
 
+/// See MediumStack.
+struct MediaColumn {
+    MediumStack load(std::size_t i) const { return {low.load(i), high.load(i)}; }
+    void store(std::size_t i, const MediumStack& media) { low.store(i, media.low()), high.store(i, media.high()); }
+    void store(std::size_t i, const MediumStack& media, Mask m)
+    {
+        low.store(i, media.low(), m), high.store(i, media.high(), m);
+    }
+
+    Column<std::uint32_t> low, high;
+};
+
 /// Calls f(column of a, the same of b) for each plain column of two columns of the same type.
 template <class T, class F>
 void for_columns(Column<T>& a, Column<T>& b, F&& f)
@@ -79,10 +92,17 @@ void for_columns(SpectrumColumn& a, SpectrumColumn& b, F&& f)
     for (int k = 0; k < channels; ++k) f(a.c[k], b.c[k]);
 }
 
+template <class F>
+void for_columns(MediaColumn& a, MediaColumn& b, F&& f)
+{
+    f(a.low, b.low), f(a.high, b.high);
+}
+
 /// What a path carries that not every scene needs.
 struct PathExtras {
     bool time = false;       ///< something moves
     bool eta_scale = false;  ///< something refracts
+    bool media = false;      ///< what solids are filled with matters
 };
 
 /// Paths under way.
@@ -90,15 +110,17 @@ struct PathPool {
     VectorColumn origin, direction;
     SpectrumColumn throughput, radiance;
     Column<std::uint32_t> pixel_hash, reversed_index;  ///< see SampleKey
-    /// The bounce in its low 16 bits, above it the pixel (its place in the job), and:
+    /// The bounce in its low 15 bits, the pixel (its place in the job) from the 16th on, and:
     Column<std::uint32_t> state;
-    static constexpr std::uint32_t bounce_mask = 0xffff;
+    static constexpr std::uint32_t bounce_mask = 0x7fff;
+    static constexpr std::uint32_t scattered = 1u << 15;  ///< some direction came from other than delta lobes
     static constexpr int pixel_shift = 16;
     static constexpr std::uint32_t max_pixels = 1u << 14;
     static constexpr std::uint32_t specular = 1u << 31;  ///< the last direction came from a delta lobe, or the camera
     static constexpr std::uint32_t dead = 1u << 30;      ///< throughput is 0, or roulette ended the path
     Column<float> bsdf_pdf;  ///< of the last direction; of no use to whoever shades, which gives it anew
     Column<float> eta_scale, time;
+    MediaColumn media;
 
     /// Calls f(column of a, the same of b) for what a path takes with it to its next surface and on from there.
     template <class F>
@@ -109,6 +131,7 @@ struct PathPool {
         f(a.pixel_hash, b.pixel_hash), f(a.reversed_index, b.reversed_index), f(a.state, b.state);
         if (extras.eta_scale) f(a.eta_scale, b.eta_scale);
         if (extras.time) f(a.time, b.time);
+        if (extras.media) for_columns(a.media, b.media, f);
     }
     template <class Word>
     static Word pixel_of(Word state)

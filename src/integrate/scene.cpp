@@ -23,6 +23,17 @@ ShadowTargets shadow_targets(const LightTables& tables)
     return targets;
 }
 
+/// How many solids with an inside stand in the scene, as far as it matters.
+std::size_t count_solids(const SceneTables& tables)
+{
+    const auto is_solid = [&](const ShapeRecord& shape) { return tables.materials[shape.material].medium != 0; };
+    std::size_t count = 0;
+    for (const ShapeRecord& shape : tables.shapes)
+        count += is_solid(shape) && !(shape.flags & ShapeRecord::only_instanced);
+    for (const InstanceRecord& instance : tables.instances) count += is_solid(tables.shapes[instance.shape]);
+    return count;
+}
+
 }  // namespace
 
 LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
@@ -41,12 +52,13 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
         const MaterialRecord& material = tables.materials[shape.material];
         refracts |= Closures::transmits(MaterialKind(material.kind));
         normal_mapped |= (material.flags & MaterialRecord::normal_mapped) != 0;
-        for (float a : material.absorption) has_absorption |= a > 0;
+        for (float a : tables.media[material.medium].absorption) has_absorption |= a > 0;
         const std::uint32_t kind = Closures::contains(MaterialKind(material.kind)) ? material.kind : 0;
         if (kind != 0) kinds |= 1u << kind;
         shape_info.push_back(kind << kind_shift | (shape.material & ((1u << kind_shift) - 1)) |
                              (material.flags & MaterialRecord::emits ? emits : 0u));
     }
+    tracks_media = has_absorption || count_solids(tables) > 1;
     textured = !tables.textures.empty();
     varied_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
                                 [](const LightRecord& light) { return light.material != no_index; });
@@ -61,7 +73,7 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
         for (std::uint32_t shape : tables.shape_of_primitive) primitive_info.push_back(shape_info[shape]);
         primitive_info.resize(primitive_info.size() + lookup_size);
     }
-    quads.build(tables);
+    quads.build(tables, !is_flat);
     sees_environment = EnvironmentKind(tables.environment.kind) != EnvironmentKind::none;
     filters[0].make_gaussian();
     filters[1].make_blackman_harris();

@@ -31,9 +31,10 @@ struct LaneScene final : KernelScene {
     std::uint32_t kinds = 0;  ///< bit per MaterialKind that occurs and scatters
     bool textured = false;    ///< uv matter somewhere
     bool normal_mapped = false;
-    bool varied_lights = false;  ///< some are not alike all over, see LightRecord::material
-    bool refracts = false;       ///< some material lets light pass
-    bool has_absorption = false;
+    bool varied_lights = false;       ///< some are not alike all over, see LightRecord::material
+    bool refracts = false;            ///< some material lets light pass
+    bool has_absorption = false;      ///< some medium absorbs
+    bool tracks_media = false;        ///< paths must know what they are in: that, or solids may overlap
     bool sees_environment = false;    ///< rays that leave the scene bring something
     bool only_diffuse_quads = false;  ///< flat, smooth, without textures or motion: QuadTracer renders it
     FilterTable filters[2];           ///< Gaussian, Blackman-Harris

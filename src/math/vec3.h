@@ -27,12 +27,14 @@ inline Float length(Vec3 a) { return sqrt(dot(a, a)); }
 /// Unit vector along a; a must not be zero.
 inline Vec3 normalize(Vec3 a) { return a * inverse_sqrt(dot(a, a)); }
 inline Vec3 flip_sign(Vec3 a, Float sign) { return {flip_sign(a.x, sign), flip_sign(a.y, sign), flip_sign(a.z, sign)}; }
+inline Vec3 abs(Vec3 a) { return {abs(a.x), abs(a.y), abs(a.z)}; }
 inline Float max_abs(Vec3 a) { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
 
 /// An orthonormal basis around a unit normal.
 struct Frame {
     Vec3 s, t, n;
 
+    Frame() = default;
     /// Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
     explicit Frame(Vec3 normal) : n(normal)
     {

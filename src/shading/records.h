@@ -50,9 +50,9 @@ struct MaterialRecord {
     std::uint32_t flags = 0;
     Rgb base_color{};
     Rgb emission{};
-    Rgb absorption{};  ///< per unit of render space, inside
     float roughness = 0, metallic = 0, ior = 1.5f, fuzz = 0, normal_scale = 1;
     float alpha = 1, alpha_cutoff = 0;
+    std::uint32_t medium = 0;      ///< in MediaTables: what a solid of it is filled with; 0: it is no solid
     std::uint32_t alpha_mode = 0;  ///< AlphaMode
     std::uint32_t base_texture = no_index, roughness_texture = no_index, metallic_texture = no_index,
                   emission_texture = no_index, normal_texture = no_index, alpha_texture = no_index;

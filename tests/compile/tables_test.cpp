@@ -181,11 +181,16 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
         EXPECT_EQ(r.base_color[c], 0.2f + 0.1f * float(c));
         // Of the way through so many metres, attenuation_color is left: by exp(-sigma t) in render units.
         const double left[] = {0.5, 0.25, 1};
-        EXPECT_NEAR(std::exp(-double(r.absorption[c]) * 2 * t.render_scale), left[c], 1e-6);
-        EXPECT_EQ(t.materials[1].absorption[c], 0);
+        EXPECT_NEAR(std::exp(-double(t.media[r.medium].absorption[c]) * 2 * t.render_scale), left[c], 1e-6);
         EXPECT_EQ(t.materials[2].emission[c], 0.1f);
     }
     EXPECT_EQ(r.ior, 1.7f);
+    EXPECT_EQ(t.media[r.medium].ior, 1.7f);
+    // Of what is a sheet, or no glass, there is no inside; the first medium is empty space.
+    EXPECT_EQ(t.materials[1].medium, 0u);
+    EXPECT_EQ(t.materials[2].medium, 0u);
+    EXPECT_EQ(t.media.size(), 2u);
+    EXPECT_EQ(t.media[0].ior, 1);
     EXPECT_EQ(r.roughness, 0.3f);
     EXPECT_EQ(r.roughness_channel, 2u);
     EXPECT_EQ(r.metallic, 0.4f);

@@ -51,7 +51,8 @@ INSTANTIATE_TEST_SUITE_P(
              "unlit, none"},
         Case{R"({"materials": {"m": {"kind": "glass", "fuzz": 1}}})",
              "/materials/m/fuzz: unknown key 'fuzz' in a material of kind 'glass'; known here: kind, roughness, ior, "
-             "color, thin, attenuation_color, attenuation_distance, emission, emission_unit, emission_two_sided, "
+             "color, thin, attenuation_color, attenuation_distance, priority, emission, emission_unit, "
+             "emission_two_sided, "
              "normal_map, "
              "normal_scale, alpha, alpha_mode, alpha_cutoff, use_vertex_color"},
         Case{R"({"sceen": []})", "/sceen: unknown key 'sceen' in a scene; did you mean 'scene'?"},

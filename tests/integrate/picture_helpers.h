@@ -8,6 +8,11 @@
 
 namespace fathom::test {
 
+inline Vec3f rounded(Vec3d v)
+{
+    return {float(v.x), float(v.y), float(v.z)};
+}
+
 /// A scene with one node that holds everything in world space.
 struct SceneBuilder {
     SceneDescription scene;

@@ -9,7 +9,7 @@ namespace fathom::inline FATHOM_LANES {
 /// segment  of each lane of the mask, in tables.curves
 /// u        along it, as traversal found it
 /// d        unit direction of the ray, in the space of the curve
-/// surface  p is the hit point; set are place, normals, tangent, uv (u along the whole curve, v across) and extent
+/// surface  p is the hit point; set are place, normals, tangent, uv (u along the whole curve, v across) and offset
 inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, Float u, const Vec3& d, Mask m,
                        Surface& surface)
 {
@@ -53,9 +53,9 @@ inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, Floa
     surface.p = select(m & !ribbon, fma(round, c.r, center), surface.p);
     surface.tangent = select(m, axis, surface.tangent);
     // A ray that leaves a ribbon would meet it again, turned towards that ray, if it did not begin farther away than
-    // half the width: whoever goes on multiplies the extent by 2^-19.
-    const Float reach = select(ribbon, c.r * Float(1.0625f * 0x1p19f), c.r);
-    surface.extent = select(m, max(surface.extent, reach), surface.extent);
+    // half the width. Of round curves the test with its many steps decides.
+    const Float rounding = Float(0x1p-19f) * max(max_abs(surface.p), c.r);
+    surface.offset = select(m, max(rounding, select(ribbon, c.r * Float(1.0625f), Float(0))), surface.offset);
     const Vec3 side = cross(axis, d);
     const Float across =
         dot(from_axis, side) * inverse_sqrt(max(dot(side, side), Float(1e-37f))) / max(c.r, Float(1e-30f));

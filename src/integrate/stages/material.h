@@ -9,6 +9,8 @@ class MaterialReader {
 public:
     explicit MaterialReader(const LaneScene& scene) : scene_(scene), t_(scene.tables) {}
 
+    const SceneTables& tables() const { return t_; }
+
     /// A member of the record of each lane's material.
     template <class Member>
     auto get(Member MaterialRecord::* member, UInt material, Mask m) const

@@ -25,6 +25,12 @@ template <class Closure>
     // A shading normal must not send light through the surface, nor keep it from passing.
     const Float side = dot(s.wi, at.ng);
     s.throughput = select(equal(side > Float(0), next.wi.z > Float(0)), s.throughput, Spectrum(Float(0)));
+    if (Closure::transmits && any(at.passes_on)) {
+        s.wi = select(at.passes_on, at.d, s.wi);
+        s.throughput = select(at.passes_on, throughput, s.throughput);
+        s.is_delta |= at.passes_on;
+        s.eta = select(at.passes_on, Float(1), s.eta);
+    }
     return s;
 }
 

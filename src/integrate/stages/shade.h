@@ -56,20 +56,24 @@ private:
                              hits_->t.load(i),         hits_->u.load(i),
                              hits_->v.load(i),         time,
                              hits_->primitive.load(i), scene_.is_flat ? UInt(no_index) : hits_->instance.load(i)};
-        const ShadingPoint at = read_shading_point(surfaces_, materials_, hit, valid);
-        Spectrum throughput = p.throughput.load(i);
-        if (scene_.has_absorption) throughput = absorb(throughput, at, hit.t, valid);
+        MediumStack media;
+        if (scene_.tracks_media) media = p.media.load(i);
+        const ShadingPoint at =
+            read_shading_point<Closure>(surfaces_, materials_, hit, scene_.tracks_media ? &media : nullptr, valid);
+        const Spectrum throughput = p.throughput.load(i);
         const Closure closure(at.material);
         if (lights_are_sampled_) sample_light<Closure>(i, valid, closure, at, key, seed, index, throughput, time);
 
         Scattered next = scatter(closure, at, key, seed, index, throughput);
         UInt next_state = (state & UInt(~PathPool::specular)) + UInt(1u);
-        next_state = select(next.is_delta, next_state | UInt(PathPool::specular), next_state);
+        next_state = next_state | select(next.is_delta, UInt(PathPool::specular), UInt(PathPool::scattered));
         Float eta_scale(1.f);
         if (scene_.refracts) {
             eta_scale = p.eta_scale.load(i) * next.eta * next.eta;
             p.eta_scale.store(i, eta_scale, valid);
         }
+        if (Closure::transmits && scene_.tracks_media)
+            p.media.store(i, select(dot(next.wi, at.ng) < Float(0), at.media_beyond, at.media), valid);
         const Mask ends = apply_roulette(settings_, key, seed, bounce, eta_scale, next.throughput);
         next_state = select(ends, next_state | UInt(PathPool::dead), next_state);
         p.origin.store(i, at.start<Closure>(next.wi), valid);
@@ -77,15 +81,6 @@ private:
         p.throughput.store(i, next.throughput, valid);
         p.bsdf_pdf.store(i, next.pdf, valid);
         p.state.store(i, next_state, valid);
-    }
-
-    /// What is left after the way through the material's inside.
-    Spectrum absorb(Spectrum throughput, const ShadingPoint& at, Float t, Mask m) const
-    {
-        const Spectrum sigma = materials_.get(&MaterialRecord::absorption, at.material_index, m & at.inside);
-        for (int c = 0; c < channels; ++c)
-            throughput.c[c] = throughput.c[c] * select(at.inside, exp(-(sigma.c[c] * t)), Float(1));
-        return throughput;
     }
 
     /// Adds a light sample's contribution, or has its shadow ray queued.
@@ -96,17 +91,23 @@ private:
     {
         // Lights are seen from where the shadow ray starts: right at the surface a light that passes through it, or
         // a distance that ends behind the light, would be one of rounding.
-        const Vec3 eye = offset_origin(at.p, at.ng, at.extent);
+        const Vec3 eye = fma(at.ng, at.offset, at.p);
         const Sample2 random = sample_2d(index, pair_seed(seed, pair_light));
         const LightSample s = lights_.sample(valid, eye, key, seed, random, time);
         Mask lit = valid & (s.inverse_pdf > Float(0));
         const Vec3 wi = at.frame.to_local(s.wi);
         lit &= closure.has_smooth() & equal(wi.z > Float(0), dot(s.wi, at.ng) > Float(0));
         if (!Closure::transmits) lit &= wi.z > Float(0);
+        if (Closure::transmits) lit &= !at.passes_on;
         const BsdfEval e = closure.eval(at.wo, wi);
         const Float r = e.pdf * s.inverse_pdf;
         const Float weight = select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * s.inverse_pdf;
-        const Spectrum add = throughput * e.f_cos * s.radiance * weight;
+        Spectrum add = throughput * e.f_cos * s.radiance * weight;
+        if (scene_.has_absorption) {
+            const Mask beyond = Closure::transmits ? dot(s.wi, at.ng) < Float(0) : Mask(false);
+            const UInt medium = select(beyond, at.media_beyond, at.media).current();
+            add = add * transmittance(tables_, medium, s.distance, lit);
+        }
         lit &= any_positive(add);
         if (none(lit)) return;
         counters_.rays += std::uint64_t(count(lit));

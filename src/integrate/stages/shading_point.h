@@ -1,28 +1,86 @@
 #pragma once
 #include "integrate/stages/material.h"
+#include "media/stack.h"
 
 namespace fathom::inline FATHOM_LANES {
 
 /// Where a path meets a surface: place and frame turned to the side that the path is on, and the material there.
 struct ShadingPoint {
     Vec3 p, ng;
-    Float extent;  ///< see Surface
+    Float offset;  ///< see Surface
     Frame frame;   ///< of the shading normal
     Vec3 wo;       ///< to where the path came from, in the frame
     UInt material_index;
     MaterialPoint material;
-    Mask inside;  ///< the path came from behind the geometric normal
+    Vec3 d;       ///< the path came along this
+    Mask inside;  ///< from behind the geometric normal
+    /// What the path is in, and what it comes to if it passes, where that is kept track of.
+    MediumStack media, media_beyond;
+    Mask passes_on;  ///< the same medium is on both sides: nothing is there
 
     /// Where a ray begins that leaves along wi.
     template <class Closure>
     [[gnu::always_inline]] Vec3 start(const Vec3& wi) const
     {
         const Vec3 side = Closure::transmits ? flip_sign(ng, dot(wi, ng)) : ng;
-        return offset_origin(p, side, extent);
+        return fma(side, offset, p);
     }
 };
 
 namespace detail {
+
+/// The shading normal, turned towards the geometric one as far as it takes for the mirror direction to leave the
+/// surface; wo is on the side of ng.
+///
+/// In the plane of both normals, at an angle x from ng, with a and b the components of wo across and along ng, the
+/// mirror direction rises by a sin 2x + b cos 2x = r cos(2x - p), where a = r sin p and b = r cos p. It shall rise by
+/// t, at most b, which x = 0 gives: so 2x = p + acos(t / r). With less than b, rays that are mirrored again and again
+/// inside glass would end up creeping along its surface, and never leave.
+inline Vec3 bend_to_mirror(const Vec3& wo, const Vec3& ng, const Vec3& ns)
+{
+    const Float b = dot(wo, ng), cosine = dot(ns, ng);
+    const Float t = min(b, Float(0.02f));
+    const Mask below = Float(2) * dot(wo, ns) * cosine - b < t;
+    if (none(below)) return ns;
+    const Vec3 off = fma(ng, -cosine, ns);
+    const Vec3 across = off * inverse_sqrt(max(dot(off, off), Float(1e-20f)));
+    const Float a = dot(wo, across), inverse_r = inverse_sqrt(max(fma(a, a, b * b), Float(1e-20f)));
+    const Float c = t * inverse_r, s = sqrt(max(fma(-c, c, Float(1)), Float(0)));
+    const Float cos_2x = fma(b * inverse_r, c, -(a * inverse_r * s));
+    const Float cos_x = sqrt(max(fma(cos_2x, Float(0.5f), Float(0.5f)), Float(0)));
+    const Float sin_x = sqrt(max(fma(cos_2x, Float(-0.5f), Float(0.5f)), Float(0)));
+    return select(below, fma(across, sin_x, ng * cos_x), ns);
+}
+
+/// Lanes where glass had better refract about its geometric normal: about ns light would stay on its side of the
+/// surface, or be reflected totally though about ng it is not. What is mirrored about normals that are not the
+/// surface's may come to be mirrored for ever, where light that came in through the surface itself would get out.
+///
+/// eta: index beyond over index before
+inline Mask refracts_about_ng(const Vec3& wo, const Vec3& ng, const Vec3& ns, Float eta)
+{
+    const Float inverse = Float(1) / eta;
+    const auto cos2_beyond = [&](Float cosine) {
+        return fma(-(inverse * inverse), fma(-cosine, cosine, Float(1)), Float(1));
+    };
+    const Float by_ns = dot(wo, ns), by_ng = dot(wo, ng), cos2 = cos2_beyond(by_ns);
+    const Float along_ns = fma(by_ns, inverse, -sqrt(max(cos2, Float(0))));
+    const Mask back = fma(dot(ns, ng), along_ns, -(by_ng * inverse)) >= Float(0);
+    const Mask passes = cos2 > Float(0);
+    return (passes & back) | (!passes & (cos2_beyond(by_ng) > Float(0)));
+}
+
+/// What lies beyond the boundary of a solid, to whose index that of the solid is then relative.
+inline void find_media(const MaterialReader& materials, Mask m, ShadingPoint& at)
+{
+    const UInt medium = materials.get(&MaterialRecord::medium, at.material_index, m);
+    const Mask solid = m & (medium != UInt(0u));
+    if (none(solid)) return;
+    const MediumBoundary boundary(materials.tables(), at.media, medium, !at.inside, solid);
+    at.media_beyond = select(solid, boundary.beyond, at.media);
+    at.passes_on = solid & !boundary.is_there;
+    at.material.ior = select(solid, at.material.ior / boundary.other_ior, at.material.ior);
+}
 
 /// Directions that rounding put below the horizon come back above it.
 inline Vec3 upper(Vec3 w)
@@ -32,20 +90,38 @@ inline Vec3 upper(Vec3 w)
 
 }  // namespace detail
 
+/// media: what the path is in; null where nobody keeps track of it.
+template <class Closure>
 [[gnu::always_inline]] inline ShadingPoint read_shading_point(const SurfaceReader& surfaces,
                                                               const MaterialReader& materials, const SurfaceHit& hit,
-                                                              Mask m)
+                                                              const MediumStack* media, Mask m)
 {
     Surface s = surfaces.read(hit, m);
-    const UInt material = surfaces.material_of(s.shape, m);
+    ShadingPoint at;
+    at.material_index = surfaces.material_of(s.shape, m);
+    at.d = hit.d;
     const Float facing = -dot(hit.d, s.ng);
-    const MaterialPoint point = materials.read(s, material, facing > Float(0), m);
-    const Vec3 ng = flip_sign(s.ng, facing);
+    at.inside = facing <= Float(0);
+    at.material = materials.read(s, at.material_index, facing > Float(0), m);
+    at.p = s.p, at.offset = s.offset;
+    at.ng = flip_sign(s.ng, facing);
     Vec3 ns = flip_sign(s.ns, facing);
-    // Seen from behind its shading normal, a surface shows its geometric one.
-    ns = select(dot(hit.d, ns) < Float(-1e-4f), ns, ng);
-    const Frame frame(ns);
-    return {s.p, ng, s.extent, frame, detail::upper(frame.to_local(-hit.d)), material, point, facing <= Float(0)};
+    at.passes_on = Mask(false);
+    if (media) at.media = at.media_beyond = *media;
+    if (Closure::transmits && media) detail::find_media(materials, m, at);
+    if constexpr (Closure::is_glossy) {
+        ns = detail::bend_to_mirror(-hit.d, at.ng, ns);
+        if constexpr (Closure::transmits) {
+            const Float eta = select(at.inside, Float(1) / at.material.ior, at.material.ior);
+            ns = select(detail::refracts_about_ng(-hit.d, at.ng, ns, eta) & !at.material.thin, at.ng, ns);
+        }
+    } else {
+        // Seen from behind its shading normal, a surface shows its geometric one.
+        ns = select(dot(hit.d, ns) < Float(-1e-4f), ns, at.ng);
+    }
+    at.frame = Frame(ns);
+    at.wo = detail::upper(at.frame.to_local(-hit.d));
+    return at;
 }
 
 }  // namespace fathom::inline FATHOM_LANES

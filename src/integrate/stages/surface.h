@@ -29,14 +29,16 @@ public:
         // What is placed is read in its own space.
         const Mask placed = t_.instances.empty() ? Mask(false) : m & (hit.instance != UInt(no_index));
         Affine to_object;
+        Vec3 way = hit.d * hit.t;
         if (any(placed)) {
             to_object = object_from_render(t_, hit.instance, hit.time, placed);
             s.p = select(placed, to_object.point(s.p), s.p);
+            way = select(placed, to_object.vector(way), way);
         }
         s.shape = shape_of(hit.primitive, hit.instance, m);
         s.tangent = Vec3(Float(0), Float(0), Float(0));
         s.bitangent_sign = Float(1);
-        s.extent = Float(0);
+        s.offset = Float(0);
         for (Float& c : s.at.vertex_color) c = Float(1);
         for (int i = 0; i < 2; ++i) s.at.u[i] = hit.u, s.at.v[i] = hit.v;
         s.ng = Vec3(Float(0), Float(0), Float(1));
@@ -51,16 +53,15 @@ public:
         const Mask point = m & !less(hit.primitive, UInt(t_.first_point()));
         s.ns = s.ng;
         if (any(triangle)) read_triangle(hit, flags, triangle, s);
-        if (any(quad)) read_quad(hit, quad, s);
+        if (any(quad)) read_quad(hit, way, quad, s);
         if (any(sphere)) read_sphere(hit, sphere, s);
-        if (any(disk)) read_disk(hit, disk, s);
+        if (any(disk)) read_disk(hit, way, disk, s);
         if (any(curve)) {
             const Vec3 d = any(placed) ? select(placed, to_object.vector(hit.d), hit.d) : hit.d;
             read_curve(t_, hit.primitive - UInt(t_.first_curve()), flags, hit.u, normalize(d), curve, s);
         }
         if (any(point)) read_point(hit, point, s);
         if (any(placed)) place(to_object, placed, s);
-        s.extent = max(s.extent, hit.t);
         const Float side = select((flags & UInt(ShapeRecord::flipped)) != UInt(0), Float(-1), Float(1));
         s.ng = flip_sign(s.ng, side);
         // Vertex normals came with the transform already; whatever they say, the geometric normal decides the side. The
@@ -119,10 +120,12 @@ private:
                 position[k] = select(moving, at_time(t_.positions, vertex[k], moving), position[k]);
         const Float w = Float(1) - hit.u - hit.v;
         const auto interpolate = [&](Vec3 a, Vec3 b, Vec3 c) { return fma(a, w, fma(b, hit.u, c * hit.v)); };
-        Vec3 p = interpolate(position[0], position[1], position[2]);
+        // Away from the edges, by as much as rounding could put the point beyond one: behind a neighbour.
+        const auto inwards = [](Float weight) { return fma(Float(inward), Float(1.0f / 3) - weight, weight); };
+        const Float inner_u = inwards(hit.u), inner_v = inwards(hit.v);
+        const Vec3 p = fma(position[0], Float(1) - inner_u - inner_v, fma(position[1], inner_u, position[2] * inner_v));
         const Vec3 e1 = position[1] - position[0], e2 = position[2] - position[0];
         Vec3 n = cross(e1, e2), ns = n;
-        Float edge = max(max_abs(e1), max_abs(e2));
         const auto has = [&](std::uint32_t flag) { return m & ((flags & UInt(flag)) != UInt(0)); };
 
         if (const Mask smooth = has(ShapeRecord::has_normals); any(smooth)) {
@@ -153,9 +156,14 @@ private:
                 to = select(colored, place.number(table + c, 2, colored), to);
             }
         }
+        // The mean distance of the corners, by their weights.
+        const auto spread = [](Float weight) { return weight * (Float(2) - Float(2) * weight); };
+        const Vec3 corners = fma(abs(e1), spread(hit.u), abs(e2) * spread(hit.v));
+        const Vec3 ng = normalize(n);
+        const Float rounding = fma(max_abs(corners), Float(rounding_of_shear), rounding_along(ng, p, corners));
         s.p = select(m, p, s.p);
-        s.extent = select(m, max(s.extent, edge), s.extent);
-        s.ng = select(m, normalize(n), s.ng);
+        s.offset = select(m, rounding, s.offset);
+        s.ng = select(m, ng, s.ng);
         s.ns = select(m, normalize(ns), s.ns);
         s.tangent = select(m, tangent, s.tangent);
     }
@@ -186,20 +194,29 @@ private:
         const Affine to_render = to_object.inverse();
         // Vectors of length 1 come back with that length.
         const auto normal = [&](Vec3 n) { return normalize(to_object.transposed_vector(n)); };
-        s.extent = select(m, max(s.extent * to_render.norm(), max_abs(to_render.vector(s.p))), s.extent);
-        s.p = select(m, to_render.point(s.p), s.p);
-        s.ng = select(m, normal(s.ng), s.ng);
+        // Along the normal lengths are scaled by this. Both maps round what they add up, there and back.
+        const Vec3 scaled_normal = to_object.transposed_vector(s.ng);
+        const Float scale = inverse_sqrt(dot(scaled_normal, scaled_normal));
+        const Vec3 p = to_render.point(s.p), ng = scaled_normal * scale;
+        const Float rounding = rounding_along(ng, p, to_render.reach(s.p)) +
+                               scale * (s.offset + rounding_along(s.ng, s.p, to_object.reach(p)));
+        s.offset = select(m, rounding, s.offset);
+        s.p = select(m, p, s.p);
+        s.ng = select(m, ng, s.ng);
         s.ns = select(m, normal(s.ns), s.ns);
         s.tangent = select(m, to_render.vector(s.tangent), s.tangent);
         s.bitangent_sign = select(m, flip_sign(s.bitangent_sign, to_object.determinant()), s.bitangent_sign);
     }
 
-    void read_quad(const SurfaceHit& hit, Mask m, Surface& s) const
+    /// way: from the ray's origin, in the space of the quad.
+    void read_quad(const SurfaceHit& hit, const Vec3& way, Mask m, Surface& s) const
     {
         // Other lanes may hold any number, below the first too.
         const UInt quad = select(m, hit.primitive - UInt(t_.first_quad()), UInt(0u));
+        s.p = select(m, fma(scene_.quads.center(quad) - s.p, Float(inward), s.p), s.p);
         s.ng = select(m, scene_.quads.normal(quad), s.ng);
-        s.extent = select(m, max(s.extent, scene_.quads.extent(quad)), s.extent);
+        const Float rounding = rounding_along(s.ng, s.p, way) + scene_.quads.rounding(quad);
+        s.offset = select(m, rounding, s.offset);
         s.ns = select(m, s.ng, s.ns);
         if (!scene_.textured) return;
         const Vec3 corner = gather(t_.quads, &QuadRecord::corner, quad, m),
@@ -252,7 +269,7 @@ private:
         read_ball(center, gather(t_.spheres, &SphereRecord::radius, at, m), m, s);
     }
 
-    void read_disk(const SurfaceHit& hit, Mask m, Surface& s) const
+    void read_disk(const SurfaceHit& hit, const Vec3& way, Mask m, Surface& s) const
     {
         const UInt at = hit.primitive - UInt(t_.first_disk());
         const Vec3 center = gather(t_.disks, &DiskRecord::center, at, m),
@@ -260,7 +277,7 @@ private:
         const Float radius = gather(t_.disks, &DiskRecord::radius, at, m);
         s.ng = select(m, n, s.ng);
         s.ns = select(m, n, s.ns);
-        s.extent = select(m, max(s.extent, radius), s.extent);
+        s.offset = select(m, rounding_along(n, s.p, abs(way) + abs(s.p - center)), s.offset);
         if (!scene_.textured) return;
         const NodeAxes axes = node_axes(s.shape, m);
         const Frame frame(axes.to_node(n));
@@ -286,7 +303,10 @@ private:
     {
         const Vec3 out = normalize(s.p - center);
         s.p = select(m, fma(out, abs(radius), center), s.p);
-        s.extent = select(m, max(s.extent, abs(radius)), s.extent);
+        // The test takes squares of lengths of about the radius from each other.
+        s.offset =
+            select(m, fma(abs(radius), Float(0x1p-20f), rounding_along(out, s.p, Vec3(Float(0), Float(0), Float(0)))),
+                   s.offset);
         s.ng = select(m, flip_sign(out, radius), s.ng);
         s.ns = select(m, s.ng, s.ns);
         if (!scene_.textured) return;
@@ -302,6 +322,9 @@ private:
         s.tangent = select(m, axes.from_node({to.z, Float(0), -to.x}), s.tangent);
         s.bitangent_sign = select(m, flip_sign(axes.handedness(), radius), s.bitangent_sign);
     }
+
+    /// The share of its way to the middle of a flat primitive by which a point is moved, see read_triangle.
+    static constexpr float inward = 0x1p-21f;
 
     const LaneScene& scene_;
     const SceneTables& t_;

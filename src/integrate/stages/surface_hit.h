@@ -17,7 +17,7 @@ struct Surface {
     Vec3 ns;               ///< shading normal, on the same side
     Vec3 tangent;          ///< along growing u; zero where unknown
     Float bitangent_sign;  ///< on which side of cross(ns, tangent) green of normal maps points: up in the image
-    Float extent;          ///< the largest length that went into p: bounds its rounding error
+    Float offset;          ///< rays that leave the surface begin so far off it, along ng: see rounding_along
     TexturePoint at;
     UInt shape;
 };

@@ -5,6 +5,8 @@
 /// A closure is a class with
 ///     static constexpr MaterialKind kind     whose materials scatter so
 ///     static constexpr bool transmits        whether light passes to the other side
+///     static constexpr bool is_glossy        whether most goes in or near the mirror direction, which shading normals
+///                                            must not put below the surface then
 ///     explicit Closure(const MaterialPoint&)
 ///     BsdfEval eval(wo, wi)                  what part of the light from wi goes to wo, times the cosine, and the
 ///                                            density of sampling wi

@@ -9,6 +9,7 @@ class DiffuseBsdf {
 public:
     static constexpr MaterialKind kind = MaterialKind::diffuse;
     static constexpr bool transmits = false;
+    static constexpr bool is_glossy = false;
 
     explicit DiffuseBsdf(const MaterialPoint& m) : color_(m.base_color), r_(m.roughness)
     {

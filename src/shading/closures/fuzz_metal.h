@@ -12,6 +12,7 @@ class FuzzMetalBsdf {
 public:
     static constexpr MaterialKind kind = MaterialKind::fuzz_metal;
     static constexpr bool transmits = false;
+    static constexpr bool is_glossy = true;
 
     explicit FuzzMetalBsdf(const MaterialPoint& m) : color_(m.base_color), fuzz_(clamp(m.fuzz, Float(0), Float(1)))
     {

@@ -20,6 +20,7 @@ class GlassBsdf {
 public:
     static constexpr MaterialKind kind = MaterialKind::glass;
     static constexpr bool transmits = true;
+    static constexpr bool is_glossy = true;
 
     explicit GlassBsdf(const MaterialPoint& m)
         : roughness_(m.roughness),

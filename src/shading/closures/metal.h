@@ -10,6 +10,7 @@ class MetalBsdf {
 public:
     static constexpr MaterialKind kind = MaterialKind::metal;
     static constexpr bool transmits = false;
+    static constexpr bool is_glossy = true;
 
     explicit MetalBsdf(const MaterialPoint& m)
         : color_(m.base_color), roughness_(m.roughness), ggx_{max(m.roughness * m.roughness, Float(min_alpha))}

@@ -13,6 +13,7 @@ class PrincipledBsdf {
 public:
     static constexpr MaterialKind kind = MaterialKind::principled;
     static constexpr bool transmits = false;
+    static constexpr bool is_glossy = true;
 
     explicit PrincipledBsdf(const MaterialPoint& m)
         : roughness_(m.roughness),

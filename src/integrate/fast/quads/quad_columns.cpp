@@ -4,9 +4,11 @@
 #include <bit>
 #include <cmath>
 
+#include "geometry/ray.h"
+
 namespace fathom::inline FATHOM_LANES {
 
-void QuadColumns::build(const SceneTables& tables)
+void QuadColumns::build(const SceneTables& tables, bool sheared)
 {
     size_ = int(tables.quads.size());
     stride_ = std::max<std::size_t>(tables.quads.size() + 1, lookup_size);
@@ -19,11 +21,16 @@ void QuadColumns::build(const SceneTables& tables)
         const Vec3f eu = tables.quads[q].edge_u, ev = tables.quads[q].edge_v;
         const Vec3d u{eu.x, eu.y, eu.z}, v{ev.x, ev.y, ev.z};
         const Vec3d n = normalize(cross(u, v)), t = normalize(u);
+        const Vec3f corner = tables.quads[q].corner;
+        const Vec3d center = Vec3d{corner.x, corner.y, corner.z} + (u + v) * 0.5;
+        set(first_center, center.x), set(first_center + 1, center.y), set(first_center + 2, center.z);
         set(0, n.x), set(1, n.y), set(2, n.z);
         set(3, t.x), set(4, t.y), set(5, t.z);
-        float extent = 0;
-        for (float x : {eu.x, eu.y, eu.z, ev.x, ev.y, ev.z}) extent = std::max(extent, std::abs(x));
-        set(6, extent);
+        const Vec3d size{std::max(std::abs(u.x), std::abs(v.x)), std::max(std::abs(u.y), std::abs(v.y)),
+                         std::max(std::abs(u.z), std::abs(v.z))};
+        const double along = std::abs(n.x) * size.x + std::abs(n.y) * size.y + std::abs(n.z) * size.z;
+        const double largest = std::max({size.x, size.y, size.z});
+        set(6, 0x1p-22 * along + (sheared ? double(rounding_of_shear) * largest : 0));
 
         const std::uint32_t primitive = tables.first_quad() + std::uint32_t(q);
         const ShapeRecord& shape = tables.shapes[tables.shape_of_primitive[primitive]];
@@ -35,6 +42,7 @@ void QuadColumns::build(const SceneTables& tables)
                    two_sided = material.flags & MaterialRecord::two_sided_emission;
         if (emits && (two_sided || !flipped)) flags |= emits_front;
         if (emits && (two_sided || flipped)) flags |= emits_back;
+        if (material.flags & MaterialRecord::unlit) flags |= unlit;
         set_bits(7, flags);
         set_bits(8, shape.light_base == no_index ? no_index : shape.light_base + (primitive - shape.first_primitive));
         for (std::size_t c = 0; c < channels; ++c) {

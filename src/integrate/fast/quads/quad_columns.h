@@ -13,9 +13,15 @@ namespace fathom::inline FATHOM_LANES {
 class QuadColumns {
 public:
     /// front: the side of the normal.
-    enum Flags : std::uint32_t { scatters = 1, emits_front = 2, emits_back = 4 };
+    enum Flags : std::uint32_t {
+        scatters = 1,
+        emits_front = 2,
+        emits_back = 4,
+        unlit = 8 /* seen by the camera only */
+    };
 
-    void build(const SceneTables& tables);
+    /// sheared: quads are met as triangles, by the test that shears coordinates.
+    void build(const SceneTables& tables, bool sheared);
 
     Vec3 normal(UInt quad) const
     {
@@ -25,16 +31,21 @@ public:
     {
         return {number(3, quad), number(4, quad), number(5, quad)};
     }  ///< unit, in its plane
-    Float extent(UInt quad) const { return number(6, quad); }  ///< largest component of an edge
+    Float rounding(UInt quad) const { return number(6, quad); }  ///< by the size of it: see rounding_along
     UInt flags(UInt quad) const { return float_bits(number(7, quad)); }
     UInt light(UInt quad) const { return float_bits(number(8, quad)); }  ///< or no_index
     Spectrum color(UInt quad) const { return spectrum(9, quad); }
     Spectrum emission(UInt quad) const { return spectrum(9 + channels, quad); }
 
+    Vec3 center(UInt quad) const
+    {
+        return {number(first_center, quad), number(first_center + 1, quad), number(first_center + 2, quad)};
+    }
+
     std::size_t memory_bytes() const { return values_.size() * sizeof(float); }
 
 private:
-    static constexpr int columns = 9 + 2 * channels;
+    static constexpr int first_center = 9 + 2 * channels, columns = first_center + 3;
 
     Float number(int column, UInt quad) const
     {

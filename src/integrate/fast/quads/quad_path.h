@@ -174,7 +174,8 @@ private:
         {
             const UInt shining_side =
                 select(facing > Float(0), UInt(QuadColumns::emits_front), UInt(QuadColumns::emits_back));
-            const Mask shines = hits & ((flags & shining_side) != UInt(0u));
+            Mask shines = hits & ((flags & shining_side) != UInt(0u));
+            if (!from_camera) shines &= (flags & UInt(QuadColumns::unlit)) == UInt(0u);
             if (any(shines)) {
                 const Float weight = select(shines, emission_weight(tracer, shines), Float(0));
                 const Spectrum emitted = tracer.scene_.quads.emission(quad);
@@ -208,8 +209,9 @@ private:
 
         [[gnu::always_inline]] void keep_place(QuadTracer& tracer, UInt bounces, Mask goes_on, std::size_t to) const
         {
-            const Vec3 p = offset_origin(fma(d, t, o), flip_sign(n, facing), max(t, tracer.scene_.quads.extent(quad)));
-            tracer.pool_.eye.append(to, p, goes_on);
+            const Vec3 p = fma(d, t, o);
+            const Float offset = rounding_along(n, p, d * t) + tracer.scene_.quads.rounding(quad);
+            tracer.pool_.eye.append(to, fma(n, flip_sign(offset, facing), p), goes_on);
             tracer.pool_.place.append(to, quad | bounces << bounce_shift | (float_bits(facing) & UInt(back)), goes_on);
         }
     };

@@ -1,0 +1,72 @@
+#pragma once
+#include "integrate/camera_record.h"
+#include "integrate/stages/material.h"
+#include "media/stack.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+namespace detail {
+
+/// The nearest hit of a ray, in the first lane.
+inline SurfaceHit nearest_hit(const LaneScene& scene, const Vec3& o, const Vec3& d, Float time)
+{
+    SurfaceHit hit{o, d, Float(infinity), Float(0), Float(0), time, UInt(no_index), UInt(no_index)};
+    if (scene.is_flat) {
+        const Hit found = scene.flat.closest(scene.tables, Ray{o, d, Float(infinity), time});
+        hit.t = found.t, hit.u = found.u, hit.v = found.v, hit.primitive = found.primitive;
+        return hit;
+    }
+    constexpr std::size_t padded = 64;
+    float ray[7][padded] = {}, t[padded], u[padded], v[padded];
+    std::uint32_t primitive[padded], instance[padded];
+    const Float fields[] = {o.x, o.y, o.z, d.x, d.y, d.z, time};
+    for (int i = 0; i < 7; ++i) store(ray[i], fields[i]);
+    scene.bvh.closest(
+        {ray[0], ray[1], ray[2], ray[3], ray[4], ray[5], nullptr, scene.tables.moving ? ray[6] : nullptr, 1},
+        {t, u, v, primitive, instance}, false);
+    hit.t = Float(t[0]), hit.u = Float(u[0]), hit.v = Float(v[0]);
+    hit.primitive = UInt(primitive[0]), hit.instance = UInt(instance[0]);
+    return hit;
+}
+
+}  // namespace detail
+
+/// The media that the camera's middle is in when the shutter opens: of the solids that a ray from there leaves without
+/// having entered them.
+[[gnu::noinline]] inline MediumStack media_at(const LaneScene& scene, const CameraRecord& camera)
+{
+    const SurfaceReader surfaces(scene);
+    const MaterialReader materials(scene);
+    const auto vector = [](const float* v) { return Vec3(Float(v[0]), Float(v[1]), Float(v[2])); };
+    const Mask one = first_lanes(1);
+    // Whatever the direction; not along an axis, where edges lie.
+    const Vec3 d = normalize(Vec3(Float(0.31f), Float(0.87f), Float(0.42f)));
+    Vec3 o = vector(camera.position);
+    MediumStack entered;
+    constexpr int most_hits = 256, most_left = 4;
+    UInt left[most_left];
+    int count = 0;
+    for (int i = 0; i < most_hits && count < most_left; ++i) {
+        const SurfaceHit hit = detail::nearest_hit(scene, o, d, Float(camera.shutter_open));
+        if (none(one & (hit.primitive != UInt(no_index)))) break;
+        const Surface s = surfaces.read(hit, one);
+        const UInt medium = materials.get(&MaterialRecord::medium, surfaces.material_of(s.shape, one), one);
+        o = fma(flip_sign(s.ng, dot(d, s.ng)), s.offset, s.p);
+        if (none(one & (medium != UInt(0u)))) continue;
+        if (any(one & (dot(d, s.ng) < Float(0)))) {
+            entered = entered.entered(scene.tables, medium, one);
+            continue;
+        }
+        const MediumStack before = entered;
+        entered = entered.left(medium);
+        if (any(one & (before.low() == entered.low()) & (before.high() == entered.high()))) left[count++] = medium;
+    }
+    // The outermost was left last.
+    MediumStack media;
+    while (count > 0) media = media.entered(scene.tables, left[--count], one);
+    std::uint32_t low[lanes], high[lanes];
+    store(low, media.low()), store(high, media.high());
+    return {UInt(low[0]), UInt(high[0])};
+}
+
+}  // namespace fathom::inline FATHOM_LANES

@@ -1,0 +1,25 @@
+#pragma once
+/// Media as the kernel reads them.
+#include <cstdint>
+#include <vector>
+
+#include "shading/rgb.h"
+
+namespace fathom {
+
+/// What a solid is filled with.
+struct MediumRecord {
+    Rgb absorption{};            ///< per unit of render space
+    float ior = 1;               ///< index of refraction
+    std::uint32_t priority = 0;  ///< where media overlap, the one with the greatest is there; above 0, below 2^31
+
+    bool operator==(const MediumRecord&) const = default;
+};
+
+struct MediaTables {
+    /// The first is empty space, which is everywhere, with a priority below all others.
+    std::vector<MediumRecord> media = std::vector<MediumRecord>(1);
+    static constexpr std::size_t most_media = 1u << 16;
+};
+
+}  // namespace fathom

@@ -1,0 +1,161 @@
+/// Solids within each other, and what they absorb, against formulas.
+#include "picture_helpers.h"
+
+namespace fathom {
+namespace {
+
+using namespace test;
+
+Material glass(double ior, double transmittance_of_a_metre = 1, int priority = 0)
+{
+    Material m;
+    m.kind = MaterialKind::glass;
+    m.ior = float(ior);
+    const float a = float(transmittance_of_a_metre);
+    m.attenuation_color = {a, a, a};
+    m.attenuation_distance = transmittance_of_a_metre < 1 ? 1 : 0;
+    m.priority = priority;
+    return m;
+}
+
+/// What layers let through of light that falls on them at a right angle, and what they give back.
+struct Layers {
+    double through = 1, back = 0;
+
+    /// One more boundary in front.
+    void boundary(double ior_a, double ior_b)
+    {
+        const double root = (ior_a - ior_b) / (ior_a + ior_b), r = root * root;
+        const double all = 1 / (1 - r * back);
+        through *= (1 - r) * all;
+        back = r + (1 - r) * (1 - r) * back * all;
+    }
+    /// A way through a medium in front.
+    void way(double transmittance) { through *= transmittance, back *= transmittance * transmittance; }
+};
+
+/// White light from behind through boxes that are met at a right angle.
+double seen_through(const std::vector<std::pair<Box, Material>>& boxes, bool in_tree)
+{
+    SceneBuilder b;
+    for (const auto& [box, material] : boxes) b.add(box, b.material(material));
+    b.add(Rectangle{{-50, -50, -10}, {100, 0, 0}, {0, 100, 0}}, b.diffuse(0, {1, 1, 1}));
+    if (in_tree)
+        for (int i = 0; i < 100; ++i) b.add(Sphere{{100.0 + i, 0, 5}, 0.1, {}}, b.diffuse(0));
+    b.camera({0, 0, 1}, {0, 0, 0}, 0.1);
+    const Mean mean = mean_of(render_film(b.scene, small_picture(16, 16), 1024));
+    EXPECT_LT(mean.error[0], 0.002);
+    return mean.value[0];
+}
+
+Box layer(double front, double back)
+{
+    return {{-50, -50, back}, {50, 50, front}};
+}
+
+TEST(Media, WaterInAGlass)
+{
+    for (const bool in_tree : {false, true}) {
+        // The water reaches into the glass, which takes its place there.
+        Layers overlapping;
+        overlapping.boundary(1.33, 1);
+        overlapping.way(0.8);
+        overlapping.boundary(1.6, 1.33);
+        overlapping.way(0.5);
+        overlapping.boundary(1, 1.6);
+        const std::pair<Box, Material> pane{layer(0, -1), glass(1.6, 0.5, 1)}, water{layer(-0.9, -2), glass(1.33, 0.8)};
+        EXPECT_NEAR(seen_through({pane, water}, in_tree), overlapping.through, 0.006);
+        EXPECT_NEAR(seen_through({water, pane}, in_tree), overlapping.through, 0.006);
+        // The other way round the pane ends where the water begins.
+        Layers shorter;
+        shorter.boundary(1.33, 1);
+        shorter.way(0.8 * std::pow(0.8, 0.1));
+        shorter.boundary(1.6, 1.33);
+        shorter.way(std::pow(0.5, 0.9));
+        shorter.boundary(1, 1.6);
+        EXPECT_NEAR(seen_through({{layer(0, -1), glass(1.6, 0.5)}, {layer(-0.9, -2), glass(1.33, 0.8, 1)}}, in_tree),
+                    shorter.through, 0.006);
+        // Wholly within each other, without a word about it: what is inside counts.
+        Layers inside;
+        inside.boundary(1.6, 1);
+        inside.way(0.5);
+        inside.boundary(1.0, 1.6);
+        inside.way(1);
+        inside.boundary(1.6, 1.0);
+        inside.way(0.5);
+        inside.boundary(1, 1.6);
+        EXPECT_NEAR(seen_through({{layer(0, -3), glass(1.6, 0.5)}, {layer(-1, -2), glass(1)}}, in_tree), inside.through,
+                    0.006);
+        // Two of one glass are one.
+        Layers one;
+        one.boundary(1.6, 1);
+        one.way(std::pow(0.5, 2.5));
+        one.boundary(1, 1.6);
+        EXPECT_NEAR(seen_through({{layer(0, -1.5), glass(1.6, 0.5)}, {layer(-1, -2.5), glass(1.6, 0.5)}}, in_tree),
+                    one.through, 0.006);
+    }
+}
+
+/// A lamp, a mirror and a dark wall inside coloured glass are seen through it.
+TEST(Media, ThingsInsideColouredGlass)
+{
+    for (const bool mirrored : {false, true}) {
+        SceneBuilder b;
+        b.add(layer(0, -3), b.material(glass(1.5, 0.5)));
+        Material thing;
+        thing.kind = mirrored ? MaterialKind::metal : MaterialKind::none;
+        thing.base_color.value = {1, 1, 1};
+        if (!mirrored) thing.emission.value = {1, 1, 1};
+        b.add(Rectangle{{-40, -40, -1}, {80, 0, 0}, {0, 80, 0}}, b.material(thing));
+        if (mirrored) {
+            Environment sky;
+            sky.kind = EnvironmentKind::constant;
+            b.scene.environment = sky;
+        }
+        b.camera({0, 0, 1}, {0, 0, 0}, 0.1);
+        // The lamp is black, and its radiance spreads where it leaves the denser medium; between mirror and boundary
+        // light goes to and fro.
+        const double r = 0.04, a = 0.5, there_and_back = 0.25;
+        const double expected =
+            mirrored ? r + (1 - r) * (1 - r) * there_and_back / (1 - r * there_and_back) : (1 - r) * a / (1.5 * 1.5);
+        expect_mean(render_film(b.scene, small_picture(16, 16), 1024), expected, 0.003);
+    }
+}
+
+/// Light of lamps is absorbed on its way through the medium, and so is what the camera sees from inside it.
+TEST(Media, ShadowRaysAndCamerasInsideColouredGlass)
+{
+    for (const bool in_tree : {false, true}) {
+        SceneBuilder b;
+        b.add(Box{{-100, -100, -100}, {100, 100, 100}}, b.material(glass(1.5, 0.8)));
+        b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(0.5f));
+        if (in_tree)
+            for (int i = 0; i < 100; ++i) b.add(Sphere{{-60.0 + i, -10, 5}, 0.1, {}}, b.diffuse(0));
+        Light light;
+        light.intensity = {7, 7, 7};
+        b.light(light, Transform::translate({0, 3, 0}));
+        b.camera({0, 1, 0}, {0, 0, 0}, 0.1);
+        RenderSettings settings = small_picture(16, 16);
+        settings.max_depth = 1;
+        expect_mean(render_film(b.scene, settings, 16), 0.5 / std::numbers::pi * 7 / 9 * std::pow(0.8, 4), 0.001);
+    }
+}
+
+/// In a hollow ball of glass and in one of water within glass nothing is lost.
+TEST(Media, NestedBallsLoseNothing)
+{
+    for (const int priority : {-1, 0, 1}) {
+        SceneBuilder b;
+        b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(glass(1.5)));
+        b.add(Sphere{{0, 0, 0}, -0.95, {}}, b.material(glass(1.5)));
+        b.add(Sphere{{0, 0, 0}, 0.97, {}}, b.material(glass(1.33, 1, priority)));
+        Environment sky;
+        sky.kind = EnvironmentKind::constant;
+        b.scene.environment = sky;
+        b.camera({0, 0, 4}, {0, 0, 0}, 25);
+        expect_mean(render_film(b.scene, small_picture(), 64), 1, 0.003);
+    }
+}
+
+}  // namespace
+}  // namespace fathom
