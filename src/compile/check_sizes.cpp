@@ -17,7 +17,7 @@ namespace {
 constexpr double farthest = 1e15;
 /// In render space, where a scene has a radius of at most 1024: a product of three is still a float.
 constexpr double largest_in_render_space = 1e12;
-/// In the space of what is placed; and what one of a placed shape's units may be there.
+/// In the space of what is instanced; and what one of an occurrence's units may be there.
 constexpr double largest_in_own_space = 1e12;
 
 bool is_finite(Vec3d v)
@@ -67,7 +67,7 @@ class PlacedChecker {
 public:
     explicit PlacedChecker(const Compiler& c) : c_(c), boxes_(c.scene) {}
 
-    void check(const PlacedShape& p, const Placed& placed)
+    void check(const ShapeOccurrence& p, const Occurrences& occurrences)
     {
         const Bounds& box = boxes_.of(*p.shape);
         if (box.empty) {
@@ -79,7 +79,8 @@ public:
                                   std::max(largest(box.min), largest(box.max)), farthest));
         check_box(p, p.render_from_node, box);
         if (p.motion >= 0)
-            for (const NodeKey& pose : placed.motions[std::size_t(p.motion)]) check_box(p, pose.parent_from_node, box);
+            for (const NodeKey& pose : occurrences.motions[std::size_t(p.motion)])
+                check_box(p, pose.parent_from_node, box);
         const auto* sphere = std::get_if<Sphere>(&p.shape->geometry);
         if (!sphere || !sphere->center_end) return;
         for (const double time : {c_.tables.shutter_open, c_.tables.shutter_close})
@@ -87,19 +88,19 @@ public:
     }
 
 private:
-    [[noreturn]] void refuse(const PlacedShape& p, const std::string& what) const
+    [[noreturn]] void refuse(const ShapeOccurrence& p, const std::string& what) const
     {
         const std::string& name = c_.scene.nodes[std::size_t(p.node)].name;
         throw Error(c_.scene.file, fmt::format("nodes[{}]{}", p.node, name.empty() ? "" : " '" + name + "'"), what);
     }
 
-    void check_box(const PlacedShape& p, const Transform& t, const Bounds& box) const
+    void check_box(const ShapeOccurrence& p, const Transform& t, const Bounds& box) const
     {
         for (int i = 0; i < 8; ++i)
             check_point(p, t.point({i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y,
                                     i & 4 ? box.max.z : box.min.z}));
     }
-    void check_point(const PlacedShape& p, Vec3d render) const
+    void check_point(const ShapeOccurrence& p, Vec3d render) const
     {
         const double metres = largest(render) / c_.space.scale;
         if (!is_finite(render)) refuse(p, "puts its shape farther away than a number can say");
@@ -151,10 +152,10 @@ void check_camera(const SceneDescription& scene, const Camera& camera, const Ren
     if (camera.kind == CameraKind::orthographic) check(camera.height, "the height");
 }
 
-void check_placed(const Compiler& c, const Placed& placed)
+void check_occurrences(const Compiler& c, const Occurrences& occurrences)
 {
     PlacedChecker checker(c);
-    for (const PlacedShape& p : placed.shapes) checker.check(p, placed);
+    for (const ShapeOccurrence& p : occurrences.shapes) checker.check(p, occurrences);
 }
 
 bool vanishes(const Transform& render_from_node)

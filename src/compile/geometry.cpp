@@ -7,8 +7,8 @@
 #include "compile/check_sizes.h"
 #include "compile/compiler.h"
 #include "compile/curves.h"
+#include "compile/instancing.h"
 #include "compile/parallelograms.h"
-#include "compile/placing.h"
 #include "compile/poses.h"
 #include "compile/tessellate.h"
 #include "fathom/error.h"
@@ -20,18 +20,18 @@ namespace {
 
 class GeometryCompiler {
 public:
-    GeometryCompiler(Compiler& c, const Placed& placed) : c_(c), t_(c.tables), placing_(c, placed) {}
+    GeometryCompiler(Compiler& c, const Occurrences& occurrences) : c_(c), t_(c.tables), instancing_(c, occurrences) {}
 
-    void run(const Placed& all)
+    void run(const Occurrences& all)
     {
-        const std::vector<PlacedShape>& placed = all.shapes;
-        t_.vertex_times = placing_.vertex_times();
+        const std::vector<ShapeOccurrence>& shapes = all.shapes;
+        t_.vertex_times = instancing_.vertex_times();
         t_.moving = !t_.vertex_times.empty();
-        const bool joins = count_triangles(placed) <= most_joined_triangles;
-        std::vector<const PlacedShape*> instanced, rest;
-        // Triangles in render space come first, then those of what is placed, then the other kinds.
-        for (const PlacedShape& p : placed)
-            if (placing_.is_instanced(p))
+        const bool joins = count_triangles(shapes) <= most_joined_triangles;
+        std::vector<const ShapeOccurrence*> instanced, rest;
+        // Triangles in render space come first, then those of what is instanced, then the other kinds.
+        for (const ShapeOccurrence& p : shapes)
+            if (instancing_.is_instanced(p))
                 vanishes(p.render_from_node) ? void(++vanished_) : instanced.push_back(&p);
             else if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry); !mesh && !needs_tessellation(p))
                 rest.push_back(&p);
@@ -42,14 +42,14 @@ public:
             else
                 add_mesh(p, m, p.render_from_node);
         t_.world_triangles = t_.triangle_count();
-        for (const PlacedShape* p : instanced) place_primitives<MeshInstance>(*p);
+        for (const ShapeOccurrence* p : instanced) place_primitives<MeshInstance>(*p);
         for (const auto& [p, rectangles] : joined_) add_rectangles(*p, rectangles);
         add_all<Rectangle, Box>(rest, instanced, all);
         add_all<Sphere>(rest, instanced, all);
         add_all<Disk>(rest, instanced, all);
         add_all<CurvesInstance>(rest, instanced, all);
         add_all<PointsInstance>(rest, instanced, all);
-        for (const PlacedShape* p : instanced) add_instance(*p, all);
+        for (const ShapeOccurrence* p : instanced) add_instance(*p, all);
         if (degenerate_ > 0)
             c_.warnings.add(
                 fmt::format("{}: degenerate triangles, which have no area and are never seen", c_.scene.file),
@@ -66,30 +66,31 @@ public:
     }
 
 private:
-    /// Primitives of these kinds: of what stands in the world, then of what is placed.
+    /// Primitives of these kinds: of what stands in the world, then of what is instanced.
     template <class... Kinds>
-    void add_all(const std::vector<const PlacedShape*>& rest, const std::vector<const PlacedShape*>& instanced,
-                 const Placed& all)
+    void add_all(const std::vector<const ShapeOccurrence*>& rest, const std::vector<const ShapeOccurrence*>& instanced,
+                 const Occurrences& all)
     {
-        for (const PlacedShape* p : rest)
+        for (const ShapeOccurrence* p : rest)
             if ((std::holds_alternative<Kinds>(p->shape->geometry) || ...))
                 add_primitives(*p, p->motion >= 0 ? &all.motions[std::size_t(p->motion)] : nullptr);
-        for (const PlacedShape* p : instanced) (place_primitives<Kinds>(*p), ...);
+        for (const ShapeOccurrence* p : instanced) (place_primitives<Kinds>(*p), ...);
     }
 
     /// Adds primitives of one kind in the space of their own, if they are not there yet.
     template <class Kind>
-    void place_primitives(const PlacedShape& p)
+    void place_primitives(const ShapeOccurrence& p)
     {
         if (!std::holds_alternative<Kind>(p.shape->geometry)) return;
-        if (!placed_shapes_.emplace(placing_.content_of(*p.shape), std::uint32_t(t_.shapes.size())).second) return;
-        PlacedShape own = p;
+        if (!instanced_shapes_.emplace(instancing_.content_of(*p.shape), std::uint32_t(t_.shapes.size())).second)
+            return;
+        ShapeOccurrence own = p;
         own.render_from_node = Transform();
         add_primitives(own, nullptr);
         t_.shapes.back().flags |= ShapeRecord::only_instanced;
     }
 
-    void add_primitives(const PlacedShape& p, const std::vector<NodeKey>* poses)
+    void add_primitives(const ShapeOccurrence& p, const std::vector<NodeKey>* poses)
     {
         if (const auto* m = std::get_if<MeshInstance>(&p.shape->geometry)) add_mesh(p, mesh_of(*m), p.render_from_node);
         if (const auto* r = std::get_if<Rectangle>(&p.shape->geometry)) add_rectangles(p, {*r});
@@ -105,17 +106,17 @@ private:
     /// Triangles are joined to parallelograms where a scene is small enough to be traced as a list.
     static constexpr std::size_t most_joined_triangles = 192;
 
-    std::size_t count_triangles(const std::vector<PlacedShape>& placed) const
+    std::size_t count_triangles(const std::vector<ShapeOccurrence>& shapes) const
     {
         std::size_t n = 0;
-        for (const PlacedShape& p : placed)
+        for (const ShapeOccurrence& p : shapes)
             if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry))
                 n += c_.scene.meshes[std::size_t(mesh->mesh)].indices.size() / 3;
         return n;
     }
 
     /// Nothing but positions matters: the picture of a parallelogram is that of its two triangles.
-    bool is_plain(const PlacedShape& p, const Mesh& mesh) const
+    bool is_plain(const ShapeOccurrence& p, const Mesh& mesh) const
     {
         const MaterialRecord& m = t_.materials[material_of(*p.shape)];
         const bool textured =
@@ -124,7 +125,7 @@ private:
                m.alpha_mode == std::uint32_t(AlphaMode::opaque);
     }
 
-    void join_triangles(const PlacedShape& p, const Mesh& mesh)
+    void join_triangles(const ShapeOccurrence& p, const Mesh& mesh)
     {
         Parallelograms pairs = pair_triangles(mesh);
         if (!pairs.found.empty()) joined_.emplace_back(&p, std::move(pairs.found));
@@ -144,7 +145,7 @@ private:
 
     /// A sphere or disk that a transform distorts, or that rays may pass through: its hits have no place on it that
     /// alpha could be looked up by.
-    bool needs_tessellation(const PlacedShape& p) const
+    bool needs_tessellation(const ShapeOccurrence& p) const
     {
         const auto* sphere = std::get_if<Sphere>(&p.shape->geometry);
         if (!sphere && !std::holds_alternative<Disk>(p.shape->geometry)) return false;
@@ -160,7 +161,7 @@ private:
         shape.flags &= ~std::uint32_t(ShapeRecord::alpha_tested);
     }
 
-    ShapeRecord& add_shape(const PlacedShape& p, std::uint32_t first_primitive, bool mirrored)
+    ShapeRecord& add_shape(const ShapeOccurrence& p, std::uint32_t first_primitive, bool mirrored)
     {
         ShapeRecord shape;
         shape.material = material_of(*p.shape);
@@ -190,7 +191,7 @@ private:
         t_.frames.push_back(rows);
     }
 
-    void add_round_shape(const PlacedShape& p, std::uint32_t first_primitive, double factor)
+    void add_round_shape(const ShapeOccurrence& p, std::uint32_t first_primitive, double factor)
     {
         ShapeRecord& shape = add_shape(p, first_primitive, false);
         make_opaque(shape);
@@ -205,7 +206,7 @@ private:
         t_.shape_of_primitive.insert(t_.shape_of_primitive.end(), count, std::uint32_t(t_.shapes.size() - 1));
     }
 
-    void add_mesh(const PlacedShape& p, const Mesh& mesh, const Transform& transform)
+    void add_mesh(const ShapeOccurrence& p, const Mesh& mesh, const Transform& transform)
     {
         const bool mirrored = transform.determinant() < 0;
         ShapeRecord& shape = add_shape(p, t_.triangle_count(), mirrored);
@@ -224,7 +225,7 @@ private:
         const std::size_t mesh_index = std::size_t(&mesh - c_.scene.meshes.data());
         if (mesh.motion.empty()) {
             add_vertices(mesh.positions, mesh.normals);
-        } else if (placing_.mesh_moves(mesh_index)) {
+        } else if (instancing_.mesh_moves(mesh_index)) {
             shape.moving_vertices = std::uint32_t(mesh.positions.size());
             for (float time : t_.vertex_times) {
                 const MeshKey key = vertices_at(mesh, time);
@@ -291,10 +292,10 @@ private:
         }
     }
 
-    void add_instance(const PlacedShape& p, const Placed& all)
+    void add_instance(const ShapeOccurrence& p, const Occurrences& all)
     {
         InstanceRecord instance;
-        instance.mesh_shape = placed_shapes_.at(placing_.content_of(*p.shape));
+        instance.mesh_shape = instanced_shapes_.at(instancing_.content_of(*p.shape));
         instance.object_id = p.object_id;
         // A shape without primitives of its own: the material and flags of instances that agree in them.
         ShapeRecord shape = t_.shapes[instance.mesh_shape];
@@ -321,18 +322,18 @@ private:
         t_.instances.push_back(instance);
     }
 
-    void add_quad(const PlacedShape& p, Vec3d corner, Vec3d u, Vec3d v)
+    void add_quad(const ShapeOccurrence& p, Vec3d corner, Vec3d u, Vec3d v)
     {
         t_.quads.push_back({to_float(p.render_from_node.point(corner)), to_float(p.render_from_node.vector(u)),
                             to_float(p.render_from_node.vector(v))});
         take_primitives(1);
     }
-    void add_rectangles(const PlacedShape& p, const std::vector<Rectangle>& rectangles)
+    void add_rectangles(const ShapeOccurrence& p, const std::vector<Rectangle>& rectangles)
     {
         add_shape(p, t_.first_quad() + std::uint32_t(t_.quads.size()), p.render_from_node.determinant() < 0);
         for (const Rectangle& r : rectangles) add_quad(p, r.corner, r.edge_u, r.edge_v);
     }
-    void add_box(const PlacedShape& p, const Box& b)
+    void add_box(const ShapeOccurrence& p, const Box& b)
     {
         add_shape(p, t_.first_quad() + std::uint32_t(t_.quads.size()), p.render_from_node.determinant() < 0);
         const Vec3d d = b.max - b.min;
@@ -345,7 +346,7 @@ private:
         add_quad(p, b.min + z, x, y);  // +z
     }
     /// poses: two, between which it moves straight; or none.
-    void add_sphere(const PlacedShape& p, const Sphere& s, const std::vector<NodeKey>* poses)
+    void add_sphere(const ShapeOccurrence& p, const Sphere& s, const std::vector<NodeKey>* poses)
     {
         double factor;
         is_similarity(p.render_from_node, factor);
@@ -367,7 +368,7 @@ private:
         t_.spheres.push_back(sphere);
         take_primitives(1);
     }
-    void add_disk(const PlacedShape& p, const Disk& d)
+    void add_disk(const ShapeOccurrence& p, const Disk& d)
     {
         double factor;
         is_similarity(p.render_from_node, factor);
@@ -377,7 +378,7 @@ private:
         take_primitives(1);
     }
 
-    void add_curves(const PlacedShape& p, const Curves& curves)
+    void add_curves(const ShapeOccurrence& p, const Curves& curves)
     {
         double factor;
         is_similarity(p.render_from_node, factor);
@@ -389,7 +390,7 @@ private:
         if (t_.curves.size() > CurveRecord::max_segments)
             throw Error(c_.scene.file, "", "more than 2^27 segments of curves");
     }
-    void add_points(const PlacedShape& p, const Points& points)
+    void add_points(const ShapeOccurrence& p, const Points& points)
     {
         double factor;
         is_similarity(p.render_from_node, factor);
@@ -405,18 +406,18 @@ private:
 
     Compiler& c_;
     SceneTables& t_;
-    const Placing placing_;
+    const Instancing instancing_;
     std::size_t degenerate_ = 0, opaque_ = 0, vanished_ = 0;
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> instance_shapes_;  ///< by mesh_shape and material
-    std::map<const void*, std::uint32_t> placed_shapes_;  ///< shapes with the primitives of what is placed
-    std::vector<std::pair<const PlacedShape*, std::vector<Rectangle>>> joined_;  ///< shapes of joined triangles
+    std::map<const void*, std::uint32_t> instanced_shapes_;  ///< shapes with the primitives of what is instanced
+    std::vector<std::pair<const ShapeOccurrence*, std::vector<Rectangle>>> joined_;  ///< shapes of joined triangles
 };
 
 }  // namespace
 
-void compile_geometry(Compiler& c, const Placed& placed)
+void compile_geometry(Compiler& c, const Occurrences& occurrences)
 {
-    GeometryCompiler(c, placed).run(placed);
+    GeometryCompiler(c, occurrences).run(occurrences);
 }
 
 }  // namespace fathom

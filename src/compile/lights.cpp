@@ -34,11 +34,11 @@ class LightCompiler {
 public:
     explicit LightCompiler(Compiler& c) : c_(c), t_(c.tables) {}
 
-    void run(const std::vector<PlacedLight>& lights)
+    void run(const std::vector<LightOccurrence>& lights)
     {
         scene_radius_ = radius();
         for (ShapeRecord& shape : t_.shapes) add_emissive(shape);
-        for (const PlacedLight& light : lights) add_light(light);
+        for (const LightOccurrence& light : lights) add_light(light);
         add_environment();
         make_distribution();
     }
@@ -127,15 +127,15 @@ private:
         return light;
     }
 
-    void add_light(const PlacedLight& placed)
+    void add_light(const LightOccurrence& occurrence)
     {
-        const Light& l = *placed.light;
+        const Light& l = *occurrence.light;
         LightRecord light;
         light.two_sided = 1;
         const Rgb intensity = spectrum(l.intensity);
         std::copy(intensity.begin(), intensity.end(), light.radiance);
-        put(light.position, placed.render_from_node.point({0, 0, 0}));
-        put(light.edge_u, normalize(placed.render_from_node.vector({0, 0, -1})));
+        put(light.position, occurrence.render_from_node.point({0, 0, 0}));
+        put(light.edge_u, normalize(occurrence.render_from_node.vector({0, 0, -1})));
         if (l.kind == LightKind::directional) {
             light.kind = std::uint32_t(LightRecordKind::directional);
             put(light.position, {0, 0, 0});
@@ -251,7 +251,7 @@ private:
 
 }  // namespace
 
-void compile_lights(Compiler& c, const std::vector<PlacedLight>& lights)
+void compile_lights(Compiler& c, const std::vector<LightOccurrence>& lights)
 {
     LightCompiler(c).run(lights);
 }

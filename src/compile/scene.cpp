@@ -56,13 +56,13 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
 
 /// Refuses a scene whose compiled form can't fit, before it is tried. Meshes placed more than once are counted once:
 /// they become instances, or are small.
-void check_memory(const SceneDescription& scene, const Placed& placed)
+void check_memory(const SceneDescription& scene, const Occurrences& occurrences)
 {
     // An index and a number each, and what the tree takes for a triangle while it is built.
     constexpr double bytes_per_triangle = 16 + 3 * 64;
-    double bytes = bytes_per_placed_shape * double(placed.shapes.size());
+    double bytes = bytes_per_occurrence * double(occurrences.shapes.size());
     std::vector<bool> counted(scene.meshes.size());
-    for (const PlacedShape& p : placed.shapes) {
+    for (const ShapeOccurrence& p : occurrences.shapes) {
         const auto* instance = std::get_if<MeshInstance>(&p.shape->geometry);
         if (!instance || counted[std::size_t(instance->mesh)]) continue;
         counted[std::size_t(instance->mesh)] = true;
@@ -102,11 +102,11 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
     tables->shutter_close = float(data->camera.shutter_close);
     check_camera(description, data->camera, compiler.space);
     compile_materials(compiler);
-    const Placed placed = place(compiler);
-    check_placed(compiler, placed);
-    check_memory(description, placed);
-    compile_geometry(compiler, placed);
-    compile_lights(compiler, placed.lights);
+    const Occurrences occurrences = find_occurrences(compiler);
+    check_occurrences(compiler, occurrences);
+    check_memory(description, occurrences);
+    compile_geometry(compiler, occurrences);
+    compile_lights(compiler, occurrences.lights);
 
     data->fingerprint = fathom::fingerprint(*tables);
     data->tables = tables;

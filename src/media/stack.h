@@ -50,8 +50,7 @@ private:
 
     static UInt priority_of(const MediaTables& tables, UInt medium, Mask m)
     {
-        const auto* words = reinterpret_cast<const std::uint32_t*>(tables.media.data());
-        return gather(words + offsetof(MediumRecord, priority) / 4, medium * UInt(sizeof(MediumRecord) / 4), m);
+        return gather(tables.media, &MediumRecord::priority, medium, m);
     }
     void read(UInt* to) const
     {
@@ -70,18 +69,16 @@ inline MediumStack select(Mask m, const MediumStack& a, const MediumStack& b)
 
 inline Float medium_ior(const MediaTables& tables, UInt medium, Mask m)
 {
-    const auto* numbers = reinterpret_cast<const float*>(tables.media.data());
-    return gather(numbers + offsetof(MediumRecord, ior) / 4, medium * UInt(sizeof(MediumRecord) / 4), m);
+    return gather(tables.media, &MediumRecord::ior, medium, m);
 }
 
 /// What a way of this length through a medium leaves of the light; lengths may be infinite.
 inline Spectrum transmittance(const MediaTables& tables, UInt medium, Float length, Mask m)
 {
-    const auto* numbers = reinterpret_cast<const float*>(tables.media.data());
+    const Spectrum absorption = gather(tables.media, &MediumRecord::absorption, medium, m);
     Spectrum left;
     for (int c = 0; c < channels; ++c) {
-        const Float sigma =
-            gather(numbers + offsetof(MediumRecord, absorption) / 4 + c, medium * UInt(sizeof(MediumRecord) / 4), m);
+        const Float sigma = absorption.c[c];
         // Nothing is absorbed over an infinite way through empty space.
         left.c[c] = select(sigma > Float(0), exp(-(sigma * length)), Float(1));
     }

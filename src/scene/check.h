@@ -12,7 +12,7 @@ namespace fathom {
 void check_scene(const SceneDescription& scene);
 
 /// What a shape takes, at the least, in each place that instances put it.
-inline constexpr double bytes_per_placed_shape = 512;
+inline constexpr double bytes_per_occurrence = 512;
 
 /// For each node, whether a root leads to it. The scene must have passed check_scene.
 std::vector<bool> reachable_nodes(const SceneDescription& scene);

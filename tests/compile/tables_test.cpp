@@ -306,6 +306,44 @@ TEST(GeometryTable, BoxesAndDistortedSpheres)
     }
 }
 
+/// Under a transform that turns, stretches and mirrors, normals stay perpendicular to their faces and tangents in them.
+TEST(GeometryTable, NormalsStayPerpendicular)
+{
+    for (const double mirror : {1.0, -1.0}) {
+        SceneDescription d = empty_scene();
+        Mesh mesh;
+        mesh.positions = {{0, 1, 0}, {1, 1, 0}, {0, 0, 1}};
+        const float h = float(std::sqrt(0.5));
+        mesh.normals.assign(3, {0, h, h});
+        mesh.tangents.assign(3, {1, 0, 0, 1});
+        mesh.indices = {0, 2, 1};
+        d.meshes = {mesh};
+        Node node;
+        node.parent_from_node = Transform::translate({0, 0, -9}) * Transform::rotate({1, 2, 3}, 1.1) *
+                                Transform::scale({mirror * 2, 0.5, 3}) * Transform::rotate({0, 1, 1}, 0.4);
+        node.shapes.push_back({MeshInstance{0}, -1, ""});
+        node.shapes.push_back({Rectangle{{5, 0, 0}, {1, 0, 0}, {0, 1, 0}}, -1, ""});
+        d.nodes.push_back(node);
+        d.roots.push_back(1);
+        const Scene scene = compiled(d);
+        const SceneTables& t = *scene.data().tables;
+        ASSERT_EQ(t.triangle_count(), 1u);
+        const auto at = [&](std::size_t k) {
+            const Vec3f p = t.positions[t.triangles[k]];
+            return Vec3d{p.x, p.y, p.z};
+        };
+        const Vec3d face = normalize(cross(at(1) - at(0), at(2) - at(0)));
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3f n = t.normals[t.triangles[k]];
+            EXPECT_NEAR(dot(face, {n.x, n.y, n.z}), mirror, 1e-4);
+            const Vec4f tangent = t.tangents[t.triangles[k]];
+            const Vec3d along = normalize(node.parent_from_node.vector({1, 0, 0}));
+            EXPECT_NEAR(dot(along, {tangent.x, tangent.y, tangent.z}), 1, 1e-5);
+            EXPECT_EQ(tangent.w, mirror);
+        }
+    }
+}
+
 /// Where shapes that move are, and that a mesh placed often is there once, with maps to its own space.
 TEST(GeometryTable, InstancesMapBack)
 {

@@ -238,7 +238,7 @@ TEST(Sphere, IsSampledUniformlyInTheConeThatItFills)
         int drawn = 0;
         for_samples(table, {0, 0, 0}, 0, 60000, [&](Vec3d w, double distance, double inverse, double pdf) {
             ++drawn;
-            EXPECT_NEAR(length(w), 1, 3e-6);
+            ASSERT_NEAR(length(w), 1, 3e-6);
             const double x = dot(w, s), y = dot(w, t), z = dot(w, n), sine2 = x * x + y * y;
             const double lost = z > 0 ? sine2 / (1 + z) : 1 - z;
             ++observed[std::size_t(
@@ -246,11 +246,11 @@ TEST(Sphere, IsSampledUniformlyInTheConeThatItFills)
                 std::clamp(int((std::atan2(y, x) / (2 * std::numbers::pi) + 0.5) * sectors), 0, sectors - 1))];
             // The nearer of both places where the line meets the sphere, or the one in front.
             const double b = z * d, root = std::sqrt(std::max(0.0, c.radius * c.radius - d * d * sine2));
-            EXPECT_NEAR(distance, outside ? b - root : b + root, 2e-3 * d);
+            ASSERT_NEAR(distance, outside ? b - root : b + root, 2e-3 * d);
             // Seen from outside what shines outwards, from inside what shines inwards.
             const bool shines = outside == (c.radius > 0);
-            EXPECT_NEAR(inverse, shines ? 2 * std::numbers::pi * spread : 0, 2e-5 * spread);
-            EXPECT_NEAR(pdf * 2 * std::numbers::pi * spread, 1, 1e-5);
+            ASSERT_NEAR(inverse, shines ? 2 * std::numbers::pi * spread : 0, 2e-5 * spread);
+            ASSERT_NEAR(pdf * 2 * std::numbers::pi * spread, 1, 1e-5);
         });
         for (double& e : expected) e = double(drawn) / (rings * sectors);
         EXPECT_EQ(test::chi_square(observed, expected), "") << c.radius;

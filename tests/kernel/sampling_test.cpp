@@ -155,7 +155,9 @@ TEST(Warp, PowerHeuristic)
 TEST(Warp, DiskIsUniform)
 {
     test::Random random;
-    std::vector<double> observed(64), expected(64);
+    // Sectors finer than the eighths that the map is made of, within which it might be uneven.
+    constexpr int rings = 8, sectors = 40;
+    std::vector<double> observed(rings * sectors), expected(rings * sectors);
     constexpr int n = 100000;
     int drawn = 0;
     for (; drawn < n; drawn += lanes) {
@@ -166,10 +168,11 @@ TEST(Warp, DiskIsUniform)
             const double r2 = double(x[i]) * x[i] + double(y[i]) * y[i];
             ASSERT_LE(r2, 1 + 1e-6);
             const double turn = std::atan2(y[i], x[i]) / (2 * std::numbers::pi) + 0.5;
-            ++observed[std::min(7, int(r2 * 8)) * 8 + std::min(7, int(turn * 8))];
+            ++observed[std::size_t(std::min(rings - 1, int(r2 * rings)) * sectors +
+                                   std::min(sectors - 1, int(turn * sectors)))];
         }
     }
-    for (double& e : expected) e = drawn / 64.0;
+    for (double& e : expected) e = double(drawn) / (rings * sectors);
     EXPECT_EQ(test::chi_square(observed, expected), "");
 }
 
@@ -198,6 +201,37 @@ TEST(Filter, FollowsItsShape)
         }
         for (double& e : expected) e *= drawn / total;
         EXPECT_EQ(test::chi_square(observed, expected), "");
+    };
+    check(gaussian, 2, [](double x) { return std::exp(-2 * x * x) - std::exp(-8.0); });
+    check(blackman_harris, 1.65, [](double x) {
+        const double t = std::numbers::pi * (x / 1.65 + 1);
+        return 0.35875 - 0.48829 * std::cos(t) + 0.14128 * std::cos(2 * t) - 0.01168 * std::cos(3 * t);
+    });
+}
+
+/// Up to their very ends, where next to no samples fall: the share of the filter below a number's offset is the number.
+TEST(Filter, IsTheInverseOfItsShares)
+{
+    FilterTable gaussian, blackman_harris;
+    gaussian.make_gaussian();
+    blackman_harris.make_blackman_harris();
+    const auto check = [](const FilterTable& table, double radius, auto f) {
+        const auto share_below = [&](double x) {
+            double below = 0, all = 0;
+            constexpr int steps = 20000;
+            for (int i = 0; i < steps; ++i) {
+                const double at = radius * (2 * (i + 0.5) / steps - 1);
+                all += f(at);
+                if (at < x) below += f(at);
+            }
+            return below / all;
+        };
+        for (double u : {1e-6, 1e-4, 1e-3, 0.01, 0.1, 0.3, 0.499, 0.6, 0.9, 0.999, 0.9999})
+            EXPECT_NEAR(share_below(double(first(table.sample(Float(float(u)))))), u, 2e-4 + 0.05 * std::min(u, 1 - u))
+                << u;
+        EXPECT_NEAR(first(table.sample(Float(0))), -radius, 1e-3);
+        EXPECT_NEAR(first(table.sample(Float(1 - 0x1p-24f))), radius, 0.1);
+        EXPECT_NEAR(first(table.sample(Float(0.5f))), 0, 1e-3);
     };
     check(gaussian, 2, [](double x) { return std::exp(-2 * x * x) - std::exp(-8.0); });
     check(blackman_harris, 1.65, [](double x) {

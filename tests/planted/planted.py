@@ -22,6 +22,7 @@ import pathlib
 import random
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -120,15 +121,22 @@ class Workshop:
         self.environment = {**os.environ, "CCACHE_BASEDIR": str(self.tree), "LC_ALL": "C"}
         isas = "base" if isa == "base" else f"base;{isa}"
         self.run(["cmake", "-S", str(self.tree), "-B", str(self.build), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
-                  "-DFATHOM_TESTS=ON", "-DFATHOM_WERROR=OFF", "-DFATHOM_VIEW=OFF", f"-DFATHOM_ISAS={isas}",
+                  "-DFATHOM_TESTS=ON", "-DFATHOM_WERROR=ON", "-DFATHOM_VIEW=OFF", f"-DFATHOM_ISAS={isas}",
                   f"-DFATHOM_SHARED_SCENES={ROOT.parent / 'shared' / 'scenes'}"], "configure.log", must=True)
 
     def run(self, command, log, must=False, **more):
-        with open(PLACE / f"{self.build.name}.{log}", "w") as out:
-            result = subprocess.run(command, stdout=out, stderr=subprocess.STDOUT, env={**self.environment, **more})
-        if must and result.returncode:
+        # In a group of its own, so that whoever ends this also ends the compilers that it has started.
+        with open(PLACE / f"{self.build.name}.{log}", "w") as out, \
+                subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, env={**self.environment, **more},
+                                 start_new_session=True) as process:
+            try:
+                code = process.wait()
+            except BaseException:
+                os.killpg(process.pid, signal.SIGTERM)
+                raise
+        if must and code:
             sys.exit(f"failed: {' '.join(command)}\nsee {out.name}")
-        return result.returncode, out.name
+        return code, out.name
 
     def compile(self, targets):
         code, log = self.run(["cmake", "--build", str(self.build), f"-j{self.jobs}", "--target", *targets], "build.log")
@@ -219,6 +227,7 @@ def main():
         return 0
     if options.check:
         return check(rules)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
 
     copy_tree(PLACE / "tree")
     results = {}

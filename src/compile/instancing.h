@@ -11,14 +11,14 @@ bool is_similarity(const Transform& t, double& factor);
 
 std::uint32_t material_index(const SceneTables& tables, const Shape& shape);
 
-/// What is placed by an instance, in a space of its own, and what stands in the world itself.
-class Placing {
+/// What becomes an instance, in a space of its own, and what stands in the world itself.
+class Instancing {
 public:
     /// Materials must be there.
-    Placing(const Compiler& c, const Placed& placed);
+    Instancing(const Compiler& c, const Occurrences& occurrences);
 
-    bool is_instanced(const PlacedShape& p) const;
-    /// What placed shapes share: a mesh, curves, points, or the shape itself.
+    bool is_instanced(const ShapeOccurrence& p) const;
+    /// What several occurrences share: a mesh, curves, points, or the shape itself.
     const void* content_of(const Shape& shape) const;
     /// Whether the vertices of a mesh move while the shutter is open. mesh: an index, or beyond.
     bool mesh_moves(std::size_t mesh) const { return mesh < mesh_moves_.size() && mesh_moves_[mesh]; }
@@ -34,10 +34,10 @@ private:
     void find_vertex_times();
     void count_uses();
     const void* set_of(const Shape& shape) const;
-    bool moves_straight(const PlacedShape& p) const;
+    bool moves_straight(const ShapeOccurrence& p) const;
 
     const Compiler& c_;
-    const Placed& placed_;
+    const Occurrences& occurrences_;
     std::vector<bool> mesh_moves_;
     std::vector<float> vertex_times_;
     std::vector<int> uses_;                ///< of meshes that are placed often enough to be worth instances; else 0

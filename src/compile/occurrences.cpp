@@ -17,12 +17,12 @@ public:
         for (std::size_t i = 0; i < moves_.size(); ++i) moves_[i] = moves(c.scene.nodes[i], open_, close_);
     }
 
-    Placed run()
+    Occurrences run()
     {
         for (int root : c_.scene.roots) place_node(root, c_.space.from_world(), 0);
         if (still_things_ > 0)
             c_.warnings.add(c_.scene.file + ": lights and cameras of nodes that move: they stand still", still_things_);
-        return std::move(placed_);
+        return std::move(occurrences_);
     }
 
 private:
@@ -36,8 +36,10 @@ private:
         int motion = -1;
         if (moving > 0 && !node.shapes.empty()) motion = add_motion(node);
         for (const Shape& shape : node.shapes)
-            placed_.shapes.push_back({&shape, render_from_node, std::uint32_t(placed_.shapes.size()), index, motion});
-        if (node.light >= 0) placed_.lights.push_back({&c_.scene.lights[std::size_t(node.light)], render_from_node});
+            occurrences_.shapes.push_back(
+                {&shape, render_from_node, std::uint32_t(occurrences_.shapes.size()), index, motion});
+        if (node.light >= 0)
+            occurrences_.lights.push_back({&c_.scene.lights[std::size_t(node.light)], render_from_node});
         if (moving > 0) still_things_ += std::size_t(node.light >= 0) + std::size_t(node.camera >= 0);
         for (int child : node.children) place_node(child, render_from_node, moving);
         path_.pop_back();
@@ -66,8 +68,8 @@ private:
             for (int i : path_) t = t * transform_at(c_.scene.nodes[std::size_t(i)], time);
             return t;
         };
-        placed_.motions.push_back(fit_poses(at, times, content));
-        return int(placed_.motions.size()) - 1;
+        occurrences_.motions.push_back(fit_poses(at, times, content));
+        return int(occurrences_.motions.size()) - 1;
     }
 
     /// Meshes are looked through once.
@@ -87,12 +89,12 @@ private:
     std::vector<Bounds> mesh_bounds_;
     std::vector<int> path_;
     std::size_t still_things_ = 0;
-    Placed placed_;
+    Occurrences occurrences_;
 };
 
 }  // namespace
 
-Placed place(const Compiler& c)
+Occurrences find_occurrences(const Compiler& c)
 {
     return Placer(c).run();
 }

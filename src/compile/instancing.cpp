@@ -1,4 +1,4 @@
-#include "compile/placing.h"
+#include "compile/instancing.h"
 
 #include <fmt/format.h>
 
@@ -24,19 +24,19 @@ std::uint32_t material_index(const SceneTables& tables, const Shape& shape)
     return shape.material >= 0 ? std::uint32_t(shape.material) : std::uint32_t(tables.materials.size() - 1);
 }
 
-Placing::Placing(const Compiler& c, const Placed& placed) : c_(c), placed_(placed)
+Instancing::Instancing(const Compiler& c, const Occurrences& occurrences) : c_(c), occurrences_(occurrences)
 {
     find_vertex_times();
     count_uses();
 }
 
-void Placing::find_vertex_times()
+void Instancing::find_vertex_times()
 {
     const double open = c_.tables.shutter_open, close = c_.tables.shutter_close;
     std::vector<float> times;
     std::vector<bool> seen(c_.scene.meshes.size());
     mesh_moves_.resize(c_.scene.meshes.size());
-    for (const PlacedShape& p : placed_.shapes) {
+    for (const ShapeOccurrence& p : occurrences_.shapes) {
         const auto* instance = std::get_if<MeshInstance>(&p.shape->geometry);
         if (!instance || seen[std::size_t(instance->mesh)]) continue;
         seen[std::size_t(instance->mesh)] = true;
@@ -57,7 +57,7 @@ void Placing::find_vertex_times()
     vertex_times_ = times;
 }
 
-bool Placing::is_instanced(const PlacedShape& p) const
+bool Instancing::is_instanced(const ShapeOccurrence& p) const
 {
     if (p.motion >= 0) return !moves_straight(p);
     if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry)) return uses_[std::size_t(mesh->mesh)] > 0;
@@ -69,14 +69,14 @@ bool Placing::is_instanced(const PlacedShape& p) const
 }
 
 /// The curves or points of a shape, or null.
-const void* Placing::set_of(const Shape& shape) const
+const void* Instancing::set_of(const Shape& shape) const
 {
     if (const auto* c = std::get_if<CurvesInstance>(&shape.geometry)) return &c_.scene.curves[std::size_t(c->curves)];
     if (const auto* p = std::get_if<PointsInstance>(&shape.geometry)) return &c_.scene.points[std::size_t(p->points)];
     return nullptr;
 }
 
-const void* Placing::content_of(const Shape& shape) const
+const void* Instancing::content_of(const Shape& shape) const
 {
     if (const auto* mesh = std::get_if<MeshInstance>(&shape.geometry)) return &mesh_of(*mesh);
     const void* set = set_of(shape);
@@ -84,10 +84,10 @@ const void* Placing::content_of(const Shape& shape) const
 }
 
 /// A sphere that a node moves along a line remains one of the world, with all that it can do as a light.
-bool Placing::moves_straight(const PlacedShape& p) const
+bool Instancing::moves_straight(const ShapeOccurrence& p) const
 {
     const auto* sphere = std::get_if<Sphere>(&p.shape->geometry);
-    const std::vector<NodeKey>& poses = placed_.motions[std::size_t(p.motion)];
+    const std::vector<NodeKey>& poses = occurrences_.motions[std::size_t(p.motion)];
     double factor;
     if (!sphere || sphere->center_end || poses.size() != 2 || !is_similarity(p.render_from_node, factor)) return false;
     for (std::size_t i = 0; i < 3; ++i)
@@ -97,19 +97,19 @@ bool Placing::moves_straight(const PlacedShape& p) const
     return true;
 }
 
-void Placing::count_uses()
+void Instancing::count_uses()
 {
     std::vector<int>& uses = uses_;
     uses.resize(c_.scene.meshes.size());
-    for (const PlacedShape& p : placed_.shapes)
+    for (const ShapeOccurrence& p : occurrences_.shapes)
         if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry)) ++uses[std::size_t(mesh->mesh)];
     for (std::size_t i = 0; i < uses.size(); ++i)
         if (uses[i] < 2 || c_.scene.meshes[i].indices.size() / 3 * std::size_t(uses[i]) < 4096) uses[i] = 0;
     // Emissive triangles are lights of their own, each where it stands.
-    for (const PlacedShape& p : placed_.shapes)
+    for (const ShapeOccurrence& p : occurrences_.shapes)
         if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry); mesh && emits(*p.shape))
             uses[std::size_t(mesh->mesh)] = 0;
-    for (const PlacedShape& p : placed_.shapes)
+    for (const ShapeOccurrence& p : occurrences_.shapes)
         if (const void* set = set_of(*p.shape)) ++set_uses_[set];
 }
 
