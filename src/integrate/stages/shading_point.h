@@ -34,12 +34,12 @@ namespace detail {
 ///
 /// In the plane of both normals, at an angle x from ng, with a and b the components of wo across and along ng, the
 /// mirror direction rises by a sin 2x + b cos 2x = r cos(2x - p), where a = r sin p and b = r cos p. It shall rise by
-/// t, at most b, which x = 0 gives: so 2x = p + acos(t / r). With less than b, rays that are mirrored again and again
-/// inside glass would end up creeping along its surface, and never leave.
+/// t, less than the b that x = 0 gives, so that normals which agree are left alone: so 2x = p + acos(t / r). With much
+/// less than b, rays that are mirrored again and again inside glass would end up creeping along its surface.
 inline Vec3 bend_to_mirror(const Vec3& wo, const Vec3& ng, const Vec3& ns)
 {
     const Float b = dot(wo, ng), cosine = dot(ns, ng);
-    const Float t = min(b, Float(0.02f));
+    const Float t = min(b * Float(0.9f), Float(0.02f));
     const Mask below = Float(2) * dot(wo, ns) * cosine - b < t;
     if (none(below)) return ns;
     const Vec3 off = fma(ng, -cosine, ns);
