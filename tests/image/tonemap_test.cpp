@@ -40,6 +40,8 @@ TEST(Tonemap, FilmicByHand)
     EXPECT_NEAR(filmic_curve(1e30f), 2.51 / 2.43, 1e-4);
     const DisplayMap map({0, Tonemap::filmic});
     EXPECT_EQ(map.code8(1), 232);  // sRGB of 0.803797: 0.908232 * 255 = 231.6
+    // Exposed before, not after the curve.
+    EXPECT_EQ(DisplayMap({2, Tonemap::filmic}).code8(0.25f), 232);
     EXPECT_EQ(map.code8(INFINITY), 255);
     EXPECT_EQ(map.code8(NAN), 0);
     float before = 0;

@@ -134,6 +134,9 @@ Kd 0.1 0.2 0.3
 Ks 0.5 0.5 0.5
 Ns 98
 d 0.5
+newmtl veil
+Kd 1 1 1
+Tr 0.25
 newmtl lamp
 Kd 0 0 0
 Ke 7 6 5
@@ -178,6 +181,8 @@ disp heights.png
     EXPECT_NEAR(shiny.roughness.value, std::sqrt(std::sqrt(0.02)), 1e-6);
     EXPECT_EQ(shiny.alpha.value, 0.5f);
     EXPECT_EQ(shiny.alpha_mode, AlphaMode::blend);
+    EXPECT_EQ(material("veil").alpha.value, 0.75f);
+    EXPECT_EQ(material("veil").alpha_mode, AlphaMode::blend);
     EXPECT_EQ(material("lamp").emission.value, (Color{7, 6, 5}));
     EXPECT_EQ(material("glass").kind, MaterialKind::glass);
     EXPECT_EQ(material("glass").ior, 1.33f);
