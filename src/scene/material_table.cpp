@@ -8,14 +8,14 @@ using P = Parameter<Material>;
 using enum MaterialKind;
 
 constexpr KindName<MaterialKind> kinds[] = {
-    {none, "none", "black, for lamps"},
-    {unlit, "unlit", "shows its colour whatever the light, and lights nothing"},
     {diffuse, "diffuse", "Lambertian; energy-preserving Oren-Nayar where roughness > 0"},
     {metal, "metal", "GGX conductor; color is the reflectance at normal incidence"},
     {fuzz_metal, "fuzz_metal",
      "the report's metal: mirror direction plus fuzz times a random point of the unit sphere"},
     {glass, "glass", "dielectric"},
     {principled, "principled", "metallic-roughness of glTF 2.0"},
+    {unlit, "unlit", "shows its colour whatever the light, and lights nothing"},
+    {none, "none", "black, for lamps"},
 };
 static_assert(std::size(kinds) == material_kind_count);
 

@@ -3,7 +3,7 @@
 
 namespace fathom {
 
-/// Every kind of material, in the order of MaterialKind.
+/// Every kind of material, as a reader would list them.
 std::span<const KindName<MaterialKind>> material_kinds();
 /// Every parameter of materials. A key may stand there several times, for different kinds.
 std::span<const Parameter<Material>> material_parameters();
