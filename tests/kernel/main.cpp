@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <cstring>
@@ -16,15 +17,25 @@ bool runs_here(const char* isa)
     return !std::strcmp(isa, "base");
 }
 
+/// Before all other code of the program: what is made before main is compiled for the instruction set as well. glibc
+/// hands constructors the arguments.
+[[gnu::constructor(101)]] void skip_where_it_cannot_run(int argc, char** argv)
+{
+#if defined(__x86_64__)
+    __builtin_cpu_init();
+#endif
+    for (int i = 1; i < argc; ++i)
+        if (!std::strncmp(argv[i], "--isa=", 6) && !runs_here(argv[i] + 6)) {
+            std::printf("skipped: this machine has no %s\n", argv[i] + 6);
+            std::fflush(stdout);
+            _exit(77);
+        }
+}
+
 }  // namespace
 
 int main(int argc, char** argv)
 {
-    for (int i = 1; i < argc; ++i)
-        if (!std::strncmp(argv[i], "--isa=", 6) && !runs_here(argv[i] + 6)) {
-            std::printf("skipped: this machine has no %s\n", argv[i] + 6);
-            return 77;
-        }
     testing::InitGoogleTest(&argc, argv);
     return RUN_ALL_TESTS();
 }
