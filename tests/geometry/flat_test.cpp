@@ -138,8 +138,8 @@ TEST(Flat, Shadows)
             for (const std::uint64_t seed : {1, 2, 3}) {
                 const GeometryTables tables = room(seed, faces, seed == 3);
                 ShadowTargets targets;
-                // One of the lights stands outside the room.
-                targets.places = {{0.5f, 3.5f, 0.5f}, {-3, 1, 2}, {0, 6, 0}};
+                // One of the lights stands outside the room, unless what is outside is infinitely far away.
+                targets.places = {{0.5f, 3.5f, 0.5f}, {-3, 1, 2}, {0, infinite ? 2.0f : 6.0f, 0}};
                 targets.infinite = infinite;
                 FlatScene flat;
                 flat.build(tables, targets);
