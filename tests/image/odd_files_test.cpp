@@ -112,6 +112,15 @@ TEST(Png, PalettesOfFewBits)
         EXPECT_EQ(error_of(png_of_one_colour(1500, bits, PNG_COLOR_TYPE_GRAY)), "read") << bits;
 }
 
+TEST(Pnm, NumbersThatWrapAroundAreRefused)
+{
+    EXPECT_EQ(error_of("P6 2 2 255 abcdefghijkl"), "read");
+    EXPECT_EQ(error_of("P6 #4294967298\n2 2 255 1234567890ab"), "read");
+    // Two wide, modulo 2^32.
+    EXPECT_EQ(error_of("P6 4294967298 2 255 abcdefghijkl"), "damaged picture: a number of its header is too large");
+    EXPECT_EQ(error_of("P6 2 2 4294967551 abcdefghijkl"), "damaged picture: a number of its header is too large");
+}
+
 TEST(ReadImage, RefusesPipesAndDevicesAtOnce)
 {
     const TemporaryFolder folder;
