@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 #include <png.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 
+#include "../memory_limit.h"
 #include "fathom/error.h"
 #include "pictures.h"
 
@@ -61,13 +61,8 @@ TEST(Exr, AttributesLongerThanTheFileAreNotBelieved)
     const std::size_t at = file.find(name);
     ASSERT_NE(at, std::string::npos);
     file.replace(at, name.size() + 4, std::string("compression") + '\0' + "string" + '\0' + raw(0x7ffffff0));
-    rlimit before{};
-    getrlimit(RLIMIT_AS, &before);
-    const rlimit small{rlim_t(1) << 30, before.rlim_max};
-    setrlimit(RLIMIT_AS, &small);
-    const std::string error = error_of(file);
-    setrlimit(RLIMIT_AS, &before);
-    EXPECT_EQ(error, "the file is cut short or damaged");
+    const test::MemoryLimit limit(rlim_t(1) << 30);
+    EXPECT_EQ(error_of(file), "the file is cut short or damaged");
 }
 
 /// A picture of one colour of a palette, which is packed as tightly as can be.
