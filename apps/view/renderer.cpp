@@ -135,12 +135,14 @@ void Renderer::run()
         cancel_ = false;
         interruptible_ = true;
         if (pick_request_) {
-            const PickRequest request = *std::exchange(pick_request_, std::nullopt);
+            const PickRequest request = *pick_request_;
+            pick_request_.reset();
             apart([&] { answer_pick(request); });
             continue;
         }
         if (save_request_ && picture_samples() > 0) {
-            const std::string stem = *std::exchange(save_request_, std::nullopt);
+            const std::string stem = *save_request_;
+            save_request_.reset();
             apart([&] { save_picture(stem); });
             continue;
         }

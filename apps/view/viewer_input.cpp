@@ -240,7 +240,7 @@ void Viewer::script_step()
         case 2:
             control_.zoom(sign);
             break;
-        case 3:
+        default:
             control_.fly(sign * 0.05, 0, sign * 0.1);
             break;
     }

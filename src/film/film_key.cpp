@@ -66,7 +66,10 @@ public:
         std::array<T, n> result{};
         const char *at = text.data(), *const end = at + text.size();
         for (std::size_t i = 0; i < n; ++i) {
-            if (i > 0 && (at == end || *at++ != separator)) fail(fmt::format("{} is '{}'", name, text.substr(0, 40)));
+            if (i > 0) {
+                if (at == end || *at != separator) fail(fmt::format("{} is '{}'", name, text.substr(0, 40)));
+                ++at;
+            }
             const auto [next, error] = read(at, end, result[i]);
             if (error != std::errc() || !(double(result[i]) >= least && double(result[i]) <= most))
                 fail(fmt::format("{} is '{}'", name, text.substr(0, 40)));

@@ -82,7 +82,7 @@ SceneDescription read_with_assimp(const std::filesystem::path& file, const LoadO
     if (!result.failure.empty()) throw Error(name, "", fmt::format("Assimp can't read the file: {}", result.failure));
     if (!from_bytes(result.bytes, answer)) throw Error(name, "", "Assimp's answer is cut short");
     if (!answer.error.empty()) throw Error(name, "", printable(answer.error));
-    for (const std::string& warning : answer.warnings) context.warnings.add(name + ": " + warning);
+    for (const std::string& warning : answer.warnings) context.warnings.add(fmt::format("{}: {}", name, warning));
     for (Mesh& mesh : answer.scene.meshes) {
         for (std::uint32_t index : mesh.indices)
             if (index >= mesh.positions.size()) throw Error(name, printable(mesh.name), "a corner refers to no vertex");

@@ -7,17 +7,16 @@ namespace fathom {
 
 namespace {
 
-constexpr std::array<std::int8_t, 256> base64_values()
+constexpr std::uint8_t no_digit = 0xff;
+
+constexpr std::array<std::uint8_t, 256> base64_values()
 {
-    std::array<std::int8_t, 256> values{};
-    for (auto& v : values) v = -1;
-    for (int i = 0; i < 26; ++i) {
-        values[std::size_t('A' + i)] = std::int8_t(i);
-        values[std::size_t('a' + i)] = std::int8_t(26 + i);
-    }
-    for (int i = 0; i < 10; ++i) values[std::size_t('0' + i)] = std::int8_t(52 + i);
-    values['+'] = values['-'] = 62;
-    values['/'] = values['_'] = 63;
+    constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::array<std::uint8_t, 256> values{};
+    values.fill(no_digit);
+    for (std::size_t i = 0; i < digits.size(); ++i) values[static_cast<unsigned char>(digits[i])] = std::uint8_t(i);
+    values['-'] = 62;
+    values['_'] = 63;
     return values;
 }
 
@@ -30,9 +29,9 @@ std::optional<std::string> decode_base64(std::string_view text)
     std::uint32_t bits = 0;
     int count = 0;
     for (char c : text) {
-        const int value = values[static_cast<unsigned char>(c)];
-        if (value < 0) return std::nullopt;
-        bits = bits << 6 | std::uint32_t(value);
+        const std::uint8_t value = values[static_cast<unsigned char>(c)];
+        if (value == no_digit) return std::nullopt;
+        bits = bits << 6 | value;
         count += 6;
         if (count >= 8) {
             count -= 8;

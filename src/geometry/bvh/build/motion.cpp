@@ -11,15 +11,15 @@ using Matrix = std::array<double, 12>;  ///< rows of an affine map
 
 Matrix inverse_of(const std::array<float, 12>& m)
 {
-    const auto at = [&](int i, int j) { return double(m[std::size_t(4 * i + j)]); };
+    const auto at = [&](std::size_t i, std::size_t j) { return double(m[4 * i + j]); };
     Matrix r{};
     double determinant = 0;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) {
             // Rows and columns that follow cyclically carry the sign of the cofactor.
-            const int a = (j + 1) % 3, b = (j + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
-            r[std::size_t(4 * i + j)] = at(a, c) * at(b, d) - at(a, d) * at(b, c);
-            if (i == 0) determinant += at(j, 0) * r[std::size_t(j)];
+            const std::size_t a = (j + 1) % 3, b = (j + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
+            r[4 * i + j] = at(a, c) * at(b, d) - at(a, d) * at(b, c);
+            if (i == 0) determinant += at(j, 0) * r[j];
         }
     for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j) r[4 * i + j] /= determinant;
@@ -82,7 +82,7 @@ Box transformed(const Matrix& m, const Box& box, double rounding)
     Box out;
     double radius = 0;
     for (int row = 0; row < 3; ++row) {
-        const double* r = &m[std::size_t(4 * row)];
+        const double* r = &m[4 * std::size_t(row)];
         double low = r[3], high = r[3];
         for (int axis = 0; axis < 3; ++axis) {
             const double a = r[axis] * box.low(axis), b = r[axis] * box.high(axis);
