@@ -485,6 +485,25 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(info["counts"]["cameras"], 2)
         self.assertEqual(info["cameras"][0]["name"], "main")
 
+    def test_convert(self):
+        self.scene("box.json", "camera main warn odd")
+        result = self.ok("convert", "box.json", "new.json")
+        self.assertIn("fathom: warning: odd", result.stderr)
+        self.assertIn("wrote new.json", result.stderr)
+        with open(self.path("new.json")) as file:
+            written = json.load(file)
+        self.assertEqual(list(written["cameras"]), ["main"])
+        self.assertEqual(written["scene"], [{"transform": {"translate": [1, 2, 3]}, "camera": "main"}])
+        self.assertNotIn("wrote", self.ok("convert", "box.json", "new.json", "-q").stderr)
+        self.refused(2, "convert", "box.json", "new.glb", words=["new.glb", ".json"])
+        self.refused(2, "convert", "box.json")
+        self.refused(1, "convert", "box.json", "nowhere/new.json", words=["nowhere"])
+        self.refused(1, "convert", "box.json", "box.json", words=["box.json", "read from this file"])
+        os.symlink("box.json", self.path("link.json"))
+        self.refused(1, "convert", "box.json", "link.json", words=["link.json", "read from this file"])
+        with open(self.path("box.json")) as file:
+            self.assertEqual(file.read(), "camera main warn odd")
+
     def test_what_decides_the_picture_is_the_same_for_render_and_view(self):
         def options(command):
             return set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", self.ok(command, "--help").stdout, re.MULTILINE))
