@@ -352,6 +352,19 @@ class CommandLine(unittest.TestCase):
 
     # ------------------------------------------------------------------------------------------------ time, progress, signals
 
+    def test_merge_overwrites_no_part(self):
+        for name, range_ in ("a.exr", "0:2"), ("b.exr", "2:4"):
+            self.ok("render", "box.json", "--size", "8x4", "--samples", range_, "-o", name)
+        os.link(self.path("b.exr"), self.path("hard.exr"))
+        os.symlink("a.exr", self.path("soft.exr"))
+        os.mkdir(self.path("sub"))
+        before = {name: open(self.path(name), "rb").read() for name in ("a.exr", "b.exr")}
+        for output in "a.exr", "b.exr", "hard.exr", "soft.exr", "sub/../b.exr":
+            self.refused(1, "merge", "a.exr", "b.exr", "-o", "all.png", "-o", output,
+                         words=[f"{output} is a part of this picture: name another with -o"])
+        self.assertEqual(before, {name: open(self.path(name), "rb").read() for name in before})
+        self.ok("merge", "a.exr", "b.exr", "-o", "all.exr")
+
     def test_time(self):
         self.scene("slow.json", "camera a slow 20")
         text = self.ok("render", "slow.json", "--time", "0.8s", "--size", "4x4").stderr
