@@ -172,6 +172,8 @@ TEST_F(Save, EveryVectorOfAMesh)
     scene.nodes[0].camera = 0;
     expect_same(scene);
     const SceneDescription again = saved(scene);
+    ASSERT_EQ(again.meshes[0].uvs[0].size(), 3u);
+    ASSERT_EQ(again.meshes[0].uvs[1].size(), 3u);
     EXPECT_EQ(std::memcmp(again.meshes[0].uvs[0].data(), mesh.uvs[0].data(), 3 * sizeof(Vec2f)), 0);
     EXPECT_EQ(std::memcmp(again.meshes[0].uvs[1].data(), mesh.uvs[1].data(), 3 * sizeof(Vec2f)), 0);
     EXPECT_EQ(again.meshes[0].motion.size(), 2u);
