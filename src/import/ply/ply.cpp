@@ -313,7 +313,13 @@ SceneDescription point_cloud(PlyData points, const std::filesystem::path& file, 
                          !points.mesh.colors.empty());
     SceneDescription scene;
     scene.file = name;
-    add_point_cloud(scene, std::move(points.mesh.positions), file.stem().string(), name, context.warnings);
+    Points cloud;
+    if (points.radii.empty())
+        cloud = fitting_points(std::move(points.mesh.positions), name, context.warnings);
+    else
+        cloud.centers = std::move(points.mesh.positions), cloud.radii = std::move(points.radii);
+    cloud.name = file.stem().string();
+    add_point_cloud(scene, std::move(cloud));
     if (scene.points.empty()) throw Error(name, "", "none of its points is finite");
     return scene;
 }
