@@ -293,28 +293,39 @@ private:
         }
     }
 
-    void add_quad(const ShapeOccurrence& p, Vec3d corner, Vec3d u, Vec3d v)
+    /// In render space.
+    void add_quad(const Vec3d& corner, const Vec3d& u, const Vec3d& v)
     {
-        t_.quads.push_back({to_float(p.render_from_node.point(corner)), to_float(p.render_from_node.vector(u)),
-                            to_float(p.render_from_node.vector(v))});
+        t_.quads.push_back({to_float(corner), to_float(u), to_float(v)});
         take_primitives(1);
     }
     void add_rectangles(const ShapeOccurrence& p, const std::vector<Rectangle>& rectangles)
     {
         add_shape(p, t_.first_quad() + std::uint32_t(t_.quads.size()), p.render_from_node.determinant() < 0);
-        for (const Rectangle& r : rectangles) add_quad(p, r.corner, r.edge_u, r.edge_v);
+        const Transform& t = p.render_from_node;
+        for (const Rectangle& r : rectangles) add_quad(t.point(r.corner), t.vector(r.edge_u), t.vector(r.edge_v));
     }
     void add_box(const ShapeOccurrence& p, const Box& b)
     {
         add_shape(p, t_.first_quad() + std::uint32_t(t_.quads.size()), p.render_from_node.determinant() < 0);
+        // Faces that are rounded each for itself leave gaps between them, through which light gets in: so all corners
+        // stand on a grid on which floats add without rounding.
+        const Transform& t = p.render_from_node;
         const Vec3d d = b.max - b.min;
-        const Vec3d x{d.x, 0, 0}, y{0, d.y, 0}, z{0, 0, d.z};
-        add_quad(p, b.min, z, y);      // -x
-        add_quad(p, b.min + x, y, z);  // +x
-        add_quad(p, b.min, x, z);      // -y
-        add_quad(p, b.min + y, z, x);  // +y
-        add_quad(p, b.min, y, x);      // -z
-        add_quad(p, b.min + z, x, y);  // +z
+        Vec3d corner = t.point(b.min), x = t.vector({d.x, 0, 0}), y = t.vector({0, d.y, 0}), z = t.vector({0, 0, d.z});
+        double largest = 0;
+        for (const Vec3d& v : {corner, corner + x, corner + y, corner + z, corner + x + y + z})
+            largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+        const double grid = std::exp2(std::ceil(std::log2(largest)) - 22);
+        for (Vec3d* v : {&corner, &x, &y, &z})
+            if (largest > 0)
+                *v = {std::round(v->x / grid) * grid, std::round(v->y / grid) * grid, std::round(v->z / grid) * grid};
+        add_quad(corner, z, y);      // -x
+        add_quad(corner + x, y, z);  // +x
+        add_quad(corner, x, z);      // -y
+        add_quad(corner + y, z, x);  // +y
+        add_quad(corner, y, x);      // -z
+        add_quad(corner + z, x, y);  // +z
     }
     /// poses: two, between which it moves straight; or none.
     void add_sphere(const ShapeOccurrence& p, const Sphere& s, const std::vector<NodeKey>* poses)
