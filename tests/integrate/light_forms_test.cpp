@@ -212,7 +212,7 @@ TEST(LightForms, TrianglesOfOneMesh)
 TEST(LightForms, CopiesOfOneMesh)
 {
     const Transform places[] = {
-        Transform::translate({-0.6, 1, 0}),
+        Transform::translate({-0.6, 0.6, 0}) * Transform::scale({4, 1, 4}),
         Transform::translate({0.4, 0.3, 0.3}) * Transform::rotate({1, 2, 0.5}, 0.4) * Transform::scale({-0.2, 1, 0.1})};
     const Vec3d corners[] = {{-0.5, 0, -0.4}, {0.5, 0, -0.3}, {0, 0, 0.5}};
     for (const bool light_sampling : {true, false}) {
