@@ -148,6 +148,7 @@ struct Mesh {
     /// still before the first and after the last. `positions` and `normals` are then the pose at rest, which is not
     /// shown.
     std::vector<MeshKey> motion;
+    bool movable = false;  ///< its vertices will be other ones in later pictures: see SceneEdit
 };
 
 /// The normal points out; a negative radius turns it inwards (a hollow). Moves from center to center_end while the
@@ -267,6 +268,7 @@ struct Node {
     std::vector<int> children;
     std::vector<Shape> shapes;
     int light = -1, camera = -1;
+    bool movable = false;  ///< it will stand elsewhere in later pictures, with what is below it: see SceneEdit
 };
 
 /// Render settings that a scene file may give; an option of the command line overrides them.

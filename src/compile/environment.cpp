@@ -1,0 +1,66 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "compile/compiler.h"
+#include "compile/luminance.h"
+
+namespace fathom {
+
+namespace {
+
+/// Cumulative distributions over rows and, within a row, pixels, by luminance times the solid angle. Bilinear lookup
+/// spreads a pixel's light over its neighbours, so each cell has the mean of the 3x3 around it. Returns mean radiance.
+double make_environment_distribution(EnvironmentRecord& t)
+{
+    const int w = t.width, h = t.height;
+    const auto value = [&](int x, int y) {
+        x = (x + w) % w;
+        y = std::clamp(y, 0, h - 1);
+        const float* texel = &t.texels[(std::uint64_t(y) * std::uint64_t(w) + std::uint64_t(x)) * 4];
+        const float c[3] = {texel[0] * t.color[0], texel[1] * t.color[1], texel[2] * t.color[2]};
+        return std::max(0.0, luminance(c));
+    };
+    t.marginal.assign(std::size_t(h) + 1, 0);
+    t.conditional.assign(std::size_t(h) * std::size_t(w + 1), 0);
+    std::vector<double> rows(std::size_t(h) + 1);
+    double weight = 0;
+    for (int y = 0; y < h; ++y) {
+        const double sine = std::sin((y + 0.5) * std::numbers::pi / h);
+        std::vector<double> sum(std::size_t(w) + 1);
+        for (int x = 0; x < w; ++x) {
+            double v = 0;
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dx = -1; dx <= 1; ++dx) v += value(x + dx, y + dy) / 9;
+            sum[std::size_t(x) + 1] = sum[std::size_t(x)] + v;
+        }
+        float* row = &t.conditional[std::size_t(y) * std::size_t(w + 1)];
+        for (int x = 0; x <= w; ++x)
+            row[x] = sum[std::size_t(w)] > 0 ? float(sum[std::size_t(x)] / sum[std::size_t(w)]) : float(x) / float(w);
+        rows[std::size_t(y) + 1] = rows[std::size_t(y)] + sum[std::size_t(w)] * sine;
+        weight += sine * w;
+    }
+    const double total = rows[std::size_t(h)];
+    for (int y = 0; y <= h; ++y)
+        t.marginal[std::size_t(y)] = total > 0 ? float(rows[std::size_t(y)] / total) : float(y) / float(h);
+    return total / weight;
+}
+
+}  // namespace
+
+void compile_environment(Compiler& c)
+{
+    const Environment& e = c.scene.environment;
+    EnvironmentRecord& t = c.tables.environment;
+    t.kind = std::uint32_t(e.kind);
+    t.color = {e.color.r, e.color.g, e.color.b};
+    t.bottom = {e.bottom.r, e.bottom.g, e.bottom.b};
+    t.top = {e.top.r, e.top.g, e.top.b};
+    t.mean_luminance = 0;
+    if (e.kind == EnvironmentKind::none) return;
+    const Transform inverse = e.world_from_environment.inverse();
+    for (std::size_t i = 0; i < 9; ++i) t.environment_from_render[i] = float(inverse.m[i / 3][i % 3]);
+    if (e.kind == EnvironmentKind::image && t.width > 0) t.mean_luminance = make_environment_distribution(t);
+}
+
+}  // namespace fathom
