@@ -97,10 +97,31 @@ bool pnm_is_swapped()
     return value && *value == 0x0201;
 }
 
+/// stb_image before 2.28 lets the numbers of a PNM header wrap around.
+void check_pnm_header(const EncodedImage& file)
+{
+    if (file.size < 2 || file.bytes[0] != 'P' || (file.bytes[1] != '5' && file.bytes[1] != '6')) return;
+    int numbers = 0, digits = 0;
+    bool in_comment = false;
+    for (std::size_t i = 2; i < file.size && numbers < 3; ++i) {
+        const unsigned char c = file.bytes[i];
+        if (in_comment) {
+            in_comment = c != '\n' && c != '\r';
+        } else if (c >= '0' && c <= '9') {
+            if (++digits > 9) throw Error(file.name, "", "damaged picture: a number of its header is too large");
+        } else {
+            if (digits > 0) ++numbers;
+            digits = 0;
+            in_comment = c == '#';
+        }
+    }
+}
+
 }  // namespace
 
 Image read_stb(const EncodedImage& file)
 {
+    check_pnm_header(file);
     int width = 0, height = 0, channels = 0;
     Feed info(file);
     if (!stbi_info_from_callbacks(&callbacks, &info, &width, &height, &channels))

@@ -41,7 +41,8 @@ TEST(FilmLayout, HasAPlaceForEach)
         for (int i = 0; i < p.count; ++i) ++used.at(std::size_t(p.first + i));
     for (int u : used) EXPECT_EQ(u, 1);
     // Words: of radiance, of its squares, of the others, of ids; none shared.
-    std::uint32_t* const pixel = nullptr;
+    const std::vector<std::uint32_t> words(std::size_t(all.words));
+    const std::uint32_t* const pixel = words.data();
     EXPECT_EQ(square_sum(pixel, 0) - pixel, 3 * ExactSum::words);
     EXPECT_EQ(other_sum(pixel, 0) - square_sum(pixel, 2), ExactSquareSum::words);
     EXPECT_EQ(all.ids, other_sum(pixel, all.sums) - pixel);

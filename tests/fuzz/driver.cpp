@@ -3,7 +3,6 @@
 //   fuzz_driver TARGET RUNS           runs 0 to RUNS - 1; one that crashes or takes too long is named
 //   fuzz_driver TARGET RUNS ONLY      that run alone, its file as fuzz-TARGET-ONLY.bin in this folder
 //   fuzz_driver TARGET seeds FOLDER   what libFuzzer may begin with
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -16,6 +15,7 @@
 #include <random>
 #include <string>
 
+#include "../memory_limit.h"
 #include "targets.h"
 
 namespace fathom::fuzz {
@@ -158,10 +158,7 @@ int run(int argc, char** argv)
         run_once(*target, seeds, only);
         return 0;
     }
-#ifndef __SANITIZE_ADDRESS__  // whose shadow is larger than any limit
-    const rlimit memory{std::size_t(4) << 30, RLIM_INFINITY};
-    setrlimit(RLIMIT_AS, &memory);
-#endif
+    const test::MemoryLimit memory(rlim_t(4) << 30);
     for (int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGALRM}) std::signal(signal, on_signal);
     // What is not damaged is read without a word.
     for (const std::string& seed : seeds) target->run(seed);

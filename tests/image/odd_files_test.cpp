@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 #include <png.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 
+#include "../memory_limit.h"
 #include "fathom/error.h"
 #include "pictures.h"
 
@@ -61,13 +61,8 @@ TEST(Exr, AttributesLongerThanTheFileAreNotBelieved)
     const std::size_t at = file.find(name);
     ASSERT_NE(at, std::string::npos);
     file.replace(at, name.size() + 4, std::string("compression") + '\0' + "string" + '\0' + raw(0x7ffffff0));
-    rlimit before{};
-    getrlimit(RLIMIT_AS, &before);
-    const rlimit small{rlim_t(1) << 30, before.rlim_max};
-    setrlimit(RLIMIT_AS, &small);
-    const std::string error = error_of(file);
-    setrlimit(RLIMIT_AS, &before);
-    EXPECT_EQ(error, "the file is cut short or damaged");
+    const test::MemoryLimit limit(rlim_t(1) << 30);
+    EXPECT_EQ(error_of(file), "the file is cut short or damaged");
 }
 
 /// A picture of one colour of a palette, which is packed as tightly as can be.
@@ -110,6 +105,15 @@ TEST(Png, PalettesOfFewBits)
     }
     for (const int bits : {1, 2, 4, 8, 16})
         EXPECT_EQ(error_of(png_of_one_colour(1500, bits, PNG_COLOR_TYPE_GRAY)), "read") << bits;
+}
+
+TEST(Pnm, NumbersThatWrapAroundAreRefused)
+{
+    EXPECT_EQ(error_of("P6 2 2 255 abcdefghijkl"), "read");
+    EXPECT_EQ(error_of("P6 #4294967298\n2 2 255 1234567890ab"), "read");
+    // Two wide, modulo 2^32.
+    EXPECT_EQ(error_of("P6 4294967298 2 255 abcdefghijkl"), "damaged picture: a number of its header is too large");
+    EXPECT_EQ(error_of("P6 2 2 4294967551 abcdefghijkl"), "damaged picture: a number of its header is too large");
 }
 
 TEST(ReadImage, RefusesPipesAndDevicesAtOnce)

@@ -39,9 +39,16 @@ TEST(RunApart, ReturnsWhatTheWorkReturns)
     EXPECT_EQ(result.bytes, large);
 }
 
-TEST(RunApart, EndsWorkThatCrashesOrTakesTooMuch)
+TEST(RunApart, EndsWorkThatCrashes)
 {
     EXPECT_EQ(run_apart([]() -> std::string { std::abort(); }, 10, memory).failure, "it crashed");
+}
+
+TEST(RunApart, EndsWorkThatTakesTooMuch)
+{
+#ifdef FATHOM_ADDRESS_SANITIZER
+    GTEST_SKIP() << "the address sanitizer ends a program that is out of memory, where new would throw";
+#endif
     EXPECT_EQ(run_apart([] { return std::string(2 * memory, 'x'); }, 10, memory).failure, "it ran out of memory");
 }
 

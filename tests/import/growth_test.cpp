@@ -1,11 +1,10 @@
-#include <sys/resource.h>
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <functional>
 
+#include "../memory_limit.h"
 #include "import/common/json.h"
 #include "import_test_helpers.h"
 
@@ -192,12 +191,8 @@ TEST_F(Growth, ManyRootsCountTogether)
 TEST_F(Growth, WhatInstancesNeedIsLookedAtBeforeItIsTaken)
 {
     const auto file = write("a.json", doubled(20, "n20"));
-    rlimit before{};
-    getrlimit(RLIMIT_AS, &before);
-    const rlimit small{std::size_t(2) << 30, before.rlim_max};
-    setrlimit(RLIMIT_AS, &small);
+    const MemoryLimit limit(rlim_t(2) << 30);
     const std::string error = error_of(file);
-    setrlimit(RLIMIT_AS, &before);
     EXPECT_EQ(error.rfind("its instances make 8388608 shapes, which need about 4.3 GB of memory; ", 0), 0u) << error;
 }
 
@@ -209,12 +204,8 @@ TEST_F(Growth, CopiesOfAModelAreLookedAtBeforeTheyAreMade)
     const auto file = write("a.json", R"({"fathom": 1, "materials": {"m": {}}, "scene": [)" + joined(2000, [](int) {
                                           return std::string(R"({"model": "model.json", "material": "m"})");
                                       }) + "]}");
-    rlimit before{};
-    getrlimit(RLIMIT_AS, &before);
-    const rlimit small{std::size_t(1) << 30, before.rlim_max};
-    setrlimit(RLIMIT_AS, &small);
+    const MemoryLimit limit(rlim_t(1) << 30);
     const std::string error = error_of(file);
-    setrlimit(RLIMIT_AS, &before);
     EXPECT_NE(error.find("a copy of the model with other materials needs "), std::string::npos) << error;
 }
 

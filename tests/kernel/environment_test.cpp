@@ -177,7 +177,7 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
             const Vec3d d = turn.vector({x[0][i], x[1][i], x[2][i]});
             ASSERT_NEAR(length(d), 1, 1e-5);
             const double u = std::atan2(d.x, -d.z) / (2 * std::numbers::pi) + 0.5,
-                         v = std::acos(d.y) / std::numbers::pi;
+                         v = std::acos(std::clamp(d.y, -1.0, 1.0)) / std::numbers::pi;
             ++observed[std::size_t(std::clamp(int(v * 10), 0, 9) * 12 + std::clamp(int(u * 12), 0, 11))];
         }
     }

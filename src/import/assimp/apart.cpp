@@ -20,7 +20,7 @@ namespace fathom {
 
 namespace {
 
-[[maybe_unused]] std::size_t memory_in_use()
+std::size_t memory_in_use()
 {
     std::size_t pages = 0;
     std::ifstream("/proc/self/statm") >> pages;
@@ -32,10 +32,9 @@ void limit(unsigned seconds, std::size_t memory_bytes)
     const rlimit no_core{0, 0}, time{seconds, seconds + 1};
     setrlimit(RLIMIT_CORE, &no_core);
     setrlimit(RLIMIT_CPU, &time);
-#ifndef __SANITIZE_ADDRESS__  // whose shadow is larger than any limit
+    // More than is in use: a sanitizer's shadow alone is larger than any limit.
     const rlimit memory{memory_in_use() + memory_bytes, RLIM_INFINITY};
     setrlimit(RLIMIT_AS, &memory);
-#endif
 }
 
 void write_all(int fd, const std::string& bytes)
