@@ -352,6 +352,19 @@ class CommandLine(unittest.TestCase):
 
     # ------------------------------------------------------------------------------------------------ time, progress, signals
 
+    def test_merge_overwrites_no_part(self):
+        for name, range_ in ("a.exr", "0:2"), ("b.exr", "2:4"):
+            self.ok("render", "box.json", "--size", "8x4", "--samples", range_, "-o", name)
+        os.link(self.path("b.exr"), self.path("hard.exr"))
+        os.symlink("a.exr", self.path("soft.exr"))
+        os.mkdir(self.path("sub"))
+        before = {name: open(self.path(name), "rb").read() for name in ("a.exr", "b.exr")}
+        for output in "a.exr", "b.exr", "hard.exr", "soft.exr", "sub/../b.exr":
+            self.refused(1, "merge", "a.exr", "b.exr", "-o", "all.png", "-o", output,
+                         words=[f"{output} is a part of this picture: name another with -o"])
+        self.assertEqual(before, {name: open(self.path(name), "rb").read() for name in before})
+        self.ok("merge", "a.exr", "b.exr", "-o", "all.exr")
+
     def test_time(self):
         self.scene("slow.json", "camera a slow 20")
         text = self.ok("render", "slow.json", "--time", "0.8s", "--size", "4x4").stderr
@@ -484,6 +497,25 @@ class CommandLine(unittest.TestCase):
         info = json.loads(self.ok("info", "box.json", "--json").stdout)
         self.assertEqual(info["counts"]["cameras"], 2)
         self.assertEqual(info["cameras"][0]["name"], "main")
+
+    def test_convert(self):
+        self.scene("box.json", "camera main warn odd")
+        result = self.ok("convert", "box.json", "new.json")
+        self.assertIn("fathom: warning: odd", result.stderr)
+        self.assertIn("wrote new.json", result.stderr)
+        with open(self.path("new.json")) as file:
+            written = json.load(file)
+        self.assertEqual(list(written["cameras"]), ["main"])
+        self.assertEqual(written["scene"], [{"transform": {"translate": [1, 2, 3]}, "camera": "main"}])
+        self.assertNotIn("wrote", self.ok("convert", "box.json", "new.json", "-q").stderr)
+        self.refused(2, "convert", "box.json", "new.glb", words=["new.glb", ".json"])
+        self.refused(2, "convert", "box.json")
+        self.refused(1, "convert", "box.json", "nowhere/new.json", words=["nowhere"])
+        self.refused(1, "convert", "box.json", "box.json", words=["box.json", "read from this file"])
+        os.symlink("box.json", self.path("link.json"))
+        self.refused(1, "convert", "box.json", "link.json", words=["link.json", "read from this file"])
+        with open(self.path("box.json")) as file:
+            self.assertEqual(file.read(), "camera main warn odd")
 
     def test_what_decides_the_picture_is_the_same_for_render_and_view(self):
         def options(command):

@@ -148,6 +148,11 @@ newmtl mirror
 Kd 0 0 0
 Ks 0.9 0.8 0.7
 Ns 1000
+newmtl unheard of
+Kd 0 0 0
+Ks 0.9 0.8 0.7
+Ns 1000
+illum 4000000000
 newmtl pbr
 Kd 1 1 1
 Pr 0.25
@@ -189,6 +194,7 @@ disp heights.png
     EXPECT_EQ(material("glass").roughness.value, 0);
     EXPECT_EQ(material("mirror").kind, MaterialKind::metal);
     EXPECT_EQ(material("mirror").base_color.value, (Color{0.9f, 0.8f, 0.7f}));
+    EXPECT_EQ(material("unheard of").kind, MaterialKind::metal);
     const Material pbr = material("pbr");
     EXPECT_EQ(pbr.kind, MaterialKind::principled);
     EXPECT_EQ(pbr.roughness.value, 0.25f);

@@ -84,7 +84,7 @@ private:
         else if (lower == "tr")
             e.phong.opacity = 1 - scan_.number();
         else if (lower == "illum")
-            e.illum = int(scan_.number());
+            e.illum = int(std::clamp(scan_.number(), 0.0f, 10.0f));
         else if (lower == "pr")
             e.roughness = scan_.number();
         else if (lower == "pm")
