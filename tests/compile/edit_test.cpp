@@ -145,6 +145,16 @@ TEST_F(Editing, FirstSceneIsTheCompiledOne)
     expect_as_compiled(edit, false);
 }
 
+/// Also what is no lamp.
+TEST_F(Editing, FingerprintTellsWhereThingsAre)
+{
+    const Room room;
+    SceneEdit edit(room.d);
+    const std::uint64_t before = edit.compile(warnings).fingerprint();
+    edit.set_transform(room.movable[0], Transform::translate({0, 3, 0}));
+    EXPECT_NE(edit.compile(warnings).fingerprint(), before);
+}
+
 TEST_F(Editing, PlacesChange)
 {
     const Room room;

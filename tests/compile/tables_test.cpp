@@ -169,12 +169,14 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     m.alpha = {0.6f, -1, 0};
     m.alpha_cutoff = 0.7f, m.alpha_mode = AlphaMode::mask;
     m.fuzz = 0.8f, m.normal_scale = 0.9f;
-    d.materials = {m, m, m};
+    d.materials = {m, m, m, m, m};
     d.materials[1].thin = true;
     d.materials[2].kind = MaterialKind::unlit;
+    d.materials[3].kind = MaterialKind::principled;
+    d.materials[4].kind = MaterialKind::fuzz_metal;
     const Scene scene = compiled(d);
     const SceneTables& t = *scene.data().tables;
-    ASSERT_EQ(t.materials.size(), 4u);
+    ASSERT_EQ(t.materials.size(), 6u);
     const MaterialRecord& r = t.materials[0];
     EXPECT_EQ(r.kind, std::uint32_t(MaterialKind::glass));
     for (std::size_t c = 0; c < 3; ++c) {
@@ -193,13 +195,15 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     EXPECT_EQ(t.media[0].ior, 1);
     EXPECT_EQ(r.roughness, 0.3f);
     EXPECT_EQ(r.roughness_channel, 2u);
-    EXPECT_EQ(r.metallic, 0.4f);
-    EXPECT_EQ(r.metallic_channel, 1u);
+    EXPECT_EQ(t.materials[3].metallic, 0.4f);
+    EXPECT_EQ(t.materials[3].metallic_channel, 1u);
+    // Glass has no such parameter: whatever it says does not count.
+    EXPECT_EQ(r.metallic, Material().metallic.value);
     EXPECT_EQ(r.alpha, 0.6f);
     EXPECT_EQ(r.alpha_channel, 0u);
     EXPECT_EQ(r.alpha_cutoff, 0.7f);
     EXPECT_EQ(r.alpha_mode, std::uint32_t(AlphaMode::mask));
-    EXPECT_EQ(r.fuzz, 0.8f);
+    EXPECT_EQ(t.materials[4].fuzz, 0.8f);
     EXPECT_EQ(r.normal_scale, 0.9f);
     EXPECT_FALSE(r.flags & MaterialRecord::thin);
     EXPECT_TRUE(t.materials[1].flags & MaterialRecord::thin);

@@ -247,6 +247,17 @@ TEST(Bvh, instances)
     compare_with_force(instances(50, 100), 60, 10'000, "extremely scaled");
 }
 
+/// A tree of its own holds instances that may move.
+TEST(Bvh, movable_instances)
+{
+    for (const std::uint32_t still : {0u, 1u, 50u, 110u}) {
+        GeometryTables tables = instances(100, 5);
+        tables.editable = true;
+        tables.still_instances = std::min(still, std::uint32_t(tables.instances.size()));
+        compare_with_force(tables, 60, 10'000, "still");
+    }
+}
+
 /// An instance with its share of the tree; materials are shared.
 TEST(Bvh, bytes_of_an_instance)
 {

@@ -213,7 +213,7 @@ TEST(LightForms, CopiesOfOneMesh)
 {
     const Transform places[] = {
         Transform::translate({-0.6, 1, 0}),
-        Transform::translate({1, 0.7, 0.3}) * Transform::rotate({1, 2, 0.5}, 0.4) * Transform::scale({-1.5, 1, 0.8})};
+        Transform::translate({0.4, 0.3, 0.3}) * Transform::rotate({1, 2, 0.5}, 0.4) * Transform::scale({-0.2, 1, 0.1})};
     const Vec3d corners[] = {{-0.5, 0, -0.4}, {0.5, 0, -0.3}, {0, 0, 0.5}};
     for (const bool light_sampling : {true, false}) {
         Floor floor;
