@@ -257,7 +257,7 @@ int run_render(RenderOptions& o, Reporter& reporter)
     }();
     if (!lit.added.empty()) reporter.note(fmt::format("light: added {}", fmt::join(lit.added, ", ")));
     if (lit.exposure_ev && !o.picture.exposure_ev) write.display.exposure_ev = *lit.exposure_ev;
-    if (lit.studio && !settings.background) settings.background = studio_background;
+    if (lit.backdrop && !settings.background) settings.background = backdrop;
     const Scene& scene = lit.scene;
     summary.build_s = seconds_since_start() - summary.load_s;
     reporter.warnings(warnings);

@@ -86,7 +86,7 @@ int run_view(ViewOptions& o)
         return compile_loaded(loaded, o.scene, warnings);
     }();
     if (!lit.added.empty()) reporter.note(fmt::format("light: added {}", fmt::join(lit.added, ", ")));
-    if (lit.studio && !settings.background) settings.background = studio_background;
+    if (lit.backdrop && !settings.background) settings.background = backdrop;
     view::ViewJob job{std::move(lit.scene), settings, {}, 0, {}, {}, {}, 0, nullptr};
     reporter.warnings(warnings);
     job.name = o.scene.file.filename().string();

@@ -45,8 +45,7 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings);
 
 /// Compiles it, with light. Its description is used up.
 LitScene compile_loaded(LoadedScene& loaded, const SceneOptions& options, Warnings& warnings);
-/// What a studio is seen before.
-inline constexpr Color studio_background{0.55f, 0.55f, 0.55f};
+inline constexpr Color backdrop{0.55f, 0.55f, 0.55f};
 
 extern const std::vector<std::string> tree_build_names;  ///< by TreeBuild
 

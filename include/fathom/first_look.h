@@ -9,7 +9,7 @@
 namespace fathom {
 
 /// What a small picture shows of how a scene is lit: of surfaces, lamps in view and the background left out.
-struct FirstLook {
+struct FATHOM_API FirstLook {
     double covered = 0;  ///< share of the picture that shows surfaces
     double lit = 0;      ///< share of these that are not nearly black beside the brightest
     double middle = 0;   ///< luminance of those that are lit: the median
@@ -33,8 +33,9 @@ enum class LightChoice {
 struct LitScene {
     Scene scene;
     std::vector<std::string> added;    ///< in words: "a studio light, since ...", "an exposure of +2 stops for its light"
-    std::optional<double> exposure_ev; ///< found for the light of the file; else its own, or none
+    std::optional<double> exposure_ev;  ///< found for the light of the file; else its own, or none
     bool studio = false;
+    bool backdrop = false;  ///< it is best seen before something light
 };
 
 /// Compiles a scene so that there is light to see it by: for models, whose files often have none, or none that reaches

@@ -87,10 +87,16 @@ void put_out_lamps(SceneDescription& scene)
     for (Node& node : scene.nodes) node.light = -1;
 }
 
-bool has_light(const SceneDescription& scene)
+/// Light that is no surface's.
+bool has_lamps(const SceneDescription& scene)
 {
     return scene.environment.kind != EnvironmentKind::none ||
-           std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& n) { return n.light >= 0; }) ||
+           std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& n) { return n.light >= 0; });
+}
+
+bool has_light(const SceneDescription& scene)
+{
+    return has_lamps(scene) ||
            std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
                return std::max({m.emission.value.r, m.emission.value.g, m.emission.value.b}) > 0;
            });
@@ -111,7 +117,10 @@ LitScene compile_lit(SceneDescription scene, const std::string& camera, LightCho
 {
     // Less light than this on what is seen, and exposing for it would show a lamp and its surroundings.
     constexpr double least_lit = 0.4;
+    // Surfaces that shine would be white themselves, and their labels unreadable, if they were exposed for as lamps.
+    constexpr double most_stops_for_surfaces = 2;
     const bool lit = has_light(scene), own_light = scene.hints.own_light || light == LightChoice::file;
+    const bool lamps = has_lamps(scene);
     const bool wants_exposure = !scene.hints.exposure && lit && scene.environment.kind == EnvironmentKind::none;
     LitScene result;
     if (light == LightChoice::studio) put_out_lamps(scene);
@@ -119,6 +128,8 @@ LitScene compile_lit(SceneDescription scene, const std::string& camera, LightCho
         light == LightChoice::studio || (light == LightChoice::automatic && !lit && !is_unlit(scene));
     if (needs_studio) scene.environment = studio_for(world_camera(scene, camera));
     if (needs_studio || !wants_exposure || is_unlit(scene)) {
+        // A backdrop shows the outlines of what is unlit and dark.
+        result.backdrop = needs_studio || (light == LightChoice::automatic && is_unlit(scene) && !own_light);
         result.studio = needs_studio;
         if (needs_studio && light == LightChoice::automatic) result.added.push_back("a studio light");
         result.scene = Scene::compile(scene, camera, warnings, build);
@@ -128,13 +139,17 @@ LitScene compile_lit(SceneDescription scene, const std::string& camera, LightCho
     result.scene = edit.compile(warnings);
     const FirstLook look = first_look(result.scene, aspect);
     if (look.covered == 0) return result;
-    if (look.lit < least_lit && !own_light) {
+    const bool is_decoration = !lamps && look.exposure_ev() > most_stops_for_surfaces;
+    if ((look.lit < least_lit || is_decoration) && !own_light) {
         edit.set_environment(studio_for(result.scene.camera()));
         result.scene = {};
         result.scene = edit.compile(warnings);
-        result.studio = true;
-        result.added.push_back(fmt::format(
-            "a studio light, since its own reaches {:.0f} % of what is seen (--light file: leave it out)", 100 * look.lit));
+        result.studio = result.backdrop = true;
+        result.added.push_back(
+            is_decoration ? "a studio light, since what shines in it lights little (--light file: leave it out)"
+                          : fmt::format("a studio light, since its own reaches {:.0f} % of what is seen (--light file: "
+                                        "leave it out)",
+                                        100 * look.lit));
         return result;
     }
     // Near enough counts as meant.

@@ -61,14 +61,14 @@ protected:
 TEST_F(FirstLooks, MeasuresASphereInTheSun)
 {
     add_sun(10);
+    d.cameras[0].kind = CameraKind::orthographic;
+    d.cameras[0].height = 4;
     const FirstLook seen = look();
     const double most = 0.5 / std::acos(-1.0) * 10;
     EXPECT_NEAR(seen.middle, most * std::sqrt(0.5), 0.04 * most);
     EXPECT_NEAR(seen.bright, most * std::sqrt(0.95), 0.02 * most);
     EXPECT_GT(seen.lit, 0.97);
-    // The disk of a sphere of angle asin(1.5 / 6) in a field of view of 40 degrees.
-    const double tangent = std::tan(std::asin(0.25)) / std::tan(std::acos(-1.0) / 9);
-    EXPECT_NEAR(seen.covered, std::acos(-1.0) * tangent * tangent / 4, 0.03);
+    EXPECT_NEAR(seen.covered, std::acos(-1.0) * 1.5 * 1.5 / 16, 0.03);
 }
 
 /// Lamps in view, what is unlit, and the background do not count.
@@ -138,6 +138,16 @@ TEST_F(FirstLooks, LightThatReachesLittleGetsAStudioBesideIt)
     EXPECT_FALSE(lit().studio);
 }
 
+/// A wall that shines dimly on a model reaches all of it, but it is no lamp to expose for.
+TEST_F(FirstLooks, DimSurfacesAreDecoration)
+{
+    const int panel = add_lamp({0.05f, 0.05f, 0.05f});
+    d.nodes[0].shapes.push_back({Rectangle{{4, -4, 8}, {-8, 0, 0}, {0, 8, 0}}, panel, ""});
+    EXPECT_TRUE(lit().studio);
+    d.materials[std::size_t(panel)].emission.value = {3, 3, 3};
+    EXPECT_FALSE(lit().studio);
+}
+
 /// The key light comes from the left of the camera, wherever that stands.
 TEST_F(FirstLooks, TheStudioTurnsWithTheCamera)
 {
@@ -165,6 +175,7 @@ TEST_F(FirstLooks, UnlitModelsStayAsTheyAre)
     const LitScene scene = lit();
     EXPECT_FALSE(scene.studio);
     EXPECT_FALSE(scene.exposure_ev.has_value());
+    EXPECT_TRUE(scene.backdrop);
 }
 
 }  // namespace
