@@ -89,7 +89,9 @@ void SceneEdit::set_light(int light, const Light& light_now)
 void SceneEdit::set_environment(const Environment& environment)
 {
     const Environment& before = data_->scene.environment;
-    if (environment.kind != before.kind || environment.image != before.image) data_->compiled.reset();
+    // A picture is decoded with those of textures.
+    const bool pictured = environment.kind == EnvironmentKind::image || before.kind == EnvironmentKind::image;
+    if (pictured && (environment.kind != before.kind || environment.image != before.image)) data_->compiled.reset();
     data_->scene.environment = environment;
     data_->changes.environment = true;
 }

@@ -46,6 +46,44 @@ double make_environment_distribution(EnvironmentRecord& t)
     return total / weight;
 }
 
+/// A soft light: a disk as seen from what it lights, whose edge is a third of its radius wide.
+struct Softbox {
+    Vec3d direction;
+    double angle, radiance;  ///< radius of the disk in radians; in its middle
+};
+
+/// Key, fill and rim as photographers place them: from above one side of the camera, dimmer from the other, and from
+/// behind. A white surface that faces the camera comes to a radiance of some 0.9.
+constexpr Softbox softboxes[] = {{{-0.62, 0.62, 0.62}, 0.48, 4.2}, {{0.9, 0.2, 0.5}, 0.6, 0.7}, {{0.45, 0.5, -0.9}, 0.36, 3.0}};
+
+double studio_radiance(const Vec3d& d)
+{
+    // The room: dim below, so that forms show.
+    double sum = 0.26 + 0.1 * d.y;
+    for (const Softbox& box : softboxes) {
+        const double off = std::acos(std::clamp(dot(d, normalize(box.direction)), -1.0, 1.0)) / box.angle;
+        const double x = std::clamp((1 - off) * 3, 0.0, 1.0);
+        sum += box.radiance * x * x * (3 - 2 * x);
+    }
+    return sum;
+}
+
+/// As a picture, to be sampled and seen like one.
+void make_studio(EnvironmentRecord& t)
+{
+    t.kind = std::uint32_t(EnvironmentKind::image);
+    t.width = 256, t.height = 128;
+    t.texels.clear();
+    for (int y = 0; y < t.height; ++y)
+        for (int x = 0; x < t.width; ++x) {
+            const double phi = ((x + 0.5) / t.width - 0.5) * 2 * std::numbers::pi,
+                         theta = (y + 0.5) / t.height * std::numbers::pi;
+            const auto r = float(studio_radiance(
+                {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)}));
+            t.texels.insert(t.texels.end(), {r, r, r, 1});
+        }
+}
+
 }  // namespace
 
 void compile_environment(Compiler& c)
@@ -60,7 +98,8 @@ void compile_environment(Compiler& c)
     if (e.kind == EnvironmentKind::none) return;
     const Transform inverse = e.world_from_environment.inverse();
     for (std::size_t i = 0; i < 9; ++i) t.environment_from_render[i] = float(inverse.m[i / 3][i % 3]);
-    if (e.kind == EnvironmentKind::image && t.width > 0) t.mean_luminance = make_environment_distribution(t);
+    if (e.kind == EnvironmentKind::studio) make_studio(t);
+    if (EnvironmentKind(t.kind) == EnvironmentKind::image && t.width > 0) t.mean_luminance = make_environment_distribution(t);
 }
 
 }  // namespace fathom

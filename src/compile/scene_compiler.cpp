@@ -167,7 +167,7 @@ bool SceneCompiler::update(Scene::Data& data, const SceneChanges& changes, Warni
     compile_lights(c, occurrences_.lights);
 
     if (!meshes.empty()) fingerprints_.vertices = fingerprint_vertices(*tables_);
-    if (other_materials) fingerprints_.materials = fingerprint_materials(*tables_);
+    if (other_materials || changes.environment) fingerprints_.materials = fingerprint_materials(*tables_);
     fingerprints_.places = fingerprint_places(*tables_);
     std::vector<std::uint32_t> shapes;
     for (int mesh : meshes)

@@ -199,6 +199,7 @@ private:
         add_hint("light_sampling", hints.light_sampling);
         add_hint("exposure", hints.exposure);
         add_hint("tonemap", hints.tonemap);
+        if (!hints.own_light) json["own_light"] = false;
         return json;
     }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <numbers>
 
 #include "fathom/error.h"
@@ -81,16 +83,17 @@ void FathomJsonReader::read_environment(const JsonValue& v)
 {
     Environment& environment = scene_.environment;
     JsonObject o(v);
-    if (!v.has("kind")) v.fail("key 'kind' is missing: none, constant, gradient or image");
+    if (!v.has("kind")) v.fail("key 'kind' is missing: none, constant, gradient, image or studio");
     o.read_word("kind", words::environment_kinds, environment.kind);
-    if (environment.kind == EnvironmentKind::constant || environment.kind == EnvironmentKind::image)
+    const bool turns = environment.kind != EnvironmentKind::none && environment.kind != EnvironmentKind::constant;
+    if (environment.kind != EnvironmentKind::none && environment.kind != EnvironmentKind::gradient)
         o.read("color", environment.color);
     if (environment.kind == EnvironmentKind::gradient) {
         o.read("bottom", environment.bottom);
         o.read("top", environment.top);
     }
     if (environment.kind == EnvironmentKind::image) environment.image = image(o.require("image"));
-    if (environment.kind == EnvironmentKind::gradient || environment.kind == EnvironmentKind::image) {
+    if (turns) {
         if (auto rotate = o.get("rotate"))
             environment.world_from_environment = rotate->has("matrix") ? transform(*rotate) : read_rotation(*rotate);
     }
@@ -123,6 +126,7 @@ void FathomJsonReader::read_render(const JsonValue& v)
     o.read_word("build", words::builds, hints.build);
     if (auto value = o.get("light_sampling")) hints.light_sampling = value->boolean();
     if (auto value = o.get("exposure")) hints.exposure = value->number();
+    if (auto value = o.get("own_light")) hints.own_light = value->boolean();
     o.done("in render settings");
 }
 
@@ -211,10 +215,22 @@ SceneDescription FathomJsonReader::read()
     }
     place_unplaced();
     if (auto environment = o.get("environment")) read_environment(*environment);
+    scene_.hints.own_light = true;
     if (auto render = o.get("render")) read_render(*render);
     o.done("in a scene");
     read_unused();
+    keep_own_light();
     return std::move(scene_);
+}
+
+/// A scene of this format looks as it says: only lamps in real units, of which there is nothing to see, are exposed for.
+void FathomJsonReader::keep_own_light()
+{
+    const bool emits = std::any_of(scene_.materials.begin(), scene_.materials.end(), [](const Material& m) {
+        return std::max({m.emission.value.r, m.emission.value.g, m.emission.value.b}) > 0;
+    });
+    if (scene_.hints.own_light && !scene_.hints.exposure && (emits || scene_.environment.kind != EnvironmentKind::none))
+        scene_.hints.exposure = 0;
 }
 
 bool begins_as_object(std::string_view text)

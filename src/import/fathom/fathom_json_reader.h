@@ -47,6 +47,7 @@ private:
     void read_cameras(JsonObject& scene);
     void read_environment(const JsonValue& v);
     void read_render(const JsonValue& v);
+    void keep_own_light();
     void place_unplaced();
     /// Reads what nobody refers to, so that mistakes in it show before it is used.
     void read_unused();

@@ -179,7 +179,7 @@ void GltfReader::read_primitive(const JsonValue& primitive, const std::string& n
     if (const auto extensions = primitive.get("extensions"))
         if (extensions->has("KHR_draco_mesh_compression") &&
             !file_.follow("accessors", *position_index).has("bufferView"))
-            primitive.fail("KHR_draco_mesh_compression is not supported, and there is no uncompressed copy");
+            file_.add_decoded(decode_draco(file_, primitive));
     const Accessor positions(file_, *position_index);
     if (positions.components() != 3) positions.fail("positions must be VEC3");
 
