@@ -160,12 +160,11 @@ void add_scene_options(Command& command, SceneOptions& options)
                       });
     command.add_value("--env", "FILE", "light the scene by this equirectangular picture (HDR, EXR, ...)",
                       [&](const std::string& text) { options.environment = text; });
-    command.add_value("--light", "auto|file|studio",
-                      "auto (default): the file's, and a studio's where that leaves what is seen in the dark; only the "
-                      "file's; or a studio",
-                      [&](const std::string& text) {
-                          options.light = LightChoice(parse_word(text, {"auto", "file", "studio"}));
-                      });
+    command.add_value(
+        "--light", "auto|file|studio",
+        "auto (default): the file's, and a studio's where that leaves what is seen in the dark; only the "
+        "file's; or a studio",
+        [&](const std::string& text) { options.light = LightChoice(parse_word(text, {"auto", "file", "studio"})); });
     command.add_value("--build", "fast|default|high|compact",
                       "the tree of the scene: the same picture, sooner begun, sooner done, or in a third less memory, "
                       "for tens of millions of triangles",

@@ -283,7 +283,7 @@ struct RenderHints {
     std::optional<std::string> filter;  ///< box, gaussian, blackman-harris
     std::optional<bool> light_sampling;
     std::optional<double> exposure;  ///< stops (ev)
-    bool own_light = false;  ///< the file's light is meant as it is, however dim: none is added
+    bool own_light = false;          ///< the file's light is meant as it is, however dim: none is added
     std::optional<std::string> tonemap;
     std::optional<std::string> build;  ///< fast, default, high: work for the tree, see tree_build.h
 };

@@ -32,7 +32,7 @@ enum class LightChoice {
 
 struct LitScene {
     Scene scene;
-    std::vector<std::string> added;    ///< in words: "a studio light, since ...", "an exposure of +2 stops for its light"
+    std::vector<std::string> added;  ///< in words: "a studio light, since ...", "an exposure of +2 stops for its light"
     std::optional<double> exposure_ev;  ///< found for the light of the file; else its own, or none
     bool studio = false;
     bool backdrop = false;  ///< it is best seen before something light

@@ -54,7 +54,8 @@ struct Softbox {
 
 /// Key, fill and rim as photographers place them: from above one side of the camera, dimmer from the other, and from
 /// behind. A white surface that faces the camera comes to a radiance of some 0.9.
-constexpr Softbox softboxes[] = {{{-0.62, 0.62, 0.62}, 0.48, 4.2}, {{0.9, 0.2, 0.5}, 0.6, 0.7}, {{0.45, 0.5, -0.9}, 0.36, 3.0}};
+constexpr Softbox softboxes[] = {
+    {{-0.62, 0.62, 0.62}, 0.48, 4.2}, {{0.9, 0.2, 0.5}, 0.6, 0.7}, {{0.45, 0.5, -0.9}, 0.36, 3.0}};
 
 double studio_radiance(const Vec3d& d)
 {
@@ -78,8 +79,8 @@ void make_studio(EnvironmentRecord& t)
         for (int x = 0; x < t.width; ++x) {
             const double phi = ((x + 0.5) / t.width - 0.5) * 2 * std::numbers::pi,
                          theta = (y + 0.5) / t.height * std::numbers::pi;
-            const auto r = float(studio_radiance(
-                {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)}));
+            const auto r = float(
+                studio_radiance({std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)}));
             t.texels.insert(t.texels.end(), {r, r, r, 1});
         }
 }
@@ -99,7 +100,8 @@ void compile_environment(Compiler& c)
     const Transform inverse = e.world_from_environment.inverse();
     for (std::size_t i = 0; i < 9; ++i) t.environment_from_render[i] = float(inverse.m[i / 3][i % 3]);
     if (e.kind == EnvironmentKind::studio) make_studio(t);
-    if (EnvironmentKind(t.kind) == EnvironmentKind::image && t.width > 0) t.mean_luminance = make_environment_distribution(t);
+    if (EnvironmentKind(t.kind) == EnvironmentKind::image && t.width > 0)
+        t.mean_luminance = make_environment_distribution(t);
 }
 
 }  // namespace fathom

@@ -13,8 +13,8 @@ namespace {
 bool has_camera(const SceneDescription& scene, int index)
 {
     const Node& node = scene.nodes[std::size_t(index)];
-    return node.camera >= 0 || std::any_of(node.children.begin(), node.children.end(),
-                                           [&](int child) { return has_camera(scene, child); });
+    return node.camera >= 0 ||
+           std::any_of(node.children.begin(), node.children.end(), [&](int child) { return has_camera(scene, child); });
 }
 
 /// The camera that sees the whole box from a direction, its distance no larger than that needs (with a margin of 5 %).

@@ -55,8 +55,7 @@ FirstLook first_look(const Scene& scene, double aspect)
     const std::size_t pixels = shown.size() / 4;
     std::vector<double> light;
     for (std::size_t i = 0; i < pixels; ++i)
-        if (shown[4 * i + 3] >= 0.5f)
-            light.push_back(std::max(0.0, luminance(&shown[4 * i]) - luminance(&own[4 * i])));
+        if (shown[4 * i + 3] >= 0.5f) light.push_back(std::max(0.0, luminance(&shown[4 * i]) - luminance(&own[4 * i])));
     FirstLook look;
     look.covered = double(light.size()) / double(pixels);
     if (light.empty()) return look;
@@ -96,8 +95,7 @@ bool has_lamps(const SceneDescription& scene)
 
 bool has_light(const SceneDescription& scene)
 {
-    return has_lamps(scene) ||
-           std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
+    return has_lamps(scene) || std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
                return std::max({m.emission.value.r, m.emission.value.g, m.emission.value.b}) > 0;
            });
 }
@@ -105,9 +103,8 @@ bool has_light(const SceneDescription& scene)
 /// What is meant as it is, and needs no look.
 bool is_unlit(const SceneDescription& scene)
 {
-    return !scene.materials.empty() &&
-           std::all_of(scene.materials.begin(), scene.materials.end(),
-                       [](const Material& m) { return m.kind == MaterialKind::unlit; });
+    return !scene.materials.empty() && std::all_of(scene.materials.begin(), scene.materials.end(),
+                                                   [](const Material& m) { return m.kind == MaterialKind::unlit; });
 }
 
 }  // namespace

@@ -33,10 +33,11 @@ protected:
                                              indices.size()));
         return out;
     }
-    std::string meshopt_file(const std::string& vertex_bytes, const std::string& index_bytes,
-                             const std::string& extension = "EXT_meshopt_compression",
-                             const std::string& vertex_members = R"("byteStride": 12, "count": 5, "mode": "ATTRIBUTES")",
-                             const std::string& index_members = R"("byteStride": 4, "count": 18, "mode": "TRIANGLES")")
+    std::string meshopt_file(
+        const std::string& vertex_bytes, const std::string& index_bytes,
+        const std::string& extension = "EXT_meshopt_compression",
+        const std::string& vertex_members = R"("byteStride": 12, "count": 5, "mode": "ATTRIBUTES")",
+        const std::string& index_members = R"("byteStride": 4, "count": 18, "mode": "TRIANGLES")")
     {
         GltfBuilder b;
         const int place = b.accessor(b.packed_view(vertex_bytes, 60, extension, vertex_members, 12), 5126, 5, "VEC3");
@@ -97,9 +98,10 @@ protected:
         const int view = b.view(std::vector<char>(bytes.begin(), bytes.end()));
         const int place = b.accessor(-1, 5126, count, "VEC3"), corners = b.accessor(-1, 5125, 18, "SCALAR");
         return b.one_primitive(
-            fmt::format(R"("attributes": {{"POSITION": {}{}}}, "indices": {}, "extensions": {{"KHR_draco_mesh_compression":
+            fmt::format(
+                R"("attributes": {{"POSITION": {}{}}}, "indices": {}, "extensions": {{"KHR_draco_mesh_compression":
                 {{"bufferView": {}, "attributes": {{"POSITION": {}}}}}}})",
-                        place, more, corners, view, id),
+                place, more, corners, view, id),
             R"("extensionsRequired": ["KHR_draco_mesh_compression"])");
     }
 };
@@ -119,7 +121,8 @@ TEST_F(GltfCompression, MeshoptFilters)
 {
     const std::vector<std::int8_t> encoded{0, 0, 127, 0, 127, 0, 127, 0, 0, -127, 127, 0};
     std::string out(meshopt_encodeVertexBufferBound(3, 4), '\0');
-    out.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(out.data()), out.size(), encoded.data(), 3, 4));
+    out.resize(
+        meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(out.data()), out.size(), encoded.data(), 3, 4));
     GltfBuilder b;
     const int place = b.triangle();
     const int normals =
@@ -142,17 +145,25 @@ TEST_F(GltfCompression, DamagedMeshopt)
     const auto refused = [&](const std::string& file, const std::string& words) {
         EXPECT_NE(error_of("a.gltf", file).find(words), std::string::npos) << error_of("a.gltf", file);
     };
-    refused(meshopt_file(good.substr(0, good.size() / 2), triangles), "bufferViews[0].extensions.EXT_meshopt_compression: the compressed bytes are damaged");
+    refused(meshopt_file(good.substr(0, good.size() / 2), triangles),
+            "bufferViews[0].extensions.EXT_meshopt_compression: the compressed bytes are damaged");
     refused(meshopt_file(good, triangles.substr(0, 3)), "the compressed bytes are damaged");
     const char* const ext = "EXT_meshopt_compression";
-    refused(meshopt_file(good, triangles, ext, R"("byteStride": 12, "count": 5, "mode": "SHAPES")"), "'SHAPES' is none of");
-    refused(meshopt_file(good, triangles, ext, R"("byteStride": 13, "count": 5, "mode": "ATTRIBUTES")"), "multiple of 4");
+    refused(meshopt_file(good, triangles, ext, R"("byteStride": 12, "count": 5, "mode": "SHAPES")"),
+            "'SHAPES' is none of");
+    refused(meshopt_file(good, triangles, ext, R"("byteStride": 13, "count": 5, "mode": "ATTRIBUTES")"),
+            "multiple of 4");
     refused(meshopt_file(good, triangles, ext, R"("byteStride": 12, "count": 0, "mode": "ATTRIBUTES")"), "at least 1");
-    refused(meshopt_file(good, triangles, ext, R"("byteStride": 12, "count": 4000000000000, "mode": "ATTRIBUTES")"), "GB of memory");
-    refused(meshopt_file(good, triangles, ext, R"("byteStride": 12, "count": 5, "mode": "ATTRIBUTES", "filter": "QUATERNION")"), "QUATERNION is none for elements of 12 bytes");
+    refused(meshopt_file(good, triangles, ext, R"("byteStride": 12, "count": 4000000000000, "mode": "ATTRIBUTES")"),
+            "GB of memory");
+    refused(meshopt_file(good, triangles, ext,
+                         R"("byteStride": 12, "count": 5, "mode": "ATTRIBUTES", "filter": "QUATERNION")"),
+            "QUATERNION is none for elements of 12 bytes");
     // Fewer elements than the accessor wants.
     refused(meshopt_file(good, triangles, ext, R"("byteStride": 12, "count": 3, "mode": "ATTRIBUTES")"), "");
-    EXPECT_NE(error_of("a.gltf", meshopt_file(good, triangles, ext, R"("byteStride": 12, "count": 3, "mode": "ATTRIBUTES")")), "");
+    EXPECT_NE(
+        error_of("a.gltf", meshopt_file(good, triangles, ext, R"("byteStride": 12, "count": 3, "mode": "ATTRIBUTES")")),
+        "");
 }
 
 TEST_F(GltfCompression, Draco)

@@ -223,7 +223,8 @@ SceneDescription FathomJsonReader::read()
     return std::move(scene_);
 }
 
-/// A scene of this format looks as it says: only lamps in real units, of which there is nothing to see, are exposed for.
+/// A scene of this format looks as it says: only lamps in real units, of which there is nothing to see, are exposed
+/// for.
 void FathomJsonReader::keep_own_light()
 {
     const bool emits = std::any_of(scene_.materials.begin(), scene_.materials.end(), [](const Material& m) {
