@@ -318,6 +318,20 @@ class CommandLine(unittest.TestCase):
         self.assertIn("3 samples were no number", text)
         self.assertIn("(--only-sample 7,8,9 replays one)", text)
 
+    def test_light(self):
+        self.scene("sky.hdr", "x")
+        self.scene("dark.json", "camera a")
+        text = self.ok("render", "dark.json", "--spp", "1", "--size", "200x100").stderr
+        self.assertIn("light auto aspect 2", text)
+        self.assertIn("light: added a lamp, an exposure", text)
+        self.assertIn("light file", self.ok("render", "dark.json", "--spp", "1", "--light", "file").stderr)
+        self.assertIn("light studio", self.ok("render", "dark.json", "--spp", "1", "--light", "studio").stderr)
+        # A sky that is given is all the light.
+        text = self.ok("render", "dark.json", "--spp", "1", "--env", "sky.hdr").stderr
+        self.assertIn("light auto, its own", text)
+        self.refused(2, "render", "dark.json", "--env", "sky.hdr", "--light", "studio", words=["one of both"])
+        self.refused(2, "render", "dark.json", "--light", "moon", words=["moon"])
+
     def test_only_sample(self):
         result = self.ok("render", "box.json", "--only-sample", "12,34,56")
         self.assertEqual(result.stdout, "pixel 12,34 sample 56: 12 34 56\n")
