@@ -43,6 +43,8 @@ const char* name_of(EnvironmentKind kind)
             return "gradient";
         case EnvironmentKind::image:
             return "image";
+        case EnvironmentKind::studio:
+            return "studio";
     }
     return "";
 }

@@ -5,6 +5,7 @@
 #include "arguments.h"
 #include "commands.h"
 #include "fathom/error.h"
+#include "inputs.h"
 #include "picture_options.h"
 #include "reporter.h"
 
@@ -45,6 +46,7 @@ int run_merge(const MergeOptions& o)
 {
     if (o.picture.outputs.empty()) throw UsageError("-o: say where the picture goes");
     for (const auto& file : o.picture.outputs) check_output(file);
+    for (const auto& part : o.parts) check_outputs_are_not(o.picture.outputs, part, "a part of this picture");
     Reporter reporter(o.quiet ? ReportMode::quiet : default_report_mode());
 
     // The first part decides what else the picture holds.

@@ -241,8 +241,8 @@ int run_render(RenderOptions& o, Reporter& reporter)
         return load_for_render(o.scene, warnings);
     }();
     check_outputs_are_no_inputs(o.picture.outputs, loaded.description);
-    const RenderSettings settings = settings_for(o, loaded);
-    const WriteOptions write = write_options(o.picture, loaded.description.hints);
+    RenderSettings settings = settings_for(o, loaded);
+    WriteOptions write = write_options(o.picture, loaded.description.hints);
     if (!o.only_sample) check_memory(settings, o.mergeable);
     for (const auto& file : o.picture.outputs) check_output(file, settings.width, settings.height);
     std::optional<std::uint64_t> samples = o.samples;
@@ -251,12 +251,14 @@ int run_render(RenderOptions& o, Reporter& reporter)
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
     summary.load_s = seconds_since_start();
 
-    const Scene scene = [&] {
+    const LitScene lit = [&] {
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
-        return Scene::compile(loaded.description, loaded.camera, warnings, loaded.build);
+        return compile_loaded(loaded, o.scene, warnings);
     }();
-    // From here on the compiled scene is all that is needed.
-    loaded.description = {};
+    if (!lit.added.empty()) reporter.note(fmt::format("light: added {}", fmt::join(lit.added, ", ")));
+    if (lit.exposure_ev && !o.picture.exposure_ev) write.display.exposure_ev = *lit.exposure_ev;
+    if (lit.backdrop && !settings.background) settings.background = backdrop;
+    const Scene& scene = lit.scene;
     summary.build_s = seconds_since_start() - summary.load_s;
     reporter.warnings(warnings);
     const RenderJob job(scene, settings);

@@ -72,7 +72,7 @@ int run_view(ViewOptions& o)
         const Reporter::Phase phase(reporter, "load", "reading " + o.scene.file.string());
         return load_for_render(o.scene, warnings);
     }();
-    const RenderHints& hints = loaded.description.hints;
+    const RenderHints hints = loaded.description.hints;
     RenderSettings settings = settings_of(o.settings, hints, o.scene.file.string());
     settings.width = loaded.size.width;
     settings.height = loaded.size.height;
@@ -80,20 +80,23 @@ int run_view(ViewOptions& o)
     if (!loaded.added.empty())
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
 
-    Scene scene = [&] {
+    const Bounds bounds = world_bounds(loaded.description);
+    LitScene lit = [&] {
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
-        return Scene::compile(loaded.description, loaded.camera, warnings, loaded.build);
+        return compile_loaded(loaded, o.scene, warnings);
     }();
-    view::ViewJob job{std::move(scene), settings, {}, 0, {}, {}, {}, 0, nullptr};
+    if (!lit.added.empty()) reporter.note(fmt::format("light: added {}", fmt::join(lit.added, ", ")));
+    if (lit.backdrop && !settings.background) settings.background = backdrop;
+    view::ViewJob job{std::move(lit.scene), settings, {}, 0, {}, {}, {}, 0, nullptr};
     reporter.warnings(warnings);
     job.name = o.scene.file.filename().string();
     job.samples = o.samples.value_or(hinted);
     job.display = write_options(o.picture, hints).display;
-    job.bounds = world_bounds(loaded.description);
+    if (lit.exposure_ev && !o.picture.exposure_ev) job.display.exposure_ev = *lit.exposure_ev;
+    job.bounds = bounds;
     job.latency_log = o.latency_log;
     job.script_moves = o.script_moves;
     job.interrupted = &interrupted();
-    loaded.description = {};
 
     finish_on_interrupt("");
     function_of<view::RunView>(module, view::run_symbol)(job, trouble);

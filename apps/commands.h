@@ -23,6 +23,7 @@ using Run = std::function<int()>;
 void add_render(CLI::App& app, Run& run);
 void add_merge(CLI::App& app, Run& run);
 void add_info(CLI::App& app, Run& run);
+void add_convert(CLI::App& app, Run& run);
 void add_view(CLI::App& app, Run& run);
 void add_version(CLI::App& app, Run& run);
 

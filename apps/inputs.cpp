@@ -19,17 +19,19 @@ bool is_same_file(const fs::path& a, const fs::path& b)
 
 }  // namespace
 
+void check_outputs_are_not(const std::vector<fs::path>& outputs, const fs::path& input, const char* what)
+{
+    for (const fs::path& output : outputs)
+        if (is_same_file(output, input))
+            throw Error("", "", fmt::format("{} is {}: name another with -o", output.string(), what));
+}
+
 void check_outputs_are_no_inputs(const std::vector<fs::path>& outputs, const SceneDescription& scene)
 {
-    const auto check = [&](const fs::path& input, const char* what) {
-        for (const fs::path& output : outputs)
-            if (is_same_file(output, input))
-                throw Error("", "", fmt::format("{} is {}: name another with -o", output.string(), what));
-    };
-    check(scene.file, "the scene itself");
-    for (const fs::path& file : scene.files) check(file, "a file of this scene");
+    check_outputs_are_not(outputs, scene.file, "the scene itself");
+    for (const fs::path& file : scene.files) check_outputs_are_not(outputs, file, "a file of this scene");
     for (const ImageFile& image : scene.images)
-        if (!image.path.empty()) check(image.path, "a texture of this scene");
+        if (!image.path.empty()) check_outputs_are_not(outputs, image.path, "a texture of this scene");
 }
 
 }  // namespace fathom::cli

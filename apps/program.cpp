@@ -54,6 +54,7 @@ int parse_and_run(int argc, char** argv)
     add_render(app, run);
     add_merge(app, run);
     add_info(app, run);
+    add_convert(app, run);
     add_view(app, run);
     add_version(app, run);
     try {

@@ -160,6 +160,11 @@ void add_scene_options(Command& command, SceneOptions& options)
                       });
     command.add_value("--env", "FILE", "light the scene by this equirectangular picture (HDR, EXR, ...)",
                       [&](const std::string& text) { options.environment = text; });
+    command.add_value(
+        "--light", "auto|file|studio",
+        "auto (default): the file's, and a studio's where that leaves what is seen in the dark; only the "
+        "file's; or a studio",
+        [&](const std::string& text) { options.light = LightChoice(parse_word(text, {"auto", "file", "studio"})); });
     command.add_value("--build", "fast|default|high|compact",
                       "the tree of the scene: the same picture, sooner begun, sooner done, or in a third less memory, "
                       "for tens of millions of triangles",
@@ -197,6 +202,16 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     if (options.size)
         for (Camera& camera : scene.cameras) camera.aspect = 0;
     return loaded;
+}
+
+LitScene compile_loaded(LoadedScene& loaded, const SceneOptions& options, Warnings& warnings)
+{
+    if (options.light == LightChoice::studio && !options.environment.empty())
+        throw UsageError("--light studio, --env: one of both lights the scene");
+    const double aspect = double(loaded.size.width) / loaded.size.height;
+    // Whoever gives a sky wants to see it by that.
+    if (!options.environment.empty()) loaded.description.hints.own_light = true;
+    return compile_lit(std::move(loaded.description), loaded.camera, options.light, aspect, warnings, loaded.build);
 }
 
 }  // namespace fathom::cli

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "arguments.h"
+#include "fathom/first_look.h"
 #include "fathom/load.h"
 #include "fathom/render.h"
 
@@ -21,6 +22,7 @@ struct SceneOptions {
     std::optional<double> fov_deg;
     std::optional<std::pair<double, double>> orbit_deg;  ///< azimuth, elevation
     std::filesystem::path environment;
+    LightChoice light = LightChoice::automatic;
     std::optional<Size> size;
     std::optional<TreeBuild> build;
 };
@@ -40,6 +42,10 @@ struct LoadedScene {
     TreeBuild build = TreeBuild::standard;  ///< the option's, the scene's, or this
 };
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings);
+
+/// Compiles it, with light. Its description is used up.
+LitScene compile_loaded(LoadedScene& loaded, const SceneOptions& options, Warnings& warnings);
+inline constexpr Color backdrop{0.55f, 0.55f, 0.55f};
 
 extern const std::vector<std::string> tree_build_names;  ///< by TreeBuild
 

@@ -8,7 +8,7 @@ packages_to_build=(
     clang-19 cmake ninja-build pkg-config ccache
     libtbb-dev libfmt-dev libcli11-dev nlohmann-json3-dev
     libopenexr-dev libpng-dev libjpeg-dev libwebp-dev libstb-dev
-    libassimp-dev libsfml-dev
+    libassimp-dev libsfml-dev libdraco-dev libmeshoptimizer-dev
 )
 packages_to_test=(
     clang-format-19 libgtest-dev libbenchmark-dev libembree-dev
@@ -94,15 +94,55 @@ install_missing() {
             "On Ubuntu, the component 'universe' must be enabled (add-apt-repository universe)"
 }
 
-# Bytes that may be used, by the machine and by this container. (mawk cuts %d off at 2^31.)
+# group_folders ROOT: a line `limit-file folder` for each control group of memory that this process is in, and for all
+# above it: a limit of any of them holds. As src/scene/machine.cpp does it.
+group_folders() {
+    local mounts=$1/sys/fs/cgroup line controllers group base file
+    {
+        cat "$1/proc/self/cgroup" 2>/dev/null || true
+        # A container may see its group and not be told of it.
+        printf '0::/\n0:memory:/\n'
+    } | while IFS= read -r line; do
+        line=${line#*:}
+        controllers=${line%%:*} group=${line#*:}
+        if [ -z "$controllers" ]; then
+            base=$mounts file=memory.max
+            # Beside hierarchies of version 1, that of version 2 has a folder of its own.
+            if [ -d "$mounts/unified" ]; then base=$mounts/unified; fi
+        elif [[ ,$controllers, = *,memory,* ]]; then
+            base=$mounts/memory file=memory.limit_in_bytes
+            if [ -d "$mounts/$controllers" ]; then base=$mounts/$controllers; fi
+        else
+            continue
+        fi
+        while [[ $group = /?* ]]; do
+            echo "$file $base$group"
+            group=${group%/*}
+        done
+        echo "$file $base"
+    done
+}
+
+# free_memory [ROOT]: bytes that may be used, by the machine and by this process's control group. (mawk cuts %d off at 2^31.)
 free_memory() {
-    local free limit
-    free=$(awk '/^MemAvailable:/ { printf "%.0f", $2 * 1024 }' /proc/meminfo 2>/dev/null || true)
-    limit=$(cat /sys/fs/cgroup/memory.max 2>/dev/null || echo max)
-    if [ "$limit" != max ] && [ "$limit" -lt "${free:-0}" ]; then
-        free=$limit
-    fi
-    echo "${free:-4000000000}"
+    local root=${1:-} free limit used cache file folder
+    free=$(awk '/^MemAvailable:/ { printf "%.0f", $2 * 1024 }' "$root/proc/meminfo" 2>/dev/null || true)
+    free=${free:-4000000000}
+    while read -r file folder; do
+        limit=$(cat "$folder/$file" 2>/dev/null || echo max)
+        # Each group has one of them.
+        used=$(cat "$folder/memory.current" "$folder/memory.usage_in_bytes" 2>/dev/null || true)
+        # The cache of files that nobody uses gives way to whoever asks for memory.
+        cache=$(awk -v key="$([ "$file" = memory.max ] || echo total_)inactive_file" '$1 == key { print $2 }' \
+            "$folder/memory.stat" 2>/dev/null || true)
+        # Without a limit version 1 has a number near 2^63.
+        if [[ $limit =~ ^[0-9]{1,18}$ && $used =~ ^[0-9]{1,18}$ ]]; then
+            used=$((used > ${cache:-0} ? used - ${cache:-0} : 0))
+            limit=$((limit > used ? limit - used : 0))
+            if [ "$limit" -lt "$free" ]; then free=$limit; fi
+        fi
+    done < <(group_folders "$root")
+    echo "$free"
 }
 
 # As many compilers at once as there are cores, but each may need 1.5 GB.

@@ -22,6 +22,7 @@ allowed = {
     "image": {"scene"},
     "film": {"scene"},
     "import": {"scene"},
+    "export": {"scene", "image", "import"},
     "compile": {"scene", "image", "math", "geometry", "shading", "media", "light", "integrate"},
     "session": {"compile", "film", "integrate", "scene"},
 }
@@ -29,6 +30,8 @@ allowed = {
 only = {
     ("integrate", "film"): {"film/tile_sums.h", "film/exact_sum.h"},
     ("compile", "integrate"): {"integrate/kernel.h", "integrate/tables.h", "integrate/camera_record.h"},
+    ("export", "image"): {"image/output_file.h"},
+    ("export", "import"): {"import/common/json.h", "import/common/read_file.h", "import/common/units.h"},
     ("session", "integrate"): {"integrate/kernel.h"},
 }
 

@@ -1,13 +1,12 @@
 /// Writes the parts of docs/scene.schema.json that follow from the lists of materials and textures
 /// (src/scene/material_table.cpp, texture_table.cpp):  scene_schema FILE
 /// With --check it only says whether they are as they should be.
-#include <charconv>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "export/parameters_json.h"
 #include "scene/material_table.h"
 #include "scene/texture_table.h"
 
@@ -15,24 +14,9 @@ namespace fathom {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-/// A float as it is written, 0.8 and not 0.800000011920929.
 Json number(double value, bool single)
 {
-    if (single) {
-        char text[32];
-        const auto end = std::to_chars(text, text + sizeof text, float(value)).ptr;
-        std::from_chars(text, end, value);
-    }
-    if (value == double(long(value))) return long(value);
-    return value;
-}
-
-Json color(Color c)
-{
-    if (c.r == c.g && c.g == c.b) return number(double(c.r), true);
-    return {number(double(c.r), true), number(double(c.g), true), number(double(c.b), true)};
+    return single ? number_json(float(value)) : number_json(value);
 }
 
 Json reference(const std::string& name)
@@ -64,13 +48,13 @@ Json type_of(const Parameter<Owner>& p, Member member, Json& value)
             for (const char* word : p.words) json["enum"].push_back(word);
             if constexpr (std::is_enum_v<T> || std::is_same_v<T, bool>) value = p.words[std::size_t(out)];
         } else if constexpr (std::is_same_v<T, ColorInput>) {
-            value = color(out.value);
+            value = color_json(out.value);
             return reference(p.most == 1 ? "reflectanceInput" : "colorInput");
         } else if constexpr (std::is_same_v<T, FloatInput>) {
             value = number(double(out.value), true);
             return reference("unitInput");
         } else if constexpr (std::is_same_v<T, Color>) {
-            value = color(out);
+            value = color_json(out);
             return reference(p.most == 1 ? "reflectance" : "color");
         } else if constexpr (std::is_same_v<T, Vec2f>) {
             value = {number(double(out.x), true), number(double(out.y), true)};
@@ -129,24 +113,6 @@ Json kinds(std::span<const KindName<Kind>> names, std::span<const Parameter<Owne
     return {{"oneOf", all}};
 }
 
-/// On one line where it fits.
-std::string text_of(const Json& json, std::size_t indent)
-{
-    constexpr std::size_t width = 124;
-    if (!json.is_structured()) return json.dump();
-    const auto write = [&](const std::string& separator, const std::string& edge) {
-        std::string text;
-        for (const auto& [key, value] : json.items())
-            text += (text.empty() ? "" : separator) + (json.is_object() ? Json(key).dump() + ": " : "") +
-                    text_of(value, indent + 2);
-        return (json.is_object() ? "{" : "[") + edge + text;
-    };
-    const std::string end = json.is_object() ? "}" : "]", line = write(", ", "") + end;
-    if (indent + line.size() <= width && line.find('\n') == std::string::npos) return line;
-    const std::string inner = "\n" + std::string(indent + 2, ' ');
-    return write("," + inner, inner) + "\n" + std::string(indent, ' ') + end;
-}
-
 int run(const std::string& file, bool check)
 {
     std::ifstream in(file);
@@ -154,7 +120,7 @@ int run(const std::string& file, bool check)
     Json schema = Json::parse(text);
     schema["$defs"]["texture"] = kinds(texture_kinds(), texture_parameters(), TextureKind::image);
     schema["$defs"]["material"] = kinds(material_kinds(), material_parameters(), MaterialKind::diffuse);
-    const std::string made = text_of(schema, 0) + '\n';
+    const std::string made = json_text(schema);
     if (made == text) return 0;
     if (check) {
         std::fprintf(stderr, "%s is not what the lists of materials and textures make of it: run scene_schema on it\n",

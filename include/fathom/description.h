@@ -148,6 +148,7 @@ struct Mesh {
     /// still before the first and after the last. `positions` and `normals` are then the pose at rest, which is not
     /// shown.
     std::vector<MeshKey> motion;
+    bool movable = false;  ///< its vertices will be other ones in later pictures: see SceneEdit
 };
 
 /// The normal points out; a negative radius turns it inwards (a hollow). Moves from center to center_end while the
@@ -221,12 +222,18 @@ struct Light {
     double angle = 0;  ///< directional: angular diameter of the disk it comes from; 0 is a delta
 };
 
-enum class EnvironmentKind { none, constant, gradient, image };
+enum class EnvironmentKind {
+    none,
+    constant,
+    gradient,
+    image,
+    studio,  ///< three soft lights around what is shown, for a camera that looks along -z, and a dim room
+};
 
 /// What a ray sees that leaves the scene, and what lights it from there.
 struct Environment {
     EnvironmentKind kind = EnvironmentKind::none;
-    Color color{1, 1, 1};                       ///< constant: radiance; image: multiplied
+    Color color{1, 1, 1};                       ///< constant: radiance; image, studio: multiplied
     Color bottom{1, 1, 1}, top{0.5f, 0.7f, 1};  ///< gradient: mixed by (1 + y) / 2 of the direction's up component
     int image = -1;                             ///< equirectangular, linear (8-bit files: sRGB)
     Transform world_from_environment;           ///< rotation; the image's middle looks along -z, its top along +y
@@ -267,6 +274,7 @@ struct Node {
     std::vector<int> children;
     std::vector<Shape> shapes;
     int light = -1, camera = -1;
+    bool movable = false;  ///< it will stand elsewhere in later pictures, with what is below it: see SceneEdit
 };
 
 /// Render settings that a scene file may give; an option of the command line overrides them.
@@ -275,6 +283,7 @@ struct RenderHints {
     std::optional<std::string> filter;  ///< box, gaussian, blackman-harris
     std::optional<bool> light_sampling;
     std::optional<double> exposure;  ///< stops (ev)
+    bool own_light = false;          ///< the file's light is meant as it is, however dim: none is added
     std::optional<std::string> tonemap;
     std::optional<std::string> build;  ///< fast, default, high: work for the tree, see tree_build.h
 };

@@ -40,14 +40,13 @@ struct LoadOptions {
 FATHOM_API SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options,
                                        Warnings& warnings);
 
-/// What complete_scene added because it was lacking, in words: "a camera that frames the scene", "a soft studio light",
-/// ...; empty if nothing.
+/// What complete_scene added because it was lacking, in words; empty if nothing.
 struct Completed {
     std::vector<std::string> added;
 };
 
-/// Gives a scene that lacks them a camera that frames it (orbit: azimuth and elevation in degrees, seen from the front)
-/// and a soft sky, so that every file makes a picture.
+/// Gives a scene that lacks one a camera that frames it (orbit: azimuth and elevation in degrees, seen from the front).
+/// Light to see it by: compile_lit.
 struct CompleteOptions {
     double azimuth_deg = 30, elevation_deg = 20;
     bool force_camera = false;  ///< frame the scene even if it has a camera (--orbit)

@@ -72,6 +72,7 @@ public:
     const Data& data() const { return *data_; }
 
 private:
+    friend class SceneEdit;
     std::shared_ptr<const Data> data_;
 };
 

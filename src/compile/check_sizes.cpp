@@ -152,10 +152,10 @@ void check_camera(const SceneDescription& scene, const Camera& camera, const Ren
     if (camera.kind == CameraKind::orthographic) check(camera.height, "the height");
 }
 
-void check_occurrences(const Compiler& c, const Occurrences& occurrences)
+void check_occurrences(const Compiler& c, const std::vector<ShapeOccurrence>& shapes, const Occurrences& all)
 {
     PlacedChecker checker(c);
-    for (const ShapeOccurrence& p : occurrences.shapes) checker.check(p, occurrences);
+    for (const ShapeOccurrence& p : shapes) checker.check(p, all);
 }
 
 bool vanishes(const Transform& render_from_node)

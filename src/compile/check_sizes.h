@@ -11,7 +11,9 @@ void check_camera(const SceneDescription& scene, const Camera& camera);
 void check_camera(const SceneDescription& scene, const Camera& camera, const RenderSpace& space);
 
 /// Throws Error that names the node.
-void check_occurrences(const Compiler& c, const Occurrences& occurrences);
+///
+/// shapes  those to be checked; all: where their motions are
+void check_occurrences(const Compiler& c, const std::vector<ShapeOccurrence>& shapes, const Occurrences& all);
 
 /// Whether a transform makes so little of what it places that the way back to it is lost.
 bool vanishes(const Transform& render_from_node);

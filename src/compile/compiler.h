@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,10 @@ struct ShapeOccurrence {
     const Shape* shape;
     Transform render_from_node;  ///< when the shutter opens
     std::uint32_t object_id;
-    int node;         ///< the one that has it
-    int motion = -1;  ///< index into Occurrences::motions; -1: stands still
+    int node;                ///< the one that has it
+    int motion = -1;         ///< index into Occurrences::motions; -1: stands still
+    bool movable = false;    ///< it, or its vertices, may change after the scene was compiled
+    bool instanced = false;  ///< placed by an instance, once compile_geometry has decided
 };
 /// A light of a node.
 struct LightOccurrence {
@@ -36,12 +39,35 @@ struct Compiler {
     Warnings& warnings;
 };
 
+/// A warning about a file.
+inline constexpr const char alpha_is_lost[] =
+    "{}: alpha of curves, of points, and of spheres and disks that move is not supported; they are opaque";
+
 /// Walks the nodes; what a node reached twice has occurs twice.
 Occurrences find_occurrences(const Compiler& c);
+/// Reads and decodes pictures, and fills textures, materials and media.
 void compile_materials(Compiler& c);
-/// Fills vertices, triangles, quads, spheres, disks, shapes and instances. Materials must be there.
-void compile_geometry(Compiler& c, const Occurrences& occurrences);
-/// Fills the lights: emissive primitives, lights of nodes, the environment. Geometry must be there.
+/// The part of it that looks at materials only: fills them, and media, instead of those that were there.
+void compile_material_records(Compiler& c);
+
+/// What instances place: shapes in spaces of their own.
+struct PlacedContents {
+    std::map<const void*, std::uint32_t> shapes;  ///< by content_of
+    std::size_t shapes_end = 0;                   ///< behind it come the shapes of instances
+    bool moving = false;                          ///< something moves otherwise than by an instance's poses
+    bool fixed_motion = false;                    ///< of that, something that is not movable
+};
+/// Fills vertices, triangles, quads, spheres, disks and shapes, and decides what is instanced. Materials must be there.
+PlacedContents compile_geometry(Compiler& c, Occurrences& occurrences);
+/// Fills instances, their shapes and poses, instead of those that were there.
+void compile_instances(Compiler& c, const Occurrences& occurrences, const PlacedContents& contents);
+/// Puts a mesh's vertices and normals over those of the shape that holds it in a space of its own. False, and nothing
+/// is done, if there isn't room for as many.
+bool replace_vertices(Compiler& c, const PlacedContents& contents, const Mesh& mesh);
+/// Fills the environment's record, and makes the distribution of its picture. Materials must be there.
+void compile_environment(Compiler& c);
+/// Fills the lights: emissive primitives, lights of nodes, the environment, instead of those that were there. Geometry
+/// and the environment must be there.
 void compile_lights(Compiler& c, const std::vector<LightOccurrence>& lights);
 
 }  // namespace fathom

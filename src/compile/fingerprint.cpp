@@ -2,14 +2,34 @@
 
 namespace fathom {
 
-std::uint64_t fingerprint(const SceneTables& t)
+std::uint64_t Fingerprints::all() const
 {
     Fingerprint f;
-    f.add(t.positions), f.add(t.normals), f.add(t.tangents), f.add(t.colors), f.add(t.uv0), f.add(t.uv1);
-    f.add(t.triangles), f.add(t.quads), f.add(t.spheres), f.add(t.disks), f.add(t.curves), f.add(t.curve_points),
-        f.add(t.points), f.add(t.frames), f.add(t.shape_of_primitive);
-    f.add(t.shapes), f.add(t.instances), f.add(t.poses), f.add(t.vertex_times), f.add(t.materials), f.add(t.media),
-        f.add(t.texels), f.add(t.lights), f.add(t.light_cdf);
+    f.add(this, sizeof *this);
+    return f.value();
+}
+
+std::uint64_t fingerprint_vertices(const GeometryTables& t)
+{
+    Fingerprint f;
+    f.add(t.positions), f.add(t.normals), f.add(t.tangents), f.add(t.vertex_times);
+    return f.value();
+}
+
+std::uint64_t fingerprint_contents(const GeometryTables& t)
+{
+    Fingerprint f;
+    f.add(t.colors), f.add(t.uv0), f.add(t.uv1);
+    f.add(t.triangles), f.add(t.quads), f.add(t.spheres), f.add(t.disks), f.add(t.curves), f.add(t.curve_points);
+    f.add(t.points), f.add(t.frames), f.add(t.shape_of_primitive);
+    f.add(&t.origin, sizeof t.origin), f.add(&t.render_scale, sizeof t.render_scale);
+    return f.value();
+}
+
+std::uint64_t fingerprint_materials(const SceneTables& t)
+{
+    Fingerprint f;
+    f.add(t.materials), f.add(t.media), f.add(t.texels), f.add(t.environment.texels);
     f.add(t.ramp_stops);
     for (const auto& image : t.packed_images) f.add(image);
     for (const TextureRecord& texture : t.textures) {
@@ -37,12 +57,17 @@ std::uint64_t fingerprint(const SceneTables& t)
                                          texture.stop_count};
         f.add(numbers, sizeof numbers);
     }
+    return f.value();
+}
+
+std::uint64_t fingerprint_places(const SceneTables& t)
+{
+    Fingerprint f;
+    f.add(t.shapes), f.add(t.instances), f.add(t.poses), f.add(t.lights), f.add(t.light_cdf);
     const EnvironmentRecord& e = t.environment;
     f.add(&e.kind, sizeof e.kind);
-    f.add(e.texels);
     f.add(&e.color, sizeof e.color), f.add(&e.bottom, sizeof e.bottom), f.add(&e.top, sizeof e.top);
     f.add(&e.environment_from_render, sizeof e.environment_from_render);
-    f.add(&t.origin, sizeof t.origin), f.add(&t.render_scale, sizeof t.render_scale);
     return f.value();
 }
 

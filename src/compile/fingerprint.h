@@ -37,7 +37,18 @@ private:
     std::uint64_t state_ = 0x243f6a8885a308d3u;
 };
 
-/// Of all that decides a picture beside camera and settings.
-std::uint64_t fingerprint(const SceneTables& tables);
+/// Of all that decides a picture beside camera and settings, part by part: what has not changed need not be read again.
+struct Fingerprints {
+    std::uint64_t vertices = 0;   ///< where they are, normals and tangents
+    std::uint64_t contents = 0;   ///< what else makes shapes, in spaces of their own and in the world
+    std::uint64_t materials = 0;  ///< with all pictures
+    std::uint64_t places = 0;     ///< instances and lights, the environment's among them
+
+    std::uint64_t all() const;
+};
+std::uint64_t fingerprint_vertices(const GeometryTables& tables);
+std::uint64_t fingerprint_contents(const GeometryTables& tables);
+std::uint64_t fingerprint_materials(const SceneTables& tables);
+std::uint64_t fingerprint_places(const SceneTables& tables);
 
 }  // namespace fathom

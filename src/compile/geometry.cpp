@@ -18,21 +18,40 @@ namespace fathom {
 
 namespace {
 
+/// Calls f(positions, normals) for each pose of the mesh that the tables hold, in their order.
+template <class F>
+void for_each_pose(const SceneTables& tables, const Mesh& mesh, bool moves, const F& f)
+{
+    if (mesh.motion.empty()) return f(mesh.positions, mesh.normals);
+    const auto at = [&](float time) {
+        const MeshKey key = vertices_at(mesh, time);
+        f(key.positions, key.normals);
+    };
+    if (!moves) return at(tables.shutter_open);
+    for (float time : tables.vertex_times) at(time);
+}
+
+Vec4f unit_tangent(const Vec4f& v, const Transform& transform)
+{
+    const Vec3d d = normalize(transform.vector({v.x, v.y, v.z}));
+    return {float(d.x), float(d.y), float(d.z), transform.determinant() < 0 ? -v.w : v.w};
+}
+
 class GeometryCompiler {
 public:
     GeometryCompiler(Compiler& c, const Occurrences& occurrences) : c_(c), t_(c.tables), instancing_(c, occurrences) {}
 
-    void run(const Occurrences& all)
+    PlacedContents run(Occurrences& all)
     {
-        const std::vector<ShapeOccurrence>& shapes = all.shapes;
+        std::vector<ShapeOccurrence>& shapes = all.shapes;
         t_.vertex_times = instancing_.vertex_times();
         t_.moving = !t_.vertex_times.empty();
         const bool joins = count_triangles(shapes) <= most_joined_triangles;
         std::vector<const ShapeOccurrence*> instanced, rest;
         // Triangles in render space come first, then those of what is instanced, then the other kinds.
-        for (const ShapeOccurrence& p : shapes)
-            if (instancing_.is_instanced(p))
-                vanishes(p.render_from_node) ? void(++vanished_) : instanced.push_back(&p);
+        for (ShapeOccurrence& p : shapes)
+            if (p.instanced = instancing_.is_instanced(p); p.instanced)
+                instanced.push_back(&p);
             else if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry); !mesh && !needs_tessellation(p))
                 rest.push_back(&p);
             else if (!mesh)
@@ -49,20 +68,15 @@ public:
         add_all<Disk>(rest, instanced, all);
         add_all<CurvesInstance>(rest, instanced, all);
         add_all<PointsInstance>(rest, instanced, all);
-        for (const ShapeOccurrence* p : instanced) add_instance(*p, all);
         if (degenerate_ > 0)
             c_.warnings.add(
                 fmt::format("{}: degenerate triangles, which have no area and are never seen", c_.scene.file),
                 degenerate_);
-        if (opaque_ > 0)
-            c_.warnings.add(fmt::format("{}: alpha of curves, of points, and of spheres and disks that move is not "
-                                        "supported; they are opaque",
-                                        c_.scene.file),
-                            opaque_);
-        if (vanished_ > 0)
-            c_.warnings.add(fmt::format("{}: shapes that are scaled to next to nothing are left out", c_.scene.file),
-                            vanished_);
+        if (opaque_ > 0) c_.warnings.add(fmt::format(alpha_is_lost, c_.scene.file), opaque_);
         fill_missing_attributes();
+        contents_.shapes_end = t_.shapes.size();
+        contents_.moving = t_.moving;
+        return std::move(contents_);
     }
 
 private:
@@ -82,8 +96,7 @@ private:
     void place_primitives(const ShapeOccurrence& p)
     {
         if (!std::holds_alternative<Kind>(p.shape->geometry)) return;
-        if (!instanced_shapes_.emplace(instancing_.content_of(*p.shape), std::uint32_t(t_.shapes.size())).second)
-            return;
+        if (!contents_.shapes.emplace(content_of(c_.scene, *p.shape), std::uint32_t(t_.shapes.size())).second) return;
         ShapeOccurrence own = p;
         own.render_from_node = Transform();
         add_primitives(own, nullptr);
@@ -222,26 +235,14 @@ private:
             pad(t_.normals, first);
             for (Vec3f n : normals) t_.normals.push_back(to_float(normal(inverse, to_double(n))));
         };
-        const std::size_t mesh_index = std::size_t(&mesh - c_.scene.meshes.data());
-        if (mesh.motion.empty()) {
-            add_vertices(mesh.positions, mesh.normals);
-        } else if (instancing_.mesh_moves(mesh_index)) {
-            shape.moving_vertices = std::uint32_t(mesh.positions.size());
-            for (float time : t_.vertex_times) {
-                const MeshKey key = vertices_at(mesh, time);
-                add_vertices(key.positions, key.normals);
-            }
-        } else {
-            const MeshKey key = vertices_at(mesh, t_.shutter_open);
-            add_vertices(key.positions, key.normals);
-        }
+        const bool moves = instancing_.mesh_moves(std::size_t(&mesh - c_.scene.meshes.data()));
+        if (moves) shape.moving_vertices = std::uint32_t(mesh.positions.size());
+        contents_.fixed_motion |= moves && !mesh.movable;
+        for_each_pose(t_, mesh, moves, add_vertices);
         if (!mesh.tangents.empty()) {
             shape.flags |= ShapeRecord::has_tangents;
             pad(t_.tangents, base);
-            for (Vec4f v : mesh.tangents) {
-                const Vec3d d = normalize(transform.vector({v.x, v.y, v.z}));
-                t_.tangents.push_back({float(d.x), float(d.y), float(d.z), mirrored ? -v.w : v.w});
-            }
+            for (const Vec4f& v : mesh.tangents) t_.tangents.push_back(unit_tangent(v, transform));
         }
         copy(mesh.uvs[0], t_.uv0, base, shape, ShapeRecord::has_uv0);
         copy(mesh.uvs[1], t_.uv1, base, shape, ShapeRecord::has_uv1);
@@ -292,58 +293,39 @@ private:
         }
     }
 
-    void add_instance(const ShapeOccurrence& p, const Occurrences& all)
+    /// In render space.
+    void add_quad(const Vec3d& corner, const Vec3d& u, const Vec3d& v)
     {
-        InstanceRecord instance;
-        instance.mesh_shape = instanced_shapes_.at(instancing_.content_of(*p.shape));
-        instance.object_id = p.object_id;
-        // A shape without primitives of its own: the material and flags of instances that agree in them.
-        ShapeRecord shape = t_.shapes[instance.mesh_shape];
-        shape.material = material_of(*p.shape);
-        shape.flags &= ~std::uint32_t(ShapeRecord::alpha_tested);
-        if (has_alpha(shape.material)) shape.flags |= ShapeRecord::alpha_tested;
-        if (shape.first_primitive >= t_.first_sphere()) make_opaque(shape);
-        // Never flipped: normals go by the inverse transpose, which keeps their side also where the transform mirrors.
-        const auto [known, is_new] =
-            instance_shapes_.try_emplace({instance.mesh_shape, shape.material}, std::uint32_t(t_.shapes.size()));
-        if (is_new) t_.shapes.push_back(shape);
-        instance.shape = known->second;
-        const Transform inverse = p.render_from_node.inverse();
-        for (std::size_t i = 0; i < 12; ++i) instance.object_from_render[i] = float(inverse.m[i / 4][i % 4]);
-        if (p.motion >= 0) {
-            const std::vector<PoseRecord> poses = pose_tables(all.motions[std::size_t(p.motion)]);
-            if (poses.size() > InstanceRecord::most_poses || t_.poses.size() > InstanceRecord::most_first_pose)
-                throw Error(c_.scene.file, "",
-                            "motion of nodes is too complicated: more keys while the shutter is open than can be held");
-            instance.poses = std::uint32_t(t_.poses.size()) << 8 | std::uint32_t(poses.size());
-            t_.poses.insert(t_.poses.end(), poses.begin(), poses.end());
-            t_.moving = true;
-        }
-        t_.instances.push_back(instance);
-    }
-
-    void add_quad(const ShapeOccurrence& p, Vec3d corner, Vec3d u, Vec3d v)
-    {
-        t_.quads.push_back({to_float(p.render_from_node.point(corner)), to_float(p.render_from_node.vector(u)),
-                            to_float(p.render_from_node.vector(v))});
+        t_.quads.push_back({to_float(corner), to_float(u), to_float(v)});
         take_primitives(1);
     }
     void add_rectangles(const ShapeOccurrence& p, const std::vector<Rectangle>& rectangles)
     {
         add_shape(p, t_.first_quad() + std::uint32_t(t_.quads.size()), p.render_from_node.determinant() < 0);
-        for (const Rectangle& r : rectangles) add_quad(p, r.corner, r.edge_u, r.edge_v);
+        const Transform& t = p.render_from_node;
+        for (const Rectangle& r : rectangles) add_quad(t.point(r.corner), t.vector(r.edge_u), t.vector(r.edge_v));
     }
     void add_box(const ShapeOccurrence& p, const Box& b)
     {
         add_shape(p, t_.first_quad() + std::uint32_t(t_.quads.size()), p.render_from_node.determinant() < 0);
+        // Faces that are rounded each for itself leave gaps between them, through which light gets in: so all corners
+        // stand on a grid on which floats add without rounding.
+        const Transform& t = p.render_from_node;
         const Vec3d d = b.max - b.min;
-        const Vec3d x{d.x, 0, 0}, y{0, d.y, 0}, z{0, 0, d.z};
-        add_quad(p, b.min, z, y);      // -x
-        add_quad(p, b.min + x, y, z);  // +x
-        add_quad(p, b.min, x, z);      // -y
-        add_quad(p, b.min + y, z, x);  // +y
-        add_quad(p, b.min, y, x);      // -z
-        add_quad(p, b.min + z, x, y);  // +z
+        Vec3d corner = t.point(b.min), x = t.vector({d.x, 0, 0}), y = t.vector({0, d.y, 0}), z = t.vector({0, 0, d.z});
+        double largest = 0;
+        for (const Vec3d& v : {corner, corner + x, corner + y, corner + z, corner + x + y + z})
+            largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+        const double grid = std::exp2(std::ceil(std::log2(largest)) - 22);
+        for (Vec3d* v : {&corner, &x, &y, &z})
+            if (largest > 0)
+                *v = {std::round(v->x / grid) * grid, std::round(v->y / grid) * grid, std::round(v->z / grid) * grid};
+        add_quad(corner, z, y);      // -x
+        add_quad(corner + x, y, z);  // +x
+        add_quad(corner, x, z);      // -y
+        add_quad(corner + y, z, x);  // +y
+        add_quad(corner, y, x);      // -z
+        add_quad(corner + z, x, y);  // +z
     }
     /// poses: two, between which it moves straight; or none.
     void add_sphere(const ShapeOccurrence& p, const Sphere& s, const std::vector<NodeKey>* poses)
@@ -357,13 +339,13 @@ private:
         sphere.radius = float(s.radius * factor);
         if (s.center_end) {
             sphere.motion = to_float(p.render_from_node.point(*s.center_end) - center);
-            t_.moving = true;
+            t_.moving = contents_.fixed_motion = true;
         } else if (poses) {
             const NodeKey &a = poses->front(), &b = poses->back();
             const Vec3d motion = (b.parent_from_node.point(s.center) - center) * (1 / (b.time - a.time));
             sphere.center = to_float(center - motion * a.time);
             sphere.motion = to_float(motion);
-            t_.moving = true;
+            t_.moving = contents_.fixed_motion = true;
         }
         t_.spheres.push_back(sphere);
         take_primitives(1);
@@ -407,17 +389,40 @@ private:
     Compiler& c_;
     SceneTables& t_;
     const Instancing instancing_;
-    std::size_t degenerate_ = 0, opaque_ = 0, vanished_ = 0;
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> instance_shapes_;  ///< by mesh_shape and material
-    std::map<const void*, std::uint32_t> instanced_shapes_;  ///< shapes with the primitives of what is instanced
+    PlacedContents contents_;
+    std::size_t degenerate_ = 0, opaque_ = 0;
     std::vector<std::pair<const ShapeOccurrence*, std::vector<Rectangle>>> joined_;  ///< shapes of joined triangles
 };
 
 }  // namespace
 
-void compile_geometry(Compiler& c, const Occurrences& occurrences)
+PlacedContents compile_geometry(Compiler& c, Occurrences& occurrences)
 {
-    GeometryCompiler(c, occurrences).run(occurrences);
+    return GeometryCompiler(c, occurrences).run(occurrences);
+}
+
+bool replace_vertices(Compiler& c, const PlacedContents& contents, const Mesh& mesh)
+{
+    SceneTables& t = c.tables;
+    const auto place = contents.shapes.find(&mesh);
+    if (place == contents.shapes.end() || mesh.indices.empty()) return true;  // nobody shows it
+    const ShapeRecord& shape = t.shapes[place->second];
+    const bool moves = shape.moving_vertices > 0, has_normals = shape.flags & ShapeRecord::has_normals;
+    if (moves != fathom::moves(mesh, t.shutter_open, t.shutter_close)) return false;
+    std::size_t at = t.triangles[3 * std::size_t(shape.first_primitive)] - mesh.indices[0];
+    bool fits = true;
+    const std::size_t count = mesh.positions.size();
+    for_each_pose(t, mesh, moves, [&](const std::vector<Vec3f>& positions, const std::vector<Vec3f>& normals) {
+        fits = fits && normals.empty() != has_normals && at + count <= t.positions.size();
+        if (!fits) return;
+        std::copy(positions.begin(), positions.end(), t.positions.begin() + std::ptrdiff_t(at));
+        for (std::size_t i = 0; i < normals.size(); ++i) t.normals[at + i] = to_float(normalize(to_double(normals[i])));
+        at += count;
+    });
+    at = t.triangles[3 * std::size_t(shape.first_primitive)] - mesh.indices[0];
+    for (std::size_t i = 0; fits && i < mesh.tangents.size(); ++i)
+        t.tangents[at + i] = unit_tangent(mesh.tangents[i], {});
+    return fits;
 }
 
 }  // namespace fathom

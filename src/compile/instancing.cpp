@@ -24,6 +24,25 @@ std::uint32_t material_index(const SceneTables& tables, const Shape& shape)
     return shape.material >= 0 ? std::uint32_t(shape.material) : std::uint32_t(tables.materials.size() - 1);
 }
 
+namespace {
+
+/// The curves or points of a shape, or null.
+const void* set_of(const SceneDescription& scene, const Shape& shape)
+{
+    if (const auto* c = std::get_if<CurvesInstance>(&shape.geometry)) return &scene.curves[std::size_t(c->curves)];
+    if (const auto* p = std::get_if<PointsInstance>(&shape.geometry)) return &scene.points[std::size_t(p->points)];
+    return nullptr;
+}
+
+}  // namespace
+
+const void* content_of(const SceneDescription& scene, const Shape& shape)
+{
+    if (const auto* mesh = std::get_if<MeshInstance>(&shape.geometry)) return &scene.meshes[std::size_t(mesh->mesh)];
+    const void* set = set_of(scene, shape);
+    return set ? set : &shape;
+}
+
 Instancing::Instancing(const Compiler& c, const Occurrences& occurrences) : c_(c), occurrences_(occurrences)
 {
     find_vertex_times();
@@ -59,28 +78,14 @@ void Instancing::find_vertex_times()
 
 bool Instancing::is_instanced(const ShapeOccurrence& p) const
 {
+    if (p.movable) return true;
     if (p.motion >= 0) return !moves_straight(p);
     if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry)) return uses_[std::size_t(mesh->mesh)] > 0;
-    const void* set = set_of(*p.shape);
+    const void* set = set_of(c_.scene, *p.shape);
     if (!set) return false;
     // Many balls and curves as meshes are; a transform that distorts them does so exactly in a space of their own.
     double factor;
-    return !is_similarity(p.render_from_node, factor) || (set_uses_.at(set) > 1 && !emits(*p.shape));
-}
-
-/// The curves or points of a shape, or null.
-const void* Instancing::set_of(const Shape& shape) const
-{
-    if (const auto* c = std::get_if<CurvesInstance>(&shape.geometry)) return &c_.scene.curves[std::size_t(c->curves)];
-    if (const auto* p = std::get_if<PointsInstance>(&shape.geometry)) return &c_.scene.points[std::size_t(p->points)];
-    return nullptr;
-}
-
-const void* Instancing::content_of(const Shape& shape) const
-{
-    if (const auto* mesh = std::get_if<MeshInstance>(&shape.geometry)) return &mesh_of(*mesh);
-    const void* set = set_of(shape);
-    return set ? set : &shape;
+    return !is_similarity(p.render_from_node, factor) || set_uses_.at(set) > 1;
 }
 
 /// A sphere that a node moves along a line remains one of the world, with all that it can do as a light.
@@ -105,12 +110,8 @@ void Instancing::count_uses()
         if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry)) ++uses[std::size_t(mesh->mesh)];
     for (std::size_t i = 0; i < uses.size(); ++i)
         if (uses[i] < 2 || c_.scene.meshes[i].indices.size() / 3 * std::size_t(uses[i]) < 4096) uses[i] = 0;
-    // Emissive triangles are lights of their own, each where it stands.
     for (const ShapeOccurrence& p : occurrences_.shapes)
-        if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry); mesh && emits(*p.shape))
-            uses[std::size_t(mesh->mesh)] = 0;
-    for (const ShapeOccurrence& p : occurrences_.shapes)
-        if (const void* set = set_of(*p.shape)) ++set_uses_[set];
+        if (const void* set = set_of(c_.scene, *p.shape)) ++set_uses_[set];
 }
 
 }  // namespace fathom

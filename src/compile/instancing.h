@@ -11,6 +11,9 @@ bool is_similarity(const Transform& t, double& factor);
 
 std::uint32_t material_index(const SceneTables& tables, const Shape& shape);
 
+/// What several occurrences share: a mesh, curves, points, or the shape itself.
+const void* content_of(const SceneDescription& scene, const Shape& shape);
+
 /// What becomes an instance, in a space of its own, and what stands in the world itself.
 class Instancing {
 public:
@@ -18,8 +21,6 @@ public:
     Instancing(const Compiler& c, const Occurrences& occurrences);
 
     bool is_instanced(const ShapeOccurrence& p) const;
-    /// What several occurrences share: a mesh, curves, points, or the shape itself.
-    const void* content_of(const Shape& shape) const;
     /// Whether the vertices of a mesh move while the shutter is open. mesh: an index, or beyond.
     bool mesh_moves(std::size_t mesh) const { return mesh < mesh_moves_.size() && mesh_moves_[mesh]; }
     /// When vertices are given to the tree: at all keys of meshes while the shutter is open.
@@ -27,13 +28,8 @@ public:
 
 private:
     const Mesh& mesh_of(MeshInstance m) const { return c_.scene.meshes[std::size_t(m.mesh)]; }
-    bool emits(const Shape& shape) const
-    {
-        return c_.tables.materials[material_index(c_.tables, shape)].flags & MaterialRecord::emits;
-    }
     void find_vertex_times();
     void count_uses();
-    const void* set_of(const Shape& shape) const;
     bool moves_straight(const ShapeOccurrence& p) const;
 
     const Compiler& c_;

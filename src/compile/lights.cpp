@@ -3,6 +3,8 @@
 #include <numbers>
 
 #include "compile/compiler.h"
+#include "compile/instancing.h"
+#include "compile/luminance.h"
 
 namespace fathom {
 
@@ -11,10 +13,6 @@ namespace {
 Rgb spectrum(Color c)
 {
     return {c.r, c.g, c.b};
-}
-double luminance(const float* c)
-{
-    return 0.2126 * double(c[0]) + 0.7152 * double(c[1]) + 0.0722 * double(c[2]);
 }
 /// Without cancellation where the angle is small.
 double one_minus_cos(double angle)
@@ -32,46 +30,70 @@ void put(float* to, Vec3d v)
 
 class LightCompiler {
 public:
-    explicit LightCompiler(Compiler& c) : c_(c), t_(c.tables) {}
+    explicit LightCompiler(Compiler& c) : c_(c), t_(c.tables), scene_radius_(c.space.radius)
+    {
+        t_.lights.clear();
+        t_.light_cdf.clear();
+    }
 
     void run(const std::vector<LightOccurrence>& lights)
     {
-        scene_radius_ = radius();
         for (ShapeRecord& shape : t_.shapes) add_emissive(shape);
+        for (std::uint32_t i = 0; i < t_.instances.size(); ++i) add_emissive_instance(i);
         for (const LightOccurrence& light : lights) add_light(light);
         add_environment();
         make_distribution();
     }
 
 private:
-    double radius() const
+    /// Whether its surfaces are lights. What moves in other ways than spheres do is found by the directions that
+    /// surfaces choose, not sampled; so are curves.
+    bool is_sampled(const ShapeRecord& shape) const
     {
-        double r = 1;
-        for (const Vec3f& p : t_.positions) r = std::max(r, length(to_double(p)));
-        for (const QuadRecord& q : t_.quads) r = std::max(r, length(to_double(q.corner)));
-        for (const SphereRecord& s : t_.spheres)
-            r = std::max(r, length(to_double(s.center)) + std::abs(double(s.radius)));
-        return r;
+        const MaterialRecord& material = t_.materials[shape.material];
+        const bool is_curve = shape.first_primitive >= t_.first_curve() && shape.first_primitive < t_.first_point();
+        return (material.flags & MaterialRecord::emits) && !(material.flags & MaterialRecord::unlit) &&
+               shape.moving_vertices == 0 && !is_curve;
     }
 
-    /// One light per primitive of a shape that emits.
+    /// Lights of what stands in the world itself.
     void add_emissive(ShapeRecord& shape)
     {
-        const std::uint32_t shape_index = std::uint32_t(&shape - t_.shapes.data());
-        const MaterialRecord& material = t_.materials[shape.material];
-        if (!(material.flags & MaterialRecord::emits) || (material.flags & MaterialRecord::unlit)) return;
-        // What moves in other ways than spheres do is found by the directions that surfaces choose, not sampled.
-        if (shape.moving_vertices > 0 || (shape.flags & ShapeRecord::only_instanced)) return;
+        shape.light_base = no_index;
         const std::uint32_t first = shape.first_primitive;
-        if (first < t_.primitive_count() && t_.shape_of_primitive[first] != shape_index) return;  // of an instance
-        // So are curves, which have no sampling.
-        if (first >= t_.first_curve() && first < t_.first_point()) return;
+        if ((shape.flags & ShapeRecord::only_instanced) || !is_sampled(shape)) return;
+        if (first < t_.primitive_count() && &t_.shapes[t_.shape_of_primitive[first]] != &shape) return;
+        add_primitives(shape, first, no_index, Transform());
+    }
+
+    /// Lights of what an instance places. It has a shape of its own, which says where they begin.
+    void add_emissive_instance(std::uint32_t index)
+    {
+        const InstanceRecord& instance = t_.instances[index];
+        ShapeRecord& shape = t_.shapes[instance.shape];
+        if (!is_sampled(shape) || instance.pose_count() > 0) return;
+        Transform object_from_render;
+        for (std::size_t i = 0; i < 12; ++i)
+            object_from_render.m[i / 4][i % 4] = double(instance.object_from_render[i]);
+        const Transform render_from_object = object_from_render.inverse();
+        double factor;
+        const bool is_round = shape.first_primitive >= t_.first_sphere();
+        if (is_round && !is_similarity(render_from_object, factor)) return;
+        add_primitives(shape, t_.shapes[instance.mesh_shape].first_primitive, index, render_from_object);
+    }
+
+    /// One light per primitive.
+    void add_primitives(ShapeRecord& shape, std::uint32_t first, std::uint32_t instance, const Transform& to_render)
+    {
+        const MaterialRecord& material = t_.materials[shape.material];
+        const bool flipped = to_render.determinant() < 0 || (shape.flags & ShapeRecord::flipped);
+        const bool varied = material.emission_texture != no_index || (shape.flags & ShapeRecord::alpha_tested);
         shape.light_base = std::uint32_t(t_.lights.size());
-        for (std::uint32_t p = shape.first_primitive;
-             p < t_.primitive_count() && t_.shape_of_primitive[p] == shape_index; ++p) {
-            LightRecord light = primitive_light(p, shape.flags & ShapeRecord::flipped);
+        const std::uint32_t same = first < t_.primitive_count() ? t_.shape_of_primitive[first] : no_index;
+        for (std::uint32_t p = first; p < t_.primitive_count() && t_.shape_of_primitive[p] == same; ++p) {
+            LightRecord light = primitive_light(p, flipped, to_render);
             light.primitive = p;
-            const bool varied = material.emission_texture != no_index || (shape.flags & ShapeRecord::alpha_tested);
+            light.instance = instance;
             light.material = varied ? shape.material : no_index;
             light.two_sided = (material.flags & MaterialRecord::two_sided_emission) != 0;
             std::copy(material.emission.begin(), material.emission.end(), light.radiance);
@@ -80,14 +102,15 @@ private:
         }
     }
 
-    LightRecord primitive_light(std::uint32_t p, bool flipped) const
+    /// flipped: against the edges, as transformed. to_render: a similarity for what is round.
+    LightRecord primitive_light(std::uint32_t p, bool flipped, const Transform& to_render) const
     {
         LightRecord light;
         const double side = flipped ? -1 : 1;
         if (p < t_.first_quad()) {
             const std::uint32_t* v = &t_.triangles[3 * std::size_t(p)];
-            const Vec3d a = to_double(t_.positions[v[0]]), u = to_double(t_.positions[v[1]]) - a,
-                        w = to_double(t_.positions[v[2]]) - a;
+            const auto vertex = [&](int k) { return to_render.point(to_double(t_.positions[v[k]])); };
+            const Vec3d a = vertex(0), u = vertex(1) - a, w = vertex(2) - a;
             const Vec3d n = cross(u, w);
             light.kind = std::uint32_t(LightRecordKind::triangle);
             put(light.position, a), put(light.edge_u, u), put(light.edge_v, w);
@@ -95,37 +118,51 @@ private:
             light.area = float(length(n) / 2);
         } else if (p < t_.first_sphere()) {
             const QuadRecord& q = t_.quads[p - t_.first_quad()];
-            const Vec3d u = to_double(q.edge_u), v = to_double(q.edge_v), n = cross(u, v);
+            const Vec3d corner = to_render.point(to_double(q.corner));
+            const Vec3d u = to_render.vector(to_double(q.edge_u)), v = to_render.vector(to_double(q.edge_v)),
+                        n = cross(u, v);
             const bool right_angle = std::abs(dot(u, v)) <= 1e-6 * length(u) * length(v);
             light.kind = std::uint32_t(right_angle ? LightRecordKind::rectangle : LightRecordKind::parallelogram);
-            put(light.position, to_double(q.corner));
+            put(light.position, corner);
             put(light.edge_u, right_angle ? normalize(u) : u), put(light.edge_v, right_angle ? normalize(v) : v);
             put(light.normal, normalize(n) * side);
             light.length_u = float(length(u)), light.length_v = float(length(v));
             light.area = float(length(n));
-            put(light.center, to_double(q.corner) + (u + v) * 0.5);
+            put(light.motion_or_center, corner + (u + v) * 0.5);
             light.radius = float(length(u + v));
         } else if (p < t_.first_disk()) {
             const SphereRecord& s = t_.spheres[p - t_.first_sphere()];
-            light.kind = std::uint32_t(LightRecordKind::sphere);
-            put(light.position, to_double(s.center)), put(light.motion, to_double(s.motion));
-            light.radius = s.radius;
-            light.area = float(4 * std::numbers::pi * double(s.radius) * double(s.radius));
+            put_ball(light, {s.center, double(s.radius)}, to_render);
+            put(light.motion_or_center, to_render.vector(to_double(s.motion)));
         } else if (p >= t_.first_point()) {
             const Vec4f& point = t_.points[p - t_.first_point()];
-            light.kind = std::uint32_t(LightRecordKind::sphere);
-            put(light.position, {point.x, point.y, point.z});
-            light.radius = point.w;
-            light.area = float(4 * std::numbers::pi * double(point.w) * double(point.w));
+            put_ball(light, {{point.x, point.y, point.z}, double(point.w)}, to_render);
         } else {
             const DiskRecord& d = t_.disks[p - t_.first_disk()];
+            const double radius = double(d.radius) * scale_of(to_render);
             light.kind = std::uint32_t(LightRecordKind::disk);
-            put(light.position, to_double(d.center)), put(light.normal, to_double(d.normal));
-            light.radius = d.radius;
-            light.area = float(std::numbers::pi * double(d.radius) * double(d.radius));
+            put(light.position, to_render.point(to_double(d.center)));
+            put(light.normal, normalize(to_render.vector(to_double(d.normal))));
+            light.radius = float(radius);
+            light.area = float(std::numbers::pi * radius * radius);
         }
         return light;
     }
+
+    struct Ball {
+        Vec3f center;
+        double radius;
+    };
+    static void put_ball(LightRecord& light, const Ball& ball, const Transform& to_render)
+    {
+        const double radius = ball.radius * scale_of(to_render);
+        light.kind = std::uint32_t(LightRecordKind::sphere);
+        put(light.position, to_render.point(to_double(ball.center)));
+        light.radius = float(radius);
+        light.area = float(4 * std::numbers::pi * radius * radius);
+    }
+    /// Of a similarity.
+    static double scale_of(const Transform& t) { return length(t.vector({1, 0, 0})); }
 
     void add_light(const LightOccurrence& occurrence)
     {
@@ -159,64 +196,15 @@ private:
 
     void add_environment()
     {
-        const Environment& e = c_.scene.environment;
         EnvironmentRecord& t = t_.environment;
-        t.kind = std::uint32_t(e.kind);
-        t.color = spectrum(e.color);
-        t.bottom = spectrum(e.bottom);
-        t.top = spectrum(e.top);
-        if (e.kind == EnvironmentKind::none) return;
-        const Transform inverse = e.world_from_environment.inverse();
-        for (std::size_t i = 0; i < 9; ++i) t.environment_from_render[i] = float(inverse.m[i / 3][i % 3]);
+        t.light = no_index;
         // A constant or a gradient is found well enough by the directions that surfaces choose.
-        if (e.kind != EnvironmentKind::image || t.width == 0) return;
-        const double mean = make_environment_distribution();
-        if (mean <= 0) return;
+        if (t.mean_luminance <= 0) return;
         t.light = std::uint32_t(t_.lights.size());
         LightRecord light;
         light.kind = std::uint32_t(LightRecordKind::environment);
         light.two_sided = 1;
-        add(light, mean * std::numbers::pi * 4 * std::numbers::pi * scene_radius_ * scene_radius_ / 4);
-    }
-
-    /// Cumulative distributions over rows and, within a row, pixels, by luminance times the solid angle. Bilinear
-    /// lookup spreads a pixel's light over its neighbours, so each cell has the mean of the 3x3 around it. Returns mean
-    /// radiance.
-    double make_environment_distribution()
-    {
-        EnvironmentRecord& t = t_.environment;
-        const int w = t.width, h = t.height;
-        const auto value = [&](int x, int y) {
-            x = (x + w) % w;
-            y = std::clamp(y, 0, h - 1);
-            const float* texel = &t.texels[(std::uint64_t(y) * std::uint64_t(w) + std::uint64_t(x)) * 4];
-            const float c[3] = {texel[0] * t.color[0], texel[1] * t.color[1], texel[2] * t.color[2]};
-            return std::max(0.0, luminance(c));
-        };
-        t.marginal.assign(std::size_t(h) + 1, 0);
-        t.conditional.assign(std::size_t(h) * std::size_t(w + 1), 0);
-        std::vector<double> rows(std::size_t(h) + 1);
-        double weight = 0;
-        for (int y = 0; y < h; ++y) {
-            const double sine = std::sin((y + 0.5) * std::numbers::pi / h);
-            std::vector<double> sum(std::size_t(w) + 1);
-            for (int x = 0; x < w; ++x) {
-                double v = 0;
-                for (int dy = -1; dy <= 1; ++dy)
-                    for (int dx = -1; dx <= 1; ++dx) v += value(x + dx, y + dy) / 9;
-                sum[std::size_t(x) + 1] = sum[std::size_t(x)] + v;
-            }
-            float* row = &t.conditional[std::size_t(y) * std::size_t(w + 1)];
-            for (int x = 0; x <= w; ++x)
-                row[x] =
-                    sum[std::size_t(w)] > 0 ? float(sum[std::size_t(x)] / sum[std::size_t(w)]) : float(x) / float(w);
-            rows[std::size_t(y) + 1] = rows[std::size_t(y)] + sum[std::size_t(w)] * sine;
-            weight += sine * w;
-        }
-        const double total = rows[std::size_t(h)];
-        for (int y = 0; y <= h; ++y)
-            t.marginal[std::size_t(y)] = total > 0 ? float(rows[std::size_t(y)] / total) : float(y) / float(h);
-        return total / weight;
+        add(light, t.mean_luminance * std::numbers::pi * 4 * std::numbers::pi * scene_radius_ * scene_radius_ / 4);
     }
 
     void add(const LightRecord& light, double power)
@@ -246,7 +234,7 @@ private:
     Compiler& c_;
     SceneTables& t_;
     std::vector<double> powers_;
-    double scene_radius_ = 1;
+    const double scene_radius_;
 };
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include "compile/compiler.h"
 #include "compile/images.h"
 #include "fathom/error.h"
+#include "scene/material_table.h"
+#include "scene/texture_table.h"
 
 namespace fathom {
 
@@ -125,13 +127,23 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
 
 }  // namespace
 
+void compile_material_records(Compiler& c)
+{
+    c.tables.materials.clear();
+    c.tables.media.resize(1);
+    for (const Material& material : c.scene.materials)
+        c.tables.materials.push_back(compile_material(c, own_parameters(material, material_parameters())));
+    // The last one stands for shapes without a material.
+    c.tables.materials.push_back(compile_material(c, Material{}));
+}
+
 void compile_materials(Compiler& c)
 {
     ImageStore images(c);
-    for (const Texture& texture : c.scene.textures) c.tables.textures.push_back(compile_texture(c, images, texture));
-    for (const Material& material : c.scene.materials) c.tables.materials.push_back(compile_material(c, material));
-    // The last one stands for shapes without a material.
-    c.tables.materials.push_back(compile_material(c, Material{}));
+    // What a kind doesn't have must not tell two scenes apart.
+    for (const Texture& texture : c.scene.textures)
+        c.tables.textures.push_back(compile_texture(c, images, own_parameters(texture, texture_parameters())));
+    compile_material_records(c);
     if (c.scene.environment.kind == EnvironmentKind::image && c.scene.environment.image >= 0) {
         const ImageStore::Texels texels = images.environment(c.scene.environment.image);
         c.tables.environment.width = texels.width;

@@ -19,30 +19,37 @@ public:
 
     Occurrences run()
     {
-        for (int root : c_.scene.roots) place_node(root, c_.space.from_world(), 0);
+        for (int root : c_.scene.roots) place_node(root, c_.space.from_world(), 0, false);
         if (still_things_ > 0)
             c_.warnings.add(c_.scene.file + ": lights and cameras of nodes that move: they stand still", still_things_);
         return std::move(occurrences_);
     }
 
 private:
-    /// moving: how many nodes of the path to this one move.
-    void place_node(int index, const Transform& render_from_parent, int moving)
+    /// moving: how many nodes of the path to this one move. movable: whether one of them is.
+    void place_node(int index, const Transform& render_from_parent, int moving, bool movable)
     {
         const Node& node = c_.scene.nodes[std::size_t(index)];
         path_.push_back(index);
         moving += moves_[std::size_t(index)];
+        movable |= node.movable;
         const Transform render_from_node = render_from_parent * transform_at(node, open_);
         int motion = -1;
         if (moving > 0 && !node.shapes.empty()) motion = add_motion(node);
         for (const Shape& shape : node.shapes)
-            occurrences_.shapes.push_back(
-                {&shape, render_from_node, std::uint32_t(occurrences_.shapes.size()), index, motion});
+            occurrences_.shapes.push_back({&shape, render_from_node, std::uint32_t(occurrences_.shapes.size()), index,
+                                           motion, movable || has_movable_vertices(shape)});
         if (node.light >= 0)
             occurrences_.lights.push_back({&c_.scene.lights[std::size_t(node.light)], render_from_node});
         if (moving > 0) still_things_ += std::size_t(node.light >= 0) + std::size_t(node.camera >= 0);
-        for (int child : node.children) place_node(child, render_from_node, moving);
+        for (int child : node.children) place_node(child, render_from_node, moving, movable);
         path_.pop_back();
+    }
+
+    bool has_movable_vertices(const Shape& shape) const
+    {
+        const auto* mesh = std::get_if<MeshInstance>(&shape.geometry);
+        return mesh && c_.scene.meshes[std::size_t(mesh->mesh)].movable;
     }
 
     int add_motion(const Node& node)

@@ -6,7 +6,8 @@ namespace fathom {
 /// The map from world space to render space (see integrate/tables.h), in double.
 struct RenderSpace {
     Vec3d origin;
-    double scale = 1;  ///< a power of two
+    double scale = 1;   ///< a power of two
+    double radius = 1;  ///< of the scene, in render units
 
     Vec3d point(Vec3d world) const { return (world - origin) * scale; }
     Transform from_world() const { return Transform::scale({scale, scale, scale}) * Transform::translate(-origin); }

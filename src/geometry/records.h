@@ -115,6 +115,9 @@ struct GeometryTables {
     Vec3d origin;                               ///< world position of render space's origin
     double render_scale = 1;                    ///< render units per world unit: a power of two
     bool moving = false;
+    /// Instances of [0, still_instances) stay where they are; others may move later, if the scene is `editable`.
+    std::uint32_t still_instances = 0;
+    bool editable = false;
 
     std::uint32_t triangle_count() const { return std::uint32_t(triangles.size() / 3); }
     std::uint32_t first_quad() const { return triangle_count(); }

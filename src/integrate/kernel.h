@@ -19,6 +19,9 @@ class KernelScene {
 public:
     virtual ~KernelScene() = default;
     virtual std::size_t memory_bytes() const = 0;
+    /// Brings it up to date after its tables have changed: materials, lights, instances that are not still, and the
+    /// vertices of `shapes` that only instances show.
+    virtual void update(const std::vector<std::uint32_t>& shapes) = 0;
 };
 
 /// What the camera sees where there is nothing, instead of the environment.

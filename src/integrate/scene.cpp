@@ -39,15 +39,53 @@ std::size_t count_solids(const SceneTables& tables)
 LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
     : tables_owner(std::move(t)), tables(*tables_owner)
 {
-    const bool has_alpha = std::any_of(tables.shapes.begin(), tables.shapes.end(),
-                                       [](const ShapeRecord& s) { return s.flags & ShapeRecord::alpha_tested; });
-    is_flat = FlatScene::fits(tables) && !has_alpha;
-    if (is_flat) {
+    is_flat = FlatScene::fits(tables) && !has_alpha();
+    if (!is_flat) bvh.build(tables, level);
+    filters[0].make_gaussian();
+    filters[1].make_blackman_harris();
+    read_tables();
+}
+
+void LaneScene::update(const std::vector<std::uint32_t>& shapes)
+{
+    if (!is_flat) bvh.update(shapes);
+    read_tables();
+}
+
+bool LaneScene::has_alpha() const
+{
+    return std::any_of(tables.shapes.begin(), tables.shapes.end(),
+                       [](const ShapeRecord& s) { return s.flags & ShapeRecord::alpha_tested; });
+}
+
+/// Finds all but the tree.
+void LaneScene::read_tables()
+{
+    if (is_flat)
         flat.build(tables, shadow_targets(tables));
-    } else {
-        bvh.build(tables, level);
-        if (has_alpha) bvh.set_alpha_test(&alpha_passes, &tables);
+    else
+        bvh.set_alpha_test(has_alpha() ? &alpha_passes : nullptr, &tables);
+    read_shapes();
+    tracks_media = has_absorption || count_solids(tables) > 1;
+    textured = !tables.textures.empty();
+    varied_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
+                                [](const LightRecord& light) { return light.material != no_index; });
+    if (is_flat) {
+        primitive_info.clear();
+        for (std::uint32_t shape : tables.shape_of_primitive) primitive_info.push_back(shape_info[shape]);
+        primitive_info.resize(primitive_info.size() + lookup_size);
     }
+    quads.build(tables, !is_flat);
+    sees_environment = EnvironmentKind(tables.environment.kind) != EnvironmentKind::none;
+}
+
+void LaneScene::read_shapes()
+{
+    kinds = 0;
+    refracts = normal_mapped = has_absorption = false;
+    shape_info.clear();
+    only_diffuse_quads = is_flat && !tables.moving && tables.textures.empty() && tables.triangles.empty() &&
+                         tables.spheres.empty() && tables.disks.empty();
     for (const ShapeRecord& shape : tables.shapes) {
         const MaterialRecord& material = tables.materials[shape.material];
         refracts |= Closures::transmits(MaterialKind(material.kind));
@@ -55,28 +93,10 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
         for (float a : tables.media[material.medium].absorption) has_absorption |= a > 0;
         const std::uint32_t kind = Closures::contains(MaterialKind(material.kind)) ? material.kind : 0;
         if (kind != 0) kinds |= 1u << kind;
+        only_diffuse_quads &= kind == 0 || (MaterialKind(kind) == MaterialKind::diffuse && material.roughness == 0);
         shape_info.push_back(kind << kind_shift | (shape.material & ((1u << kind_shift) - 1)) |
                              (material.flags & MaterialRecord::emits ? emits : 0u));
     }
-    tracks_media = has_absorption || count_solids(tables) > 1;
-    textured = !tables.textures.empty();
-    varied_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
-                                [](const LightRecord& light) { return light.material != no_index; });
-    only_diffuse_quads = is_flat && !tables.moving && !textured && tables.triangles.empty() && tables.spheres.empty() &&
-                         tables.disks.empty();
-    for (const ShapeRecord& shape : tables.shapes) {
-        const MaterialRecord& m = tables.materials[shape.material];
-        only_diffuse_quads &= !Closures::contains(MaterialKind(m.kind)) ||
-                              (MaterialKind(m.kind) == MaterialKind::diffuse && m.roughness == 0);
-    }
-    if (is_flat) {
-        for (std::uint32_t shape : tables.shape_of_primitive) primitive_info.push_back(shape_info[shape]);
-        primitive_info.resize(primitive_info.size() + lookup_size);
-    }
-    quads.build(tables, !is_flat);
-    sees_environment = EnvironmentKind(tables.environment.kind) != EnvironmentKind::none;
-    filters[0].make_gaussian();
-    filters[1].make_blackman_harris();
 }
 
 std::size_t LaneScene::memory_bytes() const

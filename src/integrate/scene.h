@@ -41,11 +41,17 @@ struct LaneScene final : KernelScene {
 
     LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level);
     std::size_t memory_bytes() const override;
+    void update(const std::vector<std::uint32_t>& shapes) override;
 
     /// Whether some material of this MaterialKind scatters.
     bool has_closure(std::uint32_t kind) const { return kinds >> kind & 1; }
     /// shape_info of what was hit; 0 outside the mask.
     UInt info_of(UInt primitive, UInt instance, Mask m) const;
+
+private:
+    bool has_alpha() const;
+    void read_tables();
+    void read_shapes();
 };
 
 inline UInt LaneScene::info_of(UInt primitive, UInt instance, Mask m) const

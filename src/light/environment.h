@@ -55,8 +55,8 @@ inline Spectrum environment_radiance(const LightTables& tables, Vec3 direction, 
                 radiance.c[i] = fma(t, Float(e.top[i] - e.bottom[i]), Float(e.bottom[i]));
             return radiance;
         }
-        case EnvironmentKind::image:
-            break;
+        default:
+            break;  // compiled to a picture
     }
     const detail::ImagePoint at = detail::image_point(detail::rotate_in(e, direction));
     TextureRecord image;

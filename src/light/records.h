@@ -39,8 +39,9 @@ struct LightRecord {
     std::uint32_t two_sided = 0;
     std::uint32_t material = no_index;  ///< whose emission texture or alpha scales radiance, if it has one
     std::uint32_t primitive = no_index;
-    float motion[3] = {};
-    float center[3] = {};  ///< of a rectangle
+    std::uint32_t instance = no_index;  ///< that places the primitive, if one does
+    float motion_or_center[3] = {};     ///< sphere: its motion in a second; rectangle: its centre
+    float unused[2] = {};
 };
 static_assert(sizeof(LightRecord) == 32 * sizeof(float));
 
@@ -51,6 +52,7 @@ struct EnvironmentRecord {
     std::array<float, 9> environment_from_render{1, 0, 0, 0, 1, 0, 0, 0, 1};
     std::vector<float> texels;  ///< of an image: four floats each
     int width = 0, height = 0;
+    double mean_luminance = 0;  ///< of an image that lights are sampled from; else 0
     /// Image: cumulative distributions for sampling, rows then columns: (height + 1) and height * (width + 1) floats.
     std::vector<float> marginal, conditional;
 };

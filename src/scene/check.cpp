@@ -46,15 +46,33 @@ public:
         for (std::size_t i = 0; i < scene_.nodes.size(); ++i) check_node(scene_.nodes[i], element("nodes", i));
         for (std::size_t i = 0; i < scene_.roots.size(); ++i)
             required(scene_.roots[i], scene_.nodes.size(), element("roots", i), "node");
-        index(scene_.environment.image, scene_.images.size(), "environment.image", "image");
-        for (const Color& c : {scene_.environment.color, scene_.environment.bottom, scene_.environment.top})
-            check_brightness(c, "environment");
-        for (std::size_t i = 0; i < scene_.lights.size(); ++i)
-            check_brightness(scene_.lights[i].intensity, element("lights", i));
+        check_environment();
+        for (std::size_t i = 0; i < scene_.lights.size(); ++i) check_light(i);
         check_graph();
     }
 
+    void check(const SceneParts& parts) const
+    {
+        const auto each = [](const std::vector<int>& numbers, const auto& check) {
+            for (const int i : numbers) check(std::size_t(i));
+        };
+        each(parts.nodes, [&](std::size_t i) { check_node(scene_.nodes[i], element("nodes", i)); });
+        each(parts.meshes, [&](std::size_t i) { check_mesh(scene_.meshes[i], element("meshes", i)); });
+        each(parts.materials, [&](std::size_t i) { check_material(scene_.materials[i], element("materials", i)); });
+        each(parts.lights, [&](std::size_t i) { check_light(i); });
+        check_environment();
+    }
+
 private:
+    void check_environment() const
+    {
+        index(scene_.environment.image, scene_.images.size(), "environment.image", "image");
+        for (const Color& c : {scene_.environment.color, scene_.environment.bottom, scene_.environment.top})
+            check_brightness(c, "environment");
+    }
+
+    void check_light(std::size_t i) const { check_brightness(scene_.lights[i].intensity, element("lights", i)); }
+
     [[noreturn]] void fail(const std::string& place, const std::string& message) const
     {
         throw Error(scene_.file, place, message);
@@ -342,6 +360,11 @@ private:
 };
 
 }  // namespace
+
+void check_parts(const SceneDescription& scene, const SceneParts& parts)
+{
+    Checker(scene).check(parts);
+}
 
 void check_scene(const SceneDescription& scene)
 {

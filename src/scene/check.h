@@ -11,6 +11,14 @@ namespace fathom {
 /// that are not finite.
 void check_scene(const SceneDescription& scene);
 
+/// Some things of a scene, by index.
+struct SceneParts {
+    std::vector<int> nodes, meshes, materials, lights;
+};
+/// As check_scene of a scene that passed it before these parts and its environment got other values; nodes have kept
+/// their children and what they place.
+void check_parts(const SceneDescription& scene, const SceneParts& parts);
+
 /// What a shape takes, at the least, in each place that instances put it.
 inline constexpr double bytes_per_occurrence = 512;
 

@@ -60,6 +60,26 @@ constexpr std::uint32_t kind_bits(Kind... kinds)
     return ((1u << std::uint32_t(kinds)) | ... | 0u);
 }
 
+/// The same with the parameters that its kind has, and the defaults of the others: what a file can say of it.
+template <class Owner>
+Owner own_parameters(const Owner& owner, std::span<const Parameter<Owner>> parameters)
+{
+    Owner own;
+    own.name = owner.name;
+    own.kind = owner.kind;
+    for (const Parameter<Owner>& p : parameters)
+        if (p.is_of(std::uint32_t(owner.kind)))
+            std::visit(
+                [&](auto member) {
+                    if constexpr (requires { member.index; })
+                        own.*member.index = owner.*member.index;
+                    else
+                        own.*member = owner.*member;
+                },
+                p.member);
+    return own;
+}
+
 /// Calls f(int& index, key) once for each texture that a material or texture refers to, whatever its kind.
 template <class Owner, class F>
 void for_each_texture(Owner& owner, std::span<const Parameter<std::remove_const_t<Owner>>> parameters, F&& f)

@@ -60,6 +60,9 @@ const P parameters[] = {
      .member = &Texture::nearest,
      .meaning = "between pixels",
      .words = lookups},
+    {"height_scale", kind_bits(image), &Texture::height_scale,
+     "unless 0: the picture holds heights, white so many of its widths above black, and the texture is their normal "
+     "map"},
     {"color_a", two_colors, &Texture::color_a, "first colour", 0},
     {"color_b", two_colors, &Texture::color_b, "second colour", 0},
     {.key = "input",
@@ -87,6 +90,7 @@ const P parameters[] = {
      .kinds = kind_bits(ramp),
      .member = &Texture::stops,
      .meaning = "pairs [number, colour] by ascending number, 2 to 16 of them",
+     .least = 0,
      .required = true},
     {"scale", kind_bits(checker_uv, checker_space, noise, turbulence, marble), &Texture::scale,
      "multiplied with position or uv"},

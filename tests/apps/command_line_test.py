@@ -318,6 +318,20 @@ class CommandLine(unittest.TestCase):
         self.assertIn("3 samples were no number", text)
         self.assertIn("(--only-sample 7,8,9 replays one)", text)
 
+    def test_light(self):
+        self.scene("sky.hdr", "x")
+        self.scene("dark.json", "camera a")
+        text = self.ok("render", "dark.json", "--spp", "1", "--size", "200x100").stderr
+        self.assertIn("light auto aspect 2", text)
+        self.assertIn("light: added a lamp, an exposure", text)
+        self.assertIn("light file", self.ok("render", "dark.json", "--spp", "1", "--light", "file").stderr)
+        self.assertIn("light studio", self.ok("render", "dark.json", "--spp", "1", "--light", "studio").stderr)
+        # A sky that is given is all the light.
+        text = self.ok("render", "dark.json", "--spp", "1", "--env", "sky.hdr").stderr
+        self.assertIn("light auto, its own", text)
+        self.refused(2, "render", "dark.json", "--env", "sky.hdr", "--light", "studio", words=["one of both"])
+        self.refused(2, "render", "dark.json", "--light", "moon", words=["moon"])
+
     def test_only_sample(self):
         result = self.ok("render", "box.json", "--only-sample", "12,34,56")
         self.assertEqual(result.stdout, "pixel 12,34 sample 56: 12 34 56\n")
@@ -351,6 +365,19 @@ class CommandLine(unittest.TestCase):
         self.refused(1, "merge", "cut.exr", "-o", "x.png", words=["cut.exr"])
 
     # ------------------------------------------------------------------------------------------------ time, progress, signals
+
+    def test_merge_overwrites_no_part(self):
+        for name, range_ in ("a.exr", "0:2"), ("b.exr", "2:4"):
+            self.ok("render", "box.json", "--size", "8x4", "--samples", range_, "-o", name)
+        os.link(self.path("b.exr"), self.path("hard.exr"))
+        os.symlink("a.exr", self.path("soft.exr"))
+        os.mkdir(self.path("sub"))
+        before = {name: open(self.path(name), "rb").read() for name in ("a.exr", "b.exr")}
+        for output in "a.exr", "b.exr", "hard.exr", "soft.exr", "sub/../b.exr":
+            self.refused(1, "merge", "a.exr", "b.exr", "-o", "all.png", "-o", output,
+                         words=[f"{output} is a part of this picture: name another with -o"])
+        self.assertEqual(before, {name: open(self.path(name), "rb").read() for name in before})
+        self.ok("merge", "a.exr", "b.exr", "-o", "all.exr")
 
     def test_time(self):
         self.scene("slow.json", "camera a slow 20")
@@ -484,6 +511,25 @@ class CommandLine(unittest.TestCase):
         info = json.loads(self.ok("info", "box.json", "--json").stdout)
         self.assertEqual(info["counts"]["cameras"], 2)
         self.assertEqual(info["cameras"][0]["name"], "main")
+
+    def test_convert(self):
+        self.scene("box.json", "camera main warn odd")
+        result = self.ok("convert", "box.json", "new.json")
+        self.assertIn("fathom: warning: odd", result.stderr)
+        self.assertIn("wrote new.json", result.stderr)
+        with open(self.path("new.json")) as file:
+            written = json.load(file)
+        self.assertEqual(list(written["cameras"]), ["main"])
+        self.assertEqual(written["scene"], [{"transform": {"translate": [1, 2, 3]}, "camera": "main"}])
+        self.assertNotIn("wrote", self.ok("convert", "box.json", "new.json", "-q").stderr)
+        self.refused(2, "convert", "box.json", "new.glb", words=["new.glb", ".json"])
+        self.refused(2, "convert", "box.json")
+        self.refused(1, "convert", "box.json", "nowhere/new.json", words=["nowhere"])
+        self.refused(1, "convert", "box.json", "box.json", words=["box.json", "read from this file"])
+        os.symlink("box.json", self.path("link.json"))
+        self.refused(1, "convert", "box.json", "link.json", words=["link.json", "read from this file"])
+        with open(self.path("box.json")) as file:
+            self.assertEqual(file.read(), "camera main warn odd")
 
     def test_what_decides_the_picture_is_the_same_for_render_and_view(self):
         def options(command):

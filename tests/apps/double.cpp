@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "fathom/error.h"
+#include "fathom/first_look.h"
 #include "fathom/load.h"
 #include "fathom/render.h"
 
@@ -104,6 +105,22 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
     scene.data_ = std::move(data);
     return scene;
 }
+
+/// A scene of the name `dark` gets a studio and an exposure.
+LitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
+                     Warnings& warnings, TreeBuild build)
+{
+    const char* const choices[] = {"auto", "file", "studio"};  // by LightChoice
+    warnings.add(
+        fmt::format("light {}{} aspect {:.4g}", choices[int(light)], scene.hints.own_light ? ", its own" : "", aspect));
+    LitScene lit;
+    lit.scene = Scene::compile(scene, camera, warnings, build);
+    if (scene.file.find("dark") == std::string::npos) return lit;
+    lit.added = {"a lamp", "an exposure"};
+    lit.exposure_ev = 2;
+    return lit;
+}
+
 const SceneStatistics& Scene::statistics() const
 {
     return data_->statistics;

@@ -105,8 +105,8 @@ TEST(LightTable, LampsStandWhereTheirShapesDo)
     EXPECT_FLOAT_EQ(r.length_u, float(2 * s));
     EXPECT_FLOAT_EQ(r.area, float(4 * s * s));
     EXPECT_FLOAT_EQ(r.normal[2], -1);  // y cross x
-    EXPECT_FLOAT_EQ(r.center[0], 0);
-    EXPECT_FLOAT_EQ(r.center[1], float(s));
+    EXPECT_FLOAT_EQ(r.motion_or_center[0], 0);
+    EXPECT_FLOAT_EQ(r.motion_or_center[1], float(s));
     EXPECT_FLOAT_EQ(r.radius, float(std::sqrt(8.0) * s));
     EXPECT_EQ(r.radiance[0], 5);
     EXPECT_EQ(r.primitive, t.first_quad());
@@ -169,12 +169,14 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     m.alpha = {0.6f, -1, 0};
     m.alpha_cutoff = 0.7f, m.alpha_mode = AlphaMode::mask;
     m.fuzz = 0.8f, m.normal_scale = 0.9f;
-    d.materials = {m, m, m};
+    d.materials = {m, m, m, m, m};
     d.materials[1].thin = true;
     d.materials[2].kind = MaterialKind::unlit;
+    d.materials[3].kind = MaterialKind::principled;
+    d.materials[4].kind = MaterialKind::fuzz_metal;
     const Scene scene = compiled(d);
     const SceneTables& t = *scene.data().tables;
-    ASSERT_EQ(t.materials.size(), 4u);
+    ASSERT_EQ(t.materials.size(), 6u);
     const MaterialRecord& r = t.materials[0];
     EXPECT_EQ(r.kind, std::uint32_t(MaterialKind::glass));
     for (std::size_t c = 0; c < 3; ++c) {
@@ -193,13 +195,15 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     EXPECT_EQ(t.media[0].ior, 1);
     EXPECT_EQ(r.roughness, 0.3f);
     EXPECT_EQ(r.roughness_channel, 2u);
-    EXPECT_EQ(r.metallic, 0.4f);
-    EXPECT_EQ(r.metallic_channel, 1u);
+    EXPECT_EQ(t.materials[3].metallic, 0.4f);
+    EXPECT_EQ(t.materials[3].metallic_channel, 1u);
+    // Glass has no such parameter: whatever it says does not count.
+    EXPECT_EQ(r.metallic, Material().metallic.value);
     EXPECT_EQ(r.alpha, 0.6f);
     EXPECT_EQ(r.alpha_channel, 0u);
     EXPECT_EQ(r.alpha_cutoff, 0.7f);
     EXPECT_EQ(r.alpha_mode, std::uint32_t(AlphaMode::mask));
-    EXPECT_EQ(r.fuzz, 0.8f);
+    EXPECT_EQ(t.materials[4].fuzz, 0.8f);
     EXPECT_EQ(r.normal_scale, 0.9f);
     EXPECT_FALSE(r.flags & MaterialRecord::thin);
     EXPECT_TRUE(t.materials[1].flags & MaterialRecord::thin);
@@ -571,6 +575,45 @@ TEST(Fingerprint, TellsScenesApart)
         changes[i](other);
         EXPECT_TRUE(seen.insert(print(other)).second) << "change " << i;
     }
+}
+
+/// IEC 61966-2-1, at codes on both sides of where its curve begins; numbers from the standard's formula, by hand.
+TEST(ColorTable, LinearOfSrgb)
+{
+    const Scene scene = compiled(empty_scene());
+    const auto& linear = scene.data().tables->linear_of_srgb;
+    EXPECT_EQ(linear[0], 0);
+    EXPECT_NEAR(linear[10], 0.00303527f, 1e-8);
+    EXPECT_NEAR(linear[11], 0.00334654f, 1e-8);
+    EXPECT_NEAR(linear[128], 0.21586050f, 1e-7);
+    EXPECT_NEAR(linear[188], 0.50288646f, 1e-7);
+    EXPECT_FLOAT_EQ(linear[255], 1);
+}
+
+/// Where it is at time 0, and what it moves by in a second, seen from the camera; radii in render units.
+TEST(SphereTable, BeginsAtItsCentreAndEndsAtTheOther)
+{
+    SceneDescription d = empty_scene();
+    d.cameras[0].position = {1, 2, 3};
+    d.nodes[0].camera = -1;
+    Node camera;
+    camera.camera = 0;
+    d.roots.push_back(1);
+    d.nodes.push_back(camera);
+    d.nodes[0].parent_from_node = Transform::translate({10, 0, 0}) * Transform::scale({2, 2, 2});
+    d.nodes[0].shapes.push_back({Sphere{{1, 0, -4}, 0.5, Vec3d{2, 3, -8}}, -1, ""});
+    const Scene scene = compiled(d);
+    const SceneTables& t = *scene.data().tables;
+    ASSERT_EQ(t.spheres.size(), 1u);
+    const float s = float(t.render_scale);
+    const SphereRecord& sphere = t.spheres[0];
+    EXPECT_FLOAT_EQ(sphere.center.x / s, 10 + 2 - 1);
+    EXPECT_FLOAT_EQ(sphere.center.y / s, -2);
+    EXPECT_FLOAT_EQ(sphere.center.z / s, -8 - 3);
+    EXPECT_FLOAT_EQ(sphere.motion.x / s, 2);
+    EXPECT_FLOAT_EQ(sphere.motion.y / s, 6);
+    EXPECT_FLOAT_EQ(sphere.motion.z / s, -8);
+    EXPECT_FLOAT_EQ(sphere.radius / s, 1);
 }
 
 }  // namespace

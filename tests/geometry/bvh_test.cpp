@@ -2,7 +2,7 @@
 #include <tbb/global_control.h>
 
 #include "compare_with_force.h"
-#include "geometry/bvh/layout/data.h"
+#include "geometry/bvh/build/builder.h"
 
 namespace fathom {
 namespace {
@@ -247,6 +247,17 @@ TEST(Bvh, instances)
     compare_with_force(instances(50, 100), 60, 10'000, "extremely scaled");
 }
 
+/// A tree of its own holds instances that may move.
+TEST(Bvh, movable_instances)
+{
+    for (const std::uint32_t still : {0u, 1u, 50u, 110u}) {
+        GeometryTables tables = instances(100, 5);
+        tables.editable = true;
+        tables.still_instances = std::min(still, std::uint32_t(tables.instances.size()));
+        compare_with_force(tables, 60, 10'000, "still");
+    }
+}
+
 /// An instance with its share of the tree; materials are shared.
 TEST(Bvh, bytes_of_an_instance)
 {
@@ -351,15 +362,15 @@ TEST(Bvh, the_same_tree_for_any_number_of_threads)
         const auto build = [&](std::size_t threads) {
             tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
             BvhData data;
-            build_bvh(tables, data, level);
+            bvh::BvhBuilder(tables, data, level).build();
             return data;
         };
         const BvhData one = build(1), many = build(4);
         ASSERT_EQ(one.nodes.size(), many.nodes.size());
         ASSERT_EQ(one.statistics.bytes, many.statistics.bytes);
-        EXPECT_EQ(std::memcmp(one.nodes.data(), many.nodes.data(), one.nodes.bytes()), 0);
+        EXPECT_EQ(std::memcmp(one.nodes.data(), many.nodes.data(), one.nodes.size() * sizeof(BvhNode)), 0);
         ASSERT_EQ(one.others, many.others);
-        const std::size_t bytes = one.statistics.bytes - one.nodes.bytes() - 4 * one.others.size();
+        const std::size_t bytes = one.statistics.bytes - one.nodes.size() * sizeof(BvhNode) - 4 * one.others.size();
         const std::size_t triangles = bytes / 40 - bvh_width;
         if (level != TreeBuild::compact) EXPECT_GE(triangles, tables.triangle_count());
         EXPECT_EQ(std::memcmp(one.triangles.data(), many.triangles.data(), 36 * triangles), 0);

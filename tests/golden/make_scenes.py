@@ -226,6 +226,8 @@ def lights():
           environment={**SKY, "rotate": {"axis": [1, 0, 0.5], "angle_deg": 50}})
     write("sky-image", scene=with_material(kind="principled", color=0.7, roughness=0.3),
           environment={"kind": "image", "image": "sky.hdr", "color": [0.9, 1, 1.1], "rotate": {"axis": [0.2, 1, 0], "angle_deg": 70}})
+    write("sky-studio", scene=with_material(color=0.7),
+          environment={"kind": "studio", "color": [1, 0.9, 0.8], "rotate": {"axis": [0, 1, 0], "angle_deg": 40}})
 
 
 def shapes():

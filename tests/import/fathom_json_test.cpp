@@ -365,5 +365,90 @@ TEST_F(FathomJson, ModelsAreReadOnceAndTheirMaterialsReplaced)
     EXPECT_EQ(material(2, 1), "c");
 }
 
+TEST_F(FathomJson, LightsAndCamerasStandWhereNodesReferToThem)
+{
+    const SceneDescription scene = load("a.json", R"({
+        "cameras": {"free": {}, "held": {"look_at": [1, 0, 0]}},
+        "lights": {"bulb": {"kind": "point", "position": [1, 2, 3]}, "lamp": {"kind": "spot"}, "sun": {"kind": "directional"}},
+        "scene": [{"name": "a", "camera": "held", "light": "lamp"}, {"name": "b", "light": "lamp"}]})");
+    ASSERT_EQ(scene.roots.size(), 5u);
+    const auto root = [&](int i) { return scene.nodes.at(std::size_t(scene.roots.at(std::size_t(i)))); };
+    EXPECT_EQ(scene.cameras.at(std::size_t(root(0).camera)).name, "held");
+    EXPECT_EQ(scene.lights.at(std::size_t(root(0).light)).name, "lamp");
+    EXPECT_EQ(root(1).light, root(0).light);
+    // The others stand by themselves.
+    EXPECT_EQ(scene.cameras.at(std::size_t(root(2).camera)).name, "free");
+    EXPECT_EQ(scene.lights.at(std::size_t(root(3).light)).name, "bulb");
+    expect_near(root(3).parent_from_node.point({0, 0, 0}), {1, 2, 3});
+    EXPECT_EQ(scene.lights.at(std::size_t(root(4).light)).name, "sun");
+    EXPECT_EQ(error_of("b.json", R"({"cameras": {"a": {}}, "scene": [{"camera": "b"}]})"),
+              "/scene/0/camera: there is no camera named 'b'; known here: a");
+    EXPECT_EQ(error_of("c.json", R"({"scene": [{"light": "b"}]})"), "/scene/0/light: there is no light named 'b'");
+}
+
+/// A picture whose values are said to be what they are is decoded once, whatever it is used for; else once for each
+/// use.
+TEST_F(FathomJson, TexturesOfTwoUses)
+{
+    const auto count = [&](const std::string& texture) {
+        return load("a.json", R"({"textures": {"t": {)" + texture + R"(}, "by": {"kind": "scale", "input": "t"}},
+            "materials": {"m": {"kind": "principled", "color": "by", "roughness": "by"}}})")
+            .textures.size();
+    };
+    EXPECT_EQ(count(R"("image": "a.png", "color_space": "srgb")"), 2u);
+    EXPECT_EQ(count(R"("kind": "noise")"), 2u);
+    EXPECT_EQ(count(R"("image": "a.png")"), 4u);
+    EXPECT_EQ(error_of("b.json", R"({"textures": {"t": {"kind": "scale", "input": "t"}}})"),
+              "/textures/t/input: texture 't' contains itself");
+    EXPECT_EQ(error_of("c.json",
+                       R"({"textures": {"t": {"kind": "scale", "input": "t", "by": {"texture": {"image": "a"}}}}})"),
+              "/textures/t/input: texture 't' contains itself");
+    EXPECT_EQ(error_of("d.json",
+                       R"({"textures": {"a": {"kind": "scale", "input": "b"}, "b": {"kind": "scale", "input": "a"}}})"),
+              "textures[0]: textures are nested more than 16 deep, or one contains itself");
+}
+
+TEST_F(FathomJson, FilesOfNumbers)
+{
+    const std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float radius\nproperty float u1\nproperty float v1\nproperty float tw\n";
+    const std::string rows = "0 0 0 1 0.1 0.2 1\n1 0 0 2 0.3 0.4 -1\n0 1 0 3 0.5 0.6 1\n0 0 1 4 0.7 0.8 1\n";
+    write("a.ply", ply + "element face 1\nproperty list uchar int vertex_indices\nend_header\n" + rows + "3 0 1 2\n");
+    write("b.ply", ply + "element curve 2\nproperty uint vertices\nend_header\n" + rows + "2\n2\n");
+    const SceneDescription scene = load("a.json", R"({
+        "curves": {"wires": {"basis": "linear", "file": "b.ply"}}, "points": {"balls": {"file": "b.ply"}},
+        "meshes": {"m": {"file": "a.ply", "motion": [{"time": 0, "file": "b.ply"}, {"time": 1}]}},
+        "scene": [{"mesh": "m"}, {"curves": "wires"}, {"curves": "wires"}, {"points": "balls"}]})");
+    const Mesh& mesh = scene.meshes.at(0);
+    EXPECT_EQ(mesh.name, "m");
+    EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{0, 1, 2}));
+    EXPECT_TRUE(mesh.uvs[0].empty());
+    EXPECT_EQ(mesh.uvs[1].at(1).y, 0.4f);
+    EXPECT_EQ(mesh.tangents.at(1).w, -1);
+    EXPECT_EQ(mesh.motion.at(0).positions.at(3).z, 1);
+    EXPECT_EQ(scene.curves.size(), 1u);
+    EXPECT_EQ(scene.curves[0].counts, (std::vector<std::uint32_t>{2, 2}));
+    EXPECT_EQ(scene.curves[0].radii, (std::vector<float>{1, 2, 3, 4}));
+    EXPECT_EQ(scene.points.at(0).radii.at(3), 4);
+    EXPECT_EQ(scene.files.size(), 5u);  // the scene, and a file for each use
+
+    EXPECT_EQ(error_of("b.json", R"({"meshes": {"m": {"file": "a.ply", "positions": []}}})"),
+              "/meshes/m/positions: unknown key 'positions' in a mesh; known here: file, motion");
+    EXPECT_EQ(error_of("c.json", R"({"points": {"p": {"file": ""}}})"), "/points/p/file: the path of a file is empty");
+    write("c.ply", ply + "element curve 1\nproperty uint vertices\nend_header\n" + rows + "5\n");
+    EXPECT_THROW(load("d.json", R"({"curves": {"c": {"file": "c.ply"}}})"), Error);
+    EXPECT_THROW(load("e.json", R"({"curves": {"c": {"file": "a.ply"}}})"), Error);  // no counts
+}
+
+TEST_F(FathomJson, MatricesMayFlattenWhereTheySaySo)
+{
+    const SceneDescription scene = load("a.json", R"({"environment": {"kind": "gradient",
+        "rotate": {"matrix": [[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0]]}},
+        "scene": [{"sphere": {}, "transform": {"matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0]], "flat": true}}]})");
+    expect_near(scene.environment.world_from_environment.vector({1, 0, 0}), {0, 0, -1});
+    EXPECT_EQ(scene.nodes.at(0).parent_from_node.determinant(), 0);
+}
+
 }  // namespace
 }  // namespace fathom::test

@@ -22,6 +22,18 @@ public:
                                      stride ? fmt::format(R"(, "byteStride": {})", stride) : ""));
         return int(views_.size()) - 1;
     }
+    /// A view of other bytes than `values` unpacked are: those of a compressed one, under an extension's name.
+    int packed_view(const std::string& packed, std::size_t unpacked_bytes, const std::string& extension,
+                    const std::string& members, int stride = 0)
+    {
+        const int plain = view(std::vector<char>(packed.begin(), packed.end()));
+        std::string inner = views_[std::size_t(plain)];
+        inner.insert(inner.size() - 1, ", " + members);
+        views_[std::size_t(plain)] =
+            fmt::format(R"({{"buffer": 0, "byteLength": {}{}, "extensions": {{"{}": {}}}}})", unpacked_bytes,
+                        stride ? fmt::format(R"(, "byteStride": {})", stride) : "", extension, inner);
+        return plain;
+    }
     int accessor(int view, int component_type, std::size_t count, const std::string& type, const std::string& more = "")
     {
         accessors_.push_back(fmt::format(R"({{{}"componentType": {}, "count": {}, "type": "{}"{}}})",

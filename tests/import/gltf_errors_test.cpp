@@ -32,9 +32,6 @@ TEST_F(GltfErrors, Containers)
               "GLB header: chunk 0 of 4294967295 bytes does not fit into the file's 20");
     EXPECT_EQ(error_of("a.gltf", R"({"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_x", "KHR_y"]})"),
               "extensionsRequired[0]: the file requires KHR_x, which is not supported");
-    EXPECT_EQ(
-        error_of("a.gltf", R"({"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_draco_mesh_compression"]})"),
-        "extensionsRequired[0]: the file requires KHR_draco_mesh_compression, which is not supported");
 }
 
 /// What is said of a file with one primitive whose POSITION is accessor 0.

@@ -119,8 +119,58 @@ TEST_F(Gltf, PrimitiveModes)
     EXPECT_EQ(indices_of(5), (std::vector<std::uint32_t>{0, 1, 2, 1, 3, 2, 2, 3, 4}));
     EXPECT_EQ(indices_of(6), (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3, 0, 3, 4}));
     for (int mode : {0, 1, 2, 3}) EXPECT_TRUE(indices_of(mode).empty());
-    EXPECT_EQ(warnings_with("points are not shown"), 1u);
-    EXPECT_EQ(warnings_with("lines are not shown"), 3u);
+}
+
+TEST_F(Gltf, PointsAndLines)
+{
+    GltfBuilder b;
+    // A box of 3 by 4 by 12, whose diagonal is 13; the last one is used by nothing.
+    const int positions = b.floats({0, 0, 0, 3, 0, 0, 0, 4, 0, 3, 4, 12, 0, 0, 12, 99, 99, 99}, "VEC3");
+    const int indices = b.accessor(b.view<std::uint16_t>({4, 0, 3, 1, 2}), 5123, 5, "SCALAR");
+    const auto load_mode = [&](int mode) {
+        return load("a.gltf",
+                    b.one_primitive(fmt::format(R"("mode": {}, "indices": {}, "attributes": {{"POSITION": {}}})", mode,
+                                                indices, positions)));
+    };
+    const SceneDescription cloud = load_mode(0);
+    ASSERT_EQ(cloud.points.size(), 1u);
+    ASSERT_EQ(cloud.points[0].centers.size(), 5u);
+    expect_equal(cloud.points[0].centers[0], {0, 0, 12});
+    EXPECT_FLOAT_EQ(cloud.points[0].radii[4], float(0.5 * 13 / std::sqrt(5.0)));
+    EXPECT_TRUE(std::holds_alternative<PointsInstance>(cloud.nodes[0].shapes.at(0).geometry));
+
+    const auto expect_lines = [&](int mode, const std::vector<std::uint32_t>& counts, Vec3f last) {
+        const SceneDescription scene = load_mode(mode);
+        ASSERT_EQ(scene.curves.size(), 1u);
+        const Curves& c = scene.curves[0];
+        EXPECT_EQ(c.basis, CurveBasis::linear);
+        EXPECT_FALSE(c.ribbons);
+        EXPECT_EQ(c.counts, counts);
+        expect_equal(c.points.front(), {0, 0, 12});
+        expect_equal(c.points.back(), last);
+        EXPECT_EQ(c.radii, std::vector<float>(c.points.size(), 0.013f));
+        EXPECT_TRUE(std::holds_alternative<CurvesInstance>(scene.nodes[0].shapes.at(0).geometry));
+    };
+    EXPECT_TRUE(warnings_.empty());
+    expect_lines(1, {2, 2}, {3, 0, 0});
+    EXPECT_EQ(warnings_with("no whole line"), 1u);
+    expect_lines(2, {6}, {0, 0, 12});
+    expect_lines(3, {5}, {0, 4, 0});
+}
+
+TEST_F(Gltf, PointsAndLinesThatAreNotFinite)
+{
+    GltfBuilder b;
+    const float nan = std::nanf("");
+    const int positions = b.floats({0, 0, 0, nan, 0, 0, 0, 4, 0, 3, 4, 12}, "VEC3");
+    const auto load_mode = [&](int mode) {
+        return load("a.gltf",
+                    b.one_primitive(fmt::format(R"("mode": {}, "attributes": {{"POSITION": {}}})", mode, positions)));
+    };
+    EXPECT_EQ(load_mode(0).points.at(0).centers.size(), 3u);
+    EXPECT_EQ(load_mode(1).curves.at(0).counts, (std::vector<std::uint32_t>{2}));
+    EXPECT_EQ(load_mode(3).curves.at(0).counts, (std::vector<std::uint32_t>{3}));
+    EXPECT_EQ(warnings_with("points that are not finite"), 3u);
 }
 
 TEST_F(Gltf, OnlyTheVerticesOfThePrimitiveAreKept)

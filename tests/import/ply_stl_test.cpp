@@ -168,6 +168,8 @@ TEST_F(Ply, CloudsOfPoints)
     std::string nan = header("binary_little_endian", xyz, "", 3, 0);
     for (float x : {0.f, 0.f, 0.f, NAN, 0.f, 0.f, 0.f, 1.f, 0.f}) append(nan, x, false);
     EXPECT_EQ(load("b.ply", nan).points.at(0).centers.size(), 2u);
+    const std::string sized = header("ascii", xyz + "property float radius\n", "", 2, 0) + "0 0 0 0.5\n1 0 0 0.25\n";
+    EXPECT_EQ(load("c.ply", sized).points.at(0).radii, (std::vector<float>{0.5f, 0.25f}));
     EXPECT_EQ(warnings_.counts().size(), 1u);
 }
 

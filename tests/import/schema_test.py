@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Checks the scenes against docs/scene.schema.json. Exit code 77 (skipped) where Python's jsonschema is not installed."""
+"""Checks the scenes, and what the program writes of them, against docs/scene.schema.json.  schema_test.py ROOT PROGRAM  Exit code 77 (skipped) where Python's jsonschema is not installed."""
 import json
 import pathlib
+import subprocess
 import sys
+import tempfile
 
 try:
     import jsonschema
@@ -29,6 +31,12 @@ scenes = sorted((root / "scenes").glob("*.json"))
 assert len(scenes) >= 3
 for path in scenes:
     expect(True, path.name, json.loads(path.read_text()))
+converted = sorted([*scenes, *root.glob("tests/golden/scenes/*.json"), *root.glob("tests/golden/scenes/*.gl*")])
+with tempfile.TemporaryDirectory() as folder:
+    for path in converted:
+        written = pathlib.Path(folder) / "scene.json"
+        subprocess.run([sys.argv[2], "convert", path, written, "--quiet"], check=True)
+        expect(True, f"what is written of {path.name}", json.loads(written.read_text()))
 # The reader refuses these too: see fathom_json_errors_test.cpp.
 for bad in ({"sceen": []}, {"fathom": 2}, {"materials": {"red": {"colr": 1}}}, {"materials": {"m": {"kind": "mirror"}}},
             {"materials": {"m": {"kind": "glass", "fuzz": 1}}}, {"materials": {"m": {"color": [1, 0, 2]}}},

@@ -10,11 +10,11 @@ namespace {
 using namespace test;
 
 /// A floor y = 0 seen at one point from right above. Each scene is rendered by each of the ways there are: as a room of
-/// quads, as a list with a sphere in it, and by the tree.
+/// quads, as a list with a sphere in it, by the tree, and with everything placed by instances.
 class Floor {
 public:
     static constexpr float albedo = 0.5f;
-    static constexpr const char* ways[] = {"quads", "list", "tree"};
+    static constexpr const char* ways[] = {"quads", "list", "tree", "instances"};
 
     std::function<void(SceneBuilder&)> furnish;
     std::uint64_t samples = 64;
@@ -29,6 +29,7 @@ public:
         // Out of everything's way.
         for (int i = 0; i < (way == 0 ? 0 : way == 1 ? 1 : 100); ++i)
             b.add(Sphere{{40 - 0.1 * i, -3, 0}, 0.02, {}}, b.diffuse(0.5f));
+        for (Node& node : b.scene.nodes) node.movable = way == 3;
         b.camera({x, 0.02, z}, {x, 0, z});
         b.scene.cameras[0].kind = CameraKind::orthographic;
         b.scene.cameras[0].height = 1e-3;
@@ -44,7 +45,7 @@ public:
 
     void expect(double x, double z, double expected, double relative = 1e-3) const
     {
-        for (int way = 0; way < 3; ++way) {
+        for (int way = 0; way < 4; ++way) {
             const Mean m = irradiance(x, z, way);
             for (int c = 0; c < 3; ++c)
                 EXPECT_NEAR(m.value[c], expected, 4 * m.error[c] + relative * expected + 1e-6)
@@ -207,6 +208,39 @@ TEST(LightForms, TrianglesOfOneMesh)
 }
 
 /// Parallel to the floor, off its axis (Howell, B-13 turned into a point's).
+/// One lamp placed twice, once mirrored and stretched: each place is a light of its own, found by its instance.
+TEST(LightForms, CopiesOfOneMesh)
+{
+    const Transform places[] = {
+        Transform::translate({-0.6, 0.6, 0}) * Transform::scale({4, 1, 4}),
+        Transform::translate({0.4, 0.3, 0.3}) * Transform::rotate({1, 2, 0.5}, 0.4) * Transform::scale({-0.2, 1, 0.1})};
+    const Vec3d corners[] = {{-0.5, 0, -0.4}, {0.5, 0, -0.3}, {0, 0, 0.5}};
+    for (const bool light_sampling : {true, false}) {
+        Floor floor;
+        floor.light_sampling = light_sampling;
+        floor.samples = light_sampling ? 256 : 8192;
+        floor.furnish = [&](SceneBuilder& b) {
+            Mesh mesh;
+            for (const Vec3d& c : corners) mesh.positions.push_back({float(c.x), float(c.y), float(c.z)});
+            mesh.indices = {0, 1, 2};
+            b.scene.meshes.push_back(mesh);
+            const int lamp = b.diffuse(0, {5, 5, 5}, true);
+            for (const Transform& place : places) {
+                Node node;
+                node.parent_from_node = place;
+                node.shapes.push_back({MeshInstance{0}, lamp, ""});
+                b.scene.roots.push_back(int(b.scene.nodes.size()));
+                b.scene.nodes.push_back(node);
+            }
+        };
+        double expected = 0;
+        for (const Transform& place : places)
+            expected +=
+                5 * polygon({place.point(corners[0]), place.point(corners[1]), place.point(corners[2])}, {0.1, 0, 0.2});
+        floor.expect(0.1, 0.2, expected, light_sampling ? 2e-3 : 1e-2);
+    }
+}
+
 TEST(LightForms, Disk)
 {
     const double h = 1.1, r = 0.8;
@@ -302,7 +336,7 @@ TEST(LightForms, SidesOfLamps)
                     b.scene.roots.push_back(int(b.scene.nodes.size()));
                     b.scene.nodes.push_back(node);
                 };
-                for (int way = 0; way < 3; ++way) {
+                for (int way = 0; way < 4; ++way) {
                     const double e = floor.irradiance(0.1, 0.1, way).value[0];
                     if (upside_down)
                         EXPECT_EQ(e, 0) << kind << mirrored << " " << Floor::ways[way];
@@ -424,7 +458,7 @@ TEST_F(ImageEnvironment, LightsTheFloor)
                 floor.light_sampling = light_sampling;
                 floor.samples = light_sampling ? 1024 : 8192;
                 floor.furnish = [&](SceneBuilder& b) { use(b, turn, {1, 0.5f, 2}); };
-                for (int way = 0; way < 3; ++way) {
+                for (int way = 0; way < 4; ++way) {
                     const Mean m = floor.irradiance(0.3, 0.1, way);
                     const double factor[] = {1, 0.5, 2};
                     for (int c = 0; c < 3; ++c) {
@@ -445,7 +479,7 @@ TEST_F(ImageEnvironment, IsSampledWhereItIsBright)
     Floor floor;
     floor.samples = 256;
     floor.furnish = [&](SceneBuilder& b) { use(b, {}); };
-    for (int way = 0; way < 3; ++way) {
+    for (int way = 0; way < 4; ++way) {
         const Mean m = floor.irradiance(0, 0, way);
         // Of 16,384 samples: a relative variance of about one each.
         EXPECT_LT(m.error[0] / m.value[0], 0.015) << Floor::ways[way];

@@ -26,7 +26,7 @@ LightRecord rectangle_light(Vec3d corner, Vec3d u, Vec3d v)
     put(l.normal, normalize(cross(u, v)));
     l.length_u = float(length(u)), l.length_v = float(length(v));
     l.area = l.length_u * l.length_v;
-    put(l.center, corner + (u + v) * 0.5);
+    put(l.motion_or_center, corner + (u + v) * 0.5);
     l.radius = float(length(u + v));
     l.two_sided = 1;
     for (float& r : l.radiance) r = 1;
@@ -262,7 +262,7 @@ TEST(Sphere, IsSampledWhereItIsByThen)
     LightRecord table;
     table.kind = std::uint32_t(LightRecordKind::sphere);
     put(table.position, {0, 0, 4});
-    put(table.motion, {6, 2, 0});
+    put(table.motion_or_center, {6, 2, 0});
     table.radius = 0.5f;
     for (float time : {0.0f, 0.25f, 1.0f}) {
         const Vec3d center{6 * double(time), 2 * double(time), 4};

@@ -4,12 +4,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <optional>
 
+#include "geometry/bvh/build/builder.h"
 #include "geometry/bvh/traverse/neighbours.h"
 
 namespace fathom {
 
-struct Bvh::Data : BvhData {};
+struct Bvh::Data : BvhData {
+    std::optional<bvh::BvhBuilder> builder;  ///< of a tree that may be updated
+};
 
 Bvh::Bvh() : data_(std::make_unique<Data>()) {}
 Bvh::~Bvh() = default;
@@ -22,17 +26,27 @@ void Bvh::build(const GeometryTables& tables, TreeBuild level)
     auto data = std::make_unique<Data>();
     data->alpha_test = data_->alpha_test;
     data->alpha_context = data_->alpha_context;
-    build_bvh(tables, *data, level);
+    data->builder.emplace(tables, *data, level);
+    data->builder->build();
+    if (!tables.editable) data->builder.reset();
     data->statistics.build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    data->has_alpha = data->alpha_test && data->any_alpha_shape;
     data_ = std::move(data);
+    set_alpha_test(data_->alpha_test, data_->alpha_context);
+}
+
+void Bvh::update(const std::vector<std::uint32_t>& changed)
+{
+    if (data_->builder && !data_->builder->update(changed)) build(*data_->tables, data_->builder->level());
 }
 
 void Bvh::set_alpha_test(AlphaTest test, const void* context)
 {
+    const std::vector<ShapeRecord>* shapes = data_->tables ? &data_->tables->shapes : nullptr;
     data_->alpha_test = test;
     data_->alpha_context = context;
-    data_->has_alpha = test && data_->any_alpha_shape;
+    data_->has_alpha = test && shapes && std::any_of(shapes->begin(), shapes->end(), [](const ShapeRecord& shape) {
+                           return shape.flags & ShapeRecord::alpha_tested;
+                       });
 }
 
 const BvhStatistics& Bvh::statistics() const

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "fathom/tree_build.h"
 
@@ -71,6 +72,11 @@ public:
     /// with two equal vertices, are never hit. Keeps a pointer to the tables, whose spheres, disks, shapes and
     /// instances are read while tracing. Throws std::length_error beyond 2^27 triangles.
     void build(const GeometryTables& tables, TreeBuild level = TreeBuild::standard);
+
+    /// After instances that are not still, poses, shapes' flags or the vertices of `changed` shapes, which only
+    /// instances place, have changed in the tables: builds what they make necessary. The tree must have been built of
+    /// tables that are `editable`, or only flags may have changed.
+    void update(const std::vector<std::uint32_t>& changed);
 
     /// For hits on shapes with ShapeRecord::alpha_tested; null: all are opaque.
     void set_alpha_test(AlphaTest test, const void* context);

@@ -225,6 +225,11 @@ void JsonObject::done(const std::string& where)
     }
 }
 
+void JsonObject::read_word(const char* key, std::span<const char* const> words, std::optional<std::string>& out)
+{
+    if (auto v = get(key)) out = words[find_word(*v, {words.begin(), words.end()})];
+}
+
 std::size_t JsonObject::find_word(const JsonValue& v, const std::vector<std::string>& names)
 {
     const std::string& word = v.string();

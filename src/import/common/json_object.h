@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -95,6 +96,16 @@ public:
     {
         if (auto v = get(key)) out = words[word_index(*v, words)].second;
     }
+
+    /// One of the words, by number: an enumerator, a choice between false and true, or an index. out is left alone if
+    /// the key isn't there.
+    template <class Choice>
+    void read_word(const char* key, std::span<const char* const> words, Choice& out)
+    {
+        if (auto v = get(key)) out = Choice(find_word(*v, {words.begin(), words.end()}));
+    }
+    /// The word itself.
+    void read_word(const char* key, std::span<const char* const> words, std::optional<std::string>& out);
 
     /// Throws Error for the first key that nobody asked for. "comment" is always allowed.
     ///

@@ -1,4 +1,5 @@
 #pragma once
+#include <numbers>
 
 namespace fathom {
 
@@ -6,5 +7,7 @@ namespace fathom {
 /// metre), irradiance 1 is 1 lux (nit times steradian). Watts are radiant power and become lumens by the peak of
 /// luminous efficacy, in every channel alike: colour multiplies afterwards.
 constexpr double lumens_per_watt = 683;
+/// The one factor by which angles of files become radians: a writer looks for the number that gives the same bits.
+constexpr double radians_per_degree = std::numbers::pi / 180;
 
 }  // namespace fathom

@@ -2,18 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <numbers>
 
 #include "fathom/error.h"
 #include "import/common/read_file.h"
 #include "import/common/suggest.h"
+#include "import/common/units.h"
 #include "import/fathom/fathom_json_reader.h"
+#include "scene/words.h"
 
 namespace fathom {
 
 namespace {
-
-constexpr double radians_per_degree = std::numbers::pi / 180;
 
 void check_camera(const JsonValue& v, const Camera& camera)
 {
@@ -34,8 +36,7 @@ Camera FathomJsonReader::read_camera(const JsonValue& v, const std::string& name
     camera.name = name;
     JsonObject o(v);
     o.read("name", camera.name);
-    o.read_enum("kind", {{"perspective", CameraKind::perspective}, {"orthographic", CameraKind::orthographic}},
-                camera.kind);
+    o.read_word("kind", words::camera_kinds, camera.kind);
     o.read("position", camera.position);
     o.read("look_at", camera.look_at);
     o.read("up", camera.up);
@@ -67,42 +68,34 @@ Camera FathomJsonReader::read_camera(const JsonValue& v, const std::string& name
 void FathomJsonReader::read_cameras(JsonObject& scene)
 {
     const auto add = [&](const JsonValue& v, const std::string& name) {
-        Node node;
-        node.name = name;
-        node.camera = int(scene_.cameras.size());
+        cameras_[name].index = int(scene_.cameras.size());
         scene_.cameras.push_back(read_camera(v, name));
-        scene_.roots.push_back(int(scene_.nodes.size()));
-        scene_.nodes.push_back(std::move(node));
     };
     const auto camera = scene.get("camera");
     const auto cameras = scene.get("cameras");
     if (camera && cameras) cameras->fail("a file has either 'camera' or 'cameras'");
     if (camera) add(*camera, "camera");
-    if (!cameras) return;
-    cameras->object();
-    for (const auto& [name, json] : cameras->json().items()) add((*cameras)[name], name);
+    if (cameras) tables_.emplace("cameras", cameras->object());
+    for_each_named("cameras", [&](const std::string& name, const JsonValue& v) { add(v, name); });
 }
 
 void FathomJsonReader::read_environment(const JsonValue& v)
 {
     Environment& environment = scene_.environment;
     JsonObject o(v);
-    if (!v.has("kind")) v.fail("key 'kind' is missing: none, constant, gradient or image");
-    o.read_enum("kind",
-                {{"none", EnvironmentKind::none},
-                 {"constant", EnvironmentKind::constant},
-                 {"gradient", EnvironmentKind::gradient},
-                 {"image", EnvironmentKind::image}},
-                environment.kind);
-    if (environment.kind == EnvironmentKind::constant || environment.kind == EnvironmentKind::image)
+    if (!v.has("kind")) v.fail("key 'kind' is missing: none, constant, gradient, image or studio");
+    o.read_word("kind", words::environment_kinds, environment.kind);
+    const bool turns = environment.kind != EnvironmentKind::none && environment.kind != EnvironmentKind::constant;
+    if (environment.kind != EnvironmentKind::none && environment.kind != EnvironmentKind::gradient)
         o.read("color", environment.color);
     if (environment.kind == EnvironmentKind::gradient) {
         o.read("bottom", environment.bottom);
         o.read("top", environment.top);
     }
     if (environment.kind == EnvironmentKind::image) environment.image = image(o.require("image"));
-    if (environment.kind == EnvironmentKind::gradient || environment.kind == EnvironmentKind::image) {
-        if (auto rotate = o.get("rotate")) environment.world_from_environment = read_rotation(*rotate);
+    if (turns) {
+        if (auto rotate = o.get("rotate"))
+            environment.world_from_environment = rotate->has("matrix") ? transform(*rotate) : read_rotation(*rotate);
     }
     o.done(fmt::format("in an environment of kind '{}'", v["kind"].string()));
 }
@@ -128,22 +121,12 @@ void FathomJsonReader::read_render(const JsonValue& v)
     read_int("samples", hints.samples, 1);
     read_int("max_depth", hints.max_depth, -1);
     read_int("roulette_depth", hints.roulette_depth, 0);
-    const std::vector<std::pair<std::string, std::string>> filters = {
-        {"box", "box"}, {"gaussian", "gaussian"}, {"blackman-harris", "blackman-harris"}};
-    std::string word;
-    o.read_enum("filter", filters, word);
-    if (!word.empty()) hints.filter = word;
-    word.clear();
-    const std::vector<std::pair<std::string, std::string>> tonemaps = {{"srgb", "srgb"}, {"filmic", "filmic"}};
-    o.read_enum("tonemap", tonemaps, word);
-    if (!word.empty()) hints.tonemap = word;
-    word.clear();
-    const std::vector<std::pair<std::string, std::string>> builds = {
-        {"fast", "fast"}, {"default", "default"}, {"high", "high"}, {"compact", "compact"}};
-    o.read_enum("build", builds, word);
-    if (!word.empty()) hints.build = word;
+    o.read_word("filter", words::filters, hints.filter);
+    o.read_word("tonemap", words::tonemaps, hints.tonemap);
+    o.read_word("build", words::builds, hints.build);
     if (auto value = o.get("light_sampling")) hints.light_sampling = value->boolean();
     if (auto value = o.get("exposure")) hints.exposure = value->number();
+    if (auto value = o.get("own_light")) hints.own_light = value->boolean();
     o.done("in render settings");
 }
 
@@ -158,6 +141,15 @@ JsonValue FathomJsonReader::find(const char* table_name, const char* what, const
     v.fail(fmt::format("there is no {} named '{}'{}", what, printable(name), suggestion(name, names)));
 }
 
+FathomJsonReader::Placed FathomJsonReader::place(IndexedMap<std::string, Placed>& all, const char* table_name,
+                                                 const char* what, const JsonValue& v)
+{
+    find(table_name, what, v);
+    Placed& placed = all.find(v.string())->second;
+    placed.is_placed = true;
+    return placed;
+}
+
 const JsonValue* FathomJsonReader::table(const char* key)
 {
     const auto found = tables_.find(key);
@@ -166,20 +158,31 @@ const JsonValue* FathomJsonReader::table(const char* key)
 
 void FathomJsonReader::read_unused()
 {
-    if (const JsonValue* textures = table("textures"))
-        for (const auto& [name, json] : textures->json().items())
-            if (!textures_.contains({name, Use::color}) && !textures_.contains({name, Use::data}))
-                textures_[{name, Use::color}] = add_texture((*textures)[name], name, Use::color);
-    if (const JsonValue* meshes = table("meshes"))
-        for (const auto& [name, json] : meshes->json().items())
-            if (!meshes_.contains(name)) meshes_[name] = add_mesh((*meshes)[name], name);
-    if (const JsonValue* nodes = table("nodes"))
-        for (const auto& [name, json] : nodes->json().items())
-            if (!nodes_.contains(name)) {
-                const JsonValue v = (*nodes)[name];
-                nodes_[name].state = State::read;
-                nodes_[name].index = add_node(v, name, 0);
-            }
+    for_each_named("textures", [&](const std::string& name, const JsonValue& v) {
+        if (!textures_.contains({name, Use::color}) && !textures_.contains({name, Use::data}))
+            textures_[{name, Use::color}] = add_texture(v, name, Use::color);
+    });
+    for_each_named("nodes", [&](const std::string& name, const JsonValue& v) {
+        if (nodes_.contains(name)) return;
+        nodes_[name].state = State::read;
+        nodes_[name].index = add_node(v, name, 0);
+    });
+}
+
+/// What has a name and that no node refers to stands at the root of the scene.
+void FathomJsonReader::place_unplaced()
+{
+    const auto add = [&](const std::string& name, int Node::* member, Placed& placed) {
+        if (placed.is_placed) return;
+        Node node;
+        node.name = name;
+        node.parent_from_node = placed.place;
+        node.*member = placed.index;
+        scene_.roots.push_back(int(scene_.nodes.size()));
+        scene_.nodes.push_back(std::move(node));
+    };
+    for (auto& [name, camera] : cameras_) add(name, &Node::camera, camera);
+    for (auto& [name, light] : lights_) add(name, &Node::light, light);
 }
 
 SceneDescription FathomJsonReader::read()
@@ -190,14 +193,19 @@ SceneDescription FathomJsonReader::read()
     if (auto version = o.get("fathom"))
         if (version->integer() != 1)
             version->fail(fmt::format("format {} is not known; this version reads format 1", version->integer()));
-    for (const char* key : {"textures", "materials", "meshes", "nodes"})
+    for (const char* key : {"textures", "materials", "meshes", "curves", "points", "lights", "nodes"})
         if (auto v = o.get(key)) tables_.emplace(key, v->object());
 
     read_cameras(o);
-    // Materials first and in the file's order, so that ids in pictures follow it; the rest when it is referred to.
-    if (const JsonValue* materials = table("materials"))
-        for (const auto& [name, json] : materials->json().items())
-            materials_[name] = add_material((*materials)[name], name);
+    for_each_named("lights", [&](const std::string& name, const JsonValue& v) { lights_[name] = add_light(v, name); });
+    // In the file's order, which ids in pictures follow, and what is written of a scene; the rest when it is referred
+    // to.
+    read_textures();
+    for_each_named("materials",
+                   [&](const std::string& name, const JsonValue& v) { materials_[name] = add_material(v, name); });
+    for_each_named("meshes", [&](const std::string& name, const JsonValue& v) { meshes_[name] = add_mesh(v, name); });
+    for_each_named("curves", [&](const std::string& name, const JsonValue& v) { curves_[name] = add_curves(v, name); });
+    for_each_named("points", [&](const std::string& name, const JsonValue& v) { points_[name] = add_points(v, name); });
     if (auto nodes = o.get("scene")) {
         nodes->array();
         for (std::size_t i = 0; i < nodes->size(); ++i) {
@@ -205,12 +213,25 @@ SceneDescription FathomJsonReader::read()
             scene_.roots.push_back(node(v, 0));
         }
     }
-    read_lights(o);
+    place_unplaced();
     if (auto environment = o.get("environment")) read_environment(*environment);
+    scene_.hints.own_light = true;
     if (auto render = o.get("render")) read_render(*render);
     o.done("in a scene");
     read_unused();
+    keep_own_light();
     return std::move(scene_);
+}
+
+/// A scene of this format looks as it says: only lamps in real units, of which there is nothing to see, are exposed
+/// for.
+void FathomJsonReader::keep_own_light()
+{
+    const bool emits = std::any_of(scene_.materials.begin(), scene_.materials.end(), [](const Material& m) {
+        return std::max({m.emission.value.r, m.emission.value.g, m.emission.value.b}) > 0;
+    });
+    if (scene_.hints.own_light && !scene_.hints.exposure && (emits || scene_.environment.kind != EnvironmentKind::none))
+        scene_.hints.exposure = 0;
 }
 
 bool begins_as_object(std::string_view text)

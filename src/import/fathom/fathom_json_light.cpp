@@ -4,6 +4,7 @@
 
 #include "import/common/units.h"
 #include "import/fathom/fathom_json_reader.h"
+#include "scene/words.h"
 
 namespace fathom {
 
@@ -25,24 +26,23 @@ Transform shining_along(Vec3d direction)
 double read_angle(const JsonValue& v, double most_deg)
 {
     const double deg = v.number();
-    if (deg < 0 || deg > most_deg) v.fail(fmt::format("must be between 0 and {}, found {}", most_deg, deg));
-    return deg * std::numbers::pi / 180;
+    // Rounded to floats, as in other formats, a right angle may be more than that.
+    if (deg < 0 || deg > most_deg * (1 + 1e-6))
+        v.fail(fmt::format("must be between 0 and {}, found {}", most_deg, deg));
+    return deg * radians_per_degree;
 }
 
 }  // namespace
 
-int FathomJsonReader::add_light(const JsonValue& v, const std::string& name)
+FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const std::string& name)
 {
     Light light;
     light.name = name;
-    Node node;
-    node.name = name;
+    Placed placed;
     JsonObject o(v);
     o.read("name", light.name);
     if (!v.has("kind")) v.fail("key 'kind' is missing: point, spot or directional");
-    o.read_enum("kind",
-                {{"point", LightKind::point}, {"spot", LightKind::spot}, {"directional", LightKind::directional}},
-                light.kind);
+    o.read_word("kind", words::light_kinds, light.kind);
     Color color{1, 1, 1};
     o.read("color", color);
     double intensity = 1, unit = 1;
@@ -60,7 +60,7 @@ int FathomJsonReader::add_light(const JsonValue& v, const std::string& name)
                     unit);
         Vec3d position;
         o.read("position", position);
-        node.parent_from_node = Transform::translate(position);
+        placed.place = Transform::translate(position);
     }
     if (light.kind == LightKind::spot) {
         if (auto angle = o.get("inner_angle_deg")) light.inner_angle = read_angle(*angle, 90);
@@ -72,24 +72,30 @@ int FathomJsonReader::add_light(const JsonValue& v, const std::string& name)
         Vec3d direction{0, 0, -1};
         o.read("direction", direction);
         if (length(direction) == 0) v["direction"].fail("has no length");
-        node.parent_from_node = node.parent_from_node * shining_along(direction);
+        placed.place = placed.place * shining_along(direction);
     }
     o.done(fmt::format("in a light of kind '{}'", v["kind"].string()));
     const double factor = intensity * unit;
     light.intensity = {float(color.r * factor), float(color.g * factor), float(color.b * factor)};
 
-    node.light = int(scene_.lights.size());
+    placed.index = int(scene_.lights.size());
     scene_.lights.push_back(light);
-    scene_.nodes.push_back(std::move(node));
-    return int(scene_.nodes.size()) - 1;
+    return placed;
 }
 
-void FathomJsonReader::read_lights(JsonObject& scene)
+void FathomJsonReader::read_light(const JsonValue& v, Node& node)
 {
-    const auto lights = scene.get("lights");
-    if (!lights) return;
-    lights->object();
-    for (const auto& [name, json] : lights->json().items()) scene_.roots.push_back(add_light((*lights)[name], name));
+    const Placed placed = v.is_string() ? place(lights_, "lights", "light", v) : add_light(v, node.name);
+    if (placed.place.m == Transform().m) {
+        node.light = placed.index;
+        return;
+    }
+    Node child;
+    child.name = node.name;
+    child.parent_from_node = placed.place;
+    child.light = placed.index;
+    node.children.push_back(int(scene_.nodes.size()));
+    scene_.nodes.push_back(std::move(child));
 }
 
 }  // namespace fathom

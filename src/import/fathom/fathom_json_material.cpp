@@ -7,6 +7,7 @@
 #include "import/fathom/fathom_json_reader.h"
 #include "scene/material_table.h"
 #include "scene/texture_table.h"
+#include "scene/words.h"
 
 namespace fathom {
 
@@ -53,21 +54,62 @@ int FathomJsonReader::image(const JsonValue& v)
     return found->second;
 }
 
+bool FathomJsonReader::is_decoded_by_use(const JsonValue& v)
+{
+    if (v.is_string()) {
+        const JsonValue* named = table("textures");
+        if (!named || !named->has(v.string())) return false;
+        // One that contains itself is an error, which is found when it is read.
+        const auto [found, is_new] = decoded_by_use_.try_emplace(v.string(), false);
+        return is_new ? decoded_by_use_[v.string()] = is_decoded_by_use((*named)[v.string()]) : found->second;
+    }
+    if (!v.is_object() || v.has("color_space")) return false;
+    if (v.has("image")) return true;
+    for (const auto& [key, json] : v.json().items())
+        if (is_decoded_by_use(v[key])) return true;
+    return false;
+}
+
+void FathomJsonReader::read_textures()
+{
+    std::vector<std::string> names;
+    for_each_named("textures", [&](const std::string& name, const JsonValue& v) {
+        if (is_decoded_by_use(v)) return;
+        textures_[{name, Use::color}] = int(scene_.textures.size() + names.size());
+        names.push_back(name);
+    });
+    // They may refer to each other: all have their numbers before one is read.
+    scene_.textures.resize(names.size());
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        open_textures_.insert(names[i]);
+        Texture texture = read_texture((*table("textures"))[names[i]], names[i], Use::color);
+        open_textures_.erase(names[i]);
+        scene_.textures[i] = std::move(texture);
+    }
+}
+
 int FathomJsonReader::texture(const JsonValue& v, Use use)
 {
     if (v.is_object()) return add_texture(v, "", use);
     if (!v.is_string()) v.fail_type("the name of a texture, or a texture");
-    constexpr int reading = -2;
-    const std::pair<std::string, Use> key = {v.string(), use};
-    if (const auto found = textures_.find(key); found != textures_.end()) {
-        if (found->second == reading) v.fail(fmt::format("texture '{}' contains itself", v.string()));
-        return found->second;
-    }
-    textures_[key] = reading;
-    return textures_[key] = add_texture(find("textures", "texture", v), v.string(), use);
+    const std::string& name = v.string();
+    if (open_textures_.contains(name)) v.fail(fmt::format("texture '{}' contains itself", name));
+    const std::pair<std::string, Use> key = {name, is_decoded_by_use(v) ? use : Use::color};
+    if (const auto found = textures_.find(key); found != textures_.end()) return found->second;
+    open_textures_.insert(name);
+    const int index = add_texture(find("textures", "texture", v), name, use);
+    open_textures_.erase(name);
+    return textures_[key] = index;
 }
 
 int FathomJsonReader::add_texture(const JsonValue& v, const std::string& name, Use use)
+{
+    Texture texture = read_texture(v, name, use);
+    scene_.textures.push_back(std::move(texture));
+    return int(scene_.textures.size()) - 1;
+}
+
+Texture FathomJsonReader::read_texture(const JsonValue& v, const std::string& name, Use use)
 {
     Texture texture;
     texture.name = name;
@@ -76,8 +118,7 @@ int FathomJsonReader::add_texture(const JsonValue& v, const std::string& name, U
     o.read_enum("kind", words_of(texture_kinds()), texture.kind);
     read_parameters(o, texture_parameters(), std::uint32_t(texture.kind), use, texture);
     o.done(fmt::format("in a texture of kind '{}'", v.has("kind") ? v["kind"].string() : "image"));
-    scene_.textures.push_back(std::move(texture));
-    return int(scene_.textures.size()) - 1;
+    return texture;
 }
 
 template <class Owner>
@@ -173,8 +214,7 @@ void FathomJsonReader::read_float(const JsonValue& v, Use use, FloatInput& out)
         out.value = 1;
         input.read("value", out.value);
         if (auto name = input.get("texture")) out.texture = texture(*name, use);
-        const std::vector<std::pair<std::string, int>> channels = {{"r", 0}, {"g", 1}, {"b", 2}, {"a", 3}};
-        input.read_enum("channel", channels, out.channel);
+        input.read_word("channel", words::channels, out.channel);
         input.done();
     } else {
         out.value = v.single();

@@ -70,10 +70,14 @@ int FathomJsonReader::add_node(const JsonValue& v, const std::string& name, int 
         if (!instance->is_string()) instance->fail_type("the name of a node");
         node.children.push_back(named_node(*instance, depth + 1));
     }
-    if (auto light = o.get("light")) node.children.push_back(add_light(*light, node.name));
+    if (auto light = o.get("light")) read_light(*light, node);
     if (auto camera = o.get("camera")) {
-        node.camera = int(scene_.cameras.size());
-        scene_.cameras.push_back(read_camera(*camera, node.name));
+        if (camera->is_string()) {
+            node.camera = place(cameras_, "cameras", "camera", *camera).index;
+        } else {
+            node.camera = int(scene_.cameras.size());
+            scene_.cameras.push_back(read_camera(*camera, node.name));
+        }
     }
     if (auto children = o.get("children")) {
         children->array();

@@ -2,11 +2,13 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "import/common/json_object.h"
 #include "import/common/load_context.h"
+#include "import/ply/ply.h"
 #include "scene/append.h"
 #include "scene/parameters.h"
 
@@ -33,19 +35,32 @@ private:
         State state = State::unread;
         int index = -1;
     };
+    /// A camera or a light, and where it is in the space of its node.
+    struct Placed {
+        int index = -1;
+        Transform place;
+        bool is_placed = false;  ///< some node refers to it
+    };
 
     // fathom_json.cpp
     Camera read_camera(const JsonValue& v, const std::string& name);
     void read_cameras(JsonObject& scene);
     void read_environment(const JsonValue& v);
     void read_render(const JsonValue& v);
+    void keep_own_light();
+    void place_unplaced();
     /// Reads what nobody refers to, so that mistakes in it show before it is used.
     void read_unused();
 
     // fathom_json_material.cpp
     int image(const JsonValue& path);
+    /// All named ones that are decoded in one way, in the file's order.
+    void read_textures();
+    /// Whether a picture in it doesn't say its colour space, so that what it is looked up for decides.
+    bool is_decoded_by_use(const JsonValue& v);
     int texture(const JsonValue& v, Use use);
     int add_texture(const JsonValue& v, const std::string& name, Use use);
+    Texture read_texture(const JsonValue& v, const std::string& name, Use use);
     /// The parameters that a kind of Owner has. use: of what their textures are looked up for; if not given, of a
     /// colour for colours, else of data.
     template <class Owner>
@@ -59,16 +74,22 @@ private:
     void read_emission_unit(JsonObject& o, Material& material);
 
     // fathom_json_light.cpp
-    /// Adds a light and the node that places it; returns the node.
-    int add_light(const JsonValue& v, const std::string& name);
-    void read_lights(JsonObject& scene);
+    Placed add_light(const JsonValue& v, const std::string& name);
+    void read_light(const JsonValue& v, Node& node);
 
     // fathom_json_shape.cpp
     /// depth  of arrays around it
     Transform transform(const JsonValue& v, int depth = 0);
     std::optional<Shape> read_shape(JsonObject& o);
-    int mesh(const JsonValue& v);
+    /// What has no name stands where it is used.
+    using Add = int (FathomJsonReader::*)(const JsonValue&, const std::string&);
+    int data(const JsonValue& v, const std::map<std::string, int>& named, const char* table, const char* what, Add add);
     int add_mesh(const JsonValue& v, const std::string& name);
+    int add_curves(const JsonValue& v, const std::string& name);
+    int add_points(const JsonValue& v, const std::string& name);
+    void read_mesh_motion(const JsonValue& v, Mesh& mesh);
+    /// The PLY file that holds the numbers, as fathom::save_scene writes it; nothing if they stand in this file.
+    std::optional<PlyData> read_data_file(JsonObject& o);
 
     // fathom_json_node.cpp
     int node(const JsonValue& v, int depth);
@@ -84,6 +105,16 @@ private:
     JsonValue find(const char* table, const char* what, const JsonValue& v);
     /// A top-level object of named things; nullptr if the file has none of that name.
     const JsonValue* table(const char* key);
+    /// Calls use(name, value) for each thing of a top-level object, in the file's order.
+    template <class Use>
+    void for_each_named(const char* key, const Use& use)
+    {
+        const JsonValue* all = table(key);
+        if (!all) return;
+        for (const auto& [name, json] : all->json().items()) use(name, (*all)[name]);
+    }
+    /// The camera or light of that name, which now has its place.
+    Placed place(IndexedMap<std::string, Placed>& all, const char* table, const char* what, const JsonValue& v);
 
     std::filesystem::path file_;
     const JsonValue& root_;
@@ -93,7 +124,10 @@ private:
 
     std::map<std::string, int> images_;
     std::map<std::pair<std::string, Use>, int> textures_;
-    std::map<std::string, int> materials_, meshes_;
+    std::set<std::string> open_textures_;  ///< named ones that are being read
+    std::map<std::string, bool> decoded_by_use_;
+    std::map<std::string, int> materials_, meshes_, curves_, points_;
+    IndexedMap<std::string, Placed> cameras_, lights_;
     std::map<std::string, Named> nodes_;
     std::vector<std::string> reading_nodes_;  ///< names on the way to here, for the message about a cycle
     std::map<std::string, Appended> models_;  ///< by path and options: read once, then instanced

@@ -4,12 +4,13 @@
 #include <numbers>
 
 #include "import/fathom/fathom_json_reader.h"
+#include "scene/words.h"
 
 namespace fathom {
 
 namespace {
 
-Transform read_matrix(const JsonValue& v)
+Transform read_matrix(const JsonValue& v, bool flat)
 {
     v.array(3);
     if (v.size() > 4) v.fail(fmt::format("expected 3 or 4 rows, found {}", v.size()));
@@ -25,7 +26,7 @@ Transform read_matrix(const JsonValue& v)
                 numbers.fail("the fourth row must be [0, 0, 0, 1]");
         }
     }
-    if (!std::isnormal(t.determinant())) v.fail("the matrix can't be inverted");
+    if (!flat && !std::isnormal(t.determinant())) v.fail("the matrix can't be inverted");
     return t;
 }
 
@@ -123,7 +124,31 @@ void read_indices(JsonObject& o, Mesh& mesh)
     }
 }
 
-void read_mesh_motion(const JsonValue& v, Mesh& mesh)
+void read_mesh(JsonObject& o, Mesh& mesh)
+{
+    const JsonValue positions = o.require("positions");
+    const std::size_t vertices = positions.array(3).size();
+    read_per_vertex(o, "positions", &JsonValue::vec3f, vertices, mesh.positions);
+    read_per_vertex(o, "normals", &JsonValue::vec3f, vertices, mesh.normals);
+    read_per_vertex(o, "tangents", &JsonValue::vec4f, vertices, mesh.tangents);
+    read_per_vertex(o, "uvs", &JsonValue::vec2f, vertices, mesh.uvs[0]);
+    read_per_vertex(o, "uvs_1", &JsonValue::vec2f, vertices, mesh.uvs[1]);
+    read_per_vertex(o, "colors", &JsonValue::vec4f, vertices, mesh.colors);
+    read_indices(o, mesh);
+}
+
+}  // namespace
+
+std::optional<PlyData> FathomJsonReader::read_data_file(JsonObject& o)
+{
+    const auto v = o.get("file");
+    if (!v) return std::nullopt;
+    if (v->string().empty()) v->fail("the path of a file is empty");
+    const std::filesystem::path file = file_.parent_path() / v->string();
+    return read_ply_data(file.string(), context_.read(file));
+}
+
+void FathomJsonReader::read_mesh_motion(const JsonValue& v, Mesh& mesh)
 {
     v.array(2);
     const std::size_t vertices = mesh.positions.size();
@@ -133,8 +158,16 @@ void read_mesh_motion(const JsonValue& v, Mesh& mesh)
         MeshKey key;
         key.time = o.require("time").number();
         if (i > 0 && !(mesh.motion.back().time < key.time)) value["time"].fail("times must ascend");
-        read_per_vertex(o, "positions", &JsonValue::vec3f, vertices, key.positions);
-        read_per_vertex(o, "normals", &JsonValue::vec3f, vertices, key.normals);
+        if (auto file = read_data_file(o)) {
+            if (file->mesh.positions.size() != vertices)
+                value["file"].fail(
+                    fmt::format("has {} vertices, and the mesh {}", file->mesh.positions.size(), vertices));
+            key.positions = std::move(file->mesh.positions);
+            key.normals = std::move(file->mesh.normals);
+        } else {
+            read_per_vertex(o, "positions", &JsonValue::vec3f, vertices, key.positions);
+            read_per_vertex(o, "normals", &JsonValue::vec3f, vertices, key.normals);
+        }
         if (!key.normals.empty() && mesh.normals.empty()) value["normals"].fail("the mesh itself has no 'normals'");
         if (!key.positions.empty() && key.normals.empty() && !mesh.normals.empty())
             value.fail("needs 'normals', since the mesh has them");
@@ -144,6 +177,8 @@ void read_mesh_motion(const JsonValue& v, Mesh& mesh)
         mesh.motion.push_back(std::move(key));
     }
 }
+
+namespace {
 
 /// [x, y, z, radius], or [x, y, z] with the radius of all.
 void read_ball(const JsonValue& v, float radius, std::vector<Vec3f>& centers, std::vector<float>& radii)
@@ -166,17 +201,8 @@ float read_radius(JsonObject& o, float radius)
     return radius;
 }
 
-Curves read_curves(const JsonValue& v)
+void read_curves(JsonObject& o, Curves& curves)
 {
-    JsonObject o(v);
-    Curves curves;
-    o.read_enum("basis",
-                {{"linear", CurveBasis::linear},
-                 {"bezier", CurveBasis::bezier},
-                 {"bspline", CurveBasis::bspline},
-                 {"catmull-rom", CurveBasis::catmull_rom}},
-                curves.basis);
-    o.read_enum("style", {{"round", false}, {"ribbon", true}}, curves.ribbons);
     const float radius = read_radius(o, 0.001f);
     const JsonValue all = o.require("curves");
     all.array();
@@ -189,14 +215,10 @@ Curves read_curves(const JsonValue& v)
         for (std::size_t k = 0; k < curve.size(); ++k) read_ball(curve[k], radius, curves.points, curves.radii);
         curves.counts.push_back(std::uint32_t(curve.size()));
     }
-    o.done("in curves");
-    return curves;
 }
 
-Points read_points(const JsonValue& v)
+void read_points(JsonObject& o, Points& points)
 {
-    JsonObject o(v);
-    Points points;
     const float radius = read_radius(o, 0.01f);
     const JsonValue all = o.require("points");
     all.array();
@@ -205,8 +227,6 @@ Points read_points(const JsonValue& v)
         read_ball(point, radius, points.centers, points.radii);
         if (points.radii.back() == 0) point[3].fail("a radius must be greater than 0");
     }
-    o.done("in points");
-    return points;
 }
 
 }  // namespace
@@ -233,7 +253,9 @@ Transform FathomJsonReader::transform(const JsonValue& v, int depth)
     if (!v.is_object()) v.fail_type("a transform: an object, or an array of them");
     JsonObject o(v);
     if (auto matrix = o.get("matrix")) {
-        result = read_matrix(*matrix);
+        bool flat = false;
+        o.read("flat", flat);
+        result = read_matrix(*matrix, flat);
         o.done("beside 'matrix'");
         return result;
     }
@@ -256,25 +278,21 @@ std::optional<Shape> FathomJsonReader::read_shape(JsonObject& o)
     if (auto v = o.get("rectangle")) set(*v, read_rectangle(*v));
     if (auto v = o.get("box")) set(*v, read_box(*v));
     if (auto v = o.get("disk")) set(*v, read_disk(*v));
-    if (auto v = o.get("mesh")) set(*v, MeshInstance{mesh(*v)});
-    if (auto v = o.get("curves")) {
-        scene_.curves.push_back(read_curves(*v));
-        set(*v, CurvesInstance{int(scene_.curves.size()) - 1});
-    }
-    if (auto v = o.get("points")) {
-        scene_.points.push_back(read_points(*v));
-        set(*v, PointsInstance{int(scene_.points.size()) - 1});
-    }
+    if (auto v = o.get("mesh")) set(*v, MeshInstance{data(*v, meshes_, "meshes", "mesh", &FathomJsonReader::add_mesh)});
+    if (auto v = o.get("curves"))
+        set(*v, CurvesInstance{data(*v, curves_, "curves", "curves", &FathomJsonReader::add_curves)});
+    if (auto v = o.get("points"))
+        set(*v, PointsInstance{data(*v, points_, "points", "points", &FathomJsonReader::add_points)});
     return shape;
 }
 
-int FathomJsonReader::mesh(const JsonValue& v)
+int FathomJsonReader::data(const JsonValue& v, const std::map<std::string, int>& named, const char* table_name,
+                           const char* what, Add add)
 {
-    if (v.is_object()) return add_mesh(v, "");
-    if (!v.is_string()) v.fail_type("the name of a mesh, or a mesh");
-    const std::string& name = v.string();
-    if (const auto found = meshes_.find(name); found != meshes_.end()) return found->second;
-    return meshes_[name] = add_mesh(find("meshes", "mesh", v), name);
+    if (v.is_object()) return (this->*add)(v, "");
+    if (!v.is_string()) v.fail_type(fmt::format("the name of a {0}, or a {0}", what).c_str());
+    find(table_name, what, v);
+    return named.at(v.string());
 }
 
 int FathomJsonReader::add_mesh(const JsonValue& v, const std::string& name)
@@ -282,20 +300,51 @@ int FathomJsonReader::add_mesh(const JsonValue& v, const std::string& name)
     Mesh mesh;
     mesh.name = name;
     JsonObject o(v);
-    const JsonValue positions = o.require("positions");
-    positions.array(3);
-    const std::size_t vertices = positions.size();
-    read_per_vertex(o, "positions", &JsonValue::vec3f, vertices, mesh.positions);
-    read_per_vertex(o, "normals", &JsonValue::vec3f, vertices, mesh.normals);
-    read_per_vertex(o, "tangents", &JsonValue::vec4f, vertices, mesh.tangents);
-    read_per_vertex(o, "uvs", &JsonValue::vec2f, vertices, mesh.uvs[0]);
-    read_per_vertex(o, "uvs_1", &JsonValue::vec2f, vertices, mesh.uvs[1]);
-    read_per_vertex(o, "colors", &JsonValue::vec4f, vertices, mesh.colors);
-    read_indices(o, mesh);
+    if (auto file = read_data_file(o)) {
+        mesh = std::move(file->mesh);
+        mesh.name = name;
+    } else {
+        read_mesh(o, mesh);
+    }
     if (auto motion = o.get("motion")) read_mesh_motion(*motion, mesh);
     o.done("in a mesh");
     scene_.meshes.push_back(std::move(mesh));
     return int(scene_.meshes.size()) - 1;
+}
+
+int FathomJsonReader::add_curves(const JsonValue& v, const std::string& name)
+{
+    Curves curves;
+    curves.name = name;
+    JsonObject o(v);
+    o.read_word("basis", words::curve_bases, curves.basis);
+    o.read_word("style", words::curve_styles, curves.ribbons);
+    if (auto file = read_data_file(o)) {
+        curves.points = std::move(file->mesh.positions);
+        curves.radii = std::move(file->radii);
+        curves.counts = std::move(file->curve_counts);
+    } else {
+        read_curves(o, curves);
+    }
+    o.done("in curves");
+    scene_.curves.push_back(std::move(curves));
+    return int(scene_.curves.size()) - 1;
+}
+
+int FathomJsonReader::add_points(const JsonValue& v, const std::string& name)
+{
+    Points points;
+    points.name = name;
+    JsonObject o(v);
+    if (auto file = read_data_file(o)) {
+        points.centers = std::move(file->mesh.positions);
+        points.radii = std::move(file->radii);
+    } else {
+        read_points(o, points);
+    }
+    o.done("in points");
+    scene_.points.push_back(std::move(points));
+    return int(scene_.points.size()) - 1;
 }
 
 }  // namespace fathom

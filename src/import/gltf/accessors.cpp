@@ -109,6 +109,10 @@ Accessor::Accessor(GltfFile& file, const JsonValue& index)
     if (const auto normalized = v.get("normalized")) normalized_ = normalized->boolean();
     if (component_type_ == f32 || component_type_ == u32) normalized_ = false;
 
+    if (const DecodedAccessor* decoded = file.decoded(index.count())) {
+        use(*decoded, v);
+        return;
+    }
     const std::size_t offset = v.has("byteOffset") ? v["byteOffset"].count() : 0;
     if (const auto view = v.get("bufferView")) {
         check_range(v, file.buffer_view(*view), offset, count_, element_size_, elements_);
@@ -116,6 +120,20 @@ Accessor::Accessor(GltfFile& file, const JsonValue& index)
         v["count"].fail(fmt::format("{} elements without a bufferView are too many", count_));
     }
     if (const auto sparse = v.get("sparse")) read_sparse(file, *sparse);
+}
+
+void Accessor::use(const DecodedAccessor& decoded, const JsonValue& v)
+{
+    if (decoded.count != count_ || decoded.components != components())
+        v.fail(fmt::format("has {} elements of {} components, its compressed bytes {} of {}", count_, components(),
+                           decoded.count, decoded.components));
+    const bool is_index = decoded.values.empty();
+    component_type_ = is_index ? u32 : f32;
+    normalized_ = false;
+    columns_ = 1, rows_ = decoded.components;
+    element_size_ = 4 * std::size_t(rows_);
+    const void* data = is_index ? static_cast<const void*>(decoded.indices.data()) : decoded.values.data();
+    elements_ = {static_cast<const char*>(data), element_size_};
 }
 
 void Accessor::check_range(const JsonValue& v, GltfFile::View view, std::size_t offset, std::size_t count,

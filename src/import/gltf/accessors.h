@@ -29,6 +29,7 @@ private:
         const char* data = nullptr;  ///< null: zeros
         std::size_t stride = 0;
     };
+    void use(const DecodedAccessor& decoded, const JsonValue& v);
     void check_range(const JsonValue& v, GltfFile::View view, std::size_t offset, std::size_t count, std::size_t size,
                      Source& out) const;
     void read_sparse(GltfFile& file, const JsonValue& v);

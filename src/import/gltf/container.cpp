@@ -21,7 +21,9 @@ constexpr std::string_view known_extensions[] = {"KHR_lights_punctual",        "
                                                  "KHR_materials_transmission", "KHR_materials_unlit",
                                                  "KHR_materials_volume",       "KHR_mesh_quantization",
                                                  "KHR_node_visibility",        "KHR_texture_transform",
-                                                 "EXT_mesh_gpu_instancing",    "EXT_texture_webp"};
+                                                 "EXT_mesh_gpu_instancing",    "EXT_texture_webp",
+                                                 "EXT_meshopt_compression",    "KHR_meshopt_compression",
+                                                 "KHR_draco_mesh_compression"};
 
 /// What changes nothing in a picture, or leaves out a texture, which is said where it happens.
 constexpr std::string_view harmless_extensions[] = {"KHR_texture_basisu", "KHR_materials_variants", "KHR_xmp_json_ld",
@@ -167,8 +169,6 @@ void GltfFile::load_buffer(const JsonValue& v, bool is_first, std::string& out, 
         view = out;
     } else if (is_first && binary_chunk_) {
         view = *binary_chunk_;
-    } else if (v.has("extensions") && v["extensions"].has("EXT_meshopt_compression")) {
-        v.fail("EXT_meshopt_compression is not supported, and there is no uncompressed copy");
     } else {
         v.fail("there are no bytes: no 'uri', and no binary chunk that belongs to it");
     }
@@ -176,9 +176,9 @@ void GltfFile::load_buffer(const JsonValue& v, bool is_first, std::string& out, 
     view = view.first(length);
 }
 
-GltfFile::View GltfFile::buffer_view(const JsonValue& index)
+/// Of a view, or of the like of one in an extension.
+std::span<const char> GltfFile::bytes_of(const JsonValue& v)
 {
-    const JsonValue v = follow("bufferViews", index);
     if (!v.has("buffer")) v.fail("key 'buffer' is missing");
     const std::span<const char> bytes = buffer(v["buffer"]);
     const std::size_t offset = v.has("byteOffset") ? v["byteOffset"].count() : 0;
@@ -187,7 +187,24 @@ GltfFile::View GltfFile::buffer_view(const JsonValue& index)
     if (offset > bytes.size() || length > bytes.size() - offset)
         v.fail(
             fmt::format("bytes {} to {} are not in the buffer, which has {}", offset, offset + length, bytes.size()));
-    View view{bytes.subspan(offset, length), 0};
+    return bytes.subspan(offset, length);
+}
+
+std::span<const char> GltfFile::unpack(std::size_t view, const JsonValue& extension)
+{
+    const auto [found, is_new] = unpacked_.try_emplace(view);
+    if (is_new) found->second = decode_meshopt(*this, extension, bytes_of(extension));
+    return found->second;
+}
+
+GltfFile::View GltfFile::buffer_view(const JsonValue& index)
+{
+    const JsonValue v = follow("bufferViews", index);
+    View view;
+    const auto extensions = v.get("extensions");
+    for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
+        if (extensions && extensions->has(name)) view.bytes = unpack(index.count(), (*extensions)[name]);
+    if (!view.bytes.data()) view.bytes = bytes_of(v);
     if (const auto stride = v.get("byteStride")) {
         view.stride = stride->count();
         if (view.stride < 1 || view.stride > 252) stride->fail(fmt::format("must be 4 to 252, found {}", view.stride));

@@ -8,6 +8,7 @@
 
 #include "import/common/json_object.h"
 #include "import/common/load_context.h"
+#include "import/gltf/compression.h"
 
 namespace fathom {
 
@@ -33,6 +34,13 @@ public:
         std::size_t stride = 0;  ///< 0: elements stand side by side
     };
     View buffer_view(const JsonValue& index);
+    /// Gives accessors bytes that they don't have: what a primitive's compressed ones are.
+    void add_decoded(std::map<std::size_t, DecodedAccessor> accessors) { decoded_.merge(accessors); }
+    const DecodedAccessor* decoded(std::size_t accessor) const
+    {
+        const auto found = decoded_.find(accessor);
+        return found == decoded_.end() ? nullptr : &found->second;
+    }
 
     void warn(const std::string& message, std::size_t times = 1);
     /// Throws Error that names `v` if it needs more memory than there is: a short file can ask for much of it, by using
@@ -48,6 +56,8 @@ private:
     void check_asset() const;
     void check_extensions();
     std::span<const char> buffer(const JsonValue& index);
+    std::span<const char> bytes_of(const JsonValue& view);
+    std::span<const char> unpack(std::size_t view, const JsonValue& extension);
     void load_buffer(const JsonValue& v, bool is_first, std::string& out, std::span<const char>& view);
 
     std::filesystem::path file_;
@@ -63,6 +73,8 @@ private:
         std::span<const char> view;
     };
     std::map<std::size_t, Buffer> buffers_;
+    std::map<std::size_t, std::string> unpacked_;  ///< views that were compressed, by number
+    std::map<std::size_t, DecodedAccessor> decoded_;
 };
 
 }  // namespace fathom

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "import/common/mesh_cleanup.h"
+#include "import/common/point_cloud.h"
 #include "import/common/read_file.h"
 #include "import/gltf/gltf_reader.h"
 
@@ -58,14 +59,8 @@ const std::vector<GltfReader::Part>& GltfReader::mesh(const JsonValue& index, co
     return found->second;
 }
 
-std::vector<std::uint32_t> GltfReader::read_triangles(const JsonValue& primitive, std::size_t vertices)
+std::vector<std::uint32_t> GltfReader::read_corners(const JsonValue& primitive, std::size_t vertices, int mode)
 {
-    const int mode = primitive.has("mode") ? primitive["mode"].integer() : triangles;
-    if (mode < points || mode > triangle_fan) primitive["mode"].fail(fmt::format("{} is no mode of drawing", mode));
-    if (mode < triangles) {
-        file_.warn(mode == points ? "points are not shown" : "lines are not shown");
-        return {};
-    }
     std::vector<std::uint32_t> corners;
     if (const auto index = primitive.get("indices")) {
         const Accessor accessor(file_, *index);
@@ -78,11 +73,41 @@ std::vector<std::uint32_t> GltfReader::read_triangles(const JsonValue& primitive
         corners.resize(vertices);
         for (std::size_t i = 0; i < vertices; ++i) corners[i] = std::uint32_t(i);
     }
-    if (mode == triangles && corners.size() % 3 != 0) {
-        file_.warn("indices that make no whole triangle are left out", corners.size() % 3);
-        corners.resize(corners.size() / 3 * 3);
+    const std::size_t whole = mode == triangles ? 3 : mode == lines ? 2 : 1;
+    if (const std::size_t rest = corners.size() % whole) {
+        file_.warn(whole == 3 ? "indices that make no whole triangle are left out"
+                              : "indices that make no whole line are left out",
+                   rest);
+        corners.resize(corners.size() - rest);
     }
-    return as_triangles(std::move(corners), mode);
+    return mode < triangles ? corners : as_triangles(std::move(corners), mode);
+}
+
+/// mesh  whose indices are those of the points, or of the ends of lines
+void GltfReader::add_points_or_lines(const Mesh& mesh, int mode, Part part, std::vector<Part>& parts)
+{
+    if (!mesh.colors.empty()) file_.warn("points and lines have no colours of their own here");
+    if (!part.joints.empty()) file_.warn("points and lines don't move with skins: they are shown at rest");
+    part.joints.clear();
+    std::vector<Vec3f> ends;
+    for (const std::uint32_t index : mesh.indices) ends.push_back(mesh.positions[index]);
+    if (mode == points) {
+        Points cloud = fitting_points(std::move(ends), file_.name(), file_.warnings());
+        if (cloud.centers.empty()) return;
+        cloud.name = mesh.name;
+        part.shape.geometry = PointsInstance{int(scene_.points.size())};
+        scene_.points.push_back(std::move(cloud));
+    } else {
+        if (mode == line_loop) ends.push_back(ends.front());
+        std::vector<std::uint32_t> counts{std::uint32_t(ends.size())};
+        if (mode == lines) counts.assign(ends.size() / 2, 2);
+        Curves curves = fitting_lines(ends, counts, file_.name(), file_.warnings());
+        if (curves.counts.empty()) return;
+        curves.name = mesh.name;
+        part.shape.geometry = CurvesInstance{int(scene_.curves.size())};
+        scene_.curves.push_back(std::move(curves));
+    }
+    parts.push_back(std::move(part));
 }
 
 void GltfReader::read_attributes(const JsonValue& attributes, std::size_t first, Mesh& mesh, Part& part)
@@ -154,14 +179,16 @@ void GltfReader::read_primitive(const JsonValue& primitive, const std::string& n
     if (const auto extensions = primitive.get("extensions"))
         if (extensions->has("KHR_draco_mesh_compression") &&
             !file_.follow("accessors", *position_index).has("bufferView"))
-            primitive.fail("KHR_draco_mesh_compression is not supported, and there is no uncompressed copy");
+            file_.add_decoded(decode_draco(file_, primitive));
     const Accessor positions(file_, *position_index);
     if (positions.components() != 3) positions.fail("positions must be VEC3");
 
     const auto index_count = primitive.get("indices") ? Accessor(file_, *primitive.get("indices")).count() : 0;
     file_.check_memory(primitive, 36.0 * double(positions.count()) + 12.0 * double(index_count));
+    const int mode = primitive.has("mode") ? primitive["mode"].integer() : triangles;
+    if (mode < points || mode > triangle_fan) primitive["mode"].fail(fmt::format("{} is no mode of drawing", mode));
     Mesh mesh;
-    mesh.indices = read_triangles(primitive, positions.count());
+    mesh.indices = read_corners(primitive, positions.count(), mode);
     if (mesh.indices.empty()) return;
     // Many files hold all vertices in one accessor, of which each primitive uses a part: only that is read.
     const auto [least, most] = std::minmax_element(mesh.indices.begin(), mesh.indices.end());
@@ -174,12 +201,16 @@ void GltfReader::read_primitive(const JsonValue& primitive, const std::string& n
     mesh.positions = read_vectors<Vec3f>(positions, first, vertices, 3, 0);
     read_attributes(*attributes, first, mesh, part);
     if (weights) add_morphs(primitive, *weights, first, mesh);
+    part.shape.name = mesh.name;
+    if (mode < triangles) {
+        part.shape.material = material(primitive, false);
+        return add_points_or_lines(mesh, mode, std::move(part), parts);
+    }
     clean_mesh(mesh, file_.name(), file_.warnings());
     if (mesh.indices.empty()) return;
 
     part.shape.material = material(primitive, !mesh.colors.empty());
     part.shape.geometry = MeshInstance{int(scene_.meshes.size())};
-    part.shape.name = mesh.name;
     scene_.meshes.push_back(std::move(mesh));
     parts.push_back(std::move(part));
 }

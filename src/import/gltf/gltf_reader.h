@@ -40,7 +40,8 @@ private:
     const std::vector<Part>& mesh(const JsonValue& index, const std::optional<JsonValue>& weights, std::size_t node);
     void read_primitive(const JsonValue& primitive, const std::string& name, const std::optional<JsonValue>& weights,
                         std::vector<Part>& parts);
-    std::vector<std::uint32_t> read_triangles(const JsonValue& primitive, std::size_t vertices);
+    std::vector<std::uint32_t> read_corners(const JsonValue& primitive, std::size_t vertices, int mode);
+    void add_points_or_lines(const Mesh& mesh, int mode, Part part, std::vector<Part>& parts);
     void read_attributes(const JsonValue& attributes, std::size_t first, Mesh& mesh, Part& part);
     void add_morphs(const JsonValue& primitive, const JsonValue& weights, std::size_t first, Mesh& mesh);
 

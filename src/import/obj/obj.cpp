@@ -45,7 +45,9 @@ public:
         for (auto& [key, part] : parts_) add_part(*part);
         scene_.roots.resize(scene_.nodes.size());
         for (std::size_t i = 0; i < scene_.roots.size(); ++i) scene_.roots[i] = int(i);
-        add_point_cloud(scene_, std::move(cloud_), "points", name_, warnings_);
+        Points points = fitting_points(std::move(cloud_), name_, warnings_);
+        points.name = "points";
+        add_point_cloud(scene_, std::move(points));
         return std::move(scene_);
     }
 

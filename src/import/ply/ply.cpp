@@ -36,7 +36,7 @@ public:
     {
     }
 
-    Mesh read()
+    PlyData read()
     {
         for (const PlyElement& element : header_.elements) {
             // A count that cannot be is refused before memory is asked for; ASCII takes two bytes a number.
@@ -51,13 +51,14 @@ public:
                 read_faces(element);
             else if (element.name == "tristrips")
                 read_strips(element);
+            else if (element.name == "curve")
+                read_curves(element);
             else if (least > 0)
                 for (std::size_t i = 0; i < element.count; ++i)
                     for (const PlyProperty& property : element.properties) body_.skip(property);
         }
-        return std::move(mesh_);
+        return std::move(data_);
     }
-    std::size_t bad_faces() const { return bad_faces_; }
 
 private:
     /// Where a property of a vertex goes: an array of floats and a place in it; null: nowhere.
@@ -85,6 +86,15 @@ private:
             t = target(mesh_.uvs[0], count, 1);
             t.kind = Target::flipped;
             return t;
+        }
+        // As fathom::save_scene writes them: both sets, v growing downwards as in a scene, so that no bit is lost.
+        if (is("u0", "v0")) return target(mesh_.uvs[0], count, name[0] == 'v');
+        if (is("u1", "v1")) return target(mesh_.uvs[1], count, name[0] == 'v');
+        if (is("tx", "ty", "tz")) return target(mesh_.tangents, count, std::size_t(name[1] - 'x'));
+        if (is("tw")) return target(mesh_.tangents, count, 3);
+        if (is("radius")) {
+            data_.radii.resize(count);
+            return {data_.radii.data(), 1, Target::plain};
         }
         const bool alpha = is("alpha", "a");
         const int channel = is("red", "r") ? 0 : is("green", "g") ? 1 : is("blue", "b") ? 2 : alpha ? 3 : -1;
@@ -231,7 +241,7 @@ private:
     {
         for (std::int64_t index : corners_) check_index(index, face);
         if (corners_.size() < 3) {
-            ++bad_faces_;
+            ++data_.bad_faces;
             return;
         }
         points_.clear();
@@ -239,6 +249,25 @@ private:
         triangles_.clear();
         triangulate(points_, triangles_);
         for (std::uint32_t k : triangles_) mesh_.indices.push_back(std::uint32_t(corners_[k]));
+    }
+
+    void read_curves(const PlyElement& element)
+    {
+        for (std::size_t i = 0; i < element.count; ++i)
+            for (const PlyProperty& property : element.properties) {
+                if (property.name != "vertices" || property.is_list)
+                    body_.skip(property);
+                else
+                    data_.curve_counts.push_back(read_count(property, i));
+            }
+    }
+    std::uint32_t read_count(const PlyProperty& property, std::size_t curve)
+    {
+        const double count = body_.number(property.type);
+        if (count < 0 || count > double(mesh_.positions.size()))
+            throw Error(file_, fmt::format("curve {}", curve),
+                        fmt::format("{} vertices, of {} that there are", count, mesh_.positions.size()));
+        return std::uint32_t(count);
     }
 
     /// Stanford's strips: -1 begins a new one.
@@ -270,35 +299,47 @@ private:
     const std::string& file_;
     PlyHeader header_;
     PlyBody body_;
-    Mesh mesh_;
-    std::size_t bad_faces_ = 0;
+    PlyData data_;
+    Mesh& mesh_ = data_.mesh;
     std::vector<std::int64_t> corners_;
     std::vector<Vec3f> points_;
     std::vector<std::uint32_t> triangles_;
 };
 
-SceneDescription point_cloud(Mesh vertices, const std::filesystem::path& file, LoadContext& context)
+SceneDescription point_cloud(PlyData points, const std::filesystem::path& file, LoadContext& context)
 {
     const std::string name = file.string();
-    context.warnings.add(name + ": points have no colours of their own here: they are grey", !vertices.colors.empty());
+    context.warnings.add(name + ": points have no colours of their own here: they are grey",
+                         !points.mesh.colors.empty());
     SceneDescription scene;
     scene.file = name;
-    add_point_cloud(scene, std::move(vertices.positions), file.stem().string(), name, context.warnings);
+    Points cloud;
+    if (points.radii.empty())
+        cloud = fitting_points(std::move(points.mesh.positions), name, context.warnings);
+    else
+        cloud.centers = std::move(points.mesh.positions), cloud.radii = std::move(points.radii);
+    cloud.name = file.stem().string();
+    add_point_cloud(scene, std::move(cloud));
     if (scene.points.empty()) throw Error(name, "", "none of its points is finite");
     return scene;
 }
 
 }  // namespace
 
+PlyData read_ply_data(const std::string& file, const std::string& bytes)
+{
+    return PlyReader(file, bytes, read_ply_header(file, bytes)).read();
+}
+
 SceneDescription read_ply(const std::filesystem::path& file, const std::string& bytes, LoadContext& context)
 {
     const std::string name = file.string();
-    PlyReader reader(name, bytes, read_ply_header(name, bytes));
-    Mesh mesh = reader.read();
+    PlyData data = read_ply_data(name, bytes);
+    Mesh& mesh = data.mesh;
     if (mesh.positions.empty()) throw Error(name, "", "there are no vertices in it");
-    if (mesh.indices.empty() && reader.bad_faces() == 0) return point_cloud(std::move(mesh), file, context);
+    if (mesh.indices.empty() && data.bad_faces == 0) return point_cloud(std::move(data), file, context);
     if (mesh.indices.empty()) throw Error(name, "", "there are no triangles in it: its faces have fewer corners");
-    context.warnings.add(name + ": faces with fewer than three corners are left out", reader.bad_faces());
+    context.warnings.add(name + ": faces with fewer than three corners are left out", data.bad_faces);
     mesh.name = file.stem().string();
     clean_mesh(mesh, name, context.warnings);
 

@@ -6,8 +6,19 @@
 
 namespace fathom {
 
+/// What a PLY file holds, as it is: without anything left out.
+struct PlyData {
+    Mesh mesh;                                ///< without faces: points
+    std::vector<float> radii;                 ///< of vertices, or empty
+    std::vector<std::uint32_t> curve_counts;  ///< how many vertices each curve has, where there are curves
+    std::size_t bad_faces = 0;                ///< with fewer than three corners, which are not there
+};
+/// file  for messages
+PlyData read_ply_data(const std::string& file, const std::string& bytes);
+
 /// Reads PLY, ASCII and binary of both byte orders: positions, normals, texture coordinates, colours; faces as polygons
-/// or triangle strips; without faces, vertices as points (add_point_cloud). Other elements and properties are skipped.
+/// or triangle strips; without faces, vertices as points, of their radius or one that fits (add_point_cloud). Other
+/// elements and properties are skipped.
 SceneDescription read_ply(const std::filesystem::path& file, const std::string& bytes, LoadContext& context);
 
 inline constexpr Importer ply_importer{

@@ -85,7 +85,7 @@ private:
         hit.t = s.distance;
         hit.time = time;
         hit.primitive = light.primitive();
-        hit.instance = UInt(no_index);
+        hit.instance = light.instance();
         // Barycentric weights of a triangle's point; other kinds find theirs from the position.
         const Vec3 r = fma(s.wi, s.distance, from) - light.position();
         const Vec3 u = light.edge_u(), v = light.edge_v();

@@ -30,8 +30,10 @@ public:
     Vec3 edge_u() const { return vector(&LightRecord::edge_u); }
     Vec3 edge_v() const { return vector(&LightRecord::edge_v); }
     Vec3 normal() const { return vector(&LightRecord::normal); }
-    Vec3 center() const { return vector(&LightRecord::center); }
-    Vec3 motion() const { return vector(&LightRecord::motion); }
+    /// Of a rectangle.
+    Vec3 center() const { return vector(&LightRecord::motion_or_center); }
+    /// Of a sphere.
+    Vec3 motion() const { return vector(&LightRecord::motion_or_center); }
     Float length_u() const { return value(&LightRecord::length_u); }
     Float length_v() const { return value(&LightRecord::length_v); }
     Float area() const { return value(&LightRecord::area); }
@@ -41,6 +43,7 @@ public:
     UInt two_sided() const { return integer(&LightRecord::two_sided); }
     UInt material() const { return integer(&LightRecord::material); }
     UInt primitive() const { return integer(&LightRecord::primitive); }
+    UInt instance() const { return integer(&LightRecord::instance); }
     Spectrum radiance() const
     {
         const std::size_t first = detail::word_of(&LightRecord::radiance);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geometry/bvh/build/builder.h"
 #include "geometry/bvh/build/collapse.h"
 #include "geometry/bvh/build/motion.h"
 #include "geometry/bvh/build/reinsertion.h"
@@ -35,12 +36,9 @@ int depth_of(const BvhData& bvh, std::uint32_t reference)
 }
 
 /// At each level all children but one wait; on top there is room for a vector, and an end for each of the two spaces.
-int stack_size_of(const BvhData& bvh)
+int stack_size_of(int world_depth, int mesh_depth)
 {
-    int world = bvh.empty ? 0 : depth_of(bvh, bvh.root), mesh = 0;
-    for (const BvhData::Mesh& m : bvh.meshes)
-        if (!m.empty) mesh = std::max(mesh, depth_of(bvh, m.root));
-    return ((bvh_width - 1) * (world + mesh) + bvh_deferred + 2 + 2 * bvh_width) / bvh_width * bvh_width;
+    return ((bvh_width - 1) * (world_depth + mesh_depth) + bvh_deferred + 2 + 2 * bvh_width) / bvh_width * bvh_width;
 }
 
 void count_children(BvhData& bvh, std::uint32_t reference)
@@ -67,12 +65,6 @@ std::size_t count_triangles(const GeometryTables& tables)
 /// A few rounds over the largest hundredths find most of what there is to gain in interiors, and take a tenth of the
 /// time; all nodes gain a little more, and on foliage.
 constexpr Reinsertion few{3, 0.02}, many{1, 1.0};
-
-/// The largest of what building took at its stages.
-struct Peak {
-    std::size_t bytes = 0;
-    void see(std::size_t now) { bytes = std::max(bytes, now); }
-};
 
 BinaryTree split_and_reinsert(const GeometryTables& tables, ItemList& list, TreeBuild level, bool cut, Peak& peak)
 {
@@ -122,88 +114,168 @@ bool anything_moves(const GeometryTables& tables)
 
 }  // namespace
 
-}  // namespace bvh
-
-void build_bvh(const GeometryTables& tables, BvhData& tree, TreeBuild level)
+void BvhBuilder::build()
 {
-    using namespace bvh;
-    tree.tables = &tables;
-    for (const ShapeRecord& shape : tables.shapes)
-        tree.any_alpha_shape |= (shape.flags & ShapeRecord::alpha_tested) != 0;
-
-    tree.moving = anything_moves(tables);
-
-    // What instances place, in order of their first use.
-    std::vector<std::uint32_t> mesh_shapes;
-    for (const InstanceRecord& instance : tables.instances) {
-        if (instance.mesh_shape >= tree.meshes.size()) tree.meshes.resize(instance.mesh_shape + 1);
-        BvhData::Mesh& mesh = tree.meshes[instance.mesh_shape];
-        if (mesh.root == 0) mesh_shapes.push_back(instance.mesh_shape);
-        mesh.root = 1;  // seen
-    }
-    std::size_t triangles = count_triangles(tables);
+    tree_.tables = &tables_;
+    tree_.moving = anything_moves(tables_);
+    const std::vector<std::uint32_t> shapes = find_meshes();
+    std::size_t triangles = count_triangles(tables_);
     // Room that stays empty takes no memory.
-    if (level == TreeBuild::high) triangles += std::size_t(most_cuts * double(triangles));
+    if (level_ == TreeBuild::high) triangles += std::size_t(most_cuts * double(triangles));
     if (triangles > BvhReference::max_triangles)
         throw std::length_error("a scene can have at most 134,217,728 triangles");
-    tree.triangles = LargeArray<float>(9 * triangles + bvh_width);
-    tree.keys = LargeArray<BvhKey>(triangles + bvh_width);
-
-    std::vector<BvhNode> nodes;
-    std::size_t next_triangle = 0;
-    Peak peak;
-    const auto leaves_bytes = [&] {
-        return (9 * sizeof(float) + sizeof(BvhKey)) * (next_triangle + bvh_width) + tree.others.size() * 4;
-    };
-    std::vector<MovingBox> mesh_boxes(tree.meshes.size());
-    /// Its box and root are then known.
-    const auto add_tree = [&](const auto& make_list, ItemList& list, std::uint32_t& root) {
-        tree.statistics.leaf_primitives += list.count;
-        const std::size_t first = nodes.size();
-        Peak binary_peak;
-        BinaryTree binary = binary_tree(tables, level, make_list, list, binary_peak);
-        peak.see(leaves_bytes() + nodes.size() * sizeof(BvhNode) + binary_peak.bytes);
-        const std::size_t binary_bytes = binary.bytes(), others_before = tree.others.size() * 4;
-        root = collapse(tables, binary, tree, nodes, next_triangle, level == TreeBuild::compact);
-        // With the binary tree, then while what chunks hold is moved.
-        const std::size_t moved = (nodes.size() - first) * sizeof(BvhNode) + tree.others.size() * 4 - others_before;
-        peak.see(leaves_bytes() + nodes.size() * sizeof(BvhNode) + std::max(binary_bytes, moved));
-        if (!tree.moving) return MovingBox{list.box, list.box};
-        return add_motion(tables, tree, mesh_boxes, nodes, first, root, list.box);
-    };
-    for (std::uint32_t shape : mesh_shapes) {
-        const auto make_list = [&] {
-            return shape_items(tables, tree, tables.shapes[shape].first_primitive, shape_end(tables, shape));
-        };
-        ItemList list = make_list();
-        BvhData::Mesh& mesh = tree.meshes[shape];
-        mesh.empty = list.count == 0;
-        if (!mesh.empty) mesh_boxes[shape] = add_tree(make_list, list, mesh.root);
-        if (!mesh.empty) mesh.radius = mesh_boxes[shape].radius();
+    tree_.triangles = LargeArray<float>(9 * triangles + bvh_width);
+    tree_.keys = LargeArray<BvhKey>(triangles + bvh_width);
+    meshes_.resize(tree_.meshes.size());
+    boxes_.resize(tree_.meshes.size());
+    for (std::uint32_t shape : shapes) {
+        meshes_[shape].first_triangle = next_triangle_;
+        add_mesh(shape, level_);
+        // What is built again must find room for triangles that were left out, since they had no area.
+        if (tables_.editable)
+            next_triangle_ = std::max(next_triangle_, meshes_[shape].first_triangle + most_triangles(shape));
     }
-    {
-        const auto make_list = [&] { return world_items(tables, tree, mesh_boxes); };
-        ItemList list = make_list();
-        tree.empty = list.count == 0;
-        if (!tree.empty)
-            tree.statistics.diagonal =
-                std::hypot(list.box.high(0) - list.box.low(0), list.box.high(1) - list.box.low(1),
-                           list.box.high(2) - list.box.low(2));
-        if (!tree.empty) tree.radius = add_tree(make_list, list, tree.root).radius();
-    }
+    still_ = add_part([&] { return world_items(tables_, tree_, boxes_); }, level_);
     // Readers take 16 floats at once.
-    std::fill_n(tree.triangles.data() + 9 * next_triangle, bvh_width, 0.f);
-    tree.others.resize(tree.others.size() + bvh_width);
-    tree.nodes = LargeArray<BvhNode>(nodes.size());
-    if (!nodes.empty()) std::memcpy(tree.nodes.data(), nodes.data(), nodes.size() * sizeof(BvhNode));
-    if (!tree.empty) count_children(tree, tree.root);
-    for (const BvhData::Mesh& mesh : tree.meshes)
-        if (!mesh.empty) count_children(tree, mesh.root);
-    tree.stack_size = stack_size_of(tree);
-    BvhStatistics& s = tree.statistics;
-    s.bytes = tree.nodes.bytes() + leaves_bytes() + tree.meshes.size() * sizeof(BvhData::Mesh);
-    peak.see(s.bytes + tree.nodes.bytes());
-    s.peak_bytes = peak.bytes;
+    std::fill_n(tree_.triangles.data() + 9 * next_triangle_, bvh_width, 0.f);
+    begin_of_movable_ = {tree_.nodes.size(), tree_.others.size()};
+    most_ = {2 * tree_.nodes.size() + 1024, 2 * tree_.others.size() + (1 << 16)};
+    add_movable();
+    if (!tree_.empty) count_children(tree_, tree_.root);
+    for (const BvhData::Mesh& mesh : tree_.meshes)
+        if (!mesh.empty) count_children(tree_, mesh.root);
+    const std::size_t grown = tree_.nodes.capacity() * sizeof(BvhNode);
+    if (!tables_.editable) tree_.nodes.shrink_to_fit();
+    BvhStatistics& s = tree_.statistics;
+    s.bytes = tree_.nodes.capacity() * sizeof(BvhNode) + leaves_bytes() + tree_.meshes.size() * sizeof(BvhData::Mesh);
+    peak_.see(s.bytes + (tables_.editable ? 0 : grown));
+    s.peak_bytes = peak_.bytes;
 }
+
+bool BvhBuilder::update(const std::vector<std::uint32_t>& changed)
+{
+    const BvhStatistics first = tree_.statistics;
+    tree_.moving = anything_moves(tables_);
+    tree_.nodes.resize(begin_of_movable_.node);
+    tree_.others.resize(begin_of_movable_.other);
+    for (std::uint32_t shape : changed) {
+        // Cut triangles might not find room.
+        next_triangle_ = meshes_[shape].first_triangle;
+        add_mesh(shape, level_ == TreeBuild::high ? TreeBuild::standard : level_);
+    }
+    begin_of_movable_ = {tree_.nodes.size(), tree_.others.size()};
+    // What meshes were before lies about.
+    if (tree_.nodes.size() > most_.node || tree_.others.size() > most_.other) return false;
+    add_movable();
+    tree_.statistics = first;
+    return true;
+}
+
+/// What instances place, in order of their first use; then what they may place later.
+std::vector<std::uint32_t> BvhBuilder::find_meshes()
+{
+    std::vector<std::uint32_t> found;
+    std::vector<bool> seen(tables_.shapes.size());
+    const auto add = [&](std::uint32_t shape) {
+        if (!seen[shape]) found.push_back(shape);
+        seen[shape] = true;
+    };
+    for (const InstanceRecord& instance : tables_.instances) add(instance.mesh_shape);
+    for (std::uint32_t i = 0; tables_.editable && i < tables_.shape_of_primitive.size(); ++i)
+        if (const std::uint32_t shape = tables_.shape_of_primitive[i];
+            tables_.shapes[shape].flags & ShapeRecord::only_instanced)
+            add(shape);
+    if (!found.empty()) tree_.meshes.resize(*std::max_element(found.begin(), found.end()) + 1);
+    return found;
+}
+
+void BvhBuilder::add_mesh(std::uint32_t shape, TreeBuild level)
+{
+    const std::uint32_t first = tables_.shapes[shape].first_primitive, end = shape_end(tables_, shape);
+    const Part part = add_part([&] { return shape_items(tables_, tree_, first, end); }, level);
+    tree_.meshes[shape] = {part.root, part.empty ? 0 : part.box.radius(), part.empty};
+    boxes_[shape] = part.box;
+    meshes_[shape].depth = part.depth;
+}
+
+/// Twice as many where they may be halves of quads.
+std::size_t BvhBuilder::most_triangles(std::uint32_t shape) const
+{
+    const std::uint32_t first = tables_.shapes[shape].first_primitive;
+    if (first >= tables_.first_sphere() || tables_.shapes[shape].moving_vertices > 0) return 0;
+    return (first < tables_.first_quad() ? 1u : 2u) * (shape_end(tables_, shape) - first);
+}
+
+/// make_list  makes the same list each time
+template <class MakeList>
+BvhBuilder::Part BvhBuilder::add_part(const MakeList& make_list, TreeBuild level)
+{
+    Part part;
+    ItemList list = make_list();
+    part.empty = list.count == 0;
+    if (part.empty) return part;
+    const std::size_t first = tree_.nodes.size();
+    tree_.statistics.leaf_primitives += list.count;
+    Peak binary_peak;
+    BinaryTree binary = binary_tree(tables_, level, make_list, list, binary_peak);
+    peak_.see(leaves_bytes() + first * sizeof(BvhNode) + binary_peak.bytes);
+    const std::size_t binary_bytes = binary.bytes(), others_before = tree_.others.size() * 4;
+    part.root = collapse(tables_, binary, tree_, next_triangle_, level == TreeBuild::compact);
+    // With the binary tree, then while what chunks hold is moved.
+    const std::size_t moved = (tree_.nodes.size() - first) * sizeof(BvhNode) + tree_.others.size() * 4 - others_before;
+    peak_.see(leaves_bytes() + tree_.nodes.size() * sizeof(BvhNode) + std::max(binary_bytes, moved));
+    part.box = {list.box, list.box};
+    if (tree_.moving) part.box = add_motion(tables_, tree_, boxes_, first, part.root, list.box);
+    part.depth = depth_of(tree_, part.root);
+    return part;
+}
+
+/// The whole world: what stands still, and a tree over the instances that may move.
+void BvhBuilder::add_movable()
+{
+    Part world = still_;
+    if (tables_.editable) {
+        const Part movable = add_part([&] { return movable_items(tables_, tree_, boxes_); }, TreeBuild::standard);
+        world = still_.empty ? movable : movable.empty ? still_ : join(still_, movable);
+    }
+    // Readers take 16 words at once.
+    tree_.others.resize(tree_.others.size() + bvh_width);
+    tree_.empty = world.empty;
+    if (!world.empty) {
+        tree_.root = world.root;
+        tree_.radius = world.box.radius();
+        const Box box = world.box.middle();
+        tree_.statistics.diagonal =
+            std::hypot(box.high(0) - box.low(0), box.high(1) - box.low(1), box.high(2) - box.low(2));
+    }
+    int mesh_depth = 0;
+    for (const Mesh& mesh : meshes_) mesh_depth = std::max(mesh_depth, mesh.depth);
+    tree_.stack_size = stack_size_of(world.depth, mesh_depth);
+}
+
+BvhBuilder::Part BvhBuilder::join(const Part& a, const Part& b)
+{
+    BvhNode node{}, change{};
+    const Box boxes[] = {a.box.middle(), b.box.middle()};
+    const Subtree subtrees[] = {{a.root, 0.5f, node_cost}, {b.root, 0.5f, node_cost}};
+    finish_node(node, boxes, subtrees, 2);
+    Part joined{std::uint32_t(tree_.nodes.size()), a.box, std::max(a.depth, b.depth) + 1, false};
+    joined.box.extend(b.box);
+    bool moves = false;
+    for (int i = 0; i < 2; ++i) moves |= set_motion(node, change, i, node.child[i] == a.root ? a.box : b.box);
+    tree_.nodes.push_back(node);
+    if (moves) {
+        joined.root |= BvhReference::moving_bit;
+        tree_.nodes.push_back(change);
+    }
+    return joined;
+}
+
+std::size_t BvhBuilder::leaves_bytes() const
+{
+    return (9 * sizeof(float) + sizeof(BvhKey)) * (next_triangle_ + bvh_width) + tree_.others.size() * 4;
+}
+
+}  // namespace bvh
 
 }  // namespace fathom

@@ -69,9 +69,8 @@ private:
 
 class Collapse {
 public:
-    Collapse(const GeometryTables& tables, BinaryTree& tree, BvhData& bvh, std::vector<BvhNode>& nodes,
-             std::size_t& next_triangle, bool compact)
-        : tables_(tables), tree_(tree), bvh_(bvh), nodes_(nodes), next_triangle_(next_triangle), compact_(compact)
+    Collapse(const GeometryTables& tables, BinaryTree& tree, BvhData& bvh, std::size_t& next_triangle, bool compact)
+        : tables_(tables), tree_(tree), bvh_(bvh), nodes_(bvh.nodes), next_triangle_(next_triangle), compact_(compact)
     {
     }
 
@@ -206,7 +205,7 @@ private:
     const GeometryTables& tables_;
     BinaryTree& tree_;
     BvhData& bvh_;
-    std::vector<BvhNode>& nodes_;
+    BvhNodes& nodes_;
     std::size_t& next_triangle_;
     const bool compact_;
     std::vector<Chunk> chunks_;
@@ -221,10 +220,10 @@ float expected_cost(const GeometryTables& tables, BinaryTree& tree)
     return cost / std::max(tree.nodes[0].box().half_area(), std::numeric_limits<float>::min());
 }
 
-std::uint32_t collapse(const GeometryTables& tables, BinaryTree& tree, BvhData& bvh, std::vector<BvhNode>& nodes,
-                       std::size_t& next_triangle, bool compact)
+std::uint32_t collapse(const GeometryTables& tables, BinaryTree& tree, BvhData& bvh, std::size_t& next_triangle,
+                       bool compact)
 {
-    return Collapse(tables, tree, bvh, nodes, next_triangle, compact).run();
+    return Collapse(tables, tree, bvh, next_triangle, compact).run();
 }
 
 }  // namespace fathom::bvh

@@ -11,7 +11,7 @@ float expected_cost(const GeometryTables& tables, BinaryTree& tree);
 /// Adds the nodes and leaves of a tree, which is then freed; its root.
 /// next_triangle  where its triangles go, and then the next tree's
 /// compact        as in Chunk
-std::uint32_t collapse(const GeometryTables& tables, BinaryTree& tree, BvhData& bvh, std::vector<BvhNode>& nodes,
-                       std::size_t& next_triangle, bool compact);
+std::uint32_t collapse(const GeometryTables& tables, BinaryTree& tree, BvhData& bvh, std::size_t& next_triangle,
+                       bool compact);
 
 }  // namespace fathom::bvh

@@ -268,7 +268,8 @@ ItemList world_items(const GeometryTables& tables, const BvhData& bvh, const std
     const auto placed = [&](std::size_t primitive) {
         return (tables.shapes[tables.shape_of_primitive[primitive]].flags & ShapeRecord::only_instanced) != 0;
     };
-    return make_items(points + tables.instances.size(), [&](std::size_t i, Item& item) {
+    const std::size_t instances = tables.editable ? tables.still_instances : tables.instances.size();
+    return make_items(points + instances, [&](std::size_t i, Item& item) {
         if (i < triangles) return triangle_item(tables, bvh, BvhKey(2 * i), item);
         if (i < quads) {
             const std::size_t key = 2 * std::size_t(tables.first_quad()) + (i - triangles);
@@ -286,6 +287,14 @@ ItemList world_items(const GeometryTables& tables, const BvhData& bvh, const std
         if (i < points)
             return !placed(tables.first_point() + (i - curves)) && point_item(tables, std::uint32_t(i - curves), item);
         return instance_item(tables, bvh, mesh_boxes, std::uint32_t(i - points), item);
+    });
+}
+
+ItemList movable_items(const GeometryTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes)
+{
+    const std::uint32_t first = tables.still_instances;
+    return make_items(tables.instances.size() - first, [&](std::size_t i, Item& item) {
+        return instance_item(tables, bvh, mesh_boxes, first + std::uint32_t(i), item);
     });
 }
 

@@ -35,7 +35,10 @@ MovingBox moving_box(const GeometryTables& tables, const BvhData& bvh, const std
 
 /// What of a shape's primitives can be hit. [first, last): primitives.
 ItemList shape_items(const GeometryTables& tables, const BvhData& bvh, std::uint32_t first, std::uint32_t last);
-/// Everything in the world; bvh.meshes and their boxes, by shape, are known.
+/// Everything in the world, of instances those that are still, if the tables are editable; bvh.meshes and their boxes,
+/// by shape, are known.
 ItemList world_items(const GeometryTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes);
+/// The other instances.
+ItemList movable_items(const GeometryTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes);
 
 }  // namespace fathom::bvh

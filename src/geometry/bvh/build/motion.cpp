@@ -221,18 +221,30 @@ MovingBox moving_box(const GeometryTables& tables, const BvhData& bvh, const std
     return {transformed(m, mesh.open, 0x1p-20), transformed(m, mesh.close, 0x1p-20)};
 }
 
+bool set_motion(BvhNode& node, BvhNode& change, int i, const MovingBox& box)
+{
+    bool moves = false;
+    for (int axis = 0; axis < 3; ++axis) {
+        node.bounds[axis][i] = box.open.low(axis);
+        node.bounds[3 + axis][i] = box.open.high(axis);
+        change.bounds[axis][i] = box.close.low(axis) - box.open.low(axis);
+        change.bounds[3 + axis][i] = box.close.high(axis) - box.open.high(axis);
+        moves |= change.bounds[axis][i] != 0 || change.bounds[3 + axis][i] != 0;
+    }
+    return moves;
+}
+
 namespace {
 
 class MotionAdder {
 public:
-    MotionAdder(const GeometryTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes,
-                std::vector<BvhNode>& nodes, std::size_t first)
+    MotionAdder(const GeometryTables& tables, BvhData& bvh, const std::vector<MovingBox>& mesh_boxes, std::size_t first)
         : tables_(tables),
           bvh_(bvh),
           mesh_boxes_(mesh_boxes),
-          nodes_(nodes),
+          nodes_(bvh.nodes),
           first_(first),
-          still_(nodes.begin() + std::ptrdiff_t(first), nodes.end())
+          still_(nodes_.begin() + std::ptrdiff_t(first), nodes_.end())
     {
         nodes_.resize(first);
     }
@@ -282,13 +294,7 @@ private:
             }
             const MovingBox moving = add(node.child[i], box);
             all.extend(moving);
-            for (int axis = 0; axis < 3; ++axis) {
-                node.bounds[axis][i] = moving.open.low(axis);
-                node.bounds[3 + axis][i] = moving.open.high(axis);
-                change.bounds[axis][i] = moving.close.low(axis) - moving.open.low(axis);
-                change.bounds[3 + axis][i] = moving.close.high(axis) - moving.open.high(axis);
-                moves |= change.bounds[axis][i] != 0 || change.bounds[3 + axis][i] != 0;
-            }
+            moves |= set_motion(node, change, i, moving);
         }
         // Behind its children: only now is it known whether it takes one place or two.
         reference = std::uint32_t(nodes_.size()) | (moves ? BvhReference::moving_bit : 0u);
@@ -300,17 +306,17 @@ private:
     const GeometryTables& tables_;
     const BvhData& bvh_;
     const std::vector<MovingBox>& mesh_boxes_;
-    std::vector<BvhNode>& nodes_;
+    BvhNodes& nodes_;
     std::size_t first_;
     std::vector<BvhNode> still_;  ///< as they were built
 };
 
 }  // namespace
 
-MovingBox add_motion(const GeometryTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes,
-                     std::vector<BvhNode>& nodes, std::size_t first, std::uint32_t& root, const Box& box)
+MovingBox add_motion(const GeometryTables& tables, BvhData& bvh, const std::vector<MovingBox>& mesh_boxes,
+                     std::size_t first, std::uint32_t& root, const Box& box)
 {
-    return MotionAdder(tables, bvh, mesh_boxes, nodes, first).add(root, box);
+    return MotionAdder(tables, bvh, mesh_boxes, first).add(root, box);
 }
 
 }  // namespace fathom::bvh

@@ -14,7 +14,10 @@ bool shutter_takes_time(const GeometryTables& tables);
 ///
 /// root  of the tree; changed to what it then is
 /// box   where the whole tree is at half of the time; returned with its motion
-MovingBox add_motion(const GeometryTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes,
-                     std::vector<BvhNode>& nodes, std::size_t first, std::uint32_t& root, const Box& box);
+MovingBox add_motion(const GeometryTables& tables, BvhData& bvh, const std::vector<MovingBox>& mesh_boxes,
+                     std::size_t first, std::uint32_t& root, const Box& box);
+
+/// Gives slot i of a node a box that moves. change: the node behind it. Whether the box does move.
+bool set_motion(BvhNode& node, BvhNode& change, int i, const MovingBox& box);
 
 }  // namespace fathom::bvh

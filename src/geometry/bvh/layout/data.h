@@ -97,8 +97,10 @@ static_assert(sizeof(BvhNode) == 512);
 /// hits go to the lower one.
 using BvhKey = std::uint32_t;
 
+using BvhNodes = std::vector<BvhNode, LargeAllocator<BvhNode>>;
+
 struct BvhData {
-    LargeArray<BvhNode> nodes;
+    BvhNodes nodes;
     /// By leaf of n triangles: 9 arrays of n floats (x, y, z of a, b, c), one after the other. The whole is padded,
     /// since readers take 16 floats at once.
     LargeArray<float> triangles;
@@ -132,7 +134,6 @@ struct BvhData {
     const GeometryTables* tables = nullptr;
     AlphaTest alpha_test = nullptr;
     const void* alpha_context = nullptr;
-    bool any_alpha_shape = false;
     bool has_alpha = false;  ///< some shape is alpha-tested, and there is a test
     BvhStatistics statistics;
 };
@@ -143,7 +144,5 @@ inline constexpr float bvh_slack = 0x1p-19f;
 
 /// The three corners of what a key names: of a triangle, or of one half of a quad. time: which of vertex_times.
 void vertices_of(const GeometryTables& tables, BvhKey key, Vec3f out[3], std::size_t time = 0);
-
-void build_bvh(const GeometryTables& tables, BvhData& bvh, TreeBuild level = TreeBuild::standard);
 
 }  // namespace fathom

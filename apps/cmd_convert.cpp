@@ -1,0 +1,55 @@
+#include <fmt/format.h>
+#include <memory>
+
+#include "arguments.h"
+#include "commands.h"
+#include "fathom/save.h"
+#include "picture_options.h"
+#include "reporter.h"
+#include "scene_options.h"
+
+namespace fathom::cli {
+
+namespace {
+
+struct ConvertOptions {
+    SceneOptions scene;
+    std::filesystem::path output;
+    bool quiet = false;
+};
+
+int run_convert(const ConvertOptions& o)
+{
+    if (o.output.extension() != ".json")
+        throw UsageError(fmt::format("{}: scenes are written as JSON: a name that ends in .json", o.output.string()));
+    Reporter reporter(o.quiet ? ReportMode::quiet : default_report_mode());
+    Warnings warnings;
+    const SceneDescription scene = [&] {
+        const Reporter::Phase phase(reporter, "load", "reading " + o.scene.file.string());
+        return load_scene(o.scene.file, load_options(o.scene), warnings);
+    }();
+    save_scene(scene, o.output, warnings);
+    reporter.warnings(warnings);
+    reporter.note(fmt::format("wrote {}", o.output.string()));
+    return exit_ok;
+}
+
+}  // namespace
+
+void add_convert(CLI::App& program, Run& run)
+{
+    const auto options = std::make_shared<ConvertOptions>();
+    Command command(program, "convert", "Write a scene or model as Fathom's own scene file");
+    add_file_options(command, options->scene);
+    command.add_positional("OUTPUT", options->output, "the file to write, *.json");
+    command.add_flag("-q,--quiet", options->quiet, "print only errors");
+    command.set_footer(
+        "It renders to the same bits. Meshes, curves, points and embedded pictures are written to a folder beside it, "
+        "named\n"
+        "after it (scene.json: scene-files); pictures that are files are referred to where they are.\n\n"
+        "Examples:\n  fathom convert model.glb scene.json\n\n"
+        "Exit codes: 0 done; 1 error; 2 wrong usage.");
+    command.set_run(run, [options] { return run_convert(*options); });
+}
+
+}  // namespace fathom::cli

@@ -1,0 +1,46 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fathom/edit.h"
+#include "fathom/render.h"
+
+namespace fathom {
+
+/// What a small picture shows of how a scene is lit: of surfaces, lamps in view and the background left out.
+struct FATHOM_API FirstLook {
+    double covered = 0;  ///< share of the picture that shows surfaces
+    double lit = 0;      ///< share of these that are not nearly black beside the brightest
+    double middle = 0;   ///< luminance of those that are lit: the median
+    double bright = 0;   ///< and what one in twenty is above
+
+    /// Stops that bring what is lit to a middling brightness, and leave little above white.
+    double exposure_ev() const;
+};
+
+/// Renders 64 pixels across at a few samples: a few hundredths of a second.
+/// aspect: width / height of the picture that is to come.
+FATHOM_API FirstLook first_look(const Scene& scene, double aspect);
+
+/// Which light a scene is rendered in.
+enum class LightChoice {
+    automatic,  ///< the file's, and where that leaves what is seen in the dark a studio's beside it
+    file,       ///< only what the file says, also if it is nothing
+    studio,     ///< a studio instead of the file's environment and lamps without a surface
+};
+
+struct LitScene {
+    Scene scene;
+    std::vector<std::string> added;  ///< in words: "a studio light, since ...", "an exposure of +2 stops for its light"
+    std::optional<double> exposure_ev;  ///< found for the light of the file; else its own, or none
+    bool studio = false;
+    bool backdrop = false;  ///< it is best seen before something light
+};
+
+/// Compiles a scene so that there is light to see it by: for models, whose files often have none, or none that reaches
+/// what they show.
+FATHOM_API LitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
+                                Warnings& warnings, TreeBuild build = TreeBuild::standard);
+
+}  // namespace fathom

@@ -1,0 +1,21 @@
+#pragma once
+#include <filesystem>
+
+#include "fathom/description.h"
+#include "fathom/export.h"
+#include "fathom/load.h"
+
+namespace fathom {
+
+/// Writes a scene as Fathom's own JSON (docs/scene-format.md). load_scene makes of it a scene that renders to the same
+/// bits.
+///
+/// Meshes, curves, points and embedded pictures become files of a folder beside it, which has the file's name with
+/// `-files` behind; pictures that are files already are referred to. The same scene makes the same bytes. What the
+/// format can't say is added to `warnings`.
+///
+/// Throws Error if the scene is none (an index out of range, a number that isn't finite), if something can't be
+/// written, or rather than overwrite what the scene was read from: then the JSON file isn't there, or as it was.
+FATHOM_API void save_scene(const SceneDescription& scene, const std::filesystem::path& file, Warnings& warnings);
+
+}  // namespace fathom

@@ -1,0 +1,137 @@
+#include "fathom/edit.h"
+
+#include <utility>
+
+#include "compile/scene_compiler.h"
+
+namespace fathom {
+
+struct SceneEdit::Data {
+    SceneDescription scene;
+    SceneCompiler compiler;
+    std::shared_ptr<Scene::Data> compiled;  ///< null: to be made anew
+    SceneChanges changes;
+    bool anew = true;
+
+    Data(SceneDescription description, std::string camera, TreeBuild build)
+        : scene(std::move(description)), compiler(scene, std::move(camera), build)
+    {
+    }
+};
+
+SceneEdit::SceneEdit(SceneDescription scene, std::string camera, TreeBuild build)
+    : data_(std::make_unique<Data>(std::move(scene), std::move(camera), build))
+{
+}
+SceneEdit::SceneEdit(SceneEdit&&) noexcept = default;
+SceneEdit& SceneEdit::operator=(SceneEdit&&) noexcept = default;
+SceneEdit::~SceneEdit() = default;
+
+const SceneDescription& SceneEdit::description() const
+{
+    return data_->scene;
+}
+
+namespace {
+
+/// A negative index is one out of range, too.
+template <class T>
+T& at(std::vector<T>& all, int index)
+{
+    return all.at(std::size_t(index));
+}
+
+}  // namespace
+
+void SceneEdit::set_transform(int node, const Transform& parent_from_node)
+{
+    at(data_->scene.nodes, node).parent_from_node = parent_from_node;
+    data_->changes.parts.nodes.push_back(node);
+}
+
+void SceneEdit::set_motion(int node, std::vector<NodeKey> keys)
+{
+    at(data_->scene.nodes, node).motion = std::move(keys);
+    data_->changes.parts.nodes.push_back(node);
+}
+
+void SceneEdit::set_vertices(int mesh, std::vector<Vec3f> positions, std::vector<Vec3f> normals,
+                             std::vector<Vec4f> tangents)
+{
+    Mesh& m = at(data_->scene.meshes, mesh);
+    if (!m.movable || positions.size() != m.positions.size()) data_->compiled.reset();
+    m.positions = std::move(positions);
+    m.normals = std::move(normals);
+    if (!tangents.empty()) m.tangents = std::move(tangents);
+    data_->changes.parts.meshes.push_back(mesh);
+}
+
+void SceneEdit::set_vertex_motion(int mesh, std::vector<MeshKey> keys)
+{
+    Mesh& m = at(data_->scene.meshes, mesh);
+    if (!m.movable) data_->compiled.reset();
+    m.motion = std::move(keys);
+    data_->changes.parts.meshes.push_back(mesh);
+}
+
+void SceneEdit::set_material(int material, const Material& material_now)
+{
+    at(data_->scene.materials, material) = material_now;
+    data_->changes.parts.materials.push_back(material);
+}
+
+void SceneEdit::set_light(int light, const Light& light_now)
+{
+    at(data_->scene.lights, light) = light_now;
+    data_->changes.parts.lights.push_back(light);
+}
+
+void SceneEdit::set_environment(const Environment& environment)
+{
+    const Environment& before = data_->scene.environment;
+    // A picture is decoded with those of textures.
+    const bool pictured = environment.kind == EnvironmentKind::image || before.kind == EnvironmentKind::image;
+    if (pictured && (environment.kind != before.kind || environment.image != before.image)) data_->compiled.reset();
+    data_->scene.environment = environment;
+    data_->changes.environment = true;
+}
+
+void SceneEdit::set_camera(int camera, const Camera& camera_now)
+{
+    at(data_->scene.cameras, camera) = camera_now;
+}
+
+void SceneEdit::set_shutter(double open, double close)
+{
+    for (Camera& camera : data_->scene.cameras) {
+        camera.shutter_open = open;
+        camera.shutter_close = close;
+    }
+}
+
+SceneDescription& SceneEdit::change()
+{
+    data_->compiled.reset();
+    return data_->scene;
+}
+
+Scene SceneEdit::compile(Warnings& warnings)
+{
+    // Out of its place: what an Error leaves behind is not to be used again.
+    std::shared_ptr<Scene::Data> scene = std::exchange(data_->compiled, nullptr);
+    const SceneChanges changes = std::exchange(data_->changes, {});
+    data_->anew = true;
+    if (scene && scene.use_count() == 1) data_->anew = !data_->compiler.update(*scene, changes, warnings);
+    if (data_->anew) scene = data_->compiler.compile(warnings);
+    data_->compiled = scene;
+    Scene result;
+    result.data_ = std::move(scene);
+    return result;
+}
+
+bool SceneEdit::compiled_anew() const
+{
+    return data_->anew;
+}
+
+}  // namespace fathom

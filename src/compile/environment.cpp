@@ -1,0 +1,107 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "compile/compiler.h"
+#include "compile/luminance.h"
+
+namespace fathom {
+
+namespace {
+
+/// Cumulative distributions over rows and, within a row, pixels, by luminance times the solid angle. Bilinear lookup
+/// spreads a pixel's light over its neighbours, so each cell has the mean of the 3x3 around it. Returns mean radiance.
+double make_environment_distribution(EnvironmentRecord& t)
+{
+    const int w = t.width, h = t.height;
+    const auto value = [&](int x, int y) {
+        x = (x + w) % w;
+        y = std::clamp(y, 0, h - 1);
+        const float* texel = &t.texels[(std::uint64_t(y) * std::uint64_t(w) + std::uint64_t(x)) * 4];
+        const float c[3] = {texel[0] * t.color[0], texel[1] * t.color[1], texel[2] * t.color[2]};
+        return std::max(0.0, luminance(c));
+    };
+    t.marginal.assign(std::size_t(h) + 1, 0);
+    t.conditional.assign(std::size_t(h) * std::size_t(w + 1), 0);
+    std::vector<double> rows(std::size_t(h) + 1);
+    double weight = 0;
+    for (int y = 0; y < h; ++y) {
+        const double sine = std::sin((y + 0.5) * std::numbers::pi / h);
+        std::vector<double> sum(std::size_t(w) + 1);
+        for (int x = 0; x < w; ++x) {
+            double v = 0;
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dx = -1; dx <= 1; ++dx) v += value(x + dx, y + dy) / 9;
+            sum[std::size_t(x) + 1] = sum[std::size_t(x)] + v;
+        }
+        float* row = &t.conditional[std::size_t(y) * std::size_t(w + 1)];
+        for (int x = 0; x <= w; ++x)
+            row[x] = sum[std::size_t(w)] > 0 ? float(sum[std::size_t(x)] / sum[std::size_t(w)]) : float(x) / float(w);
+        rows[std::size_t(y) + 1] = rows[std::size_t(y)] + sum[std::size_t(w)] * sine;
+        weight += sine * w;
+    }
+    const double total = rows[std::size_t(h)];
+    for (int y = 0; y <= h; ++y)
+        t.marginal[std::size_t(y)] = total > 0 ? float(rows[std::size_t(y)] / total) : float(y) / float(h);
+    return total / weight;
+}
+
+/// A soft light: a disk as seen from what it lights, whose edge is a third of its radius wide.
+struct Softbox {
+    Vec3d direction;
+    double angle, radiance;  ///< radius of the disk in radians; in its middle
+};
+
+/// Key, fill and rim as photographers place them: from above one side of the camera, dimmer from the other, and from
+/// behind. A white surface that faces the camera comes to a radiance of some 0.9.
+constexpr Softbox softboxes[] = {
+    {{-0.62, 0.62, 0.62}, 0.48, 4.2}, {{0.9, 0.2, 0.5}, 0.6, 0.7}, {{0.45, 0.5, -0.9}, 0.36, 3.0}};
+
+double studio_radiance(const Vec3d& d)
+{
+    // The room: dim below, so that forms show.
+    double sum = 0.26 + 0.1 * d.y;
+    for (const Softbox& box : softboxes) {
+        const double off = std::acos(std::clamp(dot(d, normalize(box.direction)), -1.0, 1.0)) / box.angle;
+        const double x = std::clamp((1 - off) * 3, 0.0, 1.0);
+        sum += box.radiance * x * x * (3 - 2 * x);
+    }
+    return sum;
+}
+
+/// As a picture, to be sampled and seen like one.
+void make_studio(EnvironmentRecord& t)
+{
+    t.kind = std::uint32_t(EnvironmentKind::image);
+    t.width = 256, t.height = 128;
+    t.texels.clear();
+    for (int y = 0; y < t.height; ++y)
+        for (int x = 0; x < t.width; ++x) {
+            const double phi = ((x + 0.5) / t.width - 0.5) * 2 * std::numbers::pi,
+                         theta = (y + 0.5) / t.height * std::numbers::pi;
+            const auto r = float(
+                studio_radiance({std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)}));
+            t.texels.insert(t.texels.end(), {r, r, r, 1});
+        }
+}
+
+}  // namespace
+
+void compile_environment(Compiler& c)
+{
+    const Environment& e = c.scene.environment;
+    EnvironmentRecord& t = c.tables.environment;
+    t.kind = std::uint32_t(e.kind);
+    t.color = {e.color.r, e.color.g, e.color.b};
+    t.bottom = {e.bottom.r, e.bottom.g, e.bottom.b};
+    t.top = {e.top.r, e.top.g, e.top.b};
+    t.mean_luminance = 0;
+    if (e.kind == EnvironmentKind::none) return;
+    const Transform inverse = e.world_from_environment.inverse();
+    for (std::size_t i = 0; i < 9; ++i) t.environment_from_render[i] = float(inverse.m[i / 3][i % 3]);
+    if (e.kind == EnvironmentKind::studio) make_studio(t);
+    if (EnvironmentKind(t.kind) == EnvironmentKind::image && t.width > 0)
+        t.mean_luminance = make_environment_distribution(t);
+}
+
+}  // namespace fathom

@@ -1,0 +1,11 @@
+#pragma once
+
+namespace fathom {
+
+/// Of linear Rec.709.
+inline double luminance(const float* c)
+{
+    return 0.2126 * double(c[0]) + 0.7152 * double(c[1]) + 0.0722 * double(c[2]);
+}
+
+}  // namespace fathom

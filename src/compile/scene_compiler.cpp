@@ -1,0 +1,256 @@
+#include "compile/scene_compiler.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "compile/check_sizes.h"
+#include "compile/instancing.h"
+#include "fathom/error.h"
+#include "fathom/memory.h"
+
+namespace fathom {
+
+namespace {
+
+/// Around the camera, so that what is near it keeps its precision; scaled so that the scene's radius is 512 to 1024.
+RenderSpace make_render_space(const SceneDescription& scene, const Camera& camera)
+{
+    RenderSpace space;
+    const Bounds bounds = world_bounds(scene);
+    space.origin = camera.position;
+    if (bounds.empty) return space;
+    double radius = 0;
+    for (int i = 0; i < 8; ++i) {
+        const Vec3d corner{i & 1 ? bounds.max.x : bounds.min.x, i & 2 ? bounds.max.y : bounds.min.y,
+                           i & 4 ? bounds.max.z : bounds.min.z};
+        radius = std::max(radius, length(corner - space.origin));
+    }
+    if (radius > 0 && std::isfinite(radius)) {
+        space.scale = std::exp2(9 - std::floor(std::log2(radius)));
+        space.radius = radius * space.scale;
+    }
+    return space;
+}
+
+/// Of shapes that instances place, by shape.
+std::vector<std::size_t> count_triangles(const GeometryTables& tables)
+{
+    std::vector<std::size_t> triangles(tables.shapes.size());
+    for (std::uint32_t i = tables.world_triangles; i < tables.first_quad(); ++i)
+        ++triangles[tables.shape_of_primitive[i]];
+    return triangles;
+}
+
+SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kernel,
+                              const std::vector<std::size_t>& triangles)
+{
+    SceneStatistics s;
+    s.triangles = tables.world_triangles;
+    for (const InstanceRecord& instance : tables.instances) s.triangles += triangles[instance.mesh_shape];
+    s.primitives = tables.primitive_count();
+    s.instances = tables.instances.size();
+    s.lights = tables.lights.size();
+    const auto bytes = [](const auto& v) { return v.size() * sizeof(v[0]); };
+    s.memory_bytes = bytes(tables.positions) + bytes(tables.normals) + bytes(tables.tangents) + bytes(tables.colors) +
+                     bytes(tables.uv0) + bytes(tables.uv1) + bytes(tables.triangles) + bytes(tables.quads) +
+                     bytes(tables.shape_of_primitive) + bytes(tables.shapes) + bytes(tables.instances) +
+                     bytes(tables.curves) + bytes(tables.curve_points) + bytes(tables.points) + bytes(tables.poses) +
+                     bytes(tables.texels) + bytes(tables.environment.texels) + bytes(tables.lights) +
+                     kernel.memory_bytes();
+    for (const auto& image : tables.packed_images) s.memory_bytes += bytes(image);
+    return s;
+}
+
+/// Refuses a scene whose compiled form can't fit, before it is tried. Meshes placed more than once are counted once:
+/// they become instances, or are small.
+void check_memory(const SceneDescription& scene, const Occurrences& occurrences)
+{
+    // An index and a number each, and what the tree takes for a triangle while it is built.
+    constexpr double bytes_per_triangle = 16 + 3 * 64;
+    double bytes = bytes_per_occurrence * double(occurrences.shapes.size());
+    std::vector<bool> counted(scene.meshes.size());
+    for (const ShapeOccurrence& p : occurrences.shapes) {
+        const auto* instance = std::get_if<MeshInstance>(&p.shape->geometry);
+        if (!instance || counted[std::size_t(instance->mesh)]) continue;
+        counted[std::size_t(instance->mesh)] = true;
+        const Mesh& mesh = scene.meshes[std::size_t(instance->mesh)];
+        bytes += bytes_per_triangle * double(mesh.indices.size()) / 3 +
+                 12.0 * double(mesh.positions.size() + mesh.normals.size()) * double(1 + mesh.motion.size()) +
+                 16.0 * double(mesh.tangents.size() + mesh.colors.size()) +
+                 8.0 * double(mesh.uvs[0].size() + mesh.uvs[1].size());
+    }
+    if (const double available = double(available_memory_bytes()); bytes > available)
+        throw Error(scene.file, "",
+                    fmt::format("the scene needs about {:.1f} GB of memory, {:.1f} GB are there", bytes / 1e9,
+                                available / 1e9));
+}
+
+void set_shutter(SceneTables& tables, const Camera& camera)
+{
+    tables.shutter_open = float(camera.shutter_open);
+    tables.shutter_close = float(camera.shutter_close);
+}
+
+class Stopwatch {
+public:
+    double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+std::shared_ptr<Scene::Data> SceneCompiler::compile(Warnings& warnings)
+{
+    const Stopwatch watch;
+    check_scene(scene_);
+    auto data = std::make_shared<Scene::Data>();
+    data->camera = world_camera(scene_, camera_);
+    check_camera(scene_, data->camera);
+    space_ = make_render_space(scene_, data->camera);
+    check_camera(scene_, data->camera, space_);
+
+    tables_ = std::make_shared<SceneTables>();
+    tables_->origin = space_.origin;
+    tables_->render_scale = space_.scale;
+    set_shutter(*tables_, data->camera);
+    Compiler c = compiler(warnings);
+    compile_materials(c);
+    occurrences_ = find_occurrences(c);
+    check_occurrences(c, occurrences_.shapes, occurrences_);
+    check_memory(scene_, occurrences_);
+    tables_->editable = std::any_of(occurrences_.shapes.begin(), occurrences_.shapes.end(),
+                                    [](const ShapeOccurrence& p) { return p.movable; });
+    contents_ = compile_geometry(c, occurrences_);
+    triangles_ = count_triangles(*tables_);
+    compile_instances(c, occurrences_, contents_);
+    compile_environment(c);
+    compile_lights(c, occurrences_.lights);
+
+    fingerprints_ = {fingerprint_vertices(*tables_), fingerprint_contents(*tables_), fingerprint_materials(*tables_),
+                     fingerprint_places(*tables_)};
+    data->tables = tables_;
+    data->kernel = make_kernel_scene(tables_, build_);
+    finish(*data);
+    data->statistics.build_s = watch.seconds();
+    return data;
+}
+
+bool SceneCompiler::update(Scene::Data& data, const SceneChanges& changes, Warnings& warnings)
+{
+    const Stopwatch watch;
+    check_parts(scene_, changes.parts);
+    data.camera = world_camera(scene_, camera_);
+    check_camera(scene_, data.camera);
+    check_camera(scene_, data.camera, space_);
+    const bool other_times = tables_->shutter_open != float(data.camera.shutter_open) ||
+                             tables_->shutter_close != float(data.camera.shutter_close);
+    // What is not movable has boxes that hold it while this shutter is open.
+    if (other_times && contents_.fixed_motion) return false;
+    set_shutter(*tables_, data.camera);
+    Compiler c = compiler(warnings);
+    Occurrences now = find_occurrences(c);
+    if (!keeps_places(now)) return false;
+    for (std::size_t i = 0; i < now.shapes.size(); ++i) now.shapes[i].instanced = occurrences_.shapes[i].instanced;
+    const std::vector<int> meshes = other_times ? with_moving(changes.parts.meshes) : changes.parts.meshes;
+    check_moved(c, now, meshes);
+    occurrences_ = std::move(now);
+    const bool other_materials = !changes.parts.materials.empty();
+    if (other_materials && !update_materials(c)) return false;
+    if (!update_vertices(c, meshes)) return false;
+    compile_instances(c, occurrences_, contents_);
+    if (changes.environment) compile_environment(c);
+    compile_lights(c, occurrences_.lights);
+
+    if (!meshes.empty()) fingerprints_.vertices = fingerprint_vertices(*tables_);
+    if (other_materials || changes.environment) fingerprints_.materials = fingerprint_materials(*tables_);
+    fingerprints_.places = fingerprint_places(*tables_);
+    std::vector<std::uint32_t> shapes;
+    for (int mesh : meshes)
+        if (const auto shape = contents_.shapes.find(&scene_.meshes[std::size_t(mesh)]);
+            shape != contents_.shapes.end())
+            shapes.push_back(shape->second);
+    data.kernel->update(shapes);
+    finish(data);
+    data.statistics.build_s = watch.seconds();
+    return true;
+}
+
+/// Whether all that can't move is where it was.
+bool SceneCompiler::keeps_places(const Occurrences& now) const
+{
+    const auto same_poses = [](const std::vector<NodeKey>& a, const std::vector<NodeKey>& b) {
+        return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const NodeKey& x, const NodeKey& y) {
+            return x.time == y.time && x.parent_from_node.m == y.parent_from_node.m;
+        });
+    };
+    const auto same = [&](const ShapeOccurrence& a, const ShapeOccurrence& b) {
+        if (a.shape != b.shape || a.movable != b.movable) return false;
+        if (a.movable) return true;
+        if (a.render_from_node.m != b.render_from_node.m || (a.motion < 0) != (b.motion < 0)) return false;
+        return a.motion < 0 ||
+               same_poses(occurrences_.motions[std::size_t(a.motion)], now.motions[std::size_t(b.motion)]);
+    };
+    return std::equal(occurrences_.shapes.begin(), occurrences_.shapes.end(), now.shapes.begin(), now.shapes.end(),
+                      same);
+}
+
+/// As compile() checks all.
+void SceneCompiler::check_moved(const Compiler& c, const Occurrences& now, const std::vector<int>& meshes) const
+{
+    std::vector<ShapeOccurrence> moved;
+    for (std::size_t i = 0; i < now.shapes.size(); ++i) {
+        const ShapeOccurrence& p = now.shapes[i];
+        const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry);
+        const bool other_shape = mesh && std::find(meshes.begin(), meshes.end(), mesh->mesh) != meshes.end();
+        if (other_shape || p.motion >= 0 || p.render_from_node.m != occurrences_.shapes[i].render_from_node.m)
+            moved.push_back(p);
+    }
+    check_occurrences(c, moved, now);
+}
+
+/// The meshes, and those whose vertices move: at other times they are elsewhere.
+std::vector<int> SceneCompiler::with_moving(std::vector<int> meshes) const
+{
+    for (const auto& [content, shape] : contents_.shapes)
+        if (tables_->shapes[shape].moving_vertices > 0)
+            meshes.push_back(int(static_cast<const Mesh*>(content) - scene_.meshes.data()));
+    std::sort(meshes.begin(), meshes.end());
+    meshes.erase(std::unique(meshes.begin(), meshes.end()), meshes.end());
+    return meshes;
+}
+
+bool SceneCompiler::update_vertices(Compiler& c, const std::vector<int>& meshes)
+{
+    if (meshes.empty()) return true;
+    const std::vector<float> times = Instancing(c, occurrences_).vertex_times();
+    if (times.size() != tables_->vertex_times.size()) return false;
+    tables_->vertex_times = times;
+    return std::all_of(meshes.begin(), meshes.end(),
+                       [&](int mesh) { return replace_vertices(c, contents_, scene_.meshes[std::size_t(mesh)]); });
+}
+
+/// False where geometry was made in another way because of a material.
+bool SceneCompiler::update_materials(Compiler& c)
+{
+    const std::vector<MaterialRecord> before = tables_->materials;
+    compile_material_records(c);
+    const auto alike = [](const MaterialRecord& a, const MaterialRecord& b) {
+        constexpr std::uint32_t shown = MaterialRecord::textured | MaterialRecord::normal_mapped;
+        return a.alpha_mode == b.alpha_mode && (a.flags & shown) == (b.flags & shown) &&
+               (a.emission_texture == no_index) == (b.emission_texture == no_index);
+    };
+    return std::equal(before.begin(), before.end(), tables_->materials.begin(), tables_->materials.end(), alike);
+}
+
+void SceneCompiler::finish(Scene::Data& data) const
+{
+    data.fingerprint = fingerprints_.all();
+    data.statistics = statistics_of(*tables_, *data.kernel, triangles_);
+}
+
+}  // namespace fathom

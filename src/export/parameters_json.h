@@ -1,0 +1,23 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "export/json_text.h"
+#include "fathom/load.h"
+
+namespace fathom {
+
+/// What materials and textures are written with: how others are called, and where warnings go.
+struct ParameterNames {
+    const std::string& file;                   ///< for warnings
+    const std::vector<std::string>& textures;  ///< by index
+    const std::vector<std::string>& images;    ///< paths, by index
+    Warnings& warnings;
+};
+
+Json color_json(Color color);
+/// What differs from the default.
+Json material_json(const Material& material, const ParameterNames& names);
+Json texture_json(const Texture& texture, const ParameterNames& names);
+
+}  // namespace fathom

@@ -1,0 +1,16 @@
+#pragma once
+/// What scene files call the values of enumerations, in the order of these: for reading and for writing.
+
+namespace fathom::words {
+
+inline constexpr const char* camera_kinds[] = {"perspective", "orthographic"};
+inline constexpr const char* light_kinds[] = {"point", "spot", "directional"};
+inline constexpr const char* environment_kinds[] = {"none", "constant", "gradient", "image", "studio"};
+inline constexpr const char* curve_bases[] = {"linear", "bezier", "bspline", "catmull-rom"};
+inline constexpr const char* curve_styles[] = {"round", "ribbon"};
+inline constexpr const char* channels[] = {"r", "g", "b", "a"};
+inline constexpr const char* filters[] = {"box", "gaussian", "blackman-harris"};
+inline constexpr const char* tonemaps[] = {"srgb", "filmic"};
+inline constexpr const char* builds[] = {"fast", "default", "high", "compact"};
+
+}  // namespace fathom::words

@@ -1,0 +1,336 @@
+#include "fathom/edit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <random>
+
+#include "compile/scene_data.h"
+#include "fathom/error.h"
+
+// Whatever was changed one after the other, the scene is that of the description as it then is: compared with compiling
+// it from nothing, by its tables' fingerprint and by all bits of a picture.
+namespace fathom {
+namespace {
+
+std::vector<std::uint32_t> picture(const Scene& scene, std::vector<Aov> aovs = {Aov::normal, Aov::instance_id})
+{
+    RenderSettings settings;
+    settings.width = 24, settings.height = 18;
+    settings.aovs = std::move(aovs);
+    const RenderJob job(scene, settings);
+    Film film(job);
+    render(job, {0, 4}, film);
+    return film.sums().words;
+}
+
+/// A tetrahedron with normals.
+Mesh tetrahedron(double size)
+{
+    Mesh mesh;
+    const float s = float(size);
+    mesh.positions = {{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}};
+    for (const Vec3f& p : mesh.positions) mesh.normals.push_back({p.x / s, p.y / s, p.z / s});
+    mesh.indices = {0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2};
+    return mesh;
+}
+
+int add_node(SceneDescription& d, Shape shape, const Transform& place, bool movable)
+{
+    Node node;
+    node.parent_from_node = place;
+    node.movable = movable;
+    node.shapes.push_back(std::move(shape));
+    d.nodes.push_back(std::move(node));
+    d.roots.push_back(int(d.nodes.size()) - 1);
+    return d.roots.back();
+}
+
+/// What stands still: a floor, balls, meshes placed often enough to be instances. What may move: one of each kind of
+/// shape, one of them a lamp, and a lamp of a node. A mesh whose vertices may.
+class Room {
+public:
+    SceneDescription d;
+    std::vector<int> movable;
+    int soft = -1, soft_node = -1, lamp = -1;
+
+    explicit Room(bool can_change = true)
+    {
+        d.file = "room";
+        d.cameras.emplace_back();
+        d.cameras[0].position = {0, 3, 12};
+        d.cameras[0].look_at = {0, 1, 0};
+        d.nodes.emplace_back();
+        d.nodes[0].camera = 0;
+        d.roots = {0};
+        for (const float g : {0.7f, 0.4f, 0.2f}) {
+            Material m;
+            m.base_color.value = {g, 0.5f, 1 - g};
+            d.materials.push_back(m);
+        }
+        Material light;
+        light.emission.value = {5, 4, 3};
+        lamp = int(d.materials.size());
+        d.materials.push_back(light);
+        Material glass;
+        glass.kind = MaterialKind::glass;
+        d.materials.push_back(glass);
+        d.meshes = {tetrahedron(0.5), tetrahedron(1), tetrahedron(0.7)};
+        d.meshes[2].movable = can_change;
+
+        add_node(d, {Rectangle{{-20, -2, 20}, {40, 0, 0}, {0, 0, -40}}, 0, ""}, {}, false);
+        for (int i = 0; i < 1200; ++i)
+            add_node(d, {MeshInstance{0}, i % 3, ""},
+                     Transform::translate({0.8 * (i % 40) - 16, -1.5, 2 - 0.8 * (i / 40)}), false);
+        for (int i = 0; i < 40; ++i)
+            add_node(d, {Sphere{{0.3 * i - 6, -1, 3}, 0.1, {}}, i % 3, ""}, Transform(), false);
+        const auto add = [&](auto geometry, int material, Vec3d place) {
+            movable.push_back(add_node(d, {geometry, material, ""}, Transform::translate(place), can_change));
+        };
+        add(MeshInstance{1}, 1, {-4, 1, 0});
+        add(MeshInstance{1}, lamp, {-2, 2, 0});
+        add(Sphere{{0, 0, 0}, 0.8, {}}, 4, {0, 1, 0});
+        add(Sphere{{0, 0, 0}, 0.3, {}}, lamp, {2, 2, 0});
+        add(Rectangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, lamp, {3, 0, 0});
+        add(Disk{{0, 0, 0}, {0, 0, 1}, 0.6}, lamp, {4, 2, 0});
+        add(Box{{0, 0, 0}, {1, 1, 1}}, 2, {5, 0, 0});
+        Light point;
+        point.intensity = {20, 20, 30};
+        d.lights.push_back(point);
+        Node node;
+        node.light = 0;
+        node.movable = can_change;
+        node.parent_from_node = Transform::translate({0, 6, 3});
+        movable.push_back(int(d.nodes.size()));
+        d.roots.push_back(int(d.nodes.size()));
+        d.nodes.push_back(node);
+        soft = 2;
+        soft_node = add_node(d, {MeshInstance{2}, 1, ""}, Transform::translate({-6, 1, 0}), false);
+        d.environment.kind = EnvironmentKind::constant;
+        d.environment.color = {0.1f, 0.1f, 0.2f};
+    }
+};
+
+class Editing : public ::testing::Test {
+protected:
+    Warnings warnings;
+
+    void expect_as_compiled(SceneEdit& edit, bool anew)
+    {
+        const Scene fresh = Scene::compile(edit.description(), "", warnings);
+        const Scene edited = edit.compile(warnings);
+        EXPECT_EQ(edit.compiled_anew(), anew);
+        EXPECT_EQ(edited.fingerprint(), fresh.fingerprint());
+        EXPECT_EQ(picture(edited), picture(fresh));
+        EXPECT_EQ(edited.statistics().triangles, fresh.statistics().triangles);
+        EXPECT_EQ(edited.statistics().lights, fresh.statistics().lights);
+    }
+};
+
+Transform random_place(std::mt19937& random)
+{
+    std::uniform_real_distribution<double> number(-1, 1);
+    const Transform turned = Transform::rotate({number(random), number(random), 1.5}, 3 * number(random));
+    const double size = std::exp(0.5 * number(random));
+    return Transform::translate({6 * number(random), 2 + 2 * number(random), 2 * number(random)}) * turned *
+           Transform::scale({size, size, random() % 4 == 0 ? -size : size});
+}
+
+TEST_F(Editing, FirstSceneIsTheCompiledOne)
+{
+    SceneEdit edit(Room().d);
+    expect_as_compiled(edit, true);
+    expect_as_compiled(edit, false);
+}
+
+/// Also what is no lamp.
+TEST_F(Editing, FingerprintTellsWhereThingsAre)
+{
+    const Room room;
+    SceneEdit edit(room.d);
+    const std::uint64_t before = edit.compile(warnings).fingerprint();
+    edit.set_transform(room.movable[0], Transform::translate({0, 3, 0}));
+    EXPECT_NE(edit.compile(warnings).fingerprint(), before);
+}
+
+TEST_F(Editing, PlacesChange)
+{
+    const Room room;
+    SceneEdit edit(room.d);
+    edit.compile(warnings);
+    const auto before = picture(edit.compile(warnings));
+    const std::uint64_t fingerprint = edit.compile(warnings).fingerprint();
+    std::mt19937 random(1);
+    for (int step = 0; step < 6; ++step) {
+        SCOPED_TRACE(step);
+        for (const int node : room.movable)
+            if (step < 2 || random() % 2) edit.set_transform(node, random_place(random));
+        expect_as_compiled(edit, false);
+    }
+    EXPECT_NE(picture(edit.compile(warnings)), before);
+    EXPECT_NE(edit.compile(warnings).fingerprint(), fingerprint);
+    // Back to where it was.
+    for (const int node : room.movable) edit.set_transform(node, room.d.nodes[std::size_t(node)].parent_from_node);
+    EXPECT_EQ(picture(edit.compile(warnings)), before);
+}
+
+/// A thing may be gone for a while.
+TEST_F(Editing, WhatVanishesComesBack)
+{
+    Room room;
+    for (const int node : room.movable) room.d.nodes[std::size_t(node)].parent_from_node = Transform::scale({0, 0, 0});
+    SceneEdit edit(room.d);
+    expect_as_compiled(edit, true);
+    std::mt19937 random(2);
+    for (const int node : room.movable) edit.set_transform(node, random_place(random));
+    expect_as_compiled(edit, false);
+    edit.set_transform(room.movable[1], Transform::scale({0, 0, 0}));
+    expect_as_compiled(edit, false);
+}
+
+TEST_F(Editing, VerticesChange)
+{
+    const Room room;
+    SceneEdit edit(room.d);
+    edit.compile(warnings);
+    // So often that what meshes were before must be cleared away.
+    for (int step = 1; step <= 2000; ++step) {
+        Mesh mesh = tetrahedron(0.7);
+        for (Vec3f& p : mesh.positions) p.x *= 1 + 0.001f * float(step);
+        mesh.normals[0] = {1, float(step), 2};
+        edit.set_vertices(room.soft, mesh.positions, mesh.normals);
+        if (step % 500 == 0)
+            expect_as_compiled(edit, false);
+        else
+            edit.compile(warnings);
+    }
+}
+
+TEST_F(Editing, MotionAndShutterChange)
+{
+    Room room;
+    Mesh& soft = room.d.meshes[std::size_t(room.soft)];
+    for (int k = 0; k < 2; ++k) {
+        MeshKey key{double(k), soft.positions, soft.normals};
+        for (Vec3f& p : key.positions) p.y += float(k);
+        soft.motion.push_back(key);
+    }
+    const auto keys = [](double angle) {
+        std::vector<NodeKey> motion;
+        for (int k = 0; k < 3; ++k)
+            motion.push_back(
+                {0.5 * k, Transform::translate({double(k), 1, 0}) * Transform::rotate({0, 1, 1}, angle * k)});
+        return motion;
+    };
+    room.d.nodes[std::size_t(room.movable[0])].motion = keys(0.5);
+    room.d.cameras[0].shutter_close = 0.25;
+    SceneEdit edit(room.d);
+    expect_as_compiled(edit, true);
+    for (int frame = 1; frame < 4; ++frame) {
+        SCOPED_TRACE(frame);
+        edit.set_shutter(0.25 * frame, 0.25 * frame + 0.25);
+        expect_as_compiled(edit, false);
+        edit.set_motion(room.movable[2], keys(0.3 * frame));
+        expect_as_compiled(edit, false);
+    }
+    for (MeshKey& key : soft.motion)
+        for (Vec3f& p : key.positions) p.z -= 1;
+    edit.set_vertex_motion(room.soft, soft.motion);
+    expect_as_compiled(edit, false);
+}
+
+TEST_F(Editing, MaterialsLightsAndSkyChange)
+{
+    const Room room;
+    SceneEdit edit(room.d);
+    edit.compile(warnings);
+    Material m = room.d.materials[1];
+    m.base_color.value = {0.1f, 0.8f, 0.1f};
+    m.kind = MaterialKind::metal;
+    edit.set_material(1, m);
+    expect_as_compiled(edit, false);
+    m.emission.value = {1, 2, 3};
+    edit.set_material(1, m);
+    expect_as_compiled(edit, false);
+    Material off = room.d.materials[std::size_t(room.lamp)];
+    off.emission.value = {0, 0, 0};
+    edit.set_material(room.lamp, off);
+    expect_as_compiled(edit, false);
+    Light light = room.d.lights[0];
+    light.kind = LightKind::directional;
+    edit.set_light(0, light);
+    expect_as_compiled(edit, false);
+    Environment sky = room.d.environment;
+    sky.color = {1, 0.5f, 0.5f};
+    edit.set_environment(sky);
+    expect_as_compiled(edit, false);
+    sky.kind = EnvironmentKind::gradient;
+    edit.set_environment(sky);
+    expect_as_compiled(edit, true);
+}
+
+/// What was not said to be movable costs the whole scene, and is right.
+TEST_F(Editing, OtherChangesCompileAll)
+{
+    const Room room(false);
+    SceneEdit edit(room.d);
+    edit.compile(warnings);
+    edit.set_transform(room.movable[0], Transform::translate({0, 3, 0}));
+    expect_as_compiled(edit, true);
+    edit.set_vertices(room.soft, tetrahedron(0.9).positions, tetrahedron(0.9).normals);
+    expect_as_compiled(edit, true);
+    edit.change().nodes[std::size_t(room.movable[1])].shapes.push_back({Sphere{{0, 3, 0}, 0.5, {}}, 0, ""});
+    expect_as_compiled(edit, true);
+    Material m = room.d.materials[0];
+    m.alpha_mode = AlphaMode::blend;
+    m.alpha.value = 0.5f;
+    edit.set_material(0, m);
+    expect_as_compiled(edit, true);
+}
+
+/// A scene that somebody has never changes.
+TEST_F(Editing, ScenesInUseStayAsTheyAre)
+{
+    const Room room;
+    SceneEdit edit(room.d);
+    const Scene first = edit.compile(warnings);
+    const std::uint64_t fingerprint = first.fingerprint();
+    const auto before = picture(first);
+    edit.set_transform(room.movable[0], Transform::translate({0, 3, 0}));
+    expect_as_compiled(edit, true);
+    EXPECT_EQ(first.fingerprint(), fingerprint);
+    EXPECT_EQ(picture(first), before);
+}
+
+TEST_F(Editing, WhatIsWrongIsRefusedByName)
+{
+    const Room room;
+    SceneEdit edit(room.d);
+    edit.compile(warnings);
+    const int node = room.movable[0];
+    EXPECT_THROW(edit.set_transform(99999, {}), std::out_of_range);
+    EXPECT_THROW(edit.set_transform(-1, {}), std::out_of_range);
+    const auto refusal = [&] {
+        try {
+            edit.compile(warnings);
+        } catch (const Error& e) {
+            return std::string(e.what());
+        }
+        return std::string();
+    };
+    edit.set_transform(node, Transform::translate({std::numeric_limits<double>::quiet_NaN(), 0, 0}));
+    EXPECT_NE(refusal().find("nodes[" + std::to_string(node) + "]"), std::string::npos);
+    edit.set_transform(node, Transform::translate({1e22, 0, 0}));
+    EXPECT_NE(refusal().find("nodes[" + std::to_string(node) + "]"), std::string::npos);
+    edit.set_transform(node, Transform::translate({1, 0, 0}));
+    expect_as_compiled(edit, true);
+    edit.set_vertices(room.soft, tetrahedron(1).positions, {});
+    expect_as_compiled(edit, true);
+    edit.set_vertices(room.soft, tetrahedron(1).positions, std::vector<Vec3f>(2));
+    EXPECT_NE(refusal().find("meshes[2].normals"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace fathom
