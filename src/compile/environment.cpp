@@ -74,7 +74,6 @@ void make_studio(EnvironmentRecord& t)
 {
     t.kind = std::uint32_t(EnvironmentKind::image);
     t.width = 256, t.height = 128;
-    t.texels.clear();
     for (int y = 0; y < t.height; ++y)
         for (int x = 0; x < t.width; ++x) {
             const double phi = ((x + 0.5) / t.width - 0.5) * 2 * std::numbers::pi,
@@ -96,6 +95,12 @@ void compile_environment(Compiler& c)
     t.bottom = {e.bottom.r, e.bottom.g, e.bottom.b};
     t.top = {e.top.r, e.top.g, e.top.b};
     t.mean_luminance = 0;
+    t.environment_from_render = EnvironmentRecord().environment_from_render;
+    // Pictures are there already. What another environment left behind must not tell two scenes apart.
+    if (e.kind != EnvironmentKind::image) {
+        t.texels.clear();
+        t.width = t.height = 0;
+    }
     if (e.kind == EnvironmentKind::none) return;
     const Transform inverse = e.world_from_environment.inverse();
     for (std::size_t i = 0; i < 9; ++i) t.environment_from_render[i] = float(inverse.m[i / 3][i % 3]);

@@ -21,7 +21,6 @@ static_assert(std::size(kinds) == material_kind_count);
 
 constexpr std::uint32_t all = (1u << material_kind_count) - 1;
 constexpr std::uint32_t scattering = all & ~kind_bits(none, unlit);
-constexpr std::uint32_t visible = all & ~kind_bits(none);
 
 constexpr const char* alpha_modes[] = {"opaque", "mask", "blend"};
 constexpr const char* more_light = "a reflectance above 1 would make light out of nothing";
@@ -62,16 +61,15 @@ const P parameters[] = {
     {"normal_map", scattering, TextureReference<Material>{&Material::normal_texture},
      "tangent-space normals, green up"},
     {"normal_scale", scattering, &Material::normal_scale, "multiplies x and y of the normal map"},
-    {"alpha", visible, &Material::alpha, "opacity; giving it makes alpha_mode 'blend'", 0, 1},
+    {"alpha", all, &Material::alpha, "opacity; giving it makes alpha_mode 'blend'", 0, 1},
     {.key = "alpha_mode",
-     .kinds = visible,
+     .kinds = all,
      .member = &Material::alpha_mode,
      .meaning = "what alpha does",
      .words = alpha_modes,
      .default_by_use = true},
-    {"alpha_cutoff", visible, &Material::alpha_cutoff, "mask: visible from this alpha on"},
-    {"use_vertex_color", visible, &Material::use_vertex_color,
-     "multiply colour and alpha with the mesh's vertex colours"},
+    {"alpha_cutoff", all, &Material::alpha_cutoff, "mask: visible from this alpha on"},
+    {"use_vertex_color", all, &Material::use_vertex_color, "multiply colour and alpha with the mesh's vertex colours"},
 };
 
 }  // namespace

@@ -266,9 +266,11 @@ TEST_F(Editing, MaterialsLightsAndSkyChange)
     sky.color = {1, 0.5f, 0.5f};
     edit.set_environment(sky);
     expect_as_compiled(edit, false);
-    sky.kind = EnvironmentKind::gradient;
-    edit.set_environment(sky);
-    expect_as_compiled(edit, true);
+    for (const EnvironmentKind kind : {EnvironmentKind::gradient, EnvironmentKind::studio, EnvironmentKind::none}) {
+        sky.kind = kind;
+        edit.set_environment(sky);
+        expect_as_compiled(edit, false);
+    }
 }
 
 /// What was not said to be movable costs the whole scene, and is right.
