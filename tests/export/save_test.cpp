@@ -237,6 +237,11 @@ TEST_F(Save, NodesOfEveryKind)
     scene.nodes.push_back(group);
     expect_same(scene);
     const SceneDescription again = saved(scene);
+    // A light that stands in several places is one node still.
+    std::size_t spots = 0;
+    for (const Node& node : again.nodes)
+        spots += node.light >= 0 && again.lights[std::size_t(node.light)].kind == LightKind::spot;
+    EXPECT_EQ(spots, 1u);
     ASSERT_EQ(again.cameras.size(), 2u);
     EXPECT_EQ(again.cameras[0].name, "same");
     EXPECT_EQ(again.cameras[1].name, "same");

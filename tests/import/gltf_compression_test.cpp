@@ -136,7 +136,9 @@ TEST_F(GltfCompression, MeshoptFilters)
     ASSERT_EQ(n.size(), 3u);
     EXPECT_NEAR(n[0].z, 1, 0.01);
     EXPECT_NEAR(n[1].x, 1, 0.01);
+    EXPECT_NEAR(n[1].z, 0, 0.01);
     EXPECT_NEAR(n[2].y, -1, 0.01);
+    EXPECT_NEAR(n[2].z, 0, 0.01);
 }
 
 TEST_F(GltfCompression, DamagedMeshopt)

@@ -76,11 +76,12 @@ TEST_F(FirstLooks, LampsInViewDoNotCount)
 {
     add_sun(10);
     const FirstLook before = look();
-    const int lamp = add_lamp({1000, 1000, 1000});
-    d.nodes[0].shapes.push_back({Rectangle{{1.6, 1.6, -8}, {0.05, 0, 0}, {0, 0.05, 0}}, lamp, ""});
+    const int lamp = add_lamp({30, 30, 30});
+    d.nodes[0].shapes.push_back({Rectangle{{1.9, 1.2, -3}, {1.2, 0, 0}, {0, 1.2, 0}}, lamp, ""});
     d.environment.kind = EnvironmentKind::none;
     const FirstLook after = look();
     EXPECT_NEAR(after.middle, before.middle, 0.05 * before.middle);
+    EXPECT_NEAR(after.bright, before.bright, 0.2 * before.bright);
     EXPECT_NEAR(after.exposure_ev(), before.exposure_ev(), 0.2);
 }
 
