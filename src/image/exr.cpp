@@ -98,10 +98,56 @@ bool fits_half(const Image::Layer& layer)
                         [](float v) { return std::abs(v) > largest_half && !std::isinf(v); });
 }
 
-/// OpenEXR believes an attribute's length and asks for as much memory.
+/// What OpenEXR reads of an attribute, whatever its length is said to be; 0: as much as is said.
+std::size_t fixed_size(std::string_view type)
+{
+    constexpr std::pair<std::string_view, std::size_t> sizes[] = {{"box2f", 16},
+                                                                  {"box2i", 16},
+                                                                  {"chromaticities", 32},
+                                                                  {"compression", 1},
+                                                                  {"deepImageState", 1},
+                                                                  {"double", 8},
+                                                                  {"envmap", 1},
+                                                                  {"float", 4},
+                                                                  {"int", 4},
+                                                                  {"keycode", 28},
+                                                                  {"lineOrder", 1},
+                                                                  {"m33d", 72},
+                                                                  {"m33f", 36},
+                                                                  {"m44d", 128},
+                                                                  {"m44f", 64},
+                                                                  {"rational", 8},
+                                                                  {"tiledesc", 9},
+                                                                  {"timecode", 8},
+                                                                  {"v2d", 16},
+                                                                  {"v2f", 8},
+                                                                  {"v2i", 8},
+                                                                  {"v3d", 24},
+                                                                  {"v3f", 12},
+                                                                  {"v3i", 12}};
+    for (const auto& [name, size] : sizes)
+        if (name == type) return size;
+    return 0;
+}
+
+/// Whether these bytes are a list of channels, which an empty name ends, and nothing else.
+bool is_channel_list(std::string_view bytes)
+{
+    constexpr std::size_t after_name = 16;
+    while (!bytes.empty() && bytes[0] != 0) {
+        const std::size_t name = bytes.find('\0');
+        if (name == std::string_view::npos || bytes.size() - name - 1 < after_name) return false;
+        bytes.remove_prefix(name + 1 + after_name);
+    }
+    return bytes.size() == 1;
+}
+
+/// OpenEXR believes an attribute's length and asks for as much memory. Where it reads less than that, it goes on in the
+/// middle.
 void check_attributes(const EncodedImage& file)
 {
     const auto fail = [&] { throw Error(file.name, "", "the file is cut short or damaged"); };
+    const char* const characters = reinterpret_cast<const char*>(file.bytes);
     std::size_t at = 8;
     const auto skip_word = [&] {
         const auto* end = at < file.size ? std::memchr(file.bytes + at, 0, file.size - at) : nullptr;
@@ -113,12 +159,16 @@ void check_attributes(const EncodedImage& file)
     do {
         while (at < file.size && file.bytes[at] != 0) {
             skip_word();  // name
-            skip_word();  // type
+            const std::size_t type_at = at;
+            skip_word();
+            const std::string_view type(characters + type_at, at - type_at - 1);
             std::uint32_t size = 0;
             if (file.size - at < 4) fail();
             for (int i = 3; i >= 0; --i) size = size << 8 | file.bytes[at + std::size_t(i)];
             at += 4;
             if (size > file.size - at) fail();
+            if (fixed_size(type) > 0 && size != fixed_size(type)) fail();
+            if (type == "chlist" && !is_channel_list({characters + at, size})) fail();
             at += size;
         }
         if (++at >= file.size) fail();

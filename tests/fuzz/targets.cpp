@@ -113,6 +113,56 @@ std::vector<std::string> json_seeds()
   {"rectangle": {"corner": [0, 0, 0], "edge_u": [1, 0, 0], "edge_v": [0, 1, 0]}}]})"};
 }
 
+std::string from_hex(std::string_view digits)
+{
+    std::string bytes;
+    for (std::size_t i = 0; i + 1 < digits.size(); i += 2)
+        bytes += char(std::stoi(std::string(digits.substr(i, 2)), nullptr, 16));
+    return bytes;
+}
+
+std::string glb_of(std::string json, std::string bytes)
+{
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
+    return "glTF" + raw(2u) + raw(std::uint32_t(28 + json.size() + bytes.size())) + raw(std::uint32_t(json.size())) +
+           raw(0x4e4f534au) + json + raw(std::uint32_t(bytes.size())) + raw(0x004e4942u) + bytes;
+}
+
+/// A pyramid as the encoders of meshoptimizer write it.
+std::string meshopt_seed()
+{
+    return glb_of(
+        R"({"asset": {"version": "2.0"}, "extensionsRequired": ["EXT_meshopt_compression"], "nodes": [{"mesh": 0}], "meshes":
+  [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}], "accessors": [{"bufferView": 0, "componentType": 5126,
+  "count": 5, "type": "VEC3"}, {"bufferView": 1, "componentType": 5125, "count": 18, "type": "SCALAR"}], "bufferViews":
+  [{"buffer": 0, "byteLength": 60, "byteStride": 12, "extensions": {"EXT_meshopt_compression": {"buffer": 0, "byteLength": 74,
+  "byteStride": 12, "count": 5, "mode": "ATTRIBUTES", "filter": "EXPONENTIAL"}}}, {"buffer": 0, "byteLength": 72, "extensions":
+  {"EXT_meshopt_compression": {"buffer": 0, "byteOffset": 74, "byteLength": 26, "byteStride": 4, "count": 18, "mode":
+  "TRIANGLES"}}}], "buffers": [{"byteLength": 100}]})",
+        from_hex(
+            "a000000133000000ffff0133c000007e7d7e0000010cc00000ffff010c0000007e0000000100c0000080000000000000000000"
+            "0000000000000000000000000000000000000000000000e0fe100004540f0f0801007687566778a9866589689801690000"));
+}
+
+/// The same as Draco's write it, by both of its methods.
+std::string draco_seed()
+{
+    return glb_of(
+        R"({"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_draco_mesh_compression"], "nodes": [{"mesh": 0}], "meshes":
+  [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "extensions": {"KHR_draco_mesh_compression": {"bufferView": 0,
+  "attributes": {"POSITION": 0}}}}, {"attributes": {"POSITION": 2}, "indices": 3, "extensions": {"KHR_draco_mesh_compression":
+  {"bufferView": 1, "attributes": {"POSITION": 0}}}}]}], "accessors": [{"componentType": 5126, "count": 5, "type": "VEC3"},
+  {"componentType": 5125, "count": 18, "type": "SCALAR"}, {"componentType": 5126, "count": 5, "type": "VEC3"}, {"componentType":
+  5125, "count": 18, "type": "SCALAR"}], "bufferViews": [{"buffer": 0, "byteLength": 97}, {"buffer": 0, "byteOffset": 97,
+  "byteLength": 93}], "buffers": [{"byteLength": 190}]})",
+        from_hex(
+            "445241434f02020101000000050600050000026f0101011001ff000001000903000002010101000f3701400100ffffff0f00fc"
+            "ffff3f000000fcff0000000800060000200020000000000000ff3f0000000000000000000000000000000000400e445241434f"
+            "0202010000000605010001020103020304020400020003010004030101000903000002000101000903cd0c1735330304e082f8"
+            "0700f8030c000414f807000000000000ff0000000000000000000000000000000000004008"));
+}
+
 std::vector<std::string> gltf_seeds()
 {
     // Three corners, three indices.
@@ -131,14 +181,9 @@ std::vector<std::string> gltf_seeds()
   [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 6}], "buffers": [{"byteLength": 42)" +
                buffer + "}]}";
     };
-    std::string json = text("");
-    json.resize((json.size() + 3) / 4 * 4, ' ');
     const std::string bytes =
         raw(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}) + raw(std::vector<std::uint16_t>{0, 1, 2, 0});
-    const std::string glb = raw(0x4e4f534au), bin = raw(0x004e4942u);
-    return {text(R"(, "uri": ")" + uri + '"'), "glTF" + raw(2u) + raw(std::uint32_t(28 + json.size() + bytes.size())) +
-                                                   raw(std::uint32_t(json.size())) + glb + json +
-                                                   raw(std::uint32_t(bytes.size())) + bin + bytes};
+    return {text(R"(, "uri": ")" + uri + '"'), glb_of(text(""), bytes), meshopt_seed(), draco_seed()};
 }
 
 std::vector<std::string> obj_seeds()

@@ -2,6 +2,8 @@
 #include <png.h>
 #include <sys/stat.h>
 
+#include <cstring>
+
 #include "../memory_limit.h"
 #include "fathom/error.h"
 #include "pictures.h"
@@ -63,6 +65,25 @@ TEST(Exr, AttributesLongerThanTheFileAreNotBelieved)
     file.replace(at, name.size() + 4, std::string("compression") + '\0' + "string" + '\0' + raw(0x7ffffff0));
     const test::MemoryLimit limit(rlim_t(1) << 30);
     EXPECT_EQ(error_of(file), "the file is cut short or damaged");
+}
+
+TEST(Exr, AttributesThatReachIntoTheNextAreNotBelieved)
+{
+    // OpenEXR stops where a list of channels or a box ends, and takes what comes then for an attribute: of two
+    // gigabytes of text.
+    const std::string zero(1, '\0'), text = "a" + zero + "string" + zero + raw(0x7ffffff0);
+    const std::string good = exr_of_integers();
+    for (const std::string& word : {"channels" + zero + "chlist" + zero, "dataWindow" + zero + "box2i" + zero}) {
+        std::string file = good;
+        const std::size_t at = file.find(word) + word.size();
+        std::int32_t size = 0;
+        std::memcpy(&size, &file[at], 4);
+        file.insert(at + 4 + std::size_t(size), text);
+        size += std::int32_t(text.size());
+        std::memcpy(&file[at], &size, 4);
+        const test::MemoryLimit limit(rlim_t(1) << 30);
+        EXPECT_EQ(error_of(file), "the file is cut short or damaged") << word;
+    }
 }
 
 /// A picture of one colour of a palette, which is packed as tightly as can be.

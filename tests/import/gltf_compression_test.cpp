@@ -185,6 +185,14 @@ TEST_F(GltfCompression, DamagedDraco)
     refused(draco_file(good.substr(0, good.size() / 2)), "the compressed bytes are damaged");
     refused(draco_file("nothing"), "KHR_draco_mesh_compression: the compressed bytes are damaged");
     refused(draco_file(good, "", 7), "there is no attribute of this number");
+    const auto with = [&](const std::string& from, const std::string& to) {
+        std::string file = draco_file(good);
+        const std::size_t at = file.find(from);
+        EXPECT_NE(at, std::string::npos) << from;
+        return file.replace(at, from.size(), to);
+    };
+    refused(with(R"("count")", R"("counts")"), "accessors[0]: key 'count' is missing");
+    refused(with(R"("attributes": {"POSITION": 0}}})", R"("attributes": [0]}})"), "expected an object");
     refused(draco_file(good, "", 0, 900), "has 900 elements of 3 components, its compressed bytes 5 of 3");
     // Every single byte changed: read or refused, never more.
     for (std::size_t i = 0; i < good.size(); ++i)

@@ -140,6 +140,9 @@ TEST_F(Ply, Mistakes)
               "face 0: vertex 4 is out of range: there are 4");
     EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + body + "4 0 1 2 -1\n"),
               "face 0: vertex -1 is out of range: there are 4");
+    for (const char* number : {"1e32", "-1e32"})
+        EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + body + "4 0 1 2 " + number + "\n"),
+                  "face 0: vertex 9007199254740992 is out of range: there are 4");
     EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + body + "3 0 1\n"), "line 16: the file ends too early");
     EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + body + "999999999 0 1\n"),
               "line 15: a list of 999999999 elements does not fit into the file");

@@ -105,8 +105,11 @@ std::map<std::size_t, DecodedAccessor> decode_draco(GltfFile& file, const JsonVa
     // What the file promises is asked for before anything is unpacked: a few bytes can ask for much.
     const JsonValue attributes = primitive["attributes"];
     double most = 0;
-    for (const auto& [name, number] : attributes.json().items())
-        most = std::max(most, double(file.follow("accessors", attributes[name])["count"].count()));
+    for (const auto& [name, number] : attributes.json().items()) {
+        const JsonValue accessor = file.follow("accessors", attributes[name]);
+        if (!accessor.has("count")) accessor.fail("key 'count' is missing");
+        most = std::max(most, double(accessor["count"].count()));
+    }
     file.check_memory(v, 100 * most);
     draco::DecoderBuffer buffer;
     buffer.Init(bytes.data(), bytes.size());
@@ -117,6 +120,7 @@ std::map<std::size_t, DecodedAccessor> decode_draco(GltfFile& file, const JsonVa
     const draco::Mesh& mesh = *decoded.value();
     std::map<std::size_t, DecodedAccessor> accessors;
     const JsonValue ids = v["attributes"];
+    ids.object();
     for (const auto& [name, number] : ids.json().items()) {
         if (!attributes.has(name)) continue;
         const JsonValue id = ids[name];

@@ -201,7 +201,11 @@ private:
     {
         const std::size_t count = body_.list_length(property.count_type);
         corners_.clear();
-        for (std::size_t k = 0; k < count; ++k) corners_.push_back(std::int64_t(body_.number(property.type)));
+        for (std::size_t k = 0; k < count; ++k) {
+            const double index = body_.number(property.type);
+            // Any number of a vertex that there is not stands for what no integer holds.
+            corners_.push_back(std::abs(index) < 0x1p53 ? std::int64_t(index) : std::int64_t(1) << 53);
+        }
     }
 
     /// The usual body, a length byte and 32-bit corners, without a branch on types.
