@@ -29,7 +29,8 @@ if(FATHOM_FUZZ)
   if(NOT FATHOM_FUZZER_COMPILES)
     message(FATAL_ERROR "-fsanitize=fuzzer is not there: FATHOM_FUZZ needs Clang with its libraries (libclang-rt-19-dev)")
   endif()
-  target_compile_options(fathom_flags INTERFACE -fsanitize=fuzzer-no-link)
+  # What the sanitizers find ends the program, or libFuzzer would not keep the file.
+  target_compile_options(fathom_flags INTERFACE -fsanitize=fuzzer-no-link -fno-sanitize-recover=all)
 endif()
 target_include_directories(fathom_flags INTERFACE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
 

@@ -168,9 +168,10 @@ check_ccache() {
     rm -r "$folder"
 }
 
-# build_preset NAME: configures and builds build/NAME, in the current folder.
+# build_preset NAME [TARGET...]: configures and builds build/NAME, in the current folder: all of it, or these targets.
 build_preset() {
     local preset=$1 jobs
+    shift
     if [ -e "build/$preset" ] && [ ! -w "build/$preset" ]; then
         fail "$PWD/build/$preset belongs to another user; remove it, or run this command as that user"
     fi
@@ -183,7 +184,7 @@ build_preset() {
         cmake --preset "$preset" >&2 || fail "CMake could not configure build/$preset (see above)"
     fi
     say "building build/$preset, $jobs at a time"
-    cmake --build --preset "$preset" --parallel "$jobs" >&2 || fail "the build failed (see above)"
+    cmake --build --preset "$preset" --parallel "$jobs" ${1:+--target "$@"} >&2 || fail "the build failed (see above)"
 }
 
 if [ "${BASH_SOURCE[0]}" = "$0" ]; then

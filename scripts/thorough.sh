@@ -2,7 +2,7 @@
 # What takes too long for each change: sanitizers, clang-tidy, all planted bugs, many damaged files. docs/testing.md tells
 # the last result.
 #   scripts/thorough.sh                 all of it: hours
-#   scripts/thorough.sh asan tidy       some of it: asan, tsan, tidy, damaged, planted
+#   scripts/thorough.sh asan tidy       some of it: asan, tsan, tidy, damaged, fuzz, planted
 # The last line says how many parts passed and failed.
 set -uo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -15,10 +15,13 @@ run_asan() {
     build_preset asan && ctest --preset asan --parallel "$(nproc)" --label-exclude "planted|thorough"
 }
 
-# Thread sanitizer over what has threads: jobs, passes, films and the build of the tree.
+# Thread sanitizer over what has threads: jobs, passes, films, pictures that are decoded, the build of the tree, the program's
+# line of progress and its window.
 run_tsan() {
-    build_preset tsan &&
-        TSAN_OPTIONS="suppressions=$here/scripts/tsan.supp" ctest --preset tsan -R '^(Film|FilmKey|RenderPass|RenderJob|TextureDecoding|QuadLoop|base\.BvhBuild)'
+    scripts/tsan_tbb.sh &&
+        build_preset tsan film_tests session_tests picture_tests geometry_tests_base fathom fathom_double &&
+        TSAN_OPTIONS="suppressions=$here/scripts/tsan.supp" ctest --preset tsan --no-tests=error \
+            -R '^(Film|Render|TextureDecoding|QuadLoop|Invariance|base\.BvhBuild|command_line|window)'
 }
 
 run_tidy() {
@@ -29,13 +32,30 @@ run_damaged() {
     build_preset test && tests/apps/damaged_files_test.py build/test/bin/fathom scenes 1000 2
 }
 
+# Three minutes of libFuzzer for each reader, under the sanitizers; what is found stays in build/fuzz.
+run_fuzz() {
+    local targets=(fathom-json gltf obj mtl ply stl image film) target found=0
+    build_preset fuzz fuzz_driver "${targets[@]/#/fuzz_}" || return
+    for target in "${targets[@]}"; do
+        mkdir -p "build/fuzz/corpus/$target"
+        build/fuzz/bin/fuzz_driver "$target" seeds "build/fuzz/corpus/$target" || return
+        if ! "build/fuzz/bin/fuzz_$target" -max_total_time=180 -rss_limit_mb=2000 -timeout=20 -print_final_stats=1 \
+            -artifact_prefix="build/fuzz/$target-" "build/fuzz/corpus/$target" 2>"build/fuzz/$target.log"; then
+            say "fuzz $target: see build/fuzz/$target.log"
+            found=1
+        fi
+        sed -n "s/^stat::number_of_executed_units: */fuzz $target: files: /p" "build/fuzz/$target.log"
+    done
+    return "$found"
+}
+
 run_planted() {
     scripts/planted.sh
 }
 
-install_missing "${packages_to_build[@]}" "${packages_to_test[@]}" libclang-rt-19-dev clang-tidy-19
+install_missing "${packages_to_build[@]}" "${packages_to_test[@]}" libclang-rt-19-dev clang-tidy-19 dpkg-dev
 parts=("$@")
-[ ${#parts[@]} -gt 0 ] || parts=(asan tsan tidy damaged planted)
+[ ${#parts[@]} -gt 0 ] || parts=(asan tsan tidy damaged fuzz planted)
 passed=0 failed=0
 results=()
 for part in "${parts[@]}"; do
