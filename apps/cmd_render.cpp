@@ -255,9 +255,7 @@ int run_render(RenderOptions& o, Reporter& reporter)
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
         return compile_loaded(loaded, o.scene, warnings);
     }();
-    if (!lit.added.empty()) reporter.note(fmt::format("light: added {}", fmt::join(lit.added, ", ")));
-    if (lit.exposure_ev && !o.picture.exposure_ev) write.display.exposure_ev = *lit.exposure_ev;
-    if (lit.backdrop && !settings.background) settings.background = backdrop;
+    use_light(lit, o.picture, settings, write.display, reporter);
     const Scene& scene = lit.scene;
     summary.build_s = seconds_since_start() - summary.load_s;
     reporter.warnings(warnings);

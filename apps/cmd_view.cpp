@@ -85,14 +85,13 @@ int run_view(ViewOptions& o)
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
         return compile_loaded(loaded, o.scene, warnings);
     }();
-    if (!lit.added.empty()) reporter.note(fmt::format("light: added {}", fmt::join(lit.added, ", ")));
-    if (lit.backdrop && !settings.background) settings.background = backdrop;
+    DisplayTransform display = write_options(o.picture, hints).display;
+    use_light(lit, o.picture, settings, display, reporter);
     view::ViewJob job{std::move(lit.scene), settings, {}, 0, {}, {}, {}, 0, nullptr};
     reporter.warnings(warnings);
     job.name = o.scene.file.filename().string();
     job.samples = o.samples.value_or(hinted);
-    job.display = write_options(o.picture, hints).display;
-    if (lit.exposure_ev && !o.picture.exposure_ev) job.display.exposure_ev = *lit.exposure_ev;
+    job.display = display;
     job.bounds = bounds;
     job.latency_log = o.latency_log;
     job.script_moves = o.script_moves;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "arguments.h"
+#include "fathom/first_look.h"
 #include "fathom/image.h"
 #include "fathom/render.h"
 #include "reporter.h"
@@ -26,6 +27,10 @@ void add_picture_options(Command& command, PictureOptions& options);
 bool writes_exr(const PictureOptions& options);
 /// Options first, then what the scene asks for.
 WriteOptions write_options(const PictureOptions& options, const RenderHints& hints);
+
+/// Tells which light was added, and takes what goes with it: its exposure and a backdrop, where no option says another.
+void use_light(const LitScene& lit, const PictureOptions& options, RenderSettings& settings, DisplayTransform& display,
+               Reporter& reporter);
 
 /// "0:16,32:48"
 std::string text_of(const std::vector<SampleRange>& samples);

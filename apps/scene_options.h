@@ -45,7 +45,6 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings);
 
 /// Compiles it, with light. Its description is used up.
 LitScene compile_loaded(LoadedScene& loaded, const SceneOptions& options, Warnings& warnings);
-inline constexpr Color backdrop{0.55f, 0.55f, 0.55f};
 
 extern const std::vector<std::string> tree_build_names;  ///< by TreeBuild
 
