@@ -75,6 +75,19 @@ void use_environment(SceneDescription& scene, const std::filesystem::path& file)
     scene.images.push_back(image);
 }
 
+/// Whichever picture or gradient lights the scene from outside, that of the options or its own.
+void adjust_environment(Environment& environment, const SceneOptions& options)
+{
+    if (options.environment_turn_deg == 0 && !options.environment_strength) return;
+    if (environment.kind == EnvironmentKind::none)
+        throw UsageError("--env-rotate, --env-strength: the scene has no environment; add --env FILE");
+    const double turn = options.environment_turn_deg * std::numbers::pi / 180;
+    environment.world_from_environment = Transform::rotate({0, 1, 0}, turn) * environment.world_from_environment;
+    const auto strength = float(options.environment_strength.value_or(1));
+    for (Color* c : {&environment.color, &environment.bottom, &environment.top})
+        *c = {c->r * strength, c->g * strength, c->b * strength};
+}
+
 /// A name that no camera has.
 std::string unused_name(const SceneDescription& scene, std::string name)
 {
@@ -158,8 +171,14 @@ void add_scene_options(Command& command, SceneOptions& options)
                           if (std::abs(n[1]) > 90) throw UsageError("the elevation is from -90 to 90");
                           options.orbit_deg = {n[0], n[1]};
                       });
-    command.add_value("--env", "FILE", "light the scene by this equirectangular picture (HDR, EXR, ...)",
+    command.add_value("--env", "FILE",
+                      "light the scene by this equirectangular picture (HDR, EXR, ...); its middle looks along +x",
                       [&](const std::string& text) { options.environment = text; });
+    command.add_value("--env-rotate", "DEGREES",
+                      "turn the environment about the vertical axis, counter-clockwise seen from above",
+                      [&](const std::string& text) { options.environment_turn_deg = parse_number(text, -1e6, 1e6); });
+    command.add_value("--env-strength", "X", "multiply the light of the environment",
+                      [&](const std::string& text) { options.environment_strength = parse_number(text, 0, 1e9); });
     command.add_value(
         "--light", "auto|file|studio",
         "auto (default): the file's, and a studio's where that leaves what is seen in the dark; only the "
@@ -178,6 +197,7 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     LoadedScene loaded;
     SceneDescription& scene = loaded.description = load_scene(options.file, load_options(options), warnings);
     if (!options.environment.empty()) use_environment(scene, options.environment);
+    adjust_environment(scene.environment, options);
     if (!options.camera.empty()) world_camera(scene, options.camera);  // throws if there is none
     loaded.build = tree_build_of(options, scene);
     loaded.camera = options.camera;

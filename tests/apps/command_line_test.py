@@ -332,6 +332,17 @@ class CommandLine(unittest.TestCase):
         self.refused(2, "render", "dark.json", "--env", "sky.hdr", "--light", "studio", words=["one of both"])
         self.refused(2, "render", "dark.json", "--light", "moon", words=["moon"])
 
+    def test_environment_turned_and_dimmed(self):
+        self.scene("sky.hdr", "x")
+        self.scene("plain.json", "camera a")
+        seen = lambda *options: self.ok("render", "plain.json", "--spp", "1", "--env", "sky.hdr", *options).stderr
+        self.assertIn("sky.hdr towards 1.000,0.000,0.000 times 1\n", seen())
+        # Counter-clockwise seen from above: from +x (the right) to -z (ahead).
+        self.assertIn("sky.hdr towards 0.866,0.000,-0.500 times 0.25\n", seen("--env-rotate", "30", "--env-strength", "0.25"))
+        for option in ("--env-rotate", "--env-strength"):
+            self.refused(2, "render", "plain.json", option, "2", words=["no environment", "--env FILE"])
+        self.refused(2, "render", "plain.json", "--env", "sky.hdr", "--env-strength", "-1", words=["--env-strength"])
+
     def test_only_sample(self):
         result = self.ok("render", "box.json", "--only-sample", "12,34,56")
         self.assertEqual(result.stdout, "pixel 12,34 sample 56: 12 34 56\n")

@@ -99,8 +99,12 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
     warnings.add(fmt::format("camera '{}' at {},{},{} to {},{},{} up {},{},{} fov {:.4g} aspect {}", c.name,
                              c.position.x, c.position.y, c.position.z, c.look_at.x, c.look_at.y, c.look_at.z, c.up.x,
                              c.up.y, c.up.z, c.fov_y * 180 / M_PI, c.aspect));
-    if (description.environment.kind == EnvironmentKind::image)
-        warnings.add("environment " + description.images.at(std::size_t(description.environment.image)).path.string());
+    if (const Environment& e = description.environment; e.kind == EnvironmentKind::image) {
+        const Vec3d middle = e.world_from_environment.vector({1, 0, 0});
+        warnings.add(fmt::format("environment {} towards {:.3f},{:.3f},{:.3f} times {:g}",
+                                 description.images.at(std::size_t(e.image)).path.string(), middle.x, middle.y,
+                                 middle.z, e.color.g));
+    }
     Scene scene;
     scene.data_ = std::move(data);
     return scene;
