@@ -9,26 +9,44 @@
 
 namespace fathom::cli {
 
-const std::vector<std::string> tonemap_names = {"srgb", "filmic"};
+namespace {
+
+const std::vector<std::string> tonemap_words(std::begin(tonemap_names), std::end(tonemap_names));
+
+Tonemap tonemap_for(const PictureOptions& options, const RenderHints& hints)
+{
+    if (options.tonemap) return *options.tonemap;
+    if (!hints.tonemap) return Tonemap::khronos_neutral;
+    const auto name = std::find(tonemap_words.begin(), tonemap_words.end(), *hints.tonemap);
+    if (name == tonemap_words.end())
+        throw Error("", "tonemap",
+                    fmt::format("expected {}, found '{}'", fmt::join(tonemap_words, " or "), *hints.tonemap));
+    return Tonemap(name - tonemap_words.begin());
+}
+
+}  // namespace
 
 void add_display_options(Command& command, PictureOptions& options)
 {
-    command.add_value("--exposure", "STOPS", "brighter (+) or darker (-) PNG, JPEG and window, in powers of two",
+    command.add_value("--exposure", "STOPS", "brighter (+) or darker (-) PNG, JPEG, WebP and window, in powers of two",
                       [&](const std::string& text) { options.exposure_ev = parse_number(text, -100, 100); });
     command.add_value(
-        "--tonemap", "srgb|filmic",
-        "for PNG, JPEG and window; srgb (default) shows radiance up to 1 as it is, so that pictures can be compared; "
-        "filmic rolls off highlights",
-        [&](const std::string& text) { options.tonemap = Tonemap(parse_word(text, tonemap_names)); });
+        "--tonemap", "NAME",
+        "for PNG, JPEG, WebP and window: khronos-neutral (default) keeps the colours of surfaces, agx and aces are "
+        "like "
+        "film, filmic is a simple curve, srgb shows radiance up to 1 as it is, so that pictures can be compared",
+        [&](const std::string& text) { options.tonemap = Tonemap(parse_word(text, tonemap_words)); });
 }
 
 void add_picture_options(Command& command, PictureOptions& options)
 {
     command.add_files("-o,--output", options.outputs,
-                      "file to write: .exr, .png, .jpg or .hdr; may be given several times");
+                      "file to write: .exr, .png, .jpg, .webp or .hdr; may be given several times");
     add_display_options(command, options);
     command.add_value("--png-bits", "8|16", "bits per channel of PNG (default 8)",
                       [&](const std::string& text) { options.png_bits = parse_word(text, {"8", "16"}) ? 16 : 8; });
+    command.add_value("--quality", "1..100", "of JPEG (default 95) and WebP (default: without loss)",
+                      [&](const std::string& text) { options.quality = int(parse_integer(text, 1, 100)); });
     command.add_value("--exr", "half|float", "numbers of EXR (default float)",
                       [&](const std::string& text) { options.exr_half = parse_word(text, {"half", "float"}) == 0; });
 }
@@ -48,15 +66,9 @@ WriteOptions write_options(const PictureOptions& options, const RenderHints& hin
     write.display.exposure_ev = options.exposure_ev.value_or(hints.exposure.value_or(0));
     write.png_bits = options.png_bits;
     write.exr_half = options.exr_half;
-    if (options.tonemap) {
-        write.display.tonemap = *options.tonemap;
-    } else if (hints.tonemap) {
-        const auto name = std::find(tonemap_names.begin(), tonemap_names.end(), *hints.tonemap);
-        if (name == tonemap_names.end())
-            throw Error("", "tonemap",
-                        fmt::format("expected {}, found '{}'", fmt::join(tonemap_names, " or "), *hints.tonemap));
-        write.display.tonemap = Tonemap(name - tonemap_names.begin());
-    }
+    write.display.tonemap = tonemap_for(options, hints);
+    if (options.quality) write.jpeg_quality = *options.quality;
+    write.webp_quality = options.quality;
     return write;
 }
 

@@ -18,6 +18,7 @@ struct PictureOptions {
     std::optional<double> exposure_ev;
     std::optional<Tonemap> tonemap;
     int png_bits = 8;
+    std::optional<int> quality;  ///< of JPEG and WebP
     bool exr_half = false;
 };
 
@@ -25,7 +26,7 @@ struct PictureOptions {
 void add_display_options(Command& command, PictureOptions& options);
 void add_picture_options(Command& command, PictureOptions& options);
 bool writes_exr(const PictureOptions& options);
-/// Options first, then what the scene asks for.
+/// Options first, then what the scene asks for, then khronos-neutral: docs/tone-mapping.md says why.
 WriteOptions write_options(const PictureOptions& options, const RenderHints& hints);
 
 /// Tells which light was added, and takes what goes with it: its exposure and a backdrop, where no option says another.
@@ -38,7 +39,5 @@ std::string text_of(const std::vector<SampleRange>& samples);
 bool write_pictures(const PictureOptions& options, const Image& image, const WriteOptions& write, Reporter& reporter);
 /// A layer that tells how many samples each pixel has.
 Image::Layer sample_count_layer(const Film& film);
-
-extern const std::vector<std::string> tonemap_names;
 
 }  // namespace fathom::cli

@@ -102,7 +102,8 @@ class CommandLine(unittest.TestCase):
             "--only-sample": ["1,2", "800,0,0", "0,600,0", "-1,0,0", "0,0,4294967296"],
             "--aov": ["colour", ""],
             "--exposure": ["nan", "inf", "1000", "x"],
-            "--tonemap": ["aces"],
+            "--tonemap": ["reinhard"],
+            "--quality": ["0", "101", "x"],
             "--background": ["blue", "#12345", "#gggggg", "1,2", "-1,0,0", "nan,0,0"],
             "--look-from": ["1,2", "nan,0,0", "1,2,3,4"],
             "--up": ["0,0,0"],
@@ -281,9 +282,9 @@ class CommandLine(unittest.TestCase):
 
     def test_pictures(self):
         self.ok("render", "box.json", "--spp", "1", "--size", "20x10", "--background", "transparent", "--png-bits", "16",
-                "-o", "a.png", "-o", "a.exr", "-o", "a.jpg", "--output", "a.hdr")
+                "-o", "a.png", "-o", "a.exr", "-o", "a.jpg", "-o", "a.webp", "--output", "a.hdr")
         self.assertEqual(png_size(self.path("a.png")), (20, 10, 16, 6))
-        for name in ("a.exr", "a.jpg", "a.hdr"):
+        for name in ("a.exr", "a.jpg", "a.webp", "a.hdr"):
             self.assertTrue(os.path.exists(self.path(name)), name)
         self.ok("render", "box.json", "--spp", "1", "--size", "20x10", "-o", "b.exr", "--exr", "half",
                 "--aov", "albedo,samples,variance")
@@ -546,7 +547,7 @@ class CommandLine(unittest.TestCase):
         def options(command):
             return set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", self.ok(command, "--help").stdout, re.MULTILINE))
         of_files_only = {"--output", "--png-bits", "--exr", "--aov", "--mergeable", "--samples", "--only-sample", "--time",
-                         "--crop", "--quiet", "--progress"}
+                         "--crop", "--quiet", "--progress", "--quality"}
         self.assertEqual(options("render") - options("view"), of_files_only)
         self.assertEqual(options("view") - options("render"), {"--log-latency", "--script-moves"})
         self.assertIn("--scene", options("info"))
