@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "arguments.h"
+#include "fathom/denoise.h"
 #include "fathom/first_look.h"
 #include "fathom/image.h"
 #include "fathom/render.h"
@@ -20,6 +21,7 @@ struct PictureOptions {
     int png_bits = 8;
     std::optional<int> quality;  ///< of JPEG and WebP
     bool exr_half = false;
+    bool denoise = false;
 };
 
 /// Those that a window has too: how radiance is shown.
@@ -35,7 +37,11 @@ void use_light(const LitScene& lit, const PictureOptions& options, RenderSetting
 
 /// "0:16,32:48"
 std::string text_of(const std::vector<SampleRange>& samples);
-/// Writes all files of the options and tells which; false if one could not be, which is told too: the others are there.
+/// The denoiser, if it is asked for; told by name. Throws Error if it isn't there.
+std::optional<Denoiser> open_denoiser(const PictureOptions& options, int threads, Reporter& reporter);
+
+/// Writes all files of the options and tells which. EXR has all layers; others show the one that is "denoised", if
+/// there is one. False if a file could not be written, which is told too: the others are there.
 bool write_pictures(const PictureOptions& options, const Image& image, const WriteOptions& write, Reporter& reporter);
 /// A layer that tells how many samples each pixel has.
 Image::Layer sample_count_layer(const Film& film);

@@ -18,8 +18,9 @@ import tempfile
 import termios
 import time
 import unittest
+from pathlib import Path
 
-DOUBLE = PROGRAM = None
+DOUBLE = PROGRAM = FAKE_OIDN = None
 
 
 def png_size(path):
@@ -344,6 +345,44 @@ class CommandLine(unittest.TestCase):
             self.refused(2, "render", "plain.json", option, "2", words=["no environment", "--env FILE"])
         self.refused(2, "render", "plain.json", "--env", "sky.hdr", "--env-strength", "-1", words=["--env-strength"])
 
+    def test_denoise(self):
+        if not FAKE_OIDN:
+            self.skipTest("no library to denoise with")
+        there = {**os.environ, "FATHOM_OIDN": FAKE_OIDN}
+        render = ["render", "box.json", "--spp", "2", "--size", "20x10", "--denoise"]
+        channels = lambda name: set(re.findall(rb"(?:denoised|albedo|normal)\.[A-Z]", Path(self.path(name)).read_bytes()))
+        text = self.ok(*render, "-o", "a.exr", "-o", "a.png", "--mergeable", env=there).stderr
+        self.assertIn("denoising by Open Image Denoise 2.98.76 (" + FAKE_OIDN + ")\n", text)
+        self.assertEqual(channels("a.exr"), {b"denoised.R", b"denoised.G", b"denoised.B"})
+        # The picture itself stays as it was, and a PNG shows the other.
+        self.ok(*render[:-1], "-o", "raw.png")
+        self.ok("merge", "a.exr", "-o", "merged.png")
+        self.ok("merge", "a.exr", "--denoise", "-o", "denoised.png", "-o", "m.exr", env=there)
+        data = {name: Path(self.path(name)).read_bytes() for name in ("a.png", "raw.png", "merged.png", "denoised.png")}
+        self.assertEqual(data["raw.png"], data["merged.png"])
+        self.assertEqual(data["a.png"], data["denoised.png"])
+        self.assertIn(b"denoised.R", channels("m.exr"))
+        # What helps the denoiser is left out again unless it is asked for; the stand-in for the library has no layers.
+        if PROGRAM:
+            self.scene("ball.json", '{"fathom": 1, "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]}, '
+                                    '"environment": {"kind": "constant"}, "scene": [{"sphere": {"radius": 1}}]}')
+            ball = ["render", "ball.json", "--spp", "2", "--size", "20x10", "--denoise", "-q", "-o", "b.exr"]
+            self.ok(*ball, program=PROGRAM, env=there)
+            self.assertEqual(channels("b.exr"), {b"denoised.R", b"denoised.G", b"denoised.B"})
+            self.ok(*ball, "-o", "c.png", program=PROGRAM, env=there)
+            self.ok(*[word for word in ball if word != "--denoise"], "-o", "d.png", program=PROGRAM)
+            self.assertNotEqual(*(Path(self.path(name)).read_bytes() for name in ("c.png", "d.png")))
+            self.ok(*ball, "--aov", "normal", program=PROGRAM, env=there)
+            self.assertEqual({name[:8] for name in channels("b.exr")}, {b"denoised", b"normal.X", b"normal.Y", b"normal.Z"})
+        # Asked for and not there: told before anything is rendered.
+        self.refused(1, *render, "-o", "new.png", words=["/none.so: FATHOM_OIDN"], env={**there, "FATHOM_OIDN": "/none.so"})
+        self.assertFalse(os.path.exists(self.path("new.png")))
+        away = {"PATH": self.folder, "HOME": self.folder}
+        result = self.run_program(*render, "-o", "new.png", env=away)
+        if result.returncode:  # else the system has one
+            self.assertEqual(result.stderr.count("\n"), 1)
+            self.assertIn("pip install pyoidn", result.stderr)
+
     def test_only_sample(self):
         result = self.ok("render", "box.json", "--only-sample", "12,34,56")
         self.assertEqual(result.stdout, "pixel 12,34 sample 56: 12 34 56\n")
@@ -547,7 +586,7 @@ class CommandLine(unittest.TestCase):
         def options(command):
             return set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", self.ok(command, "--help").stdout, re.MULTILINE))
         of_files_only = {"--output", "--png-bits", "--exr", "--aov", "--mergeable", "--samples", "--only-sample", "--time",
-                         "--crop", "--quiet", "--progress", "--quality"}
+                         "--crop", "--quiet", "--progress", "--quality", "--denoise"}
         self.assertEqual(options("render") - options("view"), of_files_only)
         self.assertEqual(options("view") - options("render"), {"--log-latency", "--script-moves"})
         self.assertIn("--scene", options("info"))
@@ -603,4 +642,5 @@ class CommandLine(unittest.TestCase):
 if __name__ == "__main__":
     DOUBLE = os.path.abspath(sys.argv[1])
     PROGRAM = os.path.abspath(sys.argv[2]) if len(sys.argv) > 2 else None
+    FAKE_OIDN = os.path.abspath(sys.argv[3]) if len(sys.argv) > 3 else None
     unittest.main(argv=sys.argv[:1], verbosity=1)
