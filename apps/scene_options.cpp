@@ -14,6 +14,10 @@ namespace {
 
 constexpr Size default_size{800, 600};
 
+/// Azimuth and elevation, degrees, by name: the front of a model looks along +z, as glTF says.
+const std::vector<std::string> view_names = {"front", "back", "left", "right", "top", "bottom", "three-quarter"};
+constexpr std::pair<double, double> views[] = {{0, 0}, {180, 0}, {-90, 0}, {90, 0}, {0, 90}, {0, -90}, {30, 20}};
+
 const Camera* chosen_camera(const SceneDescription& scene, const std::string& name)
 {
     for (const Camera& camera : scene.cameras)
@@ -171,6 +175,11 @@ void add_scene_options(Command& command, SceneOptions& options)
                           if (std::abs(n[1]) > 90) throw UsageError("the elevation is from -90 to 90");
                           options.orbit_deg = {n[0], n[1]};
                       });
+    command.add_value(
+        "--view", "NAME",
+        "frame the whole scene: front, back, left, right, top, bottom or three-quarter (--orbit 30,20, and "
+        "the default for files without a camera)",
+        [&](const std::string& text) { options.orbit_deg = views[parse_word(text, view_names)]; });
     command.add_value("--env", "FILE",
                       "light the scene by this equirectangular picture (HDR, EXR, ...); its middle looks along +x",
                       [&](const std::string& text) { options.environment = text; });
@@ -193,7 +202,7 @@ void add_scene_options(Command& command, SceneOptions& options)
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
 {
     if (options.orbit_deg && (!options.camera.empty() || options.look_from || options.look_at))
-        throw UsageError("--orbit: places the camera by itself; leave out --camera, --look-from and --look-at");
+        throw UsageError("--orbit, --view: places the camera by itself; leave out --camera, --look-from and --look-at");
     LoadedScene loaded;
     SceneDescription& scene = loaded.description = load_scene(options.file, load_options(options), warnings);
     if (!options.environment.empty()) use_environment(scene, options.environment);
@@ -213,8 +222,9 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     const std::size_t cameras = scene.cameras.size();
     loaded.added = complete_scene(scene, complete).added;
     if (scene.cameras.size() > cameras) {
-        if (cameras > 0) scene.cameras.back().name = unused_name(scene, "orbit");
-        loaded.camera = scene.cameras.back().name;
+        // It is put before the others.
+        if (cameras > 0) scene.cameras.front().name = unused_name(scene, "orbit");
+        loaded.camera = scene.cameras.front().name;
     }
     if (options.look_from || options.look_at || options.up || options.fov_deg)
         loaded.camera = add_moved_camera(scene, loaded.camera, options);

@@ -305,6 +305,11 @@ class CommandLine(unittest.TestCase):
         self.assertIn("up 0,0,1 fov 60", self.camera_line("--up", "0,0,1", "--look-at", "9,9,9", "--fov", "60"))
         self.assertIn("up 0,0,-1", self.camera_line("--look-from", "0,5,0", "--look-at", "0,0,0"))
         self.assertIn("at 45,-20,100", self.camera_line("--orbit", "45,-20"))
+        for name, place in (("front", "0,0"), ("back", "180,0"), ("left", "-90,0"), ("right", "90,0"), ("top", "0,90"),
+                            ("bottom", "0,-90"), ("three-quarter", "30,20")):
+            self.assertIn(f"at {place},100", self.camera_line("--view", name))
+        self.refused(2, "render", "box.json", "--view", "side", words=["side", "three-quarter"])
+        self.refused(2, "render", "box.json", "--view", "top", "--camera", "main", words=["--view"])
         self.scene("bare.json", "empty")
         text = self.ok("render", "bare.json", "--spp", "1").stderr
         self.assertIn("camera framing the model", text)

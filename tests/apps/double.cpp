@@ -76,8 +76,11 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
 Completed complete_scene(SceneDescription& scene, const CompleteOptions& options)
 {
     if (!scene.cameras.empty() && !options.force_camera) return {};
-    scene.cameras.emplace_back().position = {options.azimuth_deg, options.elevation_deg, 100};
-    scene.nodes.emplace_back().camera = int(scene.cameras.size()) - 1;
+    // Before the others, as the library does.
+    for (Node& node : scene.nodes)
+        if (node.camera >= 0) ++node.camera;
+    scene.cameras.insert(scene.cameras.begin(), Camera())->position = {options.azimuth_deg, options.elevation_deg, 100};
+    scene.nodes.emplace_back().camera = 0;
     scene.roots.push_back(int(scene.nodes.size()) - 1);
     return {{"camera framing the model"}};
 }
