@@ -11,6 +11,7 @@
 #include "integrate/pool.h"
 #include "integrate/stages/camera_media.h"
 #include "integrate/stages/shade.h"
+#include "integrate/stages/single_sided.h"
 
 namespace fathom {
 
@@ -35,6 +36,7 @@ public:
           first_hits_(scene, camera, settings.aovs, sums),
           sums_(sums),
           counters_(counters),
+          single_sided_(scene, counters),
           shade_(scene, settings, counters)
     {
     }
@@ -47,6 +49,7 @@ public:
             active = refill(active);
             if (active == 0) return;
             trace(fresh, active);
+            if (scene_.single_sided) single_sided_.look_through(*paths_, hits_, fresh, active);
             active = arrive(active);
             std::swap(paths_, spare_);
             shade_.run(*paths_, packed_hits_, kind_end_);
@@ -353,6 +356,7 @@ private:
     PathPool pools_[2];
     PathPool *paths_ = &pools_[0], *spare_ = &pools_[1];
     HitColumns hits_, packed_hits_;
+    SingleSided single_sided_;
     ShadeStage shade_;
     Column<std::uint32_t> buckets_, order_;
     Column<std::uint32_t> emitting_, missing_, finished_;

@@ -33,6 +33,7 @@ struct LaneScene final : KernelScene {
     bool wants_tangents = false;      ///< tangents of surfaces matter somewhere
     bool varied_lights = false;       ///< some are not alike all over, see LightRecord::material
     bool refracts = false;            ///< some material lets light pass
+    bool single_sided = false;        ///< cameras look through some surfaces from behind
     bool has_absorption = false;      ///< some medium absorbs
     bool tracks_media = false;        ///< paths must know what they are in: that, or solids may overlap
     bool sees_environment = false;    ///< rays that leave the scene bring something

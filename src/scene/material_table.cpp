@@ -149,6 +149,7 @@ const P parameters[] = {
      .words = alpha_modes,
      .default_by_use = true},
     {"alpha_cutoff", all, &Material::alpha_cutoff, "mask: visible from this alpha on"},
+    {"single_sided", all, &Material::single_sided, "cameras look through it from behind; to other light it is there"},
     {"use_vertex_color", all, &Material::use_vertex_color, "multiply colour and alpha with the mesh's vertex colours"},
 };
 

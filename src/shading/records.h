@@ -96,7 +96,8 @@ struct MaterialRecord {
         two_sided_emission = 16,
         unlit = 32 /* shows its emission, but lights nothing */,
         thin = 64,
-        wants_tangent = 128  ///< of the surface, for normal maps or anisotropy
+        wants_tangent = 128,  ///< of the surface, for normal maps or anisotropy
+        single_sided = 256    ///< cameras look through it from behind
     };
     ClosureKind closure = ClosureKind::none;
     std::uint32_t flags = 0;

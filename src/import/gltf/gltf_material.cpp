@@ -46,6 +46,7 @@ Material GltfReader::read_material(const JsonValue& v)
     if (const auto info = v.get("emissiveTexture")) m.emission.texture = texture(*info, ColorSpace::srgb);
     // A single-sided surface is invisible from behind, and so is its light.
     if (const auto two_sided = v.get("doubleSided")) m.emission_two_sided = two_sided->boolean();
+    m.single_sided = !m.emission_two_sided;
 
     if (const auto mode = v.get("alphaMode")) {
         const std::string& word = mode->string();

@@ -1,0 +1,94 @@
+#pragma once
+#include "integrate/kernel.h"
+#include "integrate/pool.h"
+#include "integrate/stages/material.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// Cameras look through the backs of single-sided surfaces, as renderers do that cull them: into a room through its wall. To
+/// all other light the surface is there, so that no two ways of finding a light disagree on it.
+class SingleSided {
+public:
+    SingleSided(const LaneScene& scene, KernelCounters& counters)
+        : scene_(scene), surfaces_(scene), materials_(scene), counters_(counters)
+    {
+    }
+    /// Finds anew what the camera's paths [begin, end) meet, where that was a back; distances stay those from their origins.
+    void look_through(const PathPool& p, HitColumns& hits, std::size_t begin, std::size_t end)
+    {
+        // More backs than this one behind the other are no picture.
+        for (int i = 0; i < 256; ++i) {
+            const std::size_t size = list_backs(p, hits, begin, end);
+            if (size == 0) return;
+            counters_.rays += size;
+            trace(size);
+            for (std::size_t k = 0; k < size; ++k) {
+                const std::size_t to = paths_[k];
+                hits.t[to] = way_[k] + found_.t[k];
+                hits.u[to] = found_.u[k], hits.v[to] = found_.v[k];
+                hits.primitive[to] = found_.primitive[k];
+                if (!scene_.is_flat) hits.instance[to] = found_.instance[k];
+            }
+        }
+    }
+
+private:
+    /// Makes rays from behind the backs; returns how many there are.
+    std::size_t list_backs(const PathPool& p, const HitColumns& hits, std::size_t begin, std::size_t end)
+    {
+        std::size_t size = 0;
+        for (std::size_t i = begin; i < end; i += lanes) {
+            const UInt primitive = hits.primitive.load(i);
+            const Mask hit = first_lanes(end - i) & (primitive != UInt(no_index));
+            if (none(hit)) continue;
+            const UInt instance = scene_.is_flat ? UInt(no_index) : hits.instance.load(i);
+            const UInt material = surfaces_.material_of(surfaces_.shape_of(primitive, instance, hit), hit);
+            const UInt flags = materials_.get(&MaterialRecord::flags, material, hit);
+            const Mask single = hit & ((flags & UInt(MaterialRecord::single_sided)) != UInt(0u));
+            if (none(single)) continue;
+            const Vec3 o = p.origin.load(i), d = p.direction.load(i);
+            const Float time = scene_.tables.moving ? p.time.load(i) : Float(0);
+            const Surface s = surfaces_.read({o, d, hits.t.load(i), hits.u.load(i), hits.v.load(i), time, primitive, instance},
+                                             single);
+            const Mask back = single & (dot(d, s.ng) > Float(0));
+            if (none(back)) continue;
+            const Vec3 start = fma(s.ng, s.offset, s.p);
+            origin_.append(size, start, back);
+            direction_.append(size, d, back);
+            time_.append(size, time, back);
+            way_.append(size, dot(start - o, d), back);
+            paths_.append(size, iota() + UInt(std::uint32_t(i)), back);
+            size += std::size_t(count(back));
+        }
+        return size;
+    }
+    void trace(std::size_t size)
+    {
+        if (!scene_.is_flat) {
+            const RayArrays rays{origin_.x.data,    origin_.y.data,    origin_.z.data,
+                                 direction_.x.data, direction_.y.data, direction_.z.data,
+                                 nullptr,           scene_.tables.moving ? time_.data : nullptr,
+                                 size};
+            scene_.bvh.closest(
+                rays, {found_.t.data, found_.u.data, found_.v.data, found_.primitive.data, found_.instance.data}, true);
+            return;
+        }
+        for (std::size_t i = 0; i < size; i += lanes) {
+            const Hit hit = scene_.flat.closest(
+                scene_.tables, {origin_.load(i), direction_.load(i), Float(infinity), time_.load(i)});
+            found_.t.store(i, hit.t), found_.u.store(i, hit.u), found_.v.store(i, hit.v);
+            found_.primitive.store(i, hit.primitive);
+        }
+    }
+
+    const LaneScene& scene_;
+    const SurfaceReader surfaces_;
+    const MaterialReader materials_;
+    KernelCounters& counters_;
+    VectorColumn origin_, direction_;
+    Column<float> time_, way_;
+    Column<std::uint32_t> paths_;
+    HitColumns found_;
+};
+
+}  // namespace fathom::inline FATHOM_LANES
