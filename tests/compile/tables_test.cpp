@@ -178,7 +178,7 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     const SceneTables& t = *scene.data().tables;
     ASSERT_EQ(t.materials.size(), 6u);
     const MaterialRecord& r = t.materials[0];
-    EXPECT_EQ(r.kind, std::uint32_t(MaterialKind::glass));
+    EXPECT_EQ(r.closure, ClosureKind::glass);
     for (std::size_t c = 0; c < 3; ++c) {
         EXPECT_EQ(r.base_color[c], 0.2f + 0.1f * float(c));
         // Of the way through so many metres, attenuation_color is left: by exp(-sigma t) in render units.
@@ -208,8 +208,41 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     EXPECT_FALSE(r.flags & MaterialRecord::thin);
     EXPECT_TRUE(t.materials[1].flags & MaterialRecord::thin);
     EXPECT_TRUE(t.materials[2].flags & MaterialRecord::unlit);
-    EXPECT_EQ(t.materials[2].kind, std::uint32_t(MaterialKind::none));
+    EXPECT_EQ(t.materials[2].closure, ClosureKind::none);
     EXPECT_TRUE(t.lights.empty());
+}
+
+/// A principled material becomes the simplest closure that does what it asks for.
+TEST(MaterialTable, LayersAsNeeded)
+{
+    using enum ClosureKind;
+    const auto closure = [](const std::function<void(Material&)>& change) {
+        SceneDescription d = empty_scene();
+        Material m;
+        m.kind = MaterialKind::principled;
+        change(m);
+        d.materials = {m};
+        const Scene scene = compiled(d);
+        const SceneTables& t = *scene.data().tables;
+        EXPECT_EQ(t.layers.size(), t.materials[0].closure == layered || t.materials[0].closure == layered_transmitting);
+        return t.materials[0].closure;
+    };
+    EXPECT_EQ(closure([](Material&) {}), principled);
+    EXPECT_EQ(closure([](Material& m) { m.metallic.value = 1; }), principled);
+    EXPECT_EQ(closure([](Material& m) { m.transmission.value = 1; }), glass);
+    EXPECT_EQ(closure([](Material& m) { m.transmission.value = 1, m.thin = true; }), glass);
+    EXPECT_EQ(closure([](Material& m) { m.transmission.value = 1, m.metallic.value = 0.5f; }), layered_transmitting);
+    EXPECT_EQ(closure([](Material& m) { m.transmission.value = 0.5f; }), layered_transmitting);
+    EXPECT_EQ(closure([](Material& m) { m.transmission.value = 1, m.dispersion = 1; }), layered_transmitting);
+    EXPECT_EQ(closure([](Material& m) { m.transmission.value = 1, m.coat.value = 1; }), layered_transmitting);
+    EXPECT_EQ(closure([](Material& m) { m.diffuse_transmission.value = 0.5f; }), layered_transmitting);
+    const std::function<void(Material&)> changes[] = {
+        [](Material& m) { m.coat.value = 0.1f; },           [](Material& m) { m.sheen_color.value = {0, 0.1f, 0}; },
+        [](Material& m) { m.thin_film.value = 0.1f; },      [](Material& m) { m.anisotropy.value = 0.1f; },
+        [](Material& m) { m.diffuse_roughness.value = 1; }, [](Material& m) { m.specular.value = 0.5f; },
+        [](Material& m) { m.specular_color.value.g = 0; },  [](Material& m) { m.edge_color.value.g = 0; },
+        [](Material& m) { m.energy_compensation = false; }};
+    for (const auto& change : changes) EXPECT_EQ(closure(change), layered);
 }
 
 /// The camera as the kernel has it: right, up and forward are a right-handed frame, lengths are in render units.

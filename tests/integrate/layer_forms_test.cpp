@@ -112,6 +112,9 @@ TEST(LayerForms, ColoursHaveTextures)
     for (const auto& [name, member] : colors) {
         Shown shown;
         const bool is_beyond = std::string(name).find("transmission") != std::string::npos;
+        // Far from the facets' normals, where metal has an edge.
+        if (name == std::string("edge_color"))
+            shown.to_eye = normalize(Vec3d{3, 0, 1}), shown.to_light = normalize(Vec3d{-3, 0.2, 1});
         if (is_beyond) shown.to_light = normalize(Vec3d{-0.4, 0.3, -0.8});
         const auto render = [&](Color times, bool textured) {
             return shown.of([&](Material& m, SceneBuilder& b) {
@@ -197,7 +200,7 @@ TEST(LayerForms, AnisotropyHasADirection)
         }
 }
 
-/// A solid of which half is refracted still absorbs on the way, and a white one keeps all light.
+/// A white solid keeps all light, also where a part of it, or each colour its own way, is refracted.
 TEST(LayerForms, FurnaceOfSolids)
 {
     for (const float share : {0.5f, 1.0f})

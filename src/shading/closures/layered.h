@@ -51,6 +51,8 @@ public:
             refracts_ = l_.transmission > Float(0);
             solid_ = refracts_ & !m.thin;
             within_ = solid_ & !m.entering;
+            // The share counts for light that comes in; what is in there finds no body but that of the outside.
+            l_.transmission = select(within_, Float(1), l_.transmission);
             for (int i = 0; i < channels; ++i) {
                 const Float c = l_.transmission_color.c[i];
                 tint_.c[i] = select(solid_, sqrt(max(c, Float(0))), c);
