@@ -70,7 +70,7 @@ Completed complete_scene(SceneDescription& scene, const CompleteOptions& options
     const bool found =
         std::any_of(scene.roots.begin(), scene.roots.end(), [&](int root) { return has_camera(scene, root); });
     if (found && !options.force_camera) return completed;
-    add_first_camera(scene, framing_camera(world_bounds(scene), options));
+    add_first_camera(scene, framing_camera(options.bounds ? *options.bounds : world_bounds(scene), options));
     // One that was asked for is nothing that the file lacked.
     if (!options.force_camera) completed.added.push_back("a camera that frames the scene");
     return completed;
