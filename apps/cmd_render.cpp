@@ -38,7 +38,7 @@ struct RenderOptions {
     std::optional<OnlySample> only_sample;
     std::optional<Crop> crop;
     std::vector<std::uint64_t> frames;  ///< none: one picture
-    double fps = 24;
+    double fps = 24, shutter = 0;
     std::vector<Aov> aovs;
     bool aov_samples = false, aov_variance = false;
     bool mergeable = false;
@@ -79,6 +79,9 @@ void add_render_options(Command& command, RenderOptions& o)
         [&](const std::string& text) { o.frames = parse_frames(text); });
     command.add_value("--fps", "N", "frames a second (default 24)",
                       [&](const std::string& text) { o.fps = parse_number(text, 1e-3, 1e6); });
+    command.add_value("--shutter", "SHARE",
+                      "blur what the animation moves during this share of a frame, 0.5 as film does (default 0: none)",
+                      [&](const std::string& text) { o.shutter = parse_number(text, 0, 1000); });
     command.add_flag("--mergeable", o.mergeable, "keep the exact sums in EXR, for `fathom merge`");
     command.add_value("--crop", "X0,Y0,X1,Y1",
                       "render only pixels X0 <= x < X1, Y0 <= y < Y1; the picture keeps its size",
@@ -118,6 +121,9 @@ fs::path output_of(const fs::path& pattern, std::uint64_t frame)
 /// What --frames says with the others.
 void check_frames(RenderOptions& o)
 {
+    o.scene.shutter_s = o.shutter / o.fps;
+    if (o.shutter > 0 && o.frames.empty() && !o.scene.at_s)
+        throw UsageError("--shutter: from which time on? add --at SECONDS, or --frames A:B");
     if (o.frames.empty()) return;
     if (o.scene.at_s) throw UsageError("--at, --frames: one of both says the time");
     o.scene.at_s = time_of(o, o.frames[0]);

@@ -230,7 +230,7 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     SceneDescription& scene = loaded.description = std::move(file.scene);
     if (options.at_s) {
         loaded.player.emplace(scene, std::move(file.rig), animation);
-        set_pose(scene, loaded.player->pose(*options.at_s));
+        set_pose(scene, loaded.player->pose(*options.at_s, options.shutter_s));
     } else {
         loaded.note = note_on(file.rig.animations);
     }
@@ -263,6 +263,8 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     // The picture asked for decides its shape: a camera's own would stretch it.
     if (options.size)
         for (Camera& camera : scene.cameras) camera.aspect = 0;
+    if (options.shutter_s > 0)
+        for (Camera& camera : scene.cameras) camera.shutter_open = 0, camera.shutter_close = options.shutter_s;
     return loaded;
 }
 
@@ -282,7 +284,7 @@ LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneO
 
 void set_time(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s)
 {
-    edit.set_pose(loaded.player->pose(time_s));
+    edit.set_pose(loaded.player->pose(time_s, options.shutter_s));
     if (!loaded.moved_from) return;
     const std::vector<Camera>& cameras = edit.description().cameras;
     Camera camera = moved_camera(edit.description(), *loaded.moved_from, options);

@@ -19,6 +19,7 @@ struct SceneOptions {
     std::string variant;         ///< of materials
     std::string animation;       ///< name or number; empty: the first
     std::optional<double> at_s;  ///< the time of its pose; none: the pose at rest
+    double shutter_s = 0;        ///< for how long what moves is seen from then on
     char up_axis = 0;
     bool confine = false;
     std::string camera;

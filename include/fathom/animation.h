@@ -118,6 +118,7 @@ struct ScenePose {
         std::vector<Vec4f> tangents;
         std::vector<Vec4f> colors;  ///< empty: as they are
         std::vector<Vec2f> uvs[2];
+        std::vector<MeshKey> motion;  ///< while a shutter is open, from time 0 on
     };
     struct Number {
         AnimatedValue value = AnimatedValue::base_color;
@@ -125,6 +126,7 @@ struct ScenePose {
         std::array<float, 4> numbers{};
     };
     std::vector<std::pair<int, Transform>> nodes;
+    std::vector<std::pair<int, std::vector<NodeKey>>> motions;  ///< of the same nodes; as for meshes
     std::vector<Vertices> meshes;
     std::vector<Number> numbers;                 ///< of materials, lights and cameras
     std::vector<std::pair<int, Node>> contents;  ///< of nodes that may vanish: as they are, or empty
@@ -138,9 +140,13 @@ public:
     AnimationPlayer(SceneDescription& scene, AnimationRig rig, std::size_t animation);
 
     const Animation& animation() const { return rig_.animations[animation_]; }
-    ScenePose pose(double time_s) const;
+    /// shutter_s  how long from then on what moves is blurred: Node::motion and Mesh::motion of the times 0 to
+    /// shutter_s,
+    ///            which the camera's shutter then is to have
+    ScenePose pose(double time_s, double shutter_s = 0) const;
 
 private:
+    ScenePose still(double time_s) const;
     bool is_carried(int node) const;
     std::vector<Transform> skin_transforms(const Skin& skin, const std::vector<Transform>& transforms) const;
     ScenePose::Vertices bent(const DeformedMesh& mesh, const std::vector<float>& weights,

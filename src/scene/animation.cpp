@@ -194,11 +194,13 @@ void set_contents(Node& node, const Node& contents)
 void set_pose(SceneDescription& scene, ScenePose pose)
 {
     for (auto& [node, transform] : pose.nodes) scene.nodes.at(std::size_t(node)).parent_from_node = transform;
+    for (auto& [node, keys] : pose.motions) scene.nodes.at(std::size_t(node)).motion = std::move(keys);
     for (ScenePose::Vertices& v : pose.meshes) {
         Mesh& mesh = scene.meshes.at(std::size_t(v.mesh));
         mesh.positions = std::move(v.positions);
         mesh.normals = std::move(v.normals);
         mesh.tangents = std::move(v.tangents);
+        mesh.motion = std::move(v.motion);
         if (!v.colors.empty()) mesh.colors = std::move(v.colors);
         for (std::size_t set = 0; set < 2; ++set)
             if (!v.uvs[set].empty()) mesh.uvs[set] = std::move(v.uvs[set]);

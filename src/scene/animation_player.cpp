@@ -43,6 +43,28 @@ void keep_directions(std::vector<Vector>& directions, const std::vector<Vector>&
     }
 }
 
+/// Whether it is elsewhere at one of the times, and at none flat or mirrored, which a motion can't pass through.
+bool can_move(const std::vector<NodeKey>& keys)
+{
+    const bool mirrors = keys[0].parent_from_node.determinant() < 0;
+    bool moves = false;
+    for (const NodeKey& key : keys) {
+        const double determinant = key.parent_from_node.determinant();
+        if (!std::isnormal(determinant) || (determinant < 0) != mirrors) return false;
+        moves = moves || key.parent_from_node.m != keys[0].parent_from_node.m;
+    }
+    return moves;
+}
+
+bool moves_at_all(const std::vector<MeshKey>& keys)
+{
+    const auto same = [](Vec3f a, Vec3f b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
+    const auto differs = [&](const MeshKey& key) {
+        return !std::equal(key.positions.begin(), key.positions.end(), keys[0].positions.begin(), same);
+    };
+    return std::any_of(keys.begin(), keys.end(), differs);
+}
+
 /// Throws Error unless what the rig says of the scene is in range: what a pose then does needs no further looks.
 void check_rig(const SceneDescription& scene, const AnimationRig& rig, const Animation& animation)
 {
@@ -172,10 +194,11 @@ ScenePose::Vertices AnimationPlayer::bent(const DeformedMesh& d, const std::vect
             std::move(mesh.normals),
             std::move(mesh.tangents),
             std::move(mesh.colors),
-            {std::move(mesh.uvs[0]), std::move(mesh.uvs[1])}};
+            {std::move(mesh.uvs[0]), std::move(mesh.uvs[1])},
+            {}};
 }
 
-ScenePose AnimationPlayer::pose(double time_s) const
+ScenePose AnimationPlayer::still(double time_s) const
 {
     ScenePose pose;
     std::vector<NodeRest> nodes = rig_.nodes;
@@ -195,6 +218,7 @@ ScenePose AnimationPlayer::pose(double time_s) const
         if (!moved_[i]) continue;
         transforms[i] = transform_of(nodes[i]);
         pose.nodes.emplace_back(int(i), transforms[i]);
+        pose.motions.emplace_back(int(i), std::vector<NodeKey>());
     }
     for (const std::size_t i : bent_) {
         const DeformedMesh& d = rig_.meshes[i];
@@ -203,6 +227,28 @@ ScenePose AnimationPlayer::pose(double time_s) const
     }
     pose.contents = contents_at(rig_, visible);
     return pose;
+}
+
+ScenePose AnimationPlayer::pose(double time_s, double shutter_s) const
+{
+    ScenePose opening = still(time_s);
+    if (!(shutter_s > 0)) return opening;
+    // Nodes turn steadily between keys, vertices go straight: four pieces are an arc to the eye.
+    constexpr int pieces = 4;
+    for (int i = 0; i <= pieces; ++i) {
+        const double after_s = shutter_s * i / pieces;
+        ScenePose now = still(time_s + after_s);
+        for (std::size_t k = 0; k < now.nodes.size(); ++k)
+            opening.motions[k].second.push_back({after_s, now.nodes[k].second});
+        for (std::size_t k = 0; k < now.meshes.size(); ++k)
+            opening.meshes[k].motion.push_back(
+                {after_s, std::move(now.meshes[k].positions), std::move(now.meshes[k].normals)});
+    }
+    for (auto& [node, keys] : opening.motions)
+        if (!can_move(keys)) keys.clear();
+    for (ScenePose::Vertices& mesh : opening.meshes)
+        if (!moves_at_all(mesh.motion)) mesh.motion.clear();
+    return opening;
 }
 
 Bounds world_bounds(SceneDescription scene, const AnimationPlayer& player)

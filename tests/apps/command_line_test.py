@@ -615,6 +615,7 @@ class CommandLine(unittest.TestCase):
         wrong("--frames", "0:1", "--only-sample", "0,0,0", words=["--only-sample"])
         wrong("--frames", "0:1", "--fps", "0", words=["--fps"])
         wrong("--at", "-1", words=["--at"])
+        wrong("--shutter", "0.5", words=["--shutter", "--at"])
         wrong("--animation", "stride", words=["--animation", "--at"])
         self.refused(1, "render", "walk.json", "--at", "1", "--animation", "strid", words=["there is no animation 'strid'"])
         self.refused(1, "render", "box.json", "--at", "1", words=["there is no animation"])
@@ -625,12 +626,12 @@ class CommandLine(unittest.TestCase):
             self.skipTest("no program given")
         with open(self.path("model.gltf"), "w") as file:
             json.dump(walking_model(), file)
-        for options in ([], ["--orbit", "20,30"], ["--fov", "50"], ["--light", "file"]):
+        for options in ([], ["--orbit", "20,30"], ["--fov", "50"], ["--light", "file"], ["--shutter", "0.5"]):
             common = ["model.gltf", "-q", "--spp", "2", "--size", "64x48", "--exr", "float", *options]
             self.ok("render", *common, "--frames", "0:4", "--fps", "4", "-o", "f.#.exr", program=PROGRAM)
             pictures = set()
             for frame in range(5):
-                self.ok("render", *common, "--at", str(frame / 4), "-o", "a.exr", program=PROGRAM)
+                self.ok("render", *common, "--fps", "4", "--at", str(frame / 4), "-o", "a.exr", program=PROGRAM)
                 with open(self.path("a.exr"), "rb") as one, open(self.path(f"f.{frame}.exr"), "rb") as other:
                     a, b = (re.sub(rb"fathom\.(load|build|render)_s\0string\0.{4}[0-9.]+", b"", f.read(), flags=re.DOTALL)
                             for f in (one, other))
@@ -661,7 +662,7 @@ class CommandLine(unittest.TestCase):
         def options(command):
             return set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", self.ok(command, "--help").stdout, re.MULTILINE))
         of_files_only = {"--output", "--png-bits", "--exr", "--aov", "--mergeable", "--samples", "--only-sample", "--time",
-                         "--crop", "--quiet", "--progress", "--frames", "--fps"}
+                         "--crop", "--quiet", "--progress", "--frames", "--fps", "--shutter"}
         self.assertEqual(options("render") - options("view"), of_files_only)
         self.assertEqual(options("view") - options("render"), {"--log-latency", "--script-moves"})
         self.assertIn("--scene", options("info"))

@@ -8,7 +8,7 @@
 
 #include "fathom/error.h"
 #include "scene/animation.h"
-#include "scene/deform.h"
+#include "scene/motion.h"
 
 namespace fathom {
 namespace {
@@ -196,6 +196,39 @@ TEST_F(Player, WhatNoPoseMayBringToNothing)
     const AnimationPlayer player(scene, rig, 0);
     set_pose(scene, player.pose(0));
     EXPECT_EQ(scene.meshes[0].normals[3].z, 1);
+}
+
+/// What a shutter sees at each time is the pose of that time: nodes exactly, vertices by the height of a chord.
+TEST_F(Player, ShuttersSeeThePosesOfTheirTimes)
+{
+    const AnimationPlayer player(scene, rig, 0);
+    constexpr double begin = 0.25, open = 0.5;
+    SceneDescription blurred = scene;
+    set_pose(blurred, player.pose(begin, open));
+    ASSERT_GE(blurred.nodes[1].motion.size(), 2u);
+    ASSERT_GE(blurred.meshes[0].motion.size(), 2u);
+    EXPECT_EQ(blurred.meshes[0].motion.back().time, open);
+    // Of a radius of 2 (and a target's way), in four pieces of an eighth of a right angle's half.
+    const double chord = 3 * (1 - std::cos(open * std::numbers::pi / 2 / 8)) + 1e-6;
+    for (double after = 0; after <= open; after += open / 16) {
+        set_pose(scene, player.pose(begin + after));
+        const Transform t = transform_at(blurred.nodes[1], after), exact = scene.nodes[1].parent_from_node;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(t.m[i][k], exact.m[i][k], 1e-9) << after;
+        const MeshKey vertices = vertices_at(blurred.meshes[0], after);
+        for (std::size_t i = 0; i < 4; ++i) {
+            EXPECT_NEAR(vertices.positions[i].x, scene.meshes[0].positions[i].x, chord) << after;
+            EXPECT_NEAR(vertices.positions[i].y, scene.meshes[0].positions[i].y, chord) << after;
+        }
+    }
+    // What stands still, or passes through nothing, has no motion.
+    set_pose(blurred, player.pose(7, open));
+    EXPECT_TRUE(blurred.nodes[1].motion.empty());
+    EXPECT_TRUE(blurred.meshes[0].motion.empty());
+    rig.animations[0].channels[0] = channel(AnimatedValue::scale, Interpolation::linear, {0, 1}, {1, 1, 1, -1, 1, 1});
+    rig.animations[0].channels[0].target = 1;
+    set_pose(blurred, AnimationPlayer(scene, rig, 0).pose(begin, open));
+    EXPECT_TRUE(blurred.nodes[1].motion.empty());
 }
 
 TEST_F(Player, BrokenRigsAreRefused)
