@@ -89,7 +89,7 @@ struct DeformedMesh {
     std::vector<float> weights;  ///< of the targets, where no node has others
     int node = -1;               ///< whose weights are taken
     int skin = -1;
-    std::vector<std::uint16_t> joints;  ///< four of the skin for each vertex, if it has one
+    std::vector<std::uint16_t> joints;  ///< of the skin, as many for each vertex; none without a skin
     std::vector<float> joint_weights;
 };
 

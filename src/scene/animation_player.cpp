@@ -88,7 +88,7 @@ void check_rig(const SceneDescription& scene, const AnimationRig& rig, const Ani
         const std::size_t vertices = d.rest.positions.size();
         const bool has_skin = d.skin >= 0;
         if (d.mesh < 0 || std::size_t(d.mesh) >= scene.meshes.size() || d.node >= int(rig.nodes.size()) ||
-            d.skin >= int(rig.skins.size()) || (has_skin && d.joints.size() != 4 * vertices) ||
+            d.skin >= int(rig.skins.size()) || (has_skin && (vertices == 0 || d.joints.size() % vertices != 0)) ||
             d.joints.size() != d.joint_weights.size())
             fail("a mesh that bends has other vertices, or a skin or node that is not there");
         if (!has_skin) continue;

@@ -63,10 +63,12 @@ void morph(Mesh& mesh, const std::vector<MorphTarget>& targets, std::span<const 
 void bend(Mesh& mesh, std::span<const std::uint16_t> joints, std::span<const float> weights,
           const std::vector<Transform>& world_from_mesh)
 {
+    if (mesh.positions.empty()) return;
+    const std::size_t each = joints.size() / mesh.positions.size();
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         Transform blended = scaled({}, 0);
         double total = 0;
-        for (std::size_t k = 4 * i; k < 4 * i + 4; ++k) {
+        for (std::size_t k = each * i; k < each * i + each; ++k) {
             if (!(weights[k] > 0)) continue;
             add(blended, world_from_mesh[joints[k]], weights[k]);
             total += weights[k];

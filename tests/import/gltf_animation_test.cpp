@@ -143,6 +143,35 @@ TEST_F(GltfAnimation, SkinsFollowTheirJoints)
     EXPECT_EQ(world_bounds(file.scene, player).max, (Vec3d{1, 1, 6}));
 }
 
+/// Further sets of joints count as the first does, at rest and in other poses.
+TEST_F(GltfAnimation, SkinsOfManyJoints)
+{
+    GltfBuilder b;
+    const int positions = b.triangle(), times = b.floats({0, 1}, "SCALAR");
+    const auto joints = [&](const std::vector<std::uint8_t>& each) {
+        return b.accessor(b.view(each), 5121, 3, "VEC4");
+    };
+    // The second vertex hangs on five nodes alike.
+    const int first = joints({0, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0, 0}),
+              second = joints({0, 0, 0, 0, 4, 0, 0, 0, 4, 0, 0, 0});
+    const int weights = b.floats({1, 0, 0, 0, 0.2f, 0.2f, 0.2f, 0.2f, 1, 0, 0, 0}, "VEC4");
+    const int more = b.floats({0, 0, 0, 0, 0.2f, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+    const int places = b.floats({0, 0, 10, 0, 0, 30}, "VEC3");
+    const std::string gltf = b.gltf(fmt::format(
+        R"("scenes": [{{"nodes": [0, 1, 2, 3, 4, 5]}}], "skins": [{{"joints": [1, 2, 3, 4, 5]}}],
+           "nodes": [{{"mesh": 0, "skin": 0}}, {{}}, {{}}, {{}}, {{}}, {{"translation": [0, 0, 10]}}],
+           "meshes": [{{"primitives": [{{"attributes": {{"POSITION": {}, "JOINTS_0": {}, "WEIGHTS_0": {}, "JOINTS_1": {},
+           "WEIGHTS_1": {}}}}}]}}], {})",
+        positions, first, weights, second, more, animation({{sampler(times, places), node(5, "translation")}})));
+    for (const double t : {0.0, 1.0}) {
+        const SceneDescription scene = t == 0 ? read(gltf).scene : at(t, gltf);
+        const double z = t == 0 ? 10 : 30;
+        EXPECT_NEAR(scene.meshes.at(0).positions[0].z, 0, 1e-6);
+        EXPECT_NEAR(scene.meshes[0].positions[1].z, z / 5, 1e-5);
+        EXPECT_NEAR(scene.meshes[0].positions[2].z, z / 2, 1e-5);
+    }
+}
+
 /// A triangle that has area only in another pose is there then.
 TEST_F(GltfAnimation, TrianglesMayBeFlatAtRest)
 {

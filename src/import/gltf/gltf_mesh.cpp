@@ -140,15 +140,25 @@ void GltfReader::read_attributes(const JsonValue& attributes, std::size_t first,
     if (const auto a = open("TEXCOORD_0", 2, 2)) mesh.uvs[0] = read_vectors<Vec2f>(*a, first, vertices, 2, 0);
     if (const auto a = open("TEXCOORD_1", 2, 2)) mesh.uvs[1] = read_vectors<Vec2f>(*a, first, vertices, 2, 0);
     if (const auto a = open("COLOR_0", 3, 4)) mesh.colors = read_vectors<Vec4f>(*a, first, vertices, 4, 1);
-    const auto joints = open("JOINTS_0", 4, 4), weights = open("WEIGHTS_0", 4, 4);
-    if (joints && weights) {
-        std::vector<float> numbers(4 * vertices);
-        joints->read(first, vertices, 4, 0, numbers.data());
-        part.joints.resize(numbers.size());
-        std::transform(numbers.begin(), numbers.end(), part.joints.begin(),
-                       [](float x) { return std::uint16_t(std::clamp(x, 0.0f, 65535.0f)); });
-        part.weights.resize(numbers.size());
-        weights->read(first, vertices, 4, 0, part.weights.data());
+    // Each set has four more joints for each vertex.
+    constexpr std::size_t most_sets = 8;
+    std::size_t sets = 0;
+    while (sets < most_sets && attributes.has(fmt::format("JOINTS_{}", sets)) &&
+           attributes.has(fmt::format("WEIGHTS_{}", sets)))
+        ++sets;
+    if (sets == 0) return;
+    file_.check_memory(attributes, 24.0 * double(sets + 1) * double(vertices));
+    part.joints.resize(4 * sets * vertices);
+    part.weights.resize(4 * sets * vertices);
+    std::vector<float> numbers(4 * vertices);
+    for (std::size_t set = 0; set < sets; ++set) {
+        const auto each = [&](const std::string& name, const auto& put) {
+            open(name.c_str(), 4, 4)->read(first, vertices, 4, 0, numbers.data());
+            for (std::size_t i = 0; i < numbers.size(); ++i) put(4 * (i / 4 * sets + set) + i % 4, numbers[i]);
+        };
+        each(fmt::format("JOINTS_{}", set),
+             [&](std::size_t i, float joint) { part.joints[i] = std::uint16_t(std::clamp(joint, 0.0f, 65535.0f)); });
+        each(fmt::format("WEIGHTS_{}", set), [&](std::size_t i, float weight) { part.weights[i] = weight; });
     }
 }
 

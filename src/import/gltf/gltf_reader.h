@@ -25,7 +25,7 @@ private:
     /// One primitive of a mesh, as a shape; and what moves with skins and morph targets.
     struct Part {
         Shape shape;
-        std::vector<std::uint16_t> joints;  ///< four for each vertex, if it has a skin
+        std::vector<std::uint16_t> joints;  ///< as many for each vertex, if it has a skin
         std::vector<float> weights;
         // Where the file has animations:
         Mesh rest;  ///< neither morphed nor bent
