@@ -31,13 +31,14 @@ def png_size(path):
 
 
 def walking_model():
-    """Two triangles, one of which moves, turns and grows, one that bends by a target, and a lamp whose light changes."""
+    """Two triangles, one of which moves and turns, one that bends by a target, a lamp whose light changes, a camera that
+    goes back."""
     def floats(*values):
         return struct.pack(f"<{len(values)}f", *values)
     pieces = [floats(0, 0, 0, 1, 0, 0, 0, 1, 0), floats(0, 0, 1, 0, 0, -1, 1, 1, 0), floats(0, .5, 1), floats(0, 1, .3),
               floats(0, 0, 0, 4, 1, 0, 4, 1, -40), floats(0, 0, 0, 1, 0, .6, 0, .8, 0, 1, 0, 0),
-              floats(10, 20, 400)]
-    kinds = ["VEC3", "VEC3", "SCALAR", "SCALAR", "VEC3", "VEC4", "SCALAR"]
+              floats(10, 20, 400), floats(.3, .4, 5, .6, .2, 6, 1, .5, 9)]
+    kinds = ["VEC3", "VEC3", "SCALAR", "SCALAR", "VEC3", "VEC4", "SCALAR", "VEC3"]
     each = {"VEC3": 12, "VEC4": 16, "SCALAR": 4}
     views, accessors, data = [], [], b""
     for piece, kind in zip(pieces, kinds):
@@ -46,9 +47,9 @@ def walking_model():
         data += piece
     intensity = {"path": "pointer", "extensions": {"KHR_animation_pointer": {
         "pointer": "/extensions/KHR_lights_punctual/lights/0/intensity"}}}
-    samplers = [{"input": 2, "output": output} for output in (3, 4, 5, 6)]
-    return {"asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1, 2]}],
-            "nodes": [{"mesh": 0}, {"mesh": 1}, {"translation": [0, 0, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}}],
+    samplers = [{"input": 2, "output": output} for output in (3, 4, 5, 6, 7)]
+    return {"asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1, 2, 3]}],
+            "nodes": [{"mesh": 0}, {"mesh": 1}, {"translation": [0, 0, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}}, {"camera": 0}],
             "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]},
                        {"weights": [0], "primitives": [{"attributes": {"POSITION": 0}, "targets": [{"POSITION": 1}]}]}],
             "extensionsUsed": ["KHR_lights_punctual", "KHR_animation_pointer"],
@@ -57,7 +58,9 @@ def walking_model():
                 {"sampler": 0, "target": {"node": 1, "path": "weights"}},
                 {"sampler": 1, "target": {"node": 0, "path": "translation"}},
                 {"sampler": 2, "target": {"node": 0, "path": "rotation"}},
-                {"sampler": 3, "target": intensity}]}],
+                {"sampler": 3, "target": intensity},
+                {"sampler": 4, "target": {"node": 3, "path": "translation"}}]}],
+            "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
             "accessors": accessors, "bufferViews": views,
             "buffers": [{"byteLength": len(data),
                          "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]}

@@ -284,6 +284,7 @@ TEST_F(Editing, PosesAreExact)
     sun.kind = LightKind::directional;
     room.d.lights.push_back(sun);
     room.d.nodes[std::size_t(room.soft_node)].light = 1;
+    room.d.meshes[std::size_t(room.soft)].uvs[0].assign(4, {0, 0});
     SceneEdit edit(room.d);
     edit.compile(warnings);
     const auto expect_exact = [&](const ScenePose& pose, bool anew) {
@@ -310,6 +311,10 @@ TEST_F(Editing, PosesAreExact)
     expect_exact(pose, false);
     pose.nodes.emplace_back(0, Transform::translate({0.5, 0, 0}));
     expect_exact(pose, true);
+    // Texture coordinates move too.
+    pose.meshes[0].uvs[0] = {{0, 0}, {1, 0}, {0, 1}, {0.5f, 2}};
+    expect_exact(pose, true);
+    pose.meshes[0].uvs[0].clear();
     // What vanishes, and comes back.
     const Node seen = edit.description().nodes[std::size_t(room.movable[0])];
     pose.contents = {{room.movable[0], Node{}}};
