@@ -356,6 +356,21 @@ int render_frames(const RenderOptions& o, const RenderPlan& plan, SceneEdit& edi
     return exit_ok;
 }
 
+/// Those that will be written over, of all frames.
+std::vector<fs::path> files_that_are_there(const RenderOptions& o)
+{
+    std::vector<fs::path> files;
+    const auto add = [&](const fs::path& file) {
+        std::error_code error;
+        if (fs::exists(file, error)) files.push_back(file);
+    };
+    for (const fs::path& pattern : o.picture.outputs) {
+        if (o.frames.empty()) add(pattern);
+        for (const std::uint64_t frame : o.frames) add(output_of(pattern, frame));
+    }
+    return files;
+}
+
 /// Looks before a long render whether its files can be written.
 void check_outputs(const RenderOptions& o, int width = 0, int height = 0)
 {
@@ -375,7 +390,7 @@ int run_render(RenderOptions& o, Reporter& reporter)
         const Reporter::Phase phase(reporter, "load", "reading " + o.scene.file.string());
         return load_for_render(o.scene, warnings);
     }();
-    check_outputs_are_no_inputs(o.picture.outputs, loaded.description);
+    check_outputs_are_no_inputs(files_that_are_there(o), loaded.description);
     RenderPlan plan{loaded, settings_for(o, loaded), write_options(o.picture, loaded.description.hints), o.samples};
     if (!o.only_sample) check_memory(plan.settings, o.mergeable);
     check_outputs(o, plan.settings.width, plan.settings.height);

@@ -623,6 +623,14 @@ class CommandLine(unittest.TestCase):
         self.refused(1, "render", "walk.json", "--at", "1", "--animation", "strid", words=["there is no animation 'strid'"])
         self.refused(1, "render", "box.json", "--at", "1", words=["there is no animation"])
 
+    def test_no_frame_is_written_over_an_input(self):
+        self.scene("walk.json", "camera main moves stride texture t.0003.png")
+        with open(self.path("t.0003.png"), "w") as file:
+            file.write("a picture")
+        self.refused(1, "render", "walk.json", "--spp", "1", "--frames", "0:5", "-o", "t.####.png",
+                     words=["t.0003.png is a texture of this scene"])
+        self.ok("render", "walk.json", "--spp", "1", "--frames", "0:2", "-o", "t.####.png")
+
     def test_frames_of_a_file_are_its_poses(self):
         """With the library: each frame has the bits of a run of its own, whatever moves."""
         if not PROGRAM:
