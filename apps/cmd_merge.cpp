@@ -49,6 +49,8 @@ int run_merge(const MergeOptions& o)
     for (const auto& part : o.parts) check_outputs_are_not(o.picture.outputs, part, "a part of this picture");
     Reporter reporter(o.quiet ? ReportMode::quiet : default_report_mode());
 
+    const std::optional<Denoiser> denoiser = open_denoiser(o.picture, 0, reporter);
+
     // The first part decides what else the picture holds.
     bool alpha = false, variance = false, counts = false;
     std::map<std::string, std::string> attributes;
@@ -74,6 +76,11 @@ int run_merge(const MergeOptions& o)
     attributes["fathom.samples_per_pixel"] = fmt::format("{}", film.samples_per_pixel());
     attributes["fathom.dropped_samples"] = fmt::format("{}", film.dropped_samples());
     image.attributes = std::move(attributes);
+    image.attributes.erase("fathom.denoiser");
+    if (denoiser) {
+        image.layers.push_back(denoiser->denoise(image));
+        image.attributes["fathom.denoiser"] = "Open Image Denoise " + denoiser->version();
+    }
     if (writes_exr(o.picture) && !o.no_sums) store_sums(film.sums(), image);
     const WriteOptions write = write_options(o.picture, {});
     const bool all_written = write_pictures(o.picture, image, write, reporter);

@@ -152,6 +152,14 @@ void check_options(RenderOptions& o)
     if (o.range && exr) o.mergeable = true;
 }
 
+/// Aids of the denoiser are rendered too.
+void add_aids(RenderSettings& settings)
+{
+    for (Aov aov : {Aov::albedo, Aov::normal})
+        if (std::find(settings.aovs.begin(), settings.aovs.end(), aov) == settings.aovs.end())
+            settings.aovs.push_back(aov);
+}
+
 RenderSettings settings_for(const RenderOptions& o, const LoadedScene& scene)
 {
     RenderSettings settings = settings_of(o.settings, scene.description.hints, o.scene.file.string());
@@ -159,6 +167,7 @@ RenderSettings settings_for(const RenderOptions& o, const LoadedScene& scene)
     settings.height = scene.size.height;
     settings.crop = o.crop;
     settings.aovs = o.aovs;
+    if (o.picture.denoise) add_aids(settings);
     const std::string size = fmt::format("{}x{}", settings.width, settings.height);
     if (o.crop && (o.crop->x1 > settings.width || o.crop->y1 > settings.height))
         throw UsageError(fmt::format("--crop: the picture is {}", size));
@@ -177,6 +186,20 @@ void check_memory(const RenderSettings& settings, bool mergeable)
         throw Error("", "",
                     fmt::format("a picture of {}x{} pixels needs {:.1f} GB of memory, {:.1f} GB are there",
                                 settings.width, settings.height, bytes / 1e9, available / 1e9));
+}
+
+/// The denoised picture, as a layer; its aids go unless they are `wanted`.
+void add_denoised(Image& image, const Denoiser& denoiser, const std::vector<Aov>& wanted)
+{
+    Image::Layer denoised = denoiser.denoise(image);
+    std::erase_if(image.layers, [&](const Image::Layer& layer) {
+        const auto is_extra = [&](Aov aov, const char* name) {
+            return layer.name == name && std::find(wanted.begin(), wanted.end(), aov) == wanted.end();
+        };
+        return is_extra(Aov::albedo, "albedo") || is_extra(Aov::normal, "normal");
+    });
+    image.layers.push_back(std::move(denoised));
+    image.attributes["fathom.denoiser"] = "Open Image Denoise " + denoiser.version();
 }
 
 /// Renders what the options ask for into one film, and tells how far it is.
@@ -285,6 +308,7 @@ struct RenderPlan {
     RenderSettings settings;
     WriteOptions write;
     std::optional<std::uint64_t> samples;
+    std::optional<Denoiser> denoiser;
 };
 
 /// Renders a picture and writes it; returns the exit code.
@@ -307,6 +331,7 @@ int render_picture(const RenderOptions& o, const RenderPlan& plan, const Picture
     Image image = film.image(plan.settings.alpha, o.aov_variance);
     if (o.aov_samples) image.layers.push_back(sample_count_layer(film));
     image.attributes = attributes(o, plan.settings, plan.scene, film, summary);
+    if (plan.denoiser) add_denoised(image, *plan.denoiser, o.aovs);
     if (o.mergeable) store_sums(film.sums(), image);
     const bool all_written = write_pictures(files, image, plan.write, reporter);
     summary.write_s = seconds_since_start() - write_start_s;
@@ -386,12 +411,14 @@ int run_render(RenderOptions& o, Reporter& reporter)
     Summary summary;
     Warnings warnings;
     const ThreadLimit limit = limit_threads(o.settings, reporter);
+    std::optional<Denoiser> denoiser = open_denoiser(o.picture, o.settings.threads, reporter);
     LoadedScene loaded = [&] {
         const Reporter::Phase phase(reporter, "load", "reading " + o.scene.file.string());
         return load_for_render(o.scene, warnings);
     }();
     check_outputs_are_no_inputs(files_that_are_there(o), loaded.description);
-    RenderPlan plan{loaded, settings_for(o, loaded), write_options(o.picture, loaded.description.hints), o.samples};
+    RenderPlan plan{loaded, settings_for(o, loaded), write_options(o.picture, loaded.description.hints), o.samples,
+                    std::move(denoiser)};
     if (!o.only_sample) check_memory(plan.settings, o.mergeable);
     check_outputs(o, plan.settings.width, plan.settings.height);
     if (!plan.samples && !o.time_s) plan.samples = hinted_samples(loaded.description.hints, o.scene.file.string());

@@ -9,37 +9,61 @@
 
 namespace fathom::cli {
 
-const std::vector<std::string> tonemap_names = {"srgb", "filmic"};
+namespace {
+
+const std::vector<std::string> tonemap_words(std::begin(tonemap_names), std::end(tonemap_names));
+
+bool is_exr(const std::filesystem::path& file)
+{
+    std::string extension = file.extension().string();
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return extension == ".exr";
+}
+
+Tonemap tonemap_for(const PictureOptions& options, const RenderHints& hints)
+{
+    if (options.tonemap) return *options.tonemap;
+    if (!hints.tonemap) return Tonemap::khronos_neutral;
+    const auto name = std::find(tonemap_words.begin(), tonemap_words.end(), *hints.tonemap);
+    if (name == tonemap_words.end())
+        throw Error("", "tonemap",
+                    fmt::format("expected {}, found '{}'", fmt::join(tonemap_words, " or "), *hints.tonemap));
+    return Tonemap(name - tonemap_words.begin());
+}
+
+}  // namespace
 
 void add_display_options(Command& command, PictureOptions& options)
 {
-    command.add_value("--exposure", "STOPS", "brighter (+) or darker (-) PNG, JPEG and window, in powers of two",
+    command.add_value("--exposure", "STOPS", "brighter (+) or darker (-) PNG, JPEG, WebP and window, in powers of two",
                       [&](const std::string& text) { options.exposure_ev = parse_number(text, -100, 100); });
     command.add_value(
-        "--tonemap", "srgb|filmic",
-        "for PNG, JPEG and window; srgb (default) shows radiance up to 1 as it is, so that pictures can be compared; "
-        "filmic rolls off highlights",
-        [&](const std::string& text) { options.tonemap = Tonemap(parse_word(text, tonemap_names)); });
+        "--tonemap", "NAME",
+        "for PNG, JPEG, WebP and window: khronos-neutral (default) keeps the colours of surfaces, agx and aces are "
+        "like "
+        "film, filmic is a simple curve, srgb shows radiance up to 1 as it is, so that pictures can be compared",
+        [&](const std::string& text) { options.tonemap = Tonemap(parse_word(text, tonemap_words)); });
 }
 
 void add_picture_options(Command& command, PictureOptions& options)
 {
     command.add_files("-o,--output", options.outputs,
-                      "file to write: .exr, .png, .jpg or .hdr; may be given several times");
+                      "file to write: .exr, .png, .jpg, .webp or .hdr; may be given several times");
     add_display_options(command, options);
     command.add_value("--png-bits", "8|16", "bits per channel of PNG (default 8)",
                       [&](const std::string& text) { options.png_bits = parse_word(text, {"8", "16"}) ? 16 : 8; });
+    command.add_value("--quality", "1..100", "of JPEG (default 95) and WebP (default: without loss)",
+                      [&](const std::string& text) { options.quality = int(parse_integer(text, 1, 100)); });
+    command.add_flag("--denoise", options.denoise,
+                     "take the noise away by Open Image Denoise, if it is there (`pip install pyoidn`): of PNG, JPEG, "
+                     "WebP and HDR; EXR keeps the picture as it is and gets a layer `denoised`");
     command.add_value("--exr", "half|float", "numbers of EXR (default float)",
                       [&](const std::string& text) { options.exr_half = parse_word(text, {"half", "float"}) == 0; });
 }
 
 bool writes_exr(const PictureOptions& options)
 {
-    return std::any_of(options.outputs.begin(), options.outputs.end(), [](const std::filesystem::path& file) {
-        std::string extension = file.extension().string();
-        for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-        return extension == ".exr";
-    });
+    return std::any_of(options.outputs.begin(), options.outputs.end(), is_exr);
 }
 
 WriteOptions write_options(const PictureOptions& options, const RenderHints& hints)
@@ -48,15 +72,9 @@ WriteOptions write_options(const PictureOptions& options, const RenderHints& hin
     write.display.exposure_ev = options.exposure_ev.value_or(hints.exposure.value_or(0));
     write.png_bits = options.png_bits;
     write.exr_half = options.exr_half;
-    if (options.tonemap) {
-        write.display.tonemap = *options.tonemap;
-    } else if (hints.tonemap) {
-        const auto name = std::find(tonemap_names.begin(), tonemap_names.end(), *hints.tonemap);
-        if (name == tonemap_names.end())
-            throw Error("", "tonemap",
-                        fmt::format("expected {}, found '{}'", fmt::join(tonemap_names, " or "), *hints.tonemap));
-        write.display.tonemap = Tonemap(name - tonemap_names.begin());
-    }
+    write.display.tonemap = tonemap_for(options, hints);
+    if (options.quality) write.jpeg_quality = *options.quality;
+    write.webp_quality = options.quality;
     return write;
 }
 
@@ -69,12 +87,40 @@ void use_light(const LitScene& lit, const PictureOptions& options, RenderSetting
     if (lit.backdrop && !settings.background) settings.background = backdrop;
 }
 
+std::optional<Denoiser> open_denoiser(const PictureOptions& options, int threads, Reporter& reporter)
+{
+    if (!options.denoise) return {};
+    Denoiser denoiser(threads);
+    reporter.note(fmt::format("denoising by Open Image Denoise {} ({})", denoiser.version(), denoiser.file().string()));
+    return denoiser;
+}
+
+namespace {
+
+/// What formats of one layer show: the denoised picture in the place of the first, with its alpha.
+Image shown_picture(const Image& image)
+{
+    Image shown;
+    shown.width = image.width, shown.height = image.height;
+    shown.layers = {image.layers[0]};
+    const Image::Layer* denoised = image.find("denoised");
+    if (!denoised) return shown;
+    Image::Layer& layer = shown.layers[0];
+    const std::size_t stride = layer.channels.size();
+    for (std::size_t i = 0; i < layer.pixels.size() / stride; ++i)
+        std::copy_n(&denoised->pixels[3 * i], 3, &layer.pixels[stride * i]);
+    return shown;
+}
+
+}  // namespace
+
 bool write_pictures(const PictureOptions& options, const Image& image, const WriteOptions& write, Reporter& reporter)
 {
     bool all = true;
+    const Image shown = shown_picture(image);
     for (const auto& file : options.outputs) {
         try {
-            write_image(file, image, write);
+            write_image(file, is_exr(file) ? image : shown, write);
             reporter.written(file.string());
         } catch (const Error& error) {
             reporter.error(error.what());

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "arguments.h"
+#include "fathom/denoise.h"
 #include "fathom/first_look.h"
 #include "fathom/image.h"
 #include "fathom/render.h"
@@ -18,14 +19,16 @@ struct PictureOptions {
     std::optional<double> exposure_ev;
     std::optional<Tonemap> tonemap;
     int png_bits = 8;
+    std::optional<int> quality;  ///< of JPEG and WebP
     bool exr_half = false;
+    bool denoise = false;
 };
 
 /// Those that a window has too: how radiance is shown.
 void add_display_options(Command& command, PictureOptions& options);
 void add_picture_options(Command& command, PictureOptions& options);
 bool writes_exr(const PictureOptions& options);
-/// Options first, then what the scene asks for.
+/// Options first, then what the scene asks for, then khronos-neutral: docs/tone-mapping.md says why.
 WriteOptions write_options(const PictureOptions& options, const RenderHints& hints);
 
 /// Tells which light was added, and takes what goes with it: its exposure and a backdrop, where no option says another.
@@ -34,11 +37,13 @@ void use_light(const LitScene& lit, const PictureOptions& options, RenderSetting
 
 /// "0:16,32:48"
 std::string text_of(const std::vector<SampleRange>& samples);
-/// Writes all files of the options and tells which; false if one could not be, which is told too: the others are there.
+/// The denoiser, if it is asked for; told by name. Throws Error if it isn't there.
+std::optional<Denoiser> open_denoiser(const PictureOptions& options, int threads, Reporter& reporter);
+
+/// Writes all files of the options and tells which. EXR has all layers; others show the one that is "denoised", if
+/// there is one. False if a file could not be written, which is told too: the others are there.
 bool write_pictures(const PictureOptions& options, const Image& image, const WriteOptions& write, Reporter& reporter);
 /// A layer that tells how many samples each pixel has.
 Image::Layer sample_count_layer(const Film& film);
-
-extern const std::vector<std::string> tonemap_names;
 
 }  // namespace fathom::cli

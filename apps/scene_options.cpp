@@ -15,6 +15,10 @@ namespace {
 
 constexpr Size default_size{800, 600};
 
+/// Azimuth and elevation, degrees, by name: the front of a model looks along +z, as glTF says.
+const std::vector<std::string> view_names = {"front", "back", "left", "right", "top", "bottom", "three-quarter"};
+constexpr std::pair<double, double> views[] = {{0, 0}, {180, 0}, {-90, 0}, {90, 0}, {0, 90}, {0, -90}, {30, 20}};
+
 const Camera* chosen_camera(const SceneDescription& scene, const std::string& name)
 {
     for (const Camera& camera : scene.cameras)
@@ -74,6 +78,19 @@ void use_environment(SceneDescription& scene, const std::filesystem::path& file)
     image.name = file.filename().string();
     image.path = file;
     scene.images.push_back(image);
+}
+
+/// Whichever picture or gradient lights the scene from outside, that of the options or its own.
+void adjust_environment(Environment& environment, const SceneOptions& options)
+{
+    if (options.environment_turn_deg == 0 && !options.environment_strength) return;
+    if (environment.kind == EnvironmentKind::none)
+        throw UsageError("--env-rotate, --env-strength: the scene has no environment; add --env FILE");
+    const double turn = options.environment_turn_deg * std::numbers::pi / 180;
+    environment.world_from_environment = Transform::rotate({0, 1, 0}, turn) * environment.world_from_environment;
+    const auto strength = float(options.environment_strength.value_or(1));
+    for (Color* c : {&environment.color, &environment.bottom, &environment.top})
+        *c = {c->r * strength, c->g * strength, c->b * strength};
 }
 
 /// A name that no camera has.
@@ -188,8 +205,19 @@ void add_scene_options(Command& command, SceneOptions& options)
                           if (std::abs(n[1]) > 90) throw UsageError("the elevation is from -90 to 90");
                           options.orbit_deg = {n[0], n[1]};
                       });
-    command.add_value("--env", "FILE", "light the scene by this equirectangular picture (HDR, EXR, ...)",
+    command.add_value(
+        "--view", "NAME",
+        "frame the whole scene: front, back, left, right, top, bottom or three-quarter (--orbit 30,20, and "
+        "the default for files without a camera)",
+        [&](const std::string& text) { options.orbit_deg = views[parse_word(text, view_names)]; });
+    command.add_value("--env", "FILE",
+                      "light the scene by this equirectangular picture (HDR, EXR, ...); its middle looks along +x",
                       [&](const std::string& text) { options.environment = text; });
+    command.add_value("--env-rotate", "DEGREES",
+                      "turn the environment about the vertical axis, counter-clockwise seen from above",
+                      [&](const std::string& text) { options.environment_turn_deg = parse_number(text, -1e6, 1e6); });
+    command.add_value("--env-strength", "X", "multiply the light of the environment",
+                      [&](const std::string& text) { options.environment_strength = parse_number(text, 0, 1e9); });
     command.add_value(
         "--light", "auto|file|studio",
         "auto (default): the file's, and a studio's where that leaves what is seen in the dark; only the "
@@ -221,7 +249,7 @@ std::string note_on(const std::vector<Animation>& animations)
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
 {
     if (options.orbit_deg && (!options.camera.empty() || options.look_from || options.look_at))
-        throw UsageError("--orbit: places the camera by itself; leave out --camera, --look-from and --look-at");
+        throw UsageError("--orbit, --view: places the camera by itself; leave out --camera, --look-from and --look-at");
     if (!options.animation.empty() && !options.at_s)
         throw UsageError("--animation: of which time? add --at SECONDS, or --frames A:B");
     LoadedScene loaded;
@@ -235,6 +263,7 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
         loaded.note = note_on(file.rig.animations);
     }
     if (!options.environment.empty()) use_environment(scene, options.environment);
+    adjust_environment(scene.environment, options);
     loaded.camera = name_of_camera(scene, options.camera);
     if (!loaded.camera.empty()) world_camera(scene, loaded.camera);  // throws if there is none
     loaded.build = tree_build_of(options, scene);
@@ -253,8 +282,9 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     const std::size_t cameras = scene.cameras.size();
     loaded.added = complete_scene(scene, complete).added;
     if (scene.cameras.size() > cameras) {
-        if (cameras > 0) scene.cameras.back().name = unused_name(scene, "orbit");
-        loaded.camera = scene.cameras.back().name;
+        // It is put before the others.
+        if (cameras > 0) scene.cameras.front().name = unused_name(scene, "orbit");
+        loaded.camera = scene.cameras.front().name;
     }
     if (options.look_from || options.look_at || options.up || options.fov_deg) {
         loaded.moved_from = loaded.camera;

@@ -27,6 +27,8 @@ struct SceneOptions {
     std::optional<double> fov_deg;
     std::optional<std::pair<double, double>> orbit_deg;  ///< azimuth, elevation
     std::filesystem::path environment;
+    double environment_turn_deg = 0;
+    std::optional<double> environment_strength;
     LightChoice light = LightChoice::automatic;
     std::optional<Size> size;
     std::optional<TreeBuild> build;

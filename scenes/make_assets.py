@@ -113,19 +113,19 @@ def hdr(width, height, pixel):
 # ------------------------------------------------------------------------------------------------ pictures
 def sky(width, height):
     """An afternoon: clouds, a sun that is 3 degrees wide, a meadow below the horizon."""
-    sun = normalize((-0.55, 0.62, -0.56))
+    sun = normalize((0.56, 0.62, -0.55))
 
     def pixel(px, py):
         theta, phi = math.pi * (py + 0.5) / height, 2 * math.pi * ((px + 0.5) / width - 0.5)
-        # The middle of the picture looks along -z, its right edge is behind.
-        x, y, z = math.sin(theta) * math.sin(phi), math.cos(theta), -math.sin(theta) * math.cos(phi)
-        to_sun = x * sun[0] + y * sun[1] + z * sun[2]
+        # The middle of the picture looks along +x, its right edge is behind.
+        x, y, z = math.sin(theta) * math.cos(phi), math.cos(theta), math.sin(theta) * math.sin(phi)
+        to_sun = z * sun[2] + y * sun[1] + x * sun[0]
         if y < 0:
-            shade = 0.75 + 0.5 * fractal(6 * x / (0.1 - y), 6 * z / (0.1 - y), 1, 3)
+            shade = 0.75 + 0.5 * fractal(6 * z / (0.1 - y), -6 * x / (0.1 - y), 1, 3)
             ground = mix((0.50, 0.52, 0.50), (0.16, 0.19, 0.08), smooth(0, 0.25, -y))
             return tuple(c * shade for c in ground)
         color = mix((0.75, 0.85, 1.0), (0.16, 0.33, 0.78), smooth(0, 0.8, y))
-        cover = smooth(0.47, 0.68, fractal(1.4 * x / (y + 0.15), 7, 1.4 * z / (y + 0.15))) * smooth(0.02, 0.2, y)
+        cover = smooth(0.47, 0.68, fractal(1.4 * z / (y + 0.15), 7, -1.4 * x / (y + 0.15))) * smooth(0.02, 0.2, y)
         color = mix(color, (1.15, 1.12, 1.08), 0.85 * cover)
         glow = max(to_sun, 0)
         color = tuple(c + g * (0.5 * glow**32 + 2.5 * glow**400) for c, g in zip(color, (1, 0.85, 0.6)))

@@ -20,6 +20,7 @@ allowed = {
     "integrate": {"math", "sampling", "geometry", "shading", "media", "light", "film"},
     "scene": set(),
     "image": {"scene"},
+    "denoise": {"scene"},
     "film": {"scene"},
     "import": {"scene"},
     "export": {"scene", "image", "import"},

@@ -138,8 +138,8 @@ void Viewer::handle_key(const sf::Event::KeyEvent& key)
             renderer_.save(std::filesystem::path(job_.name).stem().string());
             break;
         case K::T:
-            transform_.tonemap = transform_.tonemap == Tonemap::srgb ? Tonemap::filmic : Tonemap::srgb;
-            say(transform_.tonemap == Tonemap::srgb ? "tone map: srgb" : "tone map: filmic");
+            transform_.tonemap = Tonemap((std::size_t(transform_.tonemap) + 1) % std::size(tonemap_names));
+            say(fmt::format("tone map: {}", tonemap_names[std::size_t(transform_.tonemap)]));
             change_display();
             break;
         case K::Tab:
@@ -269,7 +269,7 @@ std::vector<std::string> Viewer::help_lines() const
             "Esc, Ctrl+Q       quit",
             "",
             fmt::format("showing {}, exposure {:+.1f}, {}", name_of(view_), transform_.exposure_ev,
-                        transform_.tonemap == Tonemap::srgb ? "srgb" : "filmic")};
+                        tonemap_names[std::size_t(transform_.tonemap)])};
 }
 
 }  // namespace fathom::view

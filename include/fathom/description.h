@@ -236,7 +236,7 @@ struct Environment {
     Color color{1, 1, 1};                       ///< constant: radiance; image, studio: multiplied
     Color bottom{1, 1, 1}, top{0.5f, 0.7f, 1};  ///< gradient: mixed by (1 + y) / 2 of the direction's up component
     int image = -1;                             ///< equirectangular, linear (8-bit files: sRGB)
-    Transform world_from_environment;           ///< rotation; the image's middle looks along -z, its top along +y
+    Transform world_from_environment;           ///< rotation; the image's middle looks along +x, its top along +y
 };
 
 enum class CameraKind { perspective, orthographic };

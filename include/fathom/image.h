@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,11 +37,18 @@ struct Image {
     }
 };
 
-/// srgb shows radiance as it is, up to 1, encoded as sRGB (IEC 61966-2-1). filmic rolls highlights off first, with
-/// Narkowicz's fit of the ACES curve (ACES Filmic Tone Mapping Curve, 2016), channel by channel.
-enum class Tonemap { srgb, filmic };
+/// How radiance becomes what a display shows, which is encoded as sRGB (IEC 61966-2-1) afterwards.
+enum class Tonemap {
+    srgb,             ///< as it is, up to 1
+    filmic,           ///< Narkowicz's fit of the ACES curve (ACES Filmic Tone Mapping Curve, 2016), channel by channel
+    agx,              ///< Sobotka's AgX with Wrensch's curve: film-like, bright colours go to white
+    khronos_neutral,  ///< the PBR Neutral Tone Mapper of Khronos: colours of surfaces are kept, highlights compressed
+    aces,             ///< Hill's fit of ACES, at 1 / 0.6 the exposure
+};
+/// What options and scene files call them.
+inline constexpr const char* tonemap_names[] = {"srgb", "filmic", "agx", "khronos-neutral", "aces"};
 
-/// How linear radiance becomes the values of PNG and JPEG.
+/// How linear radiance becomes the values of PNG, JPEG and WebP.
 struct DisplayTransform {
     double exposure_ev = 0;
     Tonemap tonemap = Tonemap::srgb;
@@ -51,15 +59,16 @@ struct WriteOptions {
     int png_bits = 8;       ///< 8 or 16
     bool exr_half = false;  ///< half for the layers of colours that fit; ids, distances and variances stay float
     int jpeg_quality = 95;
+    std::optional<int> webp_quality;  ///< 1 to 100; none: lossless
 };
 
 /// Throws Error, before anything is rendered, if the extension names no format that can be written, if the format can't
 /// hold a picture of this size (where one is given), or if no file can be made in that folder.
 FATHOM_API void check_output(const std::filesystem::path& file, int width = 0, int height = 0);
 
-/// Writes EXR (everything), PNG, JPEG or HDR (first layer) by extension: beside its place, then renamed into it. Throws
-/// Error; an earlier file then still stands. Colours with A are premultiplied in `image` and in EXR, straight in PNG,
-/// over black in JPEG and HDR.
+/// Writes EXR (everything), PNG, JPEG, WebP or HDR (first layer) by extension: beside its place, then renamed into it.
+/// Throws Error; an earlier file then still stands. Colours with A are premultiplied in `image` and in EXR, straight in
+/// PNG and WebP, over black in JPEG and HDR.
 FATHOM_API void write_image(const std::filesystem::path& file, const Image& image, const WriteOptions& options);
 
 /// 8-bit sRGB RGBA of the layer, straight alpha, for windows: R, G, B by name, else the first three channels, else the

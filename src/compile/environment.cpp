@@ -79,7 +79,7 @@ void make_studio(EnvironmentRecord& t)
             const double phi = ((x + 0.5) / t.width - 0.5) * 2 * std::numbers::pi,
                          theta = (y + 0.5) / t.height * std::numbers::pi;
             const auto r = float(
-                studio_radiance({std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)}));
+                studio_radiance({std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)}));
             t.texels.insert(t.texels.end(), {r, r, r, 1});
         }
 }

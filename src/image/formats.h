@@ -30,6 +30,7 @@ Image read_stb(const EncodedImage& file);
 void write_exr(OutputFile& file, const Image& image, const WriteOptions& options);
 std::vector<unsigned char> encode_png(const Image& image, const WriteOptions& options);
 std::vector<unsigned char> encode_jpeg(const Image& image, const WriteOptions& options);
+std::vector<unsigned char> encode_webp(const Image& image, const WriteOptions& options);
 std::vector<unsigned char> encode_hdr(const Image& image);
 
 /// Throws Error if the size is none, or if `bytes_per_pixel` times it is more than there is or the limit.

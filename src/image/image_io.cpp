@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-enum class Format { exr, png, jpeg, hdr };
+enum class Format { exr, png, jpeg, webp, hdr };
 
 Format output_format(const fs::path& file)
 {
@@ -26,9 +26,10 @@ Format output_format(const fs::path& file)
     if (extension == ".exr") return Format::exr;
     if (extension == ".png") return Format::png;
     if (extension == ".jpg" || extension == ".jpeg") return Format::jpeg;
+    if (extension == ".webp") return Format::webp;
     if (extension == ".hdr") return Format::hdr;
     throw Error(file.string(), "",
-                fmt::format("can't write {}: the formats are .exr, .png, .jpg and .hdr",
+                fmt::format("can't write {}: the formats are .exr, .png, .jpg, .webp and .hdr",
                             extension.empty() ? "a picture without an extension" : "'" + extension + "'"));
 }
 
@@ -38,6 +39,8 @@ int largest_side(Format format)
     switch (format) {
         case Format::jpeg:
             return 65500;
+        case Format::webp:
+            return 16383;
         case Format::png:
             return 1000000;
         default:
@@ -135,6 +138,9 @@ void write_image(const fs::path& file, const Image& image, const WriteOptions& o
                 break;
             case Format::jpeg:
                 output.write(encode_jpeg(image, options));
+                break;
+            case Format::webp:
+                output.write(encode_webp(image, options));
                 break;
             case Format::hdr:
                 output.write(encode_hdr(image));

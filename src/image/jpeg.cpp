@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <csetjmp>
 #include <cstdio>
 #include <cstdlib>
@@ -178,9 +179,8 @@ std::vector<unsigned char> encode_jpeg(const Image& image, const WriteOptions& o
     std::vector<unsigned char> codes(pixels * 3);
     for (std::size_t i = 0; i < pixels; ++i) {
         const float* pixel = layer.pixels.data() + i * stride;
-        codes[3 * i] = map.code8(pixel[channels.r]);
-        codes[3 * i + 1] = map.code8(pixel[channels.g]);
-        codes[3 * i + 2] = map.code8(pixel[channels.b]);
+        const auto rgb = map.codes8({pixel[channels.r], pixel[channels.g], pixel[channels.b]});
+        std::copy(rgb.begin(), rgb.end(), &codes[3 * i]);
     }
     Compressor c;
     if (!write_rows(c, image, options.jpeg_quality, codes.data()))

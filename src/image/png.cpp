@@ -133,9 +133,9 @@ void fill_codes(const Image& image, bool alpha, Code* codes, Light light, Unit u
         const float* pixel = layer.pixels.data() + i * stride;
         const float a = alpha ? pixel[channels.a] : 1;
         const float straight = a > 0 ? 1 / a : 0;
-        *codes++ = light(pixel[channels.r] * straight);
-        *codes++ = light(pixel[channels.g] * straight);
-        *codes++ = light(pixel[channels.b] * straight);
+        for (const Code code :
+             light({pixel[channels.r] * straight, pixel[channels.g] * straight, pixel[channels.b] * straight}))
+            *codes++ = code;
         if (alpha) *codes++ = unit(a);
     }
 }
@@ -186,9 +186,9 @@ std::vector<unsigned char> encode_png(const Image& image, const WriteOptions& op
     std::vector<std::uint16_t> codes((row_bytes * height + 1) / 2);
     auto* bytes = reinterpret_cast<unsigned char*>(codes.data());
     if (wide)
-        fill_codes(image, alpha, codes.data(), [&](float v) { return map.code16(v); }, unit16);
+        fill_codes(image, alpha, codes.data(), [&](const Color& c) { return map.codes16(c); }, unit16);
     else
-        fill_codes(image, alpha, bytes, [&](float v) { return map.code8(v); }, unit8);
+        fill_codes(image, alpha, bytes, [&](const Color& c) { return map.codes8(c); }, unit8);
     std::vector<png_bytep> rows(height);
     for (std::size_t y = 0; y < height; ++y) rows[y] = bytes + y * row_bytes;
 

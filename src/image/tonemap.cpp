@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "image/formats.h"
+#include "image/tone_curves.h"
 
 namespace fathom {
 
@@ -71,32 +72,34 @@ double linear_from_srgb(double encoded)
     return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-float filmic_curve(float x)
-{
-    // Beyond this the squares overflow, and the curve has long reached 1.
-    x = std::min(x, 1e6f);
-    return x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f);
-}
-
 DisplayMap::DisplayMap(const DisplayTransform& display)
-    : scale_(float(std::exp2(display.exposure_ev))), filmic_(display.tonemap == Tonemap::filmic)
+    : scale_(float(std::exp2(display.exposure_ev))), tonemap_(display.tonemap)
 {
 }
 
-float DisplayMap::display_linear(float radiance) const
+Color DisplayMap::display_linear(const Color& radiance) const
 {
-    const float x = radiance * scale_;
-    return filmic_ ? filmic_curve(x > 0 ? x : 0) : x;
+    // Beyond this the squares of curves overflow, which have long reached 1.
+    constexpr float most = 1e6f;
+    const auto exposed = [&](float x) {
+        x *= scale_;
+        return x > 0 ? std::min(x, most) : 0.0f;
+    };
+    return tone_map(tonemap_, {exposed(radiance.r), exposed(radiance.g), exposed(radiance.b)});
 }
 
-unsigned char DisplayMap::code8(float radiance) const
+std::array<unsigned char, 3> DisplayMap::codes8(const Color& radiance) const
 {
-    return srgb_table().code(display_linear(radiance));
+    const SrgbTable& table = srgb_table();
+    const Color c = display_linear(radiance);
+    return {table.code(c.r), table.code(c.g), table.code(c.b)};
 }
 
-std::uint16_t DisplayMap::code16(float radiance) const
+std::array<std::uint16_t, 3> DisplayMap::codes16(const Color& radiance) const
 {
-    return std::uint16_t(srgb_from_linear(clamp_unit(display_linear(radiance))) * 65535 + 0.5);
+    const auto code = [](float x) { return std::uint16_t(srgb_from_linear(x) * 65535 + 0.5); };
+    const Color c = display_linear(radiance);
+    return {code(c.r), code(c.g), code(c.b)};
 }
 
 unsigned char unit8(float value)
@@ -139,9 +142,9 @@ std::vector<unsigned char> to_display(const Image::Layer& layer, int width, int 
             alpha = unit8(a);
             straight = a > 0 ? 1 / a : 0;
         }
-        codes[i * 4] = map.code8(pixel[channels.r] * straight);
-        codes[i * 4 + 1] = map.code8(pixel[channels.g] * straight);
-        codes[i * 4 + 2] = map.code8(pixel[channels.b] * straight);
+        const auto rgb =
+            map.codes8({pixel[channels.r] * straight, pixel[channels.g] * straight, pixel[channels.b] * straight});
+        std::copy(rgb.begin(), rgb.end(), &codes[i * 4]);
         codes[i * 4 + 3] = alpha;
     }
     return codes;

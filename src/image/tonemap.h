@@ -1,8 +1,9 @@
 #pragma once
+#include <array>
 #include <cstdint>
-#include <vector>
 
 #include "fathom/image.h"
+#include "fathom/vector.h"
 
 namespace fathom {
 
@@ -10,24 +11,20 @@ namespace fathom {
 double srgb_from_linear(double linear);
 double linear_from_srgb(double encoded);
 
-/// Narkowicz's fit of the ACES curve: 0 to 0, 1 to 0.80, infinity to 1.
-/// K. Narkowicz: ACES Filmic Tone Mapping Curve, 2016.
-float filmic_curve(float x);
-
-/// The display transform, value by value.
+/// The display transform, colour by colour. What is no number, or negative, counts as 0.
 class DisplayMap {
 public:
     explicit DisplayMap(const DisplayTransform& display);
 
-    /// Nearest 8-bit code of linear radiance; NaN and what is negative give 0.
-    unsigned char code8(float radiance) const;
-    std::uint16_t code16(float radiance) const;
+    /// The nearest codes of linear radiance.
+    std::array<unsigned char, 3> codes8(const Color& radiance) const;
+    std::array<std::uint16_t, 3> codes16(const Color& radiance) const;
 
 private:
-    float display_linear(float radiance) const;
+    Color display_linear(const Color& radiance) const;
 
     float scale_;
-    bool filmic_;
+    Tonemap tonemap_;
 };
 
 /// Nearest code of a value of 0 to 1 that is not light: alpha.

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <webp/decode.h>
+#include <webp/encode.h>
 
 #include "fathom/error.h"
 #include "image/formats.h"
@@ -24,6 +25,46 @@ Image read_webp(const EncodedImage& file)
         throw Error(file.name, "", "damaged WebP: the file is cut short or wrong");
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = float(codes[i]) / 255;
     return image;
+}
+
+namespace {
+
+struct Encoder {
+    WebPConfig config;
+    WebPPicture picture;
+    WebPMemoryWriter writer;
+
+    Encoder()
+    {
+        WebPConfigInit(&config);
+        WebPPictureInit(&picture);
+        WebPMemoryWriterInit(&writer);
+        picture.writer = WebPMemoryWrite;
+        picture.custom_ptr = &writer;
+    }
+    ~Encoder()
+    {
+        WebPPictureFree(&picture);
+        WebPMemoryWriterClear(&writer);
+    }
+    Encoder(const Encoder&) = delete;
+};
+
+}  // namespace
+
+std::vector<unsigned char> encode_webp(const Image& image, const WriteOptions& options)
+{
+    const std::vector<unsigned char> codes = to_display(image.layers[0], image.width, image.height, options.display);
+    Encoder e;
+    e.config.lossless = !options.webp_quality;
+    e.config.exact = 1;  // colours where alpha is 0, too
+    if (options.webp_quality) e.config.quality = float(*options.webp_quality);
+    e.picture.use_argb = e.config.lossless;
+    e.picture.width = image.width;
+    e.picture.height = image.height;
+    if (!WebPPictureImportRGBA(&e.picture, codes.data(), image.width * 4) || !WebPEncode(&e.config, &e.picture))
+        throw Error("", "", fmt::format("can't encode WebP: error {} of libwebp", int(e.picture.error_code)));
+    return {e.writer.mem, e.writer.mem + e.writer.size};
 }
 
 }  // namespace fathom

@@ -31,10 +31,10 @@ inline Vec3 rotate_out(const EnvironmentRecord& e, Vec3 d)
 struct ImagePoint {
     Float u, v;  ///< in [0, 1], v downwards
 };
-/// The image's middle looks along -z, its top along +y; u grows to the right as seen from inside.
+/// The image's middle looks along +x, its top along +y; u grows to the right as seen from inside: towards +z.
 inline ImagePoint image_point(Vec3 d)
 {
-    return {fma(atan2(d.x, -d.z), Float(0.5f * inv_pi), Float(0.5f)),
+    return {fma(atan2(d.z, d.x), Float(0.5f * inv_pi), Float(0.5f)),
             acos(clamp(d.y, Float(-1), Float(1))) * Float(inv_pi)};
 }
 
@@ -105,7 +105,7 @@ inline EnvironmentSample sample_environment(const LightTables& tables, Sample2 r
     const UInt x = find_interval(e.conditional.data(), first, e.width, random.x);
     const Float u = (to_float(x) + within(e.conditional.data(), first + x, random.x)) * Float(1.0f / float(e.width));
     const SinCos theta = sincos_2pi(v * Float(0.5f)), phi = sincos_2pi(u - Float(0.5f));
-    const Vec3 d{theta.sin * phi.sin, theta.cos, -(theta.sin * phi.cos)};
+    const Vec3 d{theta.sin * phi.cos, theta.cos, theta.sin * phi.sin};
     EnvironmentSample s;
     s.wi = detail::rotate_out(e, d);
     const Float pdf = environment_pdf(tables, s.wi);

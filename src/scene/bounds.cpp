@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
+#include <span>
 
 #include "fathom/load.h"
 #include "scene/bounds.h"
@@ -9,65 +12,97 @@ namespace fathom {
 
 namespace {
 
-void add_point(Bounds& bounds, Vec3d p)
-{
-    if (!std::isfinite(p.x + p.y + p.z)) return;
-    if (bounds.empty) {
-        bounds = {p, p, false};
-        return;
+/// A box around points.
+struct BoxSink {
+    Bounds bounds;
+
+    void point(Vec3d p)
+    {
+        if (!std::isfinite(p.x + p.y + p.z)) return;
+        if (bounds.empty) {
+            bounds = {p, p, false};
+            return;
+        }
+        bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y), std::min(bounds.min.z, p.z)};
+        bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y), std::max(bounds.max.z, p.z)};
     }
-    bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y), std::min(bounds.min.z, p.z)};
-    bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y), std::max(bounds.max.z, p.z)};
-}
+    /// Exact for an ellipsoid or ellipse: the points center + a cos + b sin (+ c ...) with half-axes a, b, c.
+    void ellipsoid(Vec3d center, Vec3d a, Vec3d b, Vec3d c)
+    {
+        const auto reach = [](double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); };
+        const Vec3d extent{reach(a.x, b.x, c.x), reach(a.y, b.y, c.y), reach(a.z, b.z, c.z)};
+        point(center - extent);
+        point(center + extent);
+    }
+};
 
-/// Exact for an ellipsoid or ellipse: the points center + a cos + b sin (+ c ...) with half-axes a, b, c.
-void add_ellipsoid(Bounds& bounds, Vec3d center, Vec3d a, Vec3d b, Vec3d c)
+/// How far points reach along directions.
+struct SupportSink {
+    std::span<const Vec3d> directions;
+    std::vector<double> reach;
+
+    void point(Vec3d p)
+    {
+        if (std::isfinite(p.x + p.y + p.z)) add(p, [](const Vec3d&) { return 0.0; });
+    }
+    void ellipsoid(Vec3d center, Vec3d a, Vec3d b, Vec3d c)
+    {
+        if (!std::isfinite(center.x + center.y + center.z)) return;
+        add(center, [&](const Vec3d& n) { return length({dot(a, n), dot(b, n), dot(c, n)}); });
+    }
+
+private:
+    template <class Radius>
+    void add(Vec3d p, Radius radius)
+    {
+        reach.resize(directions.size(), -std::numeric_limits<double>::infinity());
+        for (std::size_t i = 0; i < directions.size(); ++i)
+            reach[i] = std::max(reach[i], dot(p, directions[i]) + radius(directions[i]));
+    }
+};
+
+template <class Sink>
+void add_sphere(Sink& sink, const Transform& t, Vec3d center, double r)
 {
-    const auto reach = [](double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); };
-    const Vec3d extent{reach(a.x, b.x, c.x), reach(a.y, b.y, c.y), reach(a.z, b.z, c.z)};
-    add_point(bounds, center - extent);
-    add_point(bounds, center + extent);
+    sink.ellipsoid(t.point(center), t.vector({r, 0, 0}), t.vector({0, r, 0}), t.vector({0, 0, r}));
 }
 
-void add_sphere(Bounds& bounds, const Transform& t, Vec3d center, double r)
-{
-    add_ellipsoid(bounds, t.point(center), t.vector({r, 0, 0}), t.vector({0, r, 0}), t.vector({0, 0, r}));
-}
-
-void add_disk(Bounds& bounds, const Transform& t, const Disk& disk)
+template <class Sink>
+void add_disk(Sink& sink, const Transform& t, const Disk& disk)
 {
     const Vec3d n = normalize(disk.normal);
     const Vec3d u = normalize(cross(n, std::abs(n.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})), v = cross(n, u);
-    add_ellipsoid(bounds, t.point(disk.center), t.vector(u * disk.radius), t.vector(v * disk.radius), {});
+    sink.ellipsoid(t.point(disk.center), t.vector(u * disk.radius), t.vector(v * disk.radius), {});
 }
 
-void add_box(Bounds& bounds, const Transform& t, Vec3d min, Vec3d max)
+template <class Sink>
+void add_box(Sink& sink, const Transform& t, Vec3d min, Vec3d max)
 {
     for (int i = 0; i < 8; ++i)
-        add_point(bounds, t.point({i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z}));
+        sink.point(t.point({i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z}));
 }
 
 /// Of balls: as good as exact where there are many small ones.
 Bounds box_of_balls(const std::vector<Vec3f>& centers, const std::vector<float>& radii)
 {
-    Bounds box;
+    BoxSink box;
     for (std::size_t i = 0; i < centers.size(); ++i) {
         const Vec3d p{centers[i].x, centers[i].y, centers[i].z}, r{radii[i], radii[i], radii[i]};
-        add_point(box, p - r);
-        add_point(box, p + r);
+        box.point(p - r);
+        box.point(p + r);
     }
-    return box;
+    return box.bounds;
 }
 
 Bounds box_of_mesh(const Mesh& mesh)
 {
-    Bounds box;
+    BoxSink box;
     const auto add = [&](const std::vector<Vec3f>& positions) {
-        for (Vec3f p : positions) add_point(box, {p.x, p.y, p.z});
+        for (Vec3f p : positions) box.point({p.x, p.y, p.z});
     };
     for (const MeshKey& key : mesh.motion) add(key.positions);
     if (mesh.motion.empty()) add(mesh.positions);
-    return box;
+    return box.bounds;
 }
 
 /// What shapes refer to, its boxes found when they are first asked for.
@@ -75,31 +110,34 @@ class Contents {
 public:
     explicit Contents(const SceneDescription& scene) : scene_(scene) {}
 
-    void add_mesh(Bounds& bounds, const Transform& t, int index)
+    template <class Sink>
+    void add_mesh(Sink& sink, const Transform& t, int index)
     {
         if (index < 0 || index >= int(scene_.meshes.size())) return;
         const Mesh& mesh = scene_.meshes[std::size_t(index)];
         const std::size_t points = mesh.positions.size() * std::max<std::size_t>(mesh.motion.size(), 1);
         if (points > budget_)
-            return add_corners(bounds, t, box(meshes_, scene_.meshes.size(), index, [&] { return box_of_mesh(mesh); }));
+            return add_corners(sink, t, box(meshes_, scene_.meshes.size(), index, [&] { return box_of_mesh(mesh); }));
         // Exact for what a few instances show; the corners of the mesh's box for a forest.
         budget_ -= points;
         const auto add = [&](const std::vector<Vec3f>& positions) {
-            for (Vec3f p : positions) add_point(bounds, t.point({p.x, p.y, p.z}));
+            for (Vec3f p : positions) sink.point(t.point({p.x, p.y, p.z}));
         };
         for (const MeshKey& key : mesh.motion) add(key.positions);
         if (mesh.motion.empty()) add(mesh.positions);
     }
-    void add_curves(Bounds& bounds, const Transform& t, int index)
+    template <class Sink>
+    void add_curves(Sink& sink, const Transform& t, int index)
     {
         const Curves& c = scene_.curves[std::size_t(index)];
-        add_corners(bounds, t,
+        add_corners(sink, t,
                     box(curves_, scene_.curves.size(), index, [&] { return box_of_balls(c.points, c.radii); }));
     }
-    void add_points(Bounds& bounds, const Transform& t, int index)
+    template <class Sink>
+    void add_points(Sink& sink, const Transform& t, int index)
     {
         const Points& p = scene_.points[std::size_t(index)];
-        add_corners(bounds, t,
+        add_corners(sink, t,
                     box(points_, scene_.points.size(), index, [&] { return box_of_balls(p.centers, p.radii); }));
     }
 
@@ -114,9 +152,10 @@ private:
         if (!known) known = find();
         return *known;
     }
-    static void add_corners(Bounds& bounds, const Transform& t, const Bounds& box)
+    template <class Sink>
+    static void add_corners(Sink& sink, const Transform& t, const Bounds& box)
     {
-        if (!box.empty) add_box(bounds, t, box.min, box.max);
+        if (!box.empty) add_box(sink, t, box.min, box.max);
     }
 
     const SceneDescription& scene_;
@@ -124,31 +163,33 @@ private:
     std::size_t budget_ = 20'000'000;
 };
 
-void add_shape(Bounds& bounds, Contents& contents, const Transform& t, const Shape& shape)
+template <class Sink>
+void add_shape(Sink& sink, Contents& contents, const Transform& t, const Shape& shape)
 {
     if (const auto* mesh = std::get_if<MeshInstance>(&shape.geometry)) {
-        contents.add_mesh(bounds, t, mesh->mesh);
+        contents.add_mesh(sink, t, mesh->mesh);
     } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-        add_sphere(bounds, t, sphere->center, sphere->radius);
-        if (sphere->center_end) add_sphere(bounds, t, *sphere->center_end, sphere->radius);
+        add_sphere(sink, t, sphere->center, sphere->radius);
+        if (sphere->center_end) add_sphere(sink, t, *sphere->center_end, sphere->radius);
     } else if (const auto* rect = std::get_if<Rectangle>(&shape.geometry)) {
         for (int i = 0; i < 4; ++i)
-            add_point(bounds, t.point(rect->corner + rect->edge_u * (i & 1) + rect->edge_v * (i >> 1)));
+            sink.point(t.point(rect->corner + rect->edge_u * (i & 1) + rect->edge_v * (i >> 1)));
     } else if (const auto* box = std::get_if<Box>(&shape.geometry)) {
-        add_box(bounds, t, box->min, box->max);
+        add_box(sink, t, box->min, box->max);
     } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
-        add_disk(bounds, t, *disk);
+        add_disk(sink, t, *disk);
     } else if (const auto* curves = std::get_if<CurvesInstance>(&shape.geometry)) {
-        contents.add_curves(bounds, t, curves->curves);
+        contents.add_curves(sink, t, curves->curves);
     } else if (const auto* points = std::get_if<PointsInstance>(&shape.geometry)) {
-        contents.add_points(bounds, t, points->points);
+        contents.add_points(sink, t, points->points);
     }
 }
 
 /// Walks the nodes, what is below one that moves once for each of a few times.
+template <class Sink>
 class Walk {
 public:
-    explicit Walk(const SceneDescription& scene) : scene_(scene), contents_(scene)
+    Walk(const SceneDescription& scene, Sink sink) : scene_(scene), contents_(scene), sink_(std::move(sink))
     {
         for (const Node& node : scene.nodes)
             for (const NodeKey& key : node.motion) times_.push_back(key.time);
@@ -161,10 +202,10 @@ public:
         }
     }
 
-    Bounds run()
+    Sink run()
     {
         for (int root : scene_.roots) add_node({}, root, nullptr, 0);
-        return bounds_;
+        return sink_;
     }
 
 private:
@@ -176,7 +217,7 @@ private:
         if (index < 0 || index >= int(scene_.nodes.size()) || depth > 256) return;
         const Node& node = scene_.nodes[std::size_t(index)];
         const auto add_at = [&](const Transform& t, const double* at) {
-            for (const Shape& shape : node.shapes) add_shape(bounds_, contents_, t, shape);
+            for (const Shape& shape : node.shapes) add_shape(sink_, contents_, t, shape);
             for (int child : node.children) add_node(t, child, at, depth + 1);
         };
         if (node.motion.empty()) return add_at(parent * node.parent_from_node, time);
@@ -188,22 +229,27 @@ private:
     const SceneDescription& scene_;
     Contents contents_;
     std::vector<double> times_;
-    Bounds bounds_;
+    Sink sink_;
 };
 
 }  // namespace
 
 Bounds shape_bounds(const SceneDescription& scene, const Shape& shape)
 {
-    Bounds bounds;
+    BoxSink sink;
     Contents contents(scene);
-    add_shape(bounds, contents, {}, shape);
-    return bounds;
+    add_shape(sink, contents, {}, shape);
+    return sink.bounds;
 }
 
 Bounds world_bounds(const SceneDescription& scene)
 {
-    return Walk(scene).run();
+    return Walk(scene, BoxSink()).run().bounds;
+}
+
+std::vector<double> world_reach(const SceneDescription& scene, std::span<const Vec3d> directions)
+{
+    return Walk(scene, SupportSink{directions, {}}).run().reach;
 }
 
 }  // namespace fathom

@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <vector>
 
 #include "fathom/load.h"
+#include "scene/bounds.h"
 #include "scene/check.h"
 
 namespace fathom {
@@ -17,33 +20,49 @@ bool has_camera(const SceneDescription& scene, int index)
            std::any_of(node.children.begin(), node.children.end(), [&](int child) { return has_camera(scene, child); });
 }
 
-/// The camera that sees the whole box from a direction, its distance no larger than that needs (with a margin of 5 %).
-Camera framing_camera(const Bounds& bounds, const CompleteOptions& options)
+/// As world_reach, of a box.
+std::vector<double> reach_of(const Bounds& box, std::span<const Vec3d> directions)
+{
+    if (box.empty) return {};
+    std::vector<double> reach;
+    for (const Vec3d& d : directions)
+        reach.push_back(std::max(d.x * box.min.x, d.x * box.max.x) + std::max(d.y * box.min.y, d.y * box.max.y) +
+                        std::max(d.z * box.min.z, d.z * box.max.z));
+    return reach;
+}
+
+/// The nearest camera that sees all of the scene's geometry from a direction: the silhouette touches two opposite edges
+/// of the picture, but for a margin. In the camera's axes (right, up, back) a point p is right of the frustum's left
+/// plane where -p.x + t p.z <= -c.x + t c.z, t the tangent of half the angle and c the camera: how far the scene
+/// reaches along the planes' normals decides all.
+Camera framing_camera(const SceneDescription& scene, const CompleteOptions& options)
 {
     const double azimuth = options.azimuth_deg * std::numbers::pi / 180;
     const double elevation = options.elevation_deg * std::numbers::pi / 180;
-    const Vec3d to_camera{std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
-                          std::cos(azimuth) * std::cos(elevation)};
-    // The derivative of to_camera by elevation: it is never parallel to the view, also straight from above.
+    const Vec3d back{std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                     std::cos(azimuth) * std::cos(elevation)};
+    // The derivative of back by elevation: it is never parallel to the view, also straight from above.
     const Vec3d up{-std::sin(azimuth) * std::sin(elevation), std::cos(elevation),
                    -std::cos(azimuth) * std::sin(elevation)};
-    const Vec3d right = cross(up, to_camera);
+    const Vec3d right = cross(up, back);
 
     Camera camera;
     camera.name = "framing";
-    const Vec3d center = bounds.min * 0.5 + bounds.max * 0.5;
-    const Vec3d half = bounds.max * 0.5 - bounds.min * 0.5;
-    const double tan_y = std::tan(camera.fov_y / 2), tan_x = tan_y * options.aspect;
-    double distance = 0;
-    for (int i = 0; i < 8; ++i) {
-        const Vec3d p{i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y, i & 4 ? half.z : -half.z};
-        const double aside = std::max(std::abs(dot(p, right)) / tan_x, std::abs(dot(p, up)) / tan_y);
-        distance = std::max(distance, dot(p, to_camera) + 1.05 * aside);
-    }
-    // A scene without geometry, or one point, still gets a camera.
-    if (!(distance > 0)) distance = 1;
-    camera.position = center + distance * to_camera;
-    camera.look_at = center;
+    constexpr double margin = 1.08;
+    const double tan_y = std::tan(camera.fov_y / 2) / margin, tan_x = tan_y * options.aspect;
+    const Vec3d normals[] = {
+        tan_x * back + right, tan_x * back - right, tan_y * back + up, tan_y * back - up, back, back * -1};
+    std::vector<double> reach = options.bounds ? reach_of(*options.bounds, normals) : world_reach(scene, normals);
+    // A scene without geometry still gets a camera.
+    if (reach.empty()) reach.assign(std::size(normals), 0);
+    const double front = reach[4], depth = front + reach[5];
+    double distance = std::max((reach[0] + reach[1]) / (2 * tan_x), (reach[2] + reach[3]) / (2 * tan_y));
+    // Nor does it stand in what is thin: one point, or a line that it looks along.
+    distance = std::max(distance, front + 0.1 * depth);
+    if (!(distance > front)) distance = front + 1;
+    const Vec3d aside = (reach[0] - reach[1]) / 2 * right + (reach[2] - reach[3]) / 2 * up;
+    camera.position = aside + distance * back;
+    camera.look_at = aside + (front - depth / 2) * back;
     camera.up = up;
     return camera;
 }
@@ -70,7 +89,7 @@ Completed complete_scene(SceneDescription& scene, const CompleteOptions& options
     const bool found =
         std::any_of(scene.roots.begin(), scene.roots.end(), [&](int root) { return has_camera(scene, root); });
     if (found && !options.force_camera) return completed;
-    add_first_camera(scene, framing_camera(options.bounds ? *options.bounds : world_bounds(scene), options));
+    add_first_camera(scene, framing_camera(scene, options));
     // One that was asked for is nothing that the file lacked.
     if (!options.force_camera) completed.added.push_back("a camera that frames the scene");
     return completed;

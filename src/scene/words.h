@@ -1,4 +1,6 @@
 #pragma once
+#include "fathom/image.h"
+
 /// What scene files call the values of enumerations, in the order of these: for reading and for writing.
 
 namespace fathom::words {
@@ -10,7 +12,7 @@ inline constexpr const char* curve_bases[] = {"linear", "bezier", "bspline", "ca
 inline constexpr const char* curve_styles[] = {"round", "ribbon"};
 inline constexpr const char* channels[] = {"r", "g", "b", "a"};
 inline constexpr const char* filters[] = {"box", "gaussian", "blackman-harris"};
-inline constexpr const char* tonemaps[] = {"srgb", "filmic"};
+inline constexpr auto& tonemaps = tonemap_names;
 inline constexpr const char* builds[] = {"fast", "default", "high", "compact"};
 
 }  // namespace fathom::words

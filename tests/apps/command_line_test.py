@@ -19,8 +19,9 @@ import tempfile
 import termios
 import time
 import unittest
+from pathlib import Path
 
-DOUBLE = PROGRAM = None
+DOUBLE = PROGRAM = FAKE_OIDN = None
 
 
 def png_size(path):
@@ -139,7 +140,8 @@ class CommandLine(unittest.TestCase):
             "--only-sample": ["1,2", "800,0,0", "0,600,0", "-1,0,0", "0,0,4294967296"],
             "--aov": ["colour", ""],
             "--exposure": ["nan", "inf", "1000", "x"],
-            "--tonemap": ["aces"],
+            "--tonemap": ["reinhard"],
+            "--quality": ["0", "101", "x"],
             "--background": ["blue", "#12345", "#gggggg", "1,2", "-1,0,0", "nan,0,0"],
             "--look-from": ["1,2", "nan,0,0", "1,2,3,4"],
             "--up": ["0,0,0"],
@@ -318,9 +320,9 @@ class CommandLine(unittest.TestCase):
 
     def test_pictures(self):
         self.ok("render", "box.json", "--spp", "1", "--size", "20x10", "--background", "transparent", "--png-bits", "16",
-                "-o", "a.png", "-o", "a.exr", "-o", "a.jpg", "--output", "a.hdr")
+                "-o", "a.png", "-o", "a.exr", "-o", "a.jpg", "-o", "a.webp", "--output", "a.hdr")
         self.assertEqual(png_size(self.path("a.png")), (20, 10, 16, 6))
-        for name in ("a.exr", "a.jpg", "a.hdr"):
+        for name in ("a.exr", "a.jpg", "a.webp", "a.hdr"):
             self.assertTrue(os.path.exists(self.path(name)), name)
         self.ok("render", "box.json", "--spp", "1", "--size", "20x10", "-o", "b.exr", "--exr", "half",
                 "--aov", "albedo,samples,variance")
@@ -340,6 +342,11 @@ class CommandLine(unittest.TestCase):
         self.assertIn("up 0,0,1 fov 60", self.camera_line("--up", "0,0,1", "--look-at", "9,9,9", "--fov", "60"))
         self.assertIn("up 0,0,-1", self.camera_line("--look-from", "0,5,0", "--look-at", "0,0,0"))
         self.assertIn("at 45,-20,100", self.camera_line("--orbit", "45,-20"))
+        for name, place in (("front", "0,0"), ("back", "180,0"), ("left", "-90,0"), ("right", "90,0"), ("top", "0,90"),
+                            ("bottom", "0,-90"), ("three-quarter", "30,20")):
+            self.assertIn(f"at {place},100", self.camera_line("--view", name))
+        self.refused(2, "render", "box.json", "--view", "side", words=["side", "three-quarter"])
+        self.refused(2, "render", "box.json", "--view", "top", "--camera", "main", words=["--view"])
         self.scene("bare.json", "empty")
         text = self.ok("render", "bare.json", "--spp", "1").stderr
         self.assertIn("camera framing the model", text)
@@ -368,6 +375,55 @@ class CommandLine(unittest.TestCase):
         self.assertIn("light auto, its own", text)
         self.refused(2, "render", "dark.json", "--env", "sky.hdr", "--light", "studio", words=["one of both"])
         self.refused(2, "render", "dark.json", "--light", "moon", words=["moon"])
+
+    def test_environment_turned_and_dimmed(self):
+        self.scene("sky.hdr", "x")
+        self.scene("plain.json", "camera a")
+        seen = lambda *options: self.ok("render", "plain.json", "--spp", "1", "--env", "sky.hdr", *options).stderr
+        self.assertIn("sky.hdr towards 1.000,0.000,0.000 times 1\n", seen())
+        # Counter-clockwise seen from above: from +x (the right) to -z (ahead).
+        self.assertIn("sky.hdr towards 0.866,0.000,-0.500 times 0.25\n", seen("--env-rotate", "30", "--env-strength", "0.25"))
+        for option in ("--env-rotate", "--env-strength"):
+            self.refused(2, "render", "plain.json", option, "2", words=["no environment", "--env FILE"])
+        self.refused(2, "render", "plain.json", "--env", "sky.hdr", "--env-strength", "-1", words=["--env-strength"])
+
+    def test_denoise(self):
+        if not FAKE_OIDN:
+            self.skipTest("no library to denoise with")
+        there = {**os.environ, "FATHOM_OIDN": FAKE_OIDN}
+        render = ["render", "box.json", "--spp", "2", "--size", "20x10", "--denoise"]
+        channels = lambda name: set(re.findall(rb"(?:denoised|albedo|normal)\.[A-Z]", Path(self.path(name)).read_bytes()))
+        text = self.ok(*render, "-o", "a.exr", "-o", "a.png", "--mergeable", env=there).stderr
+        self.assertIn("denoising by Open Image Denoise 2.98.76 (" + FAKE_OIDN + ")\n", text)
+        self.assertEqual(channels("a.exr"), {b"denoised.R", b"denoised.G", b"denoised.B"})
+        # The picture itself stays as it was, and a PNG shows the other.
+        self.ok(*render[:-1], "-o", "raw.png")
+        self.ok("merge", "a.exr", "-o", "merged.png")
+        self.ok("merge", "a.exr", "--denoise", "-o", "denoised.png", "-o", "m.exr", env=there)
+        data = {name: Path(self.path(name)).read_bytes() for name in ("a.png", "raw.png", "merged.png", "denoised.png")}
+        self.assertEqual(data["raw.png"], data["merged.png"])
+        self.assertEqual(data["a.png"], data["denoised.png"])
+        self.assertIn(b"denoised.R", channels("m.exr"))
+        # What helps the denoiser is left out again unless it is asked for; the stand-in for the library has no layers.
+        if PROGRAM:
+            self.scene("ball.json", '{"fathom": 1, "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]}, '
+                                    '"environment": {"kind": "constant"}, "scene": [{"sphere": {"radius": 1}}]}')
+            ball = ["render", "ball.json", "--spp", "2", "--size", "20x10", "--denoise", "-q", "-o", "b.exr"]
+            self.ok(*ball, program=PROGRAM, env=there)
+            self.assertEqual(channels("b.exr"), {b"denoised.R", b"denoised.G", b"denoised.B"})
+            self.ok(*ball, "-o", "c.png", program=PROGRAM, env=there)
+            self.ok(*[word for word in ball if word != "--denoise"], "-o", "d.png", program=PROGRAM)
+            self.assertNotEqual(*(Path(self.path(name)).read_bytes() for name in ("c.png", "d.png")))
+            self.ok(*ball, "--aov", "normal", program=PROGRAM, env=there)
+            self.assertEqual({name[:8] for name in channels("b.exr")}, {b"denoised", b"normal.X", b"normal.Y", b"normal.Z"})
+        # Asked for and not there: told before anything is rendered.
+        self.refused(1, *render, "-o", "new.png", words=["/none.so: FATHOM_OIDN"], env={**there, "FATHOM_OIDN": "/none.so"})
+        self.assertFalse(os.path.exists(self.path("new.png")))
+        away = {"PATH": self.folder, "HOME": self.folder}
+        result = self.run_program(*render, "-o", "new.png", env=away)
+        if result.returncode:  # else the system has one
+            self.assertEqual(result.stderr.count("\n"), 1)
+            self.assertIn("pip install pyoidn", result.stderr)
 
     def test_only_sample(self):
         result = self.ok("render", "box.json", "--only-sample", "12,34,56")
@@ -673,7 +729,7 @@ class CommandLine(unittest.TestCase):
         def options(command):
             return set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", self.ok(command, "--help").stdout, re.MULTILINE))
         of_files_only = {"--output", "--png-bits", "--exr", "--aov", "--mergeable", "--samples", "--only-sample", "--time",
-                         "--crop", "--quiet", "--progress", "--frames", "--fps", "--shutter"}
+                         "--crop", "--quiet", "--progress", "--frames", "--fps", "--shutter", "--quality", "--denoise"}
         self.assertEqual(options("render") - options("view"), of_files_only)
         self.assertEqual(options("view") - options("render"), {"--log-latency", "--script-moves"})
         self.assertIn("--scene", options("info"))
@@ -729,4 +785,5 @@ class CommandLine(unittest.TestCase):
 if __name__ == "__main__":
     DOUBLE = os.path.abspath(sys.argv[1])
     PROGRAM = os.path.abspath(sys.argv[2]) if len(sys.argv) > 2 else None
+    FAKE_OIDN = os.path.abspath(sys.argv[3]) if len(sys.argv) > 3 else None
     unittest.main(argv=sys.argv[:1], verbosity=1)

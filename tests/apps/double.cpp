@@ -99,8 +99,11 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
 Completed complete_scene(SceneDescription& scene, const CompleteOptions& options)
 {
     if (!scene.cameras.empty() && !options.force_camera) return {};
-    scene.cameras.emplace_back().position = {options.azimuth_deg, options.elevation_deg, 100};
-    scene.nodes.emplace_back().camera = int(scene.cameras.size()) - 1;
+    // Before the others, as the library does.
+    for (Node& node : scene.nodes)
+        if (node.camera >= 0) ++node.camera;
+    scene.cameras.insert(scene.cameras.begin(), Camera())->position = {options.azimuth_deg, options.elevation_deg, 100};
+    scene.nodes.emplace_back().camera = 0;
     scene.roots.push_back(int(scene.nodes.size()) - 1);
     return {{"camera framing the model"}};
 }
@@ -129,8 +132,12 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
     warnings.add(fmt::format("camera '{}' at {},{},{} to {},{},{} up {},{},{} fov {:.4g} aspect {}", c.name,
                              c.position.x, c.position.y, c.position.z, c.look_at.x, c.look_at.y, c.look_at.z, c.up.x,
                              c.up.y, c.up.z, c.fov_y * 180 / M_PI, c.aspect));
-    if (description.environment.kind == EnvironmentKind::image)
-        warnings.add("environment " + description.images.at(std::size_t(description.environment.image)).path.string());
+    if (const Environment& e = description.environment; e.kind == EnvironmentKind::image) {
+        const Vec3d middle = e.world_from_environment.vector({1, 0, 0});
+        warnings.add(fmt::format("environment {} towards {:.3f},{:.3f},{:.3f} times {:g}",
+                                 description.images.at(std::size_t(e.image)).path.string(), middle.x, middle.y,
+                                 middle.z, e.color.g));
+    }
     Scene scene;
     scene.data_ = std::move(data);
     return scene;

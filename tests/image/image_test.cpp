@@ -154,6 +154,28 @@ TEST(Hdr, ExtremesStayInRange)
     EXPECT_NEAR(read.layers[0].pixels[9], 255.9f, 1);
 }
 
+TEST(Webp, IsWrittenLikePngUnlessItMayLose)
+{
+    Image image = made_image(61, 40, {"R", "G", "B", "A"});
+    const Image png = written_and_read(image, "a.png"), webp = written_and_read(image, "a.webp");
+    ASSERT_EQ(webp.layers[0].channels, png.layers[0].channels);
+    EXPECT_EQ(webp.layers[0].pixels, png.layers[0].pixels);
+    // Without alpha, and with loss: a smooth picture stays close.
+    image = made_image(64, 48, {"R", "G", "B"});
+    for (int i = 0; i < 64 * 48; ++i)
+        for (int c = 0; c < 3; ++c)
+            image.layers[0].pixels[std::size_t(3 * i + c)] = float(i % 64) / 128 + float(i / 64) / 96;
+    WriteOptions options;
+    options.webp_quality = 90;
+    const Image read = written_and_read(image, "a.webp", options);
+    ASSERT_EQ(read.layers[0].channels, image.layers[0].channels);
+    double largest = 0;
+    for (std::size_t i = 0; i < read.layers[0].pixels.size(); ++i)
+        largest = std::max(largest, std::abs(read.layers[0].pixels[i] - test::srgb(image.layers[0].pixels[i])));
+    EXPECT_LT(largest, 0.05);
+    EXPECT_GT(largest, 0.51 / 255);
+}
+
 TEST(Webp, LosslessKeepsCodes)
 {
     const int width = 20, height = 10;

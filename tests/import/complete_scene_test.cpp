@@ -55,6 +55,82 @@ TEST_F(CompleteScene, FramesFromEveryDirection)
         }
 }
 
+/// The silhouette reaches the margin on two opposite sides, as near as any camera of that direction can come: also of
+/// what is not a box, not in the middle of its box, moved and turned.
+TEST_F(CompleteScene, TheSilhouetteFillsThePicture)
+{
+    int at_tip = 0;
+    for (double azimuth : {0., 30., 137., 250.})
+        for (double elevation : {-90., -25., 0., 20., 90.})
+            for (double aspect : {0.5, 4.0 / 3, 3.0}) {
+                SceneDescription scene;
+                Mesh mesh;
+                // A cone, whose box is filled badly.
+                mesh.positions.push_back({0, 4, 0});
+                for (int i = 0; i < 64; ++i)
+                    mesh.positions.push_back({std::cos(float(i) * 0.1f), 0, std::sin(float(i) * 0.1f)});
+                for (std::uint32_t i = 1; i < 64; ++i) mesh.indices.insert(mesh.indices.end(), {0, i, i + 1});
+                scene.meshes.push_back(mesh);
+                Node node;
+                node.parent_from_node = Transform::translate({20, -3, 5}) * Transform::rotate({1, 2, 0.5}, 0.7) *
+                                        Transform::scale({1, 2, 1});
+                node.shapes.push_back({MeshInstance{0}, -1, ""});
+                node.shapes.push_back({Sphere{{0, 1, 0}, 1.2, {}}, -1, ""});
+                scene.nodes.push_back(node);
+                scene.roots.push_back(0);
+                CompleteOptions options;
+                options.azimuth_deg = azimuth, options.elevation_deg = elevation, options.aspect = aspect;
+                complete_scene(scene, options);
+                double left = 1, right = -1, below = 1, above = -1, nearest = 1e9, farthest = 0;
+                const auto add = [&](Vec3d p) {
+                    const auto [x, y] = in_picture(scene.cameras[0], aspect, node.parent_from_node.point(p));
+                    left = std::min(left, x), right = std::max(right, x);
+                    below = std::min(below, y), above = std::max(above, y);
+                    const Camera& c = scene.cameras[0];
+                    const double z =
+                        dot(node.parent_from_node.point(p) - c.position, normalize(c.look_at - c.position));
+                    nearest = std::min(nearest, z), farthest = std::max(farthest, z);
+                };
+                for (const Vec3f p : mesh.positions) add({p.x, p.y, p.z});
+                for (int i = 0; i < 400; ++i)
+                    for (int j = 0; j <= 200; ++j) {
+                        const double phi = i * 0.005 * std::numbers::pi, theta = j * 0.005 * std::numbers::pi;
+                        add(Vec3d{0, 1, 0} + 1.2 * Vec3d{std::sin(theta) * std::cos(phi), std::cos(theta),
+                                                         std::sin(theta) * std::sin(phi)});
+                    }
+                const std::string place = std::to_string(azimuth) + " " + std::to_string(elevation);
+                const double edge = 1 / 1.08;
+                EXPECT_LE(std::max({right, -left, above, -below}), edge + 1e-9) << place;
+                const bool by_width = std::min(right, -left) > std::min(above, -below);
+                // Before the tip of a long cone it stands no nearer than a tenth of the cone's length.
+                const bool is_at_tip = std::abs(nearest - 0.1 * (farthest - nearest)) < 1e-3;
+                at_tip += int(is_at_tip);
+                if (is_at_tip) continue;
+                EXPECT_NEAR(by_width ? right : above, edge, 1e-3) << place;
+                EXPECT_NEAR(by_width ? -left : -below, edge, 1e-3) << place;
+            }
+    EXPECT_LE(at_tip, 6);
+}
+
+/// What has no extent across the view is not stood in.
+TEST_F(CompleteScene, StandsBeforeWhatIsThin)
+{
+    SceneDescription scene;
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {0, 0, -5}, {0, 0, 2}};
+    mesh.indices = {0, 1, 2};
+    scene.meshes.push_back(mesh);
+    Node node;
+    node.shapes.push_back({MeshInstance{0}, -1, ""});
+    scene.nodes.push_back(node);
+    scene.roots.push_back(0);
+    CompleteOptions options;
+    options.azimuth_deg = options.elevation_deg = 0;
+    complete_scene(scene, options);
+    EXPECT_NEAR(scene.cameras[0].position.z, 2.7, 1e-9);
+    EXPECT_NEAR(scene.cameras[0].look_at.z, -1.5, 1e-9);
+}
+
 TEST_F(CompleteScene, AddsOnlyWhatIsMissing)
 {
     SceneDescription none = load("a.json", R"({"scene": [{"sphere": {}}]})");

@@ -366,11 +366,11 @@ TEST(LightForms, ConstantAndGradientEnvironments)
     }
 }
 
-/// The directions of an image's places, from the words of the format: its middle looks along -z, its top along +y.
+/// The directions of an image's places, from the words of the format: its middle looks along +x, its top along +y.
 Vec3d direction_of(double u, double v)
 {
     const double phi = 2 * std::numbers::pi * (u - 0.5), theta = std::numbers::pi * v;
-    return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
+    return {std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
 }
 
 class ImageEnvironment : public testing::Test {

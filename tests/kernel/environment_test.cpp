@@ -18,13 +18,13 @@ Vec3 lanes_of(Vec3d d)
     return Vec3(Vec3f{float(d.x), float(d.y), float(d.z)});
 }
 
-/// The direction in which the image has (u, v), by the words of the documentation: its middle looks along -z, its top
+/// The direction in which the image has (u, v), by the words of the documentation: its middle looks along +x, its top
 /// along +y, u grows to the right as seen from inside.
 Vec3d direction_of(double u, double v)
 {
     const double phi = 2 * std::numbers::pi * (u - 0.5), theta = std::numbers::pi * v;
-    // To the right of someone who looks along -z with y up is +x.
-    return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
+    // To the right of someone who looks along +x with y up is +z.
+    return {std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
 }
 
 /// A rotation about an axis (Rodrigues).
@@ -83,8 +83,8 @@ TEST(Environment, PointsOfTheImage)
             EXPECT_NEAR(first(at.v), v, 2e-5) << u << " " << v;
         }
     // In words: ahead, to the right, up.
-    EXPECT_NEAR(first(detail::image_point(lanes_of({0, 0, -1})).u), 0.5, 1e-6);
-    EXPECT_NEAR(first(detail::image_point(lanes_of({1, 0, 0})).u), 0.75, 1e-6);
+    EXPECT_NEAR(first(detail::image_point(lanes_of({1, 0, 0})).u), 0.5, 1e-6);
+    EXPECT_NEAR(first(detail::image_point(lanes_of({0, 0, 1})).u), 0.75, 1e-6);
     EXPECT_NEAR(first(detail::image_point(lanes_of({0, 1, 0})).v), 0, 1e-3);
 }
 
@@ -176,7 +176,7 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
             ASSERT_EQ(radiance[i], again[i]);
             const Vec3d d = turn.vector({x[0][i], x[1][i], x[2][i]});
             ASSERT_NEAR(length(d), 1, 1e-5);
-            const double u = std::atan2(d.x, -d.z) / (2 * std::numbers::pi) + 0.5,
+            const double u = std::atan2(d.z, d.x) / (2 * std::numbers::pi) + 0.5,
                          v = std::acos(std::clamp(d.y, -1.0, 1.0)) / std::numbers::pi;
             ++observed[std::size_t(std::clamp(int(v * 10), 0, 9) * 12 + std::clamp(int(u * 12), 0, 11))];
         }

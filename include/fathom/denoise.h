@@ -1,0 +1,34 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "fathom/export.h"
+#include "fathom/image.h"
+
+namespace fathom {
+
+/// Open Image Denoise 2, opened at run time where it is there: Fathom neither contains nor needs it.
+class FATHOM_API Denoiser {
+public:
+    /// Opens the library: what the environment variable FATHOM_OIDN names (its file or folder); else the system's; else
+    /// that of Python's package pyoidn, beside the folders of PATH, in $VIRTUAL_ENV or ~/.local. Throws Error, which
+    /// says how to get it, if there is none, or none that this machine can run.
+    ///
+    /// threads  0: as many as there are; the picture doesn't depend on them
+    explicit Denoiser(int threads);
+
+    const std::string& version() const;         ///< "2.3.1"
+    const std::filesystem::path& file() const;  ///< as it was opened
+
+    /// The picture (R, G, B of the first layer) without its noise, as a layer "denoised". The layers "albedo" and
+    /// "normal", where there are such, keep the edges of textures and surfaces sharp. This is biased, as every denoiser
+    /// is. Throws Error if the library fails.
+    Image::Layer denoise(const Image& image) const;
+
+private:
+    struct Data;
+    std::shared_ptr<const Data> data_;
+};
+
+}  // namespace fathom

@@ -1,0 +1,128 @@
+#include "denoise/oidn.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <sstream>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "fathom/error.h"
+
+namespace fathom {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* variable = "FATHOM_OIDN";
+constexpr const char* soname = "libOpenImageDenoise.so.2";
+
+std::string environment(const char* name)
+{
+    const char* value = std::getenv(name);
+    return value ? value : "";
+}
+
+/// Folders of which each may have Python's packages in lib/python3.x: prefixes of installations.
+std::vector<fs::path> python_prefixes()
+{
+    std::vector<fs::path> prefixes;
+    if (const std::string venv = environment("VIRTUAL_ENV"); !venv.empty()) prefixes.emplace_back(venv);
+    std::istringstream path(environment("PATH"));
+    for (std::string folder; std::getline(path, folder, ':');)
+        if (!folder.empty()) prefixes.push_back(fs::path(folder).parent_path());
+    if (const std::string home = environment("HOME"); !home.empty()) prefixes.push_back(fs::path(home) / ".local");
+    return prefixes;
+}
+
+/// Where pip puts the library of the package pyoidn: no Python is asked.
+std::vector<fs::path> python_places()
+{
+    std::vector<fs::path> found;
+    for (const fs::path& prefix : python_prefixes()) {
+        std::error_code error;
+        std::vector<fs::path> versions;
+        for (fs::directory_iterator entry(prefix / "lib", error), end; !error && entry != end; entry.increment(error))
+            if (entry->path().filename().string().starts_with("python3")) versions.push_back(entry->path());
+        std::sort(versions.begin(), versions.end());
+        for (const fs::path& version : versions)
+            for (const char* packages : {"site-packages", "dist-packages"}) {
+                const fs::path file = version / packages / "pyoidn/oidn/lib" / soname;
+                if (fs::exists(file, error)) found.push_back(file);
+            }
+    }
+    return found;
+}
+
+/// The library's functions; what is missing throws.
+Oidn functions_of(void* library, const fs::path& file)
+{
+    Oidn oidn{};
+    oidn.file = file;
+    const auto take = [&](auto& function, const char* name) {
+        function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, name));
+        if (!function) throw Error(file.string(), name, "there is no such function: this is not Open Image Denoise 2");
+    };
+    take(oidn.oidnNewDevice, "oidnNewDevice");
+    take(oidn.oidnReleaseDevice, "oidnReleaseDevice");
+    take(oidn.oidnSetDeviceInt, "oidnSetDeviceInt");
+    take(oidn.oidnSetDeviceBool, "oidnSetDeviceBool");
+    take(oidn.oidnGetDeviceInt, "oidnGetDeviceInt");
+    take(oidn.oidnCommitDevice, "oidnCommitDevice");
+    take(oidn.oidnGetDeviceError, "oidnGetDeviceError");
+    take(oidn.oidnNewFilter, "oidnNewFilter");
+    take(oidn.oidnReleaseFilter, "oidnReleaseFilter");
+    take(oidn.oidnSetSharedFilterImage, "oidnSetSharedFilterImage");
+    take(oidn.oidnSetFilterBool, "oidnSetFilterBool");
+    take(oidn.oidnSetFilterInt, "oidnSetFilterInt");
+    take(oidn.oidnCommitFilter, "oidnCommitFilter");
+    take(oidn.oidnExecuteFilter, "oidnExecuteFilter");
+    return oidn;
+}
+
+void* open_library(const fs::path& file)
+{
+    return dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+}
+
+std::string last_reason()
+{
+    const char* reason = dlerror();
+    return reason ? reason : "unknown reason";
+}
+
+Oidn open_named(const std::string& name)
+{
+    fs::path file = name;
+    std::error_code error;
+    if (fs::is_directory(file, error)) file /= fs::exists(file / soname, error) ? soname : fs::path("lib") / soname;
+    if (!fs::exists(file, error)) throw Error(file.string(), variable, "there is no such library");
+    // A name without a folder would be looked for among the system's libraries.
+    void* library = open_library(fs::absolute(file, error));
+    if (!library) throw Error(file.string(), variable, "can't be opened: " + last_reason());
+    return functions_of(library, file);
+}
+
+}  // namespace
+
+Oidn open_oidn()
+{
+    if (const std::string name = environment(variable); !name.empty()) return open_named(name);
+    if (void* library = open_library(soname)) return functions_of(library, soname);
+    std::string reason;
+    for (const fs::path& file : python_places()) {
+        if (void* library = open_library(file)) return functions_of(library, file);
+        reason = fmt::format(" ({})", last_reason());
+    }
+    throw Error(
+        "", "denoising",
+        fmt::format("Open Image Denoise 2 is not there{}: `pip install pyoidn` brings it, or name its {} by the "
+                    "environment variable {}",
+                    reason, soname, variable));
+}
+
+}  // namespace fathom

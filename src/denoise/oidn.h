@@ -1,0 +1,37 @@
+#pragma once
+#include <cstddef>
+#include <filesystem>
+
+namespace fathom {
+
+/// The C functions of Open Image Denoise 2 that are called, by the names that they have there. Its objects are opaque;
+/// numbers are those of its oidn.h.
+struct Oidn {
+    using Device = struct DeviceObject*;
+    using Filter = struct FilterObject*;
+    static constexpr int device_cpu = 1, format_float3 = 3, error_none = 0, quality_balanced = 5;
+
+    Device (*oidnNewDevice)(int type);
+    void (*oidnReleaseDevice)(Device);
+    void (*oidnSetDeviceInt)(Device, const char* name, int value);
+    void (*oidnSetDeviceBool)(Device, const char* name, bool value);
+    int (*oidnGetDeviceInt)(Device, const char* name);
+    void (*oidnCommitDevice)(Device);
+    int (*oidnGetDeviceError)(Device, const char** message);
+    Filter (*oidnNewFilter)(Device, const char* type);
+    void (*oidnReleaseFilter)(Filter);
+    void (*oidnSetSharedFilterImage)(Filter, const char* name, void* pixels, int format, std::size_t width,
+                                     std::size_t height, std::size_t offset, std::size_t pixel_stride,
+                                     std::size_t row_stride);
+    void (*oidnSetFilterBool)(Filter, const char* name, bool value);
+    void (*oidnSetFilterInt)(Filter, const char* name, int value);
+    void (*oidnCommitFilter)(Filter);
+    void (*oidnExecuteFilter)(Filter);
+
+    std::filesystem::path file;  ///< that they came from
+};
+
+/// Finds and opens it; it stays open. Throws Error if it isn't there.
+Oidn open_oidn();
+
+}  // namespace fathom
