@@ -104,6 +104,26 @@ double parse_duration(const std::string& text)
     return seconds;
 }
 
+double parse_time(const std::string& text)
+{
+    return parse_number(text.ends_with('s') ? text.substr(0, text.size() - 1) : text, 0, 1e9);
+}
+
+std::vector<std::uint64_t> parse_frames(const std::string& text)
+{
+    constexpr std::uint64_t last_frame = 99'999'999, most = 1'000'000;
+    const std::vector<std::string> parts = split(text, ':');
+    if (parts.size() > 3) throw UsageError(fmt::format("expected A:B or A:B:STEP, found '{}'", text));
+    const std::uint64_t first = parse_integer(parts[0], 0, last_frame);
+    const std::uint64_t last = parts.size() > 1 ? parse_integer(parts[1], 0, last_frame) : first;
+    const std::uint64_t step = parts.size() > 2 ? parse_integer(parts[2], 1, last_frame) : 1;
+    if (last < first) throw UsageError(fmt::format("there are no frames in {}", text));
+    if ((last - first) / step >= most) throw UsageError(fmt::format("more than {} frames", most));
+    std::vector<std::uint64_t> frames;
+    for (std::uint64_t frame = first; frame <= last; frame += step) frames.push_back(frame);
+    return frames;
+}
+
 Crop parse_crop(const std::string& text)
 {
     const std::vector<std::string> parts = split(text, ',');

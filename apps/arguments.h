@@ -26,6 +26,10 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count);
 Size parse_size(const std::string& text);
 /// Seconds of `90`, `90s`, `1.5m`, `1h`.
 double parse_duration(const std::string& text);
+/// Seconds from 0 on, of `1.5` or `1.5s`.
+double parse_time(const std::string& text);
+/// Frames of `A`, `A:B` or `A:B:STEP`, B included.
+std::vector<std::uint64_t> parse_frames(const std::string& text);
 /// `x0,y0,x1,y1`
 Crop parse_crop(const std::string& text);
 /// `A:B`, A < B

@@ -91,7 +91,8 @@ ordered_json vector_json(Vec3d v)
 ordered_json describe(const InfoOptions& o)
 {
     Warnings warnings;
-    SceneDescription scene = load_scene(o.scene.file, load_options(o.scene), warnings);
+    SceneFile file = load_scene_file(o.scene.file, load_options(o.scene), warnings);
+    SceneDescription& scene = file.scene;
     ordered_json info;
     info["file"] = o.scene.file.string();
     info["load_s"] = seconds_since_start();
@@ -106,6 +107,12 @@ ordered_json describe(const InfoOptions& o)
     for (const Light& light : scene.lights)
         info["lights"].push_back({{"name", light.name}, {"kind", name_of(light.kind)}});
     info["environment"] = name_of(scene.environment.kind);
+    info["scenes"] = file.scenes;
+    info["variants"] = file.variants;
+    info["animations"] = ordered_json::array();
+    for (const Animation& animation : file.rig.animations)
+        info["animations"].push_back(
+            {{"name", animation.name}, {"duration_s", animation.duration()}, {"channels", animation.channels.size()}});
 
     // What only shows when a scene is made ready: missing textures, degenerate triangles, memory.
     info["added"] = complete_scene(scene, {}).added;
@@ -123,12 +130,14 @@ ordered_json describe(const InfoOptions& o)
     return info;
 }
 
+/// With numbers, by which they can be chosen, where there are several.
 std::string join(const ordered_json& values, const char* key)
 {
     std::vector<std::string> texts;
     for (const auto& value : values) {
         const std::string name = value["name"];
-        texts.push_back(fmt::format("{} ({})", name.empty() ? "unnamed" : name, std::string(value[key])));
+        const std::string number = values.size() > 1 ? fmt::format("{}: ", texts.size()) : "";
+        texts.push_back(fmt::format("{}{} ({})", number, name.empty() ? "unnamed" : name, std::string(value[key])));
     }
     return texts.empty() ? "none" : fmt::format("{}", fmt::join(texts, ", "));
 }
@@ -153,6 +162,17 @@ void print_text(const ordered_json& info)
     }
     line("cameras", join(info["cameras"], "kind"));
     line("lights", join(info["lights"], "kind"));
+    for (const char* choice : {"scenes", "variants"}) {
+        const std::vector<std::string> names = info[choice];
+        // One scene is no choice.
+        if (names.size() > (choice == std::string("scenes") ? 1u : 0u))
+            line(choice, fmt::format("{}", fmt::join(names, ", ")));
+    }
+    const auto& animations = info["animations"];
+    for (std::size_t i = 0; i < animations.size(); ++i)
+        line(i == 0 ? "animations" : "",
+             fmt::format("{}: {} ({:.3g} s; --at SECONDS, --frames A:B)", i, std::string(animations[i]["name"]),
+                         double(animations[i]["duration_s"])));
     line("environment", info["environment"]);
     for (const auto& added : info["added"]) line("added to render", added);
     if (info.contains("compiled")) {

@@ -19,6 +19,8 @@ namespace fathom::cli {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr std::uint64_t default_samples = 256;
 
 struct OnlySample {
@@ -35,6 +37,8 @@ struct RenderOptions {
     std::optional<SampleRange> range;
     std::optional<OnlySample> only_sample;
     std::optional<Crop> crop;
+    std::vector<std::uint64_t> frames;  ///< none: one picture
+    double fps = 24, shutter = 0;
     std::vector<Aov> aovs;
     bool aov_samples = false, aov_variance = false;
     bool mergeable = false;
@@ -68,6 +72,16 @@ void add_render_options(Command& command, RenderOptions& o)
     command.add_value("--samples", "A:B",
                       "the samples with these indices, A to B-1; their sums are kept in EXR (--mergeable)",
                       [&](const std::string& text) { o.range = parse_sample_range(text); });
+    command.add_value(
+        "--frames", "A:B[:STEP]",
+        "a picture for each of these frames of the animation, B included, of the time frame / fps; #### in "
+        "the names of -o is the frame's number",
+        [&](const std::string& text) { o.frames = parse_frames(text); });
+    command.add_value("--fps", "N", "frames a second (default 24)",
+                      [&](const std::string& text) { o.fps = parse_number(text, 1e-3, 1e6); });
+    command.add_value("--shutter", "SHARE",
+                      "blur what the animation moves during this share of a frame, 0.5 as film does (default 0: none)",
+                      [&](const std::string& text) { o.shutter = parse_number(text, 0, 1000); });
     command.add_flag("--mergeable", o.mergeable, "keep the exact sums in EXR, for `fathom merge`");
     command.add_value("--crop", "X0,Y0,X1,Y1",
                       "render only pixels X0 <= x < X1, Y0 <= y < Y1; the picture keeps its size",
@@ -88,9 +102,46 @@ void add_render_options(Command& command, RenderOptions& o)
                       [&](const std::string& text) { parse_word(text, {"json"}), o.json = true; });
 }
 
+double time_of(const RenderOptions& o, std::uint64_t frame)
+{
+    return double(frame) / o.fps;
+}
+
+/// The file of a frame: its number stands where #### does, with as many digits at least.
+fs::path output_of(const fs::path& pattern, std::uint64_t frame)
+{
+    std::string name = pattern.filename().string();
+    const std::size_t last = name.rfind('#');
+    if (last == std::string::npos) return pattern;
+    const std::size_t before = name.find_last_not_of('#', last), first = before == std::string::npos ? 0 : before + 1;
+    name.replace(first, last + 1 - first, fmt::format("{:0{}}", frame, last + 1 - first));
+    return pattern.parent_path() / name;
+}
+
+/// What --frames says with the others.
+void check_frames(RenderOptions& o)
+{
+    o.scene.shutter_s = o.shutter / o.fps;
+    if (o.shutter > 0 && o.frames.empty() && !o.scene.at_s)
+        throw UsageError("--shutter: from which time on? add --at SECONDS, or --frames A:B");
+    if (o.frames.empty()) return;
+    if (o.scene.at_s) throw UsageError("--at, --frames: one of both says the time");
+    o.scene.at_s = time_of(o, o.frames[0]);
+    if (o.frames.size() == 1) return;
+    if (o.time_s) throw UsageError("--frames: --spp says how many samples each has; leave out --time");
+    if (o.only_sample) throw UsageError("--only-sample: of which frame? give --frames one");
+    if (o.picture.outputs.empty()) o.picture.outputs.push_back(o.scene.file.stem().string() + ".####.png");
+    for (const fs::path& file : o.picture.outputs)
+        if (file.filename().string().find('#') == std::string::npos)
+            throw UsageError(
+                fmt::format("-o {}: {} frames need names of their own: put #### where the number is to stand",
+                            file.string(), o.frames.size()));
+}
+
 /// What the options say together.
 void check_options(RenderOptions& o)
 {
+    check_frames(o);
     if (o.range && (o.samples || o.time_s)) throw UsageError("--samples: leave out --spp and --time");
     if (o.only_sample && !o.picture.outputs.empty()) throw UsageError("--only-sample: writes no picture, leave out -o");
     if (o.picture.outputs.empty() && !o.only_sample) o.picture.outputs.push_back(o.scene.file.stem().string() + ".png");
@@ -251,63 +302,23 @@ std::map<std::string, std::string> attributes(const RenderOptions& o, const Rend
         {"fathom.render_s", fmt::format("{:.3f}", summary.render_s)}};
 }
 
-int run_render(RenderOptions& o, Reporter& reporter)
+/// What is the same for all pictures of a run.
+struct RenderPlan {
+    const LoadedScene& scene;
+    RenderSettings settings;
+    WriteOptions write;
+    std::optional<std::uint64_t> samples;
+    std::optional<Denoiser> denoiser;
+};
+
+/// Renders a picture and writes it; returns the exit code.
+int render_picture(const RenderOptions& o, const RenderPlan& plan, const PictureOptions& files, const Scene& scene,
+                   Summary summary, Reporter& reporter)
 {
-    check_options(o);
-    for (const auto& file : o.picture.outputs) check_output(file);
-
-    Summary summary;
-    Warnings warnings;
-    const ThreadLimit limit = limit_threads(o.settings, reporter);
-    const std::optional<Denoiser> denoiser = open_denoiser(o.picture, o.settings.threads, reporter);
-    LoadedScene loaded = [&] {
-        const Reporter::Phase phase(reporter, "load", "reading " + o.scene.file.string());
-        return load_for_render(o.scene, warnings);
-    }();
-    check_outputs_are_no_inputs(o.picture.outputs, loaded.description);
-    RenderSettings settings = settings_for(o, loaded);
-    WriteOptions write = write_options(o.picture, loaded.description.hints);
-    if (!o.only_sample) check_memory(settings, o.mergeable);
-    for (const auto& file : o.picture.outputs) check_output(file, settings.width, settings.height);
-    std::optional<std::uint64_t> samples = o.samples;
-    if (!samples && !o.time_s) samples = hinted_samples(loaded.description.hints, o.scene.file.string());
-    if (!loaded.added.empty())
-        reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
-    summary.load_s = seconds_since_start();
-
-    const LitScene lit = [&] {
-        const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
-        return compile_loaded(loaded, o.scene, warnings);
-    }();
-    use_light(lit, o.picture, settings, write.display, reporter);
-    const Scene& scene = lit.scene;
-    summary.build_s = seconds_since_start() - summary.load_s;
-    reporter.warnings(warnings);
-    const RenderJob job(scene, settings);
-
-    if (o.only_sample) {
-        const Color c = render_sample(job, o.only_sample->x, o.only_sample->y, o.only_sample->index);
-        print(fmt::format("pixel {},{} sample {}: {:.9g} {:.9g} {:.9g}\n", o.only_sample->x, o.only_sample->y,
-                          o.only_sample->index, c.r, c.g, c.b));
-        return exit_ok;
-    }
-
-    if (!samples && !o.time_s && !o.range) {
-        samples = default_samples;
-        reporter.note(fmt::format("{} samples a pixel, as neither --spp nor --time is given", default_samples));
-    }
-    if (o.range && !o.mergeable)
-        reporter.note(
-            "the samples of --samples can't be merged later: their sums are kept in EXR only, add -o FILE.exr");
-    if (simd_width() == 1)
-        reporter.note("this machine has neither AVX2 nor AVX-512: the kernel runs one lane wide, which is slow");
-    finish_on_interrupt(
-        reporter.mode() == ReportMode::json
-            ? "{\"event\":\"interrupted\"}\n"
-            : "\nfathom: interrupted: finishing this pass, then the picture is written; once more stops at once\n");
+    const RenderJob job(scene, plan.settings);
     Film film(job);
     Rendering rendering(o, job, reporter);
-    rendering.run(film, samples);
+    rendering.run(film, plan.samples);
     summary.render_s = rendering.render_s;
     summary.rays = rendering.rays;
     summary.samples_per_pixel = film.samples_per_pixel();
@@ -317,12 +328,12 @@ int run_render(RenderOptions& o, Reporter& reporter)
     }
 
     const double write_start_s = seconds_since_start();
-    Image image = film.image(settings.alpha, o.aov_variance);
+    Image image = film.image(plan.settings.alpha, o.aov_variance);
     if (o.aov_samples) image.layers.push_back(sample_count_layer(film));
-    image.attributes = attributes(o, settings, loaded, film, summary);
-    if (denoiser) add_denoised(image, *denoiser, o.aovs);
+    image.attributes = attributes(o, plan.settings, plan.scene, film, summary);
+    if (plan.denoiser) add_denoised(image, *plan.denoiser, o.aovs);
     if (o.mergeable) store_sums(film.sums(), image);
-    const bool all_written = write_pictures(o.picture, image, write, reporter);
+    const bool all_written = write_pictures(files, image, plan.write, reporter);
     summary.write_s = seconds_since_start() - write_start_s;
     if (film.dropped_samples() > 0) {
         Warnings dropped;
@@ -338,6 +349,121 @@ int run_render(RenderOptions& o, Reporter& reporter)
     reporter.summary(summary);
     if (!all_written) return exit_error;
     return rendering.cut_short ? exit_interrupted : exit_ok;
+}
+
+/// The pictures of all frames, the scene being at the first; returns the exit code.
+///
+/// told  what was warned of; the frames after the first only tell what is new
+int render_frames(const RenderOptions& o, const RenderPlan& plan, SceneEdit& edit, Scene scene, const Summary& summary,
+                  const Warnings& told, Reporter& reporter)
+{
+    Warnings warnings = told;
+    for (const std::uint64_t frame : o.frames) {
+        Summary now = summary;
+        if (frame != o.frames[0]) {
+            const double start_s = seconds_since_start();
+            // What still has a scene keeps it from being changed.
+            scene = {};
+            set_time(edit, plan.scene, o.scene, time_of(o, frame));
+            Warnings found, fresh;
+            scene = edit.compile_exactly(found);
+            for (const auto& [message, times] : found.counts())
+                if (!warnings.counts().contains(message)) fresh.add(message, times);
+            for (const auto& [message, times] : fresh.counts()) warnings.add(message, times);
+            reporter.warnings(fresh);
+            now.load_s = 0;
+            now.build_s = seconds_since_start() - start_s;
+        }
+        PictureOptions files = o.picture;
+        for (fs::path& file : files.outputs) file = output_of(file, frame);
+        if (const int code = render_picture(o, plan, files, scene, now, reporter); code != exit_ok) return code;
+    }
+    return exit_ok;
+}
+
+/// Those that will be written over, of all frames.
+std::vector<fs::path> files_that_are_there(const RenderOptions& o)
+{
+    std::vector<fs::path> files;
+    const auto add = [&](const fs::path& file) {
+        std::error_code error;
+        if (fs::exists(file, error)) files.push_back(file);
+    };
+    for (const fs::path& pattern : o.picture.outputs) {
+        if (o.frames.empty()) add(pattern);
+        for (const std::uint64_t frame : o.frames) add(output_of(pattern, frame));
+    }
+    return files;
+}
+
+/// Looks before a long render whether its files can be written.
+void check_outputs(const RenderOptions& o, int width = 0, int height = 0)
+{
+    for (const fs::path& file : o.picture.outputs)
+        check_output(o.frames.empty() ? file : output_of(file, o.frames[0]), width, height);
+}
+
+int run_render(RenderOptions& o, Reporter& reporter)
+{
+    check_options(o);
+    check_outputs(o);
+
+    Summary summary;
+    Warnings warnings;
+    const ThreadLimit limit = limit_threads(o.settings, reporter);
+    std::optional<Denoiser> denoiser = open_denoiser(o.picture, o.settings.threads, reporter);
+    LoadedScene loaded = [&] {
+        const Reporter::Phase phase(reporter, "load", "reading " + o.scene.file.string());
+        return load_for_render(o.scene, warnings);
+    }();
+    check_outputs_are_no_inputs(files_that_are_there(o), loaded.description);
+    RenderPlan plan{loaded, settings_for(o, loaded), write_options(o.picture, loaded.description.hints), o.samples,
+                    std::move(denoiser)};
+    if (!o.only_sample) check_memory(plan.settings, o.mergeable);
+    check_outputs(o, plan.settings.width, plan.settings.height);
+    if (!plan.samples && !o.time_s) plan.samples = hinted_samples(loaded.description.hints, o.scene.file.string());
+    if (!loaded.added.empty())
+        reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
+    if (!loaded.note.empty()) reporter.note(loaded.note);
+    summary.load_s = seconds_since_start();
+
+    std::optional<SceneEdit> edit;
+    LitScene lit = [&] {
+        const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
+        return compile_loaded(edit.emplace(take_edit(loaded, o.scene)), loaded, o.scene, warnings);
+    }();
+    // The description is needed for further frames alone.
+    if (o.frames.size() < 2) edit.reset();
+    use_light(lit, o.picture, plan.settings, plan.write.display, reporter);
+    summary.build_s = seconds_since_start() - summary.load_s;
+    reporter.warnings(warnings);
+
+    if (o.only_sample) {
+        const RenderJob job(lit.scene, plan.settings);
+        const Color c = render_sample(job, o.only_sample->x, o.only_sample->y, o.only_sample->index);
+        print(fmt::format("pixel {},{} sample {}: {:.9g} {:.9g} {:.9g}\n", o.only_sample->x, o.only_sample->y,
+                          o.only_sample->index, c.r, c.g, c.b));
+        return exit_ok;
+    }
+
+    if (!plan.samples && !o.time_s && !o.range) {
+        plan.samples = default_samples;
+        reporter.note(fmt::format("{} samples a pixel, as neither --spp nor --time is given", default_samples));
+    }
+    if (o.range && !o.mergeable)
+        reporter.note(
+            "the samples of --samples can't be merged later: their sums are kept in EXR only, add -o FILE.exr");
+    if (simd_width() == 1)
+        reporter.note("this machine has neither AVX2 nor AVX-512: the kernel runs one lane wide, which is slow");
+    finish_on_interrupt(
+        reporter.mode() == ReportMode::json
+            ? "{\"event\":\"interrupted\"}\n"
+            : "\nfathom: interrupted: finishing this pass, then the picture is written; once more stops at once\n");
+    if (edit) return render_frames(o, plan, *edit, std::move(lit.scene), summary, warnings, reporter);
+    PictureOptions files = o.picture;
+    if (!o.frames.empty())
+        for (fs::path& file : files.outputs) file = output_of(file, o.frames[0]);
+    return render_picture(o, plan, files, lit.scene, summary, reporter);
 }
 
 }  // namespace
@@ -357,6 +483,7 @@ void add_render(CLI::App& program, Run& run)
         "  fathom render scene.json --spp 1024 -o out.exr -o out.png\n"
         "  fathom render model.glb --time 10m --orbit 45,20 --env sky.hdr\n"
         "  fathom render scene.json --size 1920x1080 --aov albedo,normal,variance -o out.exr\n"
+        "  fathom render model.glb --frames 0:119 --fps 24 -o frame.####.png\n"
         "  fathom render scene.json --samples 0:64 -o a.exr      one part; fathom merge joins them\n"
         "  fathom render scene.json --only-sample 400,300,7      replay one sample\n\n"
         "Exit codes: 0 done; 1 error; 2 wrong usage; 130 interrupted.");

@@ -79,11 +79,13 @@ int run_view(ViewOptions& o)
     const std::uint64_t hinted = hinted_samples(hints, o.scene.file.string()).value_or(default_samples);
     if (!loaded.added.empty())
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
+    if (!loaded.note.empty()) reporter.note(loaded.note);
 
     const Bounds bounds = world_bounds(loaded.description);
     LitScene lit = [&] {
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
-        return compile_loaded(loaded, o.scene, warnings);
+        SceneEdit edit = take_edit(loaded, o.scene);
+        return compile_loaded(edit, loaded, o.scene, warnings);
     }();
     DisplayTransform display = write_options(o.picture, hints).display;
     use_light(lit, o.picture, settings, display, reporter);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "commands.h"
 #include "fathom/error.h"
@@ -31,14 +32,14 @@ int side(double pixels)
     return std::max(1, int(std::lround(std::min(pixels, double(1 << 24)))));
 }
 
-Size picture_size(const SceneOptions& options, const SceneDescription& scene)
+Size picture_size(const SceneOptions& options, const std::string& camera_name, const SceneDescription& scene)
 {
     if (options.size) return *options.size;
     const RenderHints& hints = scene.hints;
     Size size{hints.width.value_or(default_size.width), hints.height.value_or(default_size.height)};
     if (size.width < 1 || size.height < 1)
         throw Error(scene.file, "", fmt::format("a picture of {}x{} pixels", size.width, size.height));
-    const Camera* camera = options.orbit_deg ? nullptr : chosen_camera(scene, options.camera);
+    const Camera* camera = options.orbit_deg ? nullptr : chosen_camera(scene, camera_name);
     double aspect = camera && camera->aspect > 0 ? camera->aspect : 0;
     if (hints.width && hints.height) return size;
     if (hints.width || hints.height) {
@@ -99,8 +100,22 @@ std::string unused_name(const SceneDescription& scene, std::string name)
     return name;
 }
 
-/// Adds a camera, at the root of the scene, made of the chosen one and the options.
-std::string add_moved_camera(SceneDescription& scene, const std::string& name, const SceneOptions& options)
+/// The name to compile with of the camera that a name or number means: a number may be that of one without a name of
+/// its own, which gets one.
+std::string name_of_camera(SceneDescription& scene, const std::string& wanted)
+{
+    const bool is_number = !wanted.empty() && wanted.find_first_not_of("0123456789") == std::string::npos;
+    if (!is_number || chosen_camera(scene, wanted)) return wanted;
+    const std::uint64_t most = std::max<std::size_t>(scene.cameras.size(), 1) - 1;
+    if (scene.cameras.empty() || wanted.size() > 9 || std::stoull(wanted) > most) return wanted;
+    Camera& camera = scene.cameras[std::stoul(wanted)];
+    const std::string name = std::exchange(camera.name, {});
+    camera.name = unused_name(scene, name.empty() ? "camera " + wanted : name);
+    return camera.name;
+}
+
+/// Made of the chosen one, where that now is, and the options.
+Camera moved_camera(const SceneDescription& scene, const std::string& name, const SceneOptions& options)
 {
     Camera camera = world_camera(scene, name);
     if (options.look_from) camera.position = *options.look_from;
@@ -119,6 +134,13 @@ std::string add_moved_camera(SceneDescription& scene, const std::string& name, c
         // Straight up or down: any direction across will do.
         camera.up = std::abs(normalize(forward).z) < 0.9 ? Vec3d{0, 0, -1} : Vec3d{0, 1, 0};
     }
+    return camera;
+}
+
+/// Adds such a camera at the root of the scene.
+std::string add_moved_camera(SceneDescription& scene, const std::string& name, const SceneOptions& options)
+{
+    Camera camera = moved_camera(scene, name, options);
     camera.name = unused_name(scene, "command line");
     Node node;
     node.camera = int(scene.cameras.size());
@@ -137,6 +159,8 @@ void add_file_options(Command& command, SceneOptions& options)
     command.add_positional("SCENE", options.file, "Fathom's own JSON, glTF, GLB, OBJ, PLY, STL, ...");
     command.add_value("--scene", "NAME", "name or number of the scene in a glTF file that has several",
                       [&](const std::string& text) { options.scene = text; });
+    command.add_value("--variant", "NAME", "name or number of the variant of materials in a glTF file that has several",
+                      [&](const std::string& text) { options.variant = text; });
     command.add_value("--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
                       [&](const std::string& text) { options.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
     command.add_flag("--confine", options.confine,
@@ -147,6 +171,7 @@ LoadOptions load_options(const SceneOptions& options)
 {
     LoadOptions load;
     load.scene = options.scene;
+    load.variant = options.variant;
     load.up_axis = options.up_axis;
     load.confine = options.confine;
     return load;
@@ -155,9 +180,14 @@ LoadOptions load_options(const SceneOptions& options)
 void add_scene_options(Command& command, SceneOptions& options)
 {
     add_file_options(command, options);
+    command.add_value("--animation", "NAME", "name or number of one of the file's animations (default: the first)",
+                      [&](const std::string& text) { options.animation = text; });
+    command.add_value("--at", "SECONDS",
+                      "show the animation's pose at this time, as 1.5 or 1.5s; after its end the last one",
+                      [&](const std::string& text) { options.at_s = parse_time(text); });
     command.add_value("--size", "WxH", "size of the picture (default: the scene's, else 800x600)",
                       [&](const std::string& text) { options.size = parse_size(text); });
-    command.add_value("--camera", "NAME", "one of the scene's cameras (default: the first)",
+    command.add_value("--camera", "NAME", "name or number of one of the scene's cameras (default: the first)",
                       [&](const std::string& text) { options.camera = text; });
     command.add_value("--look-from", "X,Y,Z", "where the camera stands, metres",
                       [&](const std::string& text) { options.look_from = parse_vector(text); });
@@ -199,18 +229,45 @@ void add_scene_options(Command& command, SceneOptions& options)
                       [&](const std::string& text) { options.build = TreeBuild(parse_word(text, tree_build_names)); });
 }
 
+namespace {
+
+/// "the file has 2 animations (walk, run): ..."
+std::string note_on(const std::vector<Animation>& animations)
+{
+    if (animations.empty()) return {};
+    constexpr std::size_t most = 8;
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < std::min(most, animations.size()); ++i) names.push_back(animations[i].name);
+    if (animations.size() > most) names.push_back("...");
+    return fmt::format(
+        "the pose at rest is shown; of the file's {} {} ({}) --at SECONDS shows another, --frames A:B a film",
+        animations.size(), animations.size() == 1 ? "animation" : "animations", fmt::join(names, ", "));
+}
+
+}  // namespace
+
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
 {
     if (options.orbit_deg && (!options.camera.empty() || options.look_from || options.look_at))
         throw UsageError("--orbit, --view: places the camera by itself; leave out --camera, --look-from and --look-at");
+    if (!options.animation.empty() && !options.at_s)
+        throw UsageError("--animation: of which time? add --at SECONDS, or --frames A:B");
     LoadedScene loaded;
-    SceneDescription& scene = loaded.description = load_scene(options.file, load_options(options), warnings);
+    SceneFile file = load_scene_file(options.file, load_options(options), warnings);
+    const std::size_t animation = options.at_s ? find_animation(file, options.animation) : 0;
+    SceneDescription& scene = loaded.description = std::move(file.scene);
+    if (options.at_s) {
+        loaded.player.emplace(scene, std::move(file.rig), animation);
+        set_pose(scene, loaded.player->pose(*options.at_s, options.shutter_s));
+    } else {
+        loaded.note = note_on(file.rig.animations);
+    }
     if (!options.environment.empty()) use_environment(scene, options.environment);
     adjust_environment(scene.environment, options);
-    if (!options.camera.empty()) world_camera(scene, options.camera);  // throws if there is none
+    loaded.camera = name_of_camera(scene, options.camera);
+    if (!loaded.camera.empty()) world_camera(scene, loaded.camera);  // throws if there is none
     loaded.build = tree_build_of(options, scene);
-    loaded.camera = options.camera;
-    loaded.size = picture_size(options, scene);
+    loaded.size = picture_size(options, loaded.camera, scene);
 
     CompleteOptions complete;
     complete.aspect = double(loaded.size.width) / loaded.size.height;
@@ -219,6 +276,9 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
         complete.azimuth_deg = options.orbit_deg->first;
         complete.elevation_deg = options.orbit_deg->second;
     }
+    // The same for all times, so that what moves is seen to move.
+    if (loaded.player && (options.orbit_deg || scene.cameras.empty()))
+        complete.bounds = world_bounds(scene, *loaded.player);
     const std::size_t cameras = scene.cameras.size();
     loaded.added = complete_scene(scene, complete).added;
     if (scene.cameras.size() > cameras) {
@@ -226,22 +286,40 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
         if (cameras > 0) scene.cameras.front().name = unused_name(scene, "orbit");
         loaded.camera = scene.cameras.front().name;
     }
-    if (options.look_from || options.look_at || options.up || options.fov_deg)
+    if (options.look_from || options.look_at || options.up || options.fov_deg) {
+        loaded.moved_from = loaded.camera;
         loaded.camera = add_moved_camera(scene, loaded.camera, options);
+    }
     // The picture asked for decides its shape: a camera's own would stretch it.
     if (options.size)
         for (Camera& camera : scene.cameras) camera.aspect = 0;
+    if (options.shutter_s > 0)
+        for (Camera& camera : scene.cameras) camera.shutter_open = 0, camera.shutter_close = options.shutter_s;
     return loaded;
 }
 
-LitScene compile_loaded(LoadedScene& loaded, const SceneOptions& options, Warnings& warnings)
+SceneEdit take_edit(LoadedScene& loaded, const SceneOptions& options)
+{
+    // Whoever gives a sky wants to see it by that.
+    if (!options.environment.empty()) loaded.description.hints.own_light = true;
+    return SceneEdit(std::move(loaded.description), loaded.camera, loaded.build);
+}
+
+LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, Warnings& warnings)
 {
     if (options.light == LightChoice::studio && !options.environment.empty())
         throw UsageError("--light studio, --env: one of both lights the scene");
-    const double aspect = double(loaded.size.width) / loaded.size.height;
-    // Whoever gives a sky wants to see it by that.
-    if (!options.environment.empty()) loaded.description.hints.own_light = true;
-    return compile_lit(std::move(loaded.description), loaded.camera, options.light, aspect, warnings, loaded.build);
+    return compile_lit(edit, options.light, double(loaded.size.width) / loaded.size.height, warnings);
+}
+
+void set_time(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s)
+{
+    edit.set_pose(loaded.player->pose(time_s, options.shutter_s));
+    if (!loaded.moved_from) return;
+    const std::vector<Camera>& cameras = edit.description().cameras;
+    Camera camera = moved_camera(edit.description(), *loaded.moved_from, options);
+    camera.name = loaded.camera;
+    edit.set_camera(int(cameras.size()) - 1, camera);
 }
 
 }  // namespace fathom::cli

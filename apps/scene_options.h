@@ -8,13 +8,18 @@
 #include "fathom/first_look.h"
 #include "fathom/load.h"
 #include "fathom/render.h"
+#include "fathom/scene_file.h"
 
 namespace fathom::cli {
 
 /// What scene is meant, and from where it is seen.
 struct SceneOptions {
     std::filesystem::path file;
-    std::string scene;  ///< of a file with several; empty: the one that the file says
+    std::string scene;           ///< of a file with several; empty: the one that the file says
+    std::string variant;         ///< of materials
+    std::string animation;       ///< name or number; empty: the first
+    std::optional<double> at_s;  ///< the time of its pose; none: the pose at rest
+    double shutter_s = 0;        ///< for how long what moves is seen from then on
     char up_axis = 0;
     bool confine = false;
     std::string camera;
@@ -42,11 +47,18 @@ struct LoadedScene {
     Size size;                       ///< of the picture: the option's, the scene's, or 800x600 in the camera's shape
     std::vector<std::string> added;  ///< what the file lacked
     TreeBuild build = TreeBuild::standard;  ///< the option's, the scene's, or this
+    std::optional<AnimationPlayer> player;  ///< if there is a time
+    std::string note;                       ///< what else the file could show; may be empty
+    std::optional<std::string> moved_from;  ///< the camera that the options made another one of, `camera`
 };
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings);
 
-/// Compiles it, with light. Its description is used up.
-LitScene compile_loaded(LoadedScene& loaded, const SceneOptions& options, Warnings& warnings);
+/// The scene to compile, and to change for further pictures. The description is used up.
+SceneEdit take_edit(LoadedScene& loaded, const SceneOptions& options);
+/// Compiles it, with light.
+LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, Warnings& warnings);
+/// Brings it to another time.
+void set_time(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s);
 
 extern const std::vector<std::string> tree_build_names;  ///< by TreeBuild
 

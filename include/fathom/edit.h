@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "fathom/animation.h"
 #include "fathom/render.h"
 
 namespace fathom {
@@ -30,6 +31,8 @@ public:
     ~SceneEdit();
 
     const SceneDescription& description() const;
+    /// The name of the camera that scenes are compiled for, as the constructor got it.
+    const std::string& camera() const;
 
     // Indices are those of the description. What an edit brings is checked by compile(); an index out of range is a
     // std::out_of_range at once.
@@ -49,6 +52,8 @@ public:
     void set_camera(int camera, const Camera& camera_now);
     /// Of all cameras, in seconds.
     void set_shutter(double open, double close);
+    /// All of a pose at once.
+    void set_pose(ScenePose pose);
     /// For any other change: the next compile() makes the whole scene anew.
     SceneDescription& change();
 
@@ -56,6 +61,9 @@ public:
     /// While somebody else still has the scene of the last call, or a job of it, all is compiled anew: that one never
     /// changes.
     Scene compile(Warnings& warnings);
+    /// The same, with the bits of Scene::compile also if the camera has moved, or the scene grown or shrunk so much
+    /// that its numbers would be rounded otherwise: then all is compiled anew.
+    Scene compile_exactly(Warnings& warnings);
     /// Whether the last compile() made the whole scene.
     bool compiled_anew() const;
 

@@ -43,4 +43,7 @@ struct LitScene {
 FATHOM_API LitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
                                 Warnings& warnings, TreeBuild build = TreeBuild::standard);
 
+/// The same for a scene that goes on to change: it keeps the light that is found now.
+FATHOM_API LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings);
+
 }  // namespace fathom

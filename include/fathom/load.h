@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,8 @@ private:
 };
 
 struct LoadOptions {
-    std::string scene;  ///< glTF: name or number of the scene to load; empty: the one that the file says
+    std::string scene;    ///< glTF: name or number of the scene to load; empty: the one that the file says
+    std::string variant;  ///< glTF: name or number of the variant of materials; empty: as the file has it
     char up_axis =
         0;  ///< 'y' or 'z': which axis of the file points up; 0: as the format says. z-up files are turned to y-up
     /// Only files of the scene's folder and below are read, links followed: for scenes by strangers. Else a scene reads
@@ -40,6 +42,13 @@ struct LoadOptions {
 FATHOM_API SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options,
                                        Warnings& warnings);
 
+/// Box around all geometry in world space, instances included.
+struct Bounds {
+    Vec3d min, max;
+    bool empty = true;
+};
+FATHOM_API Bounds world_bounds(const SceneDescription& scene);
+
 /// What complete_scene added because it was lacking, in words; empty if nothing.
 struct Completed {
     std::vector<std::string> added;
@@ -51,18 +60,12 @@ struct CompleteOptions {
     double azimuth_deg = 30, elevation_deg = 20;
     bool force_camera = false;  ///< frame the scene even if it has a camera (--orbit)
     double aspect = 4.0 / 3;
+    std::optional<Bounds> bounds;  ///< what is framed; else the scene as it is
 };
 FATHOM_API Completed complete_scene(SceneDescription& scene, const CompleteOptions& options);
 
 /// The camera of that name (empty: the first) where its node puts it, in world space; lengths take the node's scale.
 /// Throws Error, naming the cameras there are, if there is none of that name in the scene.
 FATHOM_API Camera world_camera(const SceneDescription& scene, const std::string& name);
-
-/// Box around all geometry in world space, instances included.
-struct Bounds {
-    Vec3d min, max;
-    bool empty = true;
-};
-FATHOM_API Bounds world_bounds(const SceneDescription& scene);
 
 }  // namespace fathom

@@ -1,8 +1,10 @@
 #include "fathom/edit.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "compile/scene_compiler.h"
+#include "scene/animation.h"
 
 namespace fathom {
 
@@ -30,6 +32,11 @@ SceneEdit::~SceneEdit() = default;
 const SceneDescription& SceneEdit::description() const
 {
     return data_->scene;
+}
+
+const std::string& SceneEdit::camera() const
+{
+    return data_->compiler.camera();
 }
 
 namespace {
@@ -109,10 +116,38 @@ void SceneEdit::set_shutter(double open, double close)
     }
 }
 
+void SceneEdit::set_pose(ScenePose pose)
+{
+    SceneDescription& scene = data_->scene;
+    const bool reshaped =
+        std::any_of(pose.contents.begin(), pose.contents.end(),
+                    [&](const auto& c) { return !same_contents(at(scene.nodes, c.first), c.second); }) ||
+        std::any_of(pose.meshes.begin(), pose.meshes.end(), [&](const ScenePose::Vertices& v) {
+            return !at(scene.meshes, v.mesh).movable ||
+                   v.positions.size() != at(scene.meshes, v.mesh).positions.size() || !v.colors.empty() ||
+                   !v.uvs[0].empty() || !v.uvs[1].empty();
+        });
+    if (reshaped) data_->compiled.reset();
+    SceneParts& parts = data_->changes.parts;
+    for (const auto& [node, transform] : pose.nodes) parts.nodes.push_back(node);
+    for (const ScenePose::Vertices& v : pose.meshes) parts.meshes.push_back(v.mesh);
+    for (const ScenePose::Number& n : pose.numbers) {
+        if (is_of_material(n.value)) parts.materials.push_back(n.target);
+        if (is_of_light(n.value)) parts.lights.push_back(n.target);
+    }
+    fathom::set_pose(scene, std::move(pose));
+}
+
 SceneDescription& SceneEdit::change()
 {
     data_->compiled.reset();
     return data_->scene;
+}
+
+Scene SceneEdit::compile_exactly(Warnings& warnings)
+{
+    if (data_->compiled && !data_->compiler.refresh_space()) data_->compiled.reset();
+    return compile(warnings);
 }
 
 Scene SceneEdit::compile(Warnings& warnings)

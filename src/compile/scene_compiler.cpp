@@ -180,6 +180,13 @@ bool SceneCompiler::update(Scene::Data& data, const SceneChanges& changes, Warni
     return true;
 }
 
+bool SceneCompiler::refresh_space()
+{
+    const RenderSpace now = make_render_space(scene_, world_camera(scene_, camera_));
+    space_.radius = now.radius;
+    return now.origin == space_.origin && now.scale == space_.scale;
+}
+
 /// Whether all that can't move is where it was.
 bool SceneCompiler::keeps_places(const Occurrences& now) const
 {

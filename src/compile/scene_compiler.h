@@ -24,11 +24,14 @@ public:
     {
     }
 
+    const std::string& camera() const { return camera_; }
     /// Throws Error as Scene::compile.
     std::shared_ptr<Scene::Data> compile(Warnings& warnings);
     /// Changes what compile() gave, which nobody may look at meanwhile, to what it would give now, in the same render
     /// space. False if that takes compiling all of it; it is then spoilt, as after an Error.
     bool update(Scene::Data& data, const SceneChanges& changes, Warnings& warnings);
+    /// Takes the radius that the scene now has; false if compile() would also put it elsewhere, or scale it otherwise.
+    bool refresh_space();
 
 private:
     Compiler compiler(Warnings& warnings) { return {scene_, space_, *tables_, warnings}; }

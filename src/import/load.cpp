@@ -1,4 +1,4 @@
-#include "fathom/load.h"
+#include "fathom/scene_file.h"
 
 #include <fmt/format.h>
 
@@ -10,6 +10,7 @@
 #include "fathom/error.h"
 #include "import/assimp/open_module.h"
 #include "import/common/read_file.h"
+#include "import/common/suggest.h"
 #include "import/fathom/fathom_json.h"
 #include "import/gltf/gltf.h"
 #include "import/obj/obj.h"
@@ -80,15 +81,18 @@ SceneDescription load_file(const std::filesystem::path& file, const LoadOptions&
     const SourceFile source{file, lower_extension(file), bytes, options};
     const Importer& importer = **std::find_if(std::begin(importers), std::end(importers),
                                               [&](const Importer* i) { return i->recognizes(source); });
-    if (!options.scene.empty() && !importer.has_scenes)
+    if (!options.scene.empty() && !importer.has_choices)
         throw Error(file.string(), "",
                     fmt::format("there is no scene '{}': only glTF files have scenes to choose from", options.scene));
+    if (!options.variant.empty() && !importer.has_choices)
+        throw Error(file.string(), "",
+                    fmt::format("there is no variant '{}': only glTF files have variants", options.variant));
     SceneDescription scene = importer.read(source, context);
     if (options.up_axis ? options.up_axis == 'z' : importer.z_up) turn_z_up(scene);
     return scene;
 }
 
-SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings)
+SceneFile load_scene_file(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings)
 {
     try {
         LoadContext context(file, options.confine, warnings);
@@ -97,12 +101,30 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
             if (!image.path.empty()) image.path = context.locate(image.path);
         scene.files = context.files();
         check_scene(scene);
-        return scene;
+        SceneFile result = std::move(context.offered);
+        result.scene = std::move(scene);
+        return result;
     } catch (const std::bad_alloc&) {
         throw Error(file.string(), "", "the scene does not fit into memory");
     } catch (const std::length_error&) {
         throw Error(file.string(), "", "the scene does not fit into memory");
     }
+}
+
+SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings)
+{
+    return load_scene_file(file, options, warnings).scene;
+}
+
+std::size_t find_animation(const SceneFile& file, const std::string& wanted)
+{
+    std::vector<std::string> names;
+    for (const Animation& animation : file.rig.animations) names.push_back(animation.name);
+    if (names.empty()) throw Error(file.scene.file, "", "there are no animations in it");
+    if (wanted.empty()) return 0;
+    if (const auto found = find_choice(wanted, names)) return *found;
+    throw Error(file.scene.file, "",
+                fmt::format("there is no animation '{}'{}", printable(wanted), choices(wanted, names)));
 }
 
 }  // namespace fathom

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "fathom/load.h"
@@ -17,6 +18,17 @@ bool has_camera(const SceneDescription& scene, int index)
     const Node& node = scene.nodes[std::size_t(index)];
     return node.camera >= 0 ||
            std::any_of(node.children.begin(), node.children.end(), [&](int child) { return has_camera(scene, child); });
+}
+
+/// As world_reach, of a box.
+std::vector<double> reach_of(const Bounds& box, std::span<const Vec3d> directions)
+{
+    if (box.empty) return {};
+    std::vector<double> reach;
+    for (const Vec3d& d : directions)
+        reach.push_back(std::max(d.x * box.min.x, d.x * box.max.x) + std::max(d.y * box.min.y, d.y * box.max.y) +
+                        std::max(d.z * box.min.z, d.z * box.max.z));
+    return reach;
 }
 
 /// The nearest camera that sees all of the scene's geometry from a direction: the silhouette touches two opposite edges
@@ -40,7 +52,7 @@ Camera framing_camera(const SceneDescription& scene, const CompleteOptions& opti
     const double tan_y = std::tan(camera.fov_y / 2) / margin, tan_x = tan_y * options.aspect;
     const Vec3d normals[] = {
         tan_x * back + right, tan_x * back - right, tan_y * back + up, tan_y * back - up, back, back * -1};
-    std::vector<double> reach = world_reach(scene, normals);
+    std::vector<double> reach = options.bounds ? reach_of(*options.bounds, normals) : world_reach(scene, normals);
     // A scene without geometry still gets a camera.
     if (reach.empty()) reach.assign(std::size(normals), 0);
     const double front = reach[4], depth = front + reach[5];

@@ -150,18 +150,25 @@ Pose pose_of(const Transform& t)
     return pose;
 }
 
+std::array<double, 4> turn(const std::array<double, 4>& a, const std::array<double, 4>& b, double fraction)
+{
+    double cosine = 0;
+    for (std::size_t i = 0; i < 4; ++i) cosine += a[i] * b[i];
+    const double sign = cosine < 0 ? -1 : 1;
+    const double angle = std::acos(std::min(1.0, std::abs(cosine)));
+    double wa = 1 - fraction, wb = fraction;
+    if (angle > 1e-6) wa = std::sin(wa * angle) / std::sin(angle), wb = std::sin(wb * angle) / std::sin(angle);
+    std::array<double, 4> q;
+    for (std::size_t i = 0; i < 4; ++i) q[i] = wa * a[i] + sign * wb * b[i];
+    return q;
+}
+
 Pose interpolate(const Pose& a, const Pose& b, double fraction)
 {
     Pose pose;
     pose.translation = a.translation + (b.translation - a.translation) * fraction;
     for (std::size_t i = 0; i < 6; ++i) pose.stretch[i] = a.stretch[i] + (b.stretch[i] - a.stretch[i]) * fraction;
-    double cosine = 0;
-    for (std::size_t i = 0; i < 4; ++i) cosine += a.rotation[i] * b.rotation[i];
-    const double sign = cosine < 0 ? -1 : 1;
-    const double angle = std::acos(std::min(1.0, std::abs(cosine)));
-    double wa = 1 - fraction, wb = fraction;
-    if (angle > 1e-6) wa = std::sin(wa * angle) / std::sin(angle), wb = std::sin(wb * angle) / std::sin(angle);
-    for (std::size_t i = 0; i < 4; ++i) pose.rotation[i] = wa * a.rotation[i] + sign * wb * b.rotation[i];
+    pose.rotation = turn(a.rotation, b.rotation, fraction);
     return pose;
 }
 

@@ -19,8 +19,11 @@ struct Pose {
 /// singular.
 Pose pose_of(const Transform& t);
 
-/// From a (0) to b (1): translation and stretch linearly, the rotation steadily and the shorter way round (Shoemake
-/// 1985, "Animating Rotation with Quaternion Curves").
+/// From one unit quaternion (0) to another (1), steadily and the shorter way round (Shoemake 1985, "Animating Rotation
+/// with Quaternion Curves").
+std::array<double, 4> turn(const std::array<double, 4>& a, const std::array<double, 4>& b, double fraction);
+
+/// From a (0) to b (1): translation and stretch linearly, the rotation by turn().
 Pose interpolate(const Pose& a, const Pose& b, double fraction);
 
 /// parent_from_node at a time.

@@ -112,6 +112,13 @@ bool is_unlit(const SceneDescription& scene)
 LitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
                      Warnings& warnings, TreeBuild build)
 {
+    SceneEdit edit(std::move(scene), camera, build);
+    return compile_lit(edit, light, aspect, warnings);
+}
+
+LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings)
+{
+    const SceneDescription& scene = edit.description();
     // Less light than this on what is seen, and exposing for it would show a lamp and its surroundings.
     constexpr double least_lit = 0.4;
     // Surfaces that shine would be white themselves, and their labels unreadable, if they were exposed for as lamps.
@@ -120,19 +127,18 @@ LitScene compile_lit(SceneDescription scene, const std::string& camera, LightCho
     const bool lamps = has_lamps(scene);
     const bool wants_exposure = !scene.hints.exposure && lit && scene.environment.kind == EnvironmentKind::none;
     LitScene result;
-    if (light == LightChoice::studio) put_out_lamps(scene);
+    if (light == LightChoice::studio) put_out_lamps(edit.change());
     const bool needs_studio =
         light == LightChoice::studio || (light == LightChoice::automatic && !lit && !is_unlit(scene));
-    if (needs_studio) scene.environment = studio_for(world_camera(scene, camera));
+    if (needs_studio) edit.set_environment(studio_for(world_camera(scene, edit.camera())));
     if (needs_studio || !wants_exposure || is_unlit(scene)) {
         // A backdrop shows the outlines of what is unlit and dark.
         result.backdrop = needs_studio || (light == LightChoice::automatic && is_unlit(scene) && !own_light);
         result.studio = needs_studio;
         if (needs_studio && light == LightChoice::automatic) result.added.push_back("a studio light");
-        result.scene = Scene::compile(scene, camera, warnings, build);
+        result.scene = edit.compile(warnings);
         return result;
     }
-    SceneEdit edit(std::move(scene), camera, build);
     result.scene = edit.compile(warnings);
     const FirstLook look = first_look(result.scene, aspect);
     if (look.covered == 0) return result;

@@ -3,6 +3,7 @@
 
 command_line_test.py DOUBLE [PROGRAM]    DOUBLE is the program with the library of double.cpp behind it
 """
+import base64
 import fcntl
 import json
 import os
@@ -30,6 +31,42 @@ def png_size(path):
         head = file.read(26)
     assert head[:8] == b"\x89PNG\r\n\x1a\n", head
     return struct.unpack(">II", head[16:24]) + (head[24], head[25])
+
+
+def walking_model():
+    """Two triangles, one of which moves and turns, one that bends by a target, a lamp whose light changes, a camera that
+    goes back."""
+    def floats(*values):
+        return struct.pack(f"<{len(values)}f", *values)
+    pieces = [floats(0, 0, 0, 1, 0, 0, 0, 1, 0), floats(0, 0, 1, 0, 0, -1, 1, 1, 0), floats(0, .5, 1), floats(0, 1, .3),
+              floats(0, 0, 0, 4, 1, 0, 4, 1, -40), floats(0, 0, 0, 1, 0, .6, 0, .8, 0, 1, 0, 0),
+              floats(10, 20, 400), floats(.3, .4, 5, .6, .2, 6, 1, .5, 9)]
+    kinds = ["VEC3", "VEC3", "SCALAR", "SCALAR", "VEC3", "VEC4", "SCALAR", "VEC3"]
+    each = {"VEC3": 12, "VEC4": 16, "SCALAR": 4}
+    views, accessors, data = [], [], b""
+    for piece, kind in zip(pieces, kinds):
+        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(piece)})
+        accessors.append({"bufferView": len(views) - 1, "componentType": 5126, "count": len(piece) // each[kind], "type": kind})
+        data += piece
+    intensity = {"path": "pointer", "extensions": {"KHR_animation_pointer": {
+        "pointer": "/extensions/KHR_lights_punctual/lights/0/intensity"}}}
+    samplers = [{"input": 2, "output": output} for output in (3, 4, 5, 6, 7)]
+    return {"asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1, 2, 3]}],
+            "nodes": [{"mesh": 0}, {"mesh": 1}, {"translation": [0, 0, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}}, {"camera": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]},
+                       {"weights": [0], "primitives": [{"attributes": {"POSITION": 0}, "targets": [{"POSITION": 1}]}]}],
+            "extensionsUsed": ["KHR_lights_punctual", "KHR_animation_pointer"],
+            "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 20}]}},
+            "animations": [{"samplers": samplers, "channels": [
+                {"sampler": 0, "target": {"node": 1, "path": "weights"}},
+                {"sampler": 1, "target": {"node": 0, "path": "translation"}},
+                {"sampler": 2, "target": {"node": 0, "path": "rotation"}},
+                {"sampler": 3, "target": intensity},
+                {"sampler": 4, "target": {"node": 3, "path": "translation"}}]}],
+            "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
+            "accessors": accessors, "bufferViews": views,
+            "buffers": [{"byteLength": len(data),
+                         "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]}
 
 
 class CommandLine(unittest.TestCase):
@@ -569,6 +606,107 @@ class CommandLine(unittest.TestCase):
         info = json.loads(self.ok("info", "box.json", "--json").stdout)
         self.assertEqual(info["counts"]["cameras"], 2)
         self.assertEqual(info["cameras"][0]["name"], "main")
+        self.assertEqual((info["scenes"], info["variants"]), ([], []))
+
+    def test_choices(self):
+        """What a file has several of: listed by info, chosen by name or number."""
+        self.scene("box.json", "camera main camera side camera side scene one scene two variant dawn variant dusk")
+        text = self.ok("info", "box.json").stdout
+        self.assertIn("0: main (perspective), 1: side (perspective), 2: side (perspective)", text)
+        self.assertRegex(text, r"scenes +one, two\n")
+        self.assertRegex(text, r"variants +dawn, dusk\n")
+        info = json.loads(self.ok("info", "box.json", "--json").stdout)
+        self.assertEqual((info["scenes"], info["variants"]), (["one", "two"], ["dawn", "dusk"]))
+        for chosen, name in (("0", "main"), ("1", "side"), ("main", "main"), ("side", "side")):
+            words = self.ok("render", "box.json", "--spp", "1", "--camera", chosen).stderr
+            self.assertIn(f"camera '{name}", words)
+        # The second of a name, too.
+        self.scene("same.json", "camera main camera side aspect 2 camera side aspect 4")
+        words = self.ok("render", "same.json", "--spp", "1", "--camera", "2").stderr
+        self.assertIn("aspect 4", words)
+        self.scene("nameless.json", "camera 2 aspect 2 camera 1 aspect 4")
+        words = self.ok("render", "nameless.json", "--spp", "1", "--camera", "1").stderr
+        self.assertIn("camera '1'", words)
+        self.refused(1, "render", "same.json", "--camera", "3", words=["there is no camera '3'", "'main'"])
+        self.refused(1, "render", "same.json", "--camera", "99999999999999999999", words=["there is no camera"])
+        words = self.ok("render", "box.json", "--spp", "1", "--variant", "dusk", "--scene", "two").stderr
+        self.assertIn("variant dusk", words)
+        self.assertIn("scene two", words)
+
+    def test_poses_and_frames(self):
+        self.scene("walk.json", "camera main moves stride")
+        result = self.ok("render", "walk.json", "--spp", "1")
+        self.assertIn("the pose at rest is shown; of the file's 1 animation (stride) --at", result.stderr)
+        self.assertIn("camera 'main' at 1,2,3", result.stderr)
+        self.assertRegex(self.ok("info", "walk.json").stdout, r"animations +0: stride \(2 s;")
+        info = json.loads(self.ok("info", "walk.json", "--json").stdout)
+        self.assertEqual(info["animations"], [{"name": "stride", "duration_s": 2.0, "channels": 1}])
+        # The camera goes a metre a second, and stops at the end.
+        for time_s, x in (("0", "0"), ("1.5", "1.5"), ("1.5s", "1.5"), ("7", "2")):
+            words = self.ok("render", "walk.json", "--spp", "1", "--at", time_s).stderr
+            self.assertIn(f"camera 'main' at {x},0,0", words)
+            self.assertNotIn("at rest", words)
+        self.assertIn("at 0.5,0,0", self.ok("render", "walk.json", "--spp", "1", "--frames", "12").stderr)
+        before = set(os.listdir(self.folder))
+        words = self.ok("render", "walk.json", "--spp", "1", "--frames", "8:12:2", "--fps", "8", "-o", "a.###.png", "-o",
+                        "b#.png").stderr
+        self.assertEqual(set(os.listdir(self.folder)) - before,
+                         {"a.008.png", "a.010.png", "a.012.png", "b8.png", "b10.png", "b12.png"})
+        for x in ("1", "1.25", "1.5"):
+            self.assertEqual(words.count(f"camera 'main' at {x},0,0"), 1, words)
+        # What the options make of a camera goes with it.
+        words = self.ok("render", "walk.json", "--spp", "1", "--frames", "0:1", "--fps", "2", "--fov", "30", "-o",
+                        "c.#.png").stderr
+        for x in ("0", "0.5"):
+            self.assertIn(f"camera 'command line' at {x},0,0", words)
+        self.ok("render", "walk.json", "--spp", "1", "--frames", "0:1")
+        self.assertTrue(os.path.exists(self.path("walk.0001.png")))
+
+    def test_wrong_poses_and_frames(self):
+        self.scene("walk.json", "camera main moves stride")
+        def wrong(*arguments, words):
+            self.refused(2, "render", "walk.json", "--spp", "1", *arguments, words=words)
+        wrong("--frames", "0:3", "-o", "a.png", words=["a.png", "####"])
+        wrong("--frames", "3:0", words=["--frames", "no frames"])
+        wrong("--frames", "0:1:0", words=["--frames"])
+        wrong("--frames", "0:1:1:1", words=["--frames", "A:B:STEP"])
+        wrong("--frames", "0:99999999", words=["--frames", "1000000"])
+        wrong("--frames", "0:1", "--at", "1", words=["--at", "--frames"])
+        wrong("--frames", "0:1", "--time", "1s", words=["--frames", "--time"])
+        wrong("--frames", "0:1", "--only-sample", "0,0,0", words=["--only-sample"])
+        wrong("--frames", "0:1", "--fps", "0", words=["--fps"])
+        wrong("--at", "-1", words=["--at"])
+        wrong("--shutter", "0.5", words=["--shutter", "--at"])
+        wrong("--animation", "stride", words=["--animation", "--at"])
+        self.refused(1, "render", "walk.json", "--at", "1", "--animation", "strid", words=["there is no animation 'strid'"])
+        self.refused(1, "render", "box.json", "--at", "1", words=["there is no animation"])
+
+    def test_no_frame_is_written_over_an_input(self):
+        self.scene("walk.json", "camera main moves stride texture t.0003.png")
+        with open(self.path("t.0003.png"), "w") as file:
+            file.write("a picture")
+        self.refused(1, "render", "walk.json", "--spp", "1", "--frames", "0:5", "-o", "t.####.png",
+                     words=["t.0003.png is a texture of this scene"])
+        self.ok("render", "walk.json", "--spp", "1", "--frames", "0:2", "-o", "t.####.png")
+
+    def test_frames_of_a_file_are_its_poses(self):
+        """With the library: each frame has the bits of a run of its own, whatever moves."""
+        if not PROGRAM:
+            self.skipTest("no program given")
+        with open(self.path("model.gltf"), "w") as file:
+            json.dump(walking_model(), file)
+        for options in ([], ["--orbit", "20,30"], ["--fov", "50"], ["--light", "file"], ["--shutter", "0.5"]):
+            common = ["model.gltf", "-q", "--spp", "2", "--size", "64x48", "--exr", "float", *options]
+            self.ok("render", *common, "--frames", "0:4", "--fps", "4", "-o", "f.#.exr", program=PROGRAM)
+            pictures = set()
+            for frame in range(5):
+                self.ok("render", *common, "--fps", "4", "--at", str(frame / 4), "-o", "a.exr", program=PROGRAM)
+                with open(self.path("a.exr"), "rb") as one, open(self.path(f"f.{frame}.exr"), "rb") as other:
+                    a, b = (re.sub(rb"fathom\.(load|build|render)_s\0string\0.{4}[0-9.]+", b"", f.read(), flags=re.DOTALL)
+                            for f in (one, other))
+                self.assertTrue(a == b, f"frame {frame} with {options}")
+                pictures.add(a)
+            self.assertEqual(len(pictures), 5)
 
     def test_convert(self):
         self.scene("box.json", "camera main warn odd")
@@ -593,7 +731,7 @@ class CommandLine(unittest.TestCase):
         def options(command):
             return set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", self.ok(command, "--help").stdout, re.MULTILINE))
         of_files_only = {"--output", "--png-bits", "--exr", "--aov", "--mergeable", "--samples", "--only-sample", "--time",
-                         "--crop", "--quiet", "--progress", "--quality", "--denoise"}
+                         "--crop", "--quiet", "--progress", "--frames", "--fps", "--shutter", "--quality", "--denoise"}
         self.assertEqual(options("render") - options("view"), of_files_only)
         self.assertEqual(options("view") - options("render"), {"--log-latency", "--script-moves"})
         self.assertIn("--scene", options("info"))

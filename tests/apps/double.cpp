@@ -9,11 +9,12 @@
 #include "fathom/first_look.h"
 #include "fathom/load.h"
 #include "fathom/render.h"
+#include "fathom/scene_file.h"
 
 // A library for tests of the command line: a scene file is words, and a sample is worth a number that its index
 // decides.
 //   camera NAME, aspect A, size WxH, spp N, slow MS (a pass), warn TEXT, nan, hint-filter NAME, hint-build NAME,
-//   texture NAME, file NAME, slow-load MS, empty
+//   texture NAME, file NAME, slow-load MS, scene NAME, variant NAME, moves NAME (the last node), empty
 namespace fathom {
 
 namespace {
@@ -23,11 +24,12 @@ std::uint64_t dropped_per_render = 0;
 
 }  // namespace
 
-SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings)
+SceneFile load_scene_file(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings)
 {
     std::ifstream in(file);
     if (!in || std::filesystem::is_directory(file)) throw Error(file.string(), "", "there is no such file");
-    SceneDescription scene;
+    SceneFile result;
+    SceneDescription& scene = result.scene;
     scene.file = file.string();
     std::string word;
     while (in >> word) {
@@ -64,13 +66,34 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
             std::this_thread::sleep_for(std::chrono::milliseconds(ms));
         } else if (word == "hint-build") {
             in >> scene.hints.build.emplace();
+        } else if (word == "scene") {
+            in >> result.scenes.emplace_back();
+        } else if (word == "moves") {
+            // The last node, a metre a second along x for two seconds.
+            Animation& animation = result.rig.animations.emplace_back();
+            in >> animation.name;
+            animation.channels.push_back({AnimatedValue::translation,
+                                          int(scene.nodes.size()) - 1,
+                                          Interpolation::linear,
+                                          {0, 2},
+                                          {0, 0, 0, 2, 0, 0}});
+            result.rig.nodes.resize(scene.nodes.size());
+            result.rig.parents.assign(scene.nodes.size(), -1);
+        } else if (word == "variant") {
+            in >> result.variants.emplace_back();
         } else if (word != "empty") {
             throw Error(file.string(), "line 1", fmt::format("unknown word '{}'", word));
         }
     }
     if (!options.scene.empty()) warnings.add(fmt::format("scene {}", options.scene));
+    if (!options.variant.empty()) warnings.add(fmt::format("variant {}", options.variant));
     if (options.up_axis) warnings.add(fmt::format("up axis {}", options.up_axis));
-    return scene;
+    return result;
+}
+
+SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings)
+{
+    return load_scene_file(file, options, warnings).scene;
 }
 
 Completed complete_scene(SceneDescription& scene, const CompleteOptions& options)
@@ -83,6 +106,13 @@ Completed complete_scene(SceneDescription& scene, const CompleteOptions& options
     scene.nodes.emplace_back().camera = 0;
     scene.roots.push_back(int(scene.nodes.size()) - 1);
     return {{"camera framing the model"}};
+}
+
+std::size_t find_animation(const SceneFile& file, const std::string& wanted)
+{
+    for (std::size_t i = 0; i < file.rig.animations.size(); ++i)
+        if (wanted.empty() || file.rig.animations[i].name == wanted) return i;
+    throw Error(file.scene.file, "", fmt::format("there is no animation '{}'", wanted));
 }
 
 struct Scene::Data {
@@ -113,15 +143,44 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
     return scene;
 }
 
-/// A scene of the name `dark` gets a studio and an exposure.
-LitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
-                     Warnings& warnings, TreeBuild build)
+struct SceneEdit::Data {
+    SceneDescription scene;
+    std::string camera;
+    TreeBuild build;
+};
+SceneEdit::SceneEdit(SceneDescription scene, std::string camera, TreeBuild build)
+    : data_(std::make_unique<Data>(Data{std::move(scene), std::move(camera), build}))
 {
+}
+SceneEdit::SceneEdit(SceneEdit&&) noexcept = default;
+SceneEdit& SceneEdit::operator=(SceneEdit&&) noexcept = default;
+SceneEdit::~SceneEdit() = default;
+const SceneDescription& SceneEdit::description() const
+{
+    return data_->scene;
+}
+void SceneEdit::set_pose(ScenePose pose)
+{
+    fathom::set_pose(data_->scene, std::move(pose));
+}
+void SceneEdit::set_camera(int camera, const Camera& camera_now)
+{
+    data_->scene.cameras.at(std::size_t(camera)) = camera_now;
+}
+Scene SceneEdit::compile_exactly(Warnings& warnings)
+{
+    return Scene::compile(data_->scene, data_->camera, warnings, data_->build);
+}
+
+/// A scene of the name `dark` gets a studio and an exposure.
+LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings)
+{
+    const SceneDescription& scene = edit.description();
     const char* const choices[] = {"auto", "file", "studio"};  // by LightChoice
     warnings.add(
         fmt::format("light {}{} aspect {:.4g}", choices[int(light)], scene.hints.own_light ? ", its own" : "", aspect));
     LitScene lit;
-    lit.scene = Scene::compile(scene, camera, warnings, build);
+    lit.scene = edit.compile_exactly(warnings);
     if (scene.file.find("dark") == std::string::npos) return lit;
     lit.added = {"a lamp", "an exposure"};
     lit.exposure_ev = 2;

@@ -274,6 +274,56 @@ TEST_F(Editing, MaterialsLightsAndSkyChange)
 }
 
 /// What was not said to be movable costs the whole scene, and is right.
+/// What moves to where the scene has another size, or with the camera: bits are those of compiling anew, which is done
+/// where it must be.
+TEST_F(Editing, PosesAreExact)
+{
+    Room room;
+    // A light whose share of the samples depends on the scene's size.
+    Light sun;
+    sun.kind = LightKind::directional;
+    room.d.lights.push_back(sun);
+    room.d.nodes[std::size_t(room.soft_node)].light = 1;
+    room.d.meshes[std::size_t(room.soft)].uvs[0].assign(4, {0, 0});
+    SceneEdit edit(room.d);
+    edit.compile(warnings);
+    const auto expect_exact = [&](const ScenePose& pose, bool anew) {
+        edit.set_pose(pose);
+        const Scene fresh = Scene::compile(edit.description(), "", warnings);
+        const Scene edited = edit.compile_exactly(warnings);
+        EXPECT_EQ(edit.compiled_anew(), anew);
+        EXPECT_EQ(edited.fingerprint(), fresh.fingerprint());
+        EXPECT_EQ(picture(edited), picture(fresh));
+    };
+    ScenePose pose;
+    pose.nodes = {{room.movable[0], Transform::translate({-3, 1, 0})}};
+    pose.meshes.resize(1);
+    pose.meshes[0].mesh = room.soft;
+    pose.meshes[0].positions = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
+    pose.meshes[0].normals.assign(4, {0, 0, 1});
+    pose.numbers = {{AnimatedValue::base_color, 1, {0.9f, 0.1f, 0.2f, 1}}, {AnimatedValue::intensity, 0, {5, 0, 9, 0}}};
+    expect_exact(pose, false);
+    // A little larger: the same scale, another radius.
+    pose.nodes[0].second = Transform::translate({-3, 1, -26});
+    expect_exact(pose, false);
+    pose.nodes[0].second = Transform::translate({-300, 1, 0});
+    expect_exact(pose, true);
+    expect_exact(pose, false);
+    pose.nodes.emplace_back(0, Transform::translate({0.5, 0, 0}));
+    expect_exact(pose, true);
+    // Texture coordinates move too.
+    pose.meshes[0].uvs[0] = {{0, 0}, {1, 0}, {0, 1}, {0.5f, 2}};
+    expect_exact(pose, true);
+    pose.meshes[0].uvs[0].clear();
+    // What vanishes, and comes back.
+    const Node seen = edit.description().nodes[std::size_t(room.movable[0])];
+    pose.contents = {{room.movable[0], Node{}}};
+    expect_exact(pose, true);
+    expect_exact(pose, false);
+    pose.contents[0].second = seen;
+    expect_exact(pose, true);
+}
+
 TEST_F(Editing, OtherChangesCompileAll)
 {
     const Room room(false);

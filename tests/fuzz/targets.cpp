@@ -12,6 +12,7 @@
 #include "fathom/image.h"
 #include "fathom/load.h"
 #include "fathom/render.h"
+#include "fathom/scene_file.h"
 #include "film/film_data.h"
 #include "import/common/importer.h"
 #include "import/fathom/fathom_json.h"
@@ -35,6 +36,23 @@ void use(SceneDescription& scene)
     world_bounds(scene);
 }
 
+/// All animations, before, in and after their time. One that is refused leaves the others to be played.
+void play(const SceneDescription& scene, const AnimationRig& rig)
+{
+    for (std::size_t i = 0; i < rig.animations.size(); ++i) {
+        SceneDescription posed = scene;
+        try {
+            const AnimationPlayer player(posed, rig, i);
+            for (const double time_s : {-1.0, 0.0, 0.3, 0.8, 1e9}) {
+                set_pose(posed, player.pose(time_s));
+                use(posed);
+            }
+        } catch (const Error&) {
+            // As it should be.
+        }
+    }
+}
+
 template <const Importer& importer>
 void read_scene(const std::string& bytes)
 {
@@ -46,6 +64,7 @@ void read_scene(const std::string& bytes)
         const LoadOptions options;
         SceneDescription scene = importer.read({file, "", bytes, options}, context);
         use(scene);
+        play(scene, context.offered.rig);
     } catch (const Error&) {
         // As it should be.
     }
@@ -163,6 +182,40 @@ std::string draco_seed()
             "0700f8030c000414f807000000000000ff0000000000000000000000000000000000004008"));
 }
 
+/// A skin, a target and all that animations drive, by every interpolation.
+std::string animated_seed()
+{
+    const std::string bytes =
+        raw(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}) + raw(std::vector<float>{0, 0.5f, 1}) +
+        raw(std::vector<std::uint32_t>(3, 0x01000100u)) +
+        raw(std::vector<std::int16_t>{0, 0, 0, 32767, 0, 0, 32767, 0, 0, 9, 0, -9}) +
+        raw(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 5, 5, 0, 2, 0, 1, 1, 1, 0, 0, 1, 0, 3, 0, 0, 0, 0});
+    const std::string json =
+        R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1]}], "nodes": [{"mesh": 0, "skin": 0,
+  "weights": [0.5]}, {"children": [2], "camera": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}, {"mesh": 0}],
+  "skins": [{"joints": [1, 2]}], "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7}}], "materials": [{}],
+  "extensions": {"KHR_lights_punctual": {"lights": [{"type": "spot", "spot": {}}]}, "KHR_materials_variants": {"variants":
+  [{"name": "a"}]}}, "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 0, "JOINTS_0": 2, "WEIGHTS_0": 3},
+  "material": 0, "targets": [{"POSITION": 0, "NORMAL": 0}], "extensions": {"KHR_materials_variants": {"mappings": [{"material":
+  0, "variants": [0]}]}}}]}], "animations": [{"name": "a", "samplers": [{"input": 1, "output": 0}, {"input": 1, "output": 4,
+  "interpolation": "STEP"}, {"input": 1, "output": 5, "interpolation": "CUBICSPLINE"}, {"input": 1, "output": 1}], "channels":
+  [{"sampler": 0, "target": {"node": 1, "path": "scale"}}, {"sampler": 1, "target": {"node": 2, "path": "rotation"}}, {"sampler":
+  2, "target": {"node": 2, "path": "translation"}}, {"sampler": 3, "target": {"node": 0, "path": "weights"}}, {"sampler": 3,
+  "target": {"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": "/nodes/2/extensions/KHR_node_visibility/visible"
+  }}}}, {"sampler": 3, "target": {"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer":
+  "/extensions/KHR_lights_punctual/lights/0/intensity"}}}}, {"sampler": 0, "target": {"path": "pointer", "extensions":
+  {"KHR_animation_pointer": {"pointer": "/materials/0/emissiveFactor"}}}}, {"sampler": 3, "target": {"path": "pointer",
+  "extensions": {"KHR_animation_pointer": {"pointer": "/cameras/0/perspective/yfov"}}}}]}],
+  "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}, {"bufferView": 1, "componentType": 5126,
+  "count": 3, "type": "SCALAR"}, {"bufferView": 2, "componentType": 5121, "count": 3, "type": "VEC4"}, {"bufferView": 2,
+  "componentType": 5121, "count": 3, "type": "VEC4"}, {"bufferView": 3, "componentType": 5122, "count": 3, "type": "VEC4",
+  "normalized": true}, {"bufferView": 4, "componentType": 5126, "count": 9, "type": "VEC3"}], "bufferViews":
+  [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 12}, {"buffer": 0, "byteOffset": 48,
+  "byteLength": 12}, {"buffer": 0, "byteOffset": 60, "byteLength": 24}, {"buffer": 0, "byteOffset": 84, "byteLength": 108}],
+  "buffers": [{"byteLength": 192}]})";
+    return glb_of(json, bytes);
+}
+
 std::vector<std::string> gltf_seeds()
 {
     // Three corners, three indices.
@@ -183,7 +236,7 @@ std::vector<std::string> gltf_seeds()
     };
     const std::string bytes =
         raw(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}) + raw(std::vector<std::uint16_t>{0, 1, 2, 0});
-    return {text(R"(, "uri": ")" + uri + '"'), glb_of(text(""), bytes), meshopt_seed(), draco_seed()};
+    return {text(R"(, "uri": ")" + uri + '"'), glb_of(text(""), bytes), meshopt_seed(), draco_seed(), animated_seed()};
 }
 
 std::vector<std::string> obj_seeds()

@@ -298,6 +298,64 @@ def models():
                                     "transform": {"scale": 0.5, "translate": [1, 0, 0.8]}}])
 
 
+def animation():
+    """glTF under a name in .json, told by its content: a strip that bends, a sheet that morphs, a sheet that turns."""
+    data, views, accessors = b"", [], []
+
+    def numbers(fmt, values, kind, component=5126, **more):
+        nonlocal data
+        data += b"\0" * (-len(data) % 4)
+        packed = struct.pack(f"<{len(values)}{fmt}", *values)
+        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(packed)})
+        data += packed
+        count = len(values) // {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}[kind]
+        accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": count, "type": kind, **more})
+        return len(accessors) - 1
+
+    def grid(width, height, rows):
+        points = [(x, height * r / rows, 0) for r in range(rows + 1) for x in (-width / 2, width / 2)]
+        corners = [2 * r + i for r in range(rows) for i in (0, 1, 3, 0, 3, 2)]
+        return points, numbers("f", [x for p in points for x in p], "VEC3"), numbers("H", corners, "SCALAR", 5123)
+
+    strip, strip_position, strip_index = grid(0.4, 1.6, 8)
+    weights = [w for p in strip for w in (round(255 * (1 - p[1] / 1.6)), 255 - round(255 * (1 - p[1] / 1.6)), 0, 0)]
+    sheet, sheet_position, sheet_index = grid(0.6, 0.6, 3)
+    offsets = [x for p in sheet for x in (0.3 * p[1], 0.2, 0.5 * p[1] * p[1])]
+    times, cubic_times = numbers("f", [0, 0.5, 1], "SCALAR"), numbers("f", [0, 1], "SCALAR")
+    turns = numbers("h", [0, 0, 0, 32767, 0, 0, 12539, 30273, 0, 0, -12539, 30273], "VEC4", 5122, normalized=True)
+    ways = numbers("f", [0, 0, 0, 1, 0.2, 0, 0, 2, 0, 0, 1, 0, 1.4, 0.4, 0.2, 0, 0, 0], "VEC3")
+    colors = numbers("f", [0.9, 0.2, 0.1, 1, 0.1, 0.8, 0.3, 1, 0.2, 0.3, 0.9, 1], "VEC4")
+    shares = numbers("f", [0, 1, 0.3], "SCALAR")
+    target = {"path": "pointer", "extensions": {"KHR_animation_pointer": {
+        "pointer": "/materials/0/pbrMetallicRoughness/baseColorFactor"}}}
+    channels = [(times, turns, "LINEAR", {"node": 2, "path": "rotation"}), (times, shares, "LINEAR", {"node": 3, "path": "weights"}),
+                (cubic_times, ways, "CUBICSPLINE", {"node": 4, "path": "translation"}),
+                (times, turns, "STEP", {"node": 4, "path": "rotation"}), (times, colors, "LINEAR", target)]
+    two_sided = {"doubleSided": True, "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.6}}
+    document = {
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1, 3, 4, 5, 6]}],
+        "extensionsUsed": ["KHR_animation_pointer", "KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 40}]}},
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}],
+        "nodes": [{"mesh": 0, "skin": 0}, {"children": [2], "translation": [-0.8, 0, 0]}, {"translation": [0, 0.6, 0]},
+                  {"mesh": 1, "translation": [0.1, 0.2, 0]}, {"mesh": 2}, {"camera": 0, "translation": [0.2, 0.8, 4.2]},
+                  {"translation": [1, 3, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}}],
+        "skins": [{"joints": [1, 2], "inverseBindMatrices": numbers("f", [
+            1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -0.6, 0, 1], "MAT4")}],
+        "materials": [two_sided, {**two_sided, "emissiveFactor": [0.1, 0.1, 0.3]}],
+        "meshes": [{"primitives": [{"attributes": {
+                        "POSITION": strip_position, "JOINTS_0": numbers("B", [0, 1, 0, 0] * len(strip), "VEC4", 5121),
+                        "WEIGHTS_0": numbers("B", weights, "VEC4", 5121, normalized=True)}, "indices": strip_index, "material": 0}]},
+                   {"primitives": [{"attributes": {"POSITION": sheet_position}, "indices": sheet_index, "material": 1,
+                                    "targets": [{"POSITION": numbers("f", offsets, "VEC3")}]}]},
+                   {"primitives": [{"attributes": {"POSITION": sheet_position}, "indices": sheet_index, "material": 0}]}],
+        "animations": [{"samplers": [{"input": i, "output": o, "interpolation": n} for i, o, n, _ in channels],
+                        "channels": [{"sampler": i, "target": c[3]} for i, c in enumerate(channels)]}],
+        "accessors": accessors, "bufferViews": views,
+        "buffers": [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]}
+    (FOLDER / "animation.json").write_text(json.dumps(document) + "\n")
+
+
 if __name__ == "__main__":
     FOLDER.mkdir(exist_ok=True)
-    assets(), materials(), textures(), lights(), shapes(), cameras_and_motion(), models()
+    assets(), materials(), textures(), lights(), shapes(), cameras_and_motion(), models(), animation()

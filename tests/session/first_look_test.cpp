@@ -105,6 +105,26 @@ TEST_F(FirstLooks, ExposesForTheLightOfTheFile)
     EXPECT_FALSE(lit().exposure_ev.has_value());
 }
 
+/// The light that was found stays when the scene goes on to change, and is that of a scene alone.
+TEST_F(FirstLooks, EditsKeepTheirLight)
+{
+    add_sun(100000);
+    for (const LightChoice choice : {LightChoice::automatic, LightChoice::studio}) {
+        SceneEdit edit(d);
+        LitScene first = compile_lit(edit, choice, 1, warnings);
+        EXPECT_EQ(first.scene.fingerprint(), lit(choice).scene.fingerprint());
+        EXPECT_EQ(first.studio, choice == LightChoice::studio);
+        EXPECT_EQ(first.exposure_ev.has_value(), choice == LightChoice::automatic);
+        first.scene = {};
+        edit.set_transform(0, Transform::translate({0.1, 0, 0}));
+        const Scene moved = edit.compile_exactly(warnings);
+        EXPECT_EQ(edit.description().environment.kind == EnvironmentKind::studio, choice == LightChoice::studio);
+        EXPECT_EQ(moved.fingerprint(), Scene::compile(edit.description(), "", warnings).fingerprint());
+        // A sun that was put out stays so.
+        EXPECT_EQ(edit.description().nodes.back().light < 0, choice == LightChoice::studio);
+    }
+}
+
 TEST_F(FirstLooks, NoLightGetsAStudio)
 {
     const LitScene scene = lit();

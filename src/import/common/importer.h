@@ -19,8 +19,8 @@ struct Importer {
     /// By content where a format has a sign of its own, else by extension.
     bool (*recognizes)(const SourceFile& file);
     SceneDescription (*read)(const SourceFile& file, LoadContext& context);
-    bool has_scenes = false;  ///< a file may hold several, of which LoadOptions::scene chooses one
-    bool z_up = false;        ///< which axis points up is not said, and the programs that make such files have z there
+    bool has_choices = false;  ///< a file may hold several scenes and variants, of which LoadOptions chooses one
+    bool z_up = false;         ///< which axis points up is not said, and the programs that make such files have z there
 };
 
 }  // namespace fathom

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "fathom/load.h"
+#include "fathom/scene_file.h"
 
 namespace fathom {
 
@@ -15,6 +15,8 @@ public:
     LoadContext(const std::filesystem::path& file, bool confine, Warnings& warnings);
 
     Warnings& warnings;
+    /// What the scene's own file has beside the scene; the reader of a file with choices fills it.
+    SceneFile offered;
     std::vector<std::filesystem::path> open_files;  ///< being read now, the first asked for them all: finds cycles
 
     /// Where a file is that the scene refers to: the path itself if there is something, else what differs from it only

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+
+#include "import/common/read_file.h"
 
 namespace fathom {
 
@@ -56,6 +59,28 @@ std::string suggestion(std::string_view word, const std::vector<std::string>& ca
     if (!near.empty()) return fmt::format("; did you mean '{}'?", near);
     if (candidates.empty() || candidates.size() > 24) return {};
     return fmt::format("; known here: {}", fmt::join(candidates, ", "));
+}
+
+std::optional<std::size_t> find_choice(std::string_view wanted, const std::vector<std::string>& names)
+{
+    const auto found = std::find(names.begin(), names.end(), wanted);
+    if (found != names.end()) return std::size_t(found - names.begin());
+    std::size_t number = 0;
+    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+    if (error == std::errc() && end == wanted.data() + wanted.size() && number < names.size()) return number;
+    return {};
+}
+
+std::string choices(std::string_view wanted, const std::vector<std::string>& names)
+{
+    constexpr std::size_t most = 24;
+    if (names.empty()) return ": there are none";
+    std::string text = " among ";
+    for (std::size_t i = 0; i < std::min(names.size(), most); ++i)
+        text += fmt::format("{}'{}'", i > 0 ? ", " : "", printable(names[i]));
+    if (names.size() > most) text += fmt::format(" and {} more", names.size() - most);
+    const std::string near = suggest(wanted, names);
+    return near.empty() ? text : text + fmt::format("; did you mean '{}'?", near);
 }
 
 }  // namespace fathom

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,5 +12,11 @@ std::string suggest(std::string_view word, const std::vector<std::string>& candi
 
 /// "; did you mean 'color'?", or the candidates if few and none is near, or nothing.
 std::string suggestion(std::string_view word, const std::vector<std::string>& candidates);
+
+/// Number of the one that is named or numbered so; nothing if there is none.
+std::optional<std::size_t> find_choice(std::string_view wanted, const std::vector<std::string>& names);
+
+/// " among 'a', 'b'; did you mean 'a'?": what to say of choices when none was found.
+std::string choices(std::string_view wanted, const std::vector<std::string>& names);
 
 }  // namespace fathom

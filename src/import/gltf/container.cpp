@@ -23,12 +23,14 @@ constexpr std::string_view known_extensions[] = {"KHR_materials_anisotropy",
                                                  "KHR_materials_sheen",
                                                  "KHR_materials_iridescence",
                                                  "KHR_materials_specular",
+                                                 "KHR_animation_pointer",
                                                  "KHR_lights_punctual",
                                                  "KHR_materials_emissive_strength",
                                                  "KHR_materials_ior",
                                                  "KHR_materials_pbrSpecularGlossiness",
                                                  "KHR_materials_transmission",
                                                  "KHR_materials_unlit",
+                                                 "KHR_materials_variants",
                                                  "KHR_materials_volume",
                                                  "KHR_mesh_quantization",
                                                  "KHR_node_visibility",
@@ -40,8 +42,7 @@ constexpr std::string_view known_extensions[] = {"KHR_materials_anisotropy",
                                                  "KHR_draco_mesh_compression"};
 
 /// What changes nothing in a picture, or may leave out a texture, which is said where it happens.
-constexpr std::string_view harmless_extensions[] = {"KHR_texture_basisu", "KHR_materials_variants", "KHR_xmp_json_ld",
-                                                    "KHR_xmp", "KHR_animation_pointer"};
+constexpr std::string_view harmless_extensions[] = {"KHR_texture_basisu", "KHR_xmp_json_ld", "KHR_xmp"};
 
 template <std::size_t n>
 bool contains(const std::string_view (&names)[n], std::string_view name)

@@ -76,13 +76,39 @@ Material GltfReader::read_material(const JsonValue& v)
     return m;
 }
 
+/// That of the variant, if it has one for this primitive.
+std::optional<std::size_t> GltfReader::material_index(const JsonValue& primitive)
+{
+    const auto checked = [&](const JsonValue& index) {
+        file_.follow("materials", index);
+        return index.count();
+    };
+    const auto extensions = primitive.get("extensions");
+    const auto extension = extensions ? extensions->get("KHR_materials_variants") : std::nullopt;
+    if (variant_ && extension && extension->has("mappings")) {
+        const JsonValue mappings = (*extension)["mappings"];
+        mappings.array();
+        for (std::size_t i = 0; i < mappings.size(); ++i) {
+            const JsonValue mapping = mappings[i];
+            for (const char* key : {"material", "variants"})
+                if (!mapping.has(key)) mapping.fail(fmt::format("key '{}' is missing", key));
+            const JsonValue variants = mapping["variants"];
+            variants.array();
+            for (std::size_t k = 0; k < variants.size(); ++k)
+                if (variants[k].count() == *variant_) return checked(mapping["material"]);
+        }
+    }
+    const auto index = primitive.get("material");
+    return index ? std::optional(checked(*index)) : std::nullopt;
+}
+
 int GltfReader::material(const JsonValue& primitive, bool has_colors)
 {
-    const auto index = primitive.get("material");
-    const std::pair<int, bool> key = {index ? index->integer() : -1, has_colors};
+    const std::optional<std::size_t> index = material_index(primitive);
+    const std::pair<int, bool> key = {index ? int(*index) : -1, has_colors};
     if (const auto found = materials_.find(key); found != materials_.end()) return found->second;
     static const Json no_material = Json::object();
-    Material m = index ? read_material(file_.follow("materials", *index))
+    Material m = index ? read_material(file_.list("materials")[*index])
                        : read_material(JsonValue(file_.name(), no_material, PlaceStyle::path));
     m.use_vertex_color = has_colors;
     const int result = int(scene_.materials.size());

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 #include "import/common/mesh_cleanup.h"
 #include "import/common/point_cloud.h"
 #include "import/common/read_file.h"
 #include "import/gltf/gltf_reader.h"
+#include "scene/deform.h"
 
 namespace fathom {
 
@@ -37,13 +39,23 @@ std::vector<T> read_vectors(const Accessor& accessor, std::size_t first, std::si
     return result;
 }
 
+/// All triangles stay: one without area may have some in another pose.
+void clean_rest(Mesh& mesh)
+{
+    Warnings told_already;
+    std::vector<std::uint32_t> indices = mesh.indices;
+    clean_mesh(mesh, "", told_already);
+    mesh.indices = std::move(indices);
+}
+
 }  // namespace
 
 const std::vector<GltfReader::Part>& GltfReader::mesh(const JsonValue& index, const std::optional<JsonValue>& weights,
                                                       std::size_t node)
 {
     constexpr auto no_node = std::numeric_limits<std::size_t>::max();
-    const auto [found, is_new] = meshes_.try_emplace({index.count(), weights ? node : no_node});
+    const bool has_own_pose = weights || (node < is_morphed_.size() && is_morphed_[node]);
+    const auto [found, is_new] = meshes_.try_emplace({index.count(), has_own_pose ? node : no_node});
     if (!is_new) return found->second;
     const JsonValue v = file_.follow("meshes", index);
     const auto name = v.get("name");
@@ -128,40 +140,70 @@ void GltfReader::read_attributes(const JsonValue& attributes, std::size_t first,
     if (const auto a = open("TEXCOORD_0", 2, 2)) mesh.uvs[0] = read_vectors<Vec2f>(*a, first, vertices, 2, 0);
     if (const auto a = open("TEXCOORD_1", 2, 2)) mesh.uvs[1] = read_vectors<Vec2f>(*a, first, vertices, 2, 0);
     if (const auto a = open("COLOR_0", 3, 4)) mesh.colors = read_vectors<Vec4f>(*a, first, vertices, 4, 1);
-    const auto joints = open("JOINTS_0", 4, 4), weights = open("WEIGHTS_0", 4, 4);
-    if (joints && weights) {
-        std::vector<float> numbers(4 * vertices);
-        joints->read(first, vertices, 4, 0, numbers.data());
-        part.joints.resize(numbers.size());
-        std::transform(numbers.begin(), numbers.end(), part.joints.begin(),
-                       [](float x) { return std::uint16_t(std::clamp(x, 0.0f, 65535.0f)); });
-        part.weights.resize(numbers.size());
-        weights->read(first, vertices, 4, 0, part.weights.data());
+    // Each set has four more joints for each vertex.
+    constexpr std::size_t most_sets = 8;
+    std::size_t sets = 0;
+    while (sets < most_sets && attributes.has(fmt::format("JOINTS_{}", sets)) &&
+           attributes.has(fmt::format("WEIGHTS_{}", sets)))
+        ++sets;
+    if (sets == 0) return;
+    file_.check_memory(attributes, 24.0 * double(sets + 1) * double(vertices));
+    part.joints.resize(4 * sets * vertices);
+    part.weights.resize(4 * sets * vertices);
+    std::vector<float> numbers(4 * vertices);
+    for (std::size_t set = 0; set < sets; ++set) {
+        const auto each = [&](const std::string& name, const auto& put) {
+            open(name.c_str(), 4, 4)->read(first, vertices, 4, 0, numbers.data());
+            for (std::size_t i = 0; i < numbers.size(); ++i) put(4 * (i / 4 * sets + set) + i % 4, numbers[i]);
+        };
+        each(fmt::format("JOINTS_{}", set),
+             [&](std::size_t i, float joint) { part.joints[i] = std::uint16_t(std::clamp(joint, 0.0f, 65535.0f)); });
+        each(fmt::format("WEIGHTS_{}", set), [&](std::size_t i, float weight) { part.weights[i] = weight; });
     }
 }
 
-void GltfReader::add_morphs(const JsonValue& primitive, const JsonValue& weights, std::size_t first, Mesh& mesh)
+/// mesh  whose vertices it moves
+MorphTarget GltfReader::read_morph_target(const JsonValue& target, std::size_t first, const Mesh& mesh)
+{
+    const std::size_t vertices = mesh.positions.size();
+    const auto read = [&](const char* name, int components, bool wanted, auto& to) {
+        const auto index = wanted ? target.get(name) : std::nullopt;
+        if (!index) return;
+        const Accessor accessor(file_, *index);
+        if (accessor.components() != components && !(components == 4 && accessor.components() == 3))
+            accessor.fail(fmt::format("a morph target's {} with {} components", name, accessor.components()));
+        if (accessor.count() < first + vertices) accessor.fail("is no morph target of the vertices");
+        to.resize(vertices);
+        accessor.read(first, vertices, components, 0, &to.data()->x);
+    };
+    MorphTarget result;
+    read("POSITION", 3, true, result.positions);
+    read("NORMAL", 3, !mesh.normals.empty(), result.normals);
+    read("TANGENT", 3, !mesh.tangents.empty(), result.tangents);
+    read("COLOR_0", 4, !mesh.colors.empty(), result.colors);
+    read("TEXCOORD_0", 2, !mesh.uvs[0].empty(), result.uvs[0]);
+    read("TEXCOORD_1", 2, !mesh.uvs[1].empty(), result.uvs[1]);
+    return result;
+}
+
+/// weights  at rest; without any all targets have none
+void GltfReader::add_morphs(const JsonValue& primitive, const std::optional<JsonValue>& weights, std::size_t first,
+                            Mesh& mesh, Part& part)
 {
     const auto targets = primitive.get("targets");
     if (!targets) return;
     targets->array();
-    weights.array();
-    const auto add = [&](const JsonValue& target, const char* name, float weight, std::vector<Vec3f>& to) {
-        const auto index = target.get(name);
-        if (!index || to.empty()) return;
-        const Accessor accessor(file_, *index);
-        if (accessor.components() != 3 || accessor.count() < first + to.size())
-            accessor.fail("is no morph target of the vertices");
-        const auto offsets = read_vectors<Vec3f>(accessor, first, to.size(), 3, 0);
-        for (std::size_t i = 0; i < to.size(); ++i)
-            to[i] = {to[i].x + weight * offsets[i].x, to[i].y + weight * offsets[i].y, to[i].z + weight * offsets[i].z};
-    };
-    for (std::size_t i = 0; i < std::min(targets->size(), weights.size()); ++i) {
-        const float weight = weights[i].single();
-        if (weight == 0) continue;
-        const JsonValue target = (*targets)[i];
-        add(target, "POSITION", weight, mesh.positions);
-        add(target, "NORMAL", weight, mesh.normals);
+    const std::size_t count = weights ? std::min(targets->size(), weights->array().size()) : 0;
+    for (std::size_t i = 0; i < count; ++i) part.target_weights.push_back((*weights)[i].single());
+    const bool plays = !rig_.animations.empty();
+    file_.check_memory(primitive, 72.0 * double(plays ? targets->size() : 1) * double(mesh.positions.size()));
+    // One after the other, as only those that count now are kept for animations.
+    for (std::size_t i = 0; i < (plays ? targets->size() : count); ++i) {
+        const float weight = i < count ? part.target_weights[i] : 0;
+        if (weight == 0 && !plays) continue;
+        std::vector<MorphTarget> target{read_morph_target((*targets)[i], first, mesh)};
+        morph(mesh, target, std::span(&weight, 1));
+        if (plays) part.targets.push_back(std::move(target[0]));
     }
 }
 
@@ -200,14 +242,18 @@ void GltfReader::read_primitive(const JsonValue& primitive, const std::string& n
     mesh.name = name;
     mesh.positions = read_vectors<Vec3f>(positions, first, vertices, 3, 0);
     read_attributes(*attributes, first, mesh, part);
-    if (weights) add_morphs(primitive, *weights, first, mesh);
+    const bool moves =
+        mode >= triangles && !rig_.animations.empty() && (!part.joints.empty() || primitive.has("targets"));
+    if (moves) part.rest = mesh;
+    add_morphs(primitive, weights, first, mesh, part);
     part.shape.name = mesh.name;
     if (mode < triangles) {
         part.shape.material = material(primitive, false);
         return add_points_or_lines(mesh, mode, std::move(part), parts);
     }
     clean_mesh(mesh, file_.name(), file_.warnings());
-    if (mesh.indices.empty()) return;
+    if (moves) clean_rest(part.rest);
+    if (mesh.indices.empty() && !moves) return;
 
     part.shape.material = material(primitive, !mesh.colors.empty());
     part.shape.geometry = MeshInstance{int(scene_.meshes.size())};

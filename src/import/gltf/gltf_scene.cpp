@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 
@@ -34,6 +33,19 @@ Transform read_transform(const JsonValue& v)
     return t;
 }
 
+/// Where it is at rest, for animations, which leave alone what they don't move.
+NodeRest read_rest(const JsonValue& v)
+{
+    NodeRest rest;
+    if (const auto translation = v.get("translation")) rest.translation = translation->vec3d();
+    if (const auto rotation = v.get("rotation"))
+        for (std::size_t i = 0; i < 4; ++i) rest.rotation[i] = rotation->array_of(4)[i].number();
+    if (const auto scale = v.get("scale")) rest.scale = scale->vec3d();
+    if (const auto weights = v.get("weights"))
+        for (std::size_t i = 0; i < weights->array().size(); ++i) rest.weights.push_back((*weights)[i].single());
+    return rest;
+}
+
 double positive(const JsonValue& v, const char* key)
 {
     if (!v.has(key)) v.fail(fmt::format("key '{}' is missing", key));
@@ -42,21 +54,16 @@ double positive(const JsonValue& v, const char* key)
     return value;
 }
 
-/// The scene that a name or a number of LoadOptions means.
-std::size_t find_scene(const JsonValue& scenes, const std::string& wanted)
+/// Of the objects of a list; numbers where they have none.
+std::vector<std::string> names_in(const JsonValue& list)
 {
     std::vector<std::string> names;
-    for (std::size_t i = 0; i < scenes.size(); ++i) {
-        const JsonValue scene = scenes[i];
-        const auto name = scene.get("name");
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        const JsonValue element = list[i];
+        const auto name = element.get("name");
         names.push_back(name ? name->string() : std::to_string(i));
-        if (names.back() == wanted) return i;
     }
-    std::size_t number = 0;
-    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
-    if (error == std::errc() && end == wanted.data() + wanted.size() && number < scenes.size()) return number;
-    scenes.fail(
-        fmt::format("there is no scene '{}' among {}{}", printable(wanted), scenes.size(), suggestion(wanted, names)));
+    return names;
 }
 
 }  // namespace
@@ -173,6 +180,7 @@ void GltfReader::read_place(const JsonValue& v, std::size_t index)
     Node& node = scene_.nodes[index];
     if (const auto name = v.get("name")) node.name = printable(name->string());
     node.parent_from_node = read_transform(v);
+    if (!rig_.animations.empty()) rig_.nodes[index] = read_rest(v);
     if (const auto children = v.get("children")) {
         children->array();
         for (std::size_t i = 0; i < children->size(); ++i) {
@@ -188,6 +196,9 @@ void GltfReader::read_place(const JsonValue& v, std::size_t index)
     if (const auto extensions = v.get("extensions"))
         if (const auto visibility = extensions->get("KHR_node_visibility"))
             if (visibility->has("visible") && !(*visibility)["visible"].boolean()) {
+                rig_.nodes[index].visible = false;
+                // One that animations show is read as others, and hidden then.
+                if (may_hide_[index]) return;
                 node.children.clear();
                 invisible_[index] = true;
             }
@@ -206,7 +217,12 @@ void GltfReader::read_contents(const JsonValue& v, std::size_t index)
         if (const auto skin = v.get("skin"))
             add_skinned(*skin, index, parts);
         else
-            for (const Part& part : parts) scene_.nodes[index].shapes.push_back(part.shape);
+            for (const Part& part : parts) {
+                scene_.nodes[index].shapes.push_back(part.shape);
+                if (const auto* instance = std::get_if<MeshInstance>(&part.shape.geometry);
+                    instance && is_morphed_[index])
+                    add_deformed(part, instance->mesh, index, -1);
+            }
     }
     if (extensions)
         if (const auto instancing = extensions->get("EXT_mesh_gpu_instancing")) add_instances(*instancing, index);
@@ -215,15 +231,21 @@ void GltfReader::read_contents(const JsonValue& v, std::size_t index)
 void GltfReader::read_roots()
 {
     const JsonValue& scenes = file_.list("scenes");
+    offered_.scenes = names_in(scenes);
     if (scenes.size() == 0) {
-        if (!options_.scene.empty()) find_scene(scenes, options_.scene);
+        if (!options_.scene.empty())
+            scenes.fail(fmt::format("there is no scene '{}': the file has none", printable(options_.scene)));
         for (std::size_t i = 0; i < parents_.size(); ++i)
             if (parents_[i] < 0) scene_.roots.push_back(int(i));
         return;
     }
     std::size_t chosen = 0;
     if (!options_.scene.empty()) {
-        chosen = find_scene(scenes, options_.scene);
+        const auto found = find_choice(options_.scene, offered_.scenes);
+        if (!found)
+            scenes.fail(fmt::format("there is no scene '{}'{}", printable(options_.scene),
+                                    choices(options_.scene, offered_.scenes)));
+        chosen = *found;
     } else if (const auto index = file_.root().get("scene")) {
         file_.follow("scenes", *index);
         chosen = index->count();
@@ -238,6 +260,20 @@ void GltfReader::read_roots()
         file_.follow("nodes", (*nodes)[i]);
         scene_.roots.push_back((*nodes)[i].integer());
     }
+}
+
+void GltfReader::choose_variant()
+{
+    const auto extensions = file_.root().get("extensions");
+    const auto extension = extensions ? extensions->get("KHR_materials_variants") : std::nullopt;
+    const auto variants = extension ? extension->get("variants") : std::nullopt;
+    if (variants) offered_.variants = names_in(variants->array());
+    if (options_.variant.empty()) return;
+    const auto found = find_choice(options_.variant, offered_.variants);
+    if (!found)
+        file_.root().fail(fmt::format("there is no variant '{}'{}", printable(options_.variant),
+                                      choices(options_.variant, offered_.variants)));
+    variant_ = *found;
 }
 
 /// Meshes as they were before their skin bent them.
@@ -257,22 +293,32 @@ void GltfReader::remove_unused_meshes()
             instance->mesh = index;
         }
     scene_.meshes = std::move(kept);
+    for (DeformedMesh& d : rig_.meshes) d.mesh = new_index[std::size_t(d.mesh)];
+    std::erase_if(rig_.meshes, [](const DeformedMesh& d) { return d.mesh < 0; });
 }
 
 SceneDescription GltfReader::read()
 {
     scene_.file = file_.name();
+    choose_variant();
     const JsonValue& nodes = file_.list("nodes");
     scene_.nodes.resize(nodes.size());
     parents_.assign(nodes.size(), -1);
     invisible_.assign(nodes.size(), false);
+    rig_.nodes.resize(nodes.size());
+    read_animations();
     for (std::size_t i = 0; i < nodes.size(); ++i) read_place(nodes[i], i);
     read_roots();
     const std::vector<bool> reachable = reachable_nodes(scene_);
     for (std::size_t i = 0; i < nodes.size(); ++i)
         if (reachable[i]) read_contents(nodes[i], i);
     remove_unused_meshes();
-    if (file_.list("animations").size() > 0) file_.warn("animations are not played: the pose at rest is shown");
+    if (!rig_.animations.empty()) {
+        rig_.parents = parents_;
+        find_targets();
+        hide_nodes();
+        offered_.rig = std::move(rig_);
+    }
     return std::move(scene_);
 }
 
@@ -280,7 +326,14 @@ SceneDescription read_gltf(const std::filesystem::path& file, const std::string&
                            LoadContext& context)
 {
     GltfFile gltf(file, bytes, context);
-    return GltfReader(gltf, options).read();
+    SceneFile offered;
+    SceneDescription scene = GltfReader(gltf, options, offered).read();
+    const bool is_model_of_scene = context.open_files.size() > 1;
+    if (!is_model_of_scene)
+        context.offered = std::move(offered);
+    else if (!offered.rig.animations.empty())
+        gltf.warn("animations of a model within a scene are not played: its pose at rest is shown");
+    return scene;
 }
 
 bool looks_like_gltf(std::string_view text)

@@ -1,0 +1,277 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "fathom/error.h"
+#include "fathom/scene_file.h"
+#include "scene/animation.h"
+#include "scene/deform.h"
+
+namespace fathom {
+
+namespace {
+
+void place(NodeRest& node, AnimatedValue value, const std::vector<double>& v)
+{
+    if (value == AnimatedValue::translation) node.translation = {v[0], v[1], v[2]};
+    if (value == AnimatedValue::rotation) node.rotation = {v[0], v[1], v[2], v[3]};
+    if (value == AnimatedValue::scale) node.scale = {v[0], v[1], v[2]};
+    if (value == AnimatedValue::weights) node.weights.assign(v.begin(), v.end());
+    if (value == AnimatedValue::visible) node.visible = v[0] != 0;
+}
+
+Transform transform_of(const NodeRest& node)
+{
+    const auto& q = node.rotation;
+    return Transform::translate(node.translation) * Transform::rotate_quaternion(q[0], q[1], q[2], q[3]) *
+           Transform::scale(node.scale);
+}
+
+/// As of the scene that passed check_scene, and of joints: their reader has looked.
+constexpr int deepest = 256;
+
+/// A pose may bring normals and tangents to nothing; they then are as at rest.
+template <class Vector>
+void keep_directions(std::vector<Vector>& directions, const std::vector<Vector>& rest)
+{
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        const Vector& d = directions[i];
+        const float square = d.x * d.x + d.y * d.y + d.z * d.z;
+        if (!(square > 0 && std::isfinite(square))) directions[i] = rest[i];
+    }
+}
+
+/// Whether it is elsewhere at one of the times, and at none flat or mirrored, which a motion can't pass through.
+bool can_move(const std::vector<NodeKey>& keys)
+{
+    const bool mirrors = keys[0].parent_from_node.determinant() < 0;
+    bool moves = false;
+    for (const NodeKey& key : keys) {
+        const double determinant = key.parent_from_node.determinant();
+        if (!std::isnormal(determinant) || (determinant < 0) != mirrors) return false;
+        moves = moves || key.parent_from_node.m != keys[0].parent_from_node.m;
+    }
+    return moves;
+}
+
+bool moves_at_all(const std::vector<MeshKey>& keys)
+{
+    const auto same = [](Vec3f a, Vec3f b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
+    const auto differs = [&](const MeshKey& key) {
+        return !std::equal(key.positions.begin(), key.positions.end(), keys[0].positions.begin(), same);
+    };
+    return std::any_of(keys.begin(), keys.end(), differs);
+}
+
+/// Throws Error unless what the rig says of the scene is in range: what a pose then does needs no further looks.
+void check_rig(const SceneDescription& scene, const AnimationRig& rig, const Animation& animation)
+{
+    const auto fail = [&](const std::string& message) {
+        throw Error(scene.file, fmt::format("animation '{}'", animation.name), message);
+    };
+    if (!animation.problem.empty()) fail(fmt::format("can't be played: {}", animation.problem));
+    if (rig.nodes.size() > scene.nodes.size() || rig.parents.size() != rig.nodes.size())
+        fail("it is of other nodes than the scene has");
+    for (std::size_t i = 0; i < animation.channels.size(); ++i) {
+        const AnimationChannel& channel = animation.channels[i];
+        const std::size_t targets = is_of_material(channel.value) ? scene.materials.size()
+                                    : is_of_light(channel.value)  ? scene.lights.size()
+                                                                  : rig.nodes.size();
+        if (channel.target < 0 || std::size_t(channel.target) >= targets)
+            fail(fmt::format("channel {}: there is no target {}", i, channel.target));
+        if (const std::string problem = problem_of(channel); !problem.empty())
+            fail(fmt::format("channel {}: {}", i, problem));
+    }
+    for (const DeformedMesh& d : rig.meshes) {
+        const std::size_t vertices = d.rest.positions.size();
+        const bool has_skin = d.skin >= 0;
+        if (d.mesh < 0 || std::size_t(d.mesh) >= scene.meshes.size() || d.node >= int(rig.nodes.size()) ||
+            d.skin >= int(rig.skins.size()) || (has_skin && (vertices == 0 || d.joints.size() % vertices != 0)) ||
+            d.joints.size() != d.joint_weights.size())
+            fail("a mesh that bends has other vertices, or a skin or node that is not there");
+        if (!has_skin) continue;
+        const Skin& skin = rig.skins[std::size_t(d.skin)];
+        const auto in_range = [](std::size_t count) {
+            return [count](int index) { return index >= 0 && std::size_t(index) < count; };
+        };
+        if (skin.joint_from_mesh.size() != skin.joints.size() ||
+            !std::all_of(skin.joints.begin(), skin.joints.end(), in_range(rig.nodes.size())))
+            fail("a skin has joints that are not there");
+        for (std::size_t k = 0; k < d.joints.size(); ++k)
+            if (d.joint_weights[k] > 0 && d.joints[k] >= skin.joints.size())
+                fail(fmt::format("a vertex refers to joint {}, there are {}", d.joints[k], skin.joints.size()));
+    }
+}
+
+}  // namespace
+
+std::vector<std::pair<int, Node>> contents_at(const AnimationRig& rig, const std::vector<bool>& visible)
+{
+    std::vector<std::pair<int, Node>> contents;
+    for (const HidingNode& hiding : rig.hiding) {
+        bool seen = true;
+        for (int node = hiding.owner; node >= 0 && seen; node = rig.parents[std::size_t(node)])
+            seen = visible[std::size_t(node)];
+        contents.emplace_back(hiding.node, seen ? hiding.contents : Node{});
+    }
+    return contents;
+}
+
+AnimationPlayer::AnimationPlayer(SceneDescription& scene, AnimationRig rig, std::size_t animation)
+    : rig_(std::move(rig)), animation_(animation)
+{
+    check_rig(scene, rig_, rig_.animations.at(animation));
+    std::vector<bool> morphed(rig_.nodes.size());
+    moved_.resize(rig_.nodes.size());
+    for (const AnimationChannel& channel : this->animation().channels) {
+        if (places_node(channel.value)) moved_[std::size_t(channel.target)] = true;
+        if (channel.value == AnimatedValue::weights) morphed[std::size_t(channel.target)] = true;
+    }
+    for (std::size_t i = 0; i < rig_.nodes.size(); ++i) {
+        parent_from_node_.push_back(scene.nodes[i].parent_from_node);
+        if (moved_[i]) scene.nodes[i].movable = true;
+    }
+    for (std::size_t i = 0; i < rig_.meshes.size(); ++i) {
+        const DeformedMesh& d = rig_.meshes[i];
+        bool bends = d.node >= 0 && morphed[std::size_t(d.node)];
+        if (d.skin >= 0)
+            for (const int joint : rig_.skins[std::size_t(d.skin)].joints) bends = bends || is_carried(joint);
+        if (!bends) continue;
+        bent_.push_back(i);
+        Mesh& mesh = scene.meshes[std::size_t(d.mesh)];
+        mesh = d.rest;
+        mesh.movable = true;
+    }
+}
+
+/// Whether it moves itself, or with a node above.
+bool AnimationPlayer::is_carried(int node) const
+{
+    for (int depth = 0; node >= 0 && depth <= deepest; ++depth, node = rig_.parents[std::size_t(node)])
+        if (moved_[std::size_t(node)]) return true;
+    return false;
+}
+
+/// transforms  parent_from_node of the nodes
+std::vector<Transform> AnimationPlayer::skin_transforms(const Skin& skin,
+                                                        const std::vector<Transform>& transforms) const
+{
+    std::vector<Transform> result;
+    result.reserve(skin.joints.size());
+    for (std::size_t i = 0; i < skin.joints.size(); ++i) {
+        Transform t = transforms[std::size_t(skin.joints[i])];
+        int node = rig_.parents[std::size_t(skin.joints[i])];
+        for (int depth = 0; node >= 0 && depth <= deepest; ++depth, node = rig_.parents[std::size_t(node)])
+            t = transforms[std::size_t(node)] * t;
+        result.push_back(t * skin.joint_from_mesh[i]);
+    }
+    return result;
+}
+
+ScenePose::Vertices AnimationPlayer::bent(const DeformedMesh& d, const std::vector<float>& weights,
+                                          const std::vector<Transform>& transforms) const
+{
+    Mesh mesh;
+    mesh.positions = d.rest.positions;
+    mesh.normals = d.rest.normals;
+    mesh.tangents = d.rest.tangents;
+    const auto has = [&](const auto& offsets_of) {
+        return std::any_of(d.targets.begin(), d.targets.end(),
+                           [&](const MorphTarget& t) { return !offsets_of(t).empty(); });
+    };
+    if (has([](const MorphTarget& t) -> const auto& { return t.colors; })) mesh.colors = d.rest.colors;
+    for (std::size_t set = 0; set < 2; ++set)
+        if (has([set](const MorphTarget& t) -> const auto& { return t.uvs[set]; })) mesh.uvs[set] = d.rest.uvs[set];
+    morph(mesh, d.targets, weights);
+    if (d.skin >= 0)
+        bend(mesh, d.joints, d.joint_weights, skin_transforms(rig_.skins[std::size_t(d.skin)], transforms));
+    keep_directions(mesh.normals, d.rest.normals);
+    keep_directions(mesh.tangents, d.rest.tangents);
+    return {d.mesh,
+            std::move(mesh.positions),
+            std::move(mesh.normals),
+            std::move(mesh.tangents),
+            std::move(mesh.colors),
+            {std::move(mesh.uvs[0]), std::move(mesh.uvs[1])},
+            {}};
+}
+
+ScenePose AnimationPlayer::still(double time_s) const
+{
+    ScenePose pose;
+    std::vector<NodeRest> nodes = rig_.nodes;
+    for (const AnimationChannel& channel : animation().channels) {
+        const std::vector<double> value = value_at(channel, time_s);
+        if (channel.value <= AnimatedValue::visible) {
+            place(nodes[std::size_t(channel.target)], channel.value, value);
+        } else {
+            ScenePose::Number& number = pose.numbers.emplace_back(ScenePose::Number{channel.value, channel.target, {}});
+            std::copy(value.begin(), value.end(), number.numbers.begin());
+        }
+    }
+    std::vector<Transform> transforms = parent_from_node_;
+    std::vector<bool> visible;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        visible.push_back(nodes[i].visible);
+        if (!moved_[i]) continue;
+        transforms[i] = transform_of(nodes[i]);
+        pose.nodes.emplace_back(int(i), transforms[i]);
+        pose.motions.emplace_back(int(i), std::vector<NodeKey>());
+    }
+    for (const std::size_t i : bent_) {
+        const DeformedMesh& d = rig_.meshes[i];
+        const bool has_own = d.node >= 0 && !nodes[std::size_t(d.node)].weights.empty();
+        pose.meshes.push_back(bent(d, has_own ? nodes[std::size_t(d.node)].weights : d.weights, transforms));
+    }
+    pose.contents = contents_at(rig_, visible);
+    return pose;
+}
+
+ScenePose AnimationPlayer::pose(double time_s, double shutter_s) const
+{
+    ScenePose opening = still(time_s);
+    if (!(shutter_s > 0)) return opening;
+    // Nodes turn steadily between keys, vertices go straight: four pieces are an arc to the eye.
+    constexpr int pieces = 4;
+    for (int i = 0; i <= pieces; ++i) {
+        const double after_s = shutter_s * i / pieces;
+        ScenePose now = still(time_s + after_s);
+        for (std::size_t k = 0; k < now.nodes.size(); ++k)
+            opening.motions[k].second.push_back({after_s, now.nodes[k].second});
+        for (std::size_t k = 0; k < now.meshes.size(); ++k)
+            opening.meshes[k].motion.push_back(
+                {after_s, std::move(now.meshes[k].positions), std::move(now.meshes[k].normals)});
+    }
+    for (auto& [node, keys] : opening.motions)
+        if (!can_move(keys)) keys.clear();
+    for (ScenePose::Vertices& mesh : opening.meshes)
+        if (!moves_at_all(mesh.motion)) mesh.motion.clear();
+    return opening;
+}
+
+Bounds world_bounds(SceneDescription scene, const AnimationPlayer& player)
+{
+    // Where what moves is between two of them is near one.
+    constexpr int times = 25;
+    Bounds all;
+    for (int i = 0; i < times; ++i) {
+        set_pose(scene, player.pose(player.animation().duration() * i / (times - 1)));
+        const Bounds now = world_bounds(scene);
+        if (now.empty) continue;
+        const auto join = [&](Vec3d least, Vec3d most) {
+            all.min = all.empty ? least
+                                : Vec3d{std::min(all.min.x, least.x), std::min(all.min.y, least.y),
+                                        std::min(all.min.z, least.z)};
+            all.max = all.empty ? most
+                                : Vec3d{std::max(all.max.x, most.x), std::max(all.max.y, most.y),
+                                        std::max(all.max.z, most.z)};
+        };
+        join(now.min, now.max);
+        all.empty = false;
+    }
+    return all;
+}
+
+}  // namespace fathom
