@@ -45,6 +45,8 @@ const char* name_of(EnvironmentKind kind)
             return "image";
         case EnvironmentKind::studio:
             return "studio";
+        case EnvironmentKind::sky:
+            return "sky";
     }
     return "";
 }

@@ -80,6 +80,33 @@ void use_environment(SceneDescription& scene, const std::filesystem::path& file)
     scene.images.push_back(image);
 }
 
+/// A clear sky instead of the file's lamps and environment.
+void use_sky(SceneDescription& scene, const SceneOptions& options)
+{
+    const double azimuth = options.sun_azimuth_deg.value_or(-35) * std::numbers::pi / 180;
+    const double elevation = options.sun_elevation_deg.value_or(40) * std::numbers::pi / 180;
+    scene.environment = {};
+    scene.environment.kind = EnvironmentKind::sky;
+    scene.environment.sun_disk = options.sun;
+    scene.environment.to_sun = options.to_sun.value_or(
+        Vec3d{std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation)});
+    for (Node& node : scene.nodes) node.light = -1;
+    // It is exposed for, as other light that is not made to be seen by as it is.
+    scene.hints.exposure.reset();
+}
+
+/// What the options say together of the light.
+void check_light(const SceneOptions& options)
+{
+    if (options.sky && !options.environment.empty())
+        throw UsageError("--light sun, --light sky, --env: one of them lights the scene");
+    const bool places_sun = options.to_sun || options.sun_elevation_deg || options.sun_azimuth_deg;
+    if (places_sun && !options.sky)
+        throw UsageError("--sun-direction, --sun-elevation, --sun-azimuth: add --light sun or --light sky");
+    if (options.to_sun && (options.sun_elevation_deg || options.sun_azimuth_deg))
+        throw UsageError("--sun-direction: leave out --sun-elevation and --sun-azimuth");
+}
+
 /// Whichever picture or gradient lights the scene from outside, that of the options or its own.
 void adjust_environment(Environment& environment, const SceneOptions& options)
 {
@@ -219,10 +246,23 @@ void add_scene_options(Command& command, SceneOptions& options)
     command.add_value("--env-strength", "X", "multiply the light of the environment",
                       [&](const std::string& text) { options.environment_strength = parse_number(text, 0, 1e9); });
     command.add_value(
-        "--light", "auto|file|studio",
-        "auto (default): the file's, and a studio's where that leaves what is seen in the dark; only the "
-        "file's; or a studio",
-        [&](const std::string& text) { options.light = LightChoice(parse_word(text, {"auto", "file", "studio"})); });
+        "--light", "auto|file|studio|sun|sky",
+        "auto (default): the file's, and a studio's where that leaves what is seen in the dark; only the file's; a "
+        "studio; a clear sky with its sun, or without",
+        [&](const std::string& text) {
+            const int word = parse_word(text, {"auto", "file", "studio", "sun", "sky"});
+            options.light = word < 3 ? LightChoice(word) : LightChoice::file;
+            options.sun = word == 3;
+            options.sky = word >= 3;
+        });
+    command.add_value("--sun-elevation", "DEGREES", "how high the sun stands (default 40)",
+                      [&](const std::string& text) { options.sun_elevation_deg = parse_number(text, -90, 90); });
+    command.add_value("--sun-azimuth", "DEGREES", "from +z towards +x, as of --orbit (default -35)",
+                      [&](const std::string& text) { options.sun_azimuth_deg = parse_number(text, -1e6, 1e6); });
+    command.add_value("--sun-direction", "X,Y,Z", "towards the sun, instead of both", [&](const std::string& text) {
+        options.to_sun = parse_vector(text);
+        if (!(length(*options.to_sun) > 0)) throw UsageError("expected a direction, found 0,0,0");
+    });
     command.add_value("--build", "fast|default|high|compact",
                       "the tree of the scene: the same picture, sooner begun, sooner done, or in a third less memory, "
                       "for tens of millions of triangles",
@@ -252,6 +292,7 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
         throw UsageError("--orbit, --view: places the camera by itself; leave out --camera, --look-from and --look-at");
     if (!options.animation.empty() && !options.at_s)
         throw UsageError("--animation: of which time? add --at SECONDS, or --frames A:B");
+    check_light(options);
     LoadedScene loaded;
     SceneFile file = load_scene_file(options.file, load_options(options), warnings);
     const std::size_t animation = options.at_s ? find_animation(file, options.animation) : 0;
@@ -263,6 +304,7 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
         loaded.note = note_on(file.rig.animations);
     }
     if (!options.environment.empty()) use_environment(scene, options.environment);
+    if (options.sky) use_sky(scene, options);
     adjust_environment(scene.environment, options);
     loaded.camera = name_of_camera(scene, options.camera);
     if (!loaded.camera.empty()) world_camera(scene, loaded.camera);  // throws if there is none

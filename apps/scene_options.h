@@ -30,6 +30,9 @@ struct SceneOptions {
     double environment_turn_deg = 0;
     std::optional<double> environment_strength;
     LightChoice light = LightChoice::automatic;
+    bool sky = false, sun = false;  ///< instead of all other light; the sun with its sky
+    std::optional<double> sun_elevation_deg, sun_azimuth_deg;
+    std::optional<Vec3d> to_sun;
     std::optional<Size> size;
     std::optional<TreeBuild> build;
 };

@@ -260,15 +260,20 @@ enum class EnvironmentKind {
     gradient,
     image,
     studio,  ///< three soft lights around what is shown, for a camera that looks along -z, and a dim room
+    sky,     ///< a clear sky over grey ground, computed from the air; the sun too if sun_disk
 };
 
 /// What a ray sees that leaves the scene, and what lights it from there.
 struct Environment {
     EnvironmentKind kind = EnvironmentKind::none;
-    Color color{1, 1, 1};                       ///< constant: radiance; image, studio: multiplied
+    Color color{1, 1, 1};                       ///< constant: radiance; image, studio, sky: multiplied
     Color bottom{1, 1, 1}, top{0.5f, 0.7f, 1};  ///< gradient: mixed by (1 + y) / 2 of the direction's up component
     int image = -1;                             ///< equirectangular, linear (8-bit files: sRGB)
     Transform world_from_environment;           ///< rotation; the image's middle looks along +x, its top along +y
+    /// Sky: where the sun is; up is +y. A white surface that faces the sun above the air has a radiance of 1: times
+    /// 42,000 that is nits.
+    Vec3d to_sun{-0.4, 0.6, 0.7};
+    bool sun_disk = true;
 };
 
 enum class CameraKind { perspective, orthographic };

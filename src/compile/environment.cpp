@@ -4,6 +4,7 @@
 
 #include "compile/compiler.h"
 #include "compile/luminance.h"
+#include "compile/sky.h"
 
 namespace fathom {
 
@@ -70,17 +71,18 @@ double studio_radiance(const Vec3d& d)
 }
 
 /// As a picture, to be sampled and seen like one.
-void make_studio(EnvironmentRecord& t)
+template <class Radiance>
+void make_picture(EnvironmentRecord& t, int width, const Radiance& radiance)
 {
     t.kind = std::uint32_t(EnvironmentKind::image);
-    t.width = 256, t.height = 128;
+    t.width = width, t.height = width / 2;
     for (int y = 0; y < t.height; ++y)
         for (int x = 0; x < t.width; ++x) {
             const double phi = ((x + 0.5) / t.width - 0.5) * 2 * std::numbers::pi,
                          theta = (y + 0.5) / t.height * std::numbers::pi;
-            const auto r = float(
-                studio_radiance({std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)}));
-            t.texels.insert(t.texels.end(), {r, r, r, 1});
+            const Vec3d d{std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
+            const Color c = radiance(d);
+            t.texels.insert(t.texels.end(), {c.r, c.g, c.b, 1});
         }
 }
 
@@ -104,7 +106,13 @@ void compile_environment(Compiler& c)
     if (e.kind == EnvironmentKind::none) return;
     const Transform inverse = e.world_from_environment.inverse();
     for (std::size_t i = 0; i < 9; ++i) t.environment_from_render[i] = float(inverse.m[i / 3][i % 3]);
-    if (e.kind == EnvironmentKind::studio) make_studio(t);
+    if (e.kind == EnvironmentKind::studio)
+        make_picture(t, 256, [](const Vec3d& d) {
+            const auto r = float(studio_radiance(d));
+            return Color{r, r, r};
+        });
+    if (e.kind == EnvironmentKind::sky)
+        make_picture(t, 256, [sky = Sky(e.to_sun)](const Vec3d& d) { return sky.radiance(d); });
     if (EnvironmentKind(t.kind) == EnvironmentKind::image && t.width > 0)
         t.mean_luminance = make_environment_distribution(t);
 }

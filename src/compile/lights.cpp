@@ -5,6 +5,7 @@
 #include "compile/compiler.h"
 #include "compile/instancing.h"
 #include "compile/luminance.h"
+#include "compile/sky.h"
 
 namespace fathom {
 
@@ -42,6 +43,7 @@ public:
         for (std::uint32_t i = 0; i < t_.instances.size(); ++i) add_emissive_instance(i);
         for (const LightOccurrence& light : lights) add_light(light);
         add_environment();
+        add_sun();
         make_distribution();
     }
 
@@ -205,6 +207,27 @@ private:
         light.kind = std::uint32_t(LightRecordKind::environment);
         light.two_sided = 1;
         add(light, t.mean_luminance * std::numbers::pi * 4 * std::numbers::pi * scene_radius_ * scene_radius_ / 4);
+    }
+
+    /// That of a sky, above the horizon.
+    void add_sun()
+    {
+        const Environment& e = c_.scene.environment;
+        if (e.kind != EnvironmentKind::sky || !e.sun_disk || !(e.to_sun.y > 0)) return;
+        const Color irradiance = Sky::sun_irradiance(e.to_sun);
+        Light sun;
+        sun.kind = LightKind::directional;
+        sun.intensity = {irradiance.r * e.color.r, irradiance.g * e.color.g, irradiance.b * e.color.b};
+        sun.angle = Sky::sun_angle;
+        // A node whose z axis points at the sun.
+        const Vec3d z = normalize(e.world_from_environment.vector(e.to_sun));
+        const Vec3d x = normalize(cross(std::abs(z.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, z)), y = cross(z, x);
+        Transform render_from_node;
+        for (int row = 0; row < 3; ++row) {
+            const auto of = [&](const Vec3d& v) { return row == 0 ? v.x : row == 1 ? v.y : v.z; };
+            render_from_node.m[row][0] = of(x), render_from_node.m[row][1] = of(y), render_from_node.m[row][2] = of(z);
+        }
+        add_light({&sun, render_from_node});
     }
 
     void add(const LightRecord& light, double power)

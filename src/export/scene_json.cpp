@@ -264,6 +264,10 @@ private:
         }
         if (e.kind == EnvironmentKind::constant) return json;
         if (e.kind == EnvironmentKind::image && e.image >= 0) json["image"] = images_[std::size_t(e.image)];
+        if (e.kind == EnvironmentKind::sky) {
+            json["to_sun"] = vector_json(e.to_sun);
+            put(json, "sun", e.sun_disk, true);
+        }
         if (e.world_from_environment.m != Transform().m) json["rotate"] = matrix_json(e.world_from_environment);
         return json;
     }

@@ -69,6 +69,8 @@ private:
         index(scene_.environment.image, scene_.images.size(), "environment.image", "image");
         for (const Color& c : {scene_.environment.color, scene_.environment.bottom, scene_.environment.top})
             check_brightness(c, "environment");
+        const double to_sun = length(scene_.environment.to_sun);
+        if (!(to_sun > 0 && std::isfinite(to_sun))) fail("environment.to_sun", "is no direction");
     }
 
     void check_light(std::size_t i) const { check_brightness(scene_.lights[i].intensity, element("lights", i)); }

@@ -125,7 +125,9 @@ LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings
     constexpr double most_stops_for_surfaces = 2;
     const bool lit = has_light(scene), own_light = scene.hints.own_light || light == LightChoice::file;
     const bool lamps = has_lamps(scene);
-    const bool wants_exposure = !scene.hints.exposure && lit && scene.environment.kind == EnvironmentKind::none;
+    const EnvironmentKind sky = scene.environment.kind;
+    const bool wants_exposure =
+        !scene.hints.exposure && lit && (sky == EnvironmentKind::none || sky == EnvironmentKind::sky);
     LitScene result;
     if (light == LightChoice::studio) put_out_lamps(edit.change());
     const bool needs_studio =

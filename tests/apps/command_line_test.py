@@ -389,6 +389,20 @@ class CommandLine(unittest.TestCase):
             self.refused(2, "render", "plain.json", option, "2", words=["no environment", "--env FILE"])
         self.refused(2, "render", "plain.json", "--env", "sky.hdr", "--env-strength", "-1", words=["--env-strength"])
 
+    def test_sun_and_sky(self):
+        self.scene("sky.hdr", "x")
+        seen = lambda *options: self.ok("render", "box.json", "--spp", "1", *options).stderr
+        self.assertIn("sky and sun at 0.000,0.500,0.866\n", seen("--light", "sun", "--sun-elevation", "30", "--sun-azimuth", "0"))
+        self.assertIn("sky without sun at 1.000,0.000,0.000\n",
+                      seen("--light", "sky", "--sun-elevation", "0", "--sun-azimuth", "90"))
+        self.assertIn("sky and sun at 1.000,2.000,3.000\n", seen("--light", "sun", "--sun-direction", "1,2,3"))
+        self.assertIn("light file", seen("--light", "sun"))
+        self.refused(2, "render", "box.json", "--light", "sun", "--env", "sky.hdr", words=["one of them"])
+        self.refused(2, "render", "box.json", "--sun-elevation", "9", words=["--light sun"])
+        self.refused(2, "render", "box.json", "--light", "sun", "--sun-direction", "0,0,0", words=["direction"])
+        self.refused(2, "render", "box.json", "--light", "sun", "--sun-direction", "1,1,0", "--sun-azimuth", "3",
+                     words=["leave out"])
+
     def test_denoise(self):
         if not FAKE_OIDN:
             self.skipTest("no library to denoise with")

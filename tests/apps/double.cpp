@@ -138,6 +138,9 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
                                  description.images.at(std::size_t(e.image)).path.string(), middle.x, middle.y,
                                  middle.z, e.color.g));
     }
+    if (const Environment& e = description.environment; e.kind == EnvironmentKind::sky)
+        warnings.add(fmt::format("sky {} sun at {:.3f},{:.3f},{:.3f}", e.sun_disk ? "and" : "without", e.to_sun.x,
+                                 e.to_sun.y, e.to_sun.z));
     Scene scene;
     scene.data_ = std::move(data);
     return scene;

@@ -7,6 +7,8 @@
 #include <set>
 
 #include "compile/scene_data.h"
+#include "compile/sky.h"
+#include "fathom/error.h"
 
 // What is compiled from descriptions, looked at in the tables themselves: most of it shows in a picture only as noise,
 // or as a place where two mistakes cancel.
@@ -118,6 +120,48 @@ TEST(LightTable, LampsStandWhereTheirShapesDo)
         const ShapeRecord& shape = t.shapes[t.shape_of_primitive[t.lights[i].primitive]];
         EXPECT_EQ(shape.light_base + (t.lights[i].primitive - shape.first_primitive), i);
     }
+}
+
+/// The sun of a sky is a light of the size and the light that it has, where the sky says; turned with it, and gone at
+/// night.
+TEST(LightTable, TheSunOfASky)
+{
+    SceneDescription d = empty_scene();
+    d.nodes[0].shapes.push_back({Sphere{{0, 0, -4}, 1, {}}, -1, ""});
+    d.environment.kind = EnvironmentKind::sky;
+    d.environment.to_sun = {2, 1, 0};
+    d.environment.color = {3, 3, 3};
+    for (const double turn_deg : {0., 90.}) {
+        d.environment.world_from_environment = Transform::rotate({0, 1, 0}, turn_deg * std::numbers::pi / 180);
+        const Scene scene = compiled(d);
+        const SceneTables& t = *scene.data().tables;
+        ASSERT_EQ(t.lights.size(), 2u);
+        const LightRecord& sun = t.lights[1];
+        EXPECT_EQ(LightRecordKind(sun.kind), LightRecordKind::directional);
+        const double side = 2 / std::sqrt(5), up = 1 / std::sqrt(5);
+        EXPECT_NEAR(sun.edge_u[0], turn_deg == 0 ? -side : 0, 1e-6);
+        EXPECT_NEAR(sun.edge_u[1], -up, 1e-6);
+        EXPECT_NEAR(sun.edge_u[2], turn_deg == 0 ? 0 : side, 1e-6);
+        // A disk of 0.00935 radians gives its radiance times pi sin^2 of half of that.
+        const double s = std::sin(0.00935 / 2), irradiance = double(sun.radiance[1]) * std::numbers::pi * s * s;
+        EXPECT_NEAR(irradiance / (3 * double(Sky::sun_irradiance({2, 1, 0}).g)), 1, 1e-5);
+        // And the sky is seen where it is: its middle column looks along its +x, which is the sun's side.
+        const EnvironmentRecord& e = t.environment;
+        const auto at = [&](int x, int y) { return double(e.texels[std::size_t(4 * (y * e.width + x) + 1)]); };
+        EXPECT_GT(at(e.width / 2, e.height / 3), 1.5 * at(0, e.height / 3));
+        const double theta = (10 + 0.5) / e.height * std::numbers::pi,
+                     phi = (30.5 / e.width - 0.5) * 2 * std::numbers::pi;
+        const Color seen = Sky({2, 1, 0}).radiance(
+            {std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)});
+        EXPECT_NEAR(at(30, 10) / double(seen.g), 1, 1e-5);
+    }
+    for (const auto& [to_sun, disk] : {std::pair{Vec3d{2, -0.01, 0}, true}, {Vec3d{2, 1, 0}, false}}) {
+        d.environment.to_sun = to_sun;
+        d.environment.sun_disk = disk;
+        EXPECT_EQ(compiled(d).data().tables->lights.size(), 1u);
+    }
+    d.environment.to_sun = {0, 0, 0};
+    EXPECT_THROW(compiled(d), Error);
 }
 
 TEST(LightTable, PointSpotAndSun)

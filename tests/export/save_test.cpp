@@ -289,6 +289,22 @@ TEST_F(Save, PicturesInAndOutsideOfTheScene)
 }
 
 /// Parameters that a kind doesn't have decide nothing, here as in a file.
+TEST_F(Save, ASkyWithItsSun)
+{
+    SceneDescription scene;
+    scene.environment.kind = EnvironmentKind::sky;
+    scene.environment.to_sun = {0.25, 0.1, -0.7};
+    scene.environment.color = {2, 1, 0.5f};
+    scene.environment.world_from_environment = Transform::rotate({0, 1, 0}, 0.7);
+    for (const bool sun : {true, false}) {
+        scene.environment.sun_disk = sun;
+        expect_same(scene);
+        const Environment again = saved(scene).environment;
+        EXPECT_EQ(again.to_sun, scene.environment.to_sun);
+        EXPECT_EQ(again.sun_disk, sun);
+    }
+}
+
 TEST_F(Save, WhatAKindDoesNotHaveIsNotCompiled)
 {
     SceneDescription scene;

@@ -228,6 +228,8 @@ def lights():
           environment={"kind": "image", "image": "sky.hdr", "color": [0.9, 1, 1.1], "rotate": {"axis": [0.2, 1, 0], "angle_deg": 70}})
     write("sky-studio", scene=with_material(color=0.7),
           environment={"kind": "studio", "color": [1, 0.9, 0.8], "rotate": {"axis": [0, 1, 0], "angle_deg": 40}})
+    write("sky-sun", scene=with_material(color=0.7),
+          environment={"kind": "sky", "to_sun": [0.8, 0.5, 0.3], "color": [1, 0.9, 1.1], "rotate": {"axis": [0, 1, 0], "angle_deg": 20}})
 
 
 def shapes():

@@ -324,6 +324,19 @@ TEST_F(FathomJson, EveryKeyOfShapesLightsAndSurroundings)
         }
 }
 
+TEST_F(FathomJson, SkyAndSun)
+{
+    const SceneDescription usual = load("s.json", R"({"environment": {"kind": "sky"}, "scene": []})");
+    EXPECT_EQ(usual.environment.kind, EnvironmentKind::sky);
+    EXPECT_TRUE(usual.environment.sun_disk);
+    const SceneDescription other = load("t.json", R"({"environment": {"kind": "sky", "to_sun": [1, 2, 3], "sun": false,
+        "color": 5, "rotate": {"axis": [0, 1, 0], "angle_deg": 90}}, "scene": []})");
+    EXPECT_EQ(other.environment.to_sun, (Vec3d{1, 2, 3}));
+    EXPECT_FALSE(other.environment.sun_disk);
+    EXPECT_EQ(other.environment.color, (Color{5, 5, 5}));
+    EXPECT_NEAR(other.environment.world_from_environment.vector({1, 0, 0}).z, -1, 1e-12);
+}
+
 TEST_F(FathomJson, UnitsOfLight)
 {
     const SceneDescription scene = load("l.json", R"({

@@ -56,6 +56,19 @@ protected:
     LitScene lit(LightChoice choice = LightChoice::automatic) { return compile_lit(d, "", choice, 1, warnings); }
 };
 
+/// A low sun is exposed for, and gets no studio beside it.
+TEST_F(FirstLooks, AnEveningSkyIsExposedFor)
+{
+    d.environment.kind = EnvironmentKind::sky;
+    d.environment.to_sun = {-0.5, 0.05, 0.5};
+    const LitScene evening = lit(LightChoice::file);
+    EXPECT_FALSE(evening.studio);
+    ASSERT_TRUE(evening.exposure_ev);
+    EXPECT_GT(*evening.exposure_ev, 1);
+    d.environment.to_sun = {-0.5, 0.6, 0.5};
+    EXPECT_LT(lit(LightChoice::file).exposure_ev.value_or(0), 1);
+}
+
 /// A sphere lit from the camera shows albedo / pi * cosine of the sun's light; half of its disk has a cosine above the
 /// root of one half, one in twenty above the root of 0.95.
 TEST_F(FirstLooks, MeasuresASphereInTheSun)

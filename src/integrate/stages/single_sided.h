@@ -5,15 +5,16 @@
 
 namespace fathom::inline FATHOM_LANES {
 
-/// Cameras look through the backs of single-sided surfaces, as renderers do that cull them: into a room through its wall. To
-/// all other light the surface is there, so that no two ways of finding a light disagree on it.
+/// Cameras look through the backs of single-sided surfaces, as renderers do that cull them: into a room through its
+/// wall. To all other light the surface is there, so that no two ways of finding a light disagree on it.
 class SingleSided {
 public:
     SingleSided(const LaneScene& scene, KernelCounters& counters)
         : scene_(scene), surfaces_(scene), materials_(scene), counters_(counters)
     {
     }
-    /// Finds anew what the camera's paths [begin, end) meet, where that was a back; distances stay those from their origins.
+    /// Finds anew what the camera's paths [begin, end) meet, where that was a back; distances stay those from their
+    /// origins.
     void look_through(const PathPool& p, HitColumns& hits, std::size_t begin, std::size_t end)
     {
         // More backs than this one behind the other are no picture.
@@ -48,8 +49,8 @@ private:
             if (none(single)) continue;
             const Vec3 o = p.origin.load(i), d = p.direction.load(i);
             const Float time = scene_.tables.moving ? p.time.load(i) : Float(0);
-            const Surface s = surfaces_.read({o, d, hits.t.load(i), hits.u.load(i), hits.v.load(i), time, primitive, instance},
-                                             single);
+            const Surface s = surfaces_.read(
+                {o, d, hits.t.load(i), hits.u.load(i), hits.v.load(i), time, primitive, instance}, single);
             const Mask back = single & (dot(d, s.ng) > Float(0));
             if (none(back)) continue;
             const Vec3 start = fma(s.ng, s.offset, s.p);
@@ -65,17 +66,22 @@ private:
     void trace(std::size_t size)
     {
         if (!scene_.is_flat) {
-            const RayArrays rays{origin_.x.data,    origin_.y.data,    origin_.z.data,
-                                 direction_.x.data, direction_.y.data, direction_.z.data,
-                                 nullptr,           scene_.tables.moving ? time_.data : nullptr,
+            const RayArrays rays{origin_.x.data,
+                                 origin_.y.data,
+                                 origin_.z.data,
+                                 direction_.x.data,
+                                 direction_.y.data,
+                                 direction_.z.data,
+                                 nullptr,
+                                 scene_.tables.moving ? time_.data : nullptr,
                                  size};
             scene_.bvh.closest(
                 rays, {found_.t.data, found_.u.data, found_.v.data, found_.primitive.data, found_.instance.data}, true);
             return;
         }
         for (std::size_t i = 0; i < size; i += lanes) {
-            const Hit hit = scene_.flat.closest(
-                scene_.tables, {origin_.load(i), direction_.load(i), Float(infinity), time_.load(i)});
+            const Hit hit = scene_.flat.closest(scene_.tables,
+                                                {origin_.load(i), direction_.load(i), Float(infinity), time_.load(i)});
             found_.t.store(i, hit.t), found_.u.store(i, hit.u), found_.v.store(i, hit.v);
             found_.primitive.store(i, hit.primitive);
         }

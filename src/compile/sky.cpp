@@ -1,0 +1,264 @@
+#include "compile/sky.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace fathom {
+
+namespace {
+
+constexpr double earth_radius = 6360, air_height = 60;  // km
+constexpr double molecule_scale = 8, haze_scale = 1.2;  // km after which a density is 1/e
+constexpr double haze_anisotropy = 0.8, haze_albedo = 0.9, ground_albedo = 0.2;
+
+constexpr int bands = 34;
+constexpr double band_width = 10, first_band = 385;  // nm: their middles
+
+/// Irradiance above the air, W/m^2/nm: ASTM G-173, means over the bands.
+constexpr std::array<double, bands> solar = {
+    1.01249, 1.14716, 1.72765, 1.73054, 1.68870, 1.61253, 1.91198, 2.03474, 2.02042, 2.02212, 1.93377, 1.95809,
+    1.91686, 1.82980, 1.86850, 1.89310, 1.85149, 1.85040, 1.83410, 1.83450, 1.81470, 1.78158, 1.75330, 1.69650,
+    1.68194, 1.64654, 1.60480, 1.52143, 1.55622, 1.51130, 1.47400, 1.44820, 1.41018, 1.36775};
+
+/// Absorption by a molecule of ozone at 233 K, m^2: V. Gorshelev, A. Serdyuchenko et al., 2014; means over the bands.
+constexpr std::array<double, bands> ozone_section = {
+    2.818e-28, 6.636e-28, 1.527e-27, 2.763e-27, 5.520e-27, 8.451e-27, 1.582e-26, 2.316e-26, 3.669e-26,
+    4.924e-26, 7.752e-26, 9.016e-26, 1.480e-25, 1.602e-25, 2.139e-25, 2.755e-25, 3.091e-25, 3.500e-25,
+    4.266e-25, 4.672e-25, 4.398e-25, 4.701e-25, 5.019e-25, 4.305e-25, 3.740e-25, 3.215e-25, 2.662e-25,
+    2.238e-25, 1.852e-25, 1.473e-25, 1.209e-25, 9.423e-26, 7.455e-26, 6.566e-26};
+
+/// Per km at the ground, and per km of the densest ozone.
+struct Coefficients {
+    double molecules, haze, ozone;
+};
+
+Coefficients coefficients_at(double wavelength)
+{
+    const double um = wavelength / 1000;
+    const double index = std::clamp((wavelength - first_band) / band_width, 0.0, double(bands - 1));
+    const double section = ozone_section[std::size_t(std::lround(index))];
+    // 300 Dobson units over the 15 km of the profile below.
+    constexpr double densest = 300 * 2.687e20 / 15000;
+    // Haze: an optical depth of 0.1 at 550 nm, Angstrom's exponent 1.3.
+    return {1.24062e-3 * std::pow(um, -4), 0.1 / haze_scale * std::pow(um / 0.55, -1.3), densest * section * 1000};
+}
+
+/// x, y, z of the standard observer: C. Wyman, P.-P. Sloan, P. Shirley: Simple Analytic Approximations to the CIE XYZ
+/// Color Matching Functions, 2013.
+Vec3d matching(double wavelength)
+{
+    const auto lobe = [&](double middle, double below, double above) {
+        const double t = (wavelength - middle) / (wavelength < middle ? below : above);
+        return std::exp(-0.5 * t * t);
+    };
+    return {1.056 * lobe(599.8, 37.9, 31.0) + 0.362 * lobe(442.0, 16.0, 26.7) - 0.065 * lobe(501.1, 20.4, 26.2),
+            0.821 * lobe(568.8, 46.9, 40.5) + 0.286 * lobe(530.9, 16.3, 31.1),
+            1.217 * lobe(437.0, 11.8, 36.0) + 0.681 * lobe(459.0, 26.0, 13.8)};
+}
+
+struct Band {
+    Coefficients air;
+    Vec3d weight;  ///< Rec.709 per share of the sun's light in the band
+};
+
+Vec3d rec709_from_xyz(const Vec3d& c)
+{
+    return {3.2406 * c.x - 1.5372 * c.y - 0.4986 * c.z, -0.9689 * c.x + 1.8758 * c.y + 0.0415 * c.z,
+            0.0557 * c.x - 0.2040 * c.y + 1.0570 * c.z};
+}
+
+/// Weights such that all of the sun's light has an illuminance of pi.
+std::array<Band, bands> make_bands()
+{
+    std::array<Band, bands> made;
+    double y = 0;
+    for (int i = 0; i < bands; ++i) {
+        const double wavelength = first_band + band_width * i;
+        const Vec3d xyz = matching(wavelength) * solar[std::size_t(i)];
+        y += xyz.y;
+        made[std::size_t(i)] = {coefficients_at(wavelength), rec709_from_xyz(xyz)};
+    }
+    for (Band& band : made) band.weight = band.weight * (std::numbers::pi / y);
+    return made;
+}
+
+const std::array<Band, bands>& band_table()
+{
+    static const std::array<Band, bands> table = make_bands();
+    return table;
+}
+
+double exponent(const Coefficients& air, const Sky::Depths& depths)
+{
+    // Haze scatters a part of what it takes away.
+    return air.molecules * depths.molecules + air.haze * depths.haze + air.ozone * depths.ozone;
+}
+
+Color color_of(const Vec3d& c)
+{
+    return {float(std::max(0.0, c.x)), float(std::max(0.0, c.y)), float(std::max(0.0, c.z))};
+}
+
+struct Densities {
+    double molecules, haze, ozone;
+};
+
+Densities densities_at(double height)
+{
+    // Ozone: from 10 km up to its densest at 25 km, and down to 40 km.
+    return {std::exp(-height / molecule_scale), std::exp(-height / haze_scale),
+            std::max(0.0, 1 - std::abs(height - 25) / 15)};
+}
+
+/// km along a ray to the end of the air.
+double way_to_space(double height, double cosine)
+{
+    const double r = earth_radius + height, top = earth_radius + air_height;
+    return -r * cosine + std::sqrt(std::max(0.0, r * r * (cosine * cosine - 1) + top * top));
+}
+
+double height_after(double height, double cosine, double way)
+{
+    const double r = earth_radius + height;
+    return std::sqrt(r * r + way * way + 2 * r * way * cosine) - earth_radius;
+}
+
+bool meets_ground(double height, double cosine)
+{
+    const double r = earth_radius + height;
+    return cosine < 0 && r * r * (1 - cosine * cosine) < earth_radius * earth_radius;
+}
+
+// The table of depths: by height, and by the cosine, both finer where they change faster.
+constexpr int table_heights = 48, table_cosines = 192;
+
+double table_height(double i)
+{
+    const double t = i / (table_heights - 1);
+    return air_height * t * t;
+}
+double table_cosine(double j)
+{
+    const double t = 2 * j / (table_cosines - 1) - 1;
+    return t * std::abs(t);
+}
+
+/// The parts of a way, shorter where it begins: f(way to its middle, its length).
+template <class F>
+void along(double way, int steps, F f)
+{
+    for (int i = 0; i < steps; ++i) {
+        const double from = double(i) / steps, to = double(i + 1) / steps;
+        const double begin = way * from * from, end = way * to * to;
+        f((begin + end) / 2, end - begin);
+    }
+}
+
+}  // namespace
+
+Sky::Depths Sky::depths_to_space(double height, double cosine)
+{
+    Depths sum;
+    along(way_to_space(height, cosine), 200, [&](double at, double length) {
+        // Of ways into the ground, so that what lies between entries of the table is a number.
+        const Densities d = densities_at(std::max(0.0, height_after(height, cosine, at)));
+        sum.molecules += d.molecules * length;
+        sum.haze += d.haze * length;
+        sum.ozone += d.ozone * length;
+    });
+    return sum;
+}
+
+double Sky::transmittance(const Depths& depths, double wavelength)
+{
+    return std::exp(-exponent(coefficients_at(wavelength), depths));
+}
+
+Sky::Sky(const Vec3d& to_sun) : to_sun_(normalize(to_sun))
+{
+    for (int i = 0; i < table_heights; ++i)
+        for (int j = 0; j < table_cosines; ++j) table_.push_back(depths_to_space(table_height(i), table_cosine(j)));
+    // Irradiance of the ground: that of the sun, and of the sky by a sum over the upper half.
+    const Color sun = sun_irradiance(to_sun_);
+    const double facing = std::max(0.0, to_sun_.y);
+    Vec3d sum = Vec3d{double(sun.r), double(sun.g), double(sun.b)} * facing;
+    constexpr int rows = 16, columns = 32;
+    for (int i = 0; i < rows; ++i)
+        for (int j = 0; j < columns; ++j) {
+            // Equal shares of the projected half sphere.
+            const double sine = std::sqrt((i + 0.5) / rows), phi = 2 * std::numbers::pi * (j + 0.5) / columns;
+            const Color c = scattered({sine * std::cos(phi), std::sqrt(1 - sine * sine), sine * std::sin(phi)});
+            sum = sum + Vec3d{double(c.r), double(c.g), double(c.b)} * (std::numbers::pi / (rows * columns));
+        }
+    ground_ = color_of(sum * (ground_albedo / std::numbers::pi));
+}
+
+Sky::Depths Sky::depths_to_sun(double height, double cosine) const
+{
+    const double x =
+        std::clamp(std::sqrt(std::max(0.0, height) / air_height) * (table_heights - 1), 0.0, table_heights - 1.001);
+    const double t = std::copysign(std::sqrt(std::abs(cosine)), cosine);
+    const double y = std::clamp((t + 1) / 2 * (table_cosines - 1), 0.0, table_cosines - 1.001);
+    const auto i = std::size_t(x), j = std::size_t(y);
+    const double u = x - double(i), v = y - double(j);
+    const auto mix = [&](double Depths::* member) {
+        const auto at = [&](std::size_t a, std::size_t b) { return table_[a * table_cosines + b].*member; };
+        return std::lerp(std::lerp(at(i, j), at(i, j + 1), v), std::lerp(at(i + 1, j), at(i + 1, j + 1), v), u);
+    };
+    return {mix(&Depths::molecules), mix(&Depths::haze), mix(&Depths::ozone)};
+}
+
+Color Sky::sun_irradiance(const Vec3d& to_sun)
+{
+    const double cosine = normalize(to_sun).y;
+    if (!(cosine > 0)) return {0, 0, 0};
+    const Depths depths = depths_to_space(0, cosine);
+    Vec3d sum;
+    for (const Band& band : band_table()) sum = sum + band.weight * std::exp(-exponent(band.air, depths));
+    return color_of(sum);
+}
+
+Color Sky::scattered(const Vec3d& d) const
+{
+    const double cosine = dot(d, to_sun_), g = haze_anisotropy;
+    const double of_molecules = 3 / (16 * std::numbers::pi) * (1 + cosine * cosine);
+    // W. Cornette, J. Shanks: Physically Reasonable Analytic Expression for the Single-Scattering Phase Function, 1992.
+    const double of_haze = 3 / (8 * std::numbers::pi) * (1 - g * g) * (1 + cosine * cosine) /
+                           ((2 + g * g) * std::pow(1 + g * g - 2 * g * cosine, 1.5));
+    std::array<double, bands> light{};
+    Depths seen;
+    along(way_to_space(0, d.y), 40, [&](double at, double length) {
+        const double height = height_after(0, d.y, at);
+        const Densities here = densities_at(height);
+        const auto pass_half = [&] {
+            seen.molecules += here.molecules * length / 2;
+            seen.haze += here.haze * length / 2;
+            seen.ozone += here.ozone * length / 2;
+        };
+        pass_half();
+        const double sun_cosine = (earth_radius * to_sun_.y + at * cosine) / (earth_radius + height);
+        if (!meets_ground(height, sun_cosine)) {
+            Depths way = depths_to_sun(height, sun_cosine);
+            way.molecules += seen.molecules, way.haze += seen.haze, way.ozone += seen.ozone;
+            for (std::size_t i = 0; i < bands; ++i) {
+                const Coefficients& air = band_table()[i].air;
+                const double scattering =
+                    air.molecules * here.molecules * of_molecules + haze_albedo * air.haze * here.haze * of_haze;
+                light[i] += scattering * std::exp(-exponent(air, way)) * length;
+            }
+        }
+        pass_half();
+    });
+    Vec3d sum;
+    for (std::size_t i = 0; i < bands; ++i) sum = sum + band_table()[i].weight * light[i];
+    return color_of(sum);
+}
+
+Color Sky::radiance(const Vec3d& d) const
+{
+    return d.y >= 0 ? scattered(d) : ground_;
+}
+
+}  // namespace fathom

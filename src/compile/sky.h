@@ -1,0 +1,44 @@
+#pragma once
+#include <vector>
+
+#include "fathom/vector.h"
+
+namespace fathom {
+
+/// A clear sky, seen from the ground, up +y: light of the sun that molecules and haze scatter once, and less of it
+/// where these and ozone take it away on either way (T. Nishita et al.: Display of the Earth Taking into Account
+/// Atmospheric Scattering, 1993). By 34 bands of 10 nm, with the numbers of E. Bruneton: A Qualitative and Quantitative
+/// Evaluation of 8 Clear Sky Models, 2017. Below the horizon is grey ground in that light. In units in which a white
+/// surface that faces the sun above the air has a radiance of 1.
+class Sky {
+public:
+    static constexpr double sun_angle = 0.00935;  ///< diameter, radians
+
+    explicit Sky(const Vec3d& to_sun);
+
+    /// Without the sun itself; d of unit length.
+    Color radiance(const Vec3d& d) const;
+    /// Of a surface that faces the sun; black when it is below the horizon.
+    static Color sun_irradiance(const Vec3d& to_sun);
+
+    /// Optical depths of a way through the air: times the coefficients of a band, they are its exponent.
+    struct Depths {
+        double molecules = 0, haze = 0, ozone = 0;
+    };
+    /// From a height above the ground, km, to space, by the cosine of the angle to the zenith. Ground in the way counts
+    /// as air as dense as on it.
+    static Depths depths_to_space(double height, double cosine);
+    /// Share of the light of a wavelength, nm, that is left.
+    static double transmittance(const Depths& depths, double wavelength);
+
+private:
+    Color scattered(const Vec3d& d) const;
+    /// From a table.
+    Depths depths_to_sun(double height, double cosine) const;
+
+    Vec3d to_sun_;
+    std::vector<Depths> table_;
+    Color ground_;
+};
+
+}  // namespace fathom
