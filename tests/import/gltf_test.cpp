@@ -238,6 +238,8 @@ TEST_F(Gltf, MaterialsAndTextures)
     EXPECT_EQ(full.roughness.texture, full.metallic.texture);
     EXPECT_EQ(full.emission.value, (Color{10, 5, 0}));
     EXPECT_TRUE(full.emission_two_sided);
+    EXPECT_FALSE(full.single_sided);
+    EXPECT_TRUE(scene.materials[1].single_sided);
     EXPECT_EQ(full.normal_scale, 2);
     EXPECT_EQ(full.ior, 1.8f);
     const Texture& color = scene.textures[full.base_color.texture];

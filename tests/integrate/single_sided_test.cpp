@@ -1,0 +1,139 @@
+#include "picture_helpers.h"
+
+// Surfaces that cameras look through from behind, and no other light passes.
+namespace fathom {
+namespace {
+
+using namespace test;
+
+Material unlit(Color color, bool single_sided)
+{
+    Material m;
+    m.kind = MaterialKind::unlit;
+    m.base_color.value = color;
+    m.single_sided = single_sided;
+    return m;
+}
+
+/// A square of 2 n^2 triangles in the plane z, its front towards +z or -z. One of some 50 is rendered as a list, more
+/// by the tree.
+Mesh square(double z, bool front_up, std::uint32_t n)
+{
+    Mesh mesh;
+    for (std::uint32_t i = 0; i <= n; ++i)
+        for (std::uint32_t j = 0; j <= n; ++j)
+            mesh.positions.push_back({2.0f * float(i) / float(n) - 1, 2.0f * float(j) / float(n) - 1, float(z)});
+    for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t j = 0; j < n; ++j) {
+            const std::uint32_t a = i * (n + 1) + j, b = a + n + 1;
+            if (front_up)
+                mesh.indices.insert(mesh.indices.end(), {a, b, a + 1, a + 1, b, b + 1});
+            else
+                mesh.indices.insert(mesh.indices.end(), {a, a + 1, b, a + 1, b + 1, b});
+        }
+    return mesh;
+}
+
+struct Layers : SceneBuilder {
+    explicit Layers(std::uint32_t triangles_a_side) : n(triangles_a_side) { camera({0, 0, 5}, {0, 0, 0}, 20); }
+    void add_square(double z, bool front_up, const Material& m)
+    {
+        scene.meshes.push_back(square(z, front_up, n));
+        add(MeshInstance{int(scene.meshes.size()) - 1}, material(m));
+    }
+    Image picture(std::vector<Aov> aovs = {}) const
+    {
+        RenderSettings settings = small_picture(4, 4);
+        settings.aovs = std::move(aovs);
+        return render_film(scene, settings, 4).image(false, false);
+    }
+    Color color() const
+    {
+        const Image image = picture();
+        const auto& p = image.layers[0].pixels;
+        return {p[0], p[1], p[2]};
+    }
+    std::uint32_t n;
+};
+
+constexpr Color red{1, 0, 0}, green{0, 1, 0}, blue{0, 0, 1};
+
+TEST(SingleSided, CamerasLookThroughBacks)
+{
+    for (const std::uint32_t n : {1u, 20u}) {
+        for (const bool front_up : {true, false}) {
+            Layers scene(n);
+            scene.add_square(0, front_up, unlit(red, true));
+            scene.add_square(-1, true, unlit(green, true));
+            EXPECT_EQ(scene.color(), front_up ? red : green) << n;
+        }
+        Layers scene(n);
+        scene.add_square(0, false, unlit(red, false));
+        scene.add_square(-1, true, unlit(green, true));
+        EXPECT_EQ(scene.color(), red) << "of two sides, " << n;
+    }
+}
+TEST(SingleSided, ManyBacksInARow)
+{
+    for (const std::uint32_t n : {1u, 20u}) {
+        Layers scene(n);
+        for (int i = 0; i < 5; ++i) scene.add_square(1 - 0.1 * i, false, unlit(red, true));
+        scene.add_square(0, true, unlit(blue, true));
+        EXPECT_EQ(scene.color(), blue) << n;
+        // Nothing behind: the background.
+        Layers open(n);
+        open.add_square(0, false, unlit(red, true));
+        EXPECT_EQ(open.color(), (Color{0, 0, 0})) << n;
+    }
+}
+TEST(SingleSided, LayersAreThoseOfWhatIsSeen)
+{
+    for (const std::uint32_t n : {1u, 20u}) {
+        Layers scene(n);
+        Material m = unlit(red, true);
+        m.kind = MaterialKind::diffuse;
+        scene.add_square(0, false, m);
+        m.base_color.value = {0.25f, 0.5f, 0.75f};
+        scene.add_square(-1, true, m);
+        const Image image = scene.picture({Aov::albedo, Aov::depth, Aov::normal});
+        EXPECT_NEAR(image.find("depth")->pixels[0], 6, 1e-4) << n;
+        EXPECT_NEAR(image.find("albedo")->pixels[1], 0.5, 1e-6) << n;
+        EXPECT_NEAR(image.find("normal")->pixels[2], 1, 1e-5) << n;
+    }
+}
+/// To light it is there, from either side.
+TEST(SingleSided, LightDoesNotPass)
+{
+    for (const std::uint32_t n : {1u, 20u})
+        for (const bool front_up : {true, false}) {
+            Layers scene(n);
+            scene.scene.cameras[0].position = {0, 0, 0.5};
+            Material white;
+            scene.add_square(0, true, white);
+            white.single_sided = true;
+            scene.add_square(1, front_up, white);
+            Light sun;
+            sun.kind = LightKind::directional;
+            sun.intensity = {1, 1, 1};
+            scene.light(sun, shining({0, 0, -1}));
+            EXPECT_LT(scene.color().g, 1e-6f) << n << front_up;
+        }
+}
+/// A mirror shows the back: only the camera's own view is one of what is culled.
+TEST(SingleSided, MirrorsShowBacks)
+{
+    for (const std::uint32_t n : {1u, 20u}) {
+        Layers scene(n);
+        Material mirror;
+        mirror.kind = MaterialKind::metal;
+        mirror.base_color.value = {1, 1, 1};
+        scene.add_square(0, true, mirror);
+        // Between camera and mirror, its front towards the camera's side being away from the mirror.
+        scene.scene.cameras[0].position = {0, 0, 0.5};
+        scene.add_square(1, true, unlit(red, true));
+        EXPECT_EQ(scene.color(), red) << n;
+    }
+}
+
+}  // namespace
+}  // namespace fathom
