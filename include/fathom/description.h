@@ -96,7 +96,10 @@ enum class MaterialKind {
     fuzz_metal,  ///< the report's metal: mirror direction plus fuzz times a random point of the unit sphere
     glass,       ///< smooth or rough dielectric of index ior, solid or thin; a solid absorbs by attenuation_color over
                  ///< attenuation_distance
-    principled,  ///< metallic-roughness of glTF 2.0: base_color, metallic, roughness, ior
+    /// Layers in the manner of OpenPBR: sheen over coat over a mixture of metal and dielectric, the latter a specular
+    /// boundary over what is diffuse, passes diffusely, or is refracted. By default the metallic-roughness model of
+    /// glTF.
+    principled,
 };
 inline constexpr int material_kind_count = 7;
 
@@ -110,12 +113,40 @@ struct Material {
     FloatInput metallic{0, -1, 2};
     float fuzz = 0;  ///< fuzz_metal: 0 to 1
     float ior = 1.5f;
+    // glass, and principled with transmission
     Color attenuation_color{1, 1, 1};
     double attenuation_distance = 0;  ///< metres after which attenuation_color is left; 0: clear
-    int priority = 0;  ///< glass: where solids overlap, the one of greatest priority is there; of equal ones the inner
-    /// Glass: what is left of light that went through, in and out of a solid, or once a thin sheet.
+    int priority = 0;  ///< where solids overlap, the one of greatest priority is there; of equal ones the inner
+    /// What is left of light that went through, in and out of a solid, or once a thin sheet.
     ColorInput transmission_color;
-    bool thin = false;                   ///< glass: a sheet without thickness, which light passes straight on
+    bool thin = false;  ///< a sheet without thickness, which light passes straight on
+    // principled
+    FloatInput transmission{0, -1, 0};          ///< share of what the dielectric's boundary lets in that is refracted
+    float dispersion = 0;                       ///< 20 / Abbe's number
+    FloatInput diffuse_transmission{0, -1, 3};  ///< share of what is diffuse that leaves on the other side
+    ColorInput diffuse_transmission_color;
+    FloatInput diffuse_roughness{0, -1, 0};
+    FloatInput specular{1, -1, 3};  ///< strength of the dielectric's reflection
+    ColorInput specular_color;      ///< its tint at normal incidence; may be above 1, the reflectance may not
+    ColorInput edge_color;          ///< metal: at 82 degrees, what is left of Schlick's reflectance
+    /// How far facets are drawn out along the tangent: there alpha goes from roughness^2 to 1 by the square of it.
+    FloatInput anisotropy{0, -1, 2};
+    double anisotropy_rotation = 0;   ///< radians, from the tangent towards the bitangent
+    int anisotropy_texture = -1;      ///< red and green: the direction, of which 0.5 is 0; before the rotation
+    bool energy_compensation = true;  ///< scaled for what facets scatter more than once, which is lost otherwise
+    FloatInput coat{0, -1, 0};
+    ColorInput coat_color;  ///< what the coat leaves of light that passes it
+    FloatInput coat_roughness{0, -1, 1};
+    float coat_ior = 1.5f;
+    float coat_darkening = 1;  ///< how much of what goes up and down between coat and base is counted
+    int coat_normal_texture = -1;
+    float coat_normal_scale = 1;
+    ColorInput sheen_color{{0, 0, 0}, -1};
+    FloatInput sheen_roughness{0.3f, -1, 3};
+    FloatInput thin_film{0, -1, 0};              ///< share of the surface that has the film
+    FloatInput thin_film_thickness{400, -1, 1};  ///< nanometres
+    float thin_film_ior = 1.3f;
+    // all kinds
     ColorInput emission{{0, 0, 0}, -1};  ///< radiance
     bool emission_two_sided = false;     ///< else only on the side of the geometric normal
     int normal_texture = -1;

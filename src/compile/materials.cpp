@@ -5,6 +5,7 @@
 
 #include "compile/compiler.h"
 #include "compile/images.h"
+#include "compile/layers.h"
 #include "fathom/error.h"
 #include "scene/material_table.h"
 #include "scene/texture_table.h"
@@ -12,16 +13,6 @@
 namespace fathom {
 
 namespace {
-
-Rgb spectrum(Color c)
-{
-    return {c.r, c.g, c.b};
-}
-
-std::uint32_t texture_id(int index)
-{
-    return index < 0 ? no_index : std::uint32_t(index);
-}
 
 TextureRecord compile_texture(Compiler& c, ImageStore& images, const Texture& texture)
 {
@@ -60,7 +51,7 @@ TextureRecord compile_texture(Compiler& c, ImageStore& images, const Texture& te
     return t;
 }
 
-/// The number of what a solid of glass is filled with; glasses that are alike share one.
+/// The number of what a solid is filled with; glasses that are alike share one.
 std::uint32_t medium_of(Compiler& c, const Material& m)
 {
     MediumRecord medium;
@@ -81,17 +72,42 @@ std::uint32_t medium_of(Compiler& c, const Material& m)
     return number;
 }
 
+ClosureKind closure_of(const Material& m)
+{
+    switch (m.kind) {
+        case MaterialKind::none:
+        case MaterialKind::unlit:
+            return ClosureKind::none;
+        case MaterialKind::diffuse:
+            return ClosureKind::diffuse;
+        case MaterialKind::metal:
+            return ClosureKind::metal;
+        case MaterialKind::fuzz_metal:
+            return ClosureKind::fuzz_metal;
+        case MaterialKind::glass:
+            return ClosureKind::glass;
+        case MaterialKind::principled:
+            break;
+    }
+    return closure_of_layers(m);
+}
+
+bool is_solid(const Material& m, ClosureKind closure)
+{
+    return !m.thin && (closure == ClosureKind::glass || closure == ClosureKind::layered_transmitting);
+}
+
 MaterialRecord compile_material(Compiler& c, const Material& m)
 {
     MaterialRecord t;
-    t.kind = std::uint32_t(m.kind == MaterialKind::unlit ? MaterialKind::none : m.kind);
+    t.closure = closure_of(m);
     t.base_color = spectrum(m.base_color.value);
     t.base_texture = texture_id(m.base_color.texture);
-    if (m.kind == MaterialKind::glass) {
+    if (t.closure == ClosureKind::glass) {
         t.base_color = spectrum(m.transmission_color.value);
         t.base_texture = texture_id(m.transmission_color.texture);
-        if (m.thin) t.flags |= MaterialRecord::thin;
     }
+    if (m.thin) t.flags |= MaterialRecord::thin;
     t.emission = spectrum(m.emission.value);
     t.emission_texture = texture_id(m.emission.texture);
     if (m.kind == MaterialKind::unlit) {
@@ -114,14 +130,20 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     t.alpha_channel = std::uint32_t(m.alpha.channel);
     t.alpha_cutoff = m.alpha_cutoff;
     t.alpha_mode = std::uint32_t(m.alpha_mode);
-    if (m.kind == MaterialKind::glass && !m.thin) t.medium = medium_of(c, m);
+    if (is_solid(m, t.closure)) t.medium = medium_of(c, m);
     if (m.use_vertex_color) t.flags |= MaterialRecord::vertex_colored;
     if (t.base_texture != no_index || t.roughness_texture != no_index || t.metallic_texture != no_index ||
         m.use_vertex_color)
         t.flags |= MaterialRecord::textured;
-    if (t.normal_texture != no_index) t.flags |= MaterialRecord::normal_mapped;
+    if (t.normal_texture != no_index) t.flags |= MaterialRecord::normal_mapped | MaterialRecord::wants_tangent;
     if (std::max({t.emission[0], t.emission[1], t.emission[2]}) > 0) t.flags |= MaterialRecord::emits;
     if (m.emission_two_sided || m.kind == MaterialKind::unlit) t.flags |= MaterialRecord::two_sided_emission;
+    if (t.closure == ClosureKind::layered || t.closure == ClosureKind::layered_transmitting) {
+        t.layers = std::uint32_t(c.tables.layers.size());
+        c.tables.layers.push_back(compile_layers(m));
+        if (c.tables.layers.back().features & (LayersRecord::anisotropic | LayersRecord::coat_normal_mapped))
+            t.flags |= MaterialRecord::wants_tangent;
+    }
     return t;
 }
 
@@ -130,6 +152,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
 void compile_material_records(Compiler& c)
 {
     c.tables.materials.clear();
+    c.tables.layers.clear();
     c.tables.media.resize(1);
     for (const Material& material : c.scene.materials)
         c.tables.materials.push_back(compile_material(c, own_parameters(material, material_parameters())));

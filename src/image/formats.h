@@ -24,6 +24,8 @@ Image read_png(const EncodedImage& file);
 Image read_jpeg(const EncodedImage& file);
 Image read_webp(const EncodedImage& file);
 Image read_hdr(const EncodedImage& file);
+/// A picture packed by Basis Universal, as ETC1S or UASTC: its largest level.
+Image read_ktx2(const EncodedImage& file);
 /// BMP, TGA, GIF, PSD, PIC, PNM.
 Image read_stb(const EncodedImage& file);
 

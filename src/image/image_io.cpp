@@ -85,6 +85,7 @@ Image decode(const EncodedImage& file)
     if (begins_with(file, "\xff\xd8\xff", 3)) return read_jpeg(file);
     if (begins_with(file, "RIFF", 4) && begins_with(file, "WEBP", 4, 8)) return read_webp(file);
     if (begins_with(file, "#?", 2)) return read_hdr(file);
+    if (begins_with(file, "\xabKTX 20\xbb", 8)) return read_ktx2(file);
     return read_stb(file);
 }
 

@@ -15,9 +15,14 @@ namespace fathom {
 std::vector<std::string> image_libraries()
 {
     const int webp = WebPGetDecoderVersion();
-    return {fmt::format("OpenEXR {}", OPENEXR_VERSION_STRING), fmt::format("libpng {}", png_get_libpng_ver(nullptr)),
-            fmt::format("libjpeg-turbo {}", FATHOM_TEXT(LIBJPEG_TURBO_VERSION)),
-            fmt::format("libwebp {}.{}.{}", webp >> 16, webp >> 8 & 255, webp & 255), "stb_image"};
+    std::vector<std::string> libraries = {
+        fmt::format("OpenEXR {}", OPENEXR_VERSION_STRING), fmt::format("libpng {}", png_get_libpng_ver(nullptr)),
+        fmt::format("libjpeg-turbo {}", FATHOM_TEXT(LIBJPEG_TURBO_VERSION)),
+        fmt::format("libwebp {}.{}.{}", webp >> 16, webp >> 8 & 255, webp & 255), "stb_image"};
+#ifdef FATHOM_HAS_BASIS
+    libraries.push_back("Basis Universal " FATHOM_TEXT(FATHOM_HAS_BASIS));
+#endif
+    return libraries;
 }
 
 }  // namespace fathom

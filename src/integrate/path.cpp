@@ -180,7 +180,7 @@ private:
     std::size_t pack_by_kind(std::size_t active)
     {
         std::size_t packed = 0;
-        for (std::uint32_t kind = 0; kind < material_kind_count; ++kind) {
+        for (std::uint32_t kind = 0; kind < closure_kind_count; ++kind) {
             for (std::size_t i = 0; i < active && scene_.has_closure(kind); i += lanes) {
                 const Mask m = (buckets_.load(i) >> LaneScene::kind_shift) == UInt(kind);
                 if (none(m)) continue;
@@ -347,8 +347,8 @@ private:
     FirstHits first_hits_;
     TileSums& sums_;
     KernelCounters& counters_;
-    std::uint32_t next_ = 0;                          ///< number of the job's next path
-    std::size_t kind_end_[material_kind_count] = {};  ///< in the packed pool, by MaterialKind
+    std::uint32_t next_ = 0;                         ///< number of the job's next path
+    std::size_t kind_end_[closure_kind_count] = {};  ///< in the packed pool, by ClosureKind
 
     PathPool pools_[2];
     PathPool *paths_ = &pools_[0], *spare_ = &pools_[1];

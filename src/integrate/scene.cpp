@@ -82,18 +82,19 @@ void LaneScene::read_tables()
 void LaneScene::read_shapes()
 {
     kinds = 0;
-    refracts = normal_mapped = has_absorption = false;
+    refracts = wants_tangents = has_absorption = false;
     shape_info.clear();
     only_diffuse_quads = is_flat && !tables.moving && tables.textures.empty() && tables.triangles.empty() &&
                          tables.spheres.empty() && tables.disks.empty();
     for (const ShapeRecord& shape : tables.shapes) {
         const MaterialRecord& material = tables.materials[shape.material];
-        refracts |= Closures::transmits(MaterialKind(material.kind));
-        normal_mapped |= (material.flags & MaterialRecord::normal_mapped) != 0;
+        refracts |= Closures::transmits(material.closure);
+        wants_tangents |= (material.flags & MaterialRecord::wants_tangent) != 0;
         for (float a : tables.media[material.medium].absorption) has_absorption |= a > 0;
-        const std::uint32_t kind = Closures::contains(MaterialKind(material.kind)) ? material.kind : 0;
-        if (kind != 0) kinds |= 1u << kind;
-        only_diffuse_quads &= kind == 0 || (MaterialKind(kind) == MaterialKind::diffuse && material.roughness == 0);
+        const auto kind = std::uint32_t(material.closure);
+        const bool scatters = material.closure != ClosureKind::none;
+        if (scatters) kinds |= 1u << kind;
+        only_diffuse_quads &= !scatters || (material.closure == ClosureKind::diffuse && material.roughness == 0);
         shape_info.push_back(kind << kind_shift | (shape.material & ((1u << kind_shift) - 1)) |
                              (material.flags & MaterialRecord::emits ? emits : 0u));
     }

@@ -21,16 +21,16 @@ struct LaneScene final : KernelScene {
     /// Per shape: the bucket of its material, and the emission flag on top.
     std::vector<std::uint32_t> shape_info;
     static constexpr std::uint32_t emits = 1u << 31;
-    /// Paths are sorted by bucket before they are shaded: first by MaterialKind, then by material (modulo 32).
+    /// Paths are sorted by bucket before they are shaded: first by ClosureKind, then by material (modulo 32).
     static constexpr std::uint32_t bucket_mask = 0xff, kind_shift = 5;
-    static constexpr std::uint32_t buckets = std::uint32_t(material_kind_count) << kind_shift;
+    static constexpr std::uint32_t buckets = std::uint32_t(closure_kind_count) << kind_shift;
     static_assert(buckets <= bucket_mask + 1);
     /// Per primitive, if the scene is flat: shape_info of its shape; padded for lookup().
     std::vector<std::uint32_t> primitive_info;
     QuadColumns quads;
-    std::uint32_t kinds = 0;  ///< bit per MaterialKind that occurs and scatters
-    bool textured = false;    ///< uv matter somewhere
-    bool normal_mapped = false;
+    std::uint32_t kinds = 0;          ///< bit per ClosureKind that occurs and scatters
+    bool textured = false;            ///< uv matter somewhere
+    bool wants_tangents = false;      ///< tangents of surfaces matter somewhere
     bool varied_lights = false;       ///< some are not alike all over, see LightRecord::material
     bool refracts = false;            ///< some material lets light pass
     bool has_absorption = false;      ///< some medium absorbs
@@ -43,7 +43,7 @@ struct LaneScene final : KernelScene {
     std::size_t memory_bytes() const override;
     void update(const std::vector<std::uint32_t>& shapes) override;
 
-    /// Whether some material of this MaterialKind scatters.
+    /// Whether some material of this ClosureKind scatters.
     bool has_closure(std::uint32_t kind) const { return kinds >> kind & 1; }
     /// shape_info of what was hit; 0 outside the mask.
     UInt info_of(UInt primitive, UInt instance, Mask m) const;

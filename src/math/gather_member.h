@@ -62,6 +62,16 @@ template <class Record>
     const auto* base = reinterpret_cast<const float*>(records.data());
     return gather_vector(base + detail::word_of(member), index * UInt(detail::record_words<Record>), m);
 }
+/// A part of a member that is a record itself.
+template <class Record, class Member, class Part>
+    requires std::is_same_v<Part, float> || std::is_same_v<Part, std::uint32_t>
+[[gnu::always_inline]] inline auto gather(const std::vector<Record>& records, Member Record::* member,
+                                          Part Member::* part, UInt index, Mask m)
+{
+    const auto* base = reinterpret_cast<const Part*>(records.data());
+    return gather(base + detail::word_of(member) + detail::word_of(part), index * UInt(detail::record_words<Record>),
+                  m);
+}
 /// A whole vector of each lane.
 [[gnu::always_inline]] inline Vec3 gather(const std::vector<Vec3f>& vectors, UInt index, Mask m)
 {

@@ -10,6 +10,17 @@ namespace fathom::inline FATHOM_LANES {
 /// Below this alpha a surface is treated as smooth: float could not tell its lobe from a delta.
 inline constexpr float min_alpha = 1e-3f;
 
+/// A normal as seen from wo (wo.z > 0): Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
+inline Vec3 sample_visible_normal(Vec3 wo, Float alpha_x, Float alpha_y, Sample2 u)
+{
+    const Vec3 stretched = normalize({wo.x * alpha_x, wo.y * alpha_y, wo.z});
+    const Float z = fma(Float(1) - u.y, Float(1) + stretched.z, -stretched.z);
+    const Float s = sqrt(clamp(fma(-z, z, Float(1)), Float(0), Float(1)));
+    const SinCos phi = sincos_2pi(u.x);
+    const Vec3 c{fma(s, phi.cos, stretched.x), fma(s, phi.sin, stretched.y), z + stretched.z};
+    return normalize({c.x * alpha_x, c.y * alpha_y, max(c.z, Float(1e-6f))});
+}
+
 struct Ggx {
     Float alpha;
 
@@ -31,18 +42,30 @@ struct Ggx {
     Float g1(Vec3 w) const { return Float(1) / (Float(1) + lambda(w)); }
     Float g2(Vec3 wo, Vec3 wi) const { return Float(1) / (Float(1) + lambda(wo) + lambda(wi)); }
 
-    /// A normal as seen from wo (wo.z > 0): Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
-    Vec3 sample(Vec3 wo, Sample2 u) const
-    {
-        const Vec3 stretched = normalize({wo.x * alpha, wo.y * alpha, wo.z});
-        const Float z = fma(Float(1) - u.y, Float(1) + stretched.z, -stretched.z);
-        const Float s = sqrt(clamp(fma(-z, z, Float(1)), Float(0), Float(1)));
-        const SinCos phi = sincos_2pi(u.x);
-        const Vec3 c{fma(s, phi.cos, stretched.x), fma(s, phi.sin, stretched.y), z + stretched.z};
-        return normalize({c.x * alpha, c.y * alpha, max(c.z, Float(1e-6f))});
-    }
+    Vec3 sample(Vec3 wo, Sample2 u) const { return sample_visible_normal(wo, alpha, alpha, u); }
     /// Density per solid angle of the normals that sample gives.
     Float pdf(Vec3 wo, Vec3 h) const { return g1(wo) * max(dot(wo, h), Float(0)) * d(h) / wo.z; }
+};
+
+/// The same, drawn out along x: alpha_x and alpha_y of the frame's axes.
+struct AnisotropicGgx {
+    Float alpha_x, alpha_y;
+
+    Float d(Vec3 h) const
+    {
+        const Float x = h.x / alpha_x, y = h.y / alpha_y;
+        const Float e = fma(x, x, fma(y, y, h.z * h.z));
+        return Float(inv_pi) / max(alpha_x * alpha_y * e * e, Float(1e-30f));
+    }
+    Float lambda(Vec3 w) const
+    {
+        const Float x = w.x * alpha_x, y = w.y * alpha_y;
+        const Float tan2 = fma(x, x, y * y) / max(w.z * w.z, Float(1e-12f));
+        return Float(0.5f) * (sqrt(Float(1) + tan2) - Float(1));
+    }
+    Float g1(Vec3 w) const { return Float(1) / (Float(1) + lambda(w)); }
+    Float g2(Vec3 wo, Vec3 wi) const { return Float(1) / (Float(1) + lambda(wo) + lambda(wi)); }
+    Vec3 sample(Vec3 wo, Sample2 u) const { return sample_visible_normal(wo, alpha_x, alpha_y, u); }
 };
 
 inline Vec3 reflect(Vec3 w, Vec3 n)
@@ -58,8 +81,8 @@ inline Float schlick_weight(Float cosine)
     return m2 * m2 * m;
 }
 
-/// A table of ggx_albedo_table.h: the share of light that GGX facets give back in one bounce.
-inline Float ggx_lookup(const float* table, Float cosine, Float roughness)
+/// A table of albedos of the size of ggx_albedo_table.h.
+inline Float albedo_lookup(const float* table, Float cosine, Float roughness)
 {
     constexpr int n = ggx_albedo_size;
     const Float x = clamp(cosine, Float(0), Float(1)) * Float(n - 1),
@@ -73,9 +96,10 @@ inline Float ggx_lookup(const float* table, Float cosine, Float roughness)
     return fma(fy, bottom - top, top);
 }
 
+/// The share of light that GGX facets give back in one bounce.
 inline Float ggx_albedo(Float cosine, Float roughness)
 {
-    return ggx_lookup(ggx_albedo_table, cosine, roughness);
+    return albedo_lookup(ggx_albedo_table, cosine, roughness);
 }
 
 /// Reflectance of a smooth boundary between two dielectrics, for unpolarised light.

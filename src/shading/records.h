@@ -36,6 +36,57 @@ struct TextureRecord {
     std::uint32_t first_stop = 0, stop_count = 0;
 };
 
+/// The code that scatters light (closures/closures.h).
+enum class ClosureKind : std::uint32_t {
+    none,
+    diffuse,
+    metal,
+    fuzz_metal,
+    glass,
+    principled,
+    layered,
+    layered_transmitting  ///< the same where light passes to the other side
+};
+inline constexpr int closure_kind_count = 8;
+
+/// A number or colour times that of a texture, if there is one.
+struct NumberRecord {
+    float value = 0;
+    std::uint32_t texture = no_index, channel = 0;
+};
+struct ColorRecord {
+    Rgb value{};
+    std::uint32_t texture = no_index;
+};
+
+/// What a surface of layers has beside a MaterialRecord.
+struct LayersRecord {
+    enum Features : std::uint32_t {
+        with_sheen = 1,
+        with_coat = 2,
+        with_thin_film = 4,
+        with_transmission = 8,
+        with_diffuse_transmission = 16,
+        rough_diffuse = 32,
+        anisotropic = 64,
+        energy_compensation = 128,
+        coat_normal_mapped = 256,
+        disperses = 512,
+        textured = 1024  ///< any of the parameters here
+    };
+    std::uint32_t features = 0;
+    NumberRecord specular, anisotropy, transmission, diffuse_transmission, diffuse_roughness, coat, coat_roughness,
+        sheen_roughness, thin_film, thin_film_thickness;
+    ColorRecord specular_color, edge_color, transmission_color, diffuse_transmission_color, coat_color, sheen_color;
+    float anisotropy_cos = 1, anisotropy_sin = 0;
+    float dispersion = 0;
+    /// Reflectance of the coat at normal incidence, and of light from within that comes from everywhere; see
+    /// LayeredBsdf.
+    float coat_f0 = 0, coat_inner = 0, coat_darkening = 0, coat_normal_scale = 1;
+    float thin_film_ior = 1;
+    std::uint32_t anisotropy_texture = no_index, coat_normal_texture = no_index;
+};
+
 struct MaterialRecord {
     enum Flags : std::uint32_t {
         textured = 1,
@@ -44,9 +95,10 @@ struct MaterialRecord {
         emits = 8,
         two_sided_emission = 16,
         unlit = 32 /* shows its emission, but lights nothing */,
-        thin = 64
+        thin = 64,
+        wants_tangent = 128  ///< of the surface, for normal maps or anisotropy
     };
-    std::uint32_t kind = 0;  ///< MaterialKind; `none` for all that doesn't scatter
+    ClosureKind closure = ClosureKind::none;
     std::uint32_t flags = 0;
     Rgb base_color{};
     Rgb emission{};
@@ -57,6 +109,7 @@ struct MaterialRecord {
     std::uint32_t base_texture = no_index, roughness_texture = no_index, metallic_texture = no_index,
                   emission_texture = no_index, normal_texture = no_index, alpha_texture = no_index;
     std::uint32_t roughness_channel = 1, metallic_channel = 2, alpha_channel = 3;
+    std::uint32_t layers = no_index;  ///< in ShadingTables
 };
 
 struct RampStopRecord {
@@ -66,6 +119,7 @@ struct RampStopRecord {
 
 struct ShadingTables {
     std::vector<MaterialRecord> materials;
+    std::vector<LayersRecord> layers;
     std::vector<TextureRecord> textures;
     std::vector<RampStopRecord> ramp_stops;
     std::vector<float> texels;  ///< of images in four floats a texel: what no other format holds

@@ -57,6 +57,18 @@ template <class Record>
     for (int i = 0; i < channels; ++i) s.c[i] = gather(base + i, at, m);
     return s;
 }
+/// The same of a member that is a record itself.
+template <class Record, class Member>
+[[gnu::always_inline]] inline Spectrum gather(const std::vector<Record>& records, Member Record::* member,
+                                              Rgb Member::* part, UInt index, Mask m)
+{
+    const float* base =
+        reinterpret_cast<const float*>(records.data()) + detail::word_of(member) + detail::word_of(part);
+    const UInt at = index * UInt(detail::record_words<Record>);
+    Spectrum s;
+    for (int i = 0; i < channels; ++i) s.c[i] = gather(base + i, at, m);
+    return s;
+}
 inline Float max_component(const Spectrum& a)
 {
     Float m = a.c[0];

@@ -6,6 +6,7 @@ command_line_test.py DOUBLE [PROGRAM]    DOUBLE is the program with the library 
 import fcntl
 import json
 import os
+import pathlib
 import pty
 import re
 import shutil
@@ -21,6 +22,8 @@ import unittest
 from pathlib import Path
 
 DOUBLE = PROGRAM = FAKE_OIDN = None
+# The leak check of a sanitized build needs /proc and a thread of its own; where a test takes these away, it can't run.
+WITHOUT_LEAK_CHECK = {**os.environ, "ASAN_OPTIONS": "detect_leaks=0"}
 
 
 def png_size(path):
@@ -231,7 +234,7 @@ class CommandLine(unittest.TestCase):
         if not shutil.which("unshare") or subprocess.run([*command, "true"], capture_output=True).returncode != 0:
             self.skipTest("nothing can be mounted here")
         result = subprocess.run([*command, DOUBLE, "render", "box.json", "--spp", "1", "-o", "a.exr", "-o", "a.png"],
-                                cwd=self.folder, capture_output=True, text=True, timeout=60)
+                                cwd=self.folder, capture_output=True, text=True, timeout=60, env=WITHOUT_LEAK_CHECK)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(sorted(os.listdir(self.folder)), ["a.exr", "a.png", "box.json"])
 
@@ -442,11 +445,11 @@ class CommandLine(unittest.TestCase):
         os.link(self.path("b.exr"), self.path("hard.exr"))
         os.symlink("a.exr", self.path("soft.exr"))
         os.mkdir(self.path("sub"))
-        before = {name: open(self.path(name), "rb").read() for name in ("a.exr", "b.exr")}
+        before = [pathlib.Path(self.path(name)).read_bytes() for name in ("a.exr", "b.exr")]
         for output in "a.exr", "b.exr", "hard.exr", "soft.exr", "sub/../b.exr":
             self.refused(1, "merge", "a.exr", "b.exr", "-o", "all.png", "-o", output,
                          words=[f"{output} is a part of this picture: name another with -o"])
-        self.assertEqual(before, {name: open(self.path(name), "rb").read() for name in before})
+        self.assertEqual(before, [pathlib.Path(self.path(name)).read_bytes() for name in ("a.exr", "b.exr")])
         self.ok("merge", "a.exr", "b.exr", "-o", "all.exr")
 
     def test_time(self):
@@ -642,7 +645,8 @@ class CommandLine(unittest.TestCase):
         if probe.returncode != 0:
             self.skipTest("another user can't run the program here")
         result = self.run_program("render", "sphere.json", "--spp", "4", "--size", "64x64", "--threads", "16", "-o",
-                                  "a.exr", "-o", "a.png", program=PROGRAM, preexec_fn=become_nobody)
+                                  "a.exr", "-o", "a.png", program=PROGRAM, preexec_fn=become_nobody,
+                                  env=WITHOUT_LEAK_CHECK)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("only 3 of 16 threads can be started here", result.stderr)
         self.ok("render", "sphere.json", "--spp", "4", "--size", "64x64", "-o", "b.png", program=PROGRAM)

@@ -56,13 +56,6 @@ public:
 
 const Vec3d floor_points[] = {{0, 0, 0}, {0.7, 0, -0.3}, {-1.5, 0, 0.4}, {3, 0, 2}};
 
-/// Turns -z, along which lights shine, into a direction.
-Transform shining(Vec3d along)
-{
-    const Vec3d d = normalize(along), axis = cross({0, 0, -1}, d);
-    return Transform::rotate(length(axis) > 1e-9 ? axis : Vec3d{0, 1, 0}, std::acos(std::clamp(-d.z, -1.0, 1.0)));
-}
-
 TEST(LightForms, Point)
 {
     const Vec3d at{0.3, 1.6, -0.2};

@@ -1,6 +1,7 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -61,6 +62,13 @@ struct SceneBuilder {
         scene.nodes.push_back(node);
     }
 };
+
+/// Turns -z, along which lights shine, into a direction.
+inline Transform shining(Vec3d along)
+{
+    const Vec3d d = normalize(along), axis = cross({0, 0, -1}, d);
+    return Transform::rotate(length(axis) > 1e-9 ? axis : Vec3d{0, 1, 0}, std::acos(std::clamp(-d.z, -1.0, 1.0)));
+}
 
 inline RenderSettings small_picture(int width = 32, int height = 24)
 {

@@ -92,7 +92,7 @@ TEST(Ggx, AlbedoTables)
                 },
                 256, 256);
             EXPECT_NEAR(first(ggx_albedo(Float(float(wo.z)), Float(float(roughness)))), albedo, 3e-3);
-            EXPECT_NEAR(first(ggx_lookup(ggx_schlick_table, Float(float(wo.z)), Float(float(roughness)))), weighted,
+            EXPECT_NEAR(first(albedo_lookup(ggx_schlick_table, Float(float(wo.z)), Float(float(roughness)))), weighted,
                         3e-3);
         }
 }
@@ -135,7 +135,7 @@ TEST(Principled, IsTheFormula)
                     const double f0 = std::pow((double(ior) - 1) / (double(ior) + 1), 2);
                     const Float z(float(wo.z)), r { float(roughness) };
                     const double albedo = first(ggx_albedo(z, r)),
-                                 weighted = first(ggx_lookup(ggx_schlick_table, z, r));
+                                 weighted = first(albedo_lookup(ggx_schlick_table, z, r));
                     const double facets = ggx_f_cos(wo, wi, roughness * roughness), h = dot3(wo, half_way(wo, wi));
                     const double layer = (f0 * albedo + (1 - f0) * weighted) * made_up(f0, albedo);
                     const double dielectric = schlick(f0, h) * made_up(f0, albedo) * facets +

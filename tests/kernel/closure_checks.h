@@ -15,8 +15,11 @@ namespace fathom::test {
 
 inline MaterialPoint material(float color, float roughness, float metallic = 0, float ior = 1.5f, float fuzz = 0)
 {
-    return {
-        Spectrum(Float(color)), Float(roughness), Float(metallic), Float(ior), Float(fuzz), Mask(true), Mask(false)};
+    MaterialPoint m;
+    m.base_color = Spectrum(Float(color));
+    m.roughness = Float(roughness), m.metallic = Float(metallic), m.ior = Float(ior), m.fuzz = Float(fuzz);
+    m.entering = Mask(true), m.thin = Mask(false);
+    return m;
 }
 inline Vec3 lane_direction(Direction d)
 {

@@ -16,24 +16,32 @@ namespace fathom {
 namespace {
 
 /// What this reader understands, wholly or as a near approximation.
-constexpr std::string_view known_extensions[] = {"KHR_lights_punctual",        "KHR_materials_emissive_strength",
-                                                 "KHR_materials_ior",          "KHR_materials_pbrSpecularGlossiness",
-                                                 "KHR_materials_transmission", "KHR_materials_unlit",
-                                                 "KHR_materials_volume",       "KHR_mesh_quantization",
-                                                 "KHR_node_visibility",        "KHR_texture_transform",
-                                                 "EXT_mesh_gpu_instancing",    "EXT_texture_webp",
-                                                 "EXT_meshopt_compression",    "KHR_meshopt_compression",
+constexpr std::string_view known_extensions[] = {"KHR_materials_anisotropy",
+                                                 "KHR_materials_clearcoat",
+                                                 "KHR_materials_diffuse_transmission",
+                                                 "KHR_materials_dispersion",
+                                                 "KHR_materials_sheen",
+                                                 "KHR_materials_iridescence",
+                                                 "KHR_materials_specular",
+                                                 "KHR_lights_punctual",
+                                                 "KHR_materials_emissive_strength",
+                                                 "KHR_materials_ior",
+                                                 "KHR_materials_pbrSpecularGlossiness",
+                                                 "KHR_materials_transmission",
+                                                 "KHR_materials_unlit",
+                                                 "KHR_materials_volume",
+                                                 "KHR_mesh_quantization",
+                                                 "KHR_node_visibility",
+                                                 "KHR_texture_transform",
+                                                 "EXT_mesh_gpu_instancing",
+                                                 "EXT_texture_webp",
+                                                 "EXT_meshopt_compression",
+                                                 "KHR_meshopt_compression",
                                                  "KHR_draco_mesh_compression"};
 
-/// What changes nothing in a picture, or leaves out a texture, which is said where it happens.
+/// What changes nothing in a picture, or may leave out a texture, which is said where it happens.
 constexpr std::string_view harmless_extensions[] = {"KHR_texture_basisu", "KHR_materials_variants", "KHR_xmp_json_ld",
                                                     "KHR_xmp", "KHR_animation_pointer"};
-
-/// What makes a surface look less like itself, and no more: no reason to refuse a file that requires it.
-constexpr std::string_view left_out_extensions[] = {
-    "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_diffuse_transmission",
-    "KHR_materials_dispersion", "KHR_materials_sheen",     "KHR_materials_iridescence",
-    "KHR_materials_specular"};
 
 template <std::size_t n>
 bool contains(const std::string_view (&names)[n], std::string_view name)
@@ -109,8 +117,7 @@ void GltfFile::check_extensions()
     const JsonValue& required = list("extensionsRequired");
     for (std::size_t i = 0; i < required.size(); ++i) {
         const std::string name = required[i].string();
-        if (!contains(known_extensions, name) && !contains(harmless_extensions, name) &&
-            !contains(left_out_extensions, name))
+        if (!contains(known_extensions, name) && !contains(harmless_extensions, name))
             required[i].fail(fmt::format("the file requires {}, which is not supported", printable(name)));
     }
     const JsonValue& used = list("extensionsUsed");

@@ -25,15 +25,30 @@ private:
         std::vector<float> weights;
     };
 
-    // gltf_material.cpp
+    // gltf_texture.cpp
     int image(const JsonValue& index);
     std::optional<int> texture_image(const JsonValue& texture);
     int texture(const JsonValue& info, ColorSpace color_space);
+
+    // gltf_material.cpp
     int material(const JsonValue& primitive, bool has_colors);
     Material read_material(const JsonValue& v);
     void read_metallic_roughness(const JsonValue& v, Material& m);
+
+    // gltf_layers.cpp
+    void read_layers(const JsonValue& extensions, Material& m);
     void read_specular_glossiness(const JsonValue& v, Material& m);
     void read_transmission(const JsonValue& extensions, Material& m);
+    void read_specular(const JsonValue& v, Material& m);
+    void read_coat(const JsonValue& v, Material& m);
+    void read_iridescence(const JsonValue& v, Material& m);
+    void read_anisotropy(const JsonValue& v, Material& m);
+    /// A number, or colour, with the texture that it is multiplied with.
+    FloatInput factor(const JsonValue& v, const char* factor, float otherwise, const char* texture_key, int channel);
+    ColorInput color(const JsonValue& v, const char* factor, Color otherwise, const char* texture_key);
+    /// A texture that goes from a to b.
+    int add_mix(Color a, Color b, FloatInput by);
+    static constexpr float mirror_ior = 10000;
 
     // gltf_mesh.cpp
     /// weights  of morph targets, if the node has its own

@@ -20,7 +20,7 @@ public:
         if (none(hits)) return;
         Surface s = surfaces_.read(hit, hits);
         const UInt material = surfaces_.material_of(s.shape, hits);
-        const MaterialPoint point = materials_.read(s, material, hits, hits);
+        const MaterialPoint point = materials_.read<false>(s, material, hits, hits);
         const Vec3 n = flip_sign(s.ns, -dot(hit.d, s.ng));
         const Float depth =
             dot(s.p - hit.o, Vec3(Float(camera_.forward[0]), Float(camera_.forward[1]), Float(camera_.forward[2])));

@@ -1,5 +1,6 @@
 #pragma once
 /// What the material at a surface is like: its parameters with textures applied, and the shading normal bent.
+#include "integrate/stages/layers.h"
 #include "integrate/stages/surface.h"
 #include "shading/closures/closure.h"
 
@@ -28,7 +29,8 @@ public:
         return e;
     }
 
-    /// Parameters of the material, and the shading normal bent by its normal map.
+    /// Parameters of the material, and the shading normal bent by its normal map. layered: those of layers, too.
+    template <bool layered>
     MaterialPoint read(Surface& s, UInt index, Mask entering, Mask m) const
     {
         MaterialPoint p;
@@ -45,8 +47,13 @@ public:
             p.base_color.c[c] = select(colored, p.base_color.c[c] * s.at.vertex_color[c], p.base_color.c[c]);
         const Mask textured = m & ((flags & UInt(MaterialRecord::textured)) != UInt(0));
         if (any(textured)) apply_textures(s, index, textured, p);
+        if constexpr (layered) LayersReader(t_, s, get(&MaterialRecord::layers, index, m), m).read(p.layers);
         const Mask bent = m & ((flags & UInt(MaterialRecord::normal_mapped)) != UInt(0));
-        if (any(bent)) bend_normal(s, index, bent);
+        if (any(bent)) {
+            const UInt texture = get(&MaterialRecord::normal_texture, index, bent);
+            const Float scale = get(&MaterialRecord::normal_scale, index, bent);
+            s.ns = TangentFrame(s).bend(evaluate_textures(t_, texture, s.at, bent), scale, bent);
+        }
         return p;
     }
 
@@ -62,29 +69,10 @@ private:
             const Mask has = m & (id != UInt(no_index));
             if (none(has)) return;
             const Texel t = evaluate_textures(t_, id, s.at, has);
-            const UInt c = get(channel, index, m);
-            const Float factor =
-                select(c == UInt(0), t.c[0], select(c == UInt(1), t.c[1], select(c == UInt(2), t.c[2], t.c[3])));
-            value = select(has, value * factor, value);
+            value = select(has, value * t.channel(get(channel, index, m)), value);
         };
         scalar(&MaterialRecord::roughness_texture, &MaterialRecord::roughness_channel, p.roughness);
         scalar(&MaterialRecord::metallic_texture, &MaterialRecord::metallic_channel, p.metallic);
-    }
-
-    void bend_normal(Surface& s, UInt index, Mask m) const
-    {
-        const Texel t = evaluate_textures(t_, get(&MaterialRecord::normal_texture, index, m), s.at, m);
-        const Float scale = get(&MaterialRecord::normal_scale, index, m);
-        const Float x = fma(t.c[0], Float(2), Float(-1)) * scale, y = fma(t.c[1], Float(2), Float(-1)) * scale,
-                    z = fma(t.c[2], Float(2), Float(-1));
-        // Gram-Schmidt: the tangent may not be perpendicular to the interpolated normal.
-        const Vec3 raw = s.tangent - s.ns * dot(s.tangent, s.ns);
-        const Mask known = m & (dot(raw, raw) > Float(1e-20f));
-        const Vec3 tangent = normalize(select(known, raw, Vec3(Float(1), Float(0), Float(0))));
-        const Vec3 bitangent = cross(s.ns, tangent) * s.bitangent_sign;
-        const Vec3 bent = fma(tangent, x, fma(bitangent, y, s.ns * z));
-        const Mask use = known & (dot(bent, bent) > Float(1e-12f));
-        s.ns = select(use, normalize(bent), s.ns);
     }
 
     const LaneScene& scene_;

@@ -1,5 +1,6 @@
 #pragma once
 #include "integrate/kernel.h"
+#include "integrate/stages/dispersion.h"
 #include "integrate/stages/light.h"
 #include "integrate/stages/scatter.h"
 #include "integrate/stages/shadow.h"
@@ -22,16 +23,16 @@ public:
     {
     }
 
-    /// Shades paths that are sorted by kind. kind_end: where each MaterialKind ends in the pool.
+    /// Shades paths that are sorted by kind. kind_end: where each ClosureKind ends in the pool.
     void run(PathPool& paths, const HitColumns& hits, const std::size_t* kind_end)
     {
         paths_ = &paths, hits_ = &hits;
         shadows_.clear();
         std::size_t begin = 0;
-        for (int kind = 0; kind < material_kind_count; ++kind) {
+        for (int kind = 0; kind < closure_kind_count; ++kind) {
             const std::size_t end = kind_end[kind];
             if (begin < end)
-                Closures::visit(MaterialKind(kind), [&]<class Closure>() {
+                Closures::visit(ClosureKind(kind), [&]<class Closure>() {
                     for (std::size_t i = begin; i < end; i += lanes) shade<Closure>(i, first_lanes(end - i));
                 });
             begin = end;
@@ -58,9 +59,10 @@ private:
                              hits_->primitive.load(i), scene_.is_flat ? UInt(no_index) : hits_->instance.load(i)};
         MediumStack media;
         if (scene_.tracks_media) media = p.media.load(i);
-        const ShadingPoint at =
+        ShadingPoint at =
             read_shading_point<Closure>(surfaces_, materials_, hit, scene_.tracks_media ? &media : nullptr, valid);
-        const Spectrum throughput = p.throughput.load(i);
+        Spectrum throughput = p.throughput.load(i);
+        if constexpr (Closure::is_layered && Closure::transmits) choose_channel(key, seed, at.material, throughput);
         const Closure closure(at.material);
         if (lights_are_sampled_) sample_light<Closure>(i, valid, closure, at, key, seed, index, throughput, time);
 

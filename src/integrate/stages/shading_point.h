@@ -82,6 +82,14 @@ inline void find_media(const MaterialReader& materials, Mask m, ShadingPoint& at
     at.material.ior = select(solid, at.material.ior / boundary.other_ior, at.material.ior);
 }
 
+/// The directions that layers have of their own, into the frame of the shading normal; wo is on the side of ng.
+inline void turn_layers(const Frame& frame, const Vec3& wo, const Vec3& ng, Float facing, LayersPoint& layers)
+{
+    if (layers.has(LayersRecord::anisotropic)) layers.tangent = frame.to_local(layers.tangent);
+    if (layers.has(LayersRecord::with_coat))
+        layers.coat_normal = frame.to_local(bend_to_mirror(wo, ng, flip_sign(layers.coat_normal, facing)));
+}
+
 /// Directions that rounding put below the horizon come back above it.
 inline Vec3 upper(Vec3 w)
 {
@@ -102,7 +110,7 @@ template <class Closure>
     at.d = hit.d;
     const Float facing = -dot(hit.d, s.ng);
     at.inside = facing <= Float(0);
-    at.material = materials.read(s, at.material_index, facing > Float(0), m);
+    at.material = materials.read<Closure::is_layered>(s, at.material_index, facing > Float(0), m);
     at.p = s.p, at.offset = s.offset;
     at.ng = flip_sign(s.ng, facing);
     Vec3 ns = flip_sign(s.ns, facing);
@@ -120,6 +128,7 @@ template <class Closure>
         ns = select(dot(hit.d, ns) < Float(-1e-4f), ns, at.ng);
     }
     at.frame = Frame(ns);
+    if constexpr (Closure::is_layered) detail::turn_layers(at.frame, -hit.d, at.ng, facing, at.material.layers);
     at.wo = detail::upper(at.frame.to_local(-hit.d));
     return at;
 }

@@ -173,7 +173,7 @@ private:
     Vec3 uv_tangent(Vec3 e1, Vec3 e2, const UInt* vertex, Mask m, Float& sign) const
     {
         Vec3 tangent(Float(0), Float(0), Float(0));
-        if (none(m) || !scene_.normal_mapped) return tangent;
+        if (none(m) || !scene_.wants_tangents) return tangent;
         const auto* base = reinterpret_cast<const float*>(t_.uv0.data());
         Float u[3], v[3];
         for (int k = 0; k < 3; ++k) {

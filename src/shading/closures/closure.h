@@ -3,18 +3,19 @@
 /// surface; wo.z > 0: frames are turned to the side that the path is on.
 ///
 /// A closure is a class with
-///     static constexpr MaterialKind kind     whose materials scatter so
+///     static constexpr ClosureKind kind      whose materials scatter so
 ///     static constexpr bool transmits        whether light passes to the other side
 ///     static constexpr bool is_glossy        whether most goes in or near the mirror direction, which shading normals
 ///                                            must not put below the surface then
+///     static constexpr bool is_layered       whether MaterialPoint::layers are read for it
 ///     explicit Closure(const MaterialPoint&)
 ///     BsdfEval eval(wo, wi)                  what part of the light from wi goes to wo, times the cosine, and the
 ///                                            density of sampling wi
 ///     BsdfSample sample(wo, u, u1)           a direction with its weight, f_cos / pdf
 ///     Mask has_smooth()                      lanes with anything but delta lobes, for which lights are sampled
 /// Delta lobes have a weight, and neither f_cos nor pdf.
-#include "fathom/description.h"
 #include "sampling/warp.h"
+#include "shading/records.h"
 #include "shading/spectrum.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -31,12 +32,34 @@ struct BsdfSample {
     Float eta;  ///< index beyond over index before where the path is refracted, else 1
 };
 
+/// What a surface of layers has beside: see LayersRecord, and Material of the description.
+struct LayersPoint {
+    std::uint32_t features = 0;  ///< LayersRecord::Features that any lane has; numbers of others need not be set
+    Float specular{1}, compensation{1};  ///< compensation: 1 or 0
+    Spectrum specular_color{Float(1)}, edge_color{Float(1)};
+    Float anisotropy{0};
+    Vec3 tangent;  ///< of the anisotropy; while the surface is read in the space of the scene, then in the frame
+    Float diffuse_roughness{0};
+    Float transmission{0}, diffuse_transmission{0};
+    Spectrum transmission_color, diffuse_transmission_color;
+    Float dispersion{0};
+    Float coat{0}, coat_roughness{0}, coat_f0, coat_inner, coat_darkening;
+    Spectrum coat_color;
+    Vec3 coat_normal;  ///< as the tangent
+    Spectrum sheen_color;
+    Float sheen_roughness;
+    Float thin_film{0}, thin_film_thickness, thin_film_ior;
+
+    bool has(LayersRecord::Features feature) const { return (features & feature) != 0; }
+};
+
 /// The parameters of a surface's material, textures applied.
 struct MaterialPoint {
     Spectrum base_color;
     Float roughness, metallic, ior, fuzz;
-    Mask entering;  ///< the path comes from the side of the geometric normal
-    Mask thin;      ///< glass: a sheet without thickness
+    Mask entering;       ///< the path comes from the side of the geometric normal
+    Mask thin;           ///< glass: a sheet without thickness
+    LayersPoint layers;  ///< for closures that are layered
 };
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -3,6 +3,7 @@
 #include "shading/closures/diffuse.h"
 #include "shading/closures/fuzz_metal.h"
 #include "shading/closures/glass.h"
+#include "shading/closures/layered.h"
 #include "shading/closures/metal.h"
 #include "shading/closures/principled.h"
 
@@ -10,19 +11,17 @@ namespace fathom::inline FATHOM_LANES {
 
 template <class... Closure>
 struct ClosureList {
-    static constexpr bool contains(MaterialKind kind) { return ((Closure::kind == kind) || ...); }
-    static constexpr bool transmits(MaterialKind kind)
-    {
-        return ((Closure::kind == kind && Closure::transmits) || ...);
-    }
+    static constexpr bool contains(ClosureKind kind) { return ((Closure::kind == kind) || ...); }
+    static constexpr bool transmits(ClosureKind kind) { return ((Closure::kind == kind && Closure::transmits) || ...); }
     /// Calls f.template operator()<Closure>() for the closure of a kind, if it has one.
     template <class F>
-    static void visit(MaterialKind kind, F&& f)
+    static void visit(ClosureKind kind, F&& f)
     {
         ((Closure::kind == kind ? f.template operator()<Closure>() : void()), ...);
     }
 };
 
-using Closures = ClosureList<DiffuseBsdf, MetalBsdf, FuzzMetalBsdf, GlassBsdf, PrincipledBsdf>;
+using Closures = ClosureList<DiffuseBsdf, MetalBsdf, FuzzMetalBsdf, GlassBsdf, PrincipledBsdf, LayeredBsdf<false>,
+                             LayeredBsdf<true>>;
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -7,9 +7,10 @@ namespace fathom::inline FATHOM_LANES {
 /// multiply scattered part makes up for what single scattering loses. Sampled by the cosine.
 class DiffuseBsdf {
 public:
-    static constexpr MaterialKind kind = MaterialKind::diffuse;
+    static constexpr ClosureKind kind = ClosureKind::diffuse;
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = false;
+    static constexpr bool is_layered = false;
 
     explicit DiffuseBsdf(const MaterialPoint& m) : color_(m.base_color), r_(m.roughness)
     {

@@ -10,9 +10,10 @@ namespace fathom::inline FATHOM_LANES {
 /// lies on a ray, weighted by r^2. So lights can be sampled too, and the look is the original's exactly.
 class FuzzMetalBsdf {
 public:
-    static constexpr MaterialKind kind = MaterialKind::fuzz_metal;
+    static constexpr ClosureKind kind = ClosureKind::fuzz_metal;
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = true;
+    static constexpr bool is_layered = false;
 
     explicit FuzzMetalBsdf(const MaterialPoint& m) : color_(m.base_color), fuzz_(clamp(m.fuzz, Float(0), Float(1)))
     {

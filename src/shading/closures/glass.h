@@ -18,9 +18,10 @@ inline Vec3 refract(Vec3 wo, Vec3 h, Float cos_o, Float cos_t, Float eta)
 /// between them (r, t r t, t r^3 t, ...) make 2 r / (1 + r). Scaled for multiple scattering, as the metal is.
 class GlassBsdf {
 public:
-    static constexpr MaterialKind kind = MaterialKind::glass;
+    static constexpr ClosureKind kind = ClosureKind::glass;
     static constexpr bool transmits = true;
     static constexpr bool is_glossy = true;
+    static constexpr bool is_layered = false;
 
     explicit GlassBsdf(const MaterialPoint& m)
         : roughness_(m.roughness),

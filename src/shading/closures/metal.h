@@ -8,9 +8,10 @@ namespace fathom::inline FATHOM_LANES {
 /// (Turquin 2019, "Practical multiple scattering compensation for microfacet models"). Below min_alpha a mirror.
 class MetalBsdf {
 public:
-    static constexpr MaterialKind kind = MaterialKind::metal;
+    static constexpr ClosureKind kind = ClosureKind::metal;
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = true;
+    static constexpr bool is_layered = false;
 
     explicit MetalBsdf(const MaterialPoint& m)
         : color_(m.base_color), roughness_(m.roughness), ggx_{max(m.roughness * m.roughness, Float(min_alpha))}

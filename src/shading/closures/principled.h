@@ -11,9 +11,10 @@ namespace fathom::inline FATHOM_LANES {
 /// angles).
 class PrincipledBsdf {
 public:
-    static constexpr MaterialKind kind = MaterialKind::principled;
+    static constexpr ClosureKind kind = ClosureKind::principled;
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = true;
+    static constexpr bool is_layered = false;
 
     explicit PrincipledBsdf(const MaterialPoint& m)
         : roughness_(m.roughness),
@@ -62,7 +63,7 @@ private:
     /// Directional albedo of the specular layer, by the tables.
     Float layer_albedo(Float cosine) const
     {
-        const Float e = ggx_albedo(cosine, roughness_), w = ggx_lookup(ggx_schlick_table, cosine, roughness_);
+        const Float e = ggx_albedo(cosine, roughness_), w = albedo_lookup(ggx_schlick_table, cosine, roughness_);
         const Float once = fma(dielectric_f0_, e - w, w);
         return clamp(once * fma(dielectric_f0_, (Float(1) - e) / e, Float(1)), Float(0), Float(1));
     }

@@ -12,6 +12,12 @@ namespace fathom::inline FATHOM_LANES {
 
 struct Texel {
     Float c[4];
+
+    /// 0 red to 3 alpha, for each lane its own.
+    Float channel(UInt i) const
+    {
+        return select(i == UInt(0), c[0], select(i == UInt(1), c[1], select(i == UInt(2), c[2], c[3])));
+    }
 };
 
 /// Where a texture is looked up.

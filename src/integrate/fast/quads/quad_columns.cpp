@@ -37,7 +37,7 @@ void QuadColumns::build(const SceneTables& tables, bool sheared)
         const MaterialRecord& material = tables.materials[shape.material];
         // Emission is on the side of the front as the scene says, which a mirroring transform swaps.
         const bool flipped = (shape.flags & ShapeRecord::flipped) != 0;
-        std::uint32_t flags = MaterialKind(material.kind) == MaterialKind::diffuse ? std::uint32_t(scatters) : 0u;
+        std::uint32_t flags = material.closure == ClosureKind::diffuse ? std::uint32_t(scatters) : 0u;
         const bool emits = material.flags & MaterialRecord::emits,
                    two_sided = material.flags & MaterialRecord::two_sided_emission;
         if (emits && (two_sided || !flipped)) flags |= emits_front;

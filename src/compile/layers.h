@@ -1,0 +1,22 @@
+#pragma once
+/// Materials of layers, as the kernel reads them.
+#include "fathom/description.h"
+#include "shading/records.h"
+
+namespace fathom {
+
+inline Rgb spectrum(Color c)
+{
+    return {c.r, c.g, c.b};
+}
+inline std::uint32_t texture_id(int index)
+{
+    return index < 0 ? no_index : std::uint32_t(index);
+}
+
+/// The simplest closure that does all that a principled material asks for.
+ClosureKind closure_of_layers(const Material& m);
+
+LayersRecord compile_layers(const Material& m);
+
+}  // namespace fathom

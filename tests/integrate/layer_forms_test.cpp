@@ -1,0 +1,224 @@
+#include <functional>
+
+#include "picture_helpers.h"
+
+// What textures, normals and tangents do to surfaces of layers, by arithmetic: a square under one distant light.
+namespace fathom {
+namespace {
+
+using namespace test;
+
+constexpr double pi = std::numbers::pi;
+
+/// Of a square in the plane z = 0 whose tangent is +x and whose normal is +z.
+struct Shown {
+    Vec3d to_eye = normalize(Vec3d{0.5, -0.3, 1});
+    Vec3d to_light = normalize(Vec3d{-0.2, 0.6, 0.8});
+
+    /// The radiance that a light of 1 lux makes of it: f cos.
+    Color of(const std::function<void(Material&, SceneBuilder&)>& furnish) const
+    {
+        SceneBuilder b;
+        b.camera(to_eye * 4, {0, 0, 0});
+        b.scene.cameras[0].kind = CameraKind::orthographic;
+        b.scene.cameras[0].height = 0.1;
+        Material m;
+        m.kind = MaterialKind::principled;
+        m.roughness = {0.5f, -1, 1};
+        furnish(m, b);
+        b.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, b.material(m));
+        Light sun;
+        sun.kind = LightKind::directional;
+        sun.intensity = {1, 1, 1};
+        b.light(sun, shining(to_light * -1));
+        const Image image = render_film(b.scene, small_picture(1, 1), 1).image(false, false);
+        const auto& p = image.layers[0].pixels;
+        return {p[0], p[1], p[2]};
+    }
+};
+
+int constant(SceneBuilder& b, Color c)
+{
+    Texture t;
+    t.kind = TextureKind::checker_uv;
+    t.color_a.value = t.color_b.value = c;
+    b.scene.textures.push_back(t);
+    return int(b.scene.textures.size()) - 1;
+}
+
+void expect_equal(const Color& a, const Color& b, const std::string& what)
+{
+    EXPECT_NEAR(a.r, b.r, 1e-4 * b.r + 1e-7) << what;
+    EXPECT_NEAR(a.g, b.g, 1e-4 * b.g + 1e-7) << what;
+    EXPECT_NEAR(a.b, b.b, 1e-4 * b.b + 1e-7) << what;
+}
+
+/// Something of everything, so that each parameter matters.
+void furnish_all(Material& m)
+{
+    m.base_color.value = {0.6f, 0.5f, 0.4f};
+    m.metallic.value = 0.4f;
+    m.specular.value = 0.8f, m.specular_color.value = {0.9f, 0.8f, 0.7f}, m.edge_color.value = {0.8f, 0.7f, 0.9f};
+    m.anisotropy.value = 0.6f;
+    m.diffuse_roughness.value = 0.5f;
+    m.transmission.value = 0.3f, m.transmission_color.value = {0.9f, 0.6f, 0.8f};
+    m.diffuse_transmission.value = 0.6f, m.diffuse_transmission_color.value = {0.7f, 0.9f, 0.5f};
+    m.thin = true;
+    m.coat.value = 0.7f, m.coat_roughness.value = 0.4f, m.coat_color.value = {0.9f, 0.8f, 0.6f};
+    m.sheen_color.value = {0.3f, 0.5f, 0.4f}, m.sheen_roughness.value = 0.6f;
+    m.thin_film.value = 0.5f, m.thin_film_thickness.value = 350;
+}
+
+/// A number times a channel of a texture is that product; and it matters.
+TEST(LayerForms, NumbersHaveTextures)
+{
+    const std::pair<const char*, FloatInput Material::*> numbers[] = {
+        {"specular", &Material::specular},
+        {"anisotropy", &Material::anisotropy},
+        {"transmission", &Material::transmission},
+        {"diffuse_transmission", &Material::diffuse_transmission},
+        {"diffuse_roughness", &Material::diffuse_roughness},
+        {"coat", &Material::coat},
+        {"coat_roughness", &Material::coat_roughness},
+        {"sheen_roughness", &Material::sheen_roughness},
+        {"thin_film", &Material::thin_film},
+        {"thin_film_thickness", &Material::thin_film_thickness}};
+    for (const auto& [name, member] : numbers)
+        for (int channel = 0; channel < 3; ++channel) {
+            const float factors[] = {0.5f, 0.75f, 0.625f};
+            const auto render = [&](float times, bool textured) {
+                return Shown().of([&](Material& m, SceneBuilder& b) {
+                    furnish_all(m);
+                    FloatInput& input = m.*member;
+                    input.value *= times;
+                    input.channel = channel;
+                    if (textured) input.texture = constant(b, {0.5f, 0.75f, 0.625f});
+                });
+            };
+            const Color textured = render(1, true), plain = render(factors[channel], false), whole = render(1, false);
+            expect_equal(textured, plain, name);
+            EXPECT_GT(std::abs(whole.g - plain.g), 1e-4 * plain.g) << name << " changes nothing";
+        }
+}
+TEST(LayerForms, ColoursHaveTextures)
+{
+    const std::pair<const char*, ColorInput Material::*> colors[] = {
+        {"specular_color", &Material::specular_color},
+        {"edge_color", &Material::edge_color},
+        {"transmission_color", &Material::transmission_color},
+        {"diffuse_transmission_color", &Material::diffuse_transmission_color},
+        {"coat_color", &Material::coat_color},
+        {"sheen_color", &Material::sheen_color}};
+    for (const auto& [name, member] : colors) {
+        Shown shown;
+        const bool is_beyond = std::string(name).find("transmission") != std::string::npos;
+        if (is_beyond) shown.to_light = normalize(Vec3d{-0.4, 0.3, -0.8});
+        const auto render = [&](Color times, bool textured) {
+            return shown.of([&](Material& m, SceneBuilder& b) {
+                furnish_all(m);
+                ColorInput& input = m.*member;
+                input.value = {input.value.r * times.r, input.value.g * times.g, input.value.b * times.b};
+                if (textured) input.texture = constant(b, {0.5f, 0.75f, 0.25f});
+            });
+        };
+        const Color textured = render({1, 1, 1}, true), plain = render({0.5f, 0.75f, 0.25f}, false),
+                    whole = render({1, 1, 1}, false);
+        expect_equal(textured, plain, name);
+        EXPECT_GT(std::abs(whole.r - plain.r), 1e-4 * plain.r) << name << " changes nothing";
+    }
+}
+
+/// Diffuse transmission: of light from behind, Lambert's share.
+TEST(LayerForms, DiffuseTransmissionOfLightFromBehind)
+{
+    Shown shown;
+    shown.to_light = normalize(Vec3d{-0.3, 0.4, -0.9});
+    const Color c = shown.of([&](Material& m, SceneBuilder&) {
+        m.specular.value = 0;
+        m.diffuse_transmission.value = 0.4f, m.diffuse_transmission_color.value = {0.9f, 0.5f, 0.2f};
+    });
+    const double lambert = 0.4 * -shown.to_light.z / pi;
+    expect_equal(c, {float(0.9 * lambert), float(0.5 * lambert), float(0.2 * lambert)}, "from behind");
+}
+
+/// GGX with the height-correlated masking term, of alphas along t and b; f0 by Schlick. f times the cosine.
+double ggx(Vec3d n, Vec3d t, Vec3d b, double along, double across, double f0, Vec3d o, Vec3d l)
+{
+    const Vec3d h = normalize(o + l);
+    const double x = dot(t, h) / along, y = dot(b, h) / across, z = dot(n, h);
+    const double d = 1 / (pi * along * across * std::pow(x * x + y * y + z * z, 2));
+    const auto lambda = [&](Vec3d w) {
+        const double s = std::pow(along * dot(t, w), 2) + std::pow(across * dot(b, w), 2);
+        return 0.5 * (std::sqrt(1 + s / std::pow(dot(n, w), 2)) - 1);
+    };
+    const double f = f0 + (1 - f0) * std::pow(1 - dot(o, h), 5);
+    return f * d / (1 + lambda(o) + lambda(l)) / (4 * dot(n, o));
+}
+
+/// A coat has its own normal map, which the base's does not bend, nor it the base.
+TEST(LayerForms, CoatHasItsOwnNormal)
+{
+    const Vec3d n = normalize(Vec3d{0.3, 0.2, 1});
+    for (const bool base_is_bent : {false, true}) {
+        const Shown shown;
+        const Color c = shown.of([&](Material& m, SceneBuilder& b) {
+            m.base_color.value = {0, 0, 0};
+            m.specular.value = 0;
+            m.coat.value = 0.75f, m.coat_roughness.value = 0.5f;
+            m.coat_normal_texture = constant(b, {float(0.5 + n.x / 2), float(0.5 + n.y / 2), float(0.5 + n.z / 2)});
+            if (base_is_bent) m.normal_texture = constant(b, {0.4f, 0.6f, 0.9f});
+        });
+        const Vec3d t = normalize(cross({0, 1, 0}, n)), b = cross(n, t);
+        const double f = 0.75 * ggx(n, t, b, 0.25, 0.25, 0.04, shown.to_eye, shown.to_light);
+        EXPECT_NEAR(c.g, f, 2e-3 * f) << "base bent: " << base_is_bent;
+    }
+}
+/// Anisotropy lies along the tangent, turned towards the bitangent; a map's direction is turned with it.
+TEST(LayerForms, AnisotropyHasADirection)
+{
+    for (const double angle : {0.0, 0.6, -1.1})
+        for (const double mapped : {0.0, 0.8}) {
+            const Shown shown;
+            const Color c = shown.of([&](Material& m, SceneBuilder& b) {
+                m.base_color.value = {0.3f, 0.3f, 0.3f};
+                m.metallic.value = 1;
+                m.energy_compensation = false;
+                m.anisotropy.value = 0.8f;
+                m.anisotropy_rotation = angle;
+                if (mapped != 0)
+                    m.anisotropy_texture =
+                        constant(b, {float(0.5 + std::cos(mapped) / 2), float(0.5 + std::sin(mapped) / 2), 1});
+            });
+            const double a = angle + mapped;
+            const Vec3d t{std::cos(a), std::sin(a), 0}, b{-std::sin(a), std::cos(a), 0};
+            const double along = 0.25 + 0.75 * 0.64;
+            const double f = ggx({0, 0, 1}, t, b, along, 0.25, 0.3, shown.to_eye, shown.to_light);
+            EXPECT_NEAR(c.g, f, 2e-3 * f) << "angle " << angle << ", mapped " << mapped;
+        }
+}
+
+/// A solid of which half is refracted still absorbs on the way, and a white one keeps all light.
+TEST(LayerForms, FurnaceOfSolids)
+{
+    for (const float share : {0.5f, 1.0f})
+        for (const float dispersion : {0.0f, 5.0f}) {
+            SceneBuilder b;
+            b.camera({0, 0, 4}, {0, 0, 0}, 20);
+            Material m;
+            m.kind = MaterialKind::principled;
+            m.base_color.value = {1, 1, 1};
+            m.roughness.value = 0.05f;
+            m.transmission.value = share;
+            m.dispersion = dispersion;
+            m.specular.value = share == 1 ? 0.999f : 1;  // so that it is no plain glass
+            b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(m));
+            b.scene.environment.kind = EnvironmentKind::constant;
+            b.scene.environment.color = {1, 1, 1};
+            RenderSettings settings = small_picture(16, 16);
+            settings.max_depth = 2000;
+            expect_mean(render_film(b.scene, settings, 256), 1, 0.006);
+        }
+}
+
+}  // namespace
+}  // namespace fathom
