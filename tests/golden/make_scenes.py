@@ -165,6 +165,22 @@ def materials():
     write("glass-thin", scene=with_material(kind="glass", thin=True, color=[0.5, 0.8, 0.9], roughness=0.2))
     write("principled", scene=with_material(kind="principled", color=[0.7, 0.2, 0.1], roughness=0.3, ior=1.6) + [LAMP])
     write("principled-metal", scene=with_material(kind="principled", color=[0.7, 0.5, 0.1], roughness=0.5, metallic=0.7) + [LAMP])
+    principled = {"kind": "principled", "color": [0.7, 0.3, 0.2], "roughness": 0.4}
+    write("layers-sheen-coat", scene=with_material(
+        **principled, sheen_color=[0.3, 0.4, 0.6], sheen_roughness={"texture": {"image": "channels.png"}, "channel": "g"}, coat=0.8,
+        coat_roughness=0.15, coat_color=[0.9, 0.8, 0.7], coat_normal_map={"image": "bumps.png", "uv_scale": [4, 4]}, diffuse_roughness=0.5) +
+        [LAMP])
+    write("layers-film-anisotropy", scene=with_material(
+        **principled, metallic=0.6, edge_color=[0.8, 0.9, 1], thin_film=0.8, thin_film_thickness=450, specular=0.7,
+        specular_color=[1.5, 1, 0.5], anisotropy=0.8, anisotropy_rotation=30, anisotropy_map={"image": "bumps.png"},
+        energy_compensation=False) + [LAMP])
+    write("layers-solid", scene=with_material(
+        **principled, transmission={"texture": {"image": "channels.png"}, "channel": "r", "value": 0.9}, transmission_color=[0.8, 0.9, 1],
+        dispersion=4, attenuation_color=[0.5, 0.9, 0.7], attenuation_distance=1) + [LAMP])
+    write("layers-sheet", scene=wall(**principled, transmission=0.5, thin=True, diffuse_transmission=0.6,
+                                     diffuse_transmission_color=[0.3, 0.9, 0.4]) + [{"sphere": {"center": [0, 0.6, -0.8], "radius": 0.5}}])
+    write("single-sided", scene=[FLOOR, LAMP, BALL, {"material": {"color": [0.2, 0.3, 0.8], "single_sided": True}, "mesh": {
+        "positions": [[-0.8, 0, 1], [1, 0, 1], [0, 1.3, 1], [0.4, 1.5, 1], [1.2, 1.6, 1], [0.8, 0.5, 1]], "indices": [[0, 2, 1], [3, 5, 4]]}}])
     write("unlit-and-emission", scene=with_material(color=0.2, emission=[0.4, 0.1, 0.2]) + [
         {"material": {"kind": "unlit", "color": [0.2, 0.8, 0.4]}, "disk": {"center": [1, 0.6, 0.6], "normal": [0, 0, 1], "radius": 0.4}},
         {"material": {"kind": "none", "emission": [1, 2, 3], "emission_two_sided": True},
