@@ -59,7 +59,7 @@ struct WriteOptions {
     int png_bits = 8;       ///< 8 or 16
     bool exr_half = false;  ///< half for the layers of colours that fit; ids, distances and variances stay float
     int jpeg_quality = 95;
-    std::optional<int> webp_quality;  ///< 1 to 100; none: lossless
+    std::optional<int> webp_quality = {};  ///< 1 to 100; none: lossless
 };
 
 /// Throws Error, before anything is rendered, if the extension names no format that can be written, if the format can't

@@ -307,6 +307,37 @@ TEST(Layered, CoatDarkensByGeometricSeries)
     EXPECT_NEAR(first(Opaque(m).eval(outgoing(20), outgoing(60)).f_cos.c[0]) / with, 0.25, 2e-2);
 }
 
+/// A solid takes its colour of light that went in and out: the root of it at each boundary. A sheet takes it at once.
+TEST(Layered, ColourOfWhatIsRefracted)
+{
+    for (const bool thin : {false, true})
+        for (const bool entering : {true, false}) {
+            MaterialPoint m = with_transmission(layers(1, 0.5f), 0.7f, thin, entering);
+            const Vec3 wo = outgoing(20), down = -outgoing(30);
+            const float white = first(Passing(m).eval(wo, down).f_cos.c[0]);
+            m.layers.transmission_color = grey(0.25f);
+            EXPECT_GT(white, 0.01f);
+            EXPECT_NEAR(first(Passing(m).eval(wo, down).f_cos.c[0]) / white, thin ? 0.25 : 0.5, 1e-5);
+        }
+}
+/// Coat, sheen and film are on the outside of a solid, and change nothing within.
+TEST(Layered, OuterLayersAreOutside)
+{
+    for (const bool entering : {true, false}) {
+        const MaterialPoint m = with_transmission(layers(1, 0.5f), 0.7f, false, entering);
+        MaterialPoint more = with_film(with_sheen(with_coat(m, 1, 0.4f), 0.7f, 0.5f), 1);
+        more.layers.coat_color = grey(0.5f);
+        for (const Vec3 wi : {outgoing(35), -outgoing(35)}) {
+            const float without = first(Passing(m).eval(outgoing(20), wi).f_cos.c[0]),
+                        with = first(Passing(more).eval(outgoing(20), wi).f_cos.c[0]);
+            if (entering)
+                EXPECT_GT(std::abs(with - without), 0.02f * without);
+            else
+                EXPECT_NEAR(with, without, 1e-5f * without);
+        }
+    }
+}
+
 /// A metal's reflectance at 82 degrees is Schlick's times the edge's colour; at 0 it is its colour.
 TEST(Layered, EdgeColour)
 {
