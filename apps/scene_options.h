@@ -26,6 +26,7 @@ struct SceneOptions {
     std::optional<Vec3d> look_from, look_at, up;
     std::optional<double> fov_deg;
     std::optional<std::pair<double, double>> orbit_deg;  ///< azimuth, elevation
+    bool turntable = false;                              ///< frame the whole scene for a camera that goes around it
     std::filesystem::path environment;
     double environment_turn_deg = 0;
     std::optional<double> environment_strength;
@@ -52,6 +53,7 @@ struct LoadedScene {
     TreeBuild build = TreeBuild::standard;  ///< the option's, the scene's, or this
     std::optional<AnimationPlayer> player;  ///< if there is a time
     std::string note;                       ///< what else the file could show; may be empty
+    Vec3d middle;                           ///< of what a turntable turns
     std::optional<std::string> moved_from;  ///< the camera that the options made another one of, `camera`
 };
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings);
@@ -62,6 +64,8 @@ SceneEdit take_edit(LoadedScene& loaded, const SceneOptions& options);
 LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, Warnings& warnings);
 /// Brings it to another time.
 void set_time(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s);
+/// The camera after this share of a turn of a turntable: counter-clockwise, seen from above.
+Camera turned_camera(const Camera& camera, const LoadedScene& loaded, double share);
 
 extern const std::vector<std::string> tree_build_names;  ///< by TreeBuild
 
