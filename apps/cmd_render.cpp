@@ -471,7 +471,7 @@ int run_render(RenderOptions& o, Reporter& reporter)
     std::optional<SceneEdit> edit;
     LitScene lit = [&] {
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
-        return compile_loaded(edit.emplace(take_edit(loaded, o.scene)), loaded, o.scene, warnings);
+        return compile_loaded(edit.emplace(take_edit(loaded, o.scene)), loaded, o.scene, plan.settings, warnings);
     }();
     // The description is needed for further frames alone.
     if (o.frames.size() < 2 || o.turntable > 0) edit.reset();

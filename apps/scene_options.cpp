@@ -263,6 +263,15 @@ void add_scene_options(Command& command, SceneOptions& options)
         options.to_sun = parse_vector(text);
         if (!(length(*options.to_sun) > 0)) throw UsageError("expected a direction, found 0,0,0");
     });
+    command.add_value("--ground", "shadow|none|COLOUR",
+                      "a floor under the model: one that looks as the backdrop but for the model's shadow (default for "
+                      "models that only a studio lights, seen from above and outside), none, or one of this colour",
+                      [&](const std::string& text) {
+                          options.ground = text == "none"     ? GroundChoice::none
+                                           : text == "shadow" ? GroundChoice::shadow
+                                                              : GroundChoice::color;
+                          if (options.ground == GroundChoice::color) options.ground_color = parse_colour(text);
+                      });
     command.add_value("--build", "fast|default|high|compact",
                       "the tree of the scene: the same picture, sooner begun, sooner done, or in a third less memory, "
                       "for tens of millions of triangles",
@@ -356,11 +365,34 @@ SceneEdit take_edit(LoadedScene& loaded, const SceneOptions& options)
     return SceneEdit(std::move(loaded.description), loaded.camera, loaded.build);
 }
 
-LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, Warnings& warnings)
+namespace {
+
+std::optional<Ground> ground_for(const SceneDescription& scene, const LoadedScene& loaded, const SceneOptions& options,
+                                 const RenderSettings& settings)
+{
+    if (options.ground == GroundChoice::shadow && settings.alpha)
+        throw UsageError(
+            "--ground shadow, --background transparent: a floor looks as a backdrop that is there; leave out one of "
+            "both, or give the floor a colour");
+    if (options.ground == GroundChoice::none || (options.ground == GroundChoice::automatic && settings.alpha))
+        return {};
+    Ground ground;
+    if (options.ground == GroundChoice::color) ground.color = options.ground_color;
+    ground.only_where_it_fits = options.ground == GroundChoice::automatic;
+    ground.backdrop = settings.background.value_or(studio_backdrop);
+    if (loaded.player) ground.bounds = world_bounds(scene, *loaded.player);
+    return ground;
+}
+
+}  // namespace
+
+LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options,
+                        const RenderSettings& settings, Warnings& warnings)
 {
     if (options.light == LightChoice::studio && !options.environment.empty())
         throw UsageError("--light studio, --env: one of both lights the scene");
-    return compile_lit(edit, options.light, double(loaded.size.width) / loaded.size.height, warnings);
+    return compile_lit(edit, options.light, double(loaded.size.width) / loaded.size.height, warnings,
+                       ground_for(edit.description(), loaded, options, settings));
 }
 
 void set_time(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s)

@@ -12,6 +12,8 @@
 
 namespace fathom::cli {
 
+enum class GroundChoice { automatic, none, shadow, color };
+
 /// What scene is meant, and from where it is seen.
 struct SceneOptions {
     std::filesystem::path file;
@@ -34,6 +36,8 @@ struct SceneOptions {
     bool sky = false, sun = false;  ///< instead of all other light; the sun with its sky
     std::optional<double> sun_elevation_deg, sun_azimuth_deg;
     std::optional<Vec3d> to_sun;
+    GroundChoice ground = GroundChoice::automatic;
+    Color ground_color;
     std::optional<Size> size;
     std::optional<TreeBuild> build;
 };
@@ -61,7 +65,10 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings);
 /// The scene to compile, and to change for further pictures. The description is used up.
 SceneEdit take_edit(LoadedScene& loaded, const SceneOptions& options);
 /// Compiles it, with light.
-LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, Warnings& warnings);
+///
+/// settings  what is behind the scene: the ground goes over into it
+LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options,
+                        const RenderSettings& settings, Warnings& warnings);
 /// Brings it to another time.
 void set_time(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s);
 /// The camera after this share of a turn of a turntable: counter-clockwise, seen from above.

@@ -712,6 +712,19 @@ class CommandLine(unittest.TestCase):
         self.refused(1, "render", "walk.json", "--at", "1", "--animation", "strid", words=["there is no animation 'strid'"])
         self.refused(1, "render", "box.json", "--at", "1", words=["there is no animation"])
 
+    def test_ground(self):
+        def words(*options, command="box.json"):
+            return self.ok("render", command, "--spp", "1", *options).stderr
+        self.assertIn("ground where it fits of 0.55", words())
+        self.assertIn("ground where it fits of 0.25", words("--background", "0.25"))
+        self.assertIn("ground of 0.55", words("--ground", "shadow"))
+        self.assertIn("ground of 0.75", words("--ground", "0.5,0.75,1", "--background", "0.25"))
+        self.assertNotIn("ground", words("--ground", "none"))
+        self.assertNotIn("ground", words("--background", "transparent"))
+        self.assertIn("ground of 0.25", words("--ground", "0.25", "--background", "transparent"))
+        self.refused(2, "render", "box.json", "--ground", "shadow", "--background", "transparent", words=["--ground", "--background"])
+        self.refused(2, "render", "box.json", "--ground", "shade", words=["--ground", "shade"])
+
     def test_turntable(self):
         """Pictures from all around, of a scene that is compiled once."""
         before = set(os.listdir(self.folder))
@@ -776,7 +789,7 @@ class CommandLine(unittest.TestCase):
             self.skipTest("no program given")
         with open(self.path("model.gltf"), "w") as file:
             json.dump(walking_model(), file)
-        for options in ([], ["--orbit", "20,30"], ["--fov", "50"], ["--light", "file"], ["--shutter", "0.5"]):
+        for options in ([], ["--orbit", "20,30"], ["--fov", "50"], ["--light", "file"], ["--shutter", "0.5"], ["--ground", "shadow"]):
             common = ["model.gltf", "-q", "--spp", "2", "--size", "64x48", "--exr", "float", *options]
             self.ok("render", *common, "--frames", "0:4", "--fps", "4", "-o", "f.#.exr", program=PROGRAM)
             pictures = set()

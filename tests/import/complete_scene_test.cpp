@@ -122,7 +122,7 @@ TEST_F(CompleteScene, TurnsAboutTheSceneWithAllInView)
                                              {"box": {"min": [0, 5, 2], "max": [1, 9, 3]}}]})");
             CompleteOptions options;
             options.azimuth_deg = 77, options.elevation_deg = elevation, options.aspect = aspect;
-            options.turned_about = Vec3d{3, 7, 2.5};
+            options.turned_about = Vec3d{2.7, 7, 2.3};
             complete_scene(scene, options);
             const Camera first = scene.cameras[0];
             double widest = 0;
