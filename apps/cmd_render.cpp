@@ -37,7 +37,8 @@ struct RenderOptions {
     std::optional<SampleRange> range;
     std::optional<OnlySample> only_sample;
     std::optional<Crop> crop;
-    std::vector<std::uint64_t> frames;  ///< none: one picture
+    std::vector<std::uint64_t> frames;  ///< numbers of the pictures; none: one picture
+    std::uint64_t turntable = 0;        ///< pictures around the scene; 0: no such
     double fps = 24, shutter = 0;
     std::vector<Aov> aovs;
     bool aov_samples = false, aov_variance = false;
@@ -82,6 +83,10 @@ void add_render_options(Command& command, RenderOptions& o)
     command.add_value("--shutter", "SHARE",
                       "blur what the animation moves during this share of a frame, 0.5 as film does (default 0: none)",
                       [&](const std::string& text) { o.shutter = parse_number(text, 0, 1000); });
+    command.add_value("--turntable", "N",
+                      "N pictures from all around, the first as --orbit or --view says, at one distance; ### in the "
+                      "names of -o is the number, from 0; the light stays where it is for the first",
+                      [&](const std::string& text) { o.turntable = parse_integer(text, 1, 1'000'000); });
     command.add_flag("--mergeable", o.mergeable, "keep the exact sums in EXR, for `fathom merge`");
     command.add_value("--crop", "X0,Y0,X1,Y1",
                       "render only pixels X0 <= x < X1, Y0 <= y < Y1; the picture keeps its size",
@@ -118,24 +123,42 @@ fs::path output_of(const fs::path& pattern, std::uint64_t frame)
     return pattern.parent_path() / name;
 }
 
+/// What several pictures mean for the other options.
+///
+/// option  what asks for them
+void check_series(RenderOptions& o, const char* option)
+{
+    if (o.frames.size() == 1) return;
+    if (o.time_s) throw UsageError(fmt::format("{}: --spp says how many samples each has; leave out --time", option));
+    if (o.only_sample) throw UsageError(fmt::format("--only-sample: of which picture? give {} one", option));
+    if (o.picture.outputs.empty()) o.picture.outputs.push_back(o.scene.file.stem().string() + ".####.png");
+    for (const fs::path& file : o.picture.outputs)
+        if (file.filename().string().find('#') == std::string::npos)
+            throw UsageError(
+                fmt::format("-o {}: {} pictures need names of their own: put #### where the number is to stand",
+                            file.string(), o.frames.size()));
+}
+
+/// What --turntable says with the others.
+void check_turntable(RenderOptions& o)
+{
+    if (!o.frames.empty()) throw UsageError("--turntable, --frames: one of both says which pictures");
+    for (std::uint64_t i = 0; i < o.turntable; ++i) o.frames.push_back(i);
+    o.scene.turntable = true;
+    check_series(o, "--turntable");
+}
+
 /// What --frames says with the others.
 void check_frames(RenderOptions& o)
 {
     o.scene.shutter_s = o.shutter / o.fps;
     if (o.shutter > 0 && o.frames.empty() && !o.scene.at_s)
         throw UsageError("--shutter: from which time on? add --at SECONDS, or --frames A:B");
+    if (o.turntable > 0) return check_turntable(o);
     if (o.frames.empty()) return;
     if (o.scene.at_s) throw UsageError("--at, --frames: one of both says the time");
     o.scene.at_s = time_of(o, o.frames[0]);
-    if (o.frames.size() == 1) return;
-    if (o.time_s) throw UsageError("--frames: --spp says how many samples each has; leave out --time");
-    if (o.only_sample) throw UsageError("--only-sample: of which frame? give --frames one");
-    if (o.picture.outputs.empty()) o.picture.outputs.push_back(o.scene.file.stem().string() + ".####.png");
-    for (const fs::path& file : o.picture.outputs)
-        if (file.filename().string().find('#') == std::string::npos)
-            throw UsageError(
-                fmt::format("-o {}: {} frames need names of their own: put #### where the number is to stand",
-                            file.string(), o.frames.size()));
+    check_series(o, "--frames");
 }
 
 /// What the options say together.
@@ -312,10 +335,9 @@ struct RenderPlan {
 };
 
 /// Renders a picture and writes it; returns the exit code.
-int render_picture(const RenderOptions& o, const RenderPlan& plan, const PictureOptions& files, const Scene& scene,
+int render_picture(const RenderOptions& o, const RenderPlan& plan, const PictureOptions& files, const RenderJob& job,
                    Summary summary, Reporter& reporter)
 {
-    const RenderJob job(scene, plan.settings);
     Film film(job);
     Rendering rendering(o, job, reporter);
     rendering.run(film, plan.samples);
@@ -351,6 +373,12 @@ int render_picture(const RenderOptions& o, const RenderPlan& plan, const Picture
     return rendering.cut_short ? exit_interrupted : exit_ok;
 }
 
+PictureOptions files_of(PictureOptions options, std::uint64_t frame)
+{
+    for (fs::path& file : options.outputs) file = output_of(file, frame);
+    return options;
+}
+
 /// The pictures of all frames, the scene being at the first; returns the exit code.
 ///
 /// told  what was warned of; the frames after the first only tell what is new
@@ -374,9 +402,22 @@ int render_frames(const RenderOptions& o, const RenderPlan& plan, SceneEdit& edi
             now.load_s = 0;
             now.build_s = seconds_since_start() - start_s;
         }
-        PictureOptions files = o.picture;
-        for (fs::path& file : files.outputs) file = output_of(file, frame);
-        if (const int code = render_picture(o, plan, files, scene, now, reporter); code != exit_ok) return code;
+        const int code =
+            render_picture(o, plan, files_of(o.picture, frame), RenderJob(scene, plan.settings), now, reporter);
+        if (code != exit_ok) return code;
+    }
+    return exit_ok;
+}
+
+/// The pictures around a scene, which stays as it is; returns the exit code.
+int render_turntable(const RenderOptions& o, const RenderPlan& plan, const Scene& scene, const Summary& summary,
+                     Reporter& reporter)
+{
+    for (const std::uint64_t i : o.frames) {
+        const Camera camera = turned_camera(scene.camera(), plan.scene, double(i) / double(o.turntable));
+        const int code = render_picture(o, plan, files_of(o.picture, i), RenderJob(scene, camera, plan.settings),
+                                        i == 0 ? summary : Summary{}, reporter);
+        if (code != exit_ok) return code;
     }
     return exit_ok;
 }
@@ -430,10 +471,10 @@ int run_render(RenderOptions& o, Reporter& reporter)
     std::optional<SceneEdit> edit;
     LitScene lit = [&] {
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
-        return compile_loaded(edit.emplace(take_edit(loaded, o.scene)), loaded, o.scene, warnings);
+        return compile_loaded(edit.emplace(take_edit(loaded, o.scene)), loaded, o.scene, plan.settings, warnings);
     }();
     // The description is needed for further frames alone.
-    if (o.frames.size() < 2) edit.reset();
+    if (o.frames.size() < 2 || o.turntable > 0) edit.reset();
     use_light(lit, o.picture, plan.settings, plan.write.display, reporter);
     summary.build_s = seconds_since_start() - summary.load_s;
     reporter.warnings(warnings);
@@ -460,10 +501,9 @@ int run_render(RenderOptions& o, Reporter& reporter)
             ? "{\"event\":\"interrupted\"}\n"
             : "\nfathom: interrupted: finishing this pass, then the picture is written; once more stops at once\n");
     if (edit) return render_frames(o, plan, *edit, std::move(lit.scene), summary, warnings, reporter);
-    PictureOptions files = o.picture;
-    if (!o.frames.empty())
-        for (fs::path& file : files.outputs) file = output_of(file, o.frames[0]);
-    return render_picture(o, plan, files, lit.scene, summary, reporter);
+    if (o.turntable > 0) return render_turntable(o, plan, lit.scene, summary, reporter);
+    const PictureOptions files = o.frames.empty() ? o.picture : files_of(o.picture, o.frames[0]);
+    return render_picture(o, plan, files, RenderJob(lit.scene, plan.settings), summary, reporter);
 }
 
 }  // namespace
@@ -484,6 +524,7 @@ void add_render(CLI::App& program, Run& run)
         "  fathom render model.glb --time 10m --orbit 45,20 --env sky.hdr\n"
         "  fathom render scene.json --size 1920x1080 --aov albedo,normal,variance -o out.exr\n"
         "  fathom render model.glb --frames 0:119 --fps 24 -o frame.####.png\n"
+        "  fathom render model.glb --turntable 36 -o view.##.png\n"
         "  fathom render scene.json --samples 0:64 -o a.exr      one part; fathom merge joins them\n"
         "  fathom render scene.json --only-sample 400,300,7      replay one sample\n\n"
         "Exit codes: 0 done; 1 error; 2 wrong usage; 130 interrupted.");

@@ -85,7 +85,7 @@ int run_view(ViewOptions& o)
     LitScene lit = [&] {
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
         SceneEdit edit = take_edit(loaded, o.scene);
-        return compile_loaded(edit, loaded, o.scene, warnings);
+        return compile_loaded(edit, loaded, o.scene, settings, warnings);
     }();
     DisplayTransform display = write_options(o.picture, hints).display;
     use_light(lit, o.picture, settings, display, reporter);

@@ -81,10 +81,9 @@ WriteOptions write_options(const PictureOptions& options, const RenderHints& hin
 void use_light(const LitScene& lit, const PictureOptions& options, RenderSettings& settings, DisplayTransform& display,
                Reporter& reporter)
 {
-    constexpr Color backdrop{0.55f, 0.55f, 0.55f};
     if (!lit.added.empty()) reporter.note(fmt::format("light: added {}", fmt::join(lit.added, ", ")));
     if (lit.exposure_ev && !options.exposure_ev) display.exposure_ev = *lit.exposure_ev;
-    if (lit.backdrop && !settings.background) settings.background = backdrop;
+    if (lit.backdrop && !settings.background) settings.background = studio_backdrop;
 }
 
 std::optional<Denoiser> open_denoiser(const PictureOptions& options, int threads, Reporter& reporter)

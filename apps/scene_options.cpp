@@ -39,7 +39,7 @@ Size picture_size(const SceneOptions& options, const std::string& camera_name, c
     Size size{hints.width.value_or(default_size.width), hints.height.value_or(default_size.height)};
     if (size.width < 1 || size.height < 1)
         throw Error(scene.file, "", fmt::format("a picture of {}x{} pixels", size.width, size.height));
-    const Camera* camera = options.orbit_deg ? nullptr : chosen_camera(scene, camera_name);
+    const Camera* camera = options.orbit_deg || options.turntable ? nullptr : chosen_camera(scene, camera_name);
     double aspect = camera && camera->aspect > 0 ? camera->aspect : 0;
     if (hints.width && hints.height) return size;
     if (hints.width || hints.height) {
@@ -263,6 +263,15 @@ void add_scene_options(Command& command, SceneOptions& options)
         options.to_sun = parse_vector(text);
         if (!(length(*options.to_sun) > 0)) throw UsageError("expected a direction, found 0,0,0");
     });
+    command.add_value("--ground", "shadow|none|COLOUR",
+                      "a floor under the model: one that looks as the backdrop but for the model's shadow (default for "
+                      "models that only a studio lights, seen from above and outside), none, or one of this colour",
+                      [&](const std::string& text) {
+                          options.ground = text == "none"     ? GroundChoice::none
+                                           : text == "shadow" ? GroundChoice::shadow
+                                                              : GroundChoice::color;
+                          if (options.ground == GroundChoice::color) options.ground_color = parse_colour(text);
+                      });
     command.add_value("--build", "fast|default|high|compact",
                       "the tree of the scene: the same picture, sooner begun, sooner done, or in a third less memory, "
                       "for tens of millions of triangles",
@@ -290,6 +299,10 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
 {
     if (options.orbit_deg && (!options.camera.empty() || options.look_from || options.look_at))
         throw UsageError("--orbit, --view: places the camera by itself; leave out --camera, --look-from and --look-at");
+    if (options.turntable && (!options.camera.empty() || options.look_from || options.look_at || options.up))
+        throw UsageError(
+            "--turntable: places the camera by itself; leave out --camera, --look-from, --look-at and --up, and say "
+            "where it begins by --orbit or --view");
     if (!options.animation.empty() && !options.at_s)
         throw UsageError("--animation: of which time? add --at SECONDS, or --frames A:B");
     check_light(options);
@@ -313,14 +326,19 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
 
     CompleteOptions complete;
     complete.aspect = double(loaded.size.width) / loaded.size.height;
+    complete.force_camera = options.orbit_deg || options.turntable;
     if (options.orbit_deg) {
-        complete.force_camera = true;
         complete.azimuth_deg = options.orbit_deg->first;
         complete.elevation_deg = options.orbit_deg->second;
     }
     // The same for all times, so that what moves is seen to move.
-    if (loaded.player && (options.orbit_deg || scene.cameras.empty()))
+    if (loaded.player && (complete.force_camera || scene.cameras.empty()))
         complete.bounds = world_bounds(scene, *loaded.player);
+    if (options.turntable) {
+        const Bounds bounds = complete.bounds ? *complete.bounds : world_bounds(scene);
+        if (!bounds.empty) loaded.middle = (bounds.min + bounds.max) * 0.5;
+        complete.turned_about = loaded.middle;
+    }
     const std::size_t cameras = scene.cameras.size();
     loaded.added = complete_scene(scene, complete).added;
     if (scene.cameras.size() > cameras) {
@@ -347,11 +365,34 @@ SceneEdit take_edit(LoadedScene& loaded, const SceneOptions& options)
     return SceneEdit(std::move(loaded.description), loaded.camera, loaded.build);
 }
 
-LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, Warnings& warnings)
+namespace {
+
+std::optional<Ground> ground_for(const SceneDescription& scene, const LoadedScene& loaded, const SceneOptions& options,
+                                 const RenderSettings& settings)
+{
+    if (options.ground == GroundChoice::shadow && settings.alpha)
+        throw UsageError(
+            "--ground shadow, --background transparent: a floor looks as a backdrop that is there; leave out one of "
+            "both, or give the floor a colour");
+    if (options.ground == GroundChoice::none || (options.ground == GroundChoice::automatic && settings.alpha))
+        return {};
+    Ground ground;
+    if (options.ground == GroundChoice::color) ground.color = options.ground_color;
+    ground.only_where_it_fits = options.ground == GroundChoice::automatic;
+    ground.backdrop = settings.background.value_or(studio_backdrop);
+    if (loaded.player) ground.bounds = world_bounds(scene, *loaded.player);
+    return ground;
+}
+
+}  // namespace
+
+LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options,
+                        const RenderSettings& settings, Warnings& warnings)
 {
     if (options.light == LightChoice::studio && !options.environment.empty())
         throw UsageError("--light studio, --env: one of both lights the scene");
-    return compile_lit(edit, options.light, double(loaded.size.width) / loaded.size.height, warnings);
+    return compile_lit(edit, options.light, double(loaded.size.width) / loaded.size.height, warnings,
+                       ground_for(edit.description(), loaded, options, settings));
 }
 
 void set_time(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s)
@@ -362,6 +403,18 @@ void set_time(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& op
     Camera camera = moved_camera(edit.description(), *loaded.moved_from, options);
     camera.name = loaded.camera;
     edit.set_camera(int(cameras.size()) - 1, camera);
+}
+
+Camera turned_camera(const Camera& camera, const LoadedScene& loaded, double share)
+{
+    const Transform turn = Transform::translate(loaded.middle) *
+                           Transform::rotate({0, 1, 0}, 2 * std::numbers::pi * share) *
+                           Transform::translate(-loaded.middle);
+    Camera turned = camera;
+    turned.position = turn.point(camera.position);
+    turned.look_at = turn.point(camera.look_at);
+    turned.up = turn.vector(camera.up);
+    return turned;
 }
 
 }  // namespace fathom::cli

@@ -12,6 +12,8 @@
 
 namespace fathom::cli {
 
+enum class GroundChoice { automatic, none, shadow, color };
+
 /// What scene is meant, and from where it is seen.
 struct SceneOptions {
     std::filesystem::path file;
@@ -26,6 +28,7 @@ struct SceneOptions {
     std::optional<Vec3d> look_from, look_at, up;
     std::optional<double> fov_deg;
     std::optional<std::pair<double, double>> orbit_deg;  ///< azimuth, elevation
+    bool turntable = false;                              ///< frame the whole scene for a camera that goes around it
     std::filesystem::path environment;
     double environment_turn_deg = 0;
     std::optional<double> environment_strength;
@@ -33,6 +36,8 @@ struct SceneOptions {
     bool sky = false, sun = false;  ///< instead of all other light; the sun with its sky
     std::optional<double> sun_elevation_deg, sun_azimuth_deg;
     std::optional<Vec3d> to_sun;
+    GroundChoice ground = GroundChoice::automatic;
+    Color ground_color;
     std::optional<Size> size;
     std::optional<TreeBuild> build;
 };
@@ -52,6 +57,7 @@ struct LoadedScene {
     TreeBuild build = TreeBuild::standard;  ///< the option's, the scene's, or this
     std::optional<AnimationPlayer> player;  ///< if there is a time
     std::string note;                       ///< what else the file could show; may be empty
+    Vec3d middle;                           ///< of what a turntable turns
     std::optional<std::string> moved_from;  ///< the camera that the options made another one of, `camera`
 };
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings);
@@ -59,9 +65,14 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings);
 /// The scene to compile, and to change for further pictures. The description is used up.
 SceneEdit take_edit(LoadedScene& loaded, const SceneOptions& options);
 /// Compiles it, with light.
-LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, Warnings& warnings);
+///
+/// settings  what is behind the scene: the ground goes over into it
+LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options,
+                        const RenderSettings& settings, Warnings& warnings);
 /// Brings it to another time.
 void set_time(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s);
+/// The camera after this share of a turn of a turntable: counter-clockwise, seen from above.
+Camera turned_camera(const Camera& camera, const LoadedScene& loaded, double share);
 
 extern const std::vector<std::string> tree_build_names;  ///< by TreeBuild
 

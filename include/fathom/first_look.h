@@ -30,20 +30,36 @@ enum class LightChoice {
     studio,     ///< a studio instead of the file's environment and lamps without a surface
 };
 
+/// What models that a studio lights are best seen before.
+inline constexpr Color studio_backdrop{0.55f, 0.55f, 0.55f};
+
+/// A floor under the lowest point of a scene, a disk that fades out with the distance: it catches shadows.
+struct Ground {
+    /// Its reflectance; none: under a studio's light it looks as the backdrop where no shadow falls, else it is grey.
+    std::optional<Color> color;
+    Color backdrop = studio_backdrop;
+    /// Only where a model has no light but a studio's, and the camera sees it from outside and the ground from above.
+    bool only_where_it_fits = true;
+    std::optional<Bounds> bounds;  ///< of what is shown in all pictures; else the scene as it is
+};
+
 struct LitScene {
     Scene scene;
     std::vector<std::string> added;  ///< in words: "a studio light, since ...", "an exposure of +2 stops for its light"
     std::optional<double> exposure_ev;  ///< found for the light of the file; else its own, or none
     bool studio = false;
+    bool ground = false;
     bool backdrop = false;  ///< it is best seen before something light
 };
 
 /// Compiles a scene so that there is light to see it by: for models, whose files often have none, or none that reaches
 /// what they show.
 FATHOM_API LitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
-                                Warnings& warnings, TreeBuild build = TreeBuild::standard);
+                                Warnings& warnings, TreeBuild build = TreeBuild::standard,
+                                const std::optional<Ground>& ground = {});
 
 /// The same for a scene that goes on to change: it keeps the light that is found now.
-FATHOM_API LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings);
+FATHOM_API LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
+                                const std::optional<Ground>& ground = {});
 
 }  // namespace fathom

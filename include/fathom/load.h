@@ -61,6 +61,8 @@ struct CompleteOptions {
     bool force_camera = false;  ///< frame the scene even if it has a camera (--orbit)
     double aspect = 4.0 / 3;
     std::optional<Bounds> bounds;  ///< what is framed; else the scene as it is
+    /// The scene is to be in view, too, when the camera is turned about the vertical axis through this point.
+    std::optional<Vec3d> turned_about;
 };
 FATHOM_API Completed complete_scene(SceneDescription& scene, const CompleteOptions& options);
 

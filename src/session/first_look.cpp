@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "session/ground.h"
+
 namespace fathom {
 
 namespace {
@@ -107,16 +109,34 @@ bool is_unlit(const SceneDescription& scene)
                                                    [](const Material& m) { return m.kind == MaterialKind::unlit; });
 }
 
+/// The ground, if there is to be one: the scene is then made anew.
+///
+/// fits  whether a studio alone lights a model
+void put_on_ground(SceneEdit& edit, LitScene& result, const std::optional<Ground>& ground, bool fits)
+{
+    if (!ground || (ground->only_where_it_fits && !fits)) return;
+    const SceneDescription& scene = edit.description();
+    const Bounds model = ground->bounds ? *ground->bounds : world_bounds(scene);
+    if (model.empty) return;
+    if (ground->only_where_it_fits && !ground_fits(model, world_camera(scene, edit.camera()))) return;
+    result.scene = {};
+    add_ground(edit.change(), *ground, model, result.studio);
+    result.ground = true;
+    if (ground->only_where_it_fits)
+        result.added.push_back("a ground that catches its shadow (--ground none: leave it out)");
+}
+
 }  // namespace
 
 LitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
-                     Warnings& warnings, TreeBuild build)
+                     Warnings& warnings, TreeBuild build, const std::optional<Ground>& ground)
 {
     SceneEdit edit(std::move(scene), camera, build);
-    return compile_lit(edit, light, aspect, warnings);
+    return compile_lit(edit, light, aspect, warnings, ground);
 }
 
-LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings)
+LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
+                     const std::optional<Ground>& ground)
 {
     const SceneDescription& scene = edit.description();
     // Less light than this on what is seen, and exposing for it would show a lamp and its surroundings.
@@ -138,6 +158,7 @@ LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings
         result.backdrop = needs_studio || (light == LightChoice::automatic && is_unlit(scene) && !own_light);
         result.studio = needs_studio;
         if (needs_studio && light == LightChoice::automatic) result.added.push_back("a studio light");
+        put_on_ground(edit, result, ground, needs_studio && !scene.hints.own_light);
         result.scene = edit.compile(warnings);
         return result;
     }
@@ -148,15 +169,18 @@ LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings
     if ((look.lit < least_lit || is_decoration) && !own_light) {
         edit.set_environment(studio_for(result.scene.camera()));
         result.scene = {};
-        result.scene = edit.compile(warnings);
         result.studio = result.backdrop = true;
         result.added.push_back(
             is_decoration ? "a studio light, since what shines in it lights little (--light file: leave it out)"
                           : fmt::format("a studio light, since its own reaches {:.0f} % of what is seen (--light file: "
                                         "leave it out)",
                                         100 * look.lit));
+        put_on_ground(edit, result, ground, !lamps);
+        result.scene = edit.compile(warnings);
         return result;
     }
+    put_on_ground(edit, result, ground, false);
+    if (result.ground) result.scene = edit.compile(warnings);
     // Near enough counts as meant.
     const double stops = std::round(2 * look.exposure_ev()) / 2;
     if (std::abs(stops) < 1.5) return result;

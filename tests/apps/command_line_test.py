@@ -33,6 +33,23 @@ def png_size(path):
     return struct.unpack(">II", head[16:24]) + (head[24], head[25])
 
 
+def pixels_of_hdr(path):
+    """The colours of a Radiance picture, as a flat list: rows of run lengths."""
+    data = Path(path).read_bytes()
+    height, width = map(int, re.search(rb"\n-Y (\d+) \+X (\d+)\n", data).groups())
+    at, values = data.index(b"\n", data.index(b"\n-Y ") + 1) + 1, []
+    for _ in range(height):
+        assert data[at:at + 2] == b"\2\2", "no run lengths"
+        at, row = at + 4, b""
+        while len(row) < 4 * width:
+            count = data[at]
+            row += data[at + 1:at + 2] * (count - 128) if count > 128 else data[at + 1:at + 1 + count]
+            at += 2 if count > 128 else 1 + count
+        for x in range(width):
+            values += [row[c * width + x] * 2.0 ** (row[3 * width + x] - 136) for c in range(3)]
+    return values
+
+
 def walking_model():
     """Two triangles, one of which moves and turns, one that bends by a target, a lamp whose light changes, a camera that
     goes back."""
@@ -695,6 +712,69 @@ class CommandLine(unittest.TestCase):
         self.refused(1, "render", "walk.json", "--at", "1", "--animation", "strid", words=["there is no animation 'strid'"])
         self.refused(1, "render", "box.json", "--at", "1", words=["there is no animation"])
 
+    def test_ground(self):
+        def words(*options, command="box.json"):
+            return self.ok("render", command, "--spp", "1", *options).stderr
+        self.assertIn("ground where it fits of 0.55", words())
+        self.assertIn("ground where it fits of 0.25", words("--background", "0.25"))
+        self.assertIn("ground of 0.55", words("--ground", "shadow"))
+        self.assertIn("ground of 0.75", words("--ground", "0.5,0.75,1", "--background", "0.25"))
+        self.assertNotIn("ground", words("--ground", "none"))
+        self.assertNotIn("ground", words("--background", "transparent"))
+        self.assertIn("ground of 0.25", words("--ground", "0.25", "--background", "transparent"))
+        self.refused(2, "render", "box.json", "--ground", "shadow", "--background", "transparent", words=["--ground", "--background"])
+        self.refused(2, "render", "box.json", "--ground", "shade", words=["--ground", "shade"])
+
+    def test_turntable(self):
+        """Pictures from all around, of a scene that is compiled once."""
+        before = set(os.listdir(self.folder))
+        words = self.ok("render", "box.json", "--spp", "1", "--turntable", "4", "-o", "t.###.png", "-o", "t#.exr").stderr
+        self.assertEqual(set(os.listdir(self.folder)) - before, {f"t.00{i}.png" for i in range(4)} | {f"t{i}.exr" for i in range(4)})
+        self.assertEqual(words.count("camera 'orbit' at 30,20,100"), 1, words)
+        self.assertEqual(words.count("camera '"), 1, words)
+        words = self.ok("render", "box.json", "--spp", "1", "--turntable", "2", "--view", "left").stderr
+        self.assertIn("at -90,0,100", words)
+        self.assertTrue(os.path.exists(self.path("box.0001.png")))
+        self.ok("render", "box.json", "--spp", "1", "--turntable", "1", "-o", "one.png")
+        self.scene("walk.json", "camera main moves stride")
+        self.ok("render", "walk.json", "--spp", "1", "--turntable", "1", "--at", "1", "-o", "one.png")
+
+    def test_wrong_turntables(self):
+        def wrong(*arguments, words):
+            self.refused(2, "render", "box.json", "--spp", "1", *arguments, words=["--turntable", *words])
+        wrong("--turntable", "0", words=[])
+        wrong("--turntable", "3", "--frames", "0:1", words=["--frames"])
+        wrong("--turntable", "3", "--camera", "main", words=["--camera", "--orbit"])
+        wrong("--turntable", "3", "--look-from", "1,2,3", words=["--look-from"])
+        wrong("--turntable", "3", "--look-at", "1,2,3", words=["--look-at"])
+        wrong("--turntable", "3", "--up", "1,2,3", words=["--up"])
+        wrong("--turntable", "3", "--time", "1s", words=["--time"])
+        wrong("--turntable", "3", "--only-sample", "0,0,0", words=["--only-sample"])
+        self.refused(2, "render", "box.json", "--turntable", "3", "-o", "a.png", words=["a.png", "####"])
+
+    def test_a_turntable_goes_around(self):
+        """With the library: the first picture has the bits of a run of its own, the others those of runs that begin there, but
+        for the rounding of positions, which are relative to the first camera. Turned the other way they differ by far more."""
+        if not PROGRAM:
+            self.skipTest("no program given")
+        with open(self.path("model.gltf"), "w") as file:
+            json.dump(walking_model(), file)
+        common = ["model.gltf", "-q", "--spp", "4", "--size", "48x36", "--tonemap", "srgb", "--light", "sky", "--exposure", "0"]
+        def difference(a, b):
+            return sum(abs(x - y) for x, y in zip(a, b)) / sum(a)
+        for options in ([], ["--fov", "50"]):
+            self.ok("render", *common, *options, "--turntable", "4", "--orbit", "30,20", "-o", "t.#.hdr", program=PROGRAM)
+            turned = [pixels_of_hdr(self.path(f"t.{i}.hdr")) for i in range(4)]
+            single = []
+            for i in range(4):
+                self.ok("render", *common, *options, "--turntable", "1", "--orbit", f"{30 + 90 * i},20", "-o", "a.hdr",
+                        program=PROGRAM)
+                single.append(pixels_of_hdr(self.path("a.hdr")))
+            self.assertEqual(turned[0], single[0])
+            for i in range(4):
+                self.assertLess(difference(turned[i], single[i]), 1e-4, f"picture {i} with {options}")
+            self.assertGreater(difference(turned[1], single[3]), 1e-2)
+
     def test_no_frame_is_written_over_an_input(self):
         self.scene("walk.json", "camera main moves stride texture t.0003.png")
         with open(self.path("t.0003.png"), "w") as file:
@@ -709,7 +789,7 @@ class CommandLine(unittest.TestCase):
             self.skipTest("no program given")
         with open(self.path("model.gltf"), "w") as file:
             json.dump(walking_model(), file)
-        for options in ([], ["--orbit", "20,30"], ["--fov", "50"], ["--light", "file"], ["--shutter", "0.5"]):
+        for options in ([], ["--orbit", "20,30"], ["--fov", "50"], ["--light", "file"], ["--shutter", "0.5"], ["--ground", "shadow"]):
             common = ["model.gltf", "-q", "--spp", "2", "--size", "64x48", "--exr", "float", *options]
             self.ok("render", *common, "--frames", "0:4", "--fps", "4", "-o", "f.#.exr", program=PROGRAM)
             pictures = set()
@@ -745,7 +825,7 @@ class CommandLine(unittest.TestCase):
         def options(command):
             return set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", self.ok(command, "--help").stdout, re.MULTILINE))
         of_files_only = {"--output", "--png-bits", "--exr", "--aov", "--mergeable", "--samples", "--only-sample", "--time",
-                         "--crop", "--quiet", "--progress", "--frames", "--fps", "--shutter", "--quality", "--denoise"}
+                         "--crop", "--quiet", "--progress", "--frames", "--turntable", "--fps", "--shutter", "--quality", "--denoise"}
         self.assertEqual(options("render") - options("view"), of_files_only)
         self.assertEqual(options("view") - options("render"), {"--log-latency", "--script-moves"})
         self.assertIn("--scene", options("info"))

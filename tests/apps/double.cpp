@@ -176,12 +176,16 @@ Scene SceneEdit::compile_exactly(Warnings& warnings)
 }
 
 /// A scene of the name `dark` gets a studio and an exposure.
-LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings)
+LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
+                     const std::optional<Ground>& ground)
 {
     const SceneDescription& scene = edit.description();
     const char* const choices[] = {"auto", "file", "studio"};  // by LightChoice
     warnings.add(
         fmt::format("light {}{} aspect {:.4g}", choices[int(light)], scene.hints.own_light ? ", its own" : "", aspect));
+    if (ground)
+        warnings.add(fmt::format("ground {}of {:g}", ground->only_where_it_fits ? "where it fits " : "",
+                                 ground->color.value_or(ground->backdrop).g));
     LitScene lit;
     lit.scene = edit.compile_exactly(warnings);
     if (scene.file.find("dark") == std::string::npos) return lit;

@@ -112,6 +112,40 @@ TEST_F(CompleteScene, TheSilhouetteFillsThePicture)
     EXPECT_LE(at_tip, 6);
 }
 
+/// A camera that is turned about the scene sees all of it from everywhere, and comes no nearer than that takes: at one
+/// azimuth something touches the margin. The axis stands in the middle of the picture.
+TEST_F(CompleteScene, TurnsAboutTheSceneWithAllInView)
+{
+    for (double elevation : {-30., 0., 20., 90.})
+        for (double aspect : {0.5, 4.0 / 3, 3.0}) {
+            SceneDescription scene = load("s.json", R"({"scene": [{"box": {"min": [-1, 5, 2], "max": [7, 6, 3]}},
+                                             {"box": {"min": [0, 5, 2], "max": [1, 9, 3]}}]})");
+            CompleteOptions options;
+            options.azimuth_deg = 77, options.elevation_deg = elevation, options.aspect = aspect;
+            options.turned_about = Vec3d{2.7, 7, 2.3};
+            complete_scene(scene, options);
+            const Camera first = scene.cameras[0];
+            double widest = 0;
+            for (int turn = 0; turn < 360; ++turn) {
+                const Transform turned = Transform::translate(*options.turned_about) *
+                                         Transform::rotate({0, 1, 0}, turn * std::numbers::pi / 180) *
+                                         Transform::translate(-*options.turned_about);
+                Camera camera = first;
+                camera.position = turned.point(first.position), camera.look_at = turned.point(first.look_at);
+                camera.up = turned.vector(first.up);
+                EXPECT_NEAR(in_picture(camera, aspect, *options.turned_about).first, 0, 1e-12);
+                for (int i = 0; i < 16; ++i) {
+                    const bool low = i < 8;
+                    const auto [x, y] = in_picture(
+                        camera, aspect,
+                        {i & 1 ? (low ? 7. : 1.) : (low ? -1. : 0.), i & 2 ? (low ? 6. : 9.) : 5., i & 4 ? 3. : 2.});
+                    widest = std::max({widest, std::abs(x), std::abs(y)});
+                }
+            }
+            EXPECT_NEAR(widest, 1 / 1.08, 0.006) << elevation << ' ' << aspect;
+        }
+}
+
 /// What has no extent across the view is not stood in.
 TEST_F(CompleteScene, StandsBeforeWhatIsThin)
 {
