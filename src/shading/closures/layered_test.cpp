@@ -327,7 +327,7 @@ TEST(Layered, OuterLayersAreOutside)
         const MaterialPoint m = with_transmission(layers(1, 0.5f), 0.7f, false, entering);
         MaterialPoint more = with_film(with_sheen(with_coat(m, 1, 0.4f), 0.7f, 0.5f), 1);
         more.layers.coat_color = grey(0.5f);
-        for (const Vec3 wi : {outgoing(35), -outgoing(35)}) {
+        for (const Vec3& wi : {outgoing(35), -outgoing(35)}) {
             const float without = first(Passing(m).eval(outgoing(20), wi).f_cos.c[0]),
                         with = first(Passing(more).eval(outgoing(20), wi).f_cos.c[0]);
             if (entering)
