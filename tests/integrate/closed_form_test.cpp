@@ -85,7 +85,7 @@ TEST(ClosedForm, EnvironmentImages)
         return double(image.layers[0].pixels[std::size_t((std::clamp(y, 0, h - 1) * w + (x % w + w) % w) * 3 + c)]);
     };
     const auto radiance = [&](Vec3d d, int c) {
-        const double x = (std::atan2(d.x, -d.z) / (2 * pi) + 0.5) * w - 0.5, y = std::acos(d.y) / pi * h - 0.5;
+        const double x = (std::atan2(d.z, d.x) / (2 * pi) + 0.5) * w - 0.5, y = std::acos(d.y) / pi * h - 0.5;
         const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
         const double fx = x - x0, fy = y - y0;
         return (texel(x0, y0, c) * (1 - fx) + texel(x0 + 1, y0, c) * fx) * (1 - fy) +

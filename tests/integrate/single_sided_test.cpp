@@ -35,7 +35,7 @@ Mesh square(double z, bool front_up, std::uint32_t n)
 }
 
 struct Layers : SceneBuilder {
-    explicit Layers(std::uint32_t triangles_a_side) : n(triangles_a_side) { camera({0, 0, 5}, {0, 0, 0}, 20); }
+    explicit Layers(std::uint32_t triangles_a_side) : n(triangles_a_side) { camera({0, 0, 5}, {0, 0, 0}, 15); }
     void add_square(double z, bool front_up, const Material& m)
     {
         scene.meshes.push_back(square(z, front_up, n));
