@@ -4,6 +4,7 @@
 
 #include "compile/compiler.h"
 #include "compile/instancing.h"
+#include "compile/layers.h"
 #include "compile/luminance.h"
 #include "compile/sky.h"
 
@@ -11,10 +12,6 @@ namespace fathom {
 
 namespace {
 
-Rgb spectrum(Color c)
-{
-    return {c.r, c.g, c.b};
-}
 /// Without cancellation where the angle is small.
 double one_minus_cos(double angle)
 {
