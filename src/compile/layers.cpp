@@ -86,7 +86,7 @@ ClosureKind closure_of_layers(const Material& m)
     if (is_plain && is_one(m.transmission) && !is_metal) return ClosureKind::glass;
     if (features & (LayersRecord::with_transmission | LayersRecord::with_diffuse_transmission))
         return ClosureKind::layered_transmitting;
-    return is_plain && m.energy_compensation ? ClosureKind::principled : ClosureKind::layered;
+    return is_plain ? ClosureKind::principled : ClosureKind::layered;
 }
 
 LayersRecord compile_layers(const Material& m)

@@ -108,6 +108,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
         t.base_texture = texture_id(m.transmission_color.texture);
     }
     if (m.thin) t.flags |= MaterialRecord::thin;
+    if (m.thin && m.kind == MaterialKind::glass) t.flags |= MaterialRecord::sheet;
     t.emission = spectrum(m.emission.value);
     t.emission_texture = texture_id(m.emission.texture);
     if (m.kind == MaterialKind::unlit) {
@@ -132,6 +133,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     t.alpha_mode = std::uint32_t(m.alpha_mode);
     if (is_solid(m, t.closure)) t.medium = medium_of(c, m);
     if (m.single_sided && !is_solid(m, t.closure)) t.flags |= MaterialRecord::single_sided;
+    if (m.energy_compensation) t.flags |= MaterialRecord::compensated;
     if (m.use_vertex_color) t.flags |= MaterialRecord::vertex_colored;
     if (t.base_texture != no_index || t.roughness_texture != no_index || t.metallic_texture != no_index ||
         m.use_vertex_color)

@@ -80,7 +80,7 @@ Denoiser::Denoiser(int threads)
     const auto data =
         std::make_shared<Data>(Data{oidn, {oidn.oidnNewDevice(Oidn::device_cpu), oidn.oidnReleaseDevice}, {}});
     if (!data->device) data->check();
-    Oidn::Device const device = data->device.get();
+    auto* const device = data->device.get();
     if (threads > 0) oidn.oidnSetDeviceInt(device, "numThreads", threads);
     oidn.oidnSetDeviceBool(device, "setAffinity", false);
     oidn.oidnCommitDevice(device);

@@ -35,7 +35,7 @@ fs::path folder_of(const fs::path& file)
 
 std::string UniqueNames::add(const std::string& wanted, const std::string& other)
 {
-    const std::string name = wanted.empty() ? other : utf8(wanted);
+    std::string name = wanted.empty() ? other : utf8(wanted);
     if (used_.try_emplace(name, 1).second) return name;
     for (;;)
         if (std::string numbered = fmt::format("{} {}", name, ++used_[name]); used_.try_emplace(numbered, 1).second)

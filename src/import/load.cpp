@@ -79,8 +79,10 @@ SceneDescription load_file(const std::filesystem::path& file, const LoadOptions&
     const std::string bytes = context.read(file);
     if (bytes.empty()) throw Error(file.string(), "", "the file is empty");
     const SourceFile source{file, lower_extension(file), bytes, options};
-    const Importer& importer = **std::find_if(std::begin(importers), std::end(importers),
-                                              [&](const Importer* i) { return i->recognizes(source); });
+    const auto* const found = std::find_if(std::begin(importers), std::end(importers),
+                                           [&](const Importer* i) { return i->recognizes(source); });
+    if (found == std::end(importers)) throw Error(file.string(), "", "no reader knows this kind of file");
+    const Importer& importer = **found;
     if (!options.scene.empty() && !importer.has_choices)
         throw Error(file.string(), "",
                     fmt::format("there is no scene '{}': only glTF files have scenes to choose from", options.scene));
@@ -119,6 +121,7 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
 std::size_t find_animation(const SceneFile& file, const std::string& wanted)
 {
     std::vector<std::string> names;
+    names.reserve(file.rig.animations.size());
     for (const Animation& animation : file.rig.animations) names.push_back(animation.name);
     if (names.empty()) throw Error(file.scene.file, "", "there are no animations in it");
     if (wanted.empty()) return 0;

@@ -116,7 +116,7 @@ const P parameters[] = {
     {"thin_film_thickness", kind_bits(principled), &Material::thin_film_thickness, "nanometres", 0, 1e5},
     {"thin_film_ior", kind_bits(principled), &Material::thin_film_ior, "index of refraction", 1, 3},
     {"thin", kind_bits(glass, principled), &Material::thin,
-     "a sheet without thickness, which light passes straight on"},
+     "without thickness: light passes straight on, through a sheet of glass or one boundary of principled"},
     {"roughness", scattering & ~kind_bits(fuzz_metal), &Material::roughness, "0 smooth to 1 rough", 0, 1},
     {"metallic", kind_bits(principled), &Material::metallic, "0 dielectric to 1 metal", 0, 1},
     {"fuzz", kind_bits(fuzz_metal), &Material::fuzz, "0 mirror to 1", 0, 1},

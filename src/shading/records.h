@@ -97,7 +97,9 @@ struct MaterialRecord {
         unlit = 32 /* shows its emission, but lights nothing */,
         thin = 64,
         wants_tangent = 128,  ///< of the surface, for normal maps or anisotropy
-        single_sided = 256    ///< cameras look through it from behind
+        single_sided = 256,   ///< cameras look through it from behind
+        compensated = 512,    ///< scaled for what facets scatter more than once
+        sheet = 1024          ///< thin: of two boundaries
     };
     ClosureKind closure = ClosureKind::none;
     std::uint32_t flags = 0;

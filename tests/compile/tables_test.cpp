@@ -249,8 +249,9 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     EXPECT_EQ(r.alpha_mode, std::uint32_t(AlphaMode::mask));
     EXPECT_EQ(t.materials[4].fuzz, 0.8f);
     EXPECT_EQ(r.normal_scale, 0.9f);
-    EXPECT_FALSE(r.flags & MaterialRecord::thin);
+    EXPECT_FALSE(r.flags & (MaterialRecord::thin | MaterialRecord::sheet));
     EXPECT_TRUE(t.materials[1].flags & MaterialRecord::thin);
+    EXPECT_TRUE(t.materials[1].flags & MaterialRecord::sheet);
     EXPECT_TRUE(t.materials[2].flags & MaterialRecord::unlit);
     EXPECT_EQ(t.materials[2].closure, ClosureKind::none);
     EXPECT_TRUE(t.lights.empty());
@@ -284,9 +285,28 @@ TEST(MaterialTable, LayersAsNeeded)
         [](Material& m) { m.coat.value = 0.1f; },           [](Material& m) { m.sheen_color.value = {0, 0.1f, 0}; },
         [](Material& m) { m.thin_film.value = 0.1f; },      [](Material& m) { m.anisotropy.value = 0.1f; },
         [](Material& m) { m.diffuse_roughness.value = 1; }, [](Material& m) { m.specular.value = 0.5f; },
-        [](Material& m) { m.specular_color.value.g = 0; },  [](Material& m) { m.edge_color.value.g = 0; },
-        [](Material& m) { m.energy_compensation = false; }};
+        [](Material& m) { m.specular_color.value.g = 0; },  [](Material& m) { m.edge_color.value.g = 0; }};
     for (const auto& change : changes) EXPECT_EQ(closure(change), layered);
+}
+
+/// What principled is told of its losses and its boundary reaches the simpler closures.
+TEST(MaterialTable, CompensationAndOneBoundary)
+{
+    for (const bool compensated : {false, true}) {
+        SceneDescription d = empty_scene();
+        Material m;
+        m.kind = MaterialKind::principled;
+        m.energy_compensation = compensated;
+        m.transmission.value = 1, m.thin = true;
+        d.materials = {m};
+        d.nodes[0].shapes.push_back({Sphere{{0, 0, 0}, 1, {}}, 0, ""});
+        const Scene scene = compiled(d);
+        const MaterialRecord& r = scene.data().tables->materials[0];
+        EXPECT_EQ(r.closure, ClosureKind::glass);
+        EXPECT_EQ((r.flags & MaterialRecord::compensated) != 0, compensated);
+        EXPECT_TRUE(r.flags & MaterialRecord::thin);
+        EXPECT_FALSE(r.flags & MaterialRecord::sheet);
+    }
 }
 
 /// The camera as the kernel has it: right, up and forward are a right-handed frame, lengths are in render units.

@@ -18,7 +18,7 @@ inline MaterialPoint material(float color, float roughness, float metallic = 0, 
     MaterialPoint m;
     m.base_color = Spectrum(Float(color));
     m.roughness = Float(roughness), m.metallic = Float(metallic), m.ior = Float(ior), m.fuzz = Float(fuzz);
-    m.entering = Mask(true), m.thin = Mask(false);
+    m.entering = m.compensated = Mask(true), m.thin = m.sheet = Mask(false);
     return m;
 }
 inline Vec3 lane_direction(Direction d)

@@ -26,8 +26,7 @@ void Bvh::build(const GeometryTables& tables, TreeBuild level)
     auto data = std::make_unique<Data>();
     data->alpha_test = data_->alpha_test;
     data->alpha_context = data_->alpha_context;
-    data->builder.emplace(tables, *data, level);
-    data->builder->build();
+    data->builder.emplace(tables, *data, level).build();
     if (!tables.editable) data->builder.reset();
     data->statistics.build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     data_ = std::move(data);
@@ -36,7 +35,8 @@ void Bvh::build(const GeometryTables& tables, TreeBuild level)
 
 void Bvh::update(const std::vector<std::uint32_t>& changed)
 {
-    if (data_->builder && !data_->builder->update(changed)) build(*data_->tables, data_->builder->level());
+    auto& builder = data_->builder;
+    if (builder && !builder->update(changed)) build(*data_->tables, builder->level());
 }
 
 void Bvh::set_alpha_test(AlphaTest test, const void* context)

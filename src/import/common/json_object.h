@@ -122,6 +122,7 @@ private:
     static std::size_t word_index(const JsonValue& v, const Pairs& words)
     {
         std::vector<std::string> names;
+        names.reserve(std::size(words));
         for (const auto& word : words) names.push_back(word.first);
         return find_word(v, names);
     }

@@ -164,6 +164,7 @@ void FathomJsonReader::override_materials(JsonObject& o, const Appended& model)
         return;
     }
     const auto some = o.get("materials");
+    if (!some) return;
     some->object();
     for (const auto& [name, json] : some->json().items()) {
         std::vector<std::string> names;

@@ -303,6 +303,7 @@ void GltfReader::hide_nodes()
     for (const auto& [node, owner] : skinned_nodes_)
         rig_.hiding.push_back({node, owner, scene_.nodes[std::size_t(node)]});
     std::vector<bool> visible;
+    visible.reserve(rig_.nodes.size());
     for (const NodeRest& node : rig_.nodes) visible.push_back(node.visible);
     for (const auto& [node, contents] : contents_at(rig_, visible))
         set_contents(scene_.nodes[std::size_t(node)], contents);

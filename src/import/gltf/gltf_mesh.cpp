@@ -102,6 +102,7 @@ void GltfReader::add_points_or_lines(const Mesh& mesh, int mode, Part part, std:
     if (!part.joints.empty()) file_.warn("points and lines don't move with skins: they are shown at rest");
     part.joints.clear();
     std::vector<Vec3f> ends;
+    ends.reserve(mesh.indices.size());
     for (const std::uint32_t index : mesh.indices) ends.push_back(mesh.positions[index]);
     if (mode == points) {
         Points cloud = fitting_points(std::move(ends), file_.name(), file_.warnings());
@@ -193,8 +194,11 @@ void GltfReader::add_morphs(const JsonValue& primitive, const std::optional<Json
     const auto targets = primitive.get("targets");
     if (!targets) return;
     targets->array();
-    const std::size_t count = weights ? std::min(targets->size(), weights->array().size()) : 0;
-    for (std::size_t i = 0; i < count; ++i) part.target_weights.push_back((*weights)[i].single());
+    std::size_t count = 0;
+    if (weights) {
+        count = std::min(targets->size(), weights->array().size());
+        for (std::size_t i = 0; i < count; ++i) part.target_weights.push_back((*weights)[i].single());
+    }
     const bool plays = !rig_.animations.empty();
     file_.check_memory(primitive, 72.0 * double(plays ? targets->size() : 1) * double(mesh.positions.size()));
     // One after the other, as only those that count now are kept for animations.
@@ -225,7 +229,8 @@ void GltfReader::read_primitive(const JsonValue& primitive, const std::string& n
     const Accessor positions(file_, *position_index);
     if (positions.components() != 3) positions.fail("positions must be VEC3");
 
-    const auto index_count = primitive.get("indices") ? Accessor(file_, *primitive.get("indices")).count() : 0;
+    const auto indices = primitive.get("indices");
+    const auto index_count = indices ? Accessor(file_, *indices).count() : 0;
     file_.check_memory(primitive, 36.0 * double(positions.count()) + 12.0 * double(index_count));
     const int mode = primitive.has("mode") ? primitive["mode"].integer() : triangles;
     if (mode < points || mode > triangle_fan) primitive["mode"].fail(fmt::format("{} is no mode of drawing", mode));

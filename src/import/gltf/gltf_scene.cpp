@@ -273,7 +273,7 @@ void GltfReader::choose_variant()
     if (!found)
         file_.root().fail(fmt::format("there is no variant '{}'{}", printable(options_.variant),
                                       choices(options_.variant, offered_.variants)));
-    variant_ = *found;
+    variant_ = found;
 }
 
 /// Meshes as they were before their skin bent them.

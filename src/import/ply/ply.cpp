@@ -110,6 +110,7 @@ private:
         if (element.count == 0) return;
         if (element.count > std::numeric_limits<std::uint32_t>::max()) body_.fail("there are more than 2^32 vertices");
         std::vector<Target> targets;
+        targets.reserve(element.properties.size());
         for (const PlyProperty& p : element.properties)
             targets.push_back(p.is_list ? Target{} : target_of(p.name, element.count));
         if (mesh_.positions.empty()) body_.fail("the vertices have no x, y and z");

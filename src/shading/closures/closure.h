@@ -58,7 +58,9 @@ struct MaterialPoint {
     Spectrum base_color;
     Float roughness, metallic, ior, fuzz;
     Mask entering;       ///< the path comes from the side of the geometric normal
-    Mask thin;           ///< glass: a sheet without thickness
+    Mask thin;           ///< without thickness
+    Mask sheet;          ///< thin: of two boundaries, between which light goes to and fro
+    Mask compensated;    ///< scaled for what facets scatter more than once
     LayersPoint layers;  ///< for closures that are layered
 };
 

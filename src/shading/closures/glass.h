@@ -13,9 +13,9 @@ inline Vec3 refract(Vec3 wo, Vec3 h, Float cos_o, Float cos_t, Float eta)
 /// Surfaces". Radiance that is refracted is scaled by the square of the indices' ratio, and by the root of the colour:
 /// a way in and out of a solid takes the whole of it.
 ///
-/// Or a thin sheet, two boundaries with nothing between. What it lets through goes straight on, times the colour;
-/// facets spread that as they spread reflections, on the other side. Of a reflectance r of each boundary, all the ways
-/// between them (r, t r t, t r^3 t, ...) make 2 r / (1 + r). Scaled for multiple scattering, as the metal is.
+/// Or a thin one. What it lets through goes straight on, times the colour; facets spread that as they spread
+/// reflections, on the other side. A sheet is two boundaries with nothing between: of a reflectance r of each, all the
+/// ways between them (r, t r t, t r^3 t, ...) make 2 r / (1 + r). Scaled for multiple scattering, as the metal is.
 class GlassBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::glass;
@@ -27,7 +27,9 @@ public:
         : roughness_(m.roughness),
           ggx_{max(m.roughness * m.roughness, Float(min_alpha))},
           color_(m.base_color),
-          is_thin_(m.thin)
+          is_thin_(m.thin),
+          is_sheet_(m.sheet),
+          is_compensated_(m.thin & m.compensated)
     {
         eta_ = select(m.entering | is_thin_, m.ior, Float(1) / m.ior);
         is_smooth_ = m.roughness * m.roughness < Float(min_alpha);
@@ -81,14 +83,14 @@ private:
     Float reflectance(Float cosine, Float& cos_t) const
     {
         const Float r = fresnel_dielectric(cosine, eta_, cos_t);
-        return select(is_thin_, Float(2) * r / (Float(1) + r), r);
+        return select(is_sheet_, Float(2) * r / (Float(1) + r), r);
     }
-    /// What makes up for light that facets of a thin sheet scatter more than once.
+    /// What makes up for light that facets of a thin surface scatter more than once.
     Float gain(Vec3 wo) const
     {
-        const Mask rough_sheet = is_thin_ & !is_smooth_;
-        if (none(rough_sheet)) return Float(1);
-        return select(rough_sheet, Float(1) / ggx_albedo(wo.z, roughness_), Float(1));
+        const Mask scaled = is_compensated_ & !is_smooth_;
+        if (none(scaled)) return Float(1);
+        return select(scaled, Float(1) / ggx_albedo(wo.z, roughness_), Float(1));
     }
     Spectrum tint(Mask reflects) const { return select(reflects, Spectrum(Float(1)), color_); }
 
@@ -96,7 +98,7 @@ private:
     Ggx ggx_;
     Spectrum color_;
     Float eta_;
-    Mask is_thin_, is_smooth_;
+    Mask is_thin_, is_sheet_, is_compensated_, is_smooth_;
 };
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -50,7 +50,7 @@ TEST(Glass, ColourIsWhatASolidLeavesOfLightThatWentInAndOut)
 MaterialPoint sheet(float color, float roughness)
 {
     MaterialPoint m = material(color, roughness);
-    m.thin = Mask(true);
+    m.thin = m.sheet = Mask(true);
     return m;
 }
 
@@ -82,6 +82,21 @@ TEST(ThinGlass, LetsLightStraightOnFromBothSides)
         for (float roughness : {0.1f, 0.5f, 0.8f, 1.0f})
             EXPECT_NEAR(draw(GlassBsdf(sheet(1, roughness)), outgoing(degrees), 200000).albedo, 1, 0.012)
                 << degrees << " " << roughness;
+}
+
+/// What glTF calls thin: one boundary, which reflects once, and no more than its facets do.
+TEST(ThinGlass, OfOneBoundary)
+{
+    MaterialPoint m = sheet(0.5f, 0);
+    m.sheet = m.compensated = Mask(false);
+    for (const auto& [choice, reflects] : {std::pair{0.04 - 1e-4, true}, {0.04 + 1e-4, false}})
+        EXPECT_EQ(first(GlassBsdf(m).sample(outgoing(0), {Float(0.5f), Float(0.5f)}, Float(float(choice))).wi.z) > 0,
+                  reflects);
+    m.roughness = Float(0.8f);
+    const double scaled = draw(GlassBsdf(sheet(1, 0.8f)), outgoing(60), 200000).albedo;
+    m.base_color = Spectrum(Float(1));
+    EXPECT_NEAR(draw(GlassBsdf(m), outgoing(60), 200000).albedo / scaled,
+                first(ggx_albedo(outgoing(60).z, Float(0.8f))), 0.01);
 }
 
 TEST(Glass, FresnelAtNormalIncidenceAndBeyondTheCriticalAngle)

@@ -165,8 +165,6 @@ private:
                 metal.c[i] = fma(share, by_film.c[i] - metal.c[i], metal.c[i]);
             }
         }
-        if (passes)
-            for (Float& r : dielectric.c) r = select(refracts_ & thin_, Float(2) * r / (Float(1) + r), r);
     }
     View look(Vec3 wo) const
     {
@@ -202,7 +200,6 @@ private:
         Float albedo = fma(f0, e - w, l_.specular * w);
         // Facets that refract lose less than those that only reflect.
         if constexpr (passes) albedo = select(refracts_, albedo / e, albedo);
-        if constexpr (passes) albedo = select(refracts_ & thin_, Float(2) * albedo / (Float(1) + albedo), albedo);
         if (l_.has(LayersRecord::with_thin_film))
             albedo = fma(film(), fma(max_component(dielectric), e, -albedo), albedo);
         return albedo * gain;
@@ -247,6 +244,15 @@ private:
         }
         return left;
     }
+    /// What the sheen leaves of light that goes in from wi and out. Where nothing makes up for losses, it is by the
+    /// direction in which it leaves less, as the page of KHR_materials_sheen has it: directions may be swapped.
+    Float under_sheen(const View& v, const Vec3& wi) const
+    {
+        if (!l_.has(LayersRecord::with_sheen)) return v.sheen_left;
+        const Float albedo = SheenLobe(l_.sheen_roughness).albedo({wi.x, wi.y, abs(wi.z)});
+        const Float left = Float(1) - outer(max_component(l_.sheen_color)) * albedo;
+        return select(l_.compensation > Float(0), v.sheen_left, min(v.sheen_left, left));
+    }
     /// Share of the surface that has a film; one of less than 30 nanometres fades away, since Schlick's terms would
     /// not.
     Float film() const
@@ -286,6 +292,7 @@ private:
             rough.roughness = l_.diffuse_roughness;
             body = DiffuseBsdf(rough).eval(wo, wi).f_cos * select(cosine > Float(0), Float(1) / cosine, Float(0));
         }
+        const Float sheen_left = under_sheen(v, wi);
         Float share = v.boundary_left;
         if constexpr (passes) share = share * (Float(1) - l_.transmission) * (Float(1) - l_.diffuse_transmission);
         const Float lambert = share * cosine;
@@ -293,13 +300,13 @@ private:
         for (int k = 0; k < channels; ++k) {
             const Float white = fma(body.c[k], lambert, dielectric.c[k] * fma(f0_.c[k], v.more, Float(1)) * specular);
             const Float shiny = metal.c[k] * fma(color_.c[k], v.more, Float(1)) * specular;
-            r.f_cos.c[k] = fma(metallic_, shiny - white, white) * v.coat_left.c[k] * v.sheen_left;
+            r.f_cos.c[k] = fma(metallic_, shiny - white, white) * v.coat_left.c[k] * sheen_left;
         }
         r.pdf = fma(v.p_specular, d * ggx_.g1(o), v.p_diffuse * cosine);
         if (l_.has(LayersRecord::with_coat)) {
             Float f_cos, pdf;
             CoatLobe(l_).eval(wo, wi, f_cos, pdf);
-            f_cos = f_cos * outer(l_.coat) * v.sheen_left;
+            f_cos = f_cos * outer(l_.coat) * sheen_left;
             r.f_cos = r.f_cos + Spectrum(f_cos);
             r.pdf = fma(v.p_coat, pdf, r.pdf);
         }
@@ -330,7 +337,7 @@ private:
         const Float pdf = select(valid, d * ggx_.g1(o) * select(thin_, Float(0.25f), jacobian), Float(0));
         const Float cosine = max(-wi.z, Float(0)) * Float(inv_pi);
         const Float diffuse = v.boundary_left * (Float(1) - l_.transmission) * l_.diffuse_transmission * cosine;
-        const Float body = (Float(1) - metallic_) * v.sheen_left;
+        const Float body = (Float(1) - metallic_) * under_sheen(v, wi);
         BsdfEval r;
         for (int k = 0; k < channels; ++k) {
             const Float straight = (Float(1) - dielectric.c[k]) * tint_.c[k] * f;

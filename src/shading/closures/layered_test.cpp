@@ -243,18 +243,26 @@ TEST(Layered, AnisotropyFollowsItsFormula)
 TEST(Layered, SheenFollowsItsFormula)
 {
     const double roughness = 0.45, alpha = roughness * roughness;
-    const MaterialPoint m = with_sheen(layers(0, float(roughness), 1), 0.6f, float(roughness));
+    MaterialPoint m = with_sheen(layers(0, float(roughness), 1), 0.6f, float(roughness));
+    const SheenLobe lobe{Float(float(roughness))};
     Random random(7);
     for (int i = 0; i < 100; ++i) {
-        Vec3 wo = sample_cosine_hemisphere(random.next2()), wi = sample_cosine_hemisphere(random.next2());
+        const Vec3 wo = sample_cosine_hemisphere(random.next2()), wi = sample_cosine_hemisphere(random.next2());
         const V o = v_of(wo), l = v_of(wi), h = unit({o.x + l.x, o.y + l.y, o.z + l.z});
         const double sine = std::sqrt(1 - h.z * h.z);
         const double d = (2 + 1 / alpha) * std::pow(sine, 1 / alpha) / (2 * std::numbers::pi);
         const double expected = 0.6 * d / (4 * (o.z + l.z - o.z * l.z)) * l.z;
         const MaterialPoint without = layers(0, float(roughness), 1);
         const double base = first(Opaque(without).eval(wo, wi).f_cos.c[0]);
-        const double left = 1 - 0.6 * first(SheenLobe(Float(float(roughness))).albedo(wo));
-        EXPECT_NEAR(first(Opaque(m).eval(wo, wi).f_cos.c[0]), expected + base * left, 2e-3 * expected + 1e-5);
+        const double out = first(lobe.albedo(wo)), most = std::max<double>(out, first(lobe.albedo(wi)));
+        m.layers.compensation = Float(1);
+        EXPECT_NEAR(first(Opaque(m).eval(wo, wi).f_cos.c[0]), expected + base * (1 - 0.6 * out),
+                    2e-3 * expected + 1e-5);
+        m.layers.compensation = Float(0);
+        const double f_cos = first(Opaque(m).eval(wo, wi).f_cos.c[0]),
+                     swapped = first(Opaque(m).eval(wi, wo).f_cos.c[0]);
+        EXPECT_NEAR(f_cos, expected + base * (1 - 0.6 * most), 2e-3 * expected + 1e-5);
+        EXPECT_NEAR(f_cos * o.z, swapped * l.z, 1e-4 * f_cos * o.z + 1e-6);
     }
 }
 TEST(Sheen, AlbedoIsTheIntegralOfTheLobe)
@@ -320,6 +328,18 @@ TEST(Layered, ColourOfWhatIsRefracted)
             EXPECT_NEAR(first(Passing(m).eval(wo, down).f_cos.c[0]) / white, thin ? 0.25 : 0.5, 1e-5);
         }
 }
+/// A thin surface has one boundary: what the mirror image gets, what is straight on does not.
+TEST(Layered, ThinReflectsOnce)
+{
+    MaterialPoint m = with_transmission(layers(1, 0.5f), 1, true);
+    m.layers.compensation = Float(0);
+    const Vec3 wo = outgoing(50), straight = -wo, mirrored{-wo.x, wo.y, wo.z};
+    const double beyond = first(Passing(m).eval(wo, straight).f_cos.c[0]),
+                 back = first(Passing(m).eval(wo, mirrored).f_cos.c[0]);
+    const double c = first(wo.z), t = std::sqrt(1 - (1 - c * c) / 2.25);
+    const double p = (1.5 * c - t) / (1.5 * c + t), s = (c - 1.5 * t) / (c + 1.5 * t), r = (p * p + s * s) / 2;
+    EXPECT_NEAR(back / (back + beyond), r, 1e-3 * r);
+}
 /// Coat, sheen and film are on the outside of a solid, and change nothing within.
 TEST(Layered, OuterLayersAreOutside)
 {
@@ -375,7 +395,7 @@ std::array<double, 3> film_by_wavelengths(double cosine, double f0, double thick
     const double phase12 = std::numbers::pi, phase23 = base < ior ? std::numbers::pi : 0;
     const double grey_part = r12 + (1 - r12) * (1 - r12) * r23 / (1 - r12 * r23);
     double xyz[3] = {}, sums[3] = {};
-    for (double nm = 370; nm <= 790; nm += 1) {
+    for (int nm = 370; nm <= 790; ++nm) {
         using C = std::complex<double>;
         // r12 seen from air is the opposite of that seen from the film.
         const C from_film = std::polar(std::sqrt(r12), phase12), from_air = -from_film,

@@ -5,10 +5,10 @@
 namespace fathom::inline FATHOM_LANES {
 
 /// The metallic-roughness model of glTF 2.0 (its appendix B): the mixture by `metallic` of a metal and of a dielectric,
-/// a diffuse base under a specular layer, both of the same GGX facets. Each is scaled by itself for multiple
-/// scattering, which is no linear function of the reflectance, as the metal's; the base gets what the layer's
-/// directional albedo leaves (where glTF's own formula takes the half vector's reflectance, and makes energy at grazing
-/// angles).
+/// a diffuse base under a specular layer, both of the same GGX facets. Where the material asks for it each is scaled by
+/// itself for multiple scattering, which is no linear function of the reflectance, as the metal's; the base gets what
+/// the layer's directional albedo leaves (where glTF's own formula takes the half vector's reflectance, and makes
+/// energy at grazing angles).
 class PrincipledBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::principled;
@@ -20,6 +20,7 @@ public:
         : roughness_(m.roughness),
           ggx_{max(m.roughness * m.roughness, Float(2 * min_alpha))},
           metallic_(m.metallic),
+          compensation_(select(m.compensated, Float(1), Float(0))),
           color_(m.base_color)
     {
         const Float r = (m.ior - Float(1)) / (m.ior + Float(1));
@@ -36,7 +37,7 @@ public:
         const Float d = ggx_.d(h);
         const Float specular = d * ggx_.g2(wo, wi) / (Float(4) * wo.z);
         const Float w = schlick_weight(dot(wo, h));
-        const Float e = ggx_albedo(wo.z, roughness_), more = (Float(1) - e) / e;
+        const Float more = gain(ggx_albedo(wo.z, roughness_));
         const auto reflected = [&](Float f0) { return fma(Float(1) - f0, w, f0) * fma(f0, more, Float(1)); };
         const Float cosine = wi.z * Float(inv_pi);
         const Float base = (Float(1) - layer_albedo(wo.z)) * cosine;
@@ -60,12 +61,14 @@ public:
     }
 
 private:
+    /// What a white surface is scaled by beyond 1. e: the albedo of its facets alone.
+    Float gain(Float e) const { return compensation_ * (Float(1) - e) / e; }
     /// Directional albedo of the specular layer, by the tables.
     Float layer_albedo(Float cosine) const
     {
         const Float e = ggx_albedo(cosine, roughness_), w = albedo_lookup(ggx_schlick_table, cosine, roughness_);
         const Float once = fma(dielectric_f0_, e - w, w);
-        return clamp(once * fma(dielectric_f0_, (Float(1) - e) / e, Float(1)), Float(0), Float(1));
+        return clamp(once * fma(dielectric_f0_, gain(e), Float(1)), Float(0), Float(1));
     }
     Float specular_probability(Vec3 wo) const
     {
@@ -76,7 +79,7 @@ private:
 
     Float roughness_;
     Ggx ggx_;
-    Float metallic_, dielectric_f0_, most_f0_, most_diffuse_;
+    Float metallic_, compensation_, dielectric_f0_, most_f0_, most_diffuse_;
     Spectrum color_;
 };
 
