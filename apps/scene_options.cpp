@@ -397,6 +397,7 @@ LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneO
 
 void set_time(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s)
 {
+    if (!loaded.player) return;
     edit.set_pose(loaded.player->pose(time_s, options.shutter_s));
     if (!loaded.moved_from) return;
     const std::vector<Camera>& cameras = edit.description().cameras;

@@ -10,9 +10,11 @@
 #include <new>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "fathom/error.h"
 #include "fathom/memory.h"
+#include "image/picture.h"
 
 namespace fathom {
 
@@ -91,11 +93,25 @@ public:
     Decoder(const SceneDescription& scene, std::uint64_t parts) : scene_(scene), parts_(parts) {}
 
     /// Throws Error: of the file itself if it is what can't be read.
-    Image read(int index) const
+    Picture read(int index) const
     {
         const ImageFile& file = scene_.images[std::size_t(index)];
-        return file.bytes.empty() ? read_image(file.path, available())
-                                  : read_image(file.name, file.bytes.data(), file.bytes.size(), available());
+        return file.bytes.empty() ? read_picture(file.path, available())
+                                  : read_picture(file.name, file.bytes.data(), file.bytes.size(), available());
+    }
+
+    /// Bytes are as the tables want them, unless something is to be made of them.
+    Decoded texels(Picture&& picture, const ImageUse& use) const
+    {
+        auto* const bytes = std::get_if<ByteImage>(&picture);
+        if (!bytes) return texels(std::get<Image>(picture), use);
+        if (!use.is_texture || use.height_scale != 0) {
+            const ImageFile& file = scene_.images[std::size_t(use.image)];
+            const std::string name = file.bytes.empty() ? file.path.string() : file.name;
+            return texels(to_image(*bytes, name, available()), use);
+        }
+        const TexelFormat format = use.space == ColorSpace::srgb ? TexelFormat::bytes_srgb : TexelFormat::bytes;
+        return {format, bytes->width, bytes->height, std::move(bytes->texels), {}};
     }
 
     Decoded texels(const Image& picture, const ImageUse& use) const
@@ -270,14 +286,13 @@ void decode_together(const SceneDescription& scene, const std::vector<ImageUse>&
 Decoded decode_alone(const Compiler& c, const ImageUse& use)
 {
     const Decoder decoder(c.scene, 1);
-    Image image;
+    Picture picture = grey();
     try {
-        image = decoder.read(use.image);
+        picture = decoder.read(use.image);
     } catch (const Error& error) {
         c.warnings.add(fmt::format("{}; grey is used instead", error.what()));
-        image = grey();
     }
-    return decoder.texels(image, use);
+    return decoder.texels(std::move(picture), use);
 }
 
 }  // namespace

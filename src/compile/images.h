@@ -22,9 +22,9 @@ struct ImageUse {
 /// read is grey, with a warning.
 ///
 /// All threads decode, a file each. While they do, each of them holds, beside what the tables will keep, the bytes of
-/// one file and its values as floats (up to 16 bytes a texel); pictures that stay floats are there twice until the last
-/// is among the tables. A file that fails or is too large for a thread's share of the memory is read again by fewer at
-/// once, at last alone: results, warnings and errors are those of one thread.
+/// one file and, unless those are bytes too, its values as floats (up to 16 bytes a texel); pictures that stay floats
+/// are there twice until the last is among the tables. A file that fails or is too large for a thread's share of the
+/// memory is read again by fewer at once, at last alone: results, warnings and errors are those of one thread.
 class ImageStore {
 public:
     /// Decodes what the textures and the environment of the scene show.

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "fathom/image.h"
+#include "image/picture.h"
 
 /// One reader per format, and one writer for those that Fathom writes. Readers throw Error naming `name`; what they are
 /// given begins as a file of their format does. Writers get a picture whose sizes agree.
@@ -20,12 +20,12 @@ struct EncodedImage {
 };
 
 Image read_exr(const EncodedImage& file);
-Image read_png(const EncodedImage& file);
-Image read_jpeg(const EncodedImage& file);
-Image read_webp(const EncodedImage& file);
+Picture read_png(const EncodedImage& file);
+Picture read_jpeg(const EncodedImage& file);
+ByteImage read_webp(const EncodedImage& file);
 Image read_hdr(const EncodedImage& file);
 /// A picture packed by Basis Universal, as ETC1S or UASTC: its largest level.
-Image read_ktx2(const EncodedImage& file);
+ByteImage read_ktx2(const EncodedImage& file);
 /// BMP, TGA, GIF, PSD, PIC, PNM.
 Image read_stb(const EncodedImage& file);
 

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <fstream>
 #include <new>
+#include <utility>
 
 #include "fathom/error.h"
 #include "fathom/image.h"
@@ -77,7 +78,7 @@ bool begins_with(const EncodedImage& file, const char* magic, std::size_t size, 
     return file.size >= at + size && std::memcmp(file.bytes + at, magic, size) == 0;
 }
 
-Image decode(const EncodedImage& file)
+Picture decode(const EncodedImage& file)
 {
     if (file.size == 0) throw Error(file.name, "", "the file is empty");
     if (begins_with(file, "\x76\x2f\x31\x01", 4)) return read_exr(file);
@@ -87,6 +88,27 @@ Image decode(const EncodedImage& file)
     if (begins_with(file, "#?", 2)) return read_hdr(file);
     if (begins_with(file, "\xabKTX 20\xbb", 8)) return read_ktx2(file);
     return read_stb(file);
+}
+
+/// What `read` returns; all that it throws becomes an Error.
+template <class Read>
+auto reading(const std::string& name, Read read)
+{
+    try {
+        return read();
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw Error(name, "", "the picture needs more memory than there is");
+    } catch (const std::exception& error) {
+        throw Error(name, "", error.what());
+    }
+}
+
+Image as_image(Picture&& picture, const std::string& name, std::uint64_t memory_limit)
+{
+    if (auto* const image = std::get_if<Image>(&picture)) return std::move(*image);
+    return reading(name, [&] { return to_image(std::get<ByteImage>(picture), name, memory_limit); });
 }
 
 }  // namespace
@@ -157,7 +179,7 @@ void write_image(const fs::path& file, const Image& image, const WriteOptions& o
     }
 }
 
-Image read_image(const fs::path& file, std::uint64_t memory_limit)
+Picture read_picture(const fs::path& file, std::uint64_t memory_limit)
 {
     const std::string name = file.string();
     std::error_code error;
@@ -178,20 +200,23 @@ Image read_image(const fs::path& file, std::uint64_t memory_limit)
         throw Error(name, "", "the file is larger than the memory at hand");
     }
     if (!in.read(bytes.data(), std::streamsize(bytes.size()))) throw Error(name, "", "can't be read to its end");
-    return read_image(name, bytes.data(), bytes.size(), memory_limit);
+    return read_picture(name, bytes.data(), bytes.size(), memory_limit);
+}
+
+Picture read_picture(const std::string& name, const void* bytes, std::size_t size, std::uint64_t memory_limit)
+{
+    return reading(name, [&] { return decode({name, static_cast<const unsigned char*>(bytes), size, memory_limit}); });
+}
+
+Image read_image(const fs::path& file, std::uint64_t memory_limit)
+{
+    const std::string name = file.string();
+    return as_image(read_picture(file, memory_limit), name, memory_limit);
 }
 
 Image read_image(const std::string& name, const void* bytes, std::size_t size, std::uint64_t memory_limit)
 {
-    try {
-        return decode({name, static_cast<const unsigned char*>(bytes), size, memory_limit});
-    } catch (const Error&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw Error(name, "", "the picture needs more memory than there is");
-    } catch (const std::exception& error) {
-        throw Error(name, "", error.what());
-    }
+    return as_image(read_picture(name, bytes, size, memory_limit), name, memory_limit);
 }
 
 }  // namespace fathom

@@ -75,33 +75,22 @@ bool read_header(Decompressor& d, const EncodedImage& file)
     d.created = true;
     jpeg_mem_src(&d.jpeg, file.bytes, static_cast<unsigned long>(file.size));
     jpeg_read_header(&d.jpeg, TRUE);
-    switch (d.jpeg.jpeg_color_space) {
-        case JCS_GRAYSCALE:
-            d.jpeg.out_color_space = JCS_GRAYSCALE;
-            break;
-        case JCS_CMYK:
-        case JCS_YCCK:
-            d.jpeg.out_color_space = JCS_CMYK;
-            break;
-        default:
-            d.jpeg.out_color_space = JCS_RGB;
-            break;
-    }
+    const bool has_black = d.jpeg.jpeg_color_space == JCS_CMYK || d.jpeg.jpeg_color_space == JCS_YCCK;
+    // Four channels in any case, as textures have them; libjpeg-turbo makes alpha whole.
+    d.jpeg.out_color_space = has_black ? JCS_CMYK : JCS_EXT_RGBA;
     jpeg_calc_output_dimensions(&d.jpeg);
     return true;
 }
 
-/// Fills `values`, one float per code, using `row` for one row of codes.
-bool read_rows(Decompressor& d, unsigned char* row, float* values)
+/// Fills `codes`, all channels of a pixel beside each other.
+bool read_rows(Decompressor& d, unsigned char* codes)
 {
     if (setjmp(d.manager.jump)) return false;
     jpeg_start_decompress(&d.jpeg);
     const std::size_t count = std::size_t(d.jpeg.output_width) * std::size_t(d.jpeg.output_components);
     while (d.jpeg.output_scanline < d.jpeg.output_height) {
-        float* out = values + count * d.jpeg.output_scanline;
-        JSAMPROW rows[1] = {row};
+        JSAMPROW rows[1] = {codes + count * d.jpeg.output_scanline};
         jpeg_read_scanlines(&d.jpeg, rows, 1);
-        for (std::size_t i = 0; i < count; ++i) out[i] = float(row[i]) / 255;
     }
     jpeg_finish_decompress(&d.jpeg);
     return true;
@@ -145,29 +134,30 @@ bool write_rows(Compressor& c, const Image& image, int quality, unsigned char* c
 }
 
 /// Adobe's CMYK, which is what such files have, is stored inverted: each value is the light that the ink leaves.
-Image rgb_from_cmyk(const Image& cmyk)
+Image rgb_from_cmyk(const ByteImage& cmyk)
 {
     Image image = make_image(cmyk.width, cmyk.height, 3);
-    const std::vector<float>& in = cmyk.layers[0].pixels;
     std::vector<float>& out = image.layers[0].pixels;
-    for (std::size_t i = 0; i < out.size() / 3; ++i)
-        for (std::size_t c = 0; c < 3; ++c) out[3 * i + c] = in[4 * i + c] * in[4 * i + 3];
+    for (std::size_t i = 0; i < cmyk.texels.size(); ++i) {
+        const auto code = [&](std::size_t c) { return float(cmyk.texels[i] >> (8 * c) & 0xffu) / 255; };
+        for (std::size_t c = 0; c < 3; ++c) out[3 * i + c] = code(c) * code(3);
+    }
     return image;
 }
 
 }  // namespace
 
-Image read_jpeg(const EncodedImage& file)
+Picture read_jpeg(const EncodedImage& file)
 {
     Decompressor d;
     if (!read_header(d, file)) throw Error(file.name, "", fmt::format("damaged JPEG: {}", d.manager.message));
-    const std::size_t channels = std::size_t(d.jpeg.out_color_components);
-    check_size(file, d.jpeg.output_width, d.jpeg.output_height, channels * sizeof(float));
-    Image image = make_image(int(d.jpeg.output_width), int(d.jpeg.output_height), int(channels));
-    std::vector<unsigned char> row(std::size_t(image.width) * channels);
-    if (!read_rows(d, row.data(), image.layers[0].pixels.data()))
-        throw Error(file.name, "", fmt::format("damaged JPEG: {}", d.manager.message));
-    return channels == 4 ? rgb_from_cmyk(image) : image;
+    const bool is_cmyk = d.jpeg.out_color_space == JCS_CMYK;
+    check_size(file, d.jpeg.output_width, d.jpeg.output_height, is_cmyk ? 4 + 3 * sizeof(float) : 4);
+    const int channels = d.jpeg.jpeg_color_space == JCS_GRAYSCALE ? 1 : 3;
+    ByteImage image(int(d.jpeg.output_width), int(d.jpeg.output_height), channels);
+    if (!read_rows(d, image.bytes())) throw Error(file.name, "", fmt::format("damaged JPEG: {}", d.manager.message));
+    if (is_cmyk) return rgb_from_cmyk(image);
+    return image;
 }
 
 std::vector<unsigned char> encode_jpeg(const Image& image, const WriteOptions& options)

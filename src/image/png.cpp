@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <png.h>
+#include <algorithm>
 #include <csetjmp>
 #include <cstring>
 
@@ -56,6 +57,7 @@ struct Reader {
     png_infop info = nullptr;
     Failure failure{};
     std::size_t stored_row_bytes = 0;
+    int channels = 0;  ///< of the file, what is transparent counted
 
     Reader()
     {
@@ -72,9 +74,19 @@ bool read_header(Reader& reader, Source& source)
     png_set_read_fn(reader.png, &source, on_read);
     png_read_info(reader.png, reader.info);
     reader.stored_row_bytes = png_get_rowbytes(reader.png, reader.info);
-    // Palettes, 1 to 4 bits and transparent colours become channels of 8 bits; 16 bits come in this machine's order.
+    // Palettes, 1 to 4 bits and transparent colours become channels of 8 bits, of which there are always four, as
+    // textures have them; 16 bits come in this machine's order.
+    const int type = png_get_color_type(reader.png, reader.info);
+    const bool is_colored = type & PNG_COLOR_MASK_COLOR;
+    const bool has_alpha = type & PNG_COLOR_MASK_ALPHA || png_get_valid(reader.png, reader.info, PNG_INFO_tRNS);
+    reader.channels = (is_colored ? 3 : 1) + (has_alpha ? 1 : 0);
     png_set_expand(reader.png);
-    if (png_get_bit_depth(reader.png, reader.info) == 16) png_set_swap(reader.png);
+    if (png_get_bit_depth(reader.png, reader.info) == 16) {
+        png_set_swap(reader.png);
+    } else {
+        png_set_gray_to_rgb(reader.png);
+        if (!has_alpha) png_set_filler(reader.png, 255, PNG_FILLER_AFTER);
+    }
     png_set_interlace_handling(reader.png);
     png_read_update_info(reader.png, reader.info);
     return true;
@@ -142,7 +154,7 @@ void fill_codes(const Image& image, bool alpha, Code* codes, Light light, Unit u
 
 }  // namespace
 
-Image read_png(const EncodedImage& file)
+Picture read_png(const EncodedImage& file)
 {
     Reader reader;
     Source source{file.bytes, file.size, 0};
@@ -150,30 +162,29 @@ Image read_png(const EncodedImage& file)
         throw Error(file.name, "", fmt::format("damaged PNG: {}", reader.failure.message));
     const std::size_t width = png_get_image_width(reader.png, reader.info);
     const std::size_t height = png_get_image_height(reader.png, reader.info);
-    const int channels = png_get_channels(reader.png, reader.info);
     const bool wide = png_get_bit_depth(reader.png, reader.info) == 16;
     const std::size_t row_bytes = png_get_rowbytes(reader.png, reader.info);
-    check_size(file, width, height, std::size_t(channels) * (sizeof(float) + (wide ? 2 : 1)));
+    check_size(file, width, height, wide ? std::size_t(reader.channels) * (sizeof(float) + 2) : 4);
     // Deflate makes at most 1032 bytes of one: a short file that claims a huge picture is not worth the memory.
     if (double(reader.stored_row_bytes) * double(height) > 1032.0 * double(file.size))
         throw Error(file.name, "",
                     fmt::format("damaged PNG: {} bytes can't hold {}x{} pixels", file.size, width, height));
-
-    std::vector<unsigned char> codes(row_bytes * height);
-    std::vector<png_bytep> rows(height);
-    for (std::size_t y = 0; y < height; ++y) rows[y] = codes.data() + y * row_bytes;
-    if (!read_rows(reader, rows.data()))
-        throw Error(file.name, "", fmt::format("damaged PNG: {}", reader.failure.message));
-
-    Image image = make_image(int(width), int(height), channels);
-    float* value = image.layers[0].pixels.data();
-    const std::size_t values = width * std::size_t(channels);
-    for (std::size_t y = 0; y < height; ++y)
-        for (std::size_t i = 0; i < values; ++i) {
-            std::uint16_t code = 0;
-            if (wide) std::memcpy(&code, rows[y] + 2 * i, 2);
-            *value++ = wide ? float(code) / 65535 : float(rows[y][i]) / 255;
-        }
+    const auto read_into = [&](unsigned char* codes) {
+        std::vector<png_bytep> rows(height);
+        for (std::size_t y = 0; y < height; ++y) rows[y] = codes + y * row_bytes;
+        if (!read_rows(reader, rows.data()))
+            throw Error(file.name, "", fmt::format("damaged PNG: {}", reader.failure.message));
+    };
+    if (!wide) {
+        ByteImage image(int(width), int(height), reader.channels);
+        read_into(image.bytes());
+        return image;
+    }
+    std::vector<std::uint16_t> codes(row_bytes / 2 * height);
+    read_into(reinterpret_cast<unsigned char*>(codes.data()));
+    Image image = make_image(int(width), int(height), reader.channels);
+    std::transform(codes.begin(), codes.end(), image.layers[0].pixels.begin(),
+                   [](std::uint16_t code) { return float(code) / 65535; });
     return image;
 }
 

@@ -7,23 +7,16 @@
 
 namespace fathom {
 
-Image read_webp(const EncodedImage& file)
+ByteImage read_webp(const EncodedImage& file)
 {
     WebPBitstreamFeatures features;
     if (WebPGetFeatures(file.bytes, file.size, &features) != VP8_STATUS_OK)
         throw Error(file.name, "", "damaged WebP: the header can't be read");
     if (features.has_animation) throw Error(file.name, "", "an animated WebP is not a picture");
-    const int channels = features.has_alpha ? 4 : 3;
-    check_size(file, std::uint64_t(features.width), std::uint64_t(features.height),
-               std::uint64_t(channels) * (sizeof(float) + 1));
-    Image image = make_image(features.width, features.height, channels);
-    std::vector<float>& values = image.layers[0].pixels;
-    std::vector<unsigned char> codes(values.size());
-    const int stride = features.width * channels;
-    const auto decode = channels == 4 ? WebPDecodeRGBAInto : WebPDecodeRGBInto;
-    if (!decode(file.bytes, file.size, codes.data(), codes.size(), stride))
+    check_size(file, std::uint64_t(features.width), std::uint64_t(features.height), sizeof(std::uint32_t));
+    ByteImage image(features.width, features.height, features.has_alpha ? 4 : 3);
+    if (!WebPDecodeRGBAInto(file.bytes, file.size, image.bytes(), 4 * image.texels.size(), 4 * image.width))
         throw Error(file.name, "", "damaged WebP: the file is cut short or wrong");
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = float(codes[i]) / 255;
     return image;
 }
 
