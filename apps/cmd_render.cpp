@@ -45,7 +45,8 @@ RenderPlan plan_for(const RenderOptions& o, const LoadedScene& loaded, std::opti
                     Reporter& reporter)
 {
     const RenderHints& hints = loaded.description.hints;
-    RenderPlan plan{loaded, settings_for(o, loaded), write_options(o.picture, hints), o.samples, std::move(denoiser)};
+    const RenderSettings settings = settings_for(o, loaded, denoiser.has_value());
+    RenderPlan plan{loaded, settings, write_options(o.picture, hints), o.samples, std::move(denoiser)};
     if (!o.only_sample) check_memory(plan.settings, o.mergeable);
     check_outputs(o, plan.settings.width, plan.settings.height);
     if (!plan.samples && !o.time_s) plan.samples = hinted_samples(hints, o.scene.file.string());
@@ -87,6 +88,8 @@ void tell_before(const RenderOptions& o, RenderPlan& plan, Reporter& reporter)
     if (o.range && !o.mergeable)
         reporter.note(
             "the samples of --samples can't be merged later: their sums are kept in EXR only, add -o FILE.exr");
+    if (plan.settings.clamp_indirect)
+        reporter.note(fmt::format("biased: indirect light clamped at {:g}", *plan.settings.clamp_indirect));
     if (simd_width() == 1)
         reporter.note("this machine has neither AVX2 nor AVX-512: the kernel runs one lane wide, which is slow");
 }

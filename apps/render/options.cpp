@@ -99,14 +99,14 @@ void add_aids(RenderSettings& settings)
 
 }  // namespace
 
-RenderSettings settings_for(const RenderOptions& o, const LoadedScene& scene)
+RenderSettings settings_for(const RenderOptions& o, const LoadedScene& scene, bool denoised)
 {
     RenderSettings settings = settings_of(o.settings, scene.description.hints, o.scene.file.string());
     settings.width = scene.size.width;
     settings.height = scene.size.height;
     settings.crop = o.crop;
     settings.aovs = o.aovs;
-    if (o.picture.denoise) add_aids(settings);
+    if (denoised) add_aids(settings);
     const std::string size = fmt::format("{}x{}", settings.width, settings.height);
     if (o.crop && (o.crop->x1 > settings.width || o.crop->y1 > settings.height))
         throw UsageError(fmt::format("--crop: the picture is {}", size));

@@ -36,7 +36,7 @@ struct RenderOptions {
 void add_render_options(Command& command, RenderOptions& options);
 /// What the options say together: throws UsageError where they disagree, and fills in what follows from them.
 void check_options(RenderOptions& options);
-/// Those of the pictures. Throws UsageError if the options mean another size.
-RenderSettings settings_for(const RenderOptions& options, const LoadedScene& scene);
+/// Those of the pictures; denoised ones have the layers that help. Throws UsageError if the options mean another size.
+RenderSettings settings_for(const RenderOptions& options, const LoadedScene& scene, bool denoised);
 
 }  // namespace fathom::cli

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 
@@ -12,6 +13,17 @@
 namespace fathom::cli {
 
 namespace {
+
+/// Tells what the picture's noise is made of where few samples make much of it, and what hides them.
+void tell_fireflies(const Film& film, const DisplayTransform& display, Reporter& reporter)
+{
+    constexpr double much = 0.2;
+    /// Times what is shown as white.
+    constexpr double limit = 10;
+    const Film::Fireflies fireflies = film.fireflies();
+    if (fireflies.noise < much || film.key().settings.clamp_indirect) return;
+    reporter.fireflies(fireflies, limit * std::exp2(-display.exposure_ev));
+}
 
 /// The denoised picture, as a layer; its aids go unless they are `wanted`.
 void add_denoised(Image& image, const Denoiser& denoiser, const std::vector<Aov>& wanted)
@@ -43,6 +55,7 @@ std::map<std::string, std::string> attributes(const RenderOptions& o, const Rend
         {"fathom.roulette_depth", fmt::format("{}", s.roulette_depth)},
         {"fathom.light_sampling", s.light_sampling ? "on" : "off"},
         {"fathom.crop", s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none"},
+        {"fathom.clamp_indirect", s.clamp_indirect ? fmt::format("{:g}", *s.clamp_indirect) : "none"},
         {"fathom.simd", simd_name()},
         {"fathom.rays", fmt::format("{}", summary.rays)},
         {"fathom.load_s", fmt::format("{:.3f}", summary.load_s)},
@@ -73,6 +86,7 @@ int render_picture(const RenderOptions& o, const RenderPlan& plan, const Picture
     if (plan.denoiser) add_denoised(image, *plan.denoiser, o.aovs);
     if (o.mergeable) store_sums(film.sums(), image);
     const bool all_written = write_pictures(files, image, plan.write, reporter);
+    if (!plan.denoiser) tell_fireflies(film, plan.write.display, reporter);
     summary.write_s = seconds_since_start() - write_start_s;
     if (film.dropped_samples() > 0) {
         Warnings dropped;

@@ -37,7 +37,7 @@ public:
                 });
             begin = end;
         }
-        shadows_.trace(scene_, paths);
+        shadows_.trace(scene_, paths, settings_.clamp_indirect > 0);
     }
 
 private:
@@ -123,6 +123,10 @@ private:
         }
         PathPool& p = *paths_;
         const Mask clear = lit & !scene_.flat.occluded(tables_, ray, lit);
+        if (settings_.clamp_indirect > 0) {
+            const UInt surfaces = (p.state.load(i) & UInt(PathPool::bounce_mask)) + UInt(1u);
+            add = add * indirect_scale(p, iota() + UInt(std::uint32_t(i)), surfaces, add, clear);
+        }
         p.radiance.store(i, p.radiance.load(i) + select(clear, add, Spectrum(Float(0))), valid);
     }
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The command line: what the options of a picture mean: size, camera, light, formats, denoising."""
+import json
 import os
 import re
 from pathlib import Path
@@ -158,6 +159,16 @@ class Picture(CommandLine):
             self.assertNotEqual(*(Path(self.path(name)).read_bytes() for name in ("c.png", "d.png")))
             self.ok(*ball, "--aov", "normal", program=PROGRAM, env=there)
             self.assertEqual({name[:8] for name in channels("b.exr")}, {b"denoised", b"normal.X", b"normal.Y", b"normal.Z"})
+        # Where it is left open the picture is denoised if it can be, and else a line says why not.
+        for words in (["--denoise", "auto"], ["--denoise=auto"]):
+            text = self.ok(*render[:-1], *words, "-o", "auto.png", env=there).stderr
+            self.assertIn("denoising by Open Image Denoise 2.98.76", text)
+            self.assertEqual(Path(self.path("auto.png")).read_bytes(), data["a.png"])
+        text = self.ok(*render[:-1], "--denoise", "auto", "-o", "auto.png", env={**there, "FATHOM_OIDN": "/none.so"}).stderr
+        self.assertIn("not denoised: /none.so: FATHOM_OIDN", text)
+        self.assertEqual(Path(self.path("auto.png")).read_bytes(), data["raw.png"])
+        self.refused(2, *render[:-1], "--denoise=perhaps", words=["--denoise", "perhaps"])
+        self.ok("render", "--denoise", "box.json", "--spp", "1", "-o", "auto.png", env=there)
         # Asked for and not there: told before anything is rendered.
         self.refused(1, *render, "-o", "new.png", words=["/none.so: FATHOM_OIDN"], env={**there, "FATHOM_OIDN": "/none.so"})
         self.assertFalse(os.path.exists(self.path("new.png")))
@@ -166,6 +177,40 @@ class Picture(CommandLine):
         if result.returncode:  # else the system has one
             self.assertEqual(result.stderr.count("\n"), 1)
             self.assertIn("pip install pyoidn", result.stderr)
+
+    def test_fireflies(self):
+        """A small lamp seen through glass: dots, told and counted; gone with a limit that is told, kept in files and asked of parts."""
+        if not PROGRAM:
+            self.skipTest("no program given")
+        self.scene("room.json", json.dumps({
+            "fathom": 1, "camera": {"position": [0.2, 0.1, 3.4], "look_at": [0, 0, 0]},
+            "materials": {"wall": {"kind": "diffuse", "color": [0.75, 0.75, 0.75]}, "glass": {"kind": "glass"},
+                          "lamp": {"kind": "none", "emission": [60, 60, 60]}},
+            "scene": [{"box": {"min": [-1, -1.1, -1], "max": [1, -1, 1]}, "material": "wall"},
+                      {"box": {"min": [-1, -1, -1.1], "max": [1, 1, -1]}, "material": "wall"},
+                      {"box": {"min": [-1.1, -1, -1], "max": [-1, 1, 1]}, "material": "wall"},
+                      {"box": {"min": [-1, 1, -1], "max": [1, 1.1, 1]}, "material": "wall"},
+                      {"rectangle": {"corner": [-0.2, 0.9, -0.2], "edge_u": [0.3, 0, 0], "edge_v": [0, 0, 0.3]}, "material": "lamp"},
+                      {"sphere": {"center": [0, -0.4, 0], "radius": 0.4}, "material": "glass"}]}))
+        render = ["render", "room.json", "--size", "240x180"]
+        line = r"([\d.e-]+) % of the samples make (\d+) % of the noise: --denoise, or --clamp-indirect 10 \(biased\), would hide them\n"
+        told = re.search(line, self.ok(*render, "--spp", "64", program=PROGRAM).stderr)
+        self.assertLess(float(told[1]), 1)
+        self.assertGreater(int(told[2]), 20)
+        events = [json.loads(words) for words in
+                  self.ok(*render, "--spp", "64", "--progress", "json", program=PROGRAM).stderr.splitlines()]
+        event = next(event for event in events if event["event"] == "fireflies")
+        self.assertEqual((round(100 * event["noise"]), event["clamp"]), (int(told[2]), 10))
+        self.assertIn("--clamp-indirect 20 ", self.ok(*render, "--spp", "64", "--exposure", "-1", program=PROGRAM).stderr)
+        limited = [*render, "--clamp-indirect", "0.5"]
+        text = self.ok(*limited, "--samples", "0:64", "-o", "a.exr", program=PROGRAM).stderr
+        self.assertIn("biased: indirect light clamped at 0.5\n", text)
+        self.assertNotIn("of the noise", text)
+        self.assertIn(b"fathom.clamp_indirect\0string\0\3\0\0\x000.5", Path(self.path("a.exr")).read_bytes())
+        self.ok(*limited, "--samples", "64:66", "-o", "b.exr", program=PROGRAM)
+        self.ok(*render, "--samples", "66:68", "-o", "c.exr", program=PROGRAM)
+        self.ok("merge", "a.exr", "b.exr", "-o", "all.exr", program=PROGRAM)
+        self.refused(1, "merge", "all.exr", "c.exr", "-o", "x.exr", words=["c.exr", "clamp_indirect is none"], program=PROGRAM)
 
     def test_only_sample(self):
         result = self.ok("render", "box.json", "--only-sample", "12,34,56")
