@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The command line: what the options of a picture mean: size, camera, light, formats, denoising."""
 import json
+import math
 import os
 import re
 from pathlib import Path
@@ -116,6 +117,41 @@ class Picture(CommandLine):
         self.refused(2, "render", "box.json", "--light", "sun", "--sun-direction", "0,0,0", words=["direction"])
         self.refused(2, "render", "box.json", "--light", "sun", "--sun-direction", "1,1,0", "--sun-azimuth", "3",
                      words=["leave out"])
+
+    def test_the_sun_of_a_place_and_a_date(self):
+        """Against I. Reda, A. Andreas: Solar Position Algorithm for Solar Radiation Applications, 2008, table A5.1: at 39.742476 N,
+        105.1786 W, 2003-10-17 12:30:30, 7 hours behind, elevation 39.872046 before refraction, azimuth 194.340241."""
+        def towards(place, date):
+            text = self.ok("render", "box.json", "--spp", "1", "--light", "sun", "--sun-place", place, "--sun-date", date).stderr
+            return [float(x) for x in re.search(r"sky and sun at (\S+),(\S+),(\S+)\n", text).groups()]
+        def expected(elevation, azimuth):
+            e, a = math.radians(elevation), math.radians(azimuth)
+            return [math.cos(e) * math.sin(a), math.sin(e), -math.cos(e) * math.cos(a)]  # east, up, south
+        def near(found, expected):
+            for a, b in zip(found, expected):
+                self.assertAlmostEqual(a, b, delta=7e-4)  # three digits are printed, 0.01 degrees is the method's
+        for date in ("2003-10-17T12:30:30-07:00", "2003-10-17T19:30:30Z", "2003-10-18T01:00:30+05:30"):
+            near(towards("39.742476,-105.1786", date), expected(39.872046, 194.340241))
+        # J. Meeus: Astronomical Algorithms, 1998, example 25.a: at this time the sun is over 7.785 S, and 176.580 E, its right
+        # ascension of 198.380 less the sidereal time of Greenwich, 21.801 (by his equation 12.4).
+        near(towards("-7.785,176.580", "1992-10-13T00:00Z"), [0, 1, 0])
+        # At midsummer's noon it stands 23.44 degrees higher than at an equinox', in the south; in Sydney in the north.
+        self.assertAlmostEqual(towards("51.4769,0", "2026-06-21T12:02Z")[1], math.sin(math.radians(90 - 51.4769 + 23.44)), delta=1e-3)
+        self.assertGreater(towards("51.4769,0", "2026-06-21T12:02Z")[2], 0.4)
+        self.assertLess(towards("-33.87,151.21", "2026-06-21T02:00Z")[2], -0.4)
+        self.assertGreater(towards("51.4769,0", "2026-06-21T18:00Z")[1], 0)
+        self.assertLess(towards("51.4769,0", "2026-06-21T18:00Z")[0], -0.9)
+        sun = ["render", "box.json", "--light", "sun"]
+        self.refused(2, *sun, "--sun-place", "1,2", words=["--sun-place, --sun-date"])
+        self.refused(2, *sun, "--sun-date", "2026-06-21T12:00Z", words=["--sun-place, --sun-date"])
+        for place in ("91,0", "1", "0,361", "x,y"):
+            self.refused(2, *sun, "--sun-place", place, "--sun-date", "2026-06-21T12:00Z", words=["--sun-place"])
+        for date in ("2026-06-21", "2026-06-21T12:00", "2026-02-29T12:00Z", "2026-13-01T12:00Z", "2026-06-21T25:00Z",
+                     "2026-06-21T12:00+2", "2026-06-21T12:00Zulu", "noon", "1800-01-01T12:00Z"):
+            self.refused(2, *sun, "--sun-place", "1,2", "--sun-date", date, words=["--sun-date", date])
+        both = ["--sun-place", "1,2", "--sun-date", "2026-06-21T12:00Z"]
+        self.refused(2, *sun, *both, "--sun-azimuth", "3", words=["--sun-place", "leave out"])
+        self.refused(2, "render", "box.json", *both, words=["--light sun"])
 
     def test_ground(self):
         def words(*options, command="box.json"):
