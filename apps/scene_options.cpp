@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -203,7 +204,8 @@ LoadOptions load_options(const SceneOptions& options)
 void add_scene_options(Command& command, SceneOptions& options)
 {
     add_file_options(command, options);
-    command.add_value("--animation", "NAME", "name or number of one of the file's animations (default: the first)",
+    command.add_value("--animation", "NAME|all",
+                      "name or number of one of the file's animations, or all of them at once (default: the first)",
                       [&](const std::string& text) { options.animation = text; });
     command.add_value("--at", "SECONDS",
                       "show the animation's pose at this time, as 1.5 or 1.5s; after its end the last one",
@@ -282,6 +284,25 @@ std::string note_on(const std::vector<Animation>& animations)
         animations.size(), animations.size() == 1 ? "animation" : "animations", fmt::join(names, ", "));
 }
 
+/// The animation to play; of the word `all`, where none has it for a name, one of what all of them move. Where several
+/// move the same, the last of them does.
+std::size_t chosen_animation(SceneFile& file, const std::string& wanted)
+{
+    std::vector<Animation>& animations = file.rig.animations;
+    const bool is_a_name =
+        std::any_of(animations.begin(), animations.end(), [&](const Animation& a) { return a.name == wanted; });
+    if (wanted != "all" || is_a_name || animations.empty()) return find_animation(file, wanted);
+    Animation all = std::move(animations.front());
+    for (std::size_t i = 1; i < animations.size(); ++i) {
+        if (all.problem.empty()) all.problem = animations[i].problem;
+        std::move(animations[i].channels.begin(), animations[i].channels.end(), std::back_inserter(all.channels));
+    }
+    all.name = wanted;
+    animations.clear();
+    animations.push_back(std::move(all));
+    return 0;
+}
+
 }  // namespace
 
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
@@ -297,7 +318,7 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     check_light(options);
     LoadedScene loaded;
     SceneFile file = load_scene_file(options.file, load_options(options), warnings);
-    const std::size_t animation = options.at_s ? find_animation(file, options.animation) : 0;
+    const std::size_t animation = options.at_s ? chosen_animation(file, options.animation) : 0;
     SceneDescription& scene = loaded.description = std::move(file.scene);
     if (options.at_s) {
         loaded.player.emplace(scene, std::move(file.rig), animation);

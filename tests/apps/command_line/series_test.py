@@ -170,6 +170,30 @@ class Series(CommandLine):
                      words=["t.0003.png is a texture of this scene"])
         self.ok("render", "walk.json", "--spp", "1", "--frames", "0:2", "-o", "t.####.png")
 
+    def test_all_animations_at_once(self):
+        """With the library: a file whose animations each move one thing shows what one animation of all would."""
+        if not PROGRAM:
+            self.skipTest("no program given")
+        model = walking_model()
+        with open(self.path("one.gltf"), "w") as file:
+            json.dump(model, file)
+        one = model["animations"][0]
+        model["animations"] = [{"name": f"part {i}", "samplers": one["samplers"], "channels": [channel]}
+                               for i, channel in enumerate(one["channels"])]
+        with open(self.path("apart.gltf"), "w") as file:
+            json.dump(model, file)
+        common = ["-q", "--spp", "2", "--size", "64x48", "--at", "0.7", "--light", "file", "-o", "a.hdr"]
+        def pixels(name, *options):
+            self.ok("render", name, *common, *options, program=PROGRAM)
+            return pixels_of_hdr(self.path("a.hdr"))
+        self.assertEqual(pixels("apart.gltf", "--animation", "all"), pixels("one.gltf"))
+        self.assertNotEqual(pixels("apart.gltf", "--animation", "part 1"), pixels("one.gltf"))
+        # One that has the name is meant.
+        model["animations"][1]["name"] = "all"
+        with open(self.path("named.gltf"), "w") as file:
+            json.dump(model, file)
+        self.assertEqual(pixels("named.gltf", "--animation", "all"), pixels("named.gltf", "--animation", "1"))
+
     def test_frames_of_a_file_are_its_poses(self):
         """With the library: each frame has the bits of a run of its own, whatever moves."""
         if not PROGRAM:
