@@ -9,27 +9,32 @@ namespace fathom {
 namespace {
 
 /// What the samples of a pixel are like: the mean in each channel; square and variance of all channels together.
+/// Floats, as there are as many as pixels.
 struct Moments {
-    std::array<double, 3> mean{};
-    double square = 0, variance = 0;
+    std::array<float, 3> mean{};
+    float square = 0, variance = 0;
 };
 
 Moments moments_of(const std::uint32_t* sums, double n)
 {
     Moments m;
+    double squares = 0, variance = 0;
     for (int c = 0; c < 3; ++c) {
         const double mean = ExactSum::value(radiance_sum(sums, c)) / n;
         const double square = ExactSquareSum::value(square_sum(sums, c)) / n;
-        m.mean[std::size_t(c)] = mean;
-        m.square += square;
-        m.variance += std::max(0.0, square - mean * mean);
+        m.mean[std::size_t(c)] = float(mean);
+        squares += square;
+        variance += std::max(0.0, square - mean * mean);
     }
+    m.square = float(squares), m.variance = float(variance);
     return m;
 }
 
 double squared_mean(const Moments& m)
 {
-    return m.mean[0] * m.mean[0] + m.mean[1] * m.mean[1] + m.mean[2] * m.mean[2];
+    double sum = 0;
+    for (const double c : m.mean) sum += c * c;
+    return sum;
 }
 
 /// Squares of pixels, each with what is usual in it.
@@ -111,10 +116,10 @@ struct Outliers {
     {
         double sum2 = 0;
         for (std::size_t c = 0; c < 3; ++c) {
-            const double sum = n * std::max(0.0, m.mean[c] - usual.mean[c]);
+            const double sum = n * std::max(0.0, double(m.mean[c]) - double(usual.mean[c]));
             sum2 += sum * sum;
         }
-        const double squares = n * (m.square - usual.square);
+        const double squares = n * (double(m.square) - double(usual.square));
         if (!(squares > 0) || !(sum2 > 0)) return;
         count = std::clamp(sum2 / squares, 1.0, n);
         height2 = squares / count;
@@ -136,7 +141,7 @@ Film::Fireflies Film::fireflies() const
     if (n < fewest_samples) return {};
     const Pixels pixels(*this);
     double noise = 0;
-    for (const Moments& m : pixels.all()) noise += m.variance;
+    for (const Moments& m : pixels.all()) noise += double(m.variance);
     if (!(noise > 0)) return {};
 
     const Blocks blocks(pixels.all(), pixels.width(), pixels.height());
@@ -144,11 +149,11 @@ Film::Fireflies Film::fireflies() const
     for (int y = 0; y < pixels.height(); ++y)
         for (int x = 0; x < pixels.width(); ++x) {
             const Moments &m = pixels.at(x, y), &usual = blocks.usual_around(x, y);
-            if (!(m.variance > far_beyond * usual.variance)) continue;
+            if (!(double(m.variance) > far_beyond * double(usual.variance))) continue;
             const Outliers outliers(m, usual, n);
             if (outliers.count > std::max(1.0, few * n)) continue;
             if (outliers.height2 < much_brighter * much_brighter * pixels.brightest_neighbour(x, y)) continue;
-            found.noise += (m.variance - usual.variance) / noise;
+            found.noise += (double(m.variance) - double(usual.variance)) / noise;
             found.samples += outliers.count;
         }
     found.samples /= n * double(pixels.all().size());

@@ -281,7 +281,7 @@ private:
     }
 
     /// See integrate/stages/indirect_clamp.h. light: before the throughput.
-    Float indirect_scale(UInt path, const Spectrum& light, Mask m)
+    [[gnu::noinline]] Float indirect_scale(UInt path, Spectrum light, Mask m)
     {
         PathPool& p = *paths_;
         Spectrum brought;
