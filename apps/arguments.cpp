@@ -189,16 +189,29 @@ Command::Command(Command& group, const std::string& name, const std::string& wha
     group.app_.require_subcommand(1);
 }
 
-void Command::add_value(const std::string& name, const std::string& value_name, const std::string& help, Take take)
+namespace {
+
+Command::Take naming(const std::string& name, Command::Take take)
 {
-    const auto named = [name, take = std::move(take)](const std::string& text) {
+    return [name, take = std::move(take)](const std::string& text) {
         try {
             take(text);
         } catch (const UsageError& error) {
             throw UsageError(fmt::format("{}: {}", name, error.what()));
         }
     };
-    app_.add_option_function<std::string>(name, named, help)->type_name(value_name);
+}
+
+}  // namespace
+
+void Command::add_value(const std::string& name, const std::string& value_name, const std::string& help, Take take)
+{
+    app_.add_option_function<std::string>(name, naming(name, std::move(take)), help)->type_name(value_name);
+}
+
+void Command::add_flag_or_word(const std::string& name, const std::string& help, Take take)
+{
+    app_.add_flag(name, help)->each(naming(name, std::move(take)));
 }
 
 void Command::add_flag(const std::string& name, bool& flag, const std::string& help)

@@ -51,6 +51,9 @@ public:
     /// An option with one value; messages of what `take` throws get the option's name in front.
     void add_value(const std::string& name, const std::string& value_name, const std::string& help, Take take);
     void add_flag(const std::string& name, bool& flag, const std::string& help);
+    /// A flag that may be told more by NAME=WORD, or by a word behind it that program.cpp knows; `take` gets "true"
+    /// without.
+    void add_flag_or_word(const std::string& name, const std::string& help, Take take);
     /// An option that may be given several times.
     void add_files(const std::string& name, std::vector<std::filesystem::path>& files, const std::string& help);
     /// What stands without an option's name, and must be there: one file, or one and more.

@@ -54,9 +54,13 @@ void add_picture_options(Command& command, PictureOptions& options)
                       [&](const std::string& text) { options.png_bits = parse_word(text, {"8", "16"}) ? 16 : 8; });
     command.add_value("--quality", "1..100", "of JPEG (default 95) and WebP (default: without loss)",
                       [&](const std::string& text) { options.quality = int(parse_integer(text, 1, 100)); });
-    command.add_flag("--denoise", options.denoise,
-                     "take the noise away by Open Image Denoise, if it is there (`pip install pyoidn`): of PNG, JPEG, "
-                     "WebP and HDR; EXR keeps the picture as it is and gets a layer `denoised`");
+    command.add_flag_or_word(
+        "--denoise",
+        "take the noise away by Open Image Denoise (`pip install pyoidn`): of PNG, JPEG, WebP and HDR; EXR keeps the "
+        "picture as it is and gets a layer `denoised`. `--denoise auto`: only if it is there",
+        [&](const std::string& text) {
+            options.denoise = parse_word(text, {"true", "auto"}) == 1 ? Denoising::automatic : Denoising::on;
+        });
     command.add_value("--exr", "half|float", "numbers of EXR (default float)",
                       [&](const std::string& text) { options.exr_half = parse_word(text, {"half", "float"}) == 0; });
 }
@@ -88,9 +92,17 @@ void use_light(const LitScene& lit, const PictureOptions& options, RenderSetting
 
 std::optional<Denoiser> open_denoiser(const PictureOptions& options, int threads, Reporter& reporter)
 {
-    if (!options.denoise) return {};
-    Denoiser denoiser(threads);
-    reporter.note(fmt::format("denoising by Open Image Denoise {} ({})", denoiser.version(), denoiser.file().string()));
+    if (options.denoise == Denoising::off) return {};
+    std::optional<Denoiser> denoiser;
+    try {
+        denoiser.emplace(threads);
+    } catch (const Error& error) {
+        if (options.denoise == Denoising::on) throw;
+        reporter.note(fmt::format("not denoised: {}", error.what()));
+        return {};
+    }
+    reporter.note(
+        fmt::format("denoising by Open Image Denoise {} ({})", denoiser->version(), denoiser->file().string()));
     return denoiser;
 }
 

@@ -13,6 +13,9 @@
 
 namespace fathom::cli {
 
+/// Whether noise is taken away: automatic is where the denoiser is there.
+enum class Denoising { off, automatic, on };
+
 /// Which files are written, and how.
 struct PictureOptions {
     std::vector<std::filesystem::path> outputs;
@@ -21,7 +24,7 @@ struct PictureOptions {
     int png_bits = 8;
     std::optional<int> quality;  ///< of JPEG and WebP
     bool exr_half = false;
-    bool denoise = false;
+    Denoising denoise = Denoising::off;
 };
 
 /// Those that a window has too: how radiance is shown.
@@ -37,7 +40,7 @@ void use_light(const LitScene& lit, const PictureOptions& options, RenderSetting
 
 /// "0:16,32:48"
 std::string text_of(const std::vector<SampleRange>& samples);
-/// The denoiser, if it is asked for; told by name. Throws Error if it isn't there.
+/// The denoiser, if it is asked for; told by name. Throws Error if it isn't there, but where that is left open.
 std::optional<Denoiser> open_denoiser(const PictureOptions& options, int threads, Reporter& reporter);
 
 /// Writes all files of the options and tells which. EXR has all layers; others show the one that is "denoised", if

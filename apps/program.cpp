@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <new>
 #include <sstream>
+#include <string_view>
+#include <vector>
 
 #include "commands.h"
 #include "fathom/error.h"
@@ -36,6 +38,21 @@ std::string usage_message(const std::string& message)
     return message;
 }
 
+/// The words of the command line, last first, as CLI11 takes them; `--denoise auto` as `--denoise=auto`: an option that
+/// may do without a value would take the name of a file for one.
+std::vector<std::string> words_of(int argc, char** argv)
+{
+    std::vector<std::string> words;
+    for (int i = 1; i < argc; ++i) {
+        if (!words.empty() && words.back() == "--denoise" && std::string_view(argv[i]) == "auto")
+            words.back() += "=auto";
+        else
+            words.emplace_back(argv[i]);
+    }
+    std::reverse(words.begin(), words.end());
+    return words;
+}
+
 /// What the command line asks for; returns the exit code.
 int parse_and_run(int argc, char** argv)
 {
@@ -58,7 +75,7 @@ int parse_and_run(int argc, char** argv)
     add_view(app, run);
     add_version(app, run);
     try {
-        app.parse(argc, argv);
+        app.parse(words_of(argc, argv));
         return run();
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return tell(app, error);

@@ -30,6 +30,11 @@ void add_settings_options(Command& command, SettingsOptions& o)
         "--light-selection", "power|uniform",
         "which light a surface samples: brighter ones more often (default), or all alike, to compare with",
         [&](const std::string& text) { o.light_selection = LightSelection(parse_word(text, {"power", "uniform"})); });
+    command.add_value(
+        "--clamp-indirect", "X",
+        "the most that a sample brings of light by two surfaces or more, in each channel, before exposure: fewer "
+        "fireflies, but biased: caustics and bright corners get darker (default: no limit)",
+        [&](const std::string& text) { o.clamp_indirect = parse_number(text, 1e-6, 1e30); });
     command.add_value("--loop", "general|fast",
                       "general: rooms of plain quads, too, by the loop for all scenes, to debug (default fast)",
                       [&](const std::string& text) { o.general_loop = parse_word(text, {"fast", "general"}) == 1; });
@@ -60,6 +65,7 @@ RenderSettings settings_of(const SettingsOptions& o, const RenderHints& hints, c
     settings.general_loop = o.general_loop;
     settings.background = o.background;
     settings.alpha = o.transparent;
+    if (o.clamp_indirect) settings.clamp_indirect = float(*o.clamp_indirect);
     settings.seed = o.seed;
     settings.threads = o.threads;
     return settings;

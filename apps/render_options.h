@@ -17,6 +17,7 @@ struct SettingsOptions {
     bool general_loop = false;
     std::optional<Filter> filter;
     std::optional<Color> background;
+    std::optional<double> clamp_indirect;
     bool transparent = false;
     std::uint32_t seed = 0;
     int threads = 0;

@@ -202,6 +202,16 @@ void Reporter::progress(double done, double elapsed_s, const Progress& progress,
     bar_ = true;
 }
 
+void Reporter::fireflies(const Film::Fireflies& found, double clamp)
+{
+    if (mode_ == ReportMode::json)
+        return print({{"event", "fireflies"}, {"samples", found.samples}, {"noise", found.noise}, {"clamp", clamp}});
+    note(fmt::format(
+        "{:.2g} % of the samples make {:.0f} % of the noise: --denoise, or --clamp-indirect {:.2g} (biased), "
+        "would hide them",
+        100 * found.samples, 100 * std::min(found.noise, 1.0), clamp));
+}
+
 void Reporter::summary(const Summary& s)
 {
     const std::uint64_t memory = peak_memory_bytes();

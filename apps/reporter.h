@@ -33,6 +33,8 @@ public:
     void error(const std::string& text);
     void written(const std::string& file);
     void summary(const Summary& summary);
+    /// clamp  a limit on indirect light that would hide them
+    void fireflies(const Film::Fireflies& fireflies, double clamp);
 
     /// While it lives, a phase whose end can't be foreseen is told every now and then, if it takes long. Nothing else
     /// is told meanwhile.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -83,13 +84,10 @@ void use_environment(SceneDescription& scene, const std::filesystem::path& file)
 /// A clear sky instead of the file's lamps and environment.
 void use_sky(SceneDescription& scene, const SceneOptions& options)
 {
-    const double azimuth = options.sun_azimuth_deg.value_or(-35) * std::numbers::pi / 180;
-    const double elevation = options.sun_elevation_deg.value_or(40) * std::numbers::pi / 180;
     scene.environment = {};
     scene.environment.kind = EnvironmentKind::sky;
-    scene.environment.sun_disk = options.sun;
-    scene.environment.to_sun = options.to_sun.value_or(
-        Vec3d{std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation)});
+    scene.environment.sun_disk = options.with_sun;
+    scene.environment.to_sun = direction_to_sun(options.sun);
     for (Node& node : scene.nodes) node.light = -1;
     // It is exposed for, as other light that is not made to be seen by as it is.
     scene.hints.exposure.reset();
@@ -100,11 +98,10 @@ void check_light(const SceneOptions& options)
 {
     if (options.sky && !options.environment.empty())
         throw UsageError("--light sun, --light sky, --env: one of them lights the scene");
-    const bool places_sun = options.to_sun || options.sun_elevation_deg || options.sun_azimuth_deg;
-    if (places_sun && !options.sky)
-        throw UsageError("--sun-direction, --sun-elevation, --sun-azimuth: add --light sun or --light sky");
-    if (options.to_sun && (options.sun_elevation_deg || options.sun_azimuth_deg))
-        throw UsageError("--sun-direction: leave out --sun-elevation and --sun-azimuth");
+    if (options.sun.given() && !options.sky)
+        throw UsageError(
+            "--sun-direction, --sun-elevation, --sun-azimuth, --sun-place: add --light sun or --light sky");
+    check_sun(options.sun);
 }
 
 /// Whichever picture or gradient lights the scene from outside, that of the options or its own.
@@ -207,7 +204,8 @@ LoadOptions load_options(const SceneOptions& options)
 void add_scene_options(Command& command, SceneOptions& options)
 {
     add_file_options(command, options);
-    command.add_value("--animation", "NAME", "name or number of one of the file's animations (default: the first)",
+    command.add_value("--animation", "NAME|all",
+                      "name or number of one of the file's animations, or all of them at once (default: the first)",
                       [&](const std::string& text) { options.animation = text; });
     command.add_value("--at", "SECONDS",
                       "show the animation's pose at this time, as 1.5 or 1.5s; after its end the last one",
@@ -252,17 +250,10 @@ void add_scene_options(Command& command, SceneOptions& options)
         [&](const std::string& text) {
             const int word = parse_word(text, {"auto", "file", "studio", "sun", "sky"});
             options.light = word < 3 ? LightChoice(word) : LightChoice::file;
-            options.sun = word == 3;
+            options.with_sun = word == 3;
             options.sky = word >= 3;
         });
-    command.add_value("--sun-elevation", "DEGREES", "how high the sun stands (default 40)",
-                      [&](const std::string& text) { options.sun_elevation_deg = parse_number(text, -90, 90); });
-    command.add_value("--sun-azimuth", "DEGREES", "from +z towards +x, as of --orbit (default -35)",
-                      [&](const std::string& text) { options.sun_azimuth_deg = parse_number(text, -1e6, 1e6); });
-    command.add_value("--sun-direction", "X,Y,Z", "towards the sun, instead of both", [&](const std::string& text) {
-        options.to_sun = parse_vector(text);
-        if (!(length(*options.to_sun) > 0)) throw UsageError("expected a direction, found 0,0,0");
-    });
+    add_sun_options(command, options.sun);
     command.add_value("--ground", "shadow|none|COLOUR",
                       "a floor under the model: one that looks as the backdrop but for the model's shadow (default for "
                       "models that only a studio lights, seen from above and outside), none, or one of this colour",
@@ -293,6 +284,25 @@ std::string note_on(const std::vector<Animation>& animations)
         animations.size(), animations.size() == 1 ? "animation" : "animations", fmt::join(names, ", "));
 }
 
+/// The animation to play; of the word `all`, where none has it for a name, one of what all of them move. Where several
+/// move the same, the last of them does.
+std::size_t chosen_animation(SceneFile& file, const std::string& wanted)
+{
+    std::vector<Animation>& animations = file.rig.animations;
+    const bool is_a_name =
+        std::any_of(animations.begin(), animations.end(), [&](const Animation& a) { return a.name == wanted; });
+    if (wanted != "all" || is_a_name || animations.empty()) return find_animation(file, wanted);
+    Animation all = std::move(animations.front());
+    for (std::size_t i = 1; i < animations.size(); ++i) {
+        if (all.problem.empty()) all.problem = animations[i].problem;
+        std::move(animations[i].channels.begin(), animations[i].channels.end(), std::back_inserter(all.channels));
+    }
+    all.name = wanted;
+    animations.clear();
+    animations.push_back(std::move(all));
+    return 0;
+}
+
 }  // namespace
 
 LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
@@ -308,7 +318,7 @@ LoadedScene load_for_render(const SceneOptions& options, Warnings& warnings)
     check_light(options);
     LoadedScene loaded;
     SceneFile file = load_scene_file(options.file, load_options(options), warnings);
-    const std::size_t animation = options.at_s ? find_animation(file, options.animation) : 0;
+    const std::size_t animation = options.at_s ? chosen_animation(file, options.animation) : 0;
     SceneDescription& scene = loaded.description = std::move(file.scene);
     if (options.at_s) {
         loaded.player.emplace(scene, std::move(file.rig), animation);

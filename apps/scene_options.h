@@ -9,6 +9,7 @@
 #include "fathom/load.h"
 #include "fathom/render.h"
 #include "fathom/scene_file.h"
+#include "sun_options.h"
 
 namespace fathom::cli {
 
@@ -33,9 +34,8 @@ struct SceneOptions {
     double environment_turn_deg = 0;
     std::optional<double> environment_strength;
     LightChoice light = LightChoice::automatic;
-    bool sky = false, sun = false;  ///< instead of all other light; the sun with its sky
-    std::optional<double> sun_elevation_deg, sun_azimuth_deg;
-    std::optional<Vec3d> to_sun;
+    bool sky = false, with_sun = false;  ///< instead of all other light; the sun with its sky
+    SunOptions sun;
     GroundChoice ground = GroundChoice::automatic;
     Color ground_color;
     std::optional<Size> size;

@@ -44,6 +44,9 @@ struct RenderSettings {
     std::optional<Color> background;
     bool alpha = false;  ///< sums coverage too: the film's picture can have A
     int threads = 0;     ///< 0: available_threads()
+    /// The most that a sample may bring of light that comes by two surfaces or more, in each channel: bias, against
+    /// fireflies. Light by one surface, or straight to the camera, stays as it is.
+    std::optional<float> clamp_indirect;
     /// Rooms of smooth, diffuse quads are rendered by a loop of their own unless this is set: for debugging. The two
     /// compute the same estimator.
     bool general_loop = false;
@@ -144,6 +147,15 @@ public:
 
     /// Means so far: the picture (with A if alpha), and a layer per AOV, "variance" (of the mean) if asked for.
     Image image(bool alpha, bool variance) const;
+
+    /// Noise of few samples that are far brighter than those around them.
+    struct Fireflies {
+        double samples = 0;  ///< their share of all samples, about
+        double noise = 0;    ///< their share of the picture's squared error
+    };
+    /// What of the noise they make: the variance of pixels that is far beyond that of the pixels around, and how many
+    /// samples of one height would make it. 0 and 0 below 4 samples a pixel, which tell too little.
+    Fireflies fireflies() const;
 
     /// The sums themselves, to be stored in a file and merged later: 32-bit words, per pixel `words_per_pixel`.
     struct Sums {

@@ -145,6 +145,17 @@ double table_cosine(double j)
     return t * std::abs(t);
 }
 
+// The table of light that was scattered before: by height, and by the sun's elevation as it is within the air that is
+// seen, whose far end is 8 degrees around the earth.
+constexpr int multiple_heights = 12, multiple_elevations = 10;
+constexpr double elevations_around = 9 * std::numbers::pi / 180;
+
+/// Scattered by the molecules and haze of a km, of light alike in all directions.
+double scattering(const Coefficients& air, const Densities& here)
+{
+    return air.molecules * here.molecules + haze_albedo * air.haze * here.haze;
+}
+
 /// The parts of a way, shorter where it begins: f(way to its middle, its length).
 template <class F>
 void along(double way, int steps, F f)
@@ -164,9 +175,7 @@ Sky::Depths Sky::depths_to_space(double height, double cosine)
     along(way_to_space(height, cosine), 200, [&](double at, double length) {
         // Of ways into the ground, so that what lies between entries of the table is a number.
         const Densities d = densities_at(std::max(0.0, height_after(height, cosine, at)));
-        sum.molecules += d.molecules * length;
-        sum.haze += d.haze * length;
-        sum.ozone += d.ozone * length;
+        sum.add(d, length);
     });
     return sum;
 }
@@ -180,6 +189,7 @@ Sky::Sky(const Vec3d& to_sun) : to_sun_(normalize(to_sun))
 {
     for (int i = 0; i < table_heights; ++i)
         for (int j = 0; j < table_cosines; ++j) table_.push_back(depths_to_space(table_height(i), table_cosine(j)));
+    make_multiple();
     // Irradiance of the ground: that of the sun, and of the sky by a sum over the upper half.
     const Color sun = sun_irradiance(to_sun_);
     const double facing = std::max(0.0, to_sun_.y);
@@ -189,7 +199,8 @@ Sky::Sky(const Vec3d& to_sun) : to_sun_(normalize(to_sun))
         for (int j = 0; j < columns; ++j) {
             // Equal shares of the projected half sphere.
             const double sine = std::sqrt((i + 0.5) / rows), phi = 2 * std::numbers::pi * (j + 0.5) / columns;
-            const Color c = scattered({sine * std::cos(phi), std::sqrt(1 - sine * sine), sine * std::sin(phi)});
+            const Color c =
+                scattered({sine * std::cos(phi), std::sqrt(1 - sine * sine), sine * std::sin(phi)}, Scattering::all);
             sum = sum + Vec3d{double(c.r), double(c.g), double(c.b)} * (std::numbers::pi / (rows * columns));
         }
     ground_ = color_of(sum * (ground_albedo / std::numbers::pi));
@@ -220,36 +231,117 @@ Color Sky::sun_irradiance(const Vec3d& to_sun)
     return color_of(sum);
 }
 
-Color Sky::scattered(const Vec3d& d) const
+/// Adds what comes from one direction (x towards the sun's side, y up): light of the second order, as if scattered
+/// alike in all directions, and the share of light that is around which further scattering sends here.
+void Sky::add_second_order(double height, const Vec3d& sun, double x, double y, Orders& sum) const
+{
+    constexpr int steps = 20;
+    const double r = earth_radius + height;
+    const bool to_ground = meets_ground(height, y);
+    const double way =
+        to_ground ? -r * y - std::sqrt(r * r * (y * y - 1) + earth_radius * earth_radius) : way_to_space(height, y);
+    const auto sun_cosine = [&](double at, double there) {
+        return (r * sun.y + at * (x * sun.x + y * sun.y)) / (earth_radius + there);
+    };
+    Depths seen;
+    along(way, steps, [&](double at, double length) {
+        const double there = std::max(0.0, height_after(height, y, at));
+        const Densities here = densities_at(there);
+        seen.add(here, length / 2);
+        const double cosine = sun_cosine(at, there);
+        const bool lit = !meets_ground(there, cosine);
+        const Depths to_sun = lit ? depths_to_sun(there, cosine) : Depths();
+        for (std::size_t b = 0; b < bands; ++b) {
+            const Coefficients& air = band_table()[b].air;
+            const double sent = scattering(air, here) * std::exp(-exponent(air, seen)) * length;
+            sum.further[b] += sent;
+            if (lit) sum.second[b] += sent * std::exp(-exponent(air, to_sun)) / (4 * std::numbers::pi);
+        }
+        seen.add(here, length / 2);
+    });
+    const double cosine = sun_cosine(way, 0);
+    if (!to_ground || !(cosine > 0)) return;
+    const Depths to_sun = depths_to_sun(0, cosine);
+    for (std::size_t b = 0; b < bands; ++b) {
+        const Coefficients& air = band_table()[b].air;
+        sum.second[b] +=
+            ground_albedo / std::numbers::pi * cosine * std::exp(-exponent(air, seen) - exponent(air, to_sun));
+    }
+}
+
+/// Of each place of the table, Hillaire's equations 5 to 9: light of the second order from all around, over what is
+/// left to the orders after it, each a share of the one before.
+void Sky::make_multiple()
+{
+    constexpr int cosines = 8, turns = 8;
+    constexpr double share = 1.0 / (cosines * turns);
+    const double elevation = std::asin(std::clamp(to_sun_.y, -1.0, 1.0));
+    for (int i = 0; i < multiple_heights; ++i)
+        for (int j = 0; j < multiple_elevations; ++j) {
+            const double t = double(i) / (multiple_heights - 1);
+            const double e = elevation + (2.0 * j / (multiple_elevations - 1) - 1) * elevations_around;
+            const Vec3d sun{std::abs(std::cos(e)), std::sin(e), 0};
+            Orders sum{std::vector<double>(bands), std::vector<double>(bands)};
+            for (int k = 0; k < cosines * turns; ++k) {
+                const double y = 2 * (k / turns + 0.5) / cosines - 1;
+                const double phi = 2 * std::numbers::pi * (k % turns + 0.5) / turns;
+                add_second_order(air_height * t * t, sun, std::sqrt(1 - y * y) * std::cos(phi), y, sum);
+            }
+            for (std::size_t b = 0; b < bands; ++b)
+                multiple_.push_back(sum.second[b] * share / (1 - sum.further[b] * share));
+        }
+}
+
+Sky::MultipleAt Sky::multiple_at(double height, double cosine, double sun_elevation)
+{
+    const auto split = [](double at, int count) {
+        const double inside = std::clamp(at, 0.0, count - 1.001);
+        return std::pair{std::size_t(inside), inside - std::floor(inside)};
+    };
+    const double elevation = std::asin(std::clamp(cosine, -1.0, 1.0));
+    const auto [i, u] = split(std::sqrt(std::max(0.0, height) / air_height) * (multiple_heights - 1), multiple_heights);
+    const auto [j, v] = split(((elevation - sun_elevation) / elevations_around + 1) / 2 * (multiple_elevations - 1),
+                              multiple_elevations);
+    const std::size_t first = (i * multiple_elevations + j) * bands, next_height = multiple_elevations * bands;
+    return {{first, first + bands, first + next_height, first + next_height + bands},
+            {(1 - u) * (1 - v), (1 - u) * v, u * (1 - v), u * v}};
+}
+
+Color Sky::scattered(const Vec3d& d, Scattering times) const
 {
     const double cosine = dot(d, to_sun_), g = haze_anisotropy;
     const double of_molecules = 3 / (16 * std::numbers::pi) * (1 + cosine * cosine);
     // W. Cornette, J. Shanks: Physically Reasonable Analytic Expression for the Single-Scattering Phase Function, 1992.
     const double of_haze = 3 / (8 * std::numbers::pi) * (1 - g * g) * (1 + cosine * cosine) /
                            ((2 + g * g) * std::pow(1 + g * g - 2 * g * cosine, 1.5));
+    const double sun_elevation = std::asin(std::clamp(to_sun_.y, -1.0, 1.0));
     std::array<double, bands> light{};
     Depths seen;
     along(way_to_space(0, d.y), 40, [&](double at, double length) {
         const double height = height_after(0, d.y, at);
         const Densities here = densities_at(height);
-        const auto pass_half = [&] {
-            seen.molecules += here.molecules * length / 2;
-            seen.haze += here.haze * length / 2;
-            seen.ozone += here.ozone * length / 2;
-        };
-        pass_half();
+        seen.add(here, length / 2);
         const double sun_cosine = (earth_radius * to_sun_.y + at * cosine) / (earth_radius + height);
         if (!meets_ground(height, sun_cosine)) {
             Depths way = depths_to_sun(height, sun_cosine);
             way.molecules += seen.molecules, way.haze += seen.haze, way.ozone += seen.ozone;
             for (std::size_t i = 0; i < bands; ++i) {
                 const Coefficients& air = band_table()[i].air;
-                const double scattering =
+                const double towards_eye =
                     air.molecules * here.molecules * of_molecules + haze_albedo * air.haze * here.haze * of_haze;
-                light[i] += scattering * std::exp(-exponent(air, way)) * length;
+                light[i] += towards_eye * std::exp(-exponent(air, way)) * length;
             }
         }
-        pass_half();
+        if (times == Scattering::all) {
+            const MultipleAt m = multiple_at(height, sun_cosine, sun_elevation);
+            for (std::size_t i = 0; i < bands; ++i) {
+                double before = 0;
+                for (std::size_t k = 0; k < 4; ++k) before += m.weight[k] * multiple_[m.place[k] + i];
+                const Coefficients& air = band_table()[i].air;
+                light[i] += scattering(air, here) * before * std::exp(-exponent(air, seen)) * length;
+            }
+        }
+        seen.add(here, length / 2);
     });
     Vec3d sum;
     for (std::size_t i = 0; i < bands; ++i) sum = sum + band_table()[i].weight * light[i];
@@ -258,7 +350,12 @@ Color Sky::scattered(const Vec3d& d) const
 
 Color Sky::radiance(const Vec3d& d) const
 {
-    return d.y >= 0 ? scattered(d) : ground_;
+    return d.y >= 0 ? scattered(d, Scattering::all) : ground_;
+}
+
+Color Sky::scattered_once(const Vec3d& d) const
+{
+    return scattered(d, Scattering::once);
 }
 
 }  // namespace fathom

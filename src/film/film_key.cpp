@@ -31,6 +31,7 @@ std::vector<std::pair<std::string, std::string>> fields_of(const FilmKey& key)
             {"crop", s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none"},
             {"background",
              s.background ? fmt::format("{:a},{:a},{:a}", s.background->r, s.background->g, s.background->b) : "none"},
+            {"clamp_indirect", s.clamp_indirect ? fmt::format("{:a}", *s.clamp_indirect) : "none"},
             {"scene", key.scene}};
 }
 
@@ -162,6 +163,8 @@ FilmKey FilmKey::parse(const std::string& text)
         const auto c = KeyParser::numbers<float, 3>("background", background, ',', -1e38, 1e38);
         s.background = Color{c[0], c[1], c[2]};
     }
+    if (const std::string_view clamp = parser.field("clamp_indirect"); clamp != "none")
+        s.clamp_indirect = KeyParser::numbers<float, 1>("clamp_indirect", clamp, ',', 0, 1e38)[0];
     key.scene = parser.field("scene");
     if (key.scene.size() != 32 || !parser.at_end()) fail("its scene has no fingerprint");
     check_settings(s);

@@ -37,7 +37,9 @@ struct KernelSettings {
     bool light_sampling = true;
     LightSelection light_selection = LightSelection::power;
     bool general_loop = false;  ///< rooms of quads, too, are rendered by the loop for all scenes
-    std::uint32_t filter = 0;   ///< Filter
+    /// Of what a sample brings by two surfaces or more, in each channel; 0: as much as there is.
+    float clamp_indirect = 0;
+    std::uint32_t filter = 0;  ///< Filter
     AovPlaces aovs;
     KernelBackground background;
     std::size_t film_words = 0;  ///< 32-bit words of a pixel in the film

@@ -10,6 +10,7 @@
 #include "integrate/fast/quads/quad_path.h"
 #include "integrate/pool.h"
 #include "integrate/stages/camera_media.h"
+#include "integrate/stages/indirect_clamp.h"
 #include "integrate/stages/shade.h"
 #include "integrate/stages/single_sided.h"
 
@@ -30,7 +31,7 @@ public:
           lights_(scene, settings.light_selection),
           settings_(settings),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
-          extras_{tables_.moving, scene.refracts, scene.tracks_media},
+          extras_{tables_.moving, scene.refracts, scene.tracks_media, settings.clamp_indirect > 0},
           camera_media_(scene.tracks_media ? media_at(scene, camera) : MediumStack()),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
@@ -85,6 +86,7 @@ private:
         p.eta_scale.store(to, Float(1));
         p.time.store(to, path.ray.time);
         p.media.store(to, camera_media_);
+        if (extras_.clamp) p.indirect_left.store(to, Float(settings_.clamp_indirect));
     }
 
     // ------------------------------------------------------------------------------------------- trace
@@ -268,6 +270,7 @@ private:
     {
         PathPool& p = *paths_;
         const UInt index = numbers.load(at);
+        if (extras_.clamp) weight = weight * indirect_scale(index, emitted * weight, m);
         for (int c = 0; c < channels; ++c) {
             const Float old = p.radiance.c[c].gather(index, m);
             const Float throughput = p.throughput.c[c].gather(index, m);
@@ -275,6 +278,16 @@ private:
             store(sum, fma(throughput * emitted.c[c], weight, old));
             for_each_active(m, [&](int lane) { p.radiance.c[c][numbers[at + std::size_t(lane)]] = sum[lane]; });
         }
+    }
+
+    /// See integrate/stages/indirect_clamp.h. light: before the throughput.
+    [[gnu::noinline]] Float indirect_scale(UInt path, Spectrum light, Mask m)
+    {
+        PathPool& p = *paths_;
+        Spectrum brought;
+        for (int c = 0; c < channels; ++c) brought.c[c] = p.throughput.c[c].gather(path, m) * light.c[c];
+        const UInt surfaces = p.state.gather(path, m) & UInt(PathPool::bounce_mask);
+        return fathom::indirect_scale(p, path, surfaces, brought, m);
     }
 
     /// What the surfaces hit by the listed paths emit towards them, weighted against light sampling.
@@ -376,7 +389,7 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
         const std::unique_ptr<Tracer> tracer(new Tracer(lane_scene, camera, settings, job, sums, counters));
         tracer->run();
     };
-    if (lane_scene.only_diffuse_quads && !settings.general_loop)
+    if (lane_scene.only_diffuse_quads && !settings.general_loop && !(settings.clamp_indirect > 0))
         run(std::type_identity<QuadTracer>());
     else
         run(std::type_identity<PathTracer>());

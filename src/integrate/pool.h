@@ -103,6 +103,7 @@ struct PathExtras {
     bool time = false;       ///< something moves
     bool eta_scale = false;  ///< something refracts
     bool media = false;      ///< what solids are filled with matters
+    bool clamp = false;      ///< indirect light is limited
 };
 
 /// Paths under way.
@@ -120,6 +121,7 @@ struct PathPool {
     static constexpr std::uint32_t dead = 1u << 30;      ///< throughput is 0, or roulette ended the path
     Column<float> bsdf_pdf;  ///< of the last direction; of no use to whoever shades, which gives it anew
     Column<float> eta_scale, time;
+    Column<float> indirect_left;  ///< see IndirectClamp
     MediaColumn media;
 
     /// Calls f(column of a, the same of b) for what a path takes with it to its next surface and on from there.
@@ -132,6 +134,7 @@ struct PathPool {
         if (extras.eta_scale) f(a.eta_scale, b.eta_scale);
         if (extras.time) f(a.time, b.time);
         if (extras.media) for_columns(a.media, b.media, f);
+        if (extras.clamp) f(a.indirect_left, b.indirect_left);
     }
     template <class Word>
     static Word pixel_of(Word state)

@@ -37,6 +37,7 @@ KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout
     k.light_sampling = s.light_sampling;
     k.light_selection = s.light_selection;
     k.general_loop = s.general_loop;
+    k.clamp_indirect = s.clamp_indirect.value_or(0);
     k.filter = std::uint32_t(s.filter);
     k.aovs = layout;
     k.film_words = std::size_t(layout.words);

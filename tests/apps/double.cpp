@@ -279,6 +279,10 @@ std::uint64_t Film::dropped_samples() const
 {
     return data_->dropped;
 }
+Film::Fireflies Film::fireflies() const
+{
+    return {};
+}
 std::optional<Film::SamplePlace> Film::dropped_sample() const
 {
     if (data_->dropped == 0) return {};

@@ -1,6 +1,8 @@
 #include <random>
 
+#include "import/assimp/answer_bytes.h"
 #include "import_test_helpers.h"
+#include "scene/material_table.h"
 
 namespace fathom::test {
 namespace {
@@ -101,6 +103,88 @@ TEST_F(AssimpModule, ColladaAndFbxInMetresWithYUp)
         EXPECT_EQ(scene.materials[0].name, "red");
         EXPECT_EQ(scene.materials[0].base_color.value, (Color{1, 0.5f, 0.25f}));
     }
+}
+
+/// All that a material can have comes over from the process that reads, whatever its kind.
+TEST_F(AssimpModule, AnswersKeepEveryMemberOfMaterials)
+{
+    AssimpAnswer answer;
+    Material m;
+    m.name = "all";
+    m.kind = MaterialKind::principled;
+    // Every number another than its default, and than its neighbours'.
+    int next = 2;
+    const auto change = [&](auto& value) {
+        using T = std::remove_reference_t<decltype(value)>;
+        if constexpr (std::is_same_v<T, ColorInput>)
+            value = {{float(next), float(next + 1), 3}, next};
+        else if constexpr (std::is_same_v<T, FloatInput>)
+            value = {float(next), next, 1};
+        else if constexpr (std::is_same_v<T, Color>)
+            value = {float(next), 1, 2};
+        else if constexpr (std::is_same_v<T, bool>)
+            value = !value;
+        else if constexpr (std::is_same_v<T, AlphaMode>)
+            value = AlphaMode::blend;
+        else if constexpr (std::is_arithmetic_v<T>)
+            value = T(next);
+        ++next;
+    };
+    for (const Parameter<Material>& p : material_parameters())
+        std::visit(
+            [&](auto member) {
+                if constexpr (requires { member.index; })
+                    change(m.*member.index);
+                else
+                    change(m.*member);
+            },
+            p.member);
+    answer.scene.materials = {m, Material()};
+    AssimpAnswer back;
+    ASSERT_TRUE(from_bytes(to_bytes(answer), back));
+    ASSERT_EQ(back.scene.materials.size(), 2u);
+    EXPECT_EQ(back.scene.materials[0].name, "all");
+    const auto same = [&](const Material& a, const Material& b, auto member) {
+        using Member = decltype(member);
+        if constexpr (std::is_same_v<Member, std::vector<RampStop> Material::*> ||
+                      std::is_same_v<Member, Vec2f Material::*>)
+            return true;  // only textures have such
+        else if constexpr (requires { member.index; })
+            return a.*member.index == b.*member.index;
+        else if constexpr (requires { (a.*member).channel; })
+            return (a.*member).value == (b.*member).value && (a.*member).texture == (b.*member).texture &&
+                   (a.*member).channel == (b.*member).channel;
+        else if constexpr (requires { (a.*member).texture; })
+            return (a.*member).value == (b.*member).value && (a.*member).texture == (b.*member).texture;
+        else
+            return a.*member == b.*member;
+    };
+    for (const Parameter<Material>& p : material_parameters()) {
+        const auto kept = [&](auto member) { return same(m, back.scene.materials[0], member); };
+        EXPECT_TRUE(std::visit(kept, p.member)) << p.key;
+    }
+}
+
+/// Keys of physically based materials in FBX, as Maya writes them.
+TEST_F(AssimpModule, FbxWithLayers)
+{
+    std::string text = fbx;
+    const std::string before = R"(P: "DiffuseColor", "Color", "", "A",1,0.5,0.25)";
+    text.replace(text.find(before), before.size(), before + R"(
+			P: "Maya", "Compound", "", ""
+			P: "Maya|base_color", "Vector3D", "Vector", "",0.25,0.5,0.75
+			P: "Maya|metallic", "Float", "", "",0.5
+			P: "Maya|roughness", "Float", "", "",0.25
+			P: "EmissiveColor", "Color", "", "A",1,0.5,0
+			P: "Maya|emissive_intensity", "Float", "", "",4)");
+    const SceneDescription scene = load("a.fbx", text);
+    ASSERT_FALSE(scene.materials.empty());
+    const Material& m = scene.materials[0];
+    EXPECT_EQ(m.kind, MaterialKind::principled);
+    EXPECT_EQ(m.metallic.value, 0.5f);
+    EXPECT_EQ(m.roughness.value, 0.25f);
+    EXPECT_EQ(m.base_color.value, (Color{0.25f, 0.5f, 0.75f}));
+    EXPECT_EQ(m.emission.value, (Color{4, 2, 0}));
 }
 
 TEST_F(AssimpModule, Off)

@@ -1,3 +1,5 @@
+#include <numbers>
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -158,6 +160,22 @@ Kd 1 1 1
 Pr 0.25
 Pm 1
 map_Pr rough map.png
+newmtl layered
+Kd 0.5 0.5 0.5
+Ps 0.5
+Pc 0.75
+Pcr 0.25
+aniso 0.4
+anisor 0.125
+map_Ps fibres.png
+map_Pc coat.png
+map_Pcr coat.png
+norm bumps.png
+newmtl coated
+Pc 1
+newmtl plain
+Pc 0
+Ps 0
 newmtl textured
 Kd 0 0 0
 map_Kd -s 2 4 1 -o 0.5 0.25 -clamp on dir\wood.png
@@ -200,6 +218,25 @@ disp heights.png
     EXPECT_EQ(pbr.roughness.value, 0.25f);
     EXPECT_EQ(pbr.metallic.value, 1);
     EXPECT_EQ(scene.images.at(scene.textures.at(pbr.roughness.texture).image).path, folder_ / "rough map.png");
+    const Material layered = material("layered");
+    EXPECT_EQ(layered.kind, MaterialKind::principled);
+    EXPECT_EQ(layered.sheen_color.value, (Color{0.5f, 0.5f, 0.5f}));
+    EXPECT_EQ(layered.coat.value, 0.75f);
+    EXPECT_EQ(layered.coat_roughness.value, 0.25f);
+    EXPECT_EQ(layered.coat.channel, 0);
+    EXPECT_EQ(layered.anisotropy.value, 0.4f);
+    EXPECT_NEAR(layered.anisotropy_rotation, std::numbers::pi / 4, 1e-12);
+    const auto map_of = [&](int texture) {
+        return scene.images.at(std::size_t(scene.textures.at(std::size_t(texture)).image)).path.filename();
+    };
+    EXPECT_EQ(map_of(layered.sheen_color.texture), "fibres.png");
+    EXPECT_EQ(map_of(layered.coat.texture), "coat.png");
+    EXPECT_EQ(map_of(layered.coat_roughness.texture), "coat.png");
+    EXPECT_EQ(map_of(layered.normal_texture), "bumps.png");
+    // Of its own roughness nothing is said: that of the older keys stays.
+    EXPECT_EQ(material("coated").kind, MaterialKind::principled);
+    EXPECT_EQ(material("coated").coat.value, 1);
+    EXPECT_EQ(material("plain").kind, MaterialKind::diffuse);
     const Material textured = material("textured");
     const Texture& wood = scene.textures.at(textured.base_color.texture);
     EXPECT_EQ(textured.base_color.value, (Color{1, 1, 1}));

@@ -3,6 +3,8 @@
 #include <cstring>
 #include <type_traits>
 
+#include "scene/material_table.h"
+
 namespace fathom {
 
 namespace {
@@ -95,8 +97,16 @@ void members(Archive& a, T& x)
         all(x.name, x.kind, x.image, x.color_space, x.wrap_u, x.wrap_v, x.nearest, x.uv_set, x.uv_offset, x.uv_scale,
             x.uv_rotation);
     } else if constexpr (std::is_same_v<Type, Material>) {
-        all(x.name, x.kind, x.base_color, x.roughness, x.metallic, x.ior, x.emission, x.emission_two_sided,
-            x.normal_texture, x.normal_scale, x.alpha_mode, x.alpha, x.alpha_cutoff, x.use_vertex_color);
+        all(x.name, x.kind);
+        for (const Parameter<Material>& p : material_parameters())
+            std::visit(
+                [&](auto member) {
+                    if constexpr (requires { member.index; })
+                        a.field(x.*member.index);
+                    else
+                        a.field(x.*member);
+                },
+                p.member);
     } else if constexpr (std::is_same_v<Type, Mesh>) {
         all(x.name, x.positions, x.normals, x.tangents, x.uvs[0], x.uvs[1], x.colors, x.indices);
     } else if constexpr (std::is_same_v<Type, Shape>) {

@@ -23,10 +23,11 @@ public:
 private:
     void add_mesh(const aiMesh& mesh);
     void add_material(const aiMaterial& material);
+    void add_layers(const aiMaterial& material, Color diffuse, Material& m);
     void add_camera(const aiCamera& camera);
     void add_light(const aiLight& light);
     int add_node(const aiNode& node, int depth);
-    int texture(const aiMaterial& material, aiTextureType type, ColorSpace color_space);
+    int texture(const aiMaterial& material, aiTextureType type, ColorSpace color_space, unsigned index = 0);
     int image(const std::string& path);
     bool read_embedded(const aiTexture& texture, ImageFile& image);
     void warn(std::string message) { answer_.warnings.push_back(std::move(message)); }

@@ -90,13 +90,13 @@ int AssimpConverter::image(const std::string& path)
     return found->second;
 }
 
-int AssimpConverter::texture(const aiMaterial& material, aiTextureType type, ColorSpace color_space)
+int AssimpConverter::texture(const aiMaterial& material, aiTextureType type, ColorSpace color_space, unsigned index)
 {
-    if (material.GetTextureCount(type) == 0) return -1;
+    if (material.GetTextureCount(type) <= index) return -1;
     aiString path;
     unsigned uv_set = 0;
     aiTextureMapMode modes[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
-    if (material.GetTexture(type, 0, &path, nullptr, &uv_set, nullptr, nullptr, modes) != aiReturn_SUCCESS ||
+    if (material.GetTexture(type, index, &path, nullptr, &uv_set, nullptr, nullptr, modes) != aiReturn_SUCCESS ||
         path.length == 0)
         return -1;
     Texture texture;
@@ -109,6 +109,44 @@ int AssimpConverter::texture(const aiMaterial& material, aiTextureType type, Col
     texture.wrap_v = to_wrap(modes[1]);
     to_.textures.push_back(std::move(texture));
     return int(to_.textures.size()) - 1;
+}
+
+/// What physically based materials say, over the older keys: those that Assimp names in its own way whatever the
+/// format.
+void AssimpConverter::add_layers(const aiMaterial& from, Color diffuse, Material& m)
+{
+    const auto share = [&](const char* key, unsigned type, unsigned index, float otherwise) {
+        return std::clamp(number(from, key, type, index).value_or(otherwise), 0.0f, 1.0f);
+    };
+    const auto map = [&](aiTextureType type, unsigned index) { return texture(from, type, ColorSpace::linear, index); };
+    const auto bounded = [](Color c) { return Color{std::min(c.r, 1.0f), std::min(c.g, 1.0f), std::min(c.b, 1.0f)}; };
+    const int roughness_map = map(aiTextureType_DIFFUSE_ROUGHNESS, 0), metallic_map = map(aiTextureType_METALNESS, 0);
+    const bool has_metal = number(from, AI_MATKEY_ROUGHNESS_FACTOR) || number(from, AI_MATKEY_METALLIC_FACTOR) ||
+                           roughness_map >= 0 || metallic_map >= 0;
+    const Color sheen = bounded(color_or(from, AI_MATKEY_SHEEN_COLOR_FACTOR, {0, 0, 0}));
+    const float coat = share(AI_MATKEY_CLEARCOAT_FACTOR, 0), transmission = share(AI_MATKEY_TRANSMISSION_FACTOR, 0);
+    const float anisotropy = share(AI_MATKEY_ANISOTROPY_FACTOR, 0);
+    if (!has_metal && !(coat > 0) && !(transmission > 0) && !(anisotropy > 0) && sheen == Color{0, 0, 0}) return;
+    m.kind = MaterialKind::principled;
+    m.base_color.value = bounded(color_or(from, AI_MATKEY_BASE_COLOR, diffuse));
+    // What is one picture in many formats has roughness in green and metallic in blue.
+    const bool packed = roughness_map >= 0 && metallic_map >= 0 &&
+                        to_.textures[std::size_t(roughness_map)].image == to_.textures[std::size_t(metallic_map)].image;
+    if (has_metal) {
+        m.roughness = {share(AI_MATKEY_ROUGHNESS_FACTOR, roughness_map >= 0 ? 1 : 0.5f), roughness_map, packed ? 1 : 0};
+        m.metallic = {share(AI_MATKEY_METALLIC_FACTOR, metallic_map >= 0 ? 1 : 0), metallic_map, packed ? 2 : 0};
+    }
+    m.anisotropy.value = anisotropy;
+    m.coat = {coat, map(aiTextureType_CLEARCOAT, 0), 0};
+    m.coat_roughness = {share(AI_MATKEY_CLEARCOAT_ROUGHNESS_FACTOR, 0), map(aiTextureType_CLEARCOAT, 1), 1};
+    m.coat_normal_texture = map(aiTextureType_CLEARCOAT, 2);
+    m.sheen_color = {sheen, texture(from, aiTextureType_SHEEN, ColorSpace::srgb, 0)};
+    m.sheen_roughness.value = share(AI_MATKEY_SHEEN_ROUGHNESS_FACTOR, m.sheen_roughness.value);
+    m.transmission = {transmission, map(aiTextureType_TRANSMISSION, 0), 0};
+    const float distance = number(from, AI_MATKEY_VOLUME_ATTENUATION_DISTANCE).value_or(0);
+    m.attenuation_distance = distance > 0 ? double(distance) : 0;
+    m.attenuation_color = bounded(color_or(from, AI_MATKEY_VOLUME_ATTENUATION_COLOR, {1, 1, 1}));
+    m.thin = transmission > 0 && !(number(from, AI_MATKEY_VOLUME_THICKNESS_FACTOR).value_or(0) > 0);
 }
 
 void AssimpConverter::add_material(const aiMaterial& from)
@@ -130,18 +168,12 @@ void AssimpConverter::add_material(const aiMaterial& from)
     if (m.base_color.texture >= 0 && phong.diffuse == Color{0, 0, 0}) phong.diffuse = {1, 1, 1};
     set_phong(m, phong);
 
-    const auto roughness = number(from, AI_MATKEY_ROUGHNESS_FACTOR), metallic = number(from, AI_MATKEY_METALLIC_FACTOR);
-    if (roughness || metallic) {
-        m.kind = MaterialKind::principled;
-        m.base_color.value = color_or(from, AI_MATKEY_BASE_COLOR, phong.diffuse);
-        for (float* c : {&m.base_color.value.r, &m.base_color.value.g, &m.base_color.value.b})
-            *c = std::clamp(*c, 0.0f, 1.0f);
-        m.roughness.value = std::clamp(roughness.value_or(0.5f), 0.0f, 1.0f);
-        m.metallic.value = std::clamp(metallic.value_or(0), 0.0f, 1.0f);
-    }
+    add_layers(from, phong.diffuse, m);
     m.emission.value = color_or(from, AI_MATKEY_COLOR_EMISSIVE, {0, 0, 0});
     m.emission.texture = texture(from, aiTextureType_EMISSIVE, ColorSpace::srgb);
     if (m.emission.texture >= 0 && m.emission.value == Color{0, 0, 0}) m.emission.value = {1, 1, 1};
+    const float intensity = std::max(number(from, AI_MATKEY_EMISSIVE_INTENSITY).value_or(1), 0.0f);
+    for (float* c : {&m.emission.value.r, &m.emission.value.g, &m.emission.value.b}) *c *= intensity;
     m.emission_two_sided = true;
     m.normal_texture = texture(from, aiTextureType_NORMALS, ColorSpace::linear);
     if (const int opacity = texture(from, aiTextureType_OPACITY, ColorSpace::linear); opacity >= 0) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <numbers>
 #include <optional>
 
 #include "import/common/phong.h"
@@ -14,9 +15,10 @@ struct Entry {
     std::string name;
     Phong phong;
     int illum = 2;
-    std::optional<float> roughness, metallic;
+    std::optional<float> roughness, metallic, sheen, coat, coat_roughness, anisotropy, anisotropy_turn;
     Color emission{0, 0, 0};
     int map_diffuse = -1, map_emission = -1, map_opacity = -1, map_roughness = -1, map_metallic = -1, map_normal = -1;
+    int map_sheen = -1, map_coat = -1, map_coat_roughness = -1;
     float normal_scale = 1;
 };
 
@@ -89,7 +91,23 @@ private:
             e.roughness = scan_.number();
         else if (lower == "pm")
             e.metallic = scan_.number();
-        else if (lower == "map_kd")
+        else if (lower == "ps")
+            e.sheen = scan_.number();
+        else if (lower == "pc")
+            e.coat = scan_.number();
+        else if (lower == "pcr")
+            e.coat_roughness = scan_.number();
+        else if (lower == "aniso")
+            e.anisotropy = scan_.number();
+        else if (lower == "anisor")
+            e.anisotropy_turn = scan_.number();
+        else
+            read_map(key, lower, e);
+    }
+
+    void read_map(std::string_view key, const std::string& lower, Entry& e)
+    {
+        if (lower == "map_kd")
             e.map_diffuse = map(ColorSpace::srgb);
         else if (lower == "map_ke")
             e.map_emission = map(ColorSpace::srgb);
@@ -99,6 +117,12 @@ private:
             e.map_roughness = map(ColorSpace::linear);
         else if (lower == "map_pm")
             e.map_metallic = map(ColorSpace::linear);
+        else if (lower == "map_ps")
+            e.map_sheen = map(ColorSpace::linear);
+        else if (lower == "map_pc")
+            e.map_coat = map(ColorSpace::linear);
+        else if (lower == "map_pcr")
+            e.map_coat_roughness = map(ColorSpace::linear);
         else if (lower == "norm" || lower == "map_kn")
             e.map_normal = map(ColorSpace::linear);
         else if (lower == "map_bump" || lower == "bump")
@@ -201,6 +225,30 @@ private:
         return found->second;
     }
 
+    /// The keys of physically based materials, which several programs agree on, over the older ones.
+    static void set_layers(const Entry& e, Material& m)
+    {
+        const auto share = [](std::optional<float> value, int map) {
+            return std::clamp(value.value_or(map >= 0 ? 1.0f : 0.0f), 0.0f, 1.0f);
+        };
+        const bool has_metal = e.roughness || e.metallic || e.map_roughness >= 0 || e.map_metallic >= 0;
+        const bool has_layers = share(e.sheen, e.map_sheen) > 0 || share(e.coat, e.map_coat) > 0 || e.anisotropy;
+        if ((has_metal || has_layers) && m.kind != MaterialKind::glass) m.kind = MaterialKind::principled;
+        if (has_metal) {
+            m.roughness = {std::clamp(e.roughness.value_or(e.map_roughness >= 0 ? 1.0f : 0.5f), 0.0f, 1.0f),
+                           e.map_roughness, 0};
+            m.metallic = {share(e.metallic, e.map_metallic), e.map_metallic, 0};
+        }
+        if (m.kind != MaterialKind::principled || !has_layers) return;
+        const float sheen = share(e.sheen, e.map_sheen);
+        m.sheen_color = {{sheen, sheen, sheen}, e.map_sheen};
+        m.coat = {share(e.coat, e.map_coat), e.map_coat, 0};
+        m.coat_roughness = {share(e.coat_roughness, e.map_coat_roughness), e.map_coat_roughness, 0};
+        m.anisotropy = {std::clamp(e.anisotropy.value_or(0), 0.0f, 1.0f), -1, 0};
+        // In turns.
+        m.anisotropy_rotation = 2 * std::numbers::pi * double(e.anisotropy_turn.value_or(0));
+    }
+
     void add(Entry& e)
     {
         Material m;
@@ -211,13 +259,7 @@ private:
         if (e.illum < 2) e.phong.specular = {0, 0, 0};
         e.phong.refracts = e.illum == 6 || e.illum == 7 || e.illum == 9 || (e.illum == 4 && e.phong.opacity < 1);
         set_phong(m, e.phong);
-        if (e.roughness || e.metallic || e.map_roughness >= 0 || e.map_metallic >= 0) {
-            if (m.kind != MaterialKind::glass) m.kind = MaterialKind::principled;
-            m.roughness = {std::clamp(e.roughness.value_or(e.map_roughness >= 0 ? 1.0f : 0.5f), 0.0f, 1.0f),
-                           e.map_roughness, 0};
-            m.metallic = {std::clamp(e.metallic.value_or(e.map_metallic >= 0 ? 1.0f : 0.0f), 0.0f, 1.0f),
-                          e.map_metallic, 0};
-        }
+        set_layers(e, m);
         m.base_color.texture = e.map_diffuse;
         m.normal_texture = e.map_normal;
         m.normal_scale = e.normal_scale;

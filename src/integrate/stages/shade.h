@@ -37,7 +37,7 @@ public:
                 });
             begin = end;
         }
-        shadows_.trace(scene_, paths);
+        shadows_.trace(scene_, paths, settings_.clamp_indirect > 0);
     }
 
 private:
@@ -123,7 +123,15 @@ private:
         }
         PathPool& p = *paths_;
         const Mask clear = lit & !scene_.flat.occluded(tables_, ray, lit);
+        if (settings_.clamp_indirect > 0) add = clamped(i, add, clear);
         p.radiance.store(i, p.radiance.load(i) + select(clear, add, Spectrum(Float(0))), valid);
+    }
+
+    /// See indirect_clamp.h: light that reaches this surface straight, and has come by those before it too.
+    [[gnu::noinline]] Spectrum clamped(std::size_t i, Spectrum light, Mask m)
+    {
+        const UInt surfaces = (paths_->state.load(i) & UInt(PathPool::bounce_mask)) + UInt(1u);
+        return light * indirect_scale(*paths_, iota() + UInt(std::uint32_t(i)), surfaces, light, m);
     }
 
     const LaneScene& scene_;

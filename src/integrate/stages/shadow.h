@@ -1,6 +1,7 @@
 #pragma once
 #include "integrate/pool.h"
 #include "integrate/scene.h"
+#include "integrate/stages/indirect_clamp.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -20,8 +21,9 @@ public:
         size_ += std::size_t(count(m));
     }
 
-    /// Traces all, and adds what those that nothing blocks bring to the radiance of their paths.
-    void trace(const LaneScene& scene, PathPool& paths)
+    /// Traces all, and adds what those that nothing blocks bring to the radiance of their paths, whose bounces count
+    /// the surface that the rays left.
+    void trace(const LaneScene& scene, PathPool& paths, bool clamp)
     {
         if (size_ == 0) return;
         const RayArrays rays{origin_.x.data,
@@ -34,12 +36,21 @@ public:
                              scene.tables.moving ? time_.data : nullptr,
                              size_};
         scene.bvh.occluded(rays, blocked_.data, false);
-        for (std::size_t k = 0; k < size_; ++k)
-            if (!blocked_[k])
-                for (int c = 0; c < channels; ++c) paths.radiance.c[c][path_[k]] += radiance_.c[c][k];
+        for (std::size_t k = 0; k < size_; ++k) {
+            if (blocked_[k]) continue;
+            const float scale = clamp ? clamped(paths, path_[k], radiance_, k) : 1;
+            for (int c = 0; c < channels; ++c) paths.radiance.c[c][path_[k]] += scale * radiance_.c[c][k];
+        }
     }
 
 private:
+    static float clamped(PathPool& paths, std::size_t path, const SpectrumColumn& radiance, std::size_t k)
+    {
+        float light[channels];
+        for (int c = 0; c < channels; ++c) light[c] = radiance.c[c][k];
+        return indirect_scale(paths, path, paths.state[path] & PathPool::bounce_mask, light);
+    }
+
     std::size_t size_ = 0;
     VectorColumn origin_, direction_;
     Column<float> t_max_, time_;

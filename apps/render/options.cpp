@@ -1,0 +1,118 @@
+#include "options.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+
+#include "frames.h"
+#include "turntable.h"
+
+namespace fathom::cli {
+
+namespace {
+
+void take_aovs(RenderOptions& o, const std::string& text)
+{
+    static const std::vector<std::string> names = {"albedo",   "normal",   "depth",   "position",
+                                                   "instance", "material", "samples", "variance"};
+    constexpr int samples = 6, variance = 7;
+    for (const std::string& name : split(text, ',')) {
+        const int index = parse_word(name, names);
+        if (index == samples)
+            o.aov_samples = true;
+        else if (index == variance)
+            o.aov_variance = true;
+        else if (std::find(o.aovs.begin(), o.aovs.end(), Aov(index)) == o.aovs.end())
+            o.aovs.push_back(Aov(index));
+    }
+}
+
+}  // namespace
+
+void add_render_options(Command& command, RenderOptions& o)
+{
+    command.add_value("--spp", "N", "samples a pixel (default: the scene's, else 256)",
+                      [&](const std::string& text) { o.samples = parse_integer(text, 1, most_samples); });
+    command.add_value("--time", "T",
+                      "as many samples as fit into 90, 90s, 10m or 1h from the program's start, at least 1; "
+                      "with --spp, at most that many",
+                      [&](const std::string& text) { o.time_s = parse_duration(text); });
+    command.add_value("--samples", "A:B",
+                      "the samples with these indices, A to B-1; their sums are kept in EXR (--mergeable)",
+                      [&](const std::string& text) { o.range = parse_sample_range(text); });
+    command.add_value(
+        "--frames", "A:B[:STEP]",
+        "a picture for each of these frames of the animation, B included, of the time frame / fps; #### in "
+        "the names of -o is the frame's number",
+        [&](const std::string& text) { o.frames = parse_frames(text); });
+    command.add_value("--fps", "N", "frames a second (default 24)",
+                      [&](const std::string& text) { o.fps = parse_number(text, 1e-3, 1e6); });
+    command.add_value("--shutter", "SHARE",
+                      "blur what the animation moves during this share of a frame, 0.5 as film does (default 0: none)",
+                      [&](const std::string& text) { o.shutter = parse_number(text, 0, 1000); });
+    command.add_value("--turntable", "N",
+                      "N pictures from all around, the first as --orbit or --view says, at one distance; ### in the "
+                      "names of -o is the number, from 0; the light stays where it is for the first",
+                      [&](const std::string& text) { o.turntable = parse_integer(text, 1, 1'000'000); });
+    command.add_flag("--mergeable", o.mergeable, "keep the exact sums in EXR, for `fathom merge`");
+    command.add_value("--crop", "X0,Y0,X1,Y1",
+                      "render only pixels X0 <= x < X1, Y0 <= y < Y1; the picture keeps its size",
+                      [&](const std::string& text) { o.crop = parse_crop(text); });
+    command.add_value("--aov", "LIST", "layers of EXR: albedo,normal,depth,position,instance,material,samples,variance",
+                      [&](const std::string& text) { take_aovs(o, text); });
+    command.add_value("--only-sample", "X,Y,S", "print the radiance of one sample of one pixel, and render nothing",
+                      [&](const std::string& text) {
+                          const std::vector<std::string> parts = split(text, ',');
+                          if (parts.size() != 3) throw UsageError(fmt::format("expected X,Y,S, found '{}'", text));
+                          constexpr std::uint64_t most_int = 1u << 30;
+                          o.only_sample = {int(parse_integer(parts[0], 0, most_int)),
+                                           int(parse_integer(parts[1], 0, most_int)),
+                                           parse_integer(parts[2], 0, most_samples - 1)};
+                      });
+    command.add_flag("-q,--quiet", o.quiet, "print only warnings and errors");
+    command.add_value("--progress", "json", "one JSON object a line on stderr: progress, warnings, errors, summary",
+                      [&](const std::string& text) { parse_word(text, {"json"}), o.json = true; });
+}
+
+void check_options(RenderOptions& o)
+{
+    check_frames(o);
+    if (o.turntable > 0) check_turntable(o);
+    if (o.range && (o.samples || o.time_s)) throw UsageError("--samples: leave out --spp and --time");
+    if (o.only_sample && !o.picture.outputs.empty()) throw UsageError("--only-sample: writes no picture, leave out -o");
+    if (o.picture.outputs.empty() && !o.only_sample) o.picture.outputs.push_back(o.scene.file.stem().string() + ".png");
+    const bool exr = writes_exr(o.picture);
+    if (!exr && (o.aov_samples || o.aov_variance || !o.aovs.empty()))
+        throw UsageError("--aov: layers are kept in EXR only; add -o FILE.exr");
+    if (!exr && o.mergeable) throw UsageError("--mergeable: sums are kept in EXR only; add -o FILE.exr");
+    if (o.range && exr) o.mergeable = true;
+}
+
+namespace {
+
+/// Aids of the denoiser are rendered too.
+void add_aids(RenderSettings& settings)
+{
+    for (Aov aov : {Aov::albedo, Aov::normal})
+        if (std::find(settings.aovs.begin(), settings.aovs.end(), aov) == settings.aovs.end())
+            settings.aovs.push_back(aov);
+}
+
+}  // namespace
+
+RenderSettings settings_for(const RenderOptions& o, const LoadedScene& scene, bool denoised)
+{
+    RenderSettings settings = settings_of(o.settings, scene.description.hints, o.scene.file.string());
+    settings.width = scene.size.width;
+    settings.height = scene.size.height;
+    settings.crop = o.crop;
+    settings.aovs = o.aovs;
+    if (denoised) add_aids(settings);
+    const std::string size = fmt::format("{}x{}", settings.width, settings.height);
+    if (o.crop && (o.crop->x1 > settings.width || o.crop->y1 > settings.height))
+        throw UsageError(fmt::format("--crop: the picture is {}", size));
+    if (o.only_sample && (o.only_sample->x >= settings.width || o.only_sample->y >= settings.height))
+        throw UsageError(fmt::format("--only-sample: the picture is {}", size));
+    return settings;
+}
+
+}  // namespace fathom::cli

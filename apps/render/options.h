@@ -1,0 +1,42 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "../picture_options.h"
+#include "../render_options.h"
+#include "../scene_options.h"
+
+namespace fathom::cli {
+
+struct OnlySample {
+    int x, y;
+    std::uint64_t index;
+};
+
+/// What `fathom render` is asked for.
+struct RenderOptions {
+    SceneOptions scene;
+    PictureOptions picture;
+    SettingsOptions settings;
+    std::optional<std::uint64_t> samples;
+    std::optional<double> time_s;
+    std::optional<SampleRange> range;
+    std::optional<OnlySample> only_sample;
+    std::optional<Crop> crop;
+    std::vector<std::uint64_t> frames;  ///< numbers of the pictures; none: one picture
+    std::uint64_t turntable = 0;        ///< pictures around the scene; 0: no such
+    double fps = 24, shutter = 0;
+    std::vector<Aov> aovs;
+    bool aov_samples = false, aov_variance = false;
+    bool mergeable = false;
+    bool quiet = false, json = false;
+};
+
+void add_render_options(Command& command, RenderOptions& options);
+/// What the options say together: throws UsageError where they disagree, and fills in what follows from them.
+void check_options(RenderOptions& options);
+/// Those of the pictures; denoised ones have the layers that help. Throws UsageError if the options mean another size.
+RenderSettings settings_for(const RenderOptions& options, const LoadedScene& scene, bool denoised);
+
+}  // namespace fathom::cli

@@ -1,0 +1,107 @@
+#include "still.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "../commands.h"
+#include "../interrupt.h"
+#include "rendering.h"
+
+namespace fathom::cli {
+
+namespace {
+
+/// Tells what the picture's noise is made of where few samples make much of it, and what hides them.
+void tell_fireflies(const Film& film, const DisplayTransform& display, Reporter& reporter)
+{
+    constexpr double much = 0.2;
+    /// Times what is shown as white.
+    constexpr double limit = 10;
+    const Film::Fireflies fireflies = film.fireflies();
+    if (fireflies.noise < much || film.key().settings.clamp_indirect) return;
+    reporter.fireflies(fireflies, limit * std::exp2(-display.exposure_ev));
+}
+
+/// The denoised picture, as a layer; its aids go unless they are `wanted`.
+void add_denoised(Image& image, const Denoiser& denoiser, const std::vector<Aov>& wanted)
+{
+    Image::Layer denoised = denoiser.denoise(image);
+    std::erase_if(image.layers, [&](const Image::Layer& layer) {
+        const auto is_extra = [&](Aov aov, const char* name) {
+            return layer.name == name && std::find(wanted.begin(), wanted.end(), aov) == wanted.end();
+        };
+        return is_extra(Aov::albedo, "albedo") || is_extra(Aov::normal, "normal");
+    });
+    image.layers.push_back(std::move(denoised));
+    image.attributes["fathom.denoiser"] = "Open Image Denoise " + denoiser.version();
+}
+
+std::map<std::string, std::string> attributes(const RenderOptions& o, const RenderSettings& s, const LoadedScene& scene,
+                                              const Film& film, const Summary& summary)
+{
+    return {
+        {"fathom.version", FATHOM_VERSION},
+        {"fathom.scene", o.scene.file.string()},
+        {"fathom.camera", scene.camera},
+        {"fathom.seed", fmt::format("{}", s.seed)},
+        {"fathom.samples", text_of(film.samples())},
+        {"fathom.samples_per_pixel", fmt::format("{}", film.samples_per_pixel())},
+        {"fathom.dropped_samples", fmt::format("{}", film.dropped_samples())},
+        {"fathom.filter", filter_names[std::size_t(s.filter)]},
+        {"fathom.max_depth", s.max_depth < 0 ? "none" : fmt::format("{}", s.max_depth)},
+        {"fathom.roulette_depth", fmt::format("{}", s.roulette_depth)},
+        {"fathom.light_sampling", s.light_sampling ? "on" : "off"},
+        {"fathom.crop", s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none"},
+        {"fathom.clamp_indirect", s.clamp_indirect ? fmt::format("{:g}", *s.clamp_indirect) : "none"},
+        {"fathom.simd", simd_name()},
+        {"fathom.rays", fmt::format("{}", summary.rays)},
+        {"fathom.load_s", fmt::format("{:.3f}", summary.load_s)},
+        {"fathom.build_s", fmt::format("{:.3f}", summary.build_s)},
+        {"fathom.render_s", fmt::format("{:.3f}", summary.render_s)}};
+}
+
+}  // namespace
+
+int render_picture(const RenderOptions& o, const RenderPlan& plan, const PictureOptions& files, const RenderJob& job,
+                   Summary summary, Reporter& reporter)
+{
+    Film film(job);
+    Rendering rendering(o, job, reporter);
+    rendering.run(film, plan.samples);
+    summary.render_s = rendering.render_s;
+    summary.rays = rendering.rays;
+    summary.samples_per_pixel = film.samples_per_pixel();
+    if (rendering.cut_short && film.samples().empty()) {
+        reporter.error("interrupted before the first pass was done: no picture is written");
+        return exit_interrupted;
+    }
+
+    const double write_start_s = seconds_since_start();
+    Image image = film.image(plan.settings.alpha, o.aov_variance);
+    if (o.aov_samples) image.layers.push_back(sample_count_layer(film));
+    image.attributes = attributes(o, plan.settings, plan.scene, film, summary);
+    if (plan.denoiser) add_denoised(image, *plan.denoiser, o.aovs);
+    if (o.mergeable) store_sums(film.sums(), image);
+    const bool all_written = write_pictures(files, image, plan.write, reporter);
+    if (!plan.denoiser) tell_fireflies(film, plan.write.display, reporter);
+    summary.write_s = seconds_since_start() - write_start_s;
+    if (film.dropped_samples() > 0) {
+        Warnings dropped;
+        std::string text = fmt::format("{} samples were no number or infinite; they count as black, which is a bias",
+                                       film.dropped_samples());
+        if (const auto place = film.dropped_sample())
+            text += fmt::format(" (--only-sample {},{},{} replays one)", place->x, place->y, place->sample);
+        dropped.add(text);
+        reporter.warnings(dropped);
+    }
+    if (rendering.cut_short)
+        reporter.note(fmt::format("interrupted: the picture has {} samples a pixel", film.samples_per_pixel()));
+    reporter.summary(summary);
+    if (!all_written) return exit_error;
+    return rendering.cut_short ? exit_interrupted : exit_ok;
+}
+
+}  // namespace fathom::cli

@@ -1,0 +1,22 @@
+#pragma once
+#include <optional>
+
+#include "../reporter.h"
+#include "options.h"
+
+namespace fathom::cli {
+
+/// What is the same for all pictures of a run.
+struct RenderPlan {
+    const LoadedScene& scene;
+    RenderSettings settings;
+    WriteOptions write;
+    std::optional<std::uint64_t> samples;
+    std::optional<Denoiser> denoiser;
+};
+
+/// Renders a picture and writes it; returns the exit code.
+int render_picture(const RenderOptions& options, const RenderPlan& plan, const PictureOptions& files,
+                   const RenderJob& job, Summary summary, Reporter& reporter);
+
+}  // namespace fathom::cli

@@ -1,0 +1,30 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "arguments.h"
+
+namespace fathom::cli {
+
+/// Where the sun stands, in one of three ways.
+struct SunOptions {
+    std::optional<double> elevation_deg, azimuth_deg;
+    std::optional<Vec3d> direction;
+    std::optional<std::pair<double, double>> place_deg;  ///< latitude to the north, longitude to the east
+    std::optional<double> julian_day;
+
+    bool given() const;
+};
+
+void add_sun_options(Command& command, SunOptions& options);
+/// Throws UsageError if they disagree.
+void check_sun(const SunOptions& options);
+/// Towards the sun. Of a place and a date: +x is east there, -z north.
+Vec3d direction_to_sun(const SunOptions& options);
+
+/// Elevation and azimuth (clockwise from north), degrees, to 0.01: J. Meeus, Astronomical Algorithms, 1998, chapters
+/// 12, 13 and 25, the low accuracy; air, which lifts the sun at the horizon by half a degree, is left out.
+std::pair<double, double> sun_position(double latitude_deg, double longitude_deg, double julian_day);
+
+}  // namespace fathom::cli

@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+"""The command line: bad input and output, what is never written over, full disks."""
+import os
+import resource
+import shutil
+import subprocess
+import time
+
+from harness import CommandLine, DOUBLE, WITHOUT_LEAK_CHECK, png_size, run_tests
+
+
+class Files(CommandLine):
+    def test_bad_input(self):
+        self.refused(1, "render", "none.json", words=["none.json", "no such file"])
+        self.refused(1, "render", ".", words=["."])
+        self.scene("wrong.json", "nonsense")
+        self.refused(1, "render", "wrong.json", words=["wrong.json: line 1: "])
+        self.refused(1, "info", "none.json", words=["none.json"])
+        self.refused(1, "merge", "none.exr", "-o", "a.exr", words=["none.exr"])
+        self.refused(1, "render", "box.json", "--camera", "top", words=["'top'", "'main', 'side'"])
+        self.refused(1, "render", "box.json", "--env", "none.hdr", words=["none.hdr: --env"])
+        self.scene("filter.json", "camera a hint-filter sinc")
+        self.refused(1, "render", "filter.json", words=["filter.json: filter: "])
+        for text in ("camera a size 0 5", "camera a spp 0"):
+            self.scene("zero.json", text)
+            self.refused(1, "render", "zero.json", words=["zero.json"])
+
+    def test_bad_output(self):
+        self.refused(1, "render", "box.json", "-o", "a.bmp", words=["a.bmp", ".bmp", ".exr"])
+        self.refused(1, "render", "box.json", "-o", "a", words=["a: "])
+        self.refused(1, "render", "box.json", "-o", "none/a.png", words=["none/a.png", "folder"])
+        self.refused(1, "render", "box.json", "-o", "/proc/a.png", words=["/proc/a.png"])
+        os.mkdir(self.path("folder.png"))
+        self.refused(1, "render", "box.json", "-o", "folder.png", words=["folder.png"])
+        self.refused(1, "render", "box.json", "--size", "70000x10", "-o", "a.jpg", words=["a.jpg", "70000x10"])
+
+    def test_no_input_is_overwritten(self):
+        self.scene("box.png", "a texture")
+        self.scene("box.bin", "vertices")
+        self.scene("sky.exr", "a sky")
+        self.scene("box.json", "camera main texture box.png file box.bin")
+        os.link(self.path("box.png"), self.path("hard.png"))
+        os.symlink("box.png", self.path("link.png"))
+        os.symlink("box.json", self.path("scene.png"))
+        os.symlink("box.bin", self.path("bin.exr"))
+        os.mkdir(self.path("sub"))
+        for name, what in (("box.png", "a texture of this scene"), ("./sub/../box.png", "a texture of this scene"),
+                           ("hard.png", "a texture of this scene"), ("link.png", "a texture of this scene"),
+                           ("scene.png", "the scene itself"), ("bin.exr", "a file of this scene"),
+                           ("sky.exr", "a texture of this scene")):
+            self.refused(1, "render", "box.json", "--env", "sky.exr", "-q", "-o", "new.png", "-o", name,
+                         words=[f"fathom: {name} is {what}: name another with -o"])
+        # The name that is taken where none is given, and only that of what is really read.
+        self.refused(1, "render", "box.json", "-q", words=["box.png is a texture of this scene"])
+        self.ok("render", "box.json", "-q", "--spp", "1", "-o", "sky.exr")
+
+    def test_a_file_that_fails_leaves_the_others(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (500000, 500000))
+
+        result = self.run_program("render", "box.json", "--spp", "1", "-q", "--size", "500x500", "-o", "a.exr",
+                                  "-o", "a.png", preexec_fn=limit)
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stderr, r"fathom: a.exr: can't write: .*\n$")
+        self.assertEqual(png_size(self.path("a.png"))[:2], (500, 500))
+        self.assertFalse(os.path.exists(self.path("a.exr")))
+        self.ok("render", "box.json", "--samples", "0:1", "-q", "--size", "200x200", "-o", "p.exr")
+        self.ok("merge", "p.exr", "-q", "-o", "m.exr", "-o", "m.png")
+        most = (os.path.getsize(self.path("m.exr")) + os.path.getsize(self.path("m.png"))) // 2
+        os.remove(self.path("m.png"))
+        result = self.run_program("merge", "p.exr", "-q", "-o", "m.exr", "-o", "m.png",
+                                  preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)))
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual(png_size(self.path("m.png"))[:2], (200, 200))
+
+    def test_the_picture_is_kept_when_nobody_listens(self):
+        for close in (lambda: os.close(2), lambda: os.dup2(os.open("/dev/full", os.O_WRONLY), 2)):
+            process = subprocess.run([DOUBLE, "render", "box.json", "--spp", "1", "-o", "a.png"], cwd=self.folder,
+                                     stdout=subprocess.PIPE, preexec_fn=close, timeout=60)
+            self.assertEqual(process.returncode, 1)
+            self.assertEqual(png_size(self.path("a.png"))[:2], (800, 600))
+            os.remove(self.path("a.png"))
+        # A reader that goes away, as `| head -1` does, while progress is told.
+        self.scene("slow.json", "camera a slow 30")
+        process = subprocess.Popen([DOUBLE, "render", "slow.json", "--spp", "50", "--progress", "json", "-o", "a.png"],
+                                   cwd=self.folder, stderr=subprocess.PIPE)
+        process.stderr.readline()
+        process.stderr.close()
+        self.assertEqual(process.wait(timeout=60), 1)
+        self.assertEqual(png_size(self.path("a.png"))[:2], (800, 600))
+        # Where there is nothing to be said nothing is lost.
+        process = subprocess.run([DOUBLE, "version"], stdout=subprocess.PIPE, preexec_fn=lambda: os.close(2), timeout=60)
+        self.assertEqual(process.returncode, 0)
+
+    def test_output_that_can_t_be_printed(self):
+        for arguments in (["version"], ["--version"], ["--help"], ["info", "box.json"], ["info", "box.json", "--json"],
+                          ["render", "box.json", "-q", "--only-sample", "1,2,3"]):
+            with open("/dev/full", "w") as full:
+                result = subprocess.run([DOUBLE, *arguments], cwd=self.folder, stdout=full, stderr=subprocess.PIPE,
+                                        text=True, timeout=60)
+            self.assertEqual(result.returncode, 1, arguments)
+            lines = [line for line in result.stderr.splitlines() if "warning" not in line]
+            self.assertEqual(len(lines), 1, result.stderr)
+            self.assertIn("standard output: can't write: ", lines[0])
+
+    def test_without_proc(self):
+        script = 'mount -t tmpfs none /proc && exec "$@"'
+        rights = [] if os.geteuid() == 0 else ["--user", "--map-root-user"]
+        command = ["unshare", *rights, "--mount", "sh", "-c", script, "sh"]
+        if not shutil.which("unshare") or subprocess.run([*command, "true"], capture_output=True).returncode != 0:
+            self.skipTest("nothing can be mounted here")
+        result = subprocess.run([*command, DOUBLE, "render", "box.json", "--spp", "1", "-o", "a.exr", "-o", "a.png"],
+                                cwd=self.folder, capture_output=True, text=True, timeout=60, env=WITHOUT_LEAK_CHECK)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["a.exr", "a.png", "box.json"])
+
+    def test_too_large_is_refused_before_it_is_tried(self):
+        start = time.monotonic()
+        self.refused(1, "render", "box.json", "--size", "16000000x16000000", "-o", "a.exr", words=["GB"])
+        self.assertLess(time.monotonic() - start, 5)
+
+    def test_full_disk_leaves_the_earlier_file(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+
+        for name in ("a.exr", "a.png"):
+            self.ok("render", "box.json", "--spp", "1", "--size", "4x4", "-q", "-o", name)
+            with open(self.path(name), "rb") as file:
+                before = file.read()
+            size = "2000x2000"
+            self.refused(1, "render", "box.json", "--spp", "1", "-q", "--size", size, "-o", name,
+                         words=[name, "can't write"], preexec_fn=limit)
+            with open(self.path(name), "rb") as file:
+                self.assertEqual(file.read(), before)
+
+
+if __name__ == "__main__":
+    run_tests()

@@ -1,0 +1,63 @@
+"""What the tests of the command line share: a folder of their own, how the program is run, small files.
+
+Each is run as  THEME_test.py DOUBLE [PROGRAM [FAKE_OIDN]]
+    DOUBLE     the program with the library of double.cpp behind it
+    FAKE_OIDN  a stand-in for Open Image Denoise
+"""
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+DOUBLE, PROGRAM, FAKE_OIDN = ([os.path.abspath(path) for path in sys.argv[1:4]] + [None] * 3)[:3]
+# The leak check of a sanitized build needs /proc and a thread of its own; where a test takes these away, it can't run.
+WITHOUT_LEAK_CHECK = {**os.environ, "ASAN_OPTIONS": "detect_leaks=0"}
+
+
+def run_tests():
+    unittest.main(argv=sys.argv[:1], verbosity=1)
+
+
+def png_size(path):
+    with open(path, "rb") as file:
+        head = file.read(26)
+    assert head[:8] == b"\x89PNG\r\n\x1a\n", head
+    return struct.unpack(">II", head[16:24]) + (head[24], head[25])
+
+
+class CommandLine(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.scene("box.json", "camera main camera side")
+
+    def scene(self, name, text):
+        with open(os.path.join(self.folder, name), "w") as file:
+            file.write(text)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def run_program(self, *arguments, program=None, **options):
+        return subprocess.run([program or DOUBLE, *arguments], cwd=self.folder, capture_output=True, text=True,
+                              timeout=60, **options)
+
+    def ok(self, *arguments, **options):
+        result = self.run_program(*arguments, **options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result
+
+    def refused(self, code, *arguments, words=(), **options):
+        before = sorted(os.listdir(self.folder))
+        result = self.run_program(*arguments, **options)
+        self.assertEqual(result.returncode, code, f"{arguments}: {result.stderr}")
+        lines = [line for line in result.stderr.splitlines() if not line.startswith("fathom: warning: ")]
+        self.assertEqual(len(lines), 1, f"{arguments}: {result.stderr}")
+        self.assertTrue(lines[0].startswith("fathom: "), lines[0])
+        for word in words:
+            self.assertIn(word, lines[0])
+        self.assertEqual(sorted(os.listdir(self.folder)), before, "a file was left")
+        return result

@@ -1,0 +1,164 @@
+#!/usr/bin/env python3
+"""The command line: time, progress, signals, threads."""
+import fcntl
+import json
+import os
+import pty
+import re
+import resource
+import signal
+import struct
+import subprocess
+import termios
+import time
+
+from harness import CommandLine, DOUBLE, PROGRAM, WITHOUT_LEAK_CHECK, png_size, run_tests
+
+
+class Running(CommandLine):
+    def test_time(self):
+        self.scene("slow.json", "camera a slow 20")
+        text = self.ok("render", "slow.json", "--time", "0.8s", "--size", "4x4").stderr
+        samples = int(re.search(r"(\d+) samples a pixel", text).group(1))
+        self.assertGreater(samples, 0)
+        self.assertLess(samples, 256)  # those that there would be without a limit of time
+        self.assertIn(" 1 samples a pixel", self.ok("render", "slow.json", "--time", "0.001", "--size", "4x4").stderr)
+        self.assertIn(" 3 samples a pixel", self.ok("render", "slow.json", "--time", "1h", "--spp", "3").stderr)
+
+    def test_quiet(self):
+        lines = self.ok("render", "box.json", "--spp", "1", "-q").stderr.splitlines()
+        self.assertEqual([line for line in lines if "warning" not in line], [])
+
+    def test_progress_json(self):
+        self.scene("slow.json", "camera a slow 40 warn something")
+        lines = self.ok("render", "slow.json", "--spp", "30", "--size", "4x4", "--progress", "json").stderr.splitlines()
+        events = [json.loads(line) for line in lines]
+        kinds = [event["event"] for event in events]
+        for kind in ("progress", "warning", "written", "summary"):
+            self.assertIn(kind, kinds)
+        self.assertNotIn("phase", kinds)
+        progress = [event for event in events if event["event"] == "progress"]
+        self.assertEqual(progress[-1]["samples_done"], 30 * 16)
+        self.assertEqual(progress[-1]["done"], 1)
+        counts = [event["samples_done"] for event in progress]
+        self.assertEqual(sorted(set(counts)), counts, "a line is told twice")
+        self.assertEqual(events[-1]["samples_per_pixel"], 30)
+        self.assertGreater(events[-1]["peak_memory_bytes"], 1e6)
+        result = self.run_program("render", "none.json", "--progress", "json")
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual(json.loads(result.stderr)["event"], "error")
+
+    def test_the_last_line_of_progress_is_told_once(self):
+        # Two passes, each long enough to be told of: the end of the second is the end of all.
+        self.scene("slow.json", "camera a slow 700")
+        text = self.ok("render", "slow.json", "--spp", "2", "--size", "4x4", "--progress", "json").stderr
+        done = [event["done"] for event in map(json.loads, text.splitlines()) if event["event"] == "progress"]
+        self.assertEqual(done, [0.5, 1])
+
+    def test_loading_is_told(self):
+        self.scene("slow.json", "camera a slow-load 1300")
+        text = self.ok("render", "slow.json", "--spp", "1", "--size", "4x4", "--progress", "json").stderr
+        phases = [event for event in map(json.loads, text.splitlines()) if event["event"] == "phase"]
+        self.assertEqual({phase["phase"] for phase in phases}, {"load"})
+        self.assertGreater(phases[-1]["elapsed_s"], 0.9)
+
+    def in_terminal(self, columns, *arguments):
+        """What the program writes to a terminal so wide."""
+        ours, its = pty.openpty()
+        fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+        process = subprocess.Popen([DOUBLE, *arguments], cwd=self.folder, stderr=its)
+        os.close(its)
+        text = b""
+        while True:
+            try:
+                chunk = os.read(ours, 4096)
+            except OSError:  # the other end is closed
+                break
+            if not chunk:
+                break
+            text += chunk
+        os.close(ours)
+        self.assertEqual(process.wait(timeout=60), 0)
+        return text.decode()
+
+    def test_the_bar_fits_the_terminal(self):
+        self.scene("slow.json", "camera a slow-load 700 slow 60")
+        for columns in (20, 30, 50, 80, 300):
+            text = self.in_terminal(columns, "render", "slow.json", "--spp", "8", "--size", "4x4")
+            lines = [line.replace("\x1b[K", "") for line in re.findall(r"\r([^\r\n]+)", text)]
+            bars = [line for line in lines if "%" in line]
+            self.assertGreater(len(bars), 2, text)
+            self.assertTrue(any(line.startswith("reading") or columns < 30 for line in lines), text)
+            self.assertLess(max(len(line) for line in lines if "%" in line or "reading" in line), columns)
+            self.assertIn("100.0 %", bars[-1])
+            if columns >= 80:
+                self.assertRegex(bars[-1], r"^\[#+\] .* elapsed, .* left$")
+
+    def start_slow(self, pass_ms, *arguments):
+        self.scene("slow.json", f"camera a slow {pass_ms}")
+        process = subprocess.Popen([DOUBLE, "render", "slow.json", "--spp", "1000", "--size", "4x4", *arguments],
+                                   cwd=self.folder, stderr=subprocess.PIPE, text=True)
+        for line in process.stderr:
+            if "progress" in line:
+                return process
+        self.fail("no progress")
+
+    def test_interrupt_writes_the_picture_so_far(self):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            process = self.start_slow(100, "--progress", "json", "-o", "a.png")
+            process.send_signal(number)
+            text = process.communicate(timeout=20)[1]
+            self.assertEqual(process.returncode, 130, text)
+            self.assertIn("interrupted", text)
+            self.assertEqual(png_size(self.path("a.png"))[:2], (4, 4))
+            os.remove(self.path("a.png"))
+
+    def test_under_nohup_the_end_of_the_terminal_means_nothing(self):
+        self.scene("slow.json", "camera a slow 40")
+        process = subprocess.Popen([DOUBLE, "render", "slow.json", "--spp", "40", "--size", "4x4", "--progress", "json"],
+                                   cwd=self.folder, stderr=subprocess.PIPE, text=True,
+                                   preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+        process.stderr.readline()
+        process.send_signal(signal.SIGHUP)
+        process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 0)
+
+    def test_second_interrupt_stops(self):
+        # The pass under way must still be so when the second signal comes, on a busy machine too.
+        # The first one must come within a pass: right after the progress line the program looks whether it is to stop.
+        process = self.start_slow(2000, "--progress", "json", "-o", "a.png")
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 130)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["box.json", "slow.json"])
+
+    def test_threads_that_can_t_be_started(self):
+        if not PROGRAM or os.geteuid() != 0:
+            self.skipTest("needs the program, and root, who can become a user that may have few threads")
+        self.scene("sphere.json", '{"fathom": 1, "scene": [{"sphere": {"radius": 1}}]}')
+        os.chmod(self.folder, 0o777)
+
+        def become_nobody():
+            os.setgid(54321)
+            resource.setrlimit(resource.RLIMIT_NPROC, (3, 3))
+            os.setuid(54321)
+
+        probe = self.run_program("version", program=PROGRAM, preexec_fn=become_nobody)
+        if probe.returncode != 0:
+            self.skipTest("another user can't run the program here")
+        result = self.run_program("render", "sphere.json", "--spp", "4", "--size", "64x64", "--threads", "16", "-o",
+                                  "a.exr", "-o", "a.png", program=PROGRAM, preexec_fn=become_nobody,
+                                  env=WITHOUT_LEAK_CHECK)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        # The thread sanitizer has one thread of its own.
+        self.assertRegex(result.stderr, "only [23] of 16 threads can be started here")
+        self.ok("render", "sphere.json", "--spp", "4", "--size", "64x64", "-o", "b.png", program=PROGRAM)
+        with open(self.path("a.png"), "rb") as one, open(self.path("b.png"), "rb") as other:
+            self.assertEqual(one.read(), other.read())
+
+
+if __name__ == "__main__":
+    run_tests()

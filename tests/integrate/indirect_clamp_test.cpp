@@ -1,0 +1,148 @@
+/// RenderSettings::clamp_indirect, sample by sample, against the same samples without it.
+#include "picture_helpers.h"
+
+namespace fathom {
+namespace {
+
+using namespace test;
+
+/// A grey room with a small strong lamp in it, open in front. All light is grey: limits of channels are limits of sums.
+SceneBuilder room()
+{
+    SceneBuilder b;
+    const int wall = b.diffuse(0.75f), lamp = b.diffuse(0, {60, 60, 60});
+    b.add(Rectangle{{-1, -1, 1}, {2, 0, 0}, {0, 0, -2}}, wall);
+    b.add(Rectangle{{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}}, wall);
+    b.add(Rectangle{{-1, -1, -1}, {2, 0, 0}, {0, 2, 0}}, wall);
+    b.add(Rectangle{{-1, -1, 1}, {0, 0, -2}, {0, 2, 0}}, wall);
+    b.add(Rectangle{{1, -1, -1}, {0, 0, 2}, {0, 2, 0}}, wall);
+    b.add(Rectangle{{-0.2, 0.9, -0.2}, {0.3, 0, 0}, {0, 0, 0.3}}, lamp);
+    b.camera({0.2, 0.1, 3.4}, {0, 0, 0});
+    return b;
+}
+
+/// With a ball of glass, which makes a caustic of fireflies.
+SceneBuilder room_with_glass()
+{
+    SceneBuilder b = room();
+    Material glass;
+    glass.kind = MaterialKind::glass;
+    b.add(Sphere{{0, -0.4, 0}, 0.4, {}}, b.material(glass));
+    return b;
+}
+
+/// With so many balls that there is a tree.
+SceneBuilder room_with_a_tree()
+{
+    SceneBuilder b = room_with_glass();
+    const int grey = b.diffuse(0.5f);
+    for (int i = 0; i < 100; ++i) b.add(Sphere{{-0.9 + 0.018 * i, -0.95, 0.5}, 0.03, {}}, grey);
+    return b;
+}
+
+/// What a sample has in all, and of it what comes by one surface at most.
+struct Parts {
+    double all, direct;
+};
+
+class SamplesOf {
+public:
+    SamplesOf(const SceneDescription& description, RenderSettings settings)
+        : scene_([&] {
+              Warnings warnings;
+              return Scene::compile(description, "", warnings);
+          }()),
+          all_(scene_, settings),
+          direct_(scene_, [&] {
+              settings.max_depth = 1;
+              return settings;
+          }())
+    {
+    }
+    Parts at(int x, int y, std::uint64_t sample) const
+    {
+        return {render_sample(all_, x, y, sample).g, render_sample(direct_, x, y, sample).g};
+    }
+
+private:
+    Scene scene_;
+    RenderJob all_, direct_;
+};
+
+/// Each sample is its direct light, and as much of the rest as the limit allows.
+void expect_limited(const SceneDescription& description, RenderSettings settings, float limit, std::uint64_t samples)
+{
+    const SamplesOf free(description, settings);
+    settings.clamp_indirect = limit;
+    const SamplesOf clamped(description, settings);
+    int cut = 0, kept = 0, direct = 0;
+    for (int y = 0; y < settings.height; y += 2)
+        for (int x = 0; x < settings.width; x += 2)
+            for (std::uint64_t sample = 0; sample < samples; ++sample) {
+                const Parts a = free.at(x, y, sample), b = clamped.at(x, y, sample);
+                ASSERT_EQ(a.direct, b.direct) << x << "," << y << " sample " << sample;
+                const double indirect = a.all - a.direct, expected = a.direct + std::min(indirect, double(limit));
+                // Sums of floats in other orders.
+                ASSERT_NEAR(b.all, expected, 1e-5 * (a.all + limit)) << x << "," << y << " sample " << sample;
+                ++(indirect > limit ? cut : kept);
+                direct += a.direct > limit;
+            }
+    // Else nothing was seen of it.
+    EXPECT_GT(cut, 20);
+    EXPECT_GT(kept, 20);
+    EXPECT_GT(direct, 20);
+}
+
+TEST(IndirectClamp, LimitsWhatComesByTwoSurfacesInEachLoop)
+{
+    for (const bool light_sampling : {true, false}) {
+        SCOPED_TRACE(light_sampling);
+        RenderSettings settings = small_picture();
+        settings.light_sampling = light_sampling;
+        // The loop for rooms of quads has other random numbers: the limit is the general loop's.
+        settings.general_loop = true;
+        // Few paths find the lamp by chance.
+        const std::uint64_t samples = light_sampling ? 8 : 160;
+        expect_limited(room().scene, settings, 0.25f, samples);
+        expect_limited(room_with_glass().scene, settings, 0.25f, samples);
+        expect_limited(room_with_a_tree().scene, settings, 0.25f, samples);
+    }
+}
+
+TEST(IndirectClamp, RoomsOfQuadsAreLimitedToo)
+{
+    const double unlimited = mean_of(render_film(room().scene, small_picture(), 64)).value[1];
+    RenderSettings settings = small_picture();
+    settings.clamp_indirect = 0.1f;
+    const Film film = render_film(room().scene, settings, 64);
+    settings.max_depth = 1;
+    const Mean direct = mean_of(render_film(room().scene, settings, 64)), all = mean_of(film);
+    EXPECT_LT(all.value[1], direct.value[1] + 0.1);
+    EXPECT_LT(all.value[1], 0.95 * unlimited);
+    EXPECT_GT(all.value[1], direct.value[1]);
+}
+
+TEST(IndirectClamp, FarAboveAllLightChangesNoBit)
+{
+    RenderSettings settings = small_picture(), limited = settings;
+    limited.clamp_indirect = 1e20f;
+    const SceneDescription scene = room_with_a_tree().scene;
+    EXPECT_EQ(render_film(scene, settings, 16).image(false, true).layers[0].pixels,
+              render_film(scene, limited, 16).image(false, true).layers[0].pixels);
+}
+
+/// A caustic: noise of few samples, told, and gone with the limit.
+TEST(IndirectClamp, HidesTheFirefliesThatAreTold)
+{
+    RenderSettings settings = small_picture(64, 48);
+    const SceneDescription scene = room_with_glass().scene;
+    const Film::Fireflies before = render_film(scene, settings, 64).fireflies();
+    settings.clamp_indirect = 1;
+    const Film::Fireflies after = render_film(scene, settings, 64).fireflies();
+    EXPECT_GT(before.noise, 0.2);
+    EXPECT_LT(before.samples, 0.01);
+    EXPECT_LT(after.noise, 0.25 * before.noise);
+}
+
+}  // namespace
+}  // namespace fathom
