@@ -143,6 +143,8 @@ struct Material {
     float coat_normal_scale = 1;
     ColorInput sheen_color{{0, 0, 0}, -1};
     FloatInput sheen_roughness{0.3f, -1, 3};
+    /// What the sheen leaves is by the direction in which it leaves less, as in glTF; else by the way out alone.
+    bool sheen_reciprocal = false;
     FloatInput thin_film{0, -1, 0};              ///< share of the surface that has the film
     FloatInput thin_film_thickness{400, -1, 1};  ///< nanometres
     float thin_film_ior = 1.3f;

@@ -30,6 +30,7 @@ std::uint32_t features_of(const Material& m)
     const auto add = [&](bool has, LayersRecord::Features feature) { features |= has ? std::uint32_t(feature) : 0u; };
     const bool is_coated = is_above_0(m.coat), transmits = is_above_0(m.transmission);
     add(is_above_0(m.sheen_color), LayersRecord::with_sheen);
+    add(is_above_0(m.sheen_color) && m.sheen_reciprocal, LayersRecord::sheen_reciprocal);
     add(is_coated, LayersRecord::with_coat);
     add(is_above_0(m.thin_film) && is_above_0(m.thin_film_thickness), LayersRecord::with_thin_film);
     add(transmits, LayersRecord::with_transmission);

@@ -112,6 +112,8 @@ const P parameters[] = {
      {},
      more_light},
     {"sheen_roughness", kind_bits(principled), &Material::sheen_roughness, "0 upright fibres to 1", 0, 1},
+    {"sheen_reciprocal", kind_bits(principled), &Material::sheen_reciprocal,
+     "as glTF has it: directions may be swapped, and some light is lost"},
     {"thin_film", kind_bits(principled), &Material::thin_film, "share of the surface that has a thin film", 0, 1},
     {"thin_film_thickness", kind_bits(principled), &Material::thin_film_thickness, "nanometres", 0, 1e5},
     {"thin_film_ior", kind_bits(principled), &Material::thin_film_ior, "index of refraction", 1, 3},

@@ -55,7 +55,7 @@ TEST_F(GltfLayers, NoneByDefault)
     EXPECT_EQ(m.anisotropy.value, 0);
     EXPECT_EQ(m.specular.value, 1);
     EXPECT_EQ(m.ior, 1.5f);
-    EXPECT_FALSE(m.energy_compensation);
+    EXPECT_TRUE(m.sheen_reciprocal);
 }
 TEST_F(GltfLayers, Clearcoat)
 {

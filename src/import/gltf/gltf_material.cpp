@@ -29,7 +29,7 @@ Material GltfReader::read_material(const JsonValue& v)
 {
     Material m;
     m.kind = MaterialKind::principled;
-    m.energy_compensation = false;  // glTF's surfaces know no light that facets scatter more than once
+    m.sheen_reciprocal = true;
     if (const auto name = v.get("name")) m.name = printable(name->string());
     m.base_color = {{1, 1, 1}, -1};
     m.metallic = {1, -1, 2};

@@ -27,6 +27,7 @@ public:
         for (std::uint32_t bit = 1; bit <= LayersRecord::textured; bit <<= 1)
             if (any(m & ((features & UInt(bit)) != UInt(0)))) features_ |= bit;
         compensated_ = (features & UInt(LayersRecord::energy_compensation)) != UInt(0);
+        reciprocal_ = (features & UInt(LayersRecord::sheen_reciprocal)) != UInt(0);
     }
     void read(LayersPoint& p) const
     {
@@ -52,6 +53,7 @@ public:
         if (p.has(LayersRecord::with_sheen)) {
             p.sheen_color = color(&LayersRecord::sheen_color);
             p.sheen_roughness = number(&LayersRecord::sheen_roughness);
+            p.sheen_reciprocal = reciprocal_;
         }
         if (p.has(LayersRecord::with_thin_film)) {
             p.thin_film = number(&LayersRecord::thin_film);
@@ -121,7 +123,7 @@ private:
     const UInt index_;
     const Mask m_;
     std::uint32_t features_ = 0;
-    Mask compensated_;
+    Mask compensated_, reciprocal_;
 };
 
 }  // namespace fathom::inline FATHOM_LANES

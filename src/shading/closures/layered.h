@@ -244,14 +244,13 @@ private:
         }
         return left;
     }
-    /// What the sheen leaves of light that goes in from wi and out. Where nothing makes up for losses, it is by the
-    /// direction in which it leaves less, as the page of KHR_materials_sheen has it: directions may be swapped.
+    /// What the sheen leaves of light that goes in from wi and out.
     Float under_sheen(const View& v, const Vec3& wi) const
     {
-        if (!l_.has(LayersRecord::with_sheen)) return v.sheen_left;
+        if (!l_.has(LayersRecord::sheen_reciprocal)) return v.sheen_left;
         const Float albedo = SheenLobe(l_.sheen_roughness).albedo({wi.x, wi.y, abs(wi.z)});
         const Float left = Float(1) - outer(max_component(l_.sheen_color)) * albedo;
-        return select(l_.compensation > Float(0), v.sheen_left, min(v.sheen_left, left));
+        return select(l_.sheen_reciprocal, min(v.sheen_left, left), v.sheen_left);
     }
     /// Share of the surface that has a film; one of less than 30 nanometres fades away, since Schlick's terms would
     /// not.

@@ -244,6 +244,7 @@ TEST(Layered, SheenFollowsItsFormula)
 {
     const double roughness = 0.45, alpha = roughness * roughness;
     MaterialPoint m = with_sheen(layers(0, float(roughness), 1), 0.6f, float(roughness));
+    set(m.layers, LayersRecord::sheen_reciprocal);
     const SheenLobe lobe{Float(float(roughness))};
     Random random(7);
     for (int i = 0; i < 100; ++i) {
@@ -255,10 +256,10 @@ TEST(Layered, SheenFollowsItsFormula)
         const MaterialPoint without = layers(0, float(roughness), 1);
         const double base = first(Opaque(without).eval(wo, wi).f_cos.c[0]);
         const double out = first(lobe.albedo(wo)), most = std::max<double>(out, first(lobe.albedo(wi)));
-        m.layers.compensation = Float(1);
+        m.layers.sheen_reciprocal = Mask(false);
         EXPECT_NEAR(first(Opaque(m).eval(wo, wi).f_cos.c[0]), expected + base * (1 - 0.6 * out),
                     2e-3 * expected + 1e-5);
-        m.layers.compensation = Float(0);
+        m.layers.sheen_reciprocal = Mask(true);
         const double f_cos = first(Opaque(m).eval(wo, wi).f_cos.c[0]),
                      swapped = first(Opaque(m).eval(wi, wo).f_cos.c[0]);
         EXPECT_NEAR(f_cos, expected + base * (1 - 0.6 * most), 2e-3 * expected + 1e-5);
