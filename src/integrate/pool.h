@@ -103,6 +103,7 @@ struct PathExtras {
     bool time = false;       ///< something moves
     bool eta_scale = false;  ///< something refracts
     bool media = false;      ///< what solids are filled with matters
+    bool walks = false;      ///< and that scatters
 };
 
 /// Paths under way.
@@ -121,6 +122,7 @@ struct PathPool {
     Column<float> bsdf_pdf;  ///< of the last direction; of no use to whoever shades, which gives it anew
     Column<float> eta_scale, time;
     MediaColumn media;
+    Column<std::uint32_t> walk_steps;  ///< within a medium, since the last surface
 
     /// Calls f(column of a, the same of b) for what a path takes with it to its next surface and on from there.
     template <class F>
@@ -132,6 +134,7 @@ struct PathPool {
         if (extras.eta_scale) f(a.eta_scale, b.eta_scale);
         if (extras.time) f(a.time, b.time);
         if (extras.media) for_columns(a.media, b.media, f);
+        if (extras.walks) f(a.walk_steps, b.walk_steps);
     }
     template <class Word>
     static Word pixel_of(Word state)

@@ -53,6 +53,7 @@ public:
             p.sheen_color = color(&LayersRecord::sheen_color);
             p.sheen_roughness = number(&LayersRecord::sheen_roughness);
         }
+        if (p.has(LayersRecord::with_subsurface)) p.subsurface = number(&LayersRecord::subsurface);
         if (p.has(LayersRecord::with_thin_film)) {
             p.thin_film = number(&LayersRecord::thin_film);
             p.thin_film_thickness = number(&LayersRecord::thin_film_thickness);
