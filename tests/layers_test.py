@@ -15,7 +15,7 @@ allowed = {
     "sampling": {"math"},
     "geometry": {"math"},
     "shading": {"math", "sampling"},
-    "media": {"math", "shading"},
+    "media": {"math", "sampling", "shading"},
     "light": {"math", "sampling", "geometry", "shading"},
     "integrate": {"math", "sampling", "geometry", "shading", "media", "light", "film"},
     "scene": set(),

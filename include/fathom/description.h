@@ -115,7 +115,9 @@ struct Material {
     float ior = 1.5f;
     // glass, and principled with transmission
     Color attenuation_color{1, 1, 1};
-    double attenuation_distance = 0;  ///< metres after which attenuation_color is left; 0: clear
+    double attenuation_distance = 0;            ///< metres after which attenuation_color is left; 0: clear
+    Color transmission_scatter{0, 0, 0};        ///< what is scattered over attenuation_distance, as an exponent
+    float transmission_scatter_anisotropy = 0;  ///< mean cosine of it
     int priority = 0;  ///< where solids overlap, the one of greatest priority is there; of equal ones the inner
     /// What is left of light that went through, in and out of a solid, or once a thin sheet.
     ColorInput transmission_color;
@@ -125,6 +127,12 @@ struct Material {
     float dispersion = 0;                       ///< 20 / Abbe's number
     FloatInput diffuse_transmission{0, -1, 3};  ///< share of what is diffuse that leaves on the other side
     ColorInput diffuse_transmission_color;
+    /// Share of what is diffuse that enters the solid, is scattered there, and leaves it diffusely.
+    FloatInput subsurface{0, -1, 0};
+    Color subsurface_color{0.8f, 0.8f, 0.8f};  ///< what a half-space gives back of light from everywhere
+    double subsurface_radius = 0.01;           ///< mean free path, metres
+    Color subsurface_radius_scale{1, 0.5f, 0.25f};
+    float subsurface_scatter_anisotropy = 0;  ///< mean cosine
     FloatInput diffuse_roughness{0, -1, 0};
     FloatInput specular{1, -1, 3};  ///< strength of the dielectric's reflection
     ColorInput specular_color;      ///< its tint at normal incidence; may be above 1, the reflectance may not

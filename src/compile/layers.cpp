@@ -35,6 +35,7 @@ std::uint32_t features_of(const Material& m)
     add(is_above_0(m.thin_film) && is_above_0(m.thin_film_thickness), LayersRecord::with_thin_film);
     add(transmits, LayersRecord::with_transmission);
     add(is_above_0(m.diffuse_transmission), LayersRecord::with_diffuse_transmission);
+    add(is_above_0(m.subsurface) && !m.thin, LayersRecord::with_subsurface);
     add(is_above_0(m.diffuse_roughness), LayersRecord::rough_diffuse);
     add(is_above_0(m.anisotropy), LayersRecord::anisotropic);
     add(m.energy_compensation, LayersRecord::energy_compensation);
@@ -85,7 +86,8 @@ ClosureKind closure_of_layers(const Material& m)
         (features & ~plain) == 0 && is_one(m.specular) && is_white(m.specular_color) && is_white(m.edge_color);
     const bool is_metal = is_above_0(m.metallic);
     if (is_plain && is_one(m.transmission) && !is_metal) return ClosureKind::glass;
-    if (features & (LayersRecord::with_transmission | LayersRecord::with_diffuse_transmission))
+    if (features &
+        (LayersRecord::with_transmission | LayersRecord::with_diffuse_transmission | LayersRecord::with_subsurface))
         return ClosureKind::layered_transmitting;
     return is_plain ? ClosureKind::principled : ClosureKind::layered;
 }
@@ -97,7 +99,7 @@ LayersRecord compile_layers(const Material& m)
     t.specular = number(m.specular), t.anisotropy = number(m.anisotropy), t.transmission = number(m.transmission);
     t.diffuse_transmission = number(m.diffuse_transmission), t.diffuse_roughness = number(m.diffuse_roughness);
     t.coat = number(m.coat), t.coat_roughness = number(m.coat_roughness);
-    t.sheen_roughness = number(m.sheen_roughness);
+    t.sheen_roughness = number(m.sheen_roughness), t.subsurface = number(m.subsurface);
     t.thin_film = number(m.thin_film), t.thin_film_thickness = number(m.thin_film_thickness);
     t.specular_color = color(m.specular_color), t.edge_color = color(m.edge_color);
     t.transmission_color = color(m.transmission_color);
@@ -114,7 +116,8 @@ LayersRecord compile_layers(const Material& m)
     const auto is_textured = [](const auto&... inputs) { return ((inputs.texture != no_index) || ...); };
     if (is_textured(t.specular, t.anisotropy, t.transmission, t.diffuse_transmission, t.diffuse_roughness, t.coat,
                     t.coat_roughness, t.sheen_roughness, t.thin_film, t.thin_film_thickness, t.specular_color,
-                    t.edge_color, t.transmission_color, t.diffuse_transmission_color, t.coat_color, t.sheen_color))
+                    t.edge_color, t.transmission_color, t.diffuse_transmission_color, t.coat_color, t.sheen_color,
+                    t.subsurface))
         t.features |= LayersRecord::textured;
     return t;
 }

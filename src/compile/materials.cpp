@@ -6,6 +6,7 @@
 #include "compile/compiler.h"
 #include "compile/images.h"
 #include "compile/layers.h"
+#include "compile/media.h"
 #include "fathom/error.h"
 #include "scene/material_table.h"
 #include "scene/texture_table.h"
@@ -49,27 +50,6 @@ TextureRecord compile_texture(Compiler& c, ImageStore& images, const Texture& te
     t.stop_count = std::uint32_t(texture.stops.size());
     for (const RampStop& stop : texture.stops) c.tables.ramp_stops.push_back({stop.position, spectrum(stop.color)});
     return t;
-}
-
-/// The number of what a solid is filled with; glasses that are alike share one.
-std::uint32_t medium_of(Compiler& c, const Material& m)
-{
-    MediumRecord medium;
-    medium.ior = m.ior;
-    medium.priority = std::uint32_t(std::clamp(m.priority, -1000, 1000) + 1001);
-    const Color a = m.attenuation_color;
-    const float colors[] = {a.r, a.g, a.b};
-    if (m.attenuation_distance > 0)
-        for (std::size_t i = 0; i < channels; ++i)
-            medium.absorption[i] =
-                float(-std::log(std::max(double(colors[i]), 1e-6)) / (m.attenuation_distance * c.space.scale));
-    std::vector<MediumRecord>& media = c.tables.media;
-    const auto known = std::find(media.begin() + 1, media.end(), medium);
-    if (known == media.end() && media.size() == MediaTables::most_media)
-        throw Error(c.scene.file, "", fmt::format("more than {} different kinds of glass", media.size() - 1));
-    const auto number = std::uint32_t(known - media.begin());
-    if (known == media.end()) media.push_back(medium);
-    return number;
 }
 
 ClosureKind closure_of(const Material& m)
@@ -131,7 +111,12 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     t.alpha_channel = std::uint32_t(m.alpha.channel);
     t.alpha_cutoff = m.alpha_cutoff;
     t.alpha_mode = std::uint32_t(m.alpha_mode);
-    if (is_solid(m, t.closure)) t.medium = medium_of(c, m);
+    if (is_solid(m, t.closure)) {
+        if (m.kind == MaterialKind::principled && m.subsurface.value > 0) t.subsurface_medium = subsurface_medium(c, m);
+        const bool only_subsurface =
+            t.subsurface_medium != 0 && !(m.transmission.value > 0) && !(m.diffuse_transmission.value > 0);
+        t.medium = only_subsurface ? t.subsurface_medium : volume_medium(c, m);
+    }
     if (m.single_sided && !is_solid(m, t.closure)) t.flags |= MaterialRecord::single_sided;
     if (m.energy_compensation) t.flags |= MaterialRecord::compensated;
     if (m.use_vertex_color) t.flags |= MaterialRecord::vertex_colored;

@@ -1,6 +1,7 @@
 /// The path loop: a pool of paths per thread, run through stages.
 ///
-///     refill ─▶ trace ─▶ arrive: emission, environment, film; sort, pack ─▶ shade, shadows ─▶ bury ─▶ refill ...
+///     refill ─▶ trace ─▶ walk ─▶ arrive: emission, environment, film; sort, pack ─▶ shade, shadows ─▶ bury ─▶ refill
+///     ...
 ///
 /// Each stage runs over the whole pool N lanes at a time. After the nearest hit the pool is packed once, sorted by kind
 /// of closure and by material, so that shading has full lanes that run the same code. What a path sums to depends on
@@ -13,6 +14,7 @@
 #include "integrate/stages/indirect_clamp.h"
 #include "integrate/stages/shade.h"
 #include "integrate/stages/single_sided.h"
+#include "integrate/stages/walk.h"
 
 namespace fathom {
 
@@ -31,13 +33,15 @@ public:
           lights_(scene, settings.light_selection),
           settings_(settings),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
-          extras_{tables_.moving, scene.refracts, scene.tracks_media, settings.clamp_indirect > 0},
+          extras_{tables_.moving, scene.refracts, scene.tracks_media, settings.clamp_indirect > 0,
+                  scene.scatters_inside},
           camera_media_(scene.tracks_media ? media_at(scene, camera) : MediumStack()),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
           sums_(sums),
           counters_(counters),
           single_sided_(scene, counters),
+          walk_(scene, settings),
           shade_(scene, settings, counters)
     {
     }
@@ -87,6 +91,7 @@ private:
         p.time.store(to, path.ray.time);
         p.media.store(to, camera_media_);
         if (extras_.clamp) p.indirect_left.store(to, Float(settings_.clamp_indirect));
+        p.walk_steps.store(to, UInt(0u));
     }
 
     // ------------------------------------------------------------------------------------------- trace
@@ -132,14 +137,19 @@ private:
     // ------------------------------------------------------------------------------------------- arrive
 
     /// Ends the paths that left the scene or met what doesn't scatter, and packs the others, sorted, into the spare
-    /// pool. Returns how many those are.
+    /// pool, behind them those that were scattered on their way. Returns how many go on.
     std::size_t arrive(std::size_t active)
     {
-        if (scene_.has_absorption) attenuate(active);
-        std::size_t emitting = 0, missing = 0, finished = 0;
+        if (scene_.has_absorption) walk_.run(*paths_, hits_, active);
+        std::size_t emitting = 0, missing = 0, finished = 0, walking = 0;
         PathPool& p = *paths_;
         for (std::size_t i = 0; i < active; i += lanes) {
-            const Mask valid = first_lanes(active - i);
+            Mask valid = first_lanes(active - i);
+            if (scene_.scatters_inside) {
+                const Mask walks = valid & (hits_.t.load(i) < Float(0));
+                list(walks, i, walking_, walking);
+                valid &= !walks;
+            }
             const UInt primitive = hits_.primitive.load(i);
             const Mask hit = valid & (primitive != UInt(no_index));
             const UInt instance = scene_.is_flat ? UInt(no_index) : hits_.instance.load(i);
@@ -157,20 +167,15 @@ private:
         for (std::size_t i = 0; i < missing; i += lanes) add_environment(i, first_lanes(missing - i));
         for (std::size_t i = 0; i < finished; ++i) finish(finished_[i]);
         // Where there are no textures, nothing is won by an order of the materials.
-        return scene_.textured ? pack_by_material(active) : pack_by_kind(active);
-    }
-
-    /// What the media leave of the light on the ways to what was met.
-    void attenuate(std::size_t active)
-    {
-        PathPool& p = *paths_;
-        for (std::size_t i = 0; i < active; i += lanes) {
-            const UInt medium = p.media.load(i).current();
-            const Mask inside = first_lanes(active - i) & (medium != UInt(0u));
-            if (none(inside)) continue;
-            const Spectrum left = transmittance(tables_, medium, hits_.t.load(i), inside);
-            p.throughput.store(i, p.throughput.load(i) * left, inside);
+        const std::size_t packed = scene_.textured ? pack_by_material(active) : pack_by_kind(active);
+        const auto append = [&](const auto& from, auto& to) {
+            for (std::size_t k = 0; k < walking; ++k) to[packed + k] = from[walking_[k]];
+        };
+        if (walking > 0) {
+            PathPool::for_travelling(*paths_, *spare_, extras_, append);
+            append(paths_->bsdf_pdf, spare_->bsdf_pdf);
         }
+        return packed + walking;
     }
 
     /// Appends the numbers of the lanes, which begin at `first`, to a list.
@@ -370,9 +375,10 @@ private:
     PathPool *paths_ = &pools_[0], *spare_ = &pools_[1];
     HitColumns hits_, packed_hits_;
     SingleSided single_sided_;
+    const WalkStage walk_;
     ShadeStage shade_;
     Column<std::uint32_t> buckets_, order_;
-    Column<std::uint32_t> emitting_, missing_, finished_;
+    Column<std::uint32_t> emitting_, missing_, finished_, walking_;
 };
 
 }  // namespace

@@ -104,6 +104,7 @@ struct PathExtras {
     bool eta_scale = false;  ///< something refracts
     bool media = false;      ///< what solids are filled with matters
     bool clamp = false;      ///< indirect light is limited
+    bool walks = false;      ///< and that scatters
 };
 
 /// Paths under way.
@@ -123,6 +124,7 @@ struct PathPool {
     Column<float> eta_scale, time;
     Column<float> indirect_left;  ///< see IndirectClamp
     MediaColumn media;
+    Column<std::uint32_t> walk_steps;  ///< within a medium, since the last surface
 
     /// Calls f(column of a, the same of b) for what a path takes with it to its next surface and on from there.
     template <class F>
@@ -135,6 +137,7 @@ struct PathPool {
         if (extras.time) f(a.time, b.time);
         if (extras.media) for_columns(a.media, b.media, f);
         if (extras.clamp) f(a.indirect_left, b.indirect_left);
+        if (extras.walks) f(a.walk_steps, b.walk_steps);
     }
     template <class Word>
     static Word pixel_of(Word state)

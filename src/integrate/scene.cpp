@@ -82,7 +82,7 @@ void LaneScene::read_tables()
 void LaneScene::read_shapes()
 {
     kinds = 0;
-    refracts = wants_tangents = single_sided = has_absorption = false;
+    refracts = wants_tangents = single_sided = has_absorption = scatters_inside = false;
     shape_info.clear();
     only_diffuse_quads = is_flat && !tables.moving && tables.textures.empty() && tables.triangles.empty() &&
                          tables.spheres.empty() && tables.disks.empty();
@@ -91,7 +91,11 @@ void LaneScene::read_shapes()
         refracts |= Closures::transmits(material.closure);
         single_sided |= (material.flags & MaterialRecord::single_sided) != 0;
         wants_tangents |= (material.flags & MaterialRecord::wants_tangent) != 0;
-        for (float a : tables.media[material.medium].absorption) has_absorption |= a > 0;
+        for (const std::uint32_t number : {material.medium, material.subsurface_medium}) {
+            const MediumRecord& medium = tables.media[number];
+            for (float sigma : medium.extinction) has_absorption |= sigma > 0;
+            for (float sigma : medium.scattering) scatters_inside |= sigma > 0;
+        }
         const auto kind = std::uint32_t(material.closure);
         const bool scatters = material.closure != ClosureKind::none;
         if (scatters) kinds |= 1u << kind;

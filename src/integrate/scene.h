@@ -34,7 +34,8 @@ struct LaneScene final : KernelScene {
     bool varied_lights = false;       ///< some are not alike all over, see LightRecord::material
     bool refracts = false;            ///< some material lets light pass
     bool single_sided = false;        ///< cameras look through some surfaces from behind
-    bool has_absorption = false;      ///< some medium absorbs
+    bool has_absorption = false;      ///< some medium absorbs or scatters
+    bool scatters_inside = false;     ///< some medium scatters
     bool tracks_media = false;        ///< paths must know what they are in: that, or solids may overlap
     bool sees_environment = false;    ///< rays that leave the scene bring something
     bool only_diffuse_quads = false;  ///< flat, smooth, without textures or motion: QuadTracer renders it

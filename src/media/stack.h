@@ -1,7 +1,6 @@
 #pragma once
-#include "math/elementary.h"
+#include "media/distance.h"
 #include "media/records.h"
-#include "shading/spectrum.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -19,6 +18,16 @@ public:
 
     /// The medium that is there.
     UInt current() const { return low_ & UInt(0xffffu); }
+
+    /// Lanes that are in the medium, whether or not another one is there; it is none of those numbered 0.
+    Mask contains(UInt medium) const
+    {
+        UInt in[entries];
+        read(in);
+        Mask found(false);
+        for (UInt one : in) found |= one == medium;
+        return found & (medium != UInt(0u));
+    }
 
     /// With one more medium.
     MediumStack entered(const MediaTables& tables, UInt medium, Mask m) const
@@ -72,17 +81,10 @@ inline Float medium_ior(const MediaTables& tables, UInt medium, Mask m)
     return gather(tables.media, &MediumRecord::ior, medium, m);
 }
 
-/// What a way of this length through a medium leaves of the light; lengths may be infinite.
+/// What a way of this length through a medium leaves of the light, unscattered; lengths may be infinite.
 inline Spectrum transmittance(const MediaTables& tables, UInt medium, Float length, Mask m)
 {
-    const Spectrum absorption = gather(tables.media, &MediumRecord::absorption, medium, m);
-    Spectrum left;
-    for (int c = 0; c < channels; ++c) {
-        const Float sigma = absorption.c[c];
-        // Nothing is absorbed over an infinite way through empty space.
-        left.c[c] = select(sigma > Float(0), exp(-(sigma * length)), Float(1));
-    }
-    return left;
+    return transmittance(gather(tables.media, &MediumRecord::extinction, medium, m), length);
 }
 
 /// A boundary of a solid as a path meets it that is in the media of a stack.

@@ -25,6 +25,7 @@ constexpr std::uint32_t all = (1u << material_kind_count) - 1;
 constexpr std::uint32_t scattering = all & ~kind_bits(none, unlit);
 
 constexpr const char* alpha_modes[] = {"opaque", "mask", "blend"};
+constexpr const char* mean_cosine = "mean cosine of scattering: 0 alike to all sides, above 0 on, below back";
 constexpr const char* more_light = "a reflectance above 1 would make light out of nothing";
 
 const P parameters[] = {
@@ -62,6 +63,23 @@ const P parameters[] = {
      1,
      {},
      more_light},
+    {"subsurface", kind_bits(principled), &Material::subsurface,
+     "share of what is diffuse that goes into the solid, is scattered there, and comes out again", 0, 1},
+    {"subsurface_color",
+     kind_bits(principled),
+     &Material::subsurface_color,
+     "what a thick solid gives back of light from everywhere",
+     0,
+     1,
+     1,
+     {},
+     more_light},
+    {"subsurface_radius", kind_bits(principled), &Material::subsurface_radius,
+     "metres: mean free path of the channels whose scale is 1", 0},
+    {"subsurface_radius_scale", kind_bits(principled), &Material::subsurface_radius_scale,
+     "times subsurface_radius: the mean free path of each channel", 0},
+    {"subsurface_scatter_anisotropy", kind_bits(principled), &Material::subsurface_scatter_anisotropy, mean_cosine,
+     -0.99, 0.99},
     {"diffuse_roughness", kind_bits(principled), &Material::diffuse_roughness,
      "energy-preserving Oren-Nayar where above 0", 0, 1},
     {"specular", kind_bits(principled), &Material::specular, "strength of the dielectric's reflection", 0, 1},
@@ -134,6 +152,10 @@ const P parameters[] = {
      {},
      "must not be above 1: glass takes light away"},
     {"attenuation_distance", kind_bits(glass, principled), &Material::attenuation_distance, "metres; 0: clear", 0},
+    {"transmission_scatter", kind_bits(glass, principled), &Material::transmission_scatter,
+     "coefficient of scattering times attenuation_distance; what the ways lose beyond it is absorbed", 0},
+    {"transmission_scatter_anisotropy", kind_bits(glass, principled), &Material::transmission_scatter_anisotropy,
+     mean_cosine, -0.99, 0.99},
     {"priority", kind_bits(glass, principled), &Material::priority,
      "where solids overlap, the one of greatest priority is there; of equal ones the one that was entered last", -1000,
      1000},

@@ -72,11 +72,13 @@ struct LayersRecord {
         energy_compensation = 128,
         coat_normal_mapped = 256,
         disperses = 512,
-        textured = 1024  ///< any of the parameters here
+        with_subsurface = 1024,
+        sheen_reciprocal = 2048,
+        textured = 4096  ///< any of the parameters here
     };
     std::uint32_t features = 0;
     NumberRecord specular, anisotropy, transmission, diffuse_transmission, diffuse_roughness, coat, coat_roughness,
-        sheen_roughness, thin_film, thin_film_thickness;
+        sheen_roughness, thin_film, thin_film_thickness, subsurface;
     ColorRecord specular_color, edge_color, transmission_color, diffuse_transmission_color, coat_color, sheen_color;
     float anisotropy_cos = 1, anisotropy_sin = 0;
     float dispersion = 0;
@@ -107,7 +109,9 @@ struct MaterialRecord {
     Rgb emission{};
     float roughness = 0, metallic = 0, ior = 1.5f, fuzz = 0, normal_scale = 1;
     float alpha = 1, alpha_cutoff = 0;
-    std::uint32_t medium = 0;      ///< in MediaTables: what a solid of it is filled with; 0: it is no solid
+    std::uint32_t medium = 0;  ///< in MediaTables: what a solid of it is filled with; 0: it is no solid
+    /// The same for what goes in by the subsurface, which may be another one than for what is refracted; 0: none.
+    std::uint32_t subsurface_medium = 0;
     std::uint32_t alpha_mode = 0;  ///< AlphaMode
     std::uint32_t base_texture = no_index, roughness_texture = no_index, metallic_texture = no_index,
                   emission_texture = no_index, normal_texture = no_index, alpha_texture = no_index;

@@ -227,7 +227,7 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
         EXPECT_EQ(r.base_color[c], 0.2f + 0.1f * float(c));
         // Of the way through so many metres, attenuation_color is left: by exp(-sigma t) in render units.
         const double left[] = {0.5, 0.25, 1};
-        EXPECT_NEAR(std::exp(-double(t.media[r.medium].absorption[c]) * 2 * t.render_scale), left[c], 1e-6);
+        EXPECT_NEAR(std::exp(-double(t.media[r.medium].extinction[c]) * 2 * t.render_scale), left[c], 1e-6);
         EXPECT_EQ(t.materials[2].emission[c], 0.1f);
     }
     EXPECT_EQ(r.ior, 1.7f);

@@ -177,6 +177,16 @@ def materials():
     write("layers-solid", scene=with_material(
         **principled, transmission={"texture": {"image": "channels.png"}, "channel": "r", "value": 0.9}, transmission_color=[0.8, 0.9, 1],
         dispersion=4, attenuation_color=[0.5, 0.9, 0.7], attenuation_distance=1) + [LAMP])
+    write("subsurface", scene=with_material(
+        kind="principled", color=[0.2, 0.5, 0.3], roughness=0.3, subsurface={"texture": {"image": "channels.png"}, "channel": "r", "value": 0.9},
+        subsurface_color=[0.9, 0.6, 0.4], subsurface_radius=0.1, subsurface_scatter_anisotropy=0.3) + [LAMP])
+    write("cloudy-solids", scene=with_material(
+        kind="glass", ior=1.33, attenuation_color=[0.3, 0.5, 0.2], attenuation_distance=0.2, transmission_scatter=[1.1, 0.6, 1.7],
+        transmission_scatter_anisotropy=-0.4) + [
+            {"material": {"kind": "principled", "transmission": 0.5, "subsurface": 1, "subsurface_color": [0.3, 0.8, 0.9],
+                          "subsurface_radius": 0.05, "priority": 1, "attenuation_color": [0.9, 0.8, 0.7], "attenuation_distance": 0.3,
+                          "transmission_scatter": 0.2},
+             "sphere": {"center": [0.6, 0.5, 0.4], "radius": 0.5}}, LAMP])
     write("layers-sheet", scene=wall(**principled, transmission=0.5, thin=True, diffuse_transmission=0.6,
                                      diffuse_transmission_color=[0.3, 0.9, 0.4]) + [{"sphere": {"center": [0, 0.6, -0.8], "radius": 0.5}}])
     write("single-sided", scene=[FLOOR, LAMP, BALL, {"material": {"color": [0.2, 0.3, 0.8], "single_sided": True}, "mesh": {

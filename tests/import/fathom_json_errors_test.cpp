@@ -49,11 +49,11 @@ INSTANTIATE_TEST_SUITE_P(
              "/materials/a~1b~0c/kind: unknown value 'mirror'; known here: diffuse, metal, fuzz_metal, glass, "
              "principled, "
              "unlit, none"},
-        Case{
-            R"({"materials": {"m": {"kind": "glass", "fuzz": 1}}})",
-            "/materials/m/fuzz: unknown key 'fuzz' in a material of kind 'glass'; known here: kind, color, thin, "
-            "roughness, ior, attenuation_color, attenuation_distance, priority, emission, emission_two_sided, "
-            "normal_map, normal_scale, alpha, alpha_mode, alpha_cutoff, single_sided, use_vertex_color, emission_unit"},
+        Case{R"({"materials": {"m": {"kind": "glass", "fuzz": 1}}})",
+             "/materials/m/fuzz: unknown key 'fuzz' in a material of kind 'glass'; known here: kind, color, thin, "
+             "roughness, ior, attenuation_color, attenuation_distance, transmission_scatter, "
+             "transmission_scatter_anisotropy, priority, emission, emission_two_sided, normal_map, normal_scale, "
+             "alpha, alpha_mode, alpha_cutoff, single_sided, use_vertex_color, emission_unit"},
         Case{R"({"sceen": []})", "/sceen: unknown key 'sceen' in a scene; did you mean 'scene'?"},
         Case{R"({"fathom": 2})", "/fathom: format 2 is not known; this version reads format 1"}));
 

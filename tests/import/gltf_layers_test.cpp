@@ -113,6 +113,19 @@ TEST_F(GltfLayers, TransmissionOfASolid)
     EXPECT_EQ(m.attenuation_distance, 2);
     EXPECT_EQ(m.dispersion, 0.5f);
 }
+TEST_F(GltfLayers, ScatterWithinAVolume)
+{
+    const char* json = R"("KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 1},
+        "KHR_materials_volume": {"thicknessFactor": 1, "attenuationColor": [0.5, 1, 0.25], "attenuationDistance": 2},
+        "KHR_materials_volume_scatter": {"multiscatterColor": [0, 1, 0.6], "scatterAnisotropy": 0.25})";
+    const Material m = extended(json);
+    EXPECT_EQ(m.attenuation_distance, 2);
+    EXPECT_EQ(m.transmission_scatter_anisotropy, 0.25f);
+    EXPECT_EQ(m.transmission_scatter.r, 0);
+    EXPECT_EQ(m.transmission_scatter.g, 0);
+    // By the extension's page: 1 - (4.09712 + 4.20863 m - sqrt(9.59217 + 41.6808 m + 17.7126 m^2))^2 of ln 4.
+    EXPECT_NEAR(m.transmission_scatter.b, 0.951179 * std::log(4.0), 1e-4);
+}
 TEST_F(GltfLayers, DiffuseTransmission)
 {
     const Material m = extended(R"("KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.25,

@@ -72,7 +72,7 @@ TEST(MediumStack, HasTheGreatestPriorityInFrontAndOfEqualOnesTheLast)
 TEST(MediumStack, TransmittanceOfAnyLength)
 {
     MediaTables t = tables();
-    t.media[1].absorption = {0.5f, 0, 2};
+    t.media[1].extinction = {0.5f, 0, 2};
     const auto at = [&](std::uint32_t medium, float length, int c) {
         return first(transmittance(t, UInt(medium), Float(length), Mask(true)).c[c]);
     };

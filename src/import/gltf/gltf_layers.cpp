@@ -1,5 +1,6 @@
 #include "import/gltf/gltf_reader.h"
 #include "import/gltf/values.h"
+#include "scene/scattering.h"
 
 /// The extensions that add layers to a material. The factor of each is multiplied with the texture's channel that its
 /// specification names.
@@ -8,6 +9,20 @@ namespace fathom {
 namespace {
 
 constexpr int red = 0, green = 1, blue = 2, alpha = 3;
+
+/// KHR_materials_volume_scatter: of what the volume takes away, which part is scattered.
+void read_scatter(const JsonValue& v, Material& m)
+{
+    m.transmission_scatter_anisotropy = std::clamp(float_or(v, "scatterAnisotropy", 0), -0.99f, 0.99f);
+    const auto color = v.get("multiscatterColor");
+    if (!color) return;
+    color->array_of(3);
+    const auto scattered = [](float shown, float left) {
+        return float(single_scattering_albedo(double(shown), 0) * -std::log(std::max(double(left), 1e-6)));
+    };
+    const Color shown = clamped(*color), left = m.attenuation_color;
+    m.transmission_scatter = {scattered(shown.r, left.r), scattered(shown.g, left.g), scattered(shown.b, left.b)};
+}
 
 }  // namespace
 
@@ -86,6 +101,7 @@ void GltfReader::read_transmission(const JsonValue& extensions, Material& m)
     }
     if (const auto distance = volume->get("attenuationDistance"))
         m.attenuation_distance = std::max(0.0, distance->number());
+    if (const auto v = extensions.get("KHR_materials_volume_scatter")) read_scatter(*v, m);
 }
 
 void GltfReader::read_specular(const JsonValue& v, Material& m)

@@ -11,7 +11,8 @@ struct Scattered {
     Spectrum throughput;
     Float pdf;
     Mask is_delta;
-    Float eta;  ///< see BsdfSample
+    Float eta;               ///< see BsdfSample
+    Mask enters_subsurface;  ///< the same
 };
 
 /// key, seed: of the path and its bounce. index: of the order in which this bounce's directions come.
@@ -21,7 +22,8 @@ template <class Closure>
 {
     const Float choice = sample_2d(key, pair_seed(seed, pair_choice)).x;
     const BsdfSample next = closure.sample(at.wo, sample_2d(index, pair_seed(seed, pair_bsdf)), choice);
-    Scattered s{at.frame.to_world(next.wi), throughput * next.weight, next.pdf, next.is_delta, next.eta};
+    Scattered s{at.frame.to_world(next.wi), throughput * next.weight, next.pdf, next.is_delta, next.eta,
+                next.enters_subsurface};
     // A shading normal must not send light through the surface, nor keep it from passing.
     const Float side = dot(s.wi, at.ng);
     s.throughput = select(equal(side > Float(0), next.wi.z > Float(0)), s.throughput, Spectrum(Float(0)));

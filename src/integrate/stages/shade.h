@@ -74,8 +74,12 @@ private:
             eta_scale = p.eta_scale.load(i) * next.eta * next.eta;
             p.eta_scale.store(i, eta_scale, valid);
         }
-        if (Closure::transmits && scene_.tracks_media)
-            p.media.store(i, select(dot(next.wi, at.ng) < Float(0), at.media_beyond, at.media), valid);
+        if (Closure::transmits && scene_.tracks_media) {
+            MediumStack beyond = at.media_beyond;
+            if constexpr (Closure::is_layered) beyond = select(next.enters_subsurface, at.media_below, beyond);
+            p.media.store(i, select(dot(next.wi, at.ng) < Float(0), beyond, at.media), valid);
+        }
+        if (scene_.scatters_inside) p.walk_steps.store(i, UInt(0u), valid);
         const Mask ends = apply_roulette(settings_, key, seed, bounce, eta_scale, next.throughput);
         next_state = select(ends, next_state | UInt(PathPool::dead), next_state);
         p.origin.store(i, at.start<Closure>(next.wi), valid);

@@ -16,7 +16,8 @@ struct ShadingPoint {
     Mask inside;  ///< from behind the geometric normal
     /// What the path is in, and what it comes to if it passes, where that is kept track of.
     MediumStack media, media_beyond;
-    Mask passes_on;  ///< the same medium is on both sides: nothing is there
+    MediumStack media_below;  ///< what it comes to if it enters the subsurface
+    Mask passes_on;           ///< the same medium is on both sides: nothing is there
 
     /// Where a ray begins that leaves along wi.
     template <class Closure>
@@ -76,9 +77,13 @@ inline void find_media(const MaterialReader& materials, Mask m, ShadingPoint& at
     const UInt medium = materials.get(&MaterialRecord::medium, at.material_index, m);
     const Mask solid = m & (medium != UInt(0u));
     if (none(solid)) return;
-    const MediumBoundary boundary(materials.tables(), at.media, medium, !at.inside, solid);
+    const UInt subsurface = materials.get(&MaterialRecord::subsurface_medium, at.material_index, m);
+    const Mask below = at.inside & at.media.contains(subsurface);
+    const MediumBoundary boundary(materials.tables(), at.media, select(below, subsurface, medium), !at.inside, solid);
     at.media_beyond = select(solid, boundary.beyond, at.media);
     at.passes_on = solid & !boundary.is_there;
+    at.material.layers.in_subsurface = below & boundary.is_there;
+    at.media_below = at.media.entered(materials.tables(), subsurface, solid);
     at.material.ior = select(solid, at.material.ior / boundary.other_ior, at.material.ior);
 }
 
@@ -118,10 +123,13 @@ template <class Closure>
     if (media) at.media = at.media_beyond = *media;
     if (Closure::transmits && media) detail::find_media(materials, m, at);
     if constexpr (Closure::is_glossy) {
+        const Vec3 own = ns;
         ns = detail::bend_to_mirror(-hit.d, at.ng, ns);
         if constexpr (Closure::transmits) {
             const Float eta = select(at.inside, Float(1) / at.material.ior, at.material.ior);
             ns = select(detail::refracts_about_ng(-hit.d, at.ng, ns, eta) & !at.material.thin, at.ng, ns);
+            // Light that comes out diffusely doesn't depend on where it came from.
+            if constexpr (Closure::is_layered) ns = select(at.material.layers.in_subsurface, own, ns);
         }
     } else {
         // Seen from behind its shading normal, a surface shows its geometric one.

@@ -29,7 +29,8 @@ struct BsdfSample {
     Spectrum weight;
     Float pdf;
     Mask is_delta;
-    Float eta;  ///< index beyond over index before where the path is refracted, else 1
+    Float eta;                             ///< index beyond over index before where the path is refracted, else 1
+    Mask enters_subsurface = Mask(false);  ///< by what is counted as a delta lobe, since it has no light sampled
 };
 
 /// What a surface of layers has beside: see LayersRecord, and Material of the description.
@@ -48,7 +49,10 @@ struct LayersPoint {
     Vec3 coat_normal;  ///< as the tangent
     Spectrum sheen_color;
     Float sheen_roughness;
+    Mask sheen_reciprocal{false};
     Float thin_film{0}, thin_film_thickness, thin_film_ior;
+    Float subsurface{0};
+    Mask in_subsurface = Mask(false);  ///< the path comes from within, where it went by the subsurface
 
     bool has(LayersRecord::Features feature) const { return (features & feature) != 0; }
 };

@@ -9,9 +9,9 @@ namespace fathom::inline FATHOM_LANES {
 
 /// Layers in the manner of OpenPBR (Andersson et al. 2024), with the parameters of glTF's extensions: sheen over coat
 /// over a base, which is a mixture by `metallic` of a metal and of a dielectric. Below the dielectric's specular
-/// boundary is what is diffuse, passes diffusely to the other side, or is refracted (Walter et al. 2007), in shares.
-/// Boundary and metal have the same GGX facets, drawn out along a tangent, and under a thin film both reflect as that
-/// says.
+/// boundary is what is diffuse, passes diffusely to the other side, is refracted (Walter et al. 2007), or goes
+/// diffusely into a solid that scatters it and leaves that as diffusely, in shares. Boundary and metal have the same
+/// GGX facets, drawn out along a tangent, and under a thin film both reflect as that says.
 ///
 /// A layer gets what those above leave on the way out: 1 less their directional albedo, by the tables. So no surface
 /// gives back more than it gets; swapped directions may differ.
@@ -51,8 +51,11 @@ public:
             refracts_ = l_.transmission > Float(0);
             solid_ = refracts_ & !m.thin;
             within_ = solid_ & !m.entering;
+            if (l_.has(LayersRecord::with_subsurface)) l_.subsurface = select(m.entering, l_.subsurface, Float(0));
             // The share counts for light that comes in; what is in there finds no body but that of the outside.
             l_.transmission = select(within_, Float(1), l_.transmission);
+            below_share_ = (Float(1) - l_.transmission) * l_.subsurface;
+            diffuse_share_ = (Float(1) - l_.transmission) * (Float(1) - l_.subsurface);
             for (int i = 0; i < channels; ++i) {
                 const Float c = l_.transmission_color.c[i];
                 tint_.c[i] = select(solid_, sqrt(max(c, Float(0))), c);
@@ -71,7 +74,7 @@ public:
             left = left - share;
             return m;
         };
-        Mask refracted(false), goes_beyond(false), total(false);
+        Mask refracted(false), goes_beyond(false), total(false), below(false);
         const Vec3 h = turned(ggx_.sample(turned(wo, 1), u), -1);
         wi = select(chosen(v.p_specular), reflect(wo, h), wi);
         if (l_.has(LayersRecord::with_coat)) {
@@ -94,7 +97,8 @@ public:
                 goes_beyond = through;
             }
             const Mask diffusely = chosen(v.p_diffuse_beyond);
-            wi.z = select(diffusely, -wi.z, wi.z);
+            if (l_.has(LayersRecord::with_subsurface)) below = chosen(v.p_below);
+            wi.z = select(diffusely | below, -wi.z, wi.z);
             goes_beyond |= diffusely;
         }
         const BsdfEval e = eval(v, wo, wi);
@@ -102,7 +106,14 @@ public:
         // lobes.
         const Mask kept = (e.pdf > Float(0)) & equal(wi.z < Float(0), goes_beyond) & !total;
         const Float inverse = select(kept, Float(1) / max(e.pdf, Float(1e-30f)), Float(0));
-        return {wi, e.f_cos * inverse, e.pdf, Mask(false), passes ? select(refracted, eta_, Float(1)) : Float(1)};
+        BsdfSample s{wi, e.f_cos * inverse, e.pdf, Mask(false), passes ? select(refracted, eta_, Float(1)) : Float(1)};
+        if constexpr (passes) {
+            if (any(below)) {
+                s.weight = select(below, v.coat_left * (entering(v) / max(v.p_below, Float(1e-30f))), s.weight);
+                s.is_delta = s.enters_subsurface = below;
+            }
+        }
+        return s;
     }
 
 private:
@@ -113,8 +124,14 @@ private:
         Float more;           ///< see reflectance
         Float boundary_left;  ///< what the dielectric's boundary leaves to what is diffuse
         /// Chances of the lobes; what is left goes to the diffuse reflection.
-        Float p_specular, p_coat, p_sheen, p_refracted, p_diffuse_beyond, p_diffuse;
+        Float p_specular, p_coat, p_sheen, p_refracted, p_diffuse_beyond, p_below, p_diffuse;
     };
+
+    /// What enters the subsurface, but for the coat's colour.
+    Float entering(const View& v) const
+    {
+        return (Float(1) - metallic_) * v.sheen_left * v.boundary_left * below_share_;
+    }
 
     /// Turns between the frame and that of the facets.
     Vec3 turned(const Vec3& w, int way) const
@@ -187,6 +204,13 @@ private:
             v.sheen_left = Float(1) - sheen_albedo;
         }
         choose(v, coat_albedo, sheen_albedo, max_component(dielectric), max_component(metal));
+        if constexpr (passes) {
+            if (l_.has(LayersRecord::with_subsurface)) {
+                const auto only_out = [&](Float& p, float out) { p = select(l_.in_subsurface, Float(out), p); };
+                only_out(v.p_specular, 0), only_out(v.p_coat, 0), only_out(v.p_sheen, 0), only_out(v.p_refracted, 0);
+                only_out(v.p_below, 0), only_out(v.p_diffuse, 0), only_out(v.p_diffuse_beyond, 1);
+            }
+        }
         return v;
     }
     /// Share of light that the dielectric's boundary reflects. e, w: of the tables; dielectric: its reflectance at the
@@ -210,23 +234,24 @@ private:
     {
         const Float base = v.sheen_left * max_component(v.coat_left), body = base * (Float(1) - metallic_);
         Float specular = base * fma(metallic_, metal - dielectric, dielectric);
-        Float diffuse = body * v.boundary_left * max_component(color_), beyond(0), refracted(0);
+        Float diffuse = body * v.boundary_left * max_component(color_), beyond(0), refracted(0), below(0);
         if constexpr (passes) {
-            diffuse = diffuse * (Float(1) - l_.transmission);
-            beyond = body * v.boundary_left * (Float(1) - l_.transmission) * l_.diffuse_transmission *
+            diffuse = diffuse * diffuse_share_;
+            beyond = body * v.boundary_left * diffuse_share_ * l_.diffuse_transmission *
                      max_component(l_.diffuse_transmission_color);
             diffuse = diffuse * (Float(1) - l_.diffuse_transmission);
             refracted = body * l_.transmission * max_component(tint_) * max(Float(1) - dielectric, Float(0.05f));
+            below = body * v.boundary_left * below_share_;
         }
         coat = v.sheen_left * coat;
-        const Float others = diffuse + beyond + refracted + coat + sheen;
+        const Float others = diffuse + beyond + refracted + coat + sheen + below;
         specular = select(specular > Float(0), max(specular, Float(0.1f) * others), Float(0));
         const Float total = specular + others, scale = Float(1) / max(total, Float(1e-20f));
         v.p_specular = select(total > Float(0), specular * scale, Float(0));
         v.p_coat = coat * scale, v.p_sheen = sheen * scale, v.p_refracted = refracted * scale;
-        v.p_diffuse_beyond = beyond * scale;
-        v.p_diffuse =
-            max(Float(1) - v.p_specular - v.p_coat - v.p_sheen - v.p_refracted - v.p_diffuse_beyond, Float(0));
+        v.p_diffuse_beyond = beyond * scale, v.p_below = below * scale;
+        v.p_diffuse = max(
+            Float(1) - v.p_specular - v.p_coat - v.p_sheen - v.p_refracted - v.p_diffuse_beyond - v.p_below, Float(0));
     }
     /// What the coat leaves of light that goes in and out through it. What comes up from the base meets the coat from
     /// within, which sends a part of it down again, and so on: OpenPBR's darkening. A base that scatters sends more of
@@ -270,6 +295,12 @@ private:
             const BsdfEval beyond = passed(v, wo, wi);
             r.f_cos = select(above, r.f_cos, beyond.f_cos);
             r.pdf = select(above, r.pdf, beyond.pdf);
+            if (l_.has(LayersRecord::with_subsurface)) {
+                // From within all gets out, whatever the direction.
+                const Float out = max(-wi.z, Float(0)) * Float(inv_pi);
+                r.f_cos = select(l_.in_subsurface, Spectrum(out), r.f_cos);
+                r.pdf = select(l_.in_subsurface, out, r.pdf);
+            }
         } else {
             r.f_cos = select(above, r.f_cos, Spectrum(Float(0)));
             r.pdf = select(above, r.pdf, Float(0));
@@ -293,7 +324,7 @@ private:
         }
         const Float sheen_left = under_sheen(v, wi);
         Float share = v.boundary_left;
-        if constexpr (passes) share = share * (Float(1) - l_.transmission) * (Float(1) - l_.diffuse_transmission);
+        if constexpr (passes) share = share * diffuse_share_ * (Float(1) - l_.diffuse_transmission);
         const Float lambert = share * cosine;
         BsdfEval r;
         for (int k = 0; k < channels; ++k) {
@@ -335,7 +366,7 @@ private:
         const Float f = select(valid, d * ggx_.g2(o, i) * gain * l_.transmission, Float(0));
         const Float pdf = select(valid, d * ggx_.g1(o) * select(thin_, Float(0.25f), jacobian), Float(0));
         const Float cosine = max(-wi.z, Float(0)) * Float(inv_pi);
-        const Float diffuse = v.boundary_left * (Float(1) - l_.transmission) * l_.diffuse_transmission * cosine;
+        const Float diffuse = v.boundary_left * diffuse_share_ * l_.diffuse_transmission * cosine;
         const Float body = (Float(1) - metallic_) * under_sheen(v, wi);
         BsdfEval r;
         for (int k = 0; k < channels; ++k) {
@@ -354,7 +385,7 @@ private:
     AnisotropicGgx ggx_;
     // Of closures that pass light:
     Spectrum tint_;
-    Float eta_{1};
+    Float eta_{1}, diffuse_share_{1}, below_share_{0};
     Mask refracts_{false}, solid_{false}, within_{false};
 };
 

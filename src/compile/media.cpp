@@ -1,0 +1,70 @@
+#include "compile/media.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "compile/layers.h"
+#include "fathom/error.h"
+#include "scene/scattering.h"
+
+namespace fathom {
+
+namespace {
+
+/// Mean free paths of subsurfaces are at least so long, in units of render space, where a scene is some 1000 large:
+/// shorter ones look the same, but floats no longer tell the steps of a path apart.
+constexpr double shortest_free_path = 1.0 / 512;
+
+std::uint32_t number_of(Compiler& c, MediumRecord medium, const Material& m)
+{
+    medium.ior = m.ior;
+    medium.priority = std::uint32_t(std::clamp(m.priority, -1000, 1000) + 1001);
+    std::vector<MediumRecord>& media = c.tables.media;
+    const auto known = std::find(media.begin() + 1, media.end(), medium);
+    if (known == media.end() && media.size() == MediaTables::most_media)
+        throw Error(c.scene.file, "", fmt::format("more than {} different kinds of glass", media.size() - 1));
+    const auto number = std::uint32_t(known - media.begin());
+    if (known == media.end()) media.push_back(medium);
+    return number;
+}
+
+}  // namespace
+
+std::uint32_t volume_medium(Compiler& c, const Material& m)
+{
+    MediumRecord medium;
+    const Rgb color = spectrum(m.attenuation_color), scatter = spectrum(m.transmission_scatter);
+    if (m.attenuation_distance > 0) {
+        const double distance = m.attenuation_distance * c.space.scale;
+        double sigma_a[channels], least = 0;
+        for (std::size_t i = 0; i < channels; ++i) {
+            sigma_a[i] = -std::log(std::max(double(color[i]), 1e-6)) - double(scatter[i]);
+            least = std::min(least, sigma_a[i]);
+        }
+        // Where more is scattered than is lost, as much absorption is added to all channels: so says OpenPBR.
+        for (std::size_t i = 0; i < channels; ++i) {
+            medium.scattering[i] = float(double(scatter[i]) / distance);
+            medium.extinction[i] = float((sigma_a[i] - least + double(scatter[i])) / distance);
+        }
+        if (std::max({scatter[0], scatter[1], scatter[2]}) > 0) medium.anisotropy = m.transmission_scatter_anisotropy;
+    }
+    return number_of(c, medium, m);
+}
+
+std::uint32_t subsurface_medium(Compiler& c, const Material& m)
+{
+    MediumRecord medium;
+    medium.anisotropy = m.subsurface_scatter_anisotropy;
+    const Rgb color = spectrum(m.subsurface_color), scale = spectrum(m.subsurface_radius_scale);
+    for (std::size_t i = 0; i < channels; ++i) {
+        const double free_path = m.subsurface_radius * double(scale[i]) * c.space.scale;
+        medium.extinction[i] = float(1 / std::max(free_path, shortest_free_path));
+        medium.scattering[i] =
+            float(double(medium.extinction[i]) * single_scattering_albedo(double(color[i]), double(medium.anisotropy)));
+    }
+    return number_of(c, medium, m);
+}
+
+}  // namespace fathom

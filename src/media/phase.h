@@ -1,0 +1,21 @@
+#pragma once
+#include "sampling/warp.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// Direction about +z, which is the way on, with the density of Henyey and Greenstein 1941, (1 - g^2) / (4 pi (1 + g^2
+/// - 2 g cos)^1.5). anisotropy: g, the mean cosine, in [-0.99, 0.99].
+///
+/// Its inverse, cos = (1 + g^2 - ((1 - g^2) / (1 + g x))^2) / 2g with x in [-1, 1], divided by g: else small ones would
+/// leave nothing but rounding.
+inline Vec3 sample_phase(Float anisotropy, Sample2 u)
+{
+    const Float g = anisotropy, g2 = g * g, x = fma(u.x, Float(2), Float(-1)), root = fma(g, x, Float(1));
+    const Float above = fma(x, Float(2) * (Float(1) + g2), g * (Float(3) - g2 + x * x * (Float(1) + g2)));
+    const Float cosine = clamp(above / (Float(2) * root * root), Float(-1), Float(1));
+    const Float sine = sqrt(max(fma(-cosine, cosine, Float(1)), Float(0)));
+    const SinCos phi = sincos_2pi(u.y);
+    return {sine * phi.cos, sine * phi.sin, cosine};
+}
+
+}  // namespace fathom::inline FATHOM_LANES

@@ -1,0 +1,215 @@
+#include "picture_helpers.h"
+
+// Solids that scatter light within: against Chandrasekhar's half-space, the law of Beer, and what loses nothing.
+namespace fathom {
+namespace {
+
+using namespace test;
+
+Environment white_sky()
+{
+    Environment e;
+    e.kind = EnvironmentKind::constant;
+    return e;
+}
+
+/// All of its light goes into the solid: nothing is reflected by its boundary.
+Material subsurface(Color color, double radius, float anisotropy = 0)
+{
+    Material m;
+    m.kind = MaterialKind::principled;
+    m.specular.value = 0;
+    m.subsurface.value = 1;
+    m.subsurface_color = color;
+    m.subsurface_radius = radius;
+    m.subsurface_scatter_anisotropy = anisotropy;
+    return m;
+}
+
+/// A medium with the refractive index of empty space, of extinction 1 per metre.
+Material cloud(Color albedo, float anisotropy = 0)
+{
+    const float left = std::exp(-1.0f);
+    Material m;
+    m.kind = MaterialKind::glass;
+    m.ior = 1;
+    m.attenuation_color = {left, left, left};
+    m.attenuation_distance = 1;
+    m.transmission_scatter = albedo;
+    m.transmission_scatter_anisotropy = anisotropy;
+    return m;
+}
+
+/// Chandrasekhar's H of isotropic scattering, by iterating 1 / H(mu) = sqrt(1 - a) + a / 2 int H(x) x / (mu + x) dx.
+class HFunction {
+public:
+    explicit HFunction(double albedo) : albedo_(albedo), h_(steps, 1.0)
+    {
+        for (int round = 0; round < 500; ++round) {
+            std::vector<double> next;
+            for (int i = 0; i < steps; ++i) next.push_back((h_[std::size_t(i)] + at(middle(i))) / 2);
+            h_ = next;
+        }
+    }
+    double at(double mu) const
+    {
+        double integral = 0;
+        for (int i = 0; i < steps; ++i) integral += h_[std::size_t(i)] * middle(i) / (mu + middle(i)) / steps;
+        return 1 / (std::sqrt(1 - albedo_) + albedo_ / 2 * integral);
+    }
+    /// Share of light from the direction that a half-space gives back.
+    double plane_albedo(double mu) const { return 1 - at(mu) * std::sqrt(1 - albedo_); }
+    /// The same of light from everywhere.
+    double spherical_albedo() const
+    {
+        double sum = 0;
+        for (int i = 0; i < steps; ++i) sum += 2 * middle(i) * plane_albedo(middle(i)) / steps;
+        return sum;
+    }
+
+private:
+    static constexpr int steps = 200;
+    static double middle(int i) { return (i + 0.5) / steps; }
+
+    double albedo_;
+    std::vector<double> h_;
+};
+
+/// Radiance under a white sky of the middle of a solid's face that is far from all of its other faces.
+Mean face_of(const Material& m, double degrees, std::uint64_t samples = 1024)
+{
+    SceneBuilder b;
+    b.add(Box{{-200, -200, -200}, {200, 200, 0}}, b.material(m));
+    b.scene.environment = white_sky();
+    const double a = degrees * std::numbers::pi / 180;
+    b.camera(Vec3d{std::sin(a), 0, std::cos(a)} * 20, {0, 0, 0}, 0.01);
+    return mean_of(render_film(b.scene, small_picture(16, 16), samples));
+}
+
+TEST(Subsurface, HalfSpaceHasChandrasekharsAlbedo)
+{
+    const Color albedo{0.3f, 0.8f, 0.97f};
+    const double channel[] = {0.3, 0.8, 0.97};
+    for (double degrees : {0.0, 60.0, 80.0}) {
+        const Mean m = face_of(cloud(albedo), degrees);
+        for (int c = 0; c < 3; ++c) {
+            const double expected = HFunction(channel[c]).plane_albedo(std::cos(degrees * std::numbers::pi / 180));
+            EXPECT_NEAR(m.value[c], expected, 4 * m.error[c] + 1e-3) << degrees << " degrees, channel " << c;
+        }
+    }
+}
+
+/// Under a Lambertian boundary the half-space shows its spherical albedo, which shall be the colour.
+TEST(Subsurface, ColourIsWhatAHalfSpaceShows)
+{
+    const double color[] = {0.15, 0.5, 0.85};
+    const Mean m = face_of(subsurface({0.15f, 0.5f, 0.85f}, 0.5), 40);
+    for (int c = 0; c < 3; ++c) {
+        // Van de Hulst's approximation, solved by bisection.
+        double s = 0, above = 1;
+        for (int i = 0; i < 60; ++i) {
+            const double middle = (s + above) / 2;
+            const bool is_brighter = (1 - middle) * (1 - 0.139 * middle) / (1 + 1.17 * middle) > color[c];
+            (is_brighter ? s : above) = middle;
+        }
+        EXPECT_NEAR(m.value[c], HFunction(1 - s * s).spherical_albedo(), 4 * m.error[c] + 1e-3) << c;
+        EXPECT_NEAR(m.value[c], color[c], 4 * m.error[c] + 0.02 * color[c]) << c;
+    }
+    for (float g : {-0.5f, 0.7f}) {
+        const Mean turned = face_of(subsurface({0.15f, 0.5f, 0.85f}, 0.5, g), 0);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(turned.value[c], color[c], 4 * turned.error[c] + 0.06 * color[c]) << g << " " << c;
+    }
+}
+
+/// What loses nothing is invisible under a white sky, whatever lies in it and whatever its boundary reflects.
+TEST(Subsurface, WhiteSolidsAreInvisible)
+{
+    const auto expect_invisible = [](const Material& m, bool with_glass, double tolerance) {
+        SceneBuilder b;
+        b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(m));
+        Material glass;
+        glass.kind = MaterialKind::glass;
+        if (with_glass) b.add(Sphere{{0.2, 0.1, 0.5}, 0.3, {}}, b.material(glass));
+        b.scene.environment = white_sky();
+        b.camera({0, 0, 2.2}, {0, 0, 0}, 30);
+        expect_mean(render_film(b.scene, small_picture(), 64), 1, tolerance);
+    };
+    for (float g : {-0.8f, 0.0f, 0.9f}) {
+        Material m = subsurface({1, 1, 1}, 0.1, g);
+        expect_invisible(m, false, 1e-3);
+        expect_invisible(m, true, 1e-3);
+        m.specular.value = 1, m.roughness.value = 0.3f;
+        expect_invisible(m, false, 5e-3);
+        m.subsurface.value = 0.5f, m.base_color.value = {1, 1, 1};
+        expect_invisible(m, false, 5e-3);
+        expect_invisible(cloud({1, 1, 1}, g), false, 1e-3);
+        m = cloud({1, 1, 1}, g);
+        m.ior = 1.4f;
+        expect_invisible(m, true, 1e-3);
+    }
+    // Refracted into one medium, and by the subsurface into another.
+    Material both = subsurface({1, 1, 1}, 0.05);
+    both.transmission.value = 0.5f;
+    both.specular.value = 1;
+    expect_invisible(both, false, 5e-3);
+}
+
+/// A lamp so small that next to nothing of what is scattered comes from it is seen by the law of Beer, channel by
+/// channel, however much they differ.
+TEST(Subsurface, UnscatteredLightFollowsTheLawOfBeer)
+{
+    const double left[] = {0.9, 0.2, 0.003};
+    SceneBuilder b;
+    Material m = cloud({0.1f, 1.0f, 3.0f});
+    m.attenuation_color = {0.9f, 0.2f, 0.003f};
+    m.attenuation_distance = 2;
+    b.add(Box{{-50, -50, -2}, {50, 50, 0}}, b.material(m));
+    Material lamp;
+    lamp.kind = MaterialKind::none;
+    lamp.emission.value = {1, 1, 1};
+    b.add(Sphere{{0, 0, -40}, 0.02, {}}, b.material(lamp));
+    b.camera({0, 0, 10}, {0, 0, 0}, 0.02);
+    const Mean mean = mean_of(render_film(b.scene, small_picture(16, 16), 2048));
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(mean.value[c], left[c], 4 * mean.error[c] + 1e-5) << c;
+        EXPECT_LT(mean.error[c], 0.02 * left[c]) << c;
+    }
+}
+
+/// Lights that are sampled where light comes out bring as much as those that are found by chance.
+TEST(Subsurface, LightSamplingFindsTheSame)
+{
+    Mean mean[2];
+    for (const bool sampled : {false, true}) {
+        SceneBuilder b;
+        b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(subsurface({0.9f, 0.7f, 0.5f}, 0.3)));
+        b.add(Sphere{{2.5, 1, 0}, 1, {}}, b.diffuse(0, {3, 3, 3}));
+        b.camera({0, 0, 4}, {0, 0, 0}, 20);
+        RenderSettings settings = small_picture();
+        settings.light_sampling = sampled;
+        mean[sampled] = mean_of(render_film(b.scene, settings, sampled ? 128 : 512));
+    }
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(mean[1].value[c], mean[0].value[c], 4 * std::hypot(mean[0].error[c], mean[1].error[c])) << c;
+}
+
+/// Steps of the walk are no bounces: in and out are two, and with fewer nothing comes out.
+TEST(Subsurface, OnlySurfacesCountForTheDepth)
+{
+    const auto radiance = [](int depth) {
+        SceneBuilder b;
+        b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(subsurface({1, 1, 1}, 0.1)));
+        b.scene.environment = white_sky();
+        b.camera({0, 0, 5}, {0, 0, 0}, 5);
+        RenderSettings settings = small_picture();
+        settings.max_depth = depth;
+        return mean_of(render_film(b.scene, settings, 32));
+    };
+    EXPECT_EQ(radiance(1).value[0], 0);
+    const Mean all = radiance(2);
+    EXPECT_NEAR(all.value[0], 1, 4 * all.error[0] + 1e-3);
+}
+
+}  // namespace
+}  // namespace fathom
