@@ -176,8 +176,8 @@ TEST(LayerForms, CoatHasItsOwnNormal)
         EXPECT_NEAR(c.g, f, 2e-3 * f) << "base bent: " << base_is_bent;
     }
 }
-/// What a surface shows whose facets are drawn out along the direction at this angle to its tangent. mapped: how much of
-/// the angle a map says; n: the normal, by a map.
+/// What a surface shows whose facets are drawn out along the direction at this angle to its tangent. mapped: how much
+/// of the angle a map says; n: the normal, by a map.
 void expect_drawn_out(double angle, double mapped, Vec3d n)
 {
     const Shown shown;

@@ -194,6 +194,20 @@ TEST(Subsurface, LightSamplingFindsTheSame)
         EXPECT_NEAR(mean[1].value[c], mean[0].value[c], 4 * std::hypot(mean[0].error[c], mean[1].error[c])) << c;
 }
 
+/// Of a material that refracts half of the light and scatters the other half, each half comes to its own medium: what
+/// is refracted passes, the other is absorbed.
+TEST(Subsurface, RefractedLightIsInAnotherMedium)
+{
+    Material m = subsurface({0, 0, 0}, 0.01);
+    m.transmission.value = 0.5f;
+    m.ior = 1;
+    SceneBuilder b;
+    b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(m));
+    b.scene.environment = white_sky();
+    b.camera({0, 0, 5}, {0, 0, 0}, 10);
+    expect_mean(render_film(b.scene, small_picture(), 64), 0.5, 0.005);
+}
+
 /// Steps of the walk are no bounces: in and out are two, and with fewer nothing comes out.
 TEST(Subsurface, OnlySurfacesCountForTheDepth)
 {
