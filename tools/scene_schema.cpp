@@ -7,6 +7,7 @@
 #include <string>
 
 #include "export/parameters_json.h"
+#include "scene/conductors.h"
 #include "scene/material_table.h"
 #include "scene/texture_table.h"
 
@@ -87,6 +88,18 @@ Json property(const Parameter<Owner>& p)
     return json;
 }
 
+Json conductor()
+{
+    Json names = Json::array();
+    for (const Conductor& c : conductors()) names.push_back(c.name);
+    const Json index = {{"type", "object"},
+                        {"properties", {{"eta", reference("color")}, {"k", reference("color")}}},
+                        {"required", {"eta", "k"}},
+                        {"additionalProperties", false}};
+    return {{"description", "a metal, by name or by its index of refraction; stands for its colours"},
+            {"oneOf", {{{"enum", names}}, index}}};
+}
+
 template <class Owner, class Kind>
 Json kinds(std::span<const KindName<Kind>> names, std::span<const Parameter<Owner>> parameters, Kind default_kind)
 {
@@ -104,6 +117,9 @@ Json kinds(std::span<const KindName<Kind>> names, std::span<const Parameter<Owne
                                                {"enum", {"nit", "lm/m2", "W/m2/sr", "W/m2"}},
                                                {"default", "nit"}};
         }
+        if constexpr (std::is_same_v<Kind, MaterialKind>)
+            if (name.kind == MaterialKind::metal || name.kind == MaterialKind::principled)
+                properties["conductor"] = conductor();
         properties["comment"] = reference("comment");
         Json kind = {{"type", "object"}, {"description", name.meaning}, {"properties", properties}};
         if (!required.empty()) kind["required"] = required;

@@ -219,7 +219,8 @@ TEST(Sky, ScatteringAgainstAPlainSum)
     // Luminance is mostly of the bands around 555 nm; its spectrum by the eye's curve over wide steps.
     const auto plain_luminance = [&](const Vec3d& d) {
         double sum = 0, weight = 0;
-        for (double wavelength = 465; wavelength < 670; wavelength += 20) {
+        for (int i = 0; i < 11; ++i) {
+            const double wavelength = 465 + 20 * i;
             const double t = (wavelength - 559) / 42, y = std::exp(-0.5 * t * t);
             sum += y * plain(d, wavelength), weight += y;
         }

@@ -118,7 +118,8 @@ TEST_F(FakeLibrary, IsFoundByItsFolder)
     const fs::path package = folder / "lib/python3.11/site-packages/pyoidn/oidn/lib";
     fs::create_directories(package);
     fs::copy_file(FAKE_OIDN, package / "libOpenImageDenoise.so.2");
-    const std::string path = std::getenv("PATH");
+    const char* const paths = std::getenv("PATH");
+    const std::string path = paths ? paths : "";
     setenv("PATH", ((folder / "bin").string() + ":" + path).c_str(), 1);
     const fs::path found = Denoiser(1).file();
     setenv("PATH", path.c_str(), 1);

@@ -54,6 +54,10 @@ INSTANTIATE_TEST_SUITE_P(
              "roughness, ior, attenuation_color, attenuation_distance, transmission_scatter, "
              "transmission_scatter_anisotropy, priority, emission, emission_two_sided, normal_map, normal_scale, "
              "alpha, alpha_mode, alpha_cutoff, single_sided, use_vertex_color, emission_unit"},
+        Case{R"({"materials": {"m": {"kind": "metal", "conductor": "gild"}}})",
+             "/materials/m/conductor: unknown value 'gild'; did you mean 'gold'?"},
+        Case{R"({"materials": {"m": {"kind": "principled", "conductor": "gold", "metallic": 1}}})",
+             "/materials/m/conductor: stands for 'metallic': leave out one of both"},
         Case{R"({"sceen": []})", "/sceen: unknown key 'sceen' in a scene; did you mean 'scene'?"},
         Case{R"({"fathom": 2})", "/fathom: format 2 is not known; this version reads format 1"}));
 

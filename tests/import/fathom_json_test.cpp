@@ -297,6 +297,7 @@ TEST_F(FathomJson, EveryKeyOfShapesLightsAndSurroundings)
     const auto& sphere = std::get<Sphere>(shapes[0]->geometry);
     EXPECT_EQ(sphere.center, (Vec3d{1, 2, 3}));
     EXPECT_EQ(sphere.radius, -4);
+    ASSERT_TRUE(sphere.center_end);
     EXPECT_EQ(*sphere.center_end, (Vec3d{5, 6, 7}));
     const auto& rectangle = std::get<Rectangle>(shapes[1]->geometry);
     EXPECT_EQ(rectangle.corner, (Vec3d{1, 2, 3}));
@@ -354,6 +355,27 @@ TEST_F(FathomJson, UnitsOfLight)
     EXPECT_NEAR(scene.lights[3].angle, 0.5 * pi / 180, 1e-12);
     expect_near(scene.nodes[scene.roots[3]].parent_from_node.vector({0, 0, -1}), {0, -1, 0});
     EXPECT_NEAR(scene.nodes[scene.roots[3]].parent_from_node.determinant(), 1, 1e-12);
+}
+
+/// By name, and by the same index of refraction; `metal` has no colour of its own at the edge.
+TEST_F(FathomJson, Conductors)
+{
+    const SceneDescription scene = load("l.json", R"({"materials": {
+        "a": {"kind": "principled", "conductor": "gold", "roughness": 0.25},
+        "b": {"kind": "principled",
+              "conductor": {"eta": [0.18299, 0.42108, 1.3734], "k": [3.4242, 2.3459, 1.7704]}},
+        "c": {"kind": "metal", "conductor": "gold"}}})");
+    const auto& m = scene.materials;
+    EXPECT_EQ(m[0].metallic.value, 1);
+    EXPECT_EQ(m[0].roughness.value, 0.25f);
+    // ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2)
+    EXPECT_NEAR(m[0].base_color.value.r, 0.9442f, 1e-4f);
+    EXPECT_NEAR(m[0].base_color.value.g, 0.7761f, 1e-4f);
+    EXPECT_NEAR(m[0].base_color.value.b, 0.3734f, 1e-4f);
+    EXPECT_LT(m[0].edge_color.value.r, 1);
+    EXPECT_EQ(m[1].base_color.value, m[0].base_color.value);
+    EXPECT_EQ(m[1].edge_color.value, m[0].edge_color.value);
+    EXPECT_EQ(m[2].base_color.value, m[0].base_color.value);
 }
 
 TEST_F(FathomJson, ModelsAreReadOnceAndTheirMaterialsReplaced)

@@ -102,7 +102,7 @@ TEST(LayerForms, NumbersHaveTextures)
 }
 TEST(LayerForms, ColoursHaveTextures)
 {
-    const std::pair<const char*, ColorInput Material::*> colors[] = {
+    const std::pair<std::string, ColorInput Material::*> colors[] = {
         {"specular_color", &Material::specular_color},
         {"edge_color", &Material::edge_color},
         {"transmission_color", &Material::transmission_color},
@@ -111,9 +111,9 @@ TEST(LayerForms, ColoursHaveTextures)
         {"sheen_color", &Material::sheen_color}};
     for (const auto& [name, member] : colors) {
         Shown shown;
-        const bool is_beyond = std::string(name).find("transmission") != std::string::npos;
+        const bool is_beyond = name.find("transmission") != std::string::npos;
         // Far from the facets' normals, where metal has an edge.
-        if (name == std::string("edge_color"))
+        if (name == "edge_color")
             shown.to_eye = normalize(Vec3d{3, 0, 1}), shown.to_light = normalize(Vec3d{-3, 0.2, 1});
         if (is_beyond) shown.to_light = normalize(Vec3d{-0.4, 0.3, -0.8});
         const auto render = [&](Color times, bool textured) {

@@ -31,7 +31,8 @@ TEST(AnimationValues, SplinesGiveBackCubicPolynomials)
                 c.values.push_back(float(factor * (is_value ? p(t) : slope(t))));
     ASSERT_EQ(problem_of(c), "");
     ASSERT_EQ(components(c), 3u);
-    for (double t = -1; t <= 2; t += 0.1875) {
+    for (int i = 0; i <= 16; ++i) {
+        const double t = -1 + 0.1875 * i;
         const std::vector<double> v = value_at(c, t);
         EXPECT_NEAR(v[0], p(t), 1e-5) << t;
         EXPECT_NEAR(v[1], -2 * p(t), 1e-5) << t;
@@ -68,7 +69,8 @@ TEST(AnimationValues, RotationsTurnSteadily)
     for (const float sign : {1.0f, -1.0f}) {
         const AnimationChannel turning =
             channel(AnimatedValue::rotation, Interpolation::linear, {0, 2}, {0, 0, 0, 1, 0, sign * s, 0, sign * c});
-        for (double t = 0; t <= 2; t += 0.25) {
+        for (int step = 0; step <= 8; ++step) {
+            const double t = 0.25 * step;
             const std::vector<double> q = value_at(turning, t);
             const Transform r = Transform::rotate_quaternion(q[0], q[1], q[2], q[3]);
             const Transform expected = Transform::rotate({0, 1, 0}, angle * t / 2);
@@ -210,7 +212,8 @@ TEST_F(Player, ShuttersSeeThePosesOfTheirTimes)
     EXPECT_EQ(blurred.meshes[0].motion.back().time, open);
     // Of a radius of 2 (and a target's way), in four pieces of an eighth of a right angle's half.
     const double chord = 3 * (1 - std::cos(open * std::numbers::pi / 2 / 8)) + 1e-6;
-    for (double after = 0; after <= open; after += open / 16) {
+    for (int step = 0; step <= 16; ++step) {
+        const double after = open * step / 16;
         set_pose(scene, player.pose(begin + after));
         const Transform t = transform_at(blurred.nodes[1], after), exact = scene.nodes[1].parent_from_node;
         for (std::size_t i = 0; i < 3; ++i)

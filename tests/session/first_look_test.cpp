@@ -63,8 +63,7 @@ TEST_F(FirstLooks, AnEveningSkyIsExposedFor)
     d.environment.to_sun = {-0.5, 0.05, 0.5};
     const LitScene evening = lit(LightChoice::file);
     EXPECT_FALSE(evening.studio);
-    ASSERT_TRUE(evening.exposure_ev);
-    EXPECT_GT(*evening.exposure_ev, 1);
+    EXPECT_GT(evening.exposure_ev.value_or(0), 1);
     d.environment.to_sun = {-0.5, 0.6, 0.5};
     EXPECT_LT(lit(LightChoice::file).exposure_ev.value_or(0), 1);
 }

@@ -5,6 +5,7 @@
 
 #include "import/common/units.h"
 #include "import/fathom/fathom_json_reader.h"
+#include "scene/conductors.h"
 #include "scene/material_table.h"
 #include "scene/texture_table.h"
 #include "scene/words.h"
@@ -233,6 +234,30 @@ void FathomJsonReader::read_emission_unit(JsonObject& o, Material& material)
     value = {float(value.r * nits), float(value.g * nits), float(value.b * nits)};
 }
 
+/// A metal by name or by its index of refraction, which stand for its colours.
+void FathomJsonReader::read_conductor(JsonObject& o, Material& material)
+{
+    const auto v = o.get("conductor");
+    if (!v) return;
+    for (const char* key : {"color", "edge_color", "metallic"})
+        if (o.value().has(key)) v->fail(fmt::format("stands for '{}': leave out one of both", key));
+    Conductor conductor{};
+    if (v->is_string()) {
+        std::vector<std::string> names;
+        for (const Conductor& c : conductors()) names.emplace_back(c.name);
+        conductor = conductors()[JsonObject::find_word(*v, names)];
+    } else {
+        JsonObject index(*v);
+        conductor.eta = index.require("eta").color(), conductor.k = index.require("k").color();
+        index.done();
+    }
+    const ConductorColors colors = colors_of(conductor);
+    material.base_color.value = colors.base;
+    if (material.kind != MaterialKind::principled) return;
+    material.edge_color.value = colors.edge;
+    material.metallic.value = 1;
+}
+
 int FathomJsonReader::material(const JsonValue& v)
 {
     if (v.is_object()) return add_material(v, "");
@@ -252,6 +277,7 @@ int FathomJsonReader::add_material(const JsonValue& v, const std::string& name)
     if (v.has("alpha")) m.alpha_mode = AlphaMode::blend;
     read_parameters(o, material_parameters(), std::uint32_t(m.kind), {}, m);
     if (m.kind != MaterialKind::unlit) read_emission_unit(o, m);
+    if (m.kind == MaterialKind::metal || m.kind == MaterialKind::principled) read_conductor(o, m);
     o.done(fmt::format("in a material of kind '{}'", v.has("kind") ? v["kind"].string() : "diffuse"));
     scene_.materials.push_back(std::move(m));
     return int(scene_.materials.size()) - 1;

@@ -72,6 +72,7 @@ private:
     int material(const JsonValue& v);
     int add_material(const JsonValue& v, const std::string& name);
     void read_emission_unit(JsonObject& o, Material& material);
+    static void read_conductor(JsonObject& o, Material& material);
 
     // fathom_json_light.cpp
     Placed add_light(const JsonValue& v, const std::string& name);
