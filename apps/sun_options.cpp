@@ -102,7 +102,7 @@ void check_sun(const SunOptions& options)
 Vec3d direction_to_sun(const SunOptions& options)
 {
     if (options.direction) return *options.direction;
-    if (!options.place_deg)
+    if (!options.place_deg || !options.julian_day)
         return of_angles(options.elevation_deg.value_or(40) * degree, options.azimuth_deg.value_or(-35) * degree);
     const auto [elevation, azimuth] =
         sun_position(options.place_deg->first, options.place_deg->second, *options.julian_day);

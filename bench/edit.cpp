@@ -77,8 +77,8 @@ int main(int argc, char** argv)
     d.cameras[0].position = {0, 0, 40};
     const int side = std::max(1, int(std::cbrt(objects)));
     const auto place = [&](int i, double off) {
-        const int row = i / side;
-        return Transform::translate({i % side + off, double(row % side), double(row / side)});
+        const int row = i / side, layer = row / side;
+        return Transform::translate({i % side + off, double(row % side), double(layer)});
     };
     for (int i = 0; i < objects; ++i) {
         d.meshes.push_back(ball(triangles, i));
