@@ -283,8 +283,9 @@ void Sky::make_multiple()
             const Vec3d sun{std::abs(std::cos(e)), std::sin(e), 0};
             Orders sum{std::vector<double>(bands), std::vector<double>(bands)};
             for (int k = 0; k < cosines * turns; ++k) {
-                const double y = 2 * (k / turns + 0.5) / cosines - 1;
-                const double phi = 2 * std::numbers::pi * (k % turns + 0.5) / turns;
+                const int row = k / turns, turn = k % turns;
+                const double y = 2 * (row + 0.5) / cosines - 1;
+                const double phi = 2 * std::numbers::pi * (turn + 0.5) / turns;
                 add_second_order(air_height * t * t, sun, std::sqrt(1 - y * y) * std::cos(phi), y, sum);
             }
             for (std::size_t b = 0; b < bands; ++b)
