@@ -5,6 +5,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "seen_from.h"
+
 // Which light models get, and how they are exposed: by scenes whose light is known.
 namespace fathom {
 namespace {
@@ -12,19 +14,11 @@ namespace {
 /// A camera at (0, 0, 6) that looks along -z at what is at the origin.
 class FirstLooks : public ::testing::Test {
 protected:
-    SceneDescription d;
+    SceneDescription d = test::seen_from({0, 0, 6});
     Warnings warnings;
 
     FirstLooks()
     {
-        d.file = "model";
-        d.cameras.emplace_back();
-        d.cameras[0].position = {0, 0, 6};
-        d.cameras[0].look_at = {0, 0, 0};
-        d.nodes.emplace_back();
-        d.nodes[0].camera = 0;
-        d.roots = {0};
-        d.materials.emplace_back();
         d.materials[0].base_color.value = {0.5f, 0.5f, 0.5f};
         d.nodes[0].shapes.push_back({Sphere{{0, 0, 0}, 1.5, {}}, 0, ""});
     }

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "fathom/first_look.h"
+#include "seen_from.h"
 
 // The ground below models: by what a floor shows where nothing is in the way, and where something is.
 namespace fathom {
@@ -14,20 +15,9 @@ constexpr int across = 64;
 /// A model on the plane y = 0, and a camera that looks down at it.
 class GroundTest : public ::testing::Test {
 protected:
-    SceneDescription d;
+    SceneDescription d = test::seen_from({0, 6, 12});
     Warnings warnings;
 
-    GroundTest()
-    {
-        d.file = "model";
-        d.cameras.emplace_back();
-        d.cameras[0].position = {0, 6, 12};
-        d.cameras[0].look_at = {0, 0, 0};
-        d.nodes.emplace_back();
-        d.nodes[0].camera = 0;
-        d.roots = {0};
-        d.materials.emplace_back();
-    }
     void add_sheet() { d.nodes[0].shapes.push_back({Rectangle{{-1, 0, 1}, {2, 0, 0}, {0, 0, -2}}, 0, ""}); }
     void add_box() { d.nodes[0].shapes.push_back({Box{{-1, 0, -1}, {1, 2, 1}}, 0, ""}); }
     void add_lamp(Vec3d place)
