@@ -21,7 +21,7 @@ allowed = {
     "scene": set(),
     "image": {"scene"},
     "denoise": {"scene"},
-    "film": {"scene"},
+    "film": {"scene", "math"},
     "import": {"scene"},
     "export": {"scene", "image", "import"},
     "compile": {"scene", "image", "math", "geometry", "shading", "media", "light", "integrate"},
@@ -31,6 +31,7 @@ allowed = {
 only = {
     ("integrate", "film"): {"film/tile_sums.h", "film/exact_sum.h"},
     ("compile", "integrate"): {"integrate/kernel.h", "integrate/tables.h", "integrate/camera_record.h"},
+    ("film", "math"): {"math/memory.h"},
     ("export", "image"): {"image/output_file.h"},
     ("export", "import"): {"import/common/json.h", "import/common/read_file.h", "import/common/units.h"},
     ("session", "integrate"): {"integrate/kernel.h"},

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include "fathom/error.h"
 #include "film/film_data.h"
@@ -23,8 +24,11 @@ Image::Layer fill(const Film::Data& film, const std::string& name, const std::ve
 {
     Image::Layer l = layer(film, name, channels);
     const std::size_t n = channels.size();
-    for (std::size_t i = 0; i * n < l.pixels.size(); ++i)
-        for (std::size_t c = 0; c < n; ++c) l.pixels[i * n + c] = value(film.pixel(i), int(c));
+    const std::size_t pixels = l.pixels.size() / n;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pixels, 1 << 14), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+            for (std::size_t c = 0; c < n; ++c) l.pixels[i * n + c] = value(film.pixel(i), int(c));
+    });
     return l;
 }
 
@@ -220,7 +224,7 @@ Film::Sums Film::sums() const
     sums.width = data_->width;
     sums.height = data_->height;
     sums.words_per_pixel = data_->layout.words;
-    sums.words = data_->words;
+    sums.words.assign(data_->words.begin(), data_->words.end());
     sums.samples = data_->samples;
     sums.dropped = data_->dropped;
     sums.key = data_->key.text();
@@ -246,7 +250,7 @@ Film Film::from_sums(const Sums& sums)
             throw Error("", "", fmt::format("there is no range of samples {}:{}", range.first, range.second));
         film.data_->add_range(range);
     }
-    film.data_->words = sums.words;
+    film.data_->words.assign(sums.words.begin(), sums.words.end());
     film.data_->dropped = sums.dropped;
     return film;
 }

@@ -6,6 +6,7 @@
 
 #include "fathom/render.h"
 #include "film/tile_sums.h"
+#include "math/memory.h"
 
 namespace fathom {
 
@@ -33,8 +34,9 @@ struct Film::Data {
     std::vector<SampleRange> samples;
     std::uint64_t dropped = 0;
     std::optional<SamplePlace> dropped_sample;
-    std::vector<std::uint32_t> words;       ///< layout.words a pixel
-    std::vector<std::uint32_t> pass_words;  ///< of the pass at work, where it can be cancelled: see render_pass
+    using Words = std::vector<std::uint32_t, LargeAllocator<std::uint32_t>>;
+    Words words;       ///< layout.words a pixel
+    Words pass_words;  ///< of the pass at work, where it can be cancelled: see render_pass
 
     std::uint32_t* pixel(std::size_t index) { return &words[index * std::size_t(layout.words)]; }
     const std::uint32_t* pixel(std::size_t index) const { return &words[index * std::size_t(layout.words)]; }

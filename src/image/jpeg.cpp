@@ -11,6 +11,7 @@
 #include <jerror.h>
 
 #include "fathom/error.h"
+#include "image/codes.h"
 #include "image/formats.h"
 #include "image/tonemap.h"
 
@@ -165,13 +166,11 @@ std::vector<unsigned char> encode_jpeg(const Image& image, const WriteOptions& o
     const DisplayMap map(options.display);
     const Image::Layer& layer = image.layers[0];
     const DisplayChannels channels = display_channels(layer);
-    const std::size_t pixels = std::size_t(image.width) * std::size_t(image.height), stride = layer.channels.size();
-    std::vector<unsigned char> codes(pixels * 3);
-    for (std::size_t i = 0; i < pixels; ++i) {
-        const float* pixel = layer.pixels.data() + i * stride;
+    std::vector<unsigned char> codes(std::size_t(image.width) * std::size_t(image.height) * 3);
+    fill_codes(layer, 3, codes.data(), [&](const float* pixel, unsigned char* code) {
         const auto rgb = map.codes8({pixel[channels.r], pixel[channels.g], pixel[channels.b]});
-        std::copy(rgb.begin(), rgb.end(), &codes[3 * i]);
-    }
+        std::copy(rgb.begin(), rgb.end(), code);
+    });
     Compressor c;
     if (!write_rows(c, image, options.jpeg_quality, codes.data()))
         throw Error("", "", fmt::format("can't encode JPEG: {}", c.manager.message));

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "fathom/error.h"
+#include "image/codes.h"
 #include "image/formats.h"
 #include "image/tonemap.h"
 
@@ -136,20 +137,17 @@ bool write_rows(Writer& writer, std::vector<unsigned char>& encoded, const Image
 
 /// Codes of the first layer, R G B or R G B A, 16 bits in this machine's order.
 template <class Code, class Light, class Unit>
-void fill_codes(const Image& image, bool alpha, Code* codes, Light light, Unit unit)
+void fill_straight(const Image::Layer& layer, bool alpha, Code* codes, Light light, Unit unit)
 {
-    const Image::Layer& layer = image.layers[0];
     const DisplayChannels channels = display_channels(layer);
-    const std::size_t pixels = std::size_t(image.width) * std::size_t(image.height), stride = layer.channels.size();
-    for (std::size_t i = 0; i < pixels; ++i) {
-        const float* pixel = layer.pixels.data() + i * stride;
+    fill_codes(layer, alpha ? 4 : 3, codes, [&](const float* pixel, Code* code) {
         const float a = alpha ? pixel[channels.a] : 1;
         const float straight = a > 0 ? 1 / a : 0;
-        for (const Code code :
-             light({pixel[channels.r] * straight, pixel[channels.g] * straight, pixel[channels.b] * straight}))
-            *codes++ = code;
-        if (alpha) *codes++ = unit(a);
-    }
+        const auto rgb =
+            light({pixel[channels.r] * straight, pixel[channels.g] * straight, pixel[channels.b] * straight});
+        std::copy(rgb.begin(), rgb.end(), code);
+        if (alpha) code[3] = unit(a);
+    });
 }
 
 }  // namespace
@@ -197,9 +195,9 @@ std::vector<unsigned char> encode_png(const Image& image, const WriteOptions& op
     std::vector<std::uint16_t> codes((row_bytes * height + 1) / 2);
     auto* bytes = reinterpret_cast<unsigned char*>(codes.data());
     if (wide)
-        fill_codes(image, alpha, codes.data(), [&](const Color& c) { return map.codes16(c); }, unit16);
+        fill_straight(image.layers[0], alpha, codes.data(), [&](const Color& c) { return map.codes16(c); }, unit16);
     else
-        fill_codes(image, alpha, bytes, [&](const Color& c) { return map.codes8(c); }, unit8);
+        fill_straight(image.layers[0], alpha, bytes, [&](const Color& c) { return map.codes8(c); }, unit8);
     std::vector<png_bytep> rows(height);
     for (std::size_t y = 0; y < height; ++y) rows[y] = bytes + y * row_bytes;
 

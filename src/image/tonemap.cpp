@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "image/codes.h"
 #include "image/formats.h"
 #include "image/tone_curves.h"
 
@@ -131,22 +132,19 @@ std::vector<unsigned char> to_display(const Image::Layer& layer, int width, int 
 {
     const DisplayMap map(display);
     const DisplayChannels channels = display_channels(layer);
-    const std::size_t pixels = std::size_t(width) * std::size_t(height), stride = layer.channels.size();
-    std::vector<unsigned char> codes(pixels * 4);
-    for (std::size_t i = 0; i < pixels; ++i) {
-        const float* pixel = layer.pixels.data() + i * stride;
+    std::vector<unsigned char> codes(std::size_t(width) * std::size_t(height) * 4);
+    fill_codes(layer, 4, codes.data(), [&](const float* pixel, unsigned char* code) {
         float straight = 1;
-        unsigned char alpha = 255;
+        code[3] = 255;
         if (channels.a >= 0) {
             const float a = pixel[channels.a];
-            alpha = unit8(a);
+            code[3] = unit8(a);
             straight = a > 0 ? 1 / a : 0;
         }
         const auto rgb =
             map.codes8({pixel[channels.r] * straight, pixel[channels.g] * straight, pixel[channels.b] * straight});
-        std::copy(rgb.begin(), rgb.end(), &codes[i * 4]);
-        codes[i * 4 + 3] = alpha;
-    }
+        std::copy(rgb.begin(), rgb.end(), code);
+    });
     return codes;
 }
 

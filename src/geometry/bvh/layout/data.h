@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "geometry/bvh/bvh.h"
-#include "geometry/bvh/layout/memory.h"
 #include "geometry/records.h"
+#include "math/memory.h"
 
 namespace fathom {
 

@@ -12,7 +12,7 @@
 namespace fathom {
 
 /// Memory on large pages where the system has them: a tree of hundreds of megabytes is read all over, and each small
-/// page costs a look-up. To be freed by std::free.
+/// page costs a look-up; the sums of a film are touched for the first time all at once. To be freed by std::free.
 inline void* allocate_large(std::size_t bytes)
 {
     constexpr std::size_t large_page = std::size_t(2) << 20;
