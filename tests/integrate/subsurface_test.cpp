@@ -194,6 +194,25 @@ TEST(Subsurface, LightSamplingFindsTheSame)
         EXPECT_NEAR(mean[1].value[c], mean[0].value[c], 4 * std::hypot(mean[0].error[c], mean[1].error[c])) << c;
 }
 
+/// A lamp within a solid can't be sampled from where the walk scatters: what runs into it brings all of its light.
+TEST(Subsurface, LampsWithinAreFoundByScattering)
+{
+    Mean mean[2];
+    for (const bool sampled : {false, true}) {
+        SceneBuilder b;
+        b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(cloud({0.9f, 0.7f, 0.3f})));
+        b.add(Sphere{{0, 0, -0.3}, 0.4, {}}, b.diffuse(0, {3, 3, 3}));
+        b.camera({0, 4, 0}, {0, 0.7, 0}, 10);
+        RenderSettings settings = small_picture();
+        settings.light_sampling = sampled;
+        mean[sampled] = mean_of(render_film(b.scene, settings, 256));
+    }
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(mean[1].value[c], mean[0].value[c], 4 * std::hypot(mean[0].error[c], mean[1].error[c])) << c;
+        EXPECT_GT(mean[1].value[c], 50 * mean[1].error[c]) << c;
+    }
+}
+
 /// Of a material that refracts half of the light and scatters the other half, each half comes to its own medium: what
 /// is refracted passes, the other is absorbed.
 TEST(Subsurface, RefractedLightIsInAnotherMedium)
