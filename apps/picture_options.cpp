@@ -35,11 +35,13 @@ Tonemap tonemap_for(const PictureOptions& options, const RenderHints& hints)
 
 void add_display_options(Command& command, PictureOptions& options)
 {
-    command.add_value("--exposure", "STOPS", "brighter (+) or darker (-) PNG, JPEG, WebP and window, in powers of two",
+    command.add_value("--exposure", "STOPS",
+                      "brighter (+) or darker (-) PNG, JPEG, WebP, AVIF and window, in powers of two",
                       [&](const std::string& text) { options.exposure_ev = parse_number(text, -100, 100); });
     command.add_value(
         "--tonemap", "NAME",
-        "for PNG, JPEG, WebP and window: khronos-neutral (default) keeps the colours of surfaces, agx and aces are "
+        "for PNG, JPEG, WebP, AVIF and window: khronos-neutral (default) keeps the colours of surfaces, agx and aces "
+        "are "
         "like "
         "film, filmic is a simple curve, srgb shows radiance up to 1 as it is, so that pictures can be compared",
         [&](const std::string& text) { options.tonemap = Tonemap(parse_word(text, tonemap_words)); });
@@ -48,19 +50,21 @@ void add_display_options(Command& command, PictureOptions& options)
 void add_picture_options(Command& command, PictureOptions& options)
 {
     command.add_files("-o,--output", options.outputs,
-                      "file to write: .exr, .png, .jpg, .webp or .hdr; may be given several times");
+                      "file to write: .exr, .png, .jpg, .webp, .avif or .hdr; may be given several times");
     add_display_options(command, options);
     command.add_value("--png-bits", "8|16", "bits per channel of PNG (default 8)",
                       [&](const std::string& text) { options.png_bits = parse_word(text, {"8", "16"}) ? 16 : 8; });
-    command.add_value("--quality", "1..100", "of JPEG (default 95) and WebP (default: without loss)",
+    command.add_value("--quality", "1..100",
+                      "of JPEG and AVIF (default 95; 100 is AVIF without loss), and of WebP (default: without loss)",
                       [&](const std::string& text) { options.quality = int(parse_integer(text, 1, 100)); });
-    command.add_flag_or_word(
-        "--denoise",
-        "take the noise away by Open Image Denoise (`pip install pyoidn`): of PNG, JPEG, WebP and HDR; EXR keeps the "
-        "picture as it is and gets a layer `denoised`. `--denoise auto`: only if it is there",
-        [&](const std::string& text) {
-            options.denoise = parse_word(text, {"true", "auto"}) == 1 ? Denoising::automatic : Denoising::on;
-        });
+    command.add_flag_or_word("--denoise",
+                             "take the noise away by Open Image Denoise (`pip install pyoidn`): of PNG, JPEG, WebP, "
+                             "AVIF and HDR; EXR keeps the "
+                             "picture as it is and gets a layer `denoised`. `--denoise auto`: only if it is there",
+                             [&](const std::string& text) {
+                                 options.denoise =
+                                     parse_word(text, {"true", "auto"}) == 1 ? Denoising::automatic : Denoising::on;
+                             });
     command.add_value("--exr", "half|float", "numbers of EXR (default float)",
                       [&](const std::string& text) { options.exr_half = parse_word(text, {"half", "float"}) == 0; });
 }
@@ -77,7 +81,7 @@ WriteOptions write_options(const PictureOptions& options, const RenderHints& hin
     write.png_bits = options.png_bits;
     write.exr_half = options.exr_half;
     write.display.tonemap = tonemap_for(options, hints);
-    if (options.quality) write.jpeg_quality = *options.quality;
+    if (options.quality) write.jpeg_quality = write.avif_quality = *options.quality;
     write.webp_quality = options.quality;
     return write;
 }

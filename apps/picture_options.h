@@ -22,7 +22,7 @@ struct PictureOptions {
     std::optional<double> exposure_ev;
     std::optional<Tonemap> tonemap;
     int png_bits = 8;
-    std::optional<int> quality;  ///< of JPEG and WebP
+    std::optional<int> quality;  ///< of JPEG, WebP and AVIF
     bool exr_half = false;
     Denoising denoise = Denoising::off;
 };

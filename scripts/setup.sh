@@ -7,7 +7,7 @@
 packages_to_build=(
     clang-19 cmake ninja-build pkg-config ccache
     libtbb-dev libfmt-dev libcli11-dev nlohmann-json3-dev
-    libopenexr-dev libpng-dev libjpeg-dev libwebp-dev libstb-dev
+    libopenexr-dev libpng-dev libjpeg-dev libwebp-dev libavif-dev libstb-dev
     libassimp-dev libsfml-dev libdraco-dev libmeshoptimizer-dev
 )
 packages_to_test=(

@@ -48,7 +48,7 @@ enum class Tonemap {
 /// What options and scene files call them.
 inline constexpr const char* tonemap_names[] = {"srgb", "filmic", "agx", "khronos-neutral", "aces"};
 
-/// How linear radiance becomes the values of PNG, JPEG and WebP.
+/// How linear radiance becomes the values of PNG, JPEG, WebP and AVIF.
 struct DisplayTransform {
     double exposure_ev = 0;
     Tonemap tonemap = Tonemap::srgb;
@@ -60,15 +60,16 @@ struct WriteOptions {
     bool exr_half = false;  ///< half for the layers of colours that fit; ids, distances and variances stay float
     int jpeg_quality = 95;
     std::optional<int> webp_quality = {};  ///< 1 to 100; none: lossless
+    int avif_quality = 95;                 ///< 1 to 100, which is lossless
 };
 
 /// Throws Error, before anything is rendered, if the extension names no format that can be written, if the format can't
 /// hold a picture of this size (where one is given), or if no file can be made in that folder.
 FATHOM_API void check_output(const std::filesystem::path& file, int width = 0, int height = 0);
 
-/// Writes EXR (everything), PNG, JPEG, WebP or HDR (first layer) by extension: beside its place, then renamed into it.
-/// Throws Error; an earlier file then still stands. Colours with A are premultiplied in `image` and in EXR, straight in
-/// PNG and WebP, over black in JPEG and HDR.
+/// Writes EXR (everything), PNG, JPEG, WebP, AVIF or HDR (first layer) by extension: beside its place, then renamed
+/// into it. Throws Error; an earlier file then still stands. Colours with A are premultiplied in `image` and in EXR,
+/// straight in PNG, WebP and AVIF, over black in JPEG and HDR.
 FATHOM_API void write_image(const std::filesystem::path& file, const Image& image, const WriteOptions& options);
 
 /// 8-bit sRGB RGBA of the layer, straight alpha, for windows: R, G, B by name, else the first three channels, else the
@@ -76,10 +77,10 @@ FATHOM_API void write_image(const std::filesystem::path& file, const Image& imag
 FATHOM_API std::vector<unsigned char> to_display(const Image::Layer& layer, int width, int height,
                                                  const DisplayTransform& display);
 
-/// Reads EXR, PNG, JPEG, WebP, HDR and what stb_image knows, told by content; 8- and 16-bit values become 0 to 1 and
-/// stay encoded as they are. Layers have the channels R G B A, R G B, Y A or Y (grey); those of EXR whatever the file
-/// has. Throws Error if the file is missing, damaged, cut short, or larger than the memory at hand or the limit, which
-/// is for those who read several at once.
+/// Reads EXR, PNG, JPEG, WebP, AVIF, HDR and what stb_image knows, told by content; 8- to 16-bit values become 0 to 1
+/// and stay encoded as they are. Layers have the channels R G B A, R G B, Y A or Y (grey); those of EXR whatever the
+/// file has. Throws Error if the file is missing, damaged, cut short, or larger than the memory at hand or the limit,
+/// which is for those who read several at once.
 FATHOM_API Image read_image(const std::filesystem::path& file, std::uint64_t memory_limit = ~std::uint64_t(0));
 /// The same for a file in memory; `name` is for messages.
 FATHOM_API Image read_image(const std::string& name, const void* bytes, std::size_t size,

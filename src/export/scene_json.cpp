@@ -60,6 +60,7 @@ std::string extension_of(const ImageFile& image)
                                            {"#?"sv, ".hdr"},
                                            {"\x76\x2f\x31\x01"sv, ".exr"}})
         if (bytes.starts_with(begin)) return extension;
+    if (bytes.substr(std::min<std::size_t>(bytes.size(), 4)).starts_with("ftypavi")) return ".avif";
     return std::filesystem::path(image.name).extension().string();
 }
 

@@ -23,6 +23,10 @@ Image read_exr(const EncodedImage& file);
 Picture read_png(const EncodedImage& file);
 Picture read_jpeg(const EncodedImage& file);
 ByteImage read_webp(const EncodedImage& file);
+/// Whether the file says that it is AVIF: its first bytes are those of a whole family of formats.
+bool is_avif(const EncodedImage& file);
+/// The first picture of the file, turned and cut as it says.
+Picture read_avif(const EncodedImage& file);
 Image read_hdr(const EncodedImage& file);
 /// A picture packed by Basis Universal, as ETC1S or UASTC: its largest level.
 ByteImage read_ktx2(const EncodedImage& file);
@@ -33,6 +37,7 @@ void write_exr(OutputFile& file, const Image& image, const WriteOptions& options
 std::vector<unsigned char> encode_png(const Image& image, const WriteOptions& options);
 std::vector<unsigned char> encode_jpeg(const Image& image, const WriteOptions& options);
 std::vector<unsigned char> encode_webp(const Image& image, const WriteOptions& options);
+std::vector<unsigned char> encode_avif(const Image& image, const WriteOptions& options);
 std::vector<unsigned char> encode_hdr(const Image& image);
 
 /// Throws Error if the size is none, or if `bytes_per_pixel` times it is more than there is or the limit.

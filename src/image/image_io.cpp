@@ -9,6 +9,7 @@
 #include "fathom/error.h"
 #include "fathom/image.h"
 #include "fathom/memory.h"
+#include "image/avif_library.h"
 #include "image/formats.h"
 #include "image/output_file.h"
 
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-enum class Format { exr, png, jpeg, webp, hdr };
+enum class Format { exr, png, jpeg, webp, avif, hdr };
 
 Format output_format(const fs::path& file)
 {
@@ -28,9 +29,10 @@ Format output_format(const fs::path& file)
     if (extension == ".png") return Format::png;
     if (extension == ".jpg" || extension == ".jpeg") return Format::jpeg;
     if (extension == ".webp") return Format::webp;
+    if (extension == ".avif") return Format::avif;
     if (extension == ".hdr") return Format::hdr;
     throw Error(file.string(), "",
-                fmt::format("can't write {}: the formats are .exr, .png, .jpg, .webp and .hdr",
+                fmt::format("can't write {}: the formats are .exr, .png, .jpg, .webp, .avif and .hdr",
                             extension.empty() ? "a picture without an extension" : "'" + extension + "'"));
 }
 
@@ -42,6 +44,8 @@ int largest_side(Format format)
             return 65500;
         case Format::webp:
             return 16383;
+        case Format::avif:
+            return 16384;  // more pixels than its square are not read by libavif
         case Format::png:
             return 1000000;
         default:
@@ -85,6 +89,7 @@ Picture decode(const EncodedImage& file)
     if (begins_with(file, "\x89PNG", 4)) return read_png(file);
     if (begins_with(file, "\xff\xd8\xff", 3)) return read_jpeg(file);
     if (begins_with(file, "RIFF", 4) && begins_with(file, "WEBP", 4, 8)) return read_webp(file);
+    if (begins_with(file, "ftyp", 4, 4) && is_avif(file)) return read_avif(file);
     if (begins_with(file, "#?", 2)) return read_hdr(file);
     if (begins_with(file, "\xabKTX 20\xbb", 8)) return read_ktx2(file);
     return read_stb(file);
@@ -140,7 +145,9 @@ Image make_image(int width, int height, int channels)
 
 void check_output(const fs::path& file, int width, int height)
 {
-    check_format_size(file, output_format(file), width, height);
+    const Format format = output_format(file);
+    check_format_size(file, format, width, height);
+    if (format == Format::avif) avif_library();
     // Trying is the only sure way to know: rights, read-only file systems and quotas all have their say.
     OutputFile attempt(file);
 }
@@ -164,6 +171,9 @@ void write_image(const fs::path& file, const Image& image, const WriteOptions& o
                 break;
             case Format::webp:
                 output.write(encode_webp(image, options));
+                break;
+            case Format::avif:
+                output.write(encode_avif(image, options));
                 break;
             case Format::hdr:
                 output.write(encode_hdr(image));

@@ -126,7 +126,7 @@ Image read_stb(const EncodedImage& file)
     Feed info(file);
     if (!stbi_info_from_callbacks(&callbacks, &info, &width, &height, &channels))
         throw Error(file.name, "",
-                    "this is not a picture in a format that can be read (EXR, PNG, JPEG, WebP, HDR, BMP, "
+                    "this is not a picture in a format that can be read (EXR, PNG, JPEG, WebP, AVIF, HDR, BMP, "
                     "TGA, GIF, PSD, PNM)");
     // Twice over: stb_image makes copies while it converts.
     check_size(file, std::uint64_t(width), std::uint64_t(height), std::uint64_t(channels) * 2 * sizeof(float));

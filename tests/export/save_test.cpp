@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <set>
 #include <tuple>
@@ -288,6 +289,28 @@ TEST_F(Save, PicturesInAndOutsideOfTheScene)
     EXPECT_EQ(again.textures.size(), 2u);
     EXPECT_EQ(bytes_of(again.images[0].path), bytes_of(fs::path(FATHOM_ROOT) / "tests/golden/scenes/bands.png"));
     EXPECT_TRUE(fs::equivalent(again.images[1].path, scene.images[1].path));
+}
+
+TEST_F(Save, PicturesAreNamedAsTheirBytesSay)
+{
+    for (const char* const extension : {".png", ".jpg", ".webp", ".avif", ".hdr", ".exr"}) {
+        Image picture;
+        picture.width = picture.height = 2;
+        picture.layers.push_back({"", {"R", "G", "B"}, std::vector<float>(12, 0.5f)});
+        const fs::path file = folder_ / (std::string("picture") + extension);
+        write_image(file, picture, {});
+        SceneDescription scene;
+        const std::string bytes = bytes_of(file);
+        scene.images.push_back({"inside", {}, {}});
+        scene.images[0].bytes.resize(bytes.size());
+        std::memcpy(scene.images[0].bytes.data(), bytes.data(), bytes.size());
+        scene.textures.resize(1);
+        scene.textures[0].image = 0;
+        scene.materials.resize(1);
+        scene.materials[0].base_color.texture = 0;
+        add_shape(scene, Sphere{{0, 0, -3}, 1, {}}, 0);
+        EXPECT_EQ(saved(scene).images.at(0).path.extension(), extension);
+    }
 }
 
 /// Parameters that a kind doesn't have decide nothing, here as in a file.

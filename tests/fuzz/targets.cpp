@@ -308,7 +308,7 @@ std::vector<std::string> image_seeds()
     halves.png_bits = 16;
     return {written(image, ".png"),         written(image, ".png", halves), written(image, ".exr"),
             written(image, ".exr", halves), written(image, ".jpg"),         written(image, ".hdr"),
-            "P6 2 2 255 abcdefghijkl"};
+            written(image, ".webp"),        written(image, ".avif"),        "P6 2 2 255 abcdefghijkl"};
 }
 
 std::vector<std::string> film_seeds()

@@ -31,9 +31,8 @@ std::vector<Sample> samples()
     WriteOptions wide, half;
     wide.png_bits = 16;
     half.exr_half = true;
-    return {{"plain.exr", {}}, {"layers.exr", {}, true}, {"half.exr", half},
-            {"a.png", {}},     {"wide.png", wide},       {"a.jpg", {}},
-            {"a.hdr", {}}};
+    return {{"plain.exr", {}}, {"layers.exr", {}, true}, {"half.exr", half}, {"a.png", {}}, {"wide.png", wide},
+            {"a.jpg", {}},     {"a.avif", {}},           {"a.hdr", {}}};
 }
 
 TEST(Damage, AFileCutAnywhereIsAnError)

@@ -27,7 +27,7 @@ std::string message_of(const std::function<void()>& action)
 TEST(CheckOutput, KnowsFormatsFoldersAndSizes)
 {
     const TemporaryFolder folder;
-    for (const char* name : {"a.exr", "a.PNG", "a.jpg", "a.jpeg", "a.webp", "a.hdr"})
+    for (const char* name : {"a.exr", "a.PNG", "a.jpg", "a.jpeg", "a.webp", "a.avif", "a.hdr"})
         EXPECT_NO_THROW(check_output(folder.path() / name));
     EXPECT_EQ(folder.files(), 0u);
     for (const char* name : {"a.bmp", "a", "a.tiff", ".png"})
@@ -37,6 +37,7 @@ TEST(CheckOutput, KnowsFormatsFoldersAndSizes)
     EXPECT_THROW(check_output(folder.path() / "folder.png"), Error);
     EXPECT_THROW(check_output(folder.path() / "a.jpg", 70000, 1), Error);
     EXPECT_THROW(check_output(folder.path() / "a.webp", 1, 16384), Error);
+    EXPECT_THROW(check_output(folder.path() / "a.avif", 1, 16385), Error);
     EXPECT_NO_THROW(check_output(folder.path() / "a.exr", 70000, 1));
     EXPECT_THROW(check_output("/proc/a.png"), Error);
 }
@@ -106,7 +107,7 @@ TEST(WriteImage, KeepsTheEarlierFileWhenTheDiskIsFull)
 {
     // A limit on the size of files stands for a full disk: write() fails in the same places.
     const TemporaryFolder folder;
-    for (const char* name : {"a.exr", "a.png", "a.jpg", "a.webp", "a.hdr"}) {
+    for (const char* name : {"a.exr", "a.png", "a.jpg", "a.webp", "a.avif", "a.hdr"}) {
         const fs::path file = folder.path() / name;
         write_image(file, made_image(4, 4), {});
         const std::vector<char> before = test::bytes_of(file);
@@ -123,7 +124,7 @@ TEST(WriteImage, KeepsTheEarlierFileWhenTheDiskIsFull)
         }
         std::signal(SIGXFSZ, old_handler);
     }
-    EXPECT_EQ(folder.files(), 5u);
+    EXPECT_EQ(folder.files(), 6u);
 }
 
 TEST(WriteImage, RefusesWhatIsNoPicture)

@@ -1,3 +1,5 @@
+#include <functional>
+
 #include "fathom/scene_file.h"
 #include "gltf_builder.h"
 #include "import_test_helpers.h"
@@ -39,6 +41,34 @@ protected:
 };
 
 constexpr const char* mappings = R"([{"material": 0, "variants": [0]}, {"material": 1, "variants": [1]}])";
+
+/// The name of the picture that a texture with these members shows.
+std::string picture_of(const std::function<SceneDescription(const std::string&)>& load, const std::string& texture)
+{
+    GltfBuilder b;
+    const SceneDescription scene = load(b.one_primitive(
+        fmt::format(R"("attributes": {{"POSITION": {}}}, "material": 0)", b.triangle()),
+        fmt::format(
+            R"("materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}], "textures": [{{{}}}],
+               "images": [{{"uri": "0.png"}}, {{"uri": "1.webp"}}, {{"uri": "2.avif"}}],
+               "extensionsUsed": ["EXT_texture_webp", "EXT_texture_avif"],
+               "extensionsRequired": ["EXT_texture_webp", "EXT_texture_avif"])",
+            texture)));
+    const int shown = scene.materials.at(0).base_color.texture;
+    return shown < 0 ? "none" : scene.images.at(std::size_t(scene.textures.at(std::size_t(shown)).image)).name;
+}
+
+TEST_F(GltfChoices, PicturesInNewerFormatsStandBeforeTheOldOne)
+{
+    const auto read = [&](const std::string& gltf) { return load("a.gltf", gltf); };
+    const std::string webp = R"("EXT_texture_webp": {"source": 1})", avif = R"("EXT_texture_avif": {"source": 2})";
+    EXPECT_EQ(picture_of(read, R"("source": 0)"), "0.png");
+    EXPECT_EQ(picture_of(read, R"("source": 0, "extensions": {)" + webp + "}"), "1.webp");
+    EXPECT_EQ(picture_of(read, R"("source": 0, "extensions": {)" + avif + "}"), "2.avif");
+    EXPECT_EQ(picture_of(read, R"("extensions": {)" + webp + ", " + avif + "}"), "2.avif");
+    EXPECT_EQ(picture_of(read, R"("source": 0, "extensions": {"EXT_texture_avif": {}})"), "0.png");
+    EXPECT_TRUE(warnings_.empty());
+}
 
 TEST_F(GltfChoices, VariantsTakeTheirMaterials)
 {

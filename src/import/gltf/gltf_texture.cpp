@@ -78,8 +78,9 @@ std::optional<int> GltfReader::texture_image(const JsonValue& texture)
     const auto basis = extension(extensions, "KHR_texture_basisu");
     if (reads_basis && basis)
         if (const auto source = basis->get("source")) return image(*source);
-    if (const auto webp = extension(extensions, "EXT_texture_webp"))
-        if (const auto source = webp->get("source")) return image(*source);
+    for (const char* const format : {"EXT_texture_avif", "EXT_texture_webp"})
+        if (const auto named = extension(extensions, format))
+            if (const auto source = named->get("source")) return image(*source);
     if (const auto source = texture.get("source")) return image(*source);
     file_.warn(basis ? "KHR_texture_basisu: this build reads no KTX2; such textures are left out"
                      : "textures without an image are left out");

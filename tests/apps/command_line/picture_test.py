@@ -37,9 +37,9 @@ class Picture(CommandLine):
 
     def test_pictures(self):
         self.ok("render", "box.json", "--spp", "1", "--size", "20x10", "--background", "transparent", "--png-bits", "16",
-                "-o", "a.png", "-o", "a.exr", "-o", "a.jpg", "-o", "a.webp", "--output", "a.hdr")
+                "-o", "a.png", "-o", "a.exr", "-o", "a.jpg", "-o", "a.webp", "-o", "a.avif", "--output", "a.hdr")
         self.assertEqual(png_size(self.path("a.png")), (20, 10, 16, 6))
-        for name in ("a.exr", "a.jpg", "a.webp", "a.hdr"):
+        for name in ("a.exr", "a.jpg", "a.webp", "a.avif", "a.hdr"):
             self.assertTrue(os.path.exists(self.path(name)), name)
         self.ok("render", "box.json", "--spp", "1", "--size", "20x10", "-o", "b.exr", "--exr", "half",
                 "--aov", "albedo,samples,variance")
