@@ -47,6 +47,8 @@ const char* name_of(EnvironmentKind kind)
             return "studio";
         case EnvironmentKind::sky:
             return "sky";
+        case EnvironmentKind::cube:
+            return "cube";
     }
     return "";
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -16,7 +17,7 @@ namespace fathom {
 
 // ---------------------------------------------------------------------------------------------------- textures
 
-/// An encoded picture (PNG, JPEG, WebP, HDR, EXR, ...): a path, or its bytes where the scene file has them inside.
+/// An encoded picture (PNG, JPEG, WebP, AVIF, HDR, EXR): a path, or its bytes where the scene file has them inside.
 struct ImageFile {
     std::string name;
     std::filesystem::path path;    ///< empty if bytes are given
@@ -271,15 +272,18 @@ enum class EnvironmentKind {
     image,
     studio,  ///< three soft lights around what is shown, for a camera that looks along -z, and a dim room
     sky,     ///< a clear sky over grey ground, computed from the air; the sun too if sun_disk
+    cube,    ///< six pictures, the faces of a cube around everything
 };
 
 /// What a ray sees that leaves the scene, and what lights it from there.
 struct Environment {
     EnvironmentKind kind = EnvironmentKind::none;
-    Color color{1, 1, 1};                       ///< constant: radiance; image, studio, sky: multiplied
+    Color color{1, 1, 1};                       ///< constant: radiance; others: multiplied
     Color bottom{1, 1, 1}, top{0.5f, 0.7f, 1};  ///< gradient: mixed by (1 + y) / 2 of the direction's up component
     int image = -1;                             ///< equirectangular, linear (8-bit files: sRGB)
-    Transform world_from_environment;           ///< rotation; the image's middle looks along +x, its top along +y
+    /// Cube: towards +x, -x, +y, -y, +z, -z, turned as OpenGL has them; linear (8-bit files: sRGB), over their alpha.
+    std::array<int, 6> faces{-1, -1, -1, -1, -1, -1};
+    Transform world_from_environment;  ///< rotation; the image's middle looks along +x, its top along +y
     /// Sky: where the sun is; up is +y. A white surface that faces the sun above the air has a radiance of 1: times
     /// 42,000 that is nits.
     Vec3d to_sun{-0.4, 0.6, 0.7};

@@ -97,8 +97,12 @@ void SceneEdit::set_environment(const Environment& environment)
 {
     const Environment& before = data_->scene.environment;
     // A picture is decoded with those of textures.
-    const bool pictured = environment.kind == EnvironmentKind::image || before.kind == EnvironmentKind::image;
-    if (pictured && (environment.kind != before.kind || environment.image != before.image)) data_->compiled.reset();
+    const auto pictured = [](const Environment& e) {
+        return e.kind == EnvironmentKind::image || e.kind == EnvironmentKind::cube;
+    };
+    const bool same =
+        environment.kind == before.kind && environment.image == before.image && environment.faces == before.faces;
+    if ((pictured(environment) || pictured(before)) && !same) data_->compiled.reset();
     data_->scene.environment = environment;
     data_->changes.environment = true;
 }

@@ -70,14 +70,15 @@ void compile_environment(Compiler& c)
 {
     const Environment& e = c.scene.environment;
     EnvironmentRecord& t = c.tables.environment;
-    t.kind = std::uint32_t(e.kind);
+    const bool has_picture = e.kind == EnvironmentKind::image || e.kind == EnvironmentKind::cube;
+    t.kind = std::uint32_t(has_picture ? EnvironmentKind::image : e.kind);
     t.color = {e.color.r, e.color.g, e.color.b};
     t.bottom = {e.bottom.r, e.bottom.g, e.bottom.b};
     t.top = {e.top.r, e.top.g, e.top.b};
     t.mean_luminance = 0;
     t.environment_from_render = EnvironmentRecord().environment_from_render;
     // Pictures are there already. What another environment left behind must not tell two scenes apart.
-    if (e.kind != EnvironmentKind::image) {
+    if (!has_picture) {
         t.texels.clear();
         t.width = t.height = 0;
     }

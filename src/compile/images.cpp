@@ -242,6 +242,8 @@ std::vector<ImageUse> uses_of(const SceneDescription& scene)
     for (const Texture& texture : scene.textures)
         if (texture.kind == TextureKind::image) add(use_of(texture));
     if (scene.environment.kind == EnvironmentKind::image) add(environment_use(scene.environment.image));
+    if (scene.environment.kind == EnvironmentKind::cube)
+        for (const int face : scene.environment.faces) add(environment_use(face));
     return uses;
 }
 
@@ -321,7 +323,7 @@ ImageStore::ImageStore(Compiler& c)
         Texels& texels = texels_[uses[i]];
         texels = {d.format, c.tables.packed_images.size(), d.width, d.height};
         if (!uses[i].is_texture) {
-            c.tables.environment.texels = std::move(d.floats);
+            environment_[uses[i].image] = {d.width, d.height, std::move(d.floats)};
         } else if (d.format != TexelFormat::float4) {
             c.tables.packed_images.push_back(std::move(d.words));
         } else {
@@ -336,9 +338,22 @@ ImageStore::Texels ImageStore::texture(const Texture& texture) const
     return texels_.at(use_of(texture));
 }
 
-ImageStore::Texels ImageStore::environment(int image) const
+void ImageStore::set_environment(Compiler& c)
 {
-    return texels_.at(environment_use(image));
+    const Environment& e = c.scene.environment;
+    EnvironmentRecord& t = c.tables.environment;
+    if (e.kind == EnvironmentKind::image && e.image >= 0) {
+        CubeFace& picture = environment_.at(e.image);
+        t.width = picture.width, t.height = picture.height;
+        t.texels = std::move(picture.texels);
+    }
+    if (e.kind != EnvironmentKind::cube) return;
+    std::array<CubeFace, 6> faces;
+    for (std::size_t i = 0; i < faces.size(); ++i)
+        faces[i] = e.faces[i] >= 0 ? environment_.at(e.faces[i]) : CubeFace{1, 1, {0, 0, 0, 1}};
+    t.width = equirectangular_width(faces), t.height = t.width / 2;
+    Decoder(c.scene, 1).check_memory(16.0 * t.width * t.height);
+    t.texels = equirectangular(faces);
 }
 
 }  // namespace fathom

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "compile/compiler.h"
+#include "compile/cube_map.h"
 #include "fathom/image.h"
 
 namespace fathom {
@@ -37,11 +38,12 @@ public:
     };
     /// In the narrowest format that holds every value exactly: four bytes a texel for pictures of 8 bits.
     Texels texture(const Texture& texture) const;
-    /// The size of the environment's, whose floats are EnvironmentRecord::texels.
-    Texels environment(int image) const;
+    /// Puts the environment's picture into its record, if it has one. Once.
+    void set_environment(Compiler& c);
 
 private:
     std::map<ImageUse, Texels> texels_;
+    std::map<int, CubeFace> environment_;  ///< by image: floats
 };
 
 }  // namespace fathom

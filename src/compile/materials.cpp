@@ -155,11 +155,7 @@ void compile_materials(Compiler& c)
     for (const Texture& texture : c.scene.textures)
         c.tables.textures.push_back(compile_texture(c, images, own_parameters(texture, texture_parameters())));
     compile_material_records(c);
-    if (c.scene.environment.kind == EnvironmentKind::image && c.scene.environment.image >= 0) {
-        const ImageStore::Texels texels = images.environment(c.scene.environment.image);
-        c.tables.environment.width = texels.width;
-        c.tables.environment.height = texels.height;
-    }
+    images.set_environment(c);
 }
 
 }  // namespace fathom

@@ -133,6 +133,7 @@ private:
         };
         for (const Texture& texture : scene_.textures) use(texture.image);
         use(scene_.environment.image);
+        for (const int face : scene_.environment.faces) use(face);
         for (std::size_t i = 0; i < scene_.images.size(); ++i) {
             const ImageFile& image = scene_.images[i];
             std::string path = image.bytes.empty() ? files_.refer(image.path) : std::string();
@@ -265,6 +266,8 @@ private:
         }
         if (e.kind == EnvironmentKind::constant) return json;
         if (e.kind == EnvironmentKind::image && e.image >= 0) json["image"] = images_[std::size_t(e.image)];
+        if (e.kind == EnvironmentKind::cube)
+            for (const int face : e.faces) json["faces"].push_back(face >= 0 ? images_[std::size_t(face)] : "");
         if (e.kind == EnvironmentKind::sky) {
             json["to_sun"] = vector_json(e.to_sun);
             put(json, "sun", e.sun_disk, true);

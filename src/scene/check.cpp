@@ -67,6 +67,7 @@ private:
     void check_environment() const
     {
         index(scene_.environment.image, scene_.images.size(), "environment.image", "image");
+        for (const int face : scene_.environment.faces) index(face, scene_.images.size(), "environment.faces", "image");
         for (const Color& c : {scene_.environment.color, scene_.environment.bottom, scene_.environment.top})
             check_brightness(c, "environment");
         const double to_sun = length(scene_.environment.to_sun);

@@ -330,6 +330,23 @@ TEST_F(Save, ASkyWithItsSun)
     }
 }
 
+TEST_F(Save, ACubeOfPictures)
+{
+    SceneDescription scene;
+    for (int i = 0; i < 6; ++i) {
+        scene.images.push_back({"face " + std::to_string(i), {}, bytes_of_picture(i % 2 ? "bands.png" : "sky.hdr")});
+        scene.environment.faces[std::size_t(i)] = 5 - i;
+    }
+    scene.environment.kind = EnvironmentKind::cube;
+    scene.environment.color = {2, 1, 0.5f};
+    scene.environment.world_from_environment = Transform::rotate({0, 1, 0}, 0.7);
+    expect_same(scene);
+    std::swap(scene.environment.faces[0], scene.environment.faces[1]);
+    const std::uint64_t swapped = rendered(scene).fingerprint;
+    std::swap(scene.environment.faces[0], scene.environment.faces[1]);
+    EXPECT_NE(rendered(scene).fingerprint, swapped);
+}
+
 TEST_F(Save, WhatAKindDoesNotHaveIsNotCompiled)
 {
     SceneDescription scene;

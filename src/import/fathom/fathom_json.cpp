@@ -83,7 +83,7 @@ void FathomJsonReader::read_environment(const JsonValue& v)
 {
     Environment& environment = scene_.environment;
     JsonObject o(v);
-    if (!v.has("kind")) v.fail("key 'kind' is missing: none, constant, gradient, image, studio or sky");
+    if (!v.has("kind")) v.fail("key 'kind' is missing: none, constant, gradient, image, studio, sky or cube");
     o.read_word("kind", words::environment_kinds, environment.kind);
     const bool turns = environment.kind != EnvironmentKind::none && environment.kind != EnvironmentKind::constant;
     if (environment.kind != EnvironmentKind::none && environment.kind != EnvironmentKind::gradient)
@@ -93,6 +93,11 @@ void FathomJsonReader::read_environment(const JsonValue& v)
         o.read("top", environment.top);
     }
     if (environment.kind == EnvironmentKind::image) environment.image = image(o.require("image"));
+    if (environment.kind == EnvironmentKind::cube) {
+        const JsonValue faces = o.require("faces");
+        faces.array_of(6);
+        for (std::size_t i = 0; i < 6; ++i) environment.faces[i] = image(faces[i]);
+    }
     if (environment.kind == EnvironmentKind::sky) {
         o.read("to_sun", environment.to_sun);
         o.read("sun", environment.sun_disk);

@@ -80,6 +80,7 @@ private:
     void remove_unused_meshes();
     int camera(const JsonValue& index);
     int light(const JsonValue& index);
+    void read_environment(const JsonValue& reference);
     void add_instances(const JsonValue& instancing, std::size_t node);
 
     // gltf_skin.cpp

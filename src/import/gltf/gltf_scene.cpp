@@ -14,6 +14,12 @@ namespace fathom {
 
 namespace {
 
+Transform read_rotation(const JsonValue& v)
+{
+    v.array_of(4);
+    return Transform::rotate_quaternion(v[0].number(), v[1].number(), v[2].number(), v[3].number());
+}
+
 Transform read_transform(const JsonValue& v)
 {
     Transform t;
@@ -24,11 +30,7 @@ Transform read_transform(const JsonValue& v)
         return t;
     }
     if (const auto translation = v.get("translation")) t = Transform::translate(translation->vec3d());
-    if (const auto rotation = v.get("rotation")) {
-        rotation->array_of(4);
-        t = t * Transform::rotate_quaternion((*rotation)[0].number(), (*rotation)[1].number(), (*rotation)[2].number(),
-                                             (*rotation)[3].number());
-    }
+    if (const auto rotation = v.get("rotation")) t = t * read_rotation(*rotation);
     if (const auto scale = v.get("scale")) t = t * Transform::scale(scale->vec3d());
     return t;
 }
@@ -132,6 +134,29 @@ int GltfReader::light(const JsonValue& index)
     }
     scene_.lights.push_back(std::move(light));
     return found->second;
+}
+
+/// The largest faces: what its smaller ones and coefficients blur beforehand, rendering does.
+void GltfReader::read_environment(const JsonValue& reference)
+{
+    if (!reference.has("light")) reference.fail("key 'light' is missing");
+    const JsonValue index = reference["light"];
+    const auto extensions = file_.root().get("extensions");
+    const auto extension = extensions ? extensions->get("EXT_lights_image_based") : std::nullopt;
+    const auto lights = extension ? extension->get("lights") : std::nullopt;
+    if (!lights || index.count() >= lights->array().size())
+        index.fail(fmt::format("there is no image-based light {}", index.count()));
+    const JsonValue v = (*lights)[index.count()];
+    const auto images = v.get("specularImages");
+    if (!images || images->array().size() == 0) v.fail("key 'specularImages' is missing, or empty");
+    const JsonValue faces = (*images)[0];
+    faces.array_of(6);
+    Environment& environment = scene_.environment;
+    environment.kind = EnvironmentKind::cube;
+    for (std::size_t i = 0; i < 6; ++i) environment.faces[i] = image(faces[i]);
+    const float intensity = v.has("intensity") ? std::max(0.0f, v["intensity"].single()) : 1;
+    environment.color = {intensity, intensity, intensity};
+    if (const auto rotation = v.get("rotation")) environment.world_from_environment = read_rotation(*rotation);
 }
 
 void GltfReader::add_instances(const JsonValue& instancing, std::size_t index)
@@ -253,6 +278,8 @@ void GltfReader::read_roots()
     if (scenes.size() > 1 && options_.scene.empty())
         file_.warn(fmt::format("scene {} of 0 to {} is shown; another may be asked for", chosen, scenes.size() - 1));
     const JsonValue scene = scenes[chosen];
+    if (const auto extensions = scene.get("extensions"))
+        if (const auto light = extensions->get("EXT_lights_image_based")) read_environment(*light);
     const auto nodes = scene.get("nodes");
     if (!nodes) return;
     nodes->array();
