@@ -13,6 +13,8 @@ namespace {
 
 const std::vector<std::string> tonemap_words(std::begin(tonemap_names), std::end(tonemap_names));
 
+const std::vector<std::string> primaries_words(std::begin(primaries_names), std::end(primaries_names));
+
 bool is_exr(const std::filesystem::path& file)
 {
     std::string extension = file.extension().string();
@@ -67,6 +69,10 @@ void add_picture_options(Command& command, PictureOptions& options)
                              });
     command.add_value("--exr", "half|float", "numbers of EXR (default float)",
                       [&](const std::string& text) { options.exr_half = parse_word(text, {"half", "float"}) == 0; });
+    command.add_value(
+        "--exr-primaries", "rec709|acescg",
+        "what red, green and blue of EXR are: linear Rec.709 (default), or ACEScg, which the file then says",
+        [&](const std::string& text) { options.exr_primaries = Primaries(parse_word(text, primaries_words)); });
 }
 
 bool writes_exr(const PictureOptions& options)
@@ -80,6 +86,7 @@ WriteOptions write_options(const PictureOptions& options, const RenderHints& hin
     write.display.exposure_ev = options.exposure_ev.value_or(hints.exposure.value_or(0));
     write.png_bits = options.png_bits;
     write.exr_half = options.exr_half;
+    write.exr_primaries = options.exr_primaries;
     write.display.tonemap = tonemap_for(options, hints);
     if (options.quality) write.jpeg_quality = write.avif_quality = *options.quality;
     write.webp_quality = options.quality;

@@ -24,6 +24,7 @@ struct PictureOptions {
     int png_bits = 8;
     std::optional<int> quality;  ///< of JPEG, WebP and AVIF
     bool exr_half = false;
+    Primaries exr_primaries = Primaries::rec709;
     Denoising denoise = Denoising::off;
 };
 

@@ -8,8 +8,14 @@
 #include <vector>
 
 #include "fathom/export.h"
+#include "fathom/vector.h"
 
 namespace fathom {
+
+/// Where the primaries and white of colours are, in x and y of CIE 1931.
+struct Chromaticities {
+    Vec2f red, green, blue, white;
+};
 
 /// Named float channels of equal size, row by row from the top left.
 struct Image {
@@ -25,6 +31,8 @@ struct Image {
     };
     int width = 0, height = 0;
     bool is_linear = false;  ///< of a picture that was read: its values are radiance (EXR, HDR), not encoded
+    /// Of an EXR that was read and says so; else its colours are of Rec.709.
+    std::optional<Chromaticities> chromaticities;
     std::vector<Layer> layers;
     std::vector<UintChannel> uint_channels;
     std::map<std::string, std::string> attributes;  ///< settings, seed, timings: kept by EXR
@@ -54,9 +62,15 @@ struct DisplayTransform {
     Tonemap tonemap = Tonemap::srgb;
 };
 
+/// What red, green and blue of an EXR are.
+enum class Primaries { rec709, acescg };
+/// What options call them.
+inline constexpr const char* primaries_names[] = {"rec709", "acescg"};
+
 struct WriteOptions {
     DisplayTransform display;
-    int png_bits = 8;       ///< 8 or 16
+    int png_bits = 8;  ///< 8 or 16
+    Primaries exr_primaries = Primaries::rec709;
     bool exr_half = false;  ///< half for the layers of colours that fit; ids, distances and variances stay float
     int jpeg_quality = 95;
     std::optional<int> webp_quality = {};  ///< 1 to 100; none: lossless

@@ -15,6 +15,7 @@
 #include "fathom/error.h"
 #include "fathom/memory.h"
 #include "image/picture.h"
+#include "image/primaries.h"
 
 namespace fathom {
 
@@ -116,6 +117,9 @@ public:
 
     Decoded texels(const Image& picture, const ImageUse& use) const
     {
+        const bool is_color = use.space == ColorSpace::srgb && use.height_scale == 0;
+        if (is_color && picture.chromaticities && !is_same(*picture.chromaticities, rec709_chromaticities))
+            return texels(in_rec709(picture), use);
         const Image normals = use.height_scale != 0 ? normal_map(picture, use.height_scale) : Image();
         const Image& image = use.height_scale != 0 ? normals : picture;
         const ColorSpace space = use.height_scale != 0 ? ColorSpace::linear : use.space;
@@ -147,6 +151,18 @@ public:
     }
 
 private:
+    Image in_rec709(const Image& picture) const
+    {
+        check_memory(double(sizeof(float)) * double(picture.layers.front().pixels.size()));
+        Image image;
+        image.width = picture.width;
+        image.height = picture.height;
+        image.is_linear = picture.is_linear;
+        image.layers = {picture.layers.front()};
+        convert(image.layers[0], conversion(*picture.chromaticities, rec709_chromaticities));
+        return image;
+    }
+
     /// Of a picture of heights, whose first channel counts; its edges meet, as those of a tile. Components are rounded
     /// to 16 bits, which the tables keep as they are.
     Image normal_map(const Image& heights, float scale) const

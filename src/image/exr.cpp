@@ -4,6 +4,7 @@
 #include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <ImfThreading.h>
 #include <fmt/format.h>
@@ -16,6 +17,7 @@
 #include "fathom/error.h"
 #include "image/formats.h"
 #include "image/output_file.h"
+#include "image/primaries.h"
 #include "scene/machine.h"
 
 namespace fathom {
@@ -176,6 +178,37 @@ void check_attributes(const EncodedImage& file)
     } while (has_parts && file.bytes[at] != 0);
 }
 
+/// What the file says of its colours; those that nothing can be computed from are damage.
+std::optional<Chromaticities> read_chromaticities(const EncodedImage& file, const Imf::Header& header)
+{
+    if (!Imf::hasChromaticities(header)) return {};
+    const Imf::Chromaticities& c = Imf::chromaticities(header);
+    const auto point = [](const Imath::V2f& v) { return Vec2f{v.x, v.y}; };
+    const Chromaticities chromaticities{point(c.red), point(c.green), point(c.blue), point(c.white)};
+    try {
+        conversion(chromaticities, rec709_chromaticities);
+    } catch (const Error& error) {
+        throw Error(file.name, error.place(), error.message());
+    }
+    return chromaticities;
+}
+
+/// The layers in other primaries. Variances stay: those of a mixture of channels don't follow from the channels'.
+std::vector<Image::Layer> converted_layers(const Image& image, const Chromaticities& primaries)
+{
+    const ColorMatrix matrix = conversion(rec709_chromaticities, primaries);
+    std::vector<Image::Layer> layers = image.layers;
+    for (Image::Layer& layer : layers)
+        if (layer.name != "variance") convert(layer, matrix);
+    return layers;
+}
+
+void add_chromaticities(Imf::Header& header, const Chromaticities& c)
+{
+    const auto point = [](Vec2f v) { return Imath::V2f(v.x, v.y); };
+    Imf::addChromaticities(header, Imf::Chromaticities(point(c.red), point(c.green), point(c.blue), point(c.white)));
+}
+
 }  // namespace
 
 Image read_exr(const EncodedImage& file)
@@ -251,6 +284,7 @@ Image read_exr(const EncodedImage& file)
         if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
             image.attributes[a.name()] = text->value();
     image.is_linear = true;
+    image.chromaticities = read_chromaticities(file, header);
     return image;
 }
 
@@ -265,6 +299,13 @@ void write_exr(OutputFile& file, const Image& image, const WriteOptions& options
     header.compression() = plain ? Imf::NO_COMPRESSION : Imf::ZIP_COMPRESSION;
     header.zipCompressionLevel() = 1;
     for (const auto& [name, value] : image.attributes) header.insert(name, Imf::StringAttribute(value));
+    const bool is_converted = options.exr_primaries != Primaries::rec709;  // which is what no attribute stands for
+    std::vector<Image::Layer> converted;
+    if (is_converted) {
+        const Chromaticities primaries = chromaticities_of(options.exr_primaries);
+        converted = converted_layers(image, primaries);
+        add_chromaticities(header, primaries);
+    }
 
     const std::size_t width = std::size_t(image.width);
     Imf::FrameBuffer buffer;
@@ -275,7 +316,7 @@ void write_exr(OutputFile& file, const Image& image, const WriteOptions& options
         buffer.insert(name, Imf::Slice(type, base, stride, stride * width));
     };
     std::vector<std::vector<half>> halves;
-    for (const Image::Layer& layer : image.layers) {
+    for (const Image::Layer& layer : is_converted ? converted : image.layers) {
         const std::size_t channels = layer.channels.size();
         const bool as_half = options.exr_half && fits_half(layer);
         if (as_half) halves.emplace_back(layer.pixels.begin(), layer.pixels.end());

@@ -48,6 +48,14 @@ class Picture(CommandLine):
         for word in (b"variance.R", b"samples.Y", b"fathom.seed", b"fathom.render_s"):
             self.assertIn(word, data)
 
+    def test_primaries(self):
+        self.ok("render", "box.json", "--spp", "1", "--size", "4x4", "-o", "a.exr", "--exr-primaries", "acescg")
+        self.ok("render", "box.json", "--spp", "1", "--size", "4x4", "-o", "b.exr", "--exr-primaries", "rec709")
+        for name, said in (("a.exr", True), ("b.exr", False)):
+            with open(self.path(name), "rb") as file:
+                self.assertEqual(b"chromaticities" in file.read(), said, name)
+        self.refused(2, "render", "box.json", "--exr-primaries", "p3", words=["rec709", "acescg"])
+
     def camera_line(self, *arguments):
         return re.search(r"camera '.*", self.ok("render", "box.json", "--spp", "1", *arguments).stderr).group()
 

@@ -72,7 +72,7 @@ class Usage(CommandLine):
     def test_what_decides_the_picture_is_the_same_for_render_and_view(self):
         def options(command):
             return set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", self.ok(command, "--help").stdout, re.MULTILINE))
-        of_files_only = {"--output", "--png-bits", "--exr", "--aov", "--mergeable", "--samples", "--only-sample", "--time",
+        of_files_only = {"--output", "--png-bits", "--exr", "--exr-primaries", "--aov", "--mergeable", "--samples", "--only-sample", "--time",
                          "--crop", "--quiet", "--progress", "--frames", "--turntable", "--fps", "--shutter", "--quality", "--denoise"}
         self.assertEqual(options("render") - options("view"), of_files_only)
         self.assertEqual(options("view") - options("render"), {"--log-latency", "--script-moves"})
