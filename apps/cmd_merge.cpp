@@ -49,6 +49,7 @@ int run_merge(const MergeOptions& o)
     for (const auto& part : o.parts) check_outputs_are_not(o.picture.outputs, part, "a part of this picture");
     Reporter reporter(o.quiet ? ReportMode::quiet : default_report_mode());
 
+    const WriteOptions write = write_options(o.picture, {}, reporter);
     const std::optional<Denoiser> denoiser = open_denoiser(o.picture, 0, reporter);
 
     // The first part decides what else the picture holds.
@@ -82,7 +83,6 @@ int run_merge(const MergeOptions& o)
         image.attributes["fathom.denoiser"] = "Open Image Denoise " + denoiser->version();
     }
     if (writes_exr(o.picture) && !o.no_sums) store_sums(film.sums(), image);
-    const WriteOptions write = write_options(o.picture, {});
     const bool all_written = write_pictures(o.picture, image, write, reporter);
     reporter.note(fmt::format("{} samples a pixel: {}", film.samples_per_pixel(), text_of(film.samples())));
     return all_written ? exit_ok : exit_error;

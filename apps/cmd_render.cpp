@@ -46,7 +46,7 @@ RenderPlan plan_for(const RenderOptions& o, const LoadedScene& loaded, std::opti
 {
     const RenderHints& hints = loaded.description.hints;
     const RenderSettings settings = settings_for(o, loaded, denoiser.has_value());
-    RenderPlan plan{loaded, settings, write_options(o.picture, hints), o.samples, std::move(denoiser)};
+    RenderPlan plan{loaded, settings, write_options(o.picture, hints, reporter), o.samples, std::move(denoiser)};
     if (!o.only_sample) check_memory(plan.settings, o.mergeable);
     check_outputs(o, plan.settings.width, plan.settings.height);
     if (!plan.samples && !o.time_s) plan.samples = hinted_samples(hints, o.scene.file.string());

@@ -87,7 +87,7 @@ int run_view(ViewOptions& o)
         SceneEdit edit = take_edit(loaded, o.scene);
         return compile_loaded(edit, loaded, o.scene, settings, warnings);
     }();
-    DisplayTransform display = write_options(o.picture, hints).display;
+    DisplayTransform display = write_options(o.picture, hints, reporter).display;
     use_light(lit, o.picture, settings, display, reporter);
     view::ViewJob job{std::move(lit.scene), settings, {}, 0, {}, {}, {}, 0, nullptr};
     reporter.warnings(warnings);

@@ -33,6 +33,30 @@ Tonemap tonemap_for(const PictureOptions& options, const RenderHints& hints)
     return Tonemap(name - tonemap_words.begin());
 }
 
+/// Instead of a tone map.
+void add_ocio_options(Command& command, PictureOptions& options)
+{
+    const auto add = [&](const char* name, const char* value, const char* help, std::string& to) {
+        command.add_value(name, value, help, [&options, &to](const std::string& text) {
+            to = text;
+            options.uses_ocio = true;
+        });
+    };
+    command.add_value("--ocio", "CONFIG|env",
+                      "a configuration of OpenColorIO makes PNG, JPEG, WebP, AVIF and window instead of --tonemap: its "
+                      "file, the name of a built-in one (ocio://...), or env for what $OCIO names",
+                      [&](const std::string& text) {
+                          options.ocio.config = text == "env" ? "" : text;
+                          options.uses_ocio = true;
+                      });
+    add("--ocio-display", "NAME", "of that configuration, without --ocio of $OCIO (default: its first)",
+        options.ocio.display);
+    add("--ocio-view", "NAME", "of that display (default: its first)", options.ocio.view);
+    add("--ocio-look", "NAME", "of that configuration, instead of the view's own", options.ocio.look);
+    add("--ocio-input", "NAME", "what that configuration calls linear Rec.709 (default: found by its usual names)",
+        options.ocio.input);
+}
+
 }  // namespace
 
 void add_display_options(Command& command, PictureOptions& options)
@@ -47,6 +71,7 @@ void add_display_options(Command& command, PictureOptions& options)
         "like "
         "film, filmic is a simple curve, srgb shows radiance up to 1 as it is, so that pictures can be compared",
         [&](const std::string& text) { options.tonemap = Tonemap(parse_word(text, tonemap_words)); });
+    add_ocio_options(command, options);
 }
 
 void add_picture_options(Command& command, PictureOptions& options)
@@ -80,9 +105,14 @@ bool writes_exr(const PictureOptions& options)
     return std::any_of(options.outputs.begin(), options.outputs.end(), is_exr);
 }
 
-WriteOptions write_options(const PictureOptions& options, const RenderHints& hints)
+WriteOptions write_options(const PictureOptions& options, const RenderHints& hints, Reporter& reporter)
 {
     WriteOptions write;
+    if (options.uses_ocio) {
+        if (options.tonemap) throw UsageError("--tonemap, --ocio: one of both makes the picture");
+        write.display.ocio = open_ocio(options.ocio);
+        reporter.note("OpenColorIO: " + ocio_text(*write.display.ocio));
+    }
     write.display.exposure_ev = options.exposure_ev.value_or(hints.exposure.value_or(0));
     write.png_bits = options.png_bits;
     write.exr_half = options.exr_half;

@@ -8,6 +8,7 @@
 #include "fathom/denoise.h"
 #include "fathom/first_look.h"
 #include "fathom/image.h"
+#include "fathom/ocio.h"
 #include "fathom/render.h"
 #include "reporter.h"
 
@@ -21,6 +22,8 @@ struct PictureOptions {
     std::vector<std::filesystem::path> outputs;
     std::optional<double> exposure_ev;
     std::optional<Tonemap> tonemap;
+    OcioChoice ocio;
+    bool uses_ocio = false;  ///< instead of a tone map
     int png_bits = 8;
     std::optional<int> quality;  ///< of JPEG, WebP and AVIF
     bool exr_half = false;
@@ -32,8 +35,9 @@ struct PictureOptions {
 void add_display_options(Command& command, PictureOptions& options);
 void add_picture_options(Command& command, PictureOptions& options);
 bool writes_exr(const PictureOptions& options);
-/// Options first, then what the scene asks for, then khronos-neutral: docs/tone-mapping.md says why.
-WriteOptions write_options(const PictureOptions& options, const RenderHints& hints);
+/// Options first, then what the scene asks for, then khronos-neutral: docs/tone-mapping.md says why. Tells what of
+/// OpenColorIO is used.
+WriteOptions write_options(const PictureOptions& options, const RenderHints& hints, Reporter& reporter);
 
 /// Tells which light was added, and takes what goes with it: its exposure and a backdrop, where no option says another.
 void use_light(const LitScene& lit, const PictureOptions& options, RenderSettings& settings, DisplayTransform& display,

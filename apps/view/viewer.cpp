@@ -122,7 +122,7 @@ void Viewer::take(Renderer::Update update)
     upload(std::move(*update.frame));
     // Made before the exposure changed.
     if (frame_.scale.transform.exposure_ev != transform_.exposure_ev ||
-        frame_.scale.transform.tonemap != transform_.tonemap)
+        frame_.scale.transform.tonemap != transform_.tonemap || frame_.scale.transform.ocio != transform_.ocio)
         change_display();
     draw();
     latency_.shown(frame_.move, frame_.width, frame_.height, frame_.full_size, last_draw_);

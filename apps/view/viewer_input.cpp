@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "camera_text.h"
 #include "viewer.h"
@@ -138,7 +139,9 @@ void Viewer::handle_key(const sf::Event::KeyEvent& key)
             renderer_.save(std::filesystem::path(job_.name).stem().string());
             break;
         case K::T:
-            transform_.tonemap = Tonemap((std::size_t(transform_.tonemap) + 1) % std::size(tonemap_names));
+            // From a display of OpenColorIO to tone maps, of which the first is the one that it stood for.
+            if (!std::exchange(transform_.ocio, nullptr))
+                transform_.tonemap = Tonemap((std::size_t(transform_.tonemap) + 1) % std::size(tonemap_names));
             say(fmt::format("tone map: {}", tonemap_names[std::size_t(transform_.tonemap)]));
             change_display();
             break;
@@ -269,7 +272,7 @@ std::vector<std::string> Viewer::help_lines() const
             "Esc, Ctrl+Q       quit",
             "",
             fmt::format("showing {}, exposure {:+.1f}, {}", name_of(view_), transform_.exposure_ev,
-                        tonemap_names[std::size_t(transform_.tonemap)])};
+                        transform_.ocio ? "OpenColorIO" : tonemap_names[std::size_t(transform_.tonemap)])};
 }
 
 }  // namespace fathom::view

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -56,10 +57,13 @@ enum class Tonemap {
 /// What options and scene files call them.
 inline constexpr const char* tonemap_names[] = {"srgb", "filmic", "agx", "khronos-neutral", "aces"};
 
+class OcioView;  // fathom/ocio.h
+
 /// How linear radiance becomes the values of PNG, JPEG, WebP and AVIF.
 struct DisplayTransform {
     double exposure_ev = 0;
     Tonemap tonemap = Tonemap::srgb;
+    std::shared_ptr<const OcioView> ocio = {};  ///< instead of the tone map, and of what encodes as sRGB
 };
 
 /// What red, green and blue of an EXR are.

@@ -152,8 +152,10 @@ std::vector<unsigned char> encode_avif(const Image& image, const WriteOptions& o
     const std::unique_ptr<avifImage, decltype(&avifImageDestroy)> planes(
         avif.avifImageCreate(std::uint32_t(image.width), std::uint32_t(image.height), 8, AVIF_PIXEL_FORMAT_YUV444),
         avif.avifImageDestroy);
-    planes->colorPrimaries = AVIF_COLOR_PRIMARIES_BT709;
-    planes->transferCharacteristics = AVIF_TRANSFER_CHARACTERISTICS_SRGB;
+    if (!options.display.ocio) {  // whose displays are of any kind
+        planes->colorPrimaries = AVIF_COLOR_PRIMARIES_BT709;
+        planes->transferCharacteristics = AVIF_TRANSFER_CHARACTERISTICS_SRGB;
+    }
     // Without loss the planes are green, blue and red themselves.
     const bool lossless = options.avif_quality == 100;
     planes->matrixCoefficients = lossless ? AVIF_MATRIX_COEFFICIENTS_IDENTITY : AVIF_MATRIX_COEFFICIENTS_BT601;

@@ -4,6 +4,9 @@
 #include <jpeglib.h>
 #include <png.h>
 #include <webp/decode.h>
+#ifdef FATHOM_HAS_OCIO
+#include <OpenColorIO/OpenColorIO.h>
+#endif
 #include <cstdio>
 
 #include "fathom/image.h"
@@ -23,6 +26,9 @@ std::vector<std::string> image_libraries()
         fmt::format("libwebp {}.{}.{}", webp >> 16, webp >> 8 & 255, webp & 255),
         fmt::format("libavif {}.{}.{}", AVIF_VERSION_MAJOR, AVIF_VERSION_MINOR, AVIF_VERSION_PATCH),
         "stb_image"};
+#ifdef FATHOM_HAS_OCIO
+    libraries.push_back(fmt::format("OpenColorIO {}", OCIO_NAMESPACE::GetVersion()));
+#endif
 #ifdef FATHOM_HAS_BASIS
     libraries.push_back("Basis Universal " FATHOM_TEXT(FATHOM_HAS_BASIS));
 #endif

@@ -116,7 +116,7 @@ struct Writer {
 };
 
 bool write_rows(Writer& writer, std::vector<unsigned char>& encoded, const Image& image, int bits, bool alpha,
-                png_bytepp rows)
+                bool is_srgb, png_bytepp rows)
 {
     if (setjmp(png_jmpbuf(writer.png))) return false;
     png_set_write_fn(writer.png, &encoded, on_write, on_flush);
@@ -127,7 +127,7 @@ bool write_rows(Writer& writer, std::vector<unsigned char>& encoded, const Image
     png_set_IHDR(writer.png, writer.info, png_uint_32(image.width), png_uint_32(image.height), bits,
                  alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_set_sRGB(writer.png, writer.info, PNG_sRGB_INTENT_RELATIVE);
+    if (is_srgb) png_set_sRGB(writer.png, writer.info, PNG_sRGB_INTENT_RELATIVE);
     png_write_info(writer.png, writer.info);
     if (bits == 16) png_set_swap(writer.png);
     png_write_image(writer.png, rows);
@@ -203,7 +203,7 @@ std::vector<unsigned char> encode_png(const Image& image, const WriteOptions& op
 
     Writer writer;
     std::vector<unsigned char> encoded;
-    if (!write_rows(writer, encoded, image, wide ? 16 : 8, alpha, rows.data()))
+    if (!write_rows(writer, encoded, image, wide ? 16 : 8, alpha, !options.display.ocio, rows.data()))
         throw Error("", "", fmt::format("can't encode PNG: {}", writer.failure.message));
     return encoded;
 }

@@ -7,6 +7,7 @@
 
 #include "image/codes.h"
 #include "image/formats.h"
+#include "image/ocio.h"
 #include "image/tone_curves.h"
 
 namespace fathom {
@@ -74,32 +75,49 @@ double linear_from_srgb(double encoded)
 }
 
 DisplayMap::DisplayMap(const DisplayTransform& display)
-    : scale_(float(std::exp2(display.exposure_ev))), tonemap_(display.tonemap)
+    : scale_(float(std::exp2(display.exposure_ev))), tonemap_(display.tonemap), ocio_(display.ocio)
 {
 }
 
-Color DisplayMap::display_linear(const Color& radiance) const
+Color DisplayMap::exposed(const Color& radiance) const
 {
     // Beyond this the squares of curves overflow, which have long reached 1.
     constexpr float most = 1e6f;
-    const auto exposed = [&](float x) {
+    const auto scaled = [&](float x) {
         x *= scale_;
         return x > 0 ? std::min(x, most) : 0.0f;
     };
-    return tone_map(tonemap_, {exposed(radiance.r), exposed(radiance.g), exposed(radiance.b)});
+    return {scaled(radiance.r), scaled(radiance.g), scaled(radiance.b)};
+}
+
+/// By OpenColorIO: encoded already.
+Color DisplayMap::sent(const Color& radiance) const
+{
+    const Color c = exposed(radiance);
+    float rgb[3] = {c.r, c.g, c.b};
+    ocio_->apply(rgb);
+    return {rgb[0], rgb[1], rgb[2]};
 }
 
 std::array<unsigned char, 3> DisplayMap::codes8(const Color& radiance) const
 {
+    if (ocio_) {
+        const Color c = sent(radiance);
+        return {unit8(c.r), unit8(c.g), unit8(c.b)};
+    }
     const SrgbTable& table = srgb_table();
-    const Color c = display_linear(radiance);
+    const Color c = tone_map(tonemap_, exposed(radiance));
     return {table.code(c.r), table.code(c.g), table.code(c.b)};
 }
 
 std::array<std::uint16_t, 3> DisplayMap::codes16(const Color& radiance) const
 {
+    if (ocio_) {
+        const Color c = sent(radiance);
+        return {unit16(c.r), unit16(c.g), unit16(c.b)};
+    }
     const auto code = [](float x) { return std::uint16_t(srgb_from_linear(x) * 65535 + 0.5); };
-    const Color c = display_linear(radiance);
+    const Color c = tone_map(tonemap_, exposed(radiance));
     return {code(c.r), code(c.g), code(c.b)};
 }
 

@@ -16,15 +16,17 @@ class DisplayMap {
 public:
     explicit DisplayMap(const DisplayTransform& display);
 
-    /// The nearest codes of linear radiance.
+    /// The nearest codes of linear radiance. Where OpenColorIO makes them, what a display is to be sent.
     std::array<unsigned char, 3> codes8(const Color& radiance) const;
     std::array<std::uint16_t, 3> codes16(const Color& radiance) const;
 
 private:
-    Color display_linear(const Color& radiance) const;
+    Color exposed(const Color& radiance) const;
+    Color sent(const Color& radiance) const;
 
     float scale_;
     Tonemap tonemap_;
+    std::shared_ptr<const OcioView> ocio_;
 };
 
 /// Nearest code of a value of 0 to 1 that is not light: alpha.

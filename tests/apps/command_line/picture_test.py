@@ -56,6 +56,21 @@ class Picture(CommandLine):
                 self.assertEqual(b"chromaticities" in file.read(), said, name)
         self.refused(2, "render", "box.json", "--exr-primaries", "p3", words=["rec709", "acescg"])
 
+    def test_ocio(self):
+        os.environ.pop("OCIO", None)
+        self.refused(2, "render", "box.json", "--ocio", "c.ocio", "--tonemap", "srgb", words=["--ocio", "one of both"])
+        if "OpenColorIO" not in self.ok("version").stdout:
+            self.refused(1, "render", "box.json", "--ocio", "env", words=["libopencolorio-dev"])
+            self.skipTest("this build has no OpenColorIO")
+        self.scene("c.ocio", "ocio_profile_version: 1\nroles: {default: plain, scene_linear: plain}\ndisplays:\n"
+                   "  screen:\n    - !<View> {name: a, colorspace: plain}\n    - !<View> {name: b, colorspace: plain}\n"
+                   "colorspaces:\n  - !<ColorSpace> {name: plain}\n")
+        ocio = ["--spp", "1", "--size", "4x4", "--ocio", "c.ocio", "--ocio-input", "plain"]
+        self.assertIn("OpenColorIO: c.ocio: display 'screen', view 'a'", self.ok("render", "box.json", *ocio).stderr)
+        self.assertIn("view 'b'", self.ok("render", "box.json", *ocio, "--ocio-view", "b").stderr)
+        self.refused(1, "render", "box.json", *ocio, "--ocio-view", "d", words=["c.ocio", "'d'", "a, b"])
+        self.refused(1, "render", "box.json", "--ocio-view", "b", words=["OCIO", "not set"])
+
     def camera_line(self, *arguments):
         return re.search(r"camera '.*", self.ok("render", "box.json", "--spp", "1", *arguments).stderr).group()
 
