@@ -10,7 +10,7 @@ packages_to_build=(
     libopenexr-dev libpng-dev libjpeg-dev libwebp-dev libavif-dev libstb-dev
     libassimp-dev libsfml-dev libdraco-dev libmeshoptimizer-dev
 )
-# OpenColorIO is optional: a program that is linked with it starts some 1.5 ms later.
+# OpenColorIO is optional: a program that is linked with it starts some 2 ms later.
 packages_to_test=(
     clang-format-19 libgtest-dev libbenchmark-dev libembree-dev libopencolorio-dev
     python3 python3-jsonschema xvfb xdotool imagemagick
