@@ -12,8 +12,14 @@ import tempfile
 import unittest
 
 DOUBLE, PROGRAM, FAKE_OIDN = ([os.path.abspath(path) for path in sys.argv[1:4]] + [None] * 3)[:3]
-# The leak check of a sanitized build needs /proc and a thread of its own; where a test takes these away, it can't run.
+# The leak check of a sanitized build needs a thread of its own; where a test takes that away, it can't run.
 WITHOUT_LEAK_CHECK = {**os.environ, "ASAN_OPTIONS": "detect_leaks=0"}
+
+
+def is_sanitized():
+    """AddressSanitizer reads its options, and much else, from /proc."""
+    with open(DOUBLE, "rb") as file:
+        return b"__asan_init" in file.read()
 
 
 def run_tests():
