@@ -358,6 +358,65 @@ TEST(Displacement, HardEdgesStayHardAndSmoothOnesSmooth)
     }
 }
 
+/// Of two slopes, of which one is displaced, the other stays what it was up to the ridge, if that is hard.
+TEST(Displacement, WhatIsBeyondAHardEdgeIsNotBent)
+{
+    Mesh mesh;
+    mesh.positions = {{-1, 0, 0}, {0, 0, 1}, {0, 1, 1}, {-1, 1, 0}, {1, 0, 0}, {1, 1, 0}};
+    mesh.indices = {0, 1, 2, 0, 2, 3, 1, 4, 5, 1, 5, 2};
+    Displacement by;
+    by.parts = [](const Mesh&, std::uint32_t, std::uint32_t) { return 4.0; };
+    by.heights = [](const Mesh& m, std::size_t begin, std::size_t end, float* to) {
+        for (std::size_t i = begin; i < end; ++i) to[i - begin] = 0.5f * std::max(m.positions[i].x, 0.0f);
+    };
+    const Mesh fine = displace(mesh, by, "test", "mesh").mesh;
+    const double s = std::sqrt(0.5);
+    int left = 0, right = 0;
+    for (std::size_t i = 0; i < fine.positions.size(); ++i) {
+        const Vec3d p = to_double(fine.positions[i]), n = to_double(fine.normals[i]);
+        if (std::abs(p.x) > 1e-6) continue;
+        // The right slope goes down by 1 on a way of sqrt(2), on which it is lifted by 1/2.
+        const double turn = std::atan(0.5 * s);
+        const bool is_left = n.x < 0;
+        const double angle = is_left ? 0.75 * std::numbers::pi : 0.25 * std::numbers::pi + turn;
+        EXPECT_NEAR(n.x, std::cos(angle), 1e-6);
+        EXPECT_NEAR(n.z, std::sin(angle), 1e-6);
+        ++(is_left ? left : right);
+    }
+    EXPECT_GE(left, 5);
+    EXPECT_GE(right, 5);
+}
+
+/// Pictures may have any value from 0 to 1, whatever they are.
+TEST(Displacement, BoundsHoldWhatPicturesMayMove)
+{
+    Material m = displacing(0.5f, 0);
+    m.displacement_midlevel = 0.25f;
+    Mesh flat;
+    flat.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    flat.indices = {0, 1, 2};
+    Mesh with_normals = flat;
+    with_normals.normals.assign(3, {0, 0, 2});
+    TestScene a, b, c, e;
+    a.add_mesh(flat, a.add_material(m));
+    b.add_mesh(with_normals, b.add_material(m));
+    c.add(unit_square, c.add_material(m));
+    e.add(Disk{{0.5, 0.5, 0}, {0, 0, 3}, 0.5}, e.add_material(m));
+    for (const TestScene* s : {&a, &b, &c, &e}) {
+        const Bounds bounds = world_bounds(s->d);
+        EXPECT_NEAR(bounds.min.z, -0.125, 1e-7);
+        EXPECT_NEAR(bounds.max.z, 0.375, 1e-7);
+        EXPECT_NEAR(bounds.max.x, 1, 1e-7);
+    }
+    TestScene ball, hollow, box;
+    ball.add(Sphere{{0, 0, 0}, 1, {}}, ball.add_material(m));
+    hollow.add(Sphere{{0, 0, 0}, -1, {}}, hollow.add_material(m));
+    box.add(Box{{-1, -1, -1}, {1, 1, 1}}, box.add_material(m));
+    EXPECT_NEAR(world_bounds(ball.d).max.x, 1.375, 1e-7);
+    EXPECT_NEAR(world_bounds(hollow.d).max.x, 1.125, 1e-7);
+    EXPECT_NEAR(world_bounds(box.d).max.x, 1.375, 1e-7);
+}
+
 TEST(Displacement, TheEdgeLengthIsKept)
 {
     TestScene s;

@@ -12,11 +12,11 @@ std::uint64_t inner_vertices(std::uint64_t parts)
     return (parts - 1) * (parts - 2) / 2;
 }
 
-std::uint32_t finest(const WeldedMesh& welded, const std::vector<std::uint8_t>& exponents, std::size_t triangle)
+std::uint8_t finest(const WeldedMesh& welded, const std::vector<std::uint8_t>& exponents, std::size_t triangle)
 {
     std::uint8_t most = 0;
     for (std::size_t h = 3 * triangle; h < 3 * triangle + 3; ++h) most = std::max(most, exponents[welded.edge_of(h)]);
-    return 1u << most;
+    return most;
 }
 
 }  // namespace
@@ -29,7 +29,7 @@ Subdivision::Size Subdivision::size(const Mesh& mesh, const WeldedMesh& welded,
     for (const WeldedMesh::Side& side : welded.sides()) size.vertices += double((1u << exponents[side.edge]) - 1);
     for (std::size_t t = 0; t < mesh.indices.size() / 3; ++t) {
         // Euler: a triangulation with so many vertices within and on its border.
-        const auto inner = double(inner_vertices(finest(welded, exponents, t)));
+        const auto inner = double(inner_vertices(1u << finest(welded, exponents, t)));
         double border = 0;
         for (std::size_t h = 3 * t; h < 3 * t + 3; ++h) border += double(1u << exponents[welded.edge_of(h)]);
         size.vertices += inner;
@@ -51,17 +51,13 @@ Subdivision::Subdivision(const Mesh& mesh, const WeldedMesh& welded, std::vector
     first_inner_.reserve(triangles + 1);
     for (std::size_t t = 0; t < triangles; ++t) {
         first_inner_.push_back(next);
-        const std::uint32_t n = finest(welded, exponents_, t), step = std::max(vertices_at_once / n, 1u);
+        finest_.push_back(finest(welded, exponents_, t));
+        const std::uint32_t n = parts(t), step = std::max(vertices_at_once / n, 1u);
         next += std::uint32_t(inner_vertices(n));
         for (std::uint32_t row = 0; row < n; row += step)
             rows_.push_back({std::uint32_t(t), row, std::min(row + step, n)});
     }
     first_inner_.push_back(next);
-}
-
-std::uint32_t Subdivision::parts(std::size_t triangle) const
-{
-    return finest(welded_, exponents_, triangle);
 }
 
 std::uint32_t Subdivision::vertex(std::size_t triangle, std::uint32_t i, std::uint32_t j) const

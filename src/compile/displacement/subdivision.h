@@ -40,7 +40,7 @@ public:
     /// Of the j-th place along a side, from 1 on.
     std::uint32_t vertex_on_side(std::uint32_t side, std::uint32_t j) const { return first_on_side_[side] + j - 1; }
     /// Parts of the grid of a triangle.
-    std::uint32_t parts(std::size_t triangle) const;
+    std::uint32_t parts(std::size_t triangle) const { return 1u << finest_[triangle]; }
     /// i: towards the second corner, j: towards the third; i + j <= parts.
     std::uint32_t vertex(std::size_t triangle, std::uint32_t i, std::uint32_t j) const;
 
@@ -72,7 +72,8 @@ private:
 
     const Mesh& mesh_;
     const WeldedMesh& welded_;
-    std::vector<std::uint8_t> exponents_;
+    std::vector<std::uint8_t> exponents_;  ///< of edges
+    std::vector<std::uint8_t> finest_;     ///< of triangles: the greatest exponent of their edges
     std::vector<std::uint32_t> first_on_side_;
     std::vector<std::uint32_t> first_inner_;  ///< and one behind the last
     std::vector<Rows> rows_;
