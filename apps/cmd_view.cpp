@@ -68,6 +68,7 @@ int run_view(ViewOptions& o)
     Reporter reporter(default_report_mode());
     Warnings warnings;
     const ThreadLimit limit = limit_threads(o.settings, reporter);
+    std::optional<Denoiser> denoiser = open_denoiser(o.picture, o.settings.threads, reporter);
     LoadedScene loaded = [&] {
         const Reporter::Phase phase(reporter, "load", "reading " + o.scene.file.string());
         return load_for_render(o.scene, warnings);
@@ -89,7 +90,7 @@ int run_view(ViewOptions& o)
     }();
     DisplayTransform display = write_options(o.picture, hints).display;
     use_light(lit, o.picture, settings, display, reporter);
-    view::ViewJob job{std::move(lit.scene), settings, {}, 0, {}, {}, {}, 0, nullptr};
+    view::ViewJob job{std::move(lit.scene), settings, {}, 0, {}, std::move(denoiser), {}, {}, 0, nullptr};
     reporter.warnings(warnings);
     job.name = o.scene.file.filename().string();
     job.samples = o.samples.value_or(hinted);

@@ -43,6 +43,14 @@ void add_display_options(Command& command, PictureOptions& options)
         "like "
         "film, filmic is a simple curve, srgb shows radiance up to 1 as it is, so that pictures can be compared",
         [&](const std::string& text) { options.tonemap = Tonemap(parse_word(text, tonemap_words)); });
+    command.add_flag_or_word("--denoise",
+                             "take the noise away by Open Image Denoise (`pip install pyoidn`): of PNG, JPEG, WebP, "
+                             "HDR and window; EXR keeps the "
+                             "picture as it is and gets a layer `denoised`. `--denoise auto`: only if it is there",
+                             [&](const std::string& text) {
+                                 options.denoise =
+                                     parse_word(text, {"true", "auto"}) == 1 ? Denoising::automatic : Denoising::on;
+                             });
 }
 
 void add_picture_options(Command& command, PictureOptions& options)
@@ -54,13 +62,6 @@ void add_picture_options(Command& command, PictureOptions& options)
                       [&](const std::string& text) { options.png_bits = parse_word(text, {"8", "16"}) ? 16 : 8; });
     command.add_value("--quality", "1..100", "of JPEG (default 95) and WebP (default: without loss)",
                       [&](const std::string& text) { options.quality = int(parse_integer(text, 1, 100)); });
-    command.add_flag_or_word(
-        "--denoise",
-        "take the noise away by Open Image Denoise (`pip install pyoidn`): of PNG, JPEG, WebP and HDR; EXR keeps the "
-        "picture as it is and gets a layer `denoised`. `--denoise auto`: only if it is there",
-        [&](const std::string& text) {
-            options.denoise = parse_word(text, {"true", "auto"}) == 1 ? Denoising::automatic : Denoising::on;
-        });
     command.add_value("--exr", "half|float", "numbers of EXR (default float)",
                       [&](const std::string& text) { options.exr_half = parse_word(text, {"half", "float"}) == 0; });
 }

@@ -4,8 +4,10 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include "fathom/denoise.h"
 #include "fathom/load.h"
 #include "fathom/render.h"
 
@@ -17,6 +19,7 @@ struct ViewJob {
     std::string name;           ///< of the scene, for the title; saved pictures are named after it
     std::uint64_t samples = 0;  ///< a pixel, when rendering ends
     DisplayTransform display;
+    std::optional<Denoiser> denoiser;                ///< of the picture from the start; none: when it is asked for
     Bounds bounds;                                   ///< of the scene: the colours of positions
     std::filesystem::path latency_log;               ///< empty: none
     int script_moves = 0;                            ///< so many moves are made, then the window closes; 0: none

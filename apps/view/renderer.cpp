@@ -32,9 +32,11 @@ bool shares_film_of_picture(View view)
 
 }  // namespace
 
-Renderer::Renderer(Scene scene, const RenderSettings& settings, std::uint64_t samples, const DisplayScale& scale)
-    : scene_(std::move(scene)), settings_(settings), samples_(samples)
+Renderer::Renderer(Scene scene, const RenderSettings& settings, std::uint64_t samples, const DisplayScale& scale,
+                   std::optional<Denoiser> denoiser)
+    : scene_(std::move(scene)), settings_(settings), samples_(samples), denoised_(denoiser, settings.threads)
 {
+    request_.denoise = work_.denoise = denoiser.has_value();
     request_.camera = scene_.camera();
     request_.width = settings.width;
     request_.height = settings.height;
@@ -71,6 +73,14 @@ void Renderer::show(View view)
 {
     const std::lock_guard lock(mutex_);
     request_.view = view;
+    if (interruptible_) cancel_ = true;
+    wake_.notify_one();
+}
+
+void Renderer::toggle_denoising()
+{
+    const std::lock_guard lock(mutex_);
+    request_.denoise = !request_.denoise;
     if (interruptible_) cancel_ = true;
     wake_.notify_one();
 }
@@ -131,7 +141,9 @@ void Renderer::run()
         return done;
     };
     while (!quit_) {
+        const bool denoise = work_.denoise;
         take_request();
+        if (work_.denoise != denoise && !apart([&] { tell_denoising(); })) request_.denoise = work_.denoise = false;
         cancel_ = false;
         interruptible_ = true;
         if (pick_request_) {
@@ -156,8 +168,8 @@ void Renderer::run()
         });
         if (!done) save_request_.reset();
         const auto something_to_do = [&] {
-            return quit_ || request_.move != work_.move || request_.view != work_.view || pick_request_ ||
-                   save_request_;
+            return quit_ || request_.move != work_.move || request_.view != work_.view ||
+                   request_.denoise != work_.denoise || pick_request_ || save_request_;
         };
         if ((idle || !done) && !quit_) wake_.wait(lock, something_to_do);
     }
@@ -173,9 +185,16 @@ void Renderer::take_request()
     if (request_.move != work_.move) {
         rendered_s_ = 0;
         rendered_samples_ = 0;
+        denoised_.reset();
     }
-    if (request_.move != work_.move || request_.view != work_.view) shown_ = false;
+    if (request_.move != work_.move || request_.view != work_.view || request_.denoise != work_.denoise) shown_ = false;
     work_ = request_;
+}
+
+void Renderer::tell_denoising()
+{
+    if (work_.denoise) denoised_.open();
+    say(work_.denoise ? "denoised by Open Image Denoise " + denoised_.version() : "not denoised");
 }
 
 RenderSettings Renderer::settings_for(View view) const
@@ -218,8 +237,8 @@ std::optional<Renderer::Pass> Renderer::full_pass(View film)
     Target& t = target(film, job, true);
     const std::uint64_t done = t.film.samples_per_pixel();
     const std::uint64_t end = samples_end(film);
-    // What is there already when a view is chosen again is shown at once.
-    if (!shown_ && done > 0) return Pass{&t, job, {done, done}, true};
+    // What is there already when a view is chosen again is shown at once; so is what takes only denoising.
+    if (done > 0 && (!shown_ || denoising_is_due(t))) return Pass{&t, job, {done, done}, true};
     if (done >= end) return {};
     const double fit = pass_s_ > 0 ? longest_pass_s / pass_s_ : 1;
     std::uint64_t count = std::clamp<std::uint64_t>(done, 1, most_pass_samples);
@@ -270,7 +289,29 @@ bool Renderer::render(const Pass& pass)
     return true;
 }
 
+/// First as it is, and then without its noise, which takes longer.
 void Renderer::publish(const Pass& pass)
+{
+    if (!is_denoised(pass)) return hand_out(pass, nullptr);
+    if (!denoised_.layer()) hand_out(pass, nullptr);
+    if (denoising_is_due(*pass.target) && !denoised_.update(pass.job, pass.target->film, rendered_s_, cancel_)) return;
+    hand_out(pass, denoised_.layer());
+}
+
+bool Renderer::is_denoised(const Pass& pass) const
+{
+    return work_.denoise && work_.view == View::picture && pass.full_size;
+}
+
+bool Renderer::denoising_is_due(const Target& picture) const
+{
+    const std::uint64_t samples = picture.film.samples_per_pixel();
+    return work_.denoise && work_.view == View::picture &&
+           denoised_.is_due(samples, rendered_s_, samples >= samples_end(View::picture));
+}
+
+/// denoised  the picture's colours, or null
+void Renderer::hand_out(const Pass& pass, const Image::Layer* denoised)
 {
     Frame frame;
     frame.move = work_.move;
@@ -282,6 +323,8 @@ void Renderer::publish(const Pass& pass)
     frame.samples_end = samples_end(work_.view);
     if (rendered_s_ > 0) frame.samples_per_s = double(rendered_samples_) / rendered_s_;
     frame.image = pass.target->film.image(false, work_.view == View::noise);
+    if (denoised) frame.image.layers[0].pixels = denoised->pixels;
+    frame.denoised = denoised != nullptr;
     mark_misses(work_.view, frame.image);
     frame.scale = work_.scale;
     frame.pixels =
@@ -326,9 +369,19 @@ void Renderer::save_picture(const std::string& stem)
     image.attributes = {{"fathom.scene", stem},
                         {"fathom.samples_per_pixel", fmt::format("{}", film.samples_per_pixel())},
                         {"fathom.seed", fmt::format("{}", settings_.seed)}};
+    Image shown;
+    shown.width = image.width, shown.height = image.height;
+    shown.layers = {image.layers[0]};
+    if (work_.denoise) {
+        denoised_.add_to(image);
+        const std::size_t stride = shown.layers[0].channels.size();
+        const std::vector<float>& pixels = image.find("denoised")->pixels;
+        for (std::size_t i = 0; i < pixels.size() / 3; ++i)
+            std::copy_n(&pixels[3 * i], 3, &shown.layers[0].pixels[stride * i]);
+    }
     WriteOptions options;
     options.display = work_.scale.transform;
-    write_image(name + ".png", image, options);
+    write_image(name + ".png", shown, options);
     write_image(name + ".exr", image, options);
     say(fmt::format("saved {0}.png and {0}.exr", name));
 }

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "denoised.h"
 #include "display.h"
 #include "fathom/render.h"
 
@@ -21,7 +22,7 @@ struct Frame {
     std::uint64_t move = 0;  ///< the latest call of Renderer::move that it obeys
     View view = View::picture;
     int width = 0, height = 0;
-    bool full_size = false;
+    bool full_size = false, denoised = false;
     std::uint64_t samples = 0, samples_end = 0;  ///< a pixel
     double samples_per_s = 0;                    ///< of pixels
     Image image;
@@ -39,11 +40,13 @@ struct Pick {
 ///
 /// After a move: one sample at low resolution, one at full size, and then passes of as many samples as there are until
 /// these take long. A move cancels the pass at work, except one at low resolution: while the camera moves all the time,
-/// these are what is seen.
+/// these are what is seen. Where noise is to be taken away, that is done between passes.
 class Renderer {
 public:
-    /// samples  a pixel, after which nothing more is done until something changes
-    Renderer(Scene scene, const RenderSettings& settings, std::uint64_t samples, const DisplayScale& scale);
+    /// samples   a pixel, after which nothing more is done until something changes
+    /// denoiser  of the picture from the start; none: not before it is asked for
+    Renderer(Scene scene, const RenderSettings& settings, std::uint64_t samples, const DisplayScale& scale,
+             std::optional<Denoiser> denoiser);
     ~Renderer();
     Renderer(const Renderer&) = delete;
     Renderer& operator=(const Renderer&) = delete;
@@ -51,6 +54,8 @@ public:
     /// The camera and the picture's size from now on; returns the number of the move.
     std::uint64_t move(const Camera& camera, int width, int height, double distance);
     void show(View view);
+    /// Takes the picture's noise away, or no longer; a message tells which, or why it can't be.
+    void toggle_denoising();
     /// What frames are made with from now on; those made already are not made again.
     void set_transform(const DisplayTransform& transform);
     /// Asks for the distance of what the camera of one pixel sees; the answer comes as an update.
@@ -77,6 +82,7 @@ private:
         int width = 0, height = 0;
         std::uint64_t move = 0;
         View view = View::picture;
+        bool denoise = false;
         DisplayScale scale;
     };
     struct PickRequest {
@@ -91,6 +97,7 @@ private:
     };
     void run();
     void take_request();
+    void tell_denoising();
     std::optional<Pass> next_pass();
     std::optional<Pass> full_pass(View film);
     Target& target(View view, const RenderJob& job, bool full_size);
@@ -100,6 +107,9 @@ private:
     std::uint64_t picture_samples() const;
     bool render(const Pass& pass);
     void publish(const Pass& pass);
+    bool is_denoised(const Pass& pass) const;
+    bool denoising_is_due(const Target& picture) const;
+    void hand_out(const Pass& pass, const Image::Layer* denoised);
     void answer_pick(PickRequest request);
     void save_picture(const std::string& stem);
     void say(const std::string& message);
@@ -114,6 +124,7 @@ private:
     double rendered_s_ = 0;               ///< and all of them since the move
     std::uint64_t rendered_samples_ = 0;  ///< of pixels
     std::map<View, Target> films_, previews_;
+    DenoisedPicture denoised_;
 
     std::mutex mutex_;
     std::condition_variable wake_, news_;

@@ -38,7 +38,7 @@ Viewer::Viewer(const ViewJob& job)
       latency_(job.latency_log.string()),
       next_script_move_(Clock::now() + 1s),
       window_(sf::VideoMode(unsigned(width_), unsigned(height_)), "Fathom"),
-      renderer_(job.scene, job.settings, job.samples, {job.display, job.bounds, control_.distance()})
+      renderer_(job.scene, job.settings, job.samples, {job.display, job.bounds, control_.distance()}, job.denoiser)
 {
     if (!window_.isOpen()) throw Error("", "", "no window could be opened on this display");
     window_.setKeyRepeatEnabled(false);
@@ -164,6 +164,7 @@ void Viewer::set_title()
     title += fmt::format(" - {} of {} samples, {} %", frame_.samples, std::max<std::uint64_t>(frame_.samples_end, 1),
                          frame_.samples * 100 / std::max<std::uint64_t>(frame_.samples_end, 1));
     if (frame_.samples_per_s > 0) title += fmt::format(" - {:.3g} M samples/s", frame_.samples_per_s / 1e6);
+    if (frame_.denoised) title += " - denoised";
     if (transform_.exposure_ev != 0) title += fmt::format(" - exposure {:+.1f}", transform_.exposure_ev);
     if (title == title_) return;
     title_ = title;

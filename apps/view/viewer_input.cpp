@@ -142,6 +142,9 @@ void Viewer::handle_key(const sf::Event::KeyEvent& key)
             say(fmt::format("tone map: {}", tonemap_names[std::size_t(transform_.tonemap)]));
             change_display();
             break;
+        case K::N:
+            renderer_.toggle_denoising();
+            break;
         case K::Tab:
             choose_view((int(view_) + (key.shift ? views - 1 : 1)) % views);
             break;
@@ -260,6 +263,7 @@ std::vector<std::string> Viewer::help_lines() const
             "R                 camera of the scene again (only the camera)",
             "+ -               exposure",
             "T                 tone map",
+            "N                 take noise away, or not",
             "1 to 8, Tab       picture, albedo, normal,",
             "                  depth, position, instance,",
             "                  material, noise",

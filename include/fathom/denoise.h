@@ -1,6 +1,8 @@
 #pragma once
+#include <atomic>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "fathom/export.h"
@@ -25,6 +27,9 @@ public:
     /// "normal", where there are such, keep the edges of textures and surfaces sharp. This is biased, as every denoiser
     /// is. Throws Error if the library fails.
     Image::Layer denoise(const Image& image) const;
+    /// The same, for a picture that is soon to be another: a few times as fast and a little less clean, since albedo
+    /// and normal are taken with their noise. Nothing if `cancel` became true meanwhile.
+    std::optional<Image::Layer> denoise_quickly(const Image& image, const std::atomic<bool>& cancel) const;
 
 private:
     struct Data;

@@ -129,8 +129,8 @@ struct Material {
     ColorInput diffuse_transmission_color;
     /// Share of what is diffuse that enters the solid, is scattered there, and leaves it diffusely.
     FloatInput subsurface{0, -1, 0};
-    Color subsurface_color{0.8f, 0.8f, 0.8f};  ///< what a half-space gives back of light from everywhere
-    double subsurface_radius = 0.01;           ///< mean free path, metres
+    ColorInput subsurface_color{{0.8f, 0.8f, 0.8f}, -1};  ///< what a half-space gives back of light from everywhere
+    double subsurface_radius = 0.01;                      ///< mean free path, metres
     Color subsurface_radius_scale{1, 0.5f, 0.25f};
     float subsurface_scatter_anisotropy = 0;  ///< mean cosine
     FloatInput diffuse_roughness{0, -1, 0};

@@ -105,6 +105,7 @@ LayersRecord compile_layers(const Material& m)
     t.transmission_color = color(m.transmission_color);
     t.diffuse_transmission_color = color(m.diffuse_transmission_color);
     t.coat_color = color(m.coat_color), t.sheen_color = color(m.sheen_color);
+    t.subsurface_color = color(m.subsurface_color);
     t.anisotropy_cos = float(std::cos(m.anisotropy_rotation)),
     t.anisotropy_sin = float(std::sin(m.anisotropy_rotation));
     t.anisotropy_texture = texture_id(m.anisotropy_texture);
@@ -117,7 +118,7 @@ LayersRecord compile_layers(const Material& m)
     if (is_textured(t.specular, t.anisotropy, t.transmission, t.diffuse_transmission, t.diffuse_roughness, t.coat,
                     t.coat_roughness, t.sheen_roughness, t.thin_film, t.thin_film_thickness, t.specular_color,
                     t.edge_color, t.transmission_color, t.diffuse_transmission_color, t.coat_color, t.sheen_color,
-                    t.subsurface))
+                    t.subsurface, t.subsurface_color))
         t.features |= LayersRecord::textured;
     return t;
 }

@@ -57,7 +57,8 @@ std::uint32_t subsurface_medium(Compiler& c, const Material& m)
 {
     MediumRecord medium;
     medium.anisotropy = m.subsurface_scatter_anisotropy;
-    const Rgb color = spectrum(m.subsurface_color), scale = spectrum(m.subsurface_radius_scale);
+    medium.has_textured_color = m.subsurface_color.texture >= 0;
+    const Rgb color = spectrum(m.subsurface_color.value), scale = spectrum(m.subsurface_radius_scale);
     for (std::size_t i = 0; i < channels; ++i) {
         const double free_path = m.subsurface_radius * double(scale[i]) * c.space.scale;
         medium.extinction[i] = float(1 / std::max(free_path, shortest_free_path));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -29,6 +30,29 @@ Plane plane_of(const Image::Layer& layer)
     return plane;
 }
 
+struct Input {
+    const char* name;  ///< as the library has it
+    Plane plane;
+};
+
+/// The picture, and the layers that help; normals do beside an albedo only.
+std::vector<Input> inputs_of(const Image& image)
+{
+    if (image.layers.empty()) throw Error("", "", "can't denoise an empty picture");
+    std::vector<Input> inputs = {{"color", plane_of(image.layers[0])}};
+    for (const char* name : {"albedo", "normal"}) {
+        const Image::Layer* layer = image.find(name);
+        if (!layer) break;
+        inputs.push_back({name, plane_of(*layer)});
+    }
+    return inputs;
+}
+
+Image::Layer denoised_layer(Plane plane)
+{
+    return {"denoised", {"R", "G", "B"}, std::move(plane)};
+}
+
 }  // namespace
 
 struct Denoiser::Data {
@@ -36,19 +60,23 @@ struct Denoiser::Data {
     Device device;
     std::string version;
 
-    /// Throws Error if something went wrong since it was called last.
-    void check() const
+    /// Throws Error if something went wrong since it was called last. False if it was cancelled.
+    bool check() const
     {
         const char* message = nullptr;
-        if (oidn.oidnGetDeviceError(device.get(), &message) != Oidn::error_none)
-            throw Error(oidn.file.string(), "denoising", message ? message : "failed");
+        const int error = oidn.oidnGetDeviceError(device.get(), &message);
+        if (error == Oidn::error_cancelled) return false;
+        if (error != Oidn::error_none) throw Error(oidn.file.string(), "denoising", message ? message : "failed");
+        return true;
     }
 
-    struct Input {
-        const char* name;
-        Plane& plane;
+    /// What kind of picture the first input is, and how it is treated.
+    struct Mode {
+        bool is_radiance = false, aids_are_clean = false, is_quick = false;
+        const std::atomic<bool>* cancel = nullptr;
     };
-    Plane filter(const Image& image, const std::vector<Input>& inputs, bool is_radiance) const
+    /// Empty if it was cancelled.
+    Plane filter(const Image& image, std::span<Input> inputs, const Mode& mode) const
     {
         const Filter rt(oidn.oidnNewFilter(device.get(), "RT"), oidn.oidnReleaseFilter);
         check();
@@ -57,18 +85,20 @@ struct Denoiser::Data {
                                           std::size_t(image.height), 0, 0, 0);
         };
         Plane output(std::size_t(image.width) * std::size_t(image.height) * 3);
-        for (const Input& input : inputs) set(input.name, input.plane);
+        for (Input& input : inputs) set(input.name, input.plane);
         set("output", output);
-        if (is_radiance) {
-            oidn.oidnSetFilterBool(rt.get(), "hdr", true);
-            oidn.oidnSetFilterBool(rt.get(), "cleanAux", inputs.size() > 1);
-        } else {
-            // Of aids, high quality takes 2.7 times as long and brings nothing: the same error to 1 % in three scenes.
-            oidn.oidnSetFilterInt(rt.get(), "quality", Oidn::quality_balanced);
+        oidn.oidnSetFilterBool(rt.get(), "hdr", mode.is_radiance);
+        oidn.oidnSetFilterBool(rt.get(), "cleanAux", mode.aids_are_clean);
+        if (mode.is_quick) oidn.oidnSetFilterInt(rt.get(), "quality", Oidn::quality_balanced);
+        if (mode.cancel) {
+            const auto go_on = [](void* cancel, double) {
+                return !static_cast<const std::atomic<bool>*>(cancel)->load(std::memory_order_relaxed);
+            };
+            oidn.oidnSetFilterProgressMonitorFunction(rt.get(), go_on, const_cast<std::atomic<bool>*>(mode.cancel));
         }
         oidn.oidnCommitFilter(rt.get());
         oidn.oidnExecuteFilter(rt.get());
-        check();
+        if (!check()) return {};
         return output;
     }
 };
@@ -105,21 +135,20 @@ const std::filesystem::path& Denoiser::file() const
 
 Image::Layer Denoiser::denoise(const Image& image) const
 {
-    if (image.layers.empty()) throw Error("", "", "can't denoise an empty picture");
-    Plane color = plane_of(image.layers[0]), albedo, normal;
-    std::vector<Data::Input> inputs = {{"color", color}};
-    // Those of few samples have noise themselves, at edges, and out of focus: they are denoised first.
-    const auto add_clean = [&](const char* name, Plane& plane) {
-        const Image::Layer* layer = image.find(name);
-        if (!layer) return;
-        plane = plane_of(*layer);
-        plane = data_->filter(image, {{name, plane}}, false);
-        inputs.push_back({name, plane});
-    };
-    add_clean("albedo", albedo);
-    // Normals help beside an albedo only.
-    if (!albedo.empty()) add_clean("normal", normal);
-    return {"denoised", {"R", "G", "B"}, data_->filter(image, inputs, true)};
+    std::vector<Input> inputs = inputs_of(image);
+    // Aids of few samples have noise themselves, at edges, and out of focus: they are denoised first. High quality
+    // takes 2.7 times as long there and brings nothing: the same error to 1 % in three scenes.
+    for (std::size_t i = 1; i < inputs.size(); ++i)
+        inputs[i].plane = data_->filter(image, {&inputs[i], 1}, {.is_radiance = false, .is_quick = true});
+    return denoised_layer(data_->filter(image, inputs, {.is_radiance = true, .aids_are_clean = inputs.size() > 1}));
+}
+
+std::optional<Image::Layer> Denoiser::denoise_quickly(const Image& image, const std::atomic<bool>& cancel) const
+{
+    std::vector<Input> inputs = inputs_of(image);
+    Plane denoised = data_->filter(image, inputs, {.is_radiance = true, .is_quick = true, .cancel = &cancel});
+    if (denoised.empty()) return {};
+    return denoised_layer(std::move(denoised));
 }
 
 }  // namespace fathom

@@ -79,6 +79,7 @@ Oidn functions_of(void* library, const fs::path& file)
     take(oidn.oidnSetSharedFilterImage, "oidnSetSharedFilterImage");
     take(oidn.oidnSetFilterBool, "oidnSetFilterBool");
     take(oidn.oidnSetFilterInt, "oidnSetFilterInt");
+    take(oidn.oidnSetFilterProgressMonitorFunction, "oidnSetFilterProgressMonitorFunction");
     take(oidn.oidnCommitFilter, "oidnCommitFilter");
     take(oidn.oidnExecuteFilter, "oidnExecuteFilter");
     return oidn;

@@ -9,7 +9,7 @@ namespace fathom {
 struct Oidn {
     using Device = struct DeviceObject*;
     using Filter = struct FilterObject*;
-    static constexpr int device_cpu = 1, format_float3 = 3, error_none = 0, quality_balanced = 5;
+    static constexpr int device_cpu = 1, format_float3 = 3, error_none = 0, error_cancelled = 6, quality_balanced = 5;
 
     Device (*oidnNewDevice)(int type);
     void (*oidnReleaseDevice)(Device);
@@ -25,6 +25,9 @@ struct Oidn {
                                      std::size_t row_stride);
     void (*oidnSetFilterBool)(Filter, const char* name, bool value);
     void (*oidnSetFilterInt)(Filter, const char* name, int value);
+    /// Is told how much is done, from 0 to 1; false gives up.
+    using Progress = bool (*)(void* data, double done);
+    void (*oidnSetFilterProgressMonitorFunction)(Filter, Progress, void* data);
     void (*oidnCommitFilter)(Filter);
     void (*oidnExecuteFilter)(Filter);
 

@@ -33,8 +33,8 @@ public:
           lights_(scene, settings.light_selection),
           settings_(settings),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
-          extras_{tables_.moving, scene.refracts, scene.tracks_media, settings.clamp_indirect > 0,
-                  scene.scatters_inside},
+          extras_{tables_.moving,        scene.refracts,      scene.tracks_media, settings.clamp_indirect > 0,
+                  scene.scatters_inside, scene.textured_media},
           camera_media_(scene.tracks_media ? media_at(scene, camera) : MediumStack()),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
@@ -92,6 +92,7 @@ private:
         p.media.store(to, camera_media_);
         if (extras_.clamp) p.indirect_left.store(to, Float(settings_.clamp_indirect));
         p.walk_steps.store(to, UInt(0u));
+        if (extras_.albedo) p.walk_albedo.store(to, Spectrum(Float(-1)));
     }
 
     // ------------------------------------------------------------------------------------------- trace

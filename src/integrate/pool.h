@@ -105,6 +105,7 @@ struct PathExtras {
     bool media = false;      ///< what solids are filled with matters
     bool clamp = false;      ///< indirect light is limited
     bool walks = false;      ///< and that scatters
+    bool albedo = false;     ///< in a colour of its own where the path came in
 };
 
 /// Paths under way.
@@ -125,6 +126,8 @@ struct PathPool {
     Column<float> indirect_left;  ///< see IndirectClamp
     MediaColumn media;
     Column<std::uint32_t> walk_steps;  ///< within a medium, since the last surface
+    /// Of media with textured colour: what is scattered of what is lost; below 0: what the medium says.
+    SpectrumColumn walk_albedo;
 
     /// Calls f(column of a, the same of b) for what a path takes with it to its next surface and on from there.
     template <class F>
@@ -138,6 +141,7 @@ struct PathPool {
         if (extras.media) for_columns(a.media, b.media, f);
         if (extras.clamp) f(a.indirect_left, b.indirect_left);
         if (extras.walks) f(a.walk_steps, b.walk_steps);
+        if (extras.albedo) for_columns(a.walk_albedo, b.walk_albedo, f);
     }
     template <class Word>
     static Word pixel_of(Word state)

@@ -82,7 +82,7 @@ void LaneScene::read_tables()
 void LaneScene::read_shapes()
 {
     kinds = 0;
-    refracts = wants_tangents = single_sided = has_absorption = scatters_inside = false;
+    refracts = wants_tangents = single_sided = has_absorption = scatters_inside = textured_media = false;
     shape_info.clear();
     only_diffuse_quads = is_flat && !tables.moving && tables.textures.empty() && tables.triangles.empty() &&
                          tables.spheres.empty() && tables.disks.empty();
@@ -95,6 +95,7 @@ void LaneScene::read_shapes()
             const MediumRecord& medium = tables.media[number];
             for (float sigma : medium.extinction) has_absorption |= sigma > 0;
             for (float sigma : medium.scattering) scatters_inside |= sigma > 0;
+            textured_media |= medium.has_textured_color != 0;
         }
         const auto kind = std::uint32_t(material.closure);
         const bool scatters = material.closure != ClosureKind::none;

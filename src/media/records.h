@@ -9,9 +9,11 @@ namespace fathom {
 
 /// What a solid is filled with.
 struct MediumRecord {
-    Rgb extinction{};            ///< what is absorbed or scattered, per unit of render space
-    Rgb scattering{};            ///< of that, what is scattered
-    float anisotropy = 0;        ///< mean cosine of what is scattered, see sample_phase
+    Rgb extinction{};      ///< what is absorbed or scattered, per unit of render space
+    Rgb scattering{};      ///< of that, what is scattered
+    float anisotropy = 0;  ///< mean cosine of what is scattered, see sample_phase
+    /// Paths have scattering of their own, from the colour of where they came in: see PathPool::walk_albedo.
+    std::uint32_t has_textured_color = 0;
     float ior = 1;               ///< index of refraction
     std::uint32_t priority = 0;  ///< where media overlap, the one with the greatest is there; above 0, below 2^31
 

@@ -87,6 +87,25 @@ TEST_F(FakeLibrary, GetsRadianceAndItsAidsDenoisedFirst)
         }
 }
 
+TEST_F(FakeLibrary, QuicklyWithAidsAsTheyAre)
+{
+    const Denoiser denoiser(1);
+    Image image = made_image(7, 5);
+    for (const char* name : {"albedo", "normal"}) image.layers.push_back(made_layer(name, {"R", "G", "B"}, 35, 2));
+    std::atomic<bool> cancel = false;
+    const std::optional<Image::Layer> quick = denoiser.denoise_quickly(image, cancel);
+    ASSERT_TRUE(quick);
+    for (int x = 0; x < 7; ++x) {
+        const auto aid = [&](const char* name) { return image.find(name)->pixels[std::size_t(3 * (2 * 7 + x) + 1)]; };
+        const float value = expected(image, x, 2, 1, false) + 5 * aid("albedo") + 500 * aid("normal");
+        EXPECT_NEAR(quick->pixels[std::size_t(3 * (2 * 7 + x) + 1)], value, 1e-3) << x;
+    }
+    cancel = true;
+    EXPECT_FALSE(denoiser.denoise_quickly(image, cancel));
+    cancel = false;
+    EXPECT_TRUE(denoiser.denoise_quickly(image, cancel));
+}
+
 TEST_F(FakeLibrary, FailuresAreErrors)
 {
     const Denoiser denoiser(0);

@@ -4,11 +4,13 @@
 #include <cstring>
 #include <map>
 #include <string>
+#include <utility>
 
 namespace {
 
 struct Device {
     std::string error;
+    int code = 2;  ///< of the error
     std::map<std::string, int> numbers;
     bool committed = false;
 };
@@ -20,6 +22,8 @@ struct Filter {
     Device* device;
     std::map<std::string, Picture> pictures;
     std::map<std::string, bool> flags;
+    bool (*progress)(void*, double) = nullptr;
+    void* progress_data = nullptr;
     bool committed = false;
 };
 
@@ -61,7 +65,7 @@ int oidnGetDeviceError(Device* device, const char** message)
     told = device->error;
     device->error.clear();
     *message = told.c_str();
-    return 2;
+    return std::exchange(device->code, 2);
 }
 Filter* oidnNewFilter(Device* device, const char* type)
 {
@@ -83,17 +87,27 @@ void oidnSetFilterBool(Filter* filter, const char* name, bool value)
     filter->flags[name] = value;
 }
 void oidnSetFilterInt(Filter*, const char*, int) {}
+void oidnSetFilterProgressMonitorFunction(Filter* filter, bool (*progress)(void*, double), void* data)
+{
+    filter->progress = progress;
+    filter->progress_data = data;
+}
 void oidnCommitFilter(Filter* filter)
 {
     filter->committed = true;
 }
 /// Of auxiliary pictures: 0.5 more. Of colours: the mean of a pixel and its neighbours in the row, plus 100 if not hdr;
-/// plus 10 times the albedo and 1000 times the normal, if they are said to be clean.
+/// plus 10 times the albedo and 1000 times the normal, half as much if they are not said to be clean.
 void oidnExecuteFilter(Filter* filter)
 {
     const Picture output = filter->pictures["output"];
     if (!filter->committed || output.width == 13) {
         filter->device->error = "13 is unlucky";
+        return;
+    }
+    if (filter->progress && !filter->progress(filter->progress_data, 0.5)) {
+        filter->device->error = "cancelled";
+        filter->device->code = 6;
         return;
     }
     for (const char* name : {"albedo", "normal"})
@@ -109,9 +123,9 @@ void oidnExecuteFilter(Filter* filter)
                 float& out = output.pixels[at(x)];
                 out = (color[at(x)] + color[at(x > 0 ? x - 1 : 0)] + color[at(std::min(x + 1, output.width - 1))]) / 3;
                 if (!filter->flags["hdr"]) out += 100;
-                if (!filter->flags["cleanAux"]) continue;
-                if (filter->pictures.count("albedo")) out += 10 * filter->pictures["albedo"].pixels[at(x)];
-                if (filter->pictures.count("normal")) out += 1000 * filter->pictures["normal"].pixels[at(x)];
+                const float share = filter->flags["cleanAux"] ? 1 : 0.5f;
+                if (filter->pictures.count("albedo")) out += share * 10 * filter->pictures["albedo"].pixels[at(x)];
+                if (filter->pictures.count("normal")) out += share * 1000 * filter->pictures["normal"].pixels[at(x)];
             }
 }
 }

@@ -20,7 +20,7 @@ Material subsurface(Color color, double radius, float anisotropy = 0)
     m.kind = MaterialKind::principled;
     m.specular.value = 0;
     m.subsurface.value = 1;
-    m.subsurface_color = color;
+    m.subsurface_color.value = color;
     m.subsurface_radius = radius;
     m.subsurface_scatter_anisotropy = anisotropy;
     return m;
@@ -194,6 +194,25 @@ TEST(Subsurface, LightSamplingFindsTheSame)
         EXPECT_NEAR(mean[1].value[c], mean[0].value[c], 4 * std::hypot(mean[0].error[c], mean[1].error[c])) << c;
 }
 
+/// A lamp within a solid can't be sampled from where the walk scatters: what runs into it brings all of its light.
+TEST(Subsurface, LampsWithinAreFoundByScattering)
+{
+    Mean mean[2];
+    for (const bool sampled : {false, true}) {
+        SceneBuilder b;
+        b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(cloud({0.9f, 0.7f, 0.3f})));
+        b.add(Sphere{{0, 0, -0.3}, 0.4, {}}, b.diffuse(0, {3, 3, 3}));
+        b.camera({0, 4, 0}, {0, 0.7, 0}, 10);
+        RenderSettings settings = small_picture();
+        settings.light_sampling = sampled;
+        mean[sampled] = mean_of(render_film(b.scene, settings, 256));
+    }
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(mean[1].value[c], mean[0].value[c], 4 * std::hypot(mean[0].error[c], mean[1].error[c])) << c;
+        EXPECT_GT(mean[1].value[c], 50 * mean[1].error[c]) << c;
+    }
+}
+
 /// Of a material that refracts half of the light and scatters the other half, each half comes to its own medium: what
 /// is refracted passes, the other is absorbed.
 TEST(Subsurface, RefractedLightIsInAnotherMedium)
@@ -206,6 +225,41 @@ TEST(Subsurface, RefractedLightIsInAnotherMedium)
     b.scene.environment = white_sky();
     b.camera({0, 0, 5}, {0, 0, 0}, 10);
     expect_mean(render_film(b.scene, small_picture(), 64), 0.5, 0.005);
+}
+
+/// What a texture says where light comes in is what the solid scatters, times the material's colour; and it is what the
+/// albedo shows. Both boxes are filled with the same medium.
+TEST(Subsurface, ColourHasATexture)
+{
+    const Color colors[] = {{0.85f, 0.5f, 0.15f}, {0.2f, 0.8f, 0.5f}};
+    SceneBuilder boxes;
+    for (int i = 0; i < 2; ++i) {
+        Texture texture;
+        texture.kind = TextureKind::checker_uv;
+        texture.color_a.value = texture.color_b.value = {colors[i].r / 0.9f, colors[i].g / 0.9f, colors[i].b / 0.9f};
+        Material m = subsurface({0.9f, 0.9f, 0.9f}, 0.01, 0.4f);
+        m.subsurface_color.texture = int(boxes.scene.textures.size());
+        boxes.scene.textures.push_back(texture);
+        const double x = i == 0 ? -11 : 1;
+        boxes.add(Box{{x, -10, -10}, {x + 10, 10, 0}}, boxes.material(m));
+    }
+    boxes.scene.environment = white_sky();
+    for (int i = 0; i < 2; ++i) {
+        SceneBuilder b = boxes;
+        const double x = i == 0 ? -6 : 6;
+        b.camera(Vec3d{x, 0, 5}, {x, 0, 0}, 1);
+        RenderSettings settings = small_picture(16, 16);
+        settings.aovs = {Aov::albedo};
+        const Film film = render_film(b.scene, settings, 1024);
+        const Mean m = mean_of(film);
+        const Image image = film.image(false, false);
+        const float* albedo = image.find("albedo")->pixels.data();
+        for (int c = 0; c < 3; ++c) {
+            const float color = c == 0 ? colors[i].r : c == 1 ? colors[i].g : colors[i].b;
+            EXPECT_NEAR(m.value[c], color, 4 * m.error[c] + 0.04 * color) << i << " " << c;
+            EXPECT_NEAR(albedo[c], color, 1e-3) << i << " " << c;
+        }
+    }
 }
 
 /// Steps of the walk are no bounces: in and out are two, and with fewer nothing comes out.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The window for real: on an X server without a screen, with keys and mouse sent, and the screen looked at.
 
-window_test.py PROGRAM SCENES    exit code 77: Xvfb, xdotool or ImageMagick's `import` is not installed
+window_test.py PROGRAM SCENES FAKE_OIDN    exit code 77: Xvfb, xdotool or ImageMagick's `import` is not installed
 """
 import json
 import math
@@ -15,7 +15,7 @@ import tempfile
 import time
 import unittest
 
-PROGRAM = SCENES = None
+PROGRAM = SCENES = FAKE_OIDN = None
 NEEDED = ("Xvfb", "xdotool", "import")
 DISPLAY = None
 PATIENCE = 30  # seconds: the machine may be busy
@@ -71,13 +71,14 @@ class Window(unittest.TestCase):
         self.folder = folder.name
         self.process = None
 
-    def start(self, *arguments, scene="cornell-box.json"):
+    def start(self, *arguments, scene="cornell-box.json", oidn="/nowhere"):
         self.output = open(os.path.join(self.folder, "stdout"), "w+")
         self.errors = open(os.path.join(self.folder, "stderr"), "w+")
         self.addCleanup(self.output.close)
         self.addCleanup(self.errors.close)
         self.process = subprocess.Popen([PROGRAM, "view", os.path.join(SCENES, scene), *arguments], cwd=self.folder,
-                                        env=environment(), stdout=self.output, stderr=self.errors)
+                                        env={**environment(), "FATHOM_OIDN": oidn}, stdout=self.output,
+                                        stderr=self.errors)
         self.addCleanup(self.stop)
         self.window = wait_for("the window", lambda: xdotool("search", "--name", scene).split()[:1])[0]
         # Without a window manager, keys go to the window below the pointer.
@@ -227,6 +228,39 @@ class Window(unittest.TestCase):
         self.key("1")
         wait_for("the picture", lambda: "[" not in self.title() and self.samples() >= 2)
         self.assert_shows_the_box(self.screen())
+
+    def test_noise_is_taken_away(self):
+        self.start("--spp", "16", "--tonemap", "srgb", oidn=FAKE_OIDN)
+        wait_for("all samples", lambda: self.samples() == 16)
+        noisy = self.screen().mean(0.55, 0.3)
+        # What stands for the denoiser adds 5 albedos and 500 normals: the back wall, which looks along -z, has no blue left.
+        self.key("n")
+        wait_for("the denoised picture", lambda: self.title().endswith("denoised"))
+        wait_for("its colours", lambda: self.screen().mean(0.55, 0.3)[2] == 0)
+        self.assertGreater(self.screen().mean(0.55, 0.3)[0], 200)
+        self.key("F2")
+        wait_for("the pictures", lambda: "saved" in self.text(self.errors))
+        with open(os.path.join(self.folder, "cornell-box-0001.exr"), "rb") as file:
+            self.assertIn(b"denoised.R", file.read(4096))
+        # From another place it is another picture, without its noise too.
+        upper = lambda: self.screen().pixels[:800 * 300 * 3]  # without what is said
+        before = upper()
+        self.drag(1, 20, 0)
+        wait_for("a denoised picture", lambda: self.samples() == 16 and self.title().endswith("denoised"))
+        time.sleep(0.5)
+        self.assertEqual(self.screen().mean(0.55, 0.3)[2], 0)
+        self.assertTrue(upper() != before)
+        self.key("r", "n")
+        wait_for("the picture as it is", lambda: self.samples() == 16 and not self.title().endswith("denoised"))
+        wait_for("its colours", lambda: max(abs(a - b) for a, b in zip(self.screen().mean(0.55, 0.3), noisy)) < 1)
+        self.assertIn("denoised by Open Image Denoise 2.98.76", self.text(self.errors))
+
+    def test_noise_stays_without_a_denoiser(self):
+        self.start("--spp", "8")
+        self.key("n")
+        wait_for("the reason", lambda: "FATHOM_OIDN: there is no such library" in self.text(self.errors))
+        wait_for("all samples", lambda: self.samples() == 8)
+        self.assertNotIn("denoised", self.title())
 
     # ------------------------------------------------------------------------------------------------ the camera
 
@@ -400,8 +434,8 @@ class Window(unittest.TestCase):
 
 
 def main():
-    global PROGRAM, SCENES, DISPLAY
-    PROGRAM, SCENES = os.path.abspath(sys.argv.pop(1)), os.path.abspath(sys.argv.pop(1))
+    global PROGRAM, SCENES, FAKE_OIDN, DISPLAY
+    PROGRAM, SCENES, FAKE_OIDN = [os.path.abspath(sys.argv.pop(1)) for _ in range(3)]
     missing = [program for program in NEEDED if not shutil.which(program)]
     if missing:
         print("skipped: not installed:", ", ".join(missing))

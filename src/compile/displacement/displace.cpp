@@ -39,8 +39,8 @@ std::vector<std::uint8_t> find_exponents(const Mesh& mesh, const WeldedMesh& wel
         }
     });
     wanted = Subdivision::size(mesh, welded, exponents).triangles;
-    const auto all = double(mesh.indices.size() / 3);
-    for (double count = wanted; by.may_be_coarser && count > std::max(most_displaced_triangles, all);
+    const std::size_t uncut = mesh.indices.size() / 3;
+    for (double count = wanted; by.may_be_coarser && count > std::max(most_displaced_triangles, double(uncut));
          count = Subdivision::size(mesh, welded, exponents).triangles)
         for (std::uint8_t& exponent : exponents) exponent -= exponent > 0;
     return exponents;

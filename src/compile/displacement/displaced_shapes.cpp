@@ -169,12 +169,12 @@ void DisplacedShapes::add(const SceneDescription& scene, const SceneTables& tabl
 
     const std::string name = name_of(scene, shape);
     Displaced displaced = displace(mesh, by, scene.file, name);
-    const auto triangles = double(displaced.mesh.indices.size() / 3);
-    if (displaced.wanted_triangles > triangles)
+    const std::size_t triangles = displaced.mesh.indices.size() / 3;
+    if (displaced.wanted_triangles > double(triangles))
         warnings.add(
             fmt::format("{}: {}: displacement as fine as its texture would make {:.1f} million triangles; it "
                         "gets {:.1f} million (displacement_edge_length: as fine as you like)",
-                        scene.file, name, displaced.wanted_triangles / 1e6, triangles / 1e6));
+                        scene.file, name, displaced.wanted_triangles / 1e6, double(triangles) / 1e6));
     if (heights.not_finite > 0)
         warnings.add(fmt::format("{}: {}: heights that are not finite, which are taken for none", scene.file, name),
                      heights.not_finite);

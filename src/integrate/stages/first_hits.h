@@ -20,14 +20,14 @@ public:
         if (none(hits)) return;
         Surface s = surfaces_.read(hit, hits);
         const UInt material = surfaces_.material_of(s.shape, hits);
-        const MaterialPoint point = materials_.read<false>(s, material, hits, hits);
+        const Spectrum albedo = albedo_of(s, material, hits);
         const Vec3 n = flip_sign(s.ns, -dot(hit.d, s.ng));
         const Float depth =
             dot(s.p - hit.o, Vec3(Float(camera_.forward[0]), Float(camera_.forward[1]), Float(camera_.forward[2])));
         const UInt object = surfaces_.object_of(hit, s.shape, hits);
-        const Float values[] = {point.base_color.c[0],
-                                point.base_color.c[1 % channels],
-                                point.base_color.c[2 % channels],
+        const Float values[] = {albedo.c[0],
+                                albedo.c[1 % channels],
+                                albedo.c[2 % channels],
                                 n.x,
                                 n.y,
                                 n.z,
@@ -39,6 +39,26 @@ public:
     }
 
 private:
+    /// The colour of the surface, of which the subsurface has its share.
+    Spectrum albedo_of(Surface& s, UInt material, Mask hits) const
+    {
+        const MaterialPoint point = materials_.read<false>(s, material, hits, hits);
+        if (!scene_.scatters_inside) return point.base_color;
+        const UInt index = materials_.get(&MaterialRecord::layers, material, hits);
+        const Mask layered = hits & (index != UInt(no_index));
+        if (none(layered)) return point.base_color;
+        LayersPoint layers;
+        LayersReader(materials_.tables(), s, index, layered).read(layers);
+        if (!layers.has(LayersRecord::with_subsurface)) return point.base_color;
+        const Float share = select(layered, (Float(1) - layers.transmission) * layers.subsurface, Float(0));
+        Spectrum albedo;
+        for (int k = 0; k < channels; ++k)
+            albedo.c[k] =
+                select(share > Float(0),
+                       fma(share, layers.subsurface_color.c[k] - point.base_color.c[k], point.base_color.c[k]),
+                       point.base_color.c[k]);
+        return albedo;
+    }
     void put(const Float* values, UInt pixels, Mask hits, UInt object, UInt material, UInt reversed_index)
     {
         constexpr int value_count = 10;

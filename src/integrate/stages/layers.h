@@ -55,7 +55,10 @@ public:
             p.sheen_roughness = number(&LayersRecord::sheen_roughness);
             p.sheen_reciprocal = reciprocal_;
         }
-        if (p.has(LayersRecord::with_subsurface)) p.subsurface = number(&LayersRecord::subsurface);
+        if (p.has(LayersRecord::with_subsurface)) {
+            p.subsurface = number(&LayersRecord::subsurface);
+            p.subsurface_color = color(&LayersRecord::subsurface_color);
+        }
         if (p.has(LayersRecord::with_thin_film)) {
             p.thin_film = number(&LayersRecord::thin_film);
             p.thin_film_thickness = number(&LayersRecord::thin_film_thickness);

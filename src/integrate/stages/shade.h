@@ -4,6 +4,7 @@
 #include "integrate/stages/light.h"
 #include "integrate/stages/scatter.h"
 #include "integrate/stages/shadow.h"
+#include "media/albedo.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -78,6 +79,8 @@ private:
             MediumStack beyond = at.media_beyond;
             if constexpr (Closure::is_layered) beyond = select(next.enters_subsurface, at.media_below, beyond);
             p.media.store(i, select(dot(next.wi, at.ng) < Float(0), beyond, at.media), valid);
+            if constexpr (Closure::is_layered)
+                if (scene_.textured_media) keep_albedo(i, valid & next.enters_subsurface, at);
         }
         if (scene_.scatters_inside) p.walk_steps.store(i, UInt(0u), valid);
         const Mask ends = apply_roulette(settings_, key, seed, bounce, eta_scale, next.throughput);
@@ -87,6 +90,15 @@ private:
         p.throughput.store(i, next.throughput, valid);
         p.bsdf_pdf.store(i, next.pdf, valid);
         p.state.store(i, next_state, valid);
+    }
+
+    /// What paths that enter a subsurface are scattered by there: by the colour of where they enter.
+    void keep_albedo(std::size_t i, Mask enters, const ShadingPoint& at)
+    {
+        if (none(enters)) return;
+        const UInt medium = materials_.get(&MaterialRecord::subsurface_medium, at.material_index, enters);
+        const Float anisotropy = gather(tables_.media, &MediumRecord::anisotropy, medium, enters);
+        paths_->walk_albedo.store(i, scattering_albedo(at.material.layers.subsurface_color, anisotropy), enters);
     }
 
     /// Adds a light sample's contribution, or has its shadow ray queued.

@@ -33,7 +33,7 @@ public:
             const Mask inside = first_lanes(active - i) & (medium != UInt(0u));
             if (none(inside)) continue;
             if (scene_.scatters_inside) {
-                const Spectrum scattering = gather(tables_.media, &MediumRecord::scattering, medium, inside);
+                const Spectrum scattering = scattering_of(p, i, medium, inside);
                 const Mask scatters = inside & any_positive(scattering);
                 if (any(scatters)) go(p, hits, i, medium, scattering, scatters);
                 if (none(inside & !scatters)) continue;
@@ -48,6 +48,16 @@ private:
     /// Pairs of random dimensions of a step, whose group has its number in the upper half.
     enum WalkPair : std::uint32_t { pair_distance, pair_phase, pair_survival };
 
+    Spectrum scattering_of(const PathPool& p, std::size_t i, UInt medium, Mask m) const
+    {
+        Spectrum scattering = gather(tables_.media, &MediumRecord::scattering, medium, m);
+        if (!scene_.textured_media) return scattering;
+        const Spectrum albedo = p.walk_albedo.load(i);
+        const Mask has = m & (albedo.c[0] >= Float(0)) &
+                         (gather(tables_.media, &MediumRecord::has_textured_color, medium, m) != UInt(0u));
+        if (none(has)) return scattering;
+        return select(has, gather(tables_.media, &MediumRecord::extinction, medium, m) * albedo, scattering);
+    }
     void attenuate(PathPool& p, const HitColumns& hits, std::size_t i, UInt medium, Mask m) const
     {
         const Spectrum left = transmittance(tables_, medium, hits.t.load(i), m);
