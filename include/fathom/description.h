@@ -162,6 +162,11 @@ struct Material {
     bool emission_two_sided = false;     ///< else only on the side of the geometric normal
     int normal_texture = -1;
     float normal_scale = 1;
+    /// Height by which surfaces themselves are moved along their shading normal, in units of the shape's own space:
+    /// value times what the texture is above displacement_midlevel; without one it counts as 1.
+    FloatInput displacement{0, -1, 0};
+    float displacement_midlevel = 0;
+    double displacement_edge_length = 0;  ///< triangles get no longer edges before they are moved; 0: by the texture
     AlphaMode alpha_mode = AlphaMode::opaque;
     FloatInput alpha{1, -1, 3};
     float alpha_cutoff = 0.5f;

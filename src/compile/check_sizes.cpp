@@ -38,10 +38,11 @@ double largest(Vec3d v)
 /// The boxes of shapes in their own space; what is shared is looked through once.
 class Boxes {
 public:
-    explicit Boxes(const SceneDescription& scene) : scene_(scene) {}
+    explicit Boxes(const Compiler& c) : scene_(c.scene), displaced_(c.displaced) {}
 
     const Bounds& of(const Shape& shape)
     {
+        if (const DisplacedShapes::Entry* entry = displaced_.find(scene_, shape)) return entry->bounds;
         const std::pair<std::size_t, int> key{shape.geometry.index(), shared_index(shape)};
         if (key.second < 0) return own_ = shape_bounds(scene_, shape);
         const auto [found, is_new] = shared_.try_emplace(key);
@@ -59,13 +60,14 @@ private:
     }
 
     const SceneDescription& scene_;
+    const DisplacedShapes& displaced_;
     std::map<std::pair<std::size_t, int>, Bounds> shared_;
     Bounds own_;
 };
 
 class PlacedChecker {
 public:
-    explicit PlacedChecker(const Compiler& c) : c_(c), boxes_(c.scene) {}
+    explicit PlacedChecker(const Compiler& c) : c_(c), boxes_(c) {}
 
     void check(const ShapeOccurrence& p, const Occurrences& occurrences)
     {

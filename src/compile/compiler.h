@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "compile/displacement/displaced_shapes.h"
 #include "compile/render_space.h"
 #include "fathom/load.h"
 #include "fathom/render.h"
@@ -37,6 +38,15 @@ struct Compiler {
     RenderSpace space;
     SceneTables& tables;
     Warnings& warnings;
+    DisplacedShapes& displaced;
+
+    /// The mesh that a shape is shown as, displaced if its material says so; null if it is of another kind.
+    const Mesh* mesh_of(const Shape& shape) const
+    {
+        if (const DisplacedShapes::Entry* entry = displaced.find(scene, shape)) return &entry->mesh;
+        const auto* mesh = std::get_if<MeshInstance>(&shape.geometry);
+        return mesh ? &scene.meshes[std::size_t(mesh->mesh)] : nullptr;
+    }
 };
 
 /// A warning about a file.

@@ -52,14 +52,14 @@ public:
         for (ShapeOccurrence& p : shapes)
             if (p.instanced = instancing_.is_instanced(p); p.instanced)
                 instanced.push_back(&p);
-            else if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry); !mesh && !needs_tessellation(p))
+            else if (const Mesh* mesh = c_.mesh_of(*p.shape); !mesh && !needs_tessellation(p))
                 rest.push_back(&p);
             else if (!mesh)
                 add_mesh(p, tessellate(p.shape->geometry), p.render_from_node);
-            else if (const Mesh& m = mesh_of(*mesh); joins && is_plain(p, m))
-                join_triangles(p, m);
+            else if (joins && is_plain(p, *mesh))
+                join_triangles(p, *mesh);
             else
-                add_mesh(p, m, p.render_from_node);
+                add_mesh(p, *mesh, p.render_from_node);
         t_.world_triangles = t_.triangle_count();
         for (const ShapeOccurrence* p : instanced) place_primitives<MeshInstance>(*p);
         for (const auto& [p, rectangles] : joined_) add_rectangles(*p, rectangles);
@@ -86,17 +86,25 @@ private:
                  const Occurrences& all)
     {
         for (const ShapeOccurrence* p : rest)
-            if ((std::holds_alternative<Kinds>(p->shape->geometry) || ...))
+            if ((is_of<Kinds>(*p->shape) || ...))
                 add_primitives(*p, p->motion >= 0 ? &all.motions[std::size_t(p->motion)] : nullptr);
         for (const ShapeOccurrence* p : instanced) (place_primitives<Kinds>(*p), ...);
+    }
+
+    /// A shape that is displaced counts as a mesh.
+    template <class Kind>
+    bool is_of(const Shape& shape) const
+    {
+        if (c_.mesh_of(shape)) return std::is_same_v<Kind, MeshInstance>;
+        return std::holds_alternative<Kind>(shape.geometry);
     }
 
     /// Adds primitives of one kind in the space of their own, if they are not there yet.
     template <class Kind>
     void place_primitives(const ShapeOccurrence& p)
     {
-        if (!std::holds_alternative<Kind>(p.shape->geometry)) return;
-        if (!contents_.shapes.emplace(content_of(c_.scene, *p.shape), std::uint32_t(t_.shapes.size())).second) return;
+        if (!is_of<Kind>(*p.shape)) return;
+        if (!contents_.shapes.emplace(content_of(c_, *p.shape), std::uint32_t(t_.shapes.size())).second) return;
         ShapeOccurrence own = p;
         own.render_from_node = Transform();
         add_primitives(own, nullptr);
@@ -105,7 +113,7 @@ private:
 
     void add_primitives(const ShapeOccurrence& p, const std::vector<NodeKey>* poses)
     {
-        if (const auto* m = std::get_if<MeshInstance>(&p.shape->geometry)) add_mesh(p, mesh_of(*m), p.render_from_node);
+        if (const Mesh* mesh = c_.mesh_of(*p.shape)) return add_mesh(p, *mesh, p.render_from_node);
         if (const auto* r = std::get_if<Rectangle>(&p.shape->geometry)) add_rectangles(p, {*r});
         if (const auto* b = std::get_if<Box>(&p.shape->geometry)) add_box(p, *b);
         if (const auto* s = std::get_if<Sphere>(&p.shape->geometry)) add_sphere(p, *s, poses);
@@ -123,8 +131,7 @@ private:
     {
         std::size_t n = 0;
         for (const ShapeOccurrence& p : shapes)
-            if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry))
-                n += c_.scene.meshes[std::size_t(mesh->mesh)].indices.size() / 3;
+            if (const Mesh* mesh = c_.mesh_of(*p.shape)) n += mesh->indices.size() / 3;
         return n;
     }
 
@@ -235,7 +242,7 @@ private:
             pad(t_.normals, first);
             for (Vec3f n : normals) t_.normals.push_back(to_float(normal(inverse, to_double(n))));
         };
-        const bool moves = instancing_.mesh_moves(std::size_t(&mesh - c_.scene.meshes.data()));
+        const bool moves = instancing_.vertices_move(*p.shape);
         if (moves) shape.moving_vertices = std::uint32_t(mesh.positions.size());
         contents_.fixed_motion |= moves && !mesh.movable;
         for_each_pose(t_, mesh, moves, add_vertices);
@@ -383,8 +390,6 @@ private:
         }
         take_primitives(points.centers.size());
     }
-
-    const Mesh& mesh_of(MeshInstance m) const { return c_.scene.meshes[std::size_t(m.mesh)]; }
 
     Compiler& c_;
     SceneTables& t_;

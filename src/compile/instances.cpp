@@ -50,7 +50,7 @@ private:
     void add_instance(const ShapeOccurrence& p)
     {
         InstanceRecord instance;
-        instance.mesh_shape = contents_.shapes.at(content_of(c_.scene, *p.shape));
+        instance.mesh_shape = contents_.shapes.at(content_of(c_, *p.shape));
         instance.object_id = p.object_id;
         instance.shape = shape_of(*p.shape, instance.mesh_shape);
         const Transform inverse = p.render_from_node.inverse();

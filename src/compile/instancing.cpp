@@ -36,11 +36,17 @@ const void* set_of(const SceneDescription& scene, const Shape& shape)
 
 }  // namespace
 
-const void* content_of(const SceneDescription& scene, const Shape& shape)
+const void* described_content(const SceneDescription& scene, const Shape& shape)
 {
     if (const auto* mesh = std::get_if<MeshInstance>(&shape.geometry)) return &scene.meshes[std::size_t(mesh->mesh)];
     const void* set = set_of(scene, shape);
     return set ? set : &shape;
+}
+
+const void* content_of(const Compiler& c, const Shape& shape)
+{
+    const DisplacedShapes::Entry* displaced = c.displaced.find(c.scene, shape);
+    return displaced ? &displaced->mesh : described_content(c.scene, shape);
 }
 
 Instancing::Instancing(const Compiler& c, const Occurrences& occurrences) : c_(c), occurrences_(occurrences)
@@ -80,12 +86,16 @@ bool Instancing::is_instanced(const ShapeOccurrence& p) const
 {
     if (p.movable) return true;
     if (p.motion >= 0) return !moves_straight(p);
-    if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry)) return uses_[std::size_t(mesh->mesh)] > 0;
+    constexpr std::size_t fewest_triangles = 4096;
+    if (const Mesh* mesh = c_.mesh_of(*p.shape)) {
+        const std::size_t uses = uses_.at(content_of(c_, *p.shape));
+        return uses > 1 && mesh->indices.size() / 3 * uses >= fewest_triangles;
+    }
     const void* set = set_of(c_.scene, *p.shape);
     if (!set) return false;
     // Many balls and curves as meshes are; a transform that distorts them does so exactly in a space of their own.
     double factor;
-    return !is_similarity(p.render_from_node, factor) || set_uses_.at(set) > 1;
+    return !is_similarity(p.render_from_node, factor) || uses_.at(set) > 1;
 }
 
 /// A sphere that a node moves along a line remains one of the world, with all that it can do as a light.
@@ -94,7 +104,9 @@ bool Instancing::moves_straight(const ShapeOccurrence& p) const
     const auto* sphere = std::get_if<Sphere>(&p.shape->geometry);
     const std::vector<NodeKey>& poses = occurrences_.motions[std::size_t(p.motion)];
     double factor;
-    if (!sphere || sphere->center_end || poses.size() != 2 || !is_similarity(p.render_from_node, factor)) return false;
+    if (!sphere || sphere->center_end || c_.mesh_of(*p.shape) || poses.size() != 2 ||
+        !is_similarity(p.render_from_node, factor))
+        return false;
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j)
             if (std::abs(poses[1].parent_from_node.m[i][j] - poses[0].parent_from_node.m[i][j]) > 1e-9 * factor)
@@ -104,14 +116,8 @@ bool Instancing::moves_straight(const ShapeOccurrence& p) const
 
 void Instancing::count_uses()
 {
-    std::vector<int>& uses = uses_;
-    uses.resize(c_.scene.meshes.size());
     for (const ShapeOccurrence& p : occurrences_.shapes)
-        if (const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry)) ++uses[std::size_t(mesh->mesh)];
-    for (std::size_t i = 0; i < uses.size(); ++i)
-        if (uses[i] < 2 || c_.scene.meshes[i].indices.size() / 3 * std::size_t(uses[i]) < 4096) uses[i] = 0;
-    for (const ShapeOccurrence& p : occurrences_.shapes)
-        if (const void* set = set_of(c_.scene, *p.shape)) ++set_uses_[set];
+        if (c_.mesh_of(*p.shape) || set_of(c_.scene, *p.shape)) ++uses_[content_of(c_, *p.shape)];
 }
 
 }  // namespace fathom

@@ -11,8 +11,10 @@ bool is_similarity(const Transform& t, double& factor);
 
 std::uint32_t material_index(const SceneTables& tables, const Shape& shape);
 
-/// What several occurrences share: a mesh, curves, points, or the shape itself.
-const void* content_of(const SceneDescription& scene, const Shape& shape);
+/// What several shapes of a description share: a mesh, curves, points, or the shape itself.
+const void* described_content(const SceneDescription& scene, const Shape& shape);
+/// What several occurrences share: the same, or a displaced mesh that stands for it.
+const void* content_of(const Compiler& c, const Shape& shape);
 
 /// What becomes an instance, in a space of its own, and what stands in the world itself.
 class Instancing {
@@ -21,8 +23,12 @@ public:
     Instancing(const Compiler& c, const Occurrences& occurrences);
 
     bool is_instanced(const ShapeOccurrence& p) const;
-    /// Whether the vertices of a mesh move while the shutter is open. mesh: an index, or beyond.
-    bool mesh_moves(std::size_t mesh) const { return mesh < mesh_moves_.size() && mesh_moves_[mesh]; }
+    /// Whether the vertices of a shape's mesh move while the shutter is open.
+    bool vertices_move(const Shape& shape) const
+    {
+        const auto* mesh = std::get_if<MeshInstance>(&shape.geometry);
+        return mesh && mesh_moves_[std::size_t(mesh->mesh)];
+    }
     /// When vertices are given to the tree: at all keys of meshes while the shutter is open.
     const std::vector<float>& vertex_times() const { return vertex_times_; }
 
@@ -36,8 +42,7 @@ private:
     const Occurrences& occurrences_;
     std::vector<bool> mesh_moves_;
     std::vector<float> vertex_times_;
-    std::vector<int> uses_;                ///< of meshes that are placed often enough to be worth instances; else 0
-    std::map<const void*, int> set_uses_;  ///< how often curves and points are placed
+    std::map<const void*, std::size_t> uses_;  ///< how often meshes, curves and points are placed, by content_of
 };
 
 }  // namespace fathom

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <set>
 
 #include "compile/check_sizes.h"
 #include "compile/instancing.h"
@@ -66,24 +67,23 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
 
 /// Refuses a scene whose compiled form can't fit, before it is tried. Meshes placed more than once are counted once:
 /// they become instances, or are small.
-void check_memory(const SceneDescription& scene, const Occurrences& occurrences)
+void check_memory(const Compiler& c, const Occurrences& occurrences)
 {
     // An index and a number each, and what the tree takes for a triangle while it is built.
     constexpr double bytes_per_triangle = 16 + 3 * 64;
     double bytes = bytes_per_occurrence * double(occurrences.shapes.size());
-    std::vector<bool> counted(scene.meshes.size());
+    std::set<const Mesh*> counted;
     for (const ShapeOccurrence& p : occurrences.shapes) {
-        const auto* instance = std::get_if<MeshInstance>(&p.shape->geometry);
-        if (!instance || counted[std::size_t(instance->mesh)]) continue;
-        counted[std::size_t(instance->mesh)] = true;
-        const Mesh& mesh = scene.meshes[std::size_t(instance->mesh)];
+        const Mesh* const shown = c.mesh_of(*p.shape);
+        if (!shown || !counted.insert(shown).second) continue;
+        const Mesh& mesh = *shown;
         bytes += bytes_per_triangle * double(mesh.indices.size()) / 3 +
                  12.0 * double(mesh.positions.size() + mesh.normals.size()) * double(1 + mesh.motion.size()) +
                  16.0 * double(mesh.tangents.size() + mesh.colors.size()) +
                  8.0 * double(mesh.uvs[0].size() + mesh.uvs[1].size());
     }
     if (const double available = double(available_memory_bytes()); bytes > available)
-        throw Error(scene.file, "",
+        throw Error(c.scene.file, "",
                     fmt::format("the scene needs about {:.1f} GB of memory, {:.1f} GB are there", bytes / 1e9,
                                 available / 1e9));
 }
@@ -121,11 +121,13 @@ std::shared_ptr<Scene::Data> SceneCompiler::compile(Warnings& warnings)
     Compiler c = compiler(warnings);
     compile_materials(c);
     occurrences_ = find_occurrences(c);
+    displaced_.make(scene_, *tables_, occurrences_.shapes, warnings);
     check_occurrences(c, occurrences_.shapes, occurrences_);
-    check_memory(scene_, occurrences_);
+    check_memory(c, occurrences_);
     tables_->editable = std::any_of(occurrences_.shapes.begin(), occurrences_.shapes.end(),
                                     [](const ShapeOccurrence& p) { return p.movable; });
     contents_ = compile_geometry(c, occurrences_);
+    displaced_.drop_meshes();
     triangles_ = count_triangles(*tables_);
     compile_instances(c, occurrences_, contents_);
     compile_environment(c);
@@ -151,6 +153,7 @@ bool SceneCompiler::update(Scene::Data& data, const SceneChanges& changes, Warni
                              tables_->shutter_close != float(data.camera.shutter_close);
     // What is not movable has boxes that hold it while this shutter is open.
     if (other_times && contents_.fixed_motion) return false;
+    if (!keeps_displaced(changes, other_times)) return false;
     set_shutter(*tables_, data.camera);
     Compiler c = compiler(warnings);
     Occurrences now = find_occurrences(c);
@@ -185,6 +188,15 @@ bool SceneCompiler::refresh_space()
     const RenderSpace now = make_render_space(scene_, world_camera(scene_, camera_));
     space_.radius = now.radius;
     return now.origin == space_.origin && now.scale == space_.scale;
+}
+
+/// Whether displaced meshes remain what they are. Others are made together with the scene.
+bool SceneCompiler::keeps_displaced(const SceneChanges& changes, bool other_times) const
+{
+    const auto is_displaced = [&](int mesh) { return displaced_.has(scene_.meshes[std::size_t(mesh)]); };
+    const std::vector<int>& meshes = changes.parts.meshes;
+    if (std::any_of(meshes.begin(), meshes.end(), is_displaced) || displaced_.differ(scene_)) return false;
+    return !other_times || displaced_.empty();
 }
 
 /// Whether all that can't move is where it was.

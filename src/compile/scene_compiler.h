@@ -34,7 +34,8 @@ public:
     bool refresh_space();
 
 private:
-    Compiler compiler(Warnings& warnings) { return {scene_, space_, *tables_, warnings}; }
+    Compiler compiler(Warnings& warnings) { return {scene_, space_, *tables_, warnings, displaced_}; }
+    bool keeps_displaced(const SceneChanges& changes, bool other_times) const;
     bool keeps_places(const Occurrences& now) const;
     void check_moved(const Compiler& c, const Occurrences& now, const std::vector<int>& meshes) const;
     std::vector<int> with_moving(std::vector<int> meshes) const;
@@ -48,6 +49,7 @@ private:
     RenderSpace space_;
     std::shared_ptr<SceneTables> tables_;
     Occurrences occurrences_;
+    DisplacedShapes displaced_;
     PlacedContents contents_;
     std::vector<std::size_t> triangles_;  ///< of shapes that instances place, by shape
     Fingerprints fingerprints_;

@@ -17,8 +17,10 @@ Mesh sphere_mesh(const Sphere& sphere)
     for (int j = 0; j <= from_pole_to_pole; ++j)
         for (int i = 0; i <= around; ++i) {
             const double u = double(i) / around, v = double(j) / from_pole_to_pole;
-            const double phi = 2 * std::numbers::pi * u, theta = std::numbers::pi * v;
-            const Vec3d n{std::sin(theta) * std::cos(phi), std::cos(theta), -std::sin(theta) * std::sin(phi)};
+            // The seam is one place on both sides, and a pole all around: what is displaced would gape else.
+            const double phi = 2 * std::numbers::pi * (i % around) / around, theta = std::numbers::pi * v;
+            const double sine = j % from_pole_to_pole == 0 ? 0 : std::sin(theta);
+            const Vec3d n{sine * std::cos(phi), std::cos(theta), -sine * std::sin(phi)};
             mesh.positions.push_back(to_float(sphere.center + n * std::abs(sphere.radius)));
             mesh.normals.push_back(to_float(sphere.radius < 0 ? -n : n));
             mesh.uvs[0].push_back({float(u), float(v)});
@@ -54,13 +56,37 @@ Mesh disk_mesh(const Disk& disk)
     return mesh;
 }
 
+/// Images hang upright: edge_v points up, v grows downwards.
+void add_rectangle(Mesh& mesh, const Rectangle& r)
+{
+    const auto first = std::uint32_t(mesh.positions.size());
+    for (const Vec3d& p : {r.corner, r.corner + r.edge_u, r.corner + r.edge_u + r.edge_v, r.corner + r.edge_v})
+        mesh.positions.push_back(to_float(p));
+    mesh.uvs[0].insert(mesh.uvs[0].end(), {{0, 1}, {1, 1}, {1, 0}, {0, 0}});
+    for (const std::uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.indices.push_back(first + i);
+}
+
+/// The faces in the order and with the edges of a box that is not tessellated.
+Mesh box_mesh(const Box& box)
+{
+    const Vec3d d = box.max - box.min, x{d.x, 0, 0}, y{0, d.y, 0}, z{0, 0, d.z};
+    Mesh mesh;
+    for (const Rectangle& face : {Rectangle{box.min, z, y}, Rectangle{box.min + x, y, z}, Rectangle{box.min, x, z},
+                                  Rectangle{box.min + y, z, x}, Rectangle{box.min, y, x}, Rectangle{box.min + z, x, y}})
+        add_rectangle(mesh, face);
+    return mesh;
+}
+
 }  // namespace
 
 Mesh tessellate(const decltype(Shape::geometry)& geometry)
 {
     if (const auto* sphere = std::get_if<Sphere>(&geometry)) return sphere_mesh(*sphere);
     if (const auto* disk = std::get_if<Disk>(&geometry)) return disk_mesh(*disk);
-    return {};
+    if (const auto* box = std::get_if<Box>(&geometry)) return box_mesh(*box);
+    Mesh mesh;
+    if (const auto* rectangle = std::get_if<Rectangle>(&geometry)) add_rectangle(mesh, *rectangle);
+    return mesh;
 }
 
 }  // namespace fathom

@@ -53,6 +53,13 @@ struct KernelJob {
     std::uint32_t first_sample = 0, samples = 0;  ///< of each pixel
 };
 
+/// Where a texture is looked up before there is a scene to render.
+struct KernelTexturePoint {
+    Vec2f uv[2];  ///< the two sets; 0 where a mesh has none
+    Vec3f position;
+    Vec4f vertex_color{1, 1, 1, 1};
+};
+
 struct KernelCounters {
     std::uint64_t rays = 0;
 };
@@ -62,6 +69,9 @@ FATHOM_API std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const 
 /// Adds the job's samples to `sums`, indexed by the position of the pixel in job.pixels.
 FATHOM_API void render_job(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
                            const KernelJob& job, TileSums& sums, KernelCounters& counters);
+/// One channel of a texture at some points, by the code that shades.
+FATHOM_API void look_up_texture(const ShadingTables& tables, std::uint32_t texture, std::uint32_t channel,
+                                const KernelTexturePoint* points, std::size_t count, float* values);
 FATHOM_API int kernel_lanes();
 FATHOM_API const char* kernel_name();
 

@@ -6,6 +6,7 @@
 
 #include "fathom/load.h"
 #include "scene/bounds.h"
+#include "scene/displacement.h"
 #include "scene/motion.h"
 
 namespace fathom {
@@ -82,6 +83,35 @@ void add_box(Sink& sink, const Transform& t, Vec3d min, Vec3d max)
         sink.point(t.point({i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z}));
 }
 
+Bounds grown(const Bounds& box, double by)
+{
+    if (box.empty) return box;
+    return {box.min - Vec3d{by, by, by}, box.max + Vec3d{by, by, by}, false};
+}
+
+/// A mesh's vertices in one pose, moved along their normals, or those of their faces.
+template <class Sink>
+void add_displaced(Sink& sink, const Transform& t, const Mesh& mesh, const std::vector<Vec3f>& positions,
+                   const std::vector<Vec3f>& normals, const HeightRange& heights)
+{
+    const auto at = [&](std::size_t i) { return Vec3d{positions[i].x, positions[i].y, positions[i].z}; };
+    const auto add = [&](std::size_t i, Vec3d n) {
+        sink.point(t.point(at(i) + n * heights.least));
+        sink.point(t.point(at(i) + n * heights.most));
+    };
+    if (normals.size() == positions.size()) {
+        for (std::size_t i = 0; i < positions.size(); ++i)
+            add(i, normalize(Vec3d{normals[i].x, normals[i].y, normals[i].z}));
+        return;
+    }
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        const std::uint32_t a = mesh.indices[i], b = mesh.indices[i + 1], c = mesh.indices[i + 2];
+        if (std::max({a, b, c}) >= positions.size()) continue;
+        const Vec3d n = normalize(cross(at(b) - at(a), at(c) - at(a)));
+        for (const std::uint32_t v : {a, b, c}) add(v, n);
+    }
+}
+
 /// Of balls: as good as exact where there are many small ones.
 Bounds box_of_balls(const std::vector<Vec3f>& centers, const std::vector<float>& radii)
 {
@@ -111,20 +141,30 @@ public:
     explicit Contents(const SceneDescription& scene) : scene_(scene) {}
 
     template <class Sink>
-    void add_mesh(Sink& sink, const Transform& t, int index)
+    void add_mesh(Sink& sink, const Transform& t, int index, const HeightRange& heights)
     {
         if (index < 0 || index >= int(scene_.meshes.size())) return;
         const Mesh& mesh = scene_.meshes[std::size_t(index)];
         const std::size_t points = mesh.positions.size() * std::max<std::size_t>(mesh.motion.size(), 1);
         if (points > budget_)
-            return add_corners(sink, t, box(meshes_, scene_.meshes.size(), index, [&] { return box_of_mesh(mesh); }));
+            return add_corners(sink, t,
+                               grown(box(meshes_, scene_.meshes.size(), index, [&] { return box_of_mesh(mesh); }),
+                                     std::max(std::abs(heights.least), std::abs(heights.most))));
         // Exact for what a few instances show; the corners of the mesh's box for a forest.
         budget_ -= points;
-        const auto add = [&](const std::vector<Vec3f>& positions) {
+        const auto add = [&](const std::vector<Vec3f>& positions, const std::vector<Vec3f>& normals) {
+            if (heights.moves()) return add_displaced(sink, t, mesh, positions, normals, heights);
             for (Vec3f p : positions) sink.point(t.point({p.x, p.y, p.z}));
         };
-        for (const MeshKey& key : mesh.motion) add(key.positions);
-        if (mesh.motion.empty()) add(mesh.positions);
+        for (const MeshKey& key : mesh.motion) add(key.positions, key.normals);
+        if (mesh.motion.empty()) add(mesh.positions, mesh.normals);
+    }
+    /// Of what its material displaces; as if its pictures had values from 0 to 1.
+    HeightRange heights_of(const Shape& shape) const
+    {
+        const bool has_material = shape.material >= 0 && shape.material < int(scene_.materials.size());
+        if (!has_material || !can_be_displaced(shape)) return {};
+        return HeightRange(scene_.materials[std::size_t(shape.material)]);
     }
     template <class Sink>
     void add_curves(Sink& sink, const Transform& t, int index)
@@ -166,18 +206,29 @@ private:
 template <class Sink>
 void add_shape(Sink& sink, Contents& contents, const Transform& t, const Shape& shape)
 {
+    const HeightRange heights = contents.heights_of(shape);
     if (const auto* mesh = std::get_if<MeshInstance>(&shape.geometry)) {
-        contents.add_mesh(sink, t, mesh->mesh);
+        contents.add_mesh(sink, t, mesh->mesh, heights);
     } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-        add_sphere(sink, t, sphere->center, sphere->radius);
-        if (sphere->center_end) add_sphere(sink, t, *sphere->center_end, sphere->radius);
+        const double outwards = sphere->radius < 0 ? -heights.least : heights.most;
+        const double radius = std::abs(sphere->radius) + outwards;
+        add_sphere(sink, t, sphere->center, radius);
+        if (sphere->center_end) add_sphere(sink, t, *sphere->center_end, radius);
     } else if (const auto* rect = std::get_if<Rectangle>(&shape.geometry)) {
-        for (int i = 0; i < 4; ++i)
-            sink.point(t.point(rect->corner + rect->edge_u * (i & 1) + rect->edge_v * (i >> 1)));
+        const Vec3d n = heights.moves() ? normalize(cross(rect->edge_u, rect->edge_v)) : Vec3d{};
+        for (const double height : {heights.least, heights.most})
+            for (int i = 0; i < 4; ++i)
+                sink.point(t.point(rect->corner + rect->edge_u * (i & 1) + rect->edge_v * (i >> 1) + n * height));
     } else if (const auto* box = std::get_if<Box>(&shape.geometry)) {
-        add_box(sink, t, box->min, box->max);
+        const Bounds all = grown({box->min, box->max, false}, heights.most);
+        add_box(sink, t, all.min, all.max);
     } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
-        add_disk(sink, t, *disk);
+        const Vec3d n = heights.moves() ? normalize(disk->normal) : Vec3d{};
+        for (const double height : {heights.least, heights.most}) {
+            Disk moved = *disk;
+            moved.center = disk->center + n * height;
+            add_disk(sink, t, moved);
+        }
     } else if (const auto* curves = std::get_if<CurvesInstance>(&shape.geometry)) {
         contents.add_curves(sink, t, curves->curves);
     } else if (const auto* points = std::get_if<PointsInstance>(&shape.geometry)) {

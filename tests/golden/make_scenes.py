@@ -218,6 +218,14 @@ def textures():
         texture = {"kind": name, "color_a": [0.1, 0.2, 0.6], "color_b": [0.9, 0.8, 0.3], **more}
         write(name.replace("_", "-"), scene=[FLOOR, {**BALL, "material": {"color": {"texture": texture}}},
                                              {"material": {"color": {"texture": texture}}, "disk": {"center": [1.2, 0.6, 0], "normal": [-0.3, 0, 1], "radius": 0.5}}])
+    # A ball with a seam, a box with hard edges and a mesh, by a picture of few texels and by what is computed.
+    raised = {"color": 0.7, "displacement": {"texture": {"image": "bands.png", "uv_scale": [2, 1]}, "value": 0.2}}
+    write("displacement", scene=[
+        FLOOR, LAMP, {**BALL, "material": raised},
+        {"box": {"min": [0.8, 0, -0.4], "max": [1.6, 0.8, 0.4]}, "material": {**raised, "displacement_midlevel": 0.5, "kind": "principled"}},
+        {"mesh": {"positions": [[-1.8, 0, 0.5], [-0.6, 0, 0.9], [-1.1, 1.2, 0.3]], "uvs": [[0, 1], [1, 1], [0.5, 0]]}, "material": {
+            "color": [0.7, 0.4, 0.2], "displacement_edge_length": 0.1,
+            "displacement": {"texture": {"kind": "noise", "scale": 6, "color_a": 0, "color_b": 1}, "value": 0.15}}}])
     quad = {"positions": [[-1, 0, 0], [1, 0, 0.3], [0.8, 1.5, 0], [-0.8, 1.4, 0.2]], "indices": [[0, 1, 2], [0, 2, 3]],
             "normals": [[-0.3, 0, 1], [0.3, 0, 1], [0.2, 0.3, 1], [-0.2, 0.3, 1]], "uvs": [[0, 1], [1, 1], [1, 0], [0, 0]],
             "uvs_1": [[0, 0.5], [2, 0.5], [2, 0], [0, 0]], "colors": [[1, 1, 0.5, 1], [1, 0.5, 1, 1], [0.5, 1, 1, 1], [1, 1, 1, 1]],

@@ -187,6 +187,30 @@ TEST_F(AssimpModule, FbxWithLayers)
     EXPECT_EQ(m.emission.value, (Color{4, 2, 0}));
 }
 
+TEST_F(AssimpModule, FbxWithHeights)
+{
+    write("heights.png", "P5 1 1 255 0");
+    std::string text = fbx;
+    const auto put = [&](const std::string& before, const std::string& what) { text.insert(text.find(before), what); };
+    put("P: \"DiffuseColor\"", "P: \"DisplacementFactor\", \"double\", \"Number\", \"\",2.5\n");
+    put("}\nConnections", R"(	Texture: 4, "Texture::heights", "" {
+		Type: "TextureVideoClip"
+		Version: 202
+		TextureName: "Texture::heights"
+		FileName: "heights.png"
+		RelativeFilename: "heights.png"
+	}
+)");
+    put("C: \"OO\",2,0", "C: \"OP\",4,3,\"DisplacementColor\"\n\t");
+    const SceneDescription scene = load("a.fbx", text);
+    ASSERT_FALSE(scene.materials.empty());
+    const Material& m = scene.materials[0];
+    ASSERT_GE(m.displacement.texture, 0);
+    EXPECT_EQ(m.displacement.value, 2.5f);
+    EXPECT_EQ(scene.textures.at(std::size_t(m.displacement.texture)).color_space, ColorSpace::linear);
+    EXPECT_EQ(scene.textures.at(std::size_t(m.displacement.texture)).name, "heights.png");
+}
+
 TEST_F(AssimpModule, Off)
 {
     const SceneDescription scene = load("a.off", "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");

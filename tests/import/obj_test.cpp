@@ -183,6 +183,9 @@ map_d dir\wood.png
 map_Bump -bm 0.5 wood_normal.png
 newmtl bumpy
 map_bump heights.png
+disp -bm 0.5 -mm -0.25 0.5 heights.png
+decal heights.png
+newmtl raised
 disp heights.png
 )");
     const SceneDescription scene =
@@ -253,7 +256,16 @@ disp heights.png
     EXPECT_EQ(bumps.height_scale, 0.01f);
     EXPECT_EQ(bumps.color_space, ColorSpace::linear);
     EXPECT_EQ(material("bumpy").normal_scale, 1);
-    EXPECT_EQ(warnings_with("'disp'"), 1u);
+    // Heights are bm * (base + gain * picture).
+    const Material bumpy = material("bumpy"), raised = material("raised");
+    EXPECT_EQ(bumpy.displacement.value, 0.25f);
+    EXPECT_EQ(bumpy.displacement_midlevel, 0.5f);
+    EXPECT_EQ(map_of(bumpy.displacement.texture), "heights.png");
+    EXPECT_EQ(scene.textures.at(std::size_t(bumpy.displacement.texture)).height_scale, 0);
+    EXPECT_EQ(raised.displacement.value, 1);
+    EXPECT_EQ(raised.displacement.channel, 0);
+    EXPECT_EQ(raised.displacement_midlevel, 0);
+    EXPECT_EQ(warnings_with("'decal'"), 1u);
 }
 
 TEST_F(Obj, ANormalThatIsNotThereCostsOnlyItself)

@@ -176,6 +176,9 @@ void AssimpConverter::add_material(const aiMaterial& from)
     for (float* c : {&m.emission.value.r, &m.emission.value.g, &m.emission.value.b}) *c *= intensity;
     m.emission_two_sided = true;
     m.normal_texture = texture(from, aiTextureType_NORMALS, ColorSpace::linear);
+    // Assimp's other type for heights stands for bump maps. The factor is FBX's, without a name in Assimp's headers.
+    if (const int heights = texture(from, aiTextureType_DISPLACEMENT, ColorSpace::linear); heights >= 0)
+        m.displacement = {number(from, "$mat.displacementscaling", 0, 0).value_or(1), heights, 0};
     if (const int opacity = texture(from, aiTextureType_OPACITY, ColorSpace::linear); opacity >= 0) {
         const auto image_of = [&](int t) { return t >= 0 ? to_.textures[std::size_t(t)].image : -1; };
         const bool same = image_of(opacity) == image_of(m.base_color.texture);

@@ -20,6 +20,8 @@ struct Entry {
     int map_diffuse = -1, map_emission = -1, map_opacity = -1, map_roughness = -1, map_metallic = -1, map_normal = -1;
     int map_sheen = -1, map_coat = -1, map_coat_roughness = -1;
     float normal_scale = 1;
+    FloatInput displacement{0, -1, 0};
+    float displacement_midlevel = 0;
 };
 
 /// Widths of the picture, for -bm 1: the format leaves it to the program.
@@ -127,7 +129,9 @@ private:
             e.map_normal = map(ColorSpace::linear);
         else if (lower == "map_bump" || lower == "bump")
             read_bump(e);
-        else if (lower.starts_with("map_") || lower == "disp" || lower == "decal" || lower == "refl")
+        else if (lower == "disp" || lower == "map_disp")
+            read_displacement(e);
+        else if (lower.starts_with("map_") || lower == "decal" || lower == "refl")
             warnings_.add(fmt::format("{}: '{}' is not supported and left out", name_, printable(key)));
     }
 
@@ -157,12 +161,22 @@ private:
         scene_.textures[std::size_t(texture)].height_scale = bump_scale_ * height_of_white;
     }
 
+    /// Heights in units of the file, of which -mm makes base + gain times the picture.
+    void read_displacement(Entry& e)
+    {
+        const int texture = map(ColorSpace::linear);
+        if (texture < 0 || value_gain_ == 0) return;
+        e.displacement = {bump_scale_ * value_gain_, texture, 0};
+        e.displacement_midlevel = -value_base_ / value_gain_;
+    }
+
     /// Options, then a file whose name may have spaces.
     int map(ColorSpace color_space)
     {
         Texture texture;
         texture.color_space = color_space;
-        bump_scale_ = 1;
+        bump_scale_ = value_gain_ = 1;
+        value_base_ = 0;
         Vec2f offset{0, 0}, scale{1, 1};
         std::string_view rest = scan_.rest();
         while (rest.starts_with('-')) {
@@ -196,7 +210,7 @@ private:
             else if (option == "-clamp")
                 texture.wrap_u = texture.wrap_v = words.word() == "on" ? Wrap::clamp : Wrap::repeat;
             else if (option == "-mm")
-                words.word(), words.word();
+                value_base_ = words.number(), value_gain_ = words.number();
             else if (option == "-blendu" || option == "-blendv" || option == "-cc" || option == "-boost" ||
                      option == "-texres" || option == "-imfchan" || option == "-type")
                 words.word();
@@ -263,6 +277,8 @@ private:
         m.base_color.texture = e.map_diffuse;
         m.normal_texture = e.map_normal;
         m.normal_scale = e.normal_scale;
+        m.displacement = e.displacement;
+        m.displacement_midlevel = e.displacement_midlevel;
         m.emission.value = e.map_emission >= 0 && is_black(e.emission) ? Color{1, 1, 1} : e.emission;
         m.emission.texture = e.map_emission;
         // Which side is the front is anyone's guess in these files.
@@ -285,7 +301,7 @@ private:
     std::map<std::string, int, std::less<>>& by_name_;
     Warnings& warnings_;
     std::map<std::string, int> images_;
-    float bump_scale_ = 1;
+    float bump_scale_ = 1, value_base_ = 0, value_gain_ = 1;  ///< of the last map
 };
 
 }  // namespace

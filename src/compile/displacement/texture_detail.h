@@ -1,0 +1,32 @@
+#pragma once
+#include <vector>
+
+#include "fathom/description.h"
+#include "shading/records.h"
+
+namespace fathom {
+
+/// How finely a texture varies over a mesh: by the texels of its pictures, by some parts of each square of a checker
+/// and of each period of what is computed.
+class TextureDetail {
+public:
+    /// texture: no_index for none.
+    TextureDetail(const ShadingTables& tables, std::uint32_t texture);
+
+    /// The parts into which an edge between two vertices is to be cut. It doesn't matter which of them comes first.
+    double parts(const Mesh& mesh, std::uint32_t a, std::uint32_t b) const;
+
+private:
+    /// Rows of the map from a set of texture coordinates to parts.
+    struct UvMap {
+        std::size_t set;
+        double rows[2][2];
+    };
+    void add(const ShadingTables& tables, std::uint32_t texture, const UvMap* outer);
+    void add_uv(UvMap map, double across, double down);
+
+    std::vector<UvMap> in_uv_;
+    double per_length_ = 0;
+};
+
+}  // namespace fathom
