@@ -1,6 +1,7 @@
 #include "fathom/denoise.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -123,7 +124,8 @@ TEST_F(FakeLibrary, FailuresAreErrors)
 
 TEST_F(FakeLibrary, IsFoundByItsFolder)
 {
-    const fs::path folder = fs::temp_directory_path() / ("fathom-oidn-" + std::to_string(std::rand()));
+    const fs::path folder = fs::temp_directory_path() / ("fathom-oidn-" + std::to_string(getpid()));
+    fs::remove_all(folder);
     for (const char* inside : {".", "lib"}) {
         fs::create_directories(folder / inside);
         const fs::path file = folder / inside / "libOpenImageDenoise.so.2";
