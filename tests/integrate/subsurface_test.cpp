@@ -262,6 +262,37 @@ TEST(Subsurface, ColourHasATexture)
     }
 }
 
+/// Light that went through one solid is scattered by the colour of the next one there: in a corner of two, textures
+/// that are the same everywhere show what plain colours show.
+TEST(Subsurface, EachSolidHasItsOwnTexture)
+{
+    Mean mean[2];
+    for (const bool textured : {false, true}) {
+        SceneBuilder b;
+        const auto add = [&](const Box& box, Color color) {
+            Material m = subsurface(color, 0.01);
+            if (textured) {
+                Texture texture;
+                texture.kind = TextureKind::checker_uv;
+                texture.color_a.value = texture.color_b.value = color;
+                m.subsurface_color.value = {1, 1, 1};
+                m.subsurface_color.texture = int(b.scene.textures.size());
+                b.scene.textures.push_back(texture);
+            }
+            b.add(box, b.material(m));
+        };
+        add(Box{{-5, -5, -1}, {5, 0, 5}}, {0.9f, 0.5f, 0.1f});
+        add(Box{{-5, 0.01, -5}, {5, 5, -1}}, {0.1f, 0.6f, 0.9f});
+        b.scene.environment = white_sky();
+        b.camera({0, 3, 4}, {0, 0, -0.5}, 2);
+        mean[textured] = mean_of(render_film(b.scene, small_picture(16, 16), 1024));
+    }
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(mean[1].value[c], mean[0].value[c],
+                    4 * std::hypot(mean[0].error[c], mean[1].error[c]) + 0.003 * mean[0].value[c])
+            << c;
+}
+
 /// Steps of the walk are no bounces: in and out are two, and with fewer nothing comes out.
 TEST(Subsurface, OnlySurfacesCountForTheDepth)
 {
