@@ -78,10 +78,7 @@ int run_merge(const MergeOptions& o)
     attributes["fathom.dropped_samples"] = fmt::format("{}", film.dropped_samples());
     image.attributes = std::move(attributes);
     image.attributes.erase("fathom.denoiser");
-    if (denoiser) {
-        image.layers.push_back(denoiser->denoise(image));
-        image.attributes["fathom.denoiser"] = "Open Image Denoise " + denoiser->version();
-    }
+    if (denoiser) denoiser->add_to(image);
     if (writes_exr(o.picture) && !o.no_sums) store_sums(film.sums(), image);
     const bool all_written = write_pictures(o.picture, image, write, reporter);
     reporter.note(fmt::format("{} samples a pixel: {}", film.samples_per_pixel(), text_of(film.samples())));

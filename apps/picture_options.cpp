@@ -67,9 +67,8 @@ void add_display_options(Command& command, PictureOptions& options)
     command.add_value(
         "--tonemap", "NAME",
         "for PNG, JPEG, WebP, AVIF and window: khronos-neutral (default) keeps the colours of surfaces, agx and aces "
-        "are "
-        "like "
-        "film, filmic is a simple curve, srgb shows radiance up to 1 as it is, so that pictures can be compared",
+        "are like film, filmic is a simple curve, srgb shows radiance up to 1 as it is, so that pictures can be "
+        "compared",
         [&](const std::string& text) { options.tonemap = Tonemap(parse_word(text, tonemap_words)); });
     add_ocio_options(command, options);
     command.add_flag_or_word("--denoise",
@@ -146,25 +145,6 @@ std::optional<Denoiser> open_denoiser(const PictureOptions& options, int threads
         fmt::format("denoising by Open Image Denoise {} ({})", denoiser->version(), denoiser->file().string()));
     return denoiser;
 }
-
-namespace {
-
-/// What formats of one layer show: the denoised picture in the place of the first, with its alpha.
-Image shown_picture(const Image& image)
-{
-    Image shown;
-    shown.width = image.width, shown.height = image.height;
-    shown.layers = {image.layers[0]};
-    const Image::Layer* denoised = image.find("denoised");
-    if (!denoised) return shown;
-    Image::Layer& layer = shown.layers[0];
-    const std::size_t stride = layer.channels.size();
-    for (std::size_t i = 0; i < layer.pixels.size() / stride; ++i)
-        std::copy_n(&denoised->pixels[3 * i], 3, &layer.pixels[stride * i]);
-    return shown;
-}
-
-}  // namespace
 
 bool write_pictures(const PictureOptions& options, const Image& image, const WriteOptions& write, Reporter& reporter)
 {

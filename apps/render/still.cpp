@@ -28,15 +28,13 @@ void tell_fireflies(const Film& film, const DisplayTransform& display, Reporter&
 /// The denoised picture, as a layer; its aids go unless they are `wanted`.
 void add_denoised(Image& image, const Denoiser& denoiser, const std::vector<Aov>& wanted)
 {
-    Image::Layer denoised = denoiser.denoise(image);
+    denoiser.add_to(image);
     std::erase_if(image.layers, [&](const Image::Layer& layer) {
         const auto is_extra = [&](Aov aov, const char* name) {
             return layer.name == name && std::find(wanted.begin(), wanted.end(), aov) == wanted.end();
         };
         return is_extra(Aov::albedo, "albedo") || is_extra(Aov::normal, "normal");
     });
-    image.layers.push_back(std::move(denoised));
-    image.attributes["fathom.denoiser"] = "Open Image Denoise " + denoiser.version();
 }
 
 std::map<std::string, std::string> attributes(const RenderOptions& o, const RenderSettings& s, const LoadedScene& scene,

@@ -57,8 +57,9 @@ void DenoisedPicture::add_to(Image& image) const
 {
     Image with_aids = image;
     append_aids(with_aids);
-    image.layers.push_back(denoiser_->denoise(with_aids));
-    image.attributes["fathom.denoiser"] = "Open Image Denoise " + denoiser_->version();
+    denoiser_->add_to(with_aids);
+    image.layers.push_back(std::move(with_aids.layers.back()));
+    image.attributes = std::move(with_aids.attributes);
 }
 
 bool DenoisedPicture::render_aids(const RenderJob& job, std::uint64_t samples, const std::atomic<bool>& cancel)

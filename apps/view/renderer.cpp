@@ -369,19 +369,10 @@ void Renderer::save_picture(const std::string& stem)
     image.attributes = {{"fathom.scene", stem},
                         {"fathom.samples_per_pixel", fmt::format("{}", film.samples_per_pixel())},
                         {"fathom.seed", fmt::format("{}", settings_.seed)}};
-    Image shown;
-    shown.width = image.width, shown.height = image.height;
-    shown.layers = {image.layers[0]};
-    if (work_.denoise) {
-        denoised_.add_to(image);
-        const std::size_t stride = shown.layers[0].channels.size();
-        const std::vector<float>& pixels = image.find("denoised")->pixels;
-        for (std::size_t i = 0; i < pixels.size() / 3; ++i)
-            std::copy_n(&pixels[3 * i], 3, &shown.layers[0].pixels[stride * i]);
-    }
+    if (work_.denoise) denoised_.add_to(image);
     WriteOptions options;
     options.display = work_.scale.transform;
-    write_image(name + ".png", shown, options);
+    write_image(name + ".png", shown_picture(image), options);
     write_image(name + ".exr", image, options);
     say(fmt::format("saved {0}.png and {0}.exr", name));
 }

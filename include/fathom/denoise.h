@@ -30,10 +30,16 @@ public:
     /// The same, for a picture that is soon to be another: a few times as fast and a little less clean, since albedo
     /// and normal are taken with their noise. Nothing if `cancel` became true meanwhile.
     std::optional<Image::Layer> denoise_quickly(const Image& image, const std::atomic<bool>& cancel) const;
+    /// Adds the layer that denoise() makes of it, and the attribute "fathom.denoiser", which names the library.
+    void add_to(Image& image) const;
 
 private:
     struct Data;
     std::shared_ptr<const Data> data_;
 };
+
+/// What formats of one layer show of it: the layer "denoised", if there is one, in the place of the first, whose alpha
+/// stays.
+FATHOM_API Image shown_picture(const Image& image);
 
 }  // namespace fathom

@@ -151,4 +151,24 @@ std::optional<Image::Layer> Denoiser::denoise_quickly(const Image& image, const 
     return denoised_layer(std::move(denoised));
 }
 
+void Denoiser::add_to(Image& image) const
+{
+    image.layers.push_back(denoise(image));
+    image.attributes["fathom.denoiser"] = "Open Image Denoise " + version();
+}
+
+Image shown_picture(const Image& image)
+{
+    Image shown;
+    shown.width = image.width, shown.height = image.height;
+    shown.layers = {image.layers[0]};
+    const Image::Layer* denoised = image.find("denoised");
+    if (!denoised) return shown;
+    Image::Layer& layer = shown.layers[0];
+    const std::size_t stride = layer.channels.size();
+    for (std::size_t i = 0; i < layer.pixels.size() / stride; ++i)
+        std::copy_n(&denoised->pixels[3 * i], 3, &layer.pixels[stride * i]);
+    return shown;
+}
+
 }  // namespace fathom
