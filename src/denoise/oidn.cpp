@@ -1,16 +1,15 @@
 #include "denoise/oidn.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <sstream>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "fathom/error.h"
+#include "scene/shared_library.h"
 
 namespace fathom {
 
@@ -64,8 +63,7 @@ Oidn functions_of(void* library, const fs::path& file)
     Oidn oidn{};
     oidn.file = file;
     const auto take = [&](auto& function, const char* name) {
-        function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, name));
-        if (!function) throw Error(file.string(), name, "there is no such function: this is not Open Image Denoise 2");
+        take_function(library, file.string(), "Open Image Denoise 2", name, function);
     };
     take(oidn.oidnNewDevice, "oidnNewDevice");
     take(oidn.oidnReleaseDevice, "oidnReleaseDevice");
@@ -90,12 +88,6 @@ void* open_library(const fs::path& file)
     return dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
 }
 
-std::string last_reason()
-{
-    const char* reason = dlerror();
-    return reason ? reason : "unknown reason";
-}
-
 Oidn open_named(const std::string& name)
 {
     fs::path file = name;
@@ -104,7 +96,7 @@ Oidn open_named(const std::string& name)
     if (!fs::exists(file, error)) throw Error(file.string(), variable, "there is no such library");
     // A name without a folder would be looked for among the system's libraries.
     void* library = open_library(fs::absolute(file, error));
-    if (!library) throw Error(file.string(), variable, "can't be opened: " + last_reason());
+    if (!library) throw Error(file.string(), variable, "can't be opened: " + shared_library_trouble());
     return functions_of(library, file);
 }
 
@@ -117,7 +109,7 @@ Oidn open_oidn()
     std::string reason;
     for (const fs::path& file : python_places()) {
         if (void* library = open_library(file)) return functions_of(library, file);
-        reason = fmt::format(" ({})", last_reason());
+        reason = fmt::format(" ({})", shared_library_trouble());
     }
     throw Error(
         "", "denoising",

@@ -1,12 +1,11 @@
 #include "image/avif_library.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <string>
-#include <type_traits>
 
 #include "fathom/error.h"
+#include "scene/shared_library.h"
 
 namespace fathom {
 
@@ -15,20 +14,14 @@ namespace {
 /// That of the headers that this is built with: 0.11, or any 1.x.
 constexpr const char* soname = AVIF_VERSION_MAJOR == 0 ? "libavif.so.15" : "libavif.so.16";
 
-std::string last_reason()
-{
-    const char* const reason = dlerror();
-    return reason ? reason : "unknown reason";
-}
-
 AvifLibrary open_library()
 {
     void* const library = dlopen(soname, RTLD_NOW | RTLD_LOCAL);
-    if (!library) throw Error("", "", fmt::format("AVIF needs {}, which can't be opened: {}", soname, last_reason()));
+    if (!library)
+        throw Error("", "", fmt::format("AVIF needs {}, which can't be opened: {}", soname, shared_library_trouble()));
     AvifLibrary avif{};
     const auto take = [&](auto& function, const char* name) {
-        function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, name));
-        if (!function) throw Error(soname, name, "there is no such function: this is not libavif");
+        take_function(library, soname, "libavif", name, function);
     };
     take(avif.avifCropRectConvertCleanApertureBox, "avifCropRectConvertCleanApertureBox");
     take(avif.avifDecoderCreate, "avifDecoderCreate");
