@@ -26,10 +26,13 @@ void add_settings_options(Command& command, SettingsOptions& o)
                       [&](const std::string& text) { o.roulette_depth = int(parse_integer(text, 0, most_int)); });
     command.add_value("--light-sampling", "on|off", "off: lights are only found by chance (default on)",
                       [&](const std::string& text) { o.light_sampling = parse_word(text, {"off", "on"}) == 1; });
-    command.add_value(
-        "--light-selection", "power|uniform",
-        "which light a surface samples: brighter ones more often (default), or all alike, to compare with",
-        [&](const std::string& text) { o.light_selection = LightSelection(parse_word(text, {"power", "uniform"})); });
+    command.add_value("--light-selection", "tree|power|uniform",
+                      "which light a surface samples: those more often that may bring more there (default), brighter "
+                      "ones more often, "
+                      "or all alike, to compare with",
+                      [&](const std::string& text) {
+                          o.light_selection = LightSelection(parse_word(text, {"power", "uniform", "tree"}));
+                      });
     command.add_value(
         "--clamp-indirect", "X",
         "the most that a sample brings of light by two surfaces or more, in each channel, before exposure: fewer "

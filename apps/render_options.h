@@ -13,7 +13,7 @@ namespace fathom::cli {
 struct SettingsOptions {
     std::optional<int> max_depth, roulette_depth;  ///< a max_depth of -1 is none
     std::optional<bool> light_sampling;
-    LightSelection light_selection = LightSelection::power;
+    LightSelection light_selection = LightSelection::tree;
     bool general_loop = false;
     std::optional<Filter> filter;
     std::optional<Color> background;

@@ -18,8 +18,9 @@ namespace fathom {
 
 enum class Filter { box, gaussian, blackman_harris };
 
-/// How the light is chosen that a surface samples: by power, or each as often as any other.
-enum class LightSelection : std::uint32_t { power, uniform };
+/// How the light is chosen that a surface samples: by power, each as often as any other, or by what it may bring there,
+/// which a tree over all lights tells.
+enum class LightSelection : std::uint32_t { power, uniform, tree };
 
 /// What is averaged per pixel beside radiance.
 enum class Aov { albedo, normal, depth, position, instance_id, material_id };
@@ -36,7 +37,7 @@ struct RenderSettings {
     int max_depth = -1;      ///< surfaces a path may scatter at; -1: no limit. A limit is bias
     int roulette_depth = 5;  ///< bounces before Russian roulette begins
     bool light_sampling = true;
-    LightSelection light_selection = LightSelection::power;
+    LightSelection light_selection = LightSelection::tree;
     Filter filter = Filter::blackman_harris;
     std::optional<Crop> crop;  ///< only these pixels are rendered; the picture keeps its size
     std::vector<Aov> aovs;

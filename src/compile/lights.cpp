@@ -5,6 +5,7 @@
 #include "compile/compiler.h"
 #include "compile/instancing.h"
 #include "compile/layers.h"
+#include "compile/light_tree.h"
 #include "compile/luminance.h"
 #include "compile/sky.h"
 
@@ -38,10 +39,15 @@ public:
     {
         for (ShapeRecord& shape : t_.shapes) add_emissive(shape);
         for (std::uint32_t i = 0; i < t_.instances.size(); ++i) add_emissive_instance(i);
-        for (const LightOccurrence& light : lights) add_light(light);
+        for (const LightOccurrence& light : lights)
+            if (light.light->kind != LightKind::directional) add_light(light);
+        t_.placed_lights = std::uint32_t(t_.lights.size());
+        for (const LightOccurrence& light : lights)
+            if (light.light->kind == LightKind::directional) add_light(light);
         add_environment();
         add_sun();
         make_distribution();
+        build_light_tree(t_, powers_, double(t_.shutter_open), double(t_.shutter_close));
     }
 
 private:
@@ -238,14 +244,14 @@ private:
     {
         double total = 0;
         for (double p : powers_) total += p;
-        const double floor = powers_.empty() ? 0 : 0.01 * total / double(powers_.size());
+        const double floor = total > 0 ? 0.01 * total / double(powers_.size()) : 1;
         double sum = 0;
         for (double& p : powers_) sum += p = std::max(p, floor);
         t_.light_cdf.assign(1, 0);
         double running = 0;
         for (std::size_t i = 0; i < powers_.size(); ++i) {
             running += powers_[i];
-            t_.light_cdf.push_back(sum > 0 ? float(running / sum) : float(i + 1) / float(powers_.size()));
+            t_.light_cdf.push_back(float(running / sum));
             // The probability that the float table gives, not the one that was meant.
             t_.lights[i].pmf = t_.light_cdf[i + 1] - t_.light_cdf[i];
         }

@@ -152,7 +152,7 @@ FilmKey FilmKey::parse(const std::string& text)
     s.max_depth = parser.number<int>("max_depth", -1, most_int);
     s.roulette_depth = parser.number<int>("roulette_depth", 0, most_int);
     s.light_sampling = parser.number<int>("light_sampling", 0, 1) == 1;
-    s.light_selection = LightSelection(parser.number<int>("light_selection", 0, 1));
+    s.light_selection = LightSelection(parser.number<int>("light_selection", 0, 2));
     s.general_loop = parser.number<int>("general_loop", 0, 1) == 1;
     s.filter = Filter(parser.number<int>("filter", 0, 2));
     if (const std::string_view crop = parser.field("crop"); crop != "none") {

@@ -35,7 +35,7 @@ struct KernelSettings {
     std::uint32_t seed = 0;
     int max_depth = -1, roulette_depth = 5;
     bool light_sampling = true;
-    LightSelection light_selection = LightSelection::power;
+    LightSelection light_selection = LightSelection::tree;
     bool general_loop = false;  ///< rooms of quads, too, are rendered by the loop for all scenes
     /// Of what a sample brings by two surfaces or more, in each channel; 0: as much as there is.
     float clamp_indirect = 0;

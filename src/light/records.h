@@ -39,11 +39,30 @@ struct LightRecord {
     std::uint32_t two_sided = 0;
     std::uint32_t material = no_index;  ///< whose emission texture or alpha scales radiance, if it has one
     std::uint32_t primitive = no_index;
-    std::uint32_t instance = no_index;  ///< that places the primitive, if one does
-    float motion_or_center[3] = {};     ///< sphere: its motion in a second; rectangle: its centre
-    float unused[2] = {};
+    std::uint32_t instance = no_index;    ///< that places the primitive, if one does
+    float motion_or_center[3] = {};       ///< sphere: its motion in a second; rectangle: its centre
+    std::uint32_t tree_place = no_index;  ///< of it in the light tree: node * LightNode::width + slot
+    float unused = 0;
 };
 static_assert(sizeof(LightRecord) == 32 * sizeof(float));
+
+/// A node of the tree over all lights that have a place: bounds of its children, in columns that lanes read. Children
+/// beyond `count` have intensity 0.
+struct alignas(64) LightNode {
+    static constexpr int width = 16;
+    using Column = float[width];
+
+    Column x, y, z, radius;           ///< ball around all that shines
+    Column axis_x, axis_y, axis_z;    ///< middle of the normals, or of what a spot shines into
+    Column cos_normals, sin_normals;  ///< how far they are from the axis at most
+    Column cos_emission;              ///< how far from its normal anything shines at most
+    Column back;                      ///< -1 if something shines to its back too, else 1
+    Column intensity;                 ///< the most that goes in a direction, added up; 1 for the whole tree
+    std::uint32_t child[width];       ///< a light if is_light is set, else a node
+    std::uint32_t count = 0;          ///< of children
+    std::uint32_t parent = no_index;  ///< the node's place in its parent, as LightRecord::tree_place
+    static constexpr std::uint32_t is_light = 1u << 31;
+};
 
 struct EnvironmentRecord {
     std::uint32_t kind = 0;  ///< EnvironmentKind
@@ -59,7 +78,9 @@ struct EnvironmentRecord {
 
 struct LightTables {
     std::vector<LightRecord> lights;
-    std::vector<float> light_cdf;  ///< lights + 1 values, 0 to 1
+    std::vector<float> light_cdf;       ///< lights + 1 values, 0 to 1
+    std::vector<LightNode> light_tree;  ///< over the first `placed_lights`; node 0 is the root
+    std::uint32_t placed_lights = 0;    ///< those that have a place come first: all but directions and environments
     EnvironmentRecord environment;
 };
 

@@ -22,6 +22,8 @@ LightTables lights(const std::vector<double>& powers)
     return tables;
 }
 
+const Vec3 origin(Vec3f{0, 0, 0});
+
 /// Each light comes as often as its probability says: strata of the unit interval leave no room for chance.
 TEST(LightSelector, SelectsAsOftenAsItsProbabilitySays)
 {
@@ -36,7 +38,8 @@ TEST(LightSelector, SelectsAsOftenAsItsProbabilitySays)
             constexpr int n = 1 << 16;
             std::vector<double> count(powers.size());
             for (int i = 0; i < n; ++i) {
-                const std::uint32_t light = test::first(selector.select(Float((float(i) + 0.5f) / n)));
+                const std::uint32_t light =
+                    test::first(selector.select(origin, Float((float(i) + 0.5f) / n), Float(0), Mask(true)).light);
                 ASSERT_LT(light, powers.size());
                 count[light] += 1.0 / n;
             }
@@ -47,7 +50,7 @@ TEST(LightSelector, SelectsAsOftenAsItsProbabilitySays)
                 EXPECT_NEAR(count[i], expected, 1.5 / n);
                 EXPECT_FLOAT_EQ(selector.pmf(i), float(expected));
                 const LightReader<false> record(tables.lights.data(), UInt(i));
-                EXPECT_EQ(test::first(selector.pmf(record)), selector.pmf(i));
+                EXPECT_EQ(test::first(selector.pmf(record, origin, Mask(true))), selector.pmf(i));
                 sum += double(selector.pmf(i));
             }
             EXPECT_NEAR(sum, 1, 1e-6);
@@ -59,7 +62,9 @@ TEST(LightSelector, TheLargestNumberSelectsALight)
 {
     const LightTables tables = lights({2, 1, 1});
     for (const LightSelection how : {LightSelection::power, LightSelection::uniform})
-        EXPECT_EQ(test::first(LightSelector(tables, how).select(Float(1 - 0x1p-24f))), 2u);
+        EXPECT_EQ(
+            test::first(LightSelector(tables, how).select(origin, Float(1 - 0x1p-24f), Float(0), Mask(true)).light),
+            2u);
 }
 
 }  // namespace

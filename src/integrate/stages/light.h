@@ -25,7 +25,10 @@ public:
     {
         if (is_alone_)
             return sample_light(LightReader<true>(tables_.lights.data(), UInt(0u)), eye, time, random, valid);
-        return choose(valid, eye, sample_2d(key, pair_seed(seed, pair_choice)).y, random, time);
+        return choose(valid, eye,
+                      selector_.select(eye, sample_2d(key, pair_seed(seed, pair_choice)).y,
+                                       sample_hash(key, pair_seed(seed, pair_light_tree)), valid),
+                      random, time);
     }
 
     /// What leaves the scene along d sees, for the lanes of m. specular: not weighted against light sampling;
@@ -48,14 +51,14 @@ public:
     [[gnu::always_inline]] Float emission_weight(const Light& light, const Vec3& o, Float time, const Vec3& d,
                                                  Float distance, Float pdf, Mask m) const
     {
-        return mis_weight(pdf, selector_.pmf(light) * pdf_light(light, o, time, d, distance, m));
+        return mis_weight(pdf, selector_.pmf(light, o, m) * pdf_light(light, o, time, d, distance, m));
     }
 
 private:
-    [[gnu::noinline]] LightSample choose(Mask valid, Vec3 eye, Float u, Sample2 random, Float time) const
+    [[gnu::noinline]] LightSample choose(Mask valid, Vec3 eye, LightSelector::Choice choice, Sample2 random,
+                                         Float time) const
     {
-        const UInt index = selector_.select(u);
-        const LightReader<false> light(tables_.lights.data(), index);
+        const LightReader<false> light(tables_.lights.data(), choice.light);
         LightSample s = sample_light(light, eye, time, random, valid);
         const Mask environment = is_kind(light.kind(), LightRecordKind::environment);
         if (any(valid & environment)) {
@@ -71,7 +74,7 @@ private:
             const Mask varied = valid & (material != UInt(no_index));
             if (any(varied)) s.radiance = s.radiance * factor_at(light, material, eye, s, time, varied);
         }
-        s.inverse_pdf = s.inverse_pdf / selector_.pmf(light);
+        s.inverse_pdf = s.inverse_pdf / choice.pmf;
         return s;
     }
 

@@ -43,6 +43,7 @@ public:
     UInt two_sided() const { return integer(&LightRecord::two_sided); }
     UInt material() const { return integer(&LightRecord::material); }
     UInt primitive() const { return integer(&LightRecord::primitive); }
+    UInt tree_place() const { return integer(&LightRecord::tree_place); }
     UInt instance() const { return integer(&LightRecord::instance); }
     Spectrum radiance() const
     {

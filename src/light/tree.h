@@ -1,0 +1,262 @@
+#pragma once
+/// The light tree: each light that has a place is chosen by about as much as it brings to a point.
+///
+/// Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting": bounds of position,
+/// normals and intensity; a child is chosen by a bound on what it may bring, so down to one light. Here nodes have up
+/// to 16 children, and importances become integers before they are added: their sum has the same bits in any order.
+/// What may reach the point has a weight of 1 at least, so that nothing that counts is never chosen.
+#include "light/records.h"
+#include "math/vec3.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+namespace detail {
+
+/// The largest weight: sums of a node's stay below 2^20, so that products with numbers in [0, 1) lose nothing.
+inline constexpr float largest_weight = 65535;
+
+/// Bounds of a light or a node, one for each lane of F: native lanes, which are children, or Float, which are points.
+template <class F>
+struct LightBounds {
+    F x, y, z, radius, axis_x, axis_y, axis_z, cos_normals, sin_normals, cos_emission, back, intensity;
+
+    /// read(column)
+    template <class Read>
+    [[gnu::always_inline]] static LightBounds of(const LightNode& n, Read&& read)
+    {
+        return {read(n.x),      read(n.y),        read(n.z),           read(n.radius),      read(n.axis_x),
+                read(n.axis_y), read(n.axis_z),   read(n.cos_normals), read(n.sin_normals), read(n.cos_emission),
+                read(n.back),   read(n.intensity)};
+    }
+};
+
+template <class F, class M>
+struct Importance {
+    F value;  ///< at least 0
+    M reaches;
+};
+
+/// A bound on what lights within the bounds bring to a point: paper section 4, without the receiver's cosine. The angle
+/// between any normal and the direction to the point is at least that of the axis, less how far normals are from the
+/// axis, less how far the lights are from the middle of their ball as seen from the point.
+template <class M, class F>
+[[gnu::always_inline]] inline Importance<F, M> importance(const LightBounds<F>& b, F px, F py, F pz)
+{
+    const F x = px - b.x, y = py - b.y, z = pz - b.z;
+    const F distance2 = fma(x, x, fma(y, y, z * z)), radius2 = b.radius * b.radius;
+    const M inside = distance2 <= radius2;
+    const F inverse = F(1.f) / sqrt(max(distance2, radius2));
+    const F sin_ball = min(b.radius * inverse, F(1.f));
+    const F cos_ball = sqrt(fma(-sin_ball, sin_ball, F(1.f)));
+    const F along = fma(x, b.axis_x, fma(y, b.axis_y, z * b.axis_z)) * inverse;
+    const F cos_axis = min(max(along, along * b.back), F(1.f));
+    const F sin_axis = sqrt(max(fma(-cos_axis, cos_axis, F(1.f)), F(0.f)));
+    // The cosines of what is left of the angle after each of the two; 1 where nothing is.
+    const M in_cone = cos_axis >= b.cos_normals;
+    const F cos_cone = select(in_cone, F(1.f), fma(cos_axis, b.cos_normals, sin_axis * b.sin_normals));
+    const F sin_cone = select(in_cone, F(0.f), fma(sin_axis, b.cos_normals, -(cos_axis * b.sin_normals)));
+    const M facing = inside | (cos_cone >= cos_ball);
+    const F cosine = select(facing, F(1.f), fma(cos_cone, cos_ball, sin_cone * sin_ball));
+    const M reaches = (b.intensity > F(0.f)) & (facing | (cosine > b.cos_emission));
+    return {b.intensity * max(cosine, F(0.f)) * inverse * inverse, reaches};
+}
+
+template <class U, class F, class M>
+[[gnu::always_inline]] inline U light_weight(const Importance<F, M>& i, F scale)
+{
+    const U w = to_uint(min(i.value * scale, F(largest_weight)));
+    return select(i.reaches, select(less(w, U(1u)), U(1u), w), U(0u));
+}
+
+/// What importances are multiplied by to become weights.
+template <class F>
+[[gnu::always_inline]] inline F weight_scale(F largest)
+{
+    return F(largest_weight) / max(largest, F(1e-30f));
+}
+
+/// The sums of a node's weights as a point sees them: up to each child, without it, and of all in the end.
+struct LightWeights {
+    std::uint32_t before[LightNode::width + 1];
+
+    std::uint32_t total() const { return before[LightNode::width]; }
+    double share(std::uint32_t slot) const { return double(before[slot + 1] - before[slot]) / double(total()); }
+};
+
+/// Children as lanes.
+inline LightWeights light_weights(const LightNode& n, const float (&p)[3])
+{
+    constexpr int parts = LightNode::width / native::lanes;
+    const native::Float x(p[0]), y(p[1]), z(p[2]);
+    Importance<native::Float, native::Mask> seen[parts];
+    native::Float most(0.f);
+    for (int i = 0; i < parts; ++i) {
+        const auto read = [&](const LightNode::Column& c) { return native::load(c + i * native::lanes); };
+        seen[i] = importance<native::Mask>(LightBounds<native::Float>::of(n, read), x, y, z);
+        most = max(most, native::select(seen[i].reaches, seen[i].value, native::Float(0.f)));
+    }
+    const native::Float scale = weight_scale(native::Float(-native::least(-most)));
+    std::uint32_t weight[LightNode::width];
+    for (int i = 0; i < parts; ++i)
+        native::store(weight + i * native::lanes, light_weight<native::UInt>(seen[i], scale));
+    LightWeights w;
+    w.before[0] = 0;
+    for (int i = 0; i < LightNode::width; ++i) w.before[i + 1] = w.before[i] + weight[i];
+    // Nothing reaches: each as likely as another, so that there is always a light.
+    if (w.total() == 0)
+        for (std::uint32_t i = 0; i < LightNode::width; ++i) w.before[i + 1] = i < n.count ? i + 1 : n.count;
+    return w;
+}
+
+}  // namespace detail
+
+/// Choice of a light by a tree.
+class LightTree {
+public:
+    struct Choice {
+        UInt light;
+        Float pmf;
+    };
+
+    explicit LightTree(const LightTables& tables) : tables_(tables) {}
+
+    /// The light for a number u in [0, 1) of 24 bits and more bits of chance, `noise`, in [0, 1) too.
+    Choice select(Vec3 p, Float u, Float noise, Mask m) const
+    {
+        return is_one_node() ? select_in_root(p, u) : descend(p, u, noise, m);
+    }
+
+    /// The probability with which select() gives the light at a place of the tree, for the lanes of m.
+    Float pmf(UInt place, Vec3 p, Mask m) const { return is_one_node() ? pmf_in_root(place, p) : climb(place, p, m); }
+
+private:
+    using Bounds = detail::LightBounds<Float>;
+
+    /// Points as lanes: then a few lights cost a few steps.
+    struct RootWeights {
+        UInt weight[LightNode::width];
+        UInt total;
+    };
+
+    bool is_one_node() const { return tables_.light_tree.size() == 1; }
+
+    RootWeights root_weights(Vec3 p) const
+    {
+        const LightNode& root = tables_.light_tree.front();
+        detail::Importance<Float, Mask> seen[LightNode::width];
+        Float most(0.f);
+        for (std::uint32_t i = 0; i < root.count; ++i) {
+            const auto read = [&](const LightNode::Column& c) { return Float(c[i]); };
+            seen[i] = detail::importance<Mask>(Bounds::of(root, read), p.x, p.y, p.z);
+            most = max(most, fathom::select(seen[i].reaches, seen[i].value, Float(0.f)));
+        }
+        const Float scale = detail::weight_scale(most);
+        RootWeights w;
+        w.total = UInt(0u);
+        for (std::uint32_t i = 0; i < root.count; ++i)
+            w.total += w.weight[i] = detail::light_weight<UInt>(seen[i], scale);
+        const Mask nothing = w.total == UInt(0u);
+        if (any(nothing)) {
+            for (std::uint32_t i = 0; i < root.count; ++i) w.weight[i] = fathom::select(nothing, UInt(1u), w.weight[i]);
+            w.total = fathom::select(nothing, UInt(root.count), w.total);
+        }
+        return w;
+    }
+
+    [[gnu::noinline]] Choice select_in_root(Vec3 p, Float u) const
+    {
+        const LightNode& root = tables_.light_tree.front();
+        const RootWeights w = root_weights(p);
+        UInt x = to_uint(u * to_float(w.total));
+        x = fathom::select(less(x, w.total), x, w.total - UInt(1u));
+        UInt slot(0u), weight = w.weight[0], sum = w.weight[0];
+        for (std::uint32_t i = 1; i < root.count; ++i) {
+            // The sum of those before it.
+            const Mask here = !less(x, sum);
+            slot = fathom::select(here, UInt(i), slot);
+            weight = fathom::select(here, w.weight[i], weight);
+            sum += w.weight[i];
+        }
+        return {lookup(root.child, LightNode::width, slot) & UInt(~LightNode::is_light),
+                to_float(weight) / to_float(w.total)};
+    }
+
+    [[gnu::noinline]] Float pmf_in_root(UInt slot, Vec3 p) const
+    {
+        const RootWeights w = root_weights(p);
+        UInt weight(0u);
+        for (std::uint32_t i = 0; i < tables_.light_tree.front().count; ++i)
+            weight = fathom::select(slot == UInt(i), w.weight[i], weight);
+        return to_float(weight) / to_float(w.total);
+    }
+
+    struct Points {
+        float x[lanes], y[lanes], z[lanes];
+        explicit Points(Vec3 p) { store(x, p.x), store(y, p.y), store(z, p.z); }
+    };
+
+    /// Where a point is on its way down.
+    struct Descent {
+        double x;       ///< what is left of its number
+        double chance;  ///< to have come here
+        std::uint32_t child;
+    };
+
+    void step(Descent& d, const float (&p)[3]) const
+    {
+        const LightNode& n = tables_.light_tree[d.child];
+        const detail::LightWeights w = detail::light_weights(n, p);
+        const double at = d.x * double(w.total());
+        const std::uint32_t whole = std::uint32_t(at);
+        std::uint32_t slot = 0;
+        for (int i = 1; i < LightNode::width; ++i) slot += w.before[i] <= whole;
+        const std::uint32_t before = w.before[slot], weight = w.before[slot + 1] - before;
+        const double x = (at - double(before)) / double(weight);
+        d = {x < 1 ? x : 1 - 0x1p-53, d.chance * (double(weight) / double(w.total())), n.child[slot]};
+    }
+
+    /// All lanes go down a level before one goes further: their steps don't wait for each other.
+    [[gnu::noinline]] Choice descend(Vec3 p, Float u, Float noise, Mask m) const
+    {
+        const Points points(p);
+        float high[lanes], low[lanes], pmf[lanes] = {};
+        std::uint32_t light[lanes] = {};
+        Descent down[lanes];
+        store(high, u), store(low, noise);
+        // 48 bits of chance: 24 are soon used up by many lights.
+        for_each_active(m, [&](int k) { down[k] = {double(high[k]) + double(low[k]) * 0x1p-24, 1, 0}; });
+        while (any(m)) {
+            std::uint32_t inner = 0;
+            for_each_active(m, [&](int k) {
+                step(down[k], {points.x[k], points.y[k], points.z[k]});
+                inner |= std::uint32_t(!(down[k].child & LightNode::is_light)) << k;
+                light[k] = down[k].child & ~LightNode::is_light, pmf[k] = float(down[k].chance);
+            });
+            m = mask_from_bits(inner);
+        }
+        return {load(light), load(pmf)};
+    }
+
+    [[gnu::noinline]] Float climb(UInt place, Vec3 p, Mask m) const
+    {
+        const Points points(p);
+        std::uint32_t places[lanes];
+        float pmf[lanes] = {};
+        store(places, place);
+        for_each_active(m, [&](int k) {
+            double chance = 1;
+            for (std::uint32_t at = places[k]; at != no_index;) {
+                const LightNode& n = tables_.light_tree[at / LightNode::width];
+                chance *=
+                    detail::light_weights(n, {points.x[k], points.y[k], points.z[k]}).share(at % LightNode::width);
+                at = n.parent;
+            }
+            pmf[k] = float(chance);
+        });
+        return load(pmf);
+    }
+
+    const LightTables& tables_;
+};
+
+}  // namespace fathom::inline FATHOM_LANES
