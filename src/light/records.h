@@ -55,6 +55,7 @@ struct EnvironmentRecord {
     double mean_luminance = 0;  ///< of an image that lights are sampled from; else 0
     /// Image: cumulative distributions for sampling, rows then columns: (height + 1) and height * (width + 1) floats.
     std::vector<float> marginal, conditional;
+    std::vector<std::uint32_t> marginal_guide, conditional_guides;  ///< see make_guides
 };
 
 struct LightTables {

@@ -37,8 +37,26 @@ inline constexpr std::uint32_t record_words = [] {
 
 inline Vec3 gather_vector(const float* base, UInt at, Mask m)
 {
-    return {gather(base, at, m), gather(base + 1, at, m), gather(base + 2, at, m)};
+    Float row[3];
+    gather_row(base, at, m, row);
+    return {row[0], row[1], row[2]};
 }
+
+/// The first n words of each lane's record, for the lanes of m; 0 in others.
+template <class Record, int n>
+struct RecordRow {
+    [[gnu::always_inline]] RecordRow(const std::vector<Record>& records, UInt index, Mask m)
+    {
+        gather_row(reinterpret_cast<const float*>(records.data()), index * UInt(detail::record_words<Record>), m, word);
+    }
+    [[gnu::always_inline]] Float get(float Record::* member) const { return word[detail::word_of(member)]; }
+    [[gnu::always_inline]] UInt get(std::uint32_t Record::* member) const
+    {
+        return float_bits(word[detail::word_of(member)]);
+    }
+
+    Float word[n];
+};
 
 /// The member of records[index] for the lanes of m; 0 in others.
 template <class Record>
