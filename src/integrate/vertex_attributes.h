@@ -18,7 +18,7 @@ struct TrianglePlace {
         for (int i = 0; i < n; ++i) to[i] = fma(at[0][i], Float(1) - u - v, fma(at[1][i], u, at[2][i] * v));
     }
     /// Both numbers of a set of texture coordinates; other lanes keep theirs.
-    void read_uv(const std::vector<Vec2f>& table, Mask m, Float& to_u, Float& to_v) const
+    void read_uv(const LargeVector<Vec2f>& table, Mask m, Float& to_u, Float& to_v) const
     {
         if (none(m)) return;
         Float uv[2];

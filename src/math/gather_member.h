@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "math/memory.h"
 #include "math/vec3.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -91,7 +92,7 @@ template <class Record, class Member, class Part>
                   m);
 }
 /// A whole vector of each lane.
-[[gnu::always_inline]] inline Vec3 gather(const std::vector<Vec3f>& vectors, UInt index, Mask m)
+[[gnu::always_inline]] inline Vec3 gather(const LargeVector<Vec3f>& vectors, UInt index, Mask m)
 {
     return gather_vector(reinterpret_cast<const float*>(vectors.data()), index * UInt(3), m);
 }

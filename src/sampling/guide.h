@@ -2,7 +2,8 @@
 /// Guides to cumulative tables: where to look for a number (Chen and Asau 1974, "On Generating Random Variates from an
 /// Empirical Distribution").
 #include <cstdint>
-#include <vector>
+
+#include "math/memory.h"
 
 namespace fathom {
 
@@ -17,13 +18,13 @@ inline std::uint32_t guide_size(int n)
 
 /// Guides to tables of n + 1 values each, side by side, that ascend from 0 to 1. Entry k of a guide is for numbers of
 /// [k, k + 1) / size: the first and, in its upper half, the last of the intervals that may hold them.
-inline std::vector<std::uint32_t> make_guides(const std::vector<float>& tables, int n)
+inline LargeVector<std::uint32_t> make_guides(const LargeVector<float>& tables, int n)
 {
     const std::uint32_t size = guide_size(n);
     const std::size_t count = tables.size() / (std::size_t(n) + 1);
     // A float's product with `size` may be rounded up into the next entry.
     constexpr double rounding = 1e-6;
-    std::vector<std::uint32_t> guides(count * size);
+    LargeVector<std::uint32_t> guides(count * size);
     for (std::size_t t = 0; t < count; ++t) {
         const float* table = &tables[t * (std::size_t(n) + 1)];
         std::uint32_t* guide = &guides[t * size];

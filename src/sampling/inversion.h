@@ -28,7 +28,7 @@ struct GuidedInterval {
 };
 
 /// The same for tables of n + 1 values side by side, with guides to them (make_guides): in the one numbered `table`.
-inline GuidedInterval find_guided(const std::vector<float>& tables, const std::vector<std::uint32_t>& guides, int n,
+inline GuidedInterval find_guided(const LargeVector<float>& tables, const LargeVector<std::uint32_t>& guides, int n,
                                   UInt table, Float x)
 {
     const UInt size(guide_size(n)), last_entry(guide_size(n) - 1);

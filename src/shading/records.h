@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "math/memory.h"
 #include "math/no_index.h"
 #include "shading/rgb.h"
 
@@ -137,7 +138,7 @@ struct ShadingTables {
     std::vector<LayersRecord> layers;
     std::vector<TextureRecord> textures;
     std::vector<RampStopRecord> ramp_stops;
-    std::vector<float> texels;  ///< of images in four floats a texel: what no other format holds
+    LargeVector<float> texels;  ///< of images in four floats a texel: what no other format holds
     std::vector<std::vector<std::uint32_t>> packed_images;  ///< of the others, image by image
     std::array<float, 256> linear_of_srgb{};
 };

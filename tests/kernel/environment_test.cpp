@@ -221,14 +221,14 @@ TEST(Environment, IntervalsOfATable)
 TEST(Environment, GuidesFindWhatASearchFinds)
 {
     for (int n : {1, 2, 5, 64, 1000}) {
-        std::vector<float> tables;
+        LargeVector<float> tables;
         for (int table = 0; table < 2; ++table) {
             double sum = 0;
             std::vector<double> sums{0};
             for (int i = 0; i < n; ++i) sums.push_back(sum += i % 3 == 1 ? 0 : std::pow((i * 7 + table) % 11 + 1, 6));
             for (double s : sums) tables.push_back(float(s / sum));
         }
-        const std::vector<std::uint32_t> guides = make_guides(tables, n);
+        const auto guides = make_guides(tables, n);
         const float* second = &tables[std::size_t(n) + 1];
         std::vector<float> numbers(second, second + n);
         for (std::uint32_t k = 0; k < guide_size(n); ++k) numbers.push_back(float(k) / float(guide_size(n)));

@@ -109,7 +109,7 @@ private:
         }
         const Mask moving = m & (vertices != UInt(0u));
         // Per vertex, at the path's time.
-        const auto at_time = [&](const std::vector<Vec3f>& table, UInt v, Mask which) {
+        const auto at_time = [&](const LargeVector<Vec3f>& table, UInt v, Mask which) {
             const UInt now = v + key.key * vertices, then = v + (key.key + UInt(1u)) * vertices;
             return mix(gather(table, now, which), gather(table, then, which), key.fraction);
         };
