@@ -2,9 +2,10 @@
 """A scene of many lamps: a closed room of 10 x 4 x 10 m with N glowing triangles in it, anywhere, turned anyhow, each shining
 to one side. Whatever N is, their area is 1 m2 in all.
 
-usage: bench/many_lights.py N FOLDER [--equal]
+usage: bench/many_lights.py N FOLDER [--dark M] [--equal]
 
-Writes FOLDER/lamps-N.json and FOLDER/lamps-N.ply. Edges are of random sizes, a hundredfold apart, or with --equal all alike.
+Writes FOLDER/lamps-N.json and meshes beside it. Edges are of random sizes, a hundredfold apart, or with --equal all alike.
+--dark adds M triangles of the same kind that don't glow, so that scenes of few and of many lamps take the same time to trace.
 No number depends on the machine.
 """
 import argparse, json, math, random, struct
@@ -21,7 +22,7 @@ def cross(a, b):
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-def lamp(rng, size):
+def triangle(rng, size):
     """Corners of an equilateral triangle, its edges `size` long."""
     n = direction(rng)
     s = cross(n, direction(rng))
@@ -34,37 +35,48 @@ def lamp(rng, size):
         yield tuple(center[i] + size / math.sqrt(3) * (c * s[i] + d * t[i]) for i in range(3))
 
 
+def write_triangles(path, count, equal, seed):
+    """A mesh of 1 m2."""
+    rng = random.Random(seed)
+    sizes = [1.0 if equal else 100 ** rng.random() for _ in range(count)]
+    scale = 1 / math.sqrt(sum(math.sqrt(3) / 4 * s * s for s in sizes))
+    corners = [corner for s in sizes for corner in triangle(rng, s * scale)]
+    with open(path, "wb") as ply:
+        ply.write(f"ply\nformat binary_little_endian 1.0\nelement vertex {len(corners)}\nproperty float x\nproperty float y\n"
+                  f"property float z\nelement face {count}\nproperty list uchar int vertex_indices\nend_header\n".encode())
+        for corner in corners:
+            ply.write(struct.pack("<3f", *corner))
+        for i in range(count):
+            ply.write(struct.pack("<B3i", 3, 3 * i, 3 * i + 1, 3 * i + 2))
+
+
+def wall(corner, u, v):
+    return {"material": "grey", "rectangle": {"corner": corner, "edge_u": u, "edge_v": v}}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("lamps", type=int)
     parser.add_argument("folder", type=Path)
+    parser.add_argument("--dark", type=int, default=0)
     parser.add_argument("--equal", action="store_true")
     args = parser.parse_args()
-    rng = random.Random(1)
-    sizes = [1.0 if args.equal else 100 ** rng.random() for _ in range(args.lamps)]
-    scale = 1 / math.sqrt(sum(math.sqrt(3) / 4 * s * s for s in sizes))
-    corners = [corner for s in sizes for corner in lamp(rng, s * scale)]
-    name = f"lamps-{args.lamps}"
-    with open(args.folder / f"{name}.ply", "wb") as ply:
-        ply.write(f"ply\nformat binary_little_endian 1.0\nelement vertex {len(corners)}\nproperty float x\nproperty float y\n"
-                  f"property float z\nelement face {args.lamps}\nproperty list uchar int vertex_indices\nend_header\n".encode())
-        for corner in corners:
-            ply.write(struct.pack("<3f", *corner))
-        for i in range(args.lamps):
-            ply.write(struct.pack("<B3i", 3, 3 * i, 3 * i + 1, 3 * i + 2))
-    wall = lambda corner, u, v: {"material": "grey", "rectangle": {"corner": corner, "edge_u": u, "edge_v": v}}
+    meshes = {"lamps": args.lamps, **({"dark": args.dark} if args.dark else {})}
+    for seed, (name, count) in enumerate(meshes.items()):
+        write_triangles(args.folder / f"{name}-{count}.ply", count, args.equal, seed)
     scene = {
         "fathom": 1,
         "render": {"size": [320, 240], "max_depth": 4},
         "camera": {"position": [0, 2, 4.9], "look_at": [0, 1.8, 0], "up": [0, 1, 0], "fov_y_deg": 60},
-        "materials": {"grey": {"kind": "diffuse", "color": [0.5, 0.5, 0.5]}, "lamp": {"kind": "none", "emission": [30, 30, 30]}},
-        "meshes": {"lamps": {"file": f"{name}.ply"}},
+        "materials": {"grey": {"kind": "diffuse", "color": [0.5, 0.5, 0.5]}, "lamps": {"kind": "none", "emission": [30, 30, 30]},
+                      "dark": {"kind": "diffuse", "color": [0.2, 0.2, 0.2]}},
+        "meshes": {name: {"file": f"{name}-{count}.ply"} for name, count in meshes.items()},
         "scene": [wall([-5, 0, 5], [10, 0, 0], [0, 0, -10]), wall([-5, 4, -5], [10, 0, 0], [0, 0, 10]),
                   wall([-5, 0, -5], [10, 0, 0], [0, 4, 0]), wall([5, 0, 5], [-10, 0, 0], [0, 4, 0]),
                   wall([-5, 0, 5], [0, 0, -10], [0, 4, 0]), wall([5, 0, -5], [0, 0, 10], [0, 4, 0]),
-                  {"material": "lamp", "mesh": "lamps"}],
+                  *({"material": name, "mesh": name} for name in meshes)],
     }
-    (args.folder / f"{name}.json").write_text(json.dumps(scene, indent=1) + "\n")
+    (args.folder / f"lamps-{args.lamps}.json").write_text(json.dumps(scene, indent=1) + "\n")
 
 
 main()

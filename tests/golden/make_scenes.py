@@ -234,6 +234,30 @@ def textures():
         "color": {"texture": {"image": "bands.png", "uv_set": 1}}, "normal_map": {"image": "bumps.png"}, "use_vertex_color": True}}])
 
 
+def hundreds_of_lamps():
+    """A light tree of several levels: triangles of all directions, balls, disks, spots, points and a sun."""
+    def place(i):
+        return [2.6 * math.sin(2.4 * i), 0.3 + 2.4 * ((0.618 * i) % 1), 2.6 * math.cos(1.7 * i) - 0.5]
+    triangles = {"positions": [], "indices": []}
+    for i in range(140):
+        x, y, z = place(i)
+        size = 0.03 + 0.1 * ((0.37 * i) % 1)
+        triangles["indices"].append([3 * i, 3 * i + 1, 3 * i + 2])
+        for k in range(3):
+            a, b = i + 2.1 * k, 0.7 * i + 2.1 * k
+            triangles["positions"].append([round(v, 4) for v in (x + size * math.sin(a), y + size * math.cos(a), z + size * math.sin(b))])
+    rounded = lambda i: [round(v, 4) for v in place(i)]
+    lamp = lambda i, **shape: {"material": {"kind": "none", "emission": [3 + i % 4, 4, 6 - i % 4], "emission_two_sided": i % 2 == 0}, **shape}
+    write("hundreds-of-lamps", environment=None, scene=[
+        FLOOR, {**BALL, "material": {"color": 0.7}}, lamp(1, mesh=triangles), lamp(2, mesh=triangles),
+        *(lamp(i, sphere={"center": rounded(i), "radius": 0.02 + 0.005 * (i % 5)}) for i in range(200, 220)),
+        *(lamp(i, disk={"center": rounded(i), "normal": [math.sin(i), -1, 0.5], "radius": 0.05}) for i in range(300, 312))],
+        lights={**{f"spot {i}": {"kind": "spot", "position": rounded(i), "direction": [math.sin(i), -1, 0.2], "intensity": 1 + i % 3,
+                                 "inner_angle_deg": 5, "outer_angle_deg": 10 + 7 * (i % 9)} for i in range(400, 412)},
+                **{f"point {i}": {"kind": "point", "position": rounded(i), "intensity": 0.3} for i in range(500, 508)},
+                "sun": {"kind": "directional", "direction": [-1, -2, -0.5], "intensity": 0.5}})
+
+
 def lights():
     def lit(name, nodes=(), lights=None, **more):
         write(name, scene=[FLOOR, {**BALL, "material": {"color": 0.7}}, *nodes], environment=None, lights=lights or {}, **more)
@@ -255,6 +279,7 @@ def lights():
     lit("many-lamps", [{"material": {"kind": "none", "emission": [2 + i % 3, 3, 5 - i % 4]},
                         "sphere": {"center": [0.4 * i - 2.2, 1.8 + 0.1 * (i % 4), 0.3 * (i % 5) - 0.5], "radius": 0.06 + 0.01 * (i % 3)}}
                        for i in range(12)], {"p": {"kind": "point", "position": [0, 2.5, 2], "intensity": 2}})
+    hundreds_of_lamps()
     write("sky-constant", scene=with_material(color=0.7), environment={"kind": "constant", "color": [0.5, 0.7, 0.9]})
     write("sky-gradient", scene=with_material(color=0.7),
           environment={**SKY, "rotate": {"axis": [1, 0, 0.5], "angle_deg": 50}})
