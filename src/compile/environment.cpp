@@ -7,7 +7,7 @@
 #include "compile/luminance.h"
 #include "compile/sky.h"
 #include "compile/studio.h"
-#include "sampling/guide.h"
+#include "math/guide.h"
 
 namespace fathom {
 
@@ -16,8 +16,8 @@ namespace {
 /// A picture that is nowhere brighter than this many times its mean is sampled as it is: little stands out from it.
 constexpr double much_above_mean = 2;
 
-/// The luminance of each cell. Bilinear lookup spreads a pixel's light over its neighbours, so it is the mean of the 3x3
-/// around it.
+/// The luminance of each cell. Bilinear lookup spreads a pixel's light over its neighbours, so it is the mean of the
+/// 3x3 around it.
 std::vector<float> cell_luminances(const EnvironmentRecord& t)
 {
     const int w = t.width, h = t.height;

@@ -160,6 +160,7 @@ private:
             const UInt primitive = hits_.primitive.load(i);
             const Mask hit = valid & (primitive != UInt(no_index));
             const UInt instance = scene_.is_flat ? UInt(no_index) : hits_.instance.load(i);
+            surfaces_.fetch_indices(primitive, hit);
             const UInt info = scene_.info_of(primitive, instance, hit);
             list(hit & ((info & UInt(LaneScene::emits)) != UInt(0u)), i, emitting_, emitting);
             if (scene_.sees_environment || settings_.background.given) list(valid & !hit, i, missing_, missing);

@@ -67,6 +67,8 @@ void LaneScene::read_tables()
         bvh.set_alpha_test(has_alpha() ? &alpha_passes : nullptr, &tables);
     read_shapes();
     tracks_media = has_absorption || count_solids(tables) > 1;
+    constexpr std::size_t much = 1 << 17;  // of vertices
+    is_large = tables.positions.size() > much;
     textured = !tables.textures.empty();
     varied_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
                                 [](const LightRecord& light) { return light.material != no_index; });

@@ -29,6 +29,7 @@ struct LaneScene final : KernelScene {
     std::vector<std::uint32_t> primitive_info;
     QuadColumns quads;
     std::uint32_t kinds = 0;          ///< bit per ClosureKind that occurs and scatters
+    bool is_large = false;            ///< vertices are far more than caches hold near a core
     bool textured = false;            ///< uv matter somewhere
     bool wants_tangents = false;      ///< tangents of surfaces matter somewhere
     bool varied_lights = false;       ///< some are not alike all over, see LightRecord::material

@@ -35,7 +35,13 @@ public:
             const std::size_t end = kind_end[kind];
             if (begin < end)
                 Closures::visit(ClosureKind(kind), [&]<class Closure>() {
-                    for (std::size_t i = begin; i < end; i += lanes) shade<Closure>(i, first_lanes(end - i));
+                    for (std::size_t i = begin; i < end; i += lanes) {
+                        const std::size_t next = i + fetched_ahead;
+                        if (next < end)
+                            surfaces_.fetch_vertices(&hits.primitive.data[next],
+                                                     std::min<std::size_t>(lanes, end - next));
+                        shade<Closure>(i, first_lanes(end - i));
+                    }
                 });
             begin = end;
         }
@@ -157,6 +163,9 @@ private:
         const UInt surfaces = (paths_->state.load(i) & UInt(PathPool::bounce_mask)) + UInt(1u);
         return light * indirect_scale(*paths_, iota() + UInt(std::uint32_t(i)), surfaces, light, m);
     }
+
+    /// How many paths earlier the vertices of a hit are fetched.
+    static constexpr std::size_t fetched_ahead = 32;
 
     const LaneScene& scene_;
     const SceneTables& tables_;
