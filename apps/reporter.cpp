@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "commands.h"
+#include "cost_sheet.h"
 #include "streams.h"
 
 namespace fathom::cli {
@@ -31,13 +32,6 @@ std::string duration(double seconds)
     if (whole < 60) return fmt::format("{} s", whole);
     if (whole < 3600) return fmt::format("{}:{:02} min", whole / 60, whole % 60);
     return fmt::format("{}:{:02} h", whole / 3600, whole / 60 % 60);
-}
-
-std::string with_unit(double number)
-{
-    for (const auto& [unit, name] : {std::pair{1e9, "G"}, {1e6, "M"}, {1e3, "k"}})
-        if (number >= unit) return fmt::format("{:.2f} {}", number / unit, name);
-    return fmt::format("{:.0f} ", number);
 }
 
 /// A bar and what the terminal has room for behind it: the most telling words go last.
@@ -190,7 +184,7 @@ void Reporter::progress(double done, double elapsed_s, const Progress& progress,
                       {"done", done},
                       {"samples_done", progress.samples_done},
                       {"samples_total", progress.samples_total},
-                      {"rays", progress.rays},
+                      {"rays", progress.costs.all_rays()},
                       {"samples_per_s", rate},
                       {"elapsed_s", elapsed_s},
                       {"remaining_s", remaining_s}});
@@ -223,13 +217,20 @@ void Reporter::summary(const Summary& s)
                       {"write_s", s.write_s},
                       {"total_s", seconds_since_start()},
                       {"samples_per_pixel", s.samples_per_pixel},
-                      {"rays", s.rays},
+                      {"rays", s.costs.all_rays()},
                       {"peak_memory_bytes", memory}});
     note(
         fmt::format("load {:.3f} s, build {:.3f} s, render {:.3f} s, write {:.3f} s; {} samples a pixel, {}rays; "
                     "peak memory {:.0f} MB",
-                    s.load_s, s.build_s, s.render_s, s.write_s, s.samples_per_pixel, with_unit(double(s.rays)),
-                    double(memory) / 1e6));
+                    s.load_s, s.build_s, s.render_s, s.write_s, s.samples_per_pixel,
+                    with_unit(double(s.costs.all_rays())), double(memory) / 1e6));
+}
+
+void Reporter::cost_sheet(const Summary& s)
+{
+    if (mode_ == ReportMode::json) return print(cost_sheet_json(s.costs, s.render_s));
+    end_bar();
+    say(cli::cost_sheet(s.costs, s.render_s) + '\n');
 }
 
 }  // namespace fathom::cli

@@ -20,7 +20,8 @@ enum class ReportMode {
 
 struct Summary {
     double load_s = 0, build_s = 0, render_s = 0, write_s = 0;
-    std::uint64_t samples_per_pixel = 0, rays = 0;
+    std::uint64_t samples_per_pixel = 0;
+    RenderCosts costs;
 };
 
 class Reporter {
@@ -33,6 +34,8 @@ public:
     void error(const std::string& text);
     void written(const std::string& file);
     void summary(const Summary& summary);
+    /// Where the time of rendering went.
+    void cost_sheet(const Summary& summary);
     /// clamp  a limit on indirect light that would hide them
     void fireflies(const Film::Fireflies& fireflies, double clamp);
 

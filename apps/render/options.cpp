@@ -69,6 +69,8 @@ void add_render_options(Command& command, RenderOptions& o)
                                            parse_integer(parts[2], 0, most_samples - 1)};
                       });
     command.add_flag("-q,--quiet", o.quiet, "print only warnings and errors");
+    command.add_flag("--stats", o.stats,
+                     "tell where the time went: rays by kind, lanes in use, nanoseconds a path's vertex by stage");
     command.add_value("--progress", "json", "one JSON object a line on stderr: progress, warnings, errors, summary",
                       [&](const std::string& text) { parse_word(text, {"json"}), o.json = true; });
 }
@@ -106,6 +108,7 @@ RenderSettings settings_for(const RenderOptions& o, const LoadedScene& scene, bo
     settings.height = scene.size.height;
     settings.crop = o.crop;
     settings.aovs = o.aovs;
+    settings.measure = o.stats;
     if (denoised) add_aids(settings);
     const std::string size = fmt::format("{}x{}", settings.width, settings.height);
     if (o.crop && (o.crop->x1 > settings.width || o.crop->y1 > settings.height))

@@ -30,7 +30,7 @@ struct RenderOptions {
     std::vector<Aov> aovs;
     bool aov_samples = false, aov_variance = false;
     bool mergeable = false;
-    bool quiet = false, json = false;
+    bool quiet = false, json = false, stats = false;
 };
 
 void add_render_options(Command& command, RenderOptions& options);

@@ -36,7 +36,7 @@ void Rendering::render_range(Film& film, SampleRange range, std::uint64_t total)
     };
     cut_short = !render(job_, range, film, &interrupted(), on_pass);
     done_ += cut_short ? last.samples_done : pixels_ * (range.second - range.first);
-    rays += last.rays;
+    costs += last.costs;
     report({}, total, !cut_short);
 }
 
@@ -46,8 +46,9 @@ void Rendering::report(const Progress& p, std::uint64_t total, bool force)
     const std::uint64_t done = done_ + p.samples_done;
     // With a time limit the samples to come are not known; the time is.
     const double fraction = options_.time_s ? now_s / *options_.time_s : double(done) / double(pixels_ * total);
-    reporter_.progress(fraction, now_s - start_s_, {done, options_.time_s ? 0 : pixels_ * total, rays + p.rays},
-                       force && !options_.time_s);
+    Progress progress{done, options_.time_s ? 0 : pixels_ * total, costs};
+    progress.costs += p.costs;
+    reporter_.progress(fraction, now_s - start_s_, progress, force && !options_.time_s);
 }
 
 void Rendering::render_for_time(Film& film, double time_s, std::uint64_t most)

@@ -14,7 +14,7 @@ public:
     void run(Film& film, std::optional<std::uint64_t> samples);
 
     double render_s = 0;
-    std::uint64_t rays = 0;
+    RenderCosts costs;
     bool cut_short = false;
 
 private:

@@ -55,7 +55,7 @@ std::map<std::string, std::string> attributes(const RenderOptions& o, const Rend
         {"fathom.crop", s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none"},
         {"fathom.clamp_indirect", s.clamp_indirect ? fmt::format("{:g}", *s.clamp_indirect) : "none"},
         {"fathom.simd", simd_name()},
-        {"fathom.rays", fmt::format("{}", summary.rays)},
+        {"fathom.rays", fmt::format("{}", summary.costs.all_rays())},
         {"fathom.load_s", fmt::format("{:.3f}", summary.load_s)},
         {"fathom.build_s", fmt::format("{:.3f}", summary.build_s)},
         {"fathom.render_s", fmt::format("{:.3f}", summary.render_s)}};
@@ -70,7 +70,7 @@ int render_picture(const RenderOptions& o, const RenderPlan& plan, const Picture
     Rendering rendering(o, job, reporter);
     rendering.run(film, plan.samples);
     summary.render_s = rendering.render_s;
-    summary.rays = rendering.rays;
+    summary.costs = rendering.costs;
     summary.samples_per_pixel = film.samples_per_pixel();
     if (rendering.cut_short && film.samples().empty()) {
         reporter.error("interrupted before the first pass was done: no picture is written");
@@ -98,6 +98,7 @@ int render_picture(const RenderOptions& o, const RenderPlan& plan, const Picture
     if (rendering.cut_short)
         reporter.note(fmt::format("interrupted: the picture has {} samples a pixel", film.samples_per_pixel()));
     reporter.summary(summary);
+    if (o.stats) reporter.cost_sheet(summary);
     if (!all_written) return exit_error;
     return rendering.cut_short ? exit_interrupted : exit_ok;
 }

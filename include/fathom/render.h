@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "fathom/costs.h"
 #include "fathom/description.h"
 #include "fathom/export.h"
 #include "fathom/image.h"
@@ -50,6 +51,7 @@ struct RenderSettings {
     /// Rooms of smooth, diffuse quads are rendered by a loop of their own unless this is set: for debugging. The two
     /// compute the same estimator.
     bool general_loop = false;
+    bool measure = false;  ///< Progress::costs tells what the stages of rendering take
 };
 
 struct SceneStatistics {
@@ -186,7 +188,7 @@ FATHOM_API Film::Sums load_sums(const Image& image, const std::string& file);
 
 struct Progress {
     std::uint64_t samples_done = 0, samples_total = 0;  ///< samples of pixels, over the whole call
-    std::uint64_t rays = 0;
+    RenderCosts costs;
 };
 
 /// Renders the samples [range.first, range.second) of every pixel into `film`, which must be one of the job. Returns

@@ -61,14 +61,14 @@ int equirectangular_width(const std::array<CubeFace, 6>& faces)
     return 4 * side;
 }
 
-std::vector<float> equirectangular(const std::array<CubeFace, 6>& faces)
+LargeVector<float> equirectangular(const std::array<CubeFace, 6>& faces)
 {
     const int width = equirectangular_width(faces), height = width / 2;
     // The middle looks along +x, the right half towards +z.
     const auto columns = angles(width * places, -std::numbers::pi, std::numbers::pi);
     const auto rows = angles(height * places, 0, std::numbers::pi);
     constexpr double least_alpha = 1.0 / 255;
-    std::vector<float> picture(std::size_t(width) * std::size_t(height) * 4, 1);
+    LargeVector<float> picture(std::size_t(width) * std::size_t(height) * 4, 1);
     tbb::parallel_for(0, height, [&](int y) {
         for (int x = 0; x < width; ++x) {
             std::array<double, 3> sum{};

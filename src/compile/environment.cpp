@@ -6,6 +6,7 @@
 #include "compile/luminance.h"
 #include "compile/sky.h"
 #include "compile/studio.h"
+#include "sampling/guide.h"
 
 namespace fathom {
 
@@ -45,6 +46,8 @@ double make_environment_distribution(EnvironmentRecord& t)
     const double total = rows[std::size_t(h)];
     for (int y = 0; y <= h; ++y)
         t.marginal[std::size_t(y)] = total > 0 ? float(rows[std::size_t(y)] / total) : float(y) / float(h);
+    t.marginal_guide = make_guides(t.marginal, h);
+    t.conditional_guides = make_guides(t.conditional, w);
     return total / weight;
 }
 

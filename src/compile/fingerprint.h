@@ -21,8 +21,8 @@ public:
         for (; size > 0; ++p, --size) rest = rest << 8 | *p;
         mix(rest);
     }
-    template <class T>
-    void add(const std::vector<T>& v)
+    template <class T, class Allocator>
+    void add(const std::vector<T, Allocator>& v)
     {
         add(v.data(), v.size() * sizeof(T));
     }

@@ -267,12 +267,12 @@ private:
     }
 
     template <class T>
-    static void pad(std::vector<T>& v, std::size_t size)
+    static void pad(LargeVector<T>& v, std::size_t size)
     {
         if (v.size() < size) v.resize(size);
     }
     template <class T>
-    static void copy(const std::vector<T>& from, std::vector<T>& to, std::size_t base, ShapeRecord& shape,
+    static void copy(const std::vector<T>& from, LargeVector<T>& to, std::size_t base, ShapeRecord& shape,
                      std::uint32_t flag)
     {
         if (from.empty()) return;

@@ -84,7 +84,7 @@ struct Decoded {
     TexelFormat format = TexelFormat::float4;
     int width = 0, height = 0;
     std::vector<std::uint32_t> words;
-    std::vector<float> floats;
+    LargeVector<float> floats;
 };
 
 /// Reads pictures, each step with at most a part of the memory that is there.
@@ -220,7 +220,7 @@ private:
         return true;
     }
 
-    void unpack(const Image& image, bool decode, std::vector<float>& texels) const
+    void unpack(const Image& image, bool decode, LargeVector<float>& texels) const
     {
         const Image::Layer& layer = image.layers.front();
         const Channels places(layer);

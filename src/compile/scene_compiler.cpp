@@ -59,7 +59,8 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
                      bytes(tables.uv0) + bytes(tables.uv1) + bytes(tables.triangles) + bytes(tables.quads) +
                      bytes(tables.shape_of_primitive) + bytes(tables.shapes) + bytes(tables.instances) +
                      bytes(tables.curves) + bytes(tables.curve_points) + bytes(tables.points) + bytes(tables.poses) +
-                     bytes(tables.texels) + bytes(tables.environment.texels) + bytes(tables.lights) +
+                     bytes(tables.texels) + bytes(tables.environment.texels) + bytes(tables.environment.conditional) +
+                     bytes(tables.environment.conditional_guides) + bytes(tables.lights) +
                      kernel.memory_bytes();
     for (const auto& image : tables.packed_images) s.memory_bytes += bytes(image);
     return s;

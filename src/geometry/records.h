@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "fathom/vector.h"
+#include "math/memory.h"
 #include "math/no_index.h"
 
 namespace fathom {
@@ -92,10 +93,10 @@ static_assert(sizeof(PoseRecord) == 64);
 /// All shapes, and where they stand.
 struct GeometryTables {
     // Per vertex of all meshes; arrays that no mesh needs are empty.
-    std::vector<Vec3f> positions, normals;
-    std::vector<Vec4f> tangents, colors;
-    std::vector<Vec2f> uv0, uv1;
-    std::vector<std::uint32_t> triangles;  ///< three vertex indices each
+    LargeVector<Vec3f> positions, normals;
+    LargeVector<Vec4f> tangents, colors;
+    LargeVector<Vec2f> uv0, uv1;
+    LargeVector<std::uint32_t> triangles;  ///< three vertex indices each
     std::vector<QuadRecord> quads;
     std::vector<SphereRecord> spheres;
     std::vector<DiskRecord> disks;
@@ -103,7 +104,7 @@ struct GeometryTables {
     std::vector<Vec4f> curve_points;           ///< place and radius; segments of a cubic curve share their ends
     std::vector<Vec4f> points;                 ///< balls: centre and radius
     std::vector<std::array<float, 9>> frames;  ///< rows of rotations from here to a node's space
-    std::vector<std::uint32_t> shape_of_primitive;
+    LargeVector<std::uint32_t> shape_of_primitive;
     std::vector<ShapeRecord> shapes;
     std::vector<InstanceRecord> instances;
     std::vector<PoseRecord> poses;

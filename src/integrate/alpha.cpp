@@ -38,8 +38,7 @@ TexturePoint read_place(const SceneTables& t, const ShapeRecord& shape, const Al
     const auto has = [&](ShapeRecord::Flags flag) { return (shape.flags & flag) != 0; };
     place.read_uv(t.uv0, has(ShapeRecord::has_uv0), at.u[0], at.v[0]);
     place.read_uv(t.uv1, has(ShapeRecord::has_uv1), at.u[1], at.v[1]);
-    if (has(ShapeRecord::has_colors))
-        for (int k = 0; k < 4; ++k) at.vertex_color[k] = place.number(&t.colors[0].x + k, 2, true);
+    if (has(ShapeRecord::has_colors)) place.numbers(&t.colors[0].x, true, at.vertex_color);
     return at;
 }
 

@@ -2,10 +2,12 @@
 /// The boundary between the library and the kernel library, which exists once per instruction set. Tables, sums and
 /// counters cross it, and a scene that only the kernel that made it looks into; no code compiled for one instruction
 /// set.
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "fathom/costs.h"
 #include "fathom/export.h"
 #include "fathom/tree_build.h"
 #include "film/tile_sums.h"
@@ -37,6 +39,7 @@ struct KernelSettings {
     bool light_sampling = true;
     LightSelection light_selection = LightSelection::power;
     bool general_loop = false;  ///< rooms of quads, too, are rendered by the loop for all scenes
+    bool measure = false;       ///< KernelCounters::ticks
     /// Of what a sample brings by two surfaces or more, in each channel; 0: as much as there is.
     float clamp_indirect = 0;
     std::uint32_t filter = 0;  ///< Filter
@@ -61,7 +64,12 @@ struct KernelTexturePoint {
 };
 
 struct KernelCounters {
-    std::uint64_t rays = 0;
+    /// `seconds` is left to whoever knows how long a tick is.
+    RenderCosts costs;
+    /// Time by RenderStage where settings.measure asks for it: shares of the whole, of no unit.
+    std::array<std::uint64_t, render_stage_count> ticks{};
+
+    void count_rays(RayKind kind, std::uint64_t number) { costs.rays[std::size_t(kind)] += number; }
 };
 
 FATHOM_API std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables> tables,

@@ -40,9 +40,10 @@ public:
           first_hits_(scene, camera, settings.aovs, sums),
           sums_(sums),
           counters_(counters),
+          clock_(counters, settings.measure),
           single_sided_(scene, counters),
           walk_(scene, settings),
-          shade_(scene, settings, counters)
+          shade_(scene, settings, counters, clock_)
     {
     }
 
@@ -51,13 +52,17 @@ public:
         std::size_t active = 0;
         for (;;) {
             const std::size_t fresh = active;  // camera rays come behind the others
+            clock_.enter(RenderStage::camera);
             active = refill(active);
             if (active == 0) return;
+            clock_.enter(RenderStage::trace);
             trace(fresh, active);
             if (scene_.single_sided) single_sided_.look_through(*paths_, hits_, fresh, active);
+            clock_.enter(RenderStage::arrival);
             active = arrive(active);
             std::swap(paths_, spare_);
             shade_.run(*paths_, packed_hits_, kind_end_);
+            clock_.enter(RenderStage::film);
             active = bury(active);
         }
     }
@@ -100,7 +105,8 @@ private:
     void trace(std::size_t fresh, std::size_t active)
     {
         const PathPool& p = *paths_;
-        counters_.rays += active;
+        counters_.count_rays(RayKind::bounce, fresh);
+        counters_.count_rays(RayKind::camera, active - fresh);
         if (!scene_.is_flat) {
             trace_range(0, fresh, false);
             trace_range(fresh, active, true);
@@ -166,7 +172,9 @@ private:
         if (first_hits_.wanted()) add_first_hits(active);
         for (std::size_t i = 0; i < emitting; i += lanes) add_emission(i, first_lanes(emitting - i));
         for (std::size_t i = 0; i < missing; i += lanes) add_environment(i, first_lanes(missing - i));
+        clock_.enter(RenderStage::film);
         for (std::size_t i = 0; i < finished; ++i) finish(finished_[i]);
+        clock_.enter(RenderStage::sort);
         // Where there are no textures, nothing is won by an order of the materials.
         const std::size_t packed = scene_.textured ? pack_by_material(active) : pack_by_kind(active);
         const auto append = [&](const auto& from, auto& to) {
@@ -369,6 +377,7 @@ private:
     FirstHits first_hits_;
     TileSums& sums_;
     KernelCounters& counters_;
+    StageClock clock_;
     std::uint32_t next_ = 0;                         ///< number of the job's next path
     std::size_t kind_end_[closure_kind_count] = {};  ///< in the packed pool, by ClosureKind
 

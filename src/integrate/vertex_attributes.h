@@ -9,19 +9,22 @@ struct TrianglePlace {
     UInt vertex[3];
     Float u, v;
 
-    /// One number of the vertices, interpolated. base: of vertex 0; log2_size: of the numbers that a vertex has.
-    Float number(const float* base, int log2_size, Mask m) const
+    /// The n numbers that each vertex has, interpolated. base: of vertex 0.
+    template <int n>
+    void numbers(const float* base, Mask m, Float (&to)[n]) const
     {
-        const auto at = [&](int k) { return gather(base, vertex[k] << log2_size, m); };
-        return fma(at(0), Float(1) - u - v, fma(at(1), u, at(2) * v));
+        Float at[3][n];
+        for (int k = 0; k < 3; ++k) gather_row(base, vertex[k] * UInt(std::uint32_t(n)), m, at[k]);
+        for (int i = 0; i < n; ++i) to[i] = fma(at[0][i], Float(1) - u - v, fma(at[1][i], u, at[2][i] * v));
     }
     /// Both numbers of a set of texture coordinates; other lanes keep theirs.
-    void read_uv(const std::vector<Vec2f>& table, Mask m, Float& to_u, Float& to_v) const
+    void read_uv(const LargeVector<Vec2f>& table, Mask m, Float& to_u, Float& to_v) const
     {
         if (none(m)) return;
-        const auto* base = reinterpret_cast<const float*>(table.data());
-        to_u = select(m, number(base, 1, m), to_u);
-        to_v = select(m, number(base + 1, 1, m), to_v);
+        Float uv[2];
+        numbers(reinterpret_cast<const float*>(table.data()), m, uv);
+        to_u = select(m, uv[0], to_u);
+        to_v = select(m, uv[1], to_v);
     }
 };
 

@@ -38,12 +38,32 @@ inline ImagePoint image_point(Vec3 d)
             acos(clamp(d.y, Float(-1), Float(1))) * Float(inv_pi)};
 }
 
+inline Spectrum image_radiance(const EnvironmentRecord& e, const ImagePoint& at, Mask m)
+{
+    TextureRecord image;
+    image.width = e.width;
+    image.height = e.height;
+    image.wrap_u = std::uint32_t(Wrap::repeat);
+    image.wrap_v = std::uint32_t(Wrap::clamp);
+    const Texel t = lookup_image(e.texels.data(), image, at.u, at.v, m);
+    Spectrum radiance;
+    for (std::size_t i = 0; i < channels; ++i) radiance.c[i] = t.c[i] * Float(e.color[i]);
+    return radiance;
+}
+
+/// Density per solid angle of a direction in the cell of the image that rows are chosen for with probability `row`,
+/// and within them columns with `column`. sine: of the angle from the image's top.
+inline Float cell_pdf(const EnvironmentRecord& e, Float row, Float column, Float sine)
+{
+    // Density in (u, v), over the solid angle 2 pi^2 sin(theta) du dv.
+    return row * column * Float(float(e.width) * float(e.height) * 0.5f * inv_pi * inv_pi) / max(sine, Float(1e-6f));
+}
+
 }  // namespace detail
 
 inline Spectrum environment_radiance(const LightTables& tables, Vec3 direction, Mask m)
 {
     const EnvironmentRecord& e = tables.environment;
-    Spectrum radiance;
     switch (EnvironmentKind(e.kind)) {
         case EnvironmentKind::none:
             return Spectrum(Float(0));
@@ -51,6 +71,7 @@ inline Spectrum environment_radiance(const LightTables& tables, Vec3 direction, 
             return Spectrum(e.color);
         case EnvironmentKind::gradient: {
             const Float t = fma(detail::rotate_in(e, direction).y, Float(0.5f), Float(0.5f));
+            Spectrum radiance;
             for (std::size_t i = 0; i < channels; ++i)
                 radiance.c[i] = fma(t, Float(e.top[i] - e.bottom[i]), Float(e.bottom[i]));
             return radiance;
@@ -58,15 +79,7 @@ inline Spectrum environment_radiance(const LightTables& tables, Vec3 direction, 
         default:
             break;  // compiled to a picture
     }
-    const detail::ImagePoint at = detail::image_point(detail::rotate_in(e, direction));
-    TextureRecord image;
-    image.width = e.width;
-    image.height = e.height;
-    image.wrap_u = std::uint32_t(Wrap::repeat);
-    image.wrap_v = std::uint32_t(Wrap::clamp);
-    const Texel t = lookup_image(e.texels.data(), image, at.u, at.v, m);
-    for (std::size_t i = 0; i < channels; ++i) radiance.c[i] = t.c[i] * Float(e.color[i]);
-    return radiance;
+    return detail::image_radiance(e, detail::image_point(detail::rotate_in(e, direction)), m);
 }
 
 /// Density per solid angle with which sample_environment gives the direction; 0 if the environment is not sampled.
@@ -81,9 +94,7 @@ inline Float environment_pdf(const LightTables& tables, Vec3 direction)
     const UInt cell = y * UInt(std::uint32_t(e.width + 1)) + x;
     const Float row = gather(e.marginal.data() + 1, y) - gather(e.marginal.data(), y);
     const Float column = gather(e.conditional.data() + 1, cell) - gather(e.conditional.data(), cell);
-    const Float sine = sqrt(max(fma(-d.y, d.y, Float(1)), Float(1e-12f)));
-    // Density in (u, v), over the solid angle 2 pi^2 sin(theta) du dv.
-    return row * column * Float(float(e.width) * float(e.height) * 0.5f * inv_pi * inv_pi) / sine;
+    return detail::cell_pdf(e, row, column, sqrt(max(fma(-d.y, d.y, Float(1)), Float(0))));
 }
 
 struct EnvironmentSample {
@@ -95,22 +106,19 @@ struct EnvironmentSample {
 inline EnvironmentSample sample_environment(const LightTables& tables, Sample2 random, Mask m)
 {
     const EnvironmentRecord& e = tables.environment;
-    const auto within = [](const float* table, UInt at, Float x) {
-        const Float lo = gather(table, at), hi = gather(table + 1, at);
-        return clamp((x - lo) / max(hi - lo, Float(1e-20f)), Float(0), Float(0.9999999f));
+    const auto within = [](const GuidedInterval& i, Float x) {
+        return clamp((x - i.begin) / max(i.end - i.begin, Float(1e-20f)), Float(0), Float(0.9999999f));
     };
-    const UInt y = find_interval(e.marginal.data(), UInt(0u), e.height, random.y);
-    const Float v = (to_float(y) + within(e.marginal.data(), y, random.y)) * Float(1.0f / float(e.height));
-    const UInt first = y * UInt(std::uint32_t(e.width + 1));
-    const UInt x = find_interval(e.conditional.data(), first, e.width, random.x);
-    const Float u = (to_float(x) + within(e.conditional.data(), first + x, random.x)) * Float(1.0f / float(e.width));
-    const SinCos theta = sincos_2pi(v * Float(0.5f)), phi = sincos_2pi(u - Float(0.5f));
-    const Vec3 d{theta.sin * phi.cos, theta.cos, theta.sin * phi.sin};
+    const GuidedInterval row = find_guided(e.marginal, e.marginal_guide, e.height, UInt(0u), random.y);
+    const GuidedInterval column = find_guided(e.conditional, e.conditional_guides, e.width, row.number, random.x);
+    const detail::ImagePoint at{(to_float(column.number) + within(column, random.x)) * Float(1.0f / float(e.width)),
+                                (to_float(row.number) + within(row, random.y)) * Float(1.0f / float(e.height))};
+    const SinCos theta = sincos_2pi(at.v * Float(0.5f)), phi = sincos_2pi(at.u - Float(0.5f));
+    const Float pdf = detail::cell_pdf(e, row.end - row.begin, column.end - column.begin, theta.sin);
     EnvironmentSample s;
-    s.wi = detail::rotate_out(e, d);
-    const Float pdf = environment_pdf(tables, s.wi);
+    s.wi = detail::rotate_out(e, {theta.sin * phi.cos, theta.cos, theta.sin * phi.sin});
     s.inverse_pdf = select(pdf > Float(0), Float(1) / max(pdf, Float(1e-30f)), Float(0));
-    s.radiance = environment_radiance(tables, s.wi, m);
+    s.radiance = detail::image_radiance(e, at, m);
     return s;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fathom/render.h"
+#include "math/memory.h"
 #include "math/no_index.h"
 #include "shading/rgb.h"
 
@@ -50,11 +51,12 @@ struct EnvironmentRecord {
     std::uint32_t light = no_index;
     Rgb color{}, bottom{}, top{};
     std::array<float, 9> environment_from_render{1, 0, 0, 0, 1, 0, 0, 0, 1};
-    std::vector<float> texels;  ///< of an image: four floats each
+    LargeVector<float> texels;  ///< of an image: four floats each
     int width = 0, height = 0;
     double mean_luminance = 0;  ///< of an image that lights are sampled from; else 0
     /// Image: cumulative distributions for sampling, rows then columns: (height + 1) and height * (width + 1) floats.
-    std::vector<float> marginal, conditional;
+    LargeVector<float> marginal, conditional;
+    LargeVector<std::uint32_t> marginal_guide, conditional_guides;  ///< see make_guides
 };
 
 struct LightTables {

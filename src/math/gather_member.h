@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "math/memory.h"
 #include "math/vec3.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -37,8 +38,26 @@ inline constexpr std::uint32_t record_words = [] {
 
 inline Vec3 gather_vector(const float* base, UInt at, Mask m)
 {
-    return {gather(base, at, m), gather(base + 1, at, m), gather(base + 2, at, m)};
+    Float row[3];
+    gather_row(base, at, m, row);
+    return {row[0], row[1], row[2]};
 }
+
+/// The first n words of each lane's record, for the lanes of m; 0 in others.
+template <class Record, int n>
+struct RecordRow {
+    [[gnu::always_inline]] RecordRow(const std::vector<Record>& records, UInt index, Mask m)
+    {
+        gather_row(reinterpret_cast<const float*>(records.data()), index * UInt(detail::record_words<Record>), m, word);
+    }
+    [[gnu::always_inline]] Float get(float Record::* member) const { return word[detail::word_of(member)]; }
+    [[gnu::always_inline]] UInt get(std::uint32_t Record::* member) const
+    {
+        return float_bits(word[detail::word_of(member)]);
+    }
+
+    Float word[n];
+};
 
 /// The member of records[index] for the lanes of m; 0 in others.
 template <class Record>
@@ -73,7 +92,7 @@ template <class Record, class Member, class Part>
                   m);
 }
 /// A whole vector of each lane.
-[[gnu::always_inline]] inline Vec3 gather(const std::vector<Vec3f>& vectors, UInt index, Mask m)
+[[gnu::always_inline]] inline Vec3 gather(const LargeVector<Vec3f>& vectors, UInt index, Mask m)
 {
     return gather_vector(reinterpret_cast<const float*>(vectors.data()), index * UInt(3), m);
 }

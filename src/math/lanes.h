@@ -48,6 +48,7 @@ using native::float_bits;
 using native::floor;
 using native::fma;
 using native::gather;
+using native::gather_row;
 using native::iota;
 using native::lanes;
 using native::lanes_name;
@@ -124,6 +125,27 @@ inline Float inverse_sqrt(Float a)
     y = fma(y * e, fma(e, Float(0.375f), Float(0.5f)), y);
     e = fma(-(a * y), y, Float(1));
     return fma(y * Float(0.5f), e, y);
+}
+
+/// The n numbers (2, 3, or a multiple of 4) that each lane of m has from base[index] on; 0 in others.
+template <int n>
+[[gnu::always_inline]] inline void gather_row(const float* base, UInt index, Mask m, Float (&row)[n])
+{
+    if (none(m)) {
+        for (Float& x : row) x = Float(0);
+        return;
+    }
+    // Where a lane has a row there is a first one.
+    const UInt at = select(m, index, UInt(0u));
+    if constexpr (n < 4)
+        gather_row(base, at, row);
+    else
+        for (int k = 0; k < n; k += 4) {
+            Float four[4];
+            gather_row(base + k, at, four);
+            for (int i = 0; i < 4; ++i) row[k + i] = four[i];
+        }
+    for (Float& x : row) x = select(m, x, Float(0));
 }
 
 /// Calls f(lane) for each lane of the mask, in ascending order.

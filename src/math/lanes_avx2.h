@@ -114,6 +114,30 @@ inline UInt gather(const std::uint32_t* base, UInt index, Mask m)
                                        _mm256_castps_si256(m.v), 4);
 }
 
+template <int n>
+inline void gather_row(const float* base, UInt index, Float (&row)[n])
+{
+    static_assert(n == 2 || n == 3 || n == 4);
+    alignas(32) std::uint32_t at[8];
+    _mm256_store_si256(reinterpret_cast<__m256i*>(at), index.v);
+    const auto read = [&](int lane) {
+        const float* from = base + at[lane];
+        // Nothing is read behind a row that may be the last.
+        if constexpr (n == 2) return _mm_castsi128_ps(_mm_loadu_si64(from));
+        if constexpr (n == 3) return _mm_maskload_ps(from, _mm_setr_epi32(-1, -1, -1, 0));
+        return _mm_loadu_ps(from);
+    };
+    // Lanes k and k + 4, each with its numbers; then 4 by 4 numbers are transposed in either half.
+    __m256 r[4];
+    for (int k = 0; k < 4; ++k) r[k] = _mm256_insertf128_ps(_mm256_castps128_ps256(read(k)), read(k + 4), 1);
+    const __m256 low = _mm256_unpacklo_ps(r[0], r[1]), high = _mm256_unpackhi_ps(r[0], r[1]),
+                 low2 = _mm256_unpacklo_ps(r[2], r[3]), high2 = _mm256_unpackhi_ps(r[2], r[3]);
+    row[0] = _mm256_shuffle_ps(low, low2, 0x44);
+    row[1] = _mm256_shuffle_ps(low, low2, 0xee);
+    if constexpr (n > 2) row[2] = _mm256_shuffle_ps(high, high2, 0x44);
+    if constexpr (n > 3) row[3] = _mm256_shuffle_ps(high, high2, 0xee);
+}
+
 namespace table {
 
 /// For each mask of 8 lanes: the positions of its lanes side by side, one byte each.

@@ -98,6 +98,33 @@ inline UInt gather(const std::uint32_t* base, UInt index, Mask m)
 {
     return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), m.v, index.v, base, 4);
 }
+template <int n>
+inline void gather_row(const float* base, UInt index, Float (&row)[n])
+{
+    static_assert(n == 2 || n == 3 || n == 4);
+    alignas(64) std::uint32_t at[16];
+    _mm512_store_si512(at, index.v);
+    const auto read = [&](int lane) {
+        const float* from = base + at[lane];
+        // Nothing is read behind a row that may be the last.
+        if constexpr (n == 2) return _mm_castsi128_ps(_mm_loadu_si64(from));
+        if constexpr (n == 3) return _mm_maskz_loadu_ps(7, from);
+        return _mm_loadu_ps(from);
+    };
+    // Lanes k, k + 4, k + 8 and k + 12, each with its numbers; then 4 by 4 numbers are transposed in each quarter.
+    __m512 r[4];
+    for (int k = 0; k < 4; ++k) {
+        const __m256 first = _mm256_insertf128_ps(_mm256_castps128_ps256(read(k)), read(k + 4), 1),
+                     second = _mm256_insertf128_ps(_mm256_castps128_ps256(read(k + 8)), read(k + 12), 1);
+        r[k] = _mm512_insertf32x8(_mm512_castps256_ps512(first), second, 1);
+    }
+    const __m512 low = _mm512_unpacklo_ps(r[0], r[1]), high = _mm512_unpackhi_ps(r[0], r[1]),
+                 low2 = _mm512_unpacklo_ps(r[2], r[3]), high2 = _mm512_unpackhi_ps(r[2], r[3]);
+    row[0] = _mm512_shuffle_ps(low, low2, 0x44);
+    row[1] = _mm512_shuffle_ps(low, low2, 0xee);
+    if constexpr (n > 2) row[2] = _mm512_shuffle_ps(high, high2, 0x44);
+    if constexpr (n > 3) row[3] = _mm512_shuffle_ps(high, high2, 0xee);
+}
 // Compress into a register, then store: the store form is slow on Zen 4.
 inline void compress_store(float* p, Float a, Mask m) { _mm512_storeu_ps(p, _mm512_maskz_compress_ps(m.v, a.v)); }
 inline void compress_store(std::uint32_t* p, UInt a, Mask m)

@@ -98,6 +98,13 @@ inline Float gather(const float* p, UInt i, Mask m)
 {
     return {native::gather(p, i.a, m.a), native::gather(p, i.b, m.b)};
 }
+template <int n>
+inline void gather_row(const float* p, UInt i, Float (&row)[n])
+{
+    native::Float a[n], b[n];
+    native::gather_row(p, i.a, a), native::gather_row(p, i.b, b);
+    for (int k = 0; k < n; ++k) row[k] = {a[k], b[k]};
+}
 inline void compress_store(float* p, Float x, Mask m)
 {
     native::compress_store(p, x.a, m.a);

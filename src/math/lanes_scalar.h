@@ -42,6 +42,12 @@ inline UInt gather(const std::uint32_t* base, UInt index) { return base[index]; 
 /// Lanes outside the mask read nothing and are 0.
 inline Float gather(const float* base, UInt index, Mask m) { return m ? base[index] : 0.f; }
 inline UInt gather(const std::uint32_t* base, UInt index, Mask m) { return m ? base[index] : 0u; }
+/// The n numbers that each lane has from base[index] on; n: 2, 3 or 4. As n gathers, but faster: rows are read whole.
+template <int n>
+inline void gather_row(const float* base, UInt index, Float (&row)[n])
+{
+    for (int k = 0; k < n; ++k) row[k] = base[std::size_t(index) + std::size_t(k)];
+}
 /// Writes the lanes of the mask side by side. May write garbage up to `lanes` elements from p.
 inline void compress_store(float* p, Float a, Mask m)
 {

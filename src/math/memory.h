@@ -4,6 +4,7 @@
 #include <cstring>
 #include <new>
 #include <utility>
+#include <vector>
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -38,6 +39,10 @@ struct LargeAllocator {
     void deallocate(T* p, std::size_t) { std::free(p); }
     bool operator==(const LargeAllocator&) const { return true; }
 };
+
+/// What is read all over: by whoever shades, at random.
+template <class T>
+using LargeVector = std::vector<T, LargeAllocator<T>>;
 
 /// An array of plain values that are not initialised, in such memory.
 template <class T>

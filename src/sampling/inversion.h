@@ -1,5 +1,6 @@
 #pragma once
 #include "math/lanes.h"
+#include "sampling/guide.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -18,6 +19,30 @@ inline UInt find_interval(const float* table, UInt first, int n, Float x)
         size = half;
     }
     return lo;
+}
+
+/// A guided table's interval: its number, and where it begins and ends.
+struct GuidedInterval {
+    UInt number;
+    Float begin, end;
+};
+
+/// The same for tables of n + 1 values side by side, with guides to them (make_guides): in the one numbered `table`.
+inline GuidedInterval find_guided(const LargeVector<float>& tables, const LargeVector<std::uint32_t>& guides, int n,
+                                  UInt table, Float x)
+{
+    const UInt size(guide_size(n)), last_entry(guide_size(n) - 1);
+    const UInt entry = to_uint(x * Float(float(guide_size(n))));
+    const UInt bounds = gather(guides.data(), table * size + select(less(entry, last_entry), entry, last_entry));
+    const UInt first = table * UInt(std::uint32_t(n) + 1);
+    UInt lo = bounds & UInt(0xffff), hi = bounds >> 16;
+    for (Mask open = less(lo, hi); any(open); open = less(lo, hi)) {
+        const UInt middle = (lo + hi + UInt(1u)) >> 1;
+        const Mask right = gather(tables.data(), first + middle) <= x;
+        lo = select(open & right, middle, lo);
+        hi = select(open & !right, middle - UInt(1u), hi);
+    }
+    return {lo, gather(tables.data(), first + lo), gather(tables.data() + 1, first + lo)};
 }
 
 }  // namespace fathom::inline FATHOM_LANES

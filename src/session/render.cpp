@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -37,6 +38,7 @@ KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout
     k.light_sampling = s.light_sampling;
     k.light_selection = s.light_selection;
     k.general_loop = s.general_loop;
+    k.measure = s.measure;
     k.clamp_indirect = s.clamp_indirect.value_or(0);
     k.filter = std::uint32_t(s.filter);
     k.aovs = layout;
@@ -98,6 +100,20 @@ struct Worker {
     std::uint64_t dropped = 0;
     std::optional<Film::SamplePlace> dropped_sample;
 
+    /// Does some work whose time goes into the stages that the kernel notes meanwhile, or into `stage`.
+    template <class Work>
+    void measured(RenderStage stage, bool measure, const Work& work)
+    {
+        const auto start = std::chrono::steady_clock::now();
+        counters.ticks = {};
+        work();
+        if (!measure) return;
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        const double ticks = std::accumulate(counters.ticks.begin(), counters.ticks.end(), 0.0);
+        std::array<double, render_stage_count>& to = counters.costs.seconds;
+        if (ticks == 0) to[std::size_t(stage)] += seconds;
+        for (std::size_t i = 0; ticks > 0 && i < to.size(); ++i) to[i] += seconds * (double(counters.ticks[i]) / ticks);
+    }
     /// Counts the samples that the job at hand has dropped.
     void count_dropped()
     {
@@ -169,9 +185,11 @@ public:
                 worker.sums.reset(worker.pixels.size(), kernel_.film_words);
                 const KernelJob job{worker.pixels.data(), std::uint32_t(worker.pixels.size()),
                                     std::uint32_t(range.first), std::uint32_t(range.second - range.first)};
-                render_job(*scene_.kernel, camera_, kernel_, job, worker.sums, worker.counters);
+                worker.measured(RenderStage::camera, kernel_.measure, [&] {
+                    render_job(*scene_.kernel, camera_, kernel_, job, worker.sums, worker.counters);
+                });
                 worker.count_dropped();
-                take(worker);
+                worker.measured(RenderStage::film, kernel_.measure, [&] { take(worker); });
             }
         };
         arena_.execute([&] {
@@ -180,18 +198,18 @@ public:
         });
     }
 
-    /// Counts a pass as done, its sums being in the film; returns the rays of all passes so far.
-    std::uint64_t finish(SampleRange range)
+    /// Counts a pass as done, its sums being in the film; returns what all passes so far have taken.
+    RenderCosts finish(SampleRange range)
     {
         film_.add_range(range);
-        std::uint64_t rays = 0;
+        RenderCosts costs;
         for (Worker& worker : workers_) {
-            rays += worker.counters.rays;
+            costs += worker.counters.costs;
             film_.dropped += worker.dropped;
             if (worker.dropped > 0 && !film_.dropped_sample) film_.dropped_sample = worker.dropped_sample;
             worker.dropped = 0;
         }
-        return rays;
+        return costs;
     }
 
     /// body(first, last) over indices below `count`, on the same threads.
@@ -234,7 +252,7 @@ bool render(const RenderJob& job, SampleRange range, Film& film, const std::atom
         passes.render(
             {next, end}, [&](const Worker& worker) { add_to_words(worker, data, data.words.data()); },
             [] { return false; });
-        progress.rays = passes.finish({next, end});
+        progress.costs = passes.finish({next, end});
         progress.samples_done += passes.pixels() * (end - next);
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         pass = std::max<std::uint64_t>(

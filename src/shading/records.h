@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "math/memory.h"
 #include "math/no_index.h"
 #include "shading/rgb.h"
 
@@ -104,20 +105,27 @@ struct MaterialRecord {
         compensated = 512,    ///< scaled for what facets scatter more than once
         sheet = 1024          ///< thin: of two boundaries
     };
-    ClosureKind closure = ClosureKind::none;
+    // What shading reads of each vertex: see hot_words.
     std::uint32_t flags = 0;
     Rgb base_color{};
+    float roughness = 0, metallic = 0, ior = 1.5f, fuzz = 0;
+    std::uint32_t layers = no_index;  ///< in ShadingTables
+    std::uint32_t base_texture = no_index, normal_texture = no_index;
+    float normal_scale = 1;
+
+    ClosureKind closure = ClosureKind::none;
     Rgb emission{};
-    float roughness = 0, metallic = 0, ior = 1.5f, fuzz = 0, normal_scale = 1;
     float alpha = 1, alpha_cutoff = 0;
     std::uint32_t medium = 0;  ///< in MediaTables: what a solid of it is filled with; 0: it is no solid
     /// The same for what goes in by the subsurface, which may be another one than for what is refracted; 0: none.
     std::uint32_t subsurface_medium = 0;
     std::uint32_t alpha_mode = 0;  ///< AlphaMode
-    std::uint32_t base_texture = no_index, roughness_texture = no_index, metallic_texture = no_index,
-                  emission_texture = no_index, normal_texture = no_index, alpha_texture = no_index;
+    std::uint32_t roughness_texture = no_index, metallic_texture = no_index, emission_texture = no_index,
+                  alpha_texture = no_index;
     std::uint32_t roughness_channel = 1, metallic_channel = 2, alpha_channel = 3;
-    std::uint32_t layers = no_index;  ///< in ShadingTables
+
+    /// The record's first words, which are read at once.
+    static constexpr int hot_words = 12;
 };
 
 struct RampStopRecord {
@@ -130,7 +138,7 @@ struct ShadingTables {
     std::vector<LayersRecord> layers;
     std::vector<TextureRecord> textures;
     std::vector<RampStopRecord> ramp_stops;
-    std::vector<float> texels;  ///< of images in four floats a texel: what no other format holds
+    LargeVector<float> texels;  ///< of images in four floats a texel: what no other format holds
     std::vector<std::vector<std::uint32_t>> packed_images;  ///< of the others, image by image
     std::array<float, 256> linear_of_srgb{};
 };

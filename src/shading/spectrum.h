@@ -54,7 +54,7 @@ template <class Record>
     const float* base = reinterpret_cast<const float*>(records.data()) + detail::word_of(member);
     const UInt at = index * UInt(detail::record_words<Record>);
     Spectrum s;
-    for (int i = 0; i < channels; ++i) s.c[i] = gather(base + i, at, m);
+    gather_row(base, at, m, s.c);
     return s;
 }
 /// The same of a member that is a record itself.
@@ -66,7 +66,7 @@ template <class Record, class Member>
         reinterpret_cast<const float*>(records.data()) + detail::word_of(member) + detail::word_of(part);
     const UInt at = index * UInt(detail::record_words<Record>);
     Spectrum s;
-    for (int i = 0; i < channels; ++i) s.c[i] = gather(base + i, at, m);
+    gather_row(base, at, m, s.c);
     return s;
 }
 inline Float max_component(const Spectrum& a)

@@ -77,7 +77,7 @@ TEST(CubeMap, LightIsKept)
         Faces faces = black_faces(size);
         for (int y = place; y < place + square; ++y)
             for (int x = place; x < place + square; ++x) faces[4].texels[std::size_t(4 * (y * size + x))] = 1;
-        const std::vector<float> picture = equirectangular(faces);
+        const auto picture = equirectangular(faces);
         const int width = equirectangular_width(faces), height = width / 2;
         double light = 0;
         for (int y = 0; y < height; ++y) {

@@ -78,7 +78,7 @@ GeometryTables ground(std::uint32_t n, bool apart)
             for (std::uint32_t v : {a, b, c, b, d, c}) tables.triangles.push_back(v);
         }
     if (apart) {
-        const std::vector<Vec3f> shared = tables.positions;
+        const auto shared = tables.positions;
         tables.positions.clear();
         for (std::uint32_t& v : tables.triangles) {
             tables.positions.push_back(shared[v]);

@@ -102,7 +102,8 @@ TEST(Furnace, PathsEndInAClosedWhiteRoom)
         const RenderJob job(scene, settings);
         Film film(job);
         std::uint64_t rays = 0;
-        render(job, {0, 64}, film, nullptr, [&](const Progress& progress, const Film&) { rays = progress.rays; });
+        render(job, {0, 64}, film, nullptr,
+               [&](const Progress& progress, const Film&) { rays = progress.costs.all_rays(); });
         expect_mean(film, lamp ? 1 : 0, 0.001);
         const double rays_per_path = double(rays) / (64 * 32 * 24);
         if (lamp)

@@ -70,6 +70,8 @@ LightTables image_tables(int width, int height, int x, int y)
         sums.push_back(total += in_row);
     }
     for (double s : sums) e.marginal.push_back(float(s / total));
+    e.marginal_guide = make_guides(e.marginal, height);
+    e.conditional_guides = make_guides(e.conditional, width);
     tables.lights.emplace_back();
     return tables;
 }
@@ -211,6 +213,34 @@ TEST(Environment, IntervalsOfATable)
             while (expected + 1 < n && table[std::size_t(expected) + 1] <= x) ++expected;
             const auto found = int(first(find_interval(table.data(), UInt(0u), n, Float(x))));
             EXPECT_EQ(found, expected) << n << " " << x;
+        }
+    }
+}
+
+/// A guide only says where to look: also at its entries' ends, and in the second of two tables.
+TEST(Environment, GuidesFindWhatASearchFinds)
+{
+    for (int n : {1, 2, 5, 64, 1000}) {
+        LargeVector<float> tables;
+        for (int table = 0; table < 2; ++table) {
+            double sum = 0;
+            std::vector<double> sums{0};
+            for (int i = 0; i < n; ++i) sums.push_back(sum += i % 3 == 1 ? 0 : std::pow((i * 7 + table) % 11 + 1, 6));
+            for (double s : sums) tables.push_back(float(s / sum));
+        }
+        const auto guides = make_guides(tables, n);
+        const float* second = &tables[std::size_t(n) + 1];
+        std::vector<float> numbers(second, second + n);
+        for (std::uint32_t k = 0; k < guide_size(n); ++k) numbers.push_back(float(k) / float(guide_size(n)));
+        for (float at : std::vector(numbers))
+            for (float x : {std::nextafter(at, 0.f), std::nextafter(at, 1.f)}) numbers.push_back(x);
+        for (float x : numbers) {
+            if (x >= 1) continue;
+            const GuidedInterval found = find_guided(tables, guides, n, UInt(1u), Float(x));
+            const UInt expected = find_interval(tables.data(), UInt(std::uint32_t(n) + 1), n, Float(x));
+            ASSERT_EQ(first(found.number), first(expected)) << n << " " << x;
+            EXPECT_EQ(first(found.begin), second[first(expected)]);
+            EXPECT_EQ(first(found.end), second[first(expected) + 1]);
         }
     }
 }

@@ -145,7 +145,7 @@ TEST(Render, TellsItsProgress)
         last = p;
     });
     EXPECT_EQ(last.samples_done, last.samples_total);
-    EXPECT_GE(last.rays, last.samples_total);
+    EXPECT_GE(last.costs.all_rays(), last.samples_total);
     std::atomic<bool> cancel = true;
     Film other(job);
     EXPECT_FALSE(render(job, {0, 10}, other, &cancel));

@@ -35,12 +35,14 @@ public:
     {
         MaterialPoint p;
         p.entering = entering;
-        p.base_color = get(&MaterialRecord::base_color, index, m);
-        p.roughness = get(&MaterialRecord::roughness, index, m);
-        p.metallic = get(&MaterialRecord::metallic, index, m);
-        p.ior = get(&MaterialRecord::ior, index, m);
-        p.fuzz = get(&MaterialRecord::fuzz, index, m);
-        const UInt flags = get(&MaterialRecord::flags, index, m);
+        const RecordRow<MaterialRecord, MaterialRecord::hot_words> row(t_.materials, index, m);
+        for (std::size_t c = 0; c < channels; ++c)
+            p.base_color.c[c] = row.word[detail::word_of(&MaterialRecord::base_color) + c];
+        p.roughness = row.get(&MaterialRecord::roughness);
+        p.metallic = row.get(&MaterialRecord::metallic);
+        p.ior = row.get(&MaterialRecord::ior);
+        p.fuzz = row.get(&MaterialRecord::fuzz);
+        const UInt flags = row.get(&MaterialRecord::flags);
         p.thin = (flags & UInt(MaterialRecord::thin)) != UInt(0);
         p.sheet = (flags & UInt(MaterialRecord::sheet)) != UInt(0);
         p.compensated = (flags & UInt(MaterialRecord::compensated)) != UInt(0);
@@ -48,21 +50,21 @@ public:
         for (int c = 0; c < channels && any(colored); ++c)
             p.base_color.c[c] = select(colored, p.base_color.c[c] * s.at.vertex_color[c], p.base_color.c[c]);
         const Mask textured = m & ((flags & UInt(MaterialRecord::textured)) != UInt(0));
-        if (any(textured)) apply_textures(s, index, textured, p);
-        if constexpr (layered) LayersReader(t_, s, get(&MaterialRecord::layers, index, m), m).read(p.layers);
+        if (any(textured)) apply_textures(s, row.get(&MaterialRecord::base_texture), index, textured, p);
+        if constexpr (layered) LayersReader(t_, s, row.get(&MaterialRecord::layers), m).read(p.layers);
         const Mask bent = m & ((flags & UInt(MaterialRecord::normal_mapped)) != UInt(0));
         if (any(bent)) {
-            const UInt texture = get(&MaterialRecord::normal_texture, index, bent);
-            const Float scale = get(&MaterialRecord::normal_scale, index, bent);
+            const UInt texture = row.get(&MaterialRecord::normal_texture);
+            const Float scale = row.get(&MaterialRecord::normal_scale);
             s.ns = TangentFrame(s).bend(evaluate_textures(t_, texture, s.at, bent), scale, bent);
         }
         return p;
     }
 
 private:
-    void apply_textures(const Surface& s, UInt index, Mask m, MaterialPoint& p) const
+    void apply_textures(const Surface& s, UInt base_texture, UInt index, Mask m, MaterialPoint& p) const
     {
-        const Texel base = evaluate_textures(t_, get(&MaterialRecord::base_texture, index, m), s.at, m);
+        const Texel base = evaluate_textures(t_, base_texture, s.at, m);
         for (int c = 0; c < channels; ++c)
             p.base_color.c[c] = select(m, p.base_color.c[c] * base.c[c], p.base_color.c[c]);
         using Word = std::uint32_t MaterialRecord::*;

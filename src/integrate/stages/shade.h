@@ -12,7 +12,7 @@ namespace fathom::inline FATHOM_LANES {
 /// What happens to paths where they meet a surface that scatters: each has a light sampled and gets its next direction.
 class ShadeStage {
 public:
-    ShadeStage(const LaneScene& scene, const KernelSettings& settings, KernelCounters& counters)
+    ShadeStage(const LaneScene& scene, const KernelSettings& settings, KernelCounters& counters, StageClock& clock)
         : scene_(scene),
           tables_(scene.tables),
           surfaces_(scene),
@@ -20,6 +20,7 @@ public:
           lights_(scene, settings.light_selection),
           settings_(settings),
           counters_(counters),
+          clock_(clock),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
           has_time_(scene.tables.moving)
     {
@@ -39,7 +40,8 @@ public:
                 });
             begin = end;
         }
-        shadows_.trace(scene_, paths, settings_.clamp_indirect > 0);
+        clock_.enter(RenderStage::shadow);
+        counters_.costs.clear_shadow_rays += shadows_.trace(scene_, paths, settings_.clamp_indirect > 0);
     }
 
 private:
@@ -47,6 +49,8 @@ private:
     template <class Closure>
     [[gnu::always_inline]] void shade(std::size_t i, Mask valid)
     {
+        clock_.enter(RenderStage::surface);
+        count_vertices(counters_, valid);
         PathPool& p = *paths_;
         const SampleKey key{p.pixel_hash.load(i), p.reversed_index.load(i)};
         const UInt state = p.state.load(i);
@@ -61,13 +65,15 @@ private:
                              hits_->primitive.load(i), scene_.is_flat ? UInt(no_index) : hits_->instance.load(i)};
         MediumStack media;
         if (scene_.tracks_media) media = p.media.load(i);
-        ShadingPoint at =
-            read_shading_point<Closure>(surfaces_, materials_, hit, scene_.tracks_media ? &media : nullptr, valid);
+        ShadingPoint at = read_shading_point<Closure>(surfaces_, materials_, hit,
+                                                      scene_.tracks_media ? &media : nullptr, valid, clock_);
         Spectrum throughput = p.throughput.load(i);
         if constexpr (Closure::is_layered && Closure::transmits) choose_channel(key, seed, at.material, throughput);
         const Closure closure(at.material);
+        clock_.enter(RenderStage::light);
         if (lights_are_sampled_) sample_light<Closure>(i, valid, closure, at, key, seed, index, throughput, time);
 
+        clock_.enter(RenderStage::scatter);
         Scattered next = scatter(closure, at, key, seed, index, throughput);
         UInt next_state = (state & UInt(~PathPool::specular)) + UInt(1u);
         next_state = next_state | select(next.is_delta, UInt(PathPool::specular), UInt(PathPool::scattered));
@@ -134,7 +140,7 @@ private:
         }
         lit &= any_positive(add);
         if (none(lit)) return;
-        counters_.rays += std::uint64_t(count(lit));
+        counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
         const Vec3 o = Closure::transmits ? at.start<Closure>(s.wi) : eye;
         // On the surface's other side the way is longer or shorter.
         const Float distance = Closure::transmits ? s.distance + dot(eye - o, s.wi) : s.distance;
@@ -144,7 +150,9 @@ private:
             return;
         }
         PathPool& p = *paths_;
+        clock_.enter(RenderStage::shadow);
         const Mask clear = lit & !scene_.flat.occluded(tables_, ray, lit);
+        counters_.costs.clear_shadow_rays += std::uint64_t(count(clear));
         if (settings_.clamp_indirect > 0) add = clamped(i, add, clear);
         p.radiance.store(i, p.radiance.load(i) + select(clear, add, Spectrum(Float(0))), valid);
     }
@@ -163,6 +171,7 @@ private:
     const LightSampler lights_;
     const KernelSettings& settings_;
     KernelCounters& counters_;
+    StageClock& clock_;
     bool lights_are_sampled_, has_time_;
 
     PathPool* paths_ = nullptr;

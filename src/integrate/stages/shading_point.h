@@ -1,4 +1,5 @@
 #pragma once
+#include "integrate/stage_clock.h"
 #include "integrate/stages/material.h"
 #include "media/stack.h"
 
@@ -107,9 +108,10 @@ inline Vec3 upper(Vec3 w)
 template <class Closure>
 [[gnu::always_inline]] inline ShadingPoint read_shading_point(const SurfaceReader& surfaces,
                                                               const MaterialReader& materials, const SurfaceHit& hit,
-                                                              const MediumStack* media, Mask m)
+                                                              const MediumStack* media, Mask m, StageClock& clock)
 {
     Surface s = surfaces.read(hit, m);
+    clock.enter(RenderStage::material);
     ShadingPoint at;
     at.material_index = surfaces.material_of(s.shape, m);
     at.d = hit.d;

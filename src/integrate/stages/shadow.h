@@ -22,10 +22,10 @@ public:
     }
 
     /// Traces all, and adds what those that nothing blocks bring to the radiance of their paths, whose bounces count
-    /// the surface that the rays left.
-    void trace(const LaneScene& scene, PathPool& paths, bool clamp)
+    /// the surface that the rays left. Returns how many these are.
+    std::size_t trace(const LaneScene& scene, PathPool& paths, bool clamp)
     {
-        if (size_ == 0) return;
+        if (size_ == 0) return 0;
         const RayArrays rays{origin_.x.data,
                              origin_.y.data,
                              origin_.z.data,
@@ -36,11 +36,14 @@ public:
                              scene.tables.moving ? time_.data : nullptr,
                              size_};
         scene.bvh.occluded(rays, blocked_.data, false);
+        std::size_t clear = 0;
         for (std::size_t k = 0; k < size_; ++k) {
             if (blocked_[k]) continue;
+            ++clear;
             const float scale = clamp ? clamped(paths, path_[k], radiance_, k) : 1;
             for (int c = 0; c < channels; ++c) paths.radiance.c[c][path_[k]] += scale * radiance_.c[c][k];
         }
+        return clear;
     }
 
 private:

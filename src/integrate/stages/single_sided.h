@@ -21,7 +21,7 @@ public:
         for (int i = 0; i < 256; ++i) {
             const std::size_t size = list_backs(p, hits, begin, end);
             if (size == 0) return;
-            counters_.rays += size;
+            counters_.count_rays(RayKind::camera, size);
             trace(size);
             for (std::size_t k = 0; k < size; ++k) {
                 const std::size_t to = paths_[k];

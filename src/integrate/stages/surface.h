@@ -97,12 +97,10 @@ private:
     void read_triangle(const SurfaceHit& hit, UInt flags, Mask m, Surface& s) const
     {
         const UInt first = hit.primitive * UInt(3);
-        UInt vertex[3];
+        const Vec3 corners_of = gather_vector(reinterpret_cast<const float*>(t_.triangles.data()), first, m);
+        const UInt vertex[3] = {float_bits(corners_of.x), float_bits(corners_of.y), float_bits(corners_of.z)};
         Vec3 position[3];
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            vertex[k] = gather(t_.triangles.data() + k, first, m);
-            position[k] = gather(t_.positions, vertex[k], m);
-        }
+        for (int k = 0; k < 3; ++k) position[k] = gather(t_.positions, vertex[k], m);
         KeyTime key{UInt(0u), Float(0)};
         UInt vertices(0u);  // of a mesh that moves
         if (!t_.vertex_times.empty()) {
@@ -111,7 +109,7 @@ private:
         }
         const Mask moving = m & (vertices != UInt(0u));
         // Per vertex, at the path's time.
-        const auto at_time = [&](const std::vector<Vec3f>& table, UInt v, Mask which) {
+        const auto at_time = [&](const LargeVector<Vec3f>& table, UInt v, Mask which) {
             const UInt now = v + key.key * vertices, then = v + (key.key + UInt(1u)) * vertices;
             return mix(gather(table, now, which), gather(table, then, which), key.fraction);
         };
@@ -150,11 +148,9 @@ private:
             s.bitangent_sign = select(given, gather(table + 3, vertex[0] << 2, given), s.bitangent_sign);
         }
         if (const Mask colored = has(ShapeRecord::has_colors); any(colored)) {
-            const auto* table = reinterpret_cast<const float*>(t_.colors.data());
-            for (int c = 0; c < 4; ++c) {
-                Float& to = s.at.vertex_color[c];
-                to = select(colored, place.number(table + c, 2, colored), to);
-            }
+            Float color[4];
+            place.numbers(reinterpret_cast<const float*>(t_.colors.data()), colored, color);
+            for (int c = 0; c < 4; ++c) s.at.vertex_color[c] = select(colored, color[c], s.at.vertex_color[c]);
         }
         // The mean distance of the corners, by their weights.
         const auto spread = [](Float weight) { return weight * (Float(2) - Float(2) * weight); };

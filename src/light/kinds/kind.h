@@ -48,7 +48,7 @@ public:
     {
         const std::size_t first = detail::word_of(&LightRecord::radiance);
         Spectrum s;
-        for (std::size_t i = 0; i < channels; ++i) s.c[i] = word(first + i);
+        words(first, s.c);
         return s;
     }
 
@@ -60,12 +60,22 @@ private:
         else
             return gather(base_ + number, offset_);
     }
+    template <int n>
+    void words(std::size_t first, Float (&to)[n]) const
+    {
+        if constexpr (one)
+            for (std::size_t i = 0; i < n; ++i) to[i] = Float(base_[first + i]);
+        else
+            gather_row(base_ + first, offset_, to);
+    }
     Float value(float LightRecord::* member) const { return word(detail::word_of(member)); }
     UInt integer(std::uint32_t LightRecord::* member) const { return float_bits(word(detail::word_of(member))); }
     Vec3 vector(float (LightRecord::*member)[3]) const
     {
         const std::size_t first = detail::word_of(member);
-        return {word(first), word(first + 1), word(first + 2)};
+        Float row[3];
+        words(first, row);
+        return {row[0], row[1], row[2]};
     }
 
     const float* base_;

@@ -57,9 +57,8 @@ inline Texel lookup_image(const float* all_texels, const TextureRecord& t, Float
     const float* texels = all_texels + t.texels * 4;
     return detail::filter_texels(t, u, v, [&](UInt number) {
         // Texel numbers below 2^29, so that four floats each stay within 32 bits.
-        const UInt index = number << 2;
         Texel texel;
-        for (int c = 0; c < 4; ++c) texel.c[c] = gather(texels + c, index, m);
+        gather_row(texels, number << 2, m, texel.c);
         return texel;
     });
 }

@@ -8,6 +8,7 @@
 /// What a path meets next is found while its state is still in registers, and only paths that go on are stored. All
 /// state fits into the first-level cache.
 #include "integrate/pool.h"
+#include "integrate/stage_clock.h"
 #include "integrate/stages/first_hits.h"
 #include "integrate/stages/light.h"
 #include "integrate/stages/path_end.h"
@@ -35,8 +36,10 @@ public:
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
           sums_(sums),
-          counters_(counters)
+          counters_(counters),
+          clock_(counters, settings.measure)
     {
+        clock_.enter(RenderStage::quads);
         lights_are_sampled_ = settings.light_sampling && !tables_.lights.empty();
         sees_background_ = scene.sees_environment || settings.background.given;
     }
@@ -87,6 +90,7 @@ private:
     /// Fields are read where they are needed, and again where they are needed again: registers are scarce.
     [[gnu::noinline, gnu::flatten]] std::size_t bounce(std::size_t i, Mask valid, std::size_t to)
     {
+        count_vertices(counters_, valid);
         const UInt seed = group_seed(key(i), bounces(i) + UInt(1u));
         // The light's point and the next direction are never multiplied with each other.
         const UInt index = shuffled_index(key(i), seed);
@@ -131,10 +135,11 @@ private:
                                              sample_2d(index, pair_seed(seed, pair_light)), Float(0));
         const Float cosine = dot(s.wi, normal(i));
         const Mask lit = valid & (s.inverse_pdf > Float(0)) & (cosine > Float(0));
-        counters_.rays += std::uint64_t(count(lit));
+        counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
         const Mask clear =
             lit & !scene_.flat.occluded(tables_,
                                         Ray{pool_.eye.load(i), s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)}, lit);
+        counters_.costs.clear_shadow_rays += std::uint64_t(count(clear));
         // f_cos / pdf, times the power heuristic in terms of r = bsdf_pdf / pdf: 1 / (1 + r^2).
         const Float r = cosine * Float(inv_pi) * s.inverse_pdf;
         Float weight = r * reciprocal(fma(r, r, Float(1)));
@@ -158,7 +163,7 @@ private:
         [[gnu::always_inline]] void meet(QuadTracer& tracer)
         {
             const LaneScene& scene = tracer.scene_;
-            tracer.counters_.rays += std::uint64_t(count(alive));
+            tracer.counters_.count_rays(from_camera ? RayKind::camera : RayKind::bounce, std::uint64_t(count(alive)));
             const Hit hit = scene.flat.closest(scene.tables, Ray{o, d, Float(infinity), Float(0)});
             t = hit.t;
             quad = hit.primitive;  // there are no triangles before them
@@ -254,6 +259,7 @@ private:
     FirstHits first_hits_;
     TileSums& sums_;
     KernelCounters& counters_;
+    StageClock clock_;
     bool lights_are_sampled_ = false, sees_background_ = false;
     std::uint32_t next_ = 0;  ///< number of the job's next path
 
