@@ -97,7 +97,7 @@ private:
         p.media.store(to, camera_media_);
         if (extras_.clamp) p.indirect_left.store(to, Float(settings_.clamp_indirect));
         p.walk_steps.store(to, UInt(0u));
-        if (extras_.albedo) p.walk_albedo.store(to, Spectrum(Float(-1)));
+        if (extras_.walk_textures) forget_medium(p, to);
     }
 
     // ------------------------------------------------------------------------------------------- trace

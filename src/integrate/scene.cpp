@@ -97,7 +97,7 @@ void LaneScene::read_shapes()
             const MediumRecord& medium = tables.media[number];
             for (float sigma : medium.extinction) has_absorption |= sigma > 0;
             for (float sigma : medium.scattering) scatters_inside |= sigma > 0;
-            textured_media |= medium.has_textured_color != 0;
+            textured_media |= medium.is_textured != 0;
         }
         const auto kind = std::uint32_t(material.closure);
         const bool scatters = material.closure != ClosureKind::none;

@@ -37,7 +37,7 @@ struct LaneScene final : KernelScene {
     bool single_sided = false;        ///< cameras look through some surfaces from behind
     bool has_absorption = false;      ///< some medium absorbs or scatters
     bool scatters_inside = false;     ///< some medium scatters
-    bool textured_media = false;      ///< in a colour that paths bring along
+    bool textured_media = false;      ///< as textures say, which paths bring along
     bool tracks_media = false;        ///< paths must know what they are in: that, or solids may overlap
     bool sees_environment = false;    ///< rays that leave the scene bring something
     bool only_diffuse_quads = false;  ///< flat, smooth, without textures or motion: QuadTracer renders it
