@@ -8,7 +8,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ["cornell-box", "cornell-box-mirror", "cornell-box-triangles", "report-spheres", "report-checker", "report-marble",
           "report-light", "environment", "textures", "depth-of-field", "motion-blur", "motion-nodes",
-          "motion-vertices", "curves", "points", "instances", "displacement", "model"]
+          "motion-vertices", "curves", "points", "instances", "displacement", "model",
+          "still-life"]
 
 
 def main():

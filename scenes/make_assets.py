@@ -3,7 +3,7 @@
 
     python3 scenes/make_assets.py
 
-writes images/*.hdr, images/*.png, models/chess.glb and models/*.json beside itself. What it makes is in the repository: run it only
+writes images/*.hdr, images/*.png, models/*.glb and models/*.json beside itself. What it makes is in the repository: run it only
 after changing it.
 """
 import json
@@ -174,7 +174,8 @@ def globe(x, y, width, height):
 
 # ------------------------------------------------------------------------------------------------ the model
 def lathe(profile, sides):
-    """Turns a polyline of (radius, height) around y: positions, normals, uvs, indices. Smooth along the profile."""
+    """Turns a polyline of (radius, height) around y: positions, normals, uvs, indices. Smooth along the profile, but for points that
+    stand there twice, which make an edge."""
     positions, normals, uvs, indices = [], [], [], []
     for i, (r, h) in enumerate(profile):
         before, after = profile[max(i - 1, 0)], profile[min(i + 1, len(profile) - 1)]
@@ -185,6 +186,8 @@ def lathe(profile, sides):
             normals.append((along[1] * c, -along[0], -along[1] * s))
             uvs.append((2 * j / sides, 1 - i / (len(profile) - 1)))
     for i in range(len(profile) - 1):
+        if profile[i] == profile[i + 1]:
+            continue
         for j in range(sides):
             a, b = i * (sides + 1) + j, (i + 1) * (sides + 1) + j
             if profile[i][0] > 0:
@@ -267,88 +270,244 @@ def brushed(x, y, size):
     return tuple(0.5 + 0.5 * c for c in n)
 
 
-def chess():
-    document = {
-        "asset": {"version": "2.0", "generator": "Fathom's scenes/make_assets.py"},
-        "scene": 0, "scenes": [{"nodes": []}], "nodes": [], "meshes": [], "materials": [], "textures": [], "images": [],
-        "samplers": [{"magFilter": 9729, "minFilter": 9987}], "accessors": [], "bufferViews": [], "buffers": [],
-    }
-    data = bytearray()
+class Glb:
+    """A binary glTF file in the making."""
 
-    def view(payload, target=None):
-        data.extend(bytes(-len(data) % 4))
-        entry = {"buffer": 0, "byteOffset": len(data), "byteLength": len(payload)}
+    def __init__(self):
+        self.document = {
+            "asset": {"version": "2.0", "generator": "Fathom's scenes/make_assets.py"},
+            "scene": 0, "scenes": [{"nodes": []}], "nodes": [], "meshes": [], "materials": [], "textures": [], "images": [],
+            "samplers": [{"magFilter": 9729, "minFilter": 9987}], "accessors": [], "bufferViews": [], "buffers": [],
+        }
+        self.data = bytearray()
+
+    def view(self, payload, target=None):
+        self.data.extend(bytes(-len(self.data) % 4))
+        entry = {"buffer": 0, "byteOffset": len(self.data), "byteLength": len(payload)}
         if target:
             entry["target"] = target
-        data.extend(payload)
-        document["bufferViews"].append(entry)
-        return len(document["bufferViews"]) - 1
+        self.data.extend(payload)
+        self.document["bufferViews"].append(entry)
+        return len(self.document["bufferViews"]) - 1
 
-    def accessor(values, kind):
+    def accessor(self, values, kind, with_bounds=False):
         if kind == "SCALAR":
-            entry = {"bufferView": view(struct.pack(f"<{len(values)}H", *values), 34963), "componentType": 5123}
+            entry = {"bufferView": self.view(struct.pack(f"<{len(values)}H", *values), 34963), "componentType": 5123}
         else:
             flat = [c for value in values for c in value]
-            entry = {"bufferView": view(struct.pack(f"<{len(flat)}f", *flat), 34962), "componentType": 5126}
+            entry = {"bufferView": self.view(struct.pack(f"<{len(flat)}f", *flat), 34962), "componentType": 5126}
         entry.update(count=len(values), type=kind)
-        if values is positions:
+        if with_bounds:
             rounded = lambda pick: [struct.unpack("<f", struct.pack("<f", pick(c)))[0] for c in zip(*values)]
             entry.update(min=rounded(min), max=rounded(max))
-        document["accessors"].append(entry)
-        return len(document["accessors"]) - 1
+        self.document["accessors"].append(entry)
+        return len(self.document["accessors"]) - 1
 
-    def texture(size, pixel):
-        document["images"].append({"bufferView": view(png(size, size, lambda x, y: pixel(x, y, size))), "mimeType": "image/png"})
-        document["textures"].append({"sampler": 0, "source": len(document["images"]) - 1})
-        return {"index": len(document["textures"]) - 1}
+    def texture(self, size, pixel):
+        picture = self.view(png(size, size, lambda x, y: pixel(x, y, size)))
+        self.document["images"].append({"bufferView": picture, "mimeType": "image/png"})
+        self.document["textures"].append({"sampler": 0, "source": len(self.document["images"]) - 1})
+        return {"index": len(self.document["textures"]) - 1}
 
-    def material(name, **properties):
-        document["materials"].append({"name": name, **properties})
-        return len(document["materials"]) - 1
+    def material(self, name, **properties):
+        self.document["materials"].append({"name": name, **properties})
+        return len(self.document["materials"]) - 1
 
-    rings = texture(64, brushed)
-    lacquer = material("board", pbrMetallicRoughness={"baseColorTexture": texture(192, board_color),
-                                                      "metallicRoughnessTexture": texture(192, board_surface)})
-    brass = material("brass", pbrMetallicRoughness={"baseColorFactor": [0.91, 0.70, 0.33, 1], "roughnessFactor": 0.25},
-                     normalTexture=rings)
-    ebony = material("ebony", pbrMetallicRoughness={"baseColorFactor": [0.035, 0.025, 0.02, 1], "metallicFactor": 0,
-                                                    "roughnessFactor": 0.35})
-    meshes = {}
+    def primitive(self, shape, material):
+        """shape: positions, and normals, uvs and indices or None instead of each."""
+        positions, normals, uvs, indices = shape
+        attributes = {"POSITION": self.accessor(positions, "VEC3", with_bounds=True)}
+        if normals:
+            attributes["NORMAL"] = self.accessor(normals, "VEC3")
+        if uvs:
+            attributes["TEXCOORD_0"] = self.accessor(uvs, "VEC2")
+        made = {"attributes": attributes}
+        if indices:
+            made["indices"] = self.accessor(indices, "SCALAR")
+        return {**made, "material": material}
+
+    def mesh(self, name, primitive):
+        self.document["meshes"].append({"name": name, "primitives": [primitive]})
+        return len(self.document["meshes"]) - 1
+
+    def node(self, name, mesh, **place):
+        self.document["scenes"][0]["nodes"].append(len(self.document["nodes"]))
+        self.document["nodes"].append({"name": name, "mesh": mesh, **place})
+
+    def file(self):
+        self.data.extend(bytes(-len(self.data) % 4))
+        document = {key: value for key, value in self.document.items() if value != []}
+        document["buffers"] = [{"byteLength": len(self.data)}]
+        text = json.dumps(document, separators=(",", ":")).encode()
+        text += b" " * (-len(text) % 4)
+        total = 12 + 8 + len(text) + 8 + len(self.data)
+        return (struct.pack("<4sII", b"glTF", 2, total) + struct.pack("<I4s", len(text), b"JSON") + text +
+                struct.pack("<I4s", len(self.data), b"BIN\0") + self.data)
+
+
+def chess():
+    glb = Glb()
+    rings = glb.texture(64, brushed)
+    lacquer = glb.material("board", pbrMetallicRoughness={"baseColorTexture": glb.texture(192, board_color),
+                                                          "metallicRoughnessTexture": glb.texture(192, board_surface)})
+    brass = glb.material("brass", pbrMetallicRoughness={"baseColorFactor": [0.91, 0.70, 0.33, 1], "roughnessFactor": 0.25},
+                         normalTexture=rings)
+    ebony = glb.material("ebony", pbrMetallicRoughness={"baseColorFactor": [0.035, 0.025, 0.02, 1], "metallicFactor": 0,
+                                                        "roughnessFactor": 0.35})
+    meshes, primitives = {}, {}
     for name, shape, surface in (("board", board(), lacquer), ("brass pawn", pawn(), brass), ("ebony pawn", pawn(), ebony),
                                  ("brass rook", rook(), brass), ("ebony rook", rook(), ebony)):
-        positions, normals, uvs, indices = shape
         twin = name.replace("ebony", "brass")
-        if twin in meshes and twin != name:
-            primitive = dict(document["meshes"][meshes[twin]]["primitives"][0])
-        else:
-            primitive = {"attributes": {"POSITION": accessor(positions, "VEC3"), "NORMAL": accessor(normals, "VEC3"),
-                                        "TEXCOORD_0": accessor(uvs, "VEC2")}, "indices": accessor(indices, "SCALAR")}
-        primitive["material"] = surface
-        meshes[name] = len(document["meshes"])
-        document["meshes"].append({"name": name, "primitives": [primitive]})
+        primitives[name] = {**primitives[twin], "material": surface} if twin in primitives else glb.primitive(shape, surface)
+        meshes[name] = glb.mesh(name, primitives[name])
 
     def place(mesh, column, row):
-        node = {"name": f"{mesh} {'abcdefgh'[column]}{row + 1}" if mesh != "board" else mesh, "mesh": meshes[mesh]}
-        if mesh != "board":
-            node["translation"] = [column - 3.5, 0, 3.5 - row]
-        document["scenes"][0]["nodes"].append(len(document["nodes"]))
-        document["nodes"].append(node)
+        glb.node(f"{mesh} {'abcdefgh'[column]}{row + 1}", meshes[mesh], translation=[column - 3.5, 0, 3.5 - row])
 
-    place("board", 0, 0)
+    glb.node("board", meshes["board"])
     for column, row in ((0, 1), (1, 1), (2, 2), (3, 3), (5, 1), (6, 2), (7, 1)):
         place("brass pawn", column, row)
     for column, row in ((0, 6), (1, 5), (2, 6), (3, 4), (4, 5), (6, 6), (7, 5)):
         place("ebony pawn", column, row)
     for mesh, column, row in (("brass rook", 4, 0), ("brass rook", 0, 0), ("ebony rook", 4, 7), ("ebony rook", 7, 7)):
         place(mesh, column, row)
+    return glb.file()
 
-    data.extend(bytes(-len(data) % 4))
-    document["buffers"].append({"byteLength": len(data)})
-    text = json.dumps(document, separators=(",", ":")).encode()
-    text += b" " * (-len(text) % 4)
-    total = 12 + 8 + len(text) + 8 + len(data)
-    return (struct.pack("<4sII", b"glTF", 2, total) + struct.pack("<I4s", len(text), b"JSON") + text +
-            struct.pack("<I4s", len(data), b"BIN\0") + data)
+
+# ------------------------------------------------------------------------------------------------ the still life
+def goblet():
+    """A wine glass of one closed wall: out along its foot, stem and bowl, over the rim, and down inside."""
+    outside = [(0, 0), (0.40, 0), (0.40, 0.012), (0.36, 0.028), (0.20, 0.06), (0.07, 0.13), (0.038, 0.25), (0.035, 0.45), (0.038, 0.66),
+               (0.07, 0.78), (0.20, 0.86), (0.36, 1.00), (0.455, 1.20), (0.465, 1.42), (0.42, 1.68), (0.37, 1.90)]
+    inside = [(0.362, 1.905), (0.355, 1.90), (0.405, 1.68), (0.448, 1.42), (0.438, 1.205), (0.345, 1.02), (0.19, 0.89), (0.08, 0.845),
+              (0, 0.84)]
+    return lathe(curve(outside, 4) + curve(inside, 4), 72)
+
+
+def wine():
+    """Reaches into the wall of the goblet, whose priority is greater."""
+    side = [(0, 0.83), (0.08, 0.838), (0.20, 0.88), (0.352, 1.01), (0.446, 1.20), (0.452, 1.24), (0.452, 1.24)]
+    return lathe(curve(side, 4) + [(0.452, 1.24), (0, 1.24)], 72)
+
+
+def bowl():
+    points = [(0, 0), (0.30, 0), (0.32, 0.03), (0.30, 0.06), (0.42, 0.10), (0.72, 0.27), (0.92, 0.52), (0.96, 0.60), (0.955, 0.615),
+              (0.945, 0.60), (0.90, 0.53), (0.70, 0.30), (0.40, 0.14), (0, 0.11)]
+    return lathe(curve(points, 4), 72)
+
+
+def jar():
+    """A ginger jar: body, neck, and a lid with a knob."""
+    points = [(0, 0), (0.36, 0), (0.38, 0.03), (0.38, 0.03), (0.40, 0.10), (0.56, 0.45), (0.66, 0.85), (0.62, 1.18), (0.46, 1.38),
+              (0.34, 1.45), (0.33, 1.50), (0.33, 1.50), (0.43, 1.50), (0.43, 1.50), (0.445, 1.53), (0.44, 1.60), (0.36, 1.70),
+              (0.18, 1.77), (0.08, 1.79), (0.07, 1.83), (0.11, 1.88), (0.10, 1.95), (0.05, 1.985), (0, 1.99)]
+    return lathe(curve(points, 4), 72)
+
+
+def pear():
+    points = [(0, 0.03), (0.07, 0.0), (0.22, 0.03), (0.36, 0.18), (0.40, 0.36), (0.35, 0.55), (0.25, 0.72), (0.19, 0.88), (0.14, 0.98),
+              (0.06, 1.025), (0.02, 1.01), (0, 1.0)]
+    return lathe(curve(points, 4), 48)
+
+
+def stalk():
+    points = [(0, 0.97), (0.022, 0.97), (0.018, 1.06), (0.020, 1.18), (0.030, 1.24), (0.024, 1.255), (0, 1.257)]
+    return lathe(curve(points, 3), 12)
+
+
+def gem():
+    """A brilliant of flat faces that stands on its point: table, star, kites and halves of the crown, girdle, pavilion."""
+    def ring(radius, height, sides, turn=0.0):
+        angles = [2 * math.pi * (k + turn) / sides for k in range(sides)]
+        return [(radius * math.cos(a), height, -radius * math.sin(a)) for a in angles]
+
+    top, point = (0, 1.22, 0), (0, 0, 0)
+    table, star, lower = ring(0.55, 1.22, 8), ring(0.785, 1.10, 8, 0.5), ring(0.22, 0.19, 8, 0.5)
+    upper, under = ring(1, 0.90, 16), ring(1, 0.86, 16)
+    faces = []
+    for k in range(8):
+        n, i, j, l = (k + 1) % 8, 2 * k, 2 * k + 1, (2 * k + 2) % 16
+        faces += [[top, table[k], table[n]], [table[k], star[k], table[n]], [table[k], star[k - 1], upper[i], star[k]],
+                  [star[k], upper[i], upper[j]], [star[k], upper[j], upper[l]],
+                  [point, lower[k], under[i], lower[k - 1]], [lower[k], under[j], under[i]], [lower[k], under[l], under[j]]]
+    faces += [[upper[k], under[k], under[(k + 1) % 16], upper[(k + 1) % 16]] for k in range(16)]
+    return [p for face in faces for i in range(1, len(face) - 1) for p in (face[0], face[i], face[i + 1])], None, None, None
+
+
+def curtain():
+    """Hangs in folds that wander, 13 wide and 6.5 high."""
+    def point(u, v):
+        x = 13 * (u - 0.5)
+        phase = 3.4 * x + 0.7 * math.sin(1.1 * x) + 2.5 * fractal(0.6 * x, 0.25 * v, 5, 3)
+        return (x, 6.5 * (1 - v), 0.30 * math.sin(phase) * (0.6 + 0.4 * v) + 0.10 * math.sin(2.3 * phase + 1))
+
+    columns, rows = 200, 12
+    grid = [[point(i / columns, j / rows) for i in range(columns + 1)] for j in range(rows + 1)]
+    normals, indices = [], []
+    for j in range(rows + 1):
+        for i in range(columns + 1):
+            a, b = grid[j][max(i - 1, 0)], grid[j][min(i + 1, columns)]
+            c, d = grid[min(j + 1, rows)][i], grid[max(j - 1, 0)][i]
+            e, f = [y - x for x, y in zip(a, b)], [y - x for x, y in zip(c, d)]
+            normals.append(normalize((e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0])))
+            if i < columns and j < rows:
+                k = j * (columns + 1) + i
+                indices += [k, k + columns + 2, k + 1, k, k + columns + 1, k + columns + 2]
+    return [p for row in grid for p in row], normals, None, indices
+
+
+def turned(axis, degrees):
+    """A quaternion, as glTF has them."""
+    half = math.radians(degrees) / 2
+    return [c * math.sin(half) for c in normalize(axis)] + [math.cos(half)]
+
+
+def still_life():
+    """Shapes in their places; scenes/still-life.json gives them their materials."""
+    glb = Glb()
+    bare = lambda shape: (shape[0], shape[1], None, shape[3])
+    shapes = {"goblet": bare(goblet()), "wine": bare(wine()), "bowl": bowl(), "jar": jar(), "pear": bare(pear()),
+              "stalk": bare(stalk()), "gem": gem(), "curtain": curtain()}
+    meshes = {name: glb.mesh(name, glb.primitive(shape, glb.material(name))) for name, shape in shapes.items()}
+    for name, place in PLACES:
+        glb.node(name, meshes[name], **place)
+    return glb.file()
+
+
+PLACES = (
+    ("curtain", {"translation": [0, -0.5, -3.2]}),
+    ("jar", {"translation": [-1.62, 0, -0.75], "scale": [1.05, 1.05, 1.05]}),
+    ("bowl", {"translation": [-0.12, 0, -0.1]}),
+    ("goblet", {"translation": [1.32, 0, -0.35]}),
+    ("wine", {"translation": [1.32, 0, -0.35]}),
+    *((part, place) for part in ("pear", "stalk") for place in (
+        {"translation": [-0.38, 0.20, -0.12], "rotation": turned((0, 0, 1), 14)},
+        {"translation": [0.24, 0.24, -0.22], "rotation": turned((0.3, 0, 1), -17), "scale": [0.96, 0.96, 0.96]},
+        {"translation": [-1.0, 0.39, 0.78], "rotation": turned((0.5, 0.3, -1), 84), "scale": [0.95, 0.95, 0.95]})),
+    ("gem", {"translation": [-1.62, 0, 1.12], "rotation": turned((0.25, 0, -1), 40.7), "scale": [0.27, 0.27, 0.27]}),
+)
+
+
+def grapes():
+    """A bunch that lies on the table, as a scene file of its own: berries that were pushed off each other and off the table."""
+    count, berries = 52, []
+    for k in range(count):
+        t, angle = (k + 0.5) / count, 2.399963 * k
+        away = (0.30 - 0.20 * t) * math.sqrt(lattice(k, 1))
+        berries.append([1.25 * (t - 0.45), 0.25 + away * math.sin(angle), away * math.cos(angle), 0.105 + 0.025 * lattice(k, 2)])
+    for _ in range(200):
+        for i, a in enumerate(berries):
+            a[1] = max(a[1] - 0.004, a[3])
+            for b in berries[:i]:
+                between = [q - p for p, q in zip(a[:3], b[:3])]
+                away = math.sqrt(sum(c * c for c in between))
+                push = max(a[3] + b[3] - away, 0) / (2 * away)
+                for c in range(3):
+                    a[c], b[c] = a[c] - push * between[c], b[c] + push * between[c]
+        for a in berries:
+            a[0], a[2] = 0.998 * a[0], 0.994 * a[2]
+    rounded = [[round(c, 4) for c in berry] for berry in berries]
+    return scene_file({"scene": [{"name": "grapes", "points": {"points": rounded}}]})
 
 
 def flag():
@@ -432,6 +591,8 @@ def main():
                           ("images/tiles.png", png(256, 256, lambda x, y: tiles(x, y, 256)[0])),
                           ("images/tiles-normal.png", png(256, 256, lambda x, y: tiles_normal(x, y, 256))),
                           ("images/globe.png", png(384, 192, lambda x, y: globe(x, y, 384, 192))),
+                          ("models/grapes.json", grapes()),
+                          ("models/still-life.glb", still_life()),
                           ("models/chess.glb", chess())):
         path = HERE / name
         path.parent.mkdir(exist_ok=True)

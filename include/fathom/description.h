@@ -131,8 +131,8 @@ struct Material {
     /// Share of what is diffuse that enters the solid, is scattered there, and leaves it diffusely.
     FloatInput subsurface{0, -1, 0};
     ColorInput subsurface_color{{0.8f, 0.8f, 0.8f}, -1};  ///< what a half-space gives back of light from everywhere
-    double subsurface_radius = 0.01;                      ///< mean free path, metres
-    Color subsurface_radius_scale{1, 0.5f, 0.25f};
+    FloatInput subsurface_radius{0.01f, -1, 0};           ///< mean free path, metres
+    ColorInput subsurface_radius_scale{{1, 0.5f, 0.25f}, -1};
     float subsurface_scatter_anisotropy = 0;  ///< mean cosine
     FloatInput diffuse_roughness{0, -1, 0};
     FloatInput specular{1, -1, 3};  ///< strength of the dielectric's reflection

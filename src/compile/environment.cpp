@@ -1,20 +1,24 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "compile/compiler.h"
 #include "compile/luminance.h"
 #include "compile/sky.h"
 #include "compile/studio.h"
-#include "sampling/guide.h"
+#include "math/guide.h"
 
 namespace fathom {
 
 namespace {
 
-/// Cumulative distributions over rows and, within a row, pixels, by luminance times the solid angle. Bilinear lookup
-/// spreads a pixel's light over its neighbours, so each cell has the mean of the 3x3 around it. Returns mean radiance.
-double make_environment_distribution(EnvironmentRecord& t)
+/// A picture that is nowhere brighter than this many times its mean is sampled as it is: little stands out from it.
+constexpr double much_above_mean = 2;
+
+/// The luminance of each cell. Bilinear lookup spreads a pixel's light over its neighbours, so it is the mean of the
+/// 3x3 around it.
+std::vector<float> cell_luminances(const EnvironmentRecord& t)
 {
     const int w = t.width, h = t.height;
     const auto value = [&](int x, int y) {
@@ -24,31 +28,66 @@ double make_environment_distribution(EnvironmentRecord& t)
         const float c[3] = {texel[0] * t.color[0], texel[1] * t.color[1], texel[2] * t.color[2]};
         return std::max(0.0, luminance(c));
     };
-    t.marginal.assign(std::size_t(h) + 1, 0);
-    t.conditional.assign(std::size_t(h) * std::size_t(w + 1), 0);
-    std::vector<double> rows(std::size_t(h) + 1);
-    double weight = 0;
-    for (int y = 0; y < h; ++y) {
-        const double sine = std::sin((y + 0.5) * std::numbers::pi / h);
-        std::vector<double> sum(std::size_t(w) + 1);
+    std::vector<float> cells;
+    cells.reserve(std::size_t(w) * std::size_t(h));
+    for (int y = 0; y < h; ++y)
         for (int x = 0; x < w; ++x) {
             double v = 0;
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dx = -1; dx <= 1; ++dx) v += value(x + dx, y + dy) / 9;
-            sum[std::size_t(x) + 1] = sum[std::size_t(x)] + v;
+            cells.push_back(float(v));
         }
+    return cells;
+}
+
+/// sine: of the angle from the top, at the middle of row y; to which the solid angle of its cells is proportional.
+double row_sine(int y, int height)
+{
+    return std::sin((y + 0.5) * std::numbers::pi / height);
+}
+
+double mean_over_sphere(const std::vector<float>& cells, int w, int h)
+{
+    double sum = 0, weight = 0;
+    for (int y = 0; y < h; ++y) {
+        const float* const row = &cells[std::size_t(y) * std::size_t(w)];
+        sum += row_sine(y, h) * std::accumulate(row, row + w, 0.0);
+        weight += row_sine(y, h) * w;
+    }
+    return sum / weight;
+}
+
+/// Cumulative distributions over rows and, within a row, pixels, by luminance times the solid angle, with guides to
+/// them. Returns mean radiance.
+///
+/// Only what is brighter than the mean is sampled, by how much it is: the rest is found by the directions that surfaces
+/// choose, and the weights of both see to it (Karlík et al. 2019, "MIS Compensation: Optimizing Sampling Techniques in
+/// Multiple Importance Sampling").
+double make_environment_distribution(EnvironmentRecord& t)
+{
+    const int w = t.width, h = t.height;
+    std::vector<float> cells = cell_luminances(t);
+    const double mean = mean_over_sphere(cells, w, h);
+    if (*std::max_element(cells.begin(), cells.end()) > much_above_mean * mean)
+        for (float& v : cells) v = std::max(0.f, v - float(mean));
+    t.marginal.assign(std::size_t(h) + 1, 0);
+    t.conditional.assign(std::size_t(h) * std::size_t(w + 1), 0);
+    std::vector<double> rows(std::size_t(h) + 1);
+    for (int y = 0; y < h; ++y) {
+        std::vector<double> sum(std::size_t(w) + 1);
+        const float* const values = &cells[std::size_t(y) * std::size_t(w)];
+        for (std::size_t x = 0; x < std::size_t(w); ++x) sum[x + 1] = sum[x] + values[x];
+        const double all = sum[std::size_t(w)];
         float* row = &t.conditional[std::size_t(y) * std::size_t(w + 1)];
-        for (int x = 0; x <= w; ++x)
-            row[x] = sum[std::size_t(w)] > 0 ? float(sum[std::size_t(x)] / sum[std::size_t(w)]) : float(x) / float(w);
-        rows[std::size_t(y) + 1] = rows[std::size_t(y)] + sum[std::size_t(w)] * sine;
-        weight += sine * w;
+        for (int x = 0; x <= w; ++x) row[x] = all > 0 ? float(sum[std::size_t(x)] / all) : float(x) / float(w);
+        rows[std::size_t(y) + 1] = rows[std::size_t(y)] + all * row_sine(y, h);
     }
     const double total = rows[std::size_t(h)];
     for (int y = 0; y <= h; ++y)
         t.marginal[std::size_t(y)] = total > 0 ? float(rows[std::size_t(y)] / total) : float(y) / float(h);
     t.marginal_guide = make_guides(t.marginal, h);
     t.conditional_guides = make_guides(t.conditional, w);
-    return total / weight;
+    return mean;
 }
 
 /// As a picture, to be sampled and seen like one.

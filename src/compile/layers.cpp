@@ -92,7 +92,7 @@ ClosureKind closure_of_layers(const Material& m)
     return is_plain ? ClosureKind::principled : ClosureKind::layered;
 }
 
-LayersRecord compile_layers(const Material& m)
+LayersRecord compile_layers(const Material& m, double render_scale)
 {
     LayersRecord t;
     t.features = features_of(m);
@@ -105,7 +105,9 @@ LayersRecord compile_layers(const Material& m)
     t.transmission_color = color(m.transmission_color);
     t.diffuse_transmission_color = color(m.diffuse_transmission_color);
     t.coat_color = color(m.coat_color), t.sheen_color = color(m.sheen_color);
-    t.subsurface_color = color(m.subsurface_color);
+    t.subsurface_color = color(m.subsurface_color), t.subsurface_radius_scale = color(m.subsurface_radius_scale);
+    t.subsurface_radius = number(m.subsurface_radius);
+    t.subsurface_radius.value = float(double(m.subsurface_radius.value) * render_scale);
     t.anisotropy_cos = float(std::cos(m.anisotropy_rotation)),
     t.anisotropy_sin = float(std::sin(m.anisotropy_rotation));
     t.anisotropy_texture = texture_id(m.anisotropy_texture);
@@ -118,7 +120,7 @@ LayersRecord compile_layers(const Material& m)
     if (is_textured(t.specular, t.anisotropy, t.transmission, t.diffuse_transmission, t.diffuse_roughness, t.coat,
                     t.coat_roughness, t.sheen_roughness, t.thin_film, t.thin_film_thickness, t.specular_color,
                     t.edge_color, t.transmission_color, t.diffuse_transmission_color, t.coat_color, t.sheen_color,
-                    t.subsurface, t.subsurface_color))
+                    t.subsurface, t.subsurface_color, t.subsurface_radius, t.subsurface_radius_scale))
         t.features |= LayersRecord::textured;
     return t;
 }

@@ -17,6 +17,7 @@ inline std::uint32_t texture_id(int index)
 /// The simplest closure that does all that a principled material asks for.
 ClosureKind closure_of_layers(const Material& m);
 
-LayersRecord compile_layers(const Material& m);
+/// render_scale: of render space, in whose units lengths are.
+LayersRecord compile_layers(const Material& m, double render_scale);
 
 }  // namespace fathom

@@ -128,7 +128,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     if (m.emission_two_sided || m.kind == MaterialKind::unlit) t.flags |= MaterialRecord::two_sided_emission;
     if (t.closure == ClosureKind::layered || t.closure == ClosureKind::layered_transmitting) {
         t.layers = std::uint32_t(c.tables.layers.size());
-        c.tables.layers.push_back(compile_layers(m));
+        c.tables.layers.push_back(compile_layers(m, c.space.scale));
         if (c.tables.layers.back().features & (LayersRecord::anisotropic | LayersRecord::coat_normal_mapped))
             t.flags |= MaterialRecord::wants_tangent;
     }

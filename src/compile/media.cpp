@@ -13,10 +13,6 @@ namespace fathom {
 
 namespace {
 
-/// Mean free paths of subsurfaces are at least so long, in units of render space, where a scene is some 1000 large:
-/// shorter ones look the same, but floats no longer tell the steps of a path apart.
-constexpr double shortest_free_path = 1.0 / 512;
-
 std::uint32_t number_of(Compiler& c, MediumRecord medium, const Material& m)
 {
     medium.ior = m.ior;
@@ -57,11 +53,12 @@ std::uint32_t subsurface_medium(Compiler& c, const Material& m)
 {
     MediumRecord medium;
     medium.anisotropy = m.subsurface_scatter_anisotropy;
-    medium.has_textured_color = m.subsurface_color.texture >= 0;
-    const Rgb color = spectrum(m.subsurface_color.value), scale = spectrum(m.subsurface_radius_scale);
+    medium.is_textured =
+        m.subsurface_color.texture >= 0 || m.subsurface_radius.texture >= 0 || m.subsurface_radius_scale.texture >= 0;
+    const Rgb color = spectrum(m.subsurface_color.value), scale = spectrum(m.subsurface_radius_scale.value);
     for (std::size_t i = 0; i < channels; ++i) {
-        const double free_path = m.subsurface_radius * double(scale[i]) * c.space.scale;
-        medium.extinction[i] = float(1 / std::max(free_path, shortest_free_path));
+        const double free_path = double(m.subsurface_radius.value) * double(scale[i]) * c.space.scale;
+        medium.extinction[i] = float(1 / std::max(free_path, double(shortest_free_path)));
         medium.scattering[i] =
             float(double(medium.extinction[i]) * single_scattering_albedo(double(color[i]), double(medium.anisotropy)));
     }

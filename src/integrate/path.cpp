@@ -97,7 +97,7 @@ private:
         p.media.store(to, camera_media_);
         if (extras_.clamp) p.indirect_left.store(to, Float(settings_.clamp_indirect));
         p.walk_steps.store(to, UInt(0u));
-        if (extras_.albedo) p.walk_albedo.store(to, Spectrum(Float(-1)));
+        if (extras_.walk_textures) forget_medium(p, to);
     }
 
     // ------------------------------------------------------------------------------------------- trace
@@ -160,6 +160,7 @@ private:
             const UInt primitive = hits_.primitive.load(i);
             const Mask hit = valid & (primitive != UInt(no_index));
             const UInt instance = scene_.is_flat ? UInt(no_index) : hits_.instance.load(i);
+            surfaces_.fetch_indices(primitive, hit);
             const UInt info = scene_.info_of(primitive, instance, hit);
             list(hit & ((info & UInt(LaneScene::emits)) != UInt(0u)), i, emitting_, emitting);
             if (scene_.sees_environment || settings_.background.given) list(valid & !hit, i, missing_, missing);

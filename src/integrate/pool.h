@@ -100,12 +100,12 @@ void for_columns(MediaColumn& a, MediaColumn& b, F&& f)
 
 /// What a path carries that not every scene needs.
 struct PathExtras {
-    bool time = false;       ///< something moves
-    bool eta_scale = false;  ///< something refracts
-    bool media = false;      ///< what solids are filled with matters
-    bool clamp = false;      ///< indirect light is limited
-    bool walks = false;      ///< and that scatters
-    bool albedo = false;     ///< in a colour of its own where the path came in
+    bool time = false;           ///< something moves
+    bool eta_scale = false;      ///< something refracts
+    bool media = false;          ///< what solids are filled with matters
+    bool clamp = false;          ///< indirect light is limited
+    bool walks = false;          ///< and that scatters
+    bool walk_textures = false;  ///< in colours and distances of its own where the path came in
 };
 
 /// Paths under way.
@@ -126,8 +126,8 @@ struct PathPool {
     Column<float> indirect_left;  ///< see IndirectClamp
     MediaColumn media;
     Column<std::uint32_t> walk_steps;  ///< within a medium, since the last surface
-    /// Of media with textured colour: what is scattered of what is lost; below 0: what the medium says.
-    SpectrumColumn walk_albedo;
+    /// Of media with textures: extinction, and what is scattered of it; below 0: what the medium says.
+    SpectrumColumn walk_extinction, walk_albedo;
 
     /// Calls f(column of a, the same of b) for what a path takes with it to its next surface and on from there.
     template <class F>
@@ -141,7 +141,8 @@ struct PathPool {
         if (extras.media) for_columns(a.media, b.media, f);
         if (extras.clamp) f(a.indirect_left, b.indirect_left);
         if (extras.walks) f(a.walk_steps, b.walk_steps);
-        if (extras.albedo) for_columns(a.walk_albedo, b.walk_albedo, f);
+        if (extras.walk_textures)
+            for_columns(a.walk_extinction, b.walk_extinction, f), for_columns(a.walk_albedo, b.walk_albedo, f);
     }
     template <class Word>
     static Word pixel_of(Word state)

@@ -67,6 +67,8 @@ void LaneScene::read_tables()
         bvh.set_alpha_test(has_alpha() ? &alpha_passes : nullptr, &tables);
     read_shapes();
     tracks_media = has_absorption || count_solids(tables) > 1;
+    constexpr std::size_t much = 1 << 17;  // of vertices
+    is_large = tables.positions.size() > much;
     textured = !tables.textures.empty();
     varied_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
                                 [](const LightRecord& light) { return light.material != no_index; });
@@ -95,7 +97,7 @@ void LaneScene::read_shapes()
             const MediumRecord& medium = tables.media[number];
             for (float sigma : medium.extinction) has_absorption |= sigma > 0;
             for (float sigma : medium.scattering) scatters_inside |= sigma > 0;
-            textured_media |= medium.has_textured_color != 0;
+            textured_media |= medium.is_textured != 0;
         }
         const auto kind = std::uint32_t(material.closure);
         const bool scatters = material.closure != ClosureKind::none;

@@ -29,6 +29,7 @@ struct LaneScene final : KernelScene {
     std::vector<std::uint32_t> primitive_info;
     QuadColumns quads;
     std::uint32_t kinds = 0;          ///< bit per ClosureKind that occurs and scatters
+    bool is_large = false;            ///< vertices are far more than caches hold near a core
     bool textured = false;            ///< uv matter somewhere
     bool wants_tangents = false;      ///< tangents of surfaces matter somewhere
     bool varied_lights = false;       ///< some are not alike all over, see LightRecord::material
@@ -36,7 +37,7 @@ struct LaneScene final : KernelScene {
     bool single_sided = false;        ///< cameras look through some surfaces from behind
     bool has_absorption = false;      ///< some medium absorbs or scatters
     bool scatters_inside = false;     ///< some medium scatters
-    bool textured_media = false;      ///< in a colour that paths bring along
+    bool textured_media = false;      ///< as textures say, which paths bring along
     bool tracks_media = false;        ///< paths must know what they are in: that, or solids may overlap
     bool sees_environment = false;    ///< rays that leave the scene bring something
     bool only_diffuse_quads = false;  ///< flat, smooth, without textures or motion: QuadTracer renders it

@@ -94,7 +94,7 @@ inline Float environment_pdf(const LightTables& tables, Vec3 direction)
     const UInt cell = y * UInt(std::uint32_t(e.width + 1)) + x;
     const Float row = gather(e.marginal.data() + 1, y) - gather(e.marginal.data(), y);
     const Float column = gather(e.conditional.data() + 1, cell) - gather(e.conditional.data(), cell);
-    return detail::cell_pdf(e, row, column, sqrt(max(fma(-d.y, d.y, Float(1)), Float(0))));
+    return detail::cell_pdf(e, row, column, sqrt(fma(d.x, d.x, d.z * d.z)));
 }
 
 struct EnvironmentSample {

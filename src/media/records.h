@@ -12,13 +12,18 @@ struct MediumRecord {
     Rgb extinction{};      ///< what is absorbed or scattered, per unit of render space
     Rgb scattering{};      ///< of that, what is scattered
     float anisotropy = 0;  ///< mean cosine of what is scattered, see sample_phase
-    /// Paths have scattering of their own, from the colour of where they came in: see PathPool::walk_albedo.
-    std::uint32_t has_textured_color = 0;
+    /// Paths have extinction and scattering of their own, by textures where they came in: see
+    /// PathPool::walk_extinction.
+    std::uint32_t is_textured = 0;
     float ior = 1;               ///< index of refraction
     std::uint32_t priority = 0;  ///< where media overlap, the one with the greatest is there; above 0, below 2^31
 
     bool operator==(const MediumRecord&) const = default;
 };
+
+/// Mean free paths of subsurfaces are at least so long, in units of render space, where a scene is some 1000 large:
+/// shorter ones look the same, but floats no longer tell the steps of a path apart.
+constexpr float shortest_free_path = 1.0f / 512;
 
 struct MediaTables {
     /// The first is empty space, which is everywhere, with a priority below all others.

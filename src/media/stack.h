@@ -81,12 +81,6 @@ inline Float medium_ior(const MediaTables& tables, UInt medium, Mask m)
     return gather(tables.media, &MediumRecord::ior, medium, m);
 }
 
-/// What a way of this length through a medium leaves of the light, unscattered; lengths may be infinite.
-inline Spectrum transmittance(const MediaTables& tables, UInt medium, Float length, Mask m)
-{
-    return transmittance(gather(tables.media, &MediumRecord::extinction, medium, m), length);
-}
-
 /// A boundary of a solid as a path meets it that is in the media of a stack.
 struct MediumBoundary {
     MediumStack beyond;  ///< where the path is if it passes

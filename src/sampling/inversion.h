@@ -1,6 +1,6 @@
 #pragma once
+#include "math/guide.h"
 #include "math/lanes.h"
-#include "sampling/guide.h"
 
 namespace fathom::inline FATHOM_LANES {
 

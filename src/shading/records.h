@@ -79,9 +79,9 @@ struct LayersRecord {
     };
     std::uint32_t features = 0;
     NumberRecord specular, anisotropy, transmission, diffuse_transmission, diffuse_roughness, coat, coat_roughness,
-        sheen_roughness, thin_film, thin_film_thickness, subsurface;
+        sheen_roughness, thin_film, thin_film_thickness, subsurface, subsurface_radius;
     ColorRecord specular_color, edge_color, transmission_color, diffuse_transmission_color, coat_color, sheen_color,
-        subsurface_color;
+        subsurface_color, subsurface_radius_scale;
     float anisotropy_cos = 1, anisotropy_sin = 0;
     float dispersion = 0;
     /// Reflectance of the coat at normal incidence, and of light from within that comes from everywhere; see

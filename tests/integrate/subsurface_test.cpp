@@ -21,7 +21,7 @@ Material subsurface(Color color, double radius, float anisotropy = 0)
     m.specular.value = 0;
     m.subsurface.value = 1;
     m.subsurface_color.value = color;
-    m.subsurface_radius = radius;
+    m.subsurface_radius.value = float(radius);
     m.subsurface_scatter_anisotropy = anisotropy;
     return m;
 }
@@ -291,6 +291,79 @@ TEST(Subsurface, EachSolidHasItsOwnTexture)
         EXPECT_NEAR(mean[1].value[c], mean[0].value[c],
                     4 * std::hypot(mean[0].error[c], mean[1].error[c]) + 0.003 * mean[0].value[c])
             << c;
+}
+
+/// A material whose radius is by a texture: the product of both is 0.4, 0.2 and 0.1 metres by channel.
+Material radius_by_textures(SceneBuilder& b, Color color, float size)
+{
+    const auto constant = [&](Color value) {
+        Texture texture;
+        texture.kind = TextureKind::checker_uv;
+        texture.color_a.value = texture.color_b.value = value;
+        b.scene.textures.push_back(texture);
+        return int(b.scene.textures.size()) - 1;
+    };
+    Material m = subsurface(color, 10);
+    m.subsurface_radius.texture = constant({1, size / 10, 1});
+    m.subsurface_radius.channel = 1;
+    m.subsurface_radius_scale.value = {1, 1, 1};
+    m.subsurface_radius_scale.texture = constant({1, 0.5f, 0.25f});
+    return m;
+}
+
+/// Light that is let in diffusely goes through a slab that only absorbs by twice the third exponential integral of its
+/// optical thickness: 2 E3(t) = 2 int_0^1 mu exp(-t / mu) dmu. Both slabs are filled with the same medium.
+TEST(Subsurface, RadiusHasATexture)
+{
+    SceneBuilder slabs;
+    for (const double x : {-101.0, 1.0}) {
+        const Material m = radius_by_textures(slabs, {0, 0, 0}, x < 0 ? 0.8f : 0.3f);
+        slabs.add(Box{{x, -50, -0.2}, {x + 100, 50, 0}}, slabs.material(m));
+    }
+    slabs.scene.environment = white_sky();
+    for (const double x : {-51.0, 51.0}) {
+        SceneBuilder b = slabs;
+        b.camera(Vec3d{x, 0, 5}, {x, 0, 0}, 1);
+        const Mean m = mean_of(render_film(b.scene, small_picture(16, 16), 1024));
+        for (int c = 0; c < 3; ++c) {
+            const double thickness = 0.2 / ((x < 0 ? 0.8 : 0.3) * std::exp2(-c));
+            double expected = 0;
+            constexpr int steps = 10000;
+            for (int i = 0; i < steps; ++i) {
+                const double mu = (i + 0.5) / steps;
+                expected += 2 * mu * std::exp(-thickness / mu) / steps;
+            }
+            EXPECT_NEAR(m.value[c], expected, 4 * m.error[c] + 1e-4) << x << " " << c;
+        }
+    }
+}
+
+/// Where it scatters, too, and where lights are sampled within: chalk under a lamp whose back is seen, in wax and
+/// in black ice.
+TEST(Subsurface, TexturedRadiusIsThatOfAllWays)
+{
+    enum { plain, textured, by_chance };
+    const auto show = [](Color color, int way) {
+        SceneBuilder b;
+        b.add(Sphere{{0, 0, 0}, 1, {}},
+              b.material(way == plain ? subsurface(color, 0.4) : radius_by_textures(b, color, 0.4f)));
+        b.add(Disk{{0, 0, -0.2}, {0, 0, 1}, 0.7}, b.diffuse(0.8f));
+        b.add(Disk{{0, 0, 0.3}, {0, 0, -1}, 0.2}, b.diffuse(0, {9, 9, 9}));
+        b.camera({0, 0, 4}, {0, 0, 0}, 5);
+        RenderSettings settings = small_picture();
+        settings.light_sampling = way != by_chance;
+        return mean_of(render_film(b.scene, settings, way == by_chance ? 2048 : 1024));
+    };
+    for (const Color color : {Color{0.6f, 0.7f, 0.8f}, Color{0, 0, 0}}) {
+        const Mean mean = show(color, textured);
+        for (const int way : {plain, by_chance}) {
+            const Mean other = show(color, way);
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(mean.value[c], other.value[c], 4 * std::hypot(mean.error[c], other.error[c]))
+                    << color.r << " " << way << " " << c;
+        }
+        for (int c = 0; c < 3; ++c) EXPECT_GT(mean.value[c], 40 * mean.error[c]) << color.r << " " << c;
+    }
 }
 
 /// Steps of the walk are no bounces: in and out are two, and with fewer nothing comes out.

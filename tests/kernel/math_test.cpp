@@ -93,6 +93,33 @@ TEST(Lanes, CompressGatherAndReverse)
         for (std::uint32_t i = 0; i < std::uint32_t(n); ++i) EXPECT_EQ(first(lookup(table, n, UInt(i))), table[i]);
 }
 
+/// Rows of each lane's own, up to the last of a table that ends with it.
+template <int n>
+void expect_rows()
+{
+    constexpr std::uint32_t rows = 41;
+    std::vector<float> table(rows * n);
+    for (std::size_t i = 0; i < table.size(); ++i) table[i] = float(i) + 0.5f;
+    for (std::uint32_t turn = 0; turn < rows; ++turn)
+        for (std::uint32_t bits : {0u, 0x55555555u, 0xfffffffeu, 0x8001u, 0xffffffffu}) {
+            const Mask m = mask_from_bits(bits) & first_lanes(lanes);
+            std::uint32_t at[lanes];
+            for (std::uint32_t i = 0; i < lanes; ++i) at[i] = (i * 7 + turn) % rows * n;
+            Float row[n];
+            gather_row(table.data(), load(at), m, row);
+            for (int k = 0; k < n; ++k) {
+                float x[lanes];
+                store(x, row[k]);
+                for (int i = 0; i < lanes; ++i)
+                    ASSERT_EQ(x[i], mask_bits(m) >> i & 1 ? table[at[i] + std::uint32_t(k)] : 0) << n << " " << k;
+            }
+        }
+}
+TEST(Lanes, RowsAreGatheredWhole)
+{
+    expect_rows<2>(), expect_rows<3>(), expect_rows<4>(), expect_rows<8>(), expect_rows<12>();
+}
+
 TEST(Elementary, ErrorsStayBelowWhatIsPromised)
 {
     double sine = 0, arc = 0, ex = 0, lg = 0, rs = 0, rc = 0;

@@ -152,6 +152,52 @@ TEST(Render, TellsItsProgress)
     EXPECT_EQ(other.samples_per_pixel(), 0u);
 }
 
+/// Before the camera a floor that fills the picture, behind it a lamp: each sample is a ray from the camera, a vertex,
+/// a shadow ray that nothing blocks, and a bounce.
+TEST(Render, CountsRaysAndVertices)
+{
+    for (int kind = 0; kind < 3; ++kind) {
+        SceneDescription d = scene_of(kind, 1);
+        d.nodes[0].shapes[0].material = 1;
+        d.nodes[0].shapes.push_back({Rectangle{{-1, -1, 30}, {2, 0, 0}, {0, 2, 0}}, 0, ""});
+        Warnings warnings;
+        RenderSettings settings;
+        settings.width = 33, settings.height = 21;
+        settings.max_depth = 1;
+        settings.measure = true;
+        const RenderJob job(Scene::compile(d, "", warnings), settings);
+        Film film(job);
+        RenderCosts costs;
+        render(job, {0, 50}, film, nullptr, [&](const Progress& p, const Film&) { costs = p.costs; });
+        constexpr std::uint64_t samples = 33 * 21 * 50;
+        for (std::size_t i = 0; i < ray_kind_count; ++i) EXPECT_EQ(costs.rays[i], samples) << kind << " " << i;
+        EXPECT_EQ(costs.vertices, samples) << kind;
+        EXPECT_EQ(costs.clear_shadow_rays, samples) << kind;
+        EXPECT_GE(costs.shaded_lanes, samples);
+        EXPECT_EQ(costs.shaded_lanes % std::uint64_t(simd_width()), 0u);
+    }
+}
+
+/// Time goes into the stages that a scene has, and is not measured unless that is asked for.
+TEST(Render, TimesItsStages)
+{
+    for (const bool measure : {false, true}) {
+        Warnings warnings;
+        RenderSettings settings;
+        settings.width = 64, settings.height = 48;
+        settings.measure = measure;
+        const RenderJob job(Scene::compile(noisy(2), "", warnings), settings);
+        Film film(job);
+        RenderCosts costs;
+        render(job, {0, 20}, film, nullptr, [&](const Progress& p, const Film&) { costs = p.costs; });
+        using enum RenderStage;
+        for (const RenderStage stage :
+             {camera, trace, arrival, sort, surface, material, light, scatter, RenderStage::film})
+            EXPECT_EQ(costs.seconds[std::size_t(stage)] > 0, measure) << int(stage);
+        EXPECT_EQ(costs.seconds[std::size_t(quads)], 0);
+    }
+}
+
 /// A limit of depth: 0 shows what shines, 1 adds what it lights, in each kind of scene.
 TEST(Render, DepthIsCountedFromTheCamera)
 {

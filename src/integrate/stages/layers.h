@@ -58,6 +58,8 @@ public:
         if (p.has(LayersRecord::with_subsurface)) {
             p.subsurface = number(&LayersRecord::subsurface);
             p.subsurface_color = color(&LayersRecord::subsurface_color);
+            p.subsurface_radius =
+                color(&LayersRecord::subsurface_radius_scale) * number(&LayersRecord::subsurface_radius);
         }
         if (p.has(LayersRecord::with_thin_film)) {
             p.thin_film = number(&LayersRecord::thin_film);

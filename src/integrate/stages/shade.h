@@ -2,6 +2,7 @@
 #include "integrate/kernel.h"
 #include "integrate/stages/dispersion.h"
 #include "integrate/stages/light.h"
+#include "integrate/stages/path_medium.h"
 #include "integrate/stages/scatter.h"
 #include "integrate/stages/shadow.h"
 #include "media/albedo.h"
@@ -35,7 +36,13 @@ public:
             const std::size_t end = kind_end[kind];
             if (begin < end)
                 Closures::visit(ClosureKind(kind), [&]<class Closure>() {
-                    for (std::size_t i = begin; i < end; i += lanes) shade<Closure>(i, first_lanes(end - i));
+                    for (std::size_t i = begin; i < end; i += lanes) {
+                        const std::size_t next = i + fetched_ahead;
+                        if (next < end)
+                            surfaces_.fetch_vertices(&hits.primitive.data[next],
+                                                     std::min<std::size_t>(lanes, end - next));
+                        shade<Closure>(i, first_lanes(end - i));
+                    }
                 });
             begin = end;
         }
@@ -86,7 +93,7 @@ private:
             if constexpr (Closure::is_layered) beyond = select(next.enters_subsurface, at.media_below, beyond);
             p.media.store(i, select(dot(next.wi, at.ng) < Float(0), beyond, at.media), valid);
             if constexpr (Closure::is_layered)
-                if (scene_.textured_media) keep_albedo(i, valid & next.enters_subsurface, at);
+                if (scene_.textured_media) keep_medium(i, valid & next.enters_subsurface, at);
         }
         if (scene_.scatters_inside) p.walk_steps.store(i, UInt(0u), valid);
         const Mask ends = apply_roulette(settings_, key, seed, bounce, eta_scale, next.throughput);
@@ -98,13 +105,18 @@ private:
         p.state.store(i, next_state, valid);
     }
 
-    /// What paths that enter a subsurface are scattered by there: by the colour of where they enter.
-    void keep_albedo(std::size_t i, Mask enters, const ShadingPoint& at)
+    /// What paths that enter a subsurface are scattered by there: by the colour and the radius of where they enter.
+    void keep_medium(std::size_t i, Mask enters, const ShadingPoint& at)
     {
         if (none(enters)) return;
         const UInt medium = materials_.get(&MaterialRecord::subsurface_medium, at.material_index, enters);
         const Float anisotropy = gather(tables_.media, &MediumRecord::anisotropy, medium, enters);
-        paths_->walk_albedo.store(i, scattering_albedo(at.material.layers.subsurface_color, anisotropy), enters);
+        const LayersPoint& layers = at.material.layers;
+        paths_->walk_albedo.store(i, scattering_albedo(layers.subsurface_color, anisotropy), enters);
+        Spectrum extinction;
+        for (int k = 0; k < channels; ++k)
+            extinction.c[k] = Float(1) / max(layers.subsurface_radius.c[k], Float(shortest_free_path));
+        paths_->walk_extinction.store(i, extinction, enters);
     }
 
     /// Adds a light sample's contribution, or has its shadow ray queued.
@@ -130,7 +142,7 @@ private:
         if (scene_.has_absorption) {
             const Mask beyond = Closure::transmits ? dot(s.wi, at.ng) < Float(0) : Mask(false);
             const UInt medium = select(beyond, at.media_beyond, at.media).current();
-            add = add * transmittance(tables_, medium, s.distance, lit);
+            add = add * transmittance(extinction_of(scene_, *paths_, i, medium, lit), s.distance);
         }
         lit &= any_positive(add);
         if (none(lit)) return;
@@ -157,6 +169,9 @@ private:
         const UInt surfaces = (paths_->state.load(i) & UInt(PathPool::bounce_mask)) + UInt(1u);
         return light * indirect_scale(*paths_, iota() + UInt(std::uint32_t(i)), surfaces, light, m);
     }
+
+    /// How many paths earlier the vertices of a hit are fetched.
+    static constexpr std::size_t fetched_ahead = 32;
 
     const LaneScene& scene_;
     const SceneTables& tables_;

@@ -22,6 +22,30 @@ public:
         return select(placed, gather(t_.instances, &InstanceRecord::shape, instance, placed), own);
     }
 
+    /// Brings to the cache which vertices the triangles have that the lanes of m hit.
+    void fetch_indices(UInt primitive, Mask m) const
+    {
+        if (!scene_.is_large) return;
+        std::uint32_t numbers[lanes];
+        store(numbers, primitive);
+        for_each_active(m & less(primitive, UInt(t_.first_quad())),
+                        [&](int lane) { __builtin_prefetch(&t_.triangles[3 * std::size_t(numbers[lane])]); });
+    }
+    /// The same of the vertices of some triangles.
+    void fetch_vertices(const std::uint32_t* primitives, std::size_t count) const
+    {
+        if (!scene_.is_large) return;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (primitives[i] >= t_.first_quad()) continue;
+            const std::uint32_t* const vertex = &t_.triangles[3 * std::size_t(primitives[i])];
+            const auto fetch = [&](const auto& table) {
+                for (int k = 0; k < 3; ++k)
+                    if (vertex[k] < table.size()) __builtin_prefetch(&table[vertex[k]]);
+            };
+            fetch(t_.positions), fetch(t_.normals), fetch(t_.uv0);
+        }
+    }
+
     Surface read(const SurfaceHit& hit, Mask m) const
     {
         Surface s;

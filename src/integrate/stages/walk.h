@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "integrate/camera_paths.h"
-#include "integrate/pool.h"
+#include "integrate/stages/path_medium.h"
 #include "media/phase.h"
 #include "media/stack.h"
 
@@ -33,7 +33,7 @@ public:
             const Mask inside = first_lanes(active - i) & (medium != UInt(0u));
             if (none(inside)) continue;
             if (scene_.scatters_inside) {
-                const Spectrum scattering = scattering_of(p, i, medium, inside);
+                const Spectrum scattering = scattering_of(scene_, p, i, medium, inside);
                 const Mask scatters = inside & any_positive(scattering);
                 if (any(scatters)) go(p, hits, i, medium, scattering, scatters);
                 if (none(inside & !scatters)) continue;
@@ -48,19 +48,9 @@ private:
     /// Pairs of random dimensions of a step, whose group has its number in the upper half.
     enum WalkPair : std::uint32_t { pair_distance, pair_phase, pair_survival };
 
-    Spectrum scattering_of(const PathPool& p, std::size_t i, UInt medium, Mask m) const
-    {
-        Spectrum scattering = gather(tables_.media, &MediumRecord::scattering, medium, m);
-        if (!scene_.textured_media) return scattering;
-        const Spectrum albedo = p.walk_albedo.load(i);
-        const Mask has = m & (albedo.c[0] >= Float(0)) &
-                         (gather(tables_.media, &MediumRecord::has_textured_color, medium, m) != UInt(0u));
-        if (none(has)) return scattering;
-        return select(has, gather(tables_.media, &MediumRecord::extinction, medium, m) * albedo, scattering);
-    }
     void attenuate(PathPool& p, const HitColumns& hits, std::size_t i, UInt medium, Mask m) const
     {
-        const Spectrum left = transmittance(tables_, medium, hits.t.load(i), m);
+        const Spectrum left = transmittance(extinction_of(scene_, p, i, medium, m), hits.t.load(i));
         p.throughput.store(i, p.throughput.load(i) * left, m);
     }
 
@@ -71,7 +61,7 @@ private:
         const UInt state = p.state.load(i), bounce = state & UInt(PathPool::bounce_mask);
         const UInt step = p.walk_steps.load(i) + UInt(1u);
         const UInt seed = group_seed(key, step << 16 | (bounce + UInt(1u)));
-        const Spectrum extinction = gather(tables_.media, &MediumRecord::extinction, medium, m);
+        const Spectrum extinction = extinction_of(scene_, p, i, medium, m);
         const Sample2 u = sample_2d(key, pair_seed(seed, pair_distance));
         const Spectrum throughput = p.throughput.load(i);
         const DistanceSample way(extinction, throughput, u.x, u.y);

@@ -52,8 +52,8 @@ struct LayersPoint {
     Mask sheen_reciprocal{false};
     Float thin_film{0}, thin_film_thickness, thin_film_ior;
     Float subsurface{0};
-    Spectrum subsurface_color;
-    Mask in_subsurface = Mask(false);  ///< the path comes from within, where it went by the subsurface
+    Spectrum subsurface_color, subsurface_radius;  ///< subsurface_radius: by channel, in units of render space
+    Mask in_subsurface = Mask(false);              ///< the path comes from within, where it went by the subsurface
 
     bool has(LayersRecord::Features feature) const { return (features & feature) != 0; }
 };

@@ -11,10 +11,7 @@ namespace fathom {
 inline constexpr std::uint32_t most_guided_intervals = 1u << 16;
 
 /// Entries of the guide to a table of n intervals.
-inline std::uint32_t guide_size(int n)
-{
-    return (std::uint32_t(n) + 3) / 4;
-}
+inline std::uint32_t guide_size(int n) { return (std::uint32_t(n) + 3) / 4; }
 
 /// Guides to tables of n + 1 values each, side by side, that ascend from 0 to 1. Entry k of a guide is for numbers of
 /// [k, k + 1) / size: the first and, in its upper half, the last of the intervals that may hold them.

@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""Speed and noise of real scenes beside Mitsuba 3 `llvm_ad_rgb`, and where our time goes; writes a table in Markdown.
+
+Each scene of --scenes (folders with a Mitsuba scene.xml) is made into a diffuse twin that both programs read, by `clay.py` of
+--peers, and both render it in turns by `clay_compare.py` there, which makes its own Python environment for Mitsuba. Speed is
+the ratio of samples/s, efficiency that of 1 / (relMSE x seconds) at equal samples; medians of the rounds. The machine should
+have nothing else to do: ratios of runs in turns bear some of it, but not all.
+"""
+import argparse, json, math, os, platform, subprocess, sys, tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def machine():
+    for line in open("/proc/cpuinfo", encoding="utf-8"):
+        if line.startswith("model name"):
+            return line.split(":", 1)[1].strip()
+    return platform.processor()
+
+
+def make_twin(peers, scene, folder):
+    if not (folder / "scene.json").exists():
+        files = sorted((scene).glob("scene*.xml"))
+        subprocess.run([sys.executable, str(peers / "clay.py"), str(files[0]), str(folder)], check=True, stdout=subprocess.DEVNULL)
+
+
+def options_of(twin):
+    """clay.py writes environments for a renderer whose pictures have -z in their middle; ours have +x there."""
+    environment = json.loads((twin / "scene.json").read_text()).get("environment", {})
+    return ["--env-rotate", "90"] if environment.get("kind") == "image" else []
+
+
+def compare(args, twin):
+    command = [sys.executable, str(args.peers / "clay_compare.py"), "--fathom", str(args.fathom), "--width", str(args.width),
+               "--spp", str(args.spp), "--rounds", str(args.rounds), "--reference-spp", str(args.reference_spp),
+               "--extra=" + " ".join(options_of(twin)), str(twin)]
+    run = subprocess.run(command, check=True, capture_output=True, text=True)
+    return json.loads(run.stdout.strip().splitlines()[0])
+
+
+def cost_sheet(args, twin):
+    with tempfile.TemporaryDirectory() as folder:
+        command = [str(args.fathom), "render", str(twin / "scene.json"), "--spp", "16", "--threads", "1", "--filter", "box", "--size",
+                   f"{args.width // 2}x{args.width * 9 // 32}", "--stats", "--progress", "json", "-o", folder + "/x.exr", *options_of(twin)]
+        lines = subprocess.run(command, check=True, capture_output=True, text=True).stderr.splitlines()
+    return next(event for event in map(json.loads, lines) if event["event"] == "stats")
+
+
+def row(scene, figures, costs):
+    share = {name: stage["share"] for name, stage in costs["stages"].items()}
+    traversal = share.get("trace", 0) + share.get("shadow", 0)
+    others = sorted(((value, name) for name, value in share.items() if name not in ("trace", "shadow")), reverse=True)
+    vertex = sum(stage["ns_per_vertex"] for stage in costs["stages"].values())
+    ours, theirs = figures["mean_fathom"], figures["mean_mitsuba"]
+    apart = max(abs(a - b) / max(b, 1e-9) for a, b in zip(ours, theirs))
+    return (f"| {scene} | {figures['speed']} | {figures['efficiency']} | {figures['fathom_msps']} | {figures['relmse_fathom']} / "
+            f"{figures['relmse_mitsuba']} | {100 * apart:.2f} % | {vertex:.0f} | {100 * traversal:.0f} % | "
+            + ", ".join(f"{name} {100 * value:.0f}" for value, name in others[:3]) + " |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--fathom", type=Path, default=ROOT / "build/release/bin/fathom")
+    parser.add_argument("--scenes", type=Path, default=ROOT / "../shared/scenes/mitsuba")
+    parser.add_argument("--peers", type=Path, default=ROOT / "../shared/peers")
+    parser.add_argument("--only", help="names of scenes, by commas")
+    parser.add_argument("--twins", type=Path, default=Path.home() / ".cache/fathom-scenes", help="where twins are kept")
+    parser.add_argument("--out", type=Path, default=Path("scenes.md"))
+    parser.add_argument("--width", type=int, default=640)
+    parser.add_argument("--spp", type=int, default=32)
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--reference-spp", type=int, default=512)
+    args = parser.parse_args()
+    for needed in (args.peers / "clay.py", args.peers / "clay_compare.py"):
+        if not needed.exists():
+            sys.exit(f"{needed} is missing: --peers names the folder with the scripts that make and time the twins")
+    names = args.only.split(",") if args.only else sorted(p.parent.name for p in args.scenes.glob("*/scene.xml"))
+    if not names:
+        sys.exit(f"{args.scenes} has no folders with a scene.xml: --scenes names the folder")
+    version = subprocess.run([str(args.fathom), "version"], check=True, capture_output=True, text=True).stdout.splitlines()
+    head = [f"{machine()}, {os.cpu_count()} cores; {version[1].strip()}; 2 threads, {args.width} wide, {args.spp} samples, {args.rounds} rounds",
+            "", "| scene | samples/s, times Mitsuba | efficiency | million samples/s | relMSE, ours / Mitsuba | means apart | ns a vertex "
+            "| traversal | then |", "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
+    rows, speeds, efficiencies = [], [], []
+    for name in names:
+        twin = args.twins / name
+        make_twin(args.peers, args.scenes / name, twin)
+        figures = compare(args, twin)
+        speeds.append(figures["speed"]), efficiencies.append(figures["efficiency"])
+        rows.append(row(name, figures, cost_sheet(args, twin)))
+        mean = lambda values: math.prod(values) ** (1 / len(values))
+        foot = f"| geometric mean (least) | {mean(speeds):.2f} ({min(speeds)}) | {mean(efficiencies):.2f} ({min(efficiencies)}) | | | | | | |"
+        args.out.write_text("\n".join(head + rows + [foot]) + "\n", encoding="utf-8")  # what there is, should it be stopped
+        print(rows[-1], flush=True)
+    print(foot)
+
+
+main()
