@@ -165,7 +165,7 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
     // Where samples fall: in cells of the image.
     std::vector<double> observed(120), expected(120);
     test::Random random;
-    int drawn = 0;
+    int drawn = 0, compared = 0;
     for (; drawn < 200000; drawn += lanes) {
         const EnvironmentSample s = sample_environment(tables, random.next2(), Mask(true));
         const Float other = environment_pdf(tables, s.wi);
@@ -174,19 +174,25 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
         store(x[0], s.wi.x), store(x[1], s.wi.y), store(x[2], s.wi.z);
         store(product, other * s.inverse_pdf), store(radiance, s.radiance.c[2]), store(again, seen.c[2]);
         for (int i = 0; i < lanes; ++i) {
-            ASSERT_NEAR(product[i], 1, 1e-5);
-            ASSERT_EQ(radiance[i], again[i]);
             const Vec3d d = turn.vector({x[0][i], x[1][i], x[2][i]});
             ASSERT_NEAR(length(d), 1, 1e-5);
             const double u = std::atan2(d.z, d.x) / (2 * std::numbers::pi) + 0.5,
                          v = std::acos(std::clamp(d.y, -1.0, 1.0)) / std::numbers::pi;
             ++observed[std::size_t(std::clamp(int(v * 10), 0, 9) * 12 + std::clamp(int(u * 12), 0, 11))];
+            // The direction is rounded: by its edges a cell may be taken for the next, and at the poles any for any.
+            const double sine = std::hypot(d.x, d.z), rounding = 3e-6 / sine;
+            const auto is_within = [&](double at) { return std::abs(at - std::round(at)) > rounding; };
+            if (sine < 0.01 || !is_within(u * 12) || !is_within(v * 10)) continue;
+            ++compared;
+            ASSERT_NEAR(product[i], 1, rounding);
+            ASSERT_NEAR(radiance[i], again[i], rounding);
         }
     }
     for (std::size_t y = 0; y < 10; ++y)
         for (std::size_t x = 0; x < 12; ++x)
             expected[y * 12 + x] = drawn * (double(e.marginal[y + 1]) - e.marginal[y]) *
                                    (double(e.conditional[y * 13 + x + 1]) - e.conditional[y * 13 + x]);
+    EXPECT_GT(compared, 0.999 * drawn);
     EXPECT_EQ(test::chi_square(observed, expected), "");
 }
 

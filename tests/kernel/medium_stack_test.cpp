@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lane_helpers.h"
+#include "media/distance.h"
 #include "media/stack.h"
 
 namespace fathom {
@@ -74,7 +75,8 @@ TEST(MediumStack, TransmittanceOfAnyLength)
     MediaTables t = tables();
     t.media[1].extinction = {0.5f, 0, 2};
     const auto at = [&](std::uint32_t medium, float length, int c) {
-        return first(transmittance(t, UInt(medium), Float(length), Mask(true)).c[c]);
+        return first(
+            transmittance(gather(t.media, &MediumRecord::extinction, UInt(medium), Mask(true)), Float(length)).c[c]);
     };
     const float infinite = std::numeric_limits<float>::infinity();
     EXPECT_NEAR(at(1, 3, 0), std::exp(-1.5), 1e-6);
