@@ -321,7 +321,7 @@ Film Film::from_sums(const Sums& sums)
     return film;
 }
 
-bool render(const RenderJob&, SampleRange range, Film& film, const std::atomic<bool>* cancel,
+bool render(const RenderJob& job, SampleRange range, Film& film, const std::atomic<bool>* cancel,
             const std::function<void(const Progress&, const Film&)>& on_pass)
 {
     Film::Data& data = film.data();
@@ -331,10 +331,15 @@ bool render(const RenderJob&, SampleRange range, Film& film, const std::atomic<b
         std::this_thread::sleep_for(std::chrono::milliseconds(slow_ms));
         for (std::uint32_t& sum : data.sums) sum += std::uint32_t(s * 7 % 16);
         add_range(data, {s, s + 1});
-        if (on_pass)
-            on_pass({(s - range.first + 1) * pixels, (range.second - range.first) * pixels,
-                     (s - range.first + 1) * pixels * 5},
-                    film);
+        Progress progress{(s - range.first + 1) * pixels, (range.second - range.first) * pixels, {}};
+        progress.costs.rays = {progress.samples_done, progress.samples_done * 3, progress.samples_done};
+        progress.costs.clear_shadow_rays = progress.samples_done / 2;
+        progress.costs.vertices = 2'000'000, progress.costs.shaded_lanes = 2'500'000;
+        if (job.settings().measure) {
+            progress.costs.seconds[std::size_t(RenderStage::trace)] = 0.75;
+            progress.costs.seconds[std::size_t(RenderStage::light)] = 0.25;
+        }
+        if (on_pass) on_pass(progress, film);
     }
     data.dropped = dropped_per_render;
     return true;

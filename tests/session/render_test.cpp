@@ -190,11 +190,11 @@ TEST(Render, TimesItsStages)
         Film film(job);
         RenderCosts costs;
         render(job, {0, 20}, film, nullptr, [&](const Progress& p, const Film&) { costs = p.costs; });
-        using enum RenderStage;
-        for (const RenderStage stage :
-             {camera, trace, arrival, sort, surface, material, light, scatter, RenderStage::film})
+        using S = RenderStage;
+        for (const S stage :
+             {S::camera, S::trace, S::arrival, S::sort, S::surface, S::material, S::light, S::scatter, S::film})
             EXPECT_EQ(costs.seconds[std::size_t(stage)] > 0, measure) << int(stage);
-        EXPECT_EQ(costs.seconds[std::size_t(quads)], 0);
+        EXPECT_EQ(costs.seconds[std::size_t(S::quads)], 0);
     }
 }
 

@@ -48,6 +48,22 @@ class Running(CommandLine):
         self.assertEqual(result.returncode, 1)
         self.assertEqual(json.loads(result.stderr)["event"], "error")
 
+    def test_stats(self):
+        text = self.ok("render", "box.json", "--spp", "2", "--size", "4x4", "--stats").stderr
+        self.assertIn("camera 20.0 %, bounce 60.0 %, shadow 20.0 % (of these 50.0 % arrive)", text)
+        self.assertIn("2.00 Mpath vertices, 80.0 % of the lanes in use", text)
+        stages = {line.split()[0]: line.split()[1:] for line in text.splitlines() if line.startswith(("trace", "light", "all"))}
+        self.assertEqual(stages, {"trace": ["75.0", "%", "375.0"], "light": ["25.0", "%", "125.0"], "all": ["100.0", "%", "500.0"]})
+        self.assertNotIn("ns a vertex", self.ok("render", "box.json", "--spp", "2", "--size", "4x4").stderr)
+        lines = self.ok("render", "box.json", "--spp", "2", "--size", "4x4", "--stats", "--progress", "json").stderr.splitlines()
+        stats = [event for event in map(json.loads, lines) if event["event"] == "stats"]
+        self.assertEqual(len(stats), 1)
+        self.assertEqual(stats[0]["rays"], {"camera": 32, "bounce": 96, "shadow": 32})
+        self.assertEqual(stats[0]["shadow_rays_clear"], 16)
+        self.assertAlmostEqual(stats[0]["lanes_in_use"], 0.8)
+        self.assertEqual(stats[0]["stages"]["trace"], {"thread_s": 0.75, "share": 0.75, "ns_per_vertex": 375})
+        self.assertEqual(set(stats[0]["stages"]), {"trace", "light"})
+
     def test_the_last_line_of_progress_is_told_once(self):
         # Two passes, each long enough to be told of: the end of the second is the end of all.
         self.scene("slow.json", "camera a slow 700")
