@@ -35,8 +35,11 @@ def compare(args, twin):
     command = [sys.executable, str(args.peers / "clay_compare.py"), "--fathom", str(args.fathom), "--width", str(args.width),
                "--spp", str(args.spp), "--rounds", str(args.rounds), "--reference-spp", str(args.reference_spp),
                "--extra=" + " ".join(options_of(twin)), str(twin)]
-    run = subprocess.run(command, check=True, capture_output=True, text=True)
-    return json.loads(run.stdout.strip().splitlines()[0])
+    run = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+    lines = run.stdout.strip().splitlines()
+    if not lines:
+        sys.exit(f"{twin.name}: nothing was measured")
+    return json.loads(lines[0])
 
 
 def cost_sheet(args, twin):

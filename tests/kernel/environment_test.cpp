@@ -192,7 +192,7 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
         for (std::size_t x = 0; x < 12; ++x)
             expected[y * 12 + x] = drawn * (double(e.marginal[y + 1]) - e.marginal[y]) *
                                    (double(e.conditional[y * 13 + x + 1]) - e.conditional[y * 13 + x]);
-    EXPECT_GT(compared, 0.999 * drawn);
+    EXPECT_GT(compared, 0.99 * drawn);
     EXPECT_EQ(test::chi_square(observed, expected), "");
 }
 

@@ -114,10 +114,11 @@ TEST_F(GroundTest, LooksAsTheBackdropWhereNothingIsInTheWay)
 }
 
 /// The key light comes from the left and the front: on the right, behind a box, is its shadow, that is darkest by the
-/// box's side; in front of it light is only taken from the other side of the box.
+/// box's side; in front of it light is only taken from the other side of the box, which is black and sends none back.
 TEST_F(GroundTest, CatchesTheShadow)
 {
     add_box();
+    d.materials[0].base_color.value = {0, 0, 0};
     const Image image = picture({}, 64);
     const auto right = [&](double from, double to) {
         return mean(image, 1, [&](const Vec3d& p) { return p.x > from && p.x < to && std::abs(p.z) < 0.8; });
