@@ -21,17 +21,15 @@ public:
     StageClock& operator=(const StageClock&) = delete;
     ~StageClock() { enter(current_); }
 
-    /// What follows is of this stage. Returns the one before.
-    [[gnu::always_inline]] RenderStage enter(RenderStage stage)
+    /// What follows is of this stage.
+    [[gnu::always_inline]] void enter(RenderStage stage)
     {
-        const RenderStage before = current_;
-        if (on_) [[unlikely]] {
-            const std::uint64_t now = ticks();
-            counters_.ticks[std::size_t(current_)] += now - last_;
-            last_ = now;
-            current_ = stage;
-        }
-        return before;
+        if (!on_) [[likely]]
+            return;
+        const std::uint64_t now = ticks();
+        counters_.ticks[std::size_t(current_)] += now - last_;
+        last_ = now;
+        current_ = stage;
     }
 
 private:
