@@ -7,19 +7,14 @@ filter, depth 50, roulette from bounce 5, variance on. The runs alternate, and m
 Mitsuba: `--peers FILE` names a script that is called as `FILE mitsuba --spp 64 --threads N` and prints a line of JSON with
 "million_samples_per_s". Without it only Fathom's figures are printed.
 """
-import argparse, json, platform, statistics, subprocess, sys, tempfile, time
+import argparse, json, statistics, subprocess, sys, tempfile, time
 from pathlib import Path
+
+import machine
 
 ROOT = Path(__file__).resolve().parent.parent
 LOADER = "/lib64/ld-linux-x86-64.so.2"
 SAMPLES = 800 * 600 * 64
-
-
-def machine():
-    for line in open("/proc/cpuinfo", encoding="utf-8"):
-        if line.startswith("model name"):
-            return line.split(":", 1)[1].strip()
-    return platform.processor()
 
 
 def fathom_command(program, scene, spp, threads, level, out):
@@ -75,7 +70,7 @@ def main():
         two = [fathom_rate(args.fathom, "cornell-box.json", 2, None, out) for _ in range(args.rounds)]
     median = lambda values: round(statistics.median(values), 3) if values else None
     print(json.dumps({
-        "machine": machine(), "threads": args.threads, "rounds": args.rounds, "mitsuba": median(theirs),
+        "machine": machine.processor(), "threads": args.threads, "rounds": args.rounds, "mitsuba": median(theirs),
         "cases": [{"scene": scene, "isa": names[level], "million_samples_per_s": median(ours[scene, level]),
                    "ratio": median(ratios[scene, level])} for scene, level in cases],
         "two_threads_over_one": median([b / a for a, b in zip(one, two)]),

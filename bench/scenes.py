@@ -6,17 +6,12 @@ Each scene of --scenes (folders with a Mitsuba scene.xml) is made into a diffuse
 the ratio of samples/s, efficiency that of 1 / (relMSE x seconds) at equal samples; medians of the rounds. The machine should
 have nothing else to do: ratios of runs in turns bear some of it, but not all.
 """
-import argparse, json, math, os, platform, subprocess, sys, tempfile
+import argparse, json, math, os, subprocess, sys, tempfile
 from pathlib import Path
 
+import machine
+
 ROOT = Path(__file__).resolve().parent.parent
-
-
-def machine():
-    for line in open("/proc/cpuinfo", encoding="utf-8"):
-        if line.startswith("model name"):
-            return line.split(":", 1)[1].strip()
-    return platform.processor()
 
 
 def make_twin(peers, scene, folder):
@@ -82,7 +77,7 @@ def main():
     if not names:
         sys.exit(f"{args.scenes} has no folders with a scene.xml: --scenes names the folder")
     version = subprocess.run([str(args.fathom), "version"], check=True, capture_output=True, text=True).stdout.splitlines()
-    head = [f"{machine()}, {os.cpu_count()} cores; {version[1].strip()}; 2 threads, {args.width} wide, {args.spp} samples, {args.rounds} rounds",
+    head = [f"{machine.processor()}, {os.cpu_count()} cores; {version[1].strip()}; 2 threads, {args.width} wide, {args.spp} samples, {args.rounds} rounds",
             "", "| scene | samples/s, times Mitsuba | efficiency | million samples/s | relMSE, ours / Mitsuba | means apart | ns a vertex "
             "| traversal | then |", "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
     rows, speeds, efficiencies = [], [], []
