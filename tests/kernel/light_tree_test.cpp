@@ -123,53 +123,61 @@ Vec3 as_lanes(Vec3d p)
 /// Numbers of lights on both sides of what a node holds, and more levels.
 constexpr std::uint32_t sizes[] = {1, 2, 7, 16, 17, 40, 300};
 
-TEST(LightTree, ProbabilitiesAddUpToOne)
+/// Calls f(lamps, selector, number of lights, seed) for trees of each size, also with directions beside them.
+template <class F>
+void for_each_size(unsigned seed, F&& f)
 {
-    unsigned seed = 0;
     for (const std::uint32_t n : sizes)
         for (const std::uint32_t directions : {0u, 3u}) {
             const Lamps lamps(++seed, n, 1, directions);
-            const LightSelector selector(lamps.tables, LightSelection::tree);
-            Chance chance(seed);
-            for (int k = 0; k < 20; ++k) {
-                const Vec3 p = as_lanes(chance.point(k % 2 ? 10 : 30));
-                double sum = 0;
-                for (std::uint32_t i = 0; i < n + directions; ++i)
-                    sum += double(first(selector.pmf(lamps.light(i), p, Mask(true))));
-                EXPECT_NEAR(sum, 1, 1e-5) << n << " lights";
-            }
+            f(lamps, LightSelector(lamps.tables, LightSelection::tree), n + directions, seed);
         }
+}
+
+/// Of each light to be selected.
+std::vector<double> probabilities(const Lamps& lamps, const LightSelector& selector, std::uint32_t count, Vec3 p)
+{
+    std::vector<double> pmf;
+    for (std::uint32_t i = 0; i < count; ++i) pmf.push_back(double(first(selector.pmf(lamps.light(i), p, Mask(true)))));
+    return pmf;
+}
+
+TEST(LightTree, ProbabilitiesAddUpToOne)
+{
+    for_each_size(0, [](const Lamps& lamps, const LightSelector& selector, std::uint32_t count, unsigned seed) {
+        Chance chance(seed);
+        for (int k = 0; k < 20; ++k) {
+            const std::vector<double> pmf =
+                probabilities(lamps, selector, count, as_lanes(chance.point(k % 2 ? 10 : 30)));
+            EXPECT_NEAR(std::accumulate(pmf.begin(), pmf.end(), 0.0), 1, 1e-5) << count << " lights";
+        }
+    });
 }
 
 /// By random numbers; and what select() says of the probability is what pmf() finds again.
 TEST(LightTree, SelectsAsOftenAsItsProbabilitySays)
 {
-    unsigned seed = 100;
-    for (const std::uint32_t n : sizes)
-        for (const std::uint32_t directions : {0u, 3u}) {
-            const Lamps lamps(++seed, n, 1, directions);
-            const LightSelector selector(lamps.tables, LightSelection::tree);
-            Chance chance(seed);
-            test::Random random(seed);
-            const Vec3 p = as_lanes(chance.point(10));
-            constexpr int draws = 1 << 15;
-            std::vector<double> count(n + directions), expected(n + directions);
-            for (std::uint32_t i = 0; i < n + directions; ++i)
-                expected[i] = draws * double(first(selector.pmf(lamps.light(i), p, Mask(true))));
-            for (int k = 0; k < draws; k += lanes) {
-                const Float u = random.next();
-                const LightSelector::Choice c = selector.select(p, u, random.next(), Mask(true));
-                std::uint32_t light[lanes];
-                float pmf[lanes];
-                store(light, c.light), store(pmf, c.pmf);
-                for (int lane = 0; lane < lanes; ++lane) {
-                    ASSERT_LT(light[lane], n + directions);
-                    count[light[lane]] += 1;
-                    EXPECT_NEAR(draws * double(pmf[lane]) / expected[light[lane]], 1, 1e-5);
-                }
+    for_each_size(100, [](const Lamps& lamps, const LightSelector& selector, std::uint32_t count, unsigned seed) {
+        Chance chance(seed);
+        test::Random random(seed);
+        const Vec3 p = as_lanes(chance.point(10));
+        constexpr int draws = 1 << 15;
+        std::vector<double> drawn(count), expected = probabilities(lamps, selector, count, p);
+        for (double& number : expected) number *= draws;
+        for (int k = 0; k < draws; k += lanes) {
+            const Float u = random.next();
+            const LightSelector::Choice c = selector.select(p, u, random.next(), Mask(true));
+            std::uint32_t light[lanes];
+            float pmf[lanes];
+            store(light, c.light), store(pmf, c.pmf);
+            for (int lane = 0; lane < lanes; ++lane) {
+                ASSERT_LT(light[lane], count);
+                drawn[light[lane]] += 1;
+                EXPECT_NEAR(draws * double(pmf[lane]) / expected[light[lane]], 1, 1e-5);
             }
-            EXPECT_EQ(test::chi_square(count, expected), "") << n << " lights";
         }
+        EXPECT_EQ(test::chi_square(drawn, expected), "") << count << " lights";
+    });
 }
 
 /// Lanes see different points, and idle ones change nothing.
