@@ -40,6 +40,15 @@ LoadedScene load(const RenderOptions& o, Reporter& reporter, Warnings& warnings)
     return load_for_render(o.scene, warnings);
 }
 
+/// Whether it is worth the time to learn where light comes from. Parts of one picture must agree on it.
+bool guiding_pays(const RenderOptions& o, const RenderPlan& plan)
+{
+    constexpr double least_samples = 1 << 22, least_s = 10;
+    if (o.mergeable || o.range) return true;
+    if (o.time_s) return *o.time_s >= least_s;
+    return double(plan.samples.value_or(default_samples)) * plan.settings.width * plan.settings.height >= least_samples;
+}
+
 /// What options and scene say together; told is what was added to the scene.
 RenderPlan plan_for(const RenderOptions& o, const LoadedScene& loaded, std::optional<Denoiser> denoiser,
                     Reporter& reporter)
@@ -50,6 +59,7 @@ RenderPlan plan_for(const RenderOptions& o, const LoadedScene& loaded, std::opti
     if (!o.only_sample) check_memory(plan.settings, o.mergeable);
     check_outputs(o, plan.settings.width, plan.settings.height);
     if (!plan.samples && !o.time_s) plan.samples = hinted_samples(hints, o.scene.file.string());
+    if (!o.settings.guiding) plan.settings.guiding = guiding_pays(o, plan);
     if (!loaded.added.empty())
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
     if (!loaded.note.empty()) reporter.note(loaded.note);

@@ -38,6 +38,12 @@ void add_settings_options(Command& command, SettingsOptions& o)
         "the most that a sample brings of light by two surfaces or more, in each channel, before exposure: fewer "
         "fireflies, but biased: caustics and bright corners get darker (default: no limit)",
         [&](const std::string& text) { o.clamp_indirect = parse_number(text, 1e-6, 1e30); });
+    command.add_value("--guiding", "auto|on|off",
+                      "paths learn first where light comes from, then go there: less noise indoors (default auto: on "
+                      "where that is worth the time it takes)",
+                      [&](const std::string& text) {
+                          if (const int word = parse_word(text, {"off", "on", "auto"}); word < 2) o.guiding = word == 1;
+                      });
     command.add_value("--loop", "general|fast",
                       "general: rooms of plain quads, too, by the loop for all scenes, to debug (default fast)",
                       [&](const std::string& text) { o.general_loop = parse_word(text, {"fast", "general"}) == 1; });
@@ -65,6 +71,7 @@ RenderSettings settings_of(const SettingsOptions& o, const RenderHints& hints, c
     }
     settings.filter = o.filter.value_or(settings.filter);
     settings.light_selection = o.light_selection;
+    settings.guiding = o.guiding.value_or(false);
     settings.general_loop = o.general_loop;
     settings.background = o.background;
     settings.alpha = o.transparent;

@@ -14,6 +14,7 @@ struct SettingsOptions {
     std::optional<int> max_depth, roulette_depth;  ///< a max_depth of -1 is none
     std::optional<bool> light_sampling;
     LightSelection light_selection = LightSelection::tree;
+    std::optional<bool> guiding;
     bool general_loop = false;
     std::optional<Filter> filter;
     std::optional<Color> background;

@@ -16,8 +16,9 @@ allowed = {
     "geometry": {"math"},
     "shading": {"math", "sampling"},
     "media": {"math", "sampling", "shading"},
+    "guiding": {"math", "sampling"},
     "light": {"math", "sampling", "geometry", "shading"},
-    "integrate": {"math", "sampling", "geometry", "shading", "media", "light", "film"},
+    "integrate": {"math", "sampling", "geometry", "shading", "media", "light", "guiding", "film"},
     "scene": set(),
     "image": {"scene"},
     "denoise": {"scene"},
@@ -25,7 +26,7 @@ allowed = {
     "import": {"scene"},
     "export": {"scene", "image", "import"},
     "compile": {"scene", "image", "math", "geometry", "shading", "media", "light", "integrate"},
-    "session": {"compile", "film", "integrate", "scene"},
+    "session": {"compile", "film", "guiding", "integrate", "scene"},
 }
 # The one header of film that the kernel knows, and the ones of the kernel that its hosts know.
 only = {
@@ -34,6 +35,7 @@ only = {
     ("film", "math"): {"math/memory.h"},
     ("export", "image"): {"image/output_file.h"},
     ("export", "import"): {"import/common/json.h", "import/common/read_file.h", "import/common/units.h"},
+    ("session", "guiding"): {"guiding/records.h"},
     ("session", "integrate"): {"integrate/kernel.h"},
 }
 

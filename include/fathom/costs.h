@@ -22,8 +22,9 @@ enum class RenderStage : std::uint32_t {
     shadow,    ///< shadow rays
     film,      ///< adds samples up
     quads,     ///< all of these at once: the loop for rooms of diffuse quads
+    learn,     ///< learns where light comes from
 };
-inline constexpr std::size_t render_stage_count = 11;
+inline constexpr std::size_t render_stage_count = 12;
 
 /// What a rendering has taken.
 struct RenderCosts {

@@ -26,6 +26,7 @@ std::vector<std::pair<std::string, std::string>> fields_of(const FilmKey& key)
             {"roulette_depth", fmt::format("{}", s.roulette_depth)},
             {"light_sampling", fmt::format("{}", int(s.light_sampling))},
             {"light_selection", fmt::format("{}", int(s.light_selection))},
+            {"guiding", fmt::format("{}", int(s.guiding))},
             {"general_loop", fmt::format("{}", int(s.general_loop))},
             {"filter", fmt::format("{}", int(s.filter))},
             {"crop", s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none"},
@@ -153,6 +154,7 @@ FilmKey FilmKey::parse(const std::string& text)
     s.roulette_depth = parser.number<int>("roulette_depth", 0, most_int);
     s.light_sampling = parser.number<int>("light_sampling", 0, 1) == 1;
     s.light_selection = LightSelection(parser.number<int>("light_selection", 0, 2));
+    s.guiding = parser.number<int>("guiding", 0, 1) == 1;
     s.general_loop = parser.number<int>("general_loop", 0, 1) == 1;
     s.filter = Filter(parser.number<int>("filter", 0, 2));
     if (const std::string_view crop = parser.field("crop"); crop != "none") {

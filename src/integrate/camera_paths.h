@@ -6,7 +6,15 @@ namespace fathom::inline FATHOM_LANES {
 
 /// Pairs of random dimensions of the camera (group 0) and of each bounce (group bounce + 1).
 enum CameraPair : std::uint32_t { pair_film, pair_lens, pair_time };
-enum BouncePair : std::uint32_t { pair_light, pair_bsdf, pair_choice, pair_roulette, pair_channel, pair_light_tree };
+enum BouncePair : std::uint32_t {
+    pair_light,
+    pair_bsdf,
+    pair_choice,
+    pair_roulette,
+    pair_channel,
+    pair_light_tree,
+    pair_guiding
+};
 
 /// The beginnings of a job's paths, numbered pixel by pixel.
 class CameraPaths {

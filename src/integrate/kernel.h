@@ -11,6 +11,7 @@
 #include "fathom/export.h"
 #include "fathom/tree_build.h"
 #include "film/tile_sums.h"
+#include "guiding/records.h"
 #include "integrate/camera_record.h"
 #include "integrate/tables.h"
 
@@ -45,7 +46,8 @@ struct KernelSettings {
     std::uint32_t filter = 0;  ///< Filter
     AovPlaces aovs;
     KernelBackground background;
-    std::size_t film_words = 0;  ///< 32-bit words of a pixel in the film
+    const GuidingTables* guiding = nullptr;  ///< directions and roulette go by it, where there is one
+    std::size_t film_words = 0;              ///< 32-bit words of a pixel in the film
 };
 
 /// Samples first_sample and on of some pixels: at most max_job_pixels, and max_job_samples in all.
@@ -54,6 +56,7 @@ struct KernelJob {
     const std::uint32_t* pixels = nullptr;  ///< x in the low 16 bits, y above, of each
     std::uint32_t pixel_count = 0;
     std::uint32_t first_sample = 0, samples = 0;  ///< of each pixel
+    GuidingRecords* records = nullptr;            ///< gets what the paths met, where that is wanted
 };
 
 /// Where a texture is looked up before there is a scene to render.

@@ -33,8 +33,14 @@ public:
           lights_(scene, settings.light_selection),
           settings_(settings),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
-          extras_{tables_.moving,        scene.refracts,      scene.tracks_media, settings.clamp_indirect > 0,
-                  scene.scatters_inside, scene.textured_media},
+          extras_{.time = tables_.moving,
+                  .eta_scale = scene.refracts,
+                  .media = scene.tracks_media,
+                  .clamp = settings.clamp_indirect > 0,
+                  .expected = settings.guiding != nullptr,
+                  .number = job.records != nullptr,
+                  .walks = scene.scatters_inside,
+                  .walk_textures = scene.textured_media},
           camera_media_(scene.tracks_media ? media_at(scene, camera) : MediumStack()),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
@@ -43,7 +49,8 @@ public:
           clock_(counters, settings.measure),
           single_sided_(scene, counters),
           walk_(scene, settings),
-          shade_(scene, settings, counters, clock_)
+          recorder_(job.records, camera_paths_.total()),
+          shade_(scene, settings, counters, clock_, recorder_)
     {
     }
 
@@ -54,17 +61,19 @@ public:
             const std::size_t fresh = active;  // camera rays come behind the others
             clock_.enter(RenderStage::camera);
             active = refill(active);
-            if (active == 0) return;
+            if (active == 0) break;
             clock_.enter(RenderStage::trace);
             trace(fresh, active);
             if (scene_.single_sided) single_sided_.look_through(*paths_, hits_, fresh, active);
             clock_.enter(RenderStage::arrival);
+            if (recorder_.is_on()) recorder_.arrive(*paths_, active);
             active = arrive(active);
             std::swap(paths_, spare_);
             shade_.run(*paths_, packed_hits_, kind_end_);
             clock_.enter(RenderStage::film);
             active = bury(active);
         }
+        recorder_.finish();
     }
 
 private:
@@ -97,6 +106,8 @@ private:
         p.media.store(to, camera_media_);
         if (extras_.clamp) p.indirect_left.store(to, Float(settings_.clamp_indirect));
         p.walk_steps.store(to, UInt(0u));
+        if (extras_.expected) p.expected.store(to, Float(0));
+        if (extras_.number) p.number.store(to, iota() + UInt(first));
         if (extras_.walk_textures) forget_medium(p, to);
     }
 
@@ -244,6 +255,7 @@ private:
     void finish(std::size_t i)
     {
         const PathPool& p = *paths_;
+        if (recorder_.is_on()) recorder_.end(p, i);
         sums_.add(PathPool::pixel_of(p.state[i]), reversed_scalar(p.reversed_index[i]), p.radiance.c[0][i],
                   p.radiance.c[1][i], p.radiance.c[2][i]);
     }
@@ -387,6 +399,7 @@ private:
     HitColumns hits_, packed_hits_;
     SingleSided single_sided_;
     const WalkStage walk_;
+    PathRecorder recorder_;
     ShadeStage shade_;
     Column<std::uint32_t> buckets_, order_;
     Column<std::uint32_t> emitting_, missing_, finished_, walking_;
@@ -406,7 +419,8 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
         const std::unique_ptr<Tracer> tracer(new Tracer(lane_scene, camera, settings, job, sums, counters));
         tracer->run();
     };
-    if (lane_scene.only_diffuse_quads && !settings.general_loop && !(settings.clamp_indirect > 0))
+    if (lane_scene.only_diffuse_quads && !settings.general_loop && !settings.guiding && !job.records &&
+        !(settings.clamp_indirect > 0))
         run(std::type_identity<QuadTracer>());
     else
         run(std::type_identity<PathTracer>());

@@ -104,6 +104,8 @@ struct PathExtras {
     bool eta_scale = false;      ///< something refracts
     bool media = false;          ///< what solids are filled with matters
     bool clamp = false;          ///< indirect light is limited
+    bool expected = false;       ///< paths are guided
+    bool number = false;         ///< paths are noted
     bool walks = false;          ///< and that scatters
     bool walk_textures = false;  ///< in colours and distances of its own where the path came in
 };
@@ -124,6 +126,9 @@ struct PathPool {
     Column<float> bsdf_pdf;  ///< of the last direction; of no use to whoever shades, which gives it anew
     Column<float> eta_scale, time;
     Column<float> indirect_left;  ///< see IndirectClamp
+    /// Radiance that was expected to come back from the first surface of which anything was known; 0: there was none.
+    Column<float> expected;
+    Column<std::uint32_t> number;  ///< in the job
     MediaColumn media;
     Column<std::uint32_t> walk_steps;  ///< within a medium, since the last surface
     /// Of media with textures: extinction, and what is scattered of it; below 0: what the medium says.
@@ -140,6 +145,8 @@ struct PathPool {
         if (extras.time) f(a.time, b.time);
         if (extras.media) for_columns(a.media, b.media, f);
         if (extras.clamp) f(a.indirect_left, b.indirect_left);
+        if (extras.expected) f(a.expected, b.expected);
+        if (extras.number) f(a.number, b.number);
         if (extras.walks) f(a.walk_steps, b.walk_steps);
         if (extras.walk_textures)
             for_columns(a.walk_extinction, b.walk_extinction, f), for_columns(a.walk_albedo, b.walk_albedo, f);

@@ -43,7 +43,11 @@ RenderJob::RenderJob(const Scene& scene, const Camera& camera, const RenderSetti
     if (tables.moving && (record.shutter_open != tables.shutter_open || record.shutter_close != tables.shutter_close))
         throw Error("", fmt::format("camera '{}'", camera.name),
                     "its shutter has other times than the one that the scene was compiled for, where things move");
-    data_ = std::make_shared<const Data>(Data{scene, camera, record, {settings, compiled.key(record)}});
+    data_ = std::make_shared<const Data>(Data{scene,
+                                              camera,
+                                              record,
+                                              {settings, compiled.key(record)},
+                                              settings.guiding ? std::make_unique<LearntGuiding>() : nullptr});
 }
 
 const Scene& RenderJob::scene() const

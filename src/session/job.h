@@ -1,13 +1,24 @@
 #pragma once
+#include <memory>
+#include <mutex>
+
 #include "compile/scene_data.h"
+#include "guiding/records.h"
 
 namespace fathom {
+
+/// What a job's paths are guided by, learnt when its first samples are rendered.
+struct LearntGuiding {
+    std::once_flag once;
+    std::shared_ptr<const GuidingTables> tables;
+};
 
 struct RenderJob::Data {
     Scene scene;
     Camera camera;  ///< in world space
     CameraRecord camera_record;
     FilmKey key;
+    std::unique_ptr<LearntGuiding> guiding;  ///< where settings ask for it
 };
 
 }  // namespace fathom

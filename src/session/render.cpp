@@ -14,6 +14,7 @@
 #include "fathom/threads.h"
 #include "film/film_data.h"
 #include "integrate/kernel.h"
+#include "session/guiding.h"
 #include "session/job.h"
 
 namespace fathom {
@@ -46,6 +47,18 @@ KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout
     k.background.given = s.background.has_value();
     if (s.background) k.background.radiance = {s.background->r, s.background->g, s.background->b};
     return k;
+}
+
+/// What the job's paths are guided by, if they are, learnt now if it is not yet. To be called where the threads that
+/// may work are.
+const GuidingTables* guiding_of(const RenderJob& job, const KernelSettings& settings)
+{
+    LearntGuiding* const guiding = job.data().guiding.get();
+    if (!guiding) return nullptr;
+    std::call_once(guiding->once, [&] {
+        guiding->tables = learn_guiding(*job.scene().data().kernel, job.data().camera_record, settings);
+    });
+    return guiding->tables.get();
 }
 
 /// Squares of pixels, row by row.
@@ -169,6 +182,10 @@ public:
     {
         if (const std::string difference = film.key.difference(job.key()); !difference.empty())
             throw Error("", "", "the film is of another job: " + difference);
+        const auto start = std::chrono::steady_clock::now();
+        arena_.execute([&] { kernel_.guiding = guiding_of(job, kernel_); });
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        if (kernel_.measure && kernel_.guiding) learning_s_ = seconds * threads_;
     }
 
     std::uint64_t pixels() const { return std::uint64_t(crop_.x1 - crop_.x0) * std::uint64_t(crop_.y1 - crop_.y0); }
@@ -203,6 +220,7 @@ public:
     {
         film_.add_range(range);
         RenderCosts costs;
+        costs.seconds[std::size_t(RenderStage::learn)] = learning_s_;
         for (Worker& worker : workers_) {
             costs += worker.counters.costs;
             film_.dropped += worker.dropped;
@@ -232,6 +250,7 @@ private:
     tbb::global_control limit_;  ///< more threads than cores are allowed where they are asked for
     tbb::task_arena arena_;
     Workers workers_;
+    double learning_s_ = 0;  ///< of all threads
 };
 
 }  // namespace
@@ -321,7 +340,8 @@ Color render_sample(const RenderJob& job, int x, int y, std::uint64_t sample_ind
         throw Error(
             "", "",
             fmt::format("there is no pixel {},{} in a picture of {}x{}", x, y, settings.width, settings.height));
-    const KernelSettings kernel = kernel_settings(settings, FilmLayout({}, false));
+    KernelSettings kernel = kernel_settings(settings, FilmLayout({}, false));
+    kernel.guiding = guiding_of(job, kernel);
     const std::uint32_t pixel = std::uint32_t(y) << 16 | std::uint32_t(x);
     TileSums sums;
     sums.reset(1, kernel.film_words);

@@ -75,6 +75,12 @@ inline Float max_component(const Spectrum& a)
     for (int i = 1; i < channels; ++i) m = max(m, a.c[i]);
     return m;
 }
+inline Float mean(const Spectrum& a)
+{
+    Float sum = a.c[0];
+    for (int i = 1; i < channels; ++i) sum = sum + a.c[i];
+    return sum * Float(1.f / channels);
+}
 inline Mask any_positive(const Spectrum& a)
 {
     return max_component(a) > Float(0);

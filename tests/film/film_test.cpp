@@ -151,7 +151,7 @@ TEST(FilmMerge, AddsSumsAndKeepsIdsOfTheFirstSample)
 TEST(FilmMerge, RefusesOtherSettings)
 {
     const RenderSettings settings = settings_with({Aov::depth}, true);
-    std::vector<RenderSettings> others(11, settings);
+    std::vector<RenderSettings> others(12, settings);
     others[0].seed = 1;
     others[1].max_depth = 3;
     others[2].roulette_depth = 6;
@@ -163,6 +163,7 @@ TEST(FilmMerge, RefusesOtherSettings)
     others[8].aovs = {Aov::normal};
     others[9].light_selection = LightSelection::uniform;
     others[10].light_selection = LightSelection::power;
+    others[11].guiding = true;
     for (const RenderSettings& other : others)
         EXPECT_THROW(test::made_film(settings).merge(test::made_film(other)), Error) << &other - others.data();
     RenderSettings same = settings;

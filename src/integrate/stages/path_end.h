@@ -20,21 +20,49 @@ inline constexpr std::uint32_t sure_bounces = 64;
     return less(bounce, UInt(limit));
 }
 
-/// Lanes whose path ends after this bounce: nothing is left, or Russian roulette. Those that survive the roulette carry
-/// more.
+/// Russian roulette: which paths play, and with what probability they go on.
+struct Roulette {
+    Mask plays;
+    Float survival;
+};
+
+inline Float most_survival(UInt bounce)
+{
+    return select(less(bounce, UInt(sure_bounces)), Float(1), Float(0.95f));
+}
+
+/// By the throughput, from a bounce on.
 ///
 /// bounce: how many came before this one. eta_scale: undoes refraction's scaling of radiance, which is no loss.
-[[gnu::always_inline]] inline Mask apply_roulette(const KernelSettings& settings, const SampleKey& key, UInt seed,
-                                                  UInt bounce, Float eta_scale, Spectrum& throughput)
+[[gnu::always_inline]] inline Roulette roulette_by_throughput(const KernelSettings& settings, UInt bounce,
+                                                              Float eta_scale, const Spectrum& throughput)
 {
-    const Float largest = max_component(throughput);
-    Mask ends = !(largest > Float(0));
-    const Mask roulette = !less(bounce + UInt(1u), UInt(std::uint32_t(settings.roulette_depth)));
-    if (any(roulette)) {
-        const Float most = select(less(bounce, UInt(sure_bounces)), Float(1), Float(0.95f));
-        const Float survival = clamp(largest * eta_scale, Float(1e-3f), most);
-        ends |= roulette & (sample_hash(key, pair_seed(seed, pair_roulette)) >= survival);
-        throughput = throughput * select(roulette, reciprocal(survival), Float(1));
+    return {!less(bounce + UInt(1u), UInt(std::uint32_t(settings.roulette_depth))),
+            clamp(max_component(throughput) * eta_scale, Float(1e-3f), most_survival(bounce))};
+}
+
+/// Where something is known about where light comes from: by what a path may still bring, beside what it could have
+/// brought from the first such surface on (Vorba and Krivanek 2016, "Adjoint-Driven Russian Roulette and Splitting in
+/// Light Transport Simulation", with that first surface's radiance for the pixel's). otherwise: in other lanes.
+///
+/// The margin and the least probability were measured: docs/performance.md.
+[[gnu::always_inline]] inline Roulette roulette_by_expectation(Mask known, Float expected, Float first_expected,
+                                                               UInt bounce, const Roulette& otherwise)
+{
+    constexpr float margin = 2, least = 0.1f;
+    const Float ratio = expected / max(first_expected, Float(1e-30f));
+    const Mask plays = (known & (first_expected > Float(0))) | (otherwise.plays & !known);
+    return {plays,
+            select(known, clamp(Float(margin) * ratio, Float(least), most_survival(bounce)), otherwise.survival)};
+}
+
+/// Lanes whose path ends after this bounce: nothing is left, or it has lost. Those that survive carry more.
+[[gnu::always_inline]] inline Mask play(const Roulette& roulette, const SampleKey& key, UInt seed, Spectrum& throughput)
+{
+    Mask ends = !(max_component(throughput) > Float(0));
+    if (any(roulette.plays)) {
+        ends |= roulette.plays & (sample_hash(key, pair_seed(seed, pair_roulette)) >= roulette.survival);
+        throughput = throughput * select(roulette.plays, reciprocal(roulette.survival), Float(1));
     }
     return ends;
 }

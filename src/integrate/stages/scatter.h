@@ -1,4 +1,5 @@
 #pragma once
+#include "guiding/guidance.h"
 #include "integrate/camera_paths.h"
 #include "integrate/stages/path_end.h"
 #include "integrate/stages/shading_point.h"
@@ -15,13 +16,38 @@ struct Scattered {
     Mask enters_subsurface;  ///< the same
 };
 
+/// By the closure or by what is known about where light comes from, in shares; each such direction has the density of
+/// both ways together. choice: which of them, and then which lobe.
+template <class Closure>
+[[gnu::always_inline]] inline Scattered scatter_guided(const Closure& closure, const ShadingPoint& at,
+                                                       const Guidance& guidance, Float choice, Sample2 random,
+                                                       const Spectrum& throughput)
+{
+    const Float share = guidance.share();
+    const Mask guided = choice < share;
+    const Float rest = clamp((choice - share) / (Float(1) - share), Float(0), Float(1 - 0x1p-24f));
+    const BsdfSample by_bsdf = closure.sample(at.wo, random, rest);
+    const Vec3 wi = select(guided, guidance.sample(random), at.frame.to_world(by_bsdf.wi));
+    const Vec3 local = select(guided, at.frame.to_local(wi), by_bsdf.wi);
+    const Mask is_delta = by_bsdf.is_delta & !guided;
+    const BsdfEval e = closure.eval(at.wo, local);
+    const Float pdf = guidance.pdf(wi, e.pdf), inverse_pdf = Float(1) / max(pdf, Float(1e-30f));
+    const Spectrum weight = select(is_delta, by_bsdf.weight * (Float(1) / (Float(1) - share)), e.f_cos * inverse_pdf);
+    const Mask same_side = equal(dot(wi, at.ng) > Float(0), local.z > Float(0));
+    return {wi, select(same_side, throughput * weight, Spectrum(Float(0))), pdf, is_delta, Float(1), Mask(false)};
+}
+
 /// key, seed: of the path and its bounce. index: of the order in which this bounce's directions come.
 template <class Closure>
-[[gnu::always_inline]] inline Scattered scatter(const Closure& closure, const ShadingPoint& at, const SampleKey& key,
-                                                UInt seed, UInt index, const Spectrum& throughput)
+[[gnu::always_inline]] inline Scattered scatter(const Closure& closure, const ShadingPoint& at,
+                                                const Guidance& guidance, const SampleKey& key, UInt seed, UInt index,
+                                                const Spectrum& throughput)
 {
     const Float choice = sample_2d(key, pair_seed(seed, pair_choice)).x;
-    const BsdfSample next = closure.sample(at.wo, sample_2d(index, pair_seed(seed, pair_bsdf)), choice);
+    const Sample2 random = sample_2d(index, pair_seed(seed, pair_bsdf));
+    if constexpr (Closure::is_guided)
+        if (guidance.is_on()) return scatter_guided(closure, at, guidance, choice, random, throughput);
+    const BsdfSample next = closure.sample(at.wo, random, choice);
     Scattered s{at.frame.to_world(next.wi), throughput * next.weight, next.pdf, next.is_delta, next.eta,
                 next.enters_subsurface};
     // A shading normal must not send light through the surface, nor keep it from passing.

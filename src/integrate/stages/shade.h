@@ -3,6 +3,7 @@
 #include "integrate/stages/dispersion.h"
 #include "integrate/stages/light.h"
 #include "integrate/stages/path_medium.h"
+#include "integrate/stages/path_recorder.h"
 #include "integrate/stages/scatter.h"
 #include "integrate/stages/shadow.h"
 #include "media/albedo.h"
@@ -12,7 +13,8 @@ namespace fathom::inline FATHOM_LANES {
 /// What happens to paths where they meet a surface that scatters: each has a light sampled and gets its next direction.
 class ShadeStage {
 public:
-    ShadeStage(const LaneScene& scene, const KernelSettings& settings, KernelCounters& counters, StageClock& clock)
+    ShadeStage(const LaneScene& scene, const KernelSettings& settings, KernelCounters& counters, StageClock& clock,
+               PathRecorder& recorder)
         : scene_(scene),
           tables_(scene.tables),
           surfaces_(scene),
@@ -21,6 +23,7 @@ public:
           settings_(settings),
           counters_(counters),
           clock_(clock),
+          recorder_(recorder),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
           has_time_(scene.tables.moving)
     {
@@ -77,10 +80,12 @@ private:
         if constexpr (Closure::is_layered && Closure::transmits) choose_channel(key, seed, at.material, throughput);
         const Closure closure(at.material);
         clock_.enter(RenderStage::light);
-        if (lights_are_sampled_) sample_light<Closure>(i, valid, closure, at, key, seed, index, throughput, time);
+        const Guidance guidance = guide(closure, at, key, seed, valid);
+        if (lights_are_sampled_)
+            sample_light<Closure>(i, valid, closure, at, guidance, key, seed, index, throughput, time);
 
         clock_.enter(RenderStage::scatter);
-        Scattered next = scatter(closure, at, key, seed, index, throughput);
+        Scattered next = scatter(closure, at, guidance, key, seed, index, throughput);
         UInt next_state = (state & UInt(~PathPool::specular)) + UInt(1u);
         next_state = next_state | select(next.is_delta, UInt(PathPool::specular), UInt(PathPool::scattered));
         Float eta_scale(1.f);
@@ -96,8 +101,18 @@ private:
                 if (scene_.textured_media) keep_medium(i, valid & next.enters_subsurface, at);
         }
         if (scene_.scatters_inside) p.walk_steps.store(i, UInt(0u), valid);
-        const Mask ends = apply_roulette(settings_, key, seed, bounce, eta_scale, next.throughput);
+        Roulette roulette = roulette_by_throughput(settings_, bounce, eta_scale, next.throughput);
+        if (guidance.is_on()) {
+            const Float expected = mean(throughput * at.material.base_color) * guidance.mean();
+            const Float first = p.expected.load(i);
+            p.expected.store(i, select(guidance.known() & !(first > Float(0)), expected, first), valid);
+            roulette = roulette_by_expectation(guidance.known(), expected, first, bounce, roulette);
+        }
+        const Mask ends = play(roulette, key, seed, next.throughput);
         next_state = select(ends, next_state | UInt(PathPool::dead), next_state);
+        if (Closure::is_guided && recorder_.is_on())
+            recorder_.turn(p.number.load(i), bounce, at.p, at.frame.n, next.wi, next.pdf, next.throughput,
+                           valid & !ends & !next.is_delta);
         p.origin.store(i, at.start<Closure>(next.wi), valid);
         p.direction.store(i, next.wi, valid);
         p.throughput.store(i, next.throughput, valid);
@@ -119,11 +134,26 @@ private:
         paths_->walk_extinction.store(i, extinction, enters);
     }
 
+    /// What is known about where light comes from, as far as it is of use to the closure.
+    template <class Closure>
+    [[gnu::always_inline]] Guidance guide(const Closure& closure, const ShadingPoint& at, const SampleKey& key,
+                                          UInt seed, Mask valid) const
+    {
+        if constexpr (Closure::is_guided)
+            if (settings_.guiding) {
+                const Float x = sample_hash(key, pair_seed(seed, pair_guiding));
+                const Float y = x * Float(0x1p8f), z = x * Float(0x1p16f);
+                return {*settings_.guiding,      at.p, at.frame.n, {x, y - floor(y), z - floor(z)},
+                        closure.guided_weight(), valid};
+            }
+        return {};
+    }
+
     /// Adds a light sample's contribution, or has its shadow ray queued.
     template <class Closure>
     [[gnu::always_inline]] void sample_light(std::size_t i, Mask valid, const Closure& closure, const ShadingPoint& at,
-                                             const SampleKey& key, UInt seed, UInt index, const Spectrum& throughput,
-                                             Float time)
+                                             const Guidance& guidance, const SampleKey& key, UInt seed, UInt index,
+                                             const Spectrum& throughput, Float time)
     {
         // Lights are seen from where the shadow ray starts: right at the surface a light that passes through it, or
         // a distance that ends behind the light, would be one of rounding.
@@ -136,7 +166,8 @@ private:
         if (!Closure::transmits) lit &= wi.z > Float(0);
         if (Closure::transmits) lit &= !at.passes_on;
         const BsdfEval e = closure.eval(at.wo, wi);
-        const Float r = e.pdf * s.inverse_pdf;
+        const Float bsdf_pdf = guidance.is_on() ? guidance.pdf(s.wi, e.pdf) : e.pdf;
+        const Float r = bsdf_pdf * s.inverse_pdf;
         const Float weight = select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * s.inverse_pdf;
         Spectrum add = throughput * e.f_cos * s.radiance * weight;
         if (scene_.has_absorption) {
@@ -181,6 +212,7 @@ private:
     const KernelSettings& settings_;
     KernelCounters& counters_;
     StageClock& clock_;
+    PathRecorder& recorder_;
     bool lights_are_sampled_, has_time_;
 
     PathPool* paths_ = nullptr;

@@ -8,10 +8,15 @@
 ///     static constexpr bool is_glossy        whether most goes in or near the mirror direction, which shading normals
 ///                                            must not put below the surface then
 ///     static constexpr bool is_layered       whether MaterialPoint::layers are read for it
+///     static constexpr bool is_guided        whether directions may also come from what has been learnt about light
+///     (see
+///                                            guiding/)
 ///     explicit Closure(const MaterialPoint&)
 ///     BsdfEval eval(wo, wi)                  what part of the light from wi goes to wo, times the cosine, and the
 ///                                            density of sampling wi
 ///     BsdfSample sample(wo, u, u1)           a direction with its weight, f_cos / pdf
+///     Float guided_weight()                  where is_guided: how much such directions are worth, from 0 to 1; little
+///                                            where most goes into a narrow lobe
 ///     Mask has_smooth()                      lanes with anything but delta lobes, for which lights are sampled
 /// Delta lobes have a weight, and neither f_cos nor pdf.
 #include "sampling/warp.h"

@@ -11,12 +11,14 @@ public:
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = false;
     static constexpr bool is_layered = false;
+    static constexpr bool is_guided = true;
 
     explicit DiffuseBsdf(const MaterialPoint& m) : color_(m.base_color), r_(m.roughness)
     {
         is_rough_ = any(r_ > Float(0));
     }
     Mask has_smooth() const { return Mask(true); }
+    Float guided_weight() const { return Float(1); }
     BsdfEval eval(Vec3 wo, Vec3 wi) const
     {
         const Float cosine = max(wi.z, Float(0));

@@ -22,6 +22,7 @@ public:
     static constexpr bool transmits = true;
     static constexpr bool is_glossy = true;
     static constexpr bool is_layered = false;
+    static constexpr bool is_guided = false;
 
     explicit GlassBsdf(const MaterialPoint& m)
         : roughness_(m.roughness),

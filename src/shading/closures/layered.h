@@ -24,6 +24,7 @@ public:
     static constexpr bool transmits = passes;
     static constexpr bool is_glossy = true;
     static constexpr bool is_layered = true;
+    static constexpr bool is_guided = !passes;
 
     explicit LayeredBsdf(const MaterialPoint& m)
         : l_(m.layers), color_(m.base_color), metallic_(m.metallic), thin_(m.thin)
@@ -63,6 +64,10 @@ public:
         }
     }
     Mask has_smooth() const { return Mask(true); }
+    Float guided_weight() const
+    {
+        return fma(metallic_, min(Float(2) * mean_roughness_, Float(1)) - Float(1), Float(1));
+    }
     BsdfEval eval(Vec3 wo, Vec3 wi) const { return eval(look(wo), wo, wi); }
     BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
     {

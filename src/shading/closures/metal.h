@@ -12,6 +12,7 @@ public:
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = true;
     static constexpr bool is_layered = false;
+    static constexpr bool is_guided = true;
 
     explicit MetalBsdf(const MaterialPoint& m)
         : color_(m.base_color), roughness_(m.roughness), ggx_{max(m.roughness * m.roughness, Float(min_alpha))}
@@ -19,6 +20,7 @@ public:
         is_mirror_ = m.roughness * m.roughness < Float(min_alpha);
     }
     Mask has_smooth() const { return !is_mirror_; }
+    Float guided_weight() const { return select(is_mirror_, Float(0), min(Float(2) * roughness_, Float(1))); }
     BsdfEval eval(Vec3 wo, Vec3 wi) const
     {
         const Vec3 h = normalize(wo + wi + Vec3{Float(0), Float(0), Float(1e-20f)});

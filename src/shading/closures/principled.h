@@ -15,6 +15,7 @@ public:
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = true;
     static constexpr bool is_layered = false;
+    static constexpr bool is_guided = true;
 
     explicit PrincipledBsdf(const MaterialPoint& m)
         : roughness_(m.roughness),
@@ -30,6 +31,7 @@ public:
         most_diffuse_ = most * (Float(1) - metallic_);
     }
     Mask has_smooth() const { return Mask(true); }
+    Float guided_weight() const { return fma(metallic_, min(Float(2) * roughness_, Float(1)) - Float(1), Float(1)); }
     BsdfEval eval(Vec3 wo, Vec3 wi) const
     {
         const Vec3 h = normalize(wo + wi + Vec3{Float(0), Float(0), Float(1e-20f)});

@@ -106,7 +106,7 @@ private:
         Spectrum sum;
         for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c], light.c[c], pool_.radiance.c[c].load(i));
         const UInt before = bounces(i);
-        at.alive = valid & !apply_roulette(settings_, key(i), seed, before, Float(1), left);
+        at.alive = valid & !play(roulette_by_throughput(settings_, before, Float(1), left), key(i), seed, left);
         at.meet(*this);
         at.add_radiance(*this, left, sum);
         const Mask goes_on = at.goes_on() & may_scatter(settings_, before + UInt(1u));

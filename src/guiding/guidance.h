@@ -1,0 +1,118 @@
+#pragma once
+#include "guiding/records.h"
+#include "math/elementary.h"
+#include "math/vec3.h"
+#include "sampling/inversion.h"
+#include "sampling/sobol.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// The side that a normal faces: 0 to 5 for +x, -x, +y, -y, +z, -z.
+inline UInt guiding_side(const Vec3& n)
+{
+    const Float x = abs(n.x), y = abs(n.y), z = abs(n.z);
+    const Mask by_x = (x >= y) & (x >= z), by_y = y >= z;
+    const Float along = select(by_x, n.x, select(by_y, n.y, n.z));
+    return select(by_x, UInt(0u), select(by_y, UInt(2u), UInt(4u))) + select(along < Float(0), UInt(1u), UInt(0u));
+}
+
+/// d with the side's direction as z.
+inline Vec3 to_pole(UInt side, const Vec3& d)
+{
+    const UInt axis = side >> 1;
+    const Mask x = axis == UInt(0u), y = axis == UInt(1u);
+    const Float z = select(x, d.x, select(y, d.y, d.z));
+    return {select(x, d.y, select(y, d.z, d.x)), select(x, d.z, select(y, d.x, d.y)),
+            select((side & UInt(1u)) != UInt(0u), -z, z)};
+}
+/// The inverse of to_pole.
+inline Vec3 from_pole(UInt side, const Vec3& p)
+{
+    const UInt axis = side >> 1;
+    const Mask x = axis == UInt(0u), y = axis == UInt(1u);
+    const Float z = select((side & UInt(1u)) != UInt(0u), -p.z, p.z);
+    return {select(x, z, select(y, p.y, p.x)), select(x, p.x, select(y, z, p.y)), select(x, p.y, select(y, p.x, z))};
+}
+
+/// The bin of a histogram that d is in.
+inline UInt guiding_bin(UInt side, const Vec3& d)
+{
+    const auto whole = [](Float x, std::uint32_t n) {
+        return to_uint(clamp(x * Float(float(n)), Float(0), Float(float(n - 1))));
+    };
+    const Vec3 p = to_pole(side, d);
+    const Float turn = atan2(p.y, p.x) * Float(inv_pi * 0.5f);
+    const UInt sector = whole(select(turn < Float(0), turn + Float(1), turn), guiding_sectors);
+    return whole(fma(p.z, Float(0.5f), Float(0.5f)), guiding_bands) * UInt(guiding_sectors) + sector;
+}
+
+/// What is known about where light comes from at some surfaces, to sample directions by it.
+class Guidance {
+public:
+    /// Nothing is known.
+    Guidance() = default;
+    /// At p, where the normal is n. What holds there is that of p moved by up to half a cube: by `noise`, three numbers
+    /// in [0, 1), so that the cubes' borders are not seen. weight: how much directions by the histogram are worth
+    /// there, from 0 to 1.
+    Guidance(const GuidingTables& tables, const Vec3& p, const Vec3& n, const Vec3& noise, Float weight, Mask m)
+        : tables_(&tables)
+    {
+        const auto cell = [&](Float x, Float shift, int axis) {
+            const Float at = fma(x - Float(tables.lowest[axis]), Float(tables.inverse_cell), shift - Float(0.5f));
+            return to_uint(clamp(at, Float(0), Float(float(tables.cells[axis] - 1))));
+        };
+        const UInt x = cell(p.x, noise.x, 0), y = cell(p.y, noise.y, 1), z = cell(p.z, noise.z, 2);
+        const UInt cube = (z * UInt(tables.cells[1]) + y) * UInt(tables.cells[0]) + x;
+        side_ = guiding_side(n);
+        const UInt region = gather(tables.regions.data(), select(m, cube * UInt(guiding_sides) + side_, UInt(0u)), m);
+        known_ = m & (region != UInt(no_index));
+        region_ = select(known_, region, UInt(0u));
+        share_ = select(known_, weight * Float(most_share), Float(0));
+    }
+
+    bool is_on() const { return tables_ != nullptr; }
+    /// Lanes of which anything is known.
+    Mask known() const { return known_; }
+    /// Of the directions that are to be sampled by sample().
+    Float share() const { return share_; }
+    /// Radiance that may be expected to come back along a direction that the surface chooses.
+    Float mean() const { return gather(tables_->means.data(), region_, known_); }
+
+    /// A direction by the histogram.
+    Vec3 sample(Sample2 u) const
+    {
+        const float* values = tables_->histograms.data();
+        const UInt first = region_ * UInt(guiding_stride);
+        const UInt bin = find_interval(values, first, guiding_bins, u.x);
+        const Float begin = gather(values, first + bin), end = gather(values + 1, first + bin);
+        const Float within = clamp((u.x - begin) / max(end - begin, Float(1e-20f)), Float(0), Float(1 - 0x1p-24f));
+        const Float band = to_float(bin >> band_shift), sector = to_float(bin & UInt(guiding_sectors - 1));
+        const Float z = fma(band + u.y, Float(2.f / guiding_bands), Float(-1));
+        const SinCos turn = sincos_2pi((sector + within) * Float(1.f / guiding_sectors));
+        const Float r = sqrt(max(fma(-z, z, Float(1)), Float(0)));
+        return from_pole(side_, {turn.cos * r, turn.sin * r, z});
+    }
+    /// The density of sampling d by the histogram, by solid angle.
+    Float histogram_pdf(const Vec3& d) const
+    {
+        const float* values = tables_->histograms.data();
+        const UInt at = region_ * UInt(guiding_stride) + guiding_bin(side_, d);
+        const Float share = gather(values + 1, at) - gather(values, at);
+        return share * Float(guiding_bins * inv_pi * 0.25f);
+    }
+    /// The density of sampling d by one of both ways. bsdf_pdf: by the closure.
+    Float pdf(const Vec3& d, Float bsdf_pdf) const { return fma(share_, histogram_pdf(d) - bsdf_pdf, bsdf_pdf); }
+
+private:
+    static constexpr int band_shift = 4;
+    static_assert(guiding_sectors == 1u << band_shift);
+    /// The closure keeps half: it knows what the histogram does not, and bounds the noise where that is wrong.
+    static constexpr float most_share = 0.5f;
+
+    const GuidingTables* tables_ = nullptr;
+    UInt side_, region_;
+    Mask known_;
+    Float share_;
+};
+
+}  // namespace fathom::inline FATHOM_LANES

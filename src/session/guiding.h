@@ -1,0 +1,16 @@
+#pragma once
+#include <memory>
+
+#include "integrate/kernel.h"
+
+namespace fathom {
+
+/// Learns where light comes from, by paths all over the picture, whatever will be rendered of it: always the same for a
+/// scene, a camera and settings. To be called where the threads that may work are. nullptr: it would be of no use.
+std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, const CameraRecord& camera,
+                                                   const KernelSettings& settings);
+
+/// The tables of some records; nullptr where these tell too little.
+std::shared_ptr<const GuidingTables> make_guiding(const std::vector<GuidingRecord>& records);
+
+}  // namespace fathom
