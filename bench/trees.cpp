@@ -1,5 +1,6 @@
-/// Building alone, ours and Embree's in turns: on the wall and in the process's own time, which other programs don't
-/// disturb. The second over the first is how many threads were at work in the mean.
+/// Building alone, ours and Embree's in turns: on the wall (by one thread: in the process's own time) and in the
+/// process's own time, which other programs disturb less. The second over the first is how many threads were at work in
+/// the mean.
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -29,11 +30,10 @@ void measure_trees(const Mesh& mesh, const Options& options)
     double cost = 0;
     for (int i = 0; i < options.runs; ++i) {
         Bvh bvh;
-        ours.cpu.push_back(-now(1));
-        ours.wall.push_back(-now(2));
+        const double start = now(options.threads), cpu_start = now(1);
         bvh.build(mesh.tables, options.build);
-        ours.wall.back() += now(2);
-        ours.cpu.back() += now(1);
+        ours.wall.push_back(now(options.threads) - start);
+        ours.cpu.push_back(now(1) - cpu_start);
         cost = bvh.statistics().cost;
         if (const auto theirs = build_embree(mesh.tables, options)) {
             embree.wall.push_back(theirs->build_s());

@@ -2,13 +2,13 @@
 /// the number of threads.
 #include "geometry/bvh/build/binary.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
-#include <tbb/parallel_reduce.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 
 #include <memory>
 
+#include "geometry/bvh/build/large_set.h"
 #include "geometry/bvh/build/morton.h"
 #include "geometry/bvh/build/treelet.h"
 
@@ -16,8 +16,7 @@ namespace fathom::bvh {
 
 namespace {
 
-constexpr std::size_t treelet_size = 1 << 15;
-constexpr std::size_t parallel_binning = 1 << 17;
+constexpr std::size_t treelet_size = 1 << 13;
 
 /// So many items stay together where one leaf can hold them: to split four takes half of the time.
 constexpr std::size_t together(TreeBuild level, bool cut)
@@ -31,26 +30,6 @@ struct UpperNode {
     const std::uint32_t* codes = nullptr;    ///< as in Treelet
     std::unique_ptr<UpperNode> left, right;  ///< none: a treelet
 };
-
-Split parallel_split(const ItemSet& set, BinMap& map)
-{
-    if (set.count < parallel_binning) return find_split(set.items, set.count, set.centers, map);
-    map = BinMap(set.centers, Bins::max);
-    // Minima and counts: the same in any order.
-    const Bins bins = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, set.count, parallel_binning / 8), Bins(Bins::max),
-        [&](const tbb::blocked_range<std::size_t>& range, const Bins& before) {
-            Bins sum = before;
-            sum.add(set.items + range.begin(), range.size(), map);
-            return sum;
-        },
-        [](const Bins& a, const Bins& b) {
-            Bins sum = a;
-            sum.merge(b);
-            return sum;
-        });
-    return best_split(bins, map);
-}
 
 class Splitting {
 public:
@@ -72,16 +51,12 @@ public:
         tree.ids = LargeArray<std::uint32_t>(top.set.count + top.set.room);
         split(top, 0);
         gather_treelets(top, 0);
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, treelets_.size(), 1),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (std::size_t i = range.begin(); i < range.end(); ++i)
-                                  treelets_[i].build(splitter_.get(), together(level_, splitter_ != nullptr),
-                                                     first_item, tree.ids.data());
-                          });
+        tree.nodes = LargeArray<BinaryNode>(2 * tree.ids.size());
+        build_treelets(first_item, tree);
+        place(top, BinaryNode::none, tree);
         const std::size_t before = list_.items.bytes() + codes.size() * sizeof(std::uint32_t);
         list_.items = {};
-        unite(top, tree);
-        // Sorting and cutting copy the items; nodes are copied one treelet after the other.
+        // Sorting and cutting copy the items.
         const std::size_t copies = before + std::size_t(splitter_ || top.codes ? 1 : 0) * list_.count * sizeof(Item);
         tree.peak_bytes = std::max(copies, before + tree.bytes());
         return tree;
@@ -115,8 +90,7 @@ private:
         } else if (splitter_) {
             splitter_->split(node.set, depth, left, right);
         } else {
-            BinMap map(node.set.centers, Bins::max);
-            split_at(node.set, depth < halving_depth ? parallel_split(node.set, map) : Split(), map, left, right);
+            split_large(node.set, depth, left, right);
         }
         tbb::parallel_invoke([&] { split(*node.left, depth + 1); }, [&] { split(*node.right, depth + 1); });
     }
@@ -136,29 +110,42 @@ private:
         treelets_.push_back(std::move(treelet));
     }
 
-    /// The upper nodes, then the treelets.
-    void unite(const UpperNode& top, BinaryTree& tree)
+    /// Each goes behind those before as soon as these are there, so that few wait.
+    void build_treelets(const Item* first_item, BinaryTree& tree)
     {
-        std::size_t size = upper_nodes_;
-        for (const Treelet& t : treelets_) {
-            roots_.push_back(std::uint32_t(size));
-            size += t.nodes.size();
-        }
-        if (size >= BinaryNode::none) throw std::length_error("the scene has too many primitives");
-        tree.nodes = LargeArray<BinaryNode>(size);
-        tbb::parallel_for(std::size_t(0), treelets_.size(), [&](std::size_t i) {
-            std::vector<BinaryNode>& nodes = treelets_[i].nodes;
-            const std::uint32_t root = roots_[i];
-            for (BinaryNode& node : nodes) {
-                node.parent += root;
-                if (node.leaf) continue;
+        std::size_t next = 0, end = upper_nodes_;
+        const std::size_t most_waiting = 4 * std::size_t(tbb::this_task_arena::max_concurrency());
+        tbb::parallel_pipeline(
+            most_waiting,
+            tbb::make_filter<void,
+                             Treelet*>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) -> Treelet* {
+                if (next < treelets_.size()) return &treelets_[next++];
+                control.stop();
+                return nullptr;
+            }) & tbb::make_filter<Treelet*, Treelet*>(tbb::filter_mode::parallel, [&](Treelet* treelet) {
+                treelet->build(splitter_.get(), together(level_, splitter_ != nullptr), first_item, tree.ids.data());
+                return treelet;
+            }) & tbb::make_filter<Treelet*, void>(tbb::filter_mode::serial_in_order, [&](Treelet* treelet) {
+                append(treelet->nodes, end, tree);
+            }));
+        tree.nodes.truncate(end);
+    }
+
+    /// A treelet's nodes, which are then freed.
+    void append(std::vector<BinaryNode>& nodes, std::size_t& end, BinaryTree& tree)
+    {
+        if (end + nodes.size() >= BinaryNode::none) throw std::length_error("the scene has too many primitives");
+        const auto root = std::uint32_t(end);
+        for (BinaryNode node : nodes) {
+            node.parent += root;
+            if (!node.leaf) {
                 node.left += root;
                 node.right += root;
             }
-            std::copy(nodes.begin(), nodes.end(), &tree.nodes[root]);
-            nodes = {};
-        });
-        place(top, BinaryNode::none, tree);
+            tree.nodes[end++] = node;
+        }
+        roots_.push_back(root);
+        nodes = {};
     }
 
     /// Upper nodes in front of what is below them; its number.
@@ -178,6 +165,7 @@ private:
         Box box = tree.nodes[out.left].box();
         box.extend(tree.nodes[out.right].box());
         out.set_box(box);
+        out.count = height_above(tree.nodes[out.left], tree.nodes[out.right]);
         return self;
     }
 

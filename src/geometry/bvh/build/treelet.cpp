@@ -31,6 +31,7 @@ public:
         split(left, self, depth + 1);
         nodes_[self].right = std::uint32_t(nodes_.size());
         split(right, self, depth + 1);
+        set_height(nodes_[self]);
     }
 
     /// The same by codes; its box.
@@ -46,12 +47,15 @@ public:
             box.extend(split_sorted(items, codes, middle, self));
             nodes_[self].right = std::uint32_t(nodes_.size());
             box.extend(split_sorted(items + middle, codes + middle, n - middle, self));
+            set_height(nodes_[self]);
         }
         nodes_[self].set_box(box);
         return box;
     }
 
 private:
+    void set_height(BinaryNode& node) const { node.count = height_above(nodes_[node.left], nodes_[node.right]); }
+
     /// A leaf, if these can be one.
     std::uint32_t add(const Item* items, std::size_t n, std::uint32_t parent)
     {
