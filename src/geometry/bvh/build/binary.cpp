@@ -16,7 +16,7 @@ namespace fathom::bvh {
 
 namespace {
 
-constexpr std::size_t treelet_size = 1 << 13;
+constexpr std::size_t treelet_size = 1 << 13, treelet_clusters = 1 << 9;
 
 /// So many items stay together where one leaf can hold them: to split four takes half of the time.
 constexpr std::size_t together(TreeBuild level, bool cut)
@@ -27,7 +27,6 @@ constexpr std::size_t together(TreeBuild level, bool cut)
 
 struct UpperNode {
     ItemSet set;
-    const std::uint32_t* codes = nullptr;    ///< as in Treelet
     std::unique_ptr<UpperNode> left, right;  ///< none: a treelet
 };
 
@@ -40,25 +39,24 @@ public:
 
     BinaryTree run()
     {
-        std::vector<std::uint32_t> codes;
-        if (level_ == TreeBuild::fast) codes = sort_by_morton_code(list_);
+        BinaryTree tree;
+        if (level_ == TreeBuild::fast) clusters_ = std::make_unique<Clusters>(cluster_by_morton_code(list_));
         UpperNode top;
         top.set = {list_.items.data(), list_.count, 0, list_.box, list_.centers};
-        top.codes = codes.empty() ? nullptr : codes.data();
         if (splitter_) make_room(top.set);
         const Item* const first_item = top.set.items;
-        BinaryTree tree;
-        tree.ids = LargeArray<std::uint32_t>(top.set.count + top.set.room);
+        tree.ids = clusters_ ? std::move(clusters_->ids) : LargeArray<std::uint32_t>(top.set.count + top.set.room);
         split(top, 0);
         gather_treelets(top, 0);
         tree.nodes = LargeArray<BinaryNode>(2 * tree.ids.size());
         build_treelets(first_item, tree);
         place(top, BinaryNode::none, tree);
-        const std::size_t before = list_.items.bytes() + codes.size() * sizeof(std::uint32_t);
+        const std::size_t before = list_.items.bytes() + (clusters_ ? clusters_->node_bytes : 0);
         list_.items = {};
-        // Sorting and cutting copy the items.
-        const std::size_t copies = before + std::size_t(splitter_ || top.codes ? 1 : 0) * list_.count * sizeof(Item);
-        tree.peak_bytes = std::max(copies, before + tree.bytes());
+        // Cutting copies the items.
+        const std::size_t copies = before + std::size_t(splitter_ ? 1 : 0) * list_.count * sizeof(Item);
+        tree.peak_bytes = std::max({clusters_ ? clusters_->peak_bytes : 0, copies, before + tree.bytes()});
+        clusters_ = {};
         return tree;
     }
 
@@ -75,23 +73,14 @@ private:
 
     void split(UpperNode& node, int depth) const
     {
-        if (node.set.count <= treelet_size) return;
+        if (node.set.count <= (clusters_ ? treelet_clusters : treelet_size)) return;
         node.left = std::make_unique<UpperNode>();
         node.right = std::make_unique<UpperNode>();
         ItemSet &left = node.left->set, &right = node.right->set;
-        if (node.codes) {
-            // Boxes are found when the treelets are built.
-            left.items = node.set.items;
-            left.count = morton_split(node.codes, node.set.count);
-            right.items = left.items + left.count;
-            right.count = node.set.count - left.count;
-            node.left->codes = node.codes;
-            node.right->codes = node.codes + left.count;
-        } else if (splitter_) {
+        if (splitter_)
             splitter_->split(node.set, depth, left, right);
-        } else {
+        else
             split_large(node.set, depth, left, right);
-        }
         tbb::parallel_invoke([&] { split(*node.left, depth + 1); }, [&] { split(*node.right, depth + 1); });
     }
 
@@ -106,7 +95,6 @@ private:
         Treelet treelet;
         treelet.set = node.set;
         treelet.depth = depth;
-        treelet.codes = node.codes;
         treelets_.push_back(std::move(treelet));
     }
 
@@ -115,19 +103,21 @@ private:
     {
         std::size_t next = 0, end = upper_nodes_;
         const std::size_t most_waiting = 4 * std::size_t(tbb::this_task_arena::max_concurrency());
-        tbb::parallel_pipeline(
-            most_waiting,
-            tbb::make_filter<void,
-                             Treelet*>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) -> Treelet* {
-                if (next < treelets_.size()) return &treelets_[next++];
-                control.stop();
-                return nullptr;
-            }) & tbb::make_filter<Treelet*, Treelet*>(tbb::filter_mode::parallel, [&](Treelet* treelet) {
-                treelet->build(splitter_.get(), together(level_, splitter_ != nullptr), first_item, tree.ids.data());
-                return treelet;
-            }) & tbb::make_filter<Treelet*, void>(tbb::filter_mode::serial_in_order, [&](Treelet* treelet) {
-                append(treelet->nodes, end, tree);
-            }));
+        const auto take = [&](tbb::flow_control& control) -> Treelet* {
+            if (next < treelets_.size()) return &treelets_[next++];
+            control.stop();
+            return nullptr;
+        };
+        const auto build = [&](Treelet* treelet) {
+            treelet->build(splitter_.get(), together(level_, splitter_ != nullptr), first_item, tree.ids.data(),
+                           clusters_.get());
+            return treelet;
+        };
+        const auto put = [&](Treelet* treelet) { append(treelet->nodes, end, tree); };
+        using enum tbb::filter_mode;
+        tbb::parallel_pipeline(most_waiting, tbb::make_filter<void, Treelet*>(serial_in_order, take) &
+                                                 tbb::make_filter<Treelet*, Treelet*>(parallel, build) &
+                                                 tbb::make_filter<Treelet*, void>(serial_in_order, put));
         tree.nodes.truncate(end);
     }
 
@@ -172,6 +162,7 @@ private:
     ItemList& list_;
     TreeBuild level_;
     std::unique_ptr<SpatialSplitter> splitter_;
+    std::unique_ptr<Clusters> clusters_;  ///< what items are, if they are
     std::vector<Treelet> treelets_;
     std::vector<std::uint32_t> roots_;
     std::uint32_t upper_nodes_ = 0, next_upper_ = 0;

@@ -42,15 +42,15 @@ std::size_t count_triangles(const GeometryTables& tables)
 
 /// A few rounds over the largest hundredths find most of what there is to gain in interiors, and take a tenth of the
 /// time; all nodes gain a little more, and on foliage.
-constexpr Reinsertion few{3, 0.02}, many{1, 1.0};
+constexpr Reinsertion once{1, 0.02}, few{3, 0.02}, many{1, 1.0};
 
 BinaryTree split_and_reinsert(const GeometryTables& tables, ItemList& list, TreeBuild level, bool cut, Peak& peak)
 {
     BinaryTree tree = split_items(tables, list, level, cut);
     peak.see(tree.peak_bytes);
-    if (level == TreeBuild::fast) return tree;
-    reinsert(tree, few);
-    peak.see(tree.bytes() + few.bytes(tree.nodes.size()));
+    const Reinsertion& how = level == TreeBuild::fast ? once : few;
+    reinsert(tree, how);
+    peak.see(tree.bytes() + how.bytes(tree.nodes.size()));
     return tree;
 }
 

@@ -59,14 +59,6 @@ void set_box(Item& item, const Vec3d& low, const Vec3d& high)
     }
 }
 
-void set_box(Item& item, const Box& box)
-{
-    for (int axis = 0; axis < 3; ++axis) {
-        item.low[axis] = box.low(axis);
-        item.minus_high[axis] = -box.high(axis);
-    }
-}
-
 bool moves(const GeometryTables& tables, std::uint32_t primitive)
 {
     return !tables.vertex_times.empty() && primitive < tables.first_quad() &&

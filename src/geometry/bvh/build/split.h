@@ -67,6 +67,14 @@ struct alignas(32) Box {
     }
 };
 
+inline void set_box(Item& item, const Box& box)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        item.low[axis] = box.v[axis];
+        item.minus_high[axis] = box.v[4 + axis];
+    }
+}
+
 /// Twice the centre of the item's box.
 inline V4 center2(const Item& item)
 {
