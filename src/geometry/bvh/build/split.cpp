@@ -16,12 +16,12 @@ Bins::Bins(int bins) : used(bins)
 void Bins::add(const Item* items, std::size_t n, const BinMap& map)
 {
     const auto add_to = [&](Bins& bins, const Item& item) {
-        const Box box(item);
-        const V4i bin = map(box.center2());
+        const Box item_box(item);
+        const V4i bin = map(item_box.center2());
         for (int axis = 0; axis < 3; ++axis) {
             const std::uint32_t i = std::uint32_t(bin[axis]);
             V8& b = bins.box[i][axis];
-            b = b < box.v ? b : box.v;
+            b = b < item_box.v ? b : item_box.v;
             ++bins.count[i][axis];
         }
     };
@@ -137,8 +137,12 @@ std::size_t partition_along(Item* items, std::size_t n, const BinMap& map, int l
         left_bounds = left_bounds < for_left ? left_bounds : for_left;
         right_bounds = right_bounds < for_right ? right_bounds : for_right;
     }
-    std::memcpy(&left, &left_bounds, sizeof left);
-    std::memcpy(&right, &right_bounds, sizeof right);
+    const auto as_bounds = [](const V8& v, CenterBounds& out) {
+        out.low = __builtin_shufflevector(v, v, 0, 1, 2, 3);
+        out.minus_high = __builtin_shufflevector(v, v, 4, 5, 6, 7);
+    };
+    as_bounds(left_bounds, left);
+    as_bounds(right_bounds, right);
     return to;
 }
 
