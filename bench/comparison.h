@@ -19,7 +19,7 @@ struct Options {
     std::size_t parts = 1;
     TreeBuild build = TreeBuild::standard;
     bool robust = true, details = false, with_embree = true;
-    bool motion = false, instances = false;
+    bool motion = false, instances = false, trees = false;
     std::string kind;   ///< of rays; empty: all
     std::string write;  ///< a folder to write the meshes to, instead
 };
@@ -57,5 +57,7 @@ double median_ratio(const std::vector<double>& a, const std::vector<double>& b);
 void measure_motion(const Mesh& mesh, const Options& options);
 /// The mesh in ten thousand places.
 void measure_instances(const Mesh& mesh, const Options& options);
+/// Building alone.
+void measure_trees(const Mesh& mesh, const Options& options);
 
 }  // namespace fathom::bench

@@ -27,7 +27,7 @@ EmbreeCaster::EmbreeCaster(const GeometryTables& tables, const std::string& isa,
     scene_ = new_scene(robust);
     RTCScene mesh = tables.instances.empty() ? scene_ : new_scene(robust);
     add_mesh(mesh, tables);
-    const double start = now(threads);
+    const double start = now(threads), cpu_start = now(1);
     rtcCommitScene(mesh);
     if (mesh != scene_) {
         for (const InstanceRecord& instance : tables.instances) add_instance(mesh, tables, instance);
@@ -35,6 +35,7 @@ EmbreeCaster::EmbreeCaster(const GeometryTables& tables, const std::string& isa,
         rtcCommitScene(scene_);
     }
     build_s_ = now(threads) - start;
+    build_cpu_s_ = now(1) - cpu_start;
 }
 
 RTCScene EmbreeCaster::new_scene(bool robust) const

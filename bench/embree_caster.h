@@ -40,6 +40,8 @@ public:
     void cast(const RaySet& set, std::size_t first, std::size_t n, Call call, bool coherent, Results& results) const;
 
     double build_s() const { return build_s_; }
+    /// Of the process's own time.
+    double build_cpu_s() const { return build_cpu_s_; }
     std::size_t bytes() const { return bytes_; }
     std::size_t peak_bytes() const { return peak_bytes_; }
 
@@ -51,7 +53,7 @@ private:
 
     RTCDevice device_ = nullptr;
     RTCScene scene_ = nullptr;
-    double build_s_ = 0;
+    double build_s_ = 0, build_cpu_s_ = 0;
     std::atomic<std::size_t> bytes_{0}, peak_bytes_{0};
 };
 

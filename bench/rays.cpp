@@ -84,14 +84,19 @@ int run_all(int argc, char** argv)
             options.motion = true;
         else if (arg == "--instances")
             options.instances = true;
+        else if (arg == "--trees")
+            options.trees = true;
         else
             throw std::runtime_error(
                 arg +
                 ": known are --mesh FILE.ply, --generate NAME, --threads N, --runs N, --parts N, "
                 "--build fast|default|high|compact, --not-robust, --ours-only, --details, --motion, "
-                "--instances, --kind NAME, --write FOLDER");
+                "--instances, --trees, --kind NAME, --write FOLDER");
     }
-    const auto measure_mesh = options.instances ? measure_instances : options.motion ? measure_motion : measure;
+    const auto measure_mesh = options.trees       ? measure_trees
+                              : options.instances ? measure_instances
+                              : options.motion    ? measure_motion
+                                                  : measure;
     for (const Options::Source& source : options.meshes) {
         const Mesh mesh = source.generated ? generate(source.name) : read_ply(source.name);
         if (options.write.empty())

@@ -1,10 +1,11 @@
 #!/bin/bash
 # Rays per second, ours and Embree's: one JSON line per mesh and kind of ray, and a last one about building the trees.
-#   bench/rays.sh [--quick] [--motion | --instances] [--mesh FILE.ply]... [--threads N] [--build fast|default|high|compact] [--not-robust]
+#   bench/rays.sh [--quick] [--motion | --instances | --trees] [--mesh FILE.ply]... [--threads N] [--build fast|default|high|compact] [--not-robust]
 # Meshes: those named by --mesh; else the *.ply in $FATHOM_MESHES, if it is set, and generated ones.
 # --quick: fewer rays of smaller meshes, with the best instruction set that the machine has.
 # --motion: each mesh at rest, with vertices that move by 5 % of its size, placed, and placed and moving as far; all rays at
 #   random times; "ours_times_still" and "embree_times_still": rays/s as a part of those of the mesh at rest.
+# --trees: building alone, in turns; seconds on the wall and of the processor; "ratio": how many times as fast as Embree.
 # --instances: each mesh in 10,000 places; unless named otherwise generated ones of 100,000 triangles.
 # --not-robust: Embree without its robust flag; ours stays watertight.
 set -euo pipefail
@@ -19,9 +20,9 @@ while [ $# -gt 0 ]; do
         --quick) quick=true ;;
         --mesh) meshes+=(--mesh "$(realpath "$OLDPWD/$2" 2>/dev/null || realpath "$2")"); shift ;;
         --threads | --build) options+=("$1" "$2"); shift ;;
-        --motion | --instances) mode=$1; options+=("$1") ;;
+        --motion | --instances | --trees) mode=$1; options+=("$1") ;;
         --not-robust) options+=("$1") ;;
-        *) sed -n '2,9p' "$0" >&2; exit 2 ;;
+        *) sed -n '2,10p' "$0" >&2; exit 2 ;;
     esac
     shift
 done

@@ -44,6 +44,30 @@ struct LargeAllocator {
 template <class T>
 using LargeVector = std::vector<T, LargeAllocator<T>>;
 
+/// The same, but what resize adds is not initialised: all threads may then write it for the first time.
+template <class T>
+struct UnsetAllocator : LargeAllocator<T> {
+    template <class U>
+    struct rebind {
+        using other = UnsetAllocator<U>;
+    };
+    UnsetAllocator() = default;
+    template <class U>
+    UnsetAllocator(const UnsetAllocator<U>&)
+    {
+    }
+    template <class U>
+    void construct(U* p)
+    {
+        ::new (static_cast<void*>(p)) U;
+    }
+    template <class U, class... Arguments>
+    void construct(U* p, Arguments&&... arguments)
+    {
+        ::new (static_cast<void*>(p)) U(std::forward<Arguments>(arguments)...);
+    }
+};
+
 /// An array of plain values that are not initialised, in such memory.
 template <class T>
 class LargeArray {
@@ -73,6 +97,8 @@ public:
     const T& operator[](std::size_t i) const { return data_[i]; }
     std::size_t size() const { return size_; }
     std::size_t bytes() const { return size_ * sizeof(T); }
+    /// What is behind was never touched, and so takes no memory.
+    void truncate(std::size_t size) { size_ = size; }
 
 private:
     T* data_ = nullptr;

@@ -2,13 +2,13 @@
 /// the number of threads.
 #include "geometry/bvh/build/binary.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
-#include <tbb/parallel_reduce.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 
 #include <memory>
 
+#include "geometry/bvh/build/large_set.h"
 #include "geometry/bvh/build/morton.h"
 #include "geometry/bvh/build/treelet.h"
 
@@ -16,8 +16,7 @@ namespace fathom::bvh {
 
 namespace {
 
-constexpr std::size_t treelet_size = 1 << 15;
-constexpr std::size_t parallel_binning = 1 << 17;
+constexpr std::size_t treelet_size = 1 << 13, treelet_clusters = 1 << 9;
 
 /// So many items stay together where one leaf can hold them: to split four takes half of the time.
 constexpr std::size_t together(TreeBuild level, bool cut)
@@ -28,29 +27,8 @@ constexpr std::size_t together(TreeBuild level, bool cut)
 
 struct UpperNode {
     ItemSet set;
-    const std::uint32_t* codes = nullptr;    ///< as in Treelet
     std::unique_ptr<UpperNode> left, right;  ///< none: a treelet
 };
-
-Split parallel_split(const ItemSet& set, BinMap& map)
-{
-    if (set.count < parallel_binning) return find_split(set.items, set.count, set.centers, map);
-    map = BinMap(set.centers, Bins::max);
-    // Minima and counts: the same in any order.
-    const Bins bins = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, set.count, parallel_binning / 8), Bins(Bins::max),
-        [&](const tbb::blocked_range<std::size_t>& range, const Bins& before) {
-            Bins sum = before;
-            sum.add(set.items + range.begin(), range.size(), map);
-            return sum;
-        },
-        [](const Bins& a, const Bins& b) {
-            Bins sum = a;
-            sum.merge(b);
-            return sum;
-        });
-    return best_split(bins, map);
-}
 
 class Splitting {
 public:
@@ -61,29 +39,24 @@ public:
 
     BinaryTree run()
     {
-        std::vector<std::uint32_t> codes;
-        if (level_ == TreeBuild::fast) codes = sort_by_morton_code(list_);
+        BinaryTree tree;
+        if (level_ == TreeBuild::fast) clusters_ = std::make_unique<Clusters>(cluster_by_morton_code(list_));
         UpperNode top;
         top.set = {list_.items.data(), list_.count, 0, list_.box, list_.centers};
-        top.codes = codes.empty() ? nullptr : codes.data();
         if (splitter_) make_room(top.set);
         const Item* const first_item = top.set.items;
-        BinaryTree tree;
-        tree.ids = LargeArray<std::uint32_t>(top.set.count + top.set.room);
+        tree.ids = clusters_ ? std::move(clusters_->ids) : LargeArray<std::uint32_t>(top.set.count + top.set.room);
         split(top, 0);
         gather_treelets(top, 0);
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, treelets_.size(), 1),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (std::size_t i = range.begin(); i < range.end(); ++i)
-                                  treelets_[i].build(splitter_.get(), together(level_, splitter_ != nullptr),
-                                                     first_item, tree.ids.data());
-                          });
-        const std::size_t before = list_.items.bytes() + codes.size() * sizeof(std::uint32_t);
+        tree.nodes = LargeArray<BinaryNode>(2 * tree.ids.size());
+        build_treelets(first_item, tree);
+        place(top, BinaryNode::none, tree);
+        const std::size_t before = list_.items.bytes() + (clusters_ ? clusters_->node_bytes : 0);
         list_.items = {};
-        unite(top, tree);
-        // Sorting and cutting copy the items; nodes are copied one treelet after the other.
-        const std::size_t copies = before + std::size_t(splitter_ || top.codes ? 1 : 0) * list_.count * sizeof(Item);
-        tree.peak_bytes = std::max(copies, before + tree.bytes());
+        // Cutting copies the items.
+        const std::size_t copies = before + std::size_t(splitter_ ? 1 : 0) * list_.count * sizeof(Item);
+        tree.peak_bytes = std::max({clusters_ ? clusters_->peak_bytes : 0, copies, before + tree.bytes()});
+        clusters_ = {};
         return tree;
     }
 
@@ -100,24 +73,14 @@ private:
 
     void split(UpperNode& node, int depth) const
     {
-        if (node.set.count <= treelet_size) return;
+        if (node.set.count <= (clusters_ ? treelet_clusters : treelet_size)) return;
         node.left = std::make_unique<UpperNode>();
         node.right = std::make_unique<UpperNode>();
         ItemSet &left = node.left->set, &right = node.right->set;
-        if (node.codes) {
-            // Boxes are found when the treelets are built.
-            left.items = node.set.items;
-            left.count = morton_split(node.codes, node.set.count);
-            right.items = left.items + left.count;
-            right.count = node.set.count - left.count;
-            node.left->codes = node.codes;
-            node.right->codes = node.codes + left.count;
-        } else if (splitter_) {
+        if (splitter_)
             splitter_->split(node.set, depth, left, right);
-        } else {
-            BinMap map(node.set.centers, Bins::max);
-            split_at(node.set, depth < halving_depth ? parallel_split(node.set, map) : Split(), map, left, right);
-        }
+        else
+            split_large(node.set, depth, left, right);
         tbb::parallel_invoke([&] { split(*node.left, depth + 1); }, [&] { split(*node.right, depth + 1); });
     }
 
@@ -132,33 +95,47 @@ private:
         Treelet treelet;
         treelet.set = node.set;
         treelet.depth = depth;
-        treelet.codes = node.codes;
         treelets_.push_back(std::move(treelet));
     }
 
-    /// The upper nodes, then the treelets.
-    void unite(const UpperNode& top, BinaryTree& tree)
+    /// Each goes behind those before as soon as these are there, so that few wait.
+    void build_treelets(const Item* first_item, BinaryTree& tree)
     {
-        std::size_t size = upper_nodes_;
-        for (const Treelet& t : treelets_) {
-            roots_.push_back(std::uint32_t(size));
-            size += t.nodes.size();
-        }
-        if (size >= BinaryNode::none) throw std::length_error("the scene has too many primitives");
-        tree.nodes = LargeArray<BinaryNode>(size);
-        tbb::parallel_for(std::size_t(0), treelets_.size(), [&](std::size_t i) {
-            std::vector<BinaryNode>& nodes = treelets_[i].nodes;
-            const std::uint32_t root = roots_[i];
-            for (BinaryNode& node : nodes) {
-                node.parent += root;
-                if (node.leaf) continue;
+        std::size_t next = 0, end = upper_nodes_;
+        const std::size_t most_waiting = 4 * std::size_t(tbb::this_task_arena::max_concurrency());
+        const auto take = [&](tbb::flow_control& control) -> Treelet* {
+            if (next < treelets_.size()) return &treelets_[next++];
+            control.stop();
+            return nullptr;
+        };
+        const auto build = [&](Treelet* treelet) {
+            treelet->build(splitter_.get(), together(level_, splitter_ != nullptr), first_item, tree.ids.data(),
+                           clusters_.get());
+            return treelet;
+        };
+        const auto put = [&](Treelet* treelet) { append(treelet->nodes, end, tree); };
+        using enum tbb::filter_mode;
+        tbb::parallel_pipeline(most_waiting, tbb::make_filter<void, Treelet*>(serial_in_order, take) &
+                                                 tbb::make_filter<Treelet*, Treelet*>(parallel, build) &
+                                                 tbb::make_filter<Treelet*, void>(serial_in_order, put));
+        tree.nodes.truncate(end);
+    }
+
+    /// A treelet's nodes, which are then freed.
+    void append(std::vector<BinaryNode>& nodes, std::size_t& end, BinaryTree& tree)
+    {
+        if (end + nodes.size() >= BinaryNode::none) throw std::length_error("the scene has too many primitives");
+        const auto root = std::uint32_t(end);
+        for (BinaryNode node : nodes) {
+            node.parent += root;
+            if (!node.leaf) {
                 node.left += root;
                 node.right += root;
             }
-            std::copy(nodes.begin(), nodes.end(), &tree.nodes[root]);
-            nodes = {};
-        });
-        place(top, BinaryNode::none, tree);
+            tree.nodes[end++] = node;
+        }
+        roots_.push_back(root);
+        nodes = {};
     }
 
     /// Upper nodes in front of what is below them; its number.
@@ -178,12 +155,14 @@ private:
         Box box = tree.nodes[out.left].box();
         box.extend(tree.nodes[out.right].box());
         out.set_box(box);
+        out.count = height_above(tree.nodes[out.left], tree.nodes[out.right]);
         return self;
     }
 
     ItemList& list_;
     TreeBuild level_;
     std::unique_ptr<SpatialSplitter> splitter_;
+    std::unique_ptr<Clusters> clusters_;  ///< what items are, if they are
     std::vector<Treelet> treelets_;
     std::vector<std::uint32_t> roots_;
     std::uint32_t upper_nodes_ = 0, next_upper_ = 0;

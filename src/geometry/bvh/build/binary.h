@@ -1,5 +1,7 @@
 #pragma once
 /// The binary tree over a list of items, which is then collapsed to wide nodes.
+#include <algorithm>
+
 #include "geometry/bvh/build/cost.h"
 #include "geometry/bvh/build/items.h"
 
@@ -15,13 +17,15 @@ struct alignas(16) BinaryNode {
     std::uint32_t right;
     Choices choices;  ///< once known
     std::uint32_t parent;
-    /// Of items below, at most as many as fit; of inner nodes once it is known, and how deep what is below them while
-    /// nodes are moved.
+    /// Of items below, at most as many as fit; of inner nodes it is their height at first, see BinaryTree::counted.
     std::uint32_t count : 23;
     std::uint32_t kinds : 8;  ///< of items below
     std::uint32_t leaf : 1;   ///< of few items, side by side, which one leaf can hold
 
     static constexpr std::uint32_t max_count = (1u << 23) - 1;
+
+    /// Steps down to the deepest leaf, while counts of inner nodes are that.
+    std::uint32_t height() const { return leaf ? 0 : std::uint32_t(count); }
 
     Box box() const { return Box(static_cast<const void*>(this)); }
     void set_box(const Box& b)
@@ -34,10 +38,17 @@ struct alignas(16) BinaryNode {
 };
 static_assert(sizeof(BinaryNode) == 48);
 
+/// That of a node above these.
+inline std::uint32_t height_above(const BinaryNode& left, const BinaryNode& right)
+{
+    return 1 + std::max(left.height(), right.height());
+}
+
 struct BinaryTree {
     LargeArray<BinaryNode> nodes;
     LargeArray<std::uint32_t> ids;  ///< of the items
     std::size_t peak_bytes = 0;     ///< while it was built, items and itself included
+    bool counted = false;           ///< whether inner nodes' counts are those of items below; else their heights
 
     std::size_t bytes() const { return nodes.bytes() + ids.bytes(); }
 };

@@ -24,32 +24,10 @@ std::uint32_t shape_end(const GeometryTables& tables, std::uint32_t shape)
     return end;
 }
 
-/// Nodes from a reference down to the deepest leaf.
-int depth_of(const BvhData& bvh, std::uint32_t reference)
-{
-    if (!BvhReference::is_node(reference)) return 0;
-    const BvhNode& node = bvh.nodes[BvhReference::node(reference)];
-    int depth = 0;
-    for (int k = 0; k < bvh_width && node.bounds[0][k] <= node.bounds[3][k]; ++k)
-        depth = std::max(depth, depth_of(bvh, node.child[k]));
-    return depth + 1;
-}
-
 /// At each level all children but one wait; on top there is room for a vector, and an end for each of the two spaces.
 int stack_size_of(int world_depth, int mesh_depth)
 {
     return ((bvh_width - 1) * (world_depth + mesh_depth) + bvh_deferred + 2 + 2 * bvh_width) / bvh_width * bvh_width;
-}
-
-void count_children(BvhData& bvh, std::uint32_t reference)
-{
-    if (!BvhReference::is_node(reference)) return;
-    const BvhNode& node = bvh.nodes[BvhReference::node(reference)];
-    ++bvh.statistics.nodes;
-    for (int k = 0; k < bvh_width && node.bounds[0][k] <= node.bounds[3][k]; ++k) {
-        ++bvh.statistics.children;
-        count_children(bvh, node.child[k]);
-    }
 }
 
 /// Triangles that stand still: those of quads count twice.
@@ -64,15 +42,15 @@ std::size_t count_triangles(const GeometryTables& tables)
 
 /// A few rounds over the largest hundredths find most of what there is to gain in interiors, and take a tenth of the
 /// time; all nodes gain a little more, and on foliage.
-constexpr Reinsertion few{3, 0.02}, many{1, 1.0};
+constexpr Reinsertion once{1, 0.02}, few{3, 0.02}, many{1, 1.0};
 
 BinaryTree split_and_reinsert(const GeometryTables& tables, ItemList& list, TreeBuild level, bool cut, Peak& peak)
 {
     BinaryTree tree = split_items(tables, list, level, cut);
     peak.see(tree.peak_bytes);
-    if (level == TreeBuild::fast) return tree;
-    reinsert(tree, few);
-    peak.see(tree.bytes() + few.bytes(tree.nodes.size()));
+    const Reinsertion& how = level == TreeBuild::fast ? once : few;
+    reinsert(tree, how);
+    peak.see(tree.bytes() + how.bytes(tree.nodes.size()));
     return tree;
 }
 
@@ -141,9 +119,6 @@ void BvhBuilder::build()
     begin_of_movable_ = {tree_.nodes.size(), tree_.others.size()};
     most_ = {2 * tree_.nodes.size() + 1024, 2 * tree_.others.size() + (1 << 16)};
     add_movable();
-    if (!tree_.empty) count_children(tree_, tree_.root);
-    for (const BvhData::Mesh& mesh : tree_.meshes)
-        if (!mesh.empty) count_children(tree_, mesh.root);
     const std::size_t grown = tree_.nodes.capacity() * sizeof(BvhNode);
     if (!tables_.editable) tree_.nodes.shrink_to_fit();
     BvhStatistics& s = tree_.statistics;
@@ -220,13 +195,14 @@ BvhBuilder::Part BvhBuilder::add_part(const MakeList& make_list, TreeBuild level
     BinaryTree binary = binary_tree(tables_, level, make_list, list, binary_peak);
     peak_.see(leaves_bytes() + first * sizeof(BvhNode) + binary_peak.bytes);
     const std::size_t binary_bytes = binary.bytes(), others_before = tree_.others.size() * 4;
-    part.root = collapse(tables_, binary, tree_, next_triangle_, level == TreeBuild::compact);
+    const Collapsed collapsed = collapse(tables_, binary, tree_, next_triangle_, level == TreeBuild::compact);
+    part.root = collapsed.root;
+    part.depth = collapsed.depth;
     // With the binary tree, then while what chunks hold is moved.
     const std::size_t moved = (tree_.nodes.size() - first) * sizeof(BvhNode) + tree_.others.size() * 4 - others_before;
     peak_.see(leaves_bytes() + tree_.nodes.size() * sizeof(BvhNode) + std::max(binary_bytes, moved));
     part.box = {list.box, list.box};
     if (tree_.moving) part.box = add_motion(tables_, tree_, boxes_, first, part.root, list.box);
-    part.depth = depth_of(tree_, part.root);
     return part;
 }
 
@@ -259,6 +235,8 @@ BvhBuilder::Part BvhBuilder::join(const Part& a, const Part& b)
     const Box boxes[] = {a.box.middle(), b.box.middle()};
     const Subtree subtrees[] = {{a.root, 0.5f, node_cost}, {b.root, 0.5f, node_cost}};
     finish_node(node, boxes, subtrees, 2);
+    ++tree_.statistics.nodes;
+    tree_.statistics.children += 2;
     Part joined{std::uint32_t(tree_.nodes.size()), a.box, std::max(a.depth, b.depth) + 1, false};
     joined.box.extend(b.box);
     bool moves = false;

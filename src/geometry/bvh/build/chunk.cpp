@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "geometry/bvh/build/leaf_data.h"
 
@@ -33,18 +34,21 @@ public:
     {
         // As much as leaves that save a quarter can take: growing would leave holes behind.
         if (chunk_.compact) chunk_.others.reserve(chunk_.triangles * plain_words * 3 / 4);
-        chunk_.root = emit(tree_.nodes[chunk_.from]);
+        chunk_.root = emit(tree_.nodes[chunk_.from], 0);
         chunk_.triangles = next_triangle_ - chunk_.first_triangle;
     }
 
 private:
-    Subtree emit(const BinaryNode& node)
+    /// depth: of the node, below the root.
+    Subtree emit(const BinaryNode& node, int depth)
     {
         if (becomes_leaf(node)) return emit_leaf(node);
         const std::uint32_t self = std::uint32_t(chunk_.nodes.size());
         chunk_.nodes.emplace_back();
         std::uint32_t children[bvh_width];
         const int count = collect_children(tree_, node, children);
+        chunk_.children += std::size_t(count);
+        chunk_.depth = std::max(chunk_.depth, depth + 1);
         Box boxes[bvh_width];
         for (int i = 0; i < count; ++i) boxes[i] = tree_.nodes[children[i]].box();
         Subtree subtrees[bvh_width];
@@ -52,7 +56,7 @@ private:
         for (int i = 0; i < count; ++i)
             if (becomes_leaf(tree_.nodes[children[i]])) subtrees[i] = emit_leaf(tree_.nodes[children[i]]);
         for (int i = 0; i < count; ++i)
-            if (!becomes_leaf(tree_.nodes[children[i]])) subtrees[i] = emit(tree_.nodes[children[i]]);
+            if (!becomes_leaf(tree_.nodes[children[i]])) subtrees[i] = emit(tree_.nodes[children[i]], depth + 1);
         Subtree all = finish_node(chunk_.nodes[self], boxes, subtrees, count);
         all.reference = self;
         return all;
@@ -79,13 +83,6 @@ private:
                 unknown, cost};
     }
 
-    static float area_of(const Vec3f v[3])
-    {
-        const float ax = v[1].x - v[0].x, ay = v[1].y - v[0].y, az = v[1].z - v[0].z;
-        const float bx = v[2].x - v[0].x, by = v[2].y - v[0].y, bz = v[2].z - v[0].z;
-        return 0.5f * std::hypot(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx);
-    }
-
     static BvhReference::Kind reference_kind(std::uint32_t item_kind)
     {
         switch (item_kind) {
@@ -102,7 +99,37 @@ private:
         }
     }
 
-    /// area: of them all, added to.
+    /// As BvhData::triangles has them.
+    void put_vertices(const std::uint32_t* ids, std::size_t n, float* out) const
+    {
+        for (std::size_t i = 0; i < n; ++i) {
+            Vec3f vertices[3];
+            vertices_of(tables_, ids[i], vertices);
+            for (std::size_t v = 0; v < 3; ++v) {
+                out[(3 * v + 0) * n + i] = vertices[v].x;
+                out[(3 * v + 1) * n + i] = vertices[v].y;
+                out[(3 * v + 2) * n + i] = vertices[v].z;
+            }
+        }
+    }
+
+    /// In double precision, where squares of squares of small edges are still numbers.
+    static float area_of(const float* vertices, std::size_t n)
+    {
+        double areas[bvh_width];
+        for (std::size_t i = 0; i < n; ++i) {
+            const auto edge = [&](std::size_t to, std::size_t axis) {
+                return double(vertices[(3 * to + axis) * n + i]) - double(vertices[axis * n + i]);
+            };
+            const double ax = edge(1, 0), ay = edge(1, 1), az = edge(1, 2);
+            const double bx = edge(2, 0), by = edge(2, 1), bz = edge(2, 2);
+            const double x = ay * bz - az * by, y = az * bx - ax * bz, z = ax * by - ay * bx;
+            areas[i] = std::sqrt(x * x + y * y + z * z);
+        }
+        return float(0.5 * std::accumulate(areas, areas + n, 0.0));
+    }
+
+    /// area: of them all.
     std::uint32_t emit_triangles(std::uint32_t* ids, int count, float& area)
     {
         std::sort(ids, ids + count);
@@ -121,17 +148,9 @@ private:
             out = &chunk_.triangles_apart[9 * before];
             keys = &chunk_.keys_apart[before];
         }
-        for (std::size_t i = 0; i < n; ++i) {
-            keys[i] = ids[i];
-            Vec3f vertices[3];
-            vertices_of(tables_, ids[i], vertices);
-            area += area_of(vertices);
-            for (std::size_t v = 0; v < 3; ++v) {
-                out[(3 * v + 0) * n + i] = vertices[v].x;
-                out[(3 * v + 1) * n + i] = vertices[v].y;
-                out[(3 * v + 2) * n + i] = vertices[v].z;
-            }
-        }
+        put_vertices(ids, n, out);
+        std::copy_n(ids, n, keys);
+        area = area_of(out, n);
         return BvhReference::triangles(first, n);
     }
 
@@ -143,11 +162,9 @@ private:
         for (std::size_t i = 0; i < n; ++i)
             if (!triangles.add(ids[i])) return false;
         if (4 * triangles.words() > 3 * plain_words * n) return false;
-        for (std::size_t i = 0; i < n; ++i) {
-            Vec3f vertices[3];
-            vertices_of(tables_, ids[i], vertices);
-            area += area_of(vertices);
-        }
+        float vertices[9 * bvh_width];
+        put_vertices(ids, n, vertices);
+        area = area_of(vertices, n);
         reference = BvhReference::indexed_triangles(triangles.put(chunk_.others) / BvhLeaf::unit);
         return true;
     }

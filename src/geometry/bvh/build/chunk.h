@@ -21,11 +21,12 @@ int gather_ids(const BinaryTree& tree, const BinaryNode& node, std::uint32_t* ou
 
 /// References are relative to the arrays here, but those of triangles, which lie in the tree's.
 struct Chunk {
-    std::uint32_t from = 0;          ///< the binary node that is its root
-    std::size_t first_triangle = 0;  ///< where in the tree's arrays they go
-    std::size_t triangles = 0;       ///< at most; when it is written: how many there are
-    std::size_t moved = 0;           ///< by how much they were moved towards the front afterwards
-    std::size_t leaves = 0;
+    std::uint32_t from = 0;                       ///< the binary node that is its root
+    std::size_t first_triangle = 0;               ///< where in the tree's arrays they go
+    std::size_t triangles = 0;                    ///< at most; when it is written: how many there are
+    std::size_t moved = 0;                        ///< by how much they were moved towards the front afterwards
+    std::size_t leaves = 0, children = 0;         ///< of leaves how many, and of all nodes' children
+    int depth = 0;                                ///< nodes from its root down to the deepest leaf
     std::size_t first_node = 0, first_other = 0;  ///< where they go in the tree's arrays
     bool compact = false;  ///< leaves of triangles hold each vertex once, where that is much smaller
     Subtree root;

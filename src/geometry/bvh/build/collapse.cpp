@@ -14,7 +14,7 @@ namespace fathom::bvh {
 
 namespace {
 
-constexpr std::uint32_t chunk_size = 1 << 14;
+constexpr std::uint32_t chunk_size = 1 << 12;
 /// Nodes above are solved by tasks of their own.
 constexpr int parallel_depth = 10;
 
@@ -74,7 +74,7 @@ public:
     {
     }
 
-    std::uint32_t run()
+    Collapsed run()
     {
         bvh_.statistics.cost += expected_cost(tables_, tree_);
         gather_chunks(0);
@@ -95,6 +95,8 @@ public:
         for (Chunk& c : chunks_) {
             close_gap(c);
             bvh_.statistics.leaves += c.leaves;
+            bvh_.statistics.nodes += c.nodes.size();
+            bvh_.statistics.children += c.children;
             c.first_node = end_of_nodes;
             c.first_other = end_of_others;
             end_of_nodes += c.nodes.size();
@@ -104,11 +106,16 @@ public:
             throw std::length_error("the scene has too many moving triangles");
         make_room(nodes_, end_of_nodes);
         make_room(bvh_.others, end_of_others + bvh_width);
-        const std::uint32_t root = emit(0).reference;
+        const std::uint32_t root = emit(0, 0).reference;
         // Before there are two of what chunks hold.
         tree_ = {};
-        for (Chunk& c : chunks_) append(c);
-        return root;
+        nodes_.resize(end_of_nodes);
+        each([&](Chunk& c) { place_nodes(c); });
+        for (Chunk& c : chunks_) {
+            bvh_.others.insert(bvh_.others.end(), c.others.begin(), c.others.end());
+            c.others = {};
+        }
+        return {root, depth_};
     }
 
 private:
@@ -151,10 +158,15 @@ private:
         c.keys_apart = {};
     }
 
-    Subtree emit(std::uint32_t i)
+    /// depth: of the node, in the tree of wide nodes.
+    Subtree emit(std::uint32_t i, int depth)
     {
         const BinaryNode& node = tree_.nodes[i];
-        if (is_chunk(node)) return placed_root(chunks_[next_chunk_++]);
+        if (is_chunk(node)) {
+            const Chunk& chunk = chunks_[next_chunk_++];
+            depth_ = std::max(depth_, depth + chunk.depth);
+            return placed_root(chunk);
+        }
         const std::size_t self = nodes_.size();
         nodes_.emplace_back();
         std::uint32_t children[bvh_width];
@@ -163,8 +175,10 @@ private:
         Subtree subtrees[bvh_width];
         for (int k = 0; k < count; ++k) {
             boxes[k] = tree_.nodes[children[k]].box();
-            subtrees[k] = emit(children[k]);
+            subtrees[k] = emit(children[k], depth + 1);
         }
+        ++bvh_.statistics.nodes;
+        bvh_.statistics.children += std::size_t(count);
         Subtree all = finish_node(nodes_[self], boxes, subtrees, count);
         all.reference = std::uint32_t(self);
         return all;
@@ -189,17 +203,15 @@ private:
         return root;
     }
 
-    /// Moves the chunk's nodes and leaves behind the others.
-    void append(Chunk& chunk)
+    /// Where they belong; those of the chunk are freed.
+    void place_nodes(Chunk& chunk)
     {
         for (BvhNode& node : chunk.nodes) {
             for (int i = 0; i < bvh_width && node.bounds[0][i] <= node.bounds[3][i]; ++i)
                 node.child[i] = place(chunk, node.child[i]);
         }
-        nodes_.insert(nodes_.end(), chunk.nodes.begin(), chunk.nodes.end());
-        bvh_.others.insert(bvh_.others.end(), chunk.others.begin(), chunk.others.end());
+        std::copy(chunk.nodes.begin(), chunk.nodes.end(), nodes_.begin() + std::ptrdiff_t(chunk.first_node));
         chunk.nodes = {};
-        chunk.others = {};
     }
 
     const GeometryTables& tables_;
@@ -210,6 +222,7 @@ private:
     const bool compact_;
     std::vector<Chunk> chunks_;
     std::size_t next_chunk_ = 0, upper_nodes_ = 0;
+    int depth_ = 0;
 };
 
 }  // namespace
@@ -217,11 +230,12 @@ private:
 float expected_cost(const GeometryTables& tables, BinaryTree& tree)
 {
     const float cost = Solver(tables, tree).solve(0, 0).c[0];
+    tree.counted = true;
     return cost / std::max(tree.nodes[0].box().half_area(), std::numeric_limits<float>::min());
 }
 
-std::uint32_t collapse(const GeometryTables& tables, BinaryTree& tree, BvhData& bvh, std::size_t& next_triangle,
-                       bool compact)
+Collapsed collapse(const GeometryTables& tables, BinaryTree& tree, BvhData& bvh, std::size_t& next_triangle,
+                   bool compact)
 {
     return Collapse(tables, tree, bvh, next_triangle, compact).run();
 }

@@ -8,10 +8,15 @@ namespace fathom::bvh {
 /// Of a ray that meets the root's box, in nodes visited, if the tree is collapsed as well as it can be.
 float expected_cost(const GeometryTables& tables, BinaryTree& tree);
 
-/// Adds the nodes and leaves of a tree, which is then freed; its root.
+struct Collapsed {
+    std::uint32_t root;  ///< a reference
+    int depth;           ///< nodes from the root down to the deepest leaf
+};
+
+/// Adds the nodes and leaves of a tree, which is then freed.
 /// next_triangle  where its triangles go, and then the next tree's
 /// compact        as in Chunk
-std::uint32_t collapse(const GeometryTables& tables, BinaryTree& tree, BvhData& bvh, std::size_t& next_triangle,
-                       bool compact);
+Collapsed collapse(const GeometryTables& tables, BinaryTree& tree, BvhData& bvh, std::size_t& next_triangle,
+                   bool compact);
 
 }  // namespace fathom::bvh

@@ -49,12 +49,12 @@ Costs join(const Costs& left, const Costs& right, float half_area, float leaf, C
     // padded[15 + j]: the right side as j + 1 children; none below that.
     alignas(64) float padded[2 * bvh_width];
     for (int i = 0; i < bvh_width; ++i) padded[i] = std::numeric_limits<float>::infinity();
-    std::memcpy(padded + bvh_width, right.c.data(), sizeof right);
+    std::memcpy(padded + bvh_width, right.c.data(), sizeof right.c);
     // Lane i is for i + 1 children, of which the left side gets k.
     V16 best;
     std::memcpy(&best, padded, sizeof best);
     V16i best_k = {};
-    for (int k = 1; k < bvh_width; ++k) {
+    for (int k = 1; k < std::min(bvh_width, left.most + 1); ++k) {
         V16 r;
         std::memcpy(&r, padded + bvh_width - k, sizeof r);
         const V16 sum = left.c[std::size_t(k - 1)] + r;
@@ -72,6 +72,7 @@ Costs join(const Costs& left, const Costs& right, float half_area, float leaf, C
     Costs costs;
     std::memcpy(costs.c.data(), &best, sizeof best);
     costs.c[0] = one;
+    costs.most = std::min(bvh_width, left.most + right.most);
     return costs;
 }
 

@@ -15,6 +15,7 @@ inline constexpr float node_cost = 1.f;
 /// Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3.3.
 struct alignas(64) Costs {
     std::array<float, bvh_width> c;
+    int most = 1;  ///< so many children at most, if they are less than 16: more are no cheaper
 };
 
 /// How to reach these costs, 4 bits each: [j - 1] for j children: how many of them the left side gets, or 0 if one is

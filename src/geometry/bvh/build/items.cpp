@@ -59,14 +59,6 @@ void set_box(Item& item, const Vec3d& low, const Vec3d& high)
     }
 }
 
-void set_box(Item& item, const Box& box)
-{
-    for (int axis = 0; axis < 3; ++axis) {
-        item.low[axis] = box.low(axis);
-        item.minus_high[axis] = -box.high(axis);
-    }
-}
-
 bool moves(const GeometryTables& tables, std::uint32_t primitive)
 {
     return !tables.vertex_times.empty() && primitive < tables.first_quad() &&
@@ -206,13 +198,18 @@ ItemList make_items(std::size_t n, const Make& make)
         parts[c] = part;
     });
     for (std::size_t c = 0; c < chunks; ++c) {
-        if (list.count != c * chunk)
-            std::memmove(&list.items[list.count], &list.items[c * chunk], parts[c].count * sizeof(Item));
         list.count += parts[c].count;
         list.triangles += parts[c].triangles;
         list.box.extend(parts[c].box);
         list.centers.extend(parts[c].centers);
     }
+    // What was left out left holes, which the last items fill.
+    std::size_t last = chunks;
+    for (std::size_t c = 0; c < last; ++c)
+        for (std::size_t& i = parts[c].count; c * chunk + i < std::min(list.count, (c + 1) * chunk);) {
+            while (parts[last - 1].count == 0) --last;
+            list.items[c * chunk + i++] = list.items[(last - 1) * chunk + --parts[last - 1].count];
+        }
     return list;
 }
 

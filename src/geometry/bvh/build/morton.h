@@ -1,16 +1,27 @@
 #pragma once
-/// Items in the order of their centres' Morton codes: Lauterbach et al. 2009, "Fast BVH Construction on GPUs". Trees
-/// made of that take half the time and are worse; see docs/performance.md.
+/// Small trees of items that are neighbours in the order of their centres' Morton codes, over which the rest of the
+/// tree is then built: there is less to split, and it is worse; see docs/performance.md. Pantaleoni and Luebke 2010,
+/// "HLBVH".
 #include <vector>
 
-#include "geometry/bvh/build/items.h"
+#include "geometry/bvh/build/binary.h"
 
 namespace fathom::bvh {
 
-/// Sorts the list's items; their codes, of 10 bits an axis. Items of one code keep their order.
-std::vector<std::uint32_t> sort_by_morton_code(ItemList& list);
+struct Clusters {
+    /// Of how many items, as a power of two, a part is made.
+    static constexpr int part_bits = 14;
 
-/// Where n sorted codes change in the highest bit that differs among them; the middle if none does.
-std::size_t morton_split(const std::uint32_t* codes, std::size_t n);
+    LargeArray<std::uint32_t> ids;               ///< of the items, in order
+    std::vector<std::vector<BinaryNode>> nodes;  ///< by part, from which their numbers count; leaves count from ids
+    std::size_t node_bytes = 0, peak_bytes = 0;  ///< of the nodes, and of all while they were made
+
+    /// The nodes of the part that a cluster is in, and which of them is its root.
+    const std::vector<BinaryNode>& part(std::uint32_t id) const { return nodes[id >> (part_bits + 1)]; }
+    static std::uint32_t root(std::uint32_t id) { return id & ((2u << part_bits) - 1); }
+};
+
+/// Replaces the list's items by clusters of them; the same for any number of threads.
+Clusters cluster_by_morton_code(ItemList& list);
 
 }  // namespace fathom::bvh

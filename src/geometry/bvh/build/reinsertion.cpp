@@ -2,8 +2,11 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <functional>
+#include <vector>
 
 namespace fathom::bvh {
 
@@ -14,6 +17,8 @@ constexpr std::uint32_t none = BinaryNode::none;
 constexpr float least_gain = 1e-3f;
 /// No node comes to lie deeper by a move: nested boxes would become a list, and traversal's stacks grow with depth.
 constexpr std::uint32_t most_depth = 96;
+/// Nodes above are tasks of their own.
+constexpr int parallel_depth = 10;
 
 /// Where a node wants to.
 struct Move {
@@ -30,11 +35,12 @@ Box around(const Box& a, const Box& b)
 
 class Reinserter {
 public:
-    explicit Reinserter(BinaryTree& tree) : nodes_(tree.nodes.data()), size_(tree.nodes.size()) {}
+    explicit Reinserter(BinaryTree& tree) : tree_(tree), nodes_(tree.nodes.data()), size_(tree.nodes.size()) {}
 
     void run(const Reinsertion& how)
     {
-        find_heights();
+        if (tree_.counted) find_height(0, 0);
+        tree_.counted = false;
         for (int round = 0; round < how.rounds; ++round) {
             select(std::size_t(how.part * double(size_)));
             tbb::parallel_for(tbb::blocked_range<std::size_t>(0, moves_.size(), 64),
@@ -45,9 +51,7 @@ public:
             moves_.erase(std::remove_if(moves_.begin(), moves_.end(), [](const Move& m) { return m.to == none; }),
                          moves_.end());
             // The best first; what they leave of others' gains is seen when it is their turn.
-            std::sort(moves_.begin(), moves_.end(), [](const Move& a, const Move& b) {
-                return a.gain != b.gain ? a.gain > b.gain : a.node < b.node;
-            });
+            std::sort(moves_.begin(), moves_.end(), before);
             std::size_t moved = 0;
             for (const Move& m : moves_) moved += apply(m);
             if (moved == 0) break;
@@ -67,39 +71,61 @@ private:
         const BinaryNode& parent = nodes_[nodes_[i].parent];
         return parent.left == i ? parent.right : parent.left;
     }
-    std::uint32_t height(std::uint32_t i) const { return nodes_[i].leaf ? 0 : std::uint32_t(nodes_[i].count); }
 
-    void find_heights()
+    void find_height(std::uint32_t i, int depth)
     {
-        // Children stand behind their parents.
-        for (std::size_t i = size_; i-- > 0;)
-            if (!nodes_[i].leaf) nodes_[i].count = 1 + std::max(height(nodes_[i].left), height(nodes_[i].right));
+        BinaryNode& node = nodes_[i];
+        if (node.leaf) return;
+        if (depth < parallel_depth) {
+            tbb::parallel_invoke([&] { find_height(node.left, depth + 1); },
+                                 [&] { find_height(node.right, depth + 1); });
+        } else {
+            find_height(node.left, depth + 1);
+            find_height(node.right, depth + 1);
+        }
+        node.count = height_above(nodes_[node.left], nodes_[node.right]);
     }
 
-    /// The n nodes with the largest boxes: a node's is at least as large as those below.
+    static bool before(const Move& a, const Move& b) { return a.gain != b.gain ? a.gain > b.gain : a.node < b.node; }
+
+    /// About n nodes have a larger one; found from some of them.
+    float area_exceeded_by(std::size_t n) const
+    {
+        const std::size_t step = size_ < 1 << 14 ? 1 : 32;
+        std::vector<float> areas;
+        for (std::size_t i = 0; i < size_; i += step) areas.push_back(area(std::uint32_t(i)));
+        const auto place = areas.begin() + std::ptrdiff_t(std::min(n / step, areas.size() - 1));
+        std::nth_element(areas.begin(), place, areas.end(), std::greater<>());
+        return *place;
+    }
+
+    /// The n nodes with the largest boxes, or nearly as many; their areas as gains.
     void select(std::size_t n)
     {
         moves_.clear();
-        std::vector<std::pair<float, std::uint32_t>> heap;
-        if (n < size_) heap.emplace_back(0.f, 0u);
-        const auto less = [](const auto& a, const auto& b) {
-            return a.first != b.first ? a.first < b.first : a.second > b.second;
-        };
-        while (!heap.empty() && moves_.size() < n) {
-            std::pop_heap(heap.begin(), heap.end(), less);
-            const std::uint32_t i = heap.back().second;
-            heap.pop_back();
-            if (i != 0) moves_.push_back({i, none, 0});
-            if (nodes_[i].leaf) continue;
-            for (std::uint32_t child : {nodes_[i].left, nodes_[i].right}) {
-                heap.emplace_back(area(child), child);
-                std::push_heap(heap.begin(), heap.end(), less);
+        if (n >= size_) {
+            for (std::uint32_t i = 1; i < size_; ++i) moves_.push_back({i, none, 0});
+            return;
+        }
+        // A node's box is at least as large as those below.
+        const float least = area_exceeded_by(n + n / 4);
+        std::vector<std::uint32_t> waiting{0};
+        while (!waiting.empty() && moves_.size() < 2 * n) {
+            const BinaryNode& node = nodes_[waiting.back()];
+            waiting.pop_back();
+            if (node.leaf) continue;
+            for (std::uint32_t child : {node.left, node.right}) {
+                const float a = area(child);
+                if (!(a >= least)) continue;
+                moves_.push_back({child, none, a});
+                waiting.push_back(child);
             }
         }
-        if (n < size_) return;
-        for (std::uint32_t i = 1; i < size_; ++i) moves_.push_back({i, none, 0});
+        if (n < moves_.size()) {
+            std::nth_element(moves_.begin(), moves_.begin() + std::ptrdiff_t(n), moves_.end(), before);
+            moves_.resize(n);
+        }
     }
-
     /// Goes up from the node, and at each step down into the other side as far as something may be gained there.
     void find(Move& move, std::vector<Place>& waiting) const
     {
@@ -153,7 +179,7 @@ private:
         std::uint32_t depth = 0;
         for (std::uint32_t i = move.to; i != none; i = nodes_[i].parent, ++depth)
             if (i == move.node) return false;
-        if (depth + 1 + std::max(height(move.node), height(move.to)) > most_depth) return false;
+        if (depth + height_above(nodes_[move.node], nodes_[move.to]) > most_depth) return false;
         if (remove(move.node) + insert(move.node, move.to) < 0) return true;
         remove(move.node);
         insert(move.node, old);
@@ -195,11 +221,12 @@ private:
             const Box fitting = around(box(node.left), box(node.right));
             growth += double(fitting.half_area()) - double(node.box().half_area());
             node.set_box(fitting);
-            node.count = 1 + std::max(height(node.left), height(node.right));
+            node.count = height_above(nodes_[node.left], nodes_[node.right]);
         }
         return growth;
     }
 
+    BinaryTree& tree_;
     BinaryNode* nodes_;
     std::size_t size_;
     std::vector<Move> moves_;

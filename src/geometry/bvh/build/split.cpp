@@ -1,5 +1,7 @@
 #include "geometry/bvh/build/split.h"
 
+#include <array>
+
 namespace fathom::bvh {
 
 Bins::Bins(int bins) : used(bins)
@@ -11,34 +13,29 @@ Bins::Bins(int bins) : used(bins)
     }
 }
 
-namespace {
-
-[[gnu::always_inline]] inline void add_to(Bins& bins, const Item& item, const BinMap& map)
-{
-    const V4i bin = map(center2(item));
-    const Box box(item);
-    for (int axis = 0; axis < 3; ++axis) {
-        V8& b = bins.box[bin[axis]][axis];
-        b = b < box.v ? b : box.v;
-        ++bins.count[bin[axis]][axis];
-    }
-}
-
-}  // namespace
-
 void Bins::add(const Item* items, std::size_t n, const BinMap& map)
 {
+    const auto add_to = [&](Bins& bins, const Item& item) {
+        const Box item_box(item);
+        const V4i bin = map(item_box.center2());
+        for (int axis = 0; axis < 3; ++axis) {
+            const std::uint32_t i = std::uint32_t(bin[axis]);
+            V8& b = bins.box[i][axis];
+            b = b < item_box.v ? b : item_box.v;
+            ++bins.count[i][axis];
+        }
+    };
     if (n < 64) {
-        for (std::size_t i = 0; i < n; ++i) add_to(*this, items[i], map);
+        for (std::size_t i = 0; i < n; ++i) add_to(*this, items[i]);
         return;
     }
     // Neighbours often share a bin, and would wait for each other: they take turns with two sets.
     Bins odd(used);
     for (std::size_t i = 0; i + 1 < n; i += 2) {
-        add_to(*this, items[i], map);
-        add_to(odd, items[i + 1], map);
+        add_to(*this, items[i]);
+        add_to(odd, items[i + 1]);
     }
-    if (n & 1) add_to(*this, items[n - 1], map);
+    if (n & 1) add_to(*this, items[n - 1]);
     merge(odd);
 }
 
@@ -63,17 +60,19 @@ Split best_split(const Bins& bins, const BinMap& map)
         /// Area times count by axis; none where there is nothing.
         V4 add(const Bins& from, int bin)
         {
-            V4 x, y, z, n = {};
-            x = y = z = n;
             V4i more;
             std::memcpy(&more, from.count[bin], sizeof more);
             count += more;
+            V4 size[3];
             for (int axis = 0; axis < 3; ++axis) {
                 box[axis].extend(from.box[bin][axis]);
-                x[axis] = -box[axis].v[4] - box[axis].v[0];
-                y[axis] = -box[axis].v[5] - box[axis].v[1];
-                z[axis] = -box[axis].v[6] - box[axis].v[2];
+                size[axis] = box[axis].minus_size();
             }
+            const V4 xy_low = __builtin_shufflevector(size[0], size[1], 0, 4, 1, 5);
+            const V4 x = __builtin_shufflevector(xy_low, size[2], 0, 1, 4, 7);
+            const V4 y = __builtin_shufflevector(xy_low, size[2], 2, 3, 5, 7);
+            const V4 xy_high = __builtin_shufflevector(size[0], size[1], 2, 6, 3, 7);
+            const V4 z = __builtin_shufflevector(xy_high, size[2], 0, 1, 6, 7);
             return (x * y + (x + y) * z) * __builtin_convertvector(count, V4);
         }
     };
@@ -113,32 +112,47 @@ Split find_split(const Item* items, std::size_t n, const CenterBounds& centers, 
     return best_split(bins, map);
 }
 
-std::size_t partition(Item* items, std::size_t n, const BinMap& map, const Split& split, CenterBounds& left,
-                      CenterBounds& right)
+namespace {
+
+/// Without branches: which side an item goes to can't be foreseen. Centres as (c, -c), like boxes.
+template <int axis>
+std::size_t partition_along(Item* items, std::size_t n, const BinMap& map, int last_left, CenterBounds& left,
+                            CenterBounds& right)
 {
-    // Without branches: which side an item goes to can't be foreseen. Centres as (c, -c), like boxes.
     using V8i = std::int32_t __attribute__((vector_size(32)));
     const V8 none = Box().v;
-    V8 bounds[2] = {none, none};
-    const V4i last_left = V4i{} + split.bin;
+    V8 left_bounds = none, right_bounds = none;
+    const V4i last = V4i{} + last_left;
     std::size_t to = 0;
     for (std::size_t i = 0; i < n; ++i) {
         const Item item = items[i];
         const V8 box = Box(item).v;
         const V8 center = box - __builtin_shufflevector(box, box, 4, 5, 6, 7, 0, 1, 2, 3);
-        const V4i stays = map(__builtin_shufflevector(center, center, 0, 1, 2, 3)) <= last_left;
-        const std::int32_t is_left = stays[split.axis];
+        const V4i stays = map(__builtin_shufflevector(center, center, 0, 1, 2, 3)) <= last;
+        const V8i l = __builtin_shufflevector(stays, stays, axis, axis, axis, axis, axis, axis, axis, axis);
         items[i] = items[to];
         items[to] = item;
-        to -= std::ptrdiff_t(is_left);
-        const V8i l = V8i{} + is_left;
+        to -= std::ptrdiff_t(stays[axis]);
         const V8 for_left = l ? center : none, for_right = l ? none : center;
-        bounds[0] = bounds[0] < for_left ? bounds[0] : for_left;
-        bounds[1] = bounds[1] < for_right ? bounds[1] : for_right;
+        left_bounds = left_bounds < for_left ? left_bounds : for_left;
+        right_bounds = right_bounds < for_right ? right_bounds : for_right;
     }
-    std::memcpy(&left, &bounds[0], sizeof left);
-    std::memcpy(&right, &bounds[1], sizeof right);
+    const auto as_bounds = [](const V8& v, CenterBounds& out) {
+        out.low = __builtin_shufflevector(v, v, 0, 1, 2, 3);
+        out.minus_high = __builtin_shufflevector(v, v, 4, 5, 6, 7);
+    };
+    as_bounds(left_bounds, left);
+    as_bounds(right_bounds, right);
     return to;
+}
+
+}  // namespace
+
+std::size_t partition(Item* items, std::size_t n, const BinMap& map, const Split& split, CenterBounds& left,
+                      CenterBounds& right)
+{
+    constexpr auto along = std::array{partition_along<0>, partition_along<1>, partition_along<2>};
+    return along[std::size_t(split.axis)](items, n, map, split.bin, left, right);
 }
 
 void split_at(const ItemSet& all, const Split& split, const BinMap& map, ItemSet& left, ItemSet& right)

@@ -53,12 +53,27 @@ struct alignas(32) Box {
     void extend(const Item& item) { extend(Box(item)); }
     float low(int axis) const { return v[axis]; }
     float high(int axis) const { return -v[4 + axis]; }
+    /// By axis, negative; the fourth is no number.
+    V4 minus_size() const
+    {
+        return __builtin_shufflevector(v, v, 0, 1, 2, 3) + __builtin_shufflevector(v, v, 4, 5, 6, 7);
+    }
+    /// Twice the centre.
+    V4 center2() const { return __builtin_shufflevector(v, v, 0, 1, 2, 3) - __builtin_shufflevector(v, v, 4, 5, 6, 7); }
     float half_area() const
     {
         const float x = high(0) - low(0), y = high(1) - low(1), z = high(2) - low(2);
         return x * y + (x + y) * z;
     }
 };
+
+inline void set_box(Item& item, const Box& box)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        item.low[axis] = box.v[axis];
+        item.minus_high[axis] = box.v[4 + axis];
+    }
+}
 
 /// Twice the centre of the item's box.
 inline V4 center2(const Item& item)

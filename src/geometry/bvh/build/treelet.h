@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "geometry/bvh/build/binary.h"
+#include "geometry/bvh/build/morton.h"
 #include "geometry/bvh/build/spatial.h"
 
 namespace fathom::bvh {
@@ -11,15 +12,14 @@ namespace fathom::bvh {
 struct Treelet {
     ItemSet set;
     int depth = 0;
-    /// Of the items, by which they are sorted, and then split; null: they are split by the surface area heuristic. Then
-    /// boxes are not known yet.
-    const std::uint32_t* codes = nullptr;
     std::vector<BinaryNode> nodes;  ///< the first is its root; children and parents count from it
 
     /// Items may be cut if there is a splitter.
     /// together  so many items stay together where one leaf can hold them
     /// ids  gets those of all items, where these stand behind first_item, from which leaves count
-    void build(const SpatialSplitter* splitter, std::size_t together, const Item* first_item, std::uint32_t* ids);
+    /// clusters  what items are, of which each becomes its own tree; null: they are just items
+    void build(const SpatialSplitter* splitter, std::size_t together, const Item* first_item, std::uint32_t* ids,
+               const Clusters* clusters);
 };
 
 }  // namespace fathom::bvh

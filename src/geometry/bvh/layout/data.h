@@ -97,7 +97,7 @@ static_assert(sizeof(BvhNode) == 512);
 /// hits go to the lower one.
 using BvhKey = std::uint32_t;
 
-using BvhNodes = std::vector<BvhNode, LargeAllocator<BvhNode>>;
+using BvhNodes = std::vector<BvhNode, UnsetAllocator<BvhNode>>;
 
 struct BvhData {
     BvhNodes nodes;
