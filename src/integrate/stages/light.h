@@ -2,6 +2,7 @@
 #include "integrate/camera_paths.h"
 #include "integrate/stages/material.h"
 #include "light/environment.h"
+#include "light/moving_light.h"
 #include "light/selector.h"
 #include "shading/alpha.h"
 
@@ -14,7 +15,7 @@ public:
         : scene_(scene), tables_(scene.tables), surfaces_(scene), materials_(scene), selector_(scene.tables, selection)
     {
         is_alone_ = tables_.lights.size() == 1 && tables_.environment.light == no_index &&
-                    tables_.lights[0].material == no_index;
+                    tables_.lights[0].material == no_index && !scene.moving_lights;
     }
 
     /// A point of the only light, or of one that is selected; then the sample's density is that of both choices.
@@ -54,11 +55,43 @@ public:
         return mis_weight(pdf, selector_.pmf(light, o, m) * pdf_light(light, o, time, d, distance, m));
     }
 
+    /// The same of lights by their numbers, which may move.
+    Float emission_weight_of(UInt light, const Vec3& o, Float time, const Vec3& d, Float distance, Float pdf,
+                             Mask m) const
+    {
+        const LightReader<false> record(tables_.lights.data(), light);
+        if (any_moves(record, m))
+            return mis_weight(pdf, selector_.pmf(record, o, m) * pdf_moving(record, o, time, d, distance, m));
+        return emission_weight(record, o, time, d, distance, pdf, m);
+    }
+
 private:
+    bool any_moves(const LightReader<false>& light, Mask m) const
+    {
+        return scene_.moving_lights && any(m & (light.motion_flags() != UInt(0u)));
+    }
+    [[gnu::noinline]] Float pdf_moving(const LightReader<false>& light, const Vec3& o, Float time, const Vec3& d,
+                                       Float distance, Mask m) const
+    {
+        return pdf_light(MovingLight(light, tables_, time, m), o, time, d, distance, m);
+    }
+
     [[gnu::noinline]] LightSample choose(Mask valid, Vec3 eye, LightSelector::Choice choice, Sample2 random,
                                          Float time) const
     {
         const LightReader<false> light(tables_.lights.data(), choice.light);
+        return any_moves(light, valid) ? sample_moving(light, valid, eye, choice, random, time)
+                                       : sample_chosen(light, valid, eye, choice, random, time);
+    }
+    [[gnu::noinline]] LightSample sample_moving(const LightReader<false>& light, Mask valid, Vec3 eye,
+                                                LightSelector::Choice choice, Sample2 random, Float time) const
+    {
+        return sample_chosen(MovingLight(light, tables_, time, valid), valid, eye, choice, random, time);
+    }
+    template <class Light>
+    LightSample sample_chosen(const Light& light, Mask valid, Vec3 eye, LightSelector::Choice choice, Sample2 random,
+                              Float time) const
+    {
         LightSample s = sample_light(light, eye, time, random, valid);
         const Mask environment = is_kind(light.kind(), LightRecordKind::environment);
         if (any(valid & environment)) {
