@@ -79,7 +79,7 @@ LightPath::LightPath(std::span<const PoseRecord> poses)
     area_factor_ /= double(steps_.size());
 }
 
-void LightPath::put_ball(Vec3d center, double radius, MovingBounds& to) const
+void LightPath::put_ball(Vec3d center, double radius, LightExtent& to) const
 {
     Vec3d lo, hi;
     bool is_first = true;

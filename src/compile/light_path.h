@@ -28,7 +28,7 @@ public:
     /// Of areas, about.
     double mean_area_factor() const { return area_factor_; }
     /// Around a ball that is carried along.
-    void put_ball(Vec3d center, double radius, MovingBounds& to) const;
+    void put_ball(Vec3d center, double radius, LightExtent& to) const;
     NormalCone cone(Vec3d normal) const;
 
 private:

@@ -132,6 +132,7 @@ void put_emission(Item& item, const LightRecord& l, double power)
             item.intensity = power / (l.two_sided ? 8 * pi : 4 * pi);
             return;
         case LightRecordKind::point:
+        case LightRecordKind::curve:
             item.intensity = power / (4 * pi);
             return;
         case LightRecordKind::spot:
@@ -157,20 +158,20 @@ double cosine_of_sum(double a, double b)
     return a + b <= 0 ? -1 : a * b - std::sqrt((1 - a * a) * (1 - b * b));
 }
 
-void put_motion(Item& item, const MovingBounds& bounds)
+void put_extent(Item& item, const LightExtent& extent)
 {
-    item.center = bounds.center;
-    item.radius = bounds.radius;
+    item.center = extent.center;
+    item.radius = extent.radius;
     if (item.cos_normals <= -1) return;
-    item.axis = bounds.axis;
-    item.cos_normals = cosine_of_sum(item.cos_normals, std::min(bounds.cos_turned, 1.0));
+    item.axis = extent.axis;
+    item.cos_normals = cosine_of_sum(item.cos_normals, std::min(extent.cos_turned, 1.0));
     if (item.cos_normals <= -1) item.axis = {};
 }
 
 class TreeBuilder {
 public:
     TreeBuilder(LightTables& t, const std::vector<double>& powers, double open, double close,
-                const std::vector<MovingBounds>& moving)
+                const std::vector<LightExtent>& extents)
         : t_(t)
     {
         items_.resize(t.placed_lights);
@@ -182,7 +183,7 @@ public:
             all += items_[i].intensity;
         }
         for (Item& item : items_) item.intensity /= all;
-        for (const MovingBounds& bounds : moving) put_motion(items_[bounds.light], bounds);
+        for (const LightExtent& extent : extents) put_extent(items_[extent.light], extent);
     }
 
     void run()
@@ -385,9 +386,9 @@ private:
 }  // namespace
 
 void build_light_tree(LightTables& t, const std::vector<double>& powers, double open, double close,
-                      const std::vector<MovingBounds>& moving)
+                      const std::vector<LightExtent>& extents)
 {
-    TreeBuilder(t, powers, open, close, moving).run();
+    TreeBuilder(t, powers, open, close, extents).run();
 }
 
 }  // namespace fathom

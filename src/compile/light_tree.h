@@ -6,8 +6,8 @@
 
 namespace fathom {
 
-/// Where a light is at some time or other while the shutter is open.
-struct MovingBounds {
+/// Where a light is, at some time or other while the shutter is open.
+struct LightExtent {
     std::uint32_t light;
     Vec3d center;
     double radius;
@@ -19,8 +19,8 @@ struct MovingBounds {
 ///
 /// powers  of the lights, above 0
 /// open, close  times between which spheres move
-/// moving  of the lights that move otherwise
+/// extents  of the lights that move otherwise, and of those whose records don't tell where they are
 void build_light_tree(LightTables& t, const std::vector<double>& powers, double open, double close,
-                      const std::vector<MovingBounds>& moving = {});
+                      const std::vector<LightExtent>& extents = {});
 
 }  // namespace fathom

@@ -10,6 +10,7 @@
 #include "compile/luminance.h"
 #include "compile/poses.h"
 #include "compile/sky.h"
+#include "geometry/shapes/curve.h"
 
 namespace fathom {
 
@@ -51,16 +52,15 @@ public:
         add_environment();
         add_sun();
         make_distribution();
-        build_light_tree(t_, powers_, double(t_.shutter_open), double(t_.shutter_close), moving_);
+        build_light_tree(t_, powers_, double(t_.shutter_open), double(t_.shutter_close), extents_);
     }
 
 private:
-    /// Whether its surfaces are lights. Curves are found by the directions that surfaces choose, not sampled.
+    /// Whether its surfaces are lights.
     bool is_sampled(const ShapeRecord& shape) const
     {
         const MaterialRecord& material = t_.materials[shape.material];
-        const bool is_curve = shape.first_primitive >= t_.first_curve() && shape.first_primitive < t_.first_point();
-        return (material.flags & MaterialRecord::emits) && !(material.flags & MaterialRecord::unlit) && !is_curve;
+        return (material.flags & MaterialRecord::emits) && !(material.flags & MaterialRecord::unlit);
     }
 
     /// Lights of what stands in the world itself.
@@ -111,12 +111,46 @@ private:
             light.material = varied ? shape.material : no_index;
             light.two_sided = (material.flags & MaterialRecord::two_sided_emission) != 0;
             std::copy(material.emission.begin(), material.emission.end(), light.radiance);
+            // Power; a texture is taken for half as bright as its factor, a curve shines to its outside only.
+            const bool is_curve = light.kind == std::uint32_t(LightRecordKind::curve);
             const bool moves = path || shape.moving_vertices > 0;
-            const double area =
-                moves ? set_motion(light, {p, shape.moving_vertices, flipped, to_render, path}) : double(light.area);
-            // Power; a texture is taken for half as bright as its factor.
-            add(light, luminance(light.radiance) * area * std::numbers::pi * (light.two_sided ? 2 : 1));
+            const double area = is_curve ? add_curve_extent(p, shape.flags, to_render, path)
+                                : moves  ? set_motion(light, {p, shape.moving_vertices, flipped, to_render, path})
+                                         : double(light.area);
+            const int sides = light.two_sided && !is_curve ? 2 : 1;
+            add(light, luminance(light.radiance) * area * std::numbers::pi * sides);
         }
+    }
+
+    /// Notes where a segment of a curve is; returns its area, as if it were round. to_render: a similarity.
+    double add_curve_extent(std::uint32_t p, std::uint32_t flags, const Transform& to_render, const LightPath* path)
+    {
+        const CurveRecord& curve = t_.curves[p - t_.first_curve()];
+        const bool linear = flags & ShapeRecord::linear_curves;
+        CurvePoint<double> points[4];
+        for (std::size_t i = 0; i < (linear ? 2 : 4); ++i) {
+            const Vec4f& v = t_.curve_points[curve.first_point + i];
+            points[i] = {double(v.x), double(v.y), double(v.z), double(v.w)};
+        }
+        const auto at = [&](std::uint32_t k) {
+            const double u = double(k) / curve.pieces;
+            return linear ? between(points[0], points[1], u) : bezier(points, u);
+        };
+        const auto place = [](const CurvePoint<double>& q) { return Vec3d{q.x, q.y, q.z}; };
+        const Vec3d center = (place(at(0)) + place(at(curve.pieces))) * 0.5;
+        double radius = 0, area = 0;
+        for (std::uint32_t k = 0; k <= curve.pieces; ++k) {
+            const CurvePoint<double> q = at(k);
+            radius = std::max(radius, length(place(q) - center) + q.r);
+            if (k == 0) continue;
+            const CurvePoint<double> before = at(k - 1);
+            area += std::numbers::pi * (before.r + q.r) * length(place(q) - place(before));
+        }
+        const double scale = scale_of(to_render);
+        LightExtent extent{std::uint32_t(t_.lights.size()), to_render.point(center), radius * scale, {}};
+        if (path) path->put_ball(center, radius, extent);
+        extents_.push_back(extent);
+        return area * (path ? path->mean_area_factor() : scale * scale);
     }
 
     struct Motion {
@@ -126,14 +160,14 @@ private:
         const Transform& to_render;
         const LightPath* path;
     };
-    /// What a light of a primitive that moves has besides, and its bounds. Returns its mean area.
+    /// What a light of a primitive that moves has besides, and its extent. Returns its mean area.
     double set_motion(LightRecord& light, const Motion& m)
     {
         if (light.instance != no_index) light.motion |= LightRecord::placed;
         // An instance's stretch may shear it.
         if (m.path && !m.path->keeps_shape() && light.kind == std::uint32_t(LightRecordKind::rectangle))
             unsquare(light);
-        MovingBounds bounds{std::uint32_t(t_.lights.size()), {}, 0, {}};
+        LightExtent extent{std::uint32_t(t_.lights.size()), {}, 0, {}};
         Ball ball = own_ball(light);
         double area = double(light.area);
         NormalCone normals{{double(light.normal[0]), double(light.normal[1]), double(light.normal[2])}, 1};
@@ -143,14 +177,14 @@ private:
             if (m.flipped && light.instance == no_index) light.motion |= LightRecord::flipped;
             ball = follow_vertices(m, normals, area);
         }
-        bounds.center = ball.center, bounds.radius = ball.radius;
+        extent.center = ball.center, extent.radius = ball.radius;
         if (m.path) {
-            m.path->put_ball(ball.center, ball.radius, bounds);
+            m.path->put_ball(ball.center, ball.radius, extent);
             normals = m.vertices > 0 ? NormalCone() : m.path->cone(normals.axis);
             area *= m.path->mean_area_factor();
         }
-        bounds.axis = normals.axis, bounds.cos_turned = normals.cosine;
-        moving_.push_back(bounds);
+        extent.axis = normals.axis, extent.cos_turned = normals.cosine;
+        extents_.push_back(extent);
         return area;
     }
 
@@ -256,6 +290,8 @@ private:
             const SphereRecord& s = t_.spheres[p - t_.first_sphere()];
             put_ball(light, to_double(s.center), double(s.radius), to_render);
             put(light.motion_or_center, to_render.vector(to_double(s.motion)));
+        } else if (p >= t_.first_curve() && p < t_.first_point()) {
+            light.kind = std::uint32_t(LightRecordKind::curve);
         } else if (p >= t_.first_point()) {
             const Vec4f& point = t_.points[p - t_.first_point()];
             put_ball(light, {double(point.x), double(point.y), double(point.z)}, double(point.w), to_render);
@@ -322,11 +358,11 @@ private:
         t_.moving = true;
         put(light.edge_u, {0, 0, -1});
         const LightPath path(poses);
-        MovingBounds bounds{std::uint32_t(t_.lights.size()), {}, 0, {}};
-        path.put_ball({}, 0, bounds);
+        LightExtent extent{std::uint32_t(t_.lights.size()), {}, 0, {}};
+        path.put_ball({}, 0, extent);
         const NormalCone directions = path.cone({0, 0, -1});
-        bounds.axis = directions.axis, bounds.cos_turned = directions.cosine;
-        moving_.push_back(bounds);
+        extent.axis = directions.axis, extent.cos_turned = directions.cosine;
+        extents_.push_back(extent);
     }
 
     void add_environment()
@@ -390,7 +426,7 @@ private:
     Compiler& c_;
     SceneTables& t_;
     std::vector<double> powers_;
-    std::vector<MovingBounds> moving_;
+    std::vector<LightExtent> extents_;
     const std::vector<std::vector<NodeKey>>* motions_ = nullptr;
     const double scene_radius_;
 };

@@ -328,7 +328,8 @@ private:
             if (const Mask shared = shows & (light != UInt(no_index)) & !specular; any(shared)) {
                 const UInt number = select(shared, light, UInt(0u));
                 const Float pdf = p.bsdf_pdf.gather(index, m);
-                weight = select(shared, lights_.emission_weight_of(number, hit.o, hit.time, hit.d, hit.t, pdf, shared),
+                weight = select(shared,
+                                lights_.emission_weight_of(number, hit.o, hit.time, hit.d, hit.t, hit.u, pdf, shared),
                                 weight);
             }
         }

@@ -75,6 +75,9 @@ void LaneScene::read_tables()
                                 [](const LightRecord& light) { return light.material != no_index; });
     moving_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
                                 [](const LightRecord& light) { return light.motion != 0; });
+    curve_lights = std::any_of(tables.lights.begin(), tables.lights.end(), [](const LightRecord& light) {
+        return light.kind == std::uint32_t(LightRecordKind::curve);
+    });
     if (is_flat) {
         primitive_info.clear();
         for (std::uint32_t shape : tables.shape_of_primitive) primitive_info.push_back(shape_info[shape]);

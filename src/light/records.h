@@ -20,7 +20,8 @@ enum class LightRecordKind : std::uint32_t {
     point,
     spot,
     directional,
-    environment
+    environment,
+    curve  ///< a segment: its geometry is in the tables of curves
 };
 
 /// One light, or one emissive primitive. Read by lanes as an array of 32 floats.

@@ -60,7 +60,7 @@ TEST(LightPath, HoldsWhatItCarries)
         EXPECT_EQ(path.keeps_shape(), keeps_shape);
         const Vec3d center = chance.vector(3), normal = normalize(chance.vector(1));
         const double radius = chance(0, 1);
-        MovingBounds ball{};
+        LightExtent ball{};
         path.put_ball(center, radius, ball);
         const NormalCone cone = path.cone(normal);
         narrow += cone.cosine > 0;

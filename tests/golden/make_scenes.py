@@ -283,6 +283,22 @@ def moving_lamps():
         lights={"spot": {"kind": "spot", "intensity": 4, "outer_angle_deg": 40}, "point": {"kind": "point", "intensity": 1}})
 
 
+def glowing_curves():
+    """Round and flat, of lines and smooth ones, in the world, placed twice, and in a node that moves."""
+    points = lambda z: [[round(0.9 * math.sin(1.3 * i), 4), 1.2 + 0.2 * i, z + round(0.3 * math.cos(1.3 * i), 4), 0.02 + 0.01 * (i % 3)]
+                        for i in range(7)]
+    curves = lambda z, basis, style: {"curves": [points(z), points(z - 0.4)], "basis": basis, "style": style}
+    emit = {"kind": "none", "emission": {"texture": {"kind": "checker_uv", "scale": 6, "color_a": [3, 2, 1], "color_b": [6, 6, 9]}}}
+    write("glowing-curves", environment=None, camera={**CAMERA, "shutter": [0, 1]}, scene=[
+        FLOOR, {**BALL, "material": {"color": 0.7}},
+        {"material": emit, "curves": curves(0.6, "bspline", "round")}, {"material": emit, "curves": curves(-0.4, "linear", "ribbon")},
+        *({"material": emit, "curves": "placed", "transform": {"translate": [x, 0, 0], "scale": 0.7}} for x in (-1, 1)),
+        {"material": emit, "curves": curves(0.2, "linear", "round"),
+         "motion": [{"time": 0, "transform": {"translate": [-1, 0, 0]}},
+                    {"time": 1, "transform": {"translate": [-0.6, 0.2, 0], "rotate": {"axis": [0, 1, 0], "angle_deg": 50}}}]}],
+        curves={"placed": curves(0, "bezier", "ribbon")})
+
+
 def lights():
     def lit(name, nodes=(), lights=None, **more):
         write(name, scene=[FLOOR, {**BALL, "material": {"color": 0.7}}, *nodes], environment=None, lights=lights or {}, **more)
@@ -306,6 +322,7 @@ def lights():
                        for i in range(12)], {"p": {"kind": "point", "position": [0, 2.5, 2], "intensity": 2}})
     hundreds_of_lamps()
     moving_lamps()
+    glowing_curves()
     write("sky-constant", scene=with_material(color=0.7), environment={"kind": "constant", "color": [0.5, 0.7, 0.9]})
     write("sky-gradient", scene=with_material(color=0.7),
           environment={**SKY, "rotate": {"axis": [1, 0, 0.5], "angle_deg": 50}})

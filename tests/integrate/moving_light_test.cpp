@@ -259,6 +259,29 @@ TEST(MovingLights, HaveLessNoiseThanWhatIsFoundByChance)
         }
 }
 
+/// A panel that faces up at first, and down in the end, beside a lamp that is always seen: the choice between both
+/// knows that each may shine.
+TEST(MovingLights, TurnTowardsTheFloor)
+{
+    Way way{"turns over", {0, 0, 0}, 2.8, {1, 0, 0}};
+    const Rectangle up{{-0.2, 0, 0.2}, {0.4, 0, 0}, {0, 0, -0.4}};
+    const Transform place = Transform::translate({0, 1, 0});
+    Floor floor;
+    floor.samples = 1024;
+    floor.shutter_close = 1;
+    floor.furnish = [&](SceneBuilder& b) {
+        b.add(Sphere{{1, 1, 0}, 0.2, {}}, b.diffuse(0, {1, 1, 1}));
+        std::vector<NodeKey> keys = way.keys();
+        for (NodeKey& key : keys) key.parent_from_node = place * key.parent_from_node;
+        add_node(b, keys, {up, b.diffuse(0, {3, 3, 3}), ""});
+    };
+    constexpr int times = 2000;
+    double expected = irradiance(ball_cells({1, 1, 0}, 0.2), {}, false, floor_point);
+    for (int i = 0; i < times; ++i)
+        expected += 3 * irradiance(rectangle_cells(up), place * way.at((i + 0.5) / times), false, floor_point) / times;
+    floor.expect(floor_point.x, floor_point.z, expected, 4e-3);
+}
+
 /// Those of a node, which are where it is.
 TEST(MovingLights, PointsAndSpots)
 {
