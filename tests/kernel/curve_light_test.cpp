@@ -181,7 +181,8 @@ TEST(CurveLight, DirectionsFollowTheDensity)
                         double(all[k]) * 2 * std::numbers::pi * width[0] * width[1] / n / n;
             }
         double all = 0;
-        for (double& e : expected) all += e, e *= draws;
+        // Where only a corner of a cell has some, rays between the fine ones may have met it.
+        for (double& e : expected) all += e, e = std::max(e * draws, 0.01);
         EXPECT_LT(all, 1.01) << form.name;
         expected.back() = std::max(draws * (1 - all), 0.0);
         EXPECT_EQ(test::chi_square(drawn, expected), "") << form.name;
