@@ -261,7 +261,8 @@ bool SceneCompiler::update_materials(Compiler& c)
     compile_material_records(c);
     const auto alike = [](const MaterialRecord& a, const MaterialRecord& b) {
         constexpr std::uint32_t shown = MaterialRecord::textured | MaterialRecord::normal_mapped;
-        return a.alpha_mode == b.alpha_mode && (a.flags & shown) == (b.flags & shown) &&
+        return a.alpha_mode == b.alpha_mode && a.has_inside() == b.has_inside() &&
+               (a.flags & shown) == (b.flags & shown) &&
                (a.emission_texture == no_index) == (b.emission_texture == no_index);
     };
     return std::equal(before.begin(), before.end(), tables_->materials.begin(), tables_->materials.end(), alike);

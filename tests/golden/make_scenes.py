@@ -323,6 +323,9 @@ def lights():
     hundreds_of_lamps()
     moving_lamps()
     glowing_curves()
+    write("fibres", scene=[FLOOR, LAMP, *({"material": {"kind": "glass", "attenuation_color": [0.4, 0.8, 0.6], "attenuation_distance": 0.3}, "curves": {
+        "basis": basis, "curves": [[[0.25 * k - 1.5 + 0.3 * math.sin(k), 0.3 * (k % 4) + y, z, 0.08 + 0.03 * (k % 2)] for k in range(10)]]}}
+        for basis, y, z in (("linear", 0.3, 0.8), ("bspline", 0.8, 0)))])
     write("sky-constant", scene=with_material(color=0.7), environment={"kind": "constant", "color": [0.5, 0.7, 0.9]})
     write("sky-gradient", scene=with_material(color=0.7),
           environment={**SKY, "rotate": {"axis": [1, 0, 0.5], "angle_deg": 50}})
