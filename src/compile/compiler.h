@@ -25,6 +25,7 @@ struct ShapeOccurrence {
 struct LightOccurrence {
     const Light* light;
     Transform render_from_node;
+    int motion = -1;  ///< as of a shape
 };
 struct Occurrences {
     std::vector<ShapeOccurrence> shapes;
@@ -76,8 +77,8 @@ void compile_instances(Compiler& c, const Occurrences& occurrences, const Placed
 bool replace_vertices(Compiler& c, const PlacedContents& contents, const Mesh& mesh);
 /// Fills the environment's record, and makes the distribution of its picture. Materials must be there.
 void compile_environment(Compiler& c);
-/// Fills the lights: emissive primitives, lights of nodes, the environment, instead of those that were there. Geometry
-/// and the environment must be there.
-void compile_lights(Compiler& c, const std::vector<LightOccurrence>& lights);
+/// Fills the lights: emissive primitives, lights of nodes, the environment, instead of those that were there. Geometry,
+/// instances with their poses, and the environment must be there.
+void compile_lights(Compiler& c, const Occurrences& occurrences);
 
 }  // namespace fathom

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "compile/check_sizes.h"
@@ -47,6 +48,7 @@ public:
         t_.vertex_times = instancing_.vertex_times();
         t_.moving = !t_.vertex_times.empty();
         const bool joins = count_triangles(shapes) <= most_joined_triangles;
+        find_solids(shapes);
         std::vector<const ShapeOccurrence*> instanced, rest;
         // Triangles in render space come first, then those of what is instanced, then the other kinds.
         for (ShapeOccurrence& p : shapes)
@@ -122,6 +124,13 @@ private:
             add_curves(p, c_.scene.curves[std::size_t(c->curves)]);
         if (const auto* q = std::get_if<PointsInstance>(&p.shape->geometry))
             add_points(p, c_.scene.points[std::size_t(q->points)]);
+    }
+
+    /// What light gets into, in some of its places at least.
+    void find_solids(const std::vector<ShapeOccurrence>& shapes)
+    {
+        for (const ShapeOccurrence& p : shapes)
+            if (t_.materials[material_of(*p.shape)].has_inside()) solids_.insert(content_of(c_, *p.shape));
     }
 
     /// Triangles are joined to parallelograms where a scene is small enough to be traced as a list.
@@ -374,7 +383,10 @@ private:
         ShapeRecord& shape = add_shape(p, t_.first_curve() + std::uint32_t(t_.curves.size()), false);
         make_opaque(shape);
         if (curves.basis == CurveBasis::linear) shape.flags |= ShapeRecord::linear_curves;
-        if (curves.ribbons) shape.flags |= ShapeRecord::ribbons;
+        if (curves.ribbons)
+            shape.flags |= ShapeRecord::ribbons;
+        else if (solids_.contains(content_of(c_, *p.shape)))
+            shape.flags |= ShapeRecord::solid_curves;
         take_primitives(fathom::add_curves(t_, curves, p.render_from_node, factor));
         if (t_.curves.size() > CurveRecord::max_segments)
             throw Error(c_.scene.file, "", "more than 2^27 segments of curves");
@@ -396,6 +408,7 @@ private:
     const Instancing instancing_;
     PlacedContents contents_;
     std::size_t degenerate_ = 0, opaque_ = 0;
+    std::set<const void*> solids_;                                                   ///< by content_of
     std::vector<std::pair<const ShapeOccurrence*, std::vector<Rectangle>>> joined_;  ///< shapes of joined triangles
 };
 

@@ -7,7 +7,6 @@
 #include "compile/compiler.h"
 #include "compile/instancing.h"
 #include "compile/poses.h"
-#include "fathom/error.h"
 
 namespace fathom {
 
@@ -55,7 +54,8 @@ private:
         instance.shape = shape_of(*p.shape, instance.mesh_shape);
         const Transform inverse = p.render_from_node.inverse();
         for (std::size_t i = 0; i < 12; ++i) instance.object_from_render[i] = float(inverse.m[i / 4][i % 4]);
-        if (p.motion >= 0) add_poses(pose_tables(all_.motions[std::size_t(p.motion)]), instance);
+        if (p.motion >= 0)
+            instance.poses = append_poses(t_, pose_tables(all_.motions[std::size_t(p.motion)]), c_.scene.file);
         t_.instances.push_back(instance);
     }
 
@@ -80,15 +80,6 @@ private:
         }
         t_.shapes.push_back(shape);
         return number;
-    }
-
-    void add_poses(const std::vector<PoseRecord>& poses, InstanceRecord& instance)
-    {
-        if (poses.size() > InstanceRecord::most_poses || t_.poses.size() > InstanceRecord::most_first_pose)
-            throw Error(c_.scene.file, "",
-                        "motion of nodes is too complicated: more keys while the shutter is open than can be held");
-        instance.poses = std::uint32_t(t_.poses.size()) << 8 | std::uint32_t(poses.size());
-        t_.poses.insert(t_.poses.end(), poses.begin(), poses.end());
     }
 
     Compiler& c_;

@@ -132,6 +132,7 @@ void put_emission(Item& item, const LightRecord& l, double power)
             item.intensity = power / (l.two_sided ? 8 * pi : 4 * pi);
             return;
         case LightRecordKind::point:
+        case LightRecordKind::curve:
             item.intensity = power / (4 * pi);
             return;
         case LightRecordKind::spot:
@@ -151,9 +152,27 @@ void put_emission(Item& item, const LightRecord& l, double power)
     if (!std::isfinite(dot(item.axis, item.axis))) item.axis = {}, item.cos_normals = -1;
 }
 
+/// The cosine of the sum of two angles, which are given by theirs; -1 if that is 180 degrees or more.
+double cosine_of_sum(double a, double b)
+{
+    return a + b <= 0 ? -1 : a * b - std::sqrt((1 - a * a) * (1 - b * b));
+}
+
+void put_extent(Item& item, const LightExtent& extent)
+{
+    item.center = extent.center;
+    item.radius = extent.radius;
+    if (item.cos_normals <= -1) return;
+    item.axis = extent.axis;
+    item.cos_normals = cosine_of_sum(item.cos_normals, std::min(extent.cos_turned, 1.0));
+    if (item.cos_normals <= -1) item.axis = {};
+}
+
 class TreeBuilder {
 public:
-    TreeBuilder(LightTables& t, const std::vector<double>& powers, double open, double close) : t_(t)
+    TreeBuilder(LightTables& t, const std::vector<double>& powers, double open, double close,
+                const std::vector<LightExtent>& extents)
+        : t_(t)
     {
         items_.resize(t.placed_lights);
         double all = 0;
@@ -164,6 +183,7 @@ public:
             all += items_[i].intensity;
         }
         for (Item& item : items_) item.intensity /= all;
+        for (const LightExtent& extent : extents) put_extent(items_[extent.light], extent);
     }
 
     void run()
@@ -348,10 +368,8 @@ private:
         const Vec3d axis = size > 0 ? sum * (1 / size) : Vec3d{0, 0, 1};
         double cos_normals = size > 0 ? 1 : -1;
         for (const Item& item : items) {
-            // Two angles added; -1 if they are 180 degrees or more.
-            const double c = std::clamp(dot(turned(item, axis), axis), -1.0, 1.0), s = std::sqrt(1 - c * c);
-            const double own = item.cos_normals, own_sine = std::sqrt(1 - own * own);
-            cos_normals = std::min(cos_normals, c + own <= 0 ? -1 : c * own - s * own_sine);
+            const double c = std::clamp(dot(turned(item, axis), axis), -1.0, 1.0);
+            cos_normals = std::min(cos_normals, cosine_of_sum(c, item.cos_normals));
         }
         cos_normals = std::max(cos_normals - cosine_slack, -1.0);
         n.axis_x[slot] = float(axis.x), n.axis_y[slot] = float(axis.y), n.axis_z[slot] = float(axis.z);
@@ -367,9 +385,10 @@ private:
 
 }  // namespace
 
-void build_light_tree(LightTables& t, const std::vector<double>& powers, double open, double close)
+void build_light_tree(LightTables& t, const std::vector<double>& powers, double open, double close,
+                      const std::vector<LightExtent>& extents)
 {
-    TreeBuilder(t, powers, open, close).run();
+    TreeBuilder(t, powers, open, close, extents).run();
 }
 
 }  // namespace fathom

@@ -5,9 +5,12 @@
 #include "compile/compiler.h"
 #include "compile/instancing.h"
 #include "compile/layers.h"
+#include "compile/light_path.h"
 #include "compile/light_tree.h"
 #include "compile/luminance.h"
+#include "compile/poses.h"
 #include "compile/sky.h"
+#include "geometry/shapes/curve.h"
 
 namespace fathom {
 
@@ -35,8 +38,10 @@ public:
         t_.light_cdf.clear();
     }
 
-    void run(const std::vector<LightOccurrence>& lights)
+    void run(const Occurrences& all)
     {
+        const std::vector<LightOccurrence>& lights = all.lights;
+        motions_ = &all.motions;
         for (ShapeRecord& shape : t_.shapes) add_emissive(shape);
         for (std::uint32_t i = 0; i < t_.instances.size(); ++i) add_emissive_instance(i);
         for (const LightOccurrence& light : lights)
@@ -47,18 +52,15 @@ public:
         add_environment();
         add_sun();
         make_distribution();
-        build_light_tree(t_, powers_, double(t_.shutter_open), double(t_.shutter_close));
+        build_light_tree(t_, powers_, double(t_.shutter_open), double(t_.shutter_close), extents_);
     }
 
 private:
-    /// Whether its surfaces are lights. What moves in other ways than spheres do is found by the directions that
-    /// surfaces choose, not sampled; so are curves.
+    /// Whether its surfaces are lights.
     bool is_sampled(const ShapeRecord& shape) const
     {
         const MaterialRecord& material = t_.materials[shape.material];
-        const bool is_curve = shape.first_primitive >= t_.first_curve() && shape.first_primitive < t_.first_point();
-        return (material.flags & MaterialRecord::emits) && !(material.flags & MaterialRecord::unlit) &&
-               shape.moving_vertices == 0 && !is_curve;
+        return (material.flags & MaterialRecord::emits) && !(material.flags & MaterialRecord::unlit);
     }
 
     /// Lights of what stands in the world itself.
@@ -68,7 +70,7 @@ private:
         const std::uint32_t first = shape.first_primitive;
         if ((shape.flags & ShapeRecord::only_instanced) || !is_sampled(shape)) return;
         if (first < t_.primitive_count() && &t_.shapes[t_.shape_of_primitive[first]] != &shape) return;
-        add_primitives(shape, first, no_index, Transform());
+        add_primitives(shape, first, no_index, Transform(), nullptr);
     }
 
     /// Lights of what an instance places. It has a shape of its own, which says where they begin.
@@ -76,19 +78,26 @@ private:
     {
         const InstanceRecord& instance = t_.instances[index];
         ShapeRecord& shape = t_.shapes[instance.shape];
-        if (!is_sampled(shape) || instance.pose_count() > 0) return;
+        if (!is_sampled(shape)) return;
+        const bool is_round = shape.first_primitive >= t_.first_sphere();
+        const std::uint32_t first = t_.shapes[instance.mesh_shape].first_primitive;
+        if (instance.pose_count() > 0) {
+            const LightPath path(std::span(t_.poses).subspan(instance.first_pose(), instance.pose_count()));
+            if (!is_round || path.keeps_shape()) add_primitives(shape, first, index, Transform(), &path);
+            return;
+        }
         Transform object_from_render;
         for (std::size_t i = 0; i < 12; ++i)
             object_from_render.m[i / 4][i % 4] = double(instance.object_from_render[i]);
         const Transform render_from_object = object_from_render.inverse();
         double factor;
-        const bool is_round = shape.first_primitive >= t_.first_sphere();
         if (is_round && !is_similarity(render_from_object, factor)) return;
-        add_primitives(shape, t_.shapes[instance.mesh_shape].first_primitive, index, render_from_object);
+        add_primitives(shape, first, index, render_from_object, nullptr);
     }
 
-    /// One light per primitive.
-    void add_primitives(ShapeRecord& shape, std::uint32_t first, std::uint32_t instance, const Transform& to_render)
+    /// One light per primitive. path: of the instance, if it moves; to_render is of one that stands still.
+    void add_primitives(ShapeRecord& shape, std::uint32_t first, std::uint32_t instance, const Transform& to_render,
+                        const LightPath* path)
     {
         const MaterialRecord& material = t_.materials[shape.material];
         const bool flipped = to_render.determinant() < 0 || (shape.flags & ShapeRecord::flipped);
@@ -102,9 +111,151 @@ private:
             light.material = varied ? shape.material : no_index;
             light.two_sided = (material.flags & MaterialRecord::two_sided_emission) != 0;
             std::copy(material.emission.begin(), material.emission.end(), light.radiance);
-            // Power; a texture is taken for half as bright as its factor.
-            add(light, luminance(light.radiance) * light.area * std::numbers::pi * (light.two_sided ? 2 : 1));
+            // Power; a texture is taken for half as bright as its factor, a curve shines to its outside only.
+            const bool is_curve = light.kind == std::uint32_t(LightRecordKind::curve);
+            const bool moves = path || shape.moving_vertices > 0;
+            const double area = is_curve ? add_curve_extent(p, shape.flags, to_render, path)
+                                : moves  ? set_motion(light, {p, shape.moving_vertices, flipped, to_render, path})
+                                         : double(light.area);
+            const int sides = light.two_sided && !is_curve ? 2 : 1;
+            add(light, luminance(light.radiance) * area * std::numbers::pi * sides);
         }
+    }
+
+    /// Notes where a segment of a curve is; returns its area, as if it were round. to_render: a similarity.
+    double add_curve_extent(std::uint32_t p, std::uint32_t flags, const Transform& to_render, const LightPath* path)
+    {
+        const CurveRecord& curve = t_.curves[p - t_.first_curve()];
+        const bool linear = flags & ShapeRecord::linear_curves;
+        CurvePoint<double> points[4];
+        for (std::size_t i = 0; i < (linear ? 2 : 4); ++i) {
+            const Vec4f& v = t_.curve_points[curve.first_point + i];
+            points[i] = {double(v.x), double(v.y), double(v.z), double(v.w)};
+        }
+        const auto at = [&](std::uint32_t k) {
+            const double u = double(k) / curve.pieces;
+            return linear ? between(points[0], points[1], u) : bezier(points, u);
+        };
+        const auto place = [](const CurvePoint<double>& q) { return Vec3d{q.x, q.y, q.z}; };
+        const Vec3d center = (place(at(0)) + place(at(curve.pieces))) * 0.5;
+        double radius = 0, area = 0;
+        for (std::uint32_t k = 0; k <= curve.pieces; ++k) {
+            const CurvePoint<double> q = at(k);
+            radius = std::max(radius, length(place(q) - center) + q.r);
+            if (k == 0) continue;
+            const CurvePoint<double> before = at(k - 1);
+            area += std::numbers::pi * (before.r + q.r) * length(place(q) - place(before));
+        }
+        const double scale = scale_of(to_render);
+        LightExtent extent{std::uint32_t(t_.lights.size()), to_render.point(center), radius * scale, {}};
+        if (path) path->put_ball(center, radius, extent);
+        extents_.push_back(extent);
+        return area * (path ? path->mean_area_factor() : scale * scale);
+    }
+
+    struct Motion {
+        std::uint32_t primitive;
+        std::uint32_t vertices;  ///< of the mesh, if they move
+        bool flipped;
+        const Transform& to_render;
+        const LightPath* path;
+    };
+    /// What a light of a primitive that moves has besides, and its extent. Returns its mean area.
+    double set_motion(LightRecord& light, const Motion& m)
+    {
+        if (light.instance != no_index) light.motion |= LightRecord::placed;
+        // An instance's stretch may shear it.
+        if (m.path && !m.path->keeps_shape() && light.kind == std::uint32_t(LightRecordKind::rectangle))
+            unsquare(light);
+        LightExtent extent{std::uint32_t(t_.lights.size()), {}, 0, {}};
+        Ball ball = own_ball(light);
+        double area = double(light.area);
+        NormalCone normals{{double(light.normal[0]), double(light.normal[1]), double(light.normal[2])}, 1};
+        if (m.vertices > 0) {
+            light.motion |= LightRecord::vertices_move;
+            // Normals of what an instance places go by its map, which turns those that are against the edges.
+            if (m.flipped && light.instance == no_index) light.motion |= LightRecord::flipped;
+            ball = follow_vertices(m, normals, area);
+        }
+        extent.center = ball.center, extent.radius = ball.radius;
+        if (m.path) {
+            m.path->put_ball(ball.center, ball.radius, extent);
+            normals = m.vertices > 0 ? NormalCone() : m.path->cone(normals.axis);
+            area *= m.path->mean_area_factor();
+        }
+        extent.axis = normals.axis, extent.cos_turned = normals.cosine;
+        extents_.push_back(extent);
+        return area;
+    }
+
+    struct Ball {
+        Vec3d center;
+        double radius;
+    };
+    /// Of a light of an instance that moves, in its own space. A sphere's way there is part of it.
+    Ball own_ball(const LightRecord& l) const
+    {
+        const auto vector = [](const float* v) { return Vec3d{double(v[0]), double(v[1]), double(v[2])}; };
+        const Vec3d p = vector(l.position), u = vector(l.edge_u), v = vector(l.edge_v);
+        switch (LightRecordKind(l.kind)) {
+            case LightRecordKind::rectangle: {
+                const Vec3d a = u * double(l.length_u), b = v * double(l.length_v);
+                return {p + (a + b) * 0.5, length(a + b) / 2};
+            }
+            case LightRecordKind::parallelogram:
+                return {p + (u + v) * 0.5, std::max(length(u + v), length(u - v)) / 2};
+            case LightRecordKind::triangle: {
+                const Vec3d c = p + (u + v) * (1.0 / 3);
+                return {c, std::max({length(p - c), length(p + u - c), length(p + v - c)})};
+            }
+            case LightRecordKind::sphere: {
+                const Vec3d motion = vector(l.motion_or_center);
+                const double open = double(t_.shutter_open), close = double(t_.shutter_close);
+                return {p + motion * ((open + close) / 2),
+                        std::abs(double(l.radius)) + length(motion) * (close - open) / 2};
+            }
+            default:
+                return {p, double(l.radius)};
+        }
+    }
+    static void unsquare(LightRecord& l)
+    {
+        l.kind = std::uint32_t(LightRecordKind::parallelogram);
+        for (int i = 0; i < 3; ++i) l.edge_u[i] *= l.length_u, l.edge_v[i] *= l.length_v;
+    }
+
+    /// Around a triangle at all keys; between two its corners go straight, and its normal is a mean of three products
+    /// of edges.
+    Ball follow_vertices(const Motion& m, NormalCone& normals, double& mean_area) const
+    {
+        struct Corners {
+            Vec3d a, u, v;
+        };
+        const std::uint32_t* vertex = &t_.triangles[3 * std::size_t(m.primitive)];
+        std::vector<Corners> keys;
+        for (std::size_t k = 0; k < t_.vertex_times.size(); ++k) {
+            const auto at = [&](int i) {
+                return m.to_render.point(to_double(t_.positions[vertex[i] + k * m.vertices]));
+            };
+            const Vec3d a = at(0);
+            keys.push_back({a, at(1) - a, at(2) - a});
+        }
+        Vec3d center;
+        for (const Corners& c : keys) center = center + (c.a + (c.u + c.v) * (1.0 / 3)) * (1 / double(keys.size()));
+        double radius = 0;
+        mean_area = 0;
+        const double side = m.flipped ? -1 : 1;
+        std::vector<Vec3d> directions;
+        for (std::size_t k = 0; k < keys.size(); ++k) {
+            const Corners& c = keys[k];
+            for (const Vec3d& p : {c.a, c.a + c.u, c.a + c.v}) radius = std::max(radius, length(p - center));
+            mean_area += length(cross(c.u, c.v)) / 2 / double(keys.size());
+            directions.push_back(cross(c.u, c.v) * side);
+            if (k + 1 < keys.size())
+                directions.push_back((cross(c.u, keys[k + 1].v) + cross(keys[k + 1].u, c.v)) * side);
+        }
+        normals = cone_around(directions);
+        return {center, radius};
     }
 
     /// flipped: against the edges, as transformed. to_render: a similarity for what is round.
@@ -137,11 +288,13 @@ private:
             light.radius = float(length(u + v));
         } else if (p < t_.first_disk()) {
             const SphereRecord& s = t_.spheres[p - t_.first_sphere()];
-            put_ball(light, {s.center, double(s.radius)}, to_render);
+            put_ball(light, to_double(s.center), double(s.radius), to_render);
             put(light.motion_or_center, to_render.vector(to_double(s.motion)));
+        } else if (p >= t_.first_curve() && p < t_.first_point()) {
+            light.kind = std::uint32_t(LightRecordKind::curve);
         } else if (p >= t_.first_point()) {
             const Vec4f& point = t_.points[p - t_.first_point()];
-            put_ball(light, {{point.x, point.y, point.z}, double(point.w)}, to_render);
+            put_ball(light, {double(point.x), double(point.y), double(point.z)}, double(point.w), to_render);
         } else {
             const DiskRecord& d = t_.disks[p - t_.first_disk()];
             const double radius = double(d.radius) * scale_of(to_render);
@@ -154,15 +307,11 @@ private:
         return light;
     }
 
-    struct Ball {
-        Vec3f center;
-        double radius;
-    };
-    static void put_ball(LightRecord& light, const Ball& ball, const Transform& to_render)
+    static void put_ball(LightRecord& light, const Vec3d& center, double own_radius, const Transform& to_render)
     {
-        const double radius = ball.radius * scale_of(to_render);
+        const double radius = own_radius * scale_of(to_render);
         light.kind = std::uint32_t(LightRecordKind::sphere);
-        put(light.position, to_render.point(to_double(ball.center)));
+        put(light.position, to_render.point(center));
         light.radius = float(radius);
         light.area = float(4 * std::numbers::pi * radius * radius);
     }
@@ -196,7 +345,24 @@ private:
         const double outer = one_minus_cos(l.outer_angle);
         light.outer = float(outer);
         light.falloff = float(outer - one_minus_cos(std::min(l.inner_angle, l.outer_angle)));
+        if (occurrence.motion >= 0) set_poses(light, (*motions_)[std::size_t(occurrence.motion)]);
         add(light, luminance(light.radiance) * 4 * std::numbers::pi);
+    }
+
+    /// Of a point or a spot that a node moves.
+    void set_poses(LightRecord& light, const std::vector<NodeKey>& motion)
+    {
+        const std::vector<PoseRecord> poses = pose_tables(motion);
+        light.motion = LightRecord::has_poses;
+        light.instance = append_poses(t_, poses, c_.scene.file);
+        t_.moving = true;
+        put(light.edge_u, {0, 0, -1});
+        const LightPath path(poses);
+        LightExtent extent{std::uint32_t(t_.lights.size()), {}, 0, {}};
+        path.put_ball({}, 0, extent);
+        const NormalCone directions = path.cone({0, 0, -1});
+        extent.axis = directions.axis, extent.cos_turned = directions.cosine;
+        extents_.push_back(extent);
     }
 
     void add_environment()
@@ -260,14 +426,16 @@ private:
     Compiler& c_;
     SceneTables& t_;
     std::vector<double> powers_;
+    std::vector<LightExtent> extents_;
+    const std::vector<std::vector<NodeKey>>* motions_ = nullptr;
     const double scene_radius_;
 };
 
 }  // namespace
 
-void compile_lights(Compiler& c, const std::vector<LightOccurrence>& lights)
+void compile_lights(Compiler& c, const Occurrences& occurrences)
 {
-    LightCompiler(c).run(lights);
+    LightCompiler(c).run(occurrences);
 }
 
 }  // namespace fathom

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "compile/check_sizes.h"
 #include "compile/compiler.h"
 #include "compile/poses.h"
 #include "scene/bounds.h"
@@ -21,7 +22,8 @@ public:
     {
         for (int root : c_.scene.roots) place_node(root, c_.space.from_world(), 0, false);
         if (still_things_ > 0)
-            c_.warnings.add(c_.scene.file + ": lights and cameras of nodes that move: they stand still", still_things_);
+            c_.warnings.add(c_.scene.file + ": directional lights and cameras of nodes that move: they stand still",
+                            still_things_);
         return std::move(occurrences_);
     }
 
@@ -35,15 +37,26 @@ private:
         movable |= node.movable;
         const Transform render_from_node = render_from_parent * transform_at(node, open_);
         int motion = -1;
-        if (moving > 0 && !node.shapes.empty()) motion = add_motion(node);
+        const bool has_lamp =
+            node.light >= 0 && c_.scene.lights[std::size_t(node.light)].kind != LightKind::directional;
+        if (moving > 0 && (has_lamp || !node.shapes.empty())) motion = add_motion(node);
+        const bool carries_lamp = has_lamp && motion >= 0 && !vanishes_once(motion);
         for (const Shape& shape : node.shapes)
             occurrences_.shapes.push_back({&shape, render_from_node, std::uint32_t(occurrences_.shapes.size()), index,
                                            motion, movable || has_movable_vertices(shape)});
         if (node.light >= 0)
-            occurrences_.lights.push_back({&c_.scene.lights[std::size_t(node.light)], render_from_node});
-        if (moving > 0) still_things_ += std::size_t(node.light >= 0) + std::size_t(node.camera >= 0);
+            occurrences_.lights.push_back(
+                {&c_.scene.lights[std::size_t(node.light)], render_from_node, carries_lamp ? motion : -1});
+        if (moving > 0) still_things_ += std::size_t(node.light >= 0 && !carries_lamp) + std::size_t(node.camera >= 0);
         for (int child : node.children) place_node(child, render_from_node, moving, movable);
         path_.pop_back();
+    }
+
+    bool vanishes_once(int motion) const
+    {
+        const std::vector<NodeKey>& poses = occurrences_.motions[std::size_t(motion)];
+        return std::any_of(poses.begin(), poses.end(),
+                           [](const NodeKey& pose) { return vanishes(pose.parent_from_node); });
     }
 
     bool has_movable_vertices(const Shape& shape) const
@@ -69,6 +82,11 @@ private:
                            std::min(content.min.z, b.min.z)};
             content.max = {std::max(content.max.x, b.max.x), std::max(content.max.y, b.max.y),
                            std::max(content.max.z, b.max.z)};
+        }
+        if (content.empty) {
+            // A light is all there is: its place is as exact as that of a thing of some size in the scene.
+            const double size = c_.space.radius / c_.space.scale / 16;
+            content.min = {-size, -size, -size}, content.max = {size, size, size};
         }
         const auto at = [&](double time) {
             Transform t = c_.space.from_world();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fathom/error.h"
 #include "scene/motion.h"
 
 namespace fathom {
@@ -98,6 +99,16 @@ std::vector<PoseRecord> pose_tables(const std::vector<NodeKey>& poses)
         before = pose.rotation;
     }
     return tables;
+}
+
+std::uint32_t append_poses(GeometryTables& tables, const std::vector<PoseRecord>& poses, const std::string& file)
+{
+    if (poses.size() > InstanceRecord::most_poses || tables.poses.size() > InstanceRecord::most_first_pose)
+        throw Error(file, "",
+                    "motion of nodes is too complicated: more keys while the shutter is open than can be held");
+    const std::uint32_t word = std::uint32_t(tables.poses.size()) << 8 | std::uint32_t(poses.size());
+    tables.poses.insert(tables.poses.end(), poses.begin(), poses.end());
+    return word;
 }
 
 }  // namespace fathom

@@ -21,4 +21,7 @@ std::vector<NodeKey> fit_poses(const std::function<Transform(double)>& at, const
 
 std::vector<PoseRecord> pose_tables(const std::vector<NodeKey>& poses);
 
+/// Puts poses behind those of the tables; returns them as InstanceRecord::poses. file: of the scene, for an Error.
+std::uint32_t append_poses(GeometryTables& tables, const std::vector<PoseRecord>& poses, const std::string& file);
+
 }  // namespace fathom

@@ -132,7 +132,7 @@ std::shared_ptr<Scene::Data> SceneCompiler::compile(Warnings& warnings)
     triangles_ = count_triangles(*tables_);
     compile_instances(c, occurrences_, contents_);
     compile_environment(c);
-    compile_lights(c, occurrences_.lights);
+    compile_lights(c, occurrences_);
 
     fingerprints_ = {fingerprint_vertices(*tables_), fingerprint_contents(*tables_), fingerprint_materials(*tables_),
                      fingerprint_places(*tables_)};
@@ -168,7 +168,7 @@ bool SceneCompiler::update(Scene::Data& data, const SceneChanges& changes, Warni
     if (!update_vertices(c, meshes)) return false;
     compile_instances(c, occurrences_, contents_);
     if (changes.environment) compile_environment(c);
-    compile_lights(c, occurrences_.lights);
+    compile_lights(c, occurrences_);
 
     if (!meshes.empty()) fingerprints_.vertices = fingerprint_vertices(*tables_);
     if (other_materials || changes.environment) fingerprints_.materials = fingerprint_materials(*tables_);
@@ -261,7 +261,8 @@ bool SceneCompiler::update_materials(Compiler& c)
     compile_material_records(c);
     const auto alike = [](const MaterialRecord& a, const MaterialRecord& b) {
         constexpr std::uint32_t shown = MaterialRecord::textured | MaterialRecord::normal_mapped;
-        return a.alpha_mode == b.alpha_mode && (a.flags & shown) == (b.flags & shown) &&
+        return a.alpha_mode == b.alpha_mode && a.has_inside() == b.has_inside() &&
+               (a.flags & shown) == (b.flags & shown) &&
                (a.emission_texture == no_index) == (b.emission_texture == no_index);
     };
     return std::equal(before.begin(), before.end(), tables_->materials.begin(), tables_->materials.end(), alike);

@@ -114,6 +114,15 @@ Affine pose_at(const Number& number, UInt pose_count, Float time)
     return a;
 }
 
+/// render_from_object of what has poses, by a word like InstanceRecord::poses in each lane of the mask.
+inline Affine pose_of(const GeometryTables& tables, UInt poses, Float time, Mask m)
+{
+    const UInt count = poses & UInt(255u), first = poses >> 8;
+    const float* table = &tables.poses[0].time;
+    const auto number = [&](UInt i, int k) { return gather(table + k, (first + i) << 4, m); };
+    return pose_at(number, select(m, count, UInt(0u)), time);
+}
+
 /// object_from_render of one instance for rays of all lanes.
 inline Affine object_from_render(const GeometryTables& tables, const InstanceRecord& instance, Float time)
 {
@@ -137,12 +146,9 @@ inline Affine object_from_render(const GeometryTables& tables, UInt instance, Fl
     Affine a{{row(0), row(4), row(8)}, {number(3), number(7), number(11)}};
     if (tables.poses.empty()) return a;
     const UInt word = gather(tables.instances, &InstanceRecord::poses, instance, m);
-    const UInt count = word & UInt(255u), first = word >> 8;
-    const Mask moving = m & (count != UInt(0u));
+    const Mask moving = m & ((word & UInt(255u)) != UInt(0u));
     if (none(moving)) return a;
-    const float* poses = &tables.poses[0].time;
-    const auto pose_number = [&](UInt i, int k) { return gather(poses + k, (first + i) << 4, moving); };
-    const Affine b = pose_at(pose_number, select(moving, count, UInt(0u)), time).inverse();
+    const Affine b = pose_of(tables, word, time, moving).inverse();
     for (int i = 0; i < 3; ++i) a.row[i] = select(moving, b.row[i], a.row[i]);
     a.shift = select(moving, b.shift, a.shift);
     return a;

@@ -51,6 +51,7 @@ struct ShapeRecord {
         flipped = 64,          ///< the geometric normal is turned round (mirroring transform)
         linear_curves = 256,   ///< segments are lines: two points each, not four
         ribbons = 512,         ///< curves are flat and turned towards each ray, not round
+        solid_curves = 1024,   ///< rays meet them from inside, too
         only_instanced = 128,  ///< its primitives stand where instances put them, and nowhere else
     };
     std::uint32_t material = 0;

@@ -338,10 +338,11 @@ private:
         if (lights_are_sampled_) {
             const UInt light = surfaces_.light_of(s.shape, hit.primitive, m);
             if (const Mask shared = shows & (light != UInt(no_index)) & !specular; any(shared)) {
-                const LightReader<false> record(tables_.lights.data(), select(shared, light, UInt(0u)));
+                const UInt number = select(shared, light, UInt(0u));
                 const Float pdf = p.bsdf_pdf.gather(index, m);
-                weight =
-                    select(shared, lights_.emission_weight(record, hit.o, hit.time, hit.d, hit.t, pdf, shared), weight);
+                weight = select(shared,
+                                lights_.emission_weight_of(number, hit.o, hit.time, hit.d, hit.t, hit.u, pdf, shared),
+                                weight);
             }
         }
         add_radiance(emitting_, at, select(shows, emitted, Spectrum(Float(0))), weight, m);

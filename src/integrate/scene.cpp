@@ -17,7 +17,8 @@ ShadowTargets shadow_targets(const LightTables& tables)
     targets.infinite = tables.environment.light != no_index;
     for (const LightRecord& light : tables.lights) {
         targets.places.push_back({light.position[0], light.position[1], light.position[2]});
-        targets.infinite |= light.kind == std::uint32_t(LightRecordKind::directional);
+        // What moves is seen from anywhere: no surface is left out.
+        targets.infinite |= light.kind == std::uint32_t(LightRecordKind::directional) || light.motion != 0;
     }
     if (tables.lights.size() == 1) targets.only_primitive = tables.lights[0].primitive;
     return targets;
@@ -72,6 +73,11 @@ void LaneScene::read_tables()
     textured = !tables.textures.empty();
     varied_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
                                 [](const LightRecord& light) { return light.material != no_index; });
+    moving_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
+                                [](const LightRecord& light) { return light.motion != 0; });
+    curve_lights = std::any_of(tables.lights.begin(), tables.lights.end(), [](const LightRecord& light) {
+        return light.kind == std::uint32_t(LightRecordKind::curve);
+    });
     if (is_flat) {
         primitive_info.clear();
         for (std::uint32_t shape : tables.shape_of_primitive) primitive_info.push_back(shape_info[shape]);

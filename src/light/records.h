@@ -20,11 +20,18 @@ enum class LightRecordKind : std::uint32_t {
     point,
     spot,
     directional,
-    environment
+    environment,
+    curve  ///< a segment: its geometry is in the tables of curves
 };
 
 /// One light, or one emissive primitive. Read by lanes as an array of 32 floats.
 struct LightRecord {
+    enum Motion : std::uint32_t {
+        vertices_move = 1,  ///< a triangle whose corners are where they then are
+        placed = 2,         ///< the numbers are those of the instance's own space, which moves, or whose vertices do
+        has_poses = 4,      ///< point, spot: `instance` is a word like InstanceRecord::poses
+        flipped = 8,        ///< the normal is against cross(edge_u, edge_v)
+    };
     std::uint32_t kind = 0;
     float pmf = 0;           ///< probability to be chosen
     float position[3] = {};  ///< corner, centre, or place
@@ -40,10 +47,10 @@ struct LightRecord {
     std::uint32_t two_sided = 0;
     std::uint32_t material = no_index;  ///< whose emission texture or alpha scales radiance, if it has one
     std::uint32_t primitive = no_index;
-    std::uint32_t instance = no_index;    ///< that places the primitive, if one does
+    std::uint32_t instance = no_index;    ///< that places the primitive, if one does; with has_poses, those poses
     float motion_or_center[3] = {};       ///< sphere: its motion in a second; rectangle: its centre
     std::uint32_t tree_place = no_index;  ///< of it in the light tree: node * LightNode::width + slot
-    float unused = 0;
+    std::uint32_t motion = 0;             ///< some of Motion; 0: stands still, or is a sphere on a straight way
 };
 static_assert(sizeof(LightRecord) == 32 * sizeof(float));
 

@@ -119,6 +119,8 @@ struct MaterialRecord {
     std::uint32_t medium = 0;  ///< in MediaTables: what a solid of it is filled with; 0: it is no solid
     /// The same for what goes in by the subsurface, which may be another one than for what is refracted; 0: none.
     std::uint32_t subsurface_medium = 0;
+
+    bool has_inside() const { return medium != 0 || subsurface_medium != 0; }
     std::uint32_t alpha_mode = 0;  ///< AlphaMode
     std::uint32_t roughness_texture = no_index, metallic_texture = no_index, emission_texture = no_index,
                   alpha_texture = no_index;

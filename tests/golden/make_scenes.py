@@ -258,6 +258,47 @@ def hundreds_of_lamps():
                 "sun": {"kind": "directional", "direction": [-1, -2, -0.5], "intensity": 0.5}})
 
 
+def moving_lamps():
+    """Of all shapes, in nodes that move, turn, grow and are sheared; with corners that move; and a point and spots."""
+    def lamp(i, motion=None, **shape):
+        return {"material": {"kind": "none", "emission": [6 - i % 3, 5, 3 + i % 3], "emission_two_sided": i % 2 == 0}, **shape,
+                **({"motion": motion} if motion else {})}
+
+    def way(i, end):
+        start = [-1.5 + 0.6 * i, 1.6 + 0.1 * i, 0.4]
+        return [{"time": 0, "transform": {"translate": start}},
+                {"time": 0.3, "transform": {"translate": [start[0] + 0.3, start[1], start[2]], **end}},
+                {"time": 1, "transform": {"translate": [start[0] + 0.2, start[1] + 0.5, 0], **end}}]
+    turned, grown, sheared = {"rotate": {"axis": [0, 1, 1], "angle_deg": 80}}, {"scale": 1.6}, {"scale": [1.5, 0.7, 1]}
+    triangle = {"positions": [[-0.3, 0, 0.2], [0.3, 0, 0.2], [0, 0.1, -0.3]], "indices": [[0, 2, 1]]}
+    keys = [{"time": t, "positions": [[x + 0.5 * t - 0.9, y + 0.7, z + t * t] for x, y, z in triangle["positions"]]} for t in (0, 0.6, 1)]
+    write("moving-lamps", environment=None, camera={**CAMERA, "shutter": [0, 1]}, scene=[
+        FLOOR, {**BALL, "material": {"color": 0.7}},
+        lamp(0, way(0, turned), mesh=triangle), lamp(1, way(1, sheared), mesh=triangle),
+        lamp(2, way(2, grown), rectangle={"corner": [-0.2, 0, -0.2], "edge_u": [0.4, 0, 0], "edge_v": [0, 0, 0.4]}),
+        lamp(3, way(3, turned), disk={"center": [0, 0, 0], "normal": [0, -1, 0], "radius": 0.2}),
+        lamp(4, way(4, grown), sphere={"center": [0, 0.2, 0], "radius": 0.1}),
+        lamp(5, way(5, sheared), box={"min": [0, 0, 0], "max": [0.2, 0.1, 0.1]}), lamp(6, mesh={**triangle, "motion": keys}),
+        {"motion": way(1, turned), "light": "spot"}, {"motion": way(3, sheared), "light": "point"}],
+        lights={"spot": {"kind": "spot", "intensity": 4, "outer_angle_deg": 40}, "point": {"kind": "point", "intensity": 1}})
+
+
+def glowing_curves():
+    """Round and flat, of lines and smooth ones, in the world, placed twice, and in a node that moves."""
+    points = lambda z: [[round(0.9 * math.sin(1.3 * i), 4), 1.2 + 0.2 * i, z + round(0.3 * math.cos(1.3 * i), 4), 0.02 + 0.01 * (i % 3)]
+                        for i in range(7)]
+    curves = lambda z, basis, style: {"curves": [points(z), points(z - 0.4)], "basis": basis, "style": style}
+    emit = {"kind": "none", "emission": {"texture": {"kind": "checker_uv", "scale": 6, "color_a": [3, 2, 1], "color_b": [6, 6, 9]}}}
+    write("glowing-curves", environment=None, camera={**CAMERA, "shutter": [0, 1]}, scene=[
+        FLOOR, {**BALL, "material": {"color": 0.7}},
+        {"material": emit, "curves": curves(0.6, "bspline", "round")}, {"material": emit, "curves": curves(-0.4, "linear", "ribbon")},
+        *({"material": emit, "curves": "placed", "transform": {"translate": [x, 0, 0], "scale": 0.7}} for x in (-1, 1)),
+        {"material": emit, "curves": curves(0.2, "linear", "round"),
+         "motion": [{"time": 0, "transform": {"translate": [-1, 0, 0]}},
+                    {"time": 1, "transform": {"translate": [-0.6, 0.2, 0], "rotate": {"axis": [0, 1, 0], "angle_deg": 50}}}]}],
+        curves={"placed": curves(0, "bezier", "ribbon")})
+
+
 def lights():
     def lit(name, nodes=(), lights=None, **more):
         write(name, scene=[FLOOR, {**BALL, "material": {"color": 0.7}}, *nodes], environment=None, lights=lights or {}, **more)
@@ -280,6 +321,11 @@ def lights():
                         "sphere": {"center": [0.4 * i - 2.2, 1.8 + 0.1 * (i % 4), 0.3 * (i % 5) - 0.5], "radius": 0.06 + 0.01 * (i % 3)}}
                        for i in range(12)], {"p": {"kind": "point", "position": [0, 2.5, 2], "intensity": 2}})
     hundreds_of_lamps()
+    moving_lamps()
+    glowing_curves()
+    write("fibres", scene=[FLOOR, LAMP, *({"material": {"kind": "glass", "attenuation_color": [0.4, 0.8, 0.6], "attenuation_distance": 0.3}, "curves": {
+        "basis": basis, "curves": [[[0.25 * k - 1.5 + 0.3 * math.sin(k), 0.3 * (k % 4) + y, z, 0.08 + 0.03 * (k % 2)] for k in range(10)]]}}
+        for basis, y, z in (("linear", 0.3, 0.8), ("bspline", 0.8, 0)))])
     write("sky-constant", scene=with_material(color=0.7), environment={"kind": "constant", "color": [0.5, 0.7, 0.9]})
     write("sky-gradient", scene=with_material(color=0.7),
           environment={**SKY, "rotate": {"axis": [1, 0, 0.5], "angle_deg": 50}})

@@ -40,8 +40,49 @@ Mesh random_triangles(Chance& chance, int n)
     return mesh;
 }
 
+/// The node of lamps that a movement carries along.
+constexpr int carried_lamps = 1;
+
+std::vector<NodeKey> random_motion(Chance& chance)
+{
+    std::vector<NodeKey> keys{{0, {}}};
+    for (const double time : {0.2, 0.5})
+        keys.push_back({time, Transform::translate(chance.direction() * 0.4) *
+                                  Transform::rotate(chance.direction(), chance(-1, 1)) *
+                                  Transform::scale({chance(0.7, 1.2), chance(0.7, 1.2), 1})});
+    return keys;
+}
+
+/// Triangles, a panel and a spot of a node that moves, and triangles whose corners do.
+void add_moving_lights(SceneBuilder& b, Chance& chance)
+{
+    Mesh mesh = random_triangles(chance, 5);
+    b.scene.meshes.push_back(mesh);
+    Node node;
+    node.motion = random_motion(chance);
+    node.movable = true;
+    node.shapes = {{MeshInstance{int(b.scene.meshes.size()) - 1}, b.diffuse(0, {5, 4, 3}), ""},
+                   {Rectangle{{-0.2, 1.5, -0.6}, {0.6, 0, 0}, {0, 0.1, 0.5}}, b.diffuse(0, {3, 4, 5}, true), ""}};
+    Light spot;
+    spot.kind = LightKind::spot;
+    spot.outer_angle = 0.8;
+    b.light(spot, Transform::translate({0, 1.5, 0}) * shining({0.3, -1, 0}));
+    node.children = {b.scene.roots.back()};
+    b.scene.roots.back() = int(b.scene.nodes.size());
+    b.scene.nodes.push_back(node);
+    std::swap(b.scene.nodes[carried_lamps], b.scene.nodes.back());
+    b.scene.nodes[carried_lamps].children = {b.scene.roots.back()};
+    b.scene.roots.back() = carried_lamps;
+
+    mesh.motion = {{0, mesh.positions, {}}, {0.3, mesh.positions, {}}, {0.5, mesh.positions, {}}};
+    for (MeshKey& key : mesh.motion)
+        for (Vec3f& p : key.positions) p.y += float(chance(0, 0.2)), p.x += float(chance(-0.3, 0.3));
+    b.scene.meshes.push_back(mesh);
+    b.add(MeshInstance{int(b.scene.meshes.size()) - 1}, b.diffuse(0, {3, 3, 6}));
+}
+
 /// A glossy floor and a wall under lights of all kinds: one-sided and two-sided triangles, placed again by instances,
-/// balls, of which some move, disks, points, spots, and in each third scene the sun.
+/// what moves, balls, disks, points, spots, and in each third scene the sun.
 SceneDescription random_lights(unsigned seed)
 {
     Chance chance(seed);
@@ -61,6 +102,7 @@ SceneDescription random_lights(unsigned seed)
     }
     Node again;
     again.shapes = {b.scene.nodes[0].shapes.back()};
+    add_moving_lights(b, chance);
     again.movable = true;
     for (int i = 0; i < 2; ++i) {
         again.parent_from_node = Transform::translate({0.3, 0.2 * i, 0.1}) * Transform::rotate({0, 1, 0}, 1 + i) *
@@ -126,6 +168,9 @@ TEST(LightSelections, FollowAnEdit)
     const Transform moved = Transform::translate({-0.5, 0.4, 0.7});
     edit.set_transform(lamps, moved);
     scene.nodes[std::size_t(lamps)].parent_from_node = moved;
+    const std::vector<NodeKey> motion{{0, moved}, {0.4, Transform::rotate({1, 1, 0}, 0.5)}};
+    edit.set_motion(carried_lamps, motion);
+    scene.nodes[carried_lamps].motion = motion;
     Light dim;
     dim.intensity = {0.1f, 0.2f, 0.3f};
     edit.set_light(0, dim);

@@ -49,7 +49,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for scene in ["cornell-box", "cornell-box-triangles", "report-spheres", "report-marble", "environment", "textures",
                       "motion-blur", "motion-nodes", "motion-vertices", "curves",
-                      "points", "depth-of-field", "model", "instances", "../tests/golden/scenes/hundreds-of-lamps"]:
+                      "points", "depth-of-field", "model", "instances", "../tests/golden/scenes/hundreds-of-lamps",
+                      "../tests/golden/scenes/moving-lamps", "../tests/golden/scenes/glowing-curves",
+                      "../tests/golden/scenes/fibres"]:
             path = os.path.join(scenes, scene + ".json")
             common = ["-q", "--size", f"{WIDTH}x{HEIGHT}", "--exr", "float"]
             seen = {}

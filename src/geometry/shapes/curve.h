@@ -101,6 +101,68 @@ inline Mask meet_round_piece(const CurvePiece& piece, const Vec3& o, const Vec3&
     return found & (t <= t_max);
 }
 
+/// Where a ray's line passes a round piece, which is convex: from t_in to t_out, at w_in and w_out along it.
+struct RoundSpan {
+    Mask met;
+    Float t_in, w_in, t_out, w_out;
+};
+
+/// As meet_round_piece, but both sides, wherever the ray begins.
+inline RoundSpan span_of_round_piece(const CurvePiece& piece, const Vec3& o, const Vec3& d)
+{
+    const Vec3 whole = piece.b - piece.a, q = o - piece.a;
+    const Float length2 = dot(whole, whole);
+    const Float inverse = select(length2 > Float(0), Float(1) / sqrt(length2), Float(0));
+    const Vec3 e = whole * inverse;
+    const Float g = (piece.rb - piece.ra) * inverse, m = dot(e, d);
+    const Float nearest = (dot(e, q) - m * dot(d, q)) / max(Float(1) - m * m, Float(1e-7f)) * inverse;
+    const Float w0 = select(nearest > Float(0), min(nearest, Float(1)), Float(0));
+    const Vec3 c = fma(whole, w0, piece.a);
+    const Float r = fma(piece.rb - piece.ra, w0, piece.ra), t0 = dot(d, c - o);
+    const Vec3 f = fma(d, t0, o - c);
+    const Float n = fma(g, r, dot(e, f)), fd = dot(f, d), A = fma(-g, g, Float(1));
+    const Float alpha = fma(-m, m, A), beta = fma(A, fd, -(m * n)), gamma = fma(A, fma(-r, r, dot(f, f)), -(n * n));
+    const Float discriminant = fma(beta, beta, -(alpha * gamma)), root = sqrt(max(discriminant, Float(0)));
+    const Mask has_side = (A > Float(0)) & (discriminant >= Float(0));
+    RoundSpan s{Mask(false), Float(infinity), Float(0), Float(-infinity), Float(0)};
+    const auto offer = [&](Mask enters, Mask leaves, Float t, Float w) {
+        const Mask first = enters & (t < s.t_in), last = leaves & (t > s.t_out);
+        s.t_in = select(first, t, s.t_in), s.w_in = select(first, w, s.w_in);
+        s.t_out = select(last, t, s.t_out), s.w_out = select(last, w, s.w_out);
+        s.met |= enters | leaves;
+    };
+    const auto side = [&](Float t, bool enters) {
+        const Float w = w0 + fma(m, t, n) / A * inverse;
+        const Mask on_it = has_side & (w >= Float(0)) & (w <= Float(1));
+        offer(enters ? on_it : Mask(false), enters ? Mask(false) : on_it, t0 + t, w);
+    };
+    side(select(beta < Float(0), gamma / (root - beta), -(beta + root) / alpha), true);
+    side(select(beta > Float(0), -gamma / (root + beta), (root - beta) / alpha), false);
+    const auto ball = [&](const Vec3& center, Float radius, Float place) {
+        const Float tc = dot(d, center - o);
+        const Vec3 foot = fma(d, tc, o - center);
+        const Float h = fma(radius, radius, -dot(foot, foot)), half = sqrt(max(h, Float(0)));
+        offer(h > Float(0), Mask(false), tc - half, place);
+        offer(Mask(false), h > Float(0), tc + half, place);
+    };
+    ball(piece.a, piece.ra, Float(0));
+    ball(piece.b, piece.rb, Float(1));
+    s.met &= s.t_in <= s.t_out;
+    return s;
+}
+
+/// Lanes whose point is within a round piece, but for what rounding could have put there.
+inline Mask is_within_round_piece(const CurvePiece& piece, const Vec3& p)
+{
+    const Vec3 whole = piece.b - piece.a, q = p - piece.a;
+    const Float g = piece.rb - piece.ra, A = fma(-g, g, dot(whole, whole));
+    const Float best = fma(g, piece.ra, dot(q, whole)) / max(A, Float(1e-37f));
+    const Float w = select(A > Float(0), clamp(best, Float(0), Float(1)), select(g > Float(0), Float(1), Float(0)));
+    const Vec3 from_axis = fma(whole, -w, q);
+    const Float r = fma(g, w, piece.ra);
+    return dot(from_axis, from_axis) < r * r * Float(1 - 0x1p-18f);
+}
+
 /// Lanes whose ray meets the piece as a ribbon that is turned towards the ray, at 0 < t <= t_max; w as above.
 ///
 /// Seen along the ray: whether the ray passes between the lines through the ends that are perpendicular to the curve

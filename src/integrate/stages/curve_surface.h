@@ -1,8 +1,8 @@
 #pragma once
 /// The surface of a curve where a ray has met one of its pieces.
-#include "geometry/shapes/curve.h"
+#include "geometry/shapes/curve_reader.h"
 #include "integrate/stages/surface_hit.h"
-#include "math/gather_member.h"
+#include "integrate/tables.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -13,29 +13,15 @@ namespace fathom::inline FATHOM_LANES {
 inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, Float u, const Vec3& d, Mask m,
                        Surface& surface)
 {
-    const UInt first = gather(tables.curves, &CurveRecord::first_point, segment, m);
-    const Float pieces = to_float(gather(tables.curves, &CurveRecord::pieces, segment, m));
+    const CurveReader curve(tables, segment, flags, m);
+    const Float pieces = curve.pieces();
     const Float u0 = gather(tables.curves, &CurveRecord::u0, segment, m),
                 u1 = gather(tables.curves, &CurveRecord::u1, segment, m);
-    const Mask linear = (flags & UInt(ShapeRecord::linear_curves)) != UInt(0u);
     const Mask ribbon = (flags & UInt(ShapeRecord::ribbons)) != UInt(0u);
 
-    const float* points = reinterpret_cast<const float*>(tables.curve_points.data());
-    CurvePoint<Float> p[4];
-    for (std::uint32_t k = 0; k < 4; ++k) {
-        const Mask has = k < 2 ? m : m & !linear;
-        const UInt place = (first + UInt(k)) << 2;
-        p[k] = {gather(points, place, has), gather(points + 1, place, has), gather(points + 2, place, has),
-                gather(points + 3, place, has)};
-    }
     // The piece, to the bits that the tree has of it, and the ball that touches it in the hit.
-    const Float piece = min(floor(u * pieces), pieces - Float(1)), share = Float(1) / pieces;
-    const auto end = [&](Float k) {
-        const CurvePoint<Float> c = bezier(p, k * share), l = between(p[0], p[1], k);
-        return CurvePoint<Float>{select(linear, l.x, c.x), select(linear, l.y, c.y), select(linear, l.z, c.z),
-                                 select(linear, l.r, c.r)};
-    };
-    const CurvePoint<Float> a = end(piece), b = end(piece + Float(1));
+    const Float piece = curve.piece_of(u);
+    const CurvePoint<Float> a = curve.begin(piece), b = curve.end(piece);
     const CurvePoint<Float> c = between(a, b, clamp(fma(u, pieces, -piece), Float(0), Float(1)));
     const Vec3 center{c.x, c.y, c.z}, axis{b.x - a.x, b.y - a.y, b.z - a.z};
     const Vec3 from_axis = surface.p - center;

@@ -1,7 +1,9 @@
 #pragma once
 #include "integrate/camera_paths.h"
 #include "integrate/stages/material.h"
+#include "light/curve_light.h"
 #include "light/environment.h"
+#include "light/moving_light.h"
 #include "light/selector.h"
 #include "shading/alpha.h"
 
@@ -14,7 +16,7 @@ public:
         : scene_(scene), tables_(scene.tables), surfaces_(scene), materials_(scene), selector_(scene.tables, selection)
     {
         is_alone_ = tables_.lights.size() == 1 && tables_.environment.light == no_index &&
-                    tables_.lights[0].material == no_index;
+                    tables_.lights[0].material == no_index && !scene.moving_lights && !scene.curve_lights;
     }
 
     /// A point of the only light, or of one that is selected; then the sample's density is that of both choices.
@@ -54,11 +56,51 @@ public:
         return mis_weight(pdf, selector_.pmf(light, o, m) * pdf_light(light, o, time, d, distance, m));
     }
 
+    /// The same of lights by their numbers, which may move or be curves. u: of the hit.
+    Float emission_weight_of(UInt light, const Vec3& o, Float time, const Vec3& d, Float distance, Float u, Float pdf,
+                             Mask m) const
+    {
+        const LightReader<false> record(tables_.lights.data(), light);
+        if (!any_moves(record, m) && none(curves(record, m)))
+            return emission_weight(record, o, time, d, distance, pdf, m);
+        return mis_weight(pdf, selector_.pmf(record, o, m) * pdf_special(record, o, time, d, distance, u, m));
+    }
+
 private:
+    bool any_moves(const LightReader<false>& light, Mask m) const
+    {
+        return scene_.moving_lights && any(m & (light.motion_flags() != UInt(0u)));
+    }
+    Mask curves(const LightReader<false>& light, Mask m) const
+    {
+        return scene_.curve_lights ? m & is_kind(light.kind(), LightRecordKind::curve) : Mask(false);
+    }
+    [[gnu::noinline]] Float pdf_special(const LightReader<false>& light, const Vec3& o, Float time, const Vec3& d,
+                                        Float distance, Float u, Mask m) const
+    {
+        const Float pdf = pdf_light(MovingLight(light, tables_, time, m), o, time, d, distance, m);
+        const Mask curve = curves(light, m);
+        if (none(curve)) return pdf;
+        const CurveLight segment(tables_, light.primitive(), light.instance(), time, curve);
+        return select(curve, segment.pdf(o, d, distance, u), pdf);
+    }
+
     [[gnu::noinline]] LightSample choose(Mask valid, Vec3 eye, LightSelector::Choice choice, Sample2 random,
                                          Float time) const
     {
         const LightReader<false> light(tables_.lights.data(), choice.light);
+        return any_moves(light, valid) ? sample_moving(light, valid, eye, choice, random, time)
+                                       : sample_chosen(light, valid, eye, choice, random, time);
+    }
+    [[gnu::noinline]] LightSample sample_moving(const LightReader<false>& light, Mask valid, Vec3 eye,
+                                                LightSelector::Choice choice, Sample2 random, Float time) const
+    {
+        return sample_chosen(MovingLight(light, tables_, time, valid), valid, eye, choice, random, time);
+    }
+    template <class Light>
+    LightSample sample_chosen(const Light& light, Mask valid, Vec3 eye, LightSelector::Choice choice, Sample2 random,
+                              Float time) const
+    {
         LightSample s = sample_light(light, eye, time, random, valid);
         const Mask environment = is_kind(light.kind(), LightRecordKind::environment);
         if (any(valid & environment)) {
@@ -69,18 +111,40 @@ private:
             s.radiance = select(environment, e.radiance, s.radiance);
             s.is_delta = s.is_delta & !environment;
         }
+        const Mask curve = curves(light, valid);
+        Float along(0.f);
+        if (any(curve)) along = sample_curves(light, eye, time, random, s, curve);
         if (scene_.varied_lights) {
             const UInt material = light.material();
             const Mask varied = valid & (material != UInt(no_index));
-            if (any(varied)) s.radiance = s.radiance * factor_at(light, material, eye, s, time, varied);
+            if (any(varied)) s.radiance = s.radiance * factor_at(light, material, eye, s, time, {along, curve}, varied);
         }
         s.inverse_pdf = s.inverse_pdf / choice.pmf;
         return s;
     }
 
+    /// Samples the lights of some lanes that are curves; returns where along their segments.
+    [[gnu::noinline]] Float sample_curves(const LightReader<false>& light, const Vec3& eye, Float time, Sample2 random,
+                                          LightSample& s, Mask m) const
+    {
+        const CurveLight segment(tables_, light.primitive(), light.instance(), time, m);
+        const CurveLight::Sample c = segment.sample(eye, random);
+        s.wi = select(m, c.wi, s.wi);
+        s.distance = select(m, c.distance, s.distance);
+        s.inverse_pdf = select(m, c.inverse_pdf, s.inverse_pdf);
+        return c.u;
+    }
+
+    /// Where samples of curves are along their segments.
+    struct AlongCurves {
+        Float u;
+        Mask m;
+    };
+
     /// What the emission texture and alpha leave of the radiance at the sampled point of a light.
     template <class Light>
-    Spectrum factor_at(const Light& light, UInt material, Vec3 from, const LightSample& s, Float time, Mask m) const
+    Spectrum factor_at(const Light& light, UInt material, Vec3 from, const LightSample& s, Float time,
+                       const AlongCurves& curves, Mask m) const
     {
         SurfaceHit hit;
         hit.o = from;
@@ -94,7 +158,7 @@ private:
         const Vec3 u = light.edge_u(), v = light.edge_v();
         const Vec3 n = cross(u, v);
         const Float scale = Float(1) / max(dot(n, n), Float(1e-30f));
-        hit.u = dot(cross(r, v), n) * scale;
+        hit.u = select(curves.m, curves.u, dot(cross(r, v), n) * scale);
         hit.v = dot(cross(u, r), n) * scale;
         const Surface surface = surfaces_.read(hit, m);
         const UInt texture = materials_.get(&MaterialRecord::emission_texture, material, m);

@@ -45,6 +45,7 @@ public:
     UInt primitive() const { return integer(&LightRecord::primitive); }
     UInt tree_place() const { return integer(&LightRecord::tree_place); }
     UInt instance() const { return integer(&LightRecord::instance); }
+    UInt motion_flags() const { return integer(&LightRecord::motion); }
     Spectrum radiance() const
     {
         const std::size_t first = detail::word_of(&LightRecord::radiance);

@@ -43,10 +43,11 @@ void put_curves(const GeometryTables& tables, const std::vector<std::uint32_t>& 
     for (std::size_t i = 0; i < ids.size(); ++i) {
         const std::uint32_t segment = ids[i] >> piece_bits, piece = ids[i] & (CurveRecord::max_pieces - 1);
         const std::uint32_t shape = tables.shape_of_primitive[tables.first_curve() + segment];
-        const PieceEnds ends = piece_ends(tables, ids[i], tables.shapes[shape].flags & ShapeRecord::linear_curves);
+        const std::uint32_t flags = tables.shapes[shape].flags;
+        const PieceEnds ends = piece_ends(tables, ids[i], flags & ShapeRecord::linear_curves);
         const float share = 1 / float(tables.curves[segment].pieces);
         arrays.set_vector(0, i, ends.a);
-        arrays.set(3, i, ends.a.r);
+        arrays.set(3, i, flags & ShapeRecord::solid_curves ? -ends.a.r : ends.a.r);
         arrays.set_vector(4, i, ends.b);
         arrays.set(7, i, ends.b.r);
         arrays.set(8, i, float(piece) * share);

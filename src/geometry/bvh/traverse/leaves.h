@@ -1,7 +1,7 @@
 #pragma once
 /// One ray against a leaf of something other than triangles: lanes are primitives.
 #include "geometry/bvh/traverse/ray.h"
-#include "geometry/shapes/curve.h"
+#include "geometry/shapes/solid_curve.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -92,20 +92,30 @@ bool meet_points(const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 }
 
 /// Data: 10 arrays, both ends with their radii, where the piece begins along its segment, and how much of it that is;
-/// of ribbons besides the tangents at both ends.
+/// of ribbons besides the tangents at both ends. The first radius of solid curves is negative, or -0.
 template <bool any_hit, bool ribbons, class Offer>
-bool meet_curves(const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
+bool meet_curves(const GeometryTables& tables, const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
     const auto meet = [&](int at, Float& t, Float& u, Float&) {
         const auto number = [&](int k) { return array_from(leaf, k, at); };
         const auto vector = [&](int k) { return Vec3{number(k), number(k + 1), number(k + 2)}; };
-        const CurvePiece piece{vector(0), vector(4), number(3), number(7)};
+        const CurvePiece piece{vector(0), vector(4), abs(number(3)), number(7)};
         Float w;
         Mask m;
         if constexpr (ribbons)
             m = meet_ribbon_piece(piece, vector(10), vector(13), ray.o, ray.d, Float(infinity), t, w);
-        else
+        else {
             m = meet_round_piece(piece, ray.o, ray.d, Float(infinity), t, w);
+            const Mask solid = (float_bits(number(3)) >> 31) != UInt(0u);
+            if (any(solid)) {
+                Float solid_t, solid_w;
+                const SolidPieces pieces(tables, ids_from(leaf, at), number(8) / number(9), solid);
+                const Mask met = pieces.meet(piece, ray.o, ray.d, solid_t, solid_w);
+                m = (m & !solid) | (met & solid);
+                t = select(solid, solid_t, t);
+                w = select(solid, solid_w, w);
+            }
+        }
         // Powers of 2 both: the end of a piece is the beginning of the next.
         u = fma(w, number(9), number(8));
         return m;

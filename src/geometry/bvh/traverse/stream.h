@@ -427,9 +427,9 @@ private:
             case BvhReference::disks:
                 return meet_disks<any_hit>(tables, leaf, r, offer_keys(2 * tables.first_disk(), 2));
             case BvhReference::curves:
-                return meet_curves<any_hit, false>(leaf, r, offer_keys(2 * tables.first_curve(), 2));
+                return meet_curves<any_hit, false>(tables, leaf, r, offer_keys(2 * tables.first_curve(), 2));
             case BvhReference::ribbons:
-                return meet_curves<any_hit, true>(leaf, r, offer_keys(2 * tables.first_curve(), 2));
+                return meet_curves<any_hit, true>(tables, leaf, r, offer_keys(2 * tables.first_curve(), 2));
             default:
                 return meet_points<any_hit>(leaf, r, offer_keys(2 * tables.first_point(), 2));
         }

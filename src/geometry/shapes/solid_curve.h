@@ -1,0 +1,62 @@
+#pragma once
+#include "geometry/shapes/curve_reader.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// Pieces of solid curves, one per lane: what a ray meets is where it enters or leaves all that its curve is, and not
+/// what of a piece lies within the pieces before and behind it.
+class SolidPieces {
+public:
+    /// segment: in tables.curves. number: of the piece in it.
+    SolidPieces(const GeometryTables& tables, UInt segment, Float number, Mask m)
+        : before_(neighbour(tables, segment, number, false, m)), behind_(neighbour(tables, segment, number, true, m))
+    {
+    }
+
+    /// Lanes whose ray meets the piece at t > 0; w: along it.
+    Mask meet(const CurvePiece& piece, const Vec3& o, const Vec3& d, Float& t, Float& w) const
+    {
+        const RoundSpan s = span_of_round_piece(piece, o, d);
+        const auto shows = [&](Float at) {
+            const Vec3 p = fma(d, at, o);
+            return s.met & (at > Float(0)) & !within(before_, p) & !within(behind_, p);
+        };
+        const Mask enters = shows(s.t_in), leaves = shows(s.t_out);
+        t = select(enters, s.t_in, s.t_out);
+        w = select(enters, s.w_in, s.w_out);
+        return enters | leaves;
+    }
+
+private:
+    struct Neighbour {
+        CurvePiece piece;
+        Mask is_there;
+    };
+    static Mask within(const Neighbour& n, const Vec3& p) { return n.is_there & is_within_round_piece(n.piece, p); }
+
+    /// The piece behind or before, in the next segment where a curve goes on there: then these share a point.
+    static Neighbour neighbour(const GeometryTables& tables, UInt segment, Float number, bool next, Mask m)
+    {
+        const UInt count(std::uint32_t(tables.curves.size()));
+        const Float pieces = to_float(gather(tables.curves, &CurveRecord::pieces, segment, m));
+        const Float wanted = number + Float(next ? 1.f : -1.f);
+        const Mask here = m & (wanted >= Float(0)) & (wanted < pieces);
+        const Mask exists = m & (next ? less(segment + UInt(1u), count) : less(UInt(0u), segment));
+        const UInt other = select(exists, next ? segment + UInt(1u) : segment - UInt(1u), segment);
+        const UInt shape = gather(tables.shape_of_primitive.data(), segment + UInt(tables.first_curve()), m);
+        const UInt flags = gather(tables.shapes, &ShapeRecord::flags, shape, m);
+        const UInt stride = select((flags & UInt(ShapeRecord::linear_curves)) != UInt(0u), UInt(1u), UInt(3u));
+        const UInt own = gather(tables.curves, &CurveRecord::first_point, segment, m),
+                   others = gather(tables.curves, &CurveRecord::first_point, other, m);
+        const Mask joined = exists & !here & (next ? others == own + stride : own == others + stride);
+        const Mask is_there = here | joined;
+        const CurveReader curve(tables, select(here, segment, other), flags, is_there);
+        const Float place = select(here, wanted, next ? Float(0) : curve.pieces() - Float(1));
+        const CurvePoint<Float> a = curve.begin(place), b = curve.end(place);
+        return {{{a.x, a.y, a.z}, {b.x, b.y, b.z}, a.r, b.r}, is_there};
+    }
+
+    Neighbour before_, behind_;
+};
+
+}  // namespace fathom::inline FATHOM_LANES
