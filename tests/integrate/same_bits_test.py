@@ -21,6 +21,8 @@ def run(program, *arguments, level=None):
 
 
 WIDTH, HEIGHT = 64, 48
+guided_mark = " guided"
+GUIDED = [scene + guided_mark for scene in ("cornell-box", "environment", "instances")]
 
 
 def pixels(path):
@@ -51,9 +53,10 @@ def main():
                       "motion-blur", "motion-nodes", "motion-vertices", "curves",
                       "points", "depth-of-field", "model", "instances", "../tests/golden/scenes/hundreds-of-lamps",
                       "../tests/golden/scenes/moving-lamps", "../tests/golden/scenes/glowing-curves",
-                      "../tests/golden/scenes/fibres"]:
-            path = os.path.join(scenes, scene + ".json")
-            common = ["-q", "--size", f"{WIDTH}x{HEIGHT}", "--exr", "float"]
+                      "../tests/golden/scenes/fibres", *GUIDED]:
+            path = os.path.join(scenes, scene.removesuffix(guided_mark) + ".json")
+            guiding = "on" if scene.endswith(guided_mark) else "off"
+            common = ["-q", "--size", f"{WIDTH}x{HEIGHT}", "--exr", "float", "--guiding", guiding]
             seen = {}
             for name, level in levels.items():
                 out = os.path.join(folder, "level.exr")

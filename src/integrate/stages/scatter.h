@@ -29,12 +29,12 @@ template <class Closure>
     const BsdfSample by_bsdf = closure.sample(at.wo, random, rest);
     const Vec3 wi = select(guided, guidance.sample(random), at.frame.to_world(by_bsdf.wi));
     const Vec3 local = select(guided, at.frame.to_local(wi), by_bsdf.wi);
-    const Mask is_delta = by_bsdf.is_delta & !guided;
     const BsdfEval e = closure.eval(at.wo, local);
     const Float pdf = guidance.pdf(wi, e.pdf), inverse_pdf = Float(1) / max(pdf, Float(1e-30f));
-    const Spectrum weight = select(is_delta, by_bsdf.weight * (Float(1) / (Float(1) - share)), e.f_cos * inverse_pdf);
+    const Spectrum weight = select(by_bsdf.is_delta, by_bsdf.weight, e.f_cos * inverse_pdf);
     const Mask same_side = equal(dot(wi, at.ng) > Float(0), local.z > Float(0));
-    return {wi, select(same_side, throughput * weight, Spectrum(Float(0))), pdf, is_delta, Float(1), Mask(false)};
+    return {wi,         select(same_side, throughput * weight, Spectrum(Float(0))), pdf, by_bsdf.is_delta, Float(1),
+            Mask(false)};
 }
 
 /// key, seed: of the path and its bounce. index: of the order in which this bounce's directions come.

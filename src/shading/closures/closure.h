@@ -16,7 +16,7 @@
 ///                                            density of sampling wi
 ///     BsdfSample sample(wo, u, u1)           a direction with its weight, f_cos / pdf
 ///     Float guided_weight()                  where is_guided: how much such directions are worth, from 0 to 1; little
-///                                            where most goes into a narrow lobe
+///                                            where most goes into a narrow lobe, 0 where there are delta lobes
 ///     Mask has_smooth()                      lanes with anything but delta lobes, for which lights are sampled
 /// Delta lobes have a weight, and neither f_cos nor pdf.
 #include "sampling/warp.h"

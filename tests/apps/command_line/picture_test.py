@@ -271,6 +271,17 @@ class Picture(CommandLine):
         self.ok("merge", "a.exr", "b.exr", "-o", "all.exr", program=PROGRAM)
         self.refused(1, "merge", "all.exr", "c.exr", "-o", "x.exr", words=["c.exr", "clamp_indirect is none"], program=PROGRAM)
 
+    def test_guiding_by_itself(self):
+        """It is used where it is worth the time, and parts that are to be merged agree on it."""
+        for options, guiding in [(["--spp", "1365"], "off"), (["--spp", "1366"], "on"), (["--time", "0.1"], "off"),
+                                 (["--samples", "0:1"], "on"), (["--spp", "1", "--mergeable"], "on"),
+                                 (["--samples", "0:1", "--guiding", "off"], "off"), (["--spp", "1", "--guiding", "on"], "on"),
+                                 (["--spp", "1", "--guiding", "auto"], "off")]:
+            with self.subTest(options=options):
+                self.ok("render", "box.json", "-o", "guided.exr", "--size", "64x48", *options)
+                word = b"fathom.guiding\0string\0" + len(guiding).to_bytes(4, "little") + guiding.encode()
+                self.assertIn(word, Path(self.path("guided.exr")).read_bytes())
+
     def test_only_sample(self):
         result = self.ok("render", "box.json", "--only-sample", "12,34,56")
         self.assertEqual(result.stdout, "pixel 12,34 sample 56: 12 34 56\n")

@@ -1,0 +1,203 @@
+/// RenderSettings::guiding: another way to the same picture.
+#include <numeric>
+
+#include "picture_helpers.h"
+
+namespace fathom {
+namespace {
+
+using namespace test;
+
+void add_room(SceneBuilder& b, int walls)
+{
+    b.add(Rectangle{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}}, walls);
+    b.add(Rectangle{{-2, 3, -2}, {4, 0, 0}, {0, 0, 4}}, walls);
+    b.add(Rectangle{{-2, 0, -2}, {4, 0, 0}, {0, 3, 0}}, walls);
+    b.add(Rectangle{{2, 0, 2}, {-4, 0, 0}, {0, 3, 0}}, walls);
+    b.add(Rectangle{{-2, 0, 2}, {0, 0, -4}, {0, 3, 0}}, walls);
+    b.add(Rectangle{{2, 0, -2}, {0, 0, 4}, {0, 3, 0}}, walls);
+}
+
+/// Two chambers with a gap between them. The lamp is in one, the camera in the other, with a ball of the material.
+SceneDescription next_door(const Material& material, const Material& walls)
+{
+    SceneBuilder b;
+    const int wall = b.material(walls);
+    add_room(b, wall);
+    b.add(Rectangle{{0, 0, -2}, {0, 0, 3.4}, {0, 3, 0}}, wall);
+    b.add(Rectangle{{-1.5, 2.9, -1}, {1, 0, 0}, {0, 0, 1}}, b.diffuse(0, {20, 20, 20}));
+    b.add(Sphere{{1, 0.6, 0.2}, 0.6, {}}, b.material(material));
+    b.camera({1.9, 1.5, -1.8}, {0.6, 0.9, 0.6}, 70);
+    return b.scene;
+}
+
+Material grey(float albedo)
+{
+    Material m;
+    m.base_color.value = {albedo, albedo, albedo};
+    return m;
+}
+
+Material of_kind(MaterialKind kind, float roughness, float metallic = 0)
+{
+    Material m = grey(0.8f);
+    m.kind = kind;
+    m.roughness.value = roughness;
+    m.metallic.value = metallic;
+    return m;
+}
+
+RenderSettings guided(RenderSettings settings = small_picture())
+{
+    settings.guiding = true;
+    return settings;
+}
+
+/// The means of two pictures differ by less than four and a half standard errors of the difference.
+void expect_same_mean(const Film& film, const Film& other, const std::string& what)
+{
+    const Mean a = mean_of(film), b = mean_of(other);
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(a.value[c], b.value[c], 4.5 * std::hypot(a.error[c], b.error[c])) << what << ", channel " << c;
+    // A difference of a hundredth would be seen.
+    EXPECT_LT(std::hypot(a.error[0], b.error[0]), 0.01 / 4.5 * b.value[0]) << what;
+}
+
+TEST(Guiding, ChangesTheNoiseOnly)
+{
+    Material coated = of_kind(MaterialKind::principled, 0.6f);
+    coated.coat.value = 1;
+    struct Case {
+        const char* what;
+        Material material;
+    };
+    for (const Case& c : {Case{"diffuse", grey(0.8f)},
+                          {"glossy", of_kind(MaterialKind::principled, 0.2f)},
+                          {"rough metal", of_kind(MaterialKind::principled, 0.5f, 1)},
+                          {"layers", coated},
+                          {"glass", of_kind(MaterialKind::glass, 0)},
+                          {"mirror", of_kind(MaterialKind::metal, 0)}}) {
+        const SceneDescription scene = next_door(c.material, grey(0.7f));
+        expect_same_mean(render_film(scene, guided(), 1024), render_film(scene, small_picture(), 2048), c.what);
+    }
+}
+
+TEST(Guiding, ChangesTheNoiseOnlyWhereLightsAreFoundByChance)
+{
+    const SceneDescription scene = next_door(grey(0.8f), grey(0.7f));
+    RenderSettings settings = small_picture();
+    settings.light_sampling = false;
+    expect_same_mean(render_film(scene, guided(settings), 4096), render_film(scene, small_picture(), 2048),
+                     "by chance");
+}
+
+/// Glossy walls are guided less, and roulette goes by what they reflect.
+TEST(Guiding, ChangesTheNoiseOnlyBetweenGlossyWalls)
+{
+    const SceneDescription scene = next_door(grey(0.8f), of_kind(MaterialKind::principled, 0.3f, 0.5f));
+    expect_same_mean(render_film(scene, guided(), 2048), render_film(scene, small_picture(), 4096), "glossy walls");
+}
+
+/// In a closed room whose walls glow by 1 and reflect half there is a radiance of 2 everywhere.
+TEST(Guiding, KeepsTheRadianceOfAClosedRoom)
+{
+    SceneBuilder b;
+    Material glowing = grey(0.5f);
+    glowing.emission.value = {1, 1, 1};
+    glowing.emission_two_sided = true;
+    add_room(b, b.material(glowing));
+    b.add(Sphere{{0, 1, 0}, 0.5, {}}, b.material(glowing));
+    b.camera({1.9, 1.5, -1.8}, {0.6, 0.9, 0.6}, 70);
+    expect_mean(render_film(b.scene, guided(), 256), 2, 0.001);
+}
+
+double mean_variance(const Film& film)
+{
+    const auto& v = film.image(false, true).find("variance")->pixels;
+    return std::accumulate(v.begin(), v.end(), 0.0) / double(v.size());
+}
+
+TEST(Guiding, MakesLessNoiseNextDoor)
+{
+    const SceneDescription scene = next_door(grey(0.8f), grey(0.7f));
+    EXPECT_LT(mean_variance(render_film(scene, guided(), 512)),
+              0.5 * mean_variance(render_film(scene, small_picture(), 512)));
+}
+
+/// Roulette ends most of what goes on and brings little: less noise, and no more surfaces met than by throughput.
+TEST(Guiding, MakesNoLongerPaths)
+{
+    Warnings warnings;
+    const Scene scene = Scene::compile(next_door(grey(0.8f), grey(0.7f)), "", warnings);
+    const auto vertices = [&](const RenderSettings& settings) {
+        const RenderJob job(scene, settings);
+        Film film(job);
+        std::uint64_t n = 0;
+        render(job, {0, 64}, film, nullptr, [&](const Progress& p, const Film&) { n = p.costs.vertices; });
+        return double(n);
+    };
+    EXPECT_LT(vertices(guided()), 1.2 * vertices(small_picture()));
+}
+
+TEST(Guiding, HasTheSameBitsForAnyThreadsPassesAndCrop)
+{
+    Warnings warnings;
+    const Scene scene = Scene::compile(next_door(of_kind(MaterialKind::principled, 0.4f), grey(0.7f)), "", warnings);
+    const auto words = [&](RenderSettings settings, const std::vector<SampleRange>& ranges) {
+        const RenderJob job(scene, settings);
+        Film film(job);
+        for (const SampleRange& range : ranges) EXPECT_TRUE(render(job, range, film));
+        return film.sums().words;
+    };
+    RenderSettings settings = guided();
+    const std::vector<std::uint32_t> all = words(settings, {{0, 8}});
+    settings.threads = 1;
+    EXPECT_EQ(all, words(settings, {{0, 8}}));
+    settings.threads = 5;
+    EXPECT_EQ(all, words(settings, {{5, 8}, {0, 5}}));
+    settings.crop = Crop{4, 6, 20, 9};
+    const std::vector<std::uint32_t> part = words(settings, {{0, 8}});
+    const std::size_t per_pixel = all.size() / (32 * 24);
+    for (std::size_t y = 6; y < 9; ++y)
+        for (std::size_t i = (y * 32 + 4) * per_pixel; i < (y * 32 + 20) * per_pixel; ++i) ASSERT_EQ(all[i], part[i]);
+}
+
+/// A sample replayed alone goes by the same guidance as in its picture.
+TEST(Guiding, ReplaysASample)
+{
+    Warnings warnings;
+    const Scene scene = Scene::compile(next_door(grey(0.8f), grey(0.7f)), "", warnings);
+    const RenderJob job(scene, guided());
+    Film film(job);
+    render(job, {7, 8}, film);
+    const Image image = film.image(false, false);
+    for (const auto& [x, y] : {std::pair{3, 4}, {16, 12}, {30, 20}}) {
+        const Color c = render_sample(job, x, y, 7);
+        const float* pixel = &image.layers[0].pixels[std::size_t(y * 32 + x) * 3];
+        EXPECT_NEAR(pixel[0], c.r, 1e-6f + 1e-6f * c.r);
+        EXPECT_NEAR(pixel[2], c.b, 1e-6f + 1e-6f * c.b);
+    }
+}
+
+/// Where nearly all light is sampled straight from its lamp, there is nothing to learn: the same bits as without.
+TEST(Guiding, IsLeftOutWhereItWouldNotPay)
+{
+    SceneBuilder b;
+    b.add(Rectangle{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}}, b.diffuse(0.5f));
+    b.add(Sphere{{0, 0.3, 0}, 0.3, {}}, b.diffuse(0.2f));
+    b.add(Rectangle{{-0.5, 3, -0.5}, {1, 0, 0}, {0, 0, 1}}, b.diffuse(0, {9, 9, 9}));
+    b.camera({0, 2, 5}, {0, 0, 0}, 40);
+    EXPECT_EQ(render_film(b.scene, guided(), 8).sums().words, render_film(b.scene, small_picture(), 8).sums().words);
+}
+
+/// Nothing is met that could be learnt from.
+TEST(Guiding, SurvivesAnEmptyPicture)
+{
+    SceneBuilder b;
+    b.add(Sphere{{0, 0, 9}, 0.3, {}}, b.diffuse(0.2f));
+    b.camera({0, 0, 0}, {0, 0, -5}, 40);
+    EXPECT_EQ(mean_of(render_film(b.scene, guided(), 2)).value[0], 0);
+}
+
+}  // namespace
+}  // namespace fathom
