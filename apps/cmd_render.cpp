@@ -43,10 +43,11 @@ LoadedScene load(const RenderOptions& o, Reporter& reporter, Warnings& warnings)
 /// Whether it is worth the time to learn where light comes from. Parts of one picture must agree on it.
 bool guiding_pays(const RenderOptions& o, const RenderPlan& plan)
 {
-    constexpr double least_samples = 1 << 22, least_s = 10;
+    constexpr double least_in_all = 1 << 22, least_a_pixel = 8, least_s = 10;
     if (o.mergeable || o.range) return true;
     if (o.time_s) return *o.time_s >= least_s;
-    return double(plan.samples.value_or(default_samples)) * plan.settings.width * plan.settings.height >= least_samples;
+    const double samples = double(plan.samples.value_or(default_samples));
+    return samples >= least_a_pixel && samples * plan.settings.width * plan.settings.height >= least_in_all;
 }
 
 /// What options and scene say together; told is what was added to the scene.

@@ -40,7 +40,8 @@ struct RenderSettings {
     bool light_sampling = true;
     LightSelection light_selection = LightSelection::tree;
     /// Paths over the whole picture tell first where light comes from, and all others sample directions and end by
-    /// that: less noise where light comes by windows, doors and bright walls, for some 300,000 paths more.
+    /// that: less noise where light comes by windows, doors and bright walls, for a quarter to one million paths
+    /// more.
     bool guiding = false;
     Filter filter = Filter::blackman_harris;
     std::optional<Crop> crop;  ///< only these pixels are rendered; the picture keeps its size

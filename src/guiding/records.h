@@ -39,13 +39,10 @@ struct GuidingRecord {
     float value = 0;
 };
 
-/// What paths that are traced for learning met, in an order that depends on nothing but the job.
+/// What paths that are traced for learning met and brought, pixel by pixel and sample by sample.
 struct GuidingRecords {
     std::vector<GuidingRecord> turns;
-    /// Of the light that paths which met a surface brought: the sum of the shares that came along directions which
-    /// surfaces chose, and the number of those paths.
-    double guided_share = 0;
-    std::uint64_t lit_paths = 0;
+    std::vector<float> radiance;  ///< of each path: the mean of the channels
 };
 
 }  // namespace fathom

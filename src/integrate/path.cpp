@@ -420,11 +420,11 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
         const std::unique_ptr<Tracer> tracer(new Tracer(lane_scene, camera, settings, job, sums, counters));
         tracer->run();
     };
-    if (lane_scene.only_diffuse_quads && !settings.general_loop && !settings.guiding && !job.records &&
-        !(settings.clamp_indirect > 0))
-        run(std::type_identity<QuadTracer>());
-    else
+    if (!lane_scene.only_diffuse_quads || settings.general_loop || settings.clamp_indirect > 0)
         run(std::type_identity<PathTracer>());
+    // That loop is faster than any guidance would make the other.
+    else if (!job.records)
+        run(std::type_identity<QuadTracer>());
 }
 
 }  // namespace fathom

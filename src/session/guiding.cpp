@@ -1,7 +1,6 @@
 #include "session/guiding.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <tbb/parallel_for.h>
@@ -12,23 +11,22 @@ namespace fathom {
 
 namespace {
 
-/// How many paths tell what is learnt: as long as a sample of each pixel of 512 x 512.
-constexpr std::size_t learning_paths = std::size_t(1) << 18;
+/// So many paths are learnt from: half as many as the picture has pixels, but not fewer or more than these. With fewer
+/// much is missed indoors; a million take some 100 MB for a while.
+constexpr std::size_t least_paths = std::size_t(1) << 18, most_paths = std::size_t(1) << 20;
+/// Of each pixel that is looked at, so that the noise of its samples is known.
+constexpr std::size_t least_samples = 4;
 constexpr std::size_t paths_per_job = 4096;
-/// Where less of the light comes by directions that surfaces choose, there is too little to gain.
-constexpr double least_guided_share = 0.15;
-/// Cubes are so fine that regions have so many records each, about. Finer ones were too noisy, larger ones too blunt.
-constexpr double records_per_region = 2500;
-/// Nothing is known of regions with less.
-constexpr std::uint32_t least_records = 64;
-/// Every so manieth record tells where they are and how fine the cubes may be.
-constexpr std::uint32_t thinning = 8;
-/// A record's value counts up to so many times the mean of all.
-constexpr double most_value = 200;
-/// What a bin gives to each of its neighbours.
-constexpr double blur = 0.1;
-/// Of directions above the surface, as likely as any other whatever the records say.
-constexpr double even_share = 0.05;
+/// Guided paths are tried in every so manieth of these pixels.
+constexpr std::size_t trial_step = 2;
+/// What a guided path's vertex takes, in those of one that is not; measured.
+constexpr double guided_cost = 1.15;
+/// With less gain, which is not known exactly, the plain paths are kept.
+constexpr double least_gain = 1.1;
+/// How bright a pixel is, is told by so many before it in its row, and as many behind it.
+constexpr std::size_t neighbours = 16;
+/// Of all pixels, the noisiest that don't count: a few would decide alone.
+constexpr double outliers = 0.001;
 
 /// Pixels far apart, in rows and columns of equal distances, about `count` of them or all that there are.
 std::vector<std::uint32_t> spread_pixels(int width, int height, std::size_t count)
@@ -40,173 +38,117 @@ std::vector<std::uint32_t> spread_pixels(int width, int height, std::size_t coun
     return pixels;
 }
 
-GuidingRecords trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings settings)
+/// What some samples of some pixels met and brought.
+struct Pass {
+    GuidingRecords records;
+    std::size_t samples = 0;  ///< of each pixel
+    std::uint64_t vertices = 0;
+};
+
+/// salt: passes with another have other random numbers, as the samples of pictures have.
+Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings settings,
+           const std::vector<std::uint32_t>& pixels, std::size_t samples, std::uint32_t salt)
 {
-    // Random numbers of its own: what has been learnt must not depend on the samples that use it.
-    settings.seed ^= 0x9e3779b9u;
+    settings.seed ^= salt;
     settings.measure = false;
     const FilmLayout layout({}, false);
     settings.aovs = layout;
     settings.film_words = std::size_t(layout.words);
-    const std::vector<std::uint32_t> pixels = spread_pixels(settings.width, settings.height, learning_paths);
-    const std::size_t samples = std::max<std::size_t>(1, learning_paths / pixels.size());
     const std::size_t step = std::clamp<std::size_t>(paths_per_job / samples, 1, max_job_pixels);
-    std::vector<GuidingRecords> parts((pixels.size() + step - 1) / step);
+    std::vector<Pass> parts((pixels.size() + step - 1) / step);
     tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t part) {
         const std::size_t first = part * step, count = std::min(step, pixels.size() - first);
         TileSums sums;
         sums.reset(count, settings.film_words);
         KernelCounters counters;
         render_job(scene, camera, settings,
-                   {&pixels[first], std::uint32_t(count), 0, std::uint32_t(samples), &parts[part]}, sums, counters);
+                   {&pixels[first], std::uint32_t(count), 0, std::uint32_t(samples), &parts[part].records}, sums,
+                   counters);
+        parts[part].vertices = counters.costs.vertices;
     });
-    GuidingRecords all;
-    for (const GuidingRecords& part : parts) {
-        all.turns.insert(all.turns.end(), part.turns.begin(), part.turns.end());
-        all.guided_share += part.guided_share;
-        all.lit_paths += part.lit_paths;
+    Pass all;
+    all.samples = samples;
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    for (const Pass& part : parts) {
+        append(all.records.turns, part.records.turns);
+        append(all.records.radiance, part.records.radiance);
+        all.vertices += part.vertices;
     }
     return all;
 }
 
-/// Where most records are: from the 200th part of all, along each axis, to the last but as many.
-struct Extent {
-    std::array<float, 3> low, high;
+/// Mean and variance of the samples of a pixel.
+struct Spread {
+    double mean = 0, variance = 0;
 };
-Extent extent_of(const std::vector<GuidingRecord>& records)
+Spread spread_of(const Pass& pass, std::size_t pixel)
 {
-    Extent e;
-    std::vector<float> along(records.size());
-    for (std::size_t k = 0; k < 3; ++k) {
-        for (std::size_t i = 0; i < along.size(); ++i) along[i] = records[i].position[k];
-        const auto number = [&](std::size_t n) {
-            std::nth_element(along.begin(), along.begin() + std::ptrdiff_t(n), along.end());
-            return along[n];
-        };
-        const std::size_t outside = along.size() / 200;
-        e.low[k] = number(outside);
-        e.high[k] = number(along.size() - 1 - outside);
+    const float* const values = &pass.records.radiance[pixel * pass.samples];
+    Spread s;
+    for (std::size_t i = 0; i < pass.samples; ++i) s.mean += double(values[i]) / double(pass.samples);
+    for (std::size_t i = 0; i < pass.samples; ++i)
+        s.variance += (double(values[i]) - s.mean) * (double(values[i]) - s.mean) / double(pass.samples - 1);
+    return s;
+}
+
+/// Sum of the numbers but the largest.
+double sum_without_outliers(std::vector<double> numbers)
+{
+    std::sort(numbers.begin(), numbers.end());
+    numbers.resize(numbers.size() - std::size_t(outliers * double(numbers.size())));
+    double sum = 0;
+    for (double x : numbers) sum += x;
+    return sum;
+}
+
+/// How many times as much noise, for equal time, paths have in every trial_step-th pixel without guidance as with.
+double gain(const Pass& plain, const Pass& guided)
+{
+    const std::size_t pixels = guided.records.radiance.size() / guided.samples;
+    double mean = 0;
+    for (float x : plain.records.radiance) mean += double(x) / double(plain.records.radiance.size());
+    std::vector<Spread> a(pixels), b(pixels);
+    // Sums of the means up to each pixel: a pixel's own few samples don't tell how bright it is.
+    std::vector<double> sums(pixels + 1);
+    for (std::size_t i = 0; i < pixels; ++i) {
+        a[i] = spread_of(plain, i * trial_step), b[i] = spread_of(guided, i);
+        sums[i + 1] = sums[i] + 0.5 * (a[i].mean + b[i].mean);
     }
-    return e;
-}
-
-/// Cuts the extent into cubes, `along` of them along its longest side.
-void set_cubes(const Extent& extent, float along, GuidingTables& t)
-{
-    float longest = 0;
-    for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, extent.high[k] - extent.low[k]);
-    const float size = std::max(longest, 1e-6f) / along;
-    t.inverse_cell = 1 / size;
-    for (std::size_t k = 0; k < 3; ++k) {
-        t.cells[k] = std::uint32_t(std::max(1.f, std::ceil((extent.high[k] - extent.low[k]) / size)));
-        t.lowest[k] = 0.5f * (extent.low[k] + extent.high[k] - float(t.cells[k]) * size);
+    std::vector<double> before(pixels), after(pixels);
+    for (std::size_t i = 0; i < pixels; ++i) {
+        const std::size_t from = i - std::min(i, neighbours), to = std::min(pixels, i + neighbours + 1);
+        const double around = (sums[to] - sums[from]) / double(to - from);
+        const double scale = around * around + 0.01 * mean * mean;
+        if (!(scale > 0)) continue;
+        before[i] = a[i].variance / scale;
+        after[i] = b[i].variance / scale;
     }
-    t.regions.assign(std::size_t(t.cells[0]) * t.cells[1] * t.cells[2] * guiding_sides, no_index);
-}
-
-/// Where a record's region is in GuidingTables::regions.
-std::size_t place_of(const GuidingRecord& r, const GuidingTables& t)
-{
-    std::size_t at[3];
-    for (std::size_t k = 0; k < 3; ++k)
-        at[k] = std::size_t(std::clamp((r.position[k] - t.lowest[k]) * t.inverse_cell, 0.f, float(t.cells[k] - 1)));
-    return ((at[2] * t.cells[1] + at[1]) * t.cells[0] + at[0]) * guiding_sides + r.side;
-}
-
-std::vector<std::uint32_t> count_by_region(const std::vector<GuidingRecord>& records, const GuidingTables& t)
-{
-    std::vector<std::uint32_t> count(t.regions.size());
-    for (const GuidingRecord& r : records) ++count[place_of(r, t)];
-    return count;
-}
-
-/// Makes the cubes as fine as there are records for. few: some of all, evenly.
-void choose_cubes(const std::vector<GuidingRecord>& few, GuidingTables& t)
-{
-    const Extent extent = extent_of(few);
-    for (float along = 2; along < 64; along *= 1.25f) {
-        set_cubes(extent, along, t);
-        std::vector<std::uint32_t> count = count_by_region(few, t);
-        const auto known =
-            std::count_if(count.begin(), count.end(), [](std::uint32_t n) { return n >= least_records / thinning; });
-        if (double(few.size()) < records_per_region / thinning * double(known)) break;
-    }
-}
-
-/// Numbers the regions that have enough records; returns how many records each of these has.
-std::vector<std::uint32_t> number_regions(const std::vector<GuidingRecord>& records, GuidingTables& t)
-{
-    const std::vector<std::uint32_t> count = count_by_region(records, t);
-    std::vector<std::uint32_t> known;
-    for (std::size_t i = 0; i < count.size(); ++i)
-        if (count[i] >= least_records) {
-            t.regions[i] = std::uint32_t(known.size());
-            known.push_back(count[i]);
-        }
-    return known;
-}
-
-/// The cumulative histogram of the sums of bins.
-void write_histogram(const double* sums, float* to)
-{
-    std::array<double, guiding_bins> smooth;
-    double total = 0;
-    for (std::uint32_t i = 0; i < guiding_bins; ++i) {
-        const std::uint32_t band = i / guiding_sectors, first = band * guiding_sectors, sector = i - first;
-        double sum = sums[first + (sector + 1) % guiding_sectors] +
-                     sums[first + (sector + guiding_sectors - 1) % guiding_sectors];
-        if (band > 0) sum += sums[i - guiding_sectors];
-        if (band + 1 < guiding_bands) sum += sums[i + guiding_sectors];
-        smooth[i] = sums[i] + blur * sum;
-        total += smooth[i];
-    }
-    double cumulative = 0;
-    for (std::uint32_t i = 0; i < guiding_bins; ++i) {
-        to[i] = float(cumulative);
-        const double even = i < guiding_bins / 2 ? 0 : 2.0 / guiding_bins;
-        cumulative += total > 0 ? (1 - even_share) * smooth[i] / total + even_share * even : even;
-    }
-    to[guiding_bins] = 1;
+    const double noise = sum_without_outliers(before) / std::max(sum_without_outliers(after), 1e-30);
+    const double share = double(guided.records.radiance.size()) / double(plain.records.radiance.size());
+    return noise * share * double(plain.vertices) / (guided_cost * double(std::max<std::uint64_t>(guided.vertices, 1)));
 }
 
 }  // namespace
 
-std::shared_ptr<const GuidingTables> make_guiding(const std::vector<GuidingRecord>& records)
-{
-    if (records.size() < least_records) return nullptr;
-    auto tables = std::make_shared<GuidingTables>();
-    GuidingTables& t = *tables;
-    std::vector<GuidingRecord> few;
-    for (std::size_t i = 0; i < records.size(); i += thinning) few.push_back(records[i]);
-    choose_cubes(few, t);
-    const std::vector<std::uint32_t> counts = number_regions(records, t);
-    if (counts.empty()) return nullptr;
-    double total = 0;
-    for (const GuidingRecord& r : records) total += double(r.value);
-    const double most = most_value * total / double(records.size());
-    std::vector<double> bins(counts.size() * guiding_bins), sums(counts.size());
-    for (const GuidingRecord& r : records) {
-        const std::uint32_t region = t.regions[place_of(r, t)];
-        if (region == no_index) continue;
-        const double value = std::min(double(r.value), most);
-        bins[std::size_t(region) * guiding_bins + r.bin] += value;
-        sums[region] += value;
-    }
-    t.histograms.resize(counts.size() * guiding_stride);
-    t.means.resize(counts.size());
-    for (std::size_t i = 0; i < counts.size(); ++i) {
-        write_histogram(&bins[i * guiding_bins], &t.histograms[i * guiding_stride]);
-        t.means[i] = float(sums[i] / counts[i] / 3.14159265358979323846);
-    }
-    return tables;
-}
-
 std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, const CameraRecord& camera,
                                                    const KernelSettings& settings)
 {
-    const GuidingRecords records = trace(scene, camera, settings);
-    if (records.guided_share < least_guided_share * double(records.lit_paths)) return nullptr;
-    return make_guiding(records.turns);
+    const std::size_t picture = std::size_t(settings.width) * std::size_t(settings.height);
+    const std::size_t paths = std::clamp(picture / 2, least_paths, most_paths);
+    const std::vector<std::uint32_t> pixels = spread_pixels(settings.width, settings.height, paths / least_samples);
+    const std::size_t samples = std::max(least_samples, paths / pixels.size());
+    Pass plain = trace(scene, camera, settings, pixels, samples, 0x9e3779b9u);
+    const std::shared_ptr<const GuidingTables> first = make_guiding(plain.records.turns);
+    if (!first) return nullptr;
+    std::vector<std::uint32_t> tried;
+    for (std::size_t i = 0; i < pixels.size(); i += trial_step) tried.push_back(pixels[i]);
+    KernelSettings with_first = settings;
+    with_first.guiding = first.get();
+    const Pass guided = trace(scene, camera, with_first, tried, samples, 0x3c6ef372u);
+    if (gain(plain, guided) < least_gain) return nullptr;
+    std::vector<GuidingRecord>& turns = plain.records.turns;
+    turns.insert(turns.end(), guided.records.turns.begin(), guided.records.turns.end());
+    return make_guiding(turns);
 }
 
 }  // namespace fathom

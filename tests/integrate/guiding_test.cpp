@@ -64,6 +64,14 @@ void expect_same_mean(const Film& film, const Film& other, const std::string& wh
     EXPECT_LT(std::hypot(a.error[0], b.error[0]), 0.02 / 4.5 * b.value[0]) << what;
 }
 
+/// Guiding is in use: paths go other ways than without.
+void expect_in_use(const SceneDescription& scene, const RenderSettings& settings, const std::string& what)
+{
+    RenderSettings plain = settings;
+    plain.guiding = false;
+    EXPECT_NE(render_film(scene, settings, 2).sums().words, render_film(scene, plain, 2).sums().words) << what;
+}
+
 TEST(Guiding, ChangesTheNoiseOnly)
 {
     Material coated = of_kind(MaterialKind::principled, 0.6f);
@@ -79,6 +87,7 @@ TEST(Guiding, ChangesTheNoiseOnly)
                           {"glass", of_kind(MaterialKind::glass, 0)},
                           {"mirror", of_kind(MaterialKind::metal, 0)}}) {
         const SceneDescription scene = next_door(c.material, grey(0.7f), 2);
+        expect_in_use(scene, guided(), c.what);
         expect_same_mean(render_film(scene, guided(), 1024), render_film(scene, small_picture(), 2048), c.what);
     }
 }
@@ -88,6 +97,7 @@ TEST(Guiding, ChangesTheNoiseOnlyWhereLightsAreFoundByChance)
     const SceneDescription scene = next_door(grey(0.8f), grey(0.7f), 2);
     RenderSettings settings = small_picture();
     settings.light_sampling = false;
+    expect_in_use(scene, guided(settings), "by chance");
     expect_same_mean(render_film(scene, guided(settings), 4096), render_film(scene, small_picture(), 2048),
                      "by chance");
 }
@@ -96,6 +106,7 @@ TEST(Guiding, ChangesTheNoiseOnlyWhereLightsAreFoundByChance)
 TEST(Guiding, ChangesTheNoiseOnlyBetweenGlossyWalls)
 {
     const SceneDescription scene = next_door(grey(0.8f), of_kind(MaterialKind::principled, 0.3f, 0.5f), 2);
+    expect_in_use(scene, guided(), "glossy walls");
     expect_same_mean(render_film(scene, guided(), 2048), render_film(scene, small_picture(), 4096), "glossy walls");
 }
 
@@ -125,8 +136,8 @@ TEST(Guiding, MakesLessNoiseNextDoor)
               0.5 * mean_variance(render_film(scene, small_picture(), 512)));
 }
 
-/// Roulette ends most of what goes on and brings little: less noise, and no more surfaces met than by throughput.
-TEST(Guiding, MakesNoLongerPaths)
+/// Roulette needs no depth to begin at where it is known what a path may bring.
+TEST(Guiding, EndsPathsThatBringLittle)
 {
     Warnings warnings;
     const Scene scene = Scene::compile(next_door(grey(0.8f), grey(0.7f)), "", warnings);
@@ -137,7 +148,9 @@ TEST(Guiding, MakesNoLongerPaths)
         render(job, {0, 64}, film, nullptr, [&](const Progress& p, const Film&) { n = p.costs.vertices; });
         return double(n);
     };
-    EXPECT_LT(vertices(guided()), 1.2 * vertices(small_picture()));
+    RenderSettings patient = small_picture();
+    patient.roulette_depth = 40;
+    EXPECT_LT(vertices(guided(patient)), 0.25 * vertices(patient));
 }
 
 TEST(Guiding, HasTheSameBitsForAnyThreadsPassesAndCrop)

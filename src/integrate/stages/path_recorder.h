@@ -14,7 +14,9 @@ public:
     /// numbered from 0 on.
     PathRecorder(GuidingRecords* to, std::size_t paths) : to_(to)
     {
-        if (to_) turns_.resize(paths * most_turns);
+        if (!to_) return;
+        turns_.resize(paths * most_turns);
+        to_->radiance.resize(paths);
     }
     bool is_on() const { return to_ != nullptr; }
 
@@ -50,27 +52,20 @@ public:
     void end(const PathPool& paths, std::size_t i)
     {
         const float all = radiance(paths, i);
+        to_->radiance[paths.number[i]] = all;
         Turn* const turns = &turns_[first_turn(paths, i)];
-        bool has_turned = false;
         for (Turn* turn = turns; turn < turns + most_turns; ++turn) {
             if (!(turn->factor > 0)) continue;
             const float back = std::max(all - turn->before, 0.f);
             turn->record.value = turn->factor * back;
-            if (!has_turned && all > 0) turn->share = back / all;
-            has_turned = true;
         }
     }
     /// Hands all records over, path by path.
     void finish()
     {
         if (!to_) return;
-        for (const Turn& turn : turns_) {
-            if (!(turn.factor > 0)) continue;
-            to_->turns.push_back(turn.record);
-            if (turn.share < 0) continue;
-            to_->guided_share += double(turn.share);
-            ++to_->lit_paths;
-        }
+        for (const Turn& turn : turns_)
+            if (turn.factor > 0) to_->turns.push_back(turn.record);
     }
 
 private:
@@ -79,7 +74,6 @@ private:
         GuidingRecord record;
         float factor = 0;  ///< of radiance in the record's value; 0: there was no such turn
         float before = 0;  ///< radiance of the path up to its next surface
-        float share = -1;  ///< of a lit path's light that came after its first turn
     };
     static std::size_t first_turn(const PathPool& paths, std::size_t i)
     {

@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "session/guiding.h"
+
+namespace fathom {
+
+namespace {
+
+/// Cubes are so fine that regions have so many records each, about. Finer ones were too noisy, larger ones too blunt.
+constexpr double records_per_region = 2500;
+/// Nothing is known of regions with less.
+constexpr std::uint32_t least_records = 64;
+/// Every so manieth record tells where they are and how fine the cubes may be.
+constexpr std::uint32_t thinning = 8;
+/// A record's value counts up to so many times the mean of all.
+constexpr double most_value = 200;
+/// What a bin gives to each of its neighbours.
+constexpr double blur = 0.1;
+/// Of directions above the surface, as likely as any other whatever the records say.
+constexpr double even_share = 0.05;
+
+/// Where most records are: from the 200th part of all, along each axis, to the last but as many.
+struct Extent {
+    std::array<float, 3> low, high;
+};
+Extent extent_of(const std::vector<GuidingRecord>& records)
+{
+    Extent e;
+    std::vector<float> along(records.size());
+    for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t i = 0; i < along.size(); ++i) along[i] = records[i].position[k];
+        const auto number = [&](std::size_t n) {
+            std::nth_element(along.begin(), along.begin() + std::ptrdiff_t(n), along.end());
+            return along[n];
+        };
+        const std::size_t outside = along.size() / 200;
+        e.low[k] = number(outside);
+        e.high[k] = number(along.size() - 1 - outside);
+    }
+    return e;
+}
+
+/// Cuts the extent into cubes, `along` of them along its longest side.
+void set_cubes(const Extent& extent, float along, GuidingTables& t)
+{
+    float longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, extent.high[k] - extent.low[k]);
+    const float size = std::max(longest, 1e-6f) / along;
+    t.inverse_cell = 1 / size;
+    for (std::size_t k = 0; k < 3; ++k) {
+        t.cells[k] = std::uint32_t(std::max(1.f, std::ceil((extent.high[k] - extent.low[k]) / size)));
+        t.lowest[k] = 0.5f * (extent.low[k] + extent.high[k] - float(t.cells[k]) * size);
+    }
+    t.regions.assign(std::size_t(t.cells[0]) * t.cells[1] * t.cells[2] * guiding_sides, no_index);
+}
+
+/// Where a record's region is in GuidingTables::regions.
+std::size_t place_of(const GuidingRecord& r, const GuidingTables& t)
+{
+    std::size_t at[3];
+    for (std::size_t k = 0; k < 3; ++k)
+        at[k] = std::size_t(std::clamp((r.position[k] - t.lowest[k]) * t.inverse_cell, 0.f, float(t.cells[k] - 1)));
+    return ((at[2] * t.cells[1] + at[1]) * t.cells[0] + at[0]) * guiding_sides + r.side;
+}
+
+std::vector<std::uint32_t> count_by_region(const std::vector<GuidingRecord>& records, const GuidingTables& t)
+{
+    std::vector<std::uint32_t> count(t.regions.size());
+    for (const GuidingRecord& r : records) ++count[place_of(r, t)];
+    return count;
+}
+
+/// Makes the cubes as fine as there are records for. few: some of all, evenly.
+void choose_cubes(const std::vector<GuidingRecord>& few, GuidingTables& t)
+{
+    const Extent extent = extent_of(few);
+    for (float along = 2; along < 64; along *= 1.25f) {
+        set_cubes(extent, along, t);
+        std::vector<std::uint32_t> count = count_by_region(few, t);
+        const auto known =
+            std::count_if(count.begin(), count.end(), [](std::uint32_t n) { return n >= least_records / thinning; });
+        if (double(few.size()) < records_per_region / thinning * double(known)) break;
+    }
+}
+
+/// Numbers the regions that have enough records; returns how many records each of these has.
+std::vector<std::uint32_t> number_regions(const std::vector<GuidingRecord>& records, GuidingTables& t)
+{
+    const std::vector<std::uint32_t> count = count_by_region(records, t);
+    std::vector<std::uint32_t> known;
+    for (std::size_t i = 0; i < count.size(); ++i)
+        if (count[i] >= least_records) {
+            t.regions[i] = std::uint32_t(known.size());
+            known.push_back(count[i]);
+        }
+    return known;
+}
+
+/// The cumulative histogram of the sums of bins.
+void write_histogram(const double* sums, float* to)
+{
+    std::array<double, guiding_bins> smooth;
+    double total = 0;
+    for (std::uint32_t i = 0; i < guiding_bins; ++i) {
+        const std::uint32_t band = i / guiding_sectors, first = band * guiding_sectors, sector = i - first;
+        double sum = sums[first + (sector + 1) % guiding_sectors] +
+                     sums[first + (sector + guiding_sectors - 1) % guiding_sectors];
+        if (band > 0) sum += sums[i - guiding_sectors];
+        if (band + 1 < guiding_bands) sum += sums[i + guiding_sectors];
+        smooth[i] = sums[i] + blur * sum;
+        total += smooth[i];
+    }
+    double cumulative = 0;
+    for (std::uint32_t i = 0; i < guiding_bins; ++i) {
+        to[i] = float(cumulative);
+        const double even = i < guiding_bins / 2 ? 0 : 2.0 / guiding_bins;
+        cumulative += total > 0 ? (1 - even_share) * smooth[i] / total + even_share * even : even;
+    }
+    to[guiding_bins] = 1;
+}
+
+}  // namespace
+
+std::shared_ptr<const GuidingTables> make_guiding(const std::vector<GuidingRecord>& records)
+{
+    if (records.size() < least_records) return nullptr;
+    auto tables = std::make_shared<GuidingTables>();
+    GuidingTables& t = *tables;
+    std::vector<GuidingRecord> few;
+    for (std::size_t i = 0; i < records.size(); i += thinning) few.push_back(records[i]);
+    choose_cubes(few, t);
+    const std::vector<std::uint32_t> counts = number_regions(records, t);
+    if (counts.empty()) return nullptr;
+    double total = 0;
+    for (const GuidingRecord& r : records) total += double(r.value);
+    const double most = most_value * total / double(records.size());
+    std::vector<double> bins(counts.size() * guiding_bins), sums(counts.size());
+    for (const GuidingRecord& r : records) {
+        const std::uint32_t region = t.regions[place_of(r, t)];
+        if (region == no_index) continue;
+        const double value = std::min(double(r.value), most);
+        bins[std::size_t(region) * guiding_bins + r.bin] += value;
+        sums[region] += value;
+    }
+    t.histograms.resize(counts.size() * guiding_stride);
+    t.means.resize(counts.size());
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        write_histogram(&bins[i * guiding_bins], &t.histograms[i * guiding_stride]);
+        t.means[i] = float(sums[i] / counts[i] / 3.14159265358979323846);
+    }
+    return tables;
+}
+
+}  // namespace fathom
