@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "session/guiding.h"
 
@@ -148,7 +149,7 @@ std::shared_ptr<const GuidingTables> make_guiding(const std::vector<GuidingRecor
     t.means.resize(counts.size());
     for (std::size_t i = 0; i < counts.size(); ++i) {
         write_histogram(&bins[i * guiding_bins], &t.histograms[i * guiding_stride]);
-        t.means[i] = float(sums[i] / counts[i] / 3.14159265358979323846);
+        t.means[i] = float(sums[i] / counts[i] / std::numbers::pi);
     }
     return tables;
 }

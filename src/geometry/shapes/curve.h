@@ -51,41 +51,59 @@ struct CurvePiece {
     Float ra, rb;  ///< radii there
 };
 
-/// Lanes whose ray (of unit direction) enters the piece from outside at 0 < t <= t_max; w: where along it, in [0, 1].
+/// The side of a round piece as the line of a ray (of unit direction) meets it.
 ///
 /// The piece is what a ball sweeps whose centre goes from a to b and whose radius goes from ra to rb. A point p is on
 /// its side if the least of |p - c(w)|^2 - r(w)^2 over w is 0; with the best w for a point of the ray that is a
 /// quadratic in t. All is computed about the point of the axis that is nearest to the ray, so that thin and long pieces
 /// keep their precision. Han, Wald, Usher et al. 2019, "Ray Tracing Generalized Tube Primitives: Method and
 /// Applications", has the geometry; the way of solving is ours.
+struct RoundSide {
+    Mask met;
+    Float t0;                        ///< where the ray passes the point of the axis that all is computed about
+    Float alpha, beta, gamma, root;  ///< of the quadratic, whose t counts from t0 on
+    Float w0, m, n, A, inverse;
+
+    RoundSide(const CurvePiece& piece, const Vec3& o, const Vec3& d)
+    {
+        const Vec3 whole = piece.b - piece.a, q = o - piece.a;
+        const Float length2 = dot(whole, whole);
+        // Of a piece without length nothing but a ball is left.
+        inverse = select(length2 > Float(0), Float(1) / sqrt(length2), Float(0));
+        const Vec3 e = whole * inverse;
+        const Float g = (piece.rb - piece.ra) * inverse;
+        m = dot(e, d);
+        const Float nearest = (dot(e, q) - m * dot(d, q)) / max(Float(1) - m * m, Float(1e-7f)) * inverse;
+        // Any point of the axis will do; none is better than NaN.
+        w0 = select(nearest > Float(0), min(nearest, Float(1)), Float(0));
+        const Vec3 c = fma(whole, w0, piece.a);
+        const Float r = fma(piece.rb - piece.ra, w0, piece.ra);
+        t0 = dot(d, c - o);
+        const Vec3 f = fma(d, t0, o - c);
+
+        n = fma(g, r, dot(e, f));
+        A = fma(-g, g, Float(1));
+        const Float fd = dot(f, d);
+        alpha = fma(-m, m, A), beta = fma(A, fd, -(m * n)), gamma = fma(A, fma(-r, r, dot(f, f)), -(n * n));
+        const Float discriminant = fma(beta, beta, -(alpha * gamma));
+        root = sqrt(max(discriminant, Float(0)));
+        met = (A > Float(0)) & (discriminant >= Float(0));
+    }
+    /// The root at which the quadratic falls, from outside to inside, and that at which it rises.
+    Float entry() const { return select(beta < Float(0), gamma / (root - beta), -(beta + root) / alpha); }
+    Float exit() const { return select(beta > Float(0), -gamma / (root + beta), (root - beta) / alpha); }
+    /// Where along the piece the ray is at t.
+    Float place(Float t) const { return w0 + fma(m, t, n) / A * inverse; }
+};
+
+/// Lanes whose ray (of unit direction) enters the piece from outside at 0 < t <= t_max; w: where along it, in [0, 1].
 inline Mask meet_round_piece(const CurvePiece& piece, const Vec3& o, const Vec3& d, Float t_max, Float& t, Float& w)
 {
-    const Vec3 whole = piece.b - piece.a, q = o - piece.a;
-    const Float length2 = dot(whole, whole);
-    // Of a piece without length nothing but a ball is left.
-    const Float inverse = select(length2 > Float(0), Float(1) / sqrt(length2), Float(0));
-    const Vec3 e = whole * inverse;
-    const Float g = (piece.rb - piece.ra) * inverse, m = dot(e, d);
-    const Float nearest = (dot(e, q) - m * dot(d, q)) / max(Float(1) - m * m, Float(1e-7f)) * inverse;
-    // Any point of the axis will do; none is better than NaN.
-    const Float w0 = select(nearest > Float(0), min(nearest, Float(1)), Float(0));
-    const Vec3 c = fma(whole, w0, piece.a);
-    const Float r = fma(piece.rb - piece.ra, w0, piece.ra);
-    const Float t0 = dot(d, c - o);
-    const Vec3 f = fma(d, t0, o - c);
-
-    const Float n = fma(g, r, dot(e, f)), fd = dot(f, d);
-    const Float A = fma(-g, g, Float(1));
-    const Float alpha = fma(-m, m, A), beta = fma(A, fd, -(m * n)), gamma = fma(A, fma(-r, r, dot(f, f)), -(n * n));
-    const Float discriminant = fma(beta, beta, -(alpha * gamma));
-    const Float root = sqrt(max(discriminant, Float(0)));
-    // The root at which the quadratic falls, from outside to inside.
-    const Float side_t = select(beta < Float(0), gamma / (root - beta), -(beta + root) / alpha);
-    const Float side_w = w0 + fma(m, side_t, n) / A * inverse;
-    t = t0 + side_t;
+    const RoundSide side(piece, o, d);
+    const Float side_t = side.entry(), side_w = side.place(side_t);
+    t = side.t0 + side_t;
     w = side_w;
-    Mask found =
-        (A > Float(0)) & (discriminant >= Float(0)) & (side_w >= Float(0)) & (side_w <= Float(1)) & (t > Float(0));
+    Mask found = side.met & (side_w >= Float(0)) & (side_w <= Float(1)) & (t > Float(0));
     const auto cap = [&](const Vec3& center, Float radius, Float place) {
         const Float tc = dot(d, center - o);
         const Vec3 foot = fma(d, tc, o - center);
@@ -110,20 +128,7 @@ struct RoundSpan {
 /// As meet_round_piece, but both sides, wherever the ray begins.
 inline RoundSpan span_of_round_piece(const CurvePiece& piece, const Vec3& o, const Vec3& d)
 {
-    const Vec3 whole = piece.b - piece.a, q = o - piece.a;
-    const Float length2 = dot(whole, whole);
-    const Float inverse = select(length2 > Float(0), Float(1) / sqrt(length2), Float(0));
-    const Vec3 e = whole * inverse;
-    const Float g = (piece.rb - piece.ra) * inverse, m = dot(e, d);
-    const Float nearest = (dot(e, q) - m * dot(d, q)) / max(Float(1) - m * m, Float(1e-7f)) * inverse;
-    const Float w0 = select(nearest > Float(0), min(nearest, Float(1)), Float(0));
-    const Vec3 c = fma(whole, w0, piece.a);
-    const Float r = fma(piece.rb - piece.ra, w0, piece.ra), t0 = dot(d, c - o);
-    const Vec3 f = fma(d, t0, o - c);
-    const Float n = fma(g, r, dot(e, f)), fd = dot(f, d), A = fma(-g, g, Float(1));
-    const Float alpha = fma(-m, m, A), beta = fma(A, fd, -(m * n)), gamma = fma(A, fma(-r, r, dot(f, f)), -(n * n));
-    const Float discriminant = fma(beta, beta, -(alpha * gamma)), root = sqrt(max(discriminant, Float(0)));
-    const Mask has_side = (A > Float(0)) & (discriminant >= Float(0));
+    const RoundSide round(piece, o, d);
     RoundSpan s{Mask(false), Float(infinity), Float(0), Float(-infinity), Float(0)};
     const auto offer = [&](Mask enters, Mask leaves, Float t, Float w) {
         const Mask first = enters & (t < s.t_in), last = leaves & (t > s.t_out);
@@ -132,12 +137,12 @@ inline RoundSpan span_of_round_piece(const CurvePiece& piece, const Vec3& o, con
         s.met |= enters | leaves;
     };
     const auto side = [&](Float t, bool enters) {
-        const Float w = w0 + fma(m, t, n) / A * inverse;
-        const Mask on_it = has_side & (w >= Float(0)) & (w <= Float(1));
-        offer(enters ? on_it : Mask(false), enters ? Mask(false) : on_it, t0 + t, w);
+        const Float w = round.place(t);
+        const Mask on_it = round.met & (w >= Float(0)) & (w <= Float(1));
+        offer(enters ? on_it : Mask(false), enters ? Mask(false) : on_it, round.t0 + t, w);
     };
-    side(select(beta < Float(0), gamma / (root - beta), -(beta + root) / alpha), true);
-    side(select(beta > Float(0), -gamma / (root + beta), (root - beta) / alpha), false);
+    side(round.entry(), true);
+    side(round.exit(), false);
     const auto ball = [&](const Vec3& center, Float radius, Float place) {
         const Float tc = dot(d, center - o);
         const Vec3 foot = fma(d, tc, o - center);
