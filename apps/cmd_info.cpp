@@ -5,6 +5,7 @@
 #include "arguments.h"
 #include "commands.h"
 #include "fathom/error.h"
+#include "film_info.h"
 #include "scene_options.h"
 #include "streams.h"
 
@@ -196,17 +197,22 @@ void print_text(const ordered_json& info)
 void add_info(CLI::App& program, Run& run)
 {
     const auto options = std::make_shared<InfoOptions>();
-    Command command(program, "info", "Tell what is in a scene or model file");
+    Command command(program, "info", "Tell what is in a scene, model or film file");
     add_file_options(command, options->scene);
     command.add_flag("--json", options->json, "as JSON");
     command.set_footer(
-        "Counts, bounds, memory, cameras, lights, and what was not understood.\n\n"
-        "Examples:\n  fathom info model.glb\n  fathom info scene.json --json\n\n"
+        "Counts, bounds, memory, cameras, lights, and what was not understood. Of a film file: its samples and what "
+        "is\n"
+        "missing of them, seed, settings, layers, noise; all of it is read, so damage shows.\n\n"
+        "Examples:\n  fathom info model.glb\n  fathom info scene.json --json\n  fathom info film.exr\n\n"
         "Exit codes: 0 done; 1 error; 2 wrong usage.");
     command.set_run(run, [options] {
-        const ordered_json info = describe(*options);
+        const bool is_film = is_film_file(options->scene.file);
+        const ordered_json info = is_film ? describe_film(options->scene.file) : describe(*options);
         if (options->json)
             print(info.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
+        else if (is_film)
+            print_film_text(info);
         else
             print_text(info);
         return int(exit_ok);

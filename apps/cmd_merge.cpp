@@ -5,9 +5,11 @@
 #include "arguments.h"
 #include "commands.h"
 #include "fathom/error.h"
+#include "fathom/film_file.h"
 #include "inputs.h"
 #include "picture_options.h"
 #include "reporter.h"
+#include "sample_plan.h"
 
 namespace fathom::cli {
 
@@ -16,30 +18,51 @@ namespace {
 struct MergeOptions {
     std::vector<std::filesystem::path> parts;
     PictureOptions picture;
-    bool no_sums = false, quiet = false;
+    bool skip_overlaps = false, no_sums = false, quiet = false;
 };
 
-bool has_channel(const Image& image, const std::string& channel)
+/// What the parts are to become together.
+struct Merged {
+    Film film;
+    std::map<std::string, std::string> attributes;  ///< of the first part
+    bool alpha = false, variance = false, counts = false;
+    std::uint64_t planned_samples = 0;
+};
+
+/// Samples of one part that another has too; empty if there are none.
+std::string overlap(const Film& film, const FilmFile& part)
 {
-    const Image::Layer* layer = image.find("");
-    return layer && std::find(layer->channels.begin(), layer->channels.end(), channel) != layer->channels.end();
+    for (const SampleRange& r : part.samples())
+        for (const SampleRange& there : film.samples())
+            if (r.first < there.second && there.first < r.second)
+                return text_of({{std::max(r.first, there.first), std::min(r.second, there.second)}});
+    return "";
 }
 
-/// The library knows sums, not the files that they came from.
-template <class Action>
-auto naming(const std::filesystem::path& file, Action action)
+/// Adds part by part, none of which is in memory as a whole.
+///
+/// left_out  gets a line for each part that is
+Merged merge_parts(const MergeOptions& o, Reporter& reporter, std::vector<std::string>& left_out)
 {
-    try {
-        return action();
-    } catch (const Error& error) {
-        if (!error.file().empty()) throw;
-        throw Error(file.string(), error.place(), error.message());
+    const Reporter::Phase phase(reporter, "merge", "merging");
+    std::optional<Merged> merged;
+    for (const std::filesystem::path& file : o.parts) {
+        const FilmFile part(file);
+        if (!merged) {
+            // The first decides what else the picture holds.
+            const auto has = [&](const char* channel) {
+                return std::find(part.channels().begin(), part.channels().end(), channel) != part.channels().end();
+            };
+            merged = Merged{part.read(), part.attributes(), has("A"), has("variance.R"), has("samples.Y")};
+        } else if (const std::string both = overlap(merged->film, part); !both.empty() && o.skip_overlaps) {
+            left_out.push_back(fmt::format("left out: {}, as samples {} are there already", file.string(), both));
+        } else {
+            part.add_to(merged->film);
+        }
+        merged->planned_samples =
+            std::max(merged->planned_samples, planned_number(part.attributes(), planned_samples_attribute));
     }
-}
-
-Film film_of(const Image& part, const std::filesystem::path& file)
-{
-    return naming(file, [&] { return Film::from_sums(load_sums(part, file.string())); });
+    return std::move(*merged);
 }
 
 int run_merge(const MergeOptions& o)
@@ -52,36 +75,27 @@ int run_merge(const MergeOptions& o)
     const WriteOptions write = write_options(o.picture, {}, reporter);
     const std::optional<Denoiser> denoiser = open_denoiser(o.picture, 0, reporter);
 
-    // The first part decides what else the picture holds.
-    bool alpha = false, variance = false, counts = false;
-    std::map<std::string, std::string> attributes;
-    Film film = [&] {
-        const Image first = read_image(o.parts.front());
-        alpha = has_channel(first, "A");
-        variance = first.find("variance");
-        counts = first.find("samples");
-        attributes = first.attributes;
-        return film_of(first, o.parts.front());
-    }();
-    for (std::size_t i = 1; i < o.parts.size(); ++i) {
-        const Film part = film_of(read_image(o.parts[i]), o.parts[i]);
-        naming(o.parts[i], [&] { film.merge(part); });
-    }
-    Image image = film.image(alpha, variance);
-    if (counts) image.layers.push_back(sample_count_layer(film));
+    std::vector<std::string> left_out;
+    Merged merged = merge_parts(o, reporter, left_out);
+    for (const std::string& line : left_out) reporter.note(line);
+    const Film& film = merged.film;
+    Image image = film.image(merged.alpha, merged.variance);
+    if (merged.counts) image.layers.push_back(sample_count_layer(film));
+    const std::uint64_t planned_parts = planned_number(merged.attributes, planned_parts_attribute);
+    image.attributes = std::move(merged.attributes);
+    if (merged.planned_samples > 0)
+        image.attributes[planned_samples_attribute] = fmt::format("{}", merged.planned_samples);
     // Times of one part say nothing of the whole.
-    for (const char* name : {"fathom.load_s", "fathom.build_s", "fathom.render_s", "fathom.rays"})
-        attributes.erase(name);
-    std::erase_if(attributes, [](const auto& attribute) { return attribute.first.rfind("fathom.sums.", 0) == 0; });
-    attributes["fathom.samples"] = text_of(film.samples());
-    attributes["fathom.samples_per_pixel"] = fmt::format("{}", film.samples_per_pixel());
-    attributes["fathom.dropped_samples"] = fmt::format("{}", film.dropped_samples());
-    image.attributes = std::move(attributes);
-    image.attributes.erase("fathom.denoiser");
+    for (const char* name : {"fathom.load_s", "fathom.build_s", "fathom.render_s", "fathom.rays", "fathom.denoiser"})
+        image.attributes.erase(name);
+    image.attributes["fathom.samples"] = text_of(film.samples());
+    image.attributes["fathom.samples_per_pixel"] = fmt::format("{}", film.samples_per_pixel());
+    image.attributes["fathom.dropped_samples"] = fmt::format("{}", film.dropped_samples());
     if (denoiser) denoiser->add_to(image);
-    if (writes_exr(o.picture) && !o.no_sums) store_sums(film.sums(), image);
-    const bool all_written = write_pictures(o.picture, image, write, reporter);
+    const bool all_written = write_pictures(o.picture, image, o.no_sums ? nullptr : &film, write, reporter);
     reporter.note(fmt::format("{} samples a pixel: {}", film.samples_per_pixel(), text_of(film.samples())));
+    if (const auto missing = missing_samples(film.samples(), merged.planned_samples); !missing.empty())
+        reporter.note("missing: " + missing_text(missing, merged.planned_samples, planned_parts));
     return all_written ? exit_ok : exit_error;
 }
 
@@ -91,12 +105,16 @@ void add_merge(CLI::App& program, Run& run)
 {
     const auto options = std::make_shared<MergeOptions>();
     Command command(program, "merge", "Join pictures of disjoint sample ranges of one scene");
-    command.add_positionals("PART", options->parts, "EXR files of `fathom render --samples` or --mergeable");
+    command.add_positionals("PART", options->parts,
+                            "film files of `fathom render --part`, --samples, --mergeable or --checkpoint");
     add_picture_options(command, options->picture);
+    command.add_flag("--skip-overlaps", options->skip_overlaps,
+                     "leave parts out, by name, some of whose samples an earlier one has (default: refuse them)");
     command.add_flag("--no-sums", options->no_sums, "leave the sums out of EXR: smaller, but the end of merging");
     command.add_flag("-q,--quiet", options->quiet, "print only errors");
     command.set_footer(
-        "The result is, bit for bit, the picture that one run makes.\n\n"
+        "The result is, bit for bit, the picture that one run makes. Any parts will do, in any order; what is still\n"
+        "missing is told.\n\n"
         "Examples:\n"
         "  fathom render scene.json --samples 0:64 -o a.exr\n"
         "  fathom render scene.json --samples 64:128 -o b.exr\n"

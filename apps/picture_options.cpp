@@ -6,6 +6,7 @@
 
 #include "commands.h"
 #include "fathom/error.h"
+#include "fathom/film_file.h"
 
 namespace fathom::cli {
 
@@ -146,13 +147,17 @@ std::optional<Denoiser> open_denoiser(const PictureOptions& options, int threads
     return denoiser;
 }
 
-bool write_pictures(const PictureOptions& options, const Image& image, const WriteOptions& write, Reporter& reporter)
+bool write_pictures(const PictureOptions& options, const Image& image, const Film* sums, const WriteOptions& write,
+                    Reporter& reporter)
 {
     bool all = true;
     const Image shown = shown_picture(image);
     for (const auto& file : options.outputs) {
         try {
-            write_image(file, is_exr(file) ? image : shown, write);
+            if (is_exr(file) && sums)
+                write_film(file, *sums, image, write);
+            else
+                write_image(file, is_exr(file) ? image : shown, write);
             reporter.written(file.string());
         } catch (const Error& error) {
             reporter.error(error.what());

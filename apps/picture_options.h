@@ -50,7 +50,10 @@ std::optional<Denoiser> open_denoiser(const PictureOptions& options, int threads
 
 /// Writes all files of the options and tells which. EXR has all layers; others show the one that is "denoised", if
 /// there is one. False if a file could not be written, which is told too: the others are there.
-bool write_pictures(const PictureOptions& options, const Image& image, const WriteOptions& write, Reporter& reporter);
+///
+/// sums  of the picture, which EXR is to hold too, or nullptr
+bool write_pictures(const PictureOptions& options, const Image& image, const Film* sums, const WriteOptions& write,
+                    Reporter& reporter);
 /// A layer that tells how many samples each pixel has.
 Image::Layer sample_count_layer(const Film& film);
 

@@ -83,8 +83,7 @@ int render_picture(const RenderOptions& o, const RenderPlan& plan, const Picture
     if (o.aov_samples) image.layers.push_back(sample_count_layer(film));
     image.attributes = attributes(o, plan.settings, plan.scene, film, summary);
     if (plan.denoiser) add_denoised(image, *plan.denoiser, o.aovs);
-    if (o.mergeable) store_sums(film.sums(), image);
-    const bool all_written = write_pictures(files, image, plan.write, reporter);
+    const bool all_written = write_pictures(files, image, o.mergeable ? &film : nullptr, plan.write, reporter);
     if (!plan.denoiser) tell_fireflies(film, plan.write.display, reporter);
     summary.write_s = seconds_since_start() - write_start_s;
     if (film.dropped_samples() > 0) {

@@ -25,7 +25,7 @@ struct Image {
         std::vector<std::string> channels;  ///< "R", "G", "B", "A", "X", "Y", "Z", ...
         std::vector<float> pixels;          ///< width * height * channels.size(), interleaved
     };
-    /// Integers that a float would round; kept by EXR only. A film's exact sums travel in them: see store_sums().
+    /// Integers that a float would round; kept by EXR only.
     struct UintChannel {
         std::string name;
         std::vector<std::uint32_t> values;  ///< width * height

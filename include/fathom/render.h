@@ -127,6 +127,8 @@ inline constexpr std::uint64_t most_samples = std::uint64_t(1) << 32;  ///< wher
 class FATHOM_API Film {
 public:
     explicit Film(const RenderJob& job);
+    /// One of no samples, to merge others into.
+    explicit Film(FilmKey key);
     Film(Film&&) noexcept;
     Film& operator=(Film&&) noexcept;
     ~Film();
@@ -152,6 +154,8 @@ public:
     /// Adds the sums of a film of an equal key over other samples. Throws Error if they overlap or the keys differ.
     void merge(const Film& other);
 
+    /// The mean so far, with A if alpha.
+    Image picture(bool alpha) const;
     /// Means so far: the picture (with A if alpha), and a layer per AOV, "variance" (of the mean) if asked for.
     Image image(bool alpha, bool variance) const;
 
@@ -164,7 +168,7 @@ public:
     /// samples of one height would make it. 0 and 0 below 4 samples a pixel, which tell too little.
     Fireflies fireflies() const;
 
-    /// The sums themselves, to be stored in a file and merged later: 32-bit words, per pixel `words_per_pixel`.
+    /// The sums themselves (film_file.h has them in files): 32-bit words, per pixel `words_per_pixel`.
     struct Sums {
         int width = 0, height = 0, words_per_pixel = 0;
         std::vector<std::uint32_t> words;
@@ -181,15 +185,8 @@ public:
     const Data& data() const { return *data_; }
 
 private:
-    explicit Film(FilmKey key);
     std::unique_ptr<Data> data_;
 };
-
-/// Puts the sums into `image` as integer channels `sums.000`, ... and attributes `fathom.sums.*`, so that an EXR of it
-/// can be merged later.
-FATHOM_API void store_sums(const Film::Sums& sums, Image& image);
-/// What store_sums put there. Throws Error naming `file` if it holds none, or not all.
-FATHOM_API Film::Sums load_sums(const Image& image, const std::string& file);
 
 struct Progress {
     std::uint64_t samples_done = 0, samples_total = 0;  ///< samples of pixels, over the whole call

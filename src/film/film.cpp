@@ -32,6 +32,11 @@ Image::Layer fill(const Film::Data& film, const std::string& name, const std::ve
     return l;
 }
 
+double radiance(const std::uint32_t* pixel, int channel)
+{
+    return ExactSum::value(radiance_sum(pixel, channel));
+}
+
 }  // namespace
 
 FilmLayout::FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted)
@@ -61,8 +66,8 @@ void Film::Data::add_range(SampleRange range)
     for (const SampleRange& r : samples)
         if (range.first < r.second && r.first < range.second)
             throw Error("", "",
-                        fmt::format("samples {}:{} are in the film already (it has {}:{})", range.first, range.second,
-                                    r.first, r.second));
+                        fmt::format("samples {}:{} overlap with {}:{}, which are in the film already", range.first,
+                                    range.second, r.first, r.second));
     samples.push_back(range);
     std::sort(samples.begin(), samples.end());
     std::vector<SampleRange> joined;
@@ -73,6 +78,20 @@ void Film::Data::add_range(SampleRange range)
             joined.push_back(r);
     }
     samples = std::move(joined);
+}
+
+void Film::Data::take_samples(const FilmKey& of, const std::vector<SampleRange>& ranges, std::uint64_t dropped_there)
+{
+    if (const std::string difference = of.difference(key); !difference.empty())
+        throw Error("", "", "does not belong to the others: " + difference);
+    const std::vector<SampleRange> before = samples;
+    try {
+        for (const SampleRange& range : ranges) add_range(range);
+    } catch (...) {
+        samples = before;
+        throw;
+    }
+    dropped += dropped_there;
 }
 
 Film::Data::Data(FilmKey new_key)
@@ -139,19 +158,29 @@ void Film::merge(const Film& other)
 {
     const Data& from = *other.data_;
     Data& to = *data_;
-    if (const std::string difference = from.key.difference(to.key); !difference.empty())
-        throw Error("", "", "does not belong to the others: " + difference);
-    const std::vector<SampleRange> before = to.samples;
-    try {
-        for (const SampleRange& r : from.samples) to.add_range(r);
-    } catch (...) {
-        to.samples = before;
-        throw;
-    }
-    to.dropped += from.dropped;
+    to.take_samples(from.key, from.samples, from.dropped);
     if (!to.dropped_sample) to.dropped_sample = from.dropped_sample;
     const std::size_t pixels = std::size_t(to.width) * std::size_t(to.height);
     for (std::size_t i = 0; i < pixels; ++i) to.add_pixel(i, from.pixel(i));
+}
+
+Image Film::picture(bool alpha) const
+{
+    const Data& film = *data_;
+    const double n = double(samples_per_pixel());
+    const double scale = n > 0 ? 1 / n : 0;
+    Image image;
+    image.width = film.width;
+    image.height = film.height;
+    if (alpha && film.layout.alpha >= 0)
+        image.layers.push_back(fill(film, "", {"R", "G", "B", "A"}, [&](const std::uint32_t* pixel, int c) {
+            return float((c < 3 ? radiance(pixel, c) : ExactSum::value(other_sum(pixel, film.layout.alpha))) * scale);
+        }));
+    else
+        image.layers.push_back(fill(film, "", {"R", "G", "B"}, [&](const std::uint32_t* pixel, int c) {
+            return float(radiance(pixel, c) * scale);
+        }));
+    return image;
 }
 
 Image Film::image(bool alpha, bool variance) const
@@ -160,7 +189,6 @@ Image Film::image(bool alpha, bool variance) const
     const FilmLayout& layout = film.layout;
     const double n = double(samples_per_pixel());
     const double scale = n > 0 ? 1 / n : 0;
-    const auto radiance = [](const std::uint32_t* pixel, int c) { return ExactSum::value(radiance_sum(pixel, c)); };
     const auto sum = [](const std::uint32_t* pixel, int place) { return ExactSum::value(other_sum(pixel, place)); };
     const auto mean_of = [&](int first) {
         return [=](const std::uint32_t* pixel, int c) { return float(sum(pixel, first + c) * scale); };
@@ -172,17 +200,7 @@ Image Film::image(bool alpha, bool variance) const
         };
     };
 
-    Image image;
-    image.width = film.width;
-    image.height = film.height;
-    if (alpha && layout.alpha >= 0)
-        image.layers.push_back(fill(film, "", {"R", "G", "B", "A"}, [&](const std::uint32_t* pixel, int c) {
-            return float((c < 3 ? radiance(pixel, c) : sum(pixel, layout.alpha)) * scale);
-        }));
-    else
-        image.layers.push_back(fill(film, "", {"R", "G", "B"}, [&](const std::uint32_t* pixel, int c) {
-            return float(radiance(pixel, c) * scale);
-        }));
+    Image image = picture(alpha);
     for (Aov aov : film.key.settings.aovs) {
         const auto id = [&](int word) {
             return [=](const std::uint32_t* pixel, int) { return float(pixel[layout.ids + word]); };

@@ -55,6 +55,9 @@ struct Film::Data {
     }
     /// Adds [range) to `samples`. Throws Error if some of it is there already.
     void add_range(SampleRange range);
+    /// Counts the samples of another film as here, whose sums are to be added next. Throws Error if they don't belong
+    /// here, or some are here already; then nothing is changed.
+    void take_samples(const FilmKey& of, const std::vector<SampleRange>& ranges, std::uint64_t dropped_there);
 };
 
 }  // namespace fathom

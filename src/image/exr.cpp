@@ -1,21 +1,14 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
-#include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <ImfThreading.h>
-#include <fmt/format.h>
-#include <half.h>
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
 
 #include "fathom/error.h"
-#include "image/formats.h"
+#include "image/exr_parts.h"
 #include "image/output_file.h"
 #include "image/primaries.h"
 #include "scene/machine.h"
@@ -23,26 +16,6 @@
 namespace fathom {
 
 namespace {
-
-class MemoryInput : public Imf::IStream {
-public:
-    explicit MemoryInput(const EncodedImage& file) : Imf::IStream(file.name.c_str()), file_(file) {}
-
-    bool read(char destination[], int size) override
-    {
-        if (size < 0 || std::size_t(size) > file_.size - position_)
-            throw Error(file_.name, "", "the file is cut short or damaged");
-        std::memcpy(destination, file_.bytes + position_, std::size_t(size));
-        position_ += std::size_t(size);
-        return position_ < file_.size;
-    }
-    std::uint64_t tellg() override { return position_; }
-    void seekg(std::uint64_t position) override { position_ = std::min<std::uint64_t>(position, file_.size); }
-
-private:
-    const EncodedImage& file_;
-    std::size_t position_ = 0;
-};
 
 class FileOutput : public Imf::OStream {
 public:
@@ -83,101 +56,6 @@ Image::Layer& layer_named(Image& image, const std::string& name)
     return image.layers.emplace_back(Image::Layer{name, {}, {}});
 }
 
-std::string full_name(const std::string& layer, const std::string& channel)
-{
-    return layer.empty() ? channel : layer + "." + channel;
-}
-
-/// Colours in half's range may be halves. Ids, distances and variances would suffer: half has 11 bits, and nothing
-/// below 6e-8.
-bool fits_half(const Image::Layer& layer)
-{
-    constexpr float largest_half = 65504;
-    if (layer.name == "variance") return false;
-    for (const std::string& channel : layer.channels)
-        if (channel != "R" && channel != "G" && channel != "B" && channel != "A") return false;
-    return std::none_of(layer.pixels.begin(), layer.pixels.end(),
-                        [](float v) { return std::abs(v) > largest_half && !std::isinf(v); });
-}
-
-/// What OpenEXR reads of an attribute, whatever its length is said to be; 0: as much as is said.
-std::size_t fixed_size(std::string_view type)
-{
-    constexpr std::pair<std::string_view, std::size_t> sizes[] = {{"box2f", 16},
-                                                                  {"box2i", 16},
-                                                                  {"chromaticities", 32},
-                                                                  {"compression", 1},
-                                                                  {"deepImageState", 1},
-                                                                  {"double", 8},
-                                                                  {"envmap", 1},
-                                                                  {"float", 4},
-                                                                  {"int", 4},
-                                                                  {"keycode", 28},
-                                                                  {"lineOrder", 1},
-                                                                  {"m33d", 72},
-                                                                  {"m33f", 36},
-                                                                  {"m44d", 128},
-                                                                  {"m44f", 64},
-                                                                  {"rational", 8},
-                                                                  {"tiledesc", 9},
-                                                                  {"timecode", 8},
-                                                                  {"v2d", 16},
-                                                                  {"v2f", 8},
-                                                                  {"v2i", 8},
-                                                                  {"v3d", 24},
-                                                                  {"v3f", 12},
-                                                                  {"v3i", 12}};
-    for (const auto& [name, size] : sizes)
-        if (name == type) return size;
-    return 0;
-}
-
-/// Whether these bytes are a list of channels, which an empty name ends, and nothing else.
-bool is_channel_list(std::string_view bytes)
-{
-    constexpr std::size_t after_name = 16;
-    while (!bytes.empty() && bytes[0] != 0) {
-        const std::size_t name = bytes.find('\0');
-        if (name == std::string_view::npos || bytes.size() - name - 1 < after_name) return false;
-        bytes.remove_prefix(name + 1 + after_name);
-    }
-    return bytes.size() == 1;
-}
-
-/// OpenEXR believes an attribute's length and asks for as much memory. Where it reads less than that, it goes on in the
-/// middle.
-void check_attributes(const EncodedImage& file)
-{
-    const auto fail = [&] { throw Error(file.name, "", "the file is cut short or damaged"); };
-    const char* const characters = reinterpret_cast<const char*>(file.bytes);
-    std::size_t at = 8;
-    const auto skip_word = [&] {
-        const auto* end = at < file.size ? std::memchr(file.bytes + at, 0, file.size - at) : nullptr;
-        if (!end) fail();
-        at = std::size_t(static_cast<const unsigned char*>(end) - file.bytes) + 1;
-    };
-    if (file.size < at) fail();
-    const bool has_parts = file.bytes[5] & 0x10;
-    do {
-        while (at < file.size && file.bytes[at] != 0) {
-            skip_word();  // name
-            const std::size_t type_at = at;
-            skip_word();
-            const std::string_view type(characters + type_at, at - type_at - 1);
-            std::uint32_t size = 0;
-            if (file.size - at < 4) fail();
-            for (int i = 3; i >= 0; --i) size = size << 8 | file.bytes[at + std::size_t(i)];
-            at += 4;
-            if (size > file.size - at) fail();
-            if (fixed_size(type) > 0 && size != fixed_size(type)) fail();
-            if (type == "chlist" && !is_channel_list({characters + at, size})) fail();
-            at += size;
-        }
-        if (++at >= file.size) fail();
-        // Files of several parts end their headers with an empty one.
-    } while (has_parts && file.bytes[at] != 0);
-}
-
 /// What the file says of its colours; those that nothing can be computed from are damage.
 std::optional<Chromaticities> read_chromaticities(const EncodedImage& file, const Imf::Header& header)
 {
@@ -193,37 +71,15 @@ std::optional<Chromaticities> read_chromaticities(const EncodedImage& file, cons
     return chromaticities;
 }
 
-/// The layers in other primaries. Variances stay: those of a mixture of channels don't follow from the channels'.
-std::vector<Image::Layer> converted_layers(const Image& image, const Chromaticities& primaries)
-{
-    const ColorMatrix matrix = conversion(rec709_chromaticities, primaries);
-    std::vector<Image::Layer> layers = image.layers;
-    for (Image::Layer& layer : layers)
-        if (layer.name != "variance") convert(layer, matrix);
-    return layers;
-}
-
-void add_chromaticities(Imf::Header& header, const Chromaticities& c)
-{
-    const auto point = [](Vec2f v) { return Imath::V2f(v.x, v.y); };
-    Imf::addChromaticities(header, Imf::Chromaticities(point(c.red), point(c.green), point(c.blue), point(c.white)));
-}
-
 }  // namespace
 
 Image read_exr(const EncodedImage& file)
 {
-    check_attributes(file);
+    if (!exr_headers_end(file.bytes, file.size)) throw Error(file.name, "", "the file is cut short or damaged");
     bool is_small = true;
     {
         // The size is looked at before OpenEXR makes tables of it.
-        MemoryInput stream(file);
-        char start[8];  // the magic number, then the version and flags, lowest byte first
-        stream.read(start, sizeof start);
-        int version = 0;
-        for (int i = 7; i >= 4; --i) version = version << 8 | static_cast<unsigned char>(start[i]);
-        Imf::Header header;
-        header.readFrom(stream, version);
+        const Imf::Header header = read_exr_header(file);
         const auto& window = header.dataWindow();
         std::uint64_t channels = 0;
         for (auto c = header.channels().begin(); c != header.channels().end(); ++c) ++channels;
@@ -233,7 +89,7 @@ Image read_exr(const EncodedImage& file)
         // Threads take longer to wake up than such a picture takes to read.
         is_small = (std::int64_t(window.max.x) - window.min.x) * (std::int64_t(window.max.y) - window.min.y) < 1 << 16;
     }
-    MemoryInput stream(file);
+    ExrMemoryInput stream(file);
     Imf::InputFile input(stream, is_small ? 0 : compression_threads());
     if (!input.isComplete()) throw Error(file.name, "", "the file is cut short: rows of the picture are missing");
 
@@ -294,45 +150,19 @@ Image read_exr(const EncodedImage& file)
 // halves.
 void write_exr(OutputFile& file, const Image& image, const WriteOptions& options)
 {
-    Imf::Header header(image.width, image.height);
+    ExrChannels parts(image, options);
     const bool plain = image.layers.size() == 1 && image.uint_channels.empty() && !options.exr_half;
-    header.compression() = plain ? Imf::NO_COMPRESSION : Imf::ZIP_COMPRESSION;
-    header.zipCompressionLevel() = 1;
-    for (const auto& [name, value] : image.attributes) header.insert(name, Imf::StringAttribute(value));
-    const bool is_converted = options.exr_primaries != Primaries::rec709;  // which is what no attribute stands for
-    std::vector<Image::Layer> converted;
-    if (is_converted) {
-        const Chromaticities primaries = chromaticities_of(options.exr_primaries);
-        converted = converted_layers(image, primaries);
-        add_chromaticities(header, primaries);
-    }
-
-    const std::size_t width = std::size_t(image.width);
+    parts.header.compression() = plain ? Imf::NO_COMPRESSION : Imf::ZIP_COMPRESSION;
+    parts.header.zipCompressionLevel() = 1;
     Imf::FrameBuffer buffer;
-    const auto insert = [&](const std::string& name, Imf::PixelType type, const void* values, std::size_t stride) {
-        header.channels().insert(name, Imf::Channel(type));
+    for (const ExrChannels::Channel& channel : parts.channels) {
         // OpenEXR has one type for buffers that it reads into and that it only looks at.
-        char* base = const_cast<char*>(static_cast<const char*>(values));
-        buffer.insert(name, Imf::Slice(type, base, stride, stride * width));
-    };
-    std::vector<std::vector<half>> halves;
-    for (const Image::Layer& layer : is_converted ? converted : image.layers) {
-        const std::size_t channels = layer.channels.size();
-        const bool as_half = options.exr_half && fits_half(layer);
-        if (as_half) halves.emplace_back(layer.pixels.begin(), layer.pixels.end());
-        for (std::size_t c = 0; c < channels; ++c) {
-            const std::string name = full_name(layer.name, layer.channels[c]);
-            if (as_half)
-                insert(name, Imf::HALF, halves.back().data() + c, channels * sizeof(half));
-            else
-                insert(name, Imf::FLOAT, layer.pixels.data() + c, channels * sizeof(float));
-        }
+        char* const first = const_cast<char*>(channel.first);
+        buffer.insert(channel.name,
+                      Imf::Slice(channel.type, first, channel.stride, channel.stride * std::size_t(image.width)));
     }
-    for (const Image::UintChannel& channel : image.uint_channels)
-        insert(channel.name, Imf::UINT, channel.values.data(), sizeof(std::uint32_t));
-
     FileOutput stream(file);
-    Imf::OutputFile output(stream, header, plain ? 0 : compression_threads());
+    Imf::OutputFile output(stream, parts.header, plain ? 0 : compression_threads());
     output.setFrameBuffer(buffer);
     output.writePixels(image.height);
 }

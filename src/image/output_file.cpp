@@ -2,8 +2,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -12,6 +14,19 @@
 namespace fathom {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// A name beside the target that nobody can foresee: in a folder that others may write to, a link could wait there.
+fs::path temporary_name(const fs::path& folder, const fs::path& target)
+{
+    std::uint64_t number = 0;
+    if (getrandom(&number, sizeof number, 0) != ssize_t(sizeof number))
+        throw Error(target.string(), "", "can't write: the system gives no random numbers");
+    return folder / fmt::format(".{}.{:016x}.part", target.filename().string().substr(0, 200), number);
+}
+
+}  // namespace
 
 OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_(target)
 {
@@ -27,20 +42,19 @@ OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_
     if (fs::exists(status) && !fs::is_regular_file(status))
         throw Error(name_, "", "can't write: this is a device or a pipe, not a file");
     if (fs::exists(status) && access(target_.c_str(), W_OK) != 0) fail("can't write", errno);
-    const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
-    if (!fs::exists(folder, error))
-        throw Error(name_, "", fmt::format("can't write: there is no folder '{}'", folder.string()));
+    folder_ = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+    if (!fs::exists(folder_, error))
+        throw Error(name_, "", fmt::format("can't write: there is no folder '{}'", folder_.string()));
 
-    static int count = 0;
-    temporary_ = folder / fmt::format(".{}.{}-{}.part", target_.filename().string().substr(0, 200), getpid(), count++);
+    temporary_ = temporary_name(folder_, target_);
     int descriptor = -1;
 #ifdef O_TMPFILE
     // Its name comes by way of /proc, which a chroot may lack.
-    if (access("/proc/self/fd", F_OK) == 0) descriptor = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+    if (access("/proc/self/fd", F_OK) == 0) descriptor = open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
     nameless_ = descriptor >= 0;
 #endif
     // Not every file system has nameless files.
-    if (descriptor < 0) descriptor = open(temporary_.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0666);
+    if (descriptor < 0) descriptor = open(temporary_.c_str(), O_CREAT | O_EXCL | O_NOFOLLOW | O_RDWR | O_CLOEXEC, 0666);
     if (descriptor < 0) fail("can't write", errno);
     file_ = fdopen(descriptor, "w+b");
     if (!file_) {
@@ -73,6 +87,34 @@ void OutputFile::write(const void* bytes, std::size_t size)
     if (std::fwrite(bytes, 1, size, file_) != size) fail("can't write", errno);
 }
 
+void OutputFile::write_whole(const void* bytes, std::size_t size)
+{
+    constexpr std::size_t block = std::size_t(8) << 20, sector = 4096;
+    const int descriptor = fileno(file_), flags = fcntl(descriptor, F_GETFL);
+    bool direct = false;
+#ifdef O_DIRECT
+    direct = fcntl(descriptor, F_SETFL, flags | O_DIRECT) == 0;
+#endif
+    const auto* const begin = static_cast<const unsigned char*>(bytes);
+    for (std::size_t done = 0; done < size;) {
+        std::size_t length = std::min(block, size - done);
+        if (direct && length > sector) length -= length % sector;
+        // What is left is no whole sector, and some file systems take no such writes after all.
+        const auto write_cached = [&] { direct = fcntl(descriptor, F_SETFL, flags) != 0; };
+        if (direct && length % sector != 0) write_cached();
+        const ssize_t written = ::write(descriptor, begin + done, length);
+        if (written > 0) {
+            done += std::size_t(written);
+            // A disk that is nearly full may take part of a block.
+            if (direct && done % sector != 0) write_cached();
+        } else if (written < 0 && errno == EINVAL && direct) {
+            write_cached();
+        } else if (written == 0 || errno != EINTR) {
+            fail("can't write", written == 0 ? ENOSPC : errno);
+        }
+    }
+}
+
 std::uint64_t OutputFile::tell()
 {
     const off_t position = ftello(file_);
@@ -85,7 +127,7 @@ void OutputFile::seek(std::uint64_t position)
     if (fseeko(file_, off_t(position), SEEK_SET) != 0) fail("can't write", errno);
 }
 
-void OutputFile::commit()
+void OutputFile::commit(const fs::path& previous)
 {
     // The bytes must be on the disk before the name is: after a power cut the name then means a whole file.
     // Some file systems can't sync; that is no failure of writing.
@@ -99,10 +141,38 @@ void OutputFile::commit()
         nameless_ = false;
     }
 #endif
-    if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail("can't write", errno);
+    if (!previous.empty() && fs::exists(target_))
+        rename_keeping_earlier(previous);
+    else if (std::rename(temporary_.c_str(), target_.c_str()) != 0)
+        fail("can't write", errno);
     std::FILE* file = file_;
     file_ = nullptr;
-    if (std::fclose(file) != 0) fail("can't write", errno);
+    const int closed = std::fclose(file) == 0 ? 0 : errno;
+    sync_folder();
+    if (closed != 0) fail("can't write", closed);
+}
+
+void OutputFile::rename_keeping_earlier(const fs::path& previous) const
+{
+    // The new file waits under the other name, so that no third one is left if the program is killed here.
+    if (std::rename(temporary_.c_str(), previous.c_str()) != 0) fail("can't write", errno);
+#ifdef RENAME_EXCHANGE
+    if (renameat2(AT_FDCWD, previous.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) return;
+#endif
+    // Not every file system can exchange two names; then there is a moment without the target.
+    if (std::rename(target_.c_str(), temporary_.c_str()) != 0 || std::rename(previous.c_str(), target_.c_str()) != 0 ||
+        std::rename(temporary_.c_str(), previous.c_str()) != 0)
+        fail("can't write", errno);
+}
+
+/// Names are on the disk only when their folder is. Some file systems do that by themselves and refuse to be asked.
+void OutputFile::sync_folder() const
+{
+    const int folder = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (folder < 0) return;  // a folder that may be written to but not read
+    const bool failed = fsync(folder) != 0 && errno == EIO;
+    close(folder);
+    if (failed) fail("can't write", EIO);
 }
 
 void OutputFile::fail(const std::string& what, int error) const

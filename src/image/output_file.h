@@ -19,16 +19,24 @@ public:
 
     void write(const void* bytes, std::size_t size);
     void write(const std::vector<unsigned char>& bytes) { write(bytes.data(), bytes.size()); }
+    /// Instead of write(): all that the file is to hold. Where the system lets it, the bytes go past its cache, which
+    /// has better uses and costs time. bytes  begin at a multiple of 4096
+    void write_whole(const void* bytes, std::size_t size);
     std::uint64_t tell();
     void seek(std::uint64_t position);
-    void commit();
+    /// previous  where an earlier file is kept, if there is one, beside the target. At every moment there is a whole
+    ///           one; for a moment `previous` may be the newer of both
+    void commit(const std::filesystem::path& previous = {});
 
 private:
+    void rename_keeping_earlier(const std::filesystem::path& previous) const;
+    void sync_folder() const;
     void keep_rights() const;
     [[noreturn]] void fail(const std::string& what, int error) const;
 
     std::string name_;              ///< as the user gave it
     std::filesystem::path target_;  ///< symbolic links followed
+    std::filesystem::path folder_;
     std::filesystem::path temporary_;
     bool nameless_ = false;  ///< has no name yet: vanishes by itself if the program is killed
     std::FILE* file_ = nullptr;

@@ -10,6 +10,7 @@
 #include "fathom/load.h"
 #include "fathom/render.h"
 #include "fathom/scene_file.h"
+#include "film/film_data.h"
 
 // A library for tests of the command line: a scene file is words, and a sample is worth a number that its index
 // decides.
@@ -218,119 +219,25 @@ const FilmKey& RenderJob::key() const
     return data_->key;
 }
 
-struct Film::Data {
-    FilmKey key;
-    std::vector<SampleRange> samples;
-    std::uint64_t dropped = 0;
-    std::vector<std::uint32_t> sums;
-};
-
-namespace {
-
-void add_range(Film::Data& data, SampleRange range)
-{
-    data.samples.push_back(range);
-    std::sort(data.samples.begin(), data.samples.end());
-    std::vector<SampleRange> merged;
-    for (const SampleRange& r : data.samples) {
-        if (!merged.empty() && r.first < merged.back().second) throw Error("", "", "the sample ranges overlap");
-        if (!merged.empty() && r.first == merged.back().second)
-            merged.back().second = r.second;
-        else
-            merged.push_back(r);
-    }
-    data.samples = merged;
-}
-
-}  // namespace
-
-Film::Film(FilmKey key) : data_(new Data)
-{
-    data_->sums.resize(std::size_t(key.settings.width) * std::size_t(key.settings.height));
-    data_->key = std::move(key);
-}
 Film::Film(const RenderJob& job) : Film(job.key()) {}
-const FilmKey& Film::key() const
-{
-    return data_->key;
-}
-Film::Film(Film&&) noexcept = default;
-Film& Film::operator=(Film&&) noexcept = default;
-Film::~Film() = default;
-int Film::width() const
-{
-    return data_->key.settings.width;
-}
-int Film::height() const
-{
-    return data_->key.settings.height;
-}
-const std::vector<SampleRange>& Film::samples() const
-{
-    return data_->samples;
-}
-std::uint64_t Film::samples_per_pixel() const
-{
-    std::uint64_t count = 0;
-    for (const SampleRange& range : data_->samples) count += range.second - range.first;
-    return count;
-}
-std::uint64_t Film::dropped_samples() const
-{
-    return data_->dropped;
-}
-Film::Fireflies Film::fireflies() const
-{
-    return {};
-}
-std::optional<Film::SamplePlace> Film::dropped_sample() const
-{
-    if (data_->dropped == 0) return {};
-    return SamplePlace{7, 8, 9};
-}
-void Film::merge(const Film& other)
-{
-    if (const std::string difference = other.key().difference(key()); !difference.empty())
-        throw Error("", "", difference);
-    for (const SampleRange& range : other.data_->samples) add_range(*data_, range);
-    for (std::size_t i = 0; i < data_->sums.size(); ++i) data_->sums[i] += other.data_->sums[i];
-    data_->dropped += other.data_->dropped;
-}
-Image Film::image(bool alpha, bool variance) const
-{
-    Image image;
-    image.width = width(), image.height = height();
-    image.layers.push_back({"", {"R", "G", "B"}, {}});
-    if (alpha) image.layers[0].channels.push_back("A");
-    for (std::uint32_t sum : data_->sums)
-        for (std::size_t c = 0; c < image.layers[0].channels.size(); ++c)
-            image.layers[0].pixels.push_back(float(sum) / float(samples_per_pixel()) / 16);
-    if (variance) image.layers.push_back({"variance", {"R", "G", "B"}, std::vector<float>(data_->sums.size() * 3)});
-    return image;
-}
-Film::Sums Film::sums() const
-{
-    return {width(), height(), 1, data_->sums, data_->samples, data_->dropped, data_->key.text()};
-}
-Film Film::from_sums(const Sums& sums)
-{
-    Film film(FilmKey::parse(sums.key));
-    film.data_->sums = sums.words;
-    film.data_->samples = sums.samples;
-    film.data_->dropped = sums.dropped;
-    return film;
-}
 
 bool render(const RenderJob& job, SampleRange range, Film& film, const std::atomic<bool>* cancel,
             const std::function<void(const Progress&, const Film&)>& on_pass)
 {
     Film::Data& data = film.data();
-    const std::uint64_t pixels = data.sums.size();
+    const std::uint64_t pixels = std::uint64_t(film.width()) * std::uint64_t(film.height());
     for (std::uint64_t s = range.first; s < range.second; ++s) {
         if (cancel && *cancel) return false;
         std::this_thread::sleep_for(std::chrono::milliseconds(slow_ms));
-        for (std::uint32_t& sum : data.sums) sum += std::uint32_t(s * 7 % 16);
-        add_range(data, {s, s + 1});
+        for (std::size_t i = 0; i < pixels; ++i) {
+            const double value = double(s * 7 % 16) / 16;
+            for (int c = 0; c < 3; ++c) {
+                ExactSum::add_number(radiance_sum(data.pixel(i), c), value);
+                ExactSquareSum::add_number(square_sum(data.pixel(i), c), value * value);
+            }
+            if (data.layout.alpha >= 0) ExactSum::add_number(other_sum(data.pixel(i), data.layout.alpha), 1);
+        }
+        data.add_range({s, s + 1});
         Progress progress{(s - range.first + 1) * pixels, (range.second - range.first) * pixels, {}};
         progress.costs.rays = {progress.samples_done, progress.samples_done * 3, progress.samples_done};
         progress.costs.clear_shadow_rays = progress.samples_done / 2;
@@ -342,6 +249,7 @@ bool render(const RenderJob& job, SampleRange range, Film& film, const std::atom
         if (on_pass) on_pass(progress, film);
     }
     data.dropped = dropped_per_render;
+    if (data.dropped > 0) data.dropped_sample = Film::SamplePlace{7, 8, 9};
     return true;
 }
 Color render_sample(const RenderJob&, int x, int y, std::uint64_t sample)

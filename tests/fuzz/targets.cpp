@@ -1,5 +1,6 @@
 #include "targets.h"
 
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cstdint>
@@ -7,8 +8,10 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <stdexcept>
 
 #include "fathom/error.h"
+#include "fathom/film_file.h"
 #include "fathom/image.h"
 #include "fathom/load.h"
 #include "fathom/render.h"
@@ -94,12 +97,15 @@ void read_picture(const std::string& bytes)
     }
 }
 
+/// Film files are read from any place by several threads, so from a file: one in memory.
 void read_film(const std::string& bytes)
 {
+    static const int descriptor = memfd_create("film", MFD_CLOEXEC);
+    const std::string file = "/proc/self/fd/" + std::to_string(descriptor);
+    if (ftruncate(descriptor, 0) != 0 || pwrite(descriptor, bytes.data(), bytes.size(), 0) != ssize_t(bytes.size()))
+        throw std::runtime_error("no file in memory can be written");
     try {
-        const Image image = read_image("a.exr", bytes.data(), bytes.size(), memory);
-        Film film = Film::from_sums(load_sums(image, "a.exr"));
-        film.image(true, true);
+        FilmFile(file).read().image(true, true);
     } catch (const Error&) {
         // As it should be.
     }
@@ -279,15 +285,22 @@ std::vector<std::string> stl_seeds()
         std::string(80, ' ') + raw(2u) + triangle + triangle};
 }
 
-std::string written(const Image& image, const std::string& extension, const WriteOptions& options = {})
+/// The bytes of a file that `write(path)` writes.
+template <class Write>
+std::string written(const std::string& extension, Write write)
 {
     const std::filesystem::path file =
         std::filesystem::temp_directory_path() / ("fathom_fuzz_" + std::to_string(getpid()) + extension);
-    write_image(file, image, options);
+    write(file);
     std::ifstream in(file, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};
     std::filesystem::remove(file);
     return bytes;
+}
+
+std::string written(const Image& image, const std::string& extension, const WriteOptions& options = {})
+{
+    return written(extension, [&](const std::filesystem::path& file) { write_image(file, image, options); });
 }
 
 Image small_image(int width, int height)
@@ -317,17 +330,11 @@ std::vector<std::string> film_seeds()
     key.settings.width = 3;
     key.settings.height = 2;
     key.scene = std::string(32, '0');
-    Film::Sums sums;
-    sums.width = 3;
-    sums.height = 2;
-    sums.key = key.text();
-    sums.samples = {{0, 4}, {8, 9}};
-    sums.words_per_pixel = FilmLayout({}, false).words;
-    sums.words.assign(6 * std::size_t(sums.words_per_pixel), 1);
-    Film::from_sums(sums);
-    Image image = small_image(3, 2);
-    store_sums(sums, image);
-    return {written(image, ".exr")};
+    Film film(key);
+    film.data().add_range({0, 4});
+    film.data().add_range({8, 9});
+    for (std::size_t i = 0; i < film.data().words.size(); ++i) film.data().words[i] = std::uint32_t(i % 3);
+    return {written(".exr", [&](const auto& file) { write_film(file, film, film.image(false, true), {}); })};
 }
 
 constexpr Target all[] = {{"fathom-json", read_scene<fathom_json_importer>, json_seeds},

@@ -1,11 +1,29 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 #include <csignal>
 #include <functional>
 
 #include "fathom/error.h"
+#include "image/output_file.h"
 #include "pictures.h"
+
+namespace {
+
+/// What was synced, in order: the sizes of files, and -1 for a folder.
+std::vector<off_t> synced;
+
+}  // namespace
+
+/// Instead of the C library's.
+extern "C" int fsync(int descriptor)
+{
+    struct stat status{};
+    if (fstat(descriptor, &status) == 0) synced.push_back(S_ISDIR(status.st_mode) ? -1 : status.st_size);
+    return int(syscall(SYS_fsync, descriptor));
+}
 
 namespace fathom {
 namespace {
@@ -125,6 +143,49 @@ TEST(WriteImage, KeepsTheEarlierFileWhenTheDiskIsFull)
         std::signal(SIGXFSZ, old_handler);
     }
     EXPECT_EQ(folder.files(), 6u);
+}
+
+TEST(OutputFile, SyncsTheFileThenItsFolder)
+{
+    const TemporaryFolder folder;
+    synced.clear();
+    OutputFile file(folder.path() / "a");
+    file.write("12345", 5);
+    EXPECT_TRUE(synced.empty());
+    file.commit();
+    EXPECT_EQ(synced, (std::vector<off_t>{5, -1}));
+}
+
+TEST(OutputFile, WritesWholeFilesOfAnySize)
+{
+    const TemporaryFolder folder;
+    const fs::path path = folder.path() / "a";
+    constexpr std::size_t most = (std::size_t(17) << 20) + 3;
+    std::vector<char> bytes(most + 4096);
+    for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = char(i * 2654435761u >> 13);
+    const auto first = (4096 - std::size_t(reinterpret_cast<std::uintptr_t>(bytes.data()) % 4096)) % 4096;
+    for (const std::size_t size : {std::size_t(0), std::size_t(1), std::size_t(4096), std::size_t(8) << 20, most}) {
+        OutputFile file(path);
+        file.write_whole(bytes.data() + first, size);
+        file.commit();
+        const std::vector<char> read = test::bytes_of(path);
+        ASSERT_EQ(read.size(), size);
+        EXPECT_TRUE(std::equal(read.begin(), read.end(), bytes.begin() + std::ptrdiff_t(first)));
+    }
+}
+
+TEST(OutputFile, KeepsTheEarlierFileUnderAnotherName)
+{
+    const TemporaryFolder folder;
+    const fs::path path = folder.path() / "a", previous = folder.path() / "a.previous";
+    for (const char* text : {"1", "2", "3"}) {
+        OutputFile file(path);
+        file.write(text, 1);
+        file.commit(previous);
+        EXPECT_EQ(test::bytes_of(path)[0], text[0]);
+        if (text[0] > '1') EXPECT_EQ(test::bytes_of(previous)[0], char(text[0] - 1));
+    }
+    EXPECT_EQ(folder.files(), 2u);
 }
 
 TEST(WriteImage, RefusesWhatIsNoPicture)

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The command line: parts of a picture, and merging them."""
+import json
 import os
 from pathlib import Path
 
@@ -44,6 +45,44 @@ class Parts(CommandLine):
                          words=[f"{output} is a part of this picture: name another with -o"])
         self.assertEqual(before, [Path(self.path(name)).read_bytes() for name in ("a.exr", "b.exr")])
         self.ok("merge", "a.exr", "b.exr", "-o", "all.exr")
+
+    def test_any_parts_in_any_order_and_what_is_missing(self):
+        for name, samples in ("a", "0:4"), ("b", "4:6"), ("c", "8:10"), ("d", "5:8"):
+            self.ok(*self.merge_key("--samples", samples, "-o", name + ".exr"))
+        text = self.ok("merge", "c.exr", "a.exr", "-o", "some.exr").stderr
+        self.assertIn("6 samples a pixel: 0:4,8:10", text)
+        self.assertIn("missing: samples 4:8\n", text)
+        self.refused(1, "merge", "a.exr", "b.exr", "d.exr", "-o", "x.exr", words=["d.exr: ", "overlap"])
+        text = self.ok("merge", "a.exr", "b.exr", "d.exr", "c.exr", "-o", "most.exr", "--skip-overlaps").stderr
+        self.assertIn("left out: d.exr, as samples 5:6 are there already", text)
+        self.assertIn(": 0:6,8:10", text)
+        self.assertIn("missing: samples 6:8\n", text)
+
+    def test_info_of_a_film(self):
+        self.ok(*self.merge_key("--samples", "2:6", "-o", "a.exr", "--seed", "7"))
+        info = json.loads(self.ok("info", "a.exr", "--json").stdout)
+        self.assertEqual(info["size"], [9, 7])
+        self.assertEqual(info["samples"], [[2, 6]])
+        self.assertEqual((info["samples_per_pixel"], info["seed"], info["dropped_samples"]), (4, 7, 0))
+        self.assertEqual(info["layers"], ["picture"])
+        self.assertIn("guiding=1", info["settings"])
+        self.assertEqual(info["attributes"]["fathom.scene"], "box.json")
+        # Samples of s * 7 % 16 / 16: 14, 5, 12 and 3 sixteenths.
+        values = [x / 16 for x in (14, 5, 12, 3)]
+        mean = sum(values) / 4
+        error = (sum((x - mean) ** 2 for x in values) / 4 / 3) ** 0.5
+        self.assertAlmostEqual(info["noise"]["mean"], mean, places=6)
+        self.assertAlmostEqual(info["noise"]["standard_error"], error, places=6)
+        text = self.ok("info", "a.exr").stdout
+        self.assertRegex(text, r"samples +4 a pixel: 2:6\n")
+        self.ok(*self.merge_key("--spp", "2", "-o", "plain.exr"))
+        self.refused(1, "info", "plain.exr", words=["plain.exr: ", "--mergeable"])
+        with open(self.path("a.exr"), "r+b") as file:
+            file.seek(-3, os.SEEK_END)
+            last = file.read(1)
+            file.seek(-3, os.SEEK_END)
+            file.write(bytes([last[0] ^ 1]))
+        self.refused(1, "info", "a.exr", words=["a.exr: the file is damaged"])
 
     def test_samples_that_can_t_be_merged(self):
         self.assertIn("add -o FILE.exr", self.ok("render", "box.json", "--samples", "0:2", "-o", "a.png").stderr)

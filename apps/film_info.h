@@ -1,0 +1,14 @@
+#pragma once
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+
+namespace fathom::cli {
+
+/// Whether the file begins as EXR, which scenes never do.
+bool is_film_file(const std::filesystem::path& file);
+
+/// What a film file holds and what it was made of; all of it is read, so that damage shows. Throws Error.
+nlohmann::ordered_json describe_film(const std::filesystem::path& file);
+void print_film_text(const nlohmann::ordered_json& info);
+
+}  // namespace fathom::cli

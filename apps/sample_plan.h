@@ -1,0 +1,32 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "fathom/render.h"
+
+namespace fathom::cli {
+
+/// One of several parts of a render, counted from 1.
+struct PartNumber {
+    std::uint64_t number = 1, count = 1;
+};
+/// `3/16`. Throws UsageError.
+PartNumber parse_part(const std::string& text);
+
+/// The samples of a part of so many: ranges that differ by one sample at most, in order.
+SampleRange samples_of_part(PartNumber part, std::uint64_t samples);
+
+/// Where film files say how many samples a pixel the whole picture is to have, and of how many parts; 0: they don't.
+inline constexpr const char* planned_samples_attribute = "fathom.planned_samples";
+inline constexpr const char* planned_parts_attribute = "fathom.planned_parts";
+std::uint64_t planned_number(const std::map<std::string, std::string>& attributes, const char* attribute);
+
+/// What of 0 to `planned` is not there, or to the last sample that is.
+std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& there, std::uint64_t planned);
+/// "samples 64:128 (part 2 of 16)"; the parts where their number is known.
+std::string missing_text(const std::vector<SampleRange>& missing, std::uint64_t planned_samples,
+                         std::uint64_t planned_parts);
+
+}  // namespace fathom::cli
