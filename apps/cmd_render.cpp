@@ -5,6 +5,7 @@
 #include "commands.h"
 #include "fathom/error.h"
 #include "fathom/memory.h"
+#include "fathom/scene_parts.h"
 #include "inputs.h"
 #include "interrupt.h"
 #include "render/frames.h"
@@ -22,10 +23,12 @@ namespace {
 
 constexpr std::uint64_t default_samples = 256;
 
-void check_memory(const RenderSettings& settings, bool mergeable)
+/// keeps_sums  in a file, of which there is a copy in memory
+void check_memory(const RenderSettings& settings, bool keeps_sums)
 {
-    // Sums of 72 bytes, twice more while they are made into channels of a file, and 32 for each layer on its way there.
-    const double per_pixel = 72.0 * (mergeable ? 3 : 1) + 32.0 * double(1 + settings.aovs.size());
+    // Each layer takes up to 32 bytes on its way into a picture.
+    const double per_pixel =
+        double(Film::bytes_per_pixel(settings)) * (keeps_sums ? 2 : 1) + 32.0 * double(1 + settings.aovs.size());
     const double bytes = per_pixel * settings.width * settings.height;
     const double available = double(available_memory_bytes());
     if (bytes > available)
@@ -44,7 +47,7 @@ LoadedScene load(const RenderOptions& o, Reporter& reporter, Warnings& warnings)
 bool guiding_pays(const RenderOptions& o, const RenderPlan& plan)
 {
     constexpr double least_in_all = 1 << 22, least_a_pixel = 8, least_s = 10;
-    if (o.mergeable || o.range) return true;
+    if (o.mergeable || o.range || o.part || !o.checkpoint.empty()) return true;
     if (o.time_s) return *o.time_s >= least_s;
     const double samples = double(plan.samples.value_or(default_samples));
     return samples >= least_a_pixel && samples * plan.settings.width * plan.settings.height >= least_in_all;
@@ -56,10 +59,12 @@ RenderPlan plan_for(const RenderOptions& o, const LoadedScene& loaded, std::opti
 {
     const RenderHints& hints = loaded.description.hints;
     const RenderSettings settings = settings_for(o, loaded, denoiser.has_value());
-    RenderPlan plan{loaded, settings, write_options(o.picture, hints, reporter), o.samples, std::move(denoiser)};
-    if (!o.only_sample) check_memory(plan.settings, o.mergeable);
+    RenderPlan plan{loaded, settings,           write_options(o.picture, hints, reporter), o.samples, {},
+                    {},     std::move(denoiser)};
+    if (!o.only_sample) check_memory(plan.settings, o.mergeable || !o.checkpoint.empty());
     check_outputs(o, plan.settings.width, plan.settings.height);
     if (!plan.samples && !o.time_s) plan.samples = hinted_samples(hints, o.scene.file.string());
+    if (!o.checkpoint.empty()) plan.scene_parts = scene_parts(loaded.description);
     if (!o.settings.guiding) plan.settings.guiding = guiding_pays(o, plan);
     if (!loaded.added.empty())
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
@@ -96,17 +101,31 @@ void tell_before(const RenderOptions& o, RenderPlan& plan, Reporter& reporter)
         plan.samples = default_samples;
         reporter.note(fmt::format("{} samples a pixel, as neither --spp nor --time is given", default_samples));
     }
-    if (o.range && !o.mergeable)
+    if ((o.range || o.part) && !o.mergeable && o.checkpoint.empty())
         reporter.note(
-            "the samples of --samples can't be merged later: their sums are kept in EXR only, add -o FILE.exr");
+            fmt::format("the samples of {} can't be merged later: their sums are kept in EXR only, add -o FILE.exr",
+                        o.part ? "--part" : "--samples"));
     if (plan.settings.clamp_indirect)
         reporter.note(fmt::format("biased: indirect light clamped at {:g}", *plan.settings.clamp_indirect));
     if (simd_width() == 1)
         reporter.note("this machine has neither AVX2 nor AVX-512: the kernel runs one lane wide, which is slow");
 }
 
+/// The samples that are wanted in the end.
+SampleRange wanted_samples(const RenderOptions& o, const RenderPlan& plan)
+{
+    if (o.range) return *o.range;
+    if (!o.part) return {0, plan.samples.value_or(most_samples)};
+    if (o.part->count > *plan.samples)
+        throw UsageError(fmt::format("--part: {} samples can't be cut in {} parts", *plan.samples, o.part->count));
+    return samples_of_part(*o.part, *plan.samples);
+}
+
 int run_render(RenderOptions& o, Reporter& reporter)
 {
+    const bool as_json = reporter.mode() == ReportMode::json;
+    end_on_interrupt(as_json ? "{\"event\":\"interrupted\"}\n"
+                             : "\nfathom: interrupted before anything was rendered\n");
     check_options(o);
     check_outputs(o);
 
@@ -126,10 +145,9 @@ int run_render(RenderOptions& o, Reporter& reporter)
     if (o.only_sample) return print_sample(*o.only_sample, RenderJob(lit.scene, plan.settings));
 
     tell_before(o, plan, reporter);
-    finish_on_interrupt(
-        reporter.mode() == ReportMode::json
-            ? "{\"event\":\"interrupted\"}\n"
-            : "\nfathom: interrupted: finishing this pass, then the picture is written; once more stops at once\n");
+    plan.range = wanted_samples(o, plan);
+    finish_on_interrupt(as_json ? "{\"event\":\"interrupted\"}\n"
+                                : "\nfathom: interrupted: the picture so far is written; once more stops at once\n");
     if (edit) return render_frames(o, plan, *edit, std::move(lit.scene), summary, warnings, reporter);
     if (o.turntable > 0) return render_turntable(o, plan, lit.scene, summary, reporter);
     const PictureOptions files = o.frames.empty() ? o.picture : files_of(o.picture, o.frames[0]);
@@ -148,14 +166,17 @@ void add_render(CLI::App& program, Run& run)
     add_picture_options(command, options->picture);
     command.set_footer(
         "An option overrides what the scene file says. Without -o: a PNG named after the scene, in this folder.\n"
-        "Ctrl-C once finishes the pass and writes the picture so far (exit code 130); twice stops at once.\n\n"
+        "Ctrl-C, SIGTERM or SIGHUP once writes the picture (and checkpoint) so far (exit code 130); twice stops at "
+        "once.\n"
+        "SIGUSR1 writes them and goes on. docs/long-renders.md tells of checkpoints and parts.\n\n"
         "Examples:\n"
         "  fathom render scene.json --spp 1024 -o out.exr -o out.png\n"
         "  fathom render model.glb --time 10m --orbit 45,20 --env sky.hdr\n"
         "  fathom render scene.json --size 1920x1080 --aov albedo,normal,variance -o out.exr\n"
         "  fathom render model.glb --frames 0:119 --fps 24 -o frame.####.png\n"
         "  fathom render model.glb --turntable 36 -o view.##.png\n"
-        "  fathom render scene.json --samples 0:64 -o a.exr      one part; fathom merge joins them\n"
+        "  fathom render scene.json --spp 4096 --checkpoint film.exr -o a.png      killed? the same again goes on\n"
+        "  fathom render scene.json --spp 1024 --part 3/16 -o part3.exr      fathom merge joins them\n"
         "  fathom render scene.json --only-sample 400,300,7      replay one sample\n\n"
         "Exit codes: 0 done; 1 error; 2 wrong usage; 130 interrupted.");
     command.set_run(run, [options] {

@@ -10,9 +10,9 @@ namespace fathom::cli {
 
 namespace {
 
-std::atomic<bool> interrupt_flag = false;
+std::atomic<bool> interrupt_flag = false, picture_flag = false, has_something_to_keep = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
-const char* interrupt_line = "";
+std::atomic<const char*> interrupt_line = "";
 
 void print(const char* text)
 {
@@ -24,21 +24,44 @@ void on_signal(int)
 {
     if (interrupt_flag.exchange(true)) _exit(exit_interrupted);
     print(interrupt_line);
+    if (!has_something_to_keep) _exit(exit_interrupted);
+}
+
+void on_picture_signal(int)
+{
+    picture_flag = true;
+}
+
+void handle(int signal, void (*handler)(int))
+{
+    struct sigaction action{};
+    action.sa_handler = handler;
+    action.sa_flags = SA_RESTART;
+    sigaction(signal, &action, nullptr);
 }
 
 }  // namespace
 
+void end_on_interrupt(const char* line)
+{
+    interrupt_line = line;
+    handle(SIGINT, on_signal);
+    handle(SIGTERM, on_signal);
+    // The terminal was closed; under nohup that is to mean nothing.
+    struct sigaction before{};
+    if (sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler != SIG_IGN) handle(SIGHUP, on_signal);
+    handle(SIGUSR1, on_picture_signal);
+}
+
 void finish_on_interrupt(const char* line)
 {
     interrupt_line = line;
-    struct sigaction action{};
-    action.sa_handler = on_signal;
-    action.sa_flags = SA_RESTART;
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
-    // The terminal was closed; under nohup that is to mean nothing.
-    struct sigaction before{};
-    if (sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
+    has_something_to_keep = true;
+}
+
+bool picture_is_wanted()
+{
+    return picture_flag.exchange(false);
 }
 
 const std::atomic<bool>& interrupted()

@@ -3,9 +3,14 @@
 
 namespace fathom::cli {
 
-/// From here on the first Ctrl-C (SIGTERM, SIGHUP) sets interrupted() and prints `line`; the second ends the program.
+/// From here on Ctrl-C (SIGTERM, SIGHUP) prints `line` and ends the program at once: there is nothing to be kept yet.
+/// SIGUSR1 only makes picture_is_wanted() tell so.
+void end_on_interrupt(const char* line);
+/// From here on the first of them sets interrupted() and prints `line`; the second ends the program.
 void finish_on_interrupt(const char* line);
 const std::atomic<bool>& interrupted();
+/// Whether a picture of the state was asked for since the last call.
+bool picture_is_wanted();
 
 /// A file-size limit or a closed pipe becomes an error of writing, not the program's end.
 void ignore_write_signals();

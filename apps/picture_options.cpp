@@ -10,6 +10,8 @@
 
 namespace fathom::cli {
 
+namespace fs = std::filesystem;
+
 namespace {
 
 const std::vector<std::string> tonemap_words(std::begin(tonemap_names), std::end(tonemap_names));
@@ -147,20 +149,49 @@ std::optional<Denoiser> open_denoiser(const PictureOptions& options, int threads
     return denoiser;
 }
 
+namespace {
+
+/// Writes to the first other folder that takes the file, under a name that is free there; nothing if none does.
+template <class Write>
+std::optional<fs::path> write_elsewhere(const fs::path& file, const Write& write)
+{
+    std::error_code error;
+    for (const fs::path& folder : {fs::current_path(error), fs::temp_directory_path(error)}) {
+        const fs::path other = folder / file.filename();
+        if (folder.empty() || fs::exists(other, error) ||
+            fs::equivalent(folder, fs::absolute(file).parent_path(), error))
+            continue;
+        try {
+            write(other);
+            return other;
+        } catch (const Error&) {
+            // The next may do.
+        }
+    }
+    return {};
+}
+
+}  // namespace
+
 bool write_pictures(const PictureOptions& options, const Image& image, const Film* sums, const WriteOptions& write,
                     Reporter& reporter)
 {
     bool all = true;
     const Image shown = shown_picture(image);
     for (const auto& file : options.outputs) {
-        try {
+        const auto write_to = [&](const fs::path& place) {
             if (is_exr(file) && sums)
-                write_film(file, *sums, image, write);
+                write_film(place, *sums, image, write);
             else
-                write_image(file, is_exr(file) ? image : shown, write);
+                write_image(place, is_exr(file) ? image : shown, write);
+        };
+        try {
+            write_to(file);
             reporter.written(file.string());
         } catch (const Error& error) {
+            // Hours may have gone into it.
             reporter.error(error.what());
+            if (const auto other = write_elsewhere(file, write_to)) reporter.written(other->string());
             all = false;
         }
     }

@@ -49,7 +49,8 @@ std::string text_of(const std::vector<SampleRange>& samples);
 std::optional<Denoiser> open_denoiser(const PictureOptions& options, int threads, Reporter& reporter);
 
 /// Writes all files of the options and tells which. EXR has all layers; others show the one that is "denoised", if
-/// there is one. False if a file could not be written, which is told too: the others are there.
+/// there is one. False if a file could not be written, which is told too: the others are there, and it is in the
+/// working folder or that of temporary files, if one of them takes it.
 ///
 /// sums  of the picture, which EXR is to hold too, or nullptr
 bool write_pictures(const PictureOptions& options, const Image& image, const Film* sums, const WriteOptions& write,

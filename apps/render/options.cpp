@@ -26,6 +26,20 @@ void take_aovs(RenderOptions& o, const std::string& text)
     }
 }
 
+void check_checkpoint(const RenderOptions& o)
+{
+    if (o.checkpoint.empty()) {
+        if (o.every_s) throw UsageError("--every: says how often --checkpoint is written; add --checkpoint FILE.exr");
+        return;
+    }
+    if (o.frames.size() > 1) throw UsageError("--checkpoint: is of one picture; leave out --frames and --turntable");
+    if (o.only_sample) throw UsageError("--checkpoint: leave it out with --only-sample");
+    if (o.checkpoint.extension() != ".exr") throw UsageError("--checkpoint: a film file is an EXR, name it FILE.exr");
+    for (const std::filesystem::path& output : o.picture.outputs)
+        if (std::filesystem::weakly_canonical(output) == std::filesystem::weakly_canonical(o.checkpoint))
+            throw UsageError("--checkpoint: -o has the same name; pictures and the checkpoint need their own");
+}
+
 }  // namespace
 
 void add_render_options(Command& command, RenderOptions& o)
@@ -53,6 +67,14 @@ void add_render_options(Command& command, RenderOptions& o)
                       "N pictures from all around, the first as --orbit or --view says, at one distance; ### in the "
                       "names of -o is the number, from 0; the light stays where it is for the first",
                       [&](const std::string& text) { o.turntable = parse_integer(text, 1, 1'000'000); });
+    command.add_value("--part", "K/N",
+                      "part K of N of the samples that --spp says, to be merged with the others; EXR keeps the sums",
+                      [&](const std::string& text) { o.part = parse_part(text); });
+    command.add_value("--checkpoint", "FILE.exr",
+                      "keep the samples so far in this film file while rendering, and go on from those that are there",
+                      [&](const std::string& text) { o.checkpoint = text; });
+    command.add_value("--every", "T", "how often --checkpoint is written: 60, 60s, 10m or 1h (default 60s)",
+                      [&](const std::string& text) { o.every_s = parse_duration(text); });
     command.add_flag("--mergeable", o.mergeable, "keep the exact sums in EXR, for `fathom merge`");
     command.add_value("--crop", "X0,Y0,X1,Y1",
                       "render only pixels X0 <= x < X1, Y0 <= y < Y1; the picture keeps its size",
@@ -80,13 +102,15 @@ void check_options(RenderOptions& o)
     check_frames(o);
     if (o.turntable > 0) check_turntable(o);
     if (o.range && (o.samples || o.time_s)) throw UsageError("--samples: leave out --spp and --time");
+    if (o.part && (o.range || o.time_s)) throw UsageError("--part: --spp says of what; leave out --samples and --time");
     if (o.only_sample && !o.picture.outputs.empty()) throw UsageError("--only-sample: writes no picture, leave out -o");
     if (o.picture.outputs.empty() && !o.only_sample) o.picture.outputs.push_back(o.scene.file.stem().string() + ".png");
     const bool exr = writes_exr(o.picture);
     if (!exr && (o.aov_samples || o.aov_variance || !o.aovs.empty()))
         throw UsageError("--aov: layers are kept in EXR only; add -o FILE.exr");
     if (!exr && o.mergeable) throw UsageError("--mergeable: sums are kept in EXR only; add -o FILE.exr");
-    if (o.range && exr) o.mergeable = true;
+    if ((o.range || o.part) && exr) o.mergeable = true;
+    check_checkpoint(o);
 }
 
 namespace {

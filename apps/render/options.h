@@ -1,10 +1,12 @@
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <vector>
 
 #include "../picture_options.h"
 #include "../render_options.h"
+#include "../sample_plan.h"
 #include "../scene_options.h"
 
 namespace fathom::cli {
@@ -30,6 +32,9 @@ struct RenderOptions {
     std::vector<Aov> aovs;
     bool aov_samples = false, aov_variance = false;
     bool mergeable = false;
+    std::optional<PartNumber> part;
+    std::filesystem::path checkpoint;  ///< empty: none
+    std::optional<double> every_s;     ///< between its states
     bool quiet = false, json = false, stats = false;
 };
 

@@ -4,6 +4,7 @@
 
 #include "../commands.h"
 #include "../interrupt.h"
+#include "../sample_plan.h"
 
 namespace fathom::cli {
 
@@ -15,24 +16,28 @@ Rendering::Rendering(const RenderOptions& options, const RenderJob& job, Reporte
     pixels_ = std::uint64_t(crop.x1 - crop.x0) * std::uint64_t(crop.y1 - crop.y0);
 }
 
-void Rendering::run(Film& film, std::optional<std::uint64_t> samples)
+void Rendering::run(Film& film, SampleRange wanted, std::function<void(const Film&)> after_pass)
 {
-    const std::uint64_t most = samples.value_or(most_samples);
-    if (options_.range)
-        render_range(film, *options_.range, options_.range->second - options_.range->first);
-    else if (options_.time_s)
-        render_for_time(film, *options_.time_s, most);
-    else
-        render_range(film, {0, most}, most);
+    after_pass_ = std::move(after_pass);
+    std::vector<SampleRange> todo = missing_samples(film.samples(), wanted.second);
+    std::erase_if(todo, [&](const SampleRange& range) { return range.second <= wanted.first; });
+    std::uint64_t total = 0;
+    for (SampleRange& range : todo) {
+        range.first = std::max(range.first, wanted.first);
+        total += range.second - range.first;
+    }
+    if (options_.time_s) render_for_time(film, *options_.time_s, todo);
+    for (std::size_t i = 0; i < todo.size() && !options_.time_s && !cut_short; ++i) render_range(film, todo[i], total);
     render_s = seconds_since_start() - start_s_;
 }
 
 void Rendering::render_range(Film& film, SampleRange range, std::uint64_t total)
 {
     Progress last;
-    const auto on_pass = [&](const Progress& p, const Film&) {
+    const auto on_pass = [&](const Progress& p, const Film& so_far) {
         last = p;
         report(p, total);
+        after_pass_(so_far);
     };
     cut_short = !render(job_, range, film, &interrupted(), on_pass);
     done_ += cut_short ? last.samples_done : pixels_ * (range.second - range.first);
@@ -51,20 +56,24 @@ void Rendering::report(const Progress& p, std::uint64_t total, bool force)
     reporter_.progress(fraction, now_s - start_s_, progress, force && !options_.time_s);
 }
 
-void Rendering::render_for_time(Film& film, double time_s, std::uint64_t most)
+void Rendering::render_for_time(Film& film, double time_s, std::vector<SampleRange> todo)
 {
-    std::uint64_t done = 0, next = 1;
-    while (true) {
+    std::uint64_t done = 0, count = 1;
+    for (std::size_t i = 0; i < todo.size();) {
+        SampleRange& range = todo[i];
+        const std::uint64_t end = std::min(range.second, range.first + count);
         const double begin_s = seconds_since_start();
-        render_range(film, {done, done + next}, most);
+        render_range(film, {range.first, end}, range.second - range.first);
         if (cut_short) return;
-        done += next;
         const double now_s = seconds_since_start();
         // The rate of the latest range: the first ones are slower, with cold caches.
-        const double sample_s = std::max((now_s - begin_s) / double(next), 1e-9);
+        const double sample_s = std::max((now_s - begin_s) / double(end - range.first), 1e-9);
+        done += end - range.first;
+        range.first = end;
+        if (range.first == range.second) ++i;
         const double fit = std::max(0.0, (time_s - now_s) / sample_s);
-        next = std::min({done, most - done, std::uint64_t(std::min(fit, 1e15))});
-        if (next == 0) return;
+        count = std::min(done, std::uint64_t(std::min(fit, 1e15)));
+        if (count == 0) return;
     }
 }
 

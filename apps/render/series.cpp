@@ -56,6 +56,7 @@ std::vector<fs::path> files_that_are_there(const RenderOptions& o)
 
 void check_outputs(const RenderOptions& o, int width, int height)
 {
+    if (!o.checkpoint.empty()) check_output(o.checkpoint, width, height);
     for (const fs::path& file : o.picture.outputs)
         check_output(o.frames.empty() ? file : output_of(file, o.frames[0]), width, height);
 }

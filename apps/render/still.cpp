@@ -8,6 +8,8 @@
 
 #include "../commands.h"
 #include "../interrupt.h"
+#include "../sample_plan.h"
+#include "checkpoint.h"
 #include "rendering.h"
 
 namespace fathom::cli {
@@ -37,13 +39,14 @@ void add_denoised(Image& image, const Denoiser& denoiser, const std::vector<Aov>
     });
 }
 
-std::map<std::string, std::string> attributes(const RenderOptions& o, const RenderSettings& s, const LoadedScene& scene,
-                                              const Film& film, const Summary& summary)
+std::map<std::string, std::string> attributes(const RenderOptions& o, const RenderPlan& plan, const Film& film,
+                                              const Summary& summary)
 {
-    return {
+    const RenderSettings& s = plan.settings;
+    std::map<std::string, std::string> said = {
         {"fathom.version", FATHOM_VERSION},
         {"fathom.scene", o.scene.file.string()},
-        {"fathom.camera", scene.camera},
+        {"fathom.camera", plan.scene.camera},
         {"fathom.seed", fmt::format("{}", s.seed)},
         {"fathom.samples", text_of(film.samples())},
         {"fathom.samples_per_pixel", fmt::format("{}", film.samples_per_pixel())},
@@ -60,6 +63,45 @@ std::map<std::string, std::string> attributes(const RenderOptions& o, const Rend
         {"fathom.load_s", fmt::format("{:.3f}", summary.load_s)},
         {"fathom.build_s", fmt::format("{:.3f}", summary.build_s)},
         {"fathom.render_s", fmt::format("{:.3f}", summary.render_s)}};
+    if (plan.samples) said[planned_samples_attribute] = fmt::format("{}", *plan.samples);
+    if (o.part) said[planned_parts_attribute] = fmt::format("{}", o.part->count);
+    return said;
+}
+
+/// What is made of a film: pictures, and what is told.
+class PictureWriter {
+public:
+    PictureWriter(const RenderOptions& options, const RenderPlan& plan, const PictureOptions& files, Reporter& reporter)
+        : o_(options), plan_(plan), files_(files), reporter_(reporter)
+    {
+    }
+
+    bool write(const Film& film, const Summary& summary)
+    {
+        Image image = film.image(plan_.settings.alpha, o_.aov_variance);
+        if (o_.aov_samples) image.layers.push_back(sample_count_layer(film));
+        image.attributes = attributes(o_, plan_, film, summary);
+        if (plan_.denoiser) add_denoised(image, *plan_.denoiser, o_.aovs);
+        return write_pictures(files_, image, o_.mergeable ? &film : nullptr, plan_.write, reporter_);
+    }
+
+private:
+    const RenderOptions& o_;
+    const RenderPlan& plan_;
+    const PictureOptions& files_;
+    Reporter& reporter_;
+};
+
+void warn_of_dropped(const Film& film, Reporter& reporter)
+{
+    if (film.dropped_samples() == 0) return;
+    Warnings dropped;
+    std::string text = fmt::format("{} samples were no number or infinite; they count as black, which is a bias",
+                                   film.dropped_samples());
+    if (const auto place = film.dropped_sample())
+        text += fmt::format(" (--only-sample {},{},{} replays one)", place->x, place->y, place->sample);
+    dropped.add(text);
+    reporter.warnings(dropped);
 }
 
 }  // namespace
@@ -67,9 +109,24 @@ std::map<std::string, std::string> attributes(const RenderOptions& o, const Rend
 int render_picture(const RenderOptions& o, const RenderPlan& plan, const PictureOptions& files, const RenderJob& job,
                    Summary summary, Reporter& reporter)
 {
-    Film film(job);
+    constexpr double default_every_s = 60;
+    std::optional<Checkpoint> checkpoint;
+    if (!o.checkpoint.empty()) checkpoint.emplace(o.checkpoint, o.every_s.value_or(default_every_s), reporter);
+    Film film = checkpoint ? checkpoint->open(job, plan.range, plan.scene_parts) : Film(job);
+    const std::uint64_t samples_before = film.samples_per_pixel();
+
+    PictureWriter pictures(o, plan, files, reporter);
     Rendering rendering(o, job, reporter);
-    rendering.run(film, plan.samples);
+    const auto save = [&](const Film& now) {
+        std::map<std::string, std::string> said = attributes(o, plan, now, summary);
+        said[parts_attribute] = plan.scene_parts;
+        checkpoint->write(now, plan.settings.alpha, said);
+    };
+    rendering.run(film, plan.range, [&](const Film& now) {
+        const bool is_wanted = picture_is_wanted();
+        if (checkpoint && (is_wanted || checkpoint->is_due())) save(now);
+        if (is_wanted) pictures.write(now, summary);
+    });
     summary.render_s = rendering.render_s;
     summary.costs = rendering.costs;
     summary.samples_per_pixel = film.samples_per_pixel();
@@ -79,22 +136,12 @@ int render_picture(const RenderOptions& o, const RenderPlan& plan, const Picture
     }
 
     const double write_start_s = seconds_since_start();
-    Image image = film.image(plan.settings.alpha, o.aov_variance);
-    if (o.aov_samples) image.layers.push_back(sample_count_layer(film));
-    image.attributes = attributes(o, plan.settings, plan.scene, film, summary);
-    if (plan.denoiser) add_denoised(image, *plan.denoiser, o.aovs);
-    const bool all_written = write_pictures(files, image, o.mergeable ? &film : nullptr, plan.write, reporter);
+    if (checkpoint && film.samples_per_pixel() > samples_before) save(film);
+    const bool all_written = pictures.write(film, summary);
+    if (checkpoint) checkpoint->finish();
     if (!plan.denoiser) tell_fireflies(film, plan.write.display, reporter);
     summary.write_s = seconds_since_start() - write_start_s;
-    if (film.dropped_samples() > 0) {
-        Warnings dropped;
-        std::string text = fmt::format("{} samples were no number or infinite; they count as black, which is a bias",
-                                       film.dropped_samples());
-        if (const auto place = film.dropped_sample())
-            text += fmt::format(" (--only-sample {},{},{} replays one)", place->x, place->y, place->sample);
-        dropped.add(text);
-        reporter.warnings(dropped);
-    }
+    warn_of_dropped(film, reporter);
     if (rendering.cut_short)
         reporter.note(fmt::format("interrupted: the picture has {} samples a pixel", film.samples_per_pixel()));
     reporter.summary(summary);

@@ -12,6 +12,8 @@ struct RenderPlan {
     RenderSettings settings;
     WriteOptions write;
     std::optional<std::uint64_t> samples;
+    SampleRange range;        ///< those that are wanted in the end
+    std::string scene_parts;  ///< for a checkpoint
     std::optional<Denoiser> denoiser;
 };
 

@@ -133,6 +133,9 @@ public:
     Film& operator=(Film&&) noexcept;
     ~Film();
 
+    /// Memory of a film of these settings, for each pixel of the picture.
+    static std::size_t bytes_per_pixel(const RenderSettings& settings);
+
     /// Forgets all samples: as a new film of the job, without the cost of new memory where the layout is the same.
     void reset(const RenderJob& job);
 
@@ -195,7 +198,8 @@ struct Progress {
 
 /// Renders the samples [range.first, range.second) of every pixel into `film`, which must be one of the job. Returns
 /// true if done; false if `cancel` became true: then film holds the passes that were finished, which film.samples()
-/// tells.
+/// tells. Passes are short; where one sample of all pixels takes long, a pass that is cancelled is dropped, for which
+/// the film takes as much memory again, if there is so much.
 ///
 /// on_pass  called between passes from the calling thread with the film so far
 FATHOM_API bool render(const RenderJob& job, SampleRange range, Film& film, const std::atomic<bool>* cancel = nullptr,

@@ -117,6 +117,11 @@ void Film::Data::reset(FilmKey new_key)
 
 Film::Film(FilmKey key) : data_(new Data(std::move(key))) {}
 
+std::size_t Film::bytes_per_pixel(const RenderSettings& settings)
+{
+    return std::size_t(FilmLayout(settings.aovs, settings.alpha).words) * sizeof(std::uint32_t);
+}
+
 Film::Film(Film&&) noexcept = default;
 Film& Film::operator=(Film&&) noexcept = default;
 Film::~Film() = default;

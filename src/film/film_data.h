@@ -35,8 +35,9 @@ struct Film::Data {
     std::uint64_t dropped = 0;
     std::optional<SamplePlace> dropped_sample;
     using Words = std::vector<std::uint32_t, LargeAllocator<std::uint32_t>>;
-    Words words;       ///< layout.words a pixel
-    Words pass_words;  ///< of the pass at work, where it can be cancelled: see render_pass
+    Words words;                     ///< layout.words a pixel
+    Words pass_words;                ///< of the pass at work, where it can be cancelled: see render and render_pass
+    std::optional<double> sample_s;  ///< what a sample of all pixels took in the last pass
 
     std::uint32_t* pixel(std::size_t index) { return &words[index * std::size_t(layout.words)]; }
     const std::uint32_t* pixel(std::size_t index) const { return &words[index * std::size_t(layout.words)]; }

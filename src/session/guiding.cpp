@@ -47,8 +47,10 @@ struct Pass {
 
 /// salt: passes with another have other random numbers, as the samples of pictures have.
 Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings settings,
-           const std::vector<std::uint32_t>& pixels, std::size_t samples, std::uint32_t salt)
+           const std::vector<std::uint32_t>& pixels, std::size_t samples, std::uint32_t salt,
+           const std::atomic<bool>* cancel)
 {
+    const auto is_cancelled = [&] { return cancel && cancel->load(std::memory_order_relaxed); };
     settings.seed ^= salt;
     settings.measure = false;
     const FilmLayout layout({}, false);
@@ -57,6 +59,7 @@ Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings 
     const std::size_t step = std::clamp<std::size_t>(paths_per_job / samples, 1, max_job_pixels);
     std::vector<Pass> parts((pixels.size() + step - 1) / step);
     tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t part) {
+        if (is_cancelled()) return;
         const std::size_t first = part * step, count = std::min(step, pixels.size() - first);
         TileSums sums;
         sums.reset(count, settings.film_words);
@@ -66,6 +69,7 @@ Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings 
                    counters);
         parts[part].vertices = counters.costs.vertices;
     });
+    if (is_cancelled()) throw Cancelled();
     Pass all;
     all.samples = samples;
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
@@ -131,20 +135,20 @@ double gain(const Pass& plain, const Pass& guided)
 }  // namespace
 
 std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, const CameraRecord& camera,
-                                                   const KernelSettings& settings)
+                                                   const KernelSettings& settings, const std::atomic<bool>* cancel)
 {
     const std::size_t picture = std::size_t(settings.width) * std::size_t(settings.height);
     const std::size_t paths = std::clamp(picture / 2, least_paths, most_paths);
     const std::vector<std::uint32_t> pixels = spread_pixels(settings.width, settings.height, paths / least_samples);
     const std::size_t samples = std::max(least_samples, paths / pixels.size());
-    Pass plain = trace(scene, camera, settings, pixels, samples, 0x9e3779b9u);
+    Pass plain = trace(scene, camera, settings, pixels, samples, 0x9e3779b9u, cancel);
     const std::shared_ptr<const GuidingTables> first = make_guiding(plain.records.turns);
     if (!first) return nullptr;
     std::vector<std::uint32_t> tried;
     for (std::size_t i = 0; i < pixels.size(); i += trial_step) tried.push_back(pixels[i]);
     KernelSettings with_first = settings;
     with_first.guiding = first.get();
-    const Pass guided = trace(scene, camera, with_first, tried, samples, 0x3c6ef372u);
+    const Pass guided = trace(scene, camera, with_first, tried, samples, 0x3c6ef372u, cancel);
     if (gain(plain, guided) < least_gain) return nullptr;
     std::vector<GuidingRecord>& turns = plain.records.turns;
     turns.insert(turns.end(), guided.records.turns.begin(), guided.records.turns.end());

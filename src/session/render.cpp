@@ -11,6 +11,7 @@
 #include <tbb/task_arena.h>
 
 #include "fathom/error.h"
+#include "fathom/memory.h"
 #include "fathom/threads.h"
 #include "film/film_data.h"
 #include "integrate/kernel.h"
@@ -25,6 +26,9 @@ namespace {
 constexpr std::uint64_t samples_per_job = 1u << 15;
 /// Passes last about this long, so that progress is seen and an interrupt is soon obeyed.
 constexpr double pass_s = 0.4;
+/// A pass of one sample that takes longer than this is rendered so that it can be dropped: an interrupt should be
+/// obeyed within two seconds.
+constexpr double longest_pass_s = 0.8;
 /// What a job of the smallest tile can hold.
 constexpr std::uint64_t most_pass_samples = 1024;
 
@@ -50,13 +54,13 @@ KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout
 }
 
 /// What the job's paths are guided by, if they are, learnt now if it is not yet. To be called where the threads that
-/// may work are.
-const GuidingTables* guiding_of(const RenderJob& job, const KernelSettings& settings)
+/// may work are. Throws Cancelled if `cancel` becomes true meanwhile.
+const GuidingTables* guiding_of(const RenderJob& job, const KernelSettings& settings, const std::atomic<bool>* cancel)
 {
     LearntGuiding* const guiding = job.data().guiding.get();
     if (!guiding) return nullptr;
     std::call_once(guiding->once, [&] {
-        guiding->tables = learn_guiding(*job.scene().data().kernel, job.data().camera_record, settings);
+        guiding->tables = learn_guiding(*job.scene().data().kernel, job.data().camera_record, settings, cancel);
     });
     return guiding->tables.get();
 }
@@ -169,7 +173,7 @@ void check_range(SampleRange range)
 /// What one call renders with, and how it renders the tiles of a pass.
 class Passes {
 public:
-    Passes(const RenderJob& job, Film::Data& film)
+    Passes(const RenderJob& job, Film::Data& film, const std::atomic<bool>* cancel)
         : scene_(job.scene().data()),
           film_(film),
           kernel_(kernel_settings(job.settings(), film.layout)),
@@ -183,7 +187,7 @@ public:
         if (const std::string difference = film.key.difference(job.key()); !difference.empty())
             throw Error("", "", "the film is of another job: " + difference);
         const auto start = std::chrono::steady_clock::now();
-        arena_.execute([&] { kernel_.guiding = guiding_of(job, kernel_); });
+        arena_.execute([&] { kernel_.guiding = guiding_of(job, kernel_, cancel); });
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         if (kernel_.measure && kernel_.guiding) learning_s_ = seconds * threads_;
     }
@@ -253,14 +257,62 @@ private:
     double learning_s_ = 0;  ///< of all threads
 };
 
+/// Room for the sums of a pass beside those of the film; false where there is not the memory for it.
+bool make_pass_words(Film::Data& data, bool is_cropped)
+{
+    // What is outside a crop must be there too, as it is.
+    if (data.pass_words.size() == data.words.size() && !is_cropped) return true;
+    const std::uint64_t bytes = data.words.size() * sizeof(std::uint32_t);
+    if (data.pass_words.empty() && bytes > available_memory_bytes()) return false;
+    try {
+        data.pass_words = data.words;
+    } catch (const std::bad_alloc&) {
+        return false;
+    }
+    return true;
+}
+
+/// Renders a pass into the film. False if `cancel` became true and the pass was dropped, which short ones are not: the
+/// film is then as it was before.
+bool render_into(Film& film, const RenderJob& job, Passes& passes, SampleRange range, const std::atomic<bool>* cancel)
+{
+    Film::Data& data = film.data();
+    // What is left of the first pass can be cleared. Long further ones make new sums of the film's and their own, which
+    // take the place of the old ones at the end.
+    const bool is_first = data.samples.empty();
+    const bool is_long = cancel && !is_first && data.sample_s.value_or(longest_pass_s) >= longest_pass_s;
+    const bool is_apart = is_long && make_pass_words(data, job.settings().crop.has_value());
+    std::uint32_t* const sums = is_apart ? data.pass_words.data() : data.words.data();
+    const auto words = std::size_t(data.layout.words);
+    std::atomic<bool> dropped = false;
+    passes.render(
+        range,
+        [&](const Worker& worker) {
+            for (std::uint32_t i = 0; is_apart && i < worker.pixels.size(); ++i)
+                std::copy_n(pixel_words(worker, i, data, data.words.data()), words, pixel_words(worker, i, data, sums));
+            add_to_words(worker, data, sums);
+        },
+        [&] {
+            if (cancel && (is_first || is_apart) && cancel->load(std::memory_order_relaxed))
+                dropped.store(true, std::memory_order_relaxed);
+            return dropped.load(std::memory_order_relaxed);
+        });
+    if (dropped) {
+        if (is_first) film.reset(job);
+        return false;
+    }
+    if (is_apart) std::swap(data.words, data.pass_words);
+    return true;
+}
+
 }  // namespace
 
 bool render(const RenderJob& job, SampleRange range, Film& film, const std::atomic<bool>* cancel,
             const std::function<void(const Progress&, const Film&)>& on_pass)
-{
+try {
     check_range(range);
     Film::Data& data = film.data();
-    Passes passes(job, data);
+    Passes passes(job, data, cancel);
     Progress progress;
     progress.samples_total = passes.pixels() * (range.second - range.first);
     std::uint64_t next = range.first, pass = std::max<std::uint64_t>(1, 2000000 / passes.pixels());
@@ -268,27 +320,29 @@ bool render(const RenderJob& job, SampleRange range, Film& film, const std::atom
         if (cancel && *cancel) return false;
         const auto start = std::chrono::steady_clock::now();
         const std::uint64_t end = std::min(range.second, next + std::min(pass, most_pass_samples));
-        passes.render(
-            {next, end}, [&](const Worker& worker) { add_to_words(worker, data, data.words.data()); },
-            [] { return false; });
+        if (!render_into(film, job, passes, {next, end}, cancel)) return false;
         progress.costs = passes.finish({next, end});
         progress.samples_done += passes.pixels() * (end - next);
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        data.sample_s = seconds / double(end - next);
         pass = std::max<std::uint64_t>(
-            1, std::uint64_t(double(end - next) * std::min(pass_s / std::max(seconds, 1e-4), 8.0)));
+            1, std::uint64_t(
+                   std::min(pass_s / std::max(*data.sample_s, 1e-4 / double(end - next)), 8.0 * double(end - next))));
         next = end;
         if (on_pass) on_pass(progress, film);
     }
     return true;
+} catch (const Cancelled&) {
+    return false;
 }
 
 bool render_pass(const RenderJob& job, SampleRange range, Film& film, const std::atomic<bool>& cancel)
-{
+try {
     check_range(range);
     if (range.first >= range.second || range.second - range.first > most_pass_samples)
         throw Error("", "", fmt::format("a pass has 1 to {} samples", most_pass_samples));
     Film::Data& data = film.data();
-    Passes passes(job, data);
+    Passes passes(job, data, &cancel);
     for (const SampleRange& r : data.samples)
         if (range.first < r.second && r.first < range.second)
             throw Error("", "", fmt::format("samples of {}:{} are in the film already", range.first, range.second));
@@ -330,6 +384,8 @@ bool render_pass(const RenderJob& job, SampleRange range, Film& film, const std:
     });
     passes.finish(range);
     return true;
+} catch (const Cancelled&) {
+    return false;
 }
 
 Color render_sample(const RenderJob& job, int x, int y, std::uint64_t sample_index)
@@ -341,7 +397,7 @@ Color render_sample(const RenderJob& job, int x, int y, std::uint64_t sample_ind
             "", "",
             fmt::format("there is no pixel {},{} in a picture of {}x{}", x, y, settings.width, settings.height));
     KernelSettings kernel = kernel_settings(settings, FilmLayout({}, false));
-    kernel.guiding = guiding_of(job, kernel);
+    kernel.guiding = guiding_of(job, kernel, nullptr);
     const std::uint32_t pixel = std::uint32_t(y) << 16 | std::uint32_t(x);
     TileSums sums;
     sums.reset(1, kernel.film_words);

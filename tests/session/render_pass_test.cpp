@@ -85,6 +85,42 @@ TEST(RenderPass, LeavesTheFilmAsItWasIfCancelled)
     expect_same(film, as_it_was);
 }
 
+/// In the middle of the first pass, and of one of a film that came from elsewhere, whose passes may take any time.
+TEST(Render, DropsAPassThatIsCancelled)
+{
+    using namespace std::chrono_literals;
+    const Scene scene = compiled();
+    for (const bool cropped : {false, true})
+        for (const std::uint64_t before : {0, 2}) {
+            RenderSettings settings = small();
+            settings.width = 640, settings.height = 480, settings.threads = 1;
+            if (cropped) settings.crop = Crop{7, 5, 601, 464};
+            const RenderJob job(scene, settings);
+            Film made(job), whole(job);
+            if (before > 0) render(job, {0, before}, made);
+            render(job, {0, before + 3}, whole);
+            for (const auto time : {5ms, 30ms}) {
+                Film film = Film::from_sums(made.sums());
+                std::atomic<bool> cancel = false;
+                std::thread canceller([&] {
+                    std::this_thread::sleep_for(time);
+                    cancel = true;
+                });
+                // A pass of some samples, which takes several times as long.
+                EXPECT_FALSE(render(job, {before, before + 3}, film, &cancel));
+                canceller.join();
+                expect_same(film, made);
+                EXPECT_TRUE(render(job, {before, before + 3}, film));
+                expect_same(film, whole);
+            }
+            // One that nobody cancels is counted, apart or not.
+            Film film = Film::from_sums(made.sums());
+            const std::atomic<bool> never = false;
+            EXPECT_TRUE(render(job, {before, before + 3}, film, &never));
+            expect_same(film, whole);
+        }
+}
+
 /// In the middle of a pass, with tiles done already: of the first pass, and of a later one.
 TEST(RenderPass, CanBeCancelledAtAnyTime)
 {

@@ -1,0 +1,241 @@
+#!/usr/bin/env python3
+"""The command line: checkpoints, signals, parts."""
+import json
+import os
+import resource
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+from harness import CommandLine, DOUBLE, PROGRAM, run_tests
+
+
+class Checkpoints(CommandLine):
+    def render(self, *arguments):
+        return ["render", "box.json", "--size", "9x7", *arguments]
+
+    def read(self, name):
+        return Path(self.path(name)).read_bytes()
+
+    def sums(self, name):
+        info = json.loads(self.ok("info", name, "--json").stdout)
+        return info["samples"], info["noise"], info["dropped_samples"], info["settings"]
+
+    def start(self, scene, *arguments, **options):
+        """A slow render of which a line of progress was seen."""
+        self.scene("slow.json", scene)
+        process = subprocess.Popen([DOUBLE, "render", "slow.json", "--size", "9x7", "--progress", "json", *arguments],
+                                   cwd=self.folder, stderr=subprocess.PIPE, text=True, **options)
+        for line in process.stderr:
+            if '"progress"' in line:
+                return process
+        self.fail("no progress")
+
+    def test_goes_on_by_itself_with_the_same_bits(self):
+        self.ok(*self.render("--spp", "16", "-o", "whole.exr", "--mergeable"))
+        self.ok(*self.render("--spp", "16", "-o", "whole.png"))
+        self.assertNotIn("going on", self.ok(*self.render("--spp", "5", "--checkpoint", "c.exr", "-o", "a.png")).stderr)
+        text = self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr", "-o", "a.png")).stderr
+        self.assertIn("going on from 5 of 16 samples in c.exr\n", text)
+        self.assertEqual(self.read("a.png"), self.read("whole.png"))
+        self.assertEqual(self.sums("c.exr"), self.sums("whole.exr"))
+        # Once more: nothing is left to do, and nothing is written but the picture.
+        before = os.stat(self.path("c.exr"))
+        os.remove(self.path("a.png"))
+        self.assertIn("going on from 16 of 16", self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr", "-o", "a.png")).stderr)
+        self.assertEqual(self.read("a.png"), self.read("whole.png"))
+        self.assertEqual(os.stat(self.path("c.exr")).st_ino, before.st_ino)
+
+    def test_two_generations_are_kept(self):
+        for samples in "4", "8", "12":
+            self.ok(*self.render("--spp", samples, "--checkpoint", "c.exr", "-o", "a.png"))
+        self.assertEqual(self.sums("c.exr")[0], [[0, 12]])
+        self.assertEqual(self.sums("c.previous.exr")[0], [[0, 8]])
+        self.ok(*self.render("--spp", "16", "-o", "whole.png"))
+        for damage in ("cut", "flip", "empty", "gone", "swapped"):
+            for samples in "8", "12":
+                self.ok(*self.render("--spp", samples, "--checkpoint", "d.exr", "-o", "a.png"))
+            data = self.read("d.exr")
+            path = Path(self.path("d.exr"))
+            if damage == "gone":
+                path.unlink()
+            elif damage == "swapped":
+                os.rename(path, self.path("e.exr"))
+                os.rename(self.path("d.previous.exr"), path)
+                os.rename(self.path("e.exr"), self.path("d.previous.exr"))
+            else:
+                path.write_bytes({"cut": data[:-5], "flip": data[:-5] + b"\x55" + data[-4:], "empty": b""}[damage])
+            text = self.ok(*self.render("--spp", "16", "--checkpoint", "d.exr", "-o", "a.png")).stderr
+            if damage in ("cut", "flip", "empty"):
+                self.assertIn("d.exr: ", text)
+                self.assertIn("the state before is taken", text)
+            self.assertIn("going on from 12 of 16 samples in d.previous.exr" if damage == "swapped" else
+                          "going on from 8 of 16 samples in d.previous.exr", text)
+            self.assertEqual(self.read("a.png"), self.read("whole.png"), damage)
+            os.remove(self.path("d.exr"))
+            os.remove(self.path("d.previous.exr"))
+
+    def test_what_is_of_another_render_is_refused(self):
+        self.ok(*self.render("--spp", "4", "--checkpoint", "c.exr", "-o", "a.png"))
+        before = self.read("c.exr")
+        refused = lambda *arguments, words: self.refused(1, *self.render("--checkpoint", "c.exr", "-o", "b.png", "-q", *arguments), words=words)
+        refused("--spp", "8", "--seed", "3", words=["c.exr: ", "another render", "seed is 3, not 0"])
+        refused("--spp", "2", words=["c.exr: ", "0:4", "0:2", "ask for more"])
+        refused("--samples", "2:9", words=["c.exr: ", "0:4", "2:9"])
+        self.assertEqual(self.read("c.exr"), before)
+        self.scene("no-film.exr", "no film at all")
+        self.refused(1, *self.render("--checkpoint", "no-film.exr", "-o", "b.png", "-q", "--spp", "1"), words=["no-film.exr: this is no film file"])
+        self.assertEqual(self.read("no-film.exr"), b"no film at all")
+        for wrong in (["--every", "3"], ["--checkpoint", "c.png"], ["--checkpoint", "c.exr", "--frames", "0:2"],
+                      ["--checkpoint", "c.exr", "-o", "c.exr"], ["--part", "3/2"], ["--part", "0/2"], ["--part", "2"],
+                      ["--part", "1/2", "--time", "3"]):
+            self.refused(2, "render", "box.json", *wrong)
+        result = self.run_program("render", "box.json", "--part", "1/9", "--spp", "8", "-o", "a.exr")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("--part: 8 samples can't be cut in 9 parts", result.stderr)
+
+    def test_what_differs_is_told_by_name(self):
+        if not PROGRAM:
+            self.skipTest("needs the program")
+        def scene(color, radius="1", camera="[0, 0, 5]"):
+            self.scene("s.json", '{"fathom": 1, "camera": {"position": %s, "look_at": [0, 0, 0]}, "materials": {"wall": '
+                       '{"color": %s}}, "environment": {"kind": "constant", "color": 1}, "scene": '
+                       '[{"sphere": {"radius": %s}, "material": "wall"}]}' % (camera, color, radius))
+        run = lambda: self.run_program("render", "s.json", "--spp", "2", "--size", "8x8", "--checkpoint", "c.exr", "-q", program=PROGRAM)
+        scene("[0.5, 0.5, 0.5]")
+        self.assertEqual(run().returncode, 0, run().stderr)
+        for arguments, words in ((["[0.5, 0.5, 0.6]"], "material 'wall': color;"), (["[0.5, 0.5, 0.5]", "2"], "shapes, places"),
+                                 (["[0.5, 0.5, 0.5]", "1", "[0, 1, 5]"], "camera 'camera': place")):
+            scene(*arguments)
+            result = run()
+            self.assertEqual(result.returncode, 1)
+            self.assertIn(words, result.stderr)
+
+    def test_interrupted_and_killed_renders_go_on(self):
+        self.scene("slow.json", "camera a slow 20")
+        self.ok("render", "slow.json", "--size", "9x7", "--spp", "60", "-o", "whole.png")
+        arguments = ["--spp", "60", "--checkpoint", "c.exr", "--every", "0.05s", "-o", "a.png"]
+        for number, code in (signal.SIGTERM, 130), (signal.SIGKILL, -9):
+            process = self.start("camera a slow 20", *arguments)
+            time.sleep(0.3)
+            process.send_signal(number)
+            text = process.communicate(timeout=20)[1]
+            self.assertEqual(process.returncode, code, text)
+            samples = self.sums("c.exr")[0][0][1]
+            self.assertGreater(samples, 5)
+            self.assertLess(samples, 60)
+        text = self.ok("render", "slow.json", "--size", "9x7", *arguments).stderr
+        self.assertIn(f"going on from {samples} of 60", text)
+        self.assertEqual(self.read("a.png"), self.read("whole.png"))
+
+    def test_time_is_that_of_this_run(self):
+        self.scene("slow.json", "camera a slow 20")
+        for run in range(3):
+            text = self.ok("render", "slow.json", "--size", "9x7", "--time", "0.5", "--checkpoint", "c.exr", "-o", "a.png").stderr
+            self.assertEqual("going on" in text, run > 0)
+        first = self.sums("c.previous.exr")[0]
+        last = self.sums("c.exr")[0]
+        self.assertEqual(len(last), 1)
+        self.assertGreater(last[0][1], first[0][1])
+
+    def test_a_checkpoint_that_can_t_be_written_stops_nothing(self):
+        # A limit on the size of files stands for a full disk; the picture is small enough.
+        limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (800, 800))
+        process = self.start("camera a slow 20", "--spp", "30", "--checkpoint", "c.exr", "--every", "0.1", "-o", "a.png",
+                             preexec_fn=limit)
+        text = process.communicate(timeout=20)[1]
+        self.assertEqual(process.returncode, 0, text)
+        self.assertEqual(text.count("c.exr: can't write"), 1, text)
+        self.assertIn("the render goes on, and tries again", text)
+        self.assertTrue(os.path.exists(self.path("a.png")))
+        self.assertFalse(os.path.exists(self.path("c.exr")))
+
+    def test_a_picture_that_can_t_be_written_is_written_elsewhere(self):
+        for folder in "out", "work", "tmp":
+            os.mkdir(self.path(folder))
+        self.scene("slow.json", "camera a slow 300")
+        process = subprocess.Popen([DOUBLE, "render", "../slow.json", "--size", "9x7", "--spp", "4", "-o", "../out/a.png"],
+                                   cwd=self.path("work"), stderr=subprocess.PIPE, text=True,
+                                   env={**os.environ, "TMPDIR": self.path("tmp")})
+        time.sleep(0.6)
+        os.rmdir(self.path("out"))
+        text = process.communicate(timeout=20)[1]
+        self.assertEqual(process.returncode, 1)
+        self.assertIn("out/a.png: can't write", text)
+        self.assertIn("wrote " + os.path.realpath(self.path("work")) + "/a.png", text)
+        self.assertEqual(os.listdir(self.path("work")), ["a.png"])
+
+    def test_a_signal_asks_for_the_picture(self):
+        process = self.start("camera a slow 100", "--spp", "1000", "--checkpoint", "c.exr", "--every", "1h", "-o", "a.png")
+        process.send_signal(signal.SIGUSR1)
+        for name in "a.png", "c.exr":
+            for _ in range(100):
+                if os.path.exists(self.path(name)):
+                    break
+                time.sleep(0.05)
+            else:
+                self.fail(f"no {name}")
+        self.assertIsNone(process.poll())
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 130)
+
+    def test_an_interrupt_while_loading_ends_at_once(self):
+        self.scene("slow.json", "camera a slow-load 60000")
+        for number in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
+            process = subprocess.Popen([DOUBLE, "render", "slow.json", "-o", "a.png"], cwd=self.folder,
+                                       stderr=subprocess.PIPE, text=True)
+            time.sleep(0.5)
+            start = time.monotonic()
+            process.send_signal(number)
+            text = process.communicate(timeout=20)[1]
+            self.assertLess(time.monotonic() - start, 2)
+            self.assertEqual(process.returncode, 130)
+            self.assertIn("interrupted before anything was rendered", text)
+
+    def test_an_interrupt_is_obeyed_within_two_seconds(self):
+        """Of a picture of which one sample a pixel takes longer than that, while learning and while rendering."""
+        if not PROGRAM:
+            self.skipTest("needs the program")
+        spheres = ", ".join('{"sphere": {"radius": 0.6}, "material": "glass", "transform": [{"translate": [%d, %d, 0]}]}'
+                            % (x, y) for x in range(-2, 3) for y in range(-1, 2))
+        self.scene("glass.json", '{"fathom": 1, "camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]}, "materials": '
+                   '{"glass": {"kind": "glass"}}, "environment": {"kind": "gradient"}, "scene": [%s]}' % spheres)
+        for guiding, wait_s in ("on", 0.6), ("off", 12):
+            process = subprocess.Popen([PROGRAM, "render", "glass.json", "--size", "3840x2160", "--roulette-depth", "100",
+                                        "--spp", "1000", "--threads", "1", "--guiding", guiding, "--checkpoint", "c.exr",
+                                        "-o", "a.exr"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
+            time.sleep(wait_s)
+            self.assertIsNone(process.poll(), process.stderr)
+            start = time.monotonic()
+            process.send_signal(signal.SIGTERM)
+            process.stderr.read()
+            self.assertEqual(process.wait(timeout=60), 130)
+            # A machine that tests share may take twice the time that it takes alone.
+            self.assertLess(time.monotonic() - start, 4)
+        self.assertGreater(self.sums("c.exr")[0][0][1], 0)
+
+    def test_parts(self):
+        self.ok(*self.render("--spp", "11", "-o", "whole.png"))
+        for part in range(1, 5):
+            self.ok(*self.render("--spp", "11", "--part", f"{part}/4", "-o", f"{part}.exr"))
+        self.assertEqual([self.sums(f"{part}.exr")[0] for part in range(1, 5)], [[[0, 2]], [[2, 5]], [[5, 8]], [[8, 11]]])
+        text = self.ok("merge", "4.exr", "2.exr", "-o", "some.exr").stderr
+        self.assertIn("missing: samples 0:2,5:8 (parts 1, 3 of 4)\n", text)
+        text = self.ok("merge", "some.exr", "3.exr", "-o", "more.exr").stderr
+        self.assertIn("missing: samples 0:2 (part 1 of 4)\n", text)
+        self.assertNotIn("missing", self.ok("merge", "more.exr", "1.exr", "-o", "all.png").stderr)
+        self.assertEqual(self.read("all.png"), self.read("whole.png"))
+
+    def test_a_part_has_a_checkpoint_too(self):
+        self.ok(*self.render("--spp", "12", "--part", "2/3", "-o", "whole.exr"))
+        arguments = self.render("--spp", "12", "--part", "2/3", "--checkpoint", "c.exr", "-o", "a.exr")
+        self.ok(*arguments)
+        self.assertIn("going on from 4 of 4 samples", self.ok(*arguments).stderr)
+        self.assertEqual(self.sums("a.exr"), self.sums("whole.exr"))
+        self.assertIn(": 4:8", self.ok("merge", "c.exr", "-o", "m.exr").stderr)
+
+
+if __name__ == "__main__":
+    run_tests()
