@@ -593,6 +593,52 @@ TEST(GeometryTable, CurvesBecomeBezierSegments)
     }
 }
 
+/// Points that move are given at the times of all keys while the shutter is open: of each curve where it is then, cut
+/// as finely as it is ever asked for.
+TEST(GeometryTable, CurvesThatMoveHavePointsAtEachTime)
+{
+    SceneDescription d = empty_scene();
+    Curves curves;
+    curves.basis = CurveBasis::catmull_rom;
+    for (int i = 0; i < 10; ++i) {
+        curves.points.push_back({float(i % 5), 0, -9});
+        curves.radii.push_back(0.1f);
+    }
+    curves.counts = {5, 5};
+    curves.motion = {{0, curves.points, curves.radii}, {0.5, curves.points, curves.radii}};
+    for (int i = 0; i < 10; ++i) curves.motion[1].points[std::size_t(i)].y += float(i * i % 7);
+    d.curves = {curves};
+    curves.motion[1].time = 0.75;
+    d.curves.push_back(curves);
+    for (int i = 0; i < 2; ++i) d.nodes[0].shapes.push_back({CurvesInstance{i}, -1, ""});
+    d.cameras[0].shutter_close = 1;
+    const Scene scene = compiled(d);
+    const SceneTables& t = *scene.data().tables;
+    EXPECT_EQ(t.vertex_times, (std::vector<float>{0, 0.5f, 0.75f, 1}));
+    ASSERT_EQ(t.curves.size(), 8u);
+    EXPECT_TRUE(t.moving);
+    for (std::size_t k = 0; k < 8; ++k) {
+        const std::uint32_t n = t.shapes[t.shape_of_primitive[t.first_curve() + k]].moving_vertices;
+        EXPECT_EQ(n, 14u);
+        EXPECT_GT(t.curves[k].pieces, 1u);
+        // The first Bezier point of a segment is its second control point.
+        const std::size_t point = 5 * (k % 4 / 2) + k % 2 + 1;
+        const double end = k < 4 ? 0.5 : 0.75, way = double(point * point % 7);
+        for (std::size_t time = 0; time < 4; ++time)
+            EXPECT_FLOAT_EQ(float(t.curve_points[t.curves[k].first_point + time * n].y / t.render_scale),
+                            float(way * std::min(1.0, double(t.vertex_times[time]) / end)))
+                << k << ' ' << time;
+    }
+    // What stands still while the shutter is open stands where it then is.
+    d.cameras[0].shutter_open = 1;
+    const Scene later = compiled(d);
+    const SceneTables& still = *later.data().tables;
+    EXPECT_TRUE(still.vertex_times.empty());
+    EXPECT_FALSE(still.moving);
+    EXPECT_EQ(still.curve_points.size(), 2 * 14u);
+    EXPECT_FLOAT_EQ(float(still.curve_points[0].y / still.render_scale), 1);
+}
+
 /// Rows and columns of a sky by their light: where there is none next to nothing is looked for.
 TEST(EnvironmentTable, DistributionFollowsTheImage)
 {

@@ -82,7 +82,7 @@ public:
         if (any(disk)) read_disk(hit, way, disk, s);
         if (any(curve)) {
             const Vec3 d = any(placed) ? select(placed, to_object.vector(hit.d), hit.d) : hit.d;
-            read_curve(t_, hit.primitive - UInt(t_.first_curve()), flags, hit.u, normalize(d), curve, s);
+            read_curve(t_, hit.primitive - UInt(t_.first_curve()), flags, hit, normalize(d), curve, s);
         }
         if (any(point)) read_point(hit, point, s);
         if (any(placed)) place(to_object, placed, s);
