@@ -639,6 +639,42 @@ TEST(GeometryTable, CurvesThatMoveHavePointsAtEachTime)
     EXPECT_FLOAT_EQ(float(still.curve_points[0].y / still.render_scale), 1);
 }
 
+/// The light tree's ball around a curve holds it all along the way of its points, with its radius.
+TEST(LightTable, BallsHoldCurvesThatMove)
+{
+    SceneDescription d = empty_scene();
+    Curves curves;
+    curves.basis = CurveBasis::linear;
+    curves.points = {{9, 9, 9}, {9, 9, 8}};
+    curves.radii = {1, 1};
+    curves.counts = {2};
+    curves.motion = {{0, {{0, 0, -9}, {1, 0, -9}}, {0.1f, 0.2f}},
+                     {0.5, {{2, 0, -9}, {2, 3, -9}}, {0.1f, 0.5f}},
+                     {1, {{-1, 0, -9}, {-3, 0, -9}}, {0.3f, 0}}};
+    d.curves = {curves};
+    d.nodes[0].shapes.push_back({CurvesInstance{0}, add_lamp(d, 3), ""});
+    d.cameras[0].shutter_close = 1;
+    const Scene scene = compiled(d);
+    const SceneTables& t = *scene.data().tables;
+    ASSERT_EQ(t.lights.size(), 1u);
+    const LightNode& n = t.light_tree[t.lights[0].tree_place / LightNode::width];
+    const std::size_t slot = t.lights[0].tree_place % LightNode::width;
+    for (int i = 0; i <= 20; ++i)
+        for (std::size_t end = 0; end < 2; ++end) {
+            const CurvesKey &a = curves.motion[i < 10 ? 0 : 1], &b = curves.motion[i < 10 ? 1 : 2];
+            const double f = i / 10.0 - (i < 10 ? 0 : 1);
+            const auto mean = [&](float x, float y) {
+                return t.render_scale * (double(x) + f * (double(y) - double(x)));
+            };
+            const Vec3f p = a.points[end], q = b.points[end];
+            const double away = std::hypot(mean(p.x, q.x) - double(n.x[slot]), mean(p.y, q.y) - double(n.y[slot]),
+                                           mean(p.z, q.z) - double(n.z[slot]));
+            EXPECT_LE(away + mean(a.radii[end], b.radii[end]), double(n.radius[slot]) * (1 + 1e-6)) << i;
+        }
+    // Nor is it much larger.
+    EXPECT_LT(double(n.radius[slot]), 6 * t.render_scale);
+}
+
 /// Rows and columns of a sky by their light: where there is none next to nothing is looked for.
 TEST(EnvironmentTable, DistributionFollowsTheImage)
 {

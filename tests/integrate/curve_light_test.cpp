@@ -98,29 +98,6 @@ TEST(CurveLights, HaveLessNoise)
         }
 }
 
-/// Curves that rise from below the floor are sampled as soon as they are above it: what is known of a light holds for
-/// all of its way.
-TEST(CurveLights, AreExpectedWhereTheyMoveTo)
-{
-    Mean mean[2];
-    for (const bool light_sampling : {true, false}) {
-        Floor floor;
-        floor.shutter_close = 1;
-        floor.light_sampling = light_sampling;
-        floor.samples = 512;
-        floor.furnish = [&](SceneBuilder& b) {
-            Curves curves = glowing(CurveBasis::bspline, false, 0.003f);
-            curves.motion = {{0, curves.points, curves.radii}, {1, curves.points, curves.radii}};
-            for (Vec3f& p : curves.motion[0].points) p.y -= 3;
-            add_curves(b, curves, Place::world);
-            b.add(Sphere{{2, 1, 0}, 0.05, {}}, b.diffuse(0, {0.1f, 0.1f, 0.1f}));
-        };
-        mean[light_sampling] = floor.irradiance(0.1, 0.2, 2);
-    }
-    EXPECT_LT(std::pow(mean[1].error[0], 2), std::pow(mean[0].error[0], 2) / 5);
-    EXPECT_NEAR(mean[1].value[0], mean[0].value[0], 4.5 * std::hypot(mean[0].error[0], mean[1].error[0]));
-}
-
 /// A straight round curve against its cylinder and half balls, added up in cells.
 TEST(CurveLights, ARodSendsWhatACapsuleDoes)
 {
