@@ -253,7 +253,7 @@ private:
         };
         const bool moves = instancing_.vertices_move(*p.shape);
         if (moves) shape.moving_vertices = std::uint32_t(mesh.positions.size());
-        contents_.fixed_motion |= moves && !mesh.movable;
+        contents_.fixed_motion |= !mesh.motion.empty() && !mesh.movable;
         for_each_pose(t_, mesh, moves, add_vertices);
         if (!mesh.tangents.empty()) {
             shape.flags |= ShapeRecord::has_tangents;

@@ -291,6 +291,31 @@ TEST_F(Editing, KeysAtOtherTimesBesideOthers)
     }
 }
 
+/// Moments, in which nothing moves, are of other poses at other times, also of what can't be edited.
+TEST_F(Editing, MomentsOfWhatIsNotMovable)
+{
+    for (const bool node_moves : {false, true}) {
+        SCOPED_TRACE(node_moves);
+        Room room;
+        Mesh mesh = tetrahedron(0.7);
+        Node node;
+        node.shapes.push_back({MeshInstance{int(room.d.meshes.size())}, -1, ""});
+        if (node_moves) {
+            node.motion = {{0, Transform()}, {1, Transform::translate({0, 1, 0})}};
+        } else {
+            mesh.motion = {{0, mesh.positions, mesh.normals}, {1, mesh.positions, mesh.normals}};
+            for (Vec3f& p : mesh.motion.back().positions) p.y += 1;
+        }
+        room.d.meshes.push_back(mesh);
+        room.d.roots.push_back(int(room.d.nodes.size()));
+        room.d.nodes.push_back(node);
+        SceneEdit edit(room.d);
+        expect_as_compiled(edit, true);
+        edit.set_shutter(1, 1);
+        expect_as_compiled(edit, true);
+    }
+}
+
 TEST_F(Editing, MaterialsLightsAndSkyChange)
 {
     const Room room;
