@@ -228,6 +228,12 @@ enum class CurveBasis {
     bspline,      ///< cubic, uniform; n points make n - 3 segments, which pass near them
     catmull_rom,  ///< n points make n - 3 segments, which pass through all points but the first and the last
 };
+/// Where the control points of curves are at a time, and how thick: as many as the curves have.
+struct CurvesKey {
+    double time = 0;  ///< seconds
+    std::vector<Vec3f> points;
+    std::vector<float> radii;
+};
 /// Many curves of one kind, as of hair: their points one after the other, and how many each has.
 struct Curves {
     std::string name;
@@ -236,6 +242,9 @@ struct Curves {
     std::vector<Vec3f> points;
     std::vector<float> radii;  ///< as many; half the width of a ribbon
     std::vector<std::uint32_t> counts;
+    /// As Mesh::motion: control points and radii change linearly from one key to the next. `points` and `radii` are
+    /// then not shown.
+    std::vector<CurvesKey> motion;
 };
 struct CurvesInstance {
     int curves = -1;

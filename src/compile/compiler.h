@@ -66,7 +66,7 @@ struct PlacedContents {
     std::map<const void*, std::uint32_t> shapes;  ///< by content_of
     std::size_t shapes_end = 0;                   ///< behind it come the shapes of instances
     bool moving = false;                          ///< something moves otherwise than by an instance's poses
-    bool fixed_motion = false;                    ///< of that, something that is not movable
+    bool fixed_motion = false;                    ///< something that is not movable is elsewhere at other times
 };
 /// Fills vertices, triangles, quads, spheres, disks and shapes, and decides what is instanced. Materials must be there.
 PlacedContents compile_geometry(Compiler& c, Occurrences& occurrences);

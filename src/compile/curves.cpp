@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "scene/motion.h"
+
 namespace fathom {
 
 namespace {
@@ -51,46 +53,90 @@ std::uint32_t pieces_of(const Segment& s)
     return pieces;
 }
 
-}  // namespace
+/// Adds curves pose by pose. The first makes the segments, the others give them points of the same order.
+class CurveAdder {
+public:
+    CurveAdder(SceneTables& tables, const Curves& curves)
+        : tables_(tables), curves_(curves), first_segment_(tables.curves.size())
+    {
+    }
 
-std::size_t add_curves(SceneTables& tables, const Curves& curves, const Transform& transform, double factor)
-{
-    const std::size_t before = tables.curves.size();
-    const auto put = [&](const Point& p) {
-        // Where a spline of radii goes below zero there is nothing.
-        tables.curve_points.push_back({float(p.p.x), float(p.p.y), float(p.p.z), float(std::max(p.r, 0.0))});
-    };
-    std::size_t first = 0;
-    for (std::uint32_t count : curves.counts) {
-        std::vector<Point> points(count);
-        for (std::size_t i = 0; i < count; ++i) {
-            const Vec3f p = curves.points[first + i];
-            points[i] = {transform.point({p.x, p.y, p.z}), curves.radii[first + i] * factor};
-        }
-        first += count;
-        const bool linear = curves.basis == CurveBasis::linear;
-        const std::size_t step = curves.basis == CurveBasis::bezier ? 3 : 1, order = linear ? 2 : 4;
-        if (count < order) continue;
-        const std::size_t segments = (count - order) / step + 1;
-        for (std::size_t i = 0; i < segments; ++i) {
-            CurveRecord table;
-            table.u0 = float(double(i) / double(segments));
-            table.u1 = float(double(i + 1) / double(segments));
-            if (linear) {
-                if (i == 0) put(points[0]);
-                table.first_point = std::uint32_t(tables.curve_points.size() - 1);
-                put(points[i + 1]);
-            } else {
-                const Segment s = bezier_segment(curves.basis, &points[i * step]);
-                // Neighbours share the point where they join.
-                if (i == 0) put(s[0]);
-                table.first_point = std::uint32_t(tables.curve_points.size() - 1);
-                for (std::size_t k = 1; k < 4; ++k) put(s[k]);
-                table.pieces = pieces_of(s);
+    /// points: control points, of all curves one after the other.
+    void add_pose(const std::vector<Point>& points)
+    {
+        const bool is_first = tables_.curves.size() == first_segment_;
+        std::size_t first = 0, segment = first_segment_;
+        const bool linear = curves_.basis == CurveBasis::linear;
+        const std::size_t step = curves_.basis == CurveBasis::bezier ? 3 : 1, order = linear ? 2 : 4;
+        for (std::uint32_t count : curves_.counts) {
+            const Point* const p = &points[first];
+            first += count;
+            if (count < order) continue;
+            const std::size_t segments = (count - order) / step + 1;
+            for (std::size_t i = 0; i < segments; ++i, ++segment) {
+                if (is_first) add_segment(i, segments);
+                if (linear)
+                    put_line(p + i, i == 0);
+                else
+                    put_cubic(bezier_segment(curves_.basis, p + i * step), i == 0, tables_.curves[segment]);
             }
-            tables.curves.push_back(table);
         }
     }
+
+private:
+    /// Neighbours share the point where they join.
+    void add_segment(std::size_t i, std::size_t segments)
+    {
+        CurveRecord record;
+        record.u0 = float(double(i) / double(segments));
+        record.u1 = float(double(i + 1) / double(segments));
+        record.first_point = std::uint32_t(tables_.curve_points.size() - (i == 0 ? 0 : 1));
+        tables_.curves.push_back(record);
+    }
+    void put_line(const Point* p, bool begins)
+    {
+        if (begins) put(p[0]);
+        put(p[1]);
+    }
+    void put_cubic(const Segment& s, bool begins, CurveRecord& record)
+    {
+        if (begins) put(s[0]);
+        for (std::size_t k = 1; k < 4; ++k) put(s[k]);
+        record.pieces = std::max(record.pieces, pieces_of(s));
+    }
+    void put(const Point& p)
+    {
+        // Where a spline of radii goes below zero there is nothing.
+        tables_.curve_points.push_back({float(p.p.x), float(p.p.y), float(p.p.z), float(std::max(p.r, 0.0))});
+    }
+
+    SceneTables& tables_;
+    const Curves& curves_;
+    const std::size_t first_segment_;
+};
+
+}  // namespace
+
+std::size_t add_curves(SceneTables& tables, const Curves& curves, const Transform& transform, double factor, bool moves)
+{
+    const std::size_t before = tables.curves.size();
+    CurveAdder adder(tables, curves);
+    const auto add = [&](const std::vector<Vec3f>& places, const std::vector<float>& radii) {
+        std::vector<Point> points(places.size());
+        for (std::size_t i = 0; i < points.size(); ++i)
+            points[i] = {transform.point({places[i].x, places[i].y, places[i].z}), radii[i] * factor};
+        adder.add_pose(points);
+    };
+    const auto add_at = [&](float time) {
+        const CurvesKey key = points_at(curves, time);
+        add(key.points, key.radii);
+    };
+    if (curves.motion.empty())
+        add(curves.points, curves.radii);
+    else if (!moves)
+        add_at(tables.shutter_open);
+    else
+        for (float time : tables.vertex_times) add_at(time);
     return tables.curves.size() - before;
 }
 

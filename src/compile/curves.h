@@ -9,6 +9,8 @@ namespace fathom {
 /// that no piece strays from the curve by more than a fiftieth of its radius. Returns how many segments that are.
 ///
 /// factor  by which the transform scales lengths
-std::size_t add_curves(SceneTables& tables, const Curves& curves, const Transform& transform, double factor);
+/// moves   whether control points do while the shutter is open: then there are those for each of vertex_times
+std::size_t add_curves(SceneTables& tables, const Curves& curves, const Transform& transform, double factor,
+                       bool moves);
 
 }  // namespace fathom

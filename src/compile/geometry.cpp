@@ -253,7 +253,7 @@ private:
         };
         const bool moves = instancing_.vertices_move(*p.shape);
         if (moves) shape.moving_vertices = std::uint32_t(mesh.positions.size());
-        contents_.fixed_motion |= moves && !mesh.movable;
+        contents_.fixed_motion |= !mesh.motion.empty() && !mesh.movable;
         for_each_pose(t_, mesh, moves, add_vertices);
         if (!mesh.tangents.empty()) {
             shape.flags |= ShapeRecord::has_tangents;
@@ -387,9 +387,15 @@ private:
             shape.flags |= ShapeRecord::ribbons;
         else if (solids_.contains(content_of(c_, *p.shape)))
             shape.flags |= ShapeRecord::solid_curves;
-        take_primitives(fathom::add_curves(t_, curves, p.render_from_node, factor));
+        const bool moves = instancing_.vertices_move(*p.shape);
+        contents_.fixed_motion |= !curves.motion.empty();
+        const std::size_t points = t_.curve_points.size();
+        take_primitives(fathom::add_curves(t_, curves, p.render_from_node, factor, moves));
+        if (moves) shape.moving_vertices = std::uint32_t((t_.curve_points.size() - points) / t_.vertex_times.size());
         if (t_.curves.size() > CurveRecord::max_segments)
             throw Error(c_.scene.file, "", "more than 2^27 segments of curves");
+        if (t_.curve_points.size() > CurveRecord::max_points)
+            throw Error(c_.scene.file, "", "more than 2^29 control points of curves; motion has them once a key");
     }
     void add_points(const ShapeOccurrence& p, const Points& points)
     {

@@ -59,26 +59,27 @@ void Instancing::find_vertex_times()
 {
     const double open = c_.tables.shutter_open, close = c_.tables.shutter_close;
     std::vector<float> times;
-    std::vector<bool> seen(c_.scene.meshes.size());
-    mesh_moves_.resize(c_.scene.meshes.size());
-    for (const ShapeOccurrence& p : occurrences_.shapes) {
-        const auto* instance = std::get_if<MeshInstance>(&p.shape->geometry);
-        if (!instance || seen[std::size_t(instance->mesh)]) continue;
-        seen[std::size_t(instance->mesh)] = true;
-        const Mesh& mesh = mesh_of(*instance);
-        if (!moves(mesh, open, close)) continue;
-        mesh_moves_[std::size_t(instance->mesh)] = true;
+    std::set<const void*> seen;
+    const auto look_at = [&](const auto& mesh_or_curves) {
+        if (!seen.insert(&mesh_or_curves).second || !moves(mesh_or_curves, open, close)) return;
+        moving_.insert(&mesh_or_curves);
         times.insert(times.end(), {c_.tables.shutter_open, c_.tables.shutter_close});
-        for (const MeshKey& key : mesh.motion)
+        for (const auto& key : mesh_or_curves.motion)
             if (open < key.time && key.time < close) times.push_back(float(key.time));
+    };
+    for (const ShapeOccurrence& p : occurrences_.shapes) {
+        if (const auto* m = std::get_if<MeshInstance>(&p.shape->geometry))
+            look_at(c_.scene.meshes[std::size_t(m->mesh)]);
+        if (const auto* c = std::get_if<CurvesInstance>(&p.shape->geometry))
+            look_at(c_.scene.curves[std::size_t(c->curves)]);
     }
     std::sort(times.begin(), times.end());
     times.erase(std::unique(times.begin(), times.end()), times.end());
     constexpr std::size_t most = 64;
     if (times.size() > most)
-        throw Error(
-            c_.scene.file, "",
-            fmt::format("meshes have keys at {} times while the shutter is open; {} can be", times.size(), most));
+        throw Error(c_.scene.file, "",
+                    fmt::format("meshes and curves have keys at {} times while the shutter is open; {} can be",
+                                times.size(), most));
     vertex_times_ = times;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <map>
+#include <set>
 #include <vector>
 
 #include "compile/compiler.h"
@@ -23,24 +24,19 @@ public:
     Instancing(const Compiler& c, const Occurrences& occurrences);
 
     bool is_instanced(const ShapeOccurrence& p) const;
-    /// Whether the vertices of a shape's mesh move while the shutter is open.
-    bool vertices_move(const Shape& shape) const
-    {
-        const auto* mesh = std::get_if<MeshInstance>(&shape.geometry);
-        return mesh && mesh_moves_[std::size_t(mesh->mesh)];
-    }
-    /// When vertices are given to the tree: at all keys of meshes while the shutter is open.
+    /// Whether the vertices of a shape's mesh, or the control points of its curves, move while the shutter is open.
+    bool vertices_move(const Shape& shape) const { return moving_.contains(described_content(c_.scene, shape)); }
+    /// When vertices are given to the tree: at all keys of meshes and curves while the shutter is open.
     const std::vector<float>& vertex_times() const { return vertex_times_; }
 
 private:
-    const Mesh& mesh_of(MeshInstance m) const { return c_.scene.meshes[std::size_t(m.mesh)]; }
     void find_vertex_times();
     void count_uses();
     bool moves_straight(const ShapeOccurrence& p) const;
 
     const Compiler& c_;
     const Occurrences& occurrences_;
-    std::vector<bool> mesh_moves_;
+    std::set<const void*> moving_;  ///< meshes and curves
     std::vector<float> vertex_times_;
     std::map<const void*, std::size_t> uses_;  ///< how often meshes, curves and points are placed, by content_of
 };

@@ -114,7 +114,7 @@ private:
             // Power; a texture is taken for half as bright as its factor, a curve shines to its outside only.
             const bool is_curve = light.kind == std::uint32_t(LightRecordKind::curve);
             const bool moves = path || shape.moving_vertices > 0;
-            const double area = is_curve ? add_curve_extent(p, shape.flags, to_render, path)
+            const double area = is_curve ? add_curve_extent(p, shape, to_render, path)
                                 : moves  ? set_motion(light, {p, shape.moving_vertices, flipped, to_render, path})
                                          : double(light.area);
             const int sides = light.two_sided && !is_curve ? 2 : 1;
@@ -122,30 +122,44 @@ private:
         }
     }
 
-    /// Notes where a segment of a curve is; returns its area, as if it were round. to_render: a similarity.
-    double add_curve_extent(std::uint32_t p, std::uint32_t flags, const Transform& to_render, const LightPath* path)
+    /// What is looked at of a segment of a curve at one of the times at which it is given.
+    std::vector<CurvePoint<double>> piece_ends(std::uint32_t segment, const ShapeRecord& shape, std::size_t key) const
     {
-        const CurveRecord& curve = t_.curves[p - t_.first_curve()];
-        const bool linear = flags & ShapeRecord::linear_curves;
+        const CurveRecord& curve = t_.curves[segment];
+        const bool linear = shape.flags & ShapeRecord::linear_curves;
         CurvePoint<double> points[4];
         for (std::size_t i = 0; i < (linear ? 2 : 4); ++i) {
-            const Vec4f& v = t_.curve_points[curve.first_point + i];
+            const Vec4f& v = t_.curve_points[curve.first_point + key * shape.moving_vertices + i];
             points[i] = {double(v.x), double(v.y), double(v.z), double(v.w)};
         }
-        const auto at = [&](std::uint32_t k) {
-            const double u = double(k) / curve.pieces;
-            return linear ? between(points[0], points[1], u) : bezier(points, u);
-        };
-        const auto place = [](const CurvePoint<double>& q) { return Vec3d{q.x, q.y, q.z}; };
-        const Vec3d center = (place(at(0)) + place(at(curve.pieces))) * 0.5;
-        double radius = 0, area = 0;
+        std::vector<CurvePoint<double>> ends;
         for (std::uint32_t k = 0; k <= curve.pieces; ++k) {
-            const CurvePoint<double> q = at(k);
-            radius = std::max(radius, length(place(q) - center) + q.r);
-            if (k == 0) continue;
-            const CurvePoint<double> before = at(k - 1);
-            area += std::numbers::pi * (before.r + q.r) * length(place(q) - place(before));
+            const double u = double(k) / curve.pieces;
+            ends.push_back(linear ? between(points[0], points[1], u) : bezier(points, u));
         }
+        return ends;
+    }
+
+    /// Notes where a segment of a curve is; returns its mean area, as if it were round. to_render: a similarity.
+    double add_curve_extent(std::uint32_t p, const ShapeRecord& shape, const Transform& to_render,
+                            const LightPath* path)
+    {
+        const auto place = [](const CurvePoint<double>& q) { return Vec3d{q.x, q.y, q.z}; };
+        // Between keys all goes straight: what holds it at both holds it in between.
+        std::vector<std::vector<CurvePoint<double>>> keys;
+        const std::size_t times = shape.moving_vertices > 0 ? t_.vertex_times.size() : 1;
+        for (std::size_t k = 0; k < times; ++k) keys.push_back(piece_ends(p - t_.first_curve(), shape, k));
+        Vec3d center;
+        for (const auto& ends : keys)
+            center = center + (place(ends.front()) + place(ends.back())) * (0.5 / double(times));
+        double radius = 0, area = 0;
+        for (const auto& ends : keys)
+            for (std::size_t k = 0; k < ends.size(); ++k) {
+                radius = std::max(radius, length(place(ends[k]) - center) + ends[k].r);
+                if (k == 0) continue;
+                const double way = length(place(ends[k]) - place(ends[k - 1]));
+                area += std::numbers::pi * (ends[k - 1].r + ends[k].r) * way / double(times);
+            }
         const double scale = scale_of(to_render);
         LightExtent extent{std::uint32_t(t_.lights.size()), to_render.point(center), radius * scale, {}};
         if (path) path->put_ball(center, radius, extent);

@@ -165,7 +165,7 @@ bool SceneCompiler::update(Scene::Data& data, const SceneChanges& changes, Warni
     occurrences_ = std::move(now);
     const bool other_materials = !changes.parts.materials.empty();
     if (other_materials && !update_materials(c)) return false;
-    if (!update_vertices(c, meshes)) return false;
+    if (!update_vertices(c, meshes, other_times)) return false;
     compile_instances(c, occurrences_, contents_);
     if (changes.environment) compile_environment(c);
     compile_lights(c, occurrences_);
@@ -244,11 +244,14 @@ std::vector<int> SceneCompiler::with_moving(std::vector<int> meshes) const
     return meshes;
 }
 
-bool SceneCompiler::update_vertices(Compiler& c, const std::vector<int>& meshes)
+/// other_times: of the shutter; then nothing but these meshes has vertices or points that move.
+bool SceneCompiler::update_vertices(Compiler& c, const std::vector<int>& meshes, bool other_times)
 {
     if (meshes.empty()) return true;
     const std::vector<float> times = Instancing(c, occurrences_).vertex_times();
     if (times.size() != tables_->vertex_times.size()) return false;
+    // What else moves is given at the times of before.
+    if (!other_times && times != tables_->vertex_times) return false;
     tables_->vertex_times = times;
     return std::all_of(meshes.begin(), meshes.end(),
                        [&](int mesh) { return replace_vertices(c, contents_, scene_.meshes[std::size_t(mesh)]); });

@@ -39,7 +39,7 @@ private:
     bool keeps_places(const Occurrences& now) const;
     void check_moved(const Compiler& c, const Occurrences& now, const std::vector<int>& meshes) const;
     std::vector<int> with_moving(std::vector<int> meshes) const;
-    bool update_vertices(Compiler& c, const std::vector<int>& meshes);
+    bool update_vertices(Compiler& c, const std::vector<int>& meshes, bool other_times);
     bool update_materials(Compiler& c);
     void finish(Scene::Data& data) const;
 

@@ -305,13 +305,22 @@ private:
 
     Json curves_json(const Curves& curves, std::size_t i)
     {
+        const std::string name = fmt::format("curves-{}-{}", i, curves_[i]);
         PlyFile file;
         file.add_vertices({"x", "y", "z"}, curves.points);
         file.add_vertices({"radius"}, curves.radii);
         file.set_curves(curves.counts);
-        return {{"basis", words::curve_bases[int(curves.basis)]},
-                {"style", words::curve_styles[curves.ribbons]},
-                {"file", add_ply(fmt::format("curves-{}-{}", i, curves_[i]), std::move(file))}};
+        Json json = {{"basis", words::curve_bases[int(curves.basis)]},
+                     {"style", words::curve_styles[curves.ribbons]},
+                     {"file", add_ply(name, std::move(file))}};
+        for (std::size_t k = 0; k < curves.motion.size(); ++k) {
+            PlyFile points;
+            points.add_vertices({"x", "y", "z"}, curves.motion[k].points);
+            points.add_vertices({"radius"}, curves.motion[k].radii);
+            json["motion"].push_back({{"time", number_json(curves.motion[k].time)},
+                                      {"file", add_ply(fmt::format("key-{}-of-{}", k, name), std::move(points))}});
+        }
+        return json;
     }
 
     Json points_json(const Points& points, std::size_t i)

@@ -36,7 +36,7 @@ struct CurveRecord {
     std::uint32_t first_point = 0;  ///< in curve_points, of four or, if linear, two
     std::uint32_t pieces = 1;       ///< a power of 2, at most max_pieces
     float u0 = 0, u1 = 1;           ///< where along the curve it begins and ends
-    static constexpr std::uint32_t max_pieces = 32, max_segments = 1u << 27;
+    static constexpr std::uint32_t max_pieces = 32, max_segments = 1u << 27, max_points = 1u << 29;
 };
 
 /// What the primitives of one shape share.
@@ -60,7 +60,8 @@ struct ShapeRecord {
     std::uint32_t light_base = no_index;  ///< light of its first primitive; the others follow
     std::uint32_t object_id = 0;          ///< for the instance id AOV, of what stands in the world
     std::uint32_t frame = no_index;       ///< in frames: how round primitives are turned, where their uv show it
-    /// Vertices of the mesh if they move, else 0: vertex v is v + k * moving_vertices at vertex_times[k].
+    /// Vertices of the mesh, or points of the curves in curve_points, if they move, else 0: vertex v is
+    /// v + k * moving_vertices at vertex_times[k].
     std::uint32_t moving_vertices = 0;
 };
 
@@ -109,7 +110,8 @@ struct GeometryTables {
     std::vector<ShapeRecord> shapes;
     std::vector<InstanceRecord> instances;
     std::vector<PoseRecord> poses;
-    /// Times at which vertices are given, from when the shutter opens until it closes; empty if none move.
+    /// Times at which vertices and points of curves are given, from when the shutter opens until it closes; empty if
+    /// none move.
     std::vector<float> vertex_times;
     std::uint32_t world_triangles = 0;          ///< triangles of [0, world_triangles) are in render space; the rest are
                                                 ///< reached through instances

@@ -12,8 +12,9 @@ class CurveLight {
 public:
     /// instance: that places it, where it is similar to itself, or no_index.
     CurveLight(const GeometryTables& tables, UInt primitive, UInt instance, Float time, Mask m)
-        : flags_(gather(tables.shapes, &ShapeRecord::flags, gather(tables.shape_of_primitive.data(), primitive, m), m)),
-          curve_(tables, select(m, primitive - UInt(tables.first_curve()), UInt(0u)), flags_, m),
+        : shape_(gather(tables.shape_of_primitive.data(), primitive, m)),
+          flags_(gather(tables.shapes, &ShapeRecord::flags, shape_, m)),
+          curve_(tables, select(m, primitive - UInt(tables.first_curve()), UInt(0u)), shape_, flags_, time, m),
           ribbon_((flags_ & UInt(ShapeRecord::ribbons)) != UInt(0u)),
           placed_(m & (instance != UInt(no_index)))
     {
@@ -190,7 +191,7 @@ private:
         return (beyond(piece.a, number) <= Float(0)) & (beyond(piece.b, number + Float(1)) >= Float(0));
     }
 
-    UInt flags_;
+    UInt shape_, flags_;
     CurveReader curve_;
     Mask ribbon_, placed_;
     Affine to_object_;

@@ -43,12 +43,13 @@ inline Vec3 gather_vector(const float* base, UInt at, Mask m)
     return {row[0], row[1], row[2]};
 }
 
-/// The first n words of each lane's record, for the lanes of m; 0 in others.
+/// The first n words of each lane's record, for the lanes of m; others have the first one's, or 0.
 template <class Record, int n>
 struct RecordRow {
     [[gnu::always_inline]] RecordRow(const std::vector<Record>& records, UInt index, Mask m)
     {
-        gather_row(reinterpret_cast<const float*>(records.data()), index * UInt(detail::record_words<Record>), m, word);
+        gather_row_or_first(reinterpret_cast<const float*>(records.data()), index * UInt(detail::record_words<Record>),
+                            m, word);
     }
     [[gnu::always_inline]] Float get(float Record::* member) const { return word[detail::word_of(member)]; }
     [[gnu::always_inline]] UInt get(std::uint32_t Record::* member) const

@@ -127,9 +127,9 @@ inline Float inverse_sqrt(Float a)
     return fma(y * Float(0.5f), e, y);
 }
 
-/// The n numbers (2, 3, or a multiple of 4) that each lane of m has from base[index] on; 0 in others.
+/// The n numbers (2, 3, or a multiple of 4) that each lane of m has from base[index] on; base's, or 0, in others.
 template <int n>
-[[gnu::always_inline]] inline void gather_row(const float* base, UInt index, Mask m, Float (&row)[n])
+[[gnu::always_inline]] inline void gather_row_or_first(const float* base, UInt index, Mask m, Float (&row)[n])
 {
     if (none(m)) {
         for (Float& x : row) x = Float(0);
@@ -145,6 +145,12 @@ template <int n>
             gather_row(base + k, at, four);
             for (int i = 0; i < 4; ++i) row[k + i] = four[i];
         }
+}
+/// The same; 0 in others.
+template <int n>
+[[gnu::always_inline]] inline void gather_row(const float* base, UInt index, Mask m, Float (&row)[n])
+{
+    gather_row_or_first(base, index, m, row);
     for (Float& x : row) x = select(m, x, Float(0));
 }
 

@@ -124,6 +124,19 @@ Bounds box_of_balls(const std::vector<Vec3f>& centers, const std::vector<float>&
     return box.bounds;
 }
 
+Bounds box_of_curves(const Curves& curves)
+{
+    if (curves.motion.empty()) return box_of_balls(curves.points, curves.radii);
+    BoxSink box;
+    for (const CurvesKey& key : curves.motion) {
+        const Bounds at = box_of_balls(key.points, key.radii);
+        if (at.empty) continue;
+        box.point(at.min);
+        box.point(at.max);
+    }
+    return box.bounds;
+}
+
 Bounds box_of_mesh(const Mesh& mesh)
 {
     BoxSink box;
@@ -170,8 +183,7 @@ public:
     void add_curves(Sink& sink, const Transform& t, int index)
     {
         const Curves& c = scene_.curves[std::size_t(index)];
-        add_corners(sink, t,
-                    box(curves_, scene_.curves.size(), index, [&] { return box_of_balls(c.points, c.radii); }));
+        add_corners(sink, t, box(curves_, scene_.curves.size(), index, [&] { return box_of_curves(c); }));
     }
     template <class Sink>
     void add_points(Sink& sink, const Transform& t, int index)

@@ -252,6 +252,15 @@ private:
         if (sum != curves.points.size())
             fail(place + ".counts", "sum to " + std::to_string(sum) + ", but there are " +
                                         std::to_string(curves.points.size()) + " points");
+        check_times(curves.motion, place);
+        for (std::size_t k = 0; k < curves.motion.size(); ++k) {
+            const CurvesKey& key = curves.motion[k];
+            const std::string at = place + '.' + element("motion", k);
+            if (key.points.size() != curves.points.size())
+                fail(at, "has " + std::to_string(key.points.size()) + " points, the curves " +
+                             std::to_string(curves.points.size()));
+            check_balls(key.points, key.radii, at, "points");
+        }
     }
 
     static bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }

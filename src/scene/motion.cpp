@@ -111,13 +111,19 @@ bool same_points(const std::vector<Vec3f>& a, const std::vector<Vec3f>& b)
                       [](Vec3f p, Vec3f q) { return p.x == q.x && p.y == q.y && p.z == q.z; });
 }
 
-std::vector<Vec3f> mix(const std::vector<Vec3f>& a, const std::vector<Vec3f>& b, double f)
+float mix(float a, float b, double f)
 {
-    std::vector<Vec3f> out(a.size());
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        const auto number = [&](double x, double y) { return float(x + (y - x) * f); };
-        out[i] = {number(a[i].x, b[i].x), number(a[i].y, b[i].y), number(a[i].z, b[i].z)};
-    }
+    return float(double(a) + (double(b) - a) * f);
+}
+Vec3f mix(Vec3f a, Vec3f b, double f)
+{
+    return {mix(a.x, b.x, f), mix(a.y, b.y, f), mix(a.z, b.z, f)};
+}
+template <class T>
+std::vector<T> mix(const std::vector<T>& a, const std::vector<T>& b, double f)
+{
+    std::vector<T> out(a.size());
+    for (std::size_t i = 0; i < a.size(); ++i) out[i] = mix(a[i], b[i], f);
     return out;
 }
 
@@ -195,6 +201,13 @@ bool moves(const Mesh& mesh, double open, double close)
     });
 }
 
+bool moves(const Curves& curves, double open, double close)
+{
+    return changes(curves.motion, open, close, [](const CurvesKey& a, const CurvesKey& b) {
+        return same_points(a.points, b.points) && a.radii == b.radii;
+    });
+}
+
 MeshKey vertices_at(const Mesh& mesh, double time)
 {
     const std::size_t i = last_before(mesh.motion, time);
@@ -202,6 +215,15 @@ MeshKey vertices_at(const Mesh& mesh, double time)
     if (f == 0) return mesh.motion[i];
     const MeshKey &a = mesh.motion[i], &b = mesh.motion[i + 1];
     return {time, mix(a.positions, b.positions, f), mix(a.normals, b.normals, f)};
+}
+
+CurvesKey points_at(const Curves& curves, double time)
+{
+    const std::size_t i = last_before(curves.motion, time);
+    const double f = fraction_after(curves.motion, i, time);
+    if (f == 0) return curves.motion[i];
+    const CurvesKey &a = curves.motion[i], &b = curves.motion[i + 1];
+    return {time, mix(a.points, b.points, f), mix(a.radii, b.radii, f)};
 }
 
 }  // namespace fathom

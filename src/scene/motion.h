@@ -32,8 +32,11 @@ Transform transform_at(const Node& node, double time);
 /// Whether the node is elsewhere at some time from open to close than when it opens.
 bool moves(const Node& node, double open, double close);
 bool moves(const Mesh& mesh, double open, double close);
+bool moves(const Curves& curves, double open, double close);
 
 /// A mesh's vertices at a time; normals are those of the keys, interpolated, not unit. The mesh must have keys.
 MeshKey vertices_at(const Mesh& mesh, double time);
+/// The same of curves.
+CurvesKey points_at(const Curves& curves, double time);
 
 }  // namespace fathom

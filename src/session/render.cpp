@@ -189,7 +189,7 @@ public:
         const auto start = std::chrono::steady_clock::now();
         arena_.execute([&] { kernel_.guiding = guiding_of(job, kernel_, cancel); });
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        if (kernel_.measure && kernel_.guiding) learning_s_ = seconds * threads_;
+        if (kernel_.measure && job.data().guiding) learning_s_ = seconds * threads_;
     }
 
     std::uint64_t pixels() const { return std::uint64_t(crop_.x1 - crop_.x0) * std::uint64_t(crop_.y1 - crop_.y0); }

@@ -241,6 +241,81 @@ TEST_F(Editing, MotionAndShutterChange)
     expect_as_compiled(edit, false);
 }
 
+/// Of what moves besides, that which can't be edited stands between its keys at other times then.
+TEST_F(Editing, KeysAtOtherTimesBesideOthers)
+{
+    for (const bool curves : {false, true}) {
+        Room room;
+        const auto add = [&](auto geometry) {
+            Node node;
+            node.shapes.push_back({geometry, -1, ""});
+            room.d.roots.push_back(int(room.d.nodes.size()));
+            room.d.nodes.push_back(node);
+        };
+        if (curves) {
+            room.d.curves.push_back({"", CurveBasis::linear, false, {{0, 0, 0}, {0, 1, 0}}, {0.1f, 0.1f}, {2}, {}});
+            Curves& c = room.d.curves.back();
+            c.motion = {{0, c.points, c.radii}, {0.25, c.points, {0.3f, 0.2f}}, {1, {{1, 0, 0}, {1, 2, 0}}, c.radii}};
+            add(CurvesInstance{int(room.d.curves.size()) - 1});
+        } else {
+            Mesh mesh = tetrahedron(0.7);
+            for (const double time : {0.0, 0.25, 1.0}) {
+                mesh.motion.push_back({time, mesh.positions, mesh.normals});
+                for (Vec3f& p : mesh.motion.back().positions) p.x += float(time * time);
+            }
+            room.d.meshes.push_back(mesh);
+            add(MeshInstance{int(room.d.meshes.size()) - 1});
+        }
+        Mesh& soft = room.d.meshes[std::size_t(room.soft)];
+        const auto keys = [&](double middle) {
+            std::vector<MeshKey> motion;
+            for (const double time : {0.0, middle, 1.0}) {
+                motion.push_back({time, soft.positions, soft.normals});
+                for (Vec3f& p : motion.back().positions) p.y += float(time * time);
+            }
+            return motion;
+        };
+        soft.motion = keys(0.5);
+        room.d.cameras[0].shutter_close = 1;
+        SceneEdit edit(room.d);
+        expect_as_compiled(edit, true);
+        edit.set_vertex_motion(room.soft, keys(0.75));
+        expect_as_compiled(edit, true);
+        // Of other keys at the same times only the mesh itself is made again.
+        std::vector<MeshKey> other = keys(0.75);
+        for (Vec3f& p : other[1].positions) p.z += 1;
+        edit.set_vertex_motion(room.soft, other);
+        expect_as_compiled(edit, false);
+        edit.set_shutter(0, 0.5);
+        expect_as_compiled(edit, true);
+    }
+}
+
+/// Moments, in which nothing moves, are of other poses at other times, also of what can't be edited.
+TEST_F(Editing, MomentsOfWhatIsNotMovable)
+{
+    for (const bool node_moves : {false, true}) {
+        SCOPED_TRACE(node_moves);
+        Room room;
+        Mesh mesh = tetrahedron(0.7);
+        Node node;
+        node.shapes.push_back({MeshInstance{int(room.d.meshes.size())}, -1, ""});
+        if (node_moves) {
+            node.motion = {{0, Transform()}, {1, Transform::translate({0, 1, 0})}};
+        } else {
+            mesh.motion = {{0, mesh.positions, mesh.normals}, {1, mesh.positions, mesh.normals}};
+            for (Vec3f& p : mesh.motion.back().positions) p.y += 1;
+        }
+        room.d.meshes.push_back(mesh);
+        room.d.roots.push_back(int(room.d.nodes.size()));
+        room.d.nodes.push_back(node);
+        SceneEdit edit(room.d);
+        expect_as_compiled(edit, true);
+        edit.set_shutter(1, 1);
+        expect_as_compiled(edit, true);
+    }
+}
+
 TEST_F(Editing, MaterialsLightsAndSkyChange)
 {
     const Room room;

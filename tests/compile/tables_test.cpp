@@ -593,6 +593,88 @@ TEST(GeometryTable, CurvesBecomeBezierSegments)
     }
 }
 
+/// Points that move are given at the times of all keys while the shutter is open: of each curve where it is then, cut
+/// as finely as it is ever asked for.
+TEST(GeometryTable, CurvesThatMoveHavePointsAtEachTime)
+{
+    SceneDescription d = empty_scene();
+    Curves curves;
+    curves.basis = CurveBasis::catmull_rom;
+    for (int i = 0; i < 10; ++i) {
+        curves.points.push_back({float(i % 5), 0, -9});
+        curves.radii.push_back(0.1f);
+    }
+    curves.counts = {5, 5};
+    curves.motion = {{0, curves.points, curves.radii}, {0.5, curves.points, curves.radii}};
+    for (int i = 0; i < 10; ++i) curves.motion[1].points[std::size_t(i)].y += float(i * i % 7);
+    d.curves = {curves};
+    curves.motion[1].time = 0.75;
+    d.curves.push_back(curves);
+    for (int i = 0; i < 2; ++i) d.nodes[0].shapes.push_back({CurvesInstance{i}, -1, ""});
+    d.cameras[0].shutter_close = 1;
+    const Scene scene = compiled(d);
+    const SceneTables& t = *scene.data().tables;
+    EXPECT_EQ(t.vertex_times, (std::vector<float>{0, 0.5f, 0.75f, 1}));
+    ASSERT_EQ(t.curves.size(), 8u);
+    EXPECT_TRUE(t.moving);
+    for (std::size_t k = 0; k < 8; ++k) {
+        const std::uint32_t n = t.shapes[t.shape_of_primitive[t.first_curve() + k]].moving_vertices;
+        EXPECT_EQ(n, 14u);
+        EXPECT_GT(t.curves[k].pieces, 1u);
+        // The first Bezier point of a segment is its second control point.
+        const std::size_t point = 5 * (k % 4 / 2) + k % 2 + 1;
+        const double end = k < 4 ? 0.5 : 0.75, way = double(point * point % 7);
+        for (std::size_t time = 0; time < 4; ++time)
+            EXPECT_FLOAT_EQ(float(t.curve_points[t.curves[k].first_point + time * n].y / t.render_scale),
+                            float(way * std::min(1.0, double(t.vertex_times[time]) / end)))
+                << k << ' ' << time;
+    }
+    // What stands still while the shutter is open stands where it then is.
+    d.cameras[0].shutter_open = 1;
+    const Scene later = compiled(d);
+    const SceneTables& still = *later.data().tables;
+    EXPECT_TRUE(still.vertex_times.empty());
+    EXPECT_FALSE(still.moving);
+    EXPECT_EQ(still.curve_points.size(), 2 * 14u);
+    EXPECT_FLOAT_EQ(float(still.curve_points[0].y / still.render_scale), 1);
+}
+
+/// The light tree's ball around a curve holds it all along the way of its points, with its radius.
+TEST(LightTable, BallsHoldCurvesThatMove)
+{
+    SceneDescription d = empty_scene();
+    Curves curves;
+    curves.basis = CurveBasis::linear;
+    curves.points = {{9, 9, 9}, {9, 9, 8}};
+    curves.radii = {1, 1};
+    curves.counts = {2};
+    curves.motion = {{0, {{0, 0, -9}, {1, 0, -9}}, {0.1f, 0.2f}},
+                     {0.5, {{2, 0, -9}, {2, 3, -9}}, {0.1f, 0.5f}},
+                     {1, {{-1, 0, -9}, {-3, 0, -9}}, {0.3f, 0}}};
+    d.curves = {curves};
+    d.nodes[0].shapes.push_back({CurvesInstance{0}, add_lamp(d, 3), ""});
+    d.cameras[0].shutter_close = 1;
+    const Scene scene = compiled(d);
+    const SceneTables& t = *scene.data().tables;
+    ASSERT_EQ(t.lights.size(), 1u);
+    const LightNode& n = t.light_tree[t.lights[0].tree_place / LightNode::width];
+    const std::size_t slot = t.lights[0].tree_place % LightNode::width;
+    for (int i = 0; i <= 20; ++i)
+        for (std::size_t end = 0; end < 2; ++end) {
+            const CurvesKey &a = curves.motion[i < 10 ? 0 : 1], &b = curves.motion[i < 10 ? 1 : 2];
+            const double f = i / 10.0 - (i < 10 ? 0 : 1);
+            const auto mean = [&](float x, float y) {
+                return t.render_scale * (double(x) + f * (double(y) - double(x)));
+            };
+            const Vec3f p = a.points[end], q = b.points[end];
+            const double away = std::hypot(mean(p.x, q.x) - double(n.x[slot]), mean(p.y, q.y) - double(n.y[slot]),
+                                           mean(p.z, q.z) - double(n.z[slot]));
+            EXPECT_LE(away + mean(a.radii[end], b.radii[end]), double(n.radius[slot]) * (1 + 1e-6)) << i;
+        }
+    // Nor is it much larger.
+    EXPECT_LT(double(n.radius[slot]), 6 * t.render_scale);
+}
+
 /// Rows and columns of a sky by their light: where there is none next to nothing is looked for.
 TEST(EnvironmentTable, DistributionFollowsTheImage)
 {

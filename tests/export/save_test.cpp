@@ -191,15 +191,23 @@ TEST_F(Save, CurvesAndPointsThatNodesShare)
     curves.points = {{0, 0, -3}, {1, 0, -3}, {0, 1, -3}, {1, 1, -3}, {1, 2, -3}};
     curves.radii = {0.1f, 0.01f, 0.02f, 0, 0.3f};
     curves.counts = {2, 3};
+    curves.motion = {{0, curves.points, curves.radii}, {0.5, curves.points, curves.radii}};
+    curves.motion[1].points[4].x = 1.5f;
+    curves.motion[1].radii[3] = 0.2f;
     scene.curves = {curves};
+    scene.cameras.emplace_back().shutter_close = 0.5;
     scene.points.push_back({"", {{0, 0, -4}, {1, 1, -4}}, {0.1f, 0.2f}});
     add_shape(scene, CurvesInstance{0});
     add_shape(scene, CurvesInstance{0}).parent_from_node = Transform::translate({3, 0, 0});
     add_shape(scene, PointsInstance{0});
     add_shape(scene, PointsInstance{0}).parent_from_node = Transform::translate({0, 3, 0});
+    scene.nodes[0].camera = 0;
     expect_same(scene);
     const SceneDescription again = saved(scene);
-    EXPECT_EQ(again.curves.size(), 1u);
+    ASSERT_EQ(again.curves.size(), 1u);
+    ASSERT_EQ(again.curves[0].motion.size(), 2u);
+    EXPECT_EQ(again.curves[0].motion[1].points[4].x, 1.5f);
+    EXPECT_EQ(again.curves[0].motion[1].radii, curves.motion[1].radii);
     EXPECT_EQ(again.points.size(), 1u);
 }
 

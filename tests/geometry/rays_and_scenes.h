@@ -142,6 +142,37 @@ inline Vec3 corner_at(const GeometryTables& tables, BvhKey key, int corner, Floa
     return p;
 }
 
+/// A piece of a curve for each lane at its time.
+struct PieceAt {
+    CurvePiece piece;
+    Vec3 tangent_a, tangent_b;
+};
+inline PieceAt piece_at(const GeometryTables& tables, std::uint32_t id, Float time)
+{
+    const ShapeRecord& shape = bvh::shape_of_segment(tables, id >> bvh::piece_bits);
+    const auto at_key = [&](std::size_t key) {
+        const bvh::PieceEnds e = bvh::piece_ends(tables, id, shape.flags & ShapeRecord::linear_curves, key);
+        const auto vector = [](const CurvePoint<float>& p) { return Vec3(Vec3f{p.x, p.y, p.z}); };
+        return PieceAt{
+            {vector(e.a), vector(e.b), Float(e.a.r), Float(e.b.r)}, vector(e.tangent_a), vector(e.tangent_b)};
+    };
+    PieceAt p = at_key(0);
+    if (shape.moving_vertices == 0) return p;
+    const KeyTime at = vertex_key(tables, time);
+    for (std::uint32_t k = 0; k + 1 < tables.vertex_times.size(); ++k) {
+        const PieceAt now = at_key(k), then = at_key(k + 1);
+        const Mask here = at.key == UInt(k);
+        const auto between = [&](const auto& a, const auto& b, const auto& old) {
+            return select(here, mix(a, b, at.fraction), old);
+        };
+        p.piece = {between(now.piece.a, then.piece.a, p.piece.a), between(now.piece.b, then.piece.b, p.piece.b),
+                   between(now.piece.ra, then.piece.ra, p.piece.ra), between(now.piece.rb, then.piece.rb, p.piece.rb)};
+        p.tangent_a = between(now.tangent_a, then.tangent_a, p.tangent_a);
+        p.tangent_b = between(now.tangent_b, then.tangent_b, p.tangent_b);
+    }
+    return p;
+}
+
 /// One primitive against rays, in the world or, if instance is not no_index, in the space of what that places. scale:
 /// the length that directions had there.
 inline void meet_by_force(const GeometryTables& tables, std::uint32_t primitive, const Ray& ray, Float scale,
@@ -182,16 +213,13 @@ inline void meet_by_force(const GeometryTables& tables, std::uint32_t primitive,
         const std::uint32_t segment = primitive - tables.first_curve(),
                             flags = tables.shapes[tables.shape_of_primitive[primitive]].flags;
         const std::uint32_t pieces = tables.curves[segment].pieces;
-        const auto vector = [](const CurvePoint<float>& p) { return Vec3(Vec3f{p.x, p.y, p.z}); };
         for (std::uint32_t piece = 0; piece < pieces; ++piece) {
-            const bvh::PieceEnds e =
-                bvh::piece_ends(tables, bvh::piece_id(segment, piece), flags & ShapeRecord::linear_curves);
-            const CurvePiece ends{vector(e.a), vector(e.b), Float(e.a.r), Float(e.b.r)};
+            const PieceAt at = piece_at(tables, bvh::piece_id(segment, piece), ray.time);
             Float w;
             m = flags & ShapeRecord::ribbons
-                    ? meet_ribbon_piece(ends, vector(e.tangent_a), vector(e.tangent_b), ray.o, ray.d, far, t, w)
-                    : meet_round_piece(ends, ray.o, ray.d, far, t, w);
-            m &= Mask(e.a.r > 0 || e.b.r > 0);
+                    ? meet_ribbon_piece(at.piece, at.tangent_a, at.tangent_b, ray.o, ray.d, far, t, w)
+                    : meet_round_piece(at.piece, ray.o, ray.d, far, t, w);
+            m &= (at.piece.ra > Float(0)) | (at.piece.rb > Float(0));
             const Float share(1 / float(pieces)), u = fma(w, share, Float(float(piece)) * share);
             t = t * (Float(1) / scale);
             const Mask lower =

@@ -299,6 +299,25 @@ def glowing_curves():
         curves={"placed": curves(0, "bezier", "ribbon")})
 
 
+def moving_curves():
+    """Points that move, with their radii: hair of one key more, glass, a lamp, and one in a node that moves, too."""
+    def keys(points, way, times=(0, 0.4, 1)):
+        move = lambda p, t: [round(p[0] + way[0] * t, 4), round(p[1] + way[1] * t * t, 4), round(p[2] + way[2] * t, 4), round(p[3] * (1 + 0.5 * t), 4)]
+        return [{"time": t, "curves": [[move(p, t) for p in curve] for curve in points]} for t in times]
+
+    def curves(z, basis, style, way, n=2):
+        points = [[[round(0.9 * math.sin(1.3 * i), 4), 0.4 + 0.2 * i, round(z - 0.3 * k + 0.3 * math.cos(1.3 * i), 4), 0.03 + 0.01 * (i % 3)]
+                   for i in range(7)] for k in range(n)]
+        return {"curves": points, "basis": basis, "style": style, "motion": keys(points, way)}
+    write("moving-curves", camera={**CAMERA, "shutter": [0.1, 0.9]}, scene=[
+        FLOOR, LAMP, {"material": {"color": [0.5, 0.3, 0.1]}, "curves": curves(0.6, "catmull-rom", "ribbon", [0.4, 0.2, 0], 5)},
+        {"material": {"kind": "glass"}, "curves": curves(0, "bspline", "round", [-0.5, 0.3, 0.2])},
+        {"material": {"kind": "none", "emission": [9, 7, 4]}, "curves": curves(-0.6, "linear", "round", [0.3, -0.2, 0.4], 1)},
+        {"material": {"color": 0.8}, "curves": curves(0.2, "bezier", "round", [0, 0.6, 0]),
+         "motion": [{"time": 0, "transform": {"translate": [1, 0, 0]}},
+                    {"time": 1, "transform": {"translate": [1.3, 0, 0], "rotate": {"axis": [0, 1, 0], "angle_deg": 40}}}]}])
+
+
 def lights():
     def lit(name, nodes=(), lights=None, **more):
         write(name, scene=[FLOOR, {**BALL, "material": {"color": 0.7}}, *nodes], environment=None, lights=lights or {}, **more)
@@ -323,6 +342,7 @@ def lights():
     hundreds_of_lamps()
     moving_lamps()
     glowing_curves()
+    moving_curves()
     write("fibres", scene=[FLOOR, LAMP, *({"material": {"kind": "glass", "attenuation_color": [0.4, 0.8, 0.6], "attenuation_distance": 0.3}, "curves": {
         "basis": basis, "curves": [[[0.25 * k - 1.5 + 0.3 * math.sin(k), 0.3 * (k % 4) + y, z, 0.08 + 0.03 * (k % 2)] for k in range(10)]]}}
         for basis, y, z in (("linear", 0.3, 0.8), ("bspline", 0.8, 0)))])

@@ -237,6 +237,21 @@ TEST_F(CompleteScene, RefusesScenesThatCantBe)
     bad.meshes[0].indices = {0, 1, 3};
     EXPECT_EQ(check_error(bad), "s: meshes[0].indices[2]: there is no vertex 3, only 3");
 
+    bad = scene;
+    bad.curves.push_back({"", CurveBasis::linear, false, {{0, 0, 0}, {1, 0, 0}}, {1, 1}, {2}, {}});
+    bad.curves[0].motion = {{0, {{0, 0, 0}, {1, 0, 0}}, {1, 1}}};
+    EXPECT_EQ(check_error(bad), "s: curves[0].motion: has one key; motion needs two");
+    bad.curves[0].motion.push_back(bad.curves[0].motion[0]);
+    EXPECT_EQ(check_error(bad), "s: curves[0].motion[1].time: times must be finite and ascend");
+    bad.curves[0].motion[1].time = 1;
+    EXPECT_EQ(check_error(bad), "good");
+    bad.curves[0].motion[1].radii[1] = -1;
+    EXPECT_EQ(check_error(bad), "s: curves[0].motion[1].radii[1]: must be finite and not negative");
+    bad.curves[0].motion[1].radii = {1};
+    EXPECT_EQ(check_error(bad), "s: curves[0].motion[1]: has 1 radii for 2 points");
+    bad.curves[0].motion[1].points = {{0, 0, 0}};
+    EXPECT_EQ(check_error(bad), "s: curves[0].motion[1]: has 1 points, the curves 2");
+
     // 2^40 spheres in 41 nodes; and as many nodes without any.
     bad = scene;
     bad.nodes.resize(42);

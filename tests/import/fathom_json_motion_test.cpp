@@ -106,6 +106,34 @@ TEST_F(FathomJsonCurves, CurvesAndPoints)
     EXPECT_EQ(bounds.max.z, 6.25);
 }
 
+TEST_F(FathomJsonCurves, PointsMove)
+{
+    const SceneDescription scene = load("scene.json", R"({"scene": [
+        {"curves": {"basis": "linear", "radius": 0.5, "curves": [[[0, 0, 0], [1, 0, 0, 2]], [[0, 1, 0], [0, 2, 0]]],
+         "motion": [{"time": 0}, {"time": 2, "curves": [[[0, 0, 4], [1, 0, 0]], [[0, 1, 0, 1.5], [0, 2, 8]]]}]}}]})");
+    const CurvesKey key = points_at(scene.curves[0], 1);
+    EXPECT_EQ(key.points[0].z, 2);
+    EXPECT_EQ(key.points[3].z, 4);
+    // Who tells no radius keeps that which he has.
+    EXPECT_EQ(key.radii, (std::vector<float>{0.5f, 2, 1, 0.5f}));
+}
+
+TEST_F(FathomJsonCurves, ErrorsOfMotion)
+{
+    const auto error_in_key = [&](const std::string& key) {
+        return error_in_node(
+            R"({"curves": {"basis": "linear", "curves": [[[0, 0, 0], [1, 0, 0]]], "motion": [{"time": 0}, )" + key +
+            "]}}");
+    };
+    EXPECT_EQ(error_in_key(R"({"time": 0})"), "/scene/0/curves/motion/1/time: times must ascend");
+    EXPECT_EQ(error_in_key(R"({"time": 1, "curves": []})"),
+              "/scene/0/curves/motion/1/curves: has 0 curves, and there are 1");
+    EXPECT_EQ(error_in_key(R"({"time": 1, "curves": [[[0, 0, 0], [1, 0, 0], [2, 0, 0]]]})"),
+              "/scene/0/curves/motion/1/curves/0: has 3 points, and the curve 2");
+    EXPECT_EQ(error_in_key(R"({"time": 1, "curves": [[[0, 0, 0], [1, 0, 0, -1]]]})"),
+              "/scene/0/curves/motion/1/curves/0/1/3: a radius must not be negative");
+}
+
 TEST_F(FathomJsonCurves, Errors)
 {
     EXPECT_EQ(error_in_node(R"({"curves": {"curves": [[[0, 0, 0], [1, 0, 0], [2, 0, 0]]]}})"),

@@ -73,10 +73,10 @@ TEST(ClosedForm, BallsAndDisksAtDistances)
         }
 }
 
-/// An environment of few pixels, between which radiance is bilinear: its irradiance by adding up directions.
-TEST(ClosedForm, EnvironmentImages)
+/// Radiance is bilinear between the pixels of an environment of w by h: its irradiance by adding up directions.
+void expect_irradiance(int w, int h)
 {
-    constexpr int w = 8, h = 4;
+    SCOPED_TRACE(std::to_string(w) + "x" + std::to_string(h));
     const TemporaryFolder folder;
     Image image = made_image(w, h);
     for (int c = 0; c < 3; ++c) image.layers[0].pixels[std::size_t((1 * w + 5) * 3 + c)] = 20;  // a sun
@@ -115,6 +115,12 @@ TEST(ClosedForm, EnvironmentImages)
             EXPECT_NEAR(mean.value[c], 0.5 * expected[c], 4 * mean.error[c] + 1e-4 * expected[c])
                 << light_sampling << " channel " << c;
     }
+}
+
+TEST(ClosedForm, EnvironmentImages)
+{
+    expect_irradiance(8, 4);
+    expect_irradiance(400, 200);  // larger than caches near a core: fetched ahead
 }
 
 /// An edge between black and white through a lens: of the circle that a point of a pixel sees there, the share beyond

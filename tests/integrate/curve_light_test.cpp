@@ -20,10 +20,21 @@ Curves glowing(CurveBasis basis, bool ribbons, float radius)
     return curves;
 }
 
-enum class Place { world, placed, moving };
+/// points: these move. both: they do in a node that does.
+enum class Place { world, placed, moving, points, both };
+constexpr Place places[] = {Place::world, Place::placed, Place::moving, Place::points, Place::both};
 
-void add_curves(SceneBuilder& b, const Curves& curves, Place place)
+void add_curves(SceneBuilder& b, Curves curves, Place place)
 {
+    if (place == Place::points || place == Place::both) {
+        const auto key = [&](double time, float turn, float thick) {
+            CurvesKey k{time, curves.points, curves.radii};
+            for (Vec3f& p : k.points) p = {p.x + turn, p.y + 0.5f * turn * p.x, p.z - turn * p.y};
+            for (float& r : k.radii) r *= thick;
+            return k;
+        };
+        curves.motion = {key(0, 0, 1), key(0.4, 0.3f, 2), key(1, 0.2f, 0.5f)};
+    }
     b.scene.curves.push_back(curves);
     const Shape shape{CurvesInstance{0}, b.diffuse(0, {3, 3, 3}), ""};
     Node node;
@@ -31,7 +42,7 @@ void add_curves(SceneBuilder& b, const Curves& curves, Place place)
     if (place == Place::placed)
         node.parent_from_node =
             Transform::translate({0.3, 0, 0}) * Transform::rotate({0, 1, 0.1}, 1) * Transform::scale({1.2, 1.2, 1.2});
-    if (place == Place::moving)
+    if (place == Place::moving || place == Place::both)
         node.motion = {{0, {}},
                        {1, Transform::translate({0.6, 0.2, 0}) * Transform::rotate({0, 1, 0.1}, 1) *
                                Transform::scale({0.8, 0.8, 0.8})}};
@@ -47,7 +58,7 @@ TEST(CurveLights, SampledOrByChanceTheSameLight)
 {
     for (const CurveBasis basis : {CurveBasis::linear, CurveBasis::bezier, CurveBasis::bspline})
         for (const bool ribbons : {false, true})
-            for (const Place place : {Place::world, Place::placed, Place::moving})
+            for (const Place place : places)
                 for (const int way : {2, 3}) {
                     Mean mean[2];
                     for (const bool light_sampling : {true, false}) {
@@ -69,7 +80,7 @@ TEST(CurveLights, SampledOrByChanceTheSameLight)
 TEST(CurveLights, HaveLessNoise)
 {
     for (const bool ribbons : {false, true})
-        for (const Place place : {Place::world, Place::placed, Place::moving}) {
+        for (const Place place : places) {
             Mean mean[2];
             for (const bool light_sampling : {true, false}) {
                 Floor floor;

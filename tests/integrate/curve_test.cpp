@@ -22,23 +22,35 @@ Curves helix(CurveBasis basis, bool ribbons, int points, float r)
     return curves;
 }
 
+/// The same on its way to another, which is thicker.
+Curves winding(CurveBasis basis, bool ribbons, int points, float r)
+{
+    Curves curves = helix(basis, ribbons, points, r);
+    curves.motion = {{0, curves.points, curves.radii}, {1, curves.points, curves.radii}};
+    for (Vec3f& p : curves.motion[1].points) p = {p.x + 0.3f * p.y, 0.8f * p.y, p.z - 0.4f * p.x};
+    for (float& radius : curves.motion[1].radii) radius *= 1.5f;
+    return curves;
+}
+
 /// White things in a white sky can't be seen: nothing is lost or gained, and no ray meets the surface that it left.
 /// Glancing light counts most there, so what is not quite closed shows.
 TEST(CurvePicture, furnace)
 {
     for (CurveBasis basis : {CurveBasis::linear, CurveBasis::bezier, CurveBasis::bspline, CurveBasis::catmull_rom})
         for (bool ribbons : {false, true})
-            for (bool placed : {false, true}) {
+            for (int form = 0; form < 4; ++form) {
+                const bool placed = form & 1, moving = form & 2;
                 SceneBuilder s;
                 s.scene.environment.kind = EnvironmentKind::constant;
-                s.scene.curves.push_back(helix(basis, ribbons, 13, 0.12f));
+                s.scene.curves.push_back((moving ? winding : helix)(basis, ribbons, 13, 0.12f));
                 s.add(CurvesInstance{0}, s.diffuse(1));
                 if (placed) s.scene.nodes[0].parent_from_node = Transform::scale({1, -0.7, 1.3});
                 s.camera({0, 0.5, 5}, {0, 0, 0});
+                s.scene.cameras[0].shutter_close = 1;
                 RenderSettings settings = small_picture();
                 settings.max_depth = 200;
                 settings.roulette_depth = 200;
-                SCOPED_TRACE(testing::Message() << int(basis) << ribbons << placed);
+                SCOPED_TRACE(testing::Message() << int(basis) << ribbons << placed << moving);
                 expect_mean(render_film(s.scene, settings, 64), 1, 1e-3);
             }
 }

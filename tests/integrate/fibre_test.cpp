@@ -32,17 +32,24 @@ TEST(Fibres, ClearGlassInAWhiteSky)
 {
     for (const CurveBasis basis :
          {CurveBasis::linear, CurveBasis::bezier, CurveBasis::bspline, CurveBasis::catmull_rom})
-        for (const bool placed : {false, true}) {
+        for (int form = 0; form < 4; ++form) {
+            const bool placed = form & 1, moving = form & 2;
             SceneBuilder s;
             s.scene.environment.kind = EnvironmentKind::constant;
-            s.scene.curves.push_back(bent(basis));
+            Curves curves = bent(basis);
+            if (moving) {
+                curves.motion = {{0, curves.points, curves.radii}, {1, curves.points, curves.radii}};
+                for (Vec3f& p : curves.motion[1].points) p = {p.x - 0.2f * p.z, p.y, p.z + 0.3f * p.y};
+            }
+            s.scene.curves.push_back(curves);
             s.add(CurvesInstance{0}, s.material(glass(1.5f)));
             if (placed) s.scene.nodes[0].parent_from_node = Transform::scale({1, -0.7, 1.3});
             s.camera({0, 0.5, 5}, {0, 0, 0});
+            s.scene.cameras[0].shutter_close = 1;
             RenderSettings settings = small_picture();
             settings.max_depth = 1000;
             settings.roulette_depth = 1000;
-            SCOPED_TRACE(testing::Message() << int(basis) << placed);
+            SCOPED_TRACE(testing::Message() << int(basis) << placed << moving);
             expect_mean(render_film(s.scene, settings, 64), 1, 1e-3);
         }
 }

@@ -194,15 +194,40 @@ TEST(Guiding, ReplaysASample)
     }
 }
 
-/// Where nearly all light is sampled straight from its lamp, there is nothing to learn: the same bits as without.
-TEST(Guiding, IsLeftOutWhereItWouldNotPay)
+/// Where nearly all light is sampled straight from its lamp, there is nothing to learn.
+SceneDescription lamp_above()
 {
     SceneBuilder b;
     b.add(Rectangle{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}}, b.diffuse(0.5f));
     b.add(Sphere{{0, 0.3, 0}, 0.3, {}}, b.diffuse(0.2f));
     b.add(Rectangle{{-0.5, 3, -0.5}, {1, 0, 0}, {0, 0, 1}}, b.diffuse(0, {9, 9, 9}));
     b.camera({0, 2, 5}, {0, 0, 0}, 40);
-    EXPECT_EQ(render_film(b.scene, guided(), 8).sums().words, render_film(b.scene, small_picture(), 8).sums().words);
+    return b.scene;
+}
+
+/// The same bits as without.
+TEST(Guiding, IsLeftOutWhereItWouldNotPay)
+{
+    const SceneDescription scene = lamp_above();
+    EXPECT_EQ(render_film(scene, guided(), 8).sums().words, render_film(scene, small_picture(), 8).sums().words);
+}
+
+/// The time that finding out took is told, whatever came out; where nobody asked for guiding there is none.
+TEST(Guiding, TellsTheTimeThatWasSpentOnLearning)
+{
+    Warnings warnings;
+    const auto learning_s = [&](const SceneDescription& description, RenderSettings settings) {
+        settings.measure = true;
+        const RenderJob job(Scene::compile(description, "", warnings), settings);
+        Film film(job);
+        RenderCosts costs;
+        render(job, {0, 1}, film, nullptr, [&](const Progress& p, const Film&) { costs = p.costs; });
+        return costs.seconds[std::size_t(RenderStage::learn)];
+    };
+    // A quarter of a million paths: no machine takes less.
+    EXPECT_GT(learning_s(next_door(grey(0.8f), grey(0.7f)), guided()), 0.001);
+    EXPECT_GT(learning_s(lamp_above(), guided()), 0.001);
+    EXPECT_EQ(learning_s(lamp_above(), small_picture()), 0);
 }
 
 /// Nothing is met that could be learnt from.

@@ -169,6 +169,48 @@ TEST(MotionPicture, vertices_within_a_moving_node)
         [](double x, double y, double t) { return std::abs(x + 2 - 4 * t) < 0.5 && y > -2 && y < 2 - 2 * t; });
 }
 
+/// A rod from (x, -2) to (x, top), of a radius that changes, too; as lines, and as a cubic that runs along them.
+Curves rod(CurveBasis basis, bool ribbons)
+{
+    Curves curves;
+    curves.basis = basis;
+    curves.ribbons = ribbons;
+    const int n = basis == CurveBasis::linear ? 2 : 4;
+    const auto key = [&](double time, float x, float top, float radius) {
+        CurvesKey k{time, {}, std::vector<float>(std::size_t(n), radius)};
+        for (int i = 0; i < n; ++i) k.points.push_back({x, -2 + (top + 2) * float(i) / float(n - 1), 0});
+        return k;
+    };
+    // At rest it would be seen elsewhere.
+    curves.points = key(0, 3, 3, 1).points, curves.radii = key(0, 3, 3, 1).radii;
+    curves.counts = {std::uint32_t(n)};
+    curves.motion = {key(0, -2, 2, 0.2f), key(0.5, -1, 0, 0.6f), key(2, 2, 0, 0.6f)};
+    return curves;
+}
+
+TEST(MotionPicture, points_of_curves)
+{
+    for (const CurveBasis basis : {CurveBasis::linear, CurveBasis::bezier})
+        for (const bool ribbons : {false, true})
+            for (const bool carried : {false, true}) {
+                Shadows s;
+                s.scene.curves.push_back(rod(basis, ribbons));
+                if (carried)
+                    s.moving_node({{0, Transform::translate({1, 0, 0})}, {1, Transform::translate({-1, 1, 0})}})
+                        .shapes.push_back({CurvesInstance{0}, s.black(), ""});
+                else
+                    s.add(CurvesInstance{0}, s.black());
+                SCOPED_TRACE(testing::Message() << int(basis) << ribbons << carried);
+                s.expect_shadow([&](double x, double y, double t) {
+                    if (carried) x -= 1 - 2 * t, y -= t;
+                    const double at = t < 0.5 ? -2 + 2 * t : -1 + 2 * (t - 0.5), top = t < 0.5 ? 2 - 4 * t : 0;
+                    const double radius = t < 0.5 ? 0.2 + 0.8 * t : 0.6;
+                    const double beyond = y - std::clamp(y, -2.0, top);
+                    return ribbons ? beyond == 0 && std::abs(x - at) < radius : std::hypot(x - at, beyond) < radius;
+                });
+            }
+}
+
 /// What a sphere covers that a node moves: one that goes straight stays a sphere of the world, one that is stretched
 /// meanwhile becomes an ellipsoid.
 TEST(MotionPicture, spheres_disks_and_boxes)

@@ -53,7 +53,7 @@ def main():
                       "motion-blur", "motion-nodes", "motion-vertices", "curves",
                       "points", "depth-of-field", "model", "instances", "../tests/golden/scenes/hundreds-of-lamps",
                       "../tests/golden/scenes/moving-lamps", "../tests/golden/scenes/glowing-curves",
-                      "../tests/golden/scenes/fibres", *GUIDED]:
+                      "../tests/golden/scenes/moving-curves", "../tests/golden/scenes/fibres", *GUIDED]:
             path = os.path.join(scenes, scene.removesuffix(guided_mark) + ".json")
             guiding = "on" if scene.endswith(guided_mark) else "off"
             common = ["-q", "--size", f"{WIDTH}x{HEIGHT}", "--exr", "float", "--guiding", guiding]

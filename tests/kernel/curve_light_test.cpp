@@ -19,12 +19,18 @@ struct Form {
     bool placed;
     Vec3d eye;
     bool within = false;  ///< the eye is nearer to the axis than half the width
+    /// Where the points are at time 1, if they move.
+    std::vector<Vec4f> then = {};
 };
+/// That of all rays.
+constexpr float now = 0.375f;
 const std::vector<Vec4f> bow{
     {-1, 2, 0, 0.3f}, {-0.4f, 2.5f, 0.3f, 0.25f}, {0.4f, 2.2f, -0.4f, 0.15f}, {1, 2, 0.2f, 0.2f}};
 const std::vector<Vec4f> rod{{-1, 1, 0, 0.2f}, {1, 1.3f, 0.5f, 0.35f}};
 const std::vector<Vec4f> cone{{-0.2f, 1, 0, 0.9f}, {0.9f, 1.3f, 0.5f, 0.02f}};
 constexpr std::uint32_t linear = ShapeRecord::linear_curves, ribbon = ShapeRecord::ribbons;
+const std::vector<Vec4f> later{
+    {-0.8f, 2.2f, 0.1f, 0.2f}, {-0.3f, 2.6f, 0.2f, 0.3f}, {0.5f, 2.1f, -0.3f, 0.2f}, {1.1f, 2.1f, 0.2f, 0.15f}};
 const Form forms[] = {{"bow", 0, 4, bow, false, {0.3, 0, 0.2}},
                       {"rod", linear, 1, rod, false, {0.1, 0.2, 0.3}},
                       {"rod from its end", linear, 1, rod, false, {3, 2.5, 1.5}},
@@ -33,13 +39,20 @@ const Form forms[] = {{"bow", 0, 4, bow, false, {0.3, 0, 0.2}},
                       {"ribbon", ribbon | linear, 1, rod, false, {0.1, 0.2, 0.3}},
                       {"bent ribbon", ribbon, 4, bow, false, {0.3, 0, 0.2}},
                       {"placed ribbon", ribbon | linear, 1, rod, true, {1, 1, 0.3}},
-                      {"ribbon with the eye in it", ribbon | linear, 1, rod, false, {0.3, 1.3, 0.35}, true}};
+                      {"ribbon with the eye in it", ribbon | linear, 1, rod, false, {0.3, 1.3, 0.35}, true},
+                      {"bow that moves", 0, 4, bow, false, {0.3, 0, 0.2}, false, later},
+                      {"placed ribbon that moves", ribbon, 4, bow, true, {4, 1, 0.3}, false, later}};
 
 GeometryTables tables_of(const Form& form)
 {
     GeometryTables t;
     t.shapes.emplace_back().flags = form.flags;
     t.curve_points = form.points;
+    t.curve_points.insert(t.curve_points.end(), form.then.begin(), form.then.end());
+    if (!form.then.empty()) {
+        t.shapes[0].moving_vertices = std::uint32_t(form.points.size());
+        t.vertex_times = {0, 1};
+    }
     t.curves.push_back({0, form.pieces, 0, 1});
     t.shape_of_primitive.push_back(0);
     InstanceRecord instance;
@@ -58,7 +71,7 @@ Vec3 as_lanes(Vec3d p)
 class Force {
 public:
     Force(const Form& form, const GeometryTables& t)
-        : form_(form), t_(t), curve_(t, UInt(0u), UInt(form.flags), Mask(true))
+        : form_(form), t_(t), curve_(t, UInt(0u), UInt(0u), UInt(form.flags), Float(now), Mask(true))
     {
     }
     /// f(t, u, m) for each piece.
@@ -99,7 +112,7 @@ TEST(CurveLight, SamplesAreHitsOfTheirDensity)
 {
     for (const Form& form : forms) {
         const GeometryTables t = tables_of(form);
-        const CurveLight light(t, UInt(0u), instance_of(form), Float(0), Mask(true));
+        const CurveLight light(t, UInt(0u), instance_of(form), Float(now), Mask(true));
         const Force force(form, t);
         const Vec3 eye = as_lanes(form.eye);
         test::Random random;
@@ -133,7 +146,7 @@ TEST(CurveLight, DirectionsFollowTheDensity)
         // The density has poles then, which the cells' sums of it miss.
         if (form.within) continue;
         const GeometryTables t = tables_of(form);
-        const CurveLight light(t, UInt(0u), instance_of(form), Float(0), Mask(true));
+        const CurveLight light(t, UInt(0u), instance_of(form), Float(now), Mask(true));
         const Force force(form, t);
         const Vec3 eye = as_lanes(form.eye);
         // Directions by the cylinder's map: the angle about y, and the height; as far as there are any.

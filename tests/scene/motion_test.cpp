@@ -70,5 +70,35 @@ TEST(MeshMotion, VerticesGoStraightBetweenTheirKeys)
     EXPECT_FALSE(moves(mesh, 2.1, 2.9));
 }
 
+TEST(CurvesMotion, PointsAndRadiiGoStraightBetweenTheirKeys)
+{
+    Curves curves;
+    curves.points = {{9, 9, 9}};
+    curves.radii = {9};
+    curves.motion = {{0, {{0, 0, 0}}, {1}}, {2, {{4, 8, 0}}, {3}}, {3, {{4, 8, 0}}, {0}}};
+    struct Case {
+        double time;
+        Vec3f p;
+        float radius;
+    };
+    for (const Case& c : {Case{-1, {0, 0, 0}, 1},
+                          {0.5, {1, 2, 0}, 1.5f},
+                          {2, {4, 8, 0}, 3},
+                          {2.5, {4, 8, 0}, 1.5f},
+                          {7, {4, 8, 0}, 0}}) {
+        const CurvesKey key = points_at(curves, c.time);
+        EXPECT_FLOAT_EQ(key.points[0].x, c.p.x) << c.time;
+        EXPECT_FLOAT_EQ(key.points[0].y, c.p.y) << c.time;
+        EXPECT_FLOAT_EQ(key.points[0].z, c.p.z) << c.time;
+        EXPECT_FLOAT_EQ(key.radii[0], c.radius) << c.time;
+    }
+    EXPECT_TRUE(moves(curves, 0.5, 0.6));
+    EXPECT_TRUE(moves(curves, 2.1, 2.9));  // its radius changes
+    EXPECT_FALSE(moves(curves, 3, 4));
+    EXPECT_FALSE(moves(curves, 1, 1));
+    curves.motion[2].radii = curves.motion[1].radii;
+    EXPECT_FALSE(moves(curves, 2.1, 2.9));
+}
+
 }  // namespace
 }  // namespace fathom

@@ -99,6 +99,7 @@ TEST(WorldBounds, OfEachShape)
                           {Disk{{0, 0, 0}, {0, 0, 2}, 3}, {4, -3, 0}, {16, 3, 0}},
                           {MeshInstance{0}, {10, 0, 0}, {14, 3, 4}},
                           {CurvesInstance{0}, {9, -0.5, -0.5}, {13, 0.5, 0.5}},
+                          {CurvesInstance{1}, {8, -1, -1}, {20, 2, 1}},
                           {PointsInstance{0}, {13, 1.5, 2.5}, {15, 2.5, 3.5}}};
     for (const Case& c : cases) {
         SceneDescription scene;
@@ -107,6 +108,10 @@ TEST(WorldBounds, OfEachShape)
         scene.curves.emplace_back();
         scene.curves[0].points = {{0, 0, 0}, {1, 0, 0}};
         scene.curves[0].radii = {0.5f, 0.5f};
+        // Where its points move to, not where they are at rest.
+        scene.curves.push_back(scene.curves[0]);
+        scene.curves[1].points = {{99, 0, 0}, {99, 0, 0}};
+        scene.curves[1].motion = {{0, {{0, 0, 0}, {1, 0, 0}}, {0.5f, 0.5f}}, {1, {{0, 1, 0}, {4, 0, 0}}, {1, 1}}};
         scene.points.emplace_back();
         scene.points[0].centers = {{2, 2, 3}};
         scene.points[0].radii = {0.5f};

@@ -1,26 +1,39 @@
 #pragma once
-#include "geometry/records.h"
+#include "geometry/motion.h"
 #include "geometry/shapes/curve.h"
-#include "math/gather_member.h"
 
 namespace fathom::inline FATHOM_LANES {
 
-/// A segment of a curve of each lane of the mask, from the tables, to the bits that the tree has of its pieces.
+inline CurvePoint<Float> mix(const CurvePoint<Float>& a, const CurvePoint<Float>& b, Float fraction)
+{
+    return {mix(a.x, b.x, fraction), mix(a.y, b.y, fraction), mix(a.z, b.z, fraction), mix(a.r, b.r, fraction)};
+}
+
+/// A segment of a curve of each lane of the mask, from the tables, to the bits that the tree has of its pieces: where
+/// control points move, ends of pieces at two keys are what is interpolated.
 class CurveReader {
 public:
-    /// segment: in tables.curves. flags: of its shape.
-    CurveReader(const GeometryTables& tables, UInt segment, UInt flags, Mask m)
-        : linear_((flags & UInt(ShapeRecord::linear_curves)) != UInt(0u))
+    /// segment: in tables.curves. shape: its own or the instance's; flags: of that.
+    CurveReader(const GeometryTables& tables, UInt segment, UInt shape, UInt flags, Float time, Mask m)
+        : CurveReader(tables, segment, shape, flags,
+                      tables.vertex_times.empty() ? KeyTime{UInt(0u), Float(0)} : vertex_key(tables, time), m)
     {
-        const UInt first = gather(tables.curves, &CurveRecord::first_point, segment, m);
+    }
+    /// time: as vertex_key finds it.
+    CurveReader(const GeometryTables& tables, UInt segment, UInt shape, UInt flags, const KeyTime& time, Mask m)
+        : tables_(tables), linear_((flags & UInt(ShapeRecord::linear_curves)) != UInt(0u))
+    {
+        UInt first = gather(tables.curves, &CurveRecord::first_point, segment, m);
         pieces_ = to_float(gather(tables.curves, &CurveRecord::pieces, segment, m));
-        const float* points = reinterpret_cast<const float*>(tables.curve_points.data());
-        for (std::uint32_t k = 0; k < 4; ++k) {
-            const Mask has = k < 2 ? m : m & !linear_;
-            const UInt place = (first + UInt(k)) << 2;
-            p_[k] = {gather(points, place, has), gather(points + 1, place, has), gather(points + 2, place, has),
-                     gather(points + 3, place, has)};
+        if (!tables.vertex_times.empty()) {
+            const UInt points = gather(tables.shapes, &ShapeRecord::moving_vertices, shape, m);
+            moving_ = m & (points != UInt(0u));
+            any_moves_ = any(moving_);
+            first = first + time.key * points;
+            next_ = first + points;
+            fraction_ = time.fraction;
         }
+        read(first, m, p_);
     }
 
     Float pieces() const { return pieces_; }
@@ -29,27 +42,66 @@ public:
     /// Where a piece begins.
     CurvePoint<Float> begin(Float piece) const
     {
-        return chosen(between(p_[0], p_[1], piece), bezier(p_, piece * (Float(1) / pieces_)));
+        CurvePoint<Float> p = begin_by(p_, piece);
+        if (any_moves_) move_begin(piece, p);
+        return p;
     }
     CurvePoint<Float> end(Float piece) const { return begin(piece + Float(1)); }
     /// Along the curve where a piece begins, of any length.
     Vec3 tangent(Float piece) const
     {
-        const CurvePoint<Float> line{p_[1].x - p_[0].x, p_[1].y - p_[0].y, p_[1].z - p_[0].z, Float(0)};
-        const CurvePoint<Float> t = chosen(line, bezier_tangent(p_, piece * (Float(1) / pieces_)));
+        CurvePoint<Float> t = tangent_by(p_, piece);
+        if (any_moves_) move_tangent(piece, t);
         return {t.x, t.y, t.z};
     }
 
 private:
-    CurvePoint<Float> chosen(const CurvePoint<Float>& line, const CurvePoint<Float>& cubic) const
+    void read(UInt first, Mask m, CurvePoint<Float> p[4]) const
     {
-        return {select(linear_, line.x, cubic.x), select(linear_, line.y, cubic.y), select(linear_, line.z, cubic.z),
-                select(linear_, line.r, cubic.r)};
+        const float* points = reinterpret_cast<const float*>(tables_.curve_points.data());
+        for (std::uint32_t k = 0; k < 4; ++k) {
+            const Mask has = k < 2 ? m : m & !linear_;
+            const UInt place = (first + UInt(k)) << 2;
+            p[k] = {gather(points, place, has), gather(points + 1, place, has), gather(points + 2, place, has),
+                    gather(points + 3, place, has)};
+        }
+    }
+    CurvePoint<Float> begin_by(const CurvePoint<Float> p[4], Float piece) const
+    {
+        return chosen(linear_, between(p[0], p[1], piece), bezier(p, piece * (Float(1) / pieces_)));
+    }
+    CurvePoint<Float> tangent_by(const CurvePoint<Float> p[4], Float piece) const
+    {
+        const CurvePoint<Float> line{p[1].x - p[0].x, p[1].y - p[0].y, p[1].z - p[0].z, Float(0)};
+        return chosen(linear_, line, bezier_tangent(p, piece * (Float(1) / pieces_)));
+    }
+    // On the way from what they are at a key to the same at the next. Apart, so that curves that stand still don't pay.
+    [[gnu::noinline]] void move_begin(Float piece, CurvePoint<Float>& p) const
+    {
+        CurvePoint<Float> next[4];
+        read(next_, moving_, next);
+        p = chosen(moving_, mix(p, begin_by(next, piece), fraction_), p);
+    }
+    [[gnu::noinline]] void move_tangent(Float piece, CurvePoint<Float>& t) const
+    {
+        CurvePoint<Float> next[4];
+        read(next_, moving_, next);
+        t = chosen(moving_, mix(t, tangent_by(next, piece), fraction_), t);
+    }
+    static CurvePoint<Float> chosen(Mask m, const CurvePoint<Float>& a, const CurvePoint<Float>& b)
+    {
+        return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z), select(m, a.r, b.r)};
     }
 
+    const GeometryTables& tables_;
     Mask linear_;
     Float pieces_;
     CurvePoint<Float> p_[4];
+    // Where any lane's points move: the first of them at the next key, and how far it is on the way there.
+    bool any_moves_ = false;
+    Mask moving_;
+    UInt next_;
+    Float fraction_;
 };
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -7,9 +7,10 @@ namespace fathom::inline FATHOM_LANES {
 /// what of a piece lies within the pieces before and behind it.
 class SolidPieces {
 public:
-    /// segment: in tables.curves. number: of the piece in it.
-    SolidPieces(const GeometryTables& tables, UInt segment, Float number, Mask m)
-        : before_(neighbour(tables, segment, number, false, m)), behind_(neighbour(tables, segment, number, true, m))
+    /// segment: in tables.curves. number: of the piece in it. time: as vertex_key finds it.
+    SolidPieces(const GeometryTables& tables, UInt segment, Float number, const KeyTime& time, Mask m)
+        : before_(neighbour(tables, segment, number, time, false, m)),
+          behind_(neighbour(tables, segment, number, time, true, m))
     {
     }
 
@@ -35,7 +36,8 @@ private:
     static Mask within(const Neighbour& n, const Vec3& p) { return n.is_there & is_within_round_piece(n.piece, p); }
 
     /// The piece behind or before, in the next segment where a curve goes on there: then these share a point.
-    static Neighbour neighbour(const GeometryTables& tables, UInt segment, Float number, bool next, Mask m)
+    static Neighbour neighbour(const GeometryTables& tables, UInt segment, Float number, const KeyTime& time, bool next,
+                               Mask m)
     {
         const UInt count(std::uint32_t(tables.curves.size()));
         const Float pieces = to_float(gather(tables.curves, &CurveRecord::pieces, segment, m));
@@ -50,7 +52,7 @@ private:
                    others = gather(tables.curves, &CurveRecord::first_point, other, m);
         const Mask joined = exists & !here & (next ? others == own + stride : own == others + stride);
         const Mask is_there = here | joined;
-        const CurveReader curve(tables, select(here, segment, other), flags, is_there);
+        const CurveReader curve(tables, select(here, segment, other), shape, flags, time, is_there);
         const Float place = select(here, wanted, next ? Float(0) : curve.pieces() - Float(1));
         const CurvePoint<Float> a = curve.begin(place), b = curve.end(place);
         return {{{a.x, a.y, a.z}, {b.x, b.y, b.z}, a.r, b.r}, is_there};

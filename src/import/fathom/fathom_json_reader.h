@@ -89,6 +89,7 @@ private:
     int add_curves(const JsonValue& v, const std::string& name);
     int add_points(const JsonValue& v, const std::string& name);
     void read_mesh_motion(const JsonValue& v, Mesh& mesh);
+    void read_curves_motion(const JsonValue& v, Curves& curves);
     /// The PLY file that holds the numbers, as fathom::save_scene writes it; nothing if they stand in this file.
     std::optional<PlyData> read_data_file(JsonObject& o);
 

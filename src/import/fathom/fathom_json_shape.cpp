@@ -217,6 +217,22 @@ void read_curves(JsonObject& o, Curves& curves)
     }
 }
 
+/// Points of a key; one that tells no radius has that which it has in the curves themselves. A file may give fewer of
+/// those than points, which is told later.
+void read_curves_of_key(const JsonValue& all, const Curves& curves, CurvesKey& key)
+{
+    const auto radius_of = [&](std::size_t point) { return point < curves.radii.size() ? curves.radii[point] : 0; };
+    if (all.array().size() != curves.counts.size())
+        all.fail(fmt::format("has {} curves, and there are {}", all.size(), curves.counts.size()));
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const JsonValue curve = all[i];
+        if (curve.array().size() != curves.counts[i])
+            curve.fail(fmt::format("has {} points, and the curve {}", curve.size(), curves.counts[i]));
+        for (std::size_t k = 0; k < curve.size(); ++k)
+            read_ball(curve[k], radius_of(key.radii.size()), key.points, key.radii);
+    }
+}
+
 void read_points(JsonObject& o, Points& points)
 {
     const float radius = read_radius(o, 0.01f);
@@ -230,6 +246,32 @@ void read_points(JsonObject& o, Points& points)
 }
 
 }  // namespace
+
+void FathomJsonReader::read_curves_motion(const JsonValue& v, Curves& curves)
+{
+    v.array(2);
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        const JsonValue value = v[i];
+        JsonObject o(value);
+        CurvesKey key;
+        key.time = o.require("time").number();
+        if (i > 0 && !(curves.motion.back().time < key.time)) value["time"].fail("times must ascend");
+        if (auto file = read_data_file(o)) {
+            if (file->mesh.positions.size() != curves.points.size())
+                value["file"].fail(fmt::format("has {} vertices, and the curves {} points", file->mesh.positions.size(),
+                                               curves.points.size()));
+            key.points = std::move(file->mesh.positions);
+            key.radii = std::move(file->radii);
+        } else if (auto all = o.get("curves")) {
+            read_curves_of_key(*all, curves, key);
+        } else {
+            key.points = curves.points;
+        }
+        if (key.radii.empty()) key.radii = curves.radii;
+        o.done("in a key of curves' motion");
+        curves.motion.push_back(std::move(key));
+    }
+}
 
 Transform read_rotation(const JsonValue& v)
 {
@@ -326,6 +368,7 @@ int FathomJsonReader::add_curves(const JsonValue& v, const std::string& name)
     } else {
         read_curves(o, curves);
     }
+    if (auto motion = o.get("motion")) read_curves_motion(*motion, curves);
     o.done("in curves");
     scene_.curves.push_back(std::move(curves));
     return int(scene_.curves.size()) - 1;

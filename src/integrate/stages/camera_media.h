@@ -50,7 +50,7 @@ inline SurfaceHit nearest_hit(const LaneScene& scene, const Vec3& o, const Vec3&
         const SurfaceHit hit = detail::nearest_hit(scene, o, d, Float(camera.shutter_open));
         if (none(one & (hit.primitive != UInt(no_index)))) break;
         const Surface s = surfaces.read(hit, one);
-        const UInt medium = materials.get(&MaterialRecord::medium, surfaces.material_of(s.shape, one), one);
+        const UInt medium = materials.get(&MaterialRecord::medium, s.material, one);
         o = fma(flip_sign(s.ng, dot(d, s.ng)), s.offset, s.p);
         if (none(one & (medium != UInt(0u)))) continue;
         if (any(one & (dot(d, s.ng) < Float(0)))) {

@@ -7,13 +7,15 @@
 namespace fathom::inline FATHOM_LANES {
 
 /// segment  of each lane of the mask, in tables.curves
-/// u        along it, as traversal found it
+/// flags    of surface.shape
+/// hit      its u, along the segment as traversal found it, and its time are read
 /// d        unit direction of the ray, in the space of the curve
 /// surface  p is the hit point; set are place, normals, tangent, uv (u along the whole curve, v across) and offset
-inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, Float u, const Vec3& d, Mask m,
-                       Surface& surface)
+inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, const SurfaceHit& hit, const Vec3& d,
+                       Mask m, Surface& surface)
 {
-    const CurveReader curve(tables, segment, flags, m);
+    const Float u = hit.u;
+    const CurveReader curve(tables, segment, surface.shape, flags, hit.time, m);
     const Float pieces = curve.pieces();
     const Float u0 = gather(tables.curves, &CurveRecord::u0, segment, m),
                 u1 = gather(tables.curves, &CurveRecord::u1, segment, m);

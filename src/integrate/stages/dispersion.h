@@ -7,7 +7,7 @@ namespace fathom::inline FATHOM_LANES {
 /// Where a surface refracts each colour its own way, a path follows one: red, green or blue by chance, which then
 /// carries three times as much, or the one that it has followed so far. The index is the channel's, at the wavelengths
 /// between which KHR_materials_dispersion spreads it.
-inline void choose_channel(const SampleKey& key, UInt seed, MaterialPoint& material, Spectrum& throughput)
+inline void choose_channel(const SampleKey& key, UInt seed, LayeredMaterialPoint& material, Spectrum& throughput)
 {
     const LayersPoint& layers = material.layers;
     if (!layers.has(LayersRecord::disperses)) return;

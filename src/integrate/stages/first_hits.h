@@ -19,11 +19,11 @@ public:
     {
         if (none(hits)) return;
         Surface s = surfaces_.read(hit, hits);
-        const UInt material = surfaces_.material_of(s.shape, hits);
-        const Spectrum albedo = albedo_of(s, material, hits);
+        const Spectrum albedo = albedo_of(s, hits);
         const Vec3 n = flip_sign(s.ns, -dot(hit.d, s.ng));
         const Float depth =
             dot(s.p - hit.o, Vec3(Float(camera_.forward[0]), Float(camera_.forward[1]), Float(camera_.forward[2])));
+        const Vec3 world = surfaces_.in_world(s.p);
         const UInt object = surfaces_.object_of(hit, s.shape, hits);
         const Float values[] = {albedo.c[0],
                                 albedo.c[1 % channels],
@@ -32,19 +32,20 @@ public:
                                 n.y,
                                 n.z,
                                 depth * Float(float(1 / scene_.tables.render_scale)),
-                                s.at.p_world.x,
-                                s.at.p_world.y,
-                                s.at.p_world.z};
-        put(values, pixel, hits, object, material, reversed_index);
+                                world.x,
+                                world.y,
+                                world.z};
+        put(values, pixel, hits, object, s.material, reversed_index);
     }
 
 private:
     /// The colour of the surface, of which the subsurface has its share.
-    Spectrum albedo_of(Surface& s, UInt material, Mask hits) const
+    Spectrum albedo_of(Surface& s, Mask hits) const
     {
-        const MaterialPoint point = materials_.read<false>(s, material, hits, hits);
+        MaterialPoint point;
+        materials_.read(s, hits, hits, point);
         if (!scene_.scatters_inside) return point.base_color;
-        const UInt index = materials_.get(&MaterialRecord::layers, material, hits);
+        const UInt index = materials_.get(&MaterialRecord::layers, s.material, hits);
         const Mask layered = hits & (index != UInt(no_index));
         if (none(layered)) return point.base_color;
         LayersPoint layers;

@@ -33,6 +33,13 @@ public:
                       random, time);
     }
 
+    /// The probability with which a surface samples the environment.
+    float environment_pmf() const
+    {
+        const std::uint32_t light = tables_.environment.light;
+        return light == no_index ? 0 : selector_.pmf(light);
+    }
+
     /// What leaves the scene along d sees, for the lanes of m. specular: not weighted against light sampling;
     /// pdf: of having sampled d.
     Spectrum environment(const KernelBackground& background, bool lights_are_sampled, Vec3 d, Mask from_camera,
@@ -41,7 +48,7 @@ public:
         Spectrum radiance = environment_radiance(tables_, d, m);
         if (background.given) radiance = select(from_camera, Spectrum(background.radiance), radiance);
         if (lights_are_sampled && tables_.environment.light != no_index && any(m & !specular)) {
-            const Float pmf(selector_.pmf(tables_.environment.light));
+            const Float pmf(environment_pmf());
             radiance = radiance * select(specular, Float(1), mis_weight(pdf, pmf * environment_pdf(tables_, d)));
         }
         return radiance;
@@ -101,8 +108,9 @@ private:
     LightSample sample_chosen(const Light& light, Mask valid, Vec3 eye, LightSelector::Choice choice, Sample2 random,
                               Float time) const
     {
-        LightSample s = sample_light(light, eye, time, random, valid);
         const Mask environment = is_kind(light.kind(), LightRecordKind::environment);
+        const bool only_environment = none(valid & !environment);
+        LightSample s = only_environment ? LightSample{} : sample_light(light, eye, time, random, valid);
         if (any(valid & environment)) {
             const EnvironmentSample e = sample_environment(tables_, random, valid & environment);
             s.wi = select(environment, e.wi, s.wi);

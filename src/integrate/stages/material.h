@@ -19,23 +19,24 @@ public:
         return gather(t_.materials, member, material, m);
     }
 
-    Spectrum emission(const Surface& s, UInt material, Mask m) const
+    Spectrum emission(const Surface& s, Mask m) const
     {
-        Spectrum e = get(&MaterialRecord::emission, material, m);
+        Spectrum e = get(&MaterialRecord::emission, s.material, m);
         if (!scene_.textured) return e;
-        const UInt texture = get(&MaterialRecord::emission_texture, material, m);
+        const UInt texture = get(&MaterialRecord::emission_texture, s.material, m);
         const Texel t = evaluate_textures(t_, texture, s.at, m);
         for (int c = 0; c < channels; ++c) e.c[c] = e.c[c] * t.c[c];
         return e;
     }
 
-    /// Parameters of the material, and the shading normal bent by its normal map. layered: those of layers, too.
-    template <bool layered>
-    MaterialPoint read(Surface& s, UInt index, Mask entering, Mask m) const
+    /// Parameters of the material, and the shading normal bent by its normal map.
+    ///
+    /// Point: MaterialPoint or LayeredMaterialPoint
+    template <class Point>
+    [[gnu::always_inline]] void read(Surface& s, Mask entering, Mask m, Point& p) const
     {
-        MaterialPoint p;
         p.entering = entering;
-        const RecordRow<MaterialRecord, MaterialRecord::hot_words> row(t_.materials, index, m);
+        const RecordRow<MaterialRecord, MaterialRecord::hot_words> row(t_.materials, s.material, m);
         for (std::size_t c = 0; c < channels; ++c)
             p.base_color.c[c] = row.word[detail::word_of(&MaterialRecord::base_color) + c];
         p.roughness = row.get(&MaterialRecord::roughness);
@@ -50,33 +51,44 @@ public:
         for (int c = 0; c < channels && any(colored); ++c)
             p.base_color.c[c] = select(colored, p.base_color.c[c] * s.at.vertex_color[c], p.base_color.c[c]);
         const Mask textured = m & ((flags & UInt(MaterialRecord::textured)) != UInt(0));
-        if (any(textured)) apply_textures(s, row.get(&MaterialRecord::base_texture), index, textured, p);
-        if constexpr (layered) LayersReader(t_, s, row.get(&MaterialRecord::layers), m).read(p.layers);
+        if (any(textured)) {
+            const Textured t = with_textures(s, row.get(&MaterialRecord::base_texture), textured,
+                                             {p.base_color, p.roughness, p.metallic});
+            p.base_color = t.base_color, p.roughness = t.roughness, p.metallic = t.metallic;
+        }
+        if constexpr (std::is_same_v<Point, LayeredMaterialPoint>)
+            LayersReader(t_, s, row.get(&MaterialRecord::layers), m).read(p.layers);
         const Mask bent = m & ((flags & UInt(MaterialRecord::normal_mapped)) != UInt(0));
         if (any(bent)) {
             const UInt texture = row.get(&MaterialRecord::normal_texture);
             const Float scale = row.get(&MaterialRecord::normal_scale);
             s.ns = TangentFrame(s).bend(evaluate_textures(t_, texture, s.at, bent), scale, bent);
         }
-        return p;
     }
 
 private:
-    void apply_textures(const Surface& s, UInt base_texture, UInt index, Mask m, MaterialPoint& p) const
+    /// What textures may change.
+    struct Textured {
+        Spectrum base_color;
+        Float roughness, metallic;
+    };
+    /// By value: nothing of the caller's has to live in memory for its sake.
+    [[gnu::noinline]] Textured with_textures(const Surface& s, UInt base_texture, Mask m, Textured p) const
     {
         const Texel base = evaluate_textures(t_, base_texture, s.at, m);
         for (int c = 0; c < channels; ++c)
             p.base_color.c[c] = select(m, p.base_color.c[c] * base.c[c], p.base_color.c[c]);
         using Word = std::uint32_t MaterialRecord::*;
         const auto scalar = [&](Word texture, Word channel, Float& value) {
-            const UInt id = get(texture, index, m);
+            const UInt id = get(texture, s.material, m);
             const Mask has = m & (id != UInt(no_index));
             if (none(has)) return;
             const Texel t = evaluate_textures(t_, id, s.at, has);
-            value = select(has, value * t.channel(get(channel, index, m)), value);
+            value = select(has, value * t.channel(get(channel, s.material, m)), value);
         };
         scalar(&MaterialRecord::roughness_texture, &MaterialRecord::roughness_channel, p.roughness);
         scalar(&MaterialRecord::metallic_texture, &MaterialRecord::metallic_channel, p.metallic);
+        return p;
     }
 
     const LaneScene& scene_;

@@ -19,7 +19,7 @@ struct Scattered {
 /// By the closure or by what is known about where light comes from, in shares; each such direction has the density of
 /// both ways together. choice: which of them, and then which lobe.
 template <class Closure>
-[[gnu::always_inline]] inline Scattered scatter_guided(const Closure& closure, const ShadingPoint& at,
+[[gnu::always_inline]] inline Scattered scatter_guided(const Closure& closure, const ShadingPoint<Closure>& at,
                                                        const Guidance& guidance, Float choice, Sample2 random,
                                                        const Spectrum& throughput)
 {
@@ -39,7 +39,7 @@ template <class Closure>
 
 /// key, seed: of the path and its bounce. index: of the order in which this bounce's directions come.
 template <class Closure>
-[[gnu::always_inline]] inline Scattered scatter(const Closure& closure, const ShadingPoint& at,
+[[gnu::always_inline]] inline Scattered scatter(const Closure& closure, const ShadingPoint<Closure>& at,
                                                 const Guidance& guidance, const SampleKey& key, UInt seed, UInt index,
                                                 const Spectrum& throughput)
 {

@@ -1,6 +1,7 @@
 #pragma once
 #include "integrate/kernel.h"
 #include "integrate/stages/dispersion.h"
+#include "integrate/stages/environment_ahead.h"
 #include "integrate/stages/light.h"
 #include "integrate/stages/path_medium.h"
 #include "integrate/stages/path_recorder.h"
@@ -25,7 +26,10 @@ public:
           clock_(clock),
           recorder_(recorder),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
-          has_time_(scene.tables.moving)
+          has_time_(scene.tables.moving),
+          environment_ahead_(tables_.environment),
+          fetches_environment_(lights_are_sampled_ && is_worth_fetching(tables_.environment) &&
+                               lights_.environment_pmf() > 0.25f)
     {
     }
 
@@ -39,11 +43,14 @@ public:
             const std::size_t end = kind_end[kind];
             if (begin < end)
                 Closures::visit(ClosureKind(kind), [&]<class Closure>() {
+                    if (fetches_environment_)
+                        find_environment_rows(begin, end), find_environment_rows(begin + lanes, end);
                     for (std::size_t i = begin; i < end; i += lanes) {
                         const std::size_t next = i + fetched_ahead;
                         if (next < end)
                             surfaces_.fetch_vertices(&hits.primitive.data[next],
                                                      std::min<std::size_t>(lanes, end - next));
+                        if (fetches_environment_) fetch_environment(i, end);
                         shade<Closure>(i, first_lanes(end - i));
                     }
                 });
@@ -54,6 +61,37 @@ public:
     }
 
 private:
+    /// For the gangs that come after the one at i.
+    void fetch_environment(std::size_t i, std::size_t end)
+    {
+        clock_.enter(RenderStage::light);
+        const std::size_t next = i + lanes;
+        if (next < end) environment_ahead_.fetch_columns(next / lanes);
+        find_environment_rows(next + lanes, end);
+    }
+    void find_environment_rows(std::size_t i, std::size_t end)
+    {
+        if (i >= end) return;
+        const Randomness r(*paths_, i);
+        environment_ahead_.find_rows(i / lanes, sample_2d(r.index, pair_seed(r.seed, pair_light)));
+    }
+
+    /// What decides the random numbers of a gang's next bounce.
+    struct Randomness {
+        SampleKey key;
+        UInt state, bounce, seed;
+        UInt index;  ///< of the order of samples. The light's point and the next direction are never multiplied with
+                     ///< each other, so one will do for both
+        Randomness(const PathPool& p, std::size_t i)
+            : key{p.pixel_hash.load(i), p.reversed_index.load(i)},
+              state(p.state.load(i)),
+              bounce(state & UInt(PathPool::bounce_mask)),
+              seed(group_seed(key, bounce + UInt(1u))),
+              index(shuffled_index(key, seed))
+        {
+        }
+    };
+
     /// Samples a light for each path of a gang, then its next direction.
     template <class Closure>
     [[gnu::always_inline]] void shade(std::size_t i, Mask valid)
@@ -61,12 +99,7 @@ private:
         clock_.enter(RenderStage::surface);
         count_vertices(counters_, valid);
         PathPool& p = *paths_;
-        const SampleKey key{p.pixel_hash.load(i), p.reversed_index.load(i)};
-        const UInt state = p.state.load(i);
-        const UInt bounce = state & UInt(PathPool::bounce_mask);
-        const UInt seed = group_seed(key, bounce + UInt(1u));
-        // The light's point and the next direction are never multiplied with each other.
-        const UInt index = shuffled_index(key, seed);
+        const auto [key, state, bounce, seed, index] = Randomness(p, i);
         const Float time = has_time_ ? p.time.load(i) : Float(0);
         const SurfaceHit hit{p.origin.load(i),         p.direction.load(i),
                              hits_->t.load(i),         hits_->u.load(i),
@@ -74,8 +107,8 @@ private:
                              hits_->primitive.load(i), scene_.is_flat ? UInt(no_index) : hits_->instance.load(i)};
         MediumStack media;
         if (scene_.tracks_media) media = p.media.load(i);
-        ShadingPoint at = read_shading_point<Closure>(surfaces_, materials_, hit,
-                                                      scene_.tracks_media ? &media : nullptr, valid, clock_);
+        ShadingPoint<Closure> at = read_shading_point<Closure>(surfaces_, materials_, hit,
+                                                               scene_.tracks_media ? &media : nullptr, valid, clock_);
         Spectrum throughput = p.throughput.load(i);
         if constexpr (Closure::is_layered && Closure::transmits) choose_channel(key, seed, at.material, throughput);
         const Closure closure(at.material);
@@ -113,7 +146,7 @@ private:
         if (Closure::is_guided && recorder_.is_on())
             recorder_.turn(p.number.load(i), bounce, at.p, at.frame.n, next.wi, next.pdf, next.throughput,
                            valid & !ends & !next.is_delta);
-        p.origin.store(i, at.start<Closure>(next.wi), valid);
+        p.origin.store(i, at.start(next.wi), valid);
         p.direction.store(i, next.wi, valid);
         p.throughput.store(i, next.throughput, valid);
         p.bsdf_pdf.store(i, next.pdf, valid);
@@ -121,7 +154,8 @@ private:
     }
 
     /// What paths that enter a subsurface are scattered by there: by the colour and the radius of where they enter.
-    void keep_medium(std::size_t i, Mask enters, const ShadingPoint& at)
+    template <class Closure>
+    void keep_medium(std::size_t i, Mask enters, const ShadingPoint<Closure>& at)
     {
         if (none(enters)) return;
         const UInt medium = materials_.get(&MaterialRecord::subsurface_medium, at.material_index, enters);
@@ -136,7 +170,7 @@ private:
 
     /// What is known about where light comes from, as far as it is of use to the closure.
     template <class Closure>
-    [[gnu::always_inline]] Guidance guide(const Closure& closure, const ShadingPoint& at, const SampleKey& key,
+    [[gnu::always_inline]] Guidance guide(const Closure& closure, const ShadingPoint<Closure>& at, const SampleKey& key,
                                           UInt seed, Mask valid) const
     {
         if constexpr (Closure::is_guided)
@@ -151,9 +185,10 @@ private:
 
     /// Adds a light sample's contribution, or has its shadow ray queued.
     template <class Closure>
-    [[gnu::always_inline]] void sample_light(std::size_t i, Mask valid, const Closure& closure, const ShadingPoint& at,
-                                             const Guidance& guidance, const SampleKey& key, UInt seed, UInt index,
-                                             const Spectrum& throughput, Float time)
+    [[gnu::always_inline]] void sample_light(std::size_t i, Mask valid, const Closure& closure,
+                                             const ShadingPoint<Closure>& at, const Guidance& guidance,
+                                             const SampleKey& key, UInt seed, UInt index, const Spectrum& throughput,
+                                             Float time)
     {
         // Lights are seen from where the shadow ray starts: right at the surface a light that passes through it, or
         // a distance that ends behind the light, would be one of rounding.
@@ -178,7 +213,7 @@ private:
         lit &= any_positive(add);
         if (none(lit)) return;
         counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
-        const Vec3 o = Closure::transmits ? at.start<Closure>(s.wi) : eye;
+        const Vec3 o = Closure::transmits ? at.start(s.wi) : eye;
         // On the surface's other side the way is longer or shorter.
         const Float distance = Closure::transmits ? s.distance + dot(eye - o, s.wi) : s.distance;
         const Ray ray{o, s.wi, distance * Float(1 - 0x1p-16f), time};
@@ -214,6 +249,8 @@ private:
     StageClock& clock_;
     PathRecorder& recorder_;
     bool lights_are_sampled_, has_time_;
+    EnvironmentAhead environment_ahead_;
+    bool fetches_environment_;
 
     PathPool* paths_ = nullptr;
     const HitColumns* hits_ = nullptr;

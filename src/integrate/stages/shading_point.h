@@ -6,13 +6,14 @@
 namespace fathom::inline FATHOM_LANES {
 
 /// Where a path meets a surface: place and frame turned to the side that the path is on, and the material there.
+template <class Closure>
 struct ShadingPoint {
     Vec3 p, ng;
     Float offset;  ///< see Surface
     Frame frame;   ///< of the shading normal
     Vec3 wo;       ///< to where the path came from, in the frame
     UInt material_index;
-    MaterialPoint material;
+    MaterialPointOf<Closure> material;
     Vec3 d;       ///< the path came along this
     Mask inside;  ///< from behind the geometric normal
     /// What the path is in, and what it comes to if it passes, where that is kept track of.
@@ -21,7 +22,6 @@ struct ShadingPoint {
     Mask passes_on;           ///< the same medium is on both sides: nothing is there
 
     /// Where a ray begins that leaves along wi.
-    template <class Closure>
     [[gnu::always_inline]] Vec3 start(const Vec3& wi) const
     {
         const Vec3 side = Closure::transmits ? flip_sign(ng, dot(wi, ng)) : ng;
@@ -73,7 +73,8 @@ inline Mask refracts_about_ng(const Vec3& wo, const Vec3& ng, const Vec3& ns, Fl
 }
 
 /// What lies beyond the boundary of a solid, to whose index that of the solid is then relative.
-inline void find_media(const MaterialReader& materials, Mask m, ShadingPoint& at)
+template <class Closure>
+inline void find_media(const MaterialReader& materials, Mask m, ShadingPoint<Closure>& at)
 {
     const UInt medium = materials.get(&MaterialRecord::medium, at.material_index, m);
     const Mask solid = m & (medium != UInt(0u));
@@ -83,7 +84,7 @@ inline void find_media(const MaterialReader& materials, Mask m, ShadingPoint& at
     const MediumBoundary boundary(materials.tables(), at.media, select(below, subsurface, medium), !at.inside, solid);
     at.media_beyond = select(solid, boundary.beyond, at.media);
     at.passes_on = solid & !boundary.is_there;
-    at.material.layers.in_subsurface = below & boundary.is_there;
+    if constexpr (Closure::is_layered) at.material.layers.in_subsurface = below & boundary.is_there;
     at.media_below = at.media.entered(materials.tables(), subsurface, solid);
     at.material.ior = select(solid, at.material.ior / boundary.other_ior, at.material.ior);
 }
@@ -106,24 +107,26 @@ inline Vec3 upper(Vec3 w)
 
 /// media: what the path is in; null where nobody keeps track of it.
 template <class Closure>
-[[gnu::always_inline]] inline ShadingPoint read_shading_point(const SurfaceReader& surfaces,
-                                                              const MaterialReader& materials, const SurfaceHit& hit,
-                                                              const MediumStack* media, Mask m, StageClock& clock)
+[[gnu::always_inline]] inline ShadingPoint<Closure> read_shading_point(const SurfaceReader& surfaces,
+                                                                       const MaterialReader& materials,
+                                                                       const SurfaceHit& hit, const MediumStack* media,
+                                                                       Mask m, StageClock& clock)
 {
     Surface s = surfaces.read(hit, m);
     clock.enter(RenderStage::material);
-    ShadingPoint at;
-    at.material_index = surfaces.material_of(s.shape, m);
+    ShadingPoint<Closure> at;
+    at.material_index = s.material;
     at.d = hit.d;
     const Float facing = -dot(hit.d, s.ng);
     at.inside = facing <= Float(0);
-    at.material = materials.read<Closure::is_layered>(s, at.material_index, facing > Float(0), m);
+    materials.read(s, facing > Float(0), m, at.material);
     at.p = s.p, at.offset = s.offset;
     at.ng = flip_sign(s.ng, facing);
     Vec3 ns = flip_sign(s.ns, facing);
     at.passes_on = Mask(false);
     if (media) at.media = at.media_beyond = *media;
-    if (Closure::transmits && media) detail::find_media(materials, m, at);
+    if constexpr (Closure::transmits)
+        if (media) detail::find_media(materials, m, at);
     if constexpr (Closure::is_glossy) {
         const Vec3 own = ns;
         ns = detail::bend_to_mirror(-hit.d, at.ng, ns);

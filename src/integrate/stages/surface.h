@@ -67,7 +67,9 @@ public:
         for (int i = 0; i < 2; ++i) s.at.u[i] = hit.u, s.at.v[i] = hit.v;
         s.ng = Vec3(Float(0), Float(0), Float(1));
 
-        const UInt flags = gather(t_.shapes, &ShapeRecord::flags, s.shape, m);
+        const RecordRow<ShapeRecord, 2> shape(t_.shapes, s.shape, m);
+        s.material = shape.get(&ShapeRecord::material);
+        const UInt flags = shape.get(&ShapeRecord::flags);
         const Mask triangle = m & less(hit.primitive, UInt(t_.first_quad()));
         const Mask quad = m & !triangle & less(hit.primitive, UInt(t_.first_sphere()));
         const Mask sphere = m & !triangle & !quad & less(hit.primitive, UInt(t_.first_disk()));
@@ -82,7 +84,7 @@ public:
         if (any(disk)) read_disk(hit, way, disk, s);
         if (any(curve)) {
             const Vec3 d = any(placed) ? select(placed, to_object.vector(hit.d), hit.d) : hit.d;
-            read_curve(t_, hit.primitive - UInt(t_.first_curve()), flags, hit.u, normalize(d), curve, s);
+            read_curve(t_, hit.primitive - UInt(t_.first_curve()), flags, hit, normalize(d), curve, s);
         }
         if (any(point)) read_point(hit, point, s);
         if (any(placed)) place(to_object, placed, s);
@@ -93,9 +95,14 @@ public:
         const Float agreement = dot(s.ns, s.ng);
         s.ns = flip_sign(s.ns, agreement);
         s.bitangent_sign = flip_sign(s.bitangent_sign, agreement);
-        s.at.p_world = fma(s.p, Float(float(1 / t_.render_scale)),
-                           Vec3(Float(float(t_.origin.x)), Float(float(t_.origin.y)), Float(float(t_.origin.z))));
+        if (scene_.textured) s.at.p_world = in_world(s.p);
         return s;
+    }
+
+    Vec3 in_world(const Vec3& p) const
+    {
+        return fma(p, Float(float(1 / t_.render_scale)),
+                   Vec3(Float(float(t_.origin.x)), Float(float(t_.origin.y)), Float(float(t_.origin.z))));
     }
 
     /// For the instance id AOV.

@@ -19,7 +19,7 @@ struct Surface {
     Float bitangent_sign;  ///< on which side of cross(ns, tangent) green of normal maps points: up in the image
     Float offset;          ///< rays that leave the surface begin so far off it, along ng: see rounding_along
     TexturePoint at;
-    UInt shape;
+    UInt shape, material;
 };
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -7,11 +7,11 @@
 ///     static constexpr bool transmits        whether light passes to the other side
 ///     static constexpr bool is_glossy        whether most goes in or near the mirror direction, which shading normals
 ///                                            must not put below the surface then
-///     static constexpr bool is_layered       whether MaterialPoint::layers are read for it
+///     static constexpr bool is_layered       whether it is made from a LayeredMaterialPoint
 ///     static constexpr bool is_guided        whether directions may also come from what has been learnt about light
 ///     (see
 ///                                            guiding/)
-///     explicit Closure(const MaterialPoint&)
+///     explicit Closure(const MaterialPoint&), or of a LayeredMaterialPoint
 ///     BsdfEval eval(wo, wi)                  what part of the light from wi goes to wo, times the cosine, and the
 ///                                            density of sampling wi
 ///     BsdfSample sample(wo, u, u1)           a direction with its weight, f_cos / pdf
@@ -19,6 +19,8 @@
 ///                                            where most goes into a narrow lobe, 0 where there are delta lobes
 ///     Mask has_smooth()                      lanes with anything but delta lobes, for which lights are sampled
 /// Delta lobes have a weight, and neither f_cos nor pdf.
+#include <type_traits>
+
 #include "sampling/warp.h"
 #include "shading/records.h"
 #include "shading/spectrum.h"
@@ -67,11 +69,18 @@ struct LayersPoint {
 struct MaterialPoint {
     Spectrum base_color;
     Float roughness, metallic, ior, fuzz;
-    Mask entering;       ///< the path comes from the side of the geometric normal
-    Mask thin;           ///< without thickness
-    Mask sheet;          ///< thin: of two boundaries, between which light goes to and fro
-    Mask compensated;    ///< scaled for what facets scatter more than once
-    LayersPoint layers;  ///< for closures that are layered
+    Mask entering;     ///< the path comes from the side of the geometric normal
+    Mask thin;         ///< without thickness
+    Mask sheet;        ///< thin: of two boundaries, between which light goes to and fro
+    Mask compensated;  ///< scaled for what facets scatter more than once
 };
+/// Of a surface of layers. Apart, since it is fifty times the registers that others need.
+struct LayeredMaterialPoint : MaterialPoint {
+    LayersPoint layers;
+};
+
+/// What a closure is made from.
+template <class Closure>
+using MaterialPointOf = std::conditional_t<Closure::is_layered, LayeredMaterialPoint, MaterialPoint>;
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -26,7 +26,7 @@ public:
     static constexpr bool is_layered = true;
     static constexpr bool is_guided = !passes;
 
-    explicit LayeredBsdf(const MaterialPoint& m)
+    explicit LayeredBsdf(const LayeredMaterialPoint& m)
         : l_(m.layers), color_(m.base_color), metallic_(m.metallic), thin_(m.thin)
     {
         const Float alpha = m.roughness * m.roughness;

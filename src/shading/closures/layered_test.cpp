@@ -18,9 +18,9 @@ void set(LayersPoint& l, LayersRecord::Features feature)
     l.features |= feature;
 }
 
-MaterialPoint layers(float color, float roughness, float metallic = 0, float ior = 1.5f)
+LayeredMaterialPoint layers(float color, float roughness, float metallic = 0, float ior = 1.5f)
 {
-    MaterialPoint m = material(color, roughness, metallic, ior);
+    LayeredMaterialPoint m{material(color, roughness, metallic, ior), {}};
     LayersPoint& l = m.layers;
     set(l, LayersRecord::energy_compensation);
     l.transmission_color = l.diffuse_transmission_color = l.coat_color = l.sheen_color = grey(1);
@@ -31,19 +31,19 @@ MaterialPoint layers(float color, float roughness, float metallic = 0, float ior
     l.thin_film_thickness = Float(400), l.thin_film_ior = Float(1.3f);
     return m;
 }
-MaterialPoint with_sheen(MaterialPoint m, float color, float roughness)
+LayeredMaterialPoint with_sheen(LayeredMaterialPoint m, float color, float roughness)
 {
     set(m.layers, LayersRecord::with_sheen);
     m.layers.sheen_color = grey(color), m.layers.sheen_roughness = Float(roughness);
     return m;
 }
-MaterialPoint with_coat(MaterialPoint m, float coat, float roughness)
+LayeredMaterialPoint with_coat(LayeredMaterialPoint m, float coat, float roughness)
 {
     set(m.layers, LayersRecord::with_coat);
     m.layers.coat = Float(coat), m.layers.coat_roughness = Float(roughness);
     return m;
 }
-MaterialPoint with_anisotropy(MaterialPoint m, float strength, double degrees)
+LayeredMaterialPoint with_anisotropy(LayeredMaterialPoint m, float strength, double degrees)
 {
     set(m.layers, LayersRecord::anisotropic);
     m.layers.anisotropy = Float(strength);
@@ -51,32 +51,32 @@ MaterialPoint with_anisotropy(MaterialPoint m, float strength, double degrees)
     m.layers.tangent = Vec3(Float(float(std::cos(a))), Float(float(std::sin(a))), Float(0));
     return m;
 }
-MaterialPoint with_transmission(MaterialPoint m, float share, bool thin, bool entering = true)
+LayeredMaterialPoint with_transmission(LayeredMaterialPoint m, float share, bool thin, bool entering = true)
 {
     set(m.layers, LayersRecord::with_transmission);
     m.layers.transmission = Float(share);
     m.thin = Mask(thin), m.entering = Mask(entering);
     return m;
 }
-MaterialPoint with_diffuse_transmission(MaterialPoint m, float share)
+LayeredMaterialPoint with_diffuse_transmission(LayeredMaterialPoint m, float share)
 {
     set(m.layers, LayersRecord::with_diffuse_transmission);
     m.layers.diffuse_transmission = Float(share);
     return m;
 }
-MaterialPoint with_film(MaterialPoint m, float share)
+LayeredMaterialPoint with_film(LayeredMaterialPoint m, float share)
 {
     set(m.layers, LayersRecord::with_thin_film);
     m.layers.thin_film = Float(share);
     return m;
 }
-MaterialPoint with_rough_diffuse(MaterialPoint m)
+LayeredMaterialPoint with_rough_diffuse(LayeredMaterialPoint m)
 {
     set(m.layers, LayersRecord::rough_diffuse);
     m.layers.diffuse_roughness = Float(0.6f);
     return m;
 }
-MaterialPoint with_all(MaterialPoint m)
+LayeredMaterialPoint with_all(LayeredMaterialPoint m)
 {
     m = with_coat(with_sheen(with_anisotropy(m, 0.6f, 30), 0.4f, 0.4f), 0.7f, 0.35f);
     m.layers.coat_normal = normalize(Vec3(Float(0.1f), Float(-0.15f), Float(1)));
@@ -90,7 +90,7 @@ TEST(Layered, SamplingAgreesWithItsDensity)
 {
     for (const double degrees : {20.0, 75.0}) {
         check_sampling(Opaque(with_all(layers(0.6f, 0.5f, 0.5f))), degrees, "all");
-        MaterialPoint m = with_diffuse_transmission(with_anisotropy(layers(0.6f, 0.5f), 0.5f, 30), 0.4f);
+        LayeredMaterialPoint m = with_diffuse_transmission(with_anisotropy(layers(0.6f, 0.5f), 0.5f, 30), 0.4f);
         check_sampling(Passing(with_transmission(m, 0.6f, true)), degrees, "a sheet");
         m = with_sheen(with_coat(m, 0.7f, 0.4f), 0.4f, 0.5f);
         check_sampling(Passing(with_transmission(m, 0.5f, false)), degrees, "a solid, from outside");
@@ -116,7 +116,7 @@ std::pair<double, double> albedo_of(const Bsdf& bsdf, double degrees, int n = 12
 }
 
 template <class Bsdf>
-void expect_white(const MaterialPoint& m, const char* what)
+void expect_white(const LayeredMaterialPoint& m, const char* what)
 {
     for (const double degrees : {0.0, 50.0, 80.0}) {
         const auto [albedo, error] = albedo_of(Bsdf(m), degrees);
@@ -129,7 +129,7 @@ TEST(Layered, WhiteFurnace)
 {
     for (const float roughness : {0.0f, 0.3f, 1.0f})
         for (const float metallic : {0.0f, 0.5f}) {
-            const MaterialPoint m = layers(1, roughness, metallic);
+            const LayeredMaterialPoint m = layers(1, roughness, metallic);
             expect_white<Opaque>(m, "nothing more");
             expect_white<Opaque>(with_rough_diffuse(m), "rough diffuse");
             expect_white<Opaque>(with_coat(m, 1, 0), "smooth coat");
@@ -141,7 +141,7 @@ TEST(Layered, WhiteFurnace)
         expect_white<Passing>(with_transmission(layers(1, 0.05f), share, false), "transmission");
         expect_white<Passing>(with_transmission(layers(1, 0.05f), share, true), "thin transmission");
     }
-    MaterialPoint m = layers(1, 0.4f);
+    LayeredMaterialPoint m = layers(1, 0.4f);
     m.layers.specular = Float(0.3f);
     expect_white<Opaque>(m, "less specular");
     m.layers.specular = Float(1), m.layers.specular_color = grey(5);
@@ -175,7 +175,7 @@ TEST(Layered, IsPrincipledWhereNothingIsAdded)
     for (const float metallic : {0.0f, 0.3f, 1.0f})
         for (int i = 0; i < 200; ++i) {
             const Vec3 wo = sample_cosine_hemisphere(random.next2()), wi = sample_cosine_hemisphere(random.next2());
-            const MaterialPoint m = layers(0.7f, 0.3f, metallic);
+            const LayeredMaterialPoint m = layers(0.7f, 0.3f, metallic);
             const float expected = first(PrincipledBsdf(m).eval(wo, wi).f_cos.c[0]);
             EXPECT_NEAR(first(Opaque(m).eval(wo, wi).f_cos.c[0]), expected, 2e-4f * expected + 1e-6f);
         }
@@ -186,7 +186,7 @@ TEST(Layered, IsGlassWhereAllIsRefracted)
     Random random(5);
     for (const bool entering : {true, false})
         for (int i = 0; i < 400; ++i) {
-            const MaterialPoint m = with_transmission(layers(1, 0.5f), 1, false, entering);
+            const LayeredMaterialPoint m = with_transmission(layers(1, 0.5f), 1, false, entering);
             const Vec3 wo = sample_cosine_hemisphere(random.next2());
             Vec3 wi = sample_cosine_hemisphere(random.next2());
             if (i % 2) wi.z = -wi.z;
@@ -220,7 +220,7 @@ TEST(Layered, AnisotropyFollowsItsFormula)
     const double roughness = 0.4, strength = 0.7, angle = 25 * std::numbers::pi / 180;
     const double at = roughness * roughness * (1 - strength * strength) + strength * strength,
                  ab = roughness * roughness;
-    MaterialPoint m = with_anisotropy(layers(0.5f, float(roughness), 1), float(strength), 25);
+    LayeredMaterialPoint m = with_anisotropy(layers(0.5f, float(roughness), 1), float(strength), 25);
     m.layers.compensation = Float(0);
     Random random(6);
     for (int i = 0; i < 100; ++i) {
@@ -243,7 +243,7 @@ TEST(Layered, AnisotropyFollowsItsFormula)
 TEST(Layered, SheenFollowsItsFormula)
 {
     const double roughness = 0.45, alpha = roughness * roughness;
-    MaterialPoint m = with_sheen(layers(0, float(roughness), 1), 0.6f, float(roughness));
+    LayeredMaterialPoint m = with_sheen(layers(0, float(roughness), 1), 0.6f, float(roughness));
     set(m.layers, LayersRecord::sheen_reciprocal);
     const SheenLobe lobe{Float(float(roughness))};
     Random random(7);
@@ -253,7 +253,7 @@ TEST(Layered, SheenFollowsItsFormula)
         const double sine = std::sqrt(1 - h.z * h.z);
         const double d = (2 + 1 / alpha) * std::pow(sine, 1 / alpha) / (2 * std::numbers::pi);
         const double expected = 0.6 * d / (4 * (o.z + l.z - o.z * l.z)) * l.z;
-        const MaterialPoint without = layers(0, float(roughness), 1);
+        const LayeredMaterialPoint without = layers(0, float(roughness), 1);
         const double base = first(Opaque(without).eval(wo, wi).f_cos.c[0]);
         const double out = first(lobe.albedo(wo)), most = std::max<double>(out, first(lobe.albedo(wi)));
         m.layers.sheen_reciprocal = Mask(false);
@@ -281,7 +281,7 @@ TEST(Sheen, AlbedoIsTheIntegralOfTheLobe)
 /// A coat's lobe lies about its own normal, and by its own roughness.
 TEST(Layered, CoatFollowsItsFormula)
 {
-    MaterialPoint m = with_coat(layers(0, 0.3f, 0, 1), 0.8f, 0.4f);
+    LayeredMaterialPoint m = with_coat(layers(0, 0.3f, 0, 1), 0.8f, 0.4f);
     m.layers.specular = Float(0);
     const V n = unit({0.2, -0.1, 1});
     m.layers.coat_normal = Vec3(Float(float(n.x)), Float(float(n.y)), Float(float(n.z)));
@@ -304,7 +304,7 @@ TEST(Layered, CoatFollowsItsFormula)
 /// A coat over a base of some colour darkens it: light goes up and down between them.
 TEST(Layered, CoatDarkensByGeometricSeries)
 {
-    MaterialPoint m = with_coat(layers(0.5f, 1, 0, 1), 1, 0);
+    LayeredMaterialPoint m = with_coat(layers(0.5f, 1, 0, 1), 1, 0);
     m.layers.specular = Float(0);
     const double without = first(Opaque(m).eval(outgoing(20), outgoing(60)).f_cos.c[0]);
     m.layers.coat_darkening = Float(1);
@@ -321,7 +321,7 @@ TEST(Layered, ColourOfWhatIsRefracted)
 {
     for (const bool thin : {false, true})
         for (const bool entering : {true, false}) {
-            MaterialPoint m = with_transmission(layers(1, 0.5f), 0.7f, thin, entering);
+            LayeredMaterialPoint m = with_transmission(layers(1, 0.5f), 0.7f, thin, entering);
             const Vec3 wo = outgoing(20), down = -outgoing(30);
             const float white = first(Passing(m).eval(wo, down).f_cos.c[0]);
             m.layers.transmission_color = grey(0.25f);
@@ -332,7 +332,7 @@ TEST(Layered, ColourOfWhatIsRefracted)
 /// A thin surface has one boundary: what the mirror image gets, what is straight on does not.
 TEST(Layered, ThinReflectsOnce)
 {
-    MaterialPoint m = with_transmission(layers(1, 0.5f), 1, true);
+    LayeredMaterialPoint m = with_transmission(layers(1, 0.5f), 1, true);
     m.layers.compensation = Float(0);
     const Vec3 wo = outgoing(50), straight = -wo, mirrored{-wo.x, wo.y, wo.z};
     const double beyond = first(Passing(m).eval(wo, straight).f_cos.c[0]),
@@ -345,8 +345,8 @@ TEST(Layered, ThinReflectsOnce)
 TEST(Layered, OuterLayersAreOutside)
 {
     for (const bool entering : {true, false}) {
-        const MaterialPoint m = with_transmission(layers(1, 0.5f), 0.7f, false, entering);
-        MaterialPoint more = with_film(with_sheen(with_coat(m, 1, 0.4f), 0.7f, 0.5f), 1);
+        const LayeredMaterialPoint m = with_transmission(layers(1, 0.5f), 0.7f, false, entering);
+        LayeredMaterialPoint more = with_film(with_sheen(with_coat(m, 1, 0.4f), 0.7f, 0.5f), 1);
         more.layers.coat_color = grey(0.5f);
         for (const Vec3& wi : {outgoing(35), -outgoing(35)}) {
             const float without = first(Passing(m).eval(outgoing(20), wi).f_cos.c[0]),
@@ -362,7 +362,7 @@ TEST(Layered, OuterLayersAreOutside)
 /// A metal's reflectance at 82 degrees is Schlick's times the edge's colour; at 0 it is its colour.
 TEST(Layered, EdgeColour)
 {
-    MaterialPoint m = layers(0.4f, 0.05f, 1);
+    LayeredMaterialPoint m = layers(0.4f, 0.05f, 1);
     const double degrees = std::acos(1.0 / 7) * 180 / std::numbers::pi;
     const double before = albedo_of(Opaque(m), degrees, 40000).first, head_on = albedo_of(Opaque(m), 0, 40000).first;
     m.layers.edge_color = grey(0.5f);
@@ -434,7 +434,7 @@ TEST(ThinFilm, IsAirysSumSeenByTheEye)
 }
 TEST(Layered, FilmOfNoThicknessIsNone)
 {
-    MaterialPoint m = layers(0.4f, 0.3f, 0.5f);
+    LayeredMaterialPoint m = layers(0.4f, 0.3f, 0.5f);
     const float none = first(Opaque(m).eval(outgoing(20), outgoing(60)).f_cos.c[0]);
     m = with_film(m, 1);
     EXPECT_GT(std::abs(first(Opaque(m).eval(outgoing(20), outgoing(60)).f_cos.c[0]) - none), 0.01f * none);
@@ -448,7 +448,7 @@ TEST(Dispersion, ChoosesAChannelByChance)
     const int n = 30000;
     double sums[channels] = {}, counts[channels] = {};
     for (int i = 0; i < n; ++i) {
-        MaterialPoint m = with_transmission(layers(1, 0), 1, false);
+        LayeredMaterialPoint m = with_transmission(layers(1, 0), 1, false);
         set(m.layers, LayersRecord::disperses);
         m.layers.dispersion = Float(2);
         Spectrum throughput;
@@ -476,7 +476,7 @@ TEST(Dispersion, ChoosesAChannelByChance)
 }
 TEST(Dispersion, LeavesOthersAlone)
 {
-    MaterialPoint m = with_transmission(layers(1, 0), 1, false);
+    LayeredMaterialPoint m = with_transmission(layers(1, 0), 1, false);
     Spectrum throughput = grey(0.5f);
     choose_channel({UInt(7u), UInt(3u)}, UInt(5u), m, throughput);
     EXPECT_EQ(first(throughput.c[0]), 0.5f);

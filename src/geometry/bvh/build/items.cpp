@@ -126,20 +126,25 @@ bool disk_item(const GeometryTables& tables, std::uint32_t index, Item& item)
     return true;
 }
 
-bool curve_item(const GeometryTables& tables, std::uint32_t segment, std::uint32_t piece, Item& item)
+bool curve_item(const GeometryTables& tables, const BvhData& bvh, std::uint32_t segment, std::uint32_t piece,
+                Item& item)
 {
-    const ShapeRecord& shape = tables.shapes[tables.shape_of_primitive[tables.first_curve() + segment]];
+    const ShapeRecord& shape = shape_of_segment(tables, segment);
     if (piece >= tables.curves[segment].pieces) return false;
-    const PieceEnds ends = piece_ends(tables, piece_id(segment, piece), shape.flags & ShapeRecord::linear_curves);
-    const CurvePoint<float>&a = ends.a, &b = ends.b;
-    for (float x : {a.x, a.y, a.z, a.r, b.x, b.y, b.z, b.r})
-        if (!std::isfinite(x)) return false;
-    if (!(a.r > 0 || b.r > 0)) return false;
-    // A little larger: distances have rounding errors of their own.
-    const double ra = a.r * (1 + 0x1p-16), rb = b.r * (1 + 0x1p-16);
-    set_box(item, {std::min(a.x - ra, b.x - rb), std::min(a.y - ra, b.y - rb), std::min(a.z - ra, b.z - rb)},
-            {std::max(a.x + ra, b.x + rb), std::max(a.y + ra, b.y + rb), std::max(a.z + ra, b.z + rb)});
-    item.id = piece_id(segment, piece);
+    const std::uint32_t id = piece_id(segment, piece);
+    const std::size_t times = shape.moving_vertices > 0 ? tables.vertex_times.size() : 1;
+    bool has_radius = false;
+    for (std::size_t key = 0; key < times; ++key) {
+        const PieceEnds ends = piece_ends(tables, id, shape.flags & ShapeRecord::linear_curves, key);
+        const CurvePoint<float>&a = ends.a, &b = ends.b;
+        for (float x : {a.x, a.y, a.z, a.r, b.x, b.y, b.z, b.r})
+            if (!std::isfinite(x)) return false;
+        has_radius |= a.r > 0 || b.r > 0;
+        if (times == 1) set_box(item, box_of(ends));
+    }
+    if (!has_radius) return false;
+    if (times > 1) set_box(item, moving_box(tables, bvh, {}, Item::curve, id).middle());
+    item.id = id;
     item.kind = shape.flags & ShapeRecord::ribbons ? Item::ribbon : Item::curve;
     return true;
 }
@@ -248,7 +253,7 @@ ItemList shape_items(const GeometryTables& tables, const BvhData& bvh, std::uint
     if (first < tables.first_point()) {
         const std::uint32_t most = most_pieces(tables, first - tables.first_curve(), n);
         return make_items(n * most, [&, most](std::size_t i, Item& item) {
-            return curve_item(tables, std::uint32_t(first - tables.first_curve() + i / most), i % most, item);
+            return curve_item(tables, bvh, std::uint32_t(first - tables.first_curve() + i / most), i % most, item);
         });
     }
     return make_items(n, [&](std::size_t i, Item& item) {
@@ -279,7 +284,7 @@ ItemList world_items(const GeometryTables& tables, const BvhData& bvh, const std
             return !placed(tables.first_disk() + (i - spheres)) && disk_item(tables, std::uint32_t(i - spheres), item);
         if (i < curves) {
             const auto segment = std::uint32_t((i - disks) / most), piece = std::uint32_t((i - disks) % most);
-            return !placed(tables.first_curve() + segment) && curve_item(tables, segment, piece, item);
+            return !placed(tables.first_curve() + segment) && curve_item(tables, bvh, segment, piece, item);
         }
         if (i < points)
             return !placed(tables.first_point() + (i - curves)) && point_item(tables, std::uint32_t(i - curves), item);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace fathom::bvh {
 
@@ -36,26 +38,42 @@ private:
     std::size_t n_, first_;
 };
 
-void put_curves(const GeometryTables& tables, const std::vector<std::uint32_t>& ids, bool ribbons,
-                std::vector<std::uint32_t>& words)
+bool any_moves(const GeometryTables& tables, const std::vector<std::uint32_t>& ids)
 {
-    Arrays arrays(words, ids.size(), ribbons ? 16 : 10);
+    return !tables.vertex_times.empty() && std::any_of(ids.begin(), ids.end(), [&](std::uint32_t id) {
+        return shape_of_segment(tables, id >> piece_bits).moving_vertices > 0;
+    });
+}
+
+void put_curves_at(const GeometryTables& tables, const std::vector<std::uint32_t>& ids, bool ribbons, std::size_t key,
+                   std::vector<std::uint32_t>& words)
+{
+    Arrays arrays(words, ids.size(), std::size_t(CurveLeaf::arrays_at_time(ribbons)));
     for (std::size_t i = 0; i < ids.size(); ++i) {
-        const std::uint32_t segment = ids[i] >> piece_bits, piece = ids[i] & (CurveRecord::max_pieces - 1);
-        const std::uint32_t shape = tables.shape_of_primitive[tables.first_curve() + segment];
-        const std::uint32_t flags = tables.shapes[shape].flags;
-        const PieceEnds ends = piece_ends(tables, ids[i], flags & ShapeRecord::linear_curves);
-        const float share = 1 / float(tables.curves[segment].pieces);
+        const std::uint32_t flags = shape_of_segment(tables, ids[i] >> piece_bits).flags;
+        const PieceEnds ends = piece_ends(tables, ids[i], flags & ShapeRecord::linear_curves, key);
         arrays.set_vector(0, i, ends.a);
         arrays.set(3, i, flags & ShapeRecord::solid_curves ? -ends.a.r : ends.a.r);
         arrays.set_vector(4, i, ends.b);
         arrays.set(7, i, ends.b.r);
-        arrays.set(8, i, float(piece) * share);
-        arrays.set(9, i, share);
         if (!ribbons) continue;
-        arrays.set_vector(10, i, ends.tangent_a);
-        arrays.set_vector(13, i, ends.tangent_b);
+        arrays.set_vector(8, i, ends.tangent_a);
+        arrays.set_vector(11, i, ends.tangent_b);
     }
+}
+
+void put_curves(const GeometryTables& tables, const std::vector<std::uint32_t>& ids, bool ribbons,
+                std::vector<std::uint32_t>& words)
+{
+    Arrays places(words, ids.size(), CurveLeaf::first_time);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        const std::uint32_t piece = ids[i] & (CurveRecord::max_pieces - 1);
+        const float share = 1 / float(tables.curves[ids[i] >> piece_bits].pieces);
+        places.set(0, i, float(piece) * share);
+        places.set(1, i, share);
+    }
+    const std::size_t times = any_moves(tables, ids) ? tables.vertex_times.size() : 1;
+    for (std::size_t key = 0; key < times; ++key) put_curves_at(tables, ids, ribbons, key, words);
 }
 
 void put_points(const GeometryTables& tables, const std::vector<std::uint32_t>& ids, std::vector<std::uint32_t>& words)
@@ -70,13 +88,20 @@ void put_points(const GeometryTables& tables, const std::vector<std::uint32_t>& 
 
 }  // namespace
 
-PieceEnds piece_ends(const GeometryTables& tables, std::uint32_t id, bool linear)
+const ShapeRecord& shape_of_segment(const GeometryTables& tables, std::uint32_t segment)
+{
+    return tables.shapes[tables.shape_of_primitive[tables.first_curve() + segment]];
+}
+
+PieceEnds piece_ends(const GeometryTables& tables, std::uint32_t id, bool linear, std::size_t key)
 {
     const CurveRecord& curve = tables.curves[id >> piece_bits];
     const std::uint32_t piece = id & (CurveRecord::max_pieces - 1);
+    std::size_t first = curve.first_point;
+    if (key > 0) first += key * shape_of_segment(tables, id >> piece_bits).moving_vertices;
     CurvePoint<float> p[4];
     for (std::size_t i = 0; i < (linear ? 2 : 4); ++i) {
-        const Vec4f& v = tables.curve_points[curve.first_point + i];
+        const Vec4f& v = tables.curve_points[first + i];
         p[i] = {v.x, v.y, v.z, v.w};
     }
     if (linear) {
@@ -85,6 +110,23 @@ PieceEnds piece_ends(const GeometryTables& tables, std::uint32_t id, bool linear
     }
     const float share = 1 / float(curve.pieces), begin = float(piece) * share, end = float(piece + 1) * share;
     return {bezier(p, begin), bezier(p, end), bezier_tangent(p, begin), bezier_tangent(p, end)};
+}
+
+Box box_of(const PieceEnds& ends)
+{
+    const CurvePoint<float>&a = ends.a, &b = ends.b;
+    // A little larger: distances have rounding errors of their own.
+    const double ra = a.r * (1 + 0x1p-16), rb = b.r * (1 + 0x1p-16);
+    const double low[3] = {std::min(a.x - ra, b.x - rb), std::min(a.y - ra, b.y - rb), std::min(a.z - ra, b.z - rb)};
+    const double high[3] = {std::max(a.x + ra, b.x + rb), std::max(a.y + ra, b.y + rb), std::max(a.z + ra, b.z + rb)};
+    // Rounded outwards.
+    constexpr float inf = std::numeric_limits<float>::infinity();
+    Box box;
+    for (int axis = 0; axis < 3; ++axis) {
+        box.v[axis] = std::nextafter(float(low[axis]), -inf);
+        box.v[4 + axis] = std::nextafter(float(-high[axis]), -inf);
+    }
+    return box;
 }
 
 IndexedTriangles::Vertex IndexedTriangles::vertex(BvhKey key, int corner, const Vec3f& position) const
@@ -165,7 +207,7 @@ std::size_t put_leaf(const GeometryTables& tables, std::uint32_t kind, const std
         for (std::uint32_t id : ids) triangles.add(id);
         return triangles.put(words);
     }
-    words.push_back(std::uint32_t(n));
+    words.push_back(std::uint32_t(n) | (curves && any_moves(tables, ids) ? BvhLeaf::moving_bit : 0));
     for (std::uint32_t id : ids) words.push_back(curves ? id >> piece_bits : id);
     if (curves) put_curves(tables, ids, kind == Item::ribbon, words);
     if (kind == Item::point) put_points(tables, ids, words);

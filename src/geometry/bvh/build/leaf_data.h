@@ -20,8 +20,13 @@ inline std::uint32_t piece_id(std::uint32_t segment, std::uint32_t piece)
 struct PieceEnds {
     CurvePoint<float> a, b, tangent_a, tangent_b;
 };
-/// linear: whether the segment is a line. The same bits as surfaces and tests find.
-PieceEnds piece_ends(const GeometryTables& tables, std::uint32_t id, bool linear);
+/// linear: whether the segment is a line. key: which of vertex_times, if it moves. The same bits as surfaces and tests
+/// find.
+PieceEnds piece_ends(const GeometryTables& tables, std::uint32_t id, bool linear, std::size_t key = 0);
+/// Around the balls at both ends and all between them.
+Box box_of(const PieceEnds& ends);
+/// The shape of a segment.
+const ShapeRecord& shape_of_segment(const GeometryTables& tables, std::uint32_t segment);
 
 /// The triangles of a leaf that holds each vertex once.
 class IndexedTriangles {

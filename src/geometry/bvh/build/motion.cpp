@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/bvh/build/leaf_data.h"
+
 namespace fathom::bvh {
 
 namespace {
@@ -98,26 +100,48 @@ Box transformed(const Matrix& m, const Box& box, double rounding)
     return widened(out, rounding * radius * norm_of(m) * norm_of(inverse_of(rounded)));
 }
 
-MovingBox triangle_box(const GeometryTables& tables, BvhKey key)
+/// Around what is in box_at(k) at vertex_times[k] and goes straight in between.
+template <class BoxAt>
+MovingBox box_through_keys(const GeometryTables& tables, const BoxAt& box_at)
 {
     const std::size_t n = tables.vertex_times.size();
+    const float open = tables.vertex_times.front(), close = tables.vertex_times.back();
     std::vector<float> times(n);
     std::vector<Box> boxes(n);
     for (std::size_t k = 0; k < n; ++k) {
+        times[k] = (tables.vertex_times[k] - open) / (close - open);
+        const Box box = box_at(k);
+        boxes[k] = widened(box, 0x1p-22 * largest(box));
+    }
+    return MovingBox::around(times.data(), boxes.data(), n);
+}
+
+MovingBox triangle_box(const GeometryTables& tables, BvhKey key)
+{
+    return box_through_keys(tables, [&](std::size_t k) {
         Vec3f v[3];
         vertices_of(tables, key, v, k);
-        const float open = tables.vertex_times.front(), close = tables.vertex_times.back();
-        times[k] = (tables.vertex_times[k] - open) / (close - open);
+        Box box;
         for (const Vec3f& p : v) {
             const float x[8] = {p.x,  p.y,  p.z,  std::numeric_limits<float>::infinity(),
                                 -p.x, -p.y, -p.z, std::numeric_limits<float>::infinity()};
             V8 point;
             std::memcpy(&point, x, sizeof point);
-            boxes[k].extend(point);
+            box.extend(point);
         }
-        boxes[k] = widened(boxes[k], 0x1p-22 * largest(boxes[k]));
-    }
-    return MovingBox::around(times.data(), boxes.data(), n);
+        return box;
+    });
+}
+
+MovingBox piece_box(const GeometryTables& tables, std::uint32_t id)
+{
+    const ShapeRecord& shape = shape_of_segment(tables, id >> piece_bits);
+    const auto box_at = [&](std::size_t key) {
+        return box_of(piece_ends(tables, id, shape.flags & ShapeRecord::linear_curves, key));
+    };
+    if (shape.moving_vertices > 0) return box_through_keys(tables, box_at);
+    const Box box = box_at(0);
+    return {box, box};
 }
 
 MovingBox sphere_box(const GeometryTables& tables, std::uint32_t index)
@@ -214,6 +238,7 @@ MovingBox moving_box(const GeometryTables& tables, const BvhData& bvh, const std
 {
     if (kind == Item::moving_triangle) return triangle_box(tables, id);
     if (kind == Item::sphere) return sphere_box(tables, id);
+    if (kind == Item::curve) return piece_box(tables, id);
     const InstanceRecord& instance = tables.instances[id];
     const MovingBox& mesh = mesh_boxes[instance.mesh_shape];
     if (instance.pose_count() > 0) return moving_instance_box(tables, instance, mesh);
@@ -274,12 +299,26 @@ public:
                 for (int i = 0; i < leaf.count(); ++i) extend(Item::sphere, leaf.ids()[i]);
                 return moving;
             }
+            case BvhReference::curves:
+            case BvhReference::ribbons: {
+                const BvhLeaf leaf{&bvh_.others[place * BvhLeaf::unit]};
+                if (!leaf.moves()) return {box, box};
+                for (int i = 0; i < leaf.count(); ++i) extend(Item::curve, piece_in(leaf, i));
+                return moving;
+            }
             default:
                 return {box, box};
         }
     }
 
 private:
+    /// The piece_id of one of a leaf, which has numbers of segments.
+    static std::uint32_t piece_in(const BvhLeaf& leaf, int i)
+    {
+        const float begin = leaf.data()[i], share = leaf.data()[leaf.count() + i];
+        return piece_id(leaf.ids()[i], std::uint32_t(begin / share));
+    }
+
     MovingBox add_node(std::uint32_t& reference)
     {
         BvhNode node = still_[reference - first_];

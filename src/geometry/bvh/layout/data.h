@@ -60,9 +60,12 @@ struct BvhReference {
 /// then what is tested.
 struct BvhLeaf {
     static constexpr std::size_t unit = 4;
+    static constexpr std::uint32_t moving_bit = 1u << 16;
     const std::uint32_t* words;
 
     int count() const { return int(words[0] & 255); }
+    /// Whether it has data for each of the scene's vertex_times; told beside the count.
+    bool moves() const { return words[0] & moving_bit; }
     const std::uint32_t* ids() const { return words + 1; }
     static std::size_t header(std::size_t n) { return 1 + n; }
     const float* data() const { return reinterpret_cast<const float*>(words + header(words[0] & 255)); }
@@ -70,16 +73,22 @@ struct BvhLeaf {
 
 /// One of triangles that holds each of their vertices once: by triangle, as bytes, which vertex is its first corner,
 /// its second, its third; then x, y, z of the vertices, where they move for each of the scene's vertex_times. How many
-/// those are and whether they move stands beside the count.
+/// those are stands beside the count.
 struct IndexedLeaf : BvhLeaf {
     static constexpr int max_vertices = 16, vertices_shift = 8;
-    static constexpr std::uint32_t moving_bit = 1u << 16;
 
     static std::size_t corner_words(std::size_t n) { return (3 * n + 3) / 4; }
     std::ptrdiff_t vertices() const { return words[0] >> vertices_shift & 255; }
-    bool moves() const { return words[0] & moving_bit; }
     const std::uint8_t* corners(int k) const { return reinterpret_cast<const std::uint8_t*>(data()) + k * count(); }
     const float* axis(std::ptrdiff_t i) const { return data() + corner_words(std::size_t(count())) + i * vertices(); }
+};
+
+/// One of pieces of curves. Arrays: where a piece begins along its segment, and how much of it that is; then, where any
+/// moves for each of the scene's vertex_times, both ends with their radii, of ribbons also the tangents there. The
+/// first radius of solid curves is negative, or -0.
+struct CurveLeaf {
+    static constexpr int first_time = 2;
+    static constexpr int arrays_at_time(bool ribbons) { return ribbons ? 14 : 8; }
 };
 
 /// Up to 16 children; the boxes of slots without a child are empty (low bound above high). Behind a node that moves

@@ -24,6 +24,9 @@ struct LeafRay {
     Vec3 o, d;
     Float scale, inverse_scale;  ///< of distances here to those of the ray
     Float time;
+    /// As in RayTimes, where anything moves.
+    std::uint32_t key = 0;
+    float fraction = 0;
 
     LeafRay(const PreparedRay& ray, bool placed)
         : o(ray.vector(PreparedRays::origin_x)),
@@ -91,33 +94,73 @@ bool meet_points(const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
     return meet_all<any_hit>(leaf.count(), ray, meet, offer);
 }
 
-/// Data: 10 arrays, both ends with their radii, where the piece begins along its segment, and how much of it that is;
-/// of ribbons besides the tangents at both ends. The first radius of solid curves is negative, or -0.
-template <bool any_hit, bool ribbons, class Offer>
+/// The arrays of a CurveLeaf at the time of a ray.
+template <bool ribbons, bool moving>
+class CurveLeafReader {
+public:
+    CurveLeafReader(const BvhLeaf& leaf, const LeafRay& ray, int at)
+        : leaf_(leaf), at_(at), moves_(moving && leaf.moves()), fraction_(ray.fraction)
+    {
+        if (moves_) first_ += int(ray.key) * CurveLeaf::arrays_at_time(ribbons);
+    }
+    Float begin() const { return array_from(leaf_, 0, at_); }
+    Float share() const { return array_from(leaf_, 1, at_); }
+    Float number(int k) const
+    {
+        const Float now = array_from(leaf_, first_ + k, at_);
+        if (!moving || !moves_) return now;
+        return mix(now, array_from(leaf_, first_ + CurveLeaf::arrays_at_time(ribbons) + k, at_), fraction_);
+    }
+    Vec3 vector(int k) const { return {number(k), number(k + 1), number(k + 2)}; }
+    /// By the sign of a radius at a key, which would be lost in between where both are 0.
+    Mask solid() const { return (float_bits(array_from(leaf_, first_ + 3, at_)) >> 31) != UInt(0u); }
+
+private:
+    const BvhLeaf& leaf_;
+    int at_, first_ = CurveLeaf::first_time;
+    bool moves_;
+    Float fraction_;
+};
+
+struct PieceHits {
+    Mask m;
+    Float t, w;
+};
+/// Of the lanes of the mask. Apart, so that other curves don't pay.
+[[gnu::noinline]] inline PieceHits meet_solid_pieces(const GeometryTables& tables, UInt segment, Float number,
+                                                     const CurvePiece& piece, const LeafRay& ray, Mask solid)
+{
+    const KeyTime time{UInt(ray.key), Float(ray.fraction)};
+    const SolidPieces solids(tables, segment, number, time, solid);
+    PieceHits hits;
+    hits.m = solids.meet(piece, ray.o, ray.d, hits.t, hits.w);
+    return hits;
+}
+
+/// moving  whether anything in the scene does
+template <bool any_hit, bool ribbons, bool moving, class Offer>
 bool meet_curves(const GeometryTables& tables, const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
     const auto meet = [&](int at, Float& t, Float& u, Float&) {
-        const auto number = [&](int k) { return array_from(leaf, k, at); };
-        const auto vector = [&](int k) { return Vec3{number(k), number(k + 1), number(k + 2)}; };
-        const CurvePiece piece{vector(0), vector(4), abs(number(3)), number(7)};
+        const CurveLeafReader<ribbons, moving> pieces(leaf, ray, at);
+        const CurvePiece piece{pieces.vector(0), pieces.vector(4), abs(pieces.number(3)), pieces.number(7)};
         Float w;
         Mask m;
         if constexpr (ribbons)
-            m = meet_ribbon_piece(piece, vector(10), vector(13), ray.o, ray.d, Float(infinity), t, w);
+            m = meet_ribbon_piece(piece, pieces.vector(8), pieces.vector(11), ray.o, ray.d, Float(infinity), t, w);
         else {
             m = meet_round_piece(piece, ray.o, ray.d, Float(infinity), t, w);
-            const Mask solid = (float_bits(number(3)) >> 31) != UInt(0u);
+            const Mask solid = pieces.solid();
             if (any(solid)) {
-                Float solid_t, solid_w;
-                const SolidPieces pieces(tables, ids_from(leaf, at), number(8) / number(9), solid);
-                const Mask met = pieces.meet(piece, ray.o, ray.d, solid_t, solid_w);
-                m = (m & !solid) | (met & solid);
-                t = select(solid, solid_t, t);
-                w = select(solid, solid_w, w);
+                const Float number = pieces.begin() / pieces.share();
+                const PieceHits hits = meet_solid_pieces(tables, ids_from(leaf, at), number, piece, ray, solid);
+                m = (m & !solid) | (hits.m & solid);
+                t = select(solid, hits.t, t);
+                w = select(solid, hits.w, w);
             }
         }
         // Powers of 2 both: the end of a piece is the beginning of the next.
-        u = fma(w, number(9), number(8));
+        u = fma(w, pieces.share(), pieces.begin());
         return m;
     };
     return meet_all<any_hit>(leaf.count(), ray, meet, offer);

@@ -420,16 +420,17 @@ private:
                 return take(ray, m, t, u, v, [&](int lane) { return first + factor * leaf.ids()[at + lane]; });
             };
         };
-        const LeafRay r(prepared(ray), states_[ray].instance != no_index);
+        LeafRay r(prepared(ray), states_[ray].instance != no_index);
+        if constexpr (moving) r.key = memory_.times.key[ray], r.fraction = memory_.times.fraction[ray];
         switch (kind) {
             case BvhReference::spheres:
                 return meet_spheres<any_hit>(tables, leaf, r, offer_keys(2 * tables.first_sphere(), 2));
             case BvhReference::disks:
                 return meet_disks<any_hit>(tables, leaf, r, offer_keys(2 * tables.first_disk(), 2));
             case BvhReference::curves:
-                return meet_curves<any_hit, false>(tables, leaf, r, offer_keys(2 * tables.first_curve(), 2));
+                return meet_curves<any_hit, false, moving>(tables, leaf, r, offer_keys(2 * tables.first_curve(), 2));
             case BvhReference::ribbons:
-                return meet_curves<any_hit, true>(tables, leaf, r, offer_keys(2 * tables.first_curve(), 2));
+                return meet_curves<any_hit, true, moving>(tables, leaf, r, offer_keys(2 * tables.first_curve(), 2));
             default:
                 return meet_points<any_hit>(leaf, r, offer_keys(2 * tables.first_point(), 2));
         }
