@@ -228,6 +228,17 @@ class Checkpoints(CommandLine):
         self.assertNotIn("missing", self.ok("merge", "more.exr", "1.exr", "-o", "all.png").stderr)
         self.assertEqual(self.read("all.png"), self.read("whole.png"))
 
+    def test_the_page_on_long_renders(self):
+        """Each of its commands, as it stands there and in its order."""
+        page = Path(__file__).parents[3] / "docs" / "long-renders.md"
+        commands = [line.split() for line in page.read_text().splitlines() if line.lstrip().startswith("fathom ")]
+        self.assertGreater(len(commands), 8)
+        self.scene("scene.json", "camera main size 9 7")
+        told = "".join(self.ok(*command[1:]).stderr for command in commands)
+        self.assertIn("going on from 1024 of 4096 samples in film.exr", told)
+        self.assertIn("missing: samples 512:768 (part 3 of 4)", told)
+        self.assertEqual(told.count("missing"), 1)
+
     def test_a_part_has_a_checkpoint_too(self):
         self.ok(*self.render("--spp", "12", "--part", "2/3", "-o", "whole.exr"))
         arguments = self.render("--spp", "12", "--part", "2/3", "--checkpoint", "c.exr", "-o", "a.exr")
