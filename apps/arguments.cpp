@@ -241,6 +241,30 @@ void Command::add_positionals(const std::string& name, std::vector<std::filesyst
     app_.add_option_function<std::vector<std::string>>(name, take, help)->required()->type_name("");
 }
 
+std::size_t Command::option_count() const
+{
+    return app_.get_options().size();
+}
+
+std::vector<std::string> Command::given(std::size_t first, std::size_t last) const
+{
+    std::vector<std::string> words;
+    const std::vector<CLI::Option*> options = app_.get_options();
+    for (std::size_t i = first; i < last; ++i) {
+        const CLI::Option& option = *options[i];
+        if (option.get_positional() || option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll) continue;
+        const bool is_flag = option.get_expected_min() == 0;
+        for (const std::string& value : option.results()) {
+            words.push_back(option.get_name());
+            if (!is_flag)
+                words.push_back(value);
+            else if (value != "true")
+                words.back() += "=" + value;
+        }
+    }
+    return words;
+}
+
 void Command::set_footer(const std::string& text)
 {
     app_.footer(text);

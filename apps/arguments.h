@@ -59,6 +59,11 @@ public:
     /// What stands without an option's name, and must be there: one file, or one and more.
     void add_positional(const std::string& name, std::filesystem::path& file, const std::string& help);
     void add_positionals(const std::string& name, std::vector<std::filesystem::path>& files, const std::string& help);
+    /// Of the options that have been added, how many there are; and those of them from number `first` to before `last`
+    /// that were given, as words of a command line. Lists of files, and what has no name, aside.
+    std::size_t option_count() const;
+    std::vector<std::string> given(std::size_t first, std::size_t last) const;
+
     /// What --help ends with.
     void set_footer(const std::string& text);
     /// What to do if this is the command that is given.

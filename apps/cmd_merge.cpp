@@ -39,6 +39,16 @@ std::string overlap(const Film& film, const FilmFile& part)
     return "";
 }
 
+/// Whether a part's picture has a layer, or was to have it: checkpoints keep no layers that can be made again.
+bool has_layer(const FilmFile& part, const char* channel, const char* layer)
+{
+    const auto wanted = part.attributes().find(wanted_layers_attribute);
+    const std::vector<std::string> names =
+        wanted == part.attributes().end() ? std::vector<std::string>{} : split(wanted->second, ',');
+    return std::find(part.channels().begin(), part.channels().end(), channel) != part.channels().end() ||
+           std::find(names.begin(), names.end(), layer) != names.end();
+}
+
 /// Adds part by part, none of which is in memory as a whole.
 ///
 /// left_out  gets a line for each part that is
@@ -50,10 +60,9 @@ Merged merge_parts(const MergeOptions& o, Reporter& reporter, std::vector<std::s
         const FilmFile part(file);
         if (!merged) {
             // The first decides what else the picture holds.
-            const auto has = [&](const char* channel) {
-                return std::find(part.channels().begin(), part.channels().end(), channel) != part.channels().end();
-            };
-            merged = Merged{part.read(), part.attributes(), has("A"), has("variance.R"), has("samples.Y")};
+            const auto has = [&](const char* channel, const char* layer) { return has_layer(part, channel, layer); };
+            merged = Merged{part.read(), part.attributes(), has("A", "A"), has("variance.R", "variance"),
+                            has("samples.Y", "samples")};
         } else if (const std::string both = overlap(merged->film, part); !both.empty() && o.skip_overlaps) {
             left_out.push_back(fmt::format("left out: {}, as samples {} are there already", file.string(), both));
         } else {
@@ -86,7 +95,8 @@ int run_merge(const MergeOptions& o)
     if (merged.planned_samples > 0)
         image.attributes[planned_samples_attribute] = fmt::format("{}", merged.planned_samples);
     // Times of one part say nothing of the whole.
-    for (const char* name : {"fathom.load_s", "fathom.build_s", "fathom.render_s", "fathom.rays", "fathom.denoiser"})
+    for (const char* name : {"fathom.load_s", "fathom.build_s", "fathom.render_s", "fathom.rays", "fathom.denoiser",
+                             noise_attribute, samples_per_s_attribute})
         image.attributes.erase(name);
     image.attributes["fathom.samples"] = text_of(film.samples());
     image.attributes["fathom.samples_per_pixel"] = fmt::format("{}", film.samples_per_pixel());

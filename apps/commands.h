@@ -22,6 +22,8 @@ using Run = std::function<int()>;
 
 void add_render(CLI::App& app, Run& run);
 void add_merge(CLI::App& app, Run& run);
+void add_submit(CLI::App& app, Run& run);
+void add_status(CLI::App& app, Run& run);
 void add_info(CLI::App& app, Run& run);
 void add_convert(CLI::App& app, Run& run);
 void add_view(CLI::App& app, Run& run);

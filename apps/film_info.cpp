@@ -18,17 +18,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// The standard error of the picture, as the root of its mean square over pixels and channels, and the picture's mean.
-ordered_json noise_of(const Film& film)
-{
-    const Image image = film.image(false, true);
-    double sum = 0, squares = 0;
-    for (const float v : image.layers[0].pixels) sum += v;
-    for (const float v : image.find("variance")->pixels) squares += v;
-    const auto count = double(image.layers[0].pixels.size());
-    return {{"standard_error", std::sqrt(squares / count)}, {"mean", sum / count}};
-}
-
 ordered_json ranges_json(const std::vector<SampleRange>& ranges)
 {
     ordered_json json = ordered_json::array();
@@ -49,6 +38,16 @@ ordered_json layers_json(const std::vector<std::string>& channels)
 }
 
 }  // namespace
+
+FilmNoise noise_of(const Film& film)
+{
+    const Image image = film.image(false, true);
+    double sum = 0, squares = 0;
+    for (const float v : image.layers[0].pixels) sum += v;
+    for (const float v : image.find("variance")->pixels) squares += v;
+    const auto count = double(image.layers[0].pixels.size());
+    return {std::sqrt(squares / count), sum / count};
+}
 
 bool is_film_file(const std::filesystem::path& file)
 {
@@ -79,7 +78,10 @@ ordered_json describe_film(const std::filesystem::path& path)
     info["layers"] = layers_json(file.channels());
     info["scene_fingerprint"] = film.key().scene;
     info["settings"] = film.key().text();
-    if (film.samples_per_pixel() >= 2) info["noise"] = noise_of(film);
+    if (film.samples_per_pixel() >= 2) {
+        const FilmNoise noise = noise_of(film);
+        info["noise"] = {{"standard_error", noise.standard_error}, {"mean", noise.mean}};
+    }
     info["attributes"] = file.attributes();
     return info;
 }

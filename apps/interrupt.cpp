@@ -3,6 +3,7 @@
 #include <unistd.h>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 
 #include "commands.h"
 
@@ -13,6 +14,7 @@ namespace {
 std::atomic<bool> interrupt_flag = false, picture_flag = false, has_something_to_keep = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
 std::atomic<const char*> interrupt_line = "";
+std::atomic<long long> interrupt_ms = 0;
 
 void print(const char* text)
 {
@@ -20,9 +22,27 @@ void print(const char* text)
     [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text, std::strlen(text));
 }
 
-void on_signal(int)
+long long now_ms()
 {
-    if (interrupt_flag.exchange(true)) _exit(exit_interrupted);
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return now.tv_sec * 1000LL + now.tv_nsec / 1'000'000;
+}
+
+/// Whether it is the request that came before, once more: schedulers signal a job, and its script passes that on.
+bool is_echo(int signal)
+{
+    constexpr long long longest_ms = 2000;
+    return signal == SIGTERM && now_ms() - interrupt_ms < longest_ms;
+}
+
+void on_signal(int signal)
+{
+    if (interrupt_flag.exchange(true)) {
+        if (is_echo(signal)) return;
+        _exit(exit_interrupted);
+    }
+    interrupt_ms = now_ms();
     print(interrupt_line);
     if (!has_something_to_keep) _exit(exit_interrupted);
 }

@@ -6,7 +6,8 @@ namespace fathom::cli {
 /// From here on Ctrl-C (SIGTERM, SIGHUP) prints `line` and ends the program at once: there is nothing to be kept yet.
 /// SIGUSR1 only makes picture_is_wanted() tell so.
 void end_on_interrupt(const char* line);
-/// From here on the first of them sets interrupted() and prints `line`; the second ends the program.
+/// From here on the first of them sets interrupted() and prints `line`; the second ends the program, but for a
+/// SIGTERM within two seconds, which is taken for the first one's echo.
 void finish_on_interrupt(const char* line);
 const std::atomic<bool>& interrupted();
 /// Whether a picture of the state was asked for since the last call.

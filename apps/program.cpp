@@ -70,6 +70,8 @@ int parse_and_run(int argc, char** argv)
     Run run;
     add_render(app, run);
     add_merge(app, run);
+    add_submit(app, run);
+    add_status(app, run);
     add_info(app, run);
     add_convert(app, run);
     add_view(app, run);

@@ -21,6 +21,11 @@ SampleRange samples_of_part(PartNumber part, std::uint64_t samples);
 /// Where film files say how many samples a pixel the whole picture is to have, and of how many parts; 0: they don't.
 inline constexpr const char* planned_samples_attribute = "fathom.planned_samples";
 inline constexpr const char* planned_parts_attribute = "fathom.planned_parts";
+/// Layers that the picture of a film is to have which its sums don't tell: "A,variance,samples".
+inline constexpr const char* wanted_layers_attribute = "fathom.layers";
+/// Of a part: its picture's standard error over its mean, and the samples a pixel that were made in a second.
+inline constexpr const char* noise_attribute = "fathom.noise";
+inline constexpr const char* samples_per_s_attribute = "fathom.samples_per_s";
 std::uint64_t planned_number(const std::map<std::string, std::string>& attributes, const char* attribute);
 
 /// What of 0 to `planned` is not there, or to the last sample that is.

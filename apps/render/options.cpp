@@ -42,10 +42,24 @@ void check_checkpoint(const RenderOptions& o)
 
 }  // namespace
 
-void add_render_options(Command& command, RenderOptions& o)
+void add_sample_options(Command& command, RenderOptions& o)
 {
     command.add_value("--spp", "N", "samples a pixel (default: the scene's, else 256)",
                       [&](const std::string& text) { o.samples = parse_integer(text, 1, most_samples); });
+}
+
+void add_pixel_options(Command& command, RenderOptions& o)
+{
+    command.add_value("--crop", "X0,Y0,X1,Y1",
+                      "render only pixels X0 <= x < X1, Y0 <= y < Y1; the picture keeps its size",
+                      [&](const std::string& text) { o.crop = parse_crop(text); });
+    command.add_value("--aov", "LIST", "layers of EXR: albedo,normal,depth,position,instance,material,samples,variance",
+                      [&](const std::string& text) { take_aovs(o, text); });
+}
+
+void add_render_options(Command& command, RenderOptions& o)
+{
+    add_sample_options(command, o);
     command.add_value("--time", "T",
                       "as many samples as fit into 90, 90s, 10m or 1h from the program's start, at least 1; "
                       "with --spp, at most that many",
@@ -76,11 +90,7 @@ void add_render_options(Command& command, RenderOptions& o)
     command.add_value("--every", "T", "how often --checkpoint is written: 60, 60s, 10m or 1h (default 60s)",
                       [&](const std::string& text) { o.every_s = parse_duration(text); });
     command.add_flag("--mergeable", o.mergeable, "keep the exact sums in EXR, for `fathom merge`");
-    command.add_value("--crop", "X0,Y0,X1,Y1",
-                      "render only pixels X0 <= x < X1, Y0 <= y < Y1; the picture keeps its size",
-                      [&](const std::string& text) { o.crop = parse_crop(text); });
-    command.add_value("--aov", "LIST", "layers of EXR: albedo,normal,depth,position,instance,material,samples,variance",
-                      [&](const std::string& text) { take_aovs(o, text); });
+    add_pixel_options(command, o);
     command.add_value("--only-sample", "X,Y,S", "print the radiance of one sample of one pixel, and render nothing",
                       [&](const std::string& text) {
                           const std::vector<std::string> parts = split(text, ',');
@@ -104,8 +114,10 @@ void check_options(RenderOptions& o)
     if (o.range && (o.samples || o.time_s)) throw UsageError("--samples: leave out --spp and --time");
     if (o.part && (o.range || o.time_s)) throw UsageError("--part: --spp says of what; leave out --samples and --time");
     if (o.only_sample && !o.picture.outputs.empty()) throw UsageError("--only-sample: writes no picture, leave out -o");
-    if (o.picture.outputs.empty() && !o.only_sample) o.picture.outputs.push_back(o.scene.file.stem().string() + ".png");
-    const bool exr = writes_exr(o.picture);
+    // A checkpoint shows the picture, too.
+    if (o.picture.outputs.empty() && !o.only_sample && o.checkpoint.empty())
+        o.picture.outputs.push_back(o.scene.file.stem().string() + ".png");
+    const bool exr = writes_exr(o.picture) || !o.checkpoint.empty();
     if (!exr && (o.aov_samples || o.aov_variance || !o.aovs.empty()))
         throw UsageError("--aov: layers are kept in EXR only; add -o FILE.exr");
     if (!exr && o.mergeable) throw UsageError("--mergeable: sums are kept in EXR only; add -o FILE.exr");

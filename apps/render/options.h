@@ -38,6 +38,11 @@ struct RenderOptions {
     bool quiet = false, json = false, stats = false;
 };
 
+/// How many samples a pixel.
+void add_sample_options(Command& command, RenderOptions& options);
+/// Which pixels, and what is summed for each.
+void add_pixel_options(Command& command, RenderOptions& options);
+/// These, and all else that says what is rendered.
 void add_render_options(Command& command, RenderOptions& options);
 /// What the options say together: throws UsageError where they disagree, and fills in what follows from them.
 void check_options(RenderOptions& options);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "../commands.h"
+#include "../film_info.h"
 #include "../interrupt.h"
 #include "../sample_plan.h"
 #include "checkpoint.h"
@@ -65,7 +66,21 @@ std::map<std::string, std::string> attributes(const RenderOptions& o, const Rend
         {"fathom.render_s", fmt::format("{:.3f}", summary.render_s)}};
     if (plan.samples) said[planned_samples_attribute] = fmt::format("{}", *plan.samples);
     if (o.part) said[planned_parts_attribute] = fmt::format("{}", o.part->count);
+    std::vector<std::string> layers;
+    if (s.alpha) layers.emplace_back("A");
+    if (o.aov_variance) layers.emplace_back("variance");
+    if (o.aov_samples) layers.emplace_back("samples");
+    if (!layers.empty()) said[wanted_layers_attribute] = fmt::format("{}", fmt::join(layers, ","));
     return said;
+}
+
+/// What is told of a part to those who look at all of them: how noisy it is, and how fast it goes.
+void add_progress(const Film& film, double samples_per_s, std::map<std::string, std::string>& said)
+{
+    if (samples_per_s > 0) said[samples_per_s_attribute] = fmt::format("{:.6g}", samples_per_s);
+    if (film.samples_per_pixel() < 2) return;
+    const FilmNoise noise = noise_of(film);
+    if (noise.mean > 0) said[noise_attribute] = fmt::format("{:.6g}", noise.standard_error / noise.mean);
 }
 
 /// What is made of a film: pictures, and what is told.
@@ -117,8 +132,12 @@ int render_picture(const RenderOptions& o, const RenderPlan& plan, const Picture
 
     PictureWriter pictures(o, plan, files, reporter);
     Rendering rendering(o, job, reporter);
+    const double start_s = seconds_since_start();
     const auto save = [&](const Film& now) {
         std::map<std::string, std::string> said = attributes(o, plan, now, summary);
+        if (o.part)
+            add_progress(now, double(now.samples_per_pixel() - samples_before) / (seconds_since_start() - start_s),
+                         said);
         said[parts_attribute] = plan.scene_parts;
         checkpoint->write(now, plan.settings.alpha, said);
     };

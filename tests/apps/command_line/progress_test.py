@@ -151,6 +151,17 @@ class Running(CommandLine):
         self.assertEqual(process.returncode, 130)
         self.assertEqual(sorted(os.listdir(self.folder)), ["box.json", "slow.json"])
 
+    def test_an_echo_is_no_second_signal(self):
+        """A scheduler signals a job and its processes, and the job's script passes that on."""
+        process = self.start_slow(1000, "--progress", "json", "-o", "a.png")
+        time.sleep(0.3)
+        for _ in range(3):
+            process.send_signal(signal.SIGTERM)
+            time.sleep(0.02)
+        process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 130)
+        self.assertIn("a.png", os.listdir(self.folder))
+
     def test_threads_that_can_t_be_started(self):
         if not PROGRAM or os.geteuid() != 0:
             self.skipTest("needs the program, and root, who can become a user that may have few threads")

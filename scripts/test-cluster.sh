@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# The tests over a real Slurm, on one machine: installs Slurm and what the program needs, builds, and runs them.
+#   scripts/test-cluster.sh            some two minutes
+#   scripts/test-cluster.sh long       more parts, more faults, time limits: a quarter of an hour
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=scripts/setup.sh
+source scripts/setup.sh
+install_missing "${packages_to_build[@]}" "${packages_to_test[@]}"
+build_preset test
+exec python3 tests/cluster/slurm_test.py build/test/bin/fathom build/test/bin/picture_hash scenes/cornell-box.json "$@"

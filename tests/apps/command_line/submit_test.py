@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""fathom submit and status, as far as they go without a scheduler: tests/cluster has a real one."""
+import json
+import os
+import re
+import subprocess
+
+from harness import CommandLine, run_tests
+
+
+class Submit(CommandLine):
+    def scripts(self, *words, scene="box.json"):
+        before = sorted(os.listdir(self.folder))
+        text = self.ok("submit", scene, "--slurm", "--parts", "3", "--spp", "12", "-o", "out.exr", "--dry-run", *words).stdout
+        self.assertEqual(sorted(os.listdir(self.folder)), before)
+        task, merge = re.split(r"(?=^#!)", text, flags=re.M)[1:]
+        for script in (task, merge):
+            subprocess.run(["bash", "-n"], input=script, text=True, check=True)
+        return task, merge
+
+    def words_of(self, script, command):
+        """What a shell makes of the line that has the command."""
+        line = next(line for line in script.splitlines() if command in line).removeprefix("exec ").rstrip(" &")
+        show = "render() { printf '%s\\n' \"$@\"; }; film=FILM SLURM_ARRAY_TASK_ID=2\n" + line.replace(line.split()[0], "render", 1)
+        return subprocess.run(["bash", "-c", show], check=True, capture_output=True, text=True).stdout.splitlines()
+
+    def test_words_reach_their_commands(self):
+        task, merge = self.scripts("--size", "40x30", "--aov", "depth", "--seed", "7", "--exposure", "2", "--exr", "half",
+                                   "--light-sampling", "off", "-o", "out.png")
+        words = self.words_of(task, " render ")
+        for option, value in {"--size": "40x30", "--aov": "depth", "--seed": "7", "--light-sampling": "off", "--spp": "12",
+                              "--part": "2/3", "--checkpoint": "FILM"}.items():
+            self.assertEqual(words[words.index(option) + 1], value)
+        self.assertEqual(words[:2], ["render", os.path.realpath(self.path("box.json"))])
+        self.assertFalse({"--exposure", "--exr", "-o", "--parts", "--slurm"} & set(words))
+        words = self.words_of(merge, " merge ")
+        self.assertEqual(words[words.index("--exposure") + 1], "2")
+        self.assertEqual(words[words.index("--exr") + 1], "half")
+        outputs = [words[i + 1] for i, word in enumerate(words) if word == "-o"]
+        self.assertEqual([os.path.basename(name) for name in outputs], ["out.exr", "out.png"])
+        self.assertTrue(all(os.path.isabs(name) for name in outputs))
+        self.assertFalse({"--seed", "--size", "--spp"} & set(words))
+
+    def test_denoised_parts_have_what_helps(self):
+        task, merge = self.scripts("--denoise", "--aov", "depth")
+        words = self.words_of(task, " render ")
+        self.assertEqual(words[words.index("--aov") + 1], "depth,albedo,normal")
+        self.assertNotIn("--denoise", words)
+        self.assertIn("--denoise", self.words_of(merge, " merge "))
+
+    def test_any_name_stays_one_word(self):
+        for name in ("two words.json", "it's.json", "$HOME.json", "a;b.json", "50%a.json"):
+            os.makedirs(self.path("in " + name), exist_ok=True)
+            self.scene(os.path.join("in " + name, name), "camera main")
+            task, _ = self.scripts(scene=os.path.join("in " + name, name))
+            self.assertEqual(os.path.basename(self.words_of(task, " render ")[1]), name)
+
+    def test_slurm_is_told(self):
+        task, merge = self.scripts("--partition", "fast", "--time", "1:00:00", "--account", "me", "--cpus-per-task", "4",
+                                   "--sbatch", "--qos=low  --mem=8G")
+        for word in ("--partition=fast", "--time=1:00:00", "--account=me", "--qos=low", "--mem=8G"):
+            self.assertIn(f"#SBATCH {word}\n", task)
+            self.assertIn(f"#SBATCH {word}\n", merge)
+        self.assertIn("#SBATCH --cpus-per-task=4\n", task)
+        self.assertNotIn("--cpus-per-task", merge)
+        self.assertIn("#SBATCH --array=1-3\n", task)
+        self.assertIn("--signal=B:USR1@120", task)
+        self.assertIn("--signal=B:USR1@30", self.scripts("--time", "5")[0])
+        self.assertIn("--signal=B:USR1@60", self.scripts("--time", "10:00")[0])
+        self.assertIn("--signal=B:USR1@10", self.scripts("--time", "1")[0])
+        self.assertIn("--signal=B:USR1@120", self.scripts("--time", "1-0")[0])
+
+    def test_refused(self):
+        self.refused(2, "submit", "box.json", "-o", "out.exr", "--parts", "2", words=["--slurm"])
+        self.refused(2, "submit", "box.json", "--slurm", "--parts", "2", words=["-o"])
+        self.refused(2, "submit", "box.json", "--slurm", "-o", "out.exr", words=["--parts"])
+        self.refused(2, "submit", "box.json", "--slurm", "-o", "out.exr", "--parts", "9", "--spp", "8", words=["--parts", "8", "9"])
+        self.refused(2, "submit", "box.json", "--slurm", "-o", "out.exr", "--parts", "0", words=["--parts"])
+        self.refused(1, "submit", "box.json", "--slurm", "-o", "missing/out.exr", "--parts", "2", words=["missing"])
+        self.refused(1, "submit", "box.json", "--slurm", "-o", "out.exr", "--parts", "2", words=["sbatch", "--dry-run"],
+                     env={**os.environ, "PATH": "/nowhere"})
+
+    def test_plans(self):
+        self.refused(1, "status", "out.exr", words=["submit it first"])
+        self.refused(1, "submit", "--fix", "out.exr", words=["submit it first"])
+        os.mkdir(self.path("out.exr.parts"))
+        plan = {"version": 1, "program": "fathom", "scene": "/box.json", "render_options": [], "picture_options": [],
+                "outputs": [self.path("out.exr")], "parts": 3, "samples": 7, "scheduler_options": [], "submissions": []}
+        damaged = ["", "[]", "{", '{"version": 2}', json.dumps({**plan, "parts": 0}), json.dumps({**plan, "parts": -1}),
+                   json.dumps({**plan, "samples": 2}), json.dumps({**plan, "outputs": []}), json.dumps({**plan, "parts": "x"}),
+                   json.dumps({**plan, "parts": 1e30}), json.dumps({**plan, "samples": 1 << 40})]
+        for text in damaged:
+            self.scene("out.exr.parts/plan.json", text)
+            self.refused(1, "status", "out.exr", words=["plan.json"])
+        self.scene("out.exr.parts/plan.json", json.dumps(plan))
+        self.scene("out.exr.parts/part-0002.exr", "no film")
+        told = json.loads(self.ok("status", "out.exr", "--json", env={**os.environ, "PATH": "/nowhere"}).stdout)
+        self.assertEqual([(part["part"], part["state"], part["of"]) for part in told["parts"]],
+                         [(1, "missing", 2), (2, "damaged", 2), (3, "missing", 3)])
+        self.assertFalse(told["scheduler_answers"])
+        self.assertIn("doesn't answer", self.ok("status", "out.exr", env={**os.environ, "PATH": "/nowhere"}).stdout)
+
+
+if __name__ == "__main__":
+    run_tests()

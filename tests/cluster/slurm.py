@@ -1,0 +1,124 @@
+"""A real Slurm on this one machine, of several nodes with a processor each: sbatch, arrays, requeue, lost nodes.
+
+All that it writes is in a folder of its own; it needs no root, no systemd and no name of the machine. Short times are
+set, so that tests need not wait for what takes minutes elsewhere.
+"""
+import getpass
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import time
+
+SBIN = os.pathsep.join(["/usr/local/sbin", "/usr/sbin", "/sbin"])
+DAEMONS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scontrol", "srun", "scancel")
+
+
+def missing_program():
+    """The first of Slurm's programs that is not installed, or None."""
+    path = os.environ["PATH"] + os.pathsep + SBIN
+    return next((name for name in DAEMONS if not shutil.which(name, path=path)), None)
+
+
+def free_ports(count):
+    held = []
+    for _ in range(count):
+        held.append(socket.socket())
+        held[-1].bind(("127.0.0.1", 0))
+    ports = [s.getsockname()[1] for s in held]
+    for s in held:
+        s.close()
+    return ports
+
+
+class Slurm:
+    def __init__(self, folder, nodes=4, max_array_size=64, hidden=None):
+        """hidden: a folder that the nodes don't see, where this process may hide one from them."""
+        self.folder, self.nodes, self.hidden = folder, nodes, hidden
+        for name in ("log", "state", "spool", "munge"):
+            os.makedirs(os.path.join(folder, name), mode=0o700)
+        self.conf = os.path.join(folder, "slurm.conf")
+        self.environment = {**os.environ, "SLURM_CONF": self.conf, "PATH": os.environ["PATH"] + os.pathsep + SBIN}
+        self.write_settings(max_array_size)
+
+    def write_settings(self, max_array_size):
+        me, f = getpass.getuser(), self.folder
+        control, *node_ports = free_ports(1 + self.nodes)
+        lines = {
+            "ClusterName": f"fathom{control}", "SlurmctldHost": "localhost(127.0.0.1)", "SlurmctldPort": control,
+            "SlurmUser": me, "SlurmdUser": me, "StateSaveLocation": f"{f}/state", "SlurmdSpoolDir": f"{f}/spool/%n",
+            "TmpFS": f"{f}/spool/%n", "SlurmctldPidFile": f"{f}/slurmctld.pid", "SlurmdPidFile": f"{f}/slurmd-%n.pid",
+            "SlurmctldLogFile": f"{f}/log/slurmctld.log", "SlurmdLogFile": f"{f}/log/slurmd-%n.log",
+            # A task that was requeued waits as long as credentials live.
+            "AuthInfo": f"socket={f}/munge/socket,cred_expire=5",
+            "ProctrackType": "proctrack/linuxproc", "TaskPlugin": "task/none", "JobAcctGatherType": "jobacct_gather/none",
+            "AccountingStorageType": "accounting_storage/none", "JobCompType": "jobcomp/none", "MailProg": "/bin/true",
+            "SelectType": "select/cons_tres", "SelectTypeParameters": "CR_Core", "SlurmdParameters": "config_overrides",
+            "JobRequeue": 1, "KillWait": 5, "MinJobAge": 10, "SlurmdTimeout": 20, "ReturnToService": 1,
+            "MaxArraySize": max_array_size, "SchedulerParameters": "sched_interval=2,bf_interval=2,batch_sched_delay=0",
+        }
+        with open(self.conf, "w") as file:
+            for name, value in lines.items():
+                file.write(f"{name}={value}\n")
+            for number, port in enumerate(node_ports, 1):
+                file.write(f"NodeName=n{number} NodeHostname=localhost NodeAddr=127.0.0.1 Port={port} CPUs=1 State=UNKNOWN\n")
+            file.write(f"PartitionName=main Nodes=n[1-{self.nodes}] Default=YES DefaultTime=10 MaxTime=INFINITE State=UP\n")
+
+    def start(self):
+        key = os.path.join(self.folder, "munge/key")
+        with open(os.open(key, os.O_CREAT | os.O_WRONLY, 0o400), "wb") as file:
+            file.write(os.urandom(1024))
+        m = os.path.join(self.folder, "munge")
+        self.run("munged", f"--key-file={key}", f"--socket={m}/socket", f"--pid-file={m}/munged.pid",
+                 f"--log-file={m}/munged.log", f"--seed-file={m}/munged.seed", "--force")
+        self.start_controller()
+        for number in range(1, self.nodes + 1):
+            self.start_node(number)
+        self.wait_for("all nodes to be idle", lambda: self.ask("sinfo", "-h", "-N", "-o", "%T").split() == ["idle"] * self.nodes)
+
+    def start_controller(self):
+        self.run("slurmctld", "-f", self.conf)
+
+    def start_node(self, number):
+        command = ["slurmd", "-f", self.conf, "-N", f"n{number}"]
+        if self.hidden:
+            words = " ".join(command)
+            command = ["unshare", "--mount", "sh", "-c", f"mount -t tmpfs none '{self.hidden}' && exec {words}"]
+        self.run(*command)
+
+    def kill_controller(self):
+        with open(os.path.join(self.folder, "slurmctld.pid")) as file:
+            os.kill(int(file.read()), signal.SIGKILL)
+
+    def stop(self):
+        """Ends all jobs and daemons."""
+        subprocess.run(["scancel", "--user", getpass.getuser()], env=self.environment, capture_output=True, timeout=60)
+        pids = {"munge/munged.pid": signal.SIGTERM, "slurmctld.pid": signal.SIGKILL}
+        pids.update({f"slurmd-n{number}.pid": signal.SIGKILL for number in range(1, self.nodes + 1)})
+        time.sleep(1)
+        for name, how in pids.items():
+            try:
+                with open(os.path.join(self.folder, name)) as file:
+                    os.kill(int(file.read()), how)
+            except (OSError, ValueError):
+                pass
+
+    def run(self, *words):
+        result = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=60)
+        if result.returncode != 0:
+            raise RuntimeError(f"{words[0]}: {result.stderr.strip()}")
+        return result.stdout
+
+    def ask(self, *words):
+        """What a command of Slurm's says; nothing while nobody answers."""
+        result = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=60)
+        return result.stdout if result.returncode == 0 else ""
+
+    def wait_for(self, what, is_so, most_s=120):
+        end = time.monotonic() + most_s
+        while not is_so():
+            if time.monotonic() > end:
+                with open(os.path.join(self.folder, "log/slurmctld.log"), errors="replace") as file:
+                    raise RuntimeError(f"waited {most_s} s for {what}; the controller's last lines:\n{file.read()[-2000:]}")
+            time.sleep(0.3)

@@ -1,0 +1,210 @@
+#!/usr/bin/env python3
+"""Pictures in parts by a real Slurm: the bits of one run, whatever is killed, requeued, drained or cancelled.
+
+    slurm_test.py PROGRAM PICTURE_HASH SCENE [long]
+
+Ends with 77, and says why, where Slurm is not installed.
+"""
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import slurm
+
+PROGRAM, HASH, SCENE = (os.path.abspath(path) for path in sys.argv[1:4])
+LONG = "long" in sys.argv[4:]
+
+
+def can_hide_folders():
+    return subprocess.run(["unshare", "--mount", "sh", "-c", "mount -t tmpfs none /mnt"], capture_output=True).returncode == 0
+
+
+class Parts(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.root = tempfile.mkdtemp(prefix="fathom-slurm-")
+        cls.addClassCleanup(shutil.rmtree, cls.root, ignore_errors=True)
+        hidden = os.path.join(cls.root, "hidden")
+        os.mkdir(hidden)
+        cls.hidden = hidden if can_hide_folders() else None
+        cls.cluster = slurm.Slurm(os.path.join(cls.root, "slurm"), hidden=cls.hidden)
+        cls.addClassCleanup(cls.cluster.stop)
+        cls.cluster.start()
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(dir=self.root)
+        self.picture = os.path.join(self.folder, "out.exr")
+
+    def fathom(self, *words, code=0):
+        result = subprocess.run([PROGRAM, *words], env=self.cluster.environment, cwd=self.folder, capture_output=True,
+                                text=True, timeout=600)
+        self.assertEqual(result.returncode, code, f"{words}: {result.stdout}{result.stderr}")
+        return result.stdout + result.stderr
+
+    def submit(self, *words, scene=SCENE, **options):
+        return self.fathom("submit", scene, "--slurm", "-o", self.picture, *words, **options)
+
+    def status(self):
+        return json.loads(self.fathom("status", self.picture, "--json"))
+
+    def hash_of(self, picture):
+        return subprocess.run([HASH, picture], check=True, capture_output=True, text=True).stdout.split()[0]
+
+    def assert_same_as_one_run(self, samples, *options):
+        whole = os.path.join(self.folder, "whole.exr")
+        self.fathom("render", SCENE, *options, "--samples", f"0:{samples}", "-q", "-o", whole)
+        self.assertEqual(self.hash_of(self.picture), self.hash_of(whole))
+
+    def array(self):
+        with open(os.path.join(self.picture + ".parts", "plan.json")) as file:
+            return json.load(file)["submissions"][-1]["array"]
+
+    def wait_until_ended(self, most_s=300):
+        """Nothing waits or runs any more, the merge neither."""
+        def ended():
+            status = self.status()
+            # With all nodes drained nothing would ever run.
+            for node in (1, 3, 4):
+                self.cluster.ask("scontrol", "update", f"NodeName=n{node}", "State=RESUME")
+            return status["scheduler_answers"] and not status["merge_waits"] and not any(
+                part["state"] in ("running", "waiting") for part in status["parts"])
+        self.cluster.wait_for("all tasks to end", ended, most_s)
+
+    def wait_until_running(self, count):
+        self.cluster.wait_for(f"{count} parts to run", lambda: len(self.running()) >= count)
+
+    def running(self):
+        """The processes that render parts of this test's picture, by part."""
+        found = {}
+        for name in filter(str.isdigit, os.listdir("/proc")):
+            try:
+                with open(f"/proc/{name}/cmdline", "rb") as file:
+                    words = file.read().decode(errors="replace").split("\0")
+            except OSError:
+                continue
+            if words[0] == PROGRAM and "--part" in words and any(self.folder in word for word in words):
+                found[int(words[words.index("--part") + 1].split("/")[0])] = int(name)
+        return found
+
+    def logs(self):
+        folder = self.picture + ".parts"
+        text = ""
+        for name in sorted(os.listdir(folder)):
+            if name.endswith(".log"):
+                with open(os.path.join(folder, name), errors="replace") as file:
+                    text += f"{name}: {file.read()}\n"
+        return text
+
+    def test_bits_of_one_run(self):
+        options = ("--size", "120x90", "--aov", "albedo,variance")
+        png = os.path.join(self.folder, "out.png")
+        said = self.submit(*options, "--spp", "22", "--parts", "5", "-o", png, "--exposure", "1")
+        self.assertIn("5 parts", said)
+        self.wait_until_ended()
+        status = self.status()
+        self.assertEqual([part["state"] for part in status["parts"]], ["done"] * 5, self.logs())
+        self.assertEqual((status["samples_done"], status["merged"]), (22, True))
+        self.assert_same_as_one_run(22, *options)
+        self.assertTrue(os.path.exists(png))
+        self.assertIn("all parts are there", self.submit(*options, "--spp", "22", "--parts", "5", "-o", png, "--exposure", "1"))
+        refused = self.submit(*options, "--spp", "44", "--parts", "5", code=1)
+        self.assertIn("44 samples a pixel, not 22", refused)
+
+    def test_faults(self):
+        """Killed, requeued, drained, and a controller that is gone for a while."""
+        parts, faults = (16, 4) if LONG else (8, 2)
+        samples = parts * 48
+        options = ("--size", "800x600")  # some seconds a part
+        self.submit(*options, "--spp", str(samples), "--parts", str(parts))
+        self.wait_until_running(4)
+        self.assertIn("under way", self.submit(*options, "--spp", str(samples), "--parts", str(parts)))
+        self.cluster.run("scontrol", "update", "NodeName=n2", "State=DRAIN", "Reason=test")
+        killed, requeued = set(), set()
+        while len(killed) < faults or len(requeued) < faults:
+            self.wait_until_running(1)
+            for part, process in self.running().items():
+                if part in killed or part in requeued:
+                    continue
+                if len(killed) < faults and len(killed) <= len(requeued):
+                    killed.add(part)
+                    os.kill(process, signal.SIGKILL)
+                elif len(requeued) < faults:
+                    requeued.add(part)
+                    self.cluster.ask("scontrol", "requeue", f"{self.array()}_{part}")
+        time.sleep(8)  # what it was told in the last seconds a killed controller forgets
+        self.cluster.kill_controller()
+        self.assertIn("doesn't answer", self.fathom("status", self.picture))
+        self.cluster.start_controller()
+        self.cluster.wait_for("the controller", lambda: self.cluster.ask("sinfo", "-h"))
+        self.wait_until_ended(300)
+        # A controller that comes back drains nodes on which something ended meanwhile. Whoever runs the cluster sees to it.
+        for node in range(1, 5):
+            self.cluster.ask("scontrol", "update", f"NodeName=n{node}", "State=RESUME")
+        status = self.status()
+        self.assertLessEqual(killed, {part["part"] for part in status["parts"] if part["state"] != "done"}, self.logs())
+        self.assertIn("submit --fix", self.fathom("status", self.picture))
+        self.fathom("submit", "--fix", self.picture)
+        self.wait_until_ended(600)
+        self.assertEqual({part["state"] for part in self.status()["parts"]}, {"done"}, self.logs())
+        self.assert_same_as_one_run(samples, *options)
+
+    def test_cancelled_stays_cancelled(self):
+        self.submit("--size", "400x300", "--spp", "20000", "--parts", "2")
+        self.wait_until_running(2)
+        time.sleep(4)
+        self.cluster.run("scancel", self.array())
+        self.wait_until_ended()
+        self.assertEqual(self.running(), {})
+        self.assertEqual(len([p for p in self.status()["parts"] if p["state"] == "missing"]), 2)
+        self.assertLess(self.status()["samples_done"], 20000)
+        self.assertGreater(self.status()["samples_done"], 0)
+        self.assertTrue(self.status()["merged"], "what was there at the end is merged: " + self.logs())
+
+    @unittest.skipUnless(LONG, "takes minutes: Slurm looks at limits every half minute")
+    def test_turns(self):
+        """Tasks whose time is not enough go on in other turns."""
+        self.submit("--size", "800x600", "--spp", "600", "--parts", "1", "--time", "1")
+        self.wait_until_ended(1200)
+        self.assertEqual(self.status()["samples_done"], 600, self.logs())
+        self.assertGreaterEqual(self.logs().count("going on"), 1, self.logs())
+        self.assert_same_as_one_run(600, "--size", "800x600")
+
+    def test_told_before(self):
+        said = self.submit("--spp", "100", "--parts", "64", code=2)
+        self.assertIn("up to 63 tasks", said)
+        self.assertIn("can't be split", self.submit("--spp", "3", "--parts", "4", code=2))
+        self.assertIn("is not there", self.submit("--spp", "4", "--parts", "4", scene="missing.json", code=1).replace(
+            "no such file", "is not there").replace("No such file", "is not there").replace("there is no", "is not there"))
+        self.assertIn("submit it first", self.fathom("status", self.picture, code=1))
+        self.assertEqual(os.listdir(self.folder), [])
+
+    def test_nodes_that_see_nothing(self):
+        if not self.hidden:
+            self.skipTest("folders can't be hidden from nodes here")
+        scene = os.path.join(self.hidden, "scene.json")
+        shutil.copy(SCENE, scene)
+        said = self.submit("--spp", "4", "--parts", "2", scene=scene, code=1)
+        self.assertIn(scene, said)
+        self.assertIn("shared folder", said)
+
+    def test_dry_run(self):
+        scripts = self.submit("--spp", "4", "--parts", "2", "--sbatch", "--qos=low --nice=5", "--account", "ray's", "--dry-run")
+        self.assertEqual(os.listdir(self.folder), [])
+        for word in ("--array=1-2", "--qos=low", "--nice=5", "afterany", "merge"):
+            self.assertIn(word, scripts)
+        for script in re.split(r"(?=^#!)", scripts, flags=re.M)[1:]:
+            subprocess.run(["bash", "-n"], input=script, text=True, check=True)
+
+
+if __name__ == "__main__":
+    if missing := slurm.missing_program():
+        print(f"skipped: '{missing}' is not installed (scripts/test-cluster.sh installs Slurm)")
+        sys.exit(77)
+    unittest.main(argv=sys.argv[:1], verbosity=2)
