@@ -165,7 +165,8 @@ void add_render(CLI::App& program, Run& run)
     add_settings_options(command, options->settings);
     add_picture_options(command, options->picture);
     command.set_footer(
-        "An option overrides what the scene file says. Without -o: a PNG named after the scene, in this folder.\n"
+        "An option overrides what the scene file says. Without -o: a PNG named after the scene, in this folder;\n"
+        "with --checkpoint, that alone.\n"
         "Ctrl-C, SIGTERM or SIGHUP once writes the picture (and checkpoint) so far (exit code 130); twice stops at "
         "once.\n"
         "SIGUSR1 writes them and goes on. docs/long-renders.md tells of checkpoints and parts.\n\n"
