@@ -128,10 +128,12 @@ void check_nodes_see(const JobPlan& plan, Reporter& reporter)
     const Reporter::Phase phase(reporter, "look", "asking a node whether it sees the scene");
     const auto missing = slurm::paths_missing_on_nodes({plan.program, plan.scene.string(), plan.folder().string()},
                                                        plan.scheduler_options);
-    if (missing && !missing->empty())
-        throw Error(missing->front(), "",
-                    "is not to be seen on the cluster's nodes: keep scene, program and picture in a shared folder "
-                    "(--unchecked submits all the same)");
+    if (!missing || missing->empty()) return;
+    std::error_code error;
+    fs::remove(plan.folder(), error);  // if nothing is in it
+    throw Error(missing->front(), "",
+                "is not to be seen on the cluster's nodes: keep scene, program and picture in a shared folder "
+                "(--unchecked submits all the same)");
 }
 
 /// Tasks that Slurm could not start are cancelled: others take their place.
@@ -269,6 +271,7 @@ void add_submit(CLI::App& program, Run& run)
     add_scene_options(*command, o->render.scene);
     add_pixel_options(*command, o->render);
     add_settings_options(*command, o->render.settings);
+    add_every_option(*command, o->render);
     const std::size_t first_of_picture = command->option_count();
     add_picture_options(*command, o->render.picture);
     const std::size_t last = command->option_count();

@@ -36,6 +36,12 @@ double number_of(const std::map<std::string, std::string>& attributes, const cha
     return found == attributes.end() ? 0 : std::strtod(found->second.c_str(), nullptr);
 }
 
+/// Or nothing: it becomes a word of a command.
+bool is_number(const std::string& text)
+{
+    return text.find_first_not_of("0123456789") == std::string::npos;
+}
+
 JobPlan plan_of(const ordered_json& json)
 {
     if (json.at("version") != plan_version)
@@ -52,6 +58,9 @@ JobPlan plan_of(const ordered_json& json)
     json.at("scheduler_options").get_to(plan.scheduler_options);
     for (const ordered_json& s : json.at("submissions"))
         plan.submissions.push_back({s.at("array"), s.at("merge"), s.at("parts").get<std::vector<std::uint64_t>>()});
+    for (const Submission& s : plan.submissions)
+        if (!is_number(s.array) || !is_number(s.merge))
+            throw Error("", "submissions", "has what is no number of a job");
     if (plan.outputs.empty() || plan.parts < 1 || plan.samples < plan.parts || plan.samples > most_samples)
         throw Error("", "", "its numbers make no sense");
     return plan;

@@ -57,6 +57,12 @@ void add_pixel_options(Command& command, RenderOptions& o)
                       [&](const std::string& text) { take_aovs(o, text); });
 }
 
+void add_every_option(Command& command, RenderOptions& o)
+{
+    command.add_value("--every", "T", "how often --checkpoint is written: 60, 60s, 10m or 1h (default 60s)",
+                      [&](const std::string& text) { o.every_s = parse_duration(text); });
+}
+
 void add_render_options(Command& command, RenderOptions& o)
 {
     add_sample_options(command, o);
@@ -87,8 +93,7 @@ void add_render_options(Command& command, RenderOptions& o)
     command.add_value("--checkpoint", "FILE.exr",
                       "keep the samples so far in this film file while rendering, and go on from those that are there",
                       [&](const std::string& text) { o.checkpoint = text; });
-    command.add_value("--every", "T", "how often --checkpoint is written: 60, 60s, 10m or 1h (default 60s)",
-                      [&](const std::string& text) { o.every_s = parse_duration(text); });
+    add_every_option(command, o);
     command.add_flag("--mergeable", o.mergeable, "keep the exact sums in EXR, for `fathom merge`");
     add_pixel_options(command, o);
     command.add_value("--only-sample", "X,Y,S", "print the radiance of one sample of one pixel, and render nothing",

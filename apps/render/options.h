@@ -42,6 +42,8 @@ struct RenderOptions {
 void add_sample_options(Command& command, RenderOptions& options);
 /// Which pixels, and what is summed for each.
 void add_pixel_options(Command& command, RenderOptions& options);
+/// How often samples are kept on the way.
+void add_every_option(Command& command, RenderOptions& options);
 /// These, and all else that says what is rendered.
 void add_render_options(Command& command, RenderOptions& options);
 /// What the options say together: throws UsageError where they disagree, and fills in what follows from them.

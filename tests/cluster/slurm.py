@@ -9,6 +9,7 @@ import shutil
 import signal
 import socket
 import subprocess
+import tempfile
 import time
 
 SBIN = os.pathsep.join(["/usr/local/sbin", "/usr/sbin", "/sbin"])
@@ -19,6 +20,19 @@ def missing_program():
     """The first of Slurm's programs that is not installed, or None."""
     path = os.environ["PATH"] + os.pathsep + SBIN
     return next((name for name in DAEMONS if not shutil.which(name, path=path)), None)
+
+
+def why_none_comes_up():
+    """None where a cluster of one node can be started; else what kept it from starting."""
+    with tempfile.TemporaryDirectory(prefix="fathom-slurm-") as folder:
+        cluster = Slurm(folder, nodes=1)
+        try:
+            cluster.start()
+        except (RuntimeError, subprocess.TimeoutExpired) as error:
+            return str(error).replace("\n", " ")
+        finally:
+            cluster.stop()
+    return None
 
 
 def free_ports(count):

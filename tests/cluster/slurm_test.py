@@ -193,6 +193,7 @@ class Parts(unittest.TestCase):
         said = self.submit("--spp", "4", "--parts", "2", scene=scene, code=1)
         self.assertIn(scene, said)
         self.assertIn("shared folder", said)
+        self.assertEqual(os.listdir(self.folder), [])
 
     def test_dry_run(self):
         scripts = self.submit("--spp", "4", "--parts", "2", "--sbatch", "--qos=low --nice=5", "--account", "ray's", "--dry-run")
@@ -206,5 +207,8 @@ class Parts(unittest.TestCase):
 if __name__ == "__main__":
     if missing := slurm.missing_program():
         print(f"skipped: '{missing}' is not installed (scripts/test-cluster.sh installs Slurm)")
+        sys.exit(77)
+    if trouble := slurm.why_none_comes_up():
+        print(f"skipped: no Slurm comes up here: {trouble}")
         sys.exit(77)
     unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -26,9 +26,9 @@ class Submit(CommandLine):
 
     def test_words_reach_their_commands(self):
         task, merge = self.scripts("--size", "40x30", "--aov", "depth", "--seed", "7", "--exposure", "2", "--exr", "half",
-                                   "--light-sampling", "off", "-o", "out.png")
+                                   "--light-sampling", "off", "--every", "10s", "-o", "out.png")
         words = self.words_of(task, " render ")
-        for option, value in {"--size": "40x30", "--aov": "depth", "--seed": "7", "--light-sampling": "off", "--spp": "12",
+        for option, value in {"--size": "40x30", "--aov": "depth", "--seed": "7", "--light-sampling": "off", "--every": "10s", "--spp": "12",
                               "--part": "2/3", "--checkpoint": "FILM"}.items():
             self.assertEqual(words[words.index(option) + 1], value)
         self.assertEqual(words[:2], ["render", os.path.realpath(self.path("box.json"))])
@@ -88,7 +88,8 @@ class Submit(CommandLine):
                 "outputs": [self.path("out.exr")], "parts": 3, "samples": 7, "scheduler_options": [], "submissions": []}
         damaged = ["", "[]", "{", '{"version": 2}', json.dumps({**plan, "parts": 0}), json.dumps({**plan, "parts": -1}),
                    json.dumps({**plan, "samples": 2}), json.dumps({**plan, "outputs": []}), json.dumps({**plan, "parts": "x"}),
-                   json.dumps({**plan, "parts": 1e30}), json.dumps({**plan, "samples": 1 << 40})]
+                   json.dumps({**plan, "parts": 1e30}),
+                   json.dumps({**plan, "submissions": [{"array": "--me", "merge": "", "parts": []}]}), json.dumps({**plan, "samples": 1 << 40})]
         for text in damaged:
             self.scene("out.exr.parts/plan.json", text)
             self.refused(1, "status", "out.exr", words=["plan.json"])
