@@ -60,11 +60,8 @@ void handle(int signal, void (*handler)(int))
     sigaction(signal, &action, nullptr);
 }
 
-}  // namespace
-
-void end_on_interrupt(const char* line)
+void take_signals()
 {
-    interrupt_line = line;
     handle(SIGINT, on_signal);
     handle(SIGTERM, on_signal);
     // The terminal was closed; under nohup that is to mean nothing.
@@ -73,10 +70,19 @@ void end_on_interrupt(const char* line)
     handle(SIGUSR1, on_picture_signal);
 }
 
+}  // namespace
+
+void end_on_interrupt(const char* line)
+{
+    interrupt_line = line;
+    take_signals();
+}
+
 void finish_on_interrupt(const char* line)
 {
     interrupt_line = line;
     has_something_to_keep = true;
+    take_signals();
 }
 
 bool picture_is_wanted()
