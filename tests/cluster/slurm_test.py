@@ -155,6 +155,17 @@ class Parts(unittest.TestCase):
         self.assertEqual({part["state"] for part in self.status()["parts"]}, {"done"}, self.logs())
         self.assert_same_as_one_run(samples, *options)
 
+    def test_warned_tasks_go_on_in_another_turn(self):
+        options = ("--size", "400x300")
+        self.submit(*options, "--spp", "1200", "--parts", "2")
+        self.wait_until_running(2)
+        time.sleep(3)
+        self.cluster.run("scancel", "--batch", "--signal=USR1", f"{self.array()}_1")
+        self.wait_until_ended()
+        self.assertEqual([part["state"] for part in self.status()["parts"]], ["done"] * 2, self.logs())
+        self.assertEqual(self.logs().count("going on from"), 1, self.logs())
+        self.assert_same_as_one_run(1200, *options)
+
     def test_cancelled_stays_cancelled(self):
         self.submit("--size", "400x300", "--spp", "20000", "--parts", "2")
         self.wait_until_running(2)
