@@ -21,8 +21,6 @@ namespace fathom::cli {
 
 namespace {
 
-constexpr std::uint64_t default_samples = 256;
-
 /// keeps_sums  in a file, of which there is a copy in memory
 void check_memory(const RenderSettings& settings, bool keeps_sums)
 {

@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "fathom/error.h"
 #include "fathom/film_file.h"
+#include "sample_plan.h"
 #include "streams.h"
 
 namespace fathom::cli {
@@ -158,9 +159,7 @@ void print_text(const JobPlan& plan, const JobStatus& status)
         print(fmt::format("nobody is about to make {} {}: fathom submit --fix {}\n",
                           lost.size() == 1 ? "part" : "parts", text_of_numbers(lost), picture));
     if (status.merged) {
-        std::uint64_t merged = 0;
-        for (const SampleRange& range : *status.merged) merged += range.second - range.first;
-        print(fmt::format("{} has {} of them\n", picture, merged));
+        print(fmt::format("{} has {} of them\n", picture, count_of(*status.merged)));
     } else if (status.merge_waits) {
         print("they are merged when all tasks have ended\n");
     } else if (lost.empty() && status.answers && status.samples == plan.samples) {

@@ -21,8 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t default_samples = 256;
-
 struct SubmitOptions {
     RenderOptions render;
     std::uint64_t parts = 0;
@@ -180,14 +178,13 @@ int submit_missing(JobPlan plan, Reporter& reporter)
     if (parts.empty()) {
         reporter.note(queue->parts.empty() ? "all parts are there" : "all parts are there or under way");
         if (!queue->parts.empty() || queue->merge) return exit_ok;
-        plan.submissions.push_back({"", slurm::submit(slurm::merge_script(plan, ""), plan.folder().string()), {}});
+        plan.submissions.push_back({"", slurm::submit(slurm::merge_script(plan, ""), plan.folder().string())});
         plan.write();
         reporter.note(
             fmt::format("submitted job {}: merge to {}", plan.submissions.back().merge, plan.outputs.front().string()));
         return exit_ok;
     }
     Submission submission;
-    submission.parts = parts;
     const std::string folder = plan.folder().string();
     submission.array =
         slurm::submit(slurm::task_script(plan, parts, slurm::warning_before(plan.scheduler_options)), folder);

@@ -33,6 +33,13 @@ std::uint64_t planned_number(const std::map<std::string, std::string>& attribute
     return error == std::errc() && end == text.data() + text.size() && number <= most_samples ? number : 0;
 }
 
+std::uint64_t count_of(const std::vector<SampleRange>& ranges)
+{
+    std::uint64_t count = 0;
+    for (const SampleRange& range : ranges) count += range.second - range.first;
+    return count;
+}
+
 std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& there, std::uint64_t planned)
 {
     std::vector<SampleRange> missing;

@@ -28,6 +28,8 @@ inline constexpr const char* noise_attribute = "fathom.noise";
 inline constexpr const char* samples_per_s_attribute = "fathom.samples_per_s";
 std::uint64_t planned_number(const std::map<std::string, std::string>& attributes, const char* attribute);
 
+/// How many samples they are.
+std::uint64_t count_of(const std::vector<SampleRange>& ranges);
 /// What of 0 to `planned` is not there, or to the last sample that is.
 std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& there, std::uint64_t planned);
 /// "samples 64:128 (part 2 of 16)"; the parts where their number is known.

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "../sample_plan.h"
 #include "fathom/error.h"
@@ -56,8 +56,7 @@ JobPlan plan_of(const ordered_json& json)
     plan.parts = json.at("parts");
     plan.samples = json.at("samples");
     json.at("scheduler_options").get_to(plan.scheduler_options);
-    for (const ordered_json& s : json.at("submissions"))
-        plan.submissions.push_back({s.at("array"), s.at("merge"), s.at("parts").get<std::vector<std::uint64_t>>()});
+    for (const ordered_json& s : json.at("submissions")) plan.submissions.push_back({s.at("array"), s.at("merge")});
     for (const Submission& s : plan.submissions)
         if (!is_number(s.array) || !is_number(s.merge))
             throw Error("", "submissions", "has what is no number of a job");
@@ -76,11 +75,6 @@ fs::path JobPlan::folder_of(const fs::path& picture)
 fs::path JobPlan::film_of(std::uint64_t part) const
 {
     return folder() / fmt::format("part-{:04}.exr", part);
-}
-
-fs::path JobPlan::log_of(std::uint64_t part) const
-{
-    return folder() / fmt::format("part-{:04}.log", part);
 }
 
 SampleRange JobPlan::samples_of(std::uint64_t part) const
@@ -115,8 +109,7 @@ void JobPlan::write() const
     json["samples"] = samples;
     json["scheduler_options"] = scheduler_options;
     json["submissions"] = ordered_json::array();
-    for (const Submission& s : submissions)
-        json["submissions"].push_back({{"array", s.array}, {"merge", s.merge}, {"parts", s.parts}});
+    for (const Submission& s : submissions) json["submissions"].push_back({{"array", s.array}, {"merge", s.merge}});
     write_text_file(folder() / plan_file, json.dump(1) + "\n");
 }
 

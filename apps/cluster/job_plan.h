@@ -1,7 +1,6 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,8 +10,7 @@ namespace fathom::cli {
 
 /// Tasks that were handed to the scheduler at once, and the one that merges when they have ended.
 struct Submission {
-    std::string array, merge;          ///< numbers that the scheduler gave
-    std::vector<std::uint64_t> parts;  ///< from 1
+    std::string array, merge;  ///< numbers that the scheduler gave
 };
 
 /// A picture that a cluster makes in parts: what all of them have in common. Kept in a folder beside the picture, with
@@ -31,7 +29,6 @@ struct JobPlan {
     std::filesystem::path folder() const { return folder_of(outputs.front()); }
     static std::filesystem::path folder_of(const std::filesystem::path& picture);
     std::filesystem::path film_of(std::uint64_t part) const;
-    std::filesystem::path log_of(std::uint64_t part) const;
     SampleRange samples_of(std::uint64_t part) const;
 
     /// Throws Error if the file is no plan, or can't be read or written.

@@ -48,13 +48,7 @@ struct State {
     std::optional<FilmFile> film;
     std::string error;
 
-    std::uint64_t samples() const
-    {
-        std::uint64_t count = 0;
-        if (film)
-            for (const SampleRange& range : film->samples()) count += range.second - range.first;
-        return count;
-    }
+    std::uint64_t samples() const { return film ? count_of(film->samples()) : 0; }
 };
 
 /// The states that are there, the newer one first: a kill between two renamings may leave it under the name of the

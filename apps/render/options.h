@@ -38,7 +38,8 @@ struct RenderOptions {
     bool quiet = false, json = false, stats = false;
 };
 
-/// How many samples a pixel.
+/// How many samples a pixel; if nobody says it, default_samples.
+inline constexpr std::uint64_t default_samples = 256;
 void add_sample_options(Command& command, RenderOptions& options);
 /// Which pixels, and what is summed for each.
 void add_pixel_options(Command& command, RenderOptions& options);

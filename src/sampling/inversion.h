@@ -27,13 +27,18 @@ struct GuidedInterval {
     Float begin, end;
 };
 
+/// The entry for x of the guide to a table of n intervals.
+inline UInt guide_entry(int n, Float x)
+{
+    const UInt entry = to_uint(x * Float(float(guide_size(n)))), last(guide_size(n) - 1);
+    return select(less(entry, last), entry, last);
+}
+
 /// The same for tables of n + 1 values side by side, with guides to them (make_guides): in the one numbered `table`.
 inline GuidedInterval find_guided(const LargeVector<float>& tables, const LargeVector<std::uint32_t>& guides, int n,
                                   UInt table, Float x)
 {
-    const UInt size(guide_size(n)), last_entry(guide_size(n) - 1);
-    const UInt entry = to_uint(x * Float(float(guide_size(n))));
-    const UInt bounds = gather(guides.data(), table * size + select(less(entry, last_entry), entry, last_entry));
+    const UInt bounds = gather(guides.data(), table * UInt(guide_size(n)) + guide_entry(n, x));
     const UInt first = table * UInt(std::uint32_t(n) + 1);
     UInt lo = bounds & UInt(0xffff), hi = bounds >> 16;
     for (Mask open = less(lo, hi); any(open); open = less(lo, hi)) {

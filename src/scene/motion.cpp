@@ -208,22 +208,31 @@ bool moves(const Curves& curves, double open, double close)
     });
 }
 
+namespace {
+
+/// The key at a time: one that is there, or mixed of the two around it. mix_keys: of two, with the second's share
+template <class Key, class Mix>
+Key key_at(const std::vector<Key>& keys, double time, Mix mix_keys)
+{
+    const std::size_t i = last_before(keys, time);
+    const double f = fraction_after(keys, i, time);
+    return f == 0 ? keys[i] : mix_keys(keys[i], keys[i + 1], f);
+}
+
+}  // namespace
+
 MeshKey vertices_at(const Mesh& mesh, double time)
 {
-    const std::size_t i = last_before(mesh.motion, time);
-    const double f = fraction_after(mesh.motion, i, time);
-    if (f == 0) return mesh.motion[i];
-    const MeshKey &a = mesh.motion[i], &b = mesh.motion[i + 1];
-    return {time, mix(a.positions, b.positions, f), mix(a.normals, b.normals, f)};
+    return key_at(mesh.motion, time, [&](const MeshKey& a, const MeshKey& b, double f) {
+        return MeshKey{time, mix(a.positions, b.positions, f), mix(a.normals, b.normals, f)};
+    });
 }
 
 CurvesKey points_at(const Curves& curves, double time)
 {
-    const std::size_t i = last_before(curves.motion, time);
-    const double f = fraction_after(curves.motion, i, time);
-    if (f == 0) return curves.motion[i];
-    const CurvesKey &a = curves.motion[i], &b = curves.motion[i + 1];
-    return {time, mix(a.points, b.points, f), mix(a.radii, b.radii, f)};
+    return key_at(curves.motion, time, [&](const CurvesKey& a, const CurvesKey& b, double f) {
+        return CurvesKey{time, mix(a.points, b.points, f), mix(a.radii, b.radii, f)};
+    });
 }
 
 }  // namespace fathom

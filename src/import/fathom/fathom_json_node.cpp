@@ -98,8 +98,7 @@ void FathomJsonReader::read_motion(const JsonValue& v, Node& node)
         const JsonValue value = v[i];
         JsonObject o(value);
         NodeKey key;
-        key.time = o.require("time").number();
-        if (i > 0 && !(node.motion.back().time < key.time)) value["time"].fail("times must ascend");
+        key.time = read_key_time(o, node.motion);
         if (auto t = o.get("transform")) key.parent_from_node = transform(*t);
         if (i > 0 && (key.parent_from_node.determinant() < 0) != (node.motion[0].parent_from_node.determinant() < 0))
             value.fail(

@@ -17,6 +17,16 @@ namespace fathom {
 /// {"axis": [x, y, z], "angle_deg": a}: right-handed.
 Transform read_rotation(const JsonValue& v);
 
+/// The time of a key of motion, which must be later than those before it.
+template <class Key>
+double read_key_time(JsonObject& key, const std::vector<Key>& earlier)
+{
+    const JsonValue value = key.require("time");
+    const double time = value.number();
+    if (!earlier.empty() && !(earlier.back().time < time)) value.fail("times must ascend");
+    return time;
+}
+
 /// The reader of Fathom's own scene file, while it works. Names become indices here: whatever is referred to by name is
 /// read when it is first asked for.
 class FathomJsonReader {

@@ -156,8 +156,7 @@ void FathomJsonReader::read_mesh_motion(const JsonValue& v, Mesh& mesh)
         const JsonValue value = v[i];
         JsonObject o(value);
         MeshKey key;
-        key.time = o.require("time").number();
-        if (i > 0 && !(mesh.motion.back().time < key.time)) value["time"].fail("times must ascend");
+        key.time = read_key_time(o, mesh.motion);
         if (auto file = read_data_file(o)) {
             if (file->mesh.positions.size() != vertices)
                 value["file"].fail(
@@ -254,8 +253,7 @@ void FathomJsonReader::read_curves_motion(const JsonValue& v, Curves& curves)
         const JsonValue value = v[i];
         JsonObject o(value);
         CurvesKey key;
-        key.time = o.require("time").number();
-        if (i > 0 && !(curves.motion.back().time < key.time)) value["time"].fail("times must ascend");
+        key.time = read_key_time(o, curves.motion);
         if (auto file = read_data_file(o)) {
             if (file->mesh.positions.size() != curves.points.size())
                 value["file"].fail(fmt::format("has {} vertices, and the curves {} points", file->mesh.positions.size(),

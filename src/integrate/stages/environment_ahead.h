@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+
 #include "light/records.h"
 #include "sampling/inversion.h"
 #include "sampling/sobol.h"
@@ -25,9 +27,7 @@ public:
     {
         Steps& s = steps_[gang % gangs];
         const GuidedInterval row = find_guided(e_.marginal, e_.marginal_guide, e_.height, UInt(0u), random.y);
-        const UInt size(guide_size(e_.width));
-        const UInt entry = to_uint(random.x * Float(float(guide_size(e_.width))));
-        const UInt guide = row.number * size + select(less(entry, size), entry, size - UInt(1u));
+        const UInt guide = row.number * UInt(guide_size(e_.width)) + guide_entry(e_.width, random.x);
         // Texels of two rows are mixed: this one and the nearer of its neighbours.
         const Mask above = random.y - row.begin < (row.end - row.begin) * Float(0.5f);
         store(s.row, row.number);

@@ -51,11 +51,7 @@ public:
         for (int c = 0; c < channels && any(colored); ++c)
             p.base_color.c[c] = select(colored, p.base_color.c[c] * s.at.vertex_color[c], p.base_color.c[c]);
         const Mask textured = m & ((flags & UInt(MaterialRecord::textured)) != UInt(0));
-        if (any(textured)) {
-            const Textured t = with_textures(s, row.get(&MaterialRecord::base_texture), textured,
-                                             {p.base_color, p.roughness, p.metallic});
-            p.base_color = t.base_color, p.roughness = t.roughness, p.metallic = t.metallic;
-        }
+        if (any(textured)) apply_textures(s, row.get(&MaterialRecord::base_texture), textured, p);
         if constexpr (std::is_same_v<Point, LayeredMaterialPoint>)
             LayersReader(t_, s, row.get(&MaterialRecord::layers), m).read(p.layers);
         const Mask bent = m & ((flags & UInt(MaterialRecord::normal_mapped)) != UInt(0));
@@ -67,13 +63,7 @@ public:
     }
 
 private:
-    /// What textures may change.
-    struct Textured {
-        Spectrum base_color;
-        Float roughness, metallic;
-    };
-    /// By value: nothing of the caller's has to live in memory for its sake.
-    [[gnu::noinline]] Textured with_textures(const Surface& s, UInt base_texture, Mask m, Textured p) const
+    void apply_textures(const Surface& s, UInt base_texture, Mask m, MaterialPoint& p) const
     {
         const Texel base = evaluate_textures(t_, base_texture, s.at, m);
         for (int c = 0; c < channels; ++c)
@@ -88,7 +78,6 @@ private:
         };
         scalar(&MaterialRecord::roughness_texture, &MaterialRecord::roughness_channel, p.roughness);
         scalar(&MaterialRecord::metallic_texture, &MaterialRecord::metallic_channel, p.metallic);
-        return p;
     }
 
     const LaneScene& scene_;
