@@ -57,10 +57,9 @@ Size picture_size(const SceneOptions& options, const std::string& camera_name, c
     return size;
 }
 
-TreeBuild tree_build_of(const SceneOptions& options, const SceneDescription& scene)
+std::optional<TreeBuild> tree_build_of(const SceneOptions& options, const SceneDescription& scene)
 {
-    if (options.build) return *options.build;
-    if (!scene.hints.build) return TreeBuild::standard;
+    if (options.build || !scene.hints.build) return options.build;
     const auto name = std::find(tree_build_names.begin(), tree_build_names.end(), *scene.hints.build);
     if (name == tree_build_names.end())
         throw Error(scene.file, "build",
@@ -176,7 +175,7 @@ std::string add_moved_camera(SceneDescription& scene, const std::string& name, c
 
 }  // namespace
 
-const std::vector<std::string> tree_build_names = {"fast", "default", "high", "compact"};
+const std::vector<std::string> tree_build_names = {"fast", "standard", "high", "compact"};
 
 void add_file_options(Command& command, SceneOptions& options)
 {
@@ -263,10 +262,11 @@ void add_scene_options(Command& command, SceneOptions& options)
                                                               : GroundChoice::color;
                           if (options.ground == GroundChoice::color) options.ground_color = parse_colour(text);
                       });
-    command.add_value("--build", "fast|default|high|compact",
-                      "the tree of the scene: the same picture, sooner begun, sooner done, or in a third less memory, "
-                      "for tens of millions of triangles",
-                      [&](const std::string& text) { options.build = TreeBuild(parse_word(text, tree_build_names)); });
+    command.add_value(
+        "--build", "fast|standard|high|compact",
+        "the tree of the scene: the same picture, sooner begun, sooner done, or in a third less memory, "
+        "for tens of millions of triangles (default: standard, or high where the samples are many enough)",
+        [&](const std::string& text) { options.build = TreeBuild(parse_word(text, tree_build_names)); });
 }
 
 namespace {
@@ -372,7 +372,7 @@ SceneEdit take_edit(LoadedScene& loaded, const SceneOptions& options)
 {
     // Whoever gives a sky wants to see it by that.
     if (!options.environment.empty()) loaded.description.hints.own_light = true;
-    return SceneEdit(std::move(loaded.description), loaded.camera, loaded.build);
+    return SceneEdit(std::move(loaded.description), loaded.camera, loaded.build.value_or(TreeBuild::standard));
 }
 
 namespace {

@@ -54,7 +54,7 @@ struct LoadedScene {
     std::string camera;              ///< the name to compile with; empty: the first
     Size size;                       ///< of the picture: the option's, the scene's, or 800x600 in the camera's shape
     std::vector<std::string> added;  ///< what the file lacked
-    TreeBuild build = TreeBuild::standard;  ///< the option's, the scene's, or this
+    std::optional<TreeBuild> build;  ///< the option's or the scene's
     std::optional<AnimationPlayer> player;  ///< if there is a time
     std::string note;                       ///< what else the file could show; may be empty
     Vec3d middle;                           ///< of what a turntable turns

@@ -66,9 +66,9 @@ int run_all(int argc, char** argv)
             options.parts = std::stoul(value());
         else if (arg == "--build") {
             const std::string level = value();
-            const std::string_view levels[] = {"fast", "default", "high", "compact"};  // by TreeBuild
+            const std::string_view levels[] = {"fast", "standard", "high", "compact"};  // by TreeBuild
             const auto found = std::find(std::begin(levels), std::end(levels), level);
-            if (found == std::end(levels)) throw std::runtime_error("--build: known are fast, default, high, compact");
+            if (found == std::end(levels)) throw std::runtime_error("--build: known are fast, standard, high, compact");
             options.build = TreeBuild(found - std::begin(levels));
         } else if (arg == "--not-robust")
             options.robust = false;

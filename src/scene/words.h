@@ -13,6 +13,6 @@ inline constexpr const char* curve_styles[] = {"round", "ribbon"};
 inline constexpr const char* channels[] = {"r", "g", "b", "a"};
 inline constexpr const char* filters[] = {"box", "gaussian", "blackman-harris"};
 inline constexpr auto& tonemaps = tonemap_names;
-inline constexpr const char* builds[] = {"fast", "default", "high", "compact"};
+inline constexpr const char* builds[] = {"fast", "standard", "high", "compact"};
 
 }  // namespace fathom::words

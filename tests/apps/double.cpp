@@ -15,7 +15,7 @@
 // A library for tests of the command line: a scene file is words, and a sample is worth a number that its index
 // decides.
 //   camera NAME, aspect A, size WxH, spp N, slow MS (a pass), warn TEXT, nan, hint-filter NAME, hint-build NAME,
-//   texture NAME, file NAME, slow-load MS, scene NAME, variant NAME, moves NAME (the last node), empty
+//   triangles N, texture NAME, file NAME, slow-load MS, scene NAME, variant NAME, moves NAME (the last node), empty
 namespace fathom {
 
 namespace {
@@ -65,6 +65,10 @@ SceneFile load_scene_file(const std::filesystem::path& file, const LoadOptions& 
             int ms = 0;
             in >> ms;
             std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+        } else if (word == "triangles") {
+            std::size_t triangles = 0;
+            in >> triangles;
+            scene.meshes.emplace_back().indices.resize(3 * triangles);
         } else if (word == "hint-build") {
             in >> scene.hints.build.emplace();
         } else if (word == "scene") {
@@ -124,7 +128,7 @@ struct Scene::Data {
 Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings,
                      TreeBuild build)
 {
-    const char* const builds[] = {"fast", "default", "high", "compact"};  // by TreeBuild
+    const char* const builds[] = {"fast", "standard", "high", "compact"};  // by TreeBuild
     if (build != TreeBuild::standard) warnings.add(fmt::format("build {}", builds[std::size_t(build)]));
     auto data = std::make_shared<Data>();
     data->camera = world_camera(description, camera);

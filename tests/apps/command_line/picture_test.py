@@ -92,6 +92,32 @@ class Picture(CommandLine):
         self.assertIn("camera framing the model", text)
         self.assertIn("at 30,20,100", text)
 
+    def test_build(self):
+        """The tree is the one that has the picture done soonest, unless somebody says which."""
+        def level(*arguments, scene="tree.json"):
+            said = re.search(r"warning: build (\w+)", self.ok("render", scene, "--size", "40x20", *arguments).stderr)
+            return said.group(1) if said else "standard"
+        self.scene("tree.json", "camera a triangles 1000")
+        # 32 samples a triangle: 40 of each of 800 pixels.
+        self.assertEqual(level("--spp", "40"), "high")
+        self.assertEqual(level("--spp", "39"), "standard")
+        self.assertEqual(level("--spp", "40", "--crop", "0,0,39,20"), "standard")
+        self.assertEqual(level("--spp", "79", "--part", "1/2"), "standard")
+        self.assertEqual(level("--samples", "100:139"), "standard")
+        self.assertEqual(level("--samples", "100:140"), "high")
+        self.assertEqual(level("--spp", "10", "--turntable", "4"), "high")
+        self.assertEqual(level("--spp", "40", "--only-sample", "0,0,0"), "standard")
+        self.assertEqual(level("--spp", "40", "--build", "standard"), "standard")
+        self.assertEqual(level("--spp", "40", "--build", "fast"), "fast")
+        self.scene("hint.json", "camera a triangles 1000 hint-build compact")
+        self.assertEqual(level("--spp", "40", scene="hint.json"), "compact")
+        self.assertEqual(level("--spp", "40", "--build", "standard", scene="hint.json"), "standard")
+        self.scene("none.json", "camera a")
+        self.assertEqual(level("--spp", "40", scene="none.json"), "standard")
+        self.scene("wrong.json", "camera a hint-build best")
+        self.refused(1, "render", "wrong.json", words=["build", "standard or high", "'best'"])
+        self.refused(2, "render", "tree.json", "--build", "default", words=["--build", "standard"])
+
     def test_environment_and_warnings(self):
         self.scene("sky.hdr", "x")
         self.scene("w.json", "camera a warn something nan")
