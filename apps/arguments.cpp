@@ -11,6 +11,8 @@ namespace fathom::cli {
 
 namespace {
 
+constexpr const char* file_type = "FILE";
+
 constexpr std::uint64_t largest_side = 1 << 24;
 
 template <class Number>
@@ -209,6 +211,17 @@ void Command::add_value(const std::string& name, const std::string& value_name, 
     app_.add_option_function<std::string>(name, naming(name, std::move(take)), help)->type_name(value_name);
 }
 
+void Command::add_values(const std::string& name, const std::string& value_name, const std::string& help, Take take)
+{
+    const auto take_all = [take_one = naming(name, std::move(take))](const std::vector<std::string>& values) {
+        for (const std::string& value : values) take_one(value);
+    };
+    app_.add_option_function<std::vector<std::string>>(name, take_all, help)
+        ->type_name(value_name)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
 void Command::add_flag_or_word(const std::string& name, const std::string& help, Take take)
 {
     app_.add_flag(name, help)->each(naming(name, std::move(take)));
@@ -223,7 +236,7 @@ void Command::add_files(const std::string& name, std::vector<std::filesystem::pa
 {
     const auto take = [&files](const std::vector<std::string>& names) { files.assign(names.begin(), names.end()); };
     app_.add_option_function<std::vector<std::string>>(name, take, help)
-        ->type_name("FILE")
+        ->type_name(file_type)
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
@@ -252,7 +265,7 @@ std::vector<std::string> Command::given(std::size_t first, std::size_t last) con
     const std::vector<CLI::Option*> options = app_.get_options();
     for (std::size_t i = first; i < last; ++i) {
         const CLI::Option& option = *options[i];
-        if (option.get_positional() || option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll) continue;
+        if (option.get_positional() || option.get_type_name() == file_type) continue;
         const bool is_flag = option.get_expected_min() == 0;
         for (const std::string& value : option.results()) {
             words.push_back(option.get_name());

@@ -54,6 +54,8 @@ public:
     /// A flag that may be told more by NAME=WORD, or by a word behind it that program.cpp knows; `take` gets "true"
     /// without.
     void add_flag_or_word(const std::string& name, const std::string& help, Take take);
+    /// The same for one that may be given several times: `take` gets one value after the other.
+    void add_values(const std::string& name, const std::string& value_name, const std::string& help, Take take);
     /// An option that may be given several times.
     void add_files(const std::string& name, std::vector<std::filesystem::path>& files, const std::string& help);
     /// What stands without an option's name, and must be there: one file, or one and more.

@@ -179,13 +179,21 @@ const std::vector<std::string> tree_build_names = {"fast", "standard", "high", "
 
 void add_file_options(Command& command, SceneOptions& options)
 {
-    command.add_positional("SCENE", options.file, "Fathom's own JSON, glTF, GLB, OBJ, PLY, STL, ...");
+    command.add_positional("SCENE", options.file, "Fathom's own JSON, glTF, GLB, Mitsuba's XML, OBJ, PLY, STL, ...");
     command.add_value("--scene", "NAME", "name or number of the scene in a glTF file that has several",
                       [&](const std::string& text) { options.scene = text; });
     command.add_value("--variant", "NAME", "name or number of the variant of materials in a glTF file that has several",
                       [&](const std::string& text) { options.variant = text; });
     command.add_value("--up-axis", "y|z", "the axis of the file that points up (default: as its format says)",
                       [&](const std::string& text) { options.up_axis = "yz"[parse_word(text, {"y", "z"})]; });
+    command.add_values("-D,--define", "NAME=VALUE",
+                       "the value of a parameter that a Mitsuba scene has; may be given several times",
+                       [&](const std::string& text) {
+                           const std::size_t equals = text.find('=');
+                           if (equals == 0 || equals == std::string::npos)
+                               throw UsageError(fmt::format("expected NAME=VALUE, found '{}'", text));
+                           options.definitions[text.substr(0, equals)] = text.substr(equals + 1);
+                       });
     command.add_flag("--confine", options.confine,
                      "read only files in the scene's folder and below, links followed: for scenes by strangers");
 }
@@ -197,6 +205,7 @@ LoadOptions load_options(const SceneOptions& options)
     load.variant = options.variant;
     load.up_axis = options.up_axis;
     load.confine = options.confine;
+    load.definitions = options.definitions;
     return load;
 }
 

@@ -40,6 +40,7 @@ struct SceneOptions {
     Color ground_color;
     std::optional<Size> size;
     std::optional<TreeBuild> build;
+    std::map<std::string, std::string> definitions;  ///< of parameters, by name
 };
 
 /// Which file, and how it is read.

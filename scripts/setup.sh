@@ -8,7 +8,7 @@ packages_to_build=(
     clang-19 cmake ninja-build pkg-config ccache
     libtbb-dev libfmt-dev libcli11-dev nlohmann-json3-dev
     libopenexr-dev libpng-dev libjpeg-dev libwebp-dev libavif-dev libstb-dev libxxhash-dev
-    libassimp-dev libsfml-dev libdraco-dev libmeshoptimizer-dev
+    libpugixml-dev zlib1g-dev libassimp-dev libsfml-dev libdraco-dev libmeshoptimizer-dev
 )
 # OpenColorIO is optional: a program that is linked with it starts some 2 ms later.
 packages_to_test=(

@@ -33,10 +33,12 @@ struct LoadOptions {
     /// Only files of the scene's folder and below are read, links followed: for scenes by strangers. Else a scene reads
     /// whatever it names.
     bool confine = false;
+    /// Mitsuba: values of the scene's parameters (`$name` in it), by name; they go before its own defaults.
+    std::map<std::string, std::string> definitions;
 };
 
-/// Reads a scene or model file; the format is told by the content or the extension: Fathom's own JSON, glTF, GLB, OBJ,
-/// PLY, STL, and what Assimp reads. Relative paths in it are relative to the file.
+/// Reads a scene or model file; the format is told by the content or the extension: Fathom's own JSON, glTF, GLB,
+/// scenes of Mitsuba 3, OBJ, PLY, STL, and what Assimp reads. Relative paths in it are relative to the file.
 ///
 /// Throws Error for a file that can't be read or understood; adds to `warnings` what leaves a picture.
 FATHOM_API SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions& options,

@@ -13,6 +13,7 @@
 #include "import/common/suggest.h"
 #include "import/fathom/fathom_json.h"
 #include "import/gltf/gltf.h"
+#include "import/mitsuba/mitsuba.h"
 #include "import/obj/obj.h"
 #include "import/ply/ply.h"
 #include "import/stl/stl.h"
@@ -46,7 +47,7 @@ void turn_z_up(SceneDescription& scene)
 }
 
 /// All of them; the first that recognizes a file reads it.
-constexpr const Importer* importers[] = {&gltf_importer, &ply_importer, &fathom_json_importer,
+constexpr const Importer* importers[] = {&gltf_importer, &ply_importer, &fathom_json_importer, &mitsuba_importer,
                                          &obj_importer,  &stl_importer, &assimp_importer};
 
 /// Keeps the list of open files right, whatever happens.

@@ -133,6 +133,8 @@ class Slurm:
         end = time.monotonic() + most_s
         while not is_so():
             if time.monotonic() > end:
+                queue = self.ask("squeue", "-o", "%i %T %r %S")
                 with open(os.path.join(self.folder, "log/slurmctld.log"), errors="replace") as file:
-                    raise RuntimeError(f"waited {most_s} s for {what}; the controller's last lines:\n{file.read()[-2000:]}")
+                    raise RuntimeError(f"waited {most_s} s for {what}; the queue:\n{queue}the controller's last lines:\n"
+                                       f"{file.read()[-2000:]}")
             time.sleep(0.3)

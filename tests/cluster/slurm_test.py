@@ -181,11 +181,15 @@ class Parts(unittest.TestCase):
     @unittest.skipUnless(LONG, "takes minutes: Slurm looks at limits every half minute")
     def test_turns(self):
         """Tasks whose time is not enough go on in other turns."""
-        self.submit("--size", "800x600", "--spp", "600", "--parts", "1", "--time", "1")
+        size = ("--size", "800x600")
+        start = time.monotonic()
+        self.fathom("render", SCENE, *size, "--spp", "64", "--threads", "1", "-q", "-o", os.path.join(self.folder, "few.png"))
+        samples = int(64 * 150 / (time.monotonic() - start))  # two minutes and a half, where one is given
+        self.submit(*size, "--spp", str(samples), "--parts", "1", "--time", "1")
         self.wait_until_ended(1200)
-        self.assertEqual(self.status()["samples_done"], 600, self.logs())
+        self.assertEqual(self.status()["samples_done"], samples, self.logs())
         self.assertGreaterEqual(self.logs().count("going on"), 1, self.logs())
-        self.assert_same_as_one_run(600, "--size", "800x600")
+        self.assert_same_as_one_run(samples, *size)
 
     def test_told_before(self):
         said = self.submit("--spp", "100", "--parts", "64", code=2)

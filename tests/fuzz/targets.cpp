@@ -2,7 +2,9 @@
 
 #include <sys/mman.h>
 #include <unistd.h>
+#include <zlib.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -20,6 +22,8 @@
 #include "import/common/importer.h"
 #include "import/fathom/fathom_json.h"
 #include "import/gltf/gltf.h"
+#include "import/mitsuba/mitsuba.h"
+#include "import/mitsuba/serialized.h"
 #include "import/obj/obj.h"
 #include "import/ply/ply.h"
 #include "import/stl/stl.h"
@@ -68,6 +72,16 @@ void read_scene(const std::string& bytes)
         SceneDescription scene = importer.read({file, "", bytes, options}, context);
         use(scene);
         play(scene, context.offered.rig);
+    } catch (const Error&) {
+        // As it should be.
+    }
+}
+
+void read_serialized(const std::string& bytes)
+{
+    try {
+        const mitsuba::SerializedFile file("a", bytes);
+        for (std::size_t i = 0; i < std::min<std::size_t>(file.count(), 4); ++i) file.mesh(i);
     } catch (const Error&) {
         // As it should be.
     }
@@ -337,12 +351,55 @@ std::vector<std::string> film_seeds()
     return {written(".exr", [&](const auto& file) { write_film(file, film, film.image(false, true), {}); })};
 }
 
+std::vector<std::string> mitsuba_seeds()
+{
+    return {
+        R"(<?xml version="1.0"?><scene version="3.0.0"><default name="spp" value="4"/><integrator type="path"><integer name="max_depth"
+ value="5"/></integrator><sensor type="thinlens"><float name="fov" value="40"/><string name="fov_axis" value="larger"/>
+ <float name="aperture_radius" value="0.1"/><float name="focus_distance" value="3"/><transform name="to_world"><lookat
+ origin="0,0,5" target="0,0,0" up="0,1,0"/></transform><film type="hdrfilm"><integer name="width" value="8"/><integer
+ name="height" value="6"/><rfilter type="box"/></film><sampler type="independent"><integer name="sample_count" value="$spp"/>
+ </sampler></sensor><bsdf type="twosided" id="a"><bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.1 0.2 0.3"/>
+ <float name="alpha" value="0.1"/><string name="distribution" value="ggx"/><boolean name="nonlinear" value="true"/></bsdf></bsdf>
+ <bsdf type="mask" id="b"><float name="opacity" value="0.5"/><bsdf type="roughconductor"><spectrum name="eta" value="400:1,700:2"/>
+ <rgb name="k" value="3"/><float name="alpha_u" value="0.1"/><float name="alpha_v" value="0.2"/></bsdf></bsdf>
+ <shape type="shapegroup" id="g"><shape type="sphere"><ref id="a"/></shape></shape><shape type="instance"><ref id="g"/>
+ <transform name="to_world"><rotate y="1" angle="30"/><scale value="2"/><translate x="1"/></transform></shape><shape type="rectangle">
+ <ref id="b"/><emitter type="area"><rgb name="radiance" value="1 2 3"/></emitter></shape><shape type="cylinder"><bsdf type="dielectric">
+ <string name="int_ior" value="water"/></bsdf><medium name="interior" type="homogeneous"><float name="sigma_t" value="2"/></medium>
+ </shape><emitter type="sunsky"><vector name="sun_direction" x="0" y="1" z="1"/></emitter><alias id="a" as="c"/><emitter type="spot"/>
+ <shape type="cube"><bsdf type="blendbsdf"><float name="weight" value="0.2"/><ref id="c"/><bsdf type="principled"><texture
+ type="checkerboard" name="base_color"/></bsdf></bsdf></shape></scene>)"};
+}
+
+std::vector<std::string> serialized_seeds()
+{
+    // Two meshes of version 4: a triangle with normals and uv, and one of doubles.
+    const auto deflated = [](const std::string& bytes) {
+        uLongf size = compressBound(uLong(bytes.size()));
+        std::string out(size, 0);
+        compress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+                 uLong(bytes.size()));
+        out.resize(size);
+        return out;
+    };
+    const std::string sign = {0x1c, 0x04, 4, 0};
+    const auto counts = raw(std::vector<std::uint64_t>{3, 1}), indices = raw(std::vector<std::uint32_t>{0, 1, 2});
+    const std::string first =
+        sign + deflated(raw(0x1003u) + std::string("a\0", 2) + counts + raw(std::vector<float>(24, 0.5f)) + indices);
+    const std::string second =
+        sign + deflated(raw(0x2000u) + std::string(1, 0) + counts + raw(std::vector<double>(9, 0.5)) + indices);
+    return {first + second + raw(std::vector<std::uint64_t>{0, first.size()}) + raw(2u)};
+}
+
 constexpr Target all[] = {{"fathom-json", read_scene<fathom_json_importer>, json_seeds},
                           {"gltf", read_scene<gltf_importer>, gltf_seeds},
                           {"obj", read_scene<obj_importer>, obj_seeds},
                           {"mtl", read_materials, mtl_seeds},
                           {"ply", read_scene<ply_importer>, ply_seeds},
                           {"stl", read_scene<stl_importer>, stl_seeds},
+                          {"mitsuba", read_scene<mitsuba_importer>, mitsuba_seeds},
+                          {"serialized", read_serialized, serialized_seeds},
                           {"image", read_picture, image_seeds},
                           {"film", read_film, film_seeds}};
 

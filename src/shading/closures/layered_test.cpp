@@ -316,6 +316,29 @@ TEST(Layered, CoatDarkensByGeometricSeries)
     EXPECT_NEAR(first(Opaque(m).eval(outgoing(20), outgoing(60)).f_cos.c[0]) / with, 0.25, 2e-2);
 }
 
+/// A coat of the index of what is outside is no boundary: it only takes its colour, at grazing angles too.
+TEST(Layered, CoatWithoutABoundaryReflectsNothing)
+{
+    const LayeredMaterialPoint bare = layers(0.5f, 0.3f, 1);
+    LayeredMaterialPoint m = with_coat(bare, 1, 0.3f);
+    m.layers.coat_f0 = Float(0), m.layers.coat_color = grey(0.25f);
+    for (const double degrees : {0.0, 45.0, 80.0, 88.0}) {
+        const Vec3 wo = outgoing(degrees), wi = outgoing(-degrees);
+        const float without = first(Opaque(bare).eval(wo, wi).f_cos.c[0]);
+        EXPECT_GT(without, 0);
+        EXPECT_NEAR(first(Opaque(m).eval(wo, wi).f_cos.c[0]) / without, 0.25, 1e-5) << degrees;
+    }
+    // Less and less on the way there.
+    double before = 1e9;
+    for (const float f0 : {0.02f, 0.01f, 0.002f, 0.f}) {
+        m.layers.coat_f0 = Float(f0), m.layers.coat_color = grey(0);
+        const double now = first(Opaque(m).eval(outgoing(85), outgoing(-85)).f_cos.c[0]);
+        EXPECT_LT(now, before) << f0;
+        before = now;
+    }
+    EXPECT_EQ(before, 0);
+}
+
 /// A solid takes its colour of light that went in and out: the root of it at each boundary. A sheet takes it at once.
 TEST(Layered, ColourOfWhatIsRefracted)
 {

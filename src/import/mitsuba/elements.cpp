@@ -1,0 +1,254 @@
+#include "import/mitsuba/elements.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <pugixml.hpp>
+#include <set>
+
+#include "fathom/error.h"
+#include "import/common/read_file.h"
+#include "import/common/suggest.h"
+
+namespace fathom::mitsuba {
+
+namespace {
+
+/// More than any real scene nests; less than a stack holds.
+constexpr int deepest_element = 100, deepest_include = 15;
+/// A file may be included often, which makes a large scene of small files.
+constexpr std::size_t most_elements = 50'000'000;
+
+const std::string none;
+
+/// "toWorld" is "to_world" since version 2.
+std::string snake_case(std::string_view name)
+{
+    std::string result;
+    for (char c : name) {
+        if (c >= 'A' && c <= 'Z') {
+            if (!result.empty()) result += '_';
+            c = char(c - 'A' + 'a');
+        }
+        result += c;
+    }
+    return result;
+}
+
+class DocumentReader {
+public:
+    DocumentReader(const std::map<std::string, std::string>& definitions, LoadContext& context)
+        : parameters_(definitions), given_(definitions), context_(context)
+    {
+    }
+
+    Document read(const std::filesystem::path& file, const std::string& bytes)
+    {
+        document_.folders.push_back(file.parent_path());
+        document_.root = std::make_unique<Element>();
+        read_file_into(*document_.root, file, bytes, 0);
+        for (const auto& [name, value] : given_)
+            if (!used_.contains(name))
+                throw Error(file.string(), "-D " + name,
+                            fmt::format("the scene has no parameter '{}'{}", printable(name),
+                                        suggestion(name, {known_.begin(), known_.end()})));
+        register_ids(*document_.root);
+        for (const auto& [alias, element] : aliases_) {
+            const auto found = document_.by_id.find(element->attribute("id"));
+            if (found == document_.by_id.end())
+                element->fail(fmt::format("there is nothing with the id '{}'", printable(element->attribute("id"))));
+            document_.by_id.emplace(alias, found->second);
+        }
+        return std::move(document_);
+    }
+
+private:
+    struct Source {
+        const std::string* file;
+        std::vector<std::size_t> lines;  ///< where each begins
+        bool old_names = false;
+
+        Place place(std::ptrdiff_t offset) const
+        {
+            const auto at = std::size_t(std::max<std::ptrdiff_t>(offset, 0));
+            const auto after = std::upper_bound(lines.begin(), lines.end(), at);
+            return {file, std::size_t(after - lines.begin()), at - *(after - 1) + 1};
+        }
+    };
+
+    void read_file_into(Element& parent, const std::filesystem::path& file, const std::string& bytes, int depth)
+    {
+        Source source{&document_.files.emplace_back(file.string()), {0}, false};
+        for (std::size_t i = 0; i < bytes.size(); ++i)
+            if (bytes[i] == '\n') source.lines.push_back(i + 1);
+        pugi::xml_document xml;
+        const pugi::xml_parse_result result = xml.load_buffer(bytes.data(), bytes.size());
+        if (!result) {
+            const Place place = source.place(result.offset);
+            throw Error(*source.file, fmt::format("line {}, column {}", place.line, place.column),
+                        fmt::format("no XML: {}", result.description()));
+        }
+        const pugi::xml_node root = xml.document_element();
+        if (std::string_view(root.name()) != "scene" || !root.attribute("version"))
+            throw Error(
+                *source.file, fmt::format("line {}", source.place(root.offset_debug()).line),
+                fmt::format("a Mitsuba scene begins with <scene version=\"...\">, found <{}>", printable(root.name())));
+        source.old_names = root.attribute("version").as_int() < 2;
+        if (depth == 0) parent.tag = "scene", parent.place = source.place(root.offset_debug());
+        for (const pugi::xml_node node : root.children()) read_node(parent, node, source, 1, depth);
+    }
+
+    void read_node(Element& parent, const pugi::xml_node& node, const Source& source, int depth, int includes)
+    {
+        if (node.type() != pugi::node_element) {
+            if (node.type() == pugi::node_pcdata) {
+                Element text;
+                text.place = source.place(node.offset_debug());
+                text.fail(fmt::format("text that is no element: '{}'", printable(node.value())));
+            }
+            return;
+        }
+        if (++elements_ > most_elements)
+            throw Error(*source.file, "", fmt::format("more than {} elements", most_elements));
+        auto element = std::make_unique<Element>();
+        element->tag = node.name();
+        element->place = source.place(node.offset_debug());
+        if (depth > deepest_element)
+            element->fail(fmt::format("elements are nested more than {} deep", deepest_element));
+        for (const pugi::xml_attribute attribute : node.attributes())
+            element->attributes[attribute.name()] = substituted(attribute.value(), *element);
+        if (source.old_names) {
+            if (element->tag == "lookAt") element->tag = "lookat";
+            if (const auto name = element->attributes.find("name"); name != element->attributes.end())
+                name->second = snake_case(name->second);
+        }
+        if (element->tag == "default") return set_default(*element);
+        if (element->tag == "path") return add_folder(*element);
+        if (element->tag == "include") return include(parent, *element, includes);
+        for (const pugi::xml_node child : node.children()) read_node(*element, child, source, depth + 1, includes);
+        if (element->tag == "alias") aliases_.emplace_back(element->attribute("as"), element.get());
+        parent.children.push_back(std::move(element));
+    }
+
+    /// With what stands for `$name` and `${name}`.
+    std::string substituted(std::string_view text, const Element& element)
+    {
+        std::string result;
+        while (true) {
+            const std::size_t dollar = text.find('$');
+            result += text.substr(0, dollar);
+            if (dollar == std::string_view::npos) return result;
+            text.remove_prefix(dollar + 1);
+            const bool braces = text.starts_with('{');
+            if (braces) text.remove_prefix(1);
+            std::size_t length = 0;
+            while (length < text.size() &&
+                   (std::isalnum(static_cast<unsigned char>(text[length])) || text[length] == '_'))
+                ++length;
+            const std::string name(text.substr(0, length));
+            const auto found = parameters_.find(name);
+            if (found == parameters_.end())
+                element.fail(fmt::format("the parameter '${}' has no value: give one with -D {}=VALUE", printable(name),
+                                         printable(name)));
+            used_.insert(name);
+            result += found->second;
+            text.remove_prefix(length);
+            if (braces && text.starts_with('}')) text.remove_prefix(1);
+        }
+    }
+
+    void set_default(const Element& element)
+    {
+        if (element.name().empty() || !element.has("value")) element.fail("<default> needs a name and a value");
+        known_.insert(element.name());
+        if (given_.contains(element.name())) used_.insert(element.name());
+        parameters_.emplace(element.name(), element.attribute("value"));
+    }
+
+    void add_folder(const Element& element)
+    {
+        const std::filesystem::path folder = element.attribute("value");
+        document_.folders.push_back(document_.folders.front() / folder);
+    }
+
+    void include(Element& parent, const Element& element, int depth)
+    {
+        if (!element.has("filename")) element.fail("<include> needs a filename");
+        if (depth >= deepest_include)
+            element.fail(fmt::format("files include each other more than {} deep", deepest_include));
+        const std::filesystem::path file = document_.locate(element.attribute("filename"), context_);
+        std::string bytes;
+        try {
+            bytes = context_.read(file);
+        } catch (const Error& error) {
+            element.fail(error.what());
+        }
+        read_file_into(parent, file, bytes, depth + 1);
+    }
+
+    void register_ids(const Element& element)
+    {
+        const std::string& id = element.attribute("id");
+        if (!id.empty() && element.tag != "ref" && element.tag != "alias") {
+            const auto [found, is_new] = document_.by_id.emplace(id, &element);
+            if (!is_new)
+                element.fail(fmt::format("the id '{}' is taken already: {}", printable(id), found->second->where()));
+        }
+        for (const auto& child : element.children) register_ids(*child);
+    }
+
+    std::map<std::string, std::string> parameters_;
+    const std::map<std::string, std::string>& given_;
+    std::set<std::string> used_, known_;
+    std::vector<std::pair<std::string, const Element*>> aliases_;
+    std::size_t elements_ = 0;
+    LoadContext& context_;
+    Document document_;
+};
+
+}  // namespace
+
+const std::string& Element::attribute(std::string_view name) const
+{
+    const auto found = attributes.find(name);
+    return found == attributes.end() ? none : found->second;
+}
+
+std::string Element::where() const
+{
+    return fmt::format("{}: line {}, column {}", place.file ? *place.file : "", place.line, place.column);
+}
+
+void Element::fail(const std::string& message) const
+{
+    throw Error(place.file ? *place.file : "", fmt::format("line {}, column {}", place.line, place.column), message);
+}
+
+const Element& Document::find(const Element& reference) const
+{
+    const auto found = by_id.find(reference.attribute("id"));
+    if (found != by_id.end()) return *found->second;
+    std::vector<std::string> ids;
+    for (const auto& [id, element] : by_id) ids.push_back(id);
+    reference.fail(fmt::format("there is nothing with the id '{}'{}", printable(reference.attribute("id")),
+                               suggestion(reference.attribute("id"), ids)));
+}
+
+std::filesystem::path Document::locate(const std::string& path, LoadContext& context) const
+{
+    for (const std::filesystem::path& folder : folders) {
+        const std::filesystem::path found = context.locate(folder / path);
+        std::error_code error;
+        if (std::filesystem::exists(found, error)) return found;
+    }
+    return folders.front() / path;
+}
+
+Document read_document(const std::filesystem::path& file, const std::string& bytes,
+                       const std::map<std::string, std::string>& definitions, LoadContext& context)
+{
+    return DocumentReader(definitions, context).read(file, bytes);
+}
+
+}  // namespace fathom::mitsuba

@@ -1,0 +1,175 @@
+// Light without a surface.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "import/common/read_file.h"
+#include "import/mitsuba/reader.h"
+
+namespace fathom::mitsuba {
+
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+/// From directions as environments have them here, whose picture has +x in its middle and +z to the right of it, to
+/// Mitsuba's, which has +z and -x there.
+Transform mitsuba_from_environment()
+{
+    Transform t;
+    t.m = {{{0, 0, -1, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}}};
+    return t;
+}
+
+Transform rotation_of(Transform t)
+{
+    for (auto& row : t.m) row[3] = 0;
+    return t;
+}
+
+/// Turns +z to a direction.
+Transform towards(Vec3d direction)
+{
+    const Vec3d w = normalize(direction);
+    const Vec3d u = normalize(cross(std::abs(w.y) > 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, w)), v = cross(w, u);
+    Transform t;
+    const Vec3d columns[] = {u, v, w};
+    for (std::size_t c = 0; c < 3; ++c) t.m[0][c] = columns[c].x, t.m[1][c] = columns[c].y, t.m[2][c] = columns[c].z;
+    return t;
+}
+
+}  // namespace
+
+void Reader::add_light(Light light, const Transform& world_from_light)
+{
+    Node node;
+    node.name = light.name;
+    // Lights shine along -z here, along +z in Mitsuba.
+    node.parent_from_node = world_from_light * Transform::scale({-1, 1, -1});
+    node.light = int(scene_.lights.size());
+    scene_.lights.push_back(std::move(light));
+    scene_.roots.push_back(add_node(std::move(node)));
+}
+
+void Reader::read_emitter(const Element& element)
+{
+    Object emitter(element, document_);
+    const std::string& type = emitter.type();
+    Light light;
+    light.name = element.attribute("id");
+    if (type == "constant") {
+        scene_.environment.kind = EnvironmentKind::constant;
+        scene_.environment.color = plain_color(emitter, "radiance", {1, 1, 1});
+    } else if (type == "envmap") {
+        read_environment_map(emitter);
+    } else if (type == "sunsky" || type == "sky" || type == "sun") {
+        read_sky(emitter);
+    } else if (type == "point") {
+        light.intensity = plain_color(emitter, "intensity", {1, 1, 1});
+        Transform place = emitter.transform("to_world");
+        if (const auto position = emitter.vector("position")) place = Transform::translate(*position);
+        add_light(light, place);
+    } else if (type == "spot") {
+        light.kind = LightKind::spot;
+        light.intensity = plain_color(emitter, "intensity", {1, 1, 1});
+        const double cutoff = emitter.number("cutoff_angle", 20);
+        light.outer_angle = cutoff * degree;
+        light.inner_angle = emitter.number("beam_width", cutoff * 3 / 4) * degree;
+        if (emitter.has("texture")) tell(element, "a spot's texture is left out");
+        emitter.ignore({"texture"});
+        add_light(light, emitter.transform("to_world"));
+    } else if (type == "directional") {
+        light.kind = LightKind::directional;
+        light.intensity = plain_color(emitter, "irradiance", {1, 1, 1});
+        const auto direction = emitter.vector("direction");
+        add_light(light, direction ? towards(*direction) : rotation_of(emitter.transform("to_world")));
+    } else {
+        tell(element, fmt::format("the emitter '{}' is not known: it is left out", printable(type)));
+        return;
+    }
+    emitter.ignore({"sampling_weight"});
+    emitter.finish(context_.warnings);
+}
+
+void Reader::read_environment_map(Object& emitter)
+{
+    const std::string filename = emitter.text("filename", "");
+    if (filename.empty()) emitter.element().fail("an envmap needs a 'filename'");
+    const std::filesystem::path file = document_.locate(filename, context_);
+    Environment& environment = scene_.environment;
+    environment.kind = EnvironmentKind::image;
+    environment.image = int(scene_.images.size());
+    scene_.images.push_back({filename, file, {}});
+    const float scale = float(emitter.number("scale", 1));
+    environment.color = {scale, scale, scale};
+    environment.world_from_environment = rotation_of(emitter.transform("to_world")) * mitsuba_from_environment();
+    emitter.ignore({"mis_compensation"});
+}
+
+namespace {
+
+/// What Mitsuba 3.9.1's `sunsky`, of the Hosek-Wilkie model, gives a level surface from the sky, over what the sky here
+/// gives it: fitted for turbidities to 8 and a sun at least 10 degrees high, to 3 % in the mean and 15 % at most.
+Color sky_brightness(double turbidity, double sine)
+{
+    const auto of = [&](double a, double b, double c, double d, double e) {
+        return float(std::exp(a + b * turbidity + c * sine + d * sine * sine + e * turbidity * sine));
+    };
+    return {of(-0.7179, 0.1554, -1.1584, 0.5439, 0.0675), of(-0.3122, 0.0711, -0.9453, 0.3925, 0.0766),
+            of(-0.1825, 0.0072, -0.4212, 0.0864, 0.0652)};
+}
+
+/// What its sun gives a surface that faces it, whatever its size; fitted alike.
+Color sun_irradiance(double turbidity, double sine)
+{
+    const double air = 1 / (sine + 0.15);
+    const auto of = [&](double a, double b, double c, double d, double e) {
+        return float(std::exp(a + b * turbidity + c * air + d * turbidity * air + e * turbidity * air * air));
+    };
+    return {of(0.5299, -0.0141, -0.0431, -0.003, -0.0133), of(0.499, -0.0286, -0.1791, 0.0128, -0.0185),
+            of(0.6022, -0.0674, -0.5409, 0.0635, -0.0306)};
+}
+
+Color scaled(Color c, double factor)
+{
+    const auto f = float(factor);
+    return {c.r * f, c.g * f, c.b * f};
+}
+
+}  // namespace
+
+void Reader::read_sky(Object& emitter)
+{
+    // Up is +z in Mitsuba's sky.
+    Transform y_up;
+    y_up.m = {{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}}};
+    const Transform world = rotation_of(emitter.transform("to_world")), world_from_sky = world * y_up.inverse();
+    const auto said = emitter.vector("sun_direction");
+    if (!said) tell(emitter.element(), "where a date and a place put the sun is not computed: give a 'sun_direction'");
+    // The direction is one of the world, whichever way the sky is turned.
+    const Vec3d to_sun = normalize(said ? world.inverse().vector(*said) : Vec3d{0.5, 0, 0.7});
+    const double turbidity = std::clamp(emitter.number("turbidity", 3), 1.0, 10.0), sine = std::max(0.0, to_sun.z);
+    if (emitter.type() != "sun") {
+        Environment& environment = scene_.environment;
+        environment.kind = EnvironmentKind::sky;
+        environment.sun_disk = false;
+        environment.world_from_environment = world_from_sky;
+        environment.to_sun = y_up.vector(to_sun);
+        environment.color = scaled(sky_brightness(turbidity, sine), emitter.number("sky_scale", 1));
+        tell(emitter.element(),
+             "the sky is computed from the air, as bright as Mitsuba's of this turbidity, but not the same");
+    }
+    if (emitter.type() != "sky" && to_sun.z > 0) {
+        Light sun;
+        sun.name = "sun";
+        sun.kind = LightKind::directional;
+        sun.angle = emitter.number("sun_aperture", 0.5358) * degree;
+        sun.intensity = scaled(sun_irradiance(turbidity, sine), emitter.number("sun_scale", 1));
+        add_light(sun, towards(world.vector(-to_sun)));
+    }
+    emitter.ignore({"turbidity", "albedo", "sun_aperture", "sun_scale", "sky_scale", "complex_sun"});
+}
+
+}  // namespace fathom::mitsuba

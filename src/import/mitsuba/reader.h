@@ -1,0 +1,101 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "import/common/load_context.h"
+#include "import/mitsuba/object.h"
+#include "import/mitsuba/serialized.h"
+#include "scene/append.h"
+
+namespace fathom::mitsuba {
+
+/// A Mitsuba document into a scene.
+class Reader {
+public:
+    Reader(const Document& document, LoadContext& context) : document_(document), context_(context) {}
+
+    SceneDescription read();
+
+private:
+    using Key = std::pair<const Element*, std::string>;
+
+    // scene.cpp: what is seen, and from where
+    void read_root(const Element& element);
+    void read_sensor(const Element& element);
+    double vertical_fov(Object& sensor, double aspect) const;
+    void read_film(const Element& element);
+    void read_integrator(const Element& element);
+    // emitter.cpp
+    void read_emitter(const Element& element);
+    void read_environment_map(Object& emitter);
+    void read_sky(Object& emitter);
+    void add_light(Light light, const Transform& world_from_light);
+
+    // texture.cpp: colours and what stands for them. Reflectances are at most 1.
+    ColorInput color(Object& of, std::string_view name, Color otherwise);
+    FloatInput number_or_texture(Object& of, std::string_view name, float otherwise);
+    /// One colour; of a texture, which is told, grey.
+    Color plain_color(Object& of, std::string_view name, Color otherwise);
+    std::optional<Color> color_of(const Element& element);
+    Color spectrum(const Element& element);
+    /// data  numbers, not colours
+    int texture(const Element& element, bool data);
+    int bitmap(Object& texture, bool data);
+    int checkerboard(Object& texture);
+
+    // material.cpp
+    int material(const Element& bsdf);
+    Material read_bsdf(const Element& element);
+    Material read_nested(Object& bsdf);
+    Material diffuse(Object& bsdf);
+    Material conductor(Object& bsdf);
+    Material dielectric(Object& bsdf);
+    Material thin_dielectric(Object& bsdf);
+    Material plastic(Object& bsdf);
+    Material principled(Object& bsdf);
+    Material mask(Object& bsdf);
+    Material bumps(Object& bsdf);
+    Material blend(Object& bsdf);
+    void read_roughness(Object& bsdf, Material& material);
+    /// Of one side against the other.
+    double relative_ior(Object& bsdf, double inside, double outside);
+    double ior(Object& bsdf, std::string_view name, double otherwise);
+    /// With what fills the shape, and with what it emits.
+    int material_of_shape(Object& shape);
+    void read_interior(const Element& medium, Material& material);
+
+    // shape.cpp
+    void read_shape(const Element& element, std::vector<int>& roots);
+    std::optional<Shape> read_geometry(Object& shape, Node& node);
+    std::optional<Shape> model(Object& shape, Node& node);
+    std::optional<Shape> serialized(Object& shape);
+    Shape rectangle(Object& shape);
+    Shape cylinder(Object& shape, Node& node);
+    std::optional<Shape> curves(Object& shape);
+    void read_group(Object& group, std::vector<int>& roots);
+    Shape add_mesh(Mesh mesh);
+    /// Their mesh as a shape's options have it.
+    Mesh finished(Mesh mesh, Object& shape, bool flip_v);
+
+    void tell(const Element& element, const std::string& message);
+    int add_node(Node node);
+
+    const Document& document_;
+    LoadContext& context_;
+    SceneDescription scene_;
+    std::map<const Element*, int> textures_, materials_;
+    std::map<const Element*, int> data_textures_;
+    std::map<std::string, int> images_;
+    /// By bsdf, emitter and medium.
+    std::map<std::array<const Element*, 3>, int> shape_materials_;
+    std::map<Key, int> meshes_;
+    std::map<std::string, SerializedFile> serialized_;
+    std::map<std::string, Appended> models_;  ///< by file and options
+    std::map<const Element*, std::vector<int>> groups_;
+    std::set<const Element*> open_shapes_;  ///< being read now: finds cycles
+};
+
+}  // namespace fathom::mitsuba

@@ -1,0 +1,167 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "import/common/read_file.h"
+#include "import/mitsuba/mitsuba.h"
+#include "import/mitsuba/reader.h"
+
+namespace fathom {
+
+namespace mitsuba {
+
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+}  // namespace
+
+void Reader::tell(const Element& element, const std::string& message)
+{
+    const std::string& id = element.attribute("id");
+    context_.warnings.add(fmt::format("{}: {} '{}'{}: {}", element.place.file ? *element.place.file : "",
+                                      printable(element.tag), printable(element.type()),
+                                      id.empty() ? "" : fmt::format(" ('{}')", printable(id)), message));
+}
+
+SceneDescription Reader::read()
+{
+    scene_.file = document_.files.front();
+    // It lights itself, or is meant to be dark.
+    scene_.hints.own_light = true;
+    // The camera first: what is asked of a picture's shape needs it.
+    for (const auto& child : document_.root->children)
+        if (child->tag == "sensor") read_sensor(*child);
+    for (const auto& child : document_.root->children) read_root(*child);
+    return std::move(scene_);
+}
+
+void Reader::read_root(const Element& element)
+{
+    const std::string& tag = element.tag;
+    if (tag == "shape") return read_shape(element, scene_.roots);
+    if (tag == "emitter") return read_emitter(element);
+    if (tag == "integrator") return read_integrator(element);
+    if (tag == "ref") {
+        const Element& meant = document_.find(element);
+        if (meant.tag == "shape" || meant.tag == "emitter") read_root(meant);
+        return;
+    }
+    // Those are read where something refers to them.
+    for (const char* known :
+         {"sensor", "bsdf", "texture", "medium", "alias", "spectrum", "rgb", "float", "string", "integer", "boolean"})
+        if (tag == known) return;
+    tell(element, "is ignored");
+}
+
+void Reader::read_integrator(const Element& element)
+{
+    Object integrator(element, document_);
+    if (integrator.type() != "path" && integrator.type() != "volpath" && integrator.type() != "volpathmis")
+        tell(element, "paths are traced instead");
+    // Mitsuba counts the ways between surfaces, of which the last leads to the light; here surfaces that scatter.
+    const int depth = integrator.integer("max_depth", -1);
+    if (depth >= 0) scene_.hints.max_depth = std::max(0, depth - 1);
+    scene_.hints.roulette_depth = integrator.integer("rr_depth", 5);
+    integrator.ignore({"hide_emitters"});
+    // What is nested in an integrator of an integrator, and what only other methods have, makes no difference here.
+    if (integrator.type() == "path") integrator.finish(context_.warnings);
+}
+
+void Reader::read_film(const Element& element)
+{
+    Object film(element, document_);
+    scene_.hints.width = film.integer("width", 768);
+    scene_.hints.height = film.integer("height", 576);
+    if (*scene_.hints.width < 1 || *scene_.hints.height < 1 || *scene_.hints.width > 1 << 20 ||
+        *scene_.hints.height > 1 << 20)
+        element.fail("a film's size must be from 1 to 1048576");
+    if (film.has("crop_width") || film.has("crop_height"))
+        tell(element, "the crop is left out: --crop x0,y0,x1,y1 renders a part");
+    film.ignore({"crop_width", "crop_height", "crop_offset_x", "crop_offset_y", "file_format", "pixel_format",
+                 "component_format", "sample_border", "compensate", "banner", "gamma", "variant", "high_quality_edges",
+                 "attach_log"});
+    scene_.hints.filter = "gaussian";
+    for (const Element* filter : film.children("rfilter")) {
+        scene_.hints.filter = filter->type() == "box"        ? "box"
+                              : filter->type() == "gaussian" ? "gaussian"
+                                                             : "blackman-harris";
+        if (filter->type() != "box" && filter->type() != "gaussian")
+            tell(*filter, "the filter is 'blackman-harris' here: no filter with negative parts, nor a tent");
+    }
+    film.finish(context_.warnings);
+}
+
+double Reader::vertical_fov(Object& sensor, double aspect) const
+{
+    if (sensor.has("focal_length")) {
+        // Of a picture of 36 by 24 mm, by its diagonal.
+        std::string text = sensor.text("focal_length", "50mm");
+        if (text.ends_with("mm")) text.resize(text.size() - 2);
+        const std::vector<double> f = numbers_of(*sensor.child("focal_length"), text);
+        if (f.size() != 1 || !(f[0] > 0)) sensor.element().fail("'focal_length' is a length in mm, as in 50mm");
+        const double half_diagonal = std::hypot(36, 24) / 2 / f[0];
+        return 2 * std::atan(half_diagonal / std::hypot(1, aspect));
+    }
+    const double fov = sensor.number("fov", 40) * degree;
+    if (!(fov > 0) || !(fov < std::numbers::pi)) sensor.element().fail("'fov' must be above 0 and below 180 degrees");
+    const std::string axis = sensor.text("fov_axis", "x");
+    const double half = std::tan(fov / 2);
+    if (axis == "y" || (axis == "smaller" && aspect >= 1) || (axis == "larger" && aspect < 1)) return fov;
+    if (axis == "diagonal") return 2 * std::atan(half / std::hypot(1, aspect));
+    return 2 * std::atan(half / aspect);
+}
+
+void Reader::read_sensor(const Element& element)
+{
+    Object sensor(element, document_);
+    for (const Element* film : sensor.children("film"))
+        if (!scene_.hints.width) read_film(*film);
+    for (const Element* sampler : sensor.children("sampler")) {
+        Object object(*sampler, document_);
+        if (!scene_.hints.samples) scene_.hints.samples = std::max(1, object.integer("sample_count", 4));
+    }
+    const std::string& type = sensor.type();
+    if (type != "perspective" && type != "thinlens" && type != "orthographic") {
+        tell(element, fmt::format("the sensor '{}' is not known: it is left out", printable(type)));
+        return;
+    }
+    const double aspect = double(scene_.hints.width.value_or(768)) / scene_.hints.height.value_or(576);
+    const Transform world = sensor.transform("to_world");
+    Camera camera;
+    camera.name = element.attribute("id");
+    camera.position = world.point({0, 0, 0});
+    camera.look_at = world.point({0, 0, 1});
+    camera.up = normalize(world.vector({0, 1, 0}));
+    if (world.determinant() < 0) tell(element, "a camera that mirrors is taken as one that does not");
+    if (type == "orthographic") {
+        camera.kind = CameraKind::orthographic;
+        camera.height = 2 * length(world.vector({1, 0, 0})) / aspect;
+    } else {
+        camera.fov_y = vertical_fov(sensor, aspect);
+    }
+    if (type == "thinlens") camera.aperture = 2 * sensor.number("aperture_radius", 0);
+    camera.focus_distance = type == "thinlens" ? sensor.number("focus_distance", 1) : 0;
+    camera.shutter_open = sensor.number("shutter_open", 0);
+    camera.shutter_close = std::max(camera.shutter_open, sensor.number("shutter_close", 0));
+    for (const char* shift : {"principal_point_offset_x", "principal_point_offset_y"})
+        if (sensor.number(shift, 0) != 0) tell(element, fmt::format("'{}' is left out", shift));
+    sensor.ignore({"near_clip", "far_clip", "fov", "fov_axis", "focus_distance", "aperture_radius", "srf"});
+    sensor.finish(context_.warnings);
+    scene_.cameras.push_back(camera);
+    Node node;
+    node.camera = int(scene_.cameras.size()) - 1;
+    scene_.roots.push_back(add_node(std::move(node)));
+}
+
+}  // namespace mitsuba
+
+SceneDescription read_mitsuba(const SourceFile& file, LoadContext& context)
+{
+    const mitsuba::Document document = mitsuba::read_document(file.path, file.bytes, file.options.definitions, context);
+    return mitsuba::Reader(document, context).read();
+}
+
+}  // namespace fathom

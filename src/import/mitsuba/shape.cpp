@@ -1,0 +1,326 @@
+// Shapes, groups and instances.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "import/common/mesh_cleanup.h"
+#include "import/common/read_file.h"
+#include "import/common/text_scanner.h"
+#include "import/mitsuba/reader.h"
+
+namespace fathom::mitsuba {
+
+namespace {
+
+constexpr std::size_t most_nodes = 20'000'000;
+
+Vec3d to_double(Vec3f v)
+{
+    return {v.x, v.y, v.z};
+}
+Vec3f to_float(Vec3d v)
+{
+    return {float(v.x), float(v.y), float(v.z)};
+}
+
+/// Of the faces around each vertex, by their angles there (G. Thuermer, C. A. Wuethrich: Computing Vertex Normals from
+/// Polygonal Facets, 1998), which is what Mitsuba gives meshes without.
+void add_smooth_normals(Mesh& mesh)
+{
+    std::vector<Vec3d> sums(mesh.positions.size());
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        Vec3d p[3];
+        for (std::size_t k = 0; k < 3; ++k) p[k] = to_double(mesh.positions[mesh.indices[i + k]]);
+        const Vec3d normal = normalize(cross(p[1] - p[0], p[2] - p[0]));
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3d a = normalize(p[(k + 1) % 3] - p[k]), b = normalize(p[(k + 2) % 3] - p[k]);
+            Vec3d& sum = sums[mesh.indices[i + k]];
+            sum = sum + normal * std::acos(std::clamp(dot(a, b), -1.0, 1.0));
+        }
+    }
+    mesh.normals.resize(mesh.positions.size());
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        const Vec3d n = normalize(sums[i]);
+        mesh.normals[i] = length(n) > 0.5 ? to_float(n) : Vec3f{0, 0, 1};
+    }
+}
+
+void flip(Mesh& mesh)
+{
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
+    for (Vec3f& n : mesh.normals) n = {-n.x, -n.y, -n.z};
+}
+
+/// A tube from z = 0 to 1 of radius 1, without lids.
+Mesh tube()
+{
+    constexpr std::uint32_t sides = 256;
+    Mesh mesh;
+    for (std::uint32_t i = 0; i <= sides; ++i) {
+        const double angle = 2 * std::numbers::pi * i / sides;
+        const auto x = float(std::cos(angle)), y = float(std::sin(angle));
+        for (int end = 0; end < 2; ++end) {
+            mesh.positions.push_back({x, y, float(end)});
+            mesh.normals.push_back({x, y, 0});
+            mesh.uvs[0].push_back({float(i) / sides, float(end)});
+        }
+        if (i == sides) break;
+        for (std::uint32_t corner : {0u, 2u, 3u, 0u, 3u, 1u}) mesh.indices.push_back(2 * i + corner);
+    }
+    return mesh;
+}
+
+/// From (0, 0, 0) to (0, 0, 1), and a unit across, to a tube between two points.
+Transform between(Vec3d a, Vec3d b, double radius)
+{
+    const Vec3d along = b - a, w = normalize(along);
+    const Vec3d u = normalize(cross(std::abs(w.x) > 0.5 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, w)), v = cross(w, u);
+    Transform t;
+    const Vec3d columns[] = {u * radius, v * radius, along, a};
+    for (std::size_t c = 0; c < 4; ++c) t.m[0][c] = columns[c].x, t.m[1][c] = columns[c].y, t.m[2][c] = columns[c].z;
+    return t;
+}
+
+bool has_texture(const Material& m)
+{
+    return m.base_color.texture >= 0 || m.emission.texture >= 0 || m.alpha.texture >= 0 || m.roughness.texture >= 0 ||
+           m.normal_texture >= 0;
+}
+
+}  // namespace
+
+int Reader::add_node(Node node)
+{
+    scene_.nodes.push_back(std::move(node));
+    return int(scene_.nodes.size()) - 1;
+}
+
+Shape Reader::add_mesh(Mesh mesh)
+{
+    scene_.meshes.push_back(std::move(mesh));
+    return {MeshInstance{int(scene_.meshes.size()) - 1}, -1, {}};
+}
+
+void Reader::read_shape(const Element& element, std::vector<int>& roots)
+{
+    Object shape(element, document_);
+    if (shape.type() == "shapegroup") return;  // only its instances are seen
+    if (!open_shapes_.insert(&element).second) element.fail("a shape can't contain itself");
+    struct Close {
+        std::set<const Element*>& open;
+        const Element* element;
+        ~Close() { open.erase(element); }
+    } const close{open_shapes_, &element};
+    // A short file can ask for many by references to references.
+    if (scene_.nodes.size() > most_nodes) element.fail(fmt::format("more than {} shapes", most_nodes));
+    Node node;
+    node.name = element.attribute("id");
+    if (shape.type() == "instance" || shape.type() == "merge") {
+        node.parent_from_node = shape.transform("to_world");
+        if (shape.type() == "merge") {
+            for (const Element* nested : shape.children("shape")) read_shape(*nested, node.children);
+        } else {
+            for (const Element* group : shape.children("shape")) {
+                if (group->type() != "shapegroup") group->fail("an instance is one of a 'shapegroup'");
+                Object members(*group, document_);
+                read_group(members, node.children);
+            }
+        }
+        shape.finish(context_.warnings);
+        roots.push_back(add_node(std::move(node)));
+        return;
+    }
+    node.parent_from_node = shape.transform("to_world");
+    const int material = material_of_shape(shape);
+    std::optional<Shape> geometry = read_geometry(shape, node);
+    shape.ignore({"silhouette_sampling_weight"});
+    shape.finish(context_.warnings);
+    if (geometry) {
+        geometry->material = material;
+        geometry->name = node.name;
+        node.shapes.push_back(*std::move(geometry));
+    }
+    for (int child : node.children)
+        for (Shape& s : scene_.nodes[std::size_t(child)].shapes) s.material = material;
+    if (!node.shapes.empty() || !node.children.empty()) roots.push_back(add_node(std::move(node)));
+}
+
+void Reader::read_group(Object& group, std::vector<int>& roots)
+{
+    const auto [found, is_new] = groups_.emplace(&group.element(), std::vector<int>());
+    if (is_new) {
+        std::vector<int> members;
+        for (const Element* nested : group.children("shape")) {
+            if (nested->type() == "instance" || nested->type() == "shapegroup")
+                nested->fail("groups of shapes can't hold instances");
+            read_shape(*nested, members);
+        }
+        group.finish(context_.warnings);
+        groups_[&group.element()] = members;
+    }
+    const std::vector<int>& members = groups_[&group.element()];
+    roots.insert(roots.end(), members.begin(), members.end());
+}
+
+std::optional<Shape> Reader::read_geometry(Object& shape, Node& node)
+{
+    const std::string& type = shape.type();
+    if (type == "obj" || type == "ply") return model(shape, node);
+    if (type == "serialized") return serialized(shape);
+    if (type == "rectangle") return rectangle(shape);
+    if (type == "cylinder") return cylinder(shape, node);
+    if (type == "bsplinecurve" || type == "linearcurve") return curves(shape);
+    const bool flipped = shape.boolean("flip_normals", false);
+    if (type == "sphere") {
+        const double radius = shape.number("radius", 1);
+        return Shape{Sphere{shape.vector("center").value_or(Vec3d{}), flipped ? -radius : radius, {}}, -1, {}};
+    }
+    if (type == "disk") return Shape{Disk{{0, 0, 0}, {0, 0, flipped ? -1.0 : 1.0}, 1}, -1, {}};
+    if (type == "cube") {
+        if (flipped) tell(shape.element(), "'flip_normals' of a cube is left out");
+        return Shape{Box{{-1, -1, -1}, {1, 1, 1}}, -1, {}};
+    }
+    tell(shape.element(), fmt::format("the shape '{}' is not known: it is left out", printable(type)));
+    return std::nullopt;
+}
+
+Mesh Reader::finished(Mesh mesh, Object& shape, bool flip_v)
+{
+    if (flip_v)
+        for (Vec2f& uv : mesh.uvs[0]) uv.y = 1 - uv.y;
+    if (shape.boolean("face_normals", false))
+        mesh.normals.clear();
+    else if (mesh.normals.empty())
+        add_smooth_normals(mesh);
+    if (shape.boolean("flip_normals", false)) flip(mesh);
+    return mesh;
+}
+
+namespace {
+
+/// What makes another mesh of the same file.
+std::string variant_of(Object& shape, bool flip_v)
+{
+    return fmt::format("{}{}{}", int(flip_v), int(shape.boolean("face_normals", false)),
+                       int(shape.boolean("flip_normals", false)));
+}
+
+}  // namespace
+
+std::optional<Shape> Reader::model(Object& shape, Node& node)
+{
+    const bool is_obj = shape.type() == "obj";
+    const std::string filename = shape.text("filename", "");
+    if (filename.empty()) shape.element().fail(fmt::format("{} needs a 'filename'", shape.title()));
+    // Our readers turn v over, as Mitsuba's of OBJ does unless it is told otherwise, and that of PLY does not.
+    const bool flip_v = shape.boolean("flip_tex_coords", is_obj) != true;
+    const std::filesystem::path file = document_.locate(filename, context_);
+    const std::string key = file.string() + '\n' + variant_of(shape, flip_v);
+    auto found = models_.find(key);
+    if (found == models_.end()) {
+        SceneDescription model;
+        try {
+            model = load_file(file, {}, context_);
+        } catch (const Error& error) {
+            shape.element().fail(error.what());
+        }
+        for (Mesh& mesh : model.meshes) mesh = finished(std::move(mesh), shape, flip_v);
+        // Materials of its own are not what Mitsuba shows.
+        model.materials.clear();
+        for (Node& n : model.nodes)
+            for (Shape& s : n.shapes) s.material = -1;
+        found = models_.emplace(key, append_scene(scene_, std::move(model))).first;
+    }
+    const Appended copy = copy_nodes(scene_, found->second);
+    node.children = copy.roots;
+    return std::nullopt;
+}
+
+std::optional<Shape> Reader::serialized(Object& shape)
+{
+    const std::string filename = shape.text("filename", "");
+    if (filename.empty()) shape.element().fail(fmt::format("{} needs a 'filename'", shape.title()));
+    const int index = shape.integer("shape_index", 0);
+    const bool flip_v = shape.boolean("flip_tex_coords", false);
+    const std::string file = document_.locate(filename, context_).string();
+    const Key key{nullptr, fmt::format("{}\n{}\n{}", file, index, variant_of(shape, flip_v))};
+    if (const auto known = meshes_.find(key); known != meshes_.end()) return Shape{MeshInstance{known->second}, -1, {}};
+    try {
+        auto found = serialized_.find(file);
+        if (found == serialized_.end())
+            found = serialized_.emplace(file, SerializedFile(file, context_.read(file))).first;
+        if (index < 0 || std::size_t(index) >= found->second.count())
+            shape.element().fail(
+                fmt::format("there is no mesh {} in '{}': it has {}", index, file, found->second.count()));
+        Mesh mesh = finished(found->second.mesh(std::size_t(index)), shape, flip_v);
+        clean_mesh(mesh, file, context_.warnings);
+        meshes_[key] = int(scene_.meshes.size());
+        return add_mesh(std::move(mesh));
+    } catch (const Error& error) {
+        if (error.file() == *shape.element().place.file) throw;
+        shape.element().fail(error.what());
+    }
+}
+
+Shape Reader::rectangle(Object& shape)
+{
+    const bool flipped = shape.boolean("flip_normals", false);
+    const int material = material_of_shape(shape);
+    if (!has_texture(scene_.materials[std::size_t(material)]))
+        return flipped ? Shape{Rectangle{{1, -1, 0}, {-2, 0, 0}, {0, 2, 0}}, -1, {}}
+                       : Shape{Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, -1, {}};
+    // A picture's first row is at y = -1, unlike on rectangles here.
+    Mesh mesh;
+    mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    mesh.uvs[0] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    mesh.indices = {0, 1, 2, 0, 2, 3};
+    if (flipped) flip(mesh);
+    return add_mesh(std::move(mesh));
+}
+
+Shape Reader::cylinder(Object& shape, Node& node)
+{
+    const Vec3d a = shape.vector("p0").value_or(Vec3d{0, 0, 0}), b = shape.vector("p1").value_or(Vec3d{0, 0, 1});
+    const double radius = shape.number("radius", 1);
+    if (length(b - a) == 0 || !(radius > 0)) shape.element().fail("a cylinder needs two points and a radius above 0");
+    node.parent_from_node = node.parent_from_node * between(a, b, radius);
+    Mesh mesh = tube();
+    if (shape.boolean("flip_normals", false)) flip(mesh);
+    return add_mesh(std::move(mesh));
+}
+
+std::optional<Shape> Reader::curves(Object& shape)
+{
+    const std::string filename = shape.text("filename", "");
+    if (filename.empty()) shape.element().fail(fmt::format("{} needs a 'filename'", shape.title()));
+    const std::string file = document_.locate(filename, context_).string(), text = context_.read(file);
+    Curves curves;
+    curves.name = filename;
+    curves.basis = shape.type() == "linearcurve" ? CurveBasis::linear : CurveBasis::bspline;
+    const std::uint32_t least = curves.basis == CurveBasis::linear ? 2 : 4;
+    TextScanner scan(file, text);
+    std::uint32_t points = 0;
+    const auto end_curve = [&] {
+        if (points > 0 && points < least) scan.fail(fmt::format("a curve of {} points: it needs {}", points, least));
+        if (points > 0) curves.counts.push_back(std::exchange(points, 0));
+    };
+    for (; !scan.at_end(); scan.next_line()) {
+        const std::string_view first = scan.word();
+        if (first.empty()) {
+            end_curve();
+            continue;
+        }
+        const float x = scan.to_number(first), y = scan.number(), z = scan.number();
+        curves.points.push_back({x, y, z});
+        curves.radii.push_back(scan.number());
+        ++points;
+    }
+    end_curve();
+    if (curves.counts.empty()) scan.fail("there are no curves in it");
+    scene_.curves.push_back(std::move(curves));
+    return Shape{CurvesInstance{int(scene_.curves.size()) - 1}, -1, {}};
+}
+
+}  // namespace fathom::mitsuba

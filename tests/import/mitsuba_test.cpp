@@ -1,0 +1,587 @@
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "import/mitsuba/spectra.h"
+#include "import_test_helpers.h"
+#include "scene/conductors.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+namespace fathom::test {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+class Mitsuba : public ImportTest {
+protected:
+    static std::string scene_of(const std::string& inside)
+    {
+        return "<scene version=\"3.0.0\">\n" + inside + "\n</scene>";
+    }
+    SceneDescription read(const std::string& inside) { return load("a.xml", scene_of(inside)); }
+    std::string error(const std::string& inside) { return error_of("a.xml", scene_of(inside)); }
+    bool is_told(const std::string& words) const
+    {
+        for (const auto& [message, times] : warnings_.counts())
+            if (message.find(words) != std::string::npos) return true;
+        return false;
+    }
+    /// Of the only shape.
+    static const Material& material_of(const SceneDescription& scene)
+    {
+        for (const Node& node : scene.nodes)
+            for (const Shape& shape : node.shapes) return scene.materials.at(std::size_t(shape.material));
+        throw std::runtime_error("no shape");
+    }
+    Material bsdf(const std::string& xml) { return material_of(read("<shape type=\"sphere\">" + xml + "</shape>")); }
+    static const Camera& camera_of(const SceneDescription& scene) { return scene.cameras.at(0); }
+    Camera sensor(const std::string& inside)
+    {
+        return camera_of(read("<sensor type=\"perspective\">" + inside + "</sensor>"));
+    }
+};
+
+constexpr const char* wide_film =
+    R"(<film type="hdrfilm"><integer name="width" value="200"/><integer name="height" value="100"/></film>)";
+
+void expect_color(const Color& c, double r, double g, double b, double tolerance = 1e-6)
+{
+    EXPECT_NEAR(c.r, r, tolerance);
+    EXPECT_NEAR(c.g, g, tolerance);
+    EXPECT_NEAR(c.b, b, tolerance);
+}
+
+// ---------------------------------------------------------------------------------------------------- the language
+
+TEST_F(Mitsuba, ParametersAreReplaced)
+{
+    const std::string xml = scene_of(R"(<default name="r" value="2"/><default name="r" value="5"/>
+<shape type="sphere"><float name="radius" value="$r"/></shape><shape type="sphere"><float name="radius" value="${r}.5"/></shape>)");
+    SceneDescription scene = load("a.xml", xml);
+    const auto radius = [&](std::size_t i) { return std::get<Sphere>(scene.nodes.at(i).shapes.at(0).geometry).radius; };
+    EXPECT_EQ(radius(0), 2);
+    EXPECT_EQ(radius(1), 2.5);
+    LoadOptions options;
+    options.definitions = {{"r", "7"}};
+    scene = load_scene(folder_ / "a.xml", options, warnings_);
+    EXPECT_EQ(radius(0), 7);
+    options.definitions = {{"q", "7"}};
+    try {
+        load_scene(folder_ / "a.xml", options, warnings_);
+        FAIL();
+    } catch (const Error& e) {
+        EXPECT_EQ(e.place() + ": " + e.message(), "-D q: the scene has no parameter 'q'; known here: r");
+    }
+    EXPECT_EQ(error(R"(<shape type="sphere"><float name="radius" value="$size"/></shape>)"),
+              "line 2, column 23: the parameter '$size' has no value: give one with -D size=VALUE");
+}
+
+TEST_F(Mitsuba, IncludesAndReferences)
+{
+    write(
+        "b.xml",
+        R"(<scene version="3.0.0"><bsdf type="diffuse" id="red"><rgb name="reflectance" value="1 0 0"/></bsdf></scene>)");
+    const SceneDescription scene = read(R"(<include filename="b.xml"/><alias id="red" as="rot"/>
+<shape type="sphere"><ref id="red"/></shape><shape type="sphere"><ref id="rot"/></shape>)");
+    ASSERT_EQ(scene.materials.size(), 1u) << "one material, referred to twice";
+    expect_color(scene.materials[0].base_color.value, 1, 0, 0);
+    EXPECT_EQ(scene.files.size(), 2u);
+    EXPECT_EQ(error(R"(<shape type="sphere"><ref id="blue"/></shape>)"),
+              "line 2, column 23: there is nothing with the id 'blue'");
+    EXPECT_EQ(error(R"(<bsdf type="null" id="a"/><bsdf type="null" id="a"/>)").substr(0, 50),
+              "line 2, column 28: the id 'a' is taken already: " + (folder_ / "a.xml").string().substr(0, 2));
+}
+
+TEST_F(Mitsuba, CyclesAndDamage)
+{
+    EXPECT_NE(error(R"(<include filename="a.xml"/>)").find("files include each other more than 15 deep"),
+              std::string::npos);
+    EXPECT_EQ(error(R"(<bsdf type="twosided" id="a"><ref id="a"/></bsdf><shape type="sphere"><ref id="a"/></shape>)"),
+              "line 2, column 2: a bsdf can't contain itself");
+    EXPECT_EQ(error(R"(<shape type="merge" id="a"><ref id="a"/></shape>)"),
+              "line 2, column 2: a shape can't contain itself");
+    EXPECT_EQ(error("<shape type=\"sphere\">").substr(0, 30), "line 3, column 3: no XML: Star");
+    EXPECT_EQ(error_of("a.xml", "<html><scene/></html>"),
+              "line 1: a Mitsuba scene begins with <scene version=\"...\">, found <html>");
+    std::string deep;
+    for (int i = 0; i < 200; ++i) deep += "<bsdf type=\"twosided\">";
+    for (int i = 0; i < 200; ++i) deep += "</bsdf>";
+    EXPECT_NE(error(deep).find("nested more than 100 deep"), std::string::npos);
+    // Entities are not expanded.
+    EXPECT_EQ(error_of("a.xml",
+                       "<!DOCTYPE scene [<!ENTITY a \"1\">]><scene version=\"3.0.0\"><shape type=\"sphere\"><float "
+                       "name=\"radius\" value=\"&a;\"/></shape></scene>")
+                  .substr(0, 14),
+              "line 1, column");
+    EXPECT_EQ(error(R"(<shape type="sphere"><float name="radius" value="1x"/></shape>)"),
+              "line 2, column 23: expected numbers, found '1x'");
+}
+
+TEST_F(Mitsuba, WhatNobodyReadsIsTold)
+{
+    read(
+        R"(<shape type="sphere"><float name="radious" value="1"/><bsdf type="diffuse"><float name="gloss" value="1"/></bsdf></shape>
+<shape type="torus"/><bsdf type="phong" id="p"/><shape type="disk"><ref id="p"/></shape><emitter type="projector"/><volume type="x"/>)");
+    EXPECT_TRUE(is_told("'radious' of shape 'sphere' is ignored"));
+    EXPECT_TRUE(is_told("'gloss' of bsdf 'diffuse' is ignored"));
+    EXPECT_TRUE(is_told("the shape 'torus' is not known"));
+    EXPECT_TRUE(is_told("the bsdf 'phong' is not known: grey diffuse"));
+    EXPECT_TRUE(is_told("the emitter 'projector' is not known"));
+    EXPECT_TRUE(is_told("volume 'x': is ignored"));
+}
+
+TEST_F(Mitsuba, Confined)
+{
+    std::filesystem::create_directory(folder_ / "inside");
+    write("b.xml", "<scene version=\"3.0.0\"></scene>");
+    const auto file = write("inside/a.xml", scene_of("<include filename=\"../b.xml\"/>"));
+    LoadOptions options;
+    options.confine = true;
+    EXPECT_THROW(load_scene(file, options, warnings_), Error);
+    options.confine = false;
+    load_scene(file, options, warnings_);
+}
+
+// ---------------------------------------------------------------------------------------------------- what is seen
+
+TEST_F(Mitsuba, TransformsActInOrder)
+{
+    const SceneDescription scene =
+        read(R"(<shape type="sphere"><transform name="to_world"><scale value="2"/><rotate z="1" angle="90"/>
+<translate x="10"/></transform></shape>)");
+    expect_near(scene.nodes.at(0).parent_from_node.point({1, 0, 0}), {10, 2, 0});
+    const SceneDescription matrix =
+        read(R"(<shape type="sphere"><transform name="to_world"><matrix value="1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 1"/>
+</transform></shape>)");
+    expect_near(matrix.nodes.at(0).parent_from_node.point({1, 1, 1}), {6, 7, 8});
+}
+
+TEST_F(Mitsuba, CameraLooksAlongZ)
+{
+    const Camera c =
+        sensor(std::string(wide_film) +
+               R"(<transform name="to_world"><lookat origin="1,2,3" target="1,2,0" up="0,1,0"/></transform>)");
+    expect_near(c.position, {1, 2, 3});
+    expect_near(normalize(c.look_at - c.position), {0, 0, -1});
+    expect_near(c.up, {0, 1, 0});
+    const Camera moved = sensor(R"(<transform name="to_world"><translate z="4"/></transform>)");
+    expect_near(moved.look_at - moved.position, {0, 0, 1});
+}
+
+/// Which side of the picture `fov` is of: a picture twice as wide as high.
+TEST_F(Mitsuba, FieldsOfView)
+{
+    const auto fov = [&](const std::string& said) { return sensor(wide_film + said).fov_y / degree; };
+    const double half = std::tan(30 * degree), from_x = 2 * std::atan(half / 2) / degree;
+    EXPECT_NEAR(fov(R"(<float name="fov" value="60"/>)"), from_x, 1e-9);
+    EXPECT_NEAR(fov(R"(<float name="fov" value="60"/><string name="fov_axis" value="y"/>)"), 60, 1e-9);
+    EXPECT_NEAR(fov(R"(<float name="fov" value="60"/><string name="fov_axis" value="smaller"/>)"), 60, 1e-9);
+    EXPECT_NEAR(fov(R"(<float name="fov" value="60"/><string name="fov_axis" value="larger"/>)"), from_x, 1e-9);
+    EXPECT_NEAR(fov(R"(<float name="fov" value="60"/><string name="fov_axis" value="diagonal"/>)"),
+                2 * std::atan(half / std::sqrt(5)) / degree, 1e-9);
+    EXPECT_NEAR(fov(R"(<string name="focal_length" value="50mm"/>)"),
+                2 * std::atan(std::hypot(36, 24) / 100 / std::sqrt(5)) / degree, 1e-9);
+}
+
+TEST_F(Mitsuba, Settings)
+{
+    const SceneDescription scene = read(R"(<integrator type="path"><integer name="max_depth" value="8"/></integrator>
+<sensor type="thinlens"><float name="aperture_radius" value="0.5"/><float name="focus_distance" value="3"/>
+<sampler type="independent"><integer name="sample_count" value="16"/></sampler><film type="hdrfilm"><integer name="width" value="20"/>
+<integer name="height" value="10"/><rfilter type="box"/></film></sensor>)");
+    // The eighth way leads to the light; seven surfaces scatter.
+    EXPECT_EQ(scene.hints.max_depth, 7);
+    EXPECT_EQ(scene.hints.samples, 16);
+    EXPECT_EQ(scene.hints.width, 20);
+    EXPECT_EQ(scene.hints.height, 10);
+    EXPECT_EQ(scene.hints.filter, "box");
+    EXPECT_EQ(camera_of(scene).aperture, 1);
+    EXPECT_EQ(camera_of(scene).focus_distance, 3);
+    EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(Mitsuba, OldNames)
+{
+    const SceneDescription scene =
+        load("a.xml", R"(<scene version="0.6.0"><sensor type="perspective"><string name="fovAxis" value="y"/>
+<float name="fov" value="50"/><transform name="toWorld"><lookAt origin="0,0,5" target="0,0,0" up="0,1,0"/></transform></sensor></scene>)");
+    EXPECT_NEAR(camera_of(scene).fov_y, 50 * degree, 1e-12);
+    expect_near(camera_of(scene).position, {0, 0, 5});
+}
+
+// ---------------------------------------------------------------------------------------------------- shapes
+
+TEST_F(Mitsuba, Rectangles)
+{
+    const auto normal = [&](const std::string& said) {
+        const SceneDescription scene = read("<shape type=\"rectangle\">" + said + "</shape>");
+        const auto& r = std::get<Rectangle>(scene.nodes.at(0).shapes.at(0).geometry);
+        EXPECT_EQ(length(r.edge_u), 2);
+        return normalize(cross(r.edge_u, r.edge_v));
+    };
+    expect_near(normal(""), {0, 0, 1});
+    expect_near(normal(R"(<boolean name="flip_normals" value="true"/>)"), {0, 0, -1});
+    // With a picture: a mesh, whose first row of it is at y = -1.
+    write("t.png", "x");
+    const SceneDescription scene =
+        read(R"(<shape type="rectangle"><bsdf type="diffuse"><texture type="bitmap" name="reflectance">
+<string name="filename" value="t.png"/></texture></bsdf></shape>)");
+    const Mesh& mesh = scene.meshes.at(0);
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_EQ(mesh.uvs[0][i].x, (mesh.positions[i].x + 1) / 2);
+        EXPECT_EQ(mesh.uvs[0][i].y, (mesh.positions[i].y + 1) / 2);
+    }
+}
+
+TEST_F(Mitsuba, ModelsTurnPicturesAsMitsubaDoes)
+{
+    write("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0.25\nf 1/1 2/1 3/1\nf 1/1 3/1 4/1\n");
+    write("a.ply",
+          "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty "
+          "float u\n"
+          "property float v\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 0 0.25\n1 0 0 0 "
+          "0.25\n"
+          "0 1 0 0 0.25\n3 0 1 2\n");
+    const auto v = [&](const char* type, const std::string& said) {
+        const SceneDescription scene =
+            read(fmt::format("<shape type=\"{0}\"><string name=\"filename\" value=\"a.{0}\"/>{1}</shape>", type, said));
+        return scene.meshes.at(0).uvs[0].at(0).y;
+    };
+    EXPECT_EQ(v("obj", ""), 0.75f);
+    EXPECT_EQ(v("obj", R"(<boolean name="flip_tex_coords" value="false"/>)"), 0.25f);
+    EXPECT_EQ(v("ply", ""), 0.25f);
+    EXPECT_EQ(v("ply", R"(<boolean name="flip_tex_coords" value="true"/>)"), 0.75f);
+}
+
+/// Meshes without normals are smooth unless they are said not to be.
+TEST_F(Mitsuba, NormalsOfMeshes)
+{
+    // A roof of two triangles that share an edge along y, of slopes 1 and 0.
+    write("a.obj", "v 0 0 0\nv 0 1 0\nv -1 0 1\nv 1 0 0\nf 1 2 3\nf 1 4 2\n");
+    const auto mesh = [&](const std::string& said) {
+        return read(R"(<shape type="obj"><string name="filename" value="a.obj"/>)" + said + "</shape>").meshes.at(0);
+    };
+    const Mesh smooth = mesh("");
+    ASSERT_EQ(smooth.normals.size(), smooth.positions.size());
+    // At the first vertex both faces have a right angle.
+    const double n = std::sqrt(0.5), x = n, z = n + 1, l = std::hypot(x, z);
+    EXPECT_NEAR(smooth.normals[0].x, x / l, 1e-6);
+    EXPECT_NEAR(smooth.normals[0].z, z / l, 1e-6);
+    EXPECT_TRUE(mesh(R"(<boolean name="face_normals" value="true"/>)").normals.empty());
+    const Mesh flipped = mesh(R"(<boolean name="flip_normals" value="true"/>)");
+    EXPECT_NEAR(flipped.normals[0].z, -z / l, 1e-6);
+    EXPECT_EQ(flipped.indices[1], smooth.indices[2]);
+}
+
+TEST_F(Mitsuba, InstancesShareTheirGroup)
+{
+    const SceneDescription scene =
+        read(R"(<shape type="shapegroup" id="g"><shape type="sphere"/><shape type="disk"/></shape>
+<shape type="instance"><ref id="g"/><transform name="to_world"><translate x="1"/></transform></shape>
+<shape type="instance"><ref id="g"/></shape>)");
+    ASSERT_EQ(scene.roots.size(), 2u) << "the group itself is not seen";
+    const auto& a = scene.nodes.at(std::size_t(scene.roots[0]));
+    const auto& b = scene.nodes.at(std::size_t(scene.roots[1]));
+    EXPECT_EQ(a.children.size(), 2u);
+    EXPECT_EQ(a.children, b.children);
+    EXPECT_EQ(scene.nodes.size(), 4u);
+    EXPECT_EQ(error(R"(<shape type="instance"><shape type="sphere"/></shape>)"),
+              "line 2, column 25: an instance is one of a 'shapegroup'");
+}
+
+TEST_F(Mitsuba, Cylinders)
+{
+    const SceneDescription scene =
+        read(R"(<shape type="cylinder"><point name="p0" x="1" y="2" z="3"/><point name="p1" x="1" y="7" z="3"/>
+<float name="radius" value="2"/></shape>)");
+    const Transform& t = scene.nodes.at(0).parent_from_node;
+    expect_near(t.point({0, 0, 0}), {1, 2, 3});
+    expect_near(t.point({0, 0, 1}), {1, 7, 3});
+    for (const Vec3f& p : scene.meshes.at(0).positions)
+        EXPECT_NEAR(std::hypot(t.point({p.x, p.y, p.z}).x - 1, t.point({p.x, p.y, p.z}).z - 3), 2, 1e-6);
+    EXPECT_GT(t.determinant(), 0);
+}
+
+TEST_F(Mitsuba, Curves)
+{
+    write("c.txt",
+          "0 0 0 0.1\n1 0 0 0.1\n2 0 0 0.1\n3 0 0 0.2\n\n\n0 1 0 0.1\n1 1 0 0.1\n2 1 0 0.1\n3 1 0 0.1\n4 1 0 0.1\n");
+    const SceneDescription scene =
+        read(R"(<shape type="bsplinecurve"><string name="filename" value="c.txt"/></shape>)");
+    EXPECT_EQ(scene.curves.at(0).counts, (std::vector<std::uint32_t>{4, 5}));
+    EXPECT_EQ(scene.curves.at(0).radii[3], 0.2f);
+    EXPECT_EQ(scene.curves.at(0).basis, CurveBasis::bspline);
+}
+
+// ---------------------------------------------------------------------------------------------------- serialized
+// meshes
+
+template <class T>
+std::string raw(const std::vector<T>& values)
+{
+    return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+std::string deflated(const std::string& bytes)
+{
+    uLongf size = compressBound(uLong(bytes.size()));
+    std::string out(size, 0);
+    compress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+             uLong(bytes.size()));
+    out.resize(size);
+    return out;
+}
+
+/// Of one triangle each: floats with normals and uv; doubles.
+std::string two_meshes(std::uint32_t last_index = 2)
+{
+    const std::string sign = {0x1c, 0x04, 4, 0};
+    const std::string counts = raw(std::vector<std::uint64_t>{3, 1});
+    const std::string indices = raw(std::vector<std::uint32_t>{0, 1, last_index});
+    const std::string first = sign + deflated(raw(std::vector<std::uint32_t>{0x1003}) + std::string("ab\0", 3) +
+                                              counts + raw(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}) +
+                                              raw(std::vector<float>{0, 0, 1, 0, 0, 1, 0, 0, 1}) +
+                                              raw(std::vector<float>{0, 0.25f, 1, 0, 0, 1}) + indices);
+    const std::string second = sign + deflated(raw(std::vector<std::uint32_t>{0x2000}) + std::string(1, 0) + counts +
+                                               raw(std::vector<double>{5, 0, 0, 6, 0, 0, 5, 1, 0}) + indices);
+    return first + second + raw(std::vector<std::uint64_t>{0, first.size()}) + raw(std::vector<std::uint32_t>{2});
+}
+
+constexpr const char* of_serialized =
+    R"(<shape type="serialized"><string name="filename" value="m.serialized"/><integer name="shape_index" value="{}"/></shape>)";
+
+TEST_F(Mitsuba, SerializedMeshes)
+{
+    write("m.serialized", two_meshes());
+    const SceneDescription scene =
+        read(fmt::format(fmt::runtime(of_serialized), 0) + fmt::format(fmt::runtime(of_serialized), 1) +
+             fmt::format(fmt::runtime(of_serialized), 0));
+    ASSERT_EQ(scene.meshes.size(), 2u) << "a mesh that is used twice is there once";
+    EXPECT_EQ(scene.meshes[0].name, "ab");
+    EXPECT_EQ(scene.meshes[0].uvs[0].at(0).y, 0.25f);
+    EXPECT_EQ(scene.meshes[0].normals.at(2).z, 1);
+    EXPECT_EQ(scene.meshes[1].positions.at(1).x, 6);
+    EXPECT_EQ(scene.meshes[1].indices, (std::vector<std::uint32_t>{0, 1, 2}));
+}
+
+TEST_F(Mitsuba, DamagedSerializedMeshes)
+{
+    const std::string asked = fmt::format(fmt::runtime(of_serialized), 1);
+    write("m.serialized", two_meshes(3));
+    EXPECT_NE(error(asked).find("mesh 1: has a triangle of vertex 3, but only 3 vertices"), std::string::npos)
+        << error(asked);
+    write("m.serialized", two_meshes());
+    EXPECT_NE(error(fmt::format(fmt::runtime(of_serialized), 2)).find("there is no mesh 2"), std::string::npos);
+    std::string file = two_meshes();
+    write("m.serialized", file.substr(0, 20));
+    EXPECT_NE(error(asked).find("list of meshes is damaged"), std::string::npos) << error(asked);
+    file[0] = 'x';
+    write("m.serialized", file);
+    EXPECT_NE(error(asked).find("is no file of serialized meshes"), std::string::npos) << error(asked);
+}
+
+// ---------------------------------------------------------------------------------------------------- surfaces
+
+TEST_F(Mitsuba, Conductors)
+{
+    const Material mirror = bsdf(R"(<bsdf type="conductor"/>)");
+    EXPECT_EQ(mirror.metallic.value, 1);
+    EXPECT_EQ(mirror.roughness.value, 0);
+    expect_color(mirror.base_color.value, 1, 1, 1);
+    const Material gold =
+        bsdf(R"(<bsdf type="roughconductor"><string name="material" value="Au"/><float name="alpha" value="0.25"/>
+<string name="distribution" value="ggx"/></bsdf>)");
+    EXPECT_NEAR(gold.roughness.value, 0.5, 1e-6) << "alpha is the square of it";
+    EXPECT_FALSE(gold.energy_compensation);
+    EXPECT_GT(gold.base_color.value.r, 2 * gold.base_color.value.b);
+    EXPECT_TRUE(warnings_.empty());
+    const Material given = bsdf(R"(<bsdf type="conductor"><rgb name="eta" value="1.5"/><rgb name="k" value="2"/>
+<rgb name="specular_reflectance" value="0.2 0.4 0.6"/></bsdf>)");
+    EXPECT_NEAR(given.base_color.value.g, conductor_reflectance(1, 1.5, 2), 1e-6);
+    // Left of all that it reflects, at every angle.
+    EXPECT_EQ(given.coat_ior, 1);
+    EXPECT_EQ(given.coat.value, 1);
+    expect_color(given.coat_color.value, 0.2, 0.4, 0.6);
+}
+
+TEST_F(Mitsuba, AnisotropicConductors)
+{
+    const auto rough = [&](const char* u, const char* v) {
+        return bsdf(
+            fmt::format(R"(<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha_u"
+ value="{}"/><float name="alpha_v" value="{}"/></bsdf>)",
+                        u, v));
+    };
+    const auto check = [](const Material& m, double turned) {
+        const double narrow = m.roughness.value * m.roughness.value, a = m.anisotropy.value;
+        EXPECT_NEAR(narrow, 0.04, 1e-6);
+        EXPECT_NEAR(narrow + (1 - narrow) * a * a, 0.36, 1e-6);
+        EXPECT_NEAR(m.anisotropy_rotation, turned, 1e-12);
+    };
+    check(rough("0.36", "0.04"), 0);
+    check(rough("0.04", "0.36"), std::numbers::pi / 2);
+}
+
+TEST_F(Mitsuba, Dielectrics)
+{
+    const Material glass =
+        bsdf(R"(<bsdf type="dielectric"><string name="int_ior" value="water"/><float name="ext_ior" value="1"/>
+<rgb name="specular_transmittance" value="0.5"/></bsdf>)");
+    EXPECT_EQ(glass.kind, MaterialKind::glass);
+    EXPECT_NEAR(glass.ior, 1.333, 1e-6);
+    expect_color(glass.transmission_color.value, 0.25, 0.25, 0.25);
+    EXPECT_NEAR(bsdf(R"(<bsdf type="dielectric"/>)").ior, 1.5046 / 1.000277, 1e-6);
+    const Material thin = bsdf(R"(<bsdf type="thindielectric"/>)");
+    EXPECT_TRUE(thin.thin);
+    EXPECT_NE(
+        error(R"(<shape type="sphere"><bsdf type="dielectric"><string name="int_ior" value="watr"/></bsdf></shape>)")
+            .find("did you mean 'water'?"),
+        std::string::npos);
+}
+
+TEST_F(Mitsuba, Plastic)
+{
+    const Material m = bsdf(
+        R"(<bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.1 0.2 0.3"/><float name="alpha" value="0.09"/>
+<string name="distribution" value="ggx"/><float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/>
+<boolean name="nonlinear" value="true"/></bsdf>)");
+    expect_color(m.base_color.value, 0.1, 0.2, 0.3);
+    EXPECT_NEAR(m.coat_roughness.value, 0.3, 1e-6);
+    EXPECT_EQ(m.coat_ior, 1.5f);
+    EXPECT_EQ(m.coat_darkening, 1);
+    EXPECT_EQ(m.specular.value, 0);
+    EXPECT_EQ(bsdf(R"(<bsdf type="plastic"/>)").coat_darkening, 0);
+}
+
+TEST_F(Mitsuba, MasksAndNothing)
+{
+    const Material mask =
+        bsdf(R"(<bsdf type="mask"><float name="opacity" value="0.25"/><bsdf type="diffuse"/></bsdf>)");
+    EXPECT_EQ(mask.alpha_mode, AlphaMode::blend);
+    EXPECT_EQ(mask.alpha.value, 0.25f);
+    const Material none = bsdf(R"(<bsdf type="null"/>)");
+    EXPECT_EQ(none.alpha_mode, AlphaMode::blend);
+    EXPECT_EQ(none.alpha.value, 0);
+}
+
+/// Absorption within glass: what is left after a way is exp(-sigma (1 - albedo) way).
+TEST_F(Mitsuba, Interiors)
+{
+    const SceneDescription scene =
+        read(R"(<shape type="sphere"><bsdf type="dielectric"/><medium type="homogeneous" name="interior">
+<rgb name="sigma_t" value="1 2 4"/><rgb name="albedo" value="0 0.5 0"/><float name="scale" value="3"/></medium></shape>)");
+    const Material& m = material_of(scene);
+    const auto sigma = [&](float left) { return -std::log(left) / m.attenuation_distance; };
+    EXPECT_NEAR(sigma(m.attenuation_color.r), 3, 1e-4);
+    EXPECT_NEAR(sigma(m.attenuation_color.g), 3, 1e-4);
+    EXPECT_NEAR(sigma(m.attenuation_color.b), 12, 1e-4);
+    EXPECT_NEAR(m.transmission_scatter.g / m.attenuation_distance, 3, 1e-4);
+}
+
+TEST_F(Mitsuba, Bitmaps)
+{
+    write("t.png", "x");
+    const SceneDescription scene =
+        read(R"(<shape type="sphere"><bsdf type="diffuse"><texture type="bitmap" name="reflectance">
+<string name="filename" value="t.png"/><string name="wrap_mode" value="mirror"/><string name="filter_type" value="nearest"/>
+<transform name="to_uv"><scale x="3" y="5"/></transform></texture></bsdf></shape>)");
+    const Texture& t = scene.textures.at(std::size_t(material_of(scene).base_color.texture));
+    EXPECT_EQ(t.color_space, ColorSpace::srgb);
+    EXPECT_EQ(t.wrap_u, Wrap::mirror);
+    EXPECT_TRUE(t.nearest);
+    EXPECT_EQ(t.uv_scale.x, 3);
+    EXPECT_EQ(t.uv_scale.y, 5);
+}
+
+// ---------------------------------------------------------------------------------------------------- light
+
+TEST_F(Mitsuba, Emitters)
+{
+    const SceneDescription scene =
+        read(R"(<emitter type="point"><rgb name="intensity" value="1 2 3"/><point name="position" x="1" y="2" z="3"/>
+</emitter><emitter type="spot"><float name="cutoff_angle" value="40"/><transform name="to_world"><lookat origin="0,5,0" target="0,0,0" up="1,0,0"/>
+</transform></emitter><emitter type="directional"><vector name="direction" x="0" y="-1" z="0"/><rgb name="irradiance" value="7"/></emitter>
+<shape type="sphere"><emitter type="area"><rgb name="radiance" value="4 5 6"/></emitter></shape>)");
+    const auto node_of = [&](int light) {
+        for (const Node& node : scene.nodes)
+            if (node.light == light) return node;
+        return Node();
+    };
+    expect_near(node_of(0).parent_from_node.point({0, 0, 0}), {1, 2, 3});
+    expect_color(scene.lights.at(0).intensity, 1, 2, 3);
+    // Lights shine along -z here.
+    expect_near(node_of(1).parent_from_node.vector({0, 0, -1}), {0, -1, 0});
+    EXPECT_NEAR(scene.lights.at(1).outer_angle, 40 * degree, 1e-12);
+    EXPECT_NEAR(scene.lights.at(1).inner_angle, 30 * degree, 1e-12);
+    expect_near(normalize(node_of(2).parent_from_node.vector({0, 0, -1})), {0, -1, 0});
+    expect_color(scene.lights.at(2).intensity, 7, 7, 7);
+    expect_color(material_of(scene).emission.value, 4, 5, 6);
+}
+
+/// The picture's middle lies towards +z, what is right of it towards -x.
+TEST_F(Mitsuba, EnvironmentMaps)
+{
+    write("e.exr", "x");
+    const SceneDescription scene = read(
+        R"(<emitter type="envmap"><string name="filename" value="e.exr"/><float name="scale" value="2"/></emitter>)");
+    const Transform& t = scene.environment.world_from_environment;
+    expect_near(t.vector({1, 0, 0}), {0, 0, 1});
+    expect_near(t.vector({0, 0, 1}), {-1, 0, 0});
+    expect_near(t.vector({0, 1, 0}), {0, 1, 0});
+    EXPECT_EQ(scene.environment.color.g, 2);
+}
+
+TEST_F(Mitsuba, SkyWithItsSun)
+{
+    const SceneDescription scene =
+        read(R"(<emitter type="sunsky"><transform name="to_world"><rotate x="1" angle="-90"/></transform>
+<vector name="sun_direction" x="0.6" y="0.8" z="0"/><float name="sun_scale" value="2"/><float name="sun_aperture" value="3"/></emitter>)");
+    EXPECT_EQ(scene.environment.kind, EnvironmentKind::sky);
+    EXPECT_FALSE(scene.environment.sun_disk);
+    const Transform& t = scene.environment.world_from_environment;
+    expect_near(t.vector({0, 1, 0}), {0, 1, 0}, 1e-9);
+    expect_near(t.vector(scene.environment.to_sun), {0.6, 0.8, 0}, 1e-9);
+    const Light& sun = scene.lights.at(0);
+    EXPECT_NEAR(sun.angle, 3 * degree, 1e-12);
+    // Mitsuba 3.9.1: 1.48, 1.22, 0.90 for turbidity 3 at this height, to the 3 % of the fit.
+    expect_color(sun.intensity, 2 * 1.48, 2 * 1.22, 2 * 0.90, 0.2);
+    for (const Node& node : scene.nodes)
+        if (node.light == 0) expect_near(normalize(node.parent_from_node.vector({0, 0, -1})), {-0.6, -0.8, 0}, 1e-9);
+}
+
+/// As Mitsuba 3.9.1's `llvm_ad_rgb` gives them.
+TEST(MitsubaSpectra, AsColours)
+{
+    const std::vector<mitsuba::SpectrumPoint> points = {{400, 0.1}, {500, 0.5}, {600, 0.9}, {700, 0.3}};
+    expect_color(mitsuba::color_of_surface(points), 0.854797, 0.68754, 0.265015, 0.02);
+    expect_color(mitsuba::color_of_light(points), 0.999234, 0.6597, 0.229444, 0.02);
+    expect_color(mitsuba::color_of_light({{300, 2}, {900, 2}}), 2.40959, 1.89658, 1.81783, 0.03);
+    expect_color(mitsuba::color_of_surface({{300, 0.5}, {900, 0.5}}), 0.5, 0.5, 0.5, 1e-3);
+    const Color warm = mitsuba::color_of_black_body(3000), cold = mitsuba::color_of_black_body(9000);
+    EXPECT_GT(warm.r, 2 * warm.b);
+    EXPECT_GT(cold.b, cold.r);
+}
+
+// ---------------------------------------------------------------------------------------------------- files by others
+
+TEST(SharedMitsuba, AllScenesLoad)
+{
+    const std::filesystem::path folder = std::filesystem::path(FATHOM_SHARED_SCENES) / "mitsuba";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is missing";
+    int scenes = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        Warnings warnings;
+        const SceneDescription scene = load_scene(entry.path() / "scene.xml", {}, warnings);
+        EXPECT_EQ(scene.cameras.size(), 1u) << entry.path();
+        EXPECT_GT(scene.roots.size(), 5u) << entry.path();
+        for (const auto& [message, times] : warnings.counts())
+            EXPECT_EQ(message.find("is not known"), std::string::npos) << message;
+        ++scenes;
+    }
+    EXPECT_GT(scenes, 0);
+}
+
+}  // namespace
+}  // namespace fathom::test
