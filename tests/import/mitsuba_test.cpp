@@ -126,9 +126,9 @@ TEST_F(Mitsuba, WhatNobodyReadsIsTold)
 <shape type="torus"/><bsdf type="phong" id="p"/><shape type="disk"><ref id="p"/></shape><emitter type="projector"/><volume type="x"/>)");
     EXPECT_TRUE(is_told("'radious' of shape 'sphere' is ignored"));
     EXPECT_TRUE(is_told("'gloss' of bsdf 'diffuse' is ignored"));
-    EXPECT_TRUE(is_told("the shape 'torus' is not known"));
-    EXPECT_TRUE(is_told("the bsdf 'phong' is not known: grey diffuse"));
-    EXPECT_TRUE(is_told("the emitter 'projector' is not known"));
+    EXPECT_TRUE(is_told("shape 'torus': is not known"));
+    EXPECT_TRUE(is_told("bsdf 'phong' ('p'): is not known: grey diffuse"));
+    EXPECT_TRUE(is_told("emitter 'projector': is not known"));
     EXPECT_TRUE(is_told("volume 'x': is ignored"));
 }
 

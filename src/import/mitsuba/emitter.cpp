@@ -86,7 +86,7 @@ void Reader::read_emitter(const Element& element)
         const auto direction = emitter.vector("direction");
         add_light(light, direction ? towards(*direction) : rotation_of(emitter.transform("to_world")));
     } else {
-        tell(element, fmt::format("the emitter '{}' is not known: it is left out", printable(type)));
+        tell(element, "is not known: it is left out");
         return;
     }
     emitter.ignore({"sampling_weight"});

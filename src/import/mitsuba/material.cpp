@@ -94,8 +94,7 @@ Material Reader::read_bsdf(const Element& element)
     } else {
         std::vector<std::string> names;
         for (const auto& [name, read] : readers) names.push_back(name);
-        tell(element, fmt::format("the bsdf '{}' is not known: grey diffuse instead{}", printable(type),
-                                  suggestion(type, names)));
+        tell(element, fmt::format("is not known: grey diffuse instead{}", suggestion(type, names)));
         result.base_color = {{0.5f, 0.5f, 0.5f}, -1};
         return result;
     }

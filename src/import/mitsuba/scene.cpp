@@ -125,7 +125,7 @@ void Reader::read_sensor(const Element& element)
     }
     const std::string& type = sensor.type();
     if (type != "perspective" && type != "thinlens" && type != "orthographic") {
-        tell(element, fmt::format("the sensor '{}' is not known: it is left out", printable(type)));
+        tell(element, "is not known: it is left out");
         return;
     }
     const double aspect = double(scene_.hints.width.value_or(768)) / scene_.hints.height.value_or(576);

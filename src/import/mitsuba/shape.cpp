@@ -182,7 +182,7 @@ std::optional<Shape> Reader::read_geometry(Object& shape, Node& node)
         if (flipped) tell(shape.element(), "'flip_normals' of a cube is left out");
         return Shape{Box{{-1, -1, -1}, {1, 1, 1}}, -1, {}};
     }
-    tell(shape.element(), fmt::format("the shape '{}' is not known: it is left out", printable(type)));
+    tell(shape.element(), "is not known: it is left out");
     return std::nullopt;
 }
 

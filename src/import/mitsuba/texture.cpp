@@ -121,7 +121,7 @@ Color Reader::spectrum(const Element& element)
         return of_points(points);
     }
     if (type == "srgb" || type == "rgb") return plain_color(object, type == "srgb" ? "color" : "value", {1, 1, 1});
-    tell(element, fmt::format("the spectrum '{}' is not known: taken as 1", printable(type)));
+    tell(element, "is not known: taken as 1");
     return {1, 1, 1};
 }
 
@@ -170,7 +170,7 @@ int Reader::texture(const Element& element, bool data)
         index = int(scene_.textures.size());
         scene_.textures.push_back(vertex_color);
     } else {
-        tell(element, fmt::format("the texture '{}' is not known: taken as grey 0.5", printable(object.type())));
+        tell(element, "is not known: taken as grey 0.5");
         Texture grey;
         grey.kind = TextureKind::mix;
         grey.color_a = grey.color_b = {{0.5f, 0.5f, 0.5f}, -1};
