@@ -13,7 +13,6 @@
 #include "../sample_plan.h"
 #include "../streams.h"
 #include "dispatcher.h"
-#include "fathom/error.h"
 #include "gather_films.h"
 #include "own_samples.h"
 #include "ranks.h"
@@ -242,9 +241,8 @@ private:
         for (int rank = 1; rank < ranks_.count(); ++rank) {
             const std::string difference = FilmKey::parse(keys[std::size_t(rank)]).difference(job_.key());
             if (!difference.empty())
-                throw Error(
-                    "", "",
-                    fmt::format("{} would render another picture than rank 0: {}", ranks_.name(rank), difference));
+                throw Ranks::Other{
+                    fmt::format("{} would render another picture than rank 0: {}", ranks_.name(rank), difference)};
         }
     }
 

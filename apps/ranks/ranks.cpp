@@ -91,8 +91,7 @@ void Ranks::meet()
             places_[std::size_t(rank)].host = text.substr(line + 1, text.find('\n', line + 1) - line - 1);
         }
         if (text.substr(0, line) != FATHOM_VERSION)
-            throw Error("", "",
-                        fmt::format("{} runs version {}, not {}", name(rank), text.substr(0, line), FATHOM_VERSION));
+            throw Other{fmt::format("{} runs version {}, not {}", name(rank), text.substr(0, line), FATHOM_VERSION)};
         const std::lock_guard lock(mutex_);
         places_[std::size_t(rank)] = RankPlace::parse(text.substr(line + 1));
     }
@@ -187,7 +186,7 @@ std::vector<std::string> Ranks::gather(const std::string& kind)
             bodies[std::size_t(message.from)] = std::move(message.body);
         }
     } catch (const Lost&) {
-        throw Error("", "", loss());
+        throw Other{loss()};
     }
     return bodies;
 }
@@ -345,12 +344,12 @@ int Ranks::finish(int code)
 }
 
 /// Ends the run of all after an error; rank 0 tells it.
-int Ranks::end_with(int code, const std::string& error, Reporter& reporter)
+int Ranks::end_with(int code, const std::string& error, bool is_own, Reporter& reporter)
 {
     if (leads()) {
         std::string words = error;
         // What is wrong at all ranks is told without a name.
-        if (loss() != error) {
+        if (is_own) {
             for (int i = 0; i < 50 && loss().empty(); ++i) sleep_s(0.01);
             const std::string& other = loss();
             const bool same = other.size() > error.size() && other.ends_with(": " + error);
@@ -382,15 +381,17 @@ int Ranks::run(const std::function<int()>& work, Reporter& reporter)
     } catch (const Ended&) {
         return finish(exit_ok);
     } catch (const Lost&) {
-        if (leads()) return end_with(exit_error, loss(), reporter);
+        if (leads()) return end_with(exit_error, loss(), false, reporter);
         if (rank_ == 1) say(fmt::format("fathom: {}\n", loss()));
         return finish(exit_error);
+    } catch (const Other& other) {
+        return end_with(exit_error, other.words, false, reporter);
     } catch (const UsageError& error) {
-        return end_with(exit_usage, error.what(), reporter);
+        return end_with(exit_usage, error.what(), true, reporter);
     } catch (const std::bad_alloc&) {
-        return end_with(exit_error, "there is not enough memory", reporter);
+        return end_with(exit_error, "there is not enough memory", true, reporter);
     } catch (const std::exception& error) {
-        return end_with(exit_error, error.what(), reporter);
+        return end_with(exit_error, error.what(), true, reporter);
     }
 }
 

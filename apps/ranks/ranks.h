@@ -61,7 +61,7 @@ public:
     std::optional<Message> take(const std::vector<std::string>& kinds, double most_s);
     /// Waits for it. Throws Lost where it can't come any more.
     Message wait(const std::vector<std::string>& kinds);
-    /// Of rank 0: a message of each other rank, by rank; its own place is empty. Throws Error with the words of the one
+    /// Of rank 0: a message of each other rank, by rank; its own place is empty. Throws Other with the words of the one
     /// that failed instead.
     std::vector<std::string> gather(const std::string& kind);
     /// What rank 0 says.
@@ -80,6 +80,10 @@ public:
     struct Ended {};
     /// The run can't go on: loss() says why.
     struct Lost {};
+    /// What rank 0 finds wrong with another one, in words.
+    struct Other {
+        std::string words;
+    };
 
 private:
     void meet();
@@ -89,7 +93,8 @@ private:
     void lose(const std::string& why);
     void link();
     int finish(int code);
-    int end_with(int code, const std::string& error, Reporter& reporter);
+    /// is_own  what is wrong is wrong here, and perhaps at other ranks too
+    int end_with(int code, const std::string& error, bool is_own, Reporter& reporter);
     void stop_link();
 
     mpi::Group* group_ = nullptr;
