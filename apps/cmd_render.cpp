@@ -8,6 +8,7 @@
 #include "fathom/scene_parts.h"
 #include "inputs.h"
 #include "interrupt.h"
+#include "ranks/ranks.h"
 #include "render/frames.h"
 #include "render/options.h"
 #include "render/series.h"
@@ -77,14 +78,20 @@ double planned_samples(const RenderOptions& o, const RenderPlan& plan)
     return per_pixel * double(crop.x1 - crop.x0) * double(crop.y1 - crop.y0);
 }
 
+/// Whether the picture is to be denoised, which rank 0 decides: it has the denoiser.
+bool all_denoise(bool own, Ranks* ranks)
+{
+    return ranks ? ranks->agree(own ? "denoised" : "").size() > 0 : own;
+}
+
 /// What options and scene say together; told is what was added to the scene.
-RenderPlan plan_for(const RenderOptions& o, const LoadedScene& loaded, std::optional<Denoiser> denoiser,
+RenderPlan plan_for(const RenderOptions& o, const LoadedScene& loaded, std::optional<Denoiser> denoiser, Ranks* ranks,
                     Reporter& reporter)
 {
     const RenderHints& hints = loaded.description.hints;
-    const RenderSettings settings = settings_for(o, loaded, denoiser.has_value());
-    RenderPlan plan{loaded, settings,           write_options(o.picture, hints, reporter), o.samples, {},
-                    {},     std::move(denoiser)};
+    const RenderSettings settings = settings_for(o, loaded, all_denoise(denoiser.has_value(), ranks));
+    RenderPlan plan{loaded, settings, write_options(o.picture, hints, reporter), o.samples, {}, {}, std::move(denoiser),
+                    ranks};
     if (!o.only_sample) check_memory(plan.settings, o.mergeable || !o.checkpoint.empty());
     check_outputs(o, plan.settings.width, plan.settings.height);
     if (!plan.samples && !o.time_s) plan.samples = hinted_samples(hints, o.scene.file.string());
@@ -145,21 +152,18 @@ SampleRange wanted_samples(const RenderOptions& o, const RenderPlan& plan)
     return samples_of_part(*o.part, *plan.samples);
 }
 
-int run_render(RenderOptions& o, Reporter& reporter)
+/// ranks  those that this process is one of, or nullptr
+int render_scene(RenderOptions& o, Ranks* ranks, Reporter& reporter)
 {
-    const bool as_json = reporter.mode() == ReportMode::json;
-    end_on_interrupt(as_json ? "{\"event\":\"interrupted\"}\n"
-                             : "\nfathom: interrupted before anything was rendered\n");
-    check_options(o);
-    check_outputs(o);
-
+    const bool leads = !ranks || ranks->leads(), as_json = reporter.mode() == ReportMode::json;
     Summary summary;
     Warnings warnings;
     const ThreadLimit limit = limit_threads(o.settings, reporter);
-    std::optional<Denoiser> denoiser = open_denoiser(o.picture, o.settings.threads, reporter);
+    std::optional<Denoiser> denoiser;
+    if (leads) denoiser = open_denoiser(o.picture, o.settings.threads, reporter);
     LoadedScene loaded = load(o, reporter, warnings);
     check_outputs_are_no_inputs(files_that_are_there(o), loaded.description);
-    RenderPlan plan = plan_for(o, loaded, std::move(denoiser), reporter);
+    RenderPlan plan = plan_for(o, loaded, std::move(denoiser), ranks, reporter);
     if (!loaded.build) loaded.build = build_for(loaded.description, planned_samples(o, plan));
     summary.load_s = seconds_since_start();
 
@@ -171,12 +175,48 @@ int run_render(RenderOptions& o, Reporter& reporter)
 
     tell_before(o, plan, reporter);
     plan.range = wanted_samples(o, plan);
-    finish_on_interrupt(as_json ? "{\"event\":\"interrupted\"}\n"
-                                : "\nfathom: interrupted: the picture so far is written; once more stops at once\n");
+    finish_on_interrupt(!leads    ? ""
+                        : as_json ? "{\"event\":\"interrupted\"}\n"
+                        : ranks   ? "\nfathom: interrupted\n"
+                                  : "\nfathom: interrupted: the picture so far is written; once more stops at once\n");
     if (edit) return render_frames(o, plan, *edit, std::move(lit.scene), summary, warnings, reporter);
     if (o.turntable > 0) return render_turntable(o, plan, lit.scene, summary, reporter);
     const PictureOptions files = o.frames.empty() ? o.picture : files_of(o.picture, o.frames[0]);
     return render_picture(o, plan, files, RenderJob(lit.scene, plan.settings), summary, reporter);
+}
+
+/// As one of several ranks, which this process was started as.
+int render_as_rank(RenderOptions& o, const RankEnvironment& environment, Reporter& reporter)
+{
+    if (o.only_sample) throw UsageError("--only-sample: is of one process; leave out mpirun");
+    Ranks ranks(environment);
+    return ranks.run(
+        [&] {
+            if (o.settings.threads == 0) o.settings.threads = ranks.threads();
+            if (ranks.leads()) {
+                check_outputs(o);
+                reporter.note(ranks.summary());
+                if (const std::string advice = ranks.advice(); !advice.empty()) reporter.note(advice);
+            } else {
+                // Rank 0 writes them, where they must have a folder.
+                o.writes_pictures = false;
+            }
+            return render_scene(o, &ranks, reporter);
+        },
+        reporter);
+}
+
+int run_render(RenderOptions& o, Reporter& reporter)
+{
+    const RankEnvironment environment = o.uses_mpi ? rank_environment() : RankEnvironment{};
+    const bool as_json = reporter.mode() == ReportMode::json;
+    end_on_interrupt(environment.rank > 0 ? ""
+                     : as_json            ? "{\"event\":\"interrupted\"}\n"
+                                          : "\nfathom: interrupted before anything was rendered\n");
+    check_options(o);
+    if (environment.count > 1) return render_as_rank(o, environment, reporter);
+    check_outputs(o);
+    return render_scene(o, nullptr, reporter);
 }
 
 }  // namespace
@@ -203,6 +243,7 @@ void add_render(CLI::App& program, Run& run)
         "  fathom render model.glb --turntable 36 -o view.##.png\n"
         "  fathom render scene.json --spp 4096 --checkpoint film.exr -o a.png      killed? the same again goes on\n"
         "  fathom render scene.json --spp 1024 --part 3/16 -o part3.exr      fathom merge joins them\n"
+        "  mpirun -n 8 fathom render scene.json -o out.exr      by all of them together (docs/clusters.md)\n"
         "  fathom render scene.json --only-sample 400,300,7      replay one sample\n\n"
         "Exit codes: 0 done; 1 error; 2 wrong usage; 130 interrupted.");
     command.set_run(run, [options] {

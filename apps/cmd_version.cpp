@@ -1,11 +1,16 @@
 #include <fmt/format.h>
 #include <CLI/Version.hpp>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
 
 #include "arguments.h"
 #include "fathom/image.h"
 #include "fathom/render.h"
+#include "modules.h"
+#include "mpi/module.h"
 #include "streams.h"
+#include "view/module.h"
 
 namespace fathom::cli {
 
@@ -20,6 +25,11 @@ void add_version(CLI::App& program, Run& run)
                           fmt::join(image_libraries(), ", "), CLI11_VERSION, FMT_VERSION / 10000,
                           FMT_VERSION / 100 % 100, FMT_VERSION % 100, NLOHMANN_JSON_VERSION_MAJOR,
                           NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH));
+        std::vector<std::string> modules;
+        if (has_module(view::module_file)) modules.emplace_back("view (the window)");
+        if (has_module("libfathom_assimp.so")) modules.emplace_back("assimp (FBX, Collada and others)");
+        if (has_module(mpi::module_file)) modules.emplace_back("mpi (mpirun)");
+        print(fmt::format("modules: {}\n", modules.empty() ? "none" : fmt::format("{}", fmt::join(modules, ", "))));
         return int(exit_ok);
     });
 }

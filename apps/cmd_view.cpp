@@ -1,7 +1,5 @@
-#include <dlfcn.h>
 #include <fmt/format.h>
 
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -10,6 +8,7 @@
 #include "commands.h"
 #include "fathom/error.h"
 #include "interrupt.h"
+#include "modules.h"
 #include "picture_options.h"
 #include "render_options.h"
 #include "reporter.h"
@@ -32,37 +31,14 @@ struct ViewOptions {
     int script_moves = 0;
 };
 
-/// The module with the window, beside the program or where it is installed. Throws Error if it is not there.
-void* open_module()
-{
-    std::error_code error;
-    const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-    for (const std::filesystem::path& place : {folder, folder / ".." / "lib", folder / ".." / FATHOM_LIBDIR}) {
-        const std::filesystem::path file = place / view::module_file;
-        if (!std::filesystem::exists(file, error)) continue;
-        void* const module = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-        if (!module) throw Error("", "", fmt::format("the module with the window can't be used: {}", dlerror()));
-        const auto version = static_cast<const char* const*>(dlsym(module, view::version_symbol));
-        if (version && std::strcmp(*version, FATHOM_VERSION) == 0) return module;
-        throw Error(file.string(), "", "belongs to another version of Fathom");
-    }
-    throw Error("", "", fmt::format("this installation has no window: its module {} is not there", view::module_file));
-}
-
-template <class Function>
-Function* function_of(void* module, const char* symbol)
-{
-    const auto function = reinterpret_cast<Function*>(dlsym(module, symbol));
-    if (!function) throw Error("", "", fmt::format("the module {} has no {}", view::module_file, symbol));
-    return function;
-}
-
 int run_view(ViewOptions& o)
 {
     // Before a scene is loaded, which can take long.
-    void* const module = open_module();
+    void* const module =
+        open_module(view::module_file, view::version_symbol,
+                    fmt::format("this installation has no window: its module {} is not there", view::module_file));
     std::string trouble;
-    function_of<view::Trouble>(module, view::trouble_symbol)(trouble);
+    function_of<view::Trouble>(module, view::module_file, view::trouble_symbol)(trouble);
     if (!trouble.empty()) throw Error("", "", trouble);
 
     Reporter reporter(default_report_mode());
@@ -101,7 +77,7 @@ int run_view(ViewOptions& o)
     job.interrupted = &interrupted();
 
     finish_on_interrupt("");
-    function_of<view::RunView>(module, view::run_symbol)(job, trouble);
+    function_of<view::RunView>(module, view::module_file, view::run_symbol)(job, trouble);
     if (!trouble.empty()) throw Error("", "", trouble);
     return exit_ok;
 }

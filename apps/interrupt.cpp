@@ -95,6 +95,11 @@ const std::atomic<bool>& interrupted()
     return interrupt_flag;
 }
 
+void interrupt_now()
+{
+    if (!interrupt_flag.exchange(true)) interrupt_ms = now_ms();
+}
+
 void ignore_write_signals()
 {
     std::signal(SIGXFSZ, SIG_IGN);

@@ -10,6 +10,8 @@ void end_on_interrupt(const char* line);
 /// SIGTERM within two seconds, which is taken for the first one's echo.
 void finish_on_interrupt(const char* line);
 const std::atomic<bool>& interrupted();
+/// As if a signal had come, without a word.
+void interrupt_now();
 /// Whether a picture of the state was asked for since the last call.
 bool picture_is_wanted();
 

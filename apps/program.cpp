@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "fathom/error.h"
+#include "ranks/environment.h"
 #include "streams.h"
 
 namespace fathom::cli {
@@ -53,6 +54,15 @@ std::vector<std::string> words_of(int argc, char** argv)
     return words;
 }
 
+/// Throws UsageError for a command of which as many copies as there are ranks would do harm.
+void check_command(const CLI::App& app, const RankEnvironment& ranks)
+{
+    const std::string command = app.get_subcommands().front()->get_name();
+    if (ranks.count == 1 || command == "render" || command == "info" || command == "version") return;
+    throw UsageError(fmt::format("'fathom {}' is of one process, not of {} ranks ({}): leave out mpirun", command,
+                                 ranks.count, ranks.variable));
+}
+
 /// What the command line asks for; returns the exit code.
 int parse_and_run(int argc, char** argv)
 {
@@ -67,6 +77,11 @@ int parse_and_run(int argc, char** argv)
         "`fathom COMMAND --help` tells a command's options.\n\n"
         "Exit codes: 0 done; 1 a file, the scene or the machine is not as it must be;\n"
         "2 wrong usage; 130 interrupted (the picture so far is written).");
+    // What is wrong with the command line is so at all ranks: the first tells it.
+    const RankEnvironment ranks = rank_environment();
+    const auto complain_once = [&](const std::string& message) {
+        return ranks.rank > 0 ? int(exit_usage) : complain(message, exit_usage);
+    };
     Run run;
     add_render(app, run);
     add_merge(app, run);
@@ -78,12 +93,13 @@ int parse_and_run(int argc, char** argv)
     add_version(app, run);
     try {
         app.parse(words_of(argc, argv));
+        check_command(app, ranks);
         return run();
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return tell(app, error);
-        return complain(fmt::format("{} (see fathom --help)", usage_message(error.what())), exit_usage);
+        return complain_once(fmt::format("{} (see fathom --help)", usage_message(error.what())));
     } catch (const UsageError& error) {
-        return complain(error.what(), exit_usage);
+        return complain_once(error.what());
     } catch (const Error& error) {
         return complain(error.what(), exit_error);
     } catch (const std::bad_alloc&) {

@@ -84,9 +84,20 @@ void Reporter::end_bar()
     bar_ = false;
 }
 
+bool Reporter::is_quiet() const
+{
+    return mode_ == ReportMode::quiet || mode_ == ReportMode::silent;
+}
+
+void Reporter::hand_over(std::function<void(const std::string&)> take_error)
+{
+    mode_ = ReportMode::silent;
+    take_error_ = std::move(take_error);
+}
+
 void Reporter::note(const std::string& text)
 {
-    if (mode_ == ReportMode::quiet) return;
+    if (is_quiet()) return;
     if (mode_ == ReportMode::json) return print({{"event", "note"}, {"message", text}});
     end_bar();
     say(text + '\n');
@@ -94,6 +105,7 @@ void Reporter::note(const std::string& text)
 
 void Reporter::warnings(const Warnings& warnings)
 {
+    if (mode_ == ReportMode::silent) return;
     end_bar();
     for (const auto& [message, count] : warnings.counts()) {
         if (mode_ == ReportMode::json)
@@ -105,6 +117,10 @@ void Reporter::warnings(const Warnings& warnings)
 
 void Reporter::error(const std::string& text)
 {
+    if (mode_ == ReportMode::silent) {
+        if (take_error_) take_error_(text);
+        return;
+    }
     end_bar();
     if (mode_ == ReportMode::json)
         print({{"event", "error"}, {"message", text}});
@@ -126,7 +142,7 @@ double Reporter::interval_s() const
 Reporter::Phase::Phase(Reporter& reporter, std::string name, std::string text)
     : reporter_(reporter), name_(std::move(name)), text_(std::move(text))
 {
-    if (reporter.mode_ == ReportMode::quiet) return;
+    if (reporter.is_quiet()) return;
     try {
         thread_ = std::thread([this] { run(); });
     } catch (const std::system_error&) {
@@ -168,7 +184,7 @@ void Reporter::Phase::tell(double elapsed_s)
 
 void Reporter::progress(double done, double elapsed_s, const Progress& progress, bool force)
 {
-    if (mode_ == ReportMode::quiet) return;
+    if (is_quiet()) return;
     const double now_s = seconds_since_start();
     // Without a terminal, the first line comes after the interval too: short renders print none.
     if (mode_ == ReportMode::lines && last_s_ < 0) last_s_ = now_s - elapsed_s;
@@ -228,6 +244,7 @@ void Reporter::summary(const Summary& s)
 
 void Reporter::cost_sheet(const Summary& s)
 {
+    if (mode_ == ReportMode::silent) return;
     if (mode_ == ReportMode::json) return print(cost_sheet_json(s.costs, s.render_s));
     end_bar();
     say(cli::cost_sheet(s.costs, s.render_s) + '\n');

@@ -1,5 +1,6 @@
 #pragma once
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -16,6 +17,7 @@ enum class ReportMode {
     terminal,  ///< a bar
     lines,     ///< a line now and then
     json,      ///< an object a line
+    silent,    ///< nothing: another process tells it
 };
 
 struct Summary {
@@ -29,6 +31,8 @@ public:
     explicit Reporter(ReportMode mode) : mode_(mode) {}
 
     ReportMode mode() const { return mode_; }
+    /// From here on errors are handed over, and nothing else is told.
+    void hand_over(std::function<void(const std::string&)> take_error);
     void note(const std::string& text);
     void warnings(const Warnings& warnings);
     void error(const std::string& text);
@@ -68,9 +72,11 @@ public:
 private:
     void print(const nlohmann::json& event);
     void end_bar();
+    bool is_quiet() const;
     double interval_s() const;
 
     ReportMode mode_;
+    std::function<void(const std::string&)> take_error_;
     double last_s_ = -1e9;
     std::uint64_t last_samples_ = 0;  ///< of the last line of progress
     bool bar_ = false;                ///< the cursor stands behind a bar

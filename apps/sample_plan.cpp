@@ -52,6 +52,14 @@ std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& there, 
     return missing;
 }
 
+std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& there, SampleRange wanted)
+{
+    std::vector<SampleRange> missing = missing_samples(there, wanted.second);
+    std::erase_if(missing, [&](const SampleRange& range) { return range.second <= wanted.first; });
+    for (SampleRange& range : missing) range.first = std::max(range.first, wanted.first);
+    return missing;
+}
+
 std::string missing_text(const std::vector<SampleRange>& missing, std::uint64_t planned_samples,
                          std::uint64_t planned_parts)
 {

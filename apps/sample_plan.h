@@ -32,6 +32,8 @@ std::uint64_t planned_number(const std::map<std::string, std::string>& attribute
 std::uint64_t count_of(const std::vector<SampleRange>& ranges);
 /// What of 0 to `planned` is not there, or to the last sample that is.
 std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& there, std::uint64_t planned);
+/// What of `wanted` is not there.
+std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& there, SampleRange wanted);
 /// "samples 64:128 (part 2 of 16)"; the parts where their number is known.
 std::string missing_text(const std::vector<SampleRange>& missing, std::uint64_t planned_samples,
                          std::uint64_t planned_parts);

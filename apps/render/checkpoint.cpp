@@ -1,6 +1,7 @@
 #include "checkpoint.h"
 
 #include <fmt/format.h>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,43 @@ fs::path previous_of(const fs::path& file)
 {
     return file.parent_path() / (file.stem().string() + ".previous" + file.extension().string());
 }
+
+fs::path rank_file(const fs::path& checkpoint, int rank)
+{
+    return checkpoint.parent_path() /
+           fmt::format("{}.rank{}{}", checkpoint.stem().string(), rank, checkpoint.extension().string());
+}
+
+void remove_states(const fs::path& file)
+{
+    std::error_code ignored;
+    fs::remove(file, ignored);
+    fs::remove(previous_of(file), ignored);
+}
+
+namespace {
+
+/// The files of ranks beside a checkpoint, sorted; of those that have only the state before, the name that they had.
+std::vector<fs::path> rank_files_of(const fs::path& checkpoint)
+{
+    std::set<fs::path> files;
+    const std::string start = checkpoint.stem().string() + ".rank", previous = ".previous";
+    const fs::path folder = checkpoint.parent_path().empty() ? "." : checkpoint.parent_path();
+    std::error_code error;
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+        const fs::path name = entry->path().filename();
+        if (name.extension() != checkpoint.extension()) continue;
+        std::string number = name.stem().string();
+        if (!number.starts_with(start)) continue;
+        number.erase(0, start.size());
+        if (number.ends_with(previous)) number.erase(number.size() - previous.size());
+        if (number.empty() || number.find_first_not_of("0123456789") != std::string::npos) continue;
+        files.insert(checkpoint.parent_path() / (start + number + checkpoint.extension().string()));
+    }
+    return {files.begin(), files.end()};
+}
+
+}  // namespace
 
 Checkpoint::Checkpoint(fs::path file, double every_s, Reporter& reporter)
     : file_(std::move(file)), every_s_(every_s), next_s_(seconds_since_start() + every_s), reporter_(reporter)
@@ -72,11 +110,11 @@ std::vector<State> states_of(const fs::path& file)
 }
 
 /// In what a job differs from the one that a state is of; empty where it doesn't.
-std::string difference(const RenderJob& job, const FilmFile& state, const std::string& parts)
+std::string difference(const FilmKey& job, const FilmFile& state, const std::string& parts)
 {
     constexpr std::size_t scene_digits = 16;  // of the key's; the others are of the camera
     std::vector<std::string> words;
-    const std::string &now = job.key().scene, &before = state.key().scene;
+    const std::string &now = job.scene, &before = state.key().scene;
     if (now.substr(0, scene_digits) != before.substr(0, scene_digits)) {
         const auto found = state.attributes().find(parts_attribute);
         const std::string changed =
@@ -85,13 +123,13 @@ std::string difference(const RenderJob& job, const FilmFile& state, const std::s
     } else if (now != before) {
         words.emplace_back("the camera");
     }
-    FilmKey settings = job.key();
+    FilmKey settings = job;
     settings.scene = before;
     if (const std::string others = settings.difference(state.key()); !others.empty()) words.push_back(others);
     return fmt::format("{}", fmt::join(words, "; "));
 }
 
-void check_belongs(const State& state, const RenderJob& job, const std::string& parts, SampleRange wanted)
+void check_belongs(const State& state, const FilmKey& job, const std::string& parts, SampleRange wanted)
 {
     if (const std::string words = difference(job, *state.film, parts); !words.empty())
         throw Refusal{
@@ -104,21 +142,62 @@ void check_belongs(const State& state, const RenderJob& job, const std::string& 
                             state.file.string(), text_of(state.film->samples()), wanted.first, wanted.second)};
 }
 
+bool overlap(const std::vector<SampleRange>& a, const std::vector<SampleRange>& b)
+{
+    for (const SampleRange& r : a)
+        for (const SampleRange& s : b)
+            if (r.first < s.second && s.first < r.second) return true;
+    return false;
+}
+
 }  // namespace
 
 Film Checkpoint::open(const RenderJob& job, SampleRange wanted, const std::string& parts)
+{
+    rank_files_ = rank_files_of(file_);
+    opened_ = file_;
+    Film film = open_own(job, wanted, parts);
+    const std::uint64_t own = film.samples_per_pixel();
+    for (const fs::path& file : rank_files_) add_rank_file(file, film, wanted, parts);
+    const std::uint64_t samples = film.samples_per_pixel();
+    if (samples == 0) return film;
+    const std::string total = wanted.second < most_samples ? fmt::format(" of {}", wanted.second - wanted.first) : "";
+    const std::string beside =
+        samples > own ? fmt::format(" and what {} ranks left beside it", rank_files_.size()) : "";
+    reporter_.note(fmt::format("going on from {}{} samples in {}{}", samples, total, opened_.string(), beside));
+    return film;
+}
+
+void Checkpoint::add_rank_file(const fs::path& file, Film& film, SampleRange wanted, const std::string& parts)
+{
+    std::string damage;
+    for (const State& state : states_of(file)) {
+        try {
+            if (!state.film) throw Error("", "", state.error);
+            check_belongs(state, film.key(), parts, wanted);
+            // A run that ended between writing them into the checkpoint and removing them.
+            if (overlap(state.film->samples(), film.samples())) return;
+            film.merge(state.film->read());
+            return;
+        } catch (const Refusal& refusal) {
+            throw Error("", "", refusal.words);
+        } catch (const Error& error) {
+            damage = error.what();
+        }
+    }
+    reporter_.error(damage + ": its samples are rendered anew");
+}
+
+Film Checkpoint::open_own(const RenderJob& job, SampleRange wanted, const std::string& parts)
 {
     std::vector<std::string> damaged;
     for (const State& state : states_of(file_)) {
         try {
             if (!state.film) throw Error("", "", state.error);
-            check_belongs(state, job, parts, wanted);
+            check_belongs(state, job.key(), parts, wanted);
             Film film = state.film->read();
             for (const std::string& error : damaged) reporter_.error(error + ": the state before is taken");
-            const std::string total =
-                wanted.second < most_samples ? fmt::format(" of {}", wanted.second - wanted.first) : "";
-            reporter_.note(
-                fmt::format("going on from {}{} samples in {}", state.samples(), total, state.file.string()));
+            opened_ = state.file;
             return film;
         } catch (const Refusal& refusal) {
             throw Error("", "", refusal.words);
@@ -189,6 +268,8 @@ void Checkpoint::run()
         std::string failure;
         try {
             snapshot_.write(file_, previous_of(file_));
+            for (const fs::path& file : rank_files_) remove_states(file);
+            rank_files_.clear();
         } catch (const std::exception& error) {
             failure = error.what();
         }

@@ -105,6 +105,9 @@ void add_render_options(Command& command, RenderOptions& o)
                                            int(parse_integer(parts[1], 0, most_int)),
                                            parse_integer(parts[2], 0, most_samples - 1)};
                       });
+    command.add_value("--mpi", "auto|off",
+                      "off: started by mpirun, each process renders for itself (default auto: they render one picture)",
+                      [&](const std::string& text) { o.uses_mpi = parse_word(text, {"off", "auto"}) == 1; });
     command.add_flag("-q,--quiet", o.quiet, "print only warnings and errors");
     command.add_flag("--stats", o.stats,
                      "tell where the time went: rays by kind, lanes in use, nanoseconds a path's vertex by stage");

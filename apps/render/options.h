@@ -35,6 +35,8 @@ struct RenderOptions {
     std::optional<PartNumber> part;
     std::filesystem::path checkpoint;  ///< empty: none
     std::optional<double> every_s;     ///< between its states
+    bool uses_mpi = true;              ///< where it was started as one of several ranks
+    bool writes_pictures = true;       ///< false: another rank does
     bool quiet = false, json = false, stats = false;
 };
 

@@ -19,13 +19,8 @@ Rendering::Rendering(const RenderOptions& options, const RenderJob& job, Reporte
 void Rendering::run(Film& film, SampleRange wanted, std::function<void(const Film&)> after_pass)
 {
     after_pass_ = std::move(after_pass);
-    std::vector<SampleRange> todo = missing_samples(film.samples(), wanted.second);
-    std::erase_if(todo, [&](const SampleRange& range) { return range.second <= wanted.first; });
-    std::uint64_t total = 0;
-    for (SampleRange& range : todo) {
-        range.first = std::max(range.first, wanted.first);
-        total += range.second - range.first;
-    }
+    const std::vector<SampleRange> todo = missing_samples(film.samples(), wanted);
+    const std::uint64_t total = count_of(todo);
     if (options_.time_s) render_for_time(film, *options_.time_s, todo);
     for (std::size_t i = 0; i < todo.size() && !options_.time_s && !cut_short; ++i) render_range(film, todo[i], total);
     render_s = seconds_since_start() - start_s_;

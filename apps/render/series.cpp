@@ -43,6 +43,7 @@ PictureOptions files_of(PictureOptions options, std::uint64_t frame)
 std::vector<fs::path> files_that_are_there(const RenderOptions& o)
 {
     std::vector<fs::path> files;
+    if (!o.writes_pictures) return files;
     const auto add = [&](const fs::path& file) {
         std::error_code error;
         if (fs::exists(file, error)) files.push_back(file);
@@ -57,6 +58,7 @@ std::vector<fs::path> files_that_are_there(const RenderOptions& o)
 void check_outputs(const RenderOptions& o, int width, int height)
 {
     if (!o.checkpoint.empty()) check_output(o.checkpoint, width, height);
+    if (!o.writes_pictures) return;
     for (const fs::path& file : o.picture.outputs)
         check_output(o.frames.empty() ? file : output_of(file, o.frames[0]), width, height);
 }

@@ -6,6 +6,8 @@
 
 namespace fathom::cli {
 
+class Ranks;
+
 /// What is the same for all pictures of a run.
 struct RenderPlan {
     const LoadedScene& scene;
@@ -15,6 +17,7 @@ struct RenderPlan {
     SampleRange range;        ///< those that are wanted in the end
     std::string scene_parts;  ///< for a checkpoint
     std::optional<Denoiser> denoiser;
+    Ranks* ranks = nullptr;  ///< those that render together; nullptr: this process alone
 };
 
 /// Renders a picture and writes it; returns the exit code.

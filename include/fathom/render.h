@@ -156,6 +156,18 @@ public:
 
     /// Adds the sums of a film of an equal key over other samples. Throws Error if they overlap or the keys differ.
     void merge(const Film& other);
+    /// The same for a film that another process has, in pieces: first its samples, which are checked and count as there
+    /// from then on, then the words of all its pixels in any order. Between, the film is of no use.
+    ///
+    /// dropped_sample  as of dropped_sample()
+    void begin_merge(const FilmKey& key, const std::vector<SampleRange>& samples, std::uint64_t dropped,
+                     const std::optional<SamplePlace>& dropped_sample);
+    void merge_words(std::size_t first_pixel, const std::uint32_t* words, std::size_t pixels);
+    /// The words, row by row, as of Sums.
+    const std::uint32_t* words() const;
+    int words_per_pixel() const;
+    /// Adds sums of pixels as this film has them to others.
+    void add_words(const std::uint32_t* from, std::uint32_t* to, std::size_t pixels) const;
 
     /// The mean so far, with A if alpha.
     Image picture(bool alpha) const;

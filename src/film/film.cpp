@@ -169,6 +169,34 @@ void Film::merge(const Film& other)
     for (std::size_t i = 0; i < pixels; ++i) to.add_pixel(i, from.pixel(i));
 }
 
+void Film::begin_merge(const FilmKey& key, const std::vector<SampleRange>& samples, std::uint64_t dropped,
+                       const std::optional<SamplePlace>& dropped_sample)
+{
+    data_->take_samples(key, samples, dropped);
+    if (!data_->dropped_sample) data_->dropped_sample = dropped_sample;
+}
+
+void Film::merge_words(std::size_t first_pixel, const std::uint32_t* words, std::size_t pixels)
+{
+    add_words(words, data_->pixel(first_pixel), pixels);
+}
+
+const std::uint32_t* Film::words() const
+{
+    return data_->words.data();
+}
+
+int Film::words_per_pixel() const
+{
+    return data_->layout.words;
+}
+
+void Film::add_words(const std::uint32_t* from, std::uint32_t* to, std::size_t pixels) const
+{
+    const auto words = std::size_t(data_->layout.words);
+    for (std::size_t i = 0; i < pixels; ++i) data_->add_pixel(to + i * words, from + i * words);
+}
+
 Image Film::picture(bool alpha) const
 {
     const Data& film = *data_;

@@ -42,9 +42,10 @@ struct Film::Data {
     std::uint32_t* pixel(std::size_t index) { return &words[index * std::size_t(layout.words)]; }
     const std::uint32_t* pixel(std::size_t index) const { return &words[index * std::size_t(layout.words)]; }
     /// Adds the words of the same pixel of another film.
-    void add_pixel(std::size_t index, const std::uint32_t* other)
+    void add_pixel(std::size_t index, const std::uint32_t* other) { add_pixel(pixel(index), other); }
+    /// Adds the words of a pixel to those of another.
+    void add_pixel(std::uint32_t* own, const std::uint32_t* other) const
     {
-        std::uint32_t* own = pixel(index);
         for (int c = 0; c < 3; ++c) {
             ExactSum::add(radiance_sum(own, c), radiance_sum(other, c));
             ExactSquareSum::add(square_sum(own, c), square_sum(other, c));
