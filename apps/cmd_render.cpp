@@ -6,6 +6,7 @@
 #include "fathom/error.h"
 #include "fathom/memory.h"
 #include "fathom/scene_parts.h"
+#include "film_needs.h"
 #include "inputs.h"
 #include "interrupt.h"
 #include "render/frames.h"
@@ -21,18 +22,23 @@ namespace fathom::cli {
 
 namespace {
 
-/// keeps_sums  in a file, of which there is a copy in memory
-void check_memory(const RenderSettings& settings, bool keeps_sums)
+/// What film and pictures take.
+std::vector<MemoryNeed> film_needs_of(const RenderOptions& o, const RenderSettings& settings)
 {
-    // Each layer takes up to 32 bytes on its way into a picture.
-    const double per_pixel =
-        double(Film::bytes_per_pixel(settings)) * (keeps_sums ? 2 : 1) + 32.0 * double(1 + settings.aovs.size());
-    const double bytes = per_pixel * settings.width * settings.height;
-    const double available = double(available_memory_bytes());
-    if (bytes > available)
-        throw Error("", "",
-                    fmt::format("a picture of {}x{} pixels needs {:.1f} GB of memory, {:.1f} GB are there",
-                                settings.width, settings.height, bytes / 1e9, available / 1e9));
+    FilmUse use;
+    use.is_kept = !o.checkpoint.empty();
+    use.is_mergeable = o.mergeable && writes_exr(o.picture);
+    use.extra_channels = (o.aov_variance ? 3 : 0) + (o.aov_samples ? 1 : 0);
+    return film_needs(settings, use, o.picture);
+}
+
+/// Refuses what is too large, before anything is built for it.
+void check_memory_of(const RenderOptions& o, const LoadedScene& loaded, const RenderSettings& settings)
+{
+    std::vector<MemoryNeed> needs = memory_needs(loaded.description, loaded.build);
+    if (!o.only_sample)
+        for (MemoryNeed& need : film_needs_of(o, settings)) needs.push_back(std::move(need));
+    check_memory(o.scene.file.string(), std::move(needs));
 }
 
 LoadedScene load(const RenderOptions& o, Reporter& reporter, Warnings& warnings)
@@ -59,7 +65,7 @@ RenderPlan plan_for(const RenderOptions& o, const LoadedScene& loaded, std::opti
     const RenderSettings settings = settings_for(o, loaded, denoiser.has_value());
     RenderPlan plan{loaded, settings,           write_options(o.picture, hints, reporter), o.samples, {},
                     {},     std::move(denoiser)};
-    if (!o.only_sample) check_memory(plan.settings, o.mergeable || !o.checkpoint.empty());
+    check_memory_of(o, loaded, settings);
     check_outputs(o, plan.settings.width, plan.settings.height);
     if (!plan.samples && !o.time_s) plan.samples = hinted_samples(hints, o.scene.file.string());
     if (!o.checkpoint.empty()) plan.scene_parts = scene_parts(loaded.description);
@@ -141,6 +147,8 @@ int run_render(RenderOptions& o, Reporter& reporter)
     summary.build_s = seconds_since_start() - summary.load_s;
     reporter.warnings(warnings);
     if (o.only_sample) return print_sample(*o.only_sample, RenderJob(lit.scene, plan.settings));
+    // Once more: displacement makes as many triangles as it takes.
+    check_memory(o.scene.file.string(), film_needs_of(o, plan.settings));
 
     tell_before(o, plan, reporter);
     plan.range = wanted_samples(o, plan);

@@ -9,6 +9,8 @@
 #include "arguments.h"
 #include "commands.h"
 #include "fathom/error.h"
+#include "fathom/memory.h"
+#include "film_needs.h"
 #include "interrupt.h"
 #include "picture_options.h"
 #include "render_options.h"
@@ -57,6 +59,14 @@ Function* function_of(void* module, const char* symbol)
     return function;
 }
 
+/// A film, one more for passes that can be dropped, and what is shown of them.
+void check_memory_of(const ViewOptions& o, const LoadedScene& loaded, const RenderSettings& settings)
+{
+    std::vector<MemoryNeed> needs = memory_needs(loaded.description, loaded.build);
+    for (MemoryNeed& need : film_needs(settings, {.is_kept = true}, o.picture)) needs.push_back(std::move(need));
+    check_memory(o.scene.file.string(), std::move(needs));
+}
+
 int run_view(ViewOptions& o)
 {
     // Before a scene is loaded, which can take long.
@@ -82,6 +92,7 @@ int run_view(ViewOptions& o)
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
     if (!loaded.note.empty()) reporter.note(loaded.note);
 
+    check_memory_of(o, loaded, settings);
     const Bounds bounds = world_bounds(loaded.description);
     LitScene lit = [&] {
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
