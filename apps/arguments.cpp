@@ -106,6 +106,25 @@ double parse_duration(const std::string& text)
     return seconds;
 }
 
+std::uint64_t parse_bytes(const std::string& text)
+{
+    constexpr double most = 1e18;
+    const auto refuse = [&] {
+        throw UsageError(fmt::format("expected a size of memory as 8G, 512M or 1.5GiB, found '{}'", text));
+    };
+    const std::size_t end = text.find_first_not_of("0123456789.");
+    if (end == 0 || end == std::string::npos) refuse();
+    std::string unit = text.substr(end);
+    if (unit.ends_with('B')) unit.pop_back();
+    const bool is_binary = unit.ends_with('i');
+    if (is_binary) unit.pop_back();
+    const std::size_t power = std::string_view("KMGT").find(unit);
+    if (unit.size() != 1 || power == std::string_view::npos) refuse();
+    const double bytes = parse_number(text.substr(0, end)) * std::pow(is_binary ? 1024.0 : 1000.0, double(power + 1));
+    if (!(bytes >= 1 && bytes <= most)) refuse();
+    return std::uint64_t(bytes);
+}
+
 double parse_time(const std::string& text)
 {
     return parse_number(text.ends_with('s') ? text.substr(0, text.size() - 1) : text, 0, 1e9);

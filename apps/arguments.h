@@ -19,6 +19,8 @@ struct Size {
 double parse_number(const std::string& text);
 double parse_number(const std::string& text, double least, double most);
 std::uint64_t parse_integer(const std::string& text, std::uint64_t least, std::uint64_t most);
+/// Bytes of `8G`, `512M`, `1.5GiB`: K, M, G and T are powers of 1000, Ki, Mi, Gi and Ti of 1024.
+std::uint64_t parse_bytes(const std::string& text);
 /// `x,y,z`
 Vec3d parse_vector(const std::string& text);
 std::vector<double> parse_numbers(const std::string& text, std::size_t count);

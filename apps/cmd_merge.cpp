@@ -6,7 +6,10 @@
 #include "commands.h"
 #include "fathom/error.h"
 #include "fathom/film_file.h"
+#include "fathom/memory.h"
+#include "film_needs.h"
 #include "inputs.h"
+#include "machine_options.h"
 #include "picture_options.h"
 #include "reporter.h"
 #include "sample_plan.h"
@@ -61,6 +64,10 @@ Merged merge_parts(const MergeOptions& o, Reporter& reporter, std::vector<std::s
         if (!merged) {
             // The first decides what else the picture holds.
             const auto has = [&](const char* channel, const char* layer) { return has_layer(part, channel, layer); };
+            FilmUse use;
+            use.is_mergeable = !o.no_sums && writes_exr(o.picture);
+            use.extra_channels = (has("variance.R", "variance") ? 3 : 0) + (has("samples.Y", "samples") ? 1 : 0);
+            check_memory(file.string(), film_needs(part.key().settings, use, o.picture));
             merged = Merged{part.read(), part.attributes(), has("A", "A"), has("variance.R", "variance"),
                             has("samples.Y", "samples")};
         } else if (const std::string both = overlap(merged->film, part); !both.empty() && o.skip_overlaps) {
@@ -118,6 +125,7 @@ void add_merge(CLI::App& program, Run& run)
     command.add_positionals("PART", options->parts,
                             "film files of `fathom render --part`, --samples, --mergeable or --checkpoint");
     add_picture_options(command, options->picture);
+    add_machine_options(command);
     command.add_flag("--skip-overlaps", options->skip_overlaps,
                      "leave parts out, by name, some of whose samples an earlier one has (default: refuse them)");
     command.add_flag("--no-sums", options->no_sums, "leave the sums out of EXR: smaller, but the end of merging");

@@ -6,6 +6,7 @@
 #include "fathom/error.h"
 #include "fathom/memory.h"
 #include "fathom/scene_parts.h"
+#include "film_needs.h"
 #include "inputs.h"
 #include "interrupt.h"
 #include "ranks/ranks.h"
@@ -22,18 +23,24 @@ namespace fathom::cli {
 
 namespace {
 
-/// keeps_sums  in a file, of which there is a copy in memory
-void check_memory(const RenderSettings& settings, bool keeps_sums)
+/// What film and pictures take.
+std::vector<MemoryNeed> film_needs_of(const RenderOptions& o, const RenderSettings& settings)
 {
-    // Each layer takes up to 32 bytes on its way into a picture.
-    const double per_pixel =
-        double(Film::bytes_per_pixel(settings)) * (keeps_sums ? 2 : 1) + 32.0 * double(1 + settings.aovs.size());
-    const double bytes = per_pixel * settings.width * settings.height;
-    const double available = double(available_memory_bytes());
-    if (bytes > available)
-        throw Error("", "",
-                    fmt::format("a picture of {}x{} pixels needs {:.1f} GB of memory, {:.1f} GB are there",
-                                settings.width, settings.height, bytes / 1e9, available / 1e9));
+    FilmUse use;
+    use.is_kept = !o.checkpoint.empty();
+    use.is_mergeable = o.mergeable && writes_exr(o.picture);
+    use.extra_channels = (o.aov_variance ? 3 : 0) + (o.aov_samples ? 1 : 0);
+    return film_needs(settings, use, o.picture);
+}
+
+/// What scene and film take if the tree is built so.
+std::vector<MemoryNeed> needs_of(const RenderOptions& o, const LoadedScene& loaded, const RenderSettings& settings,
+                                 TreeBuild level)
+{
+    std::vector<MemoryNeed> needs = memory_needs(loaded.description, level);
+    if (!o.only_sample)
+        for (MemoryNeed& need : film_needs_of(o, settings)) needs.push_back(std::move(need));
+    return needs;
 }
 
 LoadedScene load(const RenderOptions& o, Reporter& reporter, Warnings& warnings)
@@ -78,6 +85,15 @@ double planned_samples(const RenderOptions& o, const RenderPlan& plan)
     return per_pixel * double(crop.x1 - crop.x0) * double(crop.y1 - crop.y0);
 }
 
+/// As build_for, where there is the memory.
+TreeBuild build_that_pays(const RenderOptions& o, const LoadedScene& loaded, const RenderPlan& plan)
+{
+    const TreeBuild level = build_for(loaded.description, planned_samples(o, plan));
+    double bytes = 0;
+    for (const MemoryNeed& need : needs_of(o, loaded, plan.settings, level)) bytes += need.bytes;
+    return bytes <= double(available_memory_bytes()) ? level : TreeBuild::standard;
+}
+
 /// Whether the picture is to be denoised, which rank 0 decides: it has the denoiser.
 bool all_denoise(bool own, Ranks* ranks)
 {
@@ -92,7 +108,8 @@ RenderPlan plan_for(const RenderOptions& o, const LoadedScene& loaded, std::opti
     const RenderSettings settings = settings_for(o, loaded, all_denoise(denoiser.has_value(), ranks));
     RenderPlan plan{loaded, settings, write_options(o.picture, hints, reporter), o.samples, {}, {}, std::move(denoiser),
                     ranks};
-    if (!o.only_sample) check_memory(plan.settings, o.mergeable || !o.checkpoint.empty());
+    // Refused before anything is built for it.
+    check_memory(o.scene.file.string(), needs_of(o, loaded, settings, loaded.build.value_or(TreeBuild::standard)));
     check_outputs(o, plan.settings.width, plan.settings.height);
     if (!plan.samples && !o.time_s) plan.samples = hinted_samples(hints, o.scene.file.string());
     if (!o.checkpoint.empty()) plan.scene_parts = scene_parts(loaded.description);
@@ -164,7 +181,7 @@ int render_scene(RenderOptions& o, Ranks* ranks, Reporter& reporter)
     LoadedScene loaded = load(o, reporter, warnings);
     check_outputs_are_no_inputs(files_that_are_there(o), loaded.description);
     RenderPlan plan = plan_for(o, loaded, std::move(denoiser), ranks, reporter);
-    if (!loaded.build) loaded.build = build_for(loaded.description, planned_samples(o, plan));
+    if (!loaded.build) loaded.build = build_that_pays(o, loaded, plan);
     summary.load_s = seconds_since_start();
 
     std::optional<SceneEdit> edit;
@@ -172,6 +189,8 @@ int render_scene(RenderOptions& o, Ranks* ranks, Reporter& reporter)
     summary.build_s = seconds_since_start() - summary.load_s;
     reporter.warnings(warnings);
     if (o.only_sample) return print_sample(*o.only_sample, RenderJob(lit.scene, plan.settings));
+    // Once more: displacement makes as many triangles as it takes.
+    check_memory(o.scene.file.string(), film_needs_of(o, plan.settings));
 
     tell_before(o, plan, reporter);
     plan.range = wanted_samples(o, plan);

@@ -7,6 +7,8 @@
 #include "arguments.h"
 #include "commands.h"
 #include "fathom/error.h"
+#include "fathom/memory.h"
+#include "film_needs.h"
 #include "interrupt.h"
 #include "modules.h"
 #include "picture_options.h"
@@ -30,6 +32,14 @@ struct ViewOptions {
     std::filesystem::path latency_log;
     int script_moves = 0;
 };
+
+/// A film, one more for passes that can be dropped, and what is shown of them.
+void check_memory_of(const ViewOptions& o, const LoadedScene& loaded, const RenderSettings& settings)
+{
+    std::vector<MemoryNeed> needs = memory_needs(loaded.description, loaded.build.value_or(TreeBuild::standard));
+    for (MemoryNeed& need : film_needs(settings, {.is_kept = true}, o.picture)) needs.push_back(std::move(need));
+    check_memory(o.scene.file.string(), std::move(needs));
+}
 
 int run_view(ViewOptions& o)
 {
@@ -58,6 +68,7 @@ int run_view(ViewOptions& o)
         reporter.note(fmt::format("the file lacks them, so these were added: {}", fmt::join(loaded.added, ", ")));
     if (!loaded.note.empty()) reporter.note(loaded.note);
 
+    check_memory_of(o, loaded, settings);
     const Bounds bounds = world_bounds(loaded.description);
     LitScene lit = [&] {
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());

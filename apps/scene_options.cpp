@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "fathom/error.h"
+#include "machine_options.h"
 
 namespace fathom::cli {
 
@@ -196,6 +197,7 @@ void add_file_options(Command& command, SceneOptions& options)
                        });
     command.add_flag("--confine", options.confine,
                      "read only files in the scene's folder and below, links followed: for scenes by strangers");
+    add_machine_options(command);
 }
 
 LoadOptions load_options(const SceneOptions& options)

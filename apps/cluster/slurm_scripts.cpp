@@ -70,6 +70,10 @@ double seconds_of(const std::string& text)
     return number[0] * 60 + number[1];
 }
 
+/// Holds whether or not the cluster enforces it.
+constexpr const char memory_of_job[] =
+    R"([ "${SLURM_MEM_PER_NODE:-0}" -gt 0 ] && memory=(--memory "${SLURM_MEM_PER_NODE}Mi"))";
+
 }  // namespace
 
 std::string job_name(const JobPlan& plan)
@@ -102,6 +106,7 @@ std::string task_script(const JobPlan& plan, const std::vector<std::uint64_t>& p
     options.insert(options.end(), plan.scheduler_options.begin(), plan.scheduler_options.end());
     std::vector<std::string> render = {plan.program, "render", plan.scene.string()};
     render.insert(render.end(), plan.render_options.begin(), plan.render_options.end());
+    const bool says_memory = std::find(render.begin(), render.end(), "--memory") != render.end();
     return filled(R"script(#!/bin/bash
 # One part of a picture, by `fathom submit`.
 @directives@
@@ -124,14 +129,17 @@ end_turn() {
     exit 0
 }
 
+memory=()
+@memory@
 before=$(seen)
 trap end_turn TERM USR1
-@render@ --spp @samples@ --part "$SLURM_ARRAY_TASK_ID/@parts@" --checkpoint "$film" &
+@render@ "${memory[@]}" --spp @samples@ --part "$SLURM_ARRAY_TASK_ID/@parts@" --checkpoint "$film" &
 render=$!
 wait "$render"
 )script",
                   {{"@directives@", directives(options)},
                    {"@folder@", quoted(folder)},
+                   {"@memory@", says_memory ? "" : memory_of_job},
                    {"@render@", quoted(render)},
                    {"@samples@", fmt::format("{}", plan.samples)},
                    {"@parts@", fmt::format("{}", plan.parts)}});

@@ -144,10 +144,10 @@ public:
     /// Throws Error if that much isn't there.
     void check_memory(double bytes) const
     {
-        if (const double most = double(available()); bytes > most)
-            throw Error(scene_.file, "",
-                        fmt::format("its textures need {:.1f} GB more of memory, {:.1f} GB are there", bytes / 1e9,
-                                    most / 1e9));
+        if (bytes > double(available()))
+            throw Error(
+                scene_.file, "",
+                fmt::format("its textures need {:.1f} GB more of memory, {}", bytes / 1e9, available_memory_text()));
     }
 
 private:

@@ -1,15 +1,12 @@
 #include "compile/scene_compiler.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <set>
 
 #include "compile/check_sizes.h"
 #include "compile/instancing.h"
-#include "fathom/error.h"
+#include "compile/memory_needs.h"
 #include "fathom/memory.h"
 
 namespace fathom {
@@ -66,27 +63,16 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
     return s;
 }
 
-/// Refuses a scene whose compiled form can't fit, before it is tried. Meshes placed more than once are counted once:
-/// they become instances, or are small.
-void check_memory(const Compiler& c, const Occurrences& occurrences)
+/// Refuses a scene whose compiled form can't fit, before it is tried; pictures are there already.
+void check_memory(const Compiler& c, const Occurrences& occurrences, TreeBuild build)
 {
-    // An index and a number each, and what the tree takes for a triangle while it is built.
-    constexpr double bytes_per_triangle = 16 + 3 * 64;
-    double bytes = bytes_per_occurrence * double(occurrences.shapes.size());
-    std::set<const Mesh*> counted;
+    ShapeNeeds shapes(c.scene, build);
     for (const ShapeOccurrence& p : occurrences.shapes) {
-        const Mesh* const shown = c.mesh_of(*p.shape);
-        if (!shown || !counted.insert(shown).second) continue;
-        const Mesh& mesh = *shown;
-        bytes += bytes_per_triangle * double(mesh.indices.size()) / 3 +
-                 12.0 * double(mesh.positions.size() + mesh.normals.size()) * double(1 + mesh.motion.size()) +
-                 16.0 * double(mesh.tangents.size() + mesh.colors.size()) +
-                 8.0 * double(mesh.uvs[0].size() + mesh.uvs[1].size());
+        const MaterialRecord& material = c.tables.materials[material_index(c.tables, *p.shape)];
+        const bool is_light = (material.flags & MaterialRecord::emits) && !(material.flags & MaterialRecord::unlit);
+        shapes.add(*p.shape, c.mesh_of(*p.shape), 1, is_light);
     }
-    if (const double available = double(available_memory_bytes()); bytes > available)
-        throw Error(c.scene.file, "",
-                    fmt::format("the scene needs about {:.1f} GB of memory, {:.1f} GB are there", bytes / 1e9,
-                                available / 1e9));
+    check_memory(c.scene.file, shapes.needs());
 }
 
 void set_shutter(SceneTables& tables, const Camera& camera)
@@ -124,7 +110,7 @@ std::shared_ptr<Scene::Data> SceneCompiler::compile(Warnings& warnings)
     occurrences_ = find_occurrences(c);
     displaced_.make(scene_, *tables_, occurrences_.shapes, warnings);
     check_occurrences(c, occurrences_.shapes, occurrences_);
-    check_memory(c, occurrences_);
+    check_memory(c, occurrences_, build_);
     tables_->editable = std::any_of(occurrences_.shapes.begin(), occurrences_.shapes.end(),
                                     [](const ShapeOccurrence& p) { return p.movable; });
     contents_ = compile_geometry(c, occurrences_);

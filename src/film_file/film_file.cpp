@@ -288,10 +288,9 @@ Film FilmFile::read() const
 {
     const RenderSettings& settings = data_->key.settings;
     const double bytes = double(settings.width) * settings.height * 4 * FilmLayout(settings.aovs, settings.alpha).words;
-    if (const auto available = double(available_memory_bytes()); bytes > available)
-        throw Error(
-            data_->file.name, "",
-            fmt::format("its film needs {:.1f} GB of memory, {:.1f} GB are there", bytes / 1e9, available / 1e9));
+    if (bytes > double(available_memory_bytes()))
+        throw Error(data_->file.name, "",
+                    fmt::format("its film needs {:.1f} GB of memory, {}", bytes / 1e9, available_memory_text()));
     Film film(data_->key);
     add_to(film);
     return film;

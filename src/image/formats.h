@@ -17,7 +17,11 @@ struct EncodedImage {
     const unsigned char* bytes;
     std::size_t size;
     std::uint64_t memory_limit;
+    PictureSize* measured = nullptr;  ///< only the size is wanted: check_size() puts it here, and ends reading
 };
+
+/// What check_size() throws where only the size is wanted.
+struct Measured {};
 
 Image read_exr(const EncodedImage& file);
 Picture read_png(const EncodedImage& file);
@@ -40,7 +44,8 @@ std::vector<unsigned char> encode_webp(const Image& image, const WriteOptions& o
 std::vector<unsigned char> encode_avif(const Image& image, const WriteOptions& options);
 std::vector<unsigned char> encode_hdr(const Image& image);
 
-/// Throws Error if the size is none, or if `bytes_per_pixel` times it is more than there is or the limit.
+/// Throws Error if the size is none, or if `bytes_per_pixel` times it is more than there is or the limit. Every reader
+/// calls it when it has read the head of the file.
 void check_size(const EncodedImage& file, std::uint64_t width, std::uint64_t height, std::uint64_t bytes_per_pixel);
 
 /// An image of one layer with Y, Y A, R G B or R G B A, by `channels`, values not yet filled in.

@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <new>
 #include <utility>
 
@@ -124,12 +125,19 @@ void check_size(const EncodedImage& file, std::uint64_t width, std::uint64_t hei
     if (width == 0 || height == 0) throw Error(name, "", fmt::format("a picture of {}x{} pixels", width, height));
     if (width > 0x7fffffff || height > 0x7fffffff)
         throw Error(name, "", fmt::format("a picture of {}x{} pixels is too large", width, height));
+    if (file.measured) {
+        *file.measured = {width, height, bytes_per_pixel};
+        throw Measured();
+    }
     const double bytes = double(width) * double(height) * double(bytes_per_pixel);
-    const double available = double(std::min(available_memory_bytes(), file.memory_limit));
-    if (bytes > available)
+    if (bytes > double(file.memory_limit))
         throw Error(name, "",
                     fmt::format("a picture of {}x{} pixels needs {} of memory, {} are there", width, height,
-                                in_gigabytes(bytes), in_gigabytes(available)));
+                                in_gigabytes(bytes), in_gigabytes(double(file.memory_limit))));
+    if (bytes > double(available_memory_bytes()))
+        throw Error(name, "",
+                    fmt::format("a picture of {}x{} pixels needs {} of memory, {}", width, height, in_gigabytes(bytes),
+                                available_memory_text()));
 }
 
 Image make_image(int width, int height, int channels)
@@ -216,6 +224,40 @@ Picture read_picture(const fs::path& file, std::uint64_t memory_limit)
 Picture read_picture(const std::string& name, const void* bytes, std::size_t size, std::uint64_t memory_limit)
 {
     return reading(name, [&] { return decode({name, static_cast<const unsigned char*>(bytes), size, memory_limit}); });
+}
+
+std::optional<PictureSize> measure_picture(const std::string& name, const void* bytes, std::size_t size)
+{
+    PictureSize measured;
+    try {
+        decode({name, static_cast<const unsigned char*>(bytes), size, std::numeric_limits<std::uint64_t>::max(),
+                &measured});
+    } catch (const Measured&) {
+        return measured;
+    } catch (const std::exception&) {
+        // Whoever reads it says what is wrong.
+    }
+    return {};
+}
+
+std::optional<PictureSize> measure_picture(const fs::path& file)
+{
+    // Most formats tell their size in the first bytes; a folder of textures far away is not to be read twice.
+    constexpr std::uintmax_t head = 1 << 16;
+    std::error_code error;
+    if (!fs::is_regular_file(file, error)) return {};
+    const std::uintmax_t all = fs::file_size(file, error);
+    std::ifstream in(file, std::ios::binary);
+    std::vector<char> bytes;
+    for (const std::uintmax_t size : {std::min(all, head), all}) {
+        if (error || (size > head && size > available_memory_bytes())) return {};
+        const std::size_t before = bytes.size();
+        bytes.resize(size);
+        if (!in.read(bytes.data() + before, std::streamsize(size - before))) return {};
+        if (const auto measured = measure_picture(file.string(), bytes.data(), bytes.size())) return measured;
+        if (size == all) return {};
+    }
+    return {};
 }
 
 Image read_image(const fs::path& file, std::uint64_t memory_limit)

@@ -7,7 +7,9 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
+#include <optional>
 #include <system_error>
+#include <vector>
 
 #include "fathom/error.h"
 
@@ -26,16 +28,62 @@ fs::path temporary_name(const fs::path& folder, const fs::path& target)
     return folder / fmt::format(".{}.{:016x}.part", target.filename().string().substr(0, 200), number);
 }
 
+/// Whether somebody else may have put a link there to have us write elsewhere: as Linux' protected_symlinks has it, but
+/// for all folders that others may write to, not only sticky ones.
+bool is_planted(const fs::path& link, const fs::path& folder)
+{
+    struct stat its{}, of_folder{};
+    if (lstat(link.c_str(), &its) != 0 || stat(folder.c_str(), &of_folder) != 0) return false;
+    const bool others_may_write = of_folder.st_mode & (S_IWGRP | S_IWOTH);
+    return others_may_write && its.st_uid != geteuid() && its.st_uid != of_folder.st_uid;
+}
+
+/// Where a path leads when all links on it are followed; nothing where there are none. Throws Error, naming the target,
+/// at a link that may be planted.
+std::optional<fs::path> followed(const fs::path& target)
+{
+    constexpr int most_links = 40;  // as the system has it
+    std::error_code error;
+    const fs::path whole = fs::absolute(target, error);
+    std::vector<fs::path> rest(whole.begin(), whole.end());
+    std::reverse(rest.begin(), rest.end());
+    fs::path real;
+    int links = 0;
+    while (!rest.empty()) {
+        const fs::path next = rest.back();
+        rest.pop_back();
+        if (next == ".." || next == "." || next.empty()) {
+            if (next == "..") real = real.parent_path();
+            continue;
+        }
+        const fs::path place = real / next;
+        if (!fs::is_symlink(place, error)) {
+            real = place;
+            continue;
+        }
+        if (is_planted(place, real))
+            throw Error(target.string(), "",
+                        fmt::format("can't write: '{}' is a link that another user made in a folder that others may "
+                                    "write to; name the place itself",
+                                    place.string()));
+        const fs::path to = fs::read_symlink(place, error);
+        if (error || ++links > most_links) throw Error(target.string(), "", "can't write: too many symbolic links");
+        if (to.is_absolute()) real = to.root_path();
+        const fs::path relative = to.relative_path();
+        const std::vector<fs::path> parts(relative.begin(), relative.end());
+        rest.insert(rest.end(), parts.rbegin(), parts.rend());
+    }
+    if (links == 0) return {};
+    return real;
+}
+
 }  // namespace
 
 OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_(target)
 {
-    std::error_code error;
     // Renaming over a symbolic link would replace the link, not what it points to.
-    if (fs::is_symlink(target, error)) {
-        const fs::path real = fs::weakly_canonical(target, error);
-        if (!error) target_ = real;
-    }
+    if (const auto real = followed(target)) target_ = *real;
+    std::error_code error;
     const fs::file_status status = fs::status(target_, error);
     if (fs::is_directory(status)) throw Error(name_, "", "can't write: this is a folder");
     // Nor may a file take the place of a device, nor of what its owner protected.
@@ -70,7 +118,7 @@ OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_
 void OutputFile::keep_rights() const
 {
     struct stat before{};
-    if (stat(target_.c_str(), &before) != 0) return;
+    if (lstat(target_.c_str(), &before) != 0 || !S_ISREG(before.st_mode)) return;
     [[maybe_unused]] const int owned = fchown(fileno(file_), before.st_uid, before.st_gid);
     if (fchmod(fileno(file_), before.st_mode & 0777) != 0) fail("can't write", errno);
 }

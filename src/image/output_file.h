@@ -9,7 +9,9 @@ namespace fathom {
 
 /// A file in the making: nobody sees it until commit() puts it, whole and on the disk, in the place of `target`.
 ///
-/// Without commit() nothing remains and an earlier file stands. Every function throws Error naming `target`.
+/// Without commit() nothing remains and an earlier file stands. Links on the way to it are followed, but for those that
+/// another user put into a folder that others may write to, which are refused; what lies at the name of a temporary
+/// file or of the earlier one is never written through. Every function throws Error naming `target`.
 class OutputFile {
 public:
     explicit OutputFile(const std::filesystem::path& target);

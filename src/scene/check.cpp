@@ -362,10 +362,11 @@ private:
             all_shapes += shapes[std::size_t(root)];
         }
         if (all_places > most_places) fail("roots", too_many_places);
-        if (const double bytes = all_shapes * bytes_per_occurrence; bytes > double(available_memory_bytes()))
-            fail("", fmt::format(
-                         "its instances make {:.0f} shapes, which need about {:.1f} GB of memory; {:.1f} GB are there",
-                         all_shapes, bytes / 1e9, double(available_memory_bytes()) / 1e9));
+        // What is small is not worth asking.
+        const double bytes = all_shapes * bytes_per_occurrence;
+        if (bytes > 1e6 && bytes > double(available_memory_bytes()))
+            fail("", fmt::format("its instances make {:.0f} shapes, which need about {:.1f} GB of memory; {}",
+                                 all_shapes, bytes / 1e9, available_memory_text()));
     }
 
     const SceneDescription& scene_;

@@ -148,6 +148,12 @@ std::uint64_t memory_left(const fs::path& root)
     return left;
 }
 
+std::uint64_t resident_memory(const fs::path& root)
+{
+    const std::uint64_t kilobytes = number_in(root / "proc/self/status", "VmRSS:");
+    return kilobytes == unknown ? 0 : kilobytes * 1024;
+}
+
 int usable_cores(const fs::path& root)
 {
     double cores = cores_of_process();

@@ -7,6 +7,8 @@
 namespace fathom {
 
 std::uint64_t memory_left(const std::filesystem::path& root);
+/// What this process has of the machine's memory now; 0 if that can't be known.
+std::uint64_t resident_memory(const std::filesystem::path& root);
 
 /// Cores that the process may run on, no more than the time that its groups may use of them; 1 at least.
 int usable_cores(const std::filesystem::path& root);

@@ -262,8 +262,9 @@ bool make_pass_words(Film::Data& data, bool is_cropped)
 {
     // What is outside a crop must be there too, as it is.
     if (data.pass_words.size() == data.words.size() && !is_cropped) return true;
+    // What is left must do for the copies and pictures that are made of the film later.
     const std::uint64_t bytes = data.words.size() * sizeof(std::uint32_t);
-    if (data.pass_words.empty() && bytes > available_memory_bytes()) return false;
+    if (data.pass_words.empty() && 4 * bytes > available_memory_bytes()) return false;
     try {
         data.pass_words = data.words;
     } catch (const std::bad_alloc&) {

@@ -8,6 +8,7 @@
 #include "fathom/error.h"
 #include "fathom/first_look.h"
 #include "fathom/load.h"
+#include "fathom/memory.h"
 #include "fathom/render.h"
 #include "fathom/scene_file.h"
 #include "film/film_data.h"
@@ -118,6 +119,12 @@ std::size_t find_animation(const SceneFile& file, const std::string& wanted)
     for (std::size_t i = 0; i < file.rig.animations.size(); ++i)
         if (wanted.empty() || file.rig.animations[i].name == wanted) return i;
     throw Error(file.scene.file, "", fmt::format("there is no animation '{}'", wanted));
+}
+
+/// 300 MB for each texture.
+std::vector<MemoryNeed> memory_needs(const SceneDescription& scene, TreeBuild)
+{
+    return {{"textures", 3e8 * double(scene.images.size())}, {"triangles", 1000}};
 }
 
 struct Scene::Data {

@@ -338,9 +338,10 @@ std::vector<std::string> image_seeds()
             written(image, ".webp"),        written(image, ".avif"),        "P6 2 2 255 abcdefghijkl"};
 }
 
-std::vector<std::string> film_seeds()
+std::string film_seed(const RenderSettings& settings, const WriteOptions& options)
 {
     FilmKey key;
+    key.settings = settings;
     key.settings.width = 3;
     key.settings.height = 2;
     key.scene = std::string(32, '0');
@@ -348,7 +349,19 @@ std::vector<std::string> film_seeds()
     film.data().add_range({0, 4});
     film.data().add_range({8, 9});
     for (std::size_t i = 0; i < film.data().words.size(); ++i) film.data().words[i] = std::uint32_t(i % 3);
-    return {written(".exr", [&](const auto& file) { write_film(file, film, film.image(false, true), {}); })};
+    const Image image = film.image(settings.alpha, true);
+    return written(".exr", [&](const auto& file) { write_film(file, film, image, options); });
+}
+
+/// A plain one, and one with all that a film can hold.
+std::vector<std::string> film_seeds()
+{
+    RenderSettings all;
+    all.alpha = true;
+    all.aovs = {Aov::albedo, Aov::normal, Aov::depth, Aov::position, Aov::instance_id, Aov::material_id};
+    WriteOptions half;
+    half.exr_half = true;
+    return {film_seed({}, {}), film_seed(all, half)};
 }
 
 std::vector<std::string> mitsuba_seeds()

@@ -1,9 +1,16 @@
+#include <fcntl.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
+#include <algorithm>
+#include <bit>
+#include <cerrno>
 #include <csignal>
+#include <cstdarg>
+#include <cstring>
 #include <functional>
 
 #include "fathom/error.h"
@@ -11,6 +18,11 @@
 #include "pictures.h"
 
 namespace {
+
+/// Instead of chance, if it is set.
+const std::uint64_t* foreseen = nullptr;
+/// As on NFS.
+bool without_nameless_files = false;
 
 /// What was synced, in order: the sizes of files, and -1 for a folder.
 std::vector<off_t> synced;
@@ -23,6 +35,26 @@ extern "C" int fsync(int descriptor)
     struct stat status{};
     if (fstat(descriptor, &status) == 0) synced.push_back(S_ISDIR(status.st_mode) ? -1 : status.st_size);
     return int(syscall(SYS_fsync, descriptor));
+}
+
+extern "C" ssize_t getrandom(void* to, std::size_t size, unsigned flags)
+{
+    if (!foreseen) return syscall(SYS_getrandom, to, size, flags);
+    std::memcpy(to, foreseen, std::min(size, sizeof *foreseen));
+    return ssize_t(size);
+}
+
+extern "C" int open(const char* path, int flags, ...)
+{
+    va_list arguments;
+    va_start(arguments, flags);
+    const auto mode = (flags & (O_CREAT | O_TMPFILE)) ? va_arg(arguments, mode_t) : 0;
+    va_end(arguments);
+    if (without_nameless_files && (flags & O_TMPFILE) == O_TMPFILE) {
+        errno = EOPNOTSUPP;
+        return -1;
+    }
+    return int(syscall(SYS_openat, AT_FDCWD, path, flags, mode));
 }
 
 namespace fathom {
@@ -186,6 +218,141 @@ TEST(OutputFile, KeepsTheEarlierFileUnderAnotherName)
         if (text[0] > '1') EXPECT_EQ(test::bytes_of(previous)[0], char(text[0] - 1));
     }
     EXPECT_EQ(folder.files(), 2u);
+}
+
+void write_text(const fs::path& path, const char* text, const fs::path& previous = {})
+{
+    OutputFile file(path);
+    file.write(text, std::strlen(text));
+    file.commit(previous);
+}
+std::string text_of(const fs::path& path)
+{
+    const std::vector<char> bytes = test::bytes_of(path);
+    return {bytes.begin(), bytes.end()};
+}
+
+/// Files as on a system without nameless ones, and with.
+class Names : public ::testing::TestWithParam<bool> {
+protected:
+    Names() { without_nameless_files = GetParam(); }
+    ~Names() override
+    {
+        without_nameless_files = false;
+        foreseen = nullptr;
+    }
+    const TemporaryFolder folder_;
+};
+INSTANTIATE_TEST_SUITE_P(OutputFile, Names, ::testing::Bool());
+
+TEST_P(Names, ALinkAtATemporaryNameIsNotFollowed)
+{
+    const fs::path path = folder_.path() / "a", victim = folder_.path() / "victim";
+    write_text(victim, "mine");
+    constexpr std::uint64_t number = 0x0123456789abcdef;
+    fs::create_symlink("victim", folder_.path() / fmt::format(".a.{:016x}.part", number));
+    foreseen = &number;
+    EXPECT_EQ(message_of([&] { write_text(path, "new"); }), "can't write: File exists");
+    EXPECT_EQ(text_of(victim), "mine");
+    EXPECT_FALSE(fs::exists(path));
+    foreseen = nullptr;
+    write_text(path, "new");
+    EXPECT_EQ(text_of(path), "new");
+}
+
+TEST_P(Names, ALinkAtTheEarlierFileIsReplaced)
+{
+    const fs::path path = folder_.path() / "a.exr", previous = folder_.path() / "a.previous.exr",
+                   victim = folder_.path() / "victim";
+    write_text(victim, "mine");
+    write_text(path, "1");
+    fs::create_symlink("victim", previous);
+    write_text(path, "2", previous);
+    EXPECT_EQ(text_of(victim), "mine");
+    EXPECT_FALSE(fs::is_symlink(previous));
+    EXPECT_EQ(text_of(path) + text_of(previous), "21");
+}
+
+TEST(OutputFile, TemporaryNamesCanNotBeForeseen)
+{
+    without_nameless_files = true;
+    const TemporaryFolder folder;
+    std::uint64_t ones = 0, zeros = 0;
+    for (int i = 0; i < 100; ++i) {
+        const OutputFile file(folder.path() / "a");
+        const fs::path name = fs::directory_iterator(folder.path())->path().filename();
+        ASSERT_EQ(name.string().substr(0, 3), ".a.");
+        const std::uint64_t number = std::stoull(name.string().substr(3, 16), nullptr, 16);
+        ones |= number, zeros |= ~number;
+    }
+    without_nameless_files = false;
+    EXPECT_EQ(std::popcount(ones & zeros), 64);
+    EXPECT_EQ(folder.files(), 0u);
+}
+
+/// A folder that others may write to, and links there of another user.
+class SharedFolder : public ::testing::Test {
+protected:
+    void SetUp() override
+    {
+        if (geteuid() != 0) GTEST_SKIP() << "only root can make another user's links";
+        fs::create_directory(shared_);
+        fs::create_directory(own_);
+        chmod(shared_.c_str(), 01777);
+        write_text(own_ / "victim", "mine");
+    }
+    static void plant(const fs::path& to, const fs::path& link, uid_t user = 54321)
+    {
+        fs::create_symlink(to, link);
+        ASSERT_EQ(lchown(link.c_str(), user, user), 0);
+    }
+    std::string refusal(const fs::path& path) const
+    {
+        return message_of([&] { write_text(path, "new"); });
+    }
+
+    const TemporaryFolder folder_;
+    const fs::path shared_ = folder_.path() / "shared", own_ = folder_.path() / "own";
+};
+
+TEST_F(SharedFolder, AnotherUsersLinkIsRefused)
+{
+    plant(own_ / "victim", shared_ / "a");
+    plant(own_, shared_ / "out");
+    plant("a", shared_ / "second");
+    plant(own_ / "new", shared_ / "dangling");
+    for (const char* path : {"a", "out/victim", "second", "dangling", "out/../own/victim"})
+        EXPECT_EQ(refusal(shared_ / path).rfind("can't write: '", 0), 0u) << path;
+    for (const mode_t mode : {0777u, 0775u}) {
+        chmod(shared_.c_str(), mode);
+        EXPECT_NE(refusal(shared_ / "a"), "");
+    }
+    EXPECT_EQ(text_of(own_ / "victim"), "mine");
+    EXPECT_FALSE(fs::exists(own_ / "new"));
+}
+
+TEST_F(SharedFolder, OtherLinksAreFollowed)
+{
+    // One's own; one that leads into the shared folder through a link that nobody else could make; the folder's
+    // owner's.
+    fs::create_symlink(own_ / "victim", shared_ / "a");
+    EXPECT_EQ(refusal(shared_ / "a"), "");
+    EXPECT_EQ(text_of(own_ / "victim"), "new");
+    plant("../shared", own_ / "way");
+    EXPECT_EQ(refusal(own_ / "way/b"), "");
+    EXPECT_EQ(text_of(shared_ / "b"), "new");
+    ASSERT_EQ(chown(shared_.c_str(), 777, 777), 0);
+    plant(own_ / "c", shared_ / "c", 777);
+    EXPECT_EQ(refusal(shared_ / "c"), "");
+    EXPECT_EQ(text_of(own_ / "c"), "new");
+}
+
+TEST(OutputFile, LinksThatLeadInACircleAreRefused)
+{
+    const TemporaryFolder folder;
+    fs::create_symlink("b", folder.path() / "a");
+    fs::create_symlink("a", folder.path() / "b");
+    EXPECT_EQ(message_of([&] { write_text(folder.path() / "a", "new"); }), "can't write: too many symbolic links");
 }
 
 TEST(WriteImage, RefusesWhatIsNoPicture)

@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <numeric>
 #include <string>
+#include <vector>
 
 #include "fathom/threads.h"
 
@@ -79,6 +81,36 @@ TEST_F(Machine, AContainerSeesItsGroupAsTheRoot)
     }
 }
 
+TEST_F(Machine, ADeepGroupIsLimitedByAnyAboveIt)
+{
+    // As schedulers nest them: what a job may take is said two or three floors above its step.
+    const fs::path top = "sys/fs/cgroup/system.slice/slurmstepd.scope", job = top / "job_7";
+    write("proc/self/cgroup", "0::/system.slice/slurmstepd.scope/job_7/step_0/user/task_0\n");
+    write(job / "step_0/user/task_0/memory.current", "100\n");
+    write(job / "step_0/user/task_0/memory.max", "max\n");
+    write(job / "memory.max", "3000000000\n");
+    write(job / "memory.current", "1000000000\n");
+    write(top / "job_8/memory.max", "5\n");
+    write(job / "cpu.max", "100000 100000\n");
+    EXPECT_EQ(memory_left(root_), 2 * gigabyte);
+    EXPECT_EQ(usable_cores(root_), 1);
+    write(job / "step_0/user/memory.max", "1500000000\n");
+    write(job / "step_0/user/memory.current", "500000000\n");
+    EXPECT_EQ(memory_left(root_), gigabyte);
+}
+
+TEST_F(Machine, ResidentMemory)
+{
+    EXPECT_EQ(resident_memory(root_), 0u);
+    write("proc/self/status", "Name:\tfathom\nVmHWM:\t  9000 kB\nVmRSS:\t  7000 kB\n");
+    EXPECT_EQ(resident_memory(root_), 7000u * 1024);
+    const std::uint64_t before = resident_memory("/");
+    const std::vector<char> touched(std::size_t(64) << 20, 1);
+    const std::uint64_t after = resident_memory("/");
+    EXPECT_EQ(std::accumulate(touched.begin(), touched.end(), 0u), touched.size());
+    EXPECT_GT(after, before + touched.size() / 2);
+}
+
 TEST_F(Machine, MemoryOfVersion1)
 {
     write("proc/self/cgroup", "5:cpu,cpuacct:/x\n4:memory:/jobs/a\n1:name=systemd:/y\n0::/z\n");
@@ -112,8 +144,11 @@ TEST_F(Machine, CoresOfGroups)
     write("proc/self/cgroup", "0::/a/b\n");
     write("sys/fs/cgroup/a/cpu.max", "max 100000\n");
     EXPECT_GE(usable_cores(root_), 2);
-    write("sys/fs/cgroup/a/cpu.max", "110000 100000\n");
-    EXPECT_EQ(usable_cores(root_), 2);
+    // 1.1, 1.5: what is more than one core keeps two busy for a part of the time.
+    for (const char* quota : {"110000 100000\n", "150000 100000\n"}) {
+        write("sys/fs/cgroup/a/cpu.max", quota);
+        EXPECT_EQ(usable_cores(root_), 2);
+    }
     write("sys/fs/cgroup/a/b/cpu.max", "5000 100000\n");
     EXPECT_EQ(usable_cores(root_), 1);
 

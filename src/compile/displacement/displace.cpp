@@ -56,12 +56,11 @@ void check_size(const Mesh& mesh, Subdivision::Size size, const std::string& fil
                                 size.triangles / 1e6, most / 1e6));
     // Places and normals as they are and as they will be, heights, directions and what is handed on.
     const double bytes = size.triangles * 12 + size.vertices * (24.0 * double(2 + mesh.motion.size()) + 64);
-    if (const auto available = double(available_memory_bytes()); bytes > available)
-        throw Error(
-            file, name,
-            fmt::format("displacement makes {:.1f} million triangles, which need {:.1f} GB of memory, {:.1f} GB "
-                        "are there: give a greater displacement_edge_length",
-                        size.triangles / 1e6, bytes / 1e9, available / 1e9));
+    if (bytes > double(available_memory_bytes()))
+        throw Error(file, name,
+                    fmt::format("displacement makes {:.1f} million triangles, which need {:.1f} GB of memory, {}: give "
+                                "a greater displacement_edge_length",
+                                size.triangles / 1e6, bytes / 1e9, available_memory_text()));
 }
 
 Vec3f blend(const std::vector<Vec3f>& of, const Blend& b)

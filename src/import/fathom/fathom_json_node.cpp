@@ -146,9 +146,9 @@ void FathomJsonReader::check_copy(const JsonValue& v, std::size_t nodes) const
     double bytes = double(nodes) * double(sizeof(Node) + sizeof(Shape));
     if (all > scene_.nodes.capacity()) bytes += 2 * double(all) * double(sizeof(Node));
     if (bytes < 1e6) return;
-    if (const double available = double(available_memory_bytes()); bytes > available)
-        v.fail(fmt::format("a copy of the model with other materials needs {:.1f} GB of memory, {:.1f} GB are there",
-                           bytes / 1e9, available / 1e9));
+    if (bytes > double(available_memory_bytes()))
+        v.fail(fmt::format("a copy of the model with other materials needs {:.1f} GB of memory, {}", bytes / 1e9,
+                           available_memory_text()));
 }
 
 void FathomJsonReader::override_materials(JsonObject& o, const Appended& model)

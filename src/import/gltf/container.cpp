@@ -227,8 +227,8 @@ void GltfFile::check_memory(const JsonValue& v, double bytes) const
 {
     // What is small is not worth asking.
     if (bytes < 1e6) return;
-    if (const double available = double(available_memory_bytes()); bytes > available)
-        v.fail(fmt::format("needs {:.1f} GB of memory, {:.1f} GB are there", bytes / 1e9, available / 1e9));
+    if (bytes > double(available_memory_bytes()))
+        v.fail(fmt::format("needs {:.1f} GB of memory, {}", bytes / 1e9, available_memory_text()));
 }
 
 void GltfFile::warn(const std::string& message, std::size_t times)

@@ -48,6 +48,20 @@ class Submit(CommandLine):
         self.assertNotIn("--denoise", words)
         self.assertIn("--denoise", self.words_of(merge, " merge "))
 
+    def test_what_the_job_may_take_is_said_to_the_program(self):
+        task, _ = self.scripts()
+        chosen = re.search(r"^memory=.*?(?=^before)", task, flags=re.M | re.S)[0] + 'echo "${memory[@]}"'
+        for of_slurm, words in ("4096", "--memory 4096Mi"), ("0", ""), (None, ""):
+            environment = {**os.environ, "SLURM_MEM_PER_NODE": of_slurm} if of_slurm else {**os.environ}
+            said = subprocess.run(["bash", "-c", chosen], env=environment, capture_output=True, text=True, check=True).stdout
+            self.assertEqual(said.strip(), words)
+        line = next(line for line in task.splitlines() if " render " in line)
+        self.assertIn('"${memory[@]}"', line)
+        task, _ = self.scripts("--memory", "2G", "--nice", "5")
+        words = self.words_of(task, " render ")
+        self.assertEqual((words[words.index("--memory") + 1], words[words.index("--nice") + 1]), ("2G", "5"))
+        self.assertNotIn("SLURM_MEM", task)
+
     def test_any_name_stays_one_word(self):
         for name in ("two words.json", "it's.json", "$HOME.json", "a;b.json", "50%a.json"):
             os.makedirs(self.path("in " + name), exist_ok=True)
