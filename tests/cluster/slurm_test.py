@@ -62,6 +62,12 @@ class Parts(unittest.TestCase):
         self.fathom("render", SCENE, *options, "--samples", f"0:{samples}", "-q", "-o", whole)
         self.assertEqual(self.hash_of(self.picture), self.hash_of(whole))
 
+    def samples_in(self, seconds, *options):
+        """As many as one thread renders in about this time."""
+        start = time.monotonic()
+        self.fathom("render", SCENE, *options, "--spp", "256", "--threads", "1", "-q", "-o", os.path.join(self.folder, "few.png"))
+        return int(256 * seconds / (time.monotonic() - start))
+
     def array(self):
         with open(os.path.join(self.picture + ".parts", "plan.json")) as file:
             return json.load(file)["submissions"][-1]["array"]
@@ -157,14 +163,15 @@ class Parts(unittest.TestCase):
 
     def test_warned_tasks_go_on_in_another_turn(self):
         options = ("--size", "400x300")
-        self.submit(*options, "--spp", "1200", "--parts", "2")
+        samples = 2 * self.samples_in(15, *options)
+        self.submit(*options, "--spp", str(samples), "--parts", "2")
         self.wait_until_running(2)
         time.sleep(3)
         self.cluster.run("scancel", "--batch", "--signal=USR1", f"{self.array()}_1")
         self.wait_until_ended()
         self.assertEqual([part["state"] for part in self.status()["parts"]], ["done"] * 2, self.logs())
         self.assertEqual(self.logs().count("going on from"), 1, self.logs())
-        self.assert_same_as_one_run(1200, *options)
+        self.assert_same_as_one_run(samples, *options)
 
     def test_cancelled_stays_cancelled(self):
         self.submit("--size", "400x300", "--spp", "20000", "--parts", "2")
@@ -182,9 +189,7 @@ class Parts(unittest.TestCase):
     def test_turns(self):
         """Tasks whose time is not enough go on in other turns."""
         size = ("--size", "800x600")
-        start = time.monotonic()
-        self.fathom("render", SCENE, *size, "--spp", "64", "--threads", "1", "-q", "-o", os.path.join(self.folder, "few.png"))
-        samples = int(64 * 150 / (time.monotonic() - start))  # two minutes and a half, where one is given
+        samples = self.samples_in(150, *size)  # where one minute is given
         self.submit(*size, "--spp", str(samples), "--parts", "1", "--time", "1")
         self.wait_until_ended(1200)
         self.assertEqual(self.status()["samples_done"], samples, self.logs())
