@@ -77,10 +77,11 @@ int parse_and_run(int argc, char** argv)
         "`fathom COMMAND --help` tells a command's options.\n\n"
         "Exit codes: 0 done; 1 a file, the scene or the machine is not as it must be;\n"
         "2 wrong usage; 130 interrupted (the picture so far is written).");
-    // What is wrong with the command line is so at all ranks: the first tells it.
     const RankEnvironment ranks = rank_environment();
     const auto complain_once = [&](const std::string& message) {
-        return ranks.rank > 0 ? int(exit_usage) : complain(message, exit_usage);
+        if (ranks.rank == 0) return complain(message, exit_usage);
+        leave_the_word_to_rank_0();
+        return complain(fmt::format("rank {}: {}", ranks.rank, message), exit_usage);
     };
     Run run;
     add_render(app, run);

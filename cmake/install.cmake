@@ -1,4 +1,4 @@
-# `cmake --install`: the program, the library with the kernel libraries and the module beside it, headers, the CMake package.
+# `cmake --install`: the program, the library with the kernel libraries and the modules beside it, headers, the CMake package.
 # Everything finds everything else relative to itself, so the folder may be moved.
 include(CMakePackageConfigHelpers)
 set(FATHOM_PACKAGE_FOLDER ${CMAKE_INSTALL_LIBDIR}/cmake/fathom)

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The tests over a real Slurm, on one machine: installs Slurm and what the program needs, builds, and runs them.
-#   scripts/test-cluster.sh            some two minutes
+# The tests over a real Open MPI and a real Slurm, on one machine: installs them and what the program needs, builds, and
+# runs the tests.
+#   scripts/test-cluster.sh            some three minutes
 #   scripts/test-cluster.sh long       more parts, more faults, time limits: a quarter of an hour
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -8,4 +9,6 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/setup.sh
 install_missing "${packages_to_build[@]}" "${packages_to_test[@]}"
 build_preset test
-exec python3 tests/cluster/slurm_test.py build/test/bin/fathom build/test/bin/picture_hash scenes/cornell-box.json "$@"
+programs=(build/test/bin/fathom build/test/bin/picture_hash scenes/cornell-box.json)
+python3 tests/cluster/mpi_test.py "${programs[@]}"
+exec python3 tests/cluster/slurm_test.py "${programs[@]}" "$@"

@@ -22,11 +22,16 @@ std::string library_name()
     char text[MPI_MAX_LIBRARY_VERSION_STRING];
     int length = 0;
     if (MPI_Get_library_version(text, &length) != MPI_SUCCESS) return "MPI";
-    std::string name(text, std::size_t(length));
-    name = name.substr(0, name.find_first_of(",\n"));
-    if (const std::size_t version = name.find(" v"); version != std::string::npos) name.erase(version + 1, 1);
-    for (std::size_t i; (i = name.find_first_of(":\t")) != std::string::npos;)
-        name.replace(i, 1, name[i] == ':' ? "" : " ");
+    const std::string said(text, std::size_t(length));
+    const std::string line = said.substr(0, said.find_first_of(",\n"));
+    // "Open MPI v4.1.4", "MPICH Version:\t4.0.2"
+    const std::size_t digit = line.find_first_of("0123456789");
+    if (digit == std::string::npos) return line;
+    std::string name = line.substr(0, digit);
+    for (const char* word : {"v", "Version:"})
+        if (const std::size_t at = name.rfind(word); at != std::string::npos) name.erase(at);
+    name.erase(name.find_last_not_of(" \t:") + 1);
+    return name + ' ' + line.substr(digit);
     return name;
 }
 

@@ -4,8 +4,10 @@
 #include <sched.h>
 
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <thread>
 #include <vector>
 
 namespace fathom::cli {
@@ -38,6 +40,12 @@ RankEnvironment rank_environment()
         if (count > 1 && rank >= 0 && rank < count) return {rank, count, launcher.count};
     }
     return {};
+}
+
+void leave_the_word_to_rank_0()
+{
+    // Open MPI takes a second to end those that are left.
+    std::this_thread::sleep_for(std::chrono::seconds(3));
 }
 
 std::string cores_of(int process)

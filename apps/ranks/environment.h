@@ -12,6 +12,10 @@ struct RankEnvironment {
 /// srun with PMIx.
 RankEnvironment rank_environment();
 
+/// To be called by other ranks than 0 before they tell what is probably wrong at all of them: rank 0 tells it at once,
+/// and mpirun then ends this process before this returns.
+void leave_the_word_to_rank_0();
+
 /// Cores of a process, as ranges: "0-3,8"; empty where the system doesn't tell.
 ///
 /// process  0: this one

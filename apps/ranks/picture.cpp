@@ -148,18 +148,29 @@ public:
     }
 
 private:
+    /// How long an interrupt may wait for whoever waits for a message.
+    static constexpr double look_s = 0.05;
+
     /// What rank 0 orders when all is rendered.
     void obey()
     {
-        constexpr double answer_s = 0.4, look_s = 0.05;
-        // Where rank 0 itself is gone, one of the others tells what there is.
-        if (!ranks_.take({"noted"}, answer_s) && interrupted() && ranks_.rank() == 1)
-            say(fmt::format("fathom: rank 0 does not answer: {}\n", own_.kept_text()));
         while (true) {
+            if (interrupted()) {
+                own_.keep();
+                if (!is_answered_) hear_whether_rank_0_is_there();
+            }
             const std::optional<Ranks::Message> order = ranks_.take({"order"}, look_s);
-            if (interrupted()) own_.keep();
             if (order && !follow(order->body)) return;
         }
+    }
+
+    /// Where rank 0 is gone another one tells what there is: soon, as mpirun leaves no more than a second.
+    void hear_whether_rank_0_is_there()
+    {
+        constexpr double answer_s = 0.15;
+        const bool answers = ranks_.take({"noted"}, answer_s).has_value();
+        if (!answers && ranks_.rank() == 1) say(fmt::format("fathom: rank 0 does not answer: {}\n", own_.kept_text()));
+        is_answered_ = true;
     }
 
     /// Does what rank 0 orders; false after the last order.
@@ -176,15 +187,17 @@ private:
     std::optional<SampleRange> next(double sample_s) override
     {
         ranks_.send(0, "want", fmt::format("{}", sample_s));
-        while (true) {
-            const Ranks::Message message = ranks_.wait({"range", "order"});
-            if (message.kind == "order") {
-                follow(message.body);
+        while (!interrupted()) {
+            const std::optional<Ranks::Message> message = ranks_.take({"range", "order"}, look_s);
+            if (!message) continue;
+            if (message->kind == "order") {
+                follow(message->body);
                 continue;
             }
-            if (message.body.empty()) return {};
-            return parse_sample_range(message.body);
+            if (message->body.empty()) return {};
+            return parse_sample_range(message->body);
         }
+        return {};
     }
 
     void after_pass(const Report& now) override
@@ -200,6 +213,7 @@ private:
     }
 
     double told_s_ = 0;
+    bool is_answered_ = false;  ///< by rank 0, after an interrupt, or found not to be
 };
 
 class LedPicture : public SharedPicture {
@@ -261,7 +275,6 @@ private:
         ranks_.handle("progress", [this](int rank, const std::string& bytes) { take_report(rank, bytes); });
         ranks_.handle("done", [this](int rank, const std::string& bytes) {
             take_report(rank, bytes);
-            ranks_.send(rank, "noted");
             ++done_;
         });
         ranks_.send_to_all("start");

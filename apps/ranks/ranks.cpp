@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <new>
 
 #include "../commands.h"
@@ -28,7 +29,12 @@ void sleep_s(double seconds)
     std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// Meets the other ranks by the module. Throws Error.
+/// Each rank is alone for MPI.
+struct OtherLauncher {
+    std::string words;
+};
+
+/// Meets the other ranks by the module. Throws Error or OtherLauncher.
 mpi::Group* open_group(const RankEnvironment& environment)
 {
     void* const module = open_module(
@@ -41,11 +47,10 @@ mpi::Group* open_group(const RankEnvironment& environment)
     mpi::Group* const group = function_of<mpi::Open>(module, mpi::module_file, mpi::open_symbol)(trouble);
     if (!group) throw Error("", "", "MPI can't be used: " + trouble);
     if (group->count() != environment.count)
-        throw Error(
-            "", "",
-            fmt::format("started as one of {} ranks ({}), but {}, which {} was built with, knows of {}: use the "
-                        "mpirun that belongs to it",
-                        environment.count, environment.variable, group->library(), mpi::module_file, group->count()));
+        throw OtherLauncher{fmt::format(
+            "started as one of {} ranks ({}), but {}, which {} was built with, knows of {}: use the mpirun that "
+            "belongs to it",
+            environment.count, environment.variable, group->library(), mpi::module_file, group->count())};
     return group;
 }
 
@@ -55,10 +60,12 @@ Ranks::Ranks(const RankEnvironment& environment) : rank_(environment.rank), coun
 {
     try {
         group_ = open_group(environment);
+    } catch (const OtherLauncher& other) {
+        if (leads()) throw Error("", "", other.words);
+        std::exit(exit_error);
     } catch (const Error& error) {
         if (leads()) throw;
-        // What holds for rank 0 too is told by that, and mpirun then ends this one.
-        sleep_s(1);
+        leave_the_word_to_rank_0();
         throw Error("", "", fmt::format("rank {} on {}: {}", rank_, place_here().host, error.what()));
     }
     rank_ = group_->rank();
@@ -243,7 +250,11 @@ void Ranks::take(Message message)
 {
     if (message.kind == "sign") return;
     if (message.kind == "failed") return lose(fmt::format("{}: {}", name(message.from), message.body));
-    if (message.kind == "stop" || message.kind == "interrupted") return interrupt_now();
+    if (message.kind == "stop") return interrupt_now();
+    if (message.kind == "interrupted") {
+        interrupt_now();
+        return send(message.from, "noted");
+    }
     Handler handler;
     const std::lock_guard handling(handling_);
     {

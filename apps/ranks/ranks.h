@@ -46,6 +46,8 @@ public:
     /// told once.
     int run(const std::function<int()>& work, Reporter& reporter);
 
+    /// Of the kinds, some are for the thread that takes them: each rank tells rank 0 of an interrupt ("interrupted"),
+    /// which is answered ("noted") and told to all ("stop").
     struct Message {
         int from;
         std::string kind, body;

@@ -162,8 +162,9 @@ Film Checkpoint::open(const RenderJob& job, SampleRange wanted, const std::strin
     const std::uint64_t samples = film.samples_per_pixel();
     if (samples == 0) return film;
     const std::string total = wanted.second < most_samples ? fmt::format(" of {}", wanted.second - wanted.first) : "";
-    const std::string beside =
-        samples > own ? fmt::format(" and what {} ranks left beside it", rank_files_.size()) : "";
+    const std::string beside = samples > own ? fmt::format(" and what {} rank{} left beside it", rank_files_.size(),
+                                                           rank_files_.size() > 1 ? "s" : "")
+                                             : "";
     reporter_.note(fmt::format("going on from {}{} samples in {}{}", samples, total, opened_.string(), beside));
     return film;
 }

@@ -147,6 +147,47 @@ TEST(FilmMerge, AddsSumsAndKeepsIdsOfTheFirstSample)
     EXPECT_EQ(a.samples(), (std::vector<SampleRange>{{0, 5}}));
 }
 
+TEST(FilmMerge, InPiecesIsTheSame)
+{
+    const RenderSettings settings = settings_with({Aov::instance_id, Aov::depth}, true);
+    Film own = test::made_film(settings), whole = test::made_film(settings), pieces = test::made_film(settings);
+    const auto pixels = std::size_t(own.width()) * std::size_t(own.height());
+    for (Film* film : {&own, &whole, &pieces}) {
+        film->data().add_range(film == &own ? SampleRange{2, 5} : SampleRange{0, 2});
+        for (std::size_t p = 0; p < pixels; ++p) {
+            const double value = (film == &own ? -0.25 : 7) * double(p + 1);
+            for (int c = 0; c < 3; ++c) add_radiance(*film, p, c, value, value * value);
+            add_other(*film, p, film->data().layout.depth, 2 * value);
+            std::uint32_t* ids = film->data().pixel(p) + film->data().layout.ids;
+            ids[0] = film == &own ? std::uint32_t(2 + p % 2) : 3;
+            ids[1] = ids[2] = film == &own ? 100 : 200;
+        }
+    }
+    own.data().dropped = 2;
+    own.data().dropped_sample = Film::SamplePlace{1, 1, 4};
+    whole.merge(own);
+
+    pieces.begin_merge(own.key(), own.samples(), own.dropped_samples(), own.dropped_sample());
+    const auto words = std::size_t(own.words_per_pixel());
+    for (std::size_t p = pixels; p-- > 0;) pieces.merge_words(p, own.words() + p * words, 1);
+    EXPECT_EQ(pieces.sums().words, whole.sums().words);
+    EXPECT_EQ(pieces.samples(), (std::vector<SampleRange>{{0, 5}}));
+    EXPECT_EQ(pieces.dropped_samples(), 2u);
+    ASSERT_TRUE(pieces.dropped_sample());
+    EXPECT_EQ(pieces.dropped_sample()->sample, 4u);
+
+    // The sum of two others, on its way to a third.
+    std::vector<std::uint32_t> passing(own.words(), own.words() + pixels * words);
+    Film start = test::made_film(settings), twice = test::made_film(settings);
+    own.add_words(own.words(), passing.data(), pixels);
+    twice.merge_words(0, passing.data(), pixels);
+    for (int i = 0; i < 2; ++i) start.merge_words(0, own.words(), pixels);
+    EXPECT_EQ(twice.sums().words, start.sums().words);
+
+    EXPECT_THROW(pieces.begin_merge(own.key(), own.samples(), 0, {}), Error) << "they are there already";
+    EXPECT_THROW(pieces.begin_merge(test::made_film(settings_with({}, true)).key(), {{8, 9}}, 0, {}), Error);
+}
+
 /// Whatever decides the bits of a picture keeps films apart.
 TEST(FilmMerge, RefusesOtherSettings)
 {

@@ -35,7 +35,7 @@ expect "the loader picks the same kernel as in the build folder" \
 cd "$place"
 "$prefix/bin/fathom" render "$source/scenes/cornell-box.json" --size 64x48 --spp 4 --quiet -o box.png
 expect "the installed program renders" is_png box.png
-for module in assimp view; do
+for module in assimp view mpi; do
     if [ -f "$build/lib/libfathom_$module.so" ]; then
         expect "the module $module lies beside the library" test -f "$prefix/lib/libfathom_$module.so"
     fi

@@ -76,6 +76,51 @@ class Checkpoints(CommandLine):
             os.remove(self.path("d.exr"))
             os.remove(self.path("d.previous.exr"))
 
+    def leave_as_rank(self, number, samples, name="c"):
+        """What a rank of a run that was cut off leaves beside the checkpoint."""
+        self.ok(*self.render("--samples", samples, "--checkpoint", f"{name}.rank{number}.exr", "-q"))
+
+    def test_goes_on_from_what_ranks_have_left(self):
+        self.ok(*self.render("--spp", "16", "-o", "whole.png"))
+        self.ok(*self.render("--spp", "3", "--checkpoint", "c.exr", "-o", "a.png"))
+        self.leave_as_rank(1, "5:7")
+        self.leave_as_rank(12, "8:16")
+        self.leave_as_rank(2, "1:9", name="other")
+        # A name that is nobody's, and a rank whose samples the checkpoint has, as where a run ended before removing it.
+        Path(self.path("c.rankless.exr")).write_bytes(b"mine")
+        self.leave_as_rank(3, "0:2")
+        text = self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr", "-o", "a.png")).stderr
+        self.assertIn("going on from 13 of 16 samples in c.exr and what 3 ranks left beside it\n", text)
+        self.assertEqual(self.read("a.png"), self.read("whole.png"))
+        self.assertEqual(self.sums("c.exr")[0], [[0, 16]])
+        left = sorted(name for name in os.listdir(self.folder) if ".rank" in name)
+        self.assertEqual(left, ["c.rankless.exr", "other.rank2.exr"])
+
+    def test_ranks_alone_are_enough(self):
+        """Rank 0, which writes the checkpoint itself, had nothing yet; and nothing is left to do."""
+        self.leave_as_rank(1, "0:10")
+        self.leave_as_rank(2, "10:16")
+        text = self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr")).stderr
+        self.assertIn("going on from 16 of 16 samples", text)
+        self.assertEqual(self.sums("c.exr")[0], [[0, 16]])
+        self.assertEqual([name for name in os.listdir(self.folder) if ".rank" in name], [])
+
+    def test_what_a_rank_has_damaged_is_rendered_anew(self):
+        self.ok(*self.render("--spp", "16", "-o", "whole.png"))
+        self.ok(*self.render("--spp", "3", "--checkpoint", "c.exr", "-o", "a.png"))
+        self.leave_as_rank(1, "5:7")
+        data = self.read("c.rank1.exr")
+        Path(self.path("c.rank1.exr")).write_bytes(data[:-5] + b"\x55" + data[-4:])
+        text = self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr", "-o", "a.png")).stderr
+        self.assertRegex(text, r"(?m)^fathom: c.rank1.exr: .*its samples are rendered anew$")
+        self.assertIn("going on from 3 of 16 samples in c.exr\n", text)
+        self.assertEqual(self.read("a.png"), self.read("whole.png"))
+        # Of another render: refused, as the checkpoint itself is.
+        self.ok(*self.render("--samples", "20:22", "--seed", "1", "--checkpoint", "c.rank1.exr", "-q"))
+        refused = self.run_program(*self.render("--spp", "32", "--checkpoint", "c.exr", "-o", "a.png"))
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("fathom: c.rank1.exr: it is of another render, which differs in: seed is 0, not 1", refused.stderr)
+
     def test_what_is_of_another_render_is_refused(self):
         self.ok(*self.render("--spp", "4", "--checkpoint", "c.exr", "-o", "a.png"))
         before = self.read("c.exr")
