@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <charconv>
+#include <string_view>
 
 #include "arguments.h"
 #include "picture_options.h"
@@ -15,7 +16,12 @@ PartNumber parse_part(const std::string& text)
     if (numbers.size() != 2) throw UsageError(fmt::format("expected K/N as 3/16, found '{}'", text));
     constexpr std::uint64_t most = 1'000'000;
     const std::uint64_t count = parse_integer(numbers[1], 1, most);
-    return {parse_integer(numbers[0], 1, count), count};
+    // Schedulers count from 0, and not all have a shell that could add.
+    constexpr std::string_view and_one = "+1";
+    const std::string& number = numbers[0];
+    if (number.ends_with(and_one))
+        return {parse_integer(number.substr(0, number.size() - and_one.size()), 0, count - 1) + 1, count};
+    return {parse_integer(number, 1, count), count};
 }
 
 SampleRange samples_of_part(PartNumber part, std::uint64_t samples)

@@ -12,7 +12,7 @@ namespace fathom::cli {
 struct PartNumber {
     std::uint64_t number = 1, count = 1;
 };
-/// `3/16`. Throws UsageError.
+/// `3/16`, or `2+1/16` where the first is counted from 0. Throws UsageError.
 PartNumber parse_part(const std::string& text);
 
 /// The samples of a part of so many: ranges that differ by one sample at most, in order.

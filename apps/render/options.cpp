@@ -87,9 +87,11 @@ void add_render_options(Command& command, RenderOptions& o)
                       "N pictures from all around, the first as --orbit or --view says, at one distance; ### in the "
                       "names of -o is the number, from 0; the light stays where it is for the first",
                       [&](const std::string& text) { o.turntable = parse_integer(text, 1, 1'000'000); });
-    command.add_value("--part", "K/N",
-                      "part K of N of the samples that --spp says, to be merged with the others; EXR keeps the sums",
-                      [&](const std::string& text) { o.part = parse_part(text); });
+    command.add_value(
+        "--part", "K/N",
+        "part K of N of the samples that --spp says, to be merged with the others; EXR keeps the sums; K+1/N if K "
+        "counts from 0, as schedulers do",
+        [&](const std::string& text) { o.part = parse_part(text); });
     command.add_value("--checkpoint", "FILE.exr",
                       "keep the samples so far in this film file while rendering, and go on from those that are there",
                       [&](const std::string& text) { o.checkpoint = text; });

@@ -156,6 +156,12 @@ TEST(MemoryLimit, TellsTheLargestTakersAndWhatIsAllowed)
 
 TEST(MemoryLimit, WhatIsTakenCounts)
 {
+    constexpr std::uint64_t more = 100000000;
+    {
+        const Limited limit(resident_memory("/") + more);
+        EXPECT_LT(available_memory_bytes(), 2 * more);
+        EXPECT_THROW(check_memory("a.json", {{"film", 2e8}}), Error);
+    }
     // All that is resident now is more than that.
     const Limited limit(1000000);
     EXPECT_EQ(available_memory_bytes(), 0u);

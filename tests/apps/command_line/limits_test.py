@@ -55,7 +55,7 @@ class Limits(CommandLine):
         for text, allowed in ("2GB", "2 GB"), ("2GiB", "2.1 GB"), ("2Gi", "2.1 GB"), ("1500M", "1.5 GB"), ("2000000K", "2 GB"):
             self.refused(1, "render", "box.json", "--size", "8192x8192", "--memory", text, words=[f"allows {allowed}\n"[:-1]])
 
-    @unittest.skipUnless(PROGRAM, "no program given")
+    @unittest.skipUnless(PROGRAM and os.path.exists(PROGRAM), "no program given")
     def test_the_limit_is_kept(self):
         """A film of 1,000 x 1,000 as a picture, a film, and a checkpoint: refused below what it needs, and within that otherwise."""
         self.scene("ball.json", BALL)
@@ -75,7 +75,7 @@ class Limits(CommandLine):
         process = self.started(DOUBLE, "render", "slow.json", "--spp", "1000", "--size", "4x4", "--nice", "3", "--progress", "json")
         self.assertEqual(os.getpriority(os.PRIO_PROCESS, process.pid), min(nice + 3, 19))
 
-    @unittest.skipUnless(PROGRAM and shutil.which("taskset"), "no program, or no taskset")
+    @unittest.skipUnless(PROGRAM and os.path.exists(PROGRAM) and shutil.which("taskset"), "no program, or no taskset")
     def test_affinity(self):
         """Where it may use one core there is one thread."""
         self.scene("ball.json", BALL)

@@ -33,6 +33,14 @@ class Parts(CommandLine):
             file.write(data[:-10])
         self.refused(1, "merge", "cut.exr", "-o", "x.png", words=["cut.exr"])
 
+    def test_parts_may_be_counted_from_0(self):
+        """Schedulers count so; 3+1/4 is 4/4."""
+        for index, samples in enumerate(("0:4", "4:8", "8:12", "12:16")):
+            self.ok(*self.merge_key("--spp", "16", "--part", f"{index}+1/4", "-o", f"{index}.exr"))
+            self.assertIn(f" {samples}", self.ok("info", f"{index}.exr").stdout)
+        for text in "4+1/4", "-1+1/4", "1+2/4", "+1/4", "1+1+1/4":
+            self.refused(2, *self.merge_key("--spp", "16", "--part=" + text, "-o", "x.exr"), words=["--part"])
+
     def test_merge_overwrites_no_part(self):
         for name, range_ in ("a.exr", "0:2"), ("b.exr", "2:4"):
             self.ok("render", "box.json", "--size", "8x4", "--samples", range_, "-o", name)

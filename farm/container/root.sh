@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# The root folder of an image: a build as it is installed, the shared libraries that it needs, a shell for recipes that need
+# one, and a user without rights. What it is made of is that of this machine.
+#   farm/container/root.sh BUILD_FOLDER ROOT
+set -euo pipefail
+if [ $# -ne 2 ]; then
+    sed -n '2,4s/^# \{0,1\}//p' "$0" >&2
+    exit 2
+fi
+build=$1 root=$2
+[ ! -e "$root" ] || { echo "root.sh: $root is there already" >&2; exit 1; }
+mkdir -p "$root"/{dev,etc,proc,sys,tmp,work,usr/local}
+chmod 1777 "$root/tmp" "$root/work"
+cmake --install "$build" --prefix "$root/usr/local" --strip >/dev/null
+# For those who link against the library: not here.
+rm -rf "$root/usr/local/include" "$root"/usr/local/lib/*/cmake "$root"/usr/local/lib/cmake
+
+# Shared libraries of programs and modules, those of these, and the loader, where they are on this machine. AVIF is opened when
+# it is asked for, so it stands in no header.
+libraries_of() {
+    { ldd "$@" 2>/dev/null || true; } | sed -n 's/.*=> \(\/[^ ]*\) .*/\1/p; s/^[[:space:]]*\(\/[^ ]*\) (.*/\1/p'
+}
+mapfile -t own < <(find "$root/usr/local" -type f \( -name 'fathom' -o -name '*.so*' \))
+mapfile -t opened < <(ldconfig -p | sed -n 's/.*libavif\.so\.[0-9]* .*=> //p' | head -n 1)
+libraries_of "${own[@]}" "${opened[@]}" | cat - <(printf '%s\n' "${opened[@]}") | sort -u | while read -r library; do
+    case $library in "$root"/* | "" | "$(realpath "$build")"/*) continue ;; esac
+    mkdir -p "$root$(dirname "$library")"
+    cp --dereference "$library" "$root$library"
+done
+
+if command -v busybox >/dev/null; then
+    mkdir -p "$root/bin"
+    cp --dereference "$(command -v busybox)" "$root/bin/busybox"
+    ln -s busybox "$root/bin/sh"
+fi
+echo 'fathom:x:10001:10001::/work:/bin/sh' >"$root/etc/passwd"
+echo 'fathom:x:10001:' >"$root/etc/group"

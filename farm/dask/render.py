@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""A picture in parts by the workers of Dask, and the merge of them: docs/farm/dask.md.
+
+    farm/dask/render.py SCENE FOLDER [--parts N] [--spp N] [--picture NAME] [--program FATHOM] [--scheduler ADDRESS] [-- OPTION...]
+
+SCENE and FOLDER must be where all workers see them. Without --scheduler a cluster of this machine is made. OPTION...: more of `fathom render`.
+"""
+import argparse
+import os
+import subprocess
+import sys
+
+INTERRUPTED = 130  # the samples so far are kept
+
+
+def render_part(words):
+    """Renders until all samples are there; returns what the program said of a part that failed."""
+    for _ in range(10):
+        result = subprocess.run(words, capture_output=True, text=True)
+        if result.returncode != INTERRUPTED:
+            break
+    return None if result.returncode == 0 else (result.stderr.strip().splitlines() or [f"exit code {result.returncode}"])[-1]
+
+
+def client_of(options):
+    from dask.distributed import Client, LocalCluster
+    if options.scheduler:
+        return Client(options.scheduler)
+    # One part at a time: each takes all cores.
+    return Client(LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None))
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__.split("\n\n")[1].strip())
+    parser.add_argument("scene")
+    parser.add_argument("folder")
+    parser.add_argument("--parts", type=int, default=16)
+    parser.add_argument("--spp", type=int, default=1024)
+    parser.add_argument("--picture", default="picture.exr")
+    parser.add_argument("--program", default="fathom")
+    parser.add_argument("--scheduler")
+    parser.add_argument("options", nargs="*")
+    options = parser.parse_args()
+    folder = os.path.abspath(options.folder)
+    films = [os.path.join(folder, f"part-{part}.exr") for part in range(1, options.parts + 1)]
+    words = [[options.program, "render", os.path.abspath(options.scene), "--spp", str(options.spp), "--part", f"{part}/{options.parts}",
+              "--checkpoint", film, *options.options] for part, film in enumerate(films, 1)]
+    with client_of(options) as client:
+        # A worker that is lost costs its parts the samples since their last checkpoint.
+        failures = client.gather(client.map(render_part, words, retries=3, pure=False))
+    for part, failure in enumerate(failures, 1):
+        if failure:
+            print(f"part {part}: {failure}", file=sys.stderr)
+    there = [film for film in films if os.path.exists(film)]
+    if not there:
+        return 1
+    merged = subprocess.run([options.program, "merge", *there, "-o", os.path.join(folder, options.picture)])
+    return merged.returncode or (1 if any(failures) else 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,81 @@
+"""What the tests of farm/ share: a folder of films, the picture of one run, and the packages that may not be there.
+
+Each is run by farm_test.py, as  farm_test.py FATHOM PICTURE_HASH BUILD_FOLDER
+"""
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM, PICTURE_HASH, BUILD = (Path(argument).resolve() for argument in sys.argv[1:4])
+ROOT = Path(__file__).resolve().parents[2]
+FARM = ROOT / "farm"
+SAMPLES = 12
+
+
+def has(package):
+    """Whether a Python package is there; tests that need it say so where it isn't."""
+    return importlib.util.find_spec(package) is not None
+
+
+def needs(package, name):
+    return unittest.skipUnless(has(package), f"{name} is not installed (scripts/test-farm.sh)")
+
+
+def needs_command(name):
+    return unittest.skipUnless(shutil.which(name), f"{name} is not installed")
+
+
+def hash_of(picture):
+    return subprocess.run([PICTURE_HASH, picture], check=True, capture_output=True, text=True).stdout.split()[0]
+
+
+class Films(unittest.TestCase):
+    """A folder with a scene, and the program as `fathom` on the path."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.reference = Path(folder.name) / "whole.exr"
+        cls.scene_text = (ROOT / "scenes" / "cornell-box.json").read_bytes()
+        scene = Path(folder.name) / "scene.json"
+        scene.write_bytes(cls.scene_text)
+        subprocess.run([PROGRAM, "render", scene, "--spp", str(SAMPLES), "--mergeable", *cls.small(), "-q", "-o", cls.reference], check=True)
+        cls.expected = hash_of(cls.reference)
+
+    @staticmethod
+    def small():
+        return ["--size", "48x36"]
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        (self.folder / "bin").mkdir()
+        # Pictures of tests are small, whatever the recipe says of size, which it does not.
+        (self.folder / "bin" / "fathom").write_text(
+            f'#!/bin/sh\nword=$1; shift\n[ "$word" = render ] && set -- "$@" {" ".join(self.small())}\nexec "{PROGRAM}" "$word" "$@"\n')
+        (self.folder / "bin" / "fathom").chmod(0o755)
+        self.films = self.folder / "films"
+        self.films.mkdir()
+        (self.films / "scene.json").write_bytes(self.scene_text)
+
+    def environment(self, **more):
+        return {**os.environ, "PATH": f"{self.folder / 'bin'}:{Path(sys.executable).parent}:{os.environ['PATH']}", **more}
+
+    def run_it(self, *words, **environment):
+        result = subprocess.run([str(word) for word in words], cwd=self.films, capture_output=True, text=True, timeout=300,
+                                env=self.environment(**environment))
+        self.assertEqual(result.returncode, 0, f"{words}\n{result.stdout[-2000:]}{result.stderr[-2000:]}")
+        return result
+
+    def run_shell(self, text, **environment):
+        return self.run_it("sh", "-c", text, **environment)
+
+    def check_picture(self, name="picture.exr"):
+        self.assertEqual(hash_of(self.films / name), self.expected, "not the picture of one run")
