@@ -10,9 +10,9 @@
 
 #include "../commands.h"
 #include "../interrupt.h"
-#include "../modules.h"
 #include "../streams.h"
 #include "fathom/error.h"
+#include "open_group.h"
 
 namespace fathom::cli {
 
@@ -27,31 +27,6 @@ constexpr double waiting_s = 0.0002, leading_s = 0.002, rendering_s = 0.01;
 void sleep_s(double seconds)
 {
     std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-}
-
-/// Each rank is alone for MPI.
-struct OtherLauncher {
-    std::string words;
-};
-
-/// Meets the other ranks by the module. Throws Error or OtherLauncher.
-mpi::Group* open_group(const RankEnvironment& environment)
-{
-    void* const module = open_module(
-        mpi::module_file, mpi::version_symbol,
-        fmt::format("started as one of {} ranks ({}), but this installation has no {}, which knows MPI: build it where "
-                    "MPI is installed, or add --mpi off for as many renders of their own",
-                    environment.count, environment.variable, mpi::module_file),
-        true);
-    std::string trouble;
-    mpi::Group* const group = function_of<mpi::Open>(module, mpi::module_file, mpi::open_symbol)(trouble);
-    if (!group) throw Error("", "", "MPI can't be used: " + trouble);
-    if (group->count() != environment.count)
-        throw OtherLauncher{fmt::format(
-            "started as one of {} ranks ({}), but {}, which {} was built with, knows of {}: use the mpirun that "
-            "belongs to it",
-            environment.count, environment.variable, group->library(), mpi::module_file, group->count())};
-    return group;
 }
 
 }  // namespace
