@@ -12,7 +12,8 @@ build=$1 root=$2
 mkdir -p "$root"/{dev,etc,proc,sys,tmp,work,usr/local}
 chmod 1777 "$root/tmp" "$root/work"
 cmake --install "$build" --prefix "$root/usr/local" --strip >/dev/null
-# For those who link against the library: not here.
+# The window, formats of Assimp, ranks of MPI, and what is for those who link against the library: not here.
+rm -rf "$root"/usr/local/lib/libfathom_{view,assimp,mpi}.so "$root"/usr/local/lib/*/libfathom_{view,assimp,mpi}.so
 rm -rf "$root/usr/local/include" "$root"/usr/local/lib/*/cmake "$root"/usr/local/lib/cmake
 
 # Shared libraries of programs and modules, those of these, and the loader, where they are on this machine. AVIF is opened when
