@@ -163,7 +163,7 @@ class Parts(unittest.TestCase):
 
     def test_warned_tasks_go_on_in_another_turn(self):
         options = ("--size", "400x300")
-        samples = 2 * self.samples_in(15, *options)
+        samples = 2 * self.samples_in(10, *options)
         self.submit(*options, "--spp", str(samples), "--parts", "2")
         self.wait_until_running(2)
         time.sleep(3)
