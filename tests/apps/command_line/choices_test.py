@@ -58,8 +58,6 @@ class Choices(CommandLine):
         self.assertNotIn("wrote", self.ok("convert", "box.json", "new.json", "-q").stderr)
         self.refused(2, "convert", "box.json", "new.obj", words=["new.obj", ".json or .glb"])
         self.assertIn("wrote new.glb", self.ok("convert", "box.json", "new.glb").stderr)
-        self.ok("render", "new.glb", "--size", "8x6", "--spp", "1", "-o", "glb.png")
-        self.refused(1, "convert", "new.glb", "new.glb", words=["new.glb", "read from this file"])
         self.refused(2, "convert", "box.json")
         self.refused(1, "convert", "box.json", "nowhere/new.json", words=["nowhere"])
         self.refused(1, "convert", "box.json", "box.json", words=["box.json", "read from this file"])
