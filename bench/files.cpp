@@ -63,10 +63,11 @@ int run(const std::filesystem::path& file, int times, int threads)
     }
     std::sort(seconds.begin(), seconds.end());
     const double median = seconds[seconds.size() / 2];
-    fmt::print("{}: {:.1f} MB, {} threads: {:.1f} ms ({:.1f} at best), {:.0f} MB/s; scene {:.1f} MB, beyond it {:.1f} MB "
-               "({:.0f} % of the file)\n",
-               file.filename().string(), file_bytes / 1e6, limit.threads(), 1e3 * median, 1e3 * seconds[0],
-               file_bytes / median / 1e6, scene_bytes / 1e6, beyond / 1e6, 100 * beyond / file_bytes);
+    fmt::print(
+        "{}: {:.1f} MB, {} threads: {:.1f} ms ({:.1f} at best), {:.0f} MB/s; scene {:.1f} MB, beyond it {:.1f} MB "
+        "({:.0f} % of the file)\n",
+        file.filename().string(), file_bytes / 1e6, limit.threads(), 1e3 * median, 1e3 * seconds[0],
+        file_bytes / median / 1e6, scene_bytes / 1e6, beyond / 1e6, 100 * beyond / file_bytes);
     return 0;
 }
 

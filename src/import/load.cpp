@@ -77,9 +77,9 @@ private:
 SceneDescription load_file(const std::filesystem::path& file, const LoadOptions& options, LoadContext& context)
 {
     const OpenFile open(context, file);
-    const std::string bytes = context.read(file);
-    if (bytes.empty()) throw Error(file.string(), "", "the file is empty");
-    const SourceFile source{file, lower_extension(file), bytes, options};
+    InputFile input = context.open(file);
+    if (input.head().empty()) throw Error(file.string(), "", "the file is empty");
+    const SourceFile source{file, lower_extension(file), input, options};
     const auto* const found = std::find_if(std::begin(importers), std::end(importers),
                                            [&](const Importer* i) { return i->recognizes(source); });
     if (found == std::end(importers)) throw Error(file.string(), "", "no reader knows this kind of file");

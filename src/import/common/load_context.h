@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fathom/scene_file.h"
+#include "import/common/input_file.h"
 
 namespace fathom {
 
@@ -25,6 +26,8 @@ public:
     std::filesystem::path locate(const std::filesystem::path& file);
     /// The bytes of such a file. Throws Error.
     std::string read(const std::filesystem::path& file);
+    /// The same, for readers that read it by pieces.
+    InputFile open(const std::filesystem::path& file);
     /// Notes a file that something else has read.
     void add_file(const std::filesystem::path& file) { files_.push_back(file); }
 

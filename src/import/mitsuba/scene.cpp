@@ -160,7 +160,8 @@ void Reader::read_sensor(const Element& element)
 
 SceneDescription read_mitsuba(const SourceFile& file, LoadContext& context)
 {
-    const mitsuba::Document document = mitsuba::read_document(file.path, file.bytes, file.options.definitions, context);
+    const mitsuba::Document document =
+        mitsuba::read_document(file.path, file.bytes(), file.options.definitions, context);
     return mitsuba::Reader(document, context).read();
 }
 
