@@ -220,7 +220,7 @@ private:
         TextScanner scan(name_, piece.text, line_);
         for (;; scan.next_line()) {
             const std::string_view key = scan.word();
-            if (key.starts_with('#')) scan.rest();
+            if (key.starts_with('#')) scan.skip_comment();
             if ((key == "f" || key == "fo") && face-- == 0) break;
         }
         for (std::string_view word = scan.word(); !word.empty() && word[0] != '#'; word = scan.word()) {

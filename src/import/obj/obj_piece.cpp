@@ -134,8 +134,7 @@ private:
     {
         const std::string_view key = scan.word();
         if (key.empty()) return;
-        // A backslash at the end of a comment joins nothing.
-        if (key[0] == '#') return void(scan.rest());
+        if (key[0] == '#') return scan.skip_comment();
         if (key == "v")
             read_position(scan);
         else if (key == "vt")
@@ -187,10 +186,18 @@ private:
         piece_.uvs.push_back({u, 1 - v});
     }
 
+    /// Up to the line's end or a comment.
+    template <class Use>
+    static void for_each_word(TextScanner& scan, const Use& use)
+    {
+        for (std::string_view word = scan.word(); !word.empty(); word = scan.word()) {
+            if (word[0] == '#') return scan.skip_comment();
+            use(word);
+        }
+    }
     void read_face(TextScanner& scan)
     {
-        for (std::string_view word = scan.word(); !word.empty() && word[0] != '#'; word = scan.word())
-            piece_.corners.push_back(read_obj_corner(scan, word));
+        for_each_word(scan, [&](std::string_view word) { piece_.corners.push_back(read_obj_corner(scan, word)); });
         end_face();
     }
     void end_face()
@@ -208,8 +215,7 @@ private:
     static std::string_view rest_of_any_lines(TextScanner& scan)
     {
         const char* const start = scan.position();
-        while (!scan.word().empty()) {
-        }
+        for_each_word(scan, [](std::string_view) {});
         return {start, std::size_t(scan.position() - start)};
     }
 

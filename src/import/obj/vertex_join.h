@@ -64,11 +64,12 @@ public:
             if (there.uv == v.uv && there.normal == v.normal) return at;
             // What differs has more than a position, and so has whatever came before it.
             const std::uint32_t next = at < part.more_.size() ? part.more_[at].next : ObjVertex::none;
-            if (next == ObjVertex::none) {
+            if (next == ObjVertex::none && steps + 1 < most_steps) {
                 const std::uint32_t added = add(part, v);
                 part.more_[at].next = added;
                 return added;
             }
+            if (next == ObjVertex::none) break;
             at = next;
         }
         return find_other(part, v);
