@@ -168,8 +168,8 @@ TEST_F(Pieces, EndWhereLinesEnd)
 /// Lines of the usual kind are read by a shorter way.
 TEST_F(Pieces, UsualLinesAndOthersSayTheSame)
 {
-    const char* const words[] = {"0",  "-1.5", "+2", "1e2",  "1E-2", ".5", "3.",    "1e-400", "16777217", "-0",
-                                 "x1", "1x",   "",   "1e39", "nan",  "-",  "1/2/3", "1//3",   "1/",       "0x1"};
+    const char* const words[] = {"0",  "-1.5", "+2", "1e2",  "1E-2", ".5",  "3.",    "1e-400", "16777217", "-0",
+                                 "x1", "1x",   "",   "1e39", "nan",  "1-2", "1/2/3", "1//3",   "1/",       "0x1"};
     const auto read = [](const std::string& text) {
         ObjPiece piece;
         piece.text = text;

@@ -27,6 +27,7 @@ struct Importer {
     SceneDescription (*read)(const SourceFile& file, LoadContext& context);
     bool has_choices = false;  ///< a file may hold several scenes and variants, of which LoadOptions chooses one
     bool z_up = false;         ///< which axis points up is not said, and the programs that make such files have z there
+    const char* name = "";     ///< of the format, as people write it; empty: its extension
 };
 
 }  // namespace fathom

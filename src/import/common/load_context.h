@@ -18,6 +18,7 @@ public:
     Warnings& warnings;
     /// What the scene's own file has beside the scene; the reader of a file with choices fills it.
     SceneFile offered;
+    std::string format;                             ///< of the scene's own file
     std::vector<std::filesystem::path> open_files;  ///< being read now, the first asked for them all: finds cycles
 
     /// Where a file is that the scene refers to: the path itself if there is something, else what differs from it only

@@ -23,6 +23,7 @@ inline constexpr Importer gltf_importer{
         return f.head().starts_with("glTF") || f.extension == ".gltf" || f.extension == ".glb" ||
                (may_be_json && looks_like_gltf(f.bytes()));
     },
-    [](const SourceFile& f, LoadContext& context) { return read_gltf(f.path, f.bytes(), f.options, context); }, true};
+    [](const SourceFile& f, LoadContext& context) { return read_gltf(f.path, f.bytes(), f.options, context); }, true,
+    false, "glTF 2.0"};
 
 }  // namespace fathom

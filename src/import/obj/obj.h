@@ -19,6 +19,6 @@ void read_mtl(const std::filesystem::path& file, std::string_view text, SceneDes
 
 inline constexpr Importer obj_importer{
     [](const SourceFile& f) { return f.extension == ".obj"; },
-    [](const SourceFile& f, LoadContext& context) { return read_obj(f.path, f.input, context); }};
+    [](const SourceFile& f, LoadContext& context) { return read_obj(f.path, f.input, context); }, false, false, "OBJ"};
 
 }  // namespace fathom

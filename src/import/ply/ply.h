@@ -24,6 +24,6 @@ inline constexpr Importer ply_importer{
     [](const SourceFile& f) {
         return f.head().starts_with("ply\n") || f.head().starts_with("ply\r") || f.extension == ".ply";
     },
-    [](const SourceFile& f, LoadContext& context) { return read_ply(f.path, f.input, context); }};
+    [](const SourceFile& f, LoadContext& context) { return read_ply(f.path, f.input, context); }, false, false, "PLY"};
 
 }  // namespace fathom
