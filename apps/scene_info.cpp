@@ -184,6 +184,7 @@ ordered_json cameras_of(const SceneDescription& scene)
         else
             c["height"] = camera.height;
         if (camera.aspect > 0) c["aspect"] = camera.aspect;
+        if (camera.shift_x != 0 || camera.shift_y != 0) c["shift"] = {camera.shift_x, camera.shift_y};
         if (camera.aperture > 0) c["aperture"] = camera.aperture;
         result.push_back(std::move(c));
     }

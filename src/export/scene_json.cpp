@@ -219,6 +219,8 @@ private:
         put(json, "look_at", vector_json(camera.look_at), vector_json(usual.look_at));
         put(json, "up", vector_json(camera.up), vector_json(usual.up));
         put(json, "aspect", number_json(camera.aspect), 0);
+        if (camera.shift_x != 0 || camera.shift_y != 0)
+            json["shift"] = {number_json(camera.shift_x), number_json(camera.shift_y)};
         if (camera.shutter_open != 0 || camera.shutter_close != 0)
             json["shutter"] = {number_json(camera.shutter_open), number_json(camera.shutter_close)};
         if (camera.kind == CameraKind::orthographic) {

@@ -148,6 +148,7 @@ std::string scene_parts(const SceneDescription& scene)
         text.value("place", words.of(camera.position) + words.of(camera.look_at) + words.of(camera.up));
         text.value("lens", fmt::format("{} {} {} {} {}", int(camera.kind), camera.fov_y, camera.height, camera.aperture,
                                        camera.focus_distance));
+        text.value("shift", fmt::format("{} {}", camera.shift_x, camera.shift_y));
         text.value("shutter", fmt::format("{} {}", camera.shutter_open, camera.shutter_close));
     }
     for (const Light& light : scene.lights) {

@@ -169,6 +169,7 @@ TEST_F(Save, EveryVectorOfAMesh)
     scene.meshes = {mesh};
     add_shape(scene, MeshInstance{0});
     scene.cameras.emplace_back().shutter_close = 0.5;
+    scene.cameras[0].shift_x = 0.25, scene.cameras[0].shift_y = -0.5;
     scene.nodes[0].camera = 0;
     expect_same(scene);
     const SceneDescription again = saved(scene);
