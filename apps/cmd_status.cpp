@@ -45,6 +45,7 @@ struct JobStatus {
     double noise = 0;              ///< of the mean of all parts so far, about; 0: not known
     std::optional<double> left_s;  ///< nothing where that can't be told
     bool merge_waits = false, answers = true;
+    slurm::Task merge;                               ///< if it waits
     std::optional<std::vector<SampleRange>> merged;  ///< what the picture has, if it is there
 };
 
@@ -109,6 +110,7 @@ JobStatus status_of(const JobPlan& plan)
     }
     status.answers = queue.has_value();
     status.merge_waits = queue && queue->merge && !queue->merge->is_stuck;
+    if (status.merge_waits) status.merge = *queue->merge;
     for (std::uint64_t number = 1; number <= plan.parts; ++number) {
         status.parts.push_back(status_of(plan, number, queue));
         status.samples += std::min(status.parts.back().film.samples, status.parts.back().wanted);
@@ -137,13 +139,20 @@ std::string time_text(double seconds)
     return seconds < 5400 ? fmt::format("{:.0f} min", seconds / 60) : fmt::format("{:.1f} h", seconds / 3600);
 }
 
+std::string note_on(const slurm::Task& task)
+{
+    if (task.is_stuck) return "Slurm could not start it, and holds it back";
+    if (task.is_held) return fmt::format("held by somebody: scontrol release {}", task.id);
+    return task.node;
+}
+
 void print_text(const JobPlan& plan, const JobStatus& status)
 {
     const std::string picture = plan.outputs.front().string();
     print(fmt::format("{}: {} samples a pixel in {} parts\n", picture, plan.samples, plan.parts));
     print(fmt::format("{:>5}  {:<8} {:>9} {:>9}  {}\n", "part", "is", "samples", "of", "on"));
     for (const PartStatus& part : status.parts) {
-        std::string note = part.task.is_stuck ? "Slurm could not start it, and holds it back" : part.task.node;
+        std::string note = note_on(part.task);
         if (!part.film.trouble.empty()) note += (note.empty() ? "" : ": ") + part.film.trouble;
         print(fmt::format("{:>5}  {:<8} {:>9} {:>9}  {}\n", part.number, name_of(part.state), part.film.samples,
                           part.wanted, note));
@@ -161,7 +170,8 @@ void print_text(const JobPlan& plan, const JobStatus& status)
     if (status.merged) {
         print(fmt::format("{} has {} of them\n", picture, count_of(*status.merged)));
     } else if (status.merge_waits) {
-        print("they are merged when all tasks have ended\n");
+        print(status.merge.is_held ? fmt::format("the job that merges them is {}\n", note_on(status.merge))
+                                   : "they are merged when all tasks have ended\n");
     } else if (lost.empty() && status.answers && status.samples == plan.samples) {
         print(fmt::format("the picture is not there, and no task is about to merge it: fathom submit --fix {}\n",
                           picture));
@@ -180,6 +190,7 @@ ordered_json json_of(const JobPlan& plan, const JobStatus& status)
         ordered_json p{
             {"part", part.number}, {"state", name_of(part.state)}, {"samples", part.film.samples}, {"of", part.wanted}};
         if (!part.task.node.empty()) p["node"] = part.task.node;
+        if (part.task.is_held) p["held"] = true;
         if (!part.film.trouble.empty()) p["trouble"] = part.film.trouble;
         json["parts"].push_back(p);
     }

@@ -2,7 +2,8 @@
 """Speed and noise of real scenes beside Mitsuba 3 `llvm_ad_rgb`, and where our time goes; writes a table in Markdown.
 
 Each scene of --scenes (folders with a Mitsuba scene.xml) is made into a diffuse twin that both programs read, by `clay.py` of
---peers, and both render it in turns by `clay_compare.py` there, which makes its own Python environment for Mitsuba. Speed is
+--peers, and both render it in turns by `clay_compare.py` there, which makes its own Python environment for Mitsuba. With
+--originals both render the scenes as they are (originals.py), with all their materials. Speed is
 the ratio of samples/s, efficiency that of 1 / (relMSE x seconds) at equal samples; medians of the rounds. The machine should
 have nothing else to do: ratios of runs in turns bear some of it, but not all.
 """
@@ -26,23 +27,25 @@ def options_of(twin):
     return ["--env-rotate", "90"] if environment.get("kind") == "image" else []
 
 
-def compare(args, twin):
-    command = [sys.executable, str(args.peers / "clay_compare.py"), "--fathom", str(args.fathom), "--width", str(args.width),
-               "--spp", str(args.spp), "--rounds", str(args.rounds), "--reference-spp", str(args.reference_spp),
-               "--extra=" + " ".join(options_of(twin)), str(twin)]
+def compare(args, folder):
+    command = [sys.executable, str(ROOT / "bench/originals.py"), "--peers", str(args.peers)] if args.originals else [
+        sys.executable, str(args.peers / "clay_compare.py"), "--extra=" + " ".join(options_of(folder))]
+    command += ["--fathom", str(args.fathom), "--width", str(args.width), "--spp", str(args.spp), "--rounds", str(args.rounds),
+                "--reference-spp", str(args.reference_spp), str(folder)]
     run = subprocess.run(command, stdout=subprocess.PIPE, text=True)
-    lines = run.stdout.strip().splitlines()
+    lines = [line for line in run.stdout.splitlines() if line.startswith("{")]
     if not lines:
-        sys.exit(f"{twin.name}: nothing was measured")
+        sys.exit(f"{folder.name}: nothing was measured")
     return json.loads(lines[0])
 
 
-def cost_sheet(args, twin):
-    with tempfile.TemporaryDirectory() as folder:
-        command = [str(args.fathom), "render", str(twin / "scene.json"), "--spp", "16", "--threads", "1", "--filter", "box", "--size",
-                   f"{args.width // 2}x{args.width * 9 // 32}", "--stats", "--progress", "json", "-o", folder + "/x.exr", *options_of(twin)]
+def cost_sheet(args, folder):
+    scene = [str(folder / "scene.xml")] if args.originals else [str(folder / "scene.json"), *options_of(folder)]
+    with tempfile.TemporaryDirectory() as pictures:
+        command = [str(args.fathom), "render", *scene, "--spp", "16", "--threads", "1", "--filter", "box", "--size",
+                   f"{args.width // 2}x{args.width * 9 // 32}", "--stats", "--progress", "json", "-o", pictures + "/x.exr"]
         lines = subprocess.run(command, check=True, capture_output=True, text=True).stderr.splitlines()
-    return next(event for event in map(json.loads, lines) if event["event"] == "stats")
+    return next(event for event in map(json.loads, filter(lambda line: line.startswith("{"), lines)) if event["event"] == "stats")
 
 
 def row(scene, figures, costs):
@@ -62,6 +65,7 @@ def main():
     parser.add_argument("--fathom", type=Path, default=ROOT / "build/release/bin/fathom")
     parser.add_argument("--scenes", type=Path, default=ROOT / "../shared/scenes/mitsuba")
     parser.add_argument("--peers", type=Path, default=ROOT / "../shared/peers")
+    parser.add_argument("--originals", action="store_true", help="the scenes as they are, instead of their twins")
     parser.add_argument("--only", help="names of scenes, by commas")
     parser.add_argument("--twins", type=Path, default=Path.home() / ".cache/fathom-scenes", help="where twins are kept")
     parser.add_argument("--out", type=Path, default=Path("scenes.md"))
@@ -82,11 +86,12 @@ def main():
             "| traversal | then |", "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
     rows, speeds, efficiencies = [], [], []
     for name in names:
-        twin = args.twins / name
-        make_twin(args.peers, args.scenes / name, twin)
-        figures = compare(args, twin)
+        folder = args.scenes / name if args.originals else args.twins / name
+        if not args.originals:
+            make_twin(args.peers, args.scenes / name, folder)
+        figures = compare(args, folder)
         speeds.append(figures["speed"]), efficiencies.append(figures["efficiency"])
-        rows.append(row(name, figures, cost_sheet(args, twin)))
+        rows.append(row(name, figures, cost_sheet(args, folder)))
         mean = lambda values: math.prod(values) ** (1 / len(values))
         foot = f"| geometric mean (least) | {mean(speeds):.2f} ({min(speeds)}) | {mean(efficiencies):.2f} ({min(efficiencies)}) | | | | | | |"
         args.out.write_text("\n".join(head + rows + [foot]) + "\n", encoding="utf-8")  # what there is, should it be stopped

@@ -27,6 +27,11 @@ std::string ask(const std::vector<std::string>& words, const std::string& input 
     return result.out;
 }
 
+bool is_held(const std::string& state, const std::string& reason)
+{
+    return state == "REQUEUE_HOLD" || reason.starts_with("JobHeld") || reason == "job requeued in held state";
+}
+
 }  // namespace
 
 void check_is_here()
@@ -96,12 +101,13 @@ std::optional<Queue> queue_of(const JobPlan& plan)
         const bool waits = state == "PENDING" || state == "REQUEUED" || state == "REQUEUE_HOLD" ||
                            state == "SUSPENDED" || state == "CONFIGURING" || state == "REQUEUE_FED";
         if (!is_running && !waits) continue;
-        const bool is_stuck = words[4].starts_with("launch failed");
+        Task task{is_running, words[0], state, words[4].starts_with("launch failed"), is_held(state, words[4]),
+                  words[3]};
         for (const Submission& s : plan.submissions) {
-            if (words[0] == s.merge) queue.merge = {is_running, words[0], state, is_stuck, words[3]};
-            if (words[0] == s.array)
-                queue.parts[std::strtoull(words[1].c_str(), nullptr, 10)] = {is_running, words[0] + "_" + words[1],
-                                                                             state, is_stuck, words[3]};
+            if (words[0] == s.merge) queue.merge = task;
+            if (words[0] != s.array) continue;
+            task.id += "_" + words[1];
+            queue.parts[std::strtoull(words[1].c_str(), nullptr, 10)] = task;
         }
     }
     return queue;

@@ -32,7 +32,8 @@ struct Task {
     std::string state;  ///< as Slurm calls it
     /// Slurm could not start it and holds it back: it waits for ever if nobody does anything.
     bool is_stuck = false;
-    std::string node;  ///< empty until it runs
+    bool is_held = false;  ///< somebody wants it to wait until it is released
+    std::string node;      ///< empty until it runs
 };
 struct Queue {
     std::map<std::uint64_t, Task> parts;

@@ -22,7 +22,7 @@ namespace {
 /// may be silent for some while.
 constexpr double sign_s = 1, longest_silence_s = 60;
 /// How often messages are looked for: by whoever waits for one, by who answers while rendering, by who only renders.
-constexpr double waiting_s = 0.0002, leading_s = 0.002, rendering_s = 0.01;
+constexpr double waiting_s = 0.0002, leading_s = 0.005, rendering_s = 0.01;
 
 void sleep_s(double seconds)
 {

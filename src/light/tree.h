@@ -5,6 +5,9 @@
 /// normals and intensity; a child is chosen by a bound on what it may bring, so down to one light. Here nodes have up
 /// to 16 children, and importances become integers before they are added: their sum has the same bits in any order.
 /// What may reach the point has a weight of 1 at least, so that nothing that counts is never chosen.
+#include <algorithm>
+#include <bit>
+
 #include "light/records.h"
 #include "math/vec3.h"
 
@@ -75,18 +78,49 @@ template <class F>
     return F(largest_weight) / max(largest, F(1e-30f));
 }
 
-/// The sums of a node's weights as a point sees them: up to each child, without it, and of all in the end.
-struct LightWeights {
-    std::uint32_t before[LightNode::width + 1];
+/// A node's weights as a point sees them, added up child by child.
+class LightWeights {
+public:
+    static constexpr int parts = LightNode::width / native::lanes;
 
-    std::uint32_t total() const { return before[LightNode::width]; }
-    double share(std::uint32_t slot) const { return double(before[slot + 1] - before[slot]) / double(total()); }
+    LightWeights() {}  // nothing: many are made, and then assigned to
+    explicit LightWeights(const native::UInt (&weights)[parts])
+    {
+        std::uint32_t before = sums_[LightNode::width - 1] = 0;
+        for (int i = 0; i < parts; ++i) {
+            native::store(up_to(i), native::running_sums(weights[i]) + native::UInt(before));
+            before = *(up_to(i + 1) - 1);
+        }
+    }
+
+    std::uint32_t total() const { return sums_[2 * LightNode::width - 1]; }
+    /// Of the children before one.
+    std::uint32_t before(std::uint32_t slot) const { return sums_[LightNode::width - 1 + slot]; }
+    std::uint32_t weight(std::uint32_t slot) const { return before(slot + 1) - before(slot); }
+    double share(std::uint32_t slot) const { return double(weight(slot)) / double(total()); }
+    /// The child within whose weight a number below the total is.
+    std::uint32_t slot_of(std::uint32_t number) const
+    {
+        int slot = 0;
+        for (int i = 0; i < parts; ++i)
+            slot += native::lanes -
+                    std::popcount(native::mask_bits(native::less(native::UInt(number), native::load(up_to(i)))));
+        return std::uint32_t(slot);
+    }
+
+private:
+    /// From a lane's child on: the sums up to each, with it. Before the first is a 0.
+    std::uint32_t* up_to(int lanes) { return sums_ + LightNode::width + lanes * native::lanes; }
+    const std::uint32_t* up_to(int lanes) const { return sums_ + LightNode::width + lanes * native::lanes; }
+
+    /// Aligned, so that what is stored as lanes can be read as numbers at once.
+    alignas(64) std::uint32_t sums_[2 * LightNode::width];
 };
 
 /// Children as lanes.
 inline LightWeights light_weights(const LightNode& n, const float (&p)[3])
 {
-    constexpr int parts = LightNode::width / native::lanes;
+    constexpr int parts = LightWeights::parts;
     const native::Float x(p[0]), y(p[1]), z(p[2]);
     Importance<native::Float, native::Mask> seen[parts];
     native::Float most(0.f);
@@ -96,16 +130,16 @@ inline LightWeights light_weights(const LightNode& n, const float (&p)[3])
         most = max(most, native::select(seen[i].reaches, seen[i].value, native::Float(0.f)));
     }
     const native::Float scale = weight_scale(native::Float(-native::least(-most)));
-    std::uint32_t weight[LightNode::width];
-    for (int i = 0; i < parts; ++i)
-        native::store(weight + i * native::lanes, light_weight<native::UInt>(seen[i], scale));
-    LightWeights w;
-    w.before[0] = 0;
-    for (int i = 0; i < LightNode::width; ++i) w.before[i + 1] = w.before[i] + weight[i];
+    native::UInt weight[parts];
+    for (int i = 0; i < parts; ++i) weight[i] = light_weight<native::UInt>(seen[i], scale);
+    const LightWeights w(weight);
+    if (w.total() > 0) return w;
     // Nothing reaches: each as likely as another, so that there is always a light.
-    if (w.total() == 0)
-        for (std::uint32_t i = 0; i < LightNode::width; ++i) w.before[i + 1] = i < n.count ? i + 1 : n.count;
-    return w;
+    for (int i = 0; i < parts; ++i) {
+        const native::UInt slot = native::iota() + native::UInt(std::uint32_t(i * native::lanes));
+        weight[i] = native::select(native::less(slot, native::UInt(n.count)), native::UInt(1u), native::UInt(0u));
+    }
+    return LightWeights(weight);
 }
 
 }  // namespace detail
@@ -202,33 +236,34 @@ private:
         std::uint32_t child;
     };
 
-    void step(Descent& d, const float (&p)[3]) const
+    static void step(Descent& d, const LightNode& n, const detail::LightWeights& w)
     {
-        const LightNode& n = tables_.light_tree[d.child];
-        const detail::LightWeights w = detail::light_weights(n, p);
         const double at = d.x * double(w.total());
-        const std::uint32_t whole = std::uint32_t(at);
-        std::uint32_t slot = 0;
-        for (int i = 1; i < LightNode::width; ++i) slot += w.before[i] <= whole;
-        const std::uint32_t before = w.before[slot], weight = w.before[slot + 1] - before;
-        const double x = (at - double(before)) / double(weight);
+        const std::uint32_t slot = w.slot_of(std::min(std::uint32_t(at), w.total() - 1)), weight = w.weight(slot);
+        const double x = (at - double(w.before(slot))) / double(weight);
         d = {x < 1 ? x : 1 - 0x1p-53, d.chance * (double(weight) / double(w.total())), n.child[slot]};
     }
 
-    /// All lanes go down a level before one goes further: their steps don't wait for each other.
+    /// All lanes go down a level before one goes further, and all are weighted before one is: what one waits for does
+    /// not keep the others.
     [[gnu::noinline]] Choice descend(Vec3 p, Float u, Float noise, Mask m) const
     {
         const Points points(p);
         float high[lanes], low[lanes], pmf[lanes] = {};
         std::uint32_t light[lanes] = {};
         Descent down[lanes];
+        detail::LightWeights weights[lanes];
         store(high, u), store(low, noise);
         // 48 bits of chance: 24 are soon used up by many lights.
         for_each_active(m, [&](int k) { down[k] = {double(high[k]) + double(low[k]) * 0x1p-24, 1, 0}; });
         while (any(m)) {
             std::uint32_t inner = 0;
             for_each_active(m, [&](int k) {
-                step(down[k], {points.x[k], points.y[k], points.z[k]});
+                const LightNode& n = tables_.light_tree[down[k].child];
+                weights[k] = detail::light_weights(n, {points.x[k], points.y[k], points.z[k]});
+            });
+            for_each_active(m, [&](int k) {
+                step(down[k], tables_.light_tree[down[k].child], weights[k]);
                 inner |= std::uint32_t(!(down[k].child & LightNode::is_light)) << k;
                 light[k] = down[k].child & ~LightNode::is_light, pmf[k] = float(down[k].chance);
             });

@@ -229,6 +229,16 @@ inline void least_each(const Float (&x)[16], float (&out)[16])
                          _mm256_min_ps(_mm256_permute2f128_ps(a, b, 0x20), _mm256_permute2f128_ps(a, b, 0x31)));
     }
 }
+/// Each lane and all before it, added up.
+inline UInt running_sums(UInt a)
+{
+    __m256i x = a.v;
+    x = _mm256_add_epi32(x, _mm256_slli_si256(x, 4));
+    x = _mm256_add_epi32(x, _mm256_slli_si256(x, 8));
+    // The sum of the lower half, in all of the upper one.
+    const __m256i lower = _mm256_permutevar8x32_epi32(x, _mm256_set1_epi32(3));
+    return _mm256_add_epi32(x, _mm256_blend_epi32(_mm256_setzero_si256(), lower, 0xf0));
+}
 inline UInt rotate16(UInt x)
 {
     const __m256i words =

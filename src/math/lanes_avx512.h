@@ -186,6 +186,16 @@ inline void least_each(const Float (&x)[16], float (&out)[16])
     const __m512 low = quarters(four(x), four(x + 4)), high = quarters(four(x + 8), four(x + 12));
     _mm512_storeu_ps(out, _mm512_min_ps(_mm512_shuffle_f32x4(low, high, 0x88), _mm512_shuffle_f32x4(low, high, 0xdd)));
 }
+/// Each lane and all before it, added up.
+inline UInt running_sums(UInt a)
+{
+    const __m512i zero = _mm512_setzero_si512();
+    __m512i x = a.v;
+    x = _mm512_add_epi32(x, _mm512_alignr_epi32(x, zero, 15));
+    x = _mm512_add_epi32(x, _mm512_alignr_epi32(x, zero, 14));
+    x = _mm512_add_epi32(x, _mm512_alignr_epi32(x, zero, 12));
+    return _mm512_add_epi32(x, _mm512_alignr_epi32(x, zero, 8));
+}
 inline UInt rotate16(UInt x) { return _mm512_rol_epi32(x.v, 16); }
 
 }  // namespace fathom::avx512

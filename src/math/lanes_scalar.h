@@ -77,6 +77,8 @@ inline void least_each(const Float (&x)[16], float (&out)[16])
 {
     for (int i = 0; i < 16; ++i) out[i] = x[i];
 }
+/// Each lane and all before it, added up.
+inline UInt running_sums(UInt a) { return a; }
 inline UInt rotate16(UInt x) { return x >> 16 | x << 16; }
 
 }  // namespace fathom::scalar

@@ -200,6 +200,20 @@ class Parts(unittest.TestCase):
         self.assertGreaterEqual(self.logs().count("going on"), 1, self.logs())
         self.assert_same_as_one_run(samples, *size)
 
+    def test_held_tasks_wait_for_whoever_holds_them(self):
+        self.submit("--size", "60x45", "--spp", "4", "--parts", "2", "--sbatch", "--hold")
+        told = self.fathom("status", self.picture)
+        for part in (1, 2):
+            self.assertIn(f"scontrol release {self.array()}_{part}", told)
+        self.assertEqual([(part["state"], part.get("held")) for part in self.status()["parts"]], [("waiting", True)] * 2)
+        self.fathom("submit", "--fix", self.picture)
+        self.assertEqual(self.running(), {}, "whoever holds a task has a reason")
+        merge = re.search(r"merges them is held by somebody: scontrol release (\d+)", told)[1]
+        self.cluster.run("scontrol", "release", self.array())
+        self.cluster.run("scontrol", "release", merge)
+        self.wait_until_ended()
+        self.assertEqual([(part["state"], part.get("held")) for part in self.status()["parts"]], [("done", None)] * 2, self.logs())
+
     def test_told_before(self):
         said = self.submit("--spp", "100", "--parts", "64", code=2)
         self.assertIn("up to 63 tasks", said)

@@ -65,6 +65,17 @@ TEST(Lanes, LeastOfEach)
     }
 }
 
+TEST(Lanes, RunningSums)
+{
+    test::Random random;
+    for (int n = 0; n < 50; ++n) {
+        std::uint32_t x[native::lanes], sums[native::lanes], sum = 0;
+        for (std::uint32_t& a : x) a = std::uint32_t(first(random.next()) * 65536);
+        native::store(sums, native::running_sums(native::load(x)));
+        for (int i = 0; i < native::lanes; ++i) EXPECT_EQ(sums[i], sum += x[i]) << i;
+    }
+}
+
 TEST(Lanes, CompressGatherAndReverse)
 {
     float table[64];
