@@ -302,6 +302,7 @@ struct Environment {
     /// 42,000 that is nits.
     Vec3d to_sun{-0.4, 0.6, 0.7};
     bool sun_disk = true;
+    bool sky_ground = true;  ///< sky: grey ground below the horizon, in the light of sun and sky; else nothing
 };
 
 enum class CameraKind { perspective, orthographic };

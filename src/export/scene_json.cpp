@@ -273,6 +273,7 @@ private:
         if (e.kind == EnvironmentKind::sky) {
             json["to_sun"] = vector_json(e.to_sun);
             put(json, "sun", e.sun_disk, true);
+            put(json, "ground", e.sky_ground, true);
         }
         if (e.world_from_environment.m != Transform().m) json["rotate"] = matrix_json(e.world_from_environment);
         return json;

@@ -141,7 +141,7 @@ std::string scene_parts(const SceneDescription& scene)
     text.value("kind", words.of(e.kind));
     text.value("color", words.of(e.color) + words.of(e.bottom) + words.of(e.top));
     text.value("image", words.image(e.image));
-    text.value("sun", words.of(e.to_sun) + words.of(e.sun_disk));
+    text.value("sun", words.of(e.to_sun) + words.of(e.sun_disk) + words.of(e.sky_ground));
     for (const Camera& camera : scene.cameras) {
         if (text.is_full()) break;
         text.begin("camera", camera.name);

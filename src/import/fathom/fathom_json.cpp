@@ -106,6 +106,7 @@ void FathomJsonReader::read_environment(const JsonValue& v)
     if (environment.kind == EnvironmentKind::sky) {
         o.read("to_sun", environment.to_sun);
         o.read("sun", environment.sun_disk);
+        o.read("ground", environment.sky_ground);
     }
     if (turns) {
         if (auto rotate = o.get("rotate"))
