@@ -137,7 +137,8 @@ CameraControl::PictureRay CameraControl::ray(double x, double y, double aspect) 
     const Frame f = frame();
     const bool orthographic = camera_.kind == CameraKind::orthographic;
     const double half_height = orthographic ? camera_.height / 2 : std::tan(camera_.fov_y / 2);
-    const Vec3d aside = f.right * ((2 * x - 1) * half_height * aspect) + f.up * ((1 - 2 * y) * half_height);
+    const double right = 2 * (x + camera_.shift_x) - 1, up = 1 - 2 * (y - camera_.shift_y);
+    const Vec3d aside = f.right * (right * half_height * aspect) + f.up * (up * half_height);
     return orthographic ? PictureRay{aside, f.forward} : PictureRay{{0, 0, 0}, aside + f.forward};
 }
 
@@ -149,6 +150,7 @@ Camera CameraControl::through(double x, double y, double aspect, double pixel) c
     camera.look_at = camera.position + r.direction;
     camera.aspect = 1;
     camera.aperture = camera.focus_distance = 0;
+    camera.shift_x = camera.shift_y = 0;
     camera.height = camera_.height * pixel;
     camera.fov_y = 2 * std::atan(std::tan(camera_.fov_y / 2) * pixel);
     return camera;

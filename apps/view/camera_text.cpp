@@ -33,6 +33,8 @@ std::string camera_text(const Camera& camera)
         if (camera.aperture > 0) members += fmt::format(", \"aperture\": {}", text(camera.aperture));
         if (camera.focus_distance > 0) members += fmt::format(", \"focus_distance\": {}", text(camera.focus_distance));
     }
+    if (camera.shift_x != 0 || camera.shift_y != 0)
+        members += fmt::format(", \"shift\": [{}, {}]", text(camera.shift_x), text(camera.shift_y));
     if (camera.shutter_open != 0 || camera.shutter_close != 0)
         members += fmt::format(", \"shutter\": [{}, {}]", text(camera.shutter_open), text(camera.shutter_close));
     return "\"camera\": {" + members + "}";

@@ -302,6 +302,7 @@ struct Environment {
     /// 42,000 that is nits.
     Vec3d to_sun{-0.4, 0.6, 0.7};
     bool sun_disk = true;
+    bool sky_ground = true;  ///< sky: grey ground below the horizon, in the light of sun and sky; else nothing
 };
 
 enum class CameraKind { perspective, orthographic };
@@ -311,9 +312,12 @@ struct Camera {
     std::string name;
     CameraKind kind = CameraKind::perspective;
     Vec3d position{0, 0, 0}, look_at{0, 0, -1}, up{0, 1, 0};
-    double fov_y = 0.6981317007977318;           ///< perspective: full vertical angle
-    double height = 2;                           ///< orthographic: metres from the bottom to the top of the picture
-    double aspect = 0;                           ///< width / height; 0: as the picture
+    double fov_y = 0.6981317007977318;  ///< perspective: full vertical angle
+    double height = 2;                  ///< orthographic: metres from the bottom to the top of the picture
+    double aspect = 0;                  ///< width / height; 0: as the picture
+    /// What is seen is moved by so many of its widths to the right and of its heights up, without turning the camera: a
+    /// lens that is shifted, or a part of a larger picture.
+    double shift_x = 0, shift_y = 0;
     double aperture = 0;                         ///< diameter of the lens in metres
     double focus_distance = 0;                   ///< metres along the view axis; 0: the distance to look_at
     double shutter_open = 0, shutter_close = 0;  ///< seconds

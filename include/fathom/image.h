@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -103,6 +104,11 @@ FATHOM_API Image read_image(const std::filesystem::path& file, std::uint64_t mem
 /// The same for a file in memory; `name` is for messages.
 FATHOM_API Image read_image(const std::string& name, const void* bytes, std::size_t size,
                             std::uint64_t memory_limit = ~std::uint64_t(0));
+
+/// Width and height, by the head of the file alone; nothing where it is missing, no picture, or damaged.
+FATHOM_API std::optional<std::array<std::uint64_t, 2>> image_size(const std::filesystem::path& file);
+FATHOM_API std::optional<std::array<std::uint64_t, 2>> image_size(const std::string& name, const void* bytes,
+                                                                  std::size_t size);
 
 /// Names and versions of the libraries that read and write pictures.
 FATHOM_API std::vector<std::string> image_libraries();

@@ -12,6 +12,7 @@ namespace fathom {
 /// A scene, and what else its file has to choose from.
 struct SceneFile {
     SceneDescription scene;           ///< at rest
+    std::string format;               ///< its name, as people write it
     std::vector<std::string> scenes;  ///< names, or numbers where they have none
     std::vector<std::string> variants;
     AnimationRig rig;

@@ -132,6 +132,8 @@ void check_camera(const SceneDescription& scene, const Camera& camera)
     check(camera.aperture, "the aperture is", " m");
     check(camera.focus_distance, "the focus distance is", " m");
     check(camera.height, "the height is", " m");
+    check(camera.shift_x, "the shift is", "");
+    check(camera.shift_y, "the shift is", "");
     check(camera.shutter_open, "the shutter opens at", " s");
     check(camera.shutter_close, "the shutter closes at", " s");
     if (camera.shutter_open < camera.shutter_close && !(float(camera.shutter_open) < float(camera.shutter_close)))

@@ -137,7 +137,9 @@ void compile_environment(Compiler& c)
             return Color{r, r, r};
         });
     if (e.kind == EnvironmentKind::sky)
-        make_picture(t, 256, [sky = Sky(e.to_sun)](const Vec3d& d) { return sky.radiance(d); });
+        make_picture(t, 256, [sky = Sky(e.to_sun), has_ground = e.sky_ground](const Vec3d& d) {
+            return has_ground || d.y >= 0 ? sky.radiance(d) : Color{0, 0, 0};
+        });
     if (EnvironmentKind(t.kind) == EnvironmentKind::image && t.width > 0)
         t.mean_luminance = make_environment_distribution(t);
 }

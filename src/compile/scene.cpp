@@ -53,6 +53,8 @@ CameraRecord Scene::Data::camera_record(const Camera& seen_by, int width, int he
     const double half_height = t.orthographic ? seen_by.height / 2 * scale : std::tan(seen_by.fov_y / 2);
     t.half_height = float(half_height);
     t.half_width = float(half_height * width / height);
+    t.shift_right = float(2 * seen_by.shift_x * half_height * width / height);
+    t.shift_up = float(2 * seen_by.shift_y * half_height);
     t.lens_radius = float(seen_by.aperture / 2 * scale);
     const double focus =
         seen_by.focus_distance > 0 ? seen_by.focus_distance : length(seen_by.look_at - seen_by.position);

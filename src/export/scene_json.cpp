@@ -219,6 +219,8 @@ private:
         put(json, "look_at", vector_json(camera.look_at), vector_json(usual.look_at));
         put(json, "up", vector_json(camera.up), vector_json(usual.up));
         put(json, "aspect", number_json(camera.aspect), 0);
+        if (camera.shift_x != 0 || camera.shift_y != 0)
+            json["shift"] = {number_json(camera.shift_x), number_json(camera.shift_y)};
         if (camera.shutter_open != 0 || camera.shutter_close != 0)
             json["shutter"] = {number_json(camera.shutter_open), number_json(camera.shutter_close)};
         if (camera.kind == CameraKind::orthographic) {
@@ -271,6 +273,7 @@ private:
         if (e.kind == EnvironmentKind::sky) {
             json["to_sun"] = vector_json(e.to_sun);
             put(json, "sun", e.sun_disk, true);
+            put(json, "ground", e.sky_ground, true);
         }
         if (e.world_from_environment.m != Transform().m) json["rotate"] = matrix_json(e.world_from_environment);
         return json;

@@ -260,6 +260,25 @@ std::optional<PictureSize> measure_picture(const fs::path& file)
     return {};
 }
 
+namespace {
+
+std::optional<std::array<std::uint64_t, 2>> width_and_height(const std::optional<PictureSize>& size)
+{
+    if (!size) return {};
+    return {{size->width, size->height}};
+}
+
+}  // namespace
+
+std::optional<std::array<std::uint64_t, 2>> image_size(const fs::path& file)
+{
+    return width_and_height(measure_picture(file));
+}
+std::optional<std::array<std::uint64_t, 2>> image_size(const std::string& name, const void* bytes, std::size_t size)
+{
+    return width_and_height(measure_picture(name, bytes, size));
+}
+
 Image read_image(const fs::path& file, std::uint64_t memory_limit)
 {
     const std::string name = file.string();

@@ -50,6 +50,14 @@ void turn_z_up(SceneDescription& scene)
 constexpr const Importer* importers[] = {&gltf_importer, &ply_importer, &fathom_json_importer, &mitsuba_importer,
                                          &obj_importer,  &stl_importer, &assimp_importer};
 
+std::string format_name(const Importer& importer, const SourceFile& file)
+{
+    if (*importer.name) return importer.name;
+    std::string name = file.extension.empty() ? "unnamed" : file.extension.substr(1);
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return char(std::toupper(c)); });
+    return &importer == &assimp_importer ? name + ", by Assimp" : name;
+}
+
 /// Keeps the list of open files right, whatever happens.
 class OpenFile {
 public:
@@ -77,9 +85,9 @@ private:
 SceneDescription load_file(const std::filesystem::path& file, const LoadOptions& options, LoadContext& context)
 {
     const OpenFile open(context, file);
-    const std::string bytes = context.read(file);
-    if (bytes.empty()) throw Error(file.string(), "", "the file is empty");
-    const SourceFile source{file, lower_extension(file), bytes, options};
+    InputFile input = context.open(file);
+    if (input.head().empty()) throw Error(file.string(), "", "the file is empty");
+    const SourceFile source{file, lower_extension(file), input, options};
     const auto* const found = std::find_if(std::begin(importers), std::end(importers),
                                            [&](const Importer* i) { return i->recognizes(source); });
     if (found == std::end(importers)) throw Error(file.string(), "", "no reader knows this kind of file");
@@ -90,6 +98,7 @@ SceneDescription load_file(const std::filesystem::path& file, const LoadOptions&
     if (!options.variant.empty() && !importer.has_choices)
         throw Error(file.string(), "",
                     fmt::format("there is no variant '{}': only glTF files have variants", options.variant));
+    if (context.open_files.size() == 1) context.format = format_name(importer, source);
     SceneDescription scene = importer.read(source, context);
     if (options.up_axis ? options.up_axis == 'z' : importer.z_up) turn_z_up(scene);
     return scene;
@@ -106,6 +115,7 @@ SceneFile load_scene_file(const std::filesystem::path& file, const LoadOptions& 
         check_scene(scene);
         SceneFile result = std::move(context.offered);
         result.scene = std::move(scene);
+        result.format = context.format;
         return result;
     } catch (const std::bad_alloc&) {
         throw Error(file.string(), "", "the scene does not fit into memory");

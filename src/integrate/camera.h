@@ -12,8 +12,8 @@ struct CameraRay {
 /// The ray through the point (x, y) of the picture, from 0 to 1 and y downwards; lens and time are random.
 inline CameraRay camera_ray(const CameraRecord& camera, Float x, Float y, Sample2 lens, Float time)
 {
-    const Float sx = fma(x, Float(2), Float(-1)) * Float(camera.half_width);
-    const Float sy = fma(y, Float(-2), Float(1)) * Float(camera.half_height);
+    const Float sx = fma(x, Float(2), Float(-1)) * Float(camera.half_width) + Float(camera.shift_right);
+    const Float sy = fma(y, Float(-2), Float(1)) * Float(camera.half_height) + Float(camera.shift_up);
     const auto axis = [](const float* a) { return Vec3{Float(a[0]), Float(a[1]), Float(a[2])}; };
     const Vec3 right = axis(camera.right), up = axis(camera.up), forward = axis(camera.forward);
     CameraRay ray;

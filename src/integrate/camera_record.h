@@ -11,6 +11,7 @@ struct CameraRecord {
     float half_width = 1, half_height = 1;  ///< at distance 1 (perspective), or in render space (orthographic)
     float lens_radius = 0, focus_distance = 1;
     float shutter_open = 0, shutter_close = 0;
+    float shift_right = 0, shift_up = 0;  ///< of the picture's middle, as half_width and half_height
 };
 
 }  // namespace fathom

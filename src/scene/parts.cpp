@@ -141,13 +141,14 @@ std::string scene_parts(const SceneDescription& scene)
     text.value("kind", words.of(e.kind));
     text.value("color", words.of(e.color) + words.of(e.bottom) + words.of(e.top));
     text.value("image", words.image(e.image));
-    text.value("sun", words.of(e.to_sun) + words.of(e.sun_disk));
+    text.value("sun", words.of(e.to_sun) + words.of(e.sun_disk) + words.of(e.sky_ground));
     for (const Camera& camera : scene.cameras) {
         if (text.is_full()) break;
         text.begin("camera", camera.name);
         text.value("place", words.of(camera.position) + words.of(camera.look_at) + words.of(camera.up));
         text.value("lens", fmt::format("{} {} {} {} {}", int(camera.kind), camera.fov_y, camera.height, camera.aperture,
                                        camera.focus_distance));
+        text.value("shift", fmt::format("{} {}", camera.shift_x, camera.shift_y));
         text.value("shutter", fmt::format("{} {}", camera.shutter_open, camera.shutter_close));
     }
     for (const Light& light : scene.lights) {

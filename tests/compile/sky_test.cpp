@@ -4,6 +4,10 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
+
+#include "compile/scene_data.h"
+#include "fathom/render.h"
 
 namespace fathom {
 namespace {
@@ -228,6 +232,32 @@ TEST(Sky, ScatteringAgainstAPlainSum)
     };
     for (const Vec3d& d : {Vec3d{0, 1, 0}, {-0.8, 0.6, 0}, {0, 0.2, std::sqrt(0.96)}, {0.995, 0.0998, 0}})
         EXPECT_NEAR(luminance(sky.scattered_once(d)) / plain_luminance(d), 1, 0.03) << d.y;
+}
+
+/// With ground the lower half of its picture is lit, without it is black; the sky is the same.
+TEST(Sky, WithoutGround)
+{
+    SceneDescription d;
+    d.cameras.resize(1);
+    d.nodes.resize(1);
+    d.nodes[0].camera = 0;
+    d.roots = {0};
+    d.environment.kind = EnvironmentKind::sky;
+    Warnings warnings;
+    const auto picture = [&](bool has_ground) {
+        d.environment.sky_ground = has_ground;
+        const Scene scene = Scene::compile(d, "", warnings);
+        const EnvironmentRecord& e = scene.data().tables->environment;
+        return std::vector<float>(e.texels.begin(), e.texels.end());
+    };
+    const std::vector<float> with = picture(true), without = picture(false);
+    ASSERT_EQ(with.size(), without.size());
+    ASSERT_GT(with.size(), 1000u);
+    for (std::size_t i = 0; i < with.size(); ++i) {
+        if (i % 4 == 3) continue;
+        ASSERT_GT(with[i], 0) << i;
+        ASSERT_EQ(without[i], i < with.size() / 2 ? with[i] : 0) << i;
+    }
 }
 
 }  // namespace

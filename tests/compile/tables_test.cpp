@@ -336,7 +336,13 @@ TEST(CameraTable, FrameSizeAndLens)
     EXPECT_FLOAT_EQ(r.focus_distance, float(4 * s));
     EXPECT_EQ(r.shutter_open, 0.25f);
     EXPECT_EQ(r.shutter_close, 0.75f);
+    EXPECT_EQ(r.shift_right, 0);
     Camera moved = scene.camera();
+    moved.shift_x = 0.25, moved.shift_y = -2;
+    r = scene.data().camera_record(moved, 30, 20);
+    EXPECT_FLOAT_EQ(r.shift_right, float(0.5 * 1.5 * std::tan(0.5)));
+    EXPECT_FLOAT_EQ(r.shift_up, float(-4 * std::tan(0.5)));
+    moved.shift_x = moved.shift_y = 0;
     moved.position = {1, 2, 8}, moved.look_at = {11, 2, 8};
     moved.focus_distance = 0;
     r = scene.data().camera_record(moved, 30, 20);

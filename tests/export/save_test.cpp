@@ -169,6 +169,7 @@ TEST_F(Save, EveryVectorOfAMesh)
     scene.meshes = {mesh};
     add_shape(scene, MeshInstance{0});
     scene.cameras.emplace_back().shutter_close = 0.5;
+    scene.cameras[0].shift_x = 0.25, scene.cameras[0].shift_y = -0.5;
     scene.nodes[0].camera = 0;
     expect_same(scene);
     const SceneDescription again = saved(scene);
@@ -327,6 +328,7 @@ TEST_F(Save, ASkyWithItsSun)
     SceneDescription scene;
     scene.environment.kind = EnvironmentKind::sky;
     scene.environment.to_sun = {0.25, 0.1, -0.7};
+    scene.environment.sky_ground = false;
     scene.environment.color = {2, 1, 0.5f};
     scene.environment.world_from_environment = Transform::rotate({0, 1, 0}, 0.7);
     for (const bool sun : {true, false}) {
@@ -334,6 +336,7 @@ TEST_F(Save, ASkyWithItsSun)
         expect_same(scene);
         const Environment again = saved(scene).environment;
         EXPECT_EQ(again.to_sun, scene.environment.to_sun);
+        EXPECT_EQ(again.sky_ground, scene.environment.sky_ground);
         EXPECT_EQ(again.sun_disk, sun);
     }
 }

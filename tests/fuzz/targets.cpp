@@ -69,7 +69,8 @@ void read_scene(const std::string& bytes)
         Warnings warnings;
         LoadContext context(file, false, warnings);
         const LoadOptions options;
-        SceneDescription scene = importer.read({file, "", bytes, options}, context);
+        InputFile input(file.string(), bytes);
+        SceneDescription scene = importer.read({file, "", input, options}, context);
         use(scene);
         play(scene, context.offered.rig);
     } catch (const Error&) {

@@ -155,8 +155,8 @@ TEST_F(FathomJson, EveryKeyOfACamera)
 {
     const SceneDescription scene = load("c.json", R"({"cameras": {
         "a": {"position": [1, 2, 3], "look_at": [4, 5, 7], "up": [0.5, 1, 0.25], "fov_y_deg": 30, "aspect": 1.5, "aperture": 0.125,
-              "focus_distance": 9, "shutter": [0.25, 0.75]},
-        "b": {"kind": "orthographic", "height": 11}}})");
+              "focus_distance": 9, "shutter": [0.25, 0.75], "shift": [0.375, -0.625]},
+        "b": {"kind": "orthographic", "height": 11, "shift": [2, 3]}}})");
     ASSERT_EQ(scene.cameras.size(), 2u);
     const Camera& a = scene.cameras[0];
     EXPECT_EQ(a.name, "a");
@@ -168,6 +168,9 @@ TEST_F(FathomJson, EveryKeyOfACamera)
     EXPECT_EQ(a.aspect, 1.5);
     EXPECT_EQ(a.aperture, 0.125);
     EXPECT_EQ(a.focus_distance, 9);
+    EXPECT_EQ(a.shift_x, 0.375);
+    EXPECT_EQ(a.shift_y, -0.625);
+    EXPECT_EQ(scene.cameras[1].shift_y, 3);
     EXPECT_EQ(a.shutter_open, 0.25);
     EXPECT_EQ(a.shutter_close, 0.75);
     EXPECT_EQ(scene.cameras[1].kind, CameraKind::orthographic);

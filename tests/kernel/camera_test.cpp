@@ -46,6 +46,27 @@ void expect_near(Vec3d a, Vec3d b, double tolerance = 1e-6)
     EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
+/// As a part of a larger picture: a point here is another one there. With a lens the point in focus is moved as well.
+TEST(CameraRay, Shift)
+{
+    const Sample2 lens{Float(0.3f), Float(0.8f)};
+    for (const bool is_orthographic : {false, true})
+        for (const float radius : {0.f, 0.2f}) {
+            CameraRecord whole = camera(), part = camera();
+            whole.orthographic = part.orthographic = is_orthographic;
+            whole.lens_radius = part.lens_radius = radius;
+            whole.focus_distance = part.focus_distance = 3;
+            part.half_width = whole.half_width / 4, part.half_height = whole.half_height / 2;
+            // The last quarter of the width, the lower half.
+            part.shift_right = 0.75f * whole.half_width, part.shift_up = -0.5f * whole.half_height;
+            for (const auto& [x, y] : {std::pair{0.5, 0.5}, {0.0, 0.25}, {1.0, 1.0}}) {
+                const PlainRay a = ray_of(part, x, y, lens), b = ray_of(whole, 0.75 + x / 4, 0.5 + y / 2, lens);
+                expect_near(a.o, b.o);
+                expect_near(a.d, b.d);
+            }
+        }
+}
+
 /// x grows along `right`, y against `up`: the first pixel is at the top left.
 TEST(CameraRay, PerspectiveAndOrthographic)
 {

@@ -159,6 +159,9 @@ TEST(CameraControl, FocusesWhereItIsTold)
     expect_near(forward(through), normalize({0.5 * tan * aspect, 0.5 * tan, -1}));
     EXPECT_EQ(through.aperture, 0);
     const double distance = 5;
+    Camera shifted = c;
+    shifted.shift_x = 0.25, shifted.shift_y = 0.25;
+    expect_near(forward(CameraControl(shifted).through(0.5, 0.5, aspect, 1.0 / 600)), forward(through));
     EXPECT_TRUE(control.focus(0.75, 0.25, aspect, distance));
     expect_near(control.pivot(), c.position + forward(through) * distance);
     expect_near(control.camera().position, c.position);
@@ -207,6 +210,8 @@ TEST(CameraText, IsPartOfASceneFile)
     c.focus_distance = 3;
     c.shutter_close = 1;
     EXPECT_NE(camera_text(c).find("\"aperture\": 0.5, \"focus_distance\": 3, \"shutter\": [0, 1]"), std::string::npos);
+    c.shift_y = -0.25;
+    EXPECT_NE(camera_text(c).find("\"shift\": [0, -0.25]"), std::string::npos);
     c.kind = CameraKind::orthographic;
     EXPECT_NE(camera_text(c).find("\"kind\": \"orthographic\""), std::string::npos);
     EXPECT_EQ(camera_text(c).find("fov"), std::string::npos);

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "fathom/error.h"
-#include "import/common/read_file.h"
 
 namespace fathom {
 
@@ -88,13 +87,17 @@ fs::path LoadContext::locate(const fs::path& file)
     return found;
 }
 
-std::string LoadContext::read(const fs::path& file)
+InputFile LoadContext::open(const fs::path& file)
 {
     // The scene itself is what the user named, wherever a link of that name leads.
-    const fs::path found = files_.empty() ? file : locate(file);
-    std::string bytes = read_file(found);
-    add_file(found);
-    return bytes;
+    InputFile opened(files_.empty() ? file : locate(file));
+    add_file(opened.name());
+    return opened;
+}
+
+std::string LoadContext::read(const fs::path& file)
+{
+    return open(file).take();
 }
 
 }  // namespace fathom

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fathom/scene_file.h"
+#include "import/common/input_file.h"
 
 namespace fathom {
 
@@ -17,6 +18,7 @@ public:
     Warnings& warnings;
     /// What the scene's own file has beside the scene; the reader of a file with choices fills it.
     SceneFile offered;
+    std::string format;                             ///< of the scene's own file
     std::vector<std::filesystem::path> open_files;  ///< being read now, the first asked for them all: finds cycles
 
     /// Where a file is that the scene refers to: the path itself if there is something, else what differs from it only
@@ -25,6 +27,8 @@ public:
     std::filesystem::path locate(const std::filesystem::path& file);
     /// The bytes of such a file. Throws Error.
     std::string read(const std::filesystem::path& file);
+    /// The same, for readers that read it by pieces.
+    InputFile open(const std::filesystem::path& file);
     /// Notes a file that something else has read.
     void add_file(const std::filesystem::path& file) { files_.push_back(file); }
 

@@ -1,7 +1,10 @@
 #include "import/common/mesh_cleanup.h"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace fathom {
@@ -22,20 +25,46 @@ Vec3d area_vector(const Mesh& mesh, std::size_t i)
     return cross(b - a, c - a);
 }
 
+/// Whether area_vector is not 0, NaN included: positions that are not finite are an error, found and named later. One
+/// component tells of most.
+bool has_area(const Mesh& mesh, std::size_t i)
+{
+    const Vec3d a = to_double(mesh.positions[mesh.indices[i]]);
+    const Vec3d b = to_double(mesh.positions[mesh.indices[i + 1]]) - a;
+    const Vec3d c = to_double(mesh.positions[mesh.indices[i + 2]]) - a;
+    return b.x * c.y - b.y * c.x != 0 || b.y * c.z - b.z * c.y != 0 || b.z * c.x - b.x * c.z != 0;
+}
+
+/// The numbers of triangles that have none, ascending.
+std::vector<std::size_t> without_area(const Mesh& mesh)
+{
+    using Found = std::vector<std::size_t>;
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, mesh.indices.size() / 3, 1 << 14), Found(),
+        [&](const tbb::blocked_range<std::size_t>& range, Found found) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i)
+                if (!has_area(mesh, 3 * i)) found.push_back(i);
+            return found;
+        },
+        // In the order of the ranges.
+        [](Found a, const Found& b) {
+            a.insert(a.end(), b.begin(), b.end());
+            return a;
+        });
+}
+
 std::size_t remove_degenerate(Mesh& mesh)
 {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-        const Vec3d area = area_vector(mesh, i);
-        // NaN passes: positions that are not finite are an error, found and named later.
-        if (area == Vec3d{0, 0, 0}) continue;
-        if (kept != i)
-            for (std::size_t k = 0; k < 3; ++k) mesh.indices[kept + k] = mesh.indices[i + k];
-        kept += 3;
+    const std::vector<std::size_t> removed = without_area(mesh);
+    if (removed.empty()) return 0;
+    const auto triangle = [&](std::size_t i) { return mesh.indices.begin() + std::ptrdiff_t(3 * i); };
+    auto kept = triangle(removed[0]);
+    for (std::size_t k = 0; k < removed.size(); ++k) {
+        const auto end = k + 1 < removed.size() ? triangle(removed[k + 1]) : mesh.indices.end();
+        kept = std::copy(triangle(removed[k] + 1), end, kept);
     }
-    const std::size_t removed = (mesh.indices.size() - kept) / 3;
-    mesh.indices.resize(kept);
-    return removed;
+    mesh.indices.erase(kept, mesh.indices.end());
+    return removed.size();
 }
 
 bool is_good(Vec3f n)

@@ -1,5 +1,6 @@
 #include "import/common/polygon.h"
 
+#include <array>
 #include <cmath>
 
 namespace fathom {
@@ -37,7 +38,7 @@ double turn(Point a, Point b, Point c)
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-bool is_convex(const std::vector<Point>& points)
+bool is_convex(std::span<const Point> points)
 {
     const std::size_t n = points.size();
     for (std::size_t i = 0; i < n; ++i)
@@ -45,7 +46,7 @@ bool is_convex(const std::vector<Point>& points)
     return true;
 }
 
-bool is_ear(const std::vector<Point>& points, const std::vector<std::uint32_t>& left, std::size_t i)
+bool is_ear(std::span<const Point> points, const std::vector<std::uint32_t>& left, std::size_t i)
 {
     const std::size_t n = left.size(), before = (i + n - 1) % n, after = (i + 1) % n;
     const Point a = points[left[before]], b = points[left[i]], c = points[left[after]];
@@ -63,33 +64,38 @@ bool is_ear(const std::vector<Point>& points, const std::vector<std::uint32_t>& 
 void triangulate(std::span<const Vec3f> points, std::vector<std::uint32_t>& corners)
 {
     const std::uint32_t n = std::uint32_t(points.size());
-    const auto fan = [&](const std::vector<std::uint32_t>& order) {
-        for (std::size_t i = 1; i + 1 < order.size(); ++i)
-            corners.insert(corners.end(), {order[0], order[i], order[i + 1]});
-    };
     if (n < 3) return;
     if (n == 3) {
         corners.insert(corners.end(), {0, 1, 2});
         return;
     }
     const Vec3d normal = polygon_normal(points);
-    std::vector<Point> flat;
-    flat.reserve(n);
-    for (Vec3f p : points) flat.push_back(project(p, normal));
+    // Most polygons have four corners, and files millions of them.
+    std::array<Point, 8> few;
+    std::vector<Point> many(n > few.size() ? n : 0);
+    const std::span<Point> flat = n > few.size() ? std::span<Point>(many) : std::span<Point>(few).first(n);
+    for (std::uint32_t i = 0; i < n; ++i) flat[i] = project(points[i], normal);
+    // Ears of n corners take n^3 steps at worst; nobody models polygons that large.
+    if (n > 500 || is_convex(flat)) {
+        for (std::uint32_t i = 1; i + 1 < n; ++i) corners.insert(corners.end(), {0, i, i + 1});
+        return;
+    }
     std::vector<std::uint32_t> left(n);
     for (std::uint32_t i = 0; i < n; ++i) left[i] = i;
-    // Ears of n corners take n^3 steps at worst; nobody models polygons that large.
-    if (n > 500 || is_convex(flat)) return fan(left);
+    const auto fan = [&] {
+        for (std::size_t i = 1; i + 1 < left.size(); ++i)
+            corners.insert(corners.end(), {left[0], left[i], left[i + 1]});
+    };
     while (left.size() > 3) {
         std::size_t ear = 0;
         while (ear < left.size() && !is_ear(flat, left, ear)) ++ear;
         // A polygon that crosses itself has none at some point.
-        if (ear == left.size()) return fan(left);
+        if (ear == left.size()) return fan();
         const std::size_t m = left.size();
         corners.insert(corners.end(), {left[(ear + m - 1) % m], left[ear], left[(ear + 1) % m]});
         left.erase(left.begin() + std::ptrdiff_t(ear));
     }
-    fan(left);
+    fan();
 }
 
 }  // namespace fathom

@@ -53,6 +53,11 @@ public:
         while (stop != start && is_space(stop[-1])) --stop;
         return {start, std::size_t(stop - start)};
     }
+    /// To the end of a comment: a backslash there joins nothing.
+    void skip_comment()
+    {
+        while (at_ != end_ && *at_ != '\n') ++at_;
+    }
     /// To the beginning of the next line.
     void next_line()
     {

@@ -41,6 +41,11 @@ Camera FathomJsonReader::read_camera(const JsonValue& v, const std::string& name
     o.read("look_at", camera.look_at);
     o.read("up", camera.up);
     o.read("aspect", camera.aspect);
+    if (auto shift = o.get("shift")) {
+        shift->array_of(2);
+        camera.shift_x = (*shift)[0].number();
+        camera.shift_y = (*shift)[1].number();
+    }
     if (auto shutter = o.get("shutter")) {
         shutter->array_of(2);
         camera.shutter_open = (*shutter)[0].number();
@@ -101,6 +106,7 @@ void FathomJsonReader::read_environment(const JsonValue& v)
     if (environment.kind == EnvironmentKind::sky) {
         o.read("to_sun", environment.to_sun);
         o.read("sun", environment.sun_disk);
+        o.read("ground", environment.sky_ground);
     }
     if (turns) {
         if (auto rotate = o.get("rotate"))

@@ -15,7 +15,8 @@ SceneDescription read_fathom_json(const std::filesystem::path& file, std::string
 bool begins_as_object(std::string_view text);
 
 inline constexpr Importer fathom_json_importer{
-    [](const SourceFile& f) { return f.extension == ".json" || (f.extension.empty() && begins_as_object(f.bytes)); },
-    [](const SourceFile& f, LoadContext& context) { return read_fathom_json(f.path, f.bytes, context); }};
+    [](const SourceFile& f) { return f.extension == ".json" || (f.extension.empty() && begins_as_object(f.bytes())); },
+    [](const SourceFile& f, LoadContext& context) { return read_fathom_json(f.path, f.bytes(), context); }, false,
+    false, "scene of Fathom"};
 
 }  // namespace fathom

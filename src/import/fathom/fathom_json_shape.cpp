@@ -145,7 +145,8 @@ std::optional<PlyData> FathomJsonReader::read_data_file(JsonObject& o)
     if (!v) return std::nullopt;
     if (v->string().empty()) v->fail("the path of a file is empty");
     const std::filesystem::path file = file_.parent_path() / v->string();
-    return read_ply_data(file.string(), context_.read(file));
+    InputFile input = context_.open(file);
+    return read_ply_data(input);
 }
 
 void FathomJsonReader::read_mesh_motion(const JsonValue& v, Mesh& mesh)

@@ -20,9 +20,10 @@ bool looks_like_gltf(std::string_view text);
 inline constexpr Importer gltf_importer{
     [](const SourceFile& f) {
         const bool may_be_json = f.extension == ".json" || f.extension.empty();
-        return f.bytes.starts_with("glTF") || f.extension == ".gltf" || f.extension == ".glb" ||
-               (may_be_json && looks_like_gltf(f.bytes));
+        return f.head().starts_with("glTF") || f.extension == ".gltf" || f.extension == ".glb" ||
+               (may_be_json && looks_like_gltf(f.bytes()));
     },
-    [](const SourceFile& f, LoadContext& context) { return read_gltf(f.path, f.bytes, f.options, context); }, true};
+    [](const SourceFile& f, LoadContext& context) { return read_gltf(f.path, f.bytes(), f.options, context); }, true,
+    false, "glTF 2.0"};
 
 }  // namespace fathom

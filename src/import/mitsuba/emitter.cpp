@@ -7,6 +7,7 @@
 
 #include "import/common/read_file.h"
 #include "import/mitsuba/reader.h"
+#include "import/mitsuba/sky_tables.h"
 
 namespace fathom::mitsuba {
 
@@ -110,28 +111,6 @@ void Reader::read_environment_map(Object& emitter)
 
 namespace {
 
-/// What Mitsuba 3.9.1's `sunsky`, of the Hosek-Wilkie model, gives a level surface from the sky, over what the sky here
-/// gives it: fitted for turbidities to 8 and a sun at least 10 degrees high, to 3 % in the mean and 15 % at most.
-Color sky_brightness(double turbidity, double sine)
-{
-    const auto of = [&](double a, double b, double c, double d, double e) {
-        return float(std::exp(a + b * turbidity + c * sine + d * sine * sine + e * turbidity * sine));
-    };
-    return {of(-0.7179, 0.1554, -1.1584, 0.5439, 0.0675), of(-0.3122, 0.0711, -0.9453, 0.3925, 0.0766),
-            of(-0.1825, 0.0072, -0.4212, 0.0864, 0.0652)};
-}
-
-/// What its sun gives a surface that faces it, whatever its size; fitted alike.
-Color sun_irradiance(double turbidity, double sine)
-{
-    const double air = 1 / (sine + 0.15);
-    const auto of = [&](double a, double b, double c, double d, double e) {
-        return float(std::exp(a + b * turbidity + c * air + d * turbidity * air + e * turbidity * air * air));
-    };
-    return {of(0.5299, -0.0141, -0.0431, -0.003, -0.0133), of(0.499, -0.0286, -0.1791, 0.0128, -0.0185),
-            of(0.6022, -0.0674, -0.5409, 0.0635, -0.0306)};
-}
-
 Color scaled(Color c, double factor)
 {
     const auto f = float(factor);
@@ -150,14 +129,16 @@ void Reader::read_sky(Object& emitter)
     if (!said) tell(emitter.element(), "where a date and a place put the sun is not computed: give a 'sun_direction'");
     // The direction is one of the world, whichever way the sky is turned.
     const Vec3d to_sun = normalize(said ? world.inverse().vector(*said) : Vec3d{0.5, 0, 0.7});
-    const double turbidity = std::clamp(emitter.number("turbidity", 3), 1.0, 10.0), sine = std::max(0.0, to_sun.z);
+    const double turbidity = std::clamp(emitter.number("turbidity", 3), 1.0, 10.0),
+                 elevation_deg = std::asin(std::clamp(to_sun.z, 0.0, 1.0)) / degree;
     if (emitter.type() != "sun") {
         Environment& environment = scene_.environment;
         environment.kind = EnvironmentKind::sky;
         environment.sun_disk = false;
+        environment.sky_ground = false;
         environment.world_from_environment = world_from_sky;
         environment.to_sun = y_up.vector(to_sun);
-        environment.color = scaled(sky_brightness(turbidity, sine), emitter.number("sky_scale", 1));
+        environment.color = scaled(look_up(sky_over_ours, turbidity, elevation_deg), emitter.number("sky_scale", 1));
         tell(emitter.element(),
              "the sky is computed from the air, as bright as Mitsuba's of this turbidity, but not the same");
     }
@@ -166,7 +147,7 @@ void Reader::read_sky(Object& emitter)
         sun.name = "sun";
         sun.kind = LightKind::directional;
         sun.angle = emitter.number("sun_aperture", 0.5358) * degree;
-        sun.intensity = scaled(sun_irradiance(turbidity, sine), emitter.number("sun_scale", 1));
+        sun.intensity = scaled(look_up(sun_irradiance, turbidity, elevation_deg), emitter.number("sun_scale", 1));
         add_light(sun, towards(world.vector(-to_sun)));
     }
     emitter.ignore({"turbidity", "albedo", "sun_aperture", "sun_scale", "sky_scale", "complex_sun"});

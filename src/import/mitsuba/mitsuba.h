@@ -8,7 +8,7 @@ namespace fathom {
 SceneDescription read_mitsuba(const SourceFile& file, LoadContext& context);
 
 inline constexpr Importer mitsuba_importer{
-    [](const SourceFile& f) { return f.extension == ".xml" && f.bytes.find("<scene") != std::string::npos; },
-    [](const SourceFile& f, LoadContext& context) { return read_mitsuba(f, context); }};
+    [](const SourceFile& f) { return f.extension == ".xml" && f.bytes().find("<scene") != std::string::npos; },
+    [](const SourceFile& f, LoadContext& context) { return read_mitsuba(f, context); }, false, false, "Mitsuba 3"};
 
 }  // namespace fathom

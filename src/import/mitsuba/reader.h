@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -27,6 +28,8 @@ private:
     void read_sensor(const Element& element);
     double vertical_fov(Object& sensor, double aspect) const;
     void read_film(const Element& element);
+    void read_crop(Object& film);
+    void look_at_crop(Object& sensor, Camera& camera) const;
     void read_integrator(const Element& element);
     // emitter.cpp
     void read_emitter(const Element& element);
@@ -86,6 +89,8 @@ private:
     const Document& document_;
     LoadContext& context_;
     SceneDescription scene_;
+    int film_width_ = 768, film_height_ = 576;
+    std::array<double, 2> crop_middle_{384, 288};  ///< of the part of the film that is the picture, in pixels
     std::map<const Element*, int> textures_, materials_;
     std::map<const Element*, int> data_textures_;
     std::map<std::string, int> images_;

@@ -78,11 +78,9 @@ void Reader::read_film(const Element& element)
     if (*scene_.hints.width < 1 || *scene_.hints.height < 1 || *scene_.hints.width > 1 << 20 ||
         *scene_.hints.height > 1 << 20)
         element.fail("a film's size must be from 1 to 1048576");
-    if (film.has("crop_width") || film.has("crop_height"))
-        tell(element, "the crop is left out: --crop x0,y0,x1,y1 renders a part");
-    film.ignore({"crop_width", "crop_height", "crop_offset_x", "crop_offset_y", "file_format", "pixel_format",
-                 "component_format", "sample_border", "compensate", "banner", "gamma", "variant", "high_quality_edges",
-                 "attach_log"});
+    read_crop(film);
+    film.ignore({"file_format", "pixel_format", "component_format", "sample_border", "compensate", "banner", "gamma",
+                 "variant", "high_quality_edges", "attach_log"});
     scene_.hints.filter = "gaussian";
     for (const Element* filter : film.children("rfilter")) {
         scene_.hints.filter = filter->type() == "box"        ? "box"
@@ -92,6 +90,33 @@ void Reader::read_film(const Element& element)
             tell(*filter, "the filter is 'blackman-harris' here: no filter with negative parts, nor a tent");
     }
     film.finish(context_.warnings);
+}
+
+/// The part of the film that is the picture.
+void Reader::read_crop(Object& film)
+{
+    film_width_ = *scene_.hints.width, film_height_ = *scene_.hints.height;
+    const int x = film.integer("crop_offset_x", 0), y = film.integer("crop_offset_y", 0),
+              width = film.integer("crop_width", film_width_ - x),
+              height = film.integer("crop_height", film_height_ - y);
+    if (x < 0 || y < 0 || width < 1 || height < 1 || width > film_width_ - x || height > film_height_ - y)
+        film.element().fail(fmt::format("the crop of {}x{} from {}, {} on is not within the film of {}x{}", width,
+                                        height, x, y, film_width_, film_height_));
+    scene_.hints.width = width, scene_.hints.height = height;
+    crop_middle_ = {x + width / 2.0, y + height / 2.0};
+}
+
+/// The camera of the whole film becomes that of the crop, whose middle is elsewhere.
+void Reader::look_at_crop(Object& sensor, Camera& camera) const
+{
+    const double width = scene_.hints.width.value_or(film_width_), height = scene_.hints.height.value_or(film_height_);
+    camera.height *= height / film_height_;
+    if (height != film_height_) camera.fov_y = 2 * std::atan(std::tan(camera.fov_y / 2) * height / film_height_);
+    const auto offset = [&](const char* name) {
+        return camera.kind == CameraKind::perspective ? sensor.number(name, 0) : 0;
+    };
+    camera.shift_x = (crop_middle_[0] + (offset("principal_point_offset_x") - 0.5) * film_width_) / width;
+    camera.shift_y = ((0.5 - offset("principal_point_offset_y")) * film_height_ - crop_middle_[1]) / height;
 }
 
 double Reader::vertical_fov(Object& sensor, double aspect) const
@@ -128,7 +153,7 @@ void Reader::read_sensor(const Element& element)
         tell(element, "is not known: it is left out");
         return;
     }
-    const double aspect = double(scene_.hints.width.value_or(768)) / scene_.hints.height.value_or(576);
+    const double aspect = double(film_width_) / film_height_;
     const Transform world = sensor.transform("to_world");
     Camera camera;
     camera.name = element.attribute("id");
@@ -146,8 +171,7 @@ void Reader::read_sensor(const Element& element)
     camera.focus_distance = type == "thinlens" ? sensor.number("focus_distance", 1) : 0;
     camera.shutter_open = sensor.number("shutter_open", 0);
     camera.shutter_close = std::max(camera.shutter_open, sensor.number("shutter_close", 0));
-    for (const char* shift : {"principal_point_offset_x", "principal_point_offset_y"})
-        if (sensor.number(shift, 0) != 0) tell(element, fmt::format("'{}' is left out", shift));
+    look_at_crop(sensor, camera);
     sensor.ignore({"near_clip", "far_clip", "fov", "fov_axis", "focus_distance", "aperture_radius", "srf"});
     sensor.finish(context_.warnings);
     scene_.cameras.push_back(camera);
@@ -160,7 +184,8 @@ void Reader::read_sensor(const Element& element)
 
 SceneDescription read_mitsuba(const SourceFile& file, LoadContext& context)
 {
-    const mitsuba::Document document = mitsuba::read_document(file.path, file.bytes, file.options.definitions, context);
+    const mitsuba::Document document =
+        mitsuba::read_document(file.path, file.bytes(), file.options.definitions, context);
     return mitsuba::Reader(document, context).read();
 }
 

@@ -40,12 +40,12 @@ public:
         std::optional<Entry> entry;
         for (; !scan_.at_end(); scan_.next_line()) {
             const std::string_view key = scan_.word();
-            if (key.empty() || key[0] == '#') continue;
+            if (key.starts_with('#')) scan_.skip_comment();
             if (key == "newmtl") {
                 if (entry) add(*entry);
                 entry.emplace();
                 entry->name = scan_.rest();
-            } else if (entry) {
+            } else if (entry && !key.empty() && key[0] != '#') {
                 read_line(key, *entry);
             }
         }

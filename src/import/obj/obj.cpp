@@ -1,5 +1,10 @@
 #include "import/obj/obj.h"
 
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -8,43 +13,32 @@
 #include "import/common/mesh_cleanup.h"
 #include "import/common/point_cloud.h"
 #include "import/common/polygon.h"
-#include "import/common/text_scanner.h"
-#include "import/common/vertex_index.h"
+#include "import/obj/line_blocks.h"
+#include "import/obj/obj_piece.h"
+#include "import/obj/vertex_join.h"
 
 namespace fathom {
 
 namespace {
 
-constexpr std::uint32_t none = ~0u, missing = ~0u - 1;
-
-/// A mesh that grows: all faces of one object with one material, those with normals apart from those without.
-struct Part {
-    Mesh mesh;
-    int material = -1;
-    bool has_uvs = false;
-    VertexIndex vertices;
-};
-
-struct Corner {
-    std::uint32_t position, uv, normal;
-};
-
+/// Joins pieces of a file in their order: here is all that depends on what came before.
 class ObjReader {
 public:
-    ObjReader(const std::filesystem::path& file, std::string_view text, LoadContext& context)
-        : file_(file), name_(file.string()), scan_(name_, text), context_(context), warnings_(context.warnings)
+    ObjReader(const std::filesystem::path& file, InputFile& input, LoadContext& context)
+        : file_(file), name_(file.string()), input_(input), context_(context), warnings_(context.warnings)
     {
     }
 
     SceneDescription read()
     {
-        for (; !scan_.at_end(); scan_.next_line()) read_line();
-        if (corners_seen_ == 0 && cloud_.empty()) cloud_ = positions_;
+        read_pieces();
         if (positions_.empty()) throw Error(name_, "", "there are no vertices in it: is it an OBJ file?");
+        join_ = {};
         scene_.file = name_;
         for (auto& [key, part] : parts_) add_part(*part);
         scene_.roots.resize(scene_.nodes.size());
         for (std::size_t i = 0; i < scene_.roots.size(); ++i) scene_.roots[i] = int(i);
+        if (corners_seen_ == 0 && cloud_.empty()) cloud_ = positions_.take();
         Points points = fitting_points(std::move(cloud_), name_, warnings_);
         points.name = "points";
         add_point_cloud(scene_, std::move(points));
@@ -52,155 +46,204 @@ public:
     }
 
 private:
-    void warn(const char* message) { warnings_.add(name_ + ": " + message); }
+    void warn(const char* message, std::size_t times = 1) { warnings_.add(name_ + ": " + message, times); }
 
-    void read_line()
+    /// Some pieces are read at a time, side by side, and joined one after the other.
+    void read_pieces()
     {
-        const std::string_view key = scan_.word();
-        if (key.empty()) return;
-        // A backslash at the end of a comment joins nothing.
-        if (key[0] == '#') return void(scan_.rest());
-        if (key == "v")
-            read_position();
-        else if (key == "vt")
-            read_uv();
-        else if (key == "vn")
-            normals_.push_back({scan_.number(), scan_.number(), scan_.number()});
-        else if (key == "f" || key == "fo")
-            read_face();
-        else if (key == "usemtl")
-            use_material(scan_.rest());
-        else if (key == "mtllib")
-            read_library(scan_.rest());
-        else if (key == "o")
-            object_ = scan_.rest(), part_ = nullptr;
-        else if (key == "l")
-            warn("lines are not shown");
-        else if (key == "p")
-            read_points();
-        else if (key == "vp" || key == "curv" || key == "curv2" || key == "surf" || key == "cstype")
-            warn("curves and free-form surfaces are not shown");
-        else if (key != "g" && key != "s" && key != "mg" && key != "lod" && key != "usemap" && key != "maplib" &&
-                 key != "deg" && key != "end" && key != "parm" && key != "bevel" && key != "c_interp" &&
-                 key != "d_interp" && key != "shadow_obj" && key != "trace_obj" && key != "call")
-            warn("lines that are not understood are left out");
+        const std::size_t threads =
+            std::min<std::size_t>(std::size_t(tbb::this_task_arena::max_concurrency()),
+                                  tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+        // One that is joined while others are read; a thread alone does one after the other in its cache.
+        std::vector<ObjPiece> pieces(threads == 1 ? 1 : 2 * threads);
+        LineBlocks blocks(input_);
+        std::size_t count = 0;
+        tbb::parallel_pipeline(pieces.size(),
+                               tbb::make_filter<void, ObjPiece*>(tbb::filter_mode::serial_in_order,
+                                                                 [&](tbb::flow_control& control) -> ObjPiece* {
+                                                                     ObjPiece& piece = pieces[count++ % pieces.size()];
+                                                                     if (!blocks.next(piece.text)) control.stop();
+                                                                     return &piece;
+                                                                 }) &
+                                   tbb::make_filter<ObjPiece*, ObjPiece*>(tbb::filter_mode::parallel,
+                                                                          [&](ObjPiece* piece) {
+                                                                              read_as_far_as_it_goes(*piece);
+                                                                              return piece;
+                                                                          }) &
+                                   tbb::make_filter<ObjPiece*, void>(tbb::filter_mode::serial_in_order,
+                                                                     [&](ObjPiece* piece) { join(*piece); }));
     }
 
-    void read_position()
+    /// What is wrong is told when what stands before it has been looked at.
+    void read_as_far_as_it_goes(ObjPiece& piece) const
     {
-        const Vec3f p{scan_.number(), scan_.number(), scan_.number()};
-        positions_.push_back(p);
-        // Behind the position: a weight that polygons don't need, or a colour, as many programs write it.
-        float more[4];
-        int count = 0;
-        for (; count < 4 && scan_.line_has_more(); ++count) more[count] = scan_.number();
-        if (count >= 3) {
-            colors_.resize(positions_.size() - 1, {1, 1, 1, 1});
-            colors_.push_back({more[0], more[1], more[2], 1});
-        } else if (!colors_.empty()) {
-            colors_.push_back({1, 1, 1, 1});
+        try {
+            read_obj_piece(piece, name_, 1);
+        } catch (const Error&) {
+            piece.is_damaged = true;
         }
     }
 
-    void read_uv()
+    void join(ObjPiece& piece)
     {
-        const float u = scan_.number();
-        const float v = scan_.line_has_more() ? scan_.number() : 0;
-        uvs_.push_back({u, 1 - v});
+        const ObjCounts before{positions_.size(), uvs_.size(), normals_.size()};
+        append(piece);
+        auto event = piece.events.begin();
+        std::size_t run = 0;
+        event_line_ = {piece.text.data(), line_};
+        for (std::size_t face = 0; face < piece.face_ends.size(); ++face) {
+            for (; event != piece.events.end() && event->face <= face; ++event) take(*event, before);
+            while (run + 1 < piece.runs.size() && piece.runs[run + 1].first_face <= face) ++run;
+            so_far_ = sum(before, piece.runs[run].counts);
+            join_face(piece, face);
+        }
+        for (; event != piece.events.end(); ++event) take(*event, before);
+        // Once more, to tell the line.
+        if (piece.is_damaged) read_obj_piece(piece, name_, line_);
+        line_ += piece.lines;
+        warn("lines are not shown", piece.drawn_lines);
+        warn("curves and free-form surfaces are not shown", piece.free_forms);
+        warn("lines that are not understood are left out", piece.unknown_lines);
     }
 
-    /// One number of a corner, from 1 on or from -1 back.
-    std::uint32_t index(std::string_view word, std::size_t size, const char* what) const
+    static ObjCounts sum(const ObjCounts& a, const ObjCounts& b)
     {
-        const auto i = scan_.to_integer<long long>(word);
-        const long long from_zero = i > 0 ? i - 1 : i + (long long)size;
-        if (i == 0 || from_zero < 0 || from_zero >= (long long)size)
-            scan_.fail(fmt::format("{} {} is out of range: there are {} so far", what, i, size));
-        return std::uint32_t(from_zero);
+        return {a.positions + b.positions, a.uvs + b.uvs, a.normals + b.normals};
     }
 
-    Corner corner(std::string_view word)
+    void append(const ObjPiece& piece)
     {
-        Corner corner{none, none, none};
-        const std::size_t slash = word.find('/');
-        corner.position = index(word.substr(0, slash), positions_.size(), "vertex");
-        if (slash == std::string_view::npos) return corner;
-        word.remove_prefix(slash + 1);
-        const std::size_t second = word.find('/');
-        if (const auto uv = word.substr(0, second); !uv.empty())
-            corner.uv = index(uv, uvs_.size(), "texture coordinate");
-        if (second == std::string_view::npos) return corner;
-        word.remove_prefix(second + 1);
-        if (!word.empty()) corner.normal = normal_index(word);
-        return corner;
+        const std::size_t before = positions_.size();
+        positions_.append(piece.positions);
+        uvs_.append(piece.uvs);
+        normals_.append(piece.normals);
+        if (std::max({positions_.size(), uvs_.size(), normals_.size()}) >= std::size_t(ObjCorner::most))
+            throw Error(name_, "", "there are more than two billion vertices in it");
+        if (!piece.colors.empty()) {
+            if (colors_.empty()) first_color_ = before + piece.first_color;
+            colors_.resize(before + piece.first_color, {1, 1, 1, 1});
+            colors_.append(piece.colors);
+        } else if (!colors_.empty()) {
+            colors_.resize(positions_.size(), {1, 1, 1, 1});
+        }
     }
 
-    /// A normal that isn't there is made up for: the rest of the face is as it should be.
-    std::uint32_t normal_index(std::string_view word)
+    void take(const ObjPiece::Event& event, const ObjCounts& before)
     {
-        const auto i = scan_.to_integer<long long>(word);
-        const long long from_zero = i > 0 ? i - 1 : i + (long long)normals_.size();
-        if (i != 0 && from_zero >= 0 && from_zero < (long long)normals_.size()) return std::uint32_t(from_zero);
-        warn("normals that are not there are replaced by those of the faces around");
-        return missing;
+        switch (event.kind) {
+            case ObjPiece::Event::object:
+                object_ = event.rest;
+                part_ = nullptr;
+                return;
+            case ObjPiece::Event::material:
+                return use_material(event.rest);
+            case ObjPiece::Event::library:
+                return read_library(event.rest);
+            case ObjPiece::Event::points:
+                so_far_ = sum(before, event.counts);
+                return read_points(event.rest);
+        }
     }
 
     /// Each word is a vertex.
-    void read_points()
+    void read_points(std::string_view rest)
     {
-        for (std::string_view word = scan_.word(); !word.empty() && word[0] != '#'; word = scan_.word())
-            cloud_.push_back(positions_[index(word, positions_.size(), "vertex")]);
+        auto& [at, line] = event_line_;
+        line += std::size_t(std::count(at, rest.data(), '\n'));
+        at = rest.data();
+        TextScanner scan(name_, rest, line);
+        for (std::string_view word = scan.word(); !word.empty() && word[0] != '#'; word = scan.word())
+            cloud_.push_back(positions_[index(scan, word, so_far_.positions, "vertex")]);
     }
 
-    void read_face()
+    /// As written in the file; throws the Error that tells what is wrong with it.
+    static std::uint32_t index(const TextScanner& scan, std::string_view word, std::size_t size, const char* what)
     {
-        corners_.clear();
-        for (std::string_view word = scan_.word(); !word.empty() && word[0] != '#'; word = scan_.word())
-            corners_.push_back(corner(word));
-        corners_seen_ += corners_.size();
-        if (corners_.size() < 3) return warn("faces with fewer than three corners are left out");
-        const bool has_normals =
-            std::all_of(corners_.begin(), corners_.end(), [](Corner c) { return c.normal != none; });
-        Part& part = part_for(has_normals);
+        const long long i = read_obj_index(scan, word), from_zero = i > 0 ? i - 1 : i + (long long)size;
+        if (i == 0 || from_zero < 0 || from_zero >= (long long)size)
+            scan.fail(fmt::format("{} {} is out of range: there are {} so far", what, i, size));
+        return std::uint32_t(from_zero);
+    }
+
+    static bool find(std::int32_t i, std::size_t size, std::uint32_t& from_zero)
+    {
+        const std::int64_t at = i > 0 ? std::int64_t(i) - 1 : i + std::int64_t(size);
+        from_zero = std::uint32_t(at);
+        return i != 0 && at >= 0 && at < std::int64_t(size);
+    }
+
+    /// Returns false if it refers to what isn't there. A normal may: the rest of the face is as it should be.
+    bool find(const ObjCorner& corner, ObjVertex& v)
+    {
+        v = {0, ObjVertex::none, ObjVertex::none};
+        if (!find(corner.position, so_far_.positions, v.position)) return false;
+        if (corner.uv != ObjCorner::absent && !find(corner.uv, so_far_.uvs, v.uv)) return false;
+        if (corner.normal != ObjCorner::absent && !find(corner.normal, so_far_.normals, v.normal)) {
+            warn("normals that are not there are replaced by those of the faces around");
+            v.normal = ObjVertex::missing;
+        }
+        return true;
+    }
+
+    void join_face(const ObjPiece& piece, std::size_t face)
+    {
+        const std::size_t begin = face > 0 ? piece.face_ends[face - 1] : 0, count = piece.face_ends[face] - begin;
+        corners_.resize(count);
+        bool has_normals = true;
+        for (std::size_t k = 0; k < count; ++k) {
+            if (!find(piece.corners[begin + k], corners_[k])) fail_at(piece, face);
+            has_normals &= corners_[k].normal != ObjVertex::none;
+        }
+        corners_seen_ += count;
+        if (count < 3) return warn("faces with fewer than three corners are left out");
+        ObjPart& part = part_for(has_normals);
+        part.has_colors |= so_far_.positions > first_color_;
+        if (count == 3) {
+            for (const ObjVertex& corner : corners_) add_corner(part, corner);
+            return;
+        }
+        points_.clear();
+        for (const ObjVertex& corner : corners_) points_.push_back(positions_[corner.position]);
         triangles_.clear();
-        if (corners_.size() == 3) {
-            triangles_.insert(triangles_.end(), {0, 1, 2});
-        } else {
-            points_.clear();
-            for (Corner c : corners_) points_.push_back(positions_[c.position]);
-            triangulate(points_, triangles_);
-        }
-        for (std::uint32_t i : triangles_) part.mesh.indices.push_back(vertex(part, corners_[i], has_normals));
+        triangulate(points_, triangles_);
+        for (const std::uint32_t i : triangles_) add_corner(part, corners_[i]);
+    }
+    void add_corner(ObjPart& part, ObjVertex corner)
+    {
+        if (!part.has_normals) corner.normal = ObjVertex::none;
+        part.indices.push_back(join_(part, corner, so_far_.positions));
     }
 
-    std::uint32_t vertex(Part& part, Corner c, bool has_normals)
+    /// Finds the line of the face again, to tell what is wrong with it.
+    [[noreturn]] void fail_at(const ObjPiece& piece, std::size_t face) const
     {
-        if (!has_normals) c.normal = none;
-        const std::uint32_t n = part.vertices({c.position, c.uv, c.normal});
-        Mesh& mesh = part.mesh;
-        if (n < mesh.positions.size()) return n;
-        mesh.positions.push_back(positions_[c.position]);
-        if (has_normals) mesh.normals.push_back(c.normal == missing ? Vec3f{0, 0, 0} : normals_[c.normal]);
-        mesh.uvs[0].push_back(c.uv != none ? uvs_[c.uv] : Vec2f{0, 0});
-        part.has_uvs |= c.uv != none;
-        if (c.position < colors_.size()) {
-            mesh.colors.resize(n, {1, 1, 1, 1});
-            mesh.colors.push_back(colors_[c.position]);
+        TextScanner scan(name_, piece.text, line_);
+        for (;; scan.next_line()) {
+            const std::string_view key = scan.word();
+            if (key.starts_with('#')) scan.skip_comment();
+            if ((key == "f" || key == "fo") && face-- == 0) break;
         }
-        return n;
+        for (std::string_view word = scan.word(); !word.empty() && word[0] != '#'; word = scan.word()) {
+            index(scan, word.substr(0, word.find('/')), so_far_.positions, "vertex");
+            word.remove_prefix(std::min(word.size(), word.find('/')));
+            if (word.size() > 1 && word[1] != '/')
+                index(scan, word.substr(1, word.find('/', 1) - 1), so_far_.uvs, "texture coordinate");
+        }
+        scan.fail("a corner is out of range");
     }
 
-    Part& part_for(bool has_normals)
+    ObjPart& part_for(bool has_normals)
     {
-        if (part_ && part_has_normals_ == has_normals) return *part_;
+        if (part_ && part_->has_normals == has_normals) return *part_;
         auto& part = parts_[{object_, material_, has_normals}];
         if (!part) {
-            part = std::make_unique<Part>();
-            part->mesh.name = printable(object_);
+            part = std::make_unique<ObjPart>();
+            part->number = std::uint32_t(parts_.size());
+            part->name = printable(object_);
             part->material = material_;
+            part->has_normals = has_normals;
         }
         part_ = part.get();
-        part_has_normals_ = has_normals;
         return *part_;
     }
 
@@ -233,20 +276,42 @@ private:
                 warnings_.add(fmt::format("{}: the material file '{}' is missing", name_, printable(name)));
     }
 
-    void add_part(Part& part)
+    void add_part(ObjPart& part)
     {
-        if (!part.has_uvs) part.mesh.uvs[0].clear();
-        if (!part.mesh.colors.empty()) {
-            part.mesh.colors.resize(part.mesh.positions.size(), {1, 1, 1, 1});
-            part.material = with_vertex_colors(part.material);
-        }
-        clean_mesh(part.mesh, name_, warnings_);
-        if (part.mesh.indices.empty()) return;
+        Mesh mesh = mesh_of(part);
+        int material = part.material;
+        if (!mesh.colors.empty()) material = with_vertex_colors(material);
+        part = {};
+        clean_mesh(mesh, name_, warnings_);
+        if (mesh.indices.empty()) return;
         Node node;
-        node.name = part.mesh.name;
-        node.shapes.push_back({MeshInstance{int(scene_.meshes.size())}, part.material, node.name});
+        node.name = mesh.name;
+        node.shapes.push_back({MeshInstance{int(scene_.meshes.size())}, material, node.name});
         scene_.nodes.push_back(std::move(node));
-        scene_.meshes.push_back(std::move(part.mesh));
+        scene_.meshes.push_back(std::move(mesh));
+    }
+
+    Mesh mesh_of(ObjPart& part) const
+    {
+        Mesh mesh;
+        mesh.name = part.name;
+        mesh.indices = part.indices.take();
+        const auto fill = [&](auto& values, const auto& value) {
+            reserve_large(values, part.vertices());
+            values.resize(part.vertices());
+            tbb::parallel_for(tbb::blocked_range<std::size_t>(0, part.vertices(), 1 << 14), [&](const auto& range) {
+                for (std::size_t i = range.begin(); i < range.end(); ++i) values[i] = value(part.vertex(i));
+            });
+        };
+        fill(mesh.positions, [&](const ObjVertex& v) { return positions_[v.position]; });
+        if (part.has_normals)
+            fill(mesh.normals, [&](const ObjVertex& v) {
+                return v.normal == ObjVertex::missing ? Vec3f{0, 0, 0} : normals_[v.normal];
+            });
+        if (part.has_uvs)
+            fill(mesh.uvs[0], [&](const ObjVertex& v) { return v.uv == ObjVertex::none ? Vec2f{0, 0} : uvs_[v.uv]; });
+        if (part.has_colors) fill(mesh.colors, [&](const ObjVertex& v) { return colors_[v.position]; });
+        return mesh;
     }
 
     int with_vertex_colors(int material)
@@ -262,36 +327,40 @@ private:
 
     const std::filesystem::path& file_;
     std::string name_;
-    TextScanner scan_;
+    InputFile& input_;
     LoadContext& context_;
     Warnings& warnings_;
     SceneDescription scene_;
 
-    std::vector<Vec3f> positions_, normals_;
-    std::vector<Vec2f> uvs_;
-    std::vector<Vec4f> colors_;
+    ChunkedArray<Vec3f> positions_, normals_;
+    ChunkedArray<Vec2f> uvs_;
+    ChunkedArray<Vec4f> colors_;  ///< empty, or of all positions
+    std::size_t first_color_ = std::size_t(-1);
     std::map<std::string, int, std::less<>> materials_;
     std::set<std::filesystem::path> libraries_;  ///< that were read
     std::map<int, int> colored_;
 
     std::string object_;
     int material_ = -1;
-    std::map<std::tuple<std::string, int, bool>, std::unique_ptr<Part>> parts_;
-    Part* part_ = nullptr;  ///< that of the last face, nullptr after a change of object or material
-    bool part_has_normals_ = false;
+    std::map<std::tuple<std::string, int, bool>, std::unique_ptr<ObjPart>> parts_;
+    ObjPart* part_ = nullptr;  ///< that of the last face, nullptr after a change of object or material
+    VertexJoin join_;
 
+    std::size_t line_ = 1;  ///< the first of the piece that is joined
+    ObjCounts so_far_;      ///< before the face that is joined
+    std::pair<const char*, std::size_t> event_line_{nullptr, 1};
     std::vector<Vec3f> cloud_;  ///< what `p` names
     std::size_t corners_seen_ = 0;
-    std::vector<Corner> corners_;  ///< of the face being read
+    std::vector<ObjVertex> corners_;  ///< of the face that is joined
     std::vector<Vec3f> points_;
     std::vector<std::uint32_t> triangles_;
 };
 
 }  // namespace
 
-SceneDescription read_obj(const std::filesystem::path& file, std::string_view text, LoadContext& context)
+SceneDescription read_obj(const std::filesystem::path& file, InputFile& input, LoadContext& context)
 {
-    return ObjReader(file, text, context).read();
+    return ObjReader(file, input, context).read();
 }
 
 }  // namespace fathom

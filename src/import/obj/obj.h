@@ -11,7 +11,7 @@ namespace fathom {
 /// Reads Wavefront OBJ with its MTL files: polygons, given normals, texture coordinates, vertex colours. Each object
 /// and material is a mesh. Points (`p`, or all vertices of a file without faces) become balls, see add_point_cloud;
 /// curves and lines are a counted warning.
-SceneDescription read_obj(const std::filesystem::path& file, std::string_view text, LoadContext& context);
+SceneDescription read_obj(const std::filesystem::path& file, InputFile& input, LoadContext& context);
 
 /// Adds the materials of an MTL file to the scene, and their indices to `by_name`.
 void read_mtl(const std::filesystem::path& file, std::string_view text, SceneDescription& scene,
@@ -19,6 +19,6 @@ void read_mtl(const std::filesystem::path& file, std::string_view text, SceneDes
 
 inline constexpr Importer obj_importer{
     [](const SourceFile& f) { return f.extension == ".obj"; },
-    [](const SourceFile& f, LoadContext& context) { return read_obj(f.path, f.bytes, context); }};
+    [](const SourceFile& f, LoadContext& context) { return read_obj(f.path, f.input, context); }, false, false, "OBJ"};
 
 }  // namespace fathom

@@ -1,9 +1,11 @@
 #include "import/ply/ply.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
+#include "import/common/large_pages.h"
 #include "import/common/mesh_cleanup.h"
 #include "import/common/point_cloud.h"
 #include "import/common/polygon.h"
@@ -29,10 +31,11 @@ float color_channel(double value, PlyType type, bool is_alpha)
 
 class PlyReader {
 public:
-    PlyReader(const std::string& file, const std::string& bytes, PlyHeader header)
-        : file_(file),
-          header_(std::move(header)),
-          body_(file, std::string_view(bytes).substr(header_.size_bytes), header_.format, header_.lines + 1)
+    explicit PlyReader(InputFile& input)
+        : file_(input.name()),
+          window_(input),
+          header_(read_ply_header(file_, window_)),
+          body_(file_, window_, header_.format, header_.lines + 1)
     {
     }
 
@@ -71,7 +74,10 @@ private:
     template <class T>
     static Target target(std::vector<T>& to, std::size_t count, std::size_t component)
     {
-        if (to.size() != count) to.resize(count);
+        if (to.size() != count) {
+            reserve_large(to, count);
+            to.resize(count);
+        }
         return {&to.data()->x + component, sizeof(T) / sizeof(float), Target::plain};
     }
 
@@ -132,30 +138,34 @@ private:
                                    : float(value);
     }
 
-    /// A property at a time: vertices of fixed size in our byte order.
+    /// Vertices of fixed size in our byte order: some rows that stay in the cache, of them a property at a time.
     void read_native_vertices(const PlyElement& element, const std::vector<Target>& targets)
     {
-        const std::size_t stride = element.least_size();
-        const char* data = body_.take(stride * element.count);
-        std::size_t offset = 0;
-        for (std::size_t k = 0; k < targets.size(); ++k) {
-            const PlyType type = element.properties[k].type;
-            if (targets[k].data) read_column(data + offset, stride, element.count, type, targets[k]);
-            offset += size_of(type);
+        const std::size_t stride = element.least_size(), most = std::max<std::size_t>(1, (128 << 10) / stride);
+        for (std::size_t first = 0; first < element.count; first += most) {
+            const std::size_t rows = std::min(most, element.count - first);
+            const char* data = body_.take(rows * stride);
+            for (std::size_t k = 0; k < targets.size(); ++k) {
+                const PlyType type = element.properties[k].type;
+                Target t = targets[k];
+                if (t.data) {
+                    t.data += first * t.stride;
+                    read_column(data, stride, rows, type, t);
+                }
+                data += size_of(type);
+            }
         }
     }
     static void read_column(const char* p, std::size_t stride, std::size_t count, PlyType type, const Target& t)
     {
+        if (type == PlyType::f32 && t.kind == Target::plain) {
+            for (std::size_t i = 0; i < count; ++i) std::memcpy(t.data + i * t.stride, p + i * stride, sizeof(float));
+            return;
+        }
         const auto run = [&]<class T>() {
             for (std::size_t i = 0; i < count; ++i, p += stride) {
                 T value;
                 std::memcpy(&value, p, sizeof value);
-                if constexpr (std::is_same_v<T, float>) {
-                    if (t.kind == Target::plain) {
-                        t.data[i * t.stride] = value;
-                        continue;
-                    }
-                }
                 store(t, i, double(value), type);
             }
         };
@@ -184,7 +194,7 @@ private:
         const auto is_indices = [](const PlyProperty& p) {
             return p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index");
         };
-        mesh_.indices.reserve(mesh_.indices.size() + 3 * element.count);
+        reserve_large(mesh_.indices, mesh_.indices.size() + 3 * element.count);
         if (element.properties.size() == 1 && is_indices(element.properties[0]) && body_.is_native() &&
             element.properties[0].count_type == PlyType::u8 && size_of(element.properties[0].type) == 4 &&
             element.properties[0].type != PlyType::f32)
@@ -209,30 +219,44 @@ private:
         }
     }
 
-    /// The usual body, a length byte and 32-bit corners, without a branch on types.
+    /// The usual body, a length byte and 32-bit corners: triangles by the thousand, without a branch on types.
     void read_native_faces(const PlyElement& element)
     {
-        for (std::size_t i = 0; i < element.count; ++i) {
-            const std::size_t count = static_cast<unsigned char>(*body_.take(1));
-            const char* data = body_.take(4 * count);
-            if (count == 3) {
-                std::uint32_t triangle[3];
-                std::memcpy(triangle, data, sizeof triangle);
-                const std::size_t vertices = mesh_.positions.size();
-                if (triangle[0] >= vertices || triangle[1] >= vertices || triangle[2] >= vertices) {
-                    for (std::uint32_t index : triangle) check_index(std::int32_t(index), i);
-                }
-                mesh_.indices.insert(mesh_.indices.end(), triangle, triangle + 3);
-                continue;
-            }
-            corners_.resize(count);
-            for (std::size_t k = 0; k < count; ++k) {
+        for (std::size_t i = 0; i < element.count;) {
+            const std::size_t triangles = read_native_triangles(i, element.count - i);
+            i += triangles;
+            if (triangles > 0 || i == element.count) continue;
+            corners_.resize(static_cast<unsigned char>(*body_.take(1)));
+            const char* data = body_.take(4 * corners_.size());
+            for (std::int64_t& corner : corners_) {
                 std::int32_t index;
-                std::memcpy(&index, data + 4 * k, 4);
-                corners_[k] = index;
+                std::memcpy(&index, data, 4);
+                corner = index;
+                data += 4;
             }
-            add_polygon(i);
+            add_polygon(i++);
         }
+    }
+
+    /// Those that come next in one piece. Returns how many.
+    std::size_t read_native_triangles(std::size_t face, std::size_t most)
+    {
+        constexpr std::size_t row = 13;
+        std::uint32_t corners[3 * 1024];
+        const std::string_view piece = body_.peek(row);
+        most = std::min({most, piece.size() / row, std::size(corners) / 3});
+        std::size_t count = 0;
+        std::uint32_t largest = 0;
+        for (; count < most && piece[row * count] == 3; ++count) {
+            std::uint32_t* const triangle = corners + 3 * count;
+            std::memcpy(triangle, piece.data() + row * count + 1, row - 1);
+            largest = std::max({largest, triangle[0], triangle[1], triangle[2]});
+        }
+        if (count > 0 && largest >= mesh_.positions.size())
+            for (std::size_t k = 0; k < 3 * count; ++k) check_index(std::int32_t(corners[k]), face + k / 3);
+        mesh_.indices.insert(mesh_.indices.end(), corners, corners + 3 * count);
+        body_.take(row * count);
+        return count;
     }
 
     void check_index(std::int64_t index, std::size_t face) const
@@ -302,6 +326,7 @@ private:
     }
 
     const std::string& file_;
+    InputWindow window_;
     PlyHeader header_;
     PlyBody body_;
     PlyData data_;
@@ -331,15 +356,15 @@ SceneDescription point_cloud(PlyData points, const std::filesystem::path& file, 
 
 }  // namespace
 
-PlyData read_ply_data(const std::string& file, const std::string& bytes)
+PlyData read_ply_data(InputFile& input)
 {
-    return PlyReader(file, bytes, read_ply_header(file, bytes)).read();
+    return PlyReader(input).read();
 }
 
-SceneDescription read_ply(const std::filesystem::path& file, const std::string& bytes, LoadContext& context)
+SceneDescription read_ply(const std::filesystem::path& file, InputFile& input, LoadContext& context)
 {
     const std::string name = file.string();
-    PlyData data = read_ply_data(name, bytes);
+    PlyData data = read_ply_data(input);
     Mesh& mesh = data.mesh;
     if (mesh.positions.empty()) throw Error(name, "", "there are no vertices in it");
     if (mesh.indices.empty() && data.bad_faces == 0) return point_cloud(std::move(data), file, context);

@@ -13,18 +13,17 @@ struct PlyData {
     std::vector<std::uint32_t> curve_counts;  ///< how many vertices each curve has, where there are curves
     std::size_t bad_faces = 0;                ///< with fewer than three corners, which are not there
 };
-/// file  for messages
-PlyData read_ply_data(const std::string& file, const std::string& bytes);
+PlyData read_ply_data(InputFile& input);
 
 /// Reads PLY, ASCII and binary of both byte orders: positions, normals, texture coordinates, colours; faces as polygons
 /// or triangle strips; without faces, vertices as points, of their radius or one that fits (add_point_cloud). Other
 /// elements and properties are skipped.
-SceneDescription read_ply(const std::filesystem::path& file, const std::string& bytes, LoadContext& context);
+SceneDescription read_ply(const std::filesystem::path& file, InputFile& input, LoadContext& context);
 
 inline constexpr Importer ply_importer{
     [](const SourceFile& f) {
-        return f.bytes.starts_with("ply\n") || f.bytes.starts_with("ply\r") || f.extension == ".ply";
+        return f.head().starts_with("ply\n") || f.head().starts_with("ply\r") || f.extension == ".ply";
     },
-    [](const SourceFile& f, LoadContext& context) { return read_ply(f.path, f.bytes, context); }};
+    [](const SourceFile& f, LoadContext& context) { return read_ply(f.path, f.input, context); }, false, false, "PLY"};
 
 }  // namespace fathom

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "import/common/input_window.h"
 #include "import/common/text_scanner.h"
 #include "import/ply/ply_header.h"
 
@@ -16,16 +17,16 @@ static_assert(std::endian::native == std::endian::little);
 /// The numbers of the body one after the other, whatever they are written as.
 class PlyBody {
 public:
-    PlyBody(const std::string& file, std::string_view body, PlyFormat format, std::size_t first_line)
-        : file_(file), at_(body.data()), end_(body.data() + body.size()), format_(format), scan_(file, body, first_line)
+    /// window  at the body's beginning
+    PlyBody(const std::string& file, InputWindow& window, PlyFormat format, std::size_t first_line)
+        : file_(file), window_(window), format_(format), scan_(file, {}, first_line)
     {
     }
 
     double number(PlyType type)
     {
         if (format_ == PlyFormat::ascii) {
-            const std::string_view word = scan_.word_of_any_line();
-            if (word.empty()) scan_.fail("the file ends too early");
+            const std::string_view word = next_word();
             // Exact for 32-bit integers, which float would not be.
             if (type != PlyType::f32 && type != PlyType::f64) {
                 std::int64_t value = 0;
@@ -34,9 +35,7 @@ public:
             }
             return scan_.to_number(word);
         }
-        need(size_of(type));
-        const char* p = at_;
-        at_ += size_of(type);
+        const char* p = take(size_of(type));
         switch (type) {
             case PlyType::i8:
                 return load<std::int8_t>(p);
@@ -67,28 +66,22 @@ public:
     void skip(const PlyProperty& property)
     {
         const std::size_t count = property.is_list ? list_length(property.count_type) : 1;
-        if (format_ == PlyFormat::ascii) {
-            for (std::size_t i = 0; i < count; ++i)
-                if (scan_.word_of_any_line().empty()) scan_.fail("the file ends too early");
-        } else {
-            // list_length has bounded count: no overflow.
-            need(count * size_of(property.type));
-            at_ += count * size_of(property.type);
-        }
+        if (format_ == PlyFormat::ascii)
+            for (std::size_t i = 0; i < count; ++i) next_word();
+        else
+            for (std::size_t i = 0; i < count; ++i) take(size_of(property.type));
     }
 
-    /// Bytes of a binary body, for loops of their own.
+    /// Bytes of a binary body, for loops of their own: at least so many if there are.
+    std::string_view peek(std::size_t least) { return window_.peek(least); }
+    /// The next ones, in one piece.
     const char* take(std::size_t size)
     {
-        need(size);
-        const char* p = at_;
-        at_ += size;
-        return p;
+        const char* const data = window_.take(size);
+        if (!data) fail("the file ends too early");
+        return data;
     }
-    std::size_t bytes_left() const
-    {
-        return std::size_t(end_ - (format_ == PlyFormat::ascii ? scan_.position() : at_));
-    }
+    std::uint64_t bytes_left() const { return window_.bytes_left() + (text_.end() - scan_.position()); }
     bool is_native() const { return format_ == PlyFormat::little_endian; }
 
     [[noreturn]] void fail(const std::string& message) const
@@ -98,10 +91,32 @@ public:
     }
 
 private:
-    void need(std::size_t size) const
+    std::string_view next_word()
     {
-        if (bytes_left() < size) fail("the file ends too early");
+        for (;;) {
+            const std::string_view word = scan_.word_of_any_line();
+            if (!word.empty()) return word;
+            next_text();
+        }
     }
+    /// Up to a blank: words stay whole.
+    void next_text()
+    {
+        std::string_view text = window_.peek(1);
+        std::size_t size = blank_end(text);
+        while (size == 0 && !text.empty()) {
+            // A word that is longer than the window.
+            const std::size_t before = text.size();
+            text = window_.peek(2 * before < window_.bytes_left() ? 2 * before : std::size_t(window_.bytes_left()));
+            size = text.size() == before ? before : blank_end(text);
+        }
+        if (size == 0) scan_.fail("the file ends too early");
+        text_ = text.substr(0, size);
+        window_.pass(size);
+        scan_ = TextScanner(file_, text_, scan_.line());
+    }
+    static std::size_t blank_end(std::string_view text) { return text.find_last_of(" \n\t\r\v\f") + 1; }
+
     template <class T>
     T load(const char* p) const
     {
@@ -114,9 +129,9 @@ private:
     }
 
     const std::string& file_;
-    const char* at_;
-    const char* end_;
+    InputWindow& window_;
     PlyFormat format_;
+    std::string_view text_;  ///< what is being scanned
     TextScanner scan_;
 };
 

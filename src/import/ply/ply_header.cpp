@@ -44,6 +44,27 @@ PlyFormat read_format(TextScanner& scan)
     scan.fail(fmt::format("'{}' is no format of PLY", printable(word)));
 }
 
+/// Where the line `end_header` ends; 0 if it is not in the text, or not whole.
+std::size_t header_end(const std::string& file, std::string_view text)
+{
+    TextScanner scan(file, text);
+    while (!scan.at_end() && scan.word() != "end_header") scan.next_line();
+    const char* const word = scan.position();
+    scan.next_line();
+    const auto size = std::size_t(scan.position() - text.data());
+    return word != scan.position() && text[size - 1] == '\n' ? size : 0;
+}
+
+/// Enough of the file to hold its header; all of it if there is no end to that.
+std::string_view header_text(const std::string& file, InputWindow& window)
+{
+    for (std::size_t size = 4096;; size *= 2) {
+        const bool is_all = size >= window.bytes_left();
+        const std::string_view text = window.peek(is_all ? std::size_t(window.bytes_left()) : size);
+        if (is_all || header_end(file, text) > 0) return text;
+    }
+}
+
 }  // namespace
 
 std::size_t size_of(PlyType type)
@@ -76,8 +97,9 @@ bool PlyElement::has_lists() const
     return false;
 }
 
-PlyHeader read_ply_header(const std::string& file, std::string_view bytes)
+PlyHeader read_ply_header(const std::string& file, InputWindow& window)
 {
+    const std::string_view bytes = header_text(file, window);
     PlyHeader header;
     TextScanner scan(file, bytes);
     if (scan.word() != "ply") scan.fail("this is no PLY file: it must begin with 'ply'");
@@ -104,8 +126,8 @@ PlyHeader read_ply_header(const std::string& file, std::string_view bytes)
     }
     if (!has_format) scan.fail("the header does not say the format");
     scan.next_line();
-    header.size_bytes = std::size_t(scan.position() - bytes.data());
     header.lines = scan.line() - 1;
+    window.pass(std::size_t(scan.position() - bytes.data()));
     return header;
 }
 

@@ -4,6 +4,8 @@
 #include <string_view>
 #include <vector>
 
+#include "import/common/input_window.h"
+
 namespace fathom {
 
 enum class PlyType { i8, u8, i16, u16, i32, u32, f32, f64 };
@@ -31,10 +33,10 @@ struct PlyElement {
 struct PlyHeader {
     PlyFormat format = PlyFormat::ascii;
     std::vector<PlyElement> elements;
-    std::size_t size_bytes = 0, lines = 0;
+    std::size_t lines = 0;
 };
 
-/// Throws Error that names the line. file: for messages.
-PlyHeader read_ply_header(const std::string& file, std::string_view bytes);
+/// Reads up to where the body begins. Throws Error that names the line.
+PlyHeader read_ply_header(const std::string& file, InputWindow& window);
 
 }  // namespace fathom

@@ -12,6 +12,6 @@ SceneDescription read_stl(const std::filesystem::path& file, const std::string& 
 
 inline constexpr Importer stl_importer{
     [](const SourceFile& f) { return f.extension == ".stl"; },
-    [](const SourceFile& f, LoadContext& context) { return read_stl(f.path, f.bytes, context); }, false, true};
+    [](const SourceFile& f, LoadContext& context) { return read_stl(f.path, f.bytes(), context); }, false, true, "STL"};
 
 }  // namespace fathom
