@@ -50,6 +50,8 @@ const char* name_of(EnvironmentKind kind)
             return "sky";
         case EnvironmentKind::cube:
             return "cube";
+        case EnvironmentKind::equal_area:
+            return "equal-area";
     }
     return "";
 }

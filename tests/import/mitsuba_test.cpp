@@ -2,7 +2,7 @@
 #include <cstring>
 #include <numbers>
 
-#include "import/mitsuba/spectra.h"
+#include "import/common/spectra.h"
 #include "import_test_helpers.h"
 #include "scene/conductors.h"
 

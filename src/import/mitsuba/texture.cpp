@@ -6,7 +6,7 @@
 
 #include "import/common/read_file.h"
 #include "import/mitsuba/reader.h"
-#include "import/mitsuba/spectra.h"
+#include "import/common/spectra.h"
 
 namespace fathom::mitsuba {
 
