@@ -284,9 +284,9 @@ enum class EnvironmentKind {
     constant,
     gradient,
     image,
-    studio,  ///< three soft lights around what is shown, for a camera that looks along -z, and a dim room
-    sky,     ///< a clear sky over grey ground, computed from the air; the sun too if sun_disk
-    cube,    ///< six pictures, the faces of a cube around everything
+    studio,      ///< three soft lights around what is shown, for a camera that looks along -z, and a dim room
+    sky,         ///< a clear sky over grey ground, computed from the air; the sun too if sun_disk
+    cube,        ///< six pictures, the faces of a cube around everything
     equal_area,  ///< a square picture of all directions, each with its share of the area, as pbrt-v4 has them
 };
 

@@ -48,8 +48,8 @@ void turn_z_up(SceneDescription& scene)
 }
 
 /// All of them; the first that recognizes a file reads it.
-constexpr const Importer* importers[] = {&gltf_importer, &ply_importer, &fathom_json_importer, &mitsuba_importer, &pbrt_importer,
-                                         &obj_importer,  &stl_importer, &assimp_importer};
+constexpr const Importer* importers[] = {&gltf_importer, &ply_importer, &fathom_json_importer, &mitsuba_importer,
+                                         &pbrt_importer, &obj_importer, &stl_importer,         &assimp_importer};
 
 /// Keeps the list of open files right, whatever happens.
 class OpenFile {

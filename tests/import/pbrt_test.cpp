@@ -40,7 +40,8 @@ protected:
     Material material(const std::string& text) { return material_of(world(text + "\nShape \"sphere\"")); }
     Camera camera(const std::string& text)
     {
-        return load("a.pbrt", "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100\n" + text).cameras.at(0);
+        return load("a.pbrt", "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100\n" + text)
+            .cameras.at(0);
     }
     static Vec3d origin(const SceneDescription& scene, std::size_t node)
     {
@@ -86,8 +87,10 @@ ActiveTransform EndTime Translate 4 0 0 ActiveTransform All Translate 0 1 0 Shap
 
 TEST_F(Pbrt, ObjectsAreInstances)
 {
-    const SceneDescription scene = world(fmt::format(R"(ObjectBegin "o" Translate 0 0 1 Shape "trianglemesh" {} ObjectEnd
-Translate 1 0 0 ObjectInstance "o" Translate 1 0 0 ObjectInstance "o")", triangle));
+    const SceneDescription scene =
+        world(fmt::format(R"(ObjectBegin "o" Translate 0 0 1 Shape "trianglemesh" {} ObjectEnd
+Translate 1 0 0 ObjectInstance "o" Translate 1 0 0 ObjectInstance "o")",
+                          triangle));
     ASSERT_EQ(scene.meshes.size(), 1u);
     ASSERT_EQ(scene.roots.size(), 2u);
     const Node& second = scene.nodes.at(std::size_t(scene.roots[1]));
@@ -151,14 +154,15 @@ TEST_F(Pbrt, MistakesAreToldWithTheirPlace)
     EXPECT_EQ(error("Translate 1 2 1e999"), "line 2, column 15: the number '1e999' is too large");
     EXPECT_EQ(error("Shape \"sphere\" \"point3 P\" [ 1 2 ]"),
               "line 2, column 16: 'point3 P' has 2 numbers: not a multiple of 3");
-    EXPECT_EQ(error("NamedMaterial \"a\" Shape \"sphere\""), "line 2, column 25: there is no material 'a'");
+    EXPECT_EQ(error("NamedMaterial \"a\" Shape \"sphere\""), "line 2, column 19: there is no material 'a'");
     EXPECT_EQ(error("ObjectInstance \"a\""), "line 2, column 1: there is no object 'a'");
     EXPECT_EQ(error("Include \"a.pbrt\"").find("line 2, column 1: '"), 0u);
     EXPECT_NE(error("Include \"a.pbrt\"").find("includes itself"), std::string::npos);
     EXPECT_EQ(error("Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer indices\" [ 0 1 3 ]"),
               "line 2, column 1: Shape 'trianglemesh': there is no vertex 3: 'P' has 3");
-    EXPECT_EQ(error("Texture \"t\" \"float\" \"scale\" \"texture tex\" \"t\" \nShape \"sphere\" \"texture alpha\" \"t\""),
-              "line 2, column 29: a texture can't contain itself");
+    EXPECT_EQ(
+        error("Texture \"t\" \"float\" \"scale\" \"texture tex\" \"t\" \nShape \"sphere\" \"texture alpha\" \"t\""),
+        "line 2, column 29: a texture can't contain itself");
     EXPECT_EQ(error("Shape \"loopsubdiv\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer indices\" [ 0 1 2 ] "
                     "\"integer levels\" 40"),
               "line 2, column 1: Shape 'loopsubdiv': 'levels' is too large: more than 12000000 corners of triangles");
@@ -227,8 +231,8 @@ TEST_F(Pbrt, FilmsAndIntegratorsAreHints)
     EXPECT_EQ(scene.hints.exposure, 2);
     EXPECT_TRUE(warnings_.empty());
     load("a.pbrt", "Film \"spectral\" \"string sensor\" \"canon_eos_5d\" PixelFilter \"mitchell\" Integrator \"bdpt\"");
-    for (const char* words : {"the picture has red, green and blue", "the sensor 'canon_eos_5d'", "no filter with negative",
-                              "paths are traced instead"})
+    for (const char* words : {"the picture has red, green and blue", "the sensor 'canon_eos_5d'",
+                              "no filter with negative", "paths are traced instead"})
         EXPECT_TRUE(is_told(words)) << words;
 }
 
@@ -251,7 +255,8 @@ TEST_F(Pbrt, LightsHaveTheirUnits)
 
 TEST_F(Pbrt, SpectraOfLightHaveALuminanceOfOne)
 {
-    for (const char* spectrum : {"\"blackbody I\" 3000", "\"spectrum I\" [ 300 5 900 5 ]", "\"spectrum I\" \"stdillum-A\""}) {
+    for (const char* spectrum :
+         {"\"blackbody I\" 3000", "\"spectrum I\" [ 300 5 900 5 ]", "\"spectrum I\" \"stdillum-A\""}) {
         const Color c = world(std::string("LightSource \"point\" ") + spectrum).lights.at(0).intensity;
         EXPECT_NEAR(0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b, 1, 1e-4) << spectrum;
         EXPECT_GT(c.r, c.b) << spectrum;
@@ -261,7 +266,8 @@ TEST_F(Pbrt, SpectraOfLightHaveALuminanceOfOne)
 
 TEST_F(Pbrt, ShapesShine)
 {
-    const SceneDescription scene = world(R"(AreaLightSource "diffuse" "rgb L" [ 1 2 3 ] "float scale" 2 "bool twosided" true
+    const SceneDescription scene =
+        world(R"(AreaLightSource "diffuse" "rgb L" [ 1 2 3 ] "float scale" 2 "bool twosided" true
 Shape "sphere")");
     expect_color(material_of(scene).emission.value, 2, 4, 6);
     EXPECT_TRUE(material_of(scene).emission_two_sided);
@@ -271,7 +277,8 @@ Shape "sphere")");
 
 TEST_F(Pbrt, EnvironmentsAreConstantOrPictures)
 {
-    SceneDescription scene = world("LightSource \"infinite\" \"rgb L\" [ 1 2 3 ] LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]");
+    SceneDescription scene =
+        world("LightSource \"infinite\" \"rgb L\" [ 1 2 3 ] LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]");
     EXPECT_EQ(scene.environment.kind, EnvironmentKind::constant);
     expect_color(scene.environment.color, 2, 3, 4);
     expect_color(world("LightSource \"infinite\" \"float illuminance\" 6.2831853").environment.color, 2, 2, 2);
@@ -288,14 +295,17 @@ TEST_F(Pbrt, Diffuse)
     expect_color(material("").base_color.value, 0.5, 0.5, 0.5);
     expect_color(material("Material \"diffuse\" \"rgb reflectance\" [ 0.1 0.2 3 ]").base_color.value, 0.1, 0.2, 1);
     expect_color(material(R"(MakeNamedMaterial "m" "string type" "diffuse" "spectrum reflectance" [ 300 0.25 900 0.25 ]
-NamedMaterial "m")").base_color.value, 0.25, 0.25, 0.25, 1e-4);
+NamedMaterial "m")")
+                     .base_color.value,
+                 0.25, 0.25, 0.25, 1e-4);
 }
 
 TEST_F(Pbrt, RoughnessIsRemapped)
 {
     // alpha is the roughness here squared: 0.25^2, and of a remapped one the root.
-    EXPECT_NEAR(material("Material \"conductor\" \"float roughness\" 0.0625 \"bool remaproughness\" false").roughness.value,
-                0.25, 1e-6);
+    EXPECT_NEAR(
+        material("Material \"conductor\" \"float roughness\" 0.0625 \"bool remaproughness\" false").roughness.value,
+        0.25, 1e-6);
     EXPECT_NEAR(material("Material \"conductor\" \"float roughness\" 0.0625").roughness.value, 0.5, 1e-6);
     const Material m = material("Material \"conductor\" \"float uroughness\" 0.01 \"float vroughness\" 0.16");
     EXPECT_NEAR(m.roughness.value, std::sqrt(0.1), 1e-6);
@@ -312,18 +322,23 @@ TEST_F(Pbrt, Metals)
     };
     const Color silver = find("silver"), copper = find("copper");
     expect_color(material("Material \"conductor\" \"spectrum eta\" \"metal-Ag-eta\" \"spectrum k\" \"metal-Ag-k\"")
-                     .base_color.value, silver.r, silver.g, silver.b);
+                     .base_color.value,
+                 silver.r, silver.g, silver.b);
     expect_color(material("Material \"conductor\"").base_color.value, copper.r, copper.g, copper.b);
     const double f = conductor_reflectance(1, 1.5, 3);
-    expect_color(material("Material \"conductor\" \"rgb eta\" [ 1.5 1.5 1.5 ] \"rgb k\" [ 3 3 3 ]").base_color.value, f, f, f);
+    expect_color(material("Material \"conductor\" \"rgb eta\" [ 1.5 1.5 1.5 ] \"rgb k\" [ 3 3 3 ]").base_color.value, f,
+                 f, f);
     expect_color(material("Material \"conductor\" \"spectrum eta\" [ 300 1.5 900 1.5 ] \"spectrum k\" [ 300 3 900 3 ]")
-                     .base_color.value, f, f, f, 1e-3);
-    expect_color(material("Material \"conductor\" \"rgb reflectance\" [ 0.7 0.6 0.5 ]").base_color.value, 0.7, 0.6, 0.5);
+                     .base_color.value,
+                 f, f, f, 1e-3);
+    expect_color(material("Material \"conductor\" \"rgb reflectance\" [ 0.7 0.6 0.5 ]").base_color.value, 0.7, 0.6,
+                 0.5);
 }
 
 TEST_F(Pbrt, Coats)
 {
-    const Material m = material("Material \"coateddiffuse\" \"rgb reflectance\" [ 1 0 0 ] \"float roughness\" 0.0001 \"float eta\" 1.4");
+    const Material m = material(
+        "Material \"coateddiffuse\" \"rgb reflectance\" [ 1 0 0 ] \"float roughness\" 0.0001 \"float eta\" 1.4");
     EXPECT_EQ(m.coat.value, 1);
     EXPECT_EQ(m.specular.value, 0);
     EXPECT_EQ(m.coat_ior, 1.4f);
@@ -351,7 +366,8 @@ TEST_F(Pbrt, Glass)
 
 TEST_F(Pbrt, DiffuseTransmission)
 {
-    const Material m = material(R"(Material "diffusetransmission" "rgb reflectance" [ 0.6 0.6 0.3 ] "rgb transmittance" [ 0.2 0.1 0.2 ])");
+    const Material m = material(
+        R"(Material "diffusetransmission" "rgb reflectance" [ 0.6 0.6 0.3 ] "rgb transmittance" [ 0.2 0.1 0.2 ])");
     const float share = m.diffuse_transmission.value;
     EXPECT_NEAR((1 - share) * m.base_color.value.r, 0.6, 1e-6);
     EXPECT_NEAR((1 - share) * m.base_color.value.b, 0.3, 1e-6);
@@ -380,7 +396,8 @@ MakeNamedMaterial "b" "string type" "diffuse" "rgb reflectance" [ 0 0 0 ] Materi
 
 TEST_F(Pbrt, Textures)
 {
-    const SceneDescription scene = world(R"(Texture "t" "spectrum" "imagemap" "string filename" "a.png" "string wrap" "clamp"
+    const SceneDescription scene =
+        world(R"(Texture "t" "spectrum" "imagemap" "string filename" "a.png" "string wrap" "clamp"
 "float uscale" 2 "float vscale" 3 "float udelta" 0.5 "float vdelta" 0.25 "float scale" 0.5 "string encoding" "linear"
 Material "diffuse" "texture reflectance" "t" Shape "sphere")");
     const ColorInput& c = material_of(scene).base_color;
@@ -410,7 +427,9 @@ Material "diffuse" "texture reflectance" "s" Shape "sphere")");
     EXPECT_EQ(t.uv_scale.x, 4);
     for (const char* kind : {"dots", "fbm", "marble", "windy", "ptex", "directionmix", "bilerp"}) {
         warnings_ = {};
-        world(fmt::format("Texture \"t\" \"spectrum\" \"{}\" Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"", kind));
+        world(fmt::format(
+            "Texture \"t\" \"spectrum\" \"{}\" Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
+            kind));
         EXPECT_TRUE(is_told(fmt::format("Texture '{}'", kind))) << kind;
     }
 }
@@ -429,7 +448,8 @@ TEST_F(Pbrt, TrianglesFaceTheirNormals)
 {
     const std::string normals = " \"normal N\" [ 0 0 -1 0 0 -1 0 0 -1 ]";
     const auto z_of = [](const Mesh& mesh) {
-        const Vec3f a = mesh.positions[mesh.indices[0]], b = mesh.positions[mesh.indices[1]], c = mesh.positions[mesh.indices[2]];
+        const Vec3f a = mesh.positions[mesh.indices[0]], b = mesh.positions[mesh.indices[1]],
+                    c = mesh.positions[mesh.indices[2]];
         return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     };
     const std::string mesh = std::string("Shape \"trianglemesh\" ") + triangle;
@@ -442,9 +462,11 @@ TEST_F(Pbrt, TrianglesFaceTheirNormals)
 
 TEST_F(Pbrt, PlyMeshesAreReadOnce)
 {
-    write("a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                   "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
-    const SceneDescription scene = world("Shape \"plymesh\" \"string filename\" \"a.ply\" Shape \"plymesh\" \"string filename\" \"a.ply\"");
+    write("a.ply",
+          "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+          "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    const SceneDescription scene =
+        world("Shape \"plymesh\" \"string filename\" \"a.ply\" Shape \"plymesh\" \"string filename\" \"a.ply\"");
     EXPECT_EQ(scene.meshes.size(), 1u);
     EXPECT_EQ(scene.nodes.size(), 2u);
     EXPECT_EQ(error("Shape \"plymesh\" \"string filename\" \"b.ply\"").find("line 2, column 1: "), 0u);
@@ -452,8 +474,11 @@ TEST_F(Pbrt, PlyMeshesAreReadOnce)
 
 TEST_F(Pbrt, RoundShapes)
 {
-    EXPECT_EQ(std::get<Sphere>(shape_of(world("ReverseOrientation Shape \"sphere\" \"float radius\" 2")).geometry).radius, -2);
-    EXPECT_EQ(std::get<Disk>(shape_of(world("Shape \"disk\" \"float radius\" 2 \"float height\" 1")).geometry).center.z, 1);
+    EXPECT_EQ(
+        std::get<Sphere>(shape_of(world("ReverseOrientation Shape \"sphere\" \"float radius\" 2")).geometry).radius,
+        -2);
+    EXPECT_EQ(std::get<Disk>(shape_of(world("Shape \"disk\" \"float radius\" 2 \"float height\" 1")).geometry).center.z,
+              1);
     const auto area = [&](const std::string& text) {
         const SceneDescription scene = world("Shape " + text);
         const Mesh& mesh = mesh_of(scene);
@@ -479,19 +504,24 @@ TEST_F(Pbrt, RoundShapes)
 
 TEST_F(Pbrt, CurvesAndSubdivision)
 {
-    const SceneDescription scene = world(R"(Shape "curve" "point3 P" [ 0 0 0 1 0 0 2 0 0 3 0 0 ] "float width0" 1 "float width1" 0.5 "string type" "cylinder")");
+    const SceneDescription scene = world(
+        R"(Shape "curve" "point3 P" [ 0 0 0 1 0 0 2 0 0 3 0 0 ] "float width0" 1 "float width1" 0.5 "string type" "cylinder")");
     const Curves& curves = scene.curves.at(0);
     EXPECT_EQ(curves.basis, CurveBasis::bezier);
     EXPECT_FALSE(curves.ribbons);
     EXPECT_EQ(curves.radii.front(), 0.5f);
     EXPECT_EQ(curves.radii.back(), 0.25f);
-    EXPECT_EQ(world(R"(Shape "curve" "integer degree" 2 "point3 P" [ 0 0 0 1 2 0 2 0 0 ])").curves.at(0).points.size(), 4u);
+    EXPECT_EQ(world(R"(Shape "curve" "integer degree" 2 "point3 P" [ 0 0 0 1 2 0 2 0 0 ])").curves.at(0).points.size(),
+              4u);
     // An octahedron's limit is nearly a ball, all alike around.
-    const SceneDescription loop = world(R"(Shape "loopsubdiv" "integer levels" 3 "point3 P" [ 1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1 ]
+    const SceneDescription loop =
+        world(R"(Shape "loopsubdiv" "integer levels" 3 "point3 P" [ 1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1 ]
 "integer indices" [ 0 2 4 2 1 4 1 3 4 3 0 4 2 0 5 1 2 5 3 1 5 0 3 5 ])");
     const Mesh& mesh = mesh_of(loop);
     EXPECT_EQ(mesh.indices.size(), 3u * 8 * 64);
-    const auto radius = [&](std::size_t i) { return std::hypot(mesh.positions[i].x, mesh.positions[i].y, mesh.positions[i].z); };
+    const auto radius = [&](std::size_t i) {
+        return std::hypot(mesh.positions[i].x, mesh.positions[i].y, mesh.positions[i].z);
+    };
     // Of a corner of valence 4: the limit's weights are 1/2 of itself where its neighbours cancel out.
     EXPECT_NEAR(radius(0), radius(4), 1e-6);
     EXPECT_GT(radius(0), 0.4);

@@ -83,7 +83,8 @@ void FathomJsonReader::read_environment(const JsonValue& v)
 {
     Environment& environment = scene_.environment;
     JsonObject o(v);
-    if (!v.has("kind")) v.fail("key 'kind' is missing: none, constant, gradient, image, studio, sky, cube or equal-area");
+    if (!v.has("kind"))
+        v.fail("key 'kind' is missing: none, constant, gradient, image, studio, sky, cube or equal-area");
     o.read_word("kind", words::environment_kinds, environment.kind);
     const bool turns = environment.kind != EnvironmentKind::none && environment.kind != EnvironmentKind::constant;
     if (environment.kind != EnvironmentKind::none && environment.kind != EnvironmentKind::gradient)

@@ -382,11 +382,10 @@ void Reader::read_interior(const Element& element, Material& m)
     if (!(scale > 0)) return;
     const auto absorbed = [&](float t, float a) { return float(double(t) * scale * (1 - a)); };
     const auto scattered = [&](float t, float a) { return float(double(t) * scale * a); };
-    fill_solid(m,
-               {absorbed(extinction.r, albedo.r), absorbed(extinction.g, albedo.g), absorbed(extinction.b, albedo.b)},
-               {scattered(extinction.r, albedo.r), scattered(extinction.g, albedo.g),
-                scattered(extinction.b, albedo.b)},
-               m.transmission_scatter_anisotropy);
+    fill_solid(
+        m, {absorbed(extinction.r, albedo.r), absorbed(extinction.g, albedo.g), absorbed(extinction.b, albedo.b)},
+        {scattered(extinction.r, albedo.r), scattered(extinction.g, albedo.g), scattered(extinction.b, albedo.b)},
+        m.transmission_scatter_anisotropy);
 }
 
 int Reader::material_of_shape(Object& shape)

@@ -96,8 +96,7 @@ SceneDescription Reader::finished()
         mirror.name = "left-handed";
         mirror.parent_from_node = Transform::scale({-1, 1, 1});
         mirror.children = std::move(scene_.roots);
-        scene_.environment.world_from_environment =
-            mirror.parent_from_node * scene_.environment.world_from_environment;
+        scene_.environment.world_from_environment = mirror.parent_from_node * scene_.environment.world_from_environment;
         scene_.roots = {add_node(std::move(mirror))};
     }
     return std::move(scene_);
@@ -225,8 +224,7 @@ bool Reader::read_transform(Scanner& scanner, std::string_view word)
         const Place place = scanner.place();
         const std::string name = string_of(scanner);
         const auto found = systems_.find(name);
-        if (found == systems_.end())
-            place.fail(fmt::format("there is no coordinate system '{}'", printable(name)));
+        if (found == systems_.end()) place.fail(fmt::format("there is no coordinate system '{}'", printable(name)));
         set(found->second);
     } else if (word == "TransformTimes") {
         times_[0] = scanner.number();
@@ -396,12 +394,12 @@ void Reader::read_directive(Scanner& scanner)
     } else if (word == "Include" || word == "Import") {
         include(scanner, word == "Import");
     } else {
-        std::vector<std::string> names = {"AttributeBegin", "AttributeEnd",   "Shape",         "LightSource",
-                                          "Material",       "NamedMaterial",  "Texture",       "Include",
-                                          "Import",         "ObjectBegin",    "ObjectEnd",     "ObjectInstance",
-                                          "WorldBegin",     "AreaLightSource", "MakeNamedMaterial", "MakeNamedMedium",
-                                          "Translate",      "Rotate",         "Scale",         "Transform",
-                                          "LookAt",         "Camera",         "Film",          "Integrator"};
+        std::vector<std::string> names = {
+            "AttributeBegin",  "AttributeEnd",   "Shape",      "LightSource",     "Material",
+            "NamedMaterial",   "Texture",        "Include",    "Import",          "ObjectBegin",
+            "ObjectEnd",       "ObjectInstance", "WorldBegin", "AreaLightSource", "MakeNamedMaterial",
+            "MakeNamedMedium", "Translate",      "Rotate",     "Scale",           "Transform",
+            "LookAt",          "Camera",         "Film",       "Integrator"};
         place.fail(fmt::format("'{}' is no directive{}", printable(word), suggestion(word, names)));
     }
 }

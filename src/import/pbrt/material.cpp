@@ -70,9 +70,18 @@ Material Reader::read_material(const Parameters& m)
     else if (type == "mix")
         result = mix(m);
     else {
-        const std::vector<std::string> names = {
-            "diffuse", "coateddiffuse", "conductor", "coatedconductor", "dielectric", "thindielectric",
-            "diffusetransmission", "subsurface", "hair", "mix", "interface", "measured"};
+        const std::vector<std::string> names = {"diffuse",
+                                                "coateddiffuse",
+                                                "conductor",
+                                                "coatedconductor",
+                                                "dielectric",
+                                                "thindielectric",
+                                                "diffusetransmission",
+                                                "subsurface",
+                                                "hair",
+                                                "mix",
+                                                "interface",
+                                                "measured"};
         tell(m, type == "measured" ? "measured materials are not read: grey diffuse instead"
                                    : fmt::format("is not known: grey diffuse instead{}", suggestion(type, names)));
         result.base_color = {{0.5f, 0.5f, 0.5f}, -1};
@@ -264,8 +273,8 @@ Material Reader::hair(const Parameters& m)
     out.ior = ior(m, "eta", 1.55f);
     out.roughness = {std::clamp(beta_m, 0.05f, 1.f), -1, 0};
     // What hair of an absorption gives back of much light (Chiang et al. 2016, equation 9).
-    const double n = beta_n, fit = 5.969 - 0.215 * n + 2.532 * n * n - 10.73 * std::pow(n, 3) +
-                                   5.574 * std::pow(n, 4) + 0.245 * std::pow(n, 5);
+    const double n = beta_n, fit = 5.969 - 0.215 * n + 2.532 * n * n - 10.73 * std::pow(n, 3) + 5.574 * std::pow(n, 4) +
+                                   0.245 * std::pow(n, 5);
     const auto reflectance = [&](Color absorption) {
         const auto of = [&](float s) { return float(std::exp(-std::sqrt(std::max(0.f, s)) * fit)); };
         return Color{of(absorption.r), of(absorption.g), of(absorption.b)};
@@ -278,8 +287,7 @@ Material Reader::hair(const Parameters& m)
         const bool is_said = m.has("eumelanin") || m.has("pheomelanin");
         const float e = number_or_texture(m, "eumelanin", is_said ? 0.f : 1.3f).value,
                     p = number_or_texture(m, "pheomelanin", 0).value;
-        out.base_color = {
-            reflectance({0.419f * e + 0.187f * p, 0.697f * e + 0.4f * p, 1.37f * e + 1.05f * p}), -1};
+        out.base_color = {reflectance({0.419f * e + 0.187f * p, 0.697f * e + 0.4f * p, 1.37f * e + 1.05f * p}), -1};
     }
     m.ignore({"alpha", "sigma_a", "eumelanin", "pheomelanin"});
     return out;
@@ -327,7 +335,8 @@ void Reader::set_medium(const Parameters& medium, Material& out)
         out.base_color = {{1, 1, 1}, -1};
         out.roughness = {0, -1, 0};
         out.ior = 1;
-        tell(medium, "behind an 'interface' it is a solid of index 1, which lights outside of it reach by chance alone");
+        tell(medium,
+             "behind an 'interface' it is a solid of index 1, which lights outside of it reach by chance alone");
     }
     if (out.kind != MaterialKind::glass || out.thin) {
         tell(medium, "is not rendered in what is not glass");

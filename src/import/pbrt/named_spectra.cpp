@@ -24,9 +24,9 @@ struct NamedGlass {
     const char* name;
     double index;
 };
-constexpr NamedGlass glasses[] = {{"glass-BK7", 1.5168},    {"glass-BAF10", 1.6700}, {"glass-FK51A", 1.4866},
-                                  {"glass-LASF9", 1.8503},  {"glass-F5", 1.6727},    {"glass-SF5", 1.6727},
-                                  {"glass-F10", 1.7283},    {"glass-SF10", 1.7283},  {"glass-F11", 1.7847},
+constexpr NamedGlass glasses[] = {{"glass-BK7", 1.5168},   {"glass-BAF10", 1.6700}, {"glass-FK51A", 1.4866},
+                                  {"glass-LASF9", 1.8503}, {"glass-F5", 1.6727},    {"glass-SF5", 1.6727},
+                                  {"glass-F10", 1.7283},   {"glass-SF10", 1.7283},  {"glass-F11", 1.7847},
                                   {"glass-SF11", 1.7847}};
 
 }  // namespace

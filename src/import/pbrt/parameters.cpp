@@ -19,10 +19,10 @@ struct Type {
     enum Values { reals, integers, booleans, texts, spectrum } values;
     std::size_t group;
 };
-constexpr Type types[] = {{"integer", Type::integers, 1}, {"float", Type::reals, 1},    {"point2", Type::reals, 2},
-                          {"vector2", Type::reals, 2},    {"point3", Type::reals, 3},   {"vector3", Type::reals, 3},
-                          {"normal3", Type::reals, 3},    {"point", Type::reals, 3},    {"vector", Type::reals, 3},
-                          {"normal", Type::reals, 3},     {"rgb", Type::reals, 3},      {"blackbody", Type::reals, 1},
+constexpr Type types[] = {{"integer", Type::integers, 1},  {"float", Type::reals, 1},   {"point2", Type::reals, 2},
+                          {"vector2", Type::reals, 2},     {"point3", Type::reals, 3},  {"vector3", Type::reals, 3},
+                          {"normal3", Type::reals, 3},     {"point", Type::reals, 3},   {"vector", Type::reals, 3},
+                          {"normal", Type::reals, 3},      {"rgb", Type::reals, 3},     {"blackbody", Type::reals, 1},
                           {"spectrum", Type::spectrum, 1}, {"bool", Type::booleans, 1}, {"string", Type::texts, 1},
                           {"texture", Type::texts, 1}};
 
@@ -229,8 +229,8 @@ std::vector<T> grouped(const Parameter* p)
     constexpr std::size_t group = sizeof(T) / sizeof(float);
     if (!p) return {};
     if (p->numbers.size() % group != 0)
-        p->place.fail(fmt::format("'{}' has {} numbers: not a multiple of {}", printable(p->name), p->numbers.size(),
-                                  group));
+        p->place.fail(
+            fmt::format("'{}' has {} numbers: not a multiple of {}", printable(p->name), p->numbers.size(), group));
     std::vector<T> result(p->numbers.size() / group);
     if (!result.empty()) std::memcpy(result.data(), p->numbers.data(), p->numbers.size() * sizeof(float));
     return result;

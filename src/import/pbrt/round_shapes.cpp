@@ -54,8 +54,7 @@ std::optional<Shape> Reader::sphere(const Parameters& shape, bool has_textures)
                  z_max = shape.number("zmax", radius), phi_max = phi_max_of(shape);
     if (!(radius > 0)) shape.fail("the radius must be above 0");
     const bool is_whole = z_min <= -radius && z_max >= radius && phi_max >= 2 * std::numbers::pi * (1 - 1e-6);
-    if (is_whole && !has_textures)
-        return Shape{Sphere{{0, 0, 0}, state_.reverse ? -radius : radius, {}}, -1, {}};
+    if (is_whole && !has_textures) return Shape{Sphere{{0, 0, 0}, state_.reverse ? -radius : radius, {}}, -1, {}};
     const double low = std::acos(std::clamp(std::min(z_min, z_max) / radius, -1.0, 1.0)),
                  high = std::acos(std::clamp(std::max(z_min, z_max) / radius, -1.0, 1.0));
     std::vector<ProfilePoint> profile;

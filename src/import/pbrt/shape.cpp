@@ -53,8 +53,7 @@ void turn_to_normals(Mesh& mesh)
         const std::uint32_t* const t = &mesh.indices[i];
         const Vec3d p[3] = {to_double(mesh.positions[t[0]]), to_double(mesh.positions[t[1]]),
                             to_double(mesh.positions[t[2]])};
-        const Vec3d sum =
-            to_double(mesh.normals[t[0]]) + to_double(mesh.normals[t[1]]) + to_double(mesh.normals[t[2]]);
+        const Vec3d sum = to_double(mesh.normals[t[0]]) + to_double(mesh.normals[t[1]]) + to_double(mesh.normals[t[2]]);
         if (dot(cross(p[1] - p[0], p[2] - p[0]), sum) < 0) std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
     }
 }
@@ -142,8 +141,7 @@ std::optional<Shape> Reader::ply_mesh(const Parameters& shape, Surface& surface)
     shape.ignore({"edgelength"});
     const std::filesystem::path path = locate(shape, filename);
     const std::string key = fmt::format("{}\n{}", path.string(), state_.reverse);
-    if (const auto known = models_.find(key); known != models_.end())
-        return Shape{MeshInstance{known->second}, -1, {}};
+    if (const auto known = models_.find(key); known != models_.end()) return Shape{MeshInstance{known->second}, -1, {}};
     try {
         std::string bytes = context_.read(path);
         if (is_gzip(bytes)) bytes = gunzip(path.string(), bytes);
@@ -182,9 +180,7 @@ std::optional<Shape> Reader::bilinear_mesh(const Parameters& shape)
             for (std::uint32_t x = 0; x <= steps; ++x) {
                 const double u = double(x) / steps, v = double(y) / steps;
                 mesh.positions.push_back(to_float(mixed(position, u, v)));
-                const auto uv = [&](std::uint32_t k) {
-                    return Vec3d{corners.uvs[0][k].x, corners.uvs[0][k].y, 0};
-                };
+                const auto uv = [&](std::uint32_t k) { return Vec3d{corners.uvs[0][k].x, corners.uvs[0][k].y, 0}; };
                 const Vec3d at = corners.uvs[0].empty() ? Vec3d{u, v, 0} : mixed(uv, u, v);
                 mesh.uvs[0].push_back({float(at.x), 1 - float(at.y)});
                 const Vec3d du = (position(q[1]) - position(q[0])) * (1 - v) + (position(q[3]) - position(q[2])) * v,

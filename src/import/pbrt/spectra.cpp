@@ -69,8 +69,8 @@ Color of_chromaticity(double x, double y)
 std::vector<SpectrumPoint> spectrum_points(const Parameter& parameter, const std::vector<float>& numbers)
 {
     if (numbers.size() < 2 || numbers.size() % 2 != 0)
-        parameter.place.fail(fmt::format("the spectrum '{}' needs pairs of a wavelength and a value",
-                                         printable(parameter.name)));
+        parameter.place.fail(
+            fmt::format("the spectrum '{}' needs pairs of a wavelength and a value", printable(parameter.name)));
     std::vector<SpectrumPoint> points;
     for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) {
         if (!points.empty() && !(numbers[i] > points.back().wavelength))

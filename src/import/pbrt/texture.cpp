@@ -43,8 +43,7 @@ ColorInput Reader::texture(const Parameters& of, std::string_view parameter, boo
     auto& textures = is_float ? float_textures_ : color_textures_;
     const auto found = textures.find(name);
     if (found == textures.end())
-        p.place.fail(
-            fmt::format("there is no texture '{}' of '{}'", printable(name), is_float ? "float" : "spectrum"));
+        p.place.fail(fmt::format("there is no texture '{}' of '{}'", printable(name), is_float ? "float" : "spectrum"));
     NamedTexture& named = found->second;
     if (named.input) return *named.input;
     if (named.is_open) p.place.fail("a texture can't contain itself");
@@ -100,8 +99,7 @@ ColorInput Reader::read_texture(NamedTexture& named)
     const std::string& type = of.plugin();
     const bool is_float = named.is_float;
     if (type == "constant") return texture_operand(of, "value", is_float, 1);
-    if (type == "scale")
-        return product(texture_operand(of, "tex", is_float, 1), texture_operand(of, "scale", true, 1));
+    if (type == "scale") return product(texture_operand(of, "tex", is_float, 1), texture_operand(of, "scale", true, 1));
     if (type == "mix" || type == "directionmix") return mixture(of, is_float);
     if (type == "imagemap") return image_map(of, is_float);
     if (type == "checkerboard") return checkerboard(named);
@@ -205,7 +203,8 @@ ColorInput Reader::image_map(const Parameters& of, bool is_float)
     t.image = image(of);
     const std::string wrap = of.text("wrap", "repeat"), filter = of.text("filter", "bilinear"),
                       encoding = of.text("encoding", "sRGB");
-    if (wrap != "repeat" && wrap != "clamp") tell(of, fmt::format("the wrap '{}' is taken as 'clamp'", printable(wrap)));
+    if (wrap != "repeat" && wrap != "clamp")
+        tell(of, fmt::format("the wrap '{}' is taken as 'clamp'", printable(wrap)));
     t.wrap_u = t.wrap_v = wrap == "repeat" ? Wrap::repeat : Wrap::clamp;
     t.nearest = filter == "point";
     // Only PNGs have an encoding in pbrt.

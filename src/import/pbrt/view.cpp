@@ -41,8 +41,7 @@ void Reader::read_film(const Parameters& film)
     if (film.has("cropwindow") || film.has("pixelbounds"))
         tell(film, "the crop is left out: --crop x0,y0,x1,y1 renders a part");
     film.ignore({"cropwindow", "pixelbounds", "filename", "savefp16", "diagonal"});
-    if (film.has("maxcomponentvalue"))
-        tell(film, "'maxcomponentvalue' is left out: samples are as bright as they are");
+    if (film.has("maxcomponentvalue")) tell(film, "'maxcomponentvalue' is left out: samples are as bright as they are");
     const std::string sensor = film.text("sensor", "cie1931");
     const double iso = film.number("iso", 100);
     if (!(iso > 0)) film.fail("'iso' must be above 0");
@@ -51,8 +50,7 @@ void Reader::read_film(const Parameters& film)
                  close = camera_ ? camera_->number("shutterclose", 1) : 1;
     const double ratio = (close - open) * iso / 100;
     if (ratio > 0 && ratio != 1) scene_.hints.exposure = std::log2(ratio);
-    if (sensor != "cie1931")
-        tell(film, fmt::format("the sensor '{}' is taken as 'cie1931'", printable(sensor)));
+    if (sensor != "cie1931") tell(film, fmt::format("the sensor '{}' is taken as 'cie1931'", printable(sensor)));
     if (film.number("whitebalance", 0) != 0) tell(film, "'whitebalance' is left out");
     film.ignore({"maxcomponentvalue"});
     film.finish(teller_);
