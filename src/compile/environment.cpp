@@ -1,3 +1,4 @@
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -96,14 +97,17 @@ void make_picture(EnvironmentRecord& t, int width, const Radiance& radiance)
 {
     t.kind = std::uint32_t(EnvironmentKind::image);
     t.width = width, t.height = width / 2;
-    for (int y = 0; y < t.height; ++y)
-        for (int x = 0; x < t.width; ++x) {
-            const double phi = ((x + 0.5) / t.width - 0.5) * 2 * std::numbers::pi,
-                         theta = (y + 0.5) / t.height * std::numbers::pi;
-            const Vec3d d{std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
-            const Color c = radiance(d);
-            t.texels.insert(t.texels.end(), {c.r, c.g, c.b, 1});
+    t.texels.resize(std::size_t(t.width) * std::size_t(t.height) * 4);
+    tbb::parallel_for(0, t.height, [&](int y) {
+        float* texel = &t.texels[std::size_t(y) * std::size_t(t.width) * 4];
+        const double theta = (y + 0.5) / t.height * std::numbers::pi;
+        for (int x = 0; x < t.width; ++x, texel += 4) {
+            const double phi = ((x + 0.5) / t.width - 0.5) * 2 * std::numbers::pi;
+            const Color c =
+                radiance(Vec3d{std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)});
+            texel[0] = c.r, texel[1] = c.g, texel[2] = c.b, texel[3] = 1;
         }
+    });
 }
 
 }  // namespace

@@ -1,8 +1,11 @@
 #include "compile/sky.h"
 
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 namespace fathom {
@@ -58,9 +61,12 @@ Vec3d matching(double wavelength)
             1.217 * lobe(437.0, 11.8, 36.0) + 0.681 * lobe(459.0, 26.0, 13.8)};
 }
 
-struct Band {
-    Coefficients air;
-    Vec3d weight;  ///< Rec.709 per share of the sun's light in the band
+/// A number for each band.
+using Spectrum = std::array<double, bands>;
+
+struct BandTable {
+    Spectrum molecules, haze, ozone;   ///< as Coefficients has them
+    std::array<Vec3d, bands> weights;  ///< Rec.709 per share of the sun's light in the band
 };
 
 Vec3d rec709_from_xyz(const Vec3d& c)
@@ -70,35 +76,62 @@ Vec3d rec709_from_xyz(const Vec3d& c)
 }
 
 /// Weights such that all of the sun's light has an illuminance of pi.
-std::array<Band, bands> make_bands()
+BandTable make_bands()
 {
-    std::array<Band, bands> made;
+    BandTable made;
     double y = 0;
-    for (int i = 0; i < bands; ++i) {
-        const double wavelength = first_band + band_width * i;
-        const Vec3d xyz = matching(wavelength) * solar[std::size_t(i)];
+    for (std::size_t i = 0; i < bands; ++i) {
+        const double wavelength = first_band + band_width * double(i);
+        const Vec3d xyz = matching(wavelength) * solar[i];
         y += xyz.y;
-        made[std::size_t(i)] = {coefficients_at(wavelength), rec709_from_xyz(xyz)};
+        const Coefficients air = coefficients_at(wavelength);
+        made.molecules[i] = air.molecules, made.haze[i] = air.haze, made.ozone[i] = air.ozone;
+        made.weights[i] = rec709_from_xyz(xyz);
     }
-    for (Band& band : made) band.weight = band.weight * (std::numbers::pi / y);
+    for (Vec3d& weight : made.weights) weight = weight * (std::numbers::pi / y);
     return made;
 }
 
-const std::array<Band, bands>& band_table()
+const BandTable& band_table()
 {
-    static const std::array<Band, bands> table = make_bands();
+    static const BandTable table = make_bands();
     return table;
 }
 
-double exponent(const Coefficients& air, const Sky::Depths& depths)
+/// e^x for x of 0 or less, to 1e-11 of it: without branches, so that loops of it become vectors, and the same on all
+/// machines, which that of a C library need not be.
+double decay(double x)
 {
-    // Haze scatters a part of what it takes away.
-    return air.molecules * depths.molecules + air.haze * depths.haze + air.ozone * depths.ozone;
+    constexpr double magic = 0x1.8p52;  // in whose last bits is what is added to it, rounded
+    const double octaves = std::max(x, -700.0) * std::numbers::log2e, shifted = octaves + magic;
+    const double r = (octaves - (shifted - magic)) * std::numbers::ln2;
+    double e = 1.0 / 362880;
+    for (const double inverse : {40320.0, 5040.0, 720.0, 120.0, 24.0, 6.0, 2.0, 1.0, 1.0}) e = e * r + 1 / inverse;
+    const auto exponent = std::bit_cast<std::uint64_t>(shifted) - std::bit_cast<std::uint64_t>(magic);
+    return e * std::bit_cast<double>((exponent + 1023) << 52);
+}
+
+/// What is left of light on a way through the air.
+Spectrum transmittances(const Sky::Depths& depths)
+{
+    const BandTable& t = band_table();
+    Spectrum left;
+    for (std::size_t i = 0; i < bands; ++i)
+        // Haze scatters a part of what it takes away.
+        left[i] = decay(-(t.molecules[i] * depths.molecules + t.haze[i] * depths.haze + t.ozone[i] * depths.ozone));
+    return left;
 }
 
 Color color_of(const Vec3d& c)
 {
     return {float(std::max(0.0, c.x)), float(std::max(0.0, c.y)), float(std::max(0.0, c.z))};
+}
+
+Color color_of_light(const Spectrum& light)
+{
+    Vec3d sum;
+    for (std::size_t i = 0; i < bands; ++i) sum = sum + band_table().weights[i] * light[i];
+    return color_of(sum);
 }
 
 struct Densities {
@@ -151,9 +184,13 @@ constexpr int multiple_heights = 12, multiple_elevations = 10;
 constexpr double elevations_around = 9 * std::numbers::pi / 180;
 
 /// Scattered by the molecules and haze of a km, of light alike in all directions.
-double scattering(const Coefficients& air, const Densities& here)
+Spectrum scattering(const Densities& here)
 {
-    return air.molecules * here.molecules + haze_albedo * air.haze * here.haze;
+    const BandTable& t = band_table();
+    Spectrum sent;
+    for (std::size_t i = 0; i < bands; ++i)
+        sent[i] = t.molecules[i] * here.molecules + haze_albedo * t.haze[i] * here.haze;
+    return sent;
 }
 
 /// The parts of a way, shorter where it begins: f(way to its middle, its length).
@@ -182,13 +219,16 @@ Sky::Depths Sky::depths_to_space(double height, double cosine)
 
 double Sky::transmittance(const Depths& depths, double wavelength)
 {
-    return std::exp(-exponent(coefficients_at(wavelength), depths));
+    const Coefficients air = coefficients_at(wavelength);
+    return std::exp(-(air.molecules * depths.molecules + air.haze * depths.haze + air.ozone * depths.ozone));
 }
 
 Sky::Sky(const Vec3d& to_sun) : to_sun_(normalize(to_sun))
 {
-    for (int i = 0; i < table_heights; ++i)
-        for (int j = 0; j < table_cosines; ++j) table_.push_back(depths_to_space(table_height(i), table_cosine(j)));
+    table_.resize(std::size_t(table_heights * table_cosines));
+    tbb::parallel_for(0, table_heights * table_cosines, [&](int k) {
+        table_[std::size_t(k)] = depths_to_space(table_height(k / table_cosines), table_cosine(k % table_cosines));
+    });
     make_multiple();
     // Irradiance of the ground: that of the sun, and of the sky by a sum over the upper half.
     const Color sun = sun_irradiance(to_sun_);
@@ -225,10 +265,7 @@ Color Sky::sun_irradiance(const Vec3d& to_sun)
 {
     const double cosine = normalize(to_sun).y;
     if (!(cosine > 0)) return {0, 0, 0};
-    const Depths depths = depths_to_space(0, cosine);
-    Vec3d sum;
-    for (const Band& band : band_table()) sum = sum + band.weight * std::exp(-exponent(band.air, depths));
-    return color_of(sum);
+    return color_of_light(transmittances(depths_to_space(0, cosine)));
 }
 
 /// Adds what comes from one direction (x towards the sun's side, y up): light of the second order, as if scattered
@@ -250,23 +287,19 @@ void Sky::add_second_order(double height, const Vec3d& sun, double x, double y, 
         seen.add(here, length / 2);
         const double cosine = sun_cosine(at, there);
         const bool lit = !meets_ground(there, cosine);
-        const Depths to_sun = lit ? depths_to_sun(there, cosine) : Depths();
-        for (std::size_t b = 0; b < bands; ++b) {
-            const Coefficients& air = band_table()[b].air;
-            const double sent = scattering(air, here) * std::exp(-exponent(air, seen)) * length;
-            sum.further[b] += sent;
-            if (lit) sum.second[b] += sent * std::exp(-exponent(air, to_sun)) / (4 * std::numbers::pi);
-        }
+        Spectrum sent = scattering(here);
+        const Spectrum left = transmittances(seen);
+        for (std::size_t b = 0; b < bands; ++b) sum.further[b] += sent[b] *= left[b] * length;
         seen.add(here, length / 2);
+        if (!lit) return;
+        const Spectrum sunlight = transmittances(depths_to_sun(there, cosine));
+        for (std::size_t b = 0; b < bands; ++b) sum.second[b] += sent[b] * sunlight[b] / (4 * std::numbers::pi);
     });
     const double cosine = sun_cosine(way, 0);
     if (!to_ground || !(cosine > 0)) return;
-    const Depths to_sun = depths_to_sun(0, cosine);
-    for (std::size_t b = 0; b < bands; ++b) {
-        const Coefficients& air = band_table()[b].air;
-        sum.second[b] +=
-            ground_albedo / std::numbers::pi * cosine * std::exp(-exponent(air, seen) - exponent(air, to_sun));
-    }
+    seen.add(depths_to_sun(0, cosine));
+    const Spectrum sunlight = transmittances(seen);
+    for (std::size_t b = 0; b < bands; ++b) sum.second[b] += ground_albedo / std::numbers::pi * cosine * sunlight[b];
 }
 
 /// Of each place of the table, Hillaire's equations 5 to 9: light of the second order from all around, over what is
@@ -276,21 +309,21 @@ void Sky::make_multiple()
     constexpr int cosines = 8, turns = 8;
     constexpr double share = 1.0 / (cosines * turns);
     const double elevation = std::asin(std::clamp(to_sun_.y, -1.0, 1.0));
-    for (int i = 0; i < multiple_heights; ++i)
-        for (int j = 0; j < multiple_elevations; ++j) {
-            const double t = double(i) / (multiple_heights - 1);
-            const double e = elevation + (2.0 * j / (multiple_elevations - 1) - 1) * elevations_around;
-            const Vec3d sun{std::abs(std::cos(e)), std::sin(e), 0};
-            Orders sum{std::vector<double>(bands), std::vector<double>(bands)};
-            for (int k = 0; k < cosines * turns; ++k) {
-                const int row = k / turns, turn = k % turns;
-                const double y = 2 * (row + 0.5) / cosines - 1;
-                const double phi = 2 * std::numbers::pi * (turn + 0.5) / turns;
-                add_second_order(air_height * t * t, sun, std::sqrt(1 - y * y) * std::cos(phi), y, sum);
-            }
-            for (std::size_t b = 0; b < bands; ++b)
-                multiple_.push_back(sum.second[b] * share / (1 - sum.further[b] * share));
+    multiple_.resize(std::size_t(multiple_heights * multiple_elevations * bands));
+    tbb::parallel_for(0, multiple_heights * multiple_elevations, [&](int place) {
+        const double t = double(place / multiple_elevations) / (multiple_heights - 1);
+        const double e =
+            elevation + (2.0 * (place % multiple_elevations) / (multiple_elevations - 1) - 1) * elevations_around;
+        const Vec3d sun{std::abs(std::cos(e)), std::sin(e), 0};
+        Orders sum{std::vector<double>(bands), std::vector<double>(bands)};
+        for (int k = 0; k < cosines * turns; ++k) {
+            const double y = 2 * (k / turns + 0.5) / cosines - 1;
+            const double phi = 2 * std::numbers::pi * (k % turns + 0.5) / turns;
+            add_second_order(air_height * t * t, sun, std::sqrt(1 - y * y) * std::cos(phi), y, sum);
         }
+        double* const multiple = &multiple_[std::size_t(place * bands)];
+        for (std::size_t b = 0; b < bands; ++b) multiple[b] = sum.second[b] * share / (1 - sum.further[b] * share);
+    });
 }
 
 Sky::MultipleAt Sky::multiple_at(double height, double cosine, double sun_elevation)
@@ -316,7 +349,8 @@ Color Sky::scattered(const Vec3d& d, Scattering times) const
     const double of_haze = 3 / (8 * std::numbers::pi) * (1 - g * g) * (1 + cosine * cosine) /
                            ((2 + g * g) * std::pow(1 + g * g - 2 * g * cosine, 1.5));
     const double sun_elevation = std::asin(std::clamp(to_sun_.y, -1.0, 1.0));
-    std::array<double, bands> light{};
+    const BandTable& t = band_table();
+    Spectrum light{};
     Depths seen;
     along(way_to_space(0, d.y), 40, [&](double at, double length) {
         const double height = height_after(0, d.y, at);
@@ -325,28 +359,25 @@ Color Sky::scattered(const Vec3d& d, Scattering times) const
         const double sun_cosine = (earth_radius * to_sun_.y + at * cosine) / (earth_radius + height);
         if (!meets_ground(height, sun_cosine)) {
             Depths way = depths_to_sun(height, sun_cosine);
-            way.molecules += seen.molecules, way.haze += seen.haze, way.ozone += seen.ozone;
-            for (std::size_t i = 0; i < bands; ++i) {
-                const Coefficients& air = band_table()[i].air;
-                const double towards_eye =
-                    air.molecules * here.molecules * of_molecules + haze_albedo * air.haze * here.haze * of_haze;
-                light[i] += towards_eye * std::exp(-exponent(air, way)) * length;
-            }
+            way.add(seen);
+            const Spectrum left = transmittances(way);
+            const double molecules = here.molecules * of_molecules * length,
+                         haze = haze_albedo * here.haze * of_haze * length;
+            for (std::size_t i = 0; i < bands; ++i)
+                light[i] += (t.molecules[i] * molecules + t.haze[i] * haze) * left[i];
         }
         if (times == Scattering::all) {
             const MultipleAt m = multiple_at(height, sun_cosine, sun_elevation);
+            const Spectrum sent = scattering(here), left = transmittances(seen);
             for (std::size_t i = 0; i < bands; ++i) {
                 double before = 0;
                 for (std::size_t k = 0; k < 4; ++k) before += m.weight[k] * multiple_[m.place[k] + i];
-                const Coefficients& air = band_table()[i].air;
-                light[i] += scattering(air, here) * before * std::exp(-exponent(air, seen)) * length;
+                light[i] += sent[i] * before * left[i] * length;
             }
         }
         seen.add(here, length / 2);
     });
-    Vec3d sum;
-    for (std::size_t i = 0; i < bands; ++i) sum = sum + band_table()[i].weight * light[i];
-    return color_of(sum);
+    return color_of_light(light);
 }
 
 Color Sky::radiance(const Vec3d& d) const

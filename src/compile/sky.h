@@ -29,6 +29,7 @@ public:
     struct Depths {
         double molecules = 0, haze = 0, ozone = 0;
 
+        void add(const Depths& d) { molecules += d.molecules, haze += d.haze, ozone += d.ozone; }
         /// A way through air of one density.
         template <class Densities>
         void add(const Densities& here, double length)
