@@ -331,6 +331,10 @@ TEST_F(Pbrt, Metals)
     expect_color(material("Material \"conductor\" \"spectrum eta\" [ 300 1.5 900 1.5 ] \"spectrum k\" [ 300 3 900 3 ]")
                      .base_color.value,
                  f, f, f, 1e-3);
+    write("n.spd", "# a comment\n300 1.5\n900 1.5\n");
+    write("k.spd", "300 3\n900 3\n");
+    const char* const files = "Material \"conductor\" \"spectrum eta\" \"n.spd\" \"spectrum k\" \"k.spd\"";
+    expect_color(material(files).base_color.value, f, f, f, 1e-3);
     expect_color(material("Material \"conductor\" \"rgb reflectance\" [ 0.7 0.6 0.5 ]").base_color.value, 0.7, 0.6,
                  0.5);
 }

@@ -44,8 +44,15 @@ void Reader::set_metal_colors(const Parameters& m, const std::string& prefix, fl
         for (Color* c : {&plain.eta, &plain.k}) *c = {c->r / outside, c->g / outside, c->b / outside};
         return set(colors_of(plain));
     }
-    if (eta && k && eta->numbers.size() > 2 && k->numbers.size() > 2) {
-        const auto n_points = spectrum_points(*eta, eta->numbers), k_points = spectrum_points(*k, k->numbers);
+    // Pairs of wavelength and value, here or in a file.
+    const auto is_spectrum = [&](const Parameter* p) {
+        return p && (p->numbers.size() > 1 || (!name(p).empty() && !is_named_spectrum(name(p))));
+    };
+    if (is_spectrum(eta) && is_spectrum(k)) {
+        const auto points = [&](const Parameter& p) {
+            return spectrum_points(p, p.numbers.empty() ? spectrum_file(p) : p.numbers);
+        };
+        const auto n_points = points(*eta), k_points = points(*k);
         const Color base = reflectance(n_points, k_points, outside, 1),
                     edge = reflectance(n_points, k_points, outside, 1.0 / 7);
         return set({base, {edge_channel(base.r, edge.r), edge_channel(base.g, edge.g), edge_channel(base.b, edge.b)}});

@@ -85,6 +85,7 @@ private:
     void read_integrator(const Parameters& integrator);
 
     // spectra.cpp: colours
+    std::vector<float> spectrum_file(const Parameter& parameter);
     Color color_value(const Parameters& of, const Parameter& parameter, bool of_light);
     Color color_value(const Parameters& of, std::string_view name, Color otherwise, bool of_light);
     /// Of a light: a spectrum that is not rgb has a luminance of 1.

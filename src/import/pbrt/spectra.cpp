@@ -91,6 +91,16 @@ std::vector<float> numbers_of_file(const std::string& file, const std::string& t
     return numbers;
 }
 
+std::vector<float> Reader::spectrum_file(const Parameter& p)
+{
+    const std::filesystem::path file = locate(p.place, p.strings.at(0));
+    try {
+        return numbers_of_file(file.string(), context_.read(file));
+    } catch (const Error& error) {
+        p.place.fail(error.what());
+    }
+}
+
 Color Reader::color_value(const Parameters& of, const Parameter& p, bool of_light)
 {
     if (p.type == "rgb") {
@@ -114,12 +124,7 @@ Color Reader::color_value(const Parameters& of, const Parameter& p, bool of_ligh
             tell(of, fmt::format("the spectrum '{}' is no colour: grey 0.5 instead", printable(name)));
             return {0.5f, 0.5f, 0.5f};
         }
-        const std::filesystem::path file = locate(p.place, name);
-        try {
-            numbers = numbers_of_file(file.string(), context_.read(file));
-        } catch (const Error& error) {
-            p.place.fail(error.what());
-        }
+        numbers = spectrum_file(p);
     }
     const std::vector<SpectrumPoint> points = spectrum_points(p, numbers);
     return of_light ? of_luminance_one(color_of_light(points)) : color_of_surface(points);
