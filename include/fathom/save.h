@@ -18,4 +18,11 @@ namespace fathom {
 /// written, or rather than overwrite what the scene was read from: then the JSON file isn't there, or as it was.
 FATHOM_API void save_scene(const SceneDescription& scene, const std::filesystem::path& file, Warnings& warnings);
 
+/// Writes a scene as GLB: glTF 2.0 in one file, pictures included. What glTF and its ratified extensions can't say
+/// (environments, curves, computed textures, some of materials) is added to `warnings`, and left out or taken by its
+/// mean.
+///
+/// Throws Error as save_scene does, and if it would be more than GLB can hold: 4 GB, or ten million nodes.
+FATHOM_API void save_glb(const SceneDescription& scene, const std::filesystem::path& file, Warnings& warnings);
+
 }  // namespace fathom

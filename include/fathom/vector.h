@@ -47,6 +47,11 @@ struct Vec4f {
     float x = 0, y = 0, z = 0, w = 0;
 };
 
+inline Vec3f to_float(const Vec3d& v)
+{
+    return {float(v.x), float(v.y), float(v.z)};
+}
+
 /// Linear Rec.709 (the primaries of sRGB), not limited to 1.
 struct Color {
     float r = 0, g = 0, b = 0;

@@ -11,9 +11,9 @@
 #include "compile/instancing.h"
 #include "compile/parallelograms.h"
 #include "compile/poses.h"
-#include "compile/tessellate.h"
 #include "fathom/error.h"
 #include "scene/motion.h"
+#include "scene/tessellate.h"
 
 namespace fathom {
 

@@ -13,10 +13,6 @@ struct RenderSpace {
     Transform from_world() const { return Transform::scale({scale, scale, scale}) * Transform::translate(-origin); }
 };
 
-inline Vec3f to_float(Vec3d v)
-{
-    return {float(v.x), float(v.y), float(v.z)};
-}
 inline Vec3d to_double(Vec3f v)
 {
     return {v.x, v.y, v.z};

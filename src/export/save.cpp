@@ -1,5 +1,6 @@
 #include "fathom/save.h"
 
+#include "export/gltf/glb.h"
 #include "export/scene_json.h"
 #include "image/output_file.h"
 #include "scene/check.h"
@@ -14,6 +15,16 @@ void save_scene(const SceneDescription& scene, const std::filesystem::path& file
     OutputFile out(file);
     files.write();
     out.write(text.data(), text.size());
+    out.commit();
+}
+
+void save_glb(const SceneDescription& scene, const std::filesystem::path& file, Warnings& warnings)
+{
+    check_scene(scene);
+    const std::string bytes = glb_bytes(scene, file.string(), warnings);
+    SaveFiles(scene, file).write();  // nothing but its check of the name
+    OutputFile out(file);
+    out.write(bytes.data(), bytes.size());
     out.commit();
 }
 

@@ -28,11 +28,6 @@ Vec3d map_normal(const Transform& t, Vec3d n)
     return cross(y, z) * n.x + cross(z, x) * n.y + cross(x, y) * n.z;
 }
 
-Vec3f to_float(Vec3d v)
-{
-    return {float(v.x), float(v.y), float(v.z)};
-}
-
 /// The first `components` numbers of each.
 template <class To, class Offset>
 void add_offsets(std::vector<To>& to, const std::vector<Offset>& offsets, float weight, std::size_t components)

@@ -12,9 +12,9 @@
 #include "compile/instancing.h"
 #include "compile/layers.h"
 #include "compile/render_space.h"
-#include "compile/tessellate.h"
 #include "integrate/kernel.h"
 #include "scene/displacement.h"
+#include "scene/tessellate.h"
 
 namespace fathom {
 

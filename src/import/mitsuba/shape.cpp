@@ -20,11 +20,6 @@ Vec3d to_double(Vec3f v)
 {
     return {v.x, v.y, v.z};
 }
-Vec3f to_float(Vec3d v)
-{
-    return {float(v.x), float(v.y), float(v.z)};
-}
-
 /// Of the faces around each vertex, by their angles there (G. Thuermer, C. A. Wuethrich: Computing Vertex Normals from
 /// Polygonal Facets, 1998), which is what Mitsuba gives meshes without.
 void add_smooth_normals(Mesh& mesh)

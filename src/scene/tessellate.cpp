@@ -1,9 +1,7 @@
-#include "compile/tessellate.h"
+#include "scene/tessellate.h"
 
 #include <cmath>
 #include <numbers>
-
-#include "compile/render_space.h"
 
 namespace fathom {
 
