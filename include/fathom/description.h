@@ -284,9 +284,10 @@ enum class EnvironmentKind {
     constant,
     gradient,
     image,
-    studio,  ///< three soft lights around what is shown, for a camera that looks along -z, and a dim room
-    sky,     ///< a clear sky over grey ground, computed from the air; the sun too if sun_disk
-    cube,    ///< six pictures, the faces of a cube around everything
+    studio,      ///< three soft lights around what is shown, for a camera that looks along -z, and a dim room
+    sky,         ///< a clear sky over grey ground, computed from the air; the sun too if sun_disk
+    cube,        ///< six pictures, the faces of a cube around everything
+    equal_area,  ///< a square picture of all directions, each with its share of the area, as pbrt-v4 has them
 };
 
 /// What a ray sees that leaves the scene, and what lights it from there.
@@ -294,10 +295,11 @@ struct Environment {
     EnvironmentKind kind = EnvironmentKind::none;
     Color color{1, 1, 1};                       ///< constant: radiance; others: multiplied
     Color bottom{1, 1, 1}, top{0.5f, 0.7f, 1};  ///< gradient: mixed by (1 + y) / 2 of the direction's up component
-    int image = -1;                             ///< equirectangular, linear (8-bit files: sRGB)
+    int image = -1;                             ///< equirectangular or equal-area, linear (8-bit files: sRGB)
     /// Cube: towards +x, -x, +y, -y, +z, -z, turned as OpenGL has them; linear (8-bit files: sRGB), over their alpha.
     std::array<int, 6> faces{-1, -1, -1, -1, -1, -1};
-    Transform world_from_environment;  ///< rotation; the image's middle looks along +x, its top along +y
+    Transform world_from_environment;  ///< rotation; the image's middle looks along +x, its top along +y.
+                                       ///< Equal-area: the middle along +z, its right along +x, its bottom along +y
     /// Sky: where the sun is; up is +y. A white surface that faces the sun above the air has a radiance of 1: times
     /// 42,000 that is nits.
     Vec3d to_sun{-0.4, 0.6, 0.7};

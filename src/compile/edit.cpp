@@ -98,7 +98,8 @@ void SceneEdit::set_environment(const Environment& environment)
     const Environment& before = data_->scene.environment;
     // A picture is decoded with those of textures.
     const auto pictured = [](const Environment& e) {
-        return e.kind == EnvironmentKind::image || e.kind == EnvironmentKind::cube;
+        return e.kind == EnvironmentKind::image || e.kind == EnvironmentKind::cube ||
+               e.kind == EnvironmentKind::equal_area;
     };
     const bool same =
         environment.kind == before.kind && environment.image == before.image && environment.faces == before.faces;

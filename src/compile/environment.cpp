@@ -116,7 +116,8 @@ void compile_environment(Compiler& c)
 {
     const Environment& e = c.scene.environment;
     EnvironmentRecord& t = c.tables.environment;
-    const bool has_picture = e.kind == EnvironmentKind::image || e.kind == EnvironmentKind::cube;
+    const bool has_picture =
+        e.kind == EnvironmentKind::image || e.kind == EnvironmentKind::cube || e.kind == EnvironmentKind::equal_area;
     t.kind = std::uint32_t(has_picture ? EnvironmentKind::image : e.kind);
     t.color = {e.color.r, e.color.g, e.color.b};
     t.bottom = {e.bottom.r, e.bottom.g, e.bottom.b};

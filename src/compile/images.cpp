@@ -12,6 +12,7 @@
 #include <set>
 #include <utility>
 
+#include "compile/equal_area_map.h"
 #include "fathom/error.h"
 #include "fathom/memory.h"
 #include "image/picture.h"
@@ -257,7 +258,8 @@ std::vector<ImageUse> uses_of(const SceneDescription& scene)
     };
     for (const Texture& texture : scene.textures)
         if (texture.kind == TextureKind::image) add(use_of(texture));
-    if (scene.environment.kind == EnvironmentKind::image) add(environment_use(scene.environment.image));
+    if (scene.environment.kind == EnvironmentKind::image || scene.environment.kind == EnvironmentKind::equal_area)
+        add(environment_use(scene.environment.image));
     if (scene.environment.kind == EnvironmentKind::cube)
         for (const int face : scene.environment.faces) add(environment_use(face));
     return uses;
@@ -362,6 +364,16 @@ void ImageStore::set_environment(Compiler& c)
         CubeFace& picture = environment_.at(e.image);
         t.width = picture.width, t.height = picture.height;
         t.texels = std::move(picture.texels);
+    }
+    if (e.kind == EnvironmentKind::equal_area && e.image >= 0) {
+        const CubeFace& square = environment_.at(e.image);
+        if (square.width != square.height)
+            throw Error(c.scene.images[std::size_t(e.image)].name, "",
+                        fmt::format("an equal-area environment is a square: this picture has {} by {} pixels",
+                                    square.width, square.height));
+        t.width = equirectangular_width(square), t.height = square.width;
+        Decoder(c.scene, 1).check_memory(16.0 * t.width * t.height);
+        t.texels = equirectangular_from_equal_area(square);
     }
     if (e.kind != EnvironmentKind::cube) return;
     std::array<CubeFace, 6> faces;

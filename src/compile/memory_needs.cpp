@@ -106,6 +106,8 @@ public:
         const Environment& e = scene_.environment;
         if (e.kind == EnvironmentKind::image && e.image >= 0)
             environment += of(e.image).pixels() * bytes_per_environment;
+        if (e.kind == EnvironmentKind::equal_area && e.image >= 0)
+            environment += of(e.image).pixels() * 3 * bytes_per_environment;
         // Of a cube a picture of all directions is made besides.
         if (e.kind == EnvironmentKind::cube)
             for (const int face : e.faces)

@@ -267,7 +267,8 @@ private:
             put(json, "color", color_json(e.color), 1);
         }
         if (e.kind == EnvironmentKind::constant) return json;
-        if (e.kind == EnvironmentKind::image && e.image >= 0) json["image"] = images_[std::size_t(e.image)];
+        if ((e.kind == EnvironmentKind::image || e.kind == EnvironmentKind::equal_area) && e.image >= 0)
+            json["image"] = images_[std::size_t(e.image)];
         if (e.kind == EnvironmentKind::cube)
             for (const int face : e.faces) json["faces"].push_back(face >= 0 ? images_[std::size_t(face)] : "");
         if (e.kind == EnvironmentKind::sky) {

@@ -15,6 +15,7 @@
 #include "import/gltf/gltf.h"
 #include "import/mitsuba/mitsuba.h"
 #include "import/obj/obj.h"
+#include "import/pbrt/pbrt.h"
 #include "import/ply/ply.h"
 #include "import/stl/stl.h"
 #include "scene/check.h"
@@ -48,7 +49,7 @@ void turn_z_up(SceneDescription& scene)
 
 /// All of them; the first that recognizes a file reads it.
 constexpr const Importer* importers[] = {&gltf_importer, &ply_importer, &fathom_json_importer, &mitsuba_importer,
-                                         &obj_importer,  &stl_importer, &assimp_importer};
+                                         &pbrt_importer, &obj_importer, &stl_importer,         &assimp_importer};
 
 std::string format_name(const Importer& importer, const SourceFile& file)
 {

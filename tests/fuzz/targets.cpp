@@ -25,6 +25,7 @@
 #include "import/mitsuba/mitsuba.h"
 #include "import/mitsuba/serialized.h"
 #include "import/obj/obj.h"
+#include "import/pbrt/pbrt.h"
 #include "import/ply/ply.h"
 #include "import/stl/stl.h"
 #include "scene/check.h"
@@ -365,6 +366,33 @@ std::vector<std::string> film_seeds()
     return {film_seed({}, {}), film_seed(all, half)};
 }
 
+std::vector<std::string> pbrt_seeds()
+{
+    return {
+        R"(LookAt 0 0 -5 0 0 0 0 1 0 Camera "perspective" "float fov" 40 "float lensradius" .1 "float focaldistance" [ 3 ]
+Film "rgb" "integer xresolution" [ 8 ] "integer yresolution" 6 "float iso" 200 Sampler "halton" "integer pixelsamples" 4
+PixelFilter "box" Integrator "volpath" "integer maxdepth" 5 ColorSpace "aces2065-1"
+WorldBegin # a comment
+Texture "c" "spectrum" "checkerboard" "rgb tex1" [ 1 0 0 ] "float uscale" 4 "float vscale" 2
+Texture "f" "float" "fbm" "integer octaves" 4
+Texture "m" "spectrum" "mix" "texture tex1" "c" "rgb tex2" [ 0 1 0 ] "texture amount" "f"
+MakeNamedMaterial "a" "string type" "coateddiffuse" "texture reflectance" "m" "float roughness" .1
+MakeNamedMaterial "b" "string type" "conductor" "spectrum eta" [ 400 1 700 2 ] "spectrum k" [ 400 3 700 2 ]
+MakeNamedMedium "g" "string type" "homogeneous" "rgb sigma_a" [ 1 2 3 ] "rgb sigma_s" [ 0 0 1 ]
+LightSource "infinite" "blackbody L" 5000 "float illuminance" 10
+LightSource "spot" "rgb I" [ 1 2 3 ] "point3 from" [ 0 5 0 ] "float power" 10
+AttributeBegin AreaLightSource "diffuse" "spectrum L" [ 300 1 800 2 ] "bool twosided" true "float power" 5
+ Translate 0 1e1 0 Shape "disk" "float radius" 2 AttributeEnd
+ObjectBegin "o" NamedMaterial "a" Shape "trianglemesh" "point3 P" [ 0 0 0 1 0 0 0 1 0 ] "point2 uv" [ 0 0 1 0 1 1 ]
+ "normal N" [ 0 0 1 0 0 1 0 0 1 ] "integer indices" [ 0 1 2 ] "texture alpha" "f" ObjectEnd
+Rotate 30 0 1 0 ObjectInstance "o" ConcatTransform [ 1 0 0 0 0 1 0 0 0 0 1 0 1 1 1 1 ] ObjectInstance "o"
+ReverseOrientation MediumInterface "g" "" Material "dielectric" "spectrum eta" "glass-BK7" Shape "sphere" "float zmin" 0
+Attribute "shape" "float radius" 3 Shape "cylinder" "float phimax" 90
+NamedMaterial "b" Shape "bilinearmesh" "point3 P" [ 0 0 0 1 0 0 0 1 0 1 1 1 ]
+Shape "curve" "point3 P" [ 0 0 0 1 0 0 2 0 0 3 0 0 ] "float width" .1 "string type" "cylinder"
+Shape "loopsubdiv" "integer levels" 1 "point3 P" [ 0 0 0 1 0 0 0 1 0 ] "integer indices" [ 0 1 2 ]
+ActiveTransform EndTime Translate 1 0 0 ActiveTransform All Shape "sphere" Option "seed" 3)"};
+}
 std::vector<std::string> mitsuba_seeds()
 {
     return {
@@ -413,6 +441,7 @@ constexpr Target all[] = {{"fathom-json", read_scene<fathom_json_importer>, json
                           {"ply", read_scene<ply_importer>, ply_seeds},
                           {"stl", read_scene<stl_importer>, stl_seeds},
                           {"mitsuba", read_scene<mitsuba_importer>, mitsuba_seeds},
+                          {"pbrt", read_scene<pbrt_importer>, pbrt_seeds},
                           {"serialized", read_serialized, serialized_seeds},
                           {"image", read_picture, image_seeds},
                           {"film", read_film, film_seeds}};

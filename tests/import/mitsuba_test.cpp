@@ -2,7 +2,7 @@
 #include <cstring>
 #include <numbers>
 
-#include "import/mitsuba/spectra.h"
+#include "import/common/spectra.h"
 #include "import_test_helpers.h"
 #include "scene/conductors.h"
 
@@ -603,12 +603,12 @@ TEST_F(Mitsuba, SkyWithItsSun)
 /// As Mitsuba 3.9.1's `llvm_ad_rgb` gives them.
 TEST(MitsubaSpectra, AsColours)
 {
-    const std::vector<mitsuba::SpectrumPoint> points = {{400, 0.1}, {500, 0.5}, {600, 0.9}, {700, 0.3}};
-    expect_color(mitsuba::color_of_surface(points), 0.854797, 0.68754, 0.265015, 0.02);
-    expect_color(mitsuba::color_of_light(points), 0.999234, 0.6597, 0.229444, 0.02);
-    expect_color(mitsuba::color_of_light({{300, 2}, {900, 2}}), 2.40959, 1.89658, 1.81783, 0.03);
-    expect_color(mitsuba::color_of_surface({{300, 0.5}, {900, 0.5}}), 0.5, 0.5, 0.5, 1e-3);
-    const Color warm = mitsuba::color_of_black_body(3000), cold = mitsuba::color_of_black_body(9000);
+    const std::vector<SpectrumPoint> points = {{400, 0.1}, {500, 0.5}, {600, 0.9}, {700, 0.3}};
+    expect_color(color_of_surface(points), 0.854797, 0.68754, 0.265015, 0.02);
+    expect_color(color_of_light(points), 0.999234, 0.6597, 0.229444, 0.02);
+    expect_color(color_of_light({{300, 2}, {900, 2}}), 2.40959, 1.89658, 1.81783, 0.03);
+    expect_color(color_of_surface({{300, 0.5}, {900, 0.5}}), 0.5, 0.5, 0.5, 1e-3);
+    const Color warm = color_of_black_body(3000), cold = color_of_black_body(9000);
     EXPECT_GT(warm.r, 2 * warm.b);
     EXPECT_GT(cold.b, cold.r);
 }

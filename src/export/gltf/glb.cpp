@@ -242,6 +242,7 @@ private:
         constexpr double nearest = 0.01, farthest = 1e5;
         Json json = Json::object();
         if (!c.name.empty()) json["name"] = c.name;
+        if (c.shift_x != 0 || c.shift_y != 0) warn("cameras look straight ahead: glTF has no shift of lenses");
         if (c.aperture > 0) warn("cameras see all sharp: glTF has no lens");
         if (c.shutter_open != 0 || c.shutter_close != 0) warn("a shutter is left out");
         if (c.kind == CameraKind::orthographic) {

@@ -88,7 +88,8 @@ void FathomJsonReader::read_environment(const JsonValue& v)
 {
     Environment& environment = scene_.environment;
     JsonObject o(v);
-    if (!v.has("kind")) v.fail("key 'kind' is missing: none, constant, gradient, image, studio, sky or cube");
+    if (!v.has("kind"))
+        v.fail("key 'kind' is missing: none, constant, gradient, image, studio, sky, cube or equal-area");
     o.read_word("kind", words::environment_kinds, environment.kind);
     const bool turns = environment.kind != EnvironmentKind::none && environment.kind != EnvironmentKind::constant;
     if (environment.kind != EnvironmentKind::none && environment.kind != EnvironmentKind::gradient)
@@ -97,7 +98,8 @@ void FathomJsonReader::read_environment(const JsonValue& v)
         o.read("bottom", environment.bottom);
         o.read("top", environment.top);
     }
-    if (environment.kind == EnvironmentKind::image) environment.image = image(o.require("image"));
+    if (environment.kind == EnvironmentKind::image || environment.kind == EnvironmentKind::equal_area)
+        environment.image = image(o.require("image"));
     if (environment.kind == EnvironmentKind::cube) {
         const JsonValue faces = o.require("faces");
         faces.array_of(6);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "import/common/medium.h"
 #include "import/common/read_file.h"
 #include "import/common/suggest.h"
 #include "import/mitsuba/reader.h"
@@ -379,17 +380,12 @@ void Reader::read_interior(const Element& element, Material& m)
     medium.ignore({"sample_emitters", "has_spectral_extinction"});
     medium.finish(context_.warnings);
     if (!(scale > 0)) return;
-    // Over the distance in which the densest colour is halved, so that its colour is a number of moderate size.
-    const double most = std::max({extinction.r, extinction.g, extinction.b}) * scale;
-    if (!(most > 0)) return;
-    const double distance = 0.6931471805599453 / most;
-    const auto absorbed = [&](float t, float a) { return float(std::exp(-double(t) * scale * (1 - a) * distance)); };
-    const auto scattered = [&](float t, float a) { return float(double(t) * scale * a * distance); };
-    m.attenuation_distance = distance;
-    m.attenuation_color = {absorbed(extinction.r, albedo.r), absorbed(extinction.g, albedo.g),
-                           absorbed(extinction.b, albedo.b)};
-    m.transmission_scatter = {scattered(extinction.r, albedo.r), scattered(extinction.g, albedo.g),
-                              scattered(extinction.b, albedo.b)};
+    const auto absorbed = [&](float t, float a) { return float(double(t) * scale * (1 - a)); };
+    const auto scattered = [&](float t, float a) { return float(double(t) * scale * a); };
+    fill_solid(
+        m, {absorbed(extinction.r, albedo.r), absorbed(extinction.g, albedo.g), absorbed(extinction.b, albedo.b)},
+        {scattered(extinction.r, albedo.r), scattered(extinction.g, albedo.g), scattered(extinction.b, albedo.b)},
+        m.transmission_scatter_anisotropy);
 }
 
 int Reader::material_of_shape(Object& shape)

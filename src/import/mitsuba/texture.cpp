@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "import/common/read_file.h"
+#include "import/common/spectra.h"
 #include "import/mitsuba/reader.h"
-#include "import/mitsuba/spectra.h"
 
 namespace fathom::mitsuba {
 

@@ -1,10 +1,10 @@
-#include "import/mitsuba/spectra.h"
+#include "import/common/spectra.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-namespace fathom::mitsuba {
+namespace fathom {
 
 namespace {
 
@@ -96,4 +96,4 @@ Color color_of_black_body(double temperature)
     return integrated([&](double nm) { return radiance_of_black_body(nm, temperature); }, [](double) { return 1.0; });
 }
 
-}  // namespace fathom::mitsuba
+}  // namespace fathom

@@ -6,7 +6,7 @@
 
 /// Spectra as linear Rec.709, by the colour matching functions of C. Wyman, P.-P. Sloan and P. Shirley: Simple Analytic
 /// Approximations to the CIE XYZ Color Matching Functions, 2013.
-namespace fathom::mitsuba {
+namespace fathom {
 
 /// A value at a wavelength, nm; linear in between, 0 before the first and after the last.
 struct SpectrumPoint {
@@ -19,4 +19,4 @@ Color color_of_surface(const std::vector<SpectrumPoint>& points);
 /// Radiance of a black body, W/(m2 sr nm), of a temperature in kelvin.
 Color color_of_black_body(double temperature);
 
-}  // namespace fathom::mitsuba
+}  // namespace fathom

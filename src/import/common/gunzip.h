@@ -1,0 +1,15 @@
+#pragma once
+#include <string>
+#include <string_view>
+
+namespace fathom {
+
+inline bool is_gzip(std::string_view bytes)
+{
+    return bytes.starts_with("\x1f\x8b");
+}
+
+/// What a gzip file holds. Throws Error if it is damaged or ends early.
+std::string gunzip(const std::string& file, std::string_view bytes);
+
+}  // namespace fathom

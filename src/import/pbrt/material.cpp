@@ -1,0 +1,391 @@
+// Surfaces, and what fills solids. docs/formats.md says how each plugin is meant.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "import/common/medium.h"
+#include "import/common/read_file.h"
+#include "import/common/suggest.h"
+#include "import/pbrt/reader.h"
+
+namespace fathom::pbrt {
+
+namespace {
+
+Color scaled(Color c, double factor)
+{
+    const auto f = float(factor);
+    return {c.r * f, c.g * f, c.b * f};
+}
+
+float largest(const ColorInput& c)
+{
+    return std::max({c.value.r, c.value.g, c.value.b});
+}
+
+}  // namespace
+
+Material Reader::material(const Parameters* plugin)
+{
+    if (!plugin) {
+        Material grey;
+        grey.base_color = {{0.5f, 0.5f, 0.5f}, -1};
+        return grey;
+    }
+    if (const auto found = materials_.find(plugin); found != materials_.end()) return found->second;
+    if (!open_materials_.insert(plugin).second) plugin->fail("a material can't contain itself");
+    Material read = read_material(*plugin);
+    open_materials_.erase(plugin);
+    return materials_[plugin] = std::move(read);
+}
+
+Material Reader::read_material(const Parameters& m)
+{
+    const std::string& type = m.plugin();
+    Material result;
+    if (type == "interface" || type.empty() || type == "none") {
+        result.kind = MaterialKind::none;
+        result.alpha_mode = AlphaMode::blend;
+        result.alpha.value = 0;
+        m.finish(teller_);
+        return result;
+    }
+    if (type == "diffuse")
+        result = diffuse(m);
+    else if (type == "coateddiffuse")
+        result = coated_diffuse(m);
+    else if (type == "conductor")
+        result = conductor(m, "", 1);
+    else if (type == "coatedconductor")
+        result = coated_conductor(m);
+    else if (type == "dielectric" || type == "thindielectric")
+        result = dielectric(m);
+    else if (type == "diffusetransmission")
+        result = diffuse_transmission(m);
+    else if (type == "subsurface")
+        result = subsurface(m);
+    else if (type == "hair")
+        result = hair(m);
+    else if (type == "mix")
+        result = mix(m);
+    else {
+        const std::vector<std::string> names = {"diffuse",
+                                                "coateddiffuse",
+                                                "conductor",
+                                                "coatedconductor",
+                                                "dielectric",
+                                                "thindielectric",
+                                                "diffusetransmission",
+                                                "subsurface",
+                                                "hair",
+                                                "mix",
+                                                "interface",
+                                                "measured"};
+        tell(m, type == "measured" ? "measured materials are not read: grey diffuse instead"
+                                   : fmt::format("is not known: grey diffuse instead{}", suggestion(type, names)));
+        result.base_color = {{0.5f, 0.5f, 0.5f}, -1};
+        m.ignore({"filename"});
+        if (type != "measured") return result;
+    }
+    if (type != "mix") set_bumps(m, result);
+    m.ignore({"type"});
+    m.finish(teller_);
+    return result;
+}
+
+Material Reader::diffuse(const Parameters& m)
+{
+    Material out;
+    out.base_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
+    return out;
+}
+
+FloatInput Reader::roughness(const Parameters& m, const std::string& name, float otherwise, bool remap)
+{
+    FloatInput input = number_or_texture(m, name, otherwise);
+    // alpha = roughness^2 here; in pbrt alpha is the roughness, or its root where that is remapped.
+    const auto ours = [&](double x) { return float(std::pow(std::clamp(x, 0.0, 1.0), remap ? 0.25 : 0.5)); };
+    if (input.texture < 0) {
+        input.value = ours(input.value);
+        return input;
+    }
+    Texture curve;
+    curve.kind = TextureKind::ramp;
+    curve.factor = input;
+    constexpr int stops = 16;
+    for (int i = 0; i < stops; ++i) {
+        // Closer near 0, where the root is steep.
+        const double x = std::pow(double(i) / (stops - 1), 3);
+        curve.stops.push_back({float(x), {ours(x), ours(x), ours(x)}});
+    }
+    return {1, add_texture(curve), 1};
+}
+
+void Reader::set_roughness(const Parameters& m, const std::string& prefix, Material& out)
+{
+    const bool remap = m.boolean("remaproughness", true);
+    const FloatInput both = roughness(m, prefix + "roughness", 0, remap);
+    const auto of = [&](const std::string& name) { return m.has(name) ? roughness(m, name, 0, remap) : both; };
+    const FloatInput u = of(prefix + "uroughness"), v = of(prefix + "vroughness");
+    out.energy_compensation = false;
+    out.roughness = u;
+    if (u.texture >= 0 || v.texture >= 0) {
+        if (u.texture != v.texture) tell(m, "of textures as roughnesses only the one along u is taken");
+        return;
+    }
+    const float narrow = std::min(u.value, v.value), wide = std::max(u.value, v.value);
+    out.roughness.value = narrow;
+    const float narrow_alpha = narrow * narrow, wide_alpha = wide * wide;
+    if (wide_alpha > narrow_alpha)
+        out.anisotropy = {std::sqrt((wide_alpha - narrow_alpha) / (1 - narrow_alpha)), -1, 0};
+    if (u.value < v.value) out.anisotropy_rotation = 1.5707963267948966;
+}
+
+/// Pictures of heights and of normals. Here heights count in widths of the picture.
+void Reader::set_bumps(const Parameters& m, Material& out)
+{
+    const std::string file = m.text("normalmap", "");
+    Texture map;
+    if (!file.empty()) {
+        const std::filesystem::path path = locate(m, file);
+        const auto [found, is_new] = images_.emplace(path.string(), int(scene_.images.size()));
+        if (is_new) scene_.images.push_back({file, path, {}});
+        map.name = file;
+        map.image = found->second;
+        map.color_space = ColorSpace::linear;
+        out.normal_texture = add_texture(map);
+    }
+    if (!m.has("displacement")) return;
+    const FloatInput heights = number_or_texture(m, "displacement", 0);
+    if (heights.texture < 0) return;
+    map = scene_.textures[std::size_t(heights.texture)];
+    if (map.kind != TextureKind::image || out.normal_texture >= 0) {
+        tell(m, "a 'displacement' that is no imagemap, or beside a normal map, is left out");
+        return;
+    }
+    tell(m, "heights of 'displacement' count in widths of the picture, not in units of the scene");
+    map.height_scale = heights.value;
+    map.color_space = ColorSpace::linear;
+    if (map.height_scale != 0) out.normal_texture = add_texture(map);
+}
+
+/// A coat over what is diffuse, without a boundary of its own. What is thrown back and forth below the coat is its
+/// darkening.
+Material Reader::coated_diffuse(const Parameters& m)
+{
+    Material out;
+    out.kind = MaterialKind::principled;
+    out.metallic = {0, -1, 0};
+    out.specular = {0, -1, 0};
+    out.base_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
+    set_roughness(m, "", out);
+    out.coat = {1, -1, 0};
+    out.coat_ior = ior(m, "eta", 1.5f);
+    out.coat_darkening = 1;
+    out.coat_roughness = std::exchange(out.roughness, FloatInput{0.5f, -1, 0});
+    if (out.anisotropy.value > 0) {
+        tell(m, "the coat is as rough in all directions as in its smoother one");
+        out.anisotropy = {0, -1, 0};
+    }
+    if (m.has("albedo") && largest(color(m, "albedo", {0, 0, 0})) > 0) tell(m, "nothing scatters between the layers");
+    m.ignore({"thickness", "maxdepth", "nsamples", "g", "albedo"});
+    return out;
+}
+
+Material Reader::dielectric(const Parameters& m)
+{
+    Material out;
+    out.kind = MaterialKind::glass;
+    out.base_color = {{1, 1, 1}, -1};
+    out.ior = ior(m, "eta", 1.5f);
+    out.thin = m.plugin() == "thindielectric";
+    out.roughness = {0, -1, 0};
+    out.energy_compensation = false;
+    if (!out.thin) set_roughness(m, "", out);
+    return out;
+}
+
+Material Reader::diffuse_transmission(const Parameters& m)
+{
+    ColorInput back = color(m, "reflectance", {0.25f, 0.25f, 0.25f}),
+               through = color(m, "transmittance", {0.25f, 0.25f, 0.25f});
+    const double scale = m.number("scale", 1);
+    back.value = scaled(back.value, scale), through.value = scaled(through.value, scale);
+    Material out;
+    out.kind = MaterialKind::principled;
+    out.metallic = {0, -1, 0};
+    out.specular = {0, -1, 0};
+    out.roughness = {1, -1, 0};
+    // The share is such that neither part gets above 1.
+    const float sum = largest(back) + largest(through), share = sum > 0 ? largest(through) / sum : 0;
+    out.diffuse_transmission = {share, -1, 0};
+    if (share < 1) back.value = scaled(back.value, 1 / (1 - share));
+    if (share > 0) through.value = scaled(through.value, 1 / share);
+    const auto limited = [](ColorInput c) {
+        for (float* channel : {&c.value.r, &c.value.g, &c.value.b}) *channel = std::min(*channel, 1.f);
+        return c;
+    };
+    if (sum > 1 + 1e-5f) tell(m, "reflects and transmits more than it gets: it is taken as at most all of it");
+    out.base_color = limited(back), out.diffuse_transmission_color = limited(through);
+    return out;
+}
+
+Material Reader::subsurface(const Parameters& m)
+{
+    Material out = dielectric(m);
+    out.ior = ior(m, "eta", 1.33f);
+    const double scale = m.number("scale", 1);
+    const auto g = float(m.number("g", 0));
+    if (m.has("reflectance")) {
+        out = Material();
+        out.kind = MaterialKind::principled;
+        out.ior = ior(m, "eta", 1.33f);
+        out.metallic = {0, -1, 0};
+        set_roughness(m, "", out);
+        out.subsurface = {1, -1, 0};
+        out.subsurface_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
+        const Color path = color_value(m, "mfp", {1, 1, 1}, true);
+        const float longest = std::max({path.r, path.g, path.b, 1e-6f});
+        out.subsurface_radius = {longest * float(scale), -1, 0};
+        out.subsurface_radius_scale = {scaled(path, 1 / longest), -1};
+        out.subsurface_scatter_anisotropy = g;
+        return out;
+    }
+    if (m.has("name")) tell(m, "the media that have names are not known: 'sigma_a' and 'sigma_s' are the usual ones");
+    m.ignore({"name"});
+    for (const char* texture : {"sigma_a", "sigma_s"})
+        if (m.has(texture) && m.find(texture)->type == "texture")
+            m.fail(fmt::format("a texture as '{}' is not rendered yet: give a colour", texture));
+    fill_solid(out, scaled(color_value(m, "sigma_a", {0.0011f, 0.0024f, 0.014f}, true), scale),
+               scaled(color_value(m, "sigma_s", {2.55f, 3.21f, 3.77f}, true), scale), g);
+    return out;
+}
+
+/// As a rough surface of the colour that many hairs have.
+Material Reader::hair(const Parameters& m)
+{
+    Material out;
+    out.kind = MaterialKind::principled;
+    out.metallic = {0, -1, 0};
+    tell(m, "hair scatters as a rough surface of its colour");
+    const auto beta_m = float(m.number("beta_m", 0.3)), beta_n = float(m.number("beta_n", 0.3));
+    out.ior = ior(m, "eta", 1.55f);
+    out.roughness = {std::clamp(beta_m, 0.05f, 1.f), -1, 0};
+    // What hair of an absorption gives back of much light (Chiang et al. 2016, equation 9).
+    const double n = beta_n, fit = 5.969 - 0.215 * n + 2.532 * n * n - 10.73 * std::pow(n, 3) + 5.574 * std::pow(n, 4) +
+                                   0.245 * std::pow(n, 5);
+    const auto reflectance = [&](Color absorption) {
+        const auto of = [&](float s) { return float(std::exp(-std::sqrt(std::max(0.f, s)) * fit)); };
+        return Color{of(absorption.r), of(absorption.g), of(absorption.b)};
+    };
+    if (m.has("reflectance") || m.has("color")) {
+        out.base_color = color(m, m.has("reflectance") ? "reflectance" : "color", {0.5f, 0.5f, 0.5f});
+    } else if (m.has("sigma_a") && m.find("sigma_a")->type != "texture") {
+        out.base_color = {reflectance(color_value(m, "sigma_a", {}, true)), -1};
+    } else {
+        const bool is_said = m.has("eumelanin") || m.has("pheomelanin");
+        const float e = number_or_texture(m, "eumelanin", is_said ? 0.f : 1.3f).value,
+                    p = number_or_texture(m, "pheomelanin", 0).value;
+        out.base_color = {reflectance({0.419f * e + 0.187f * p, 0.697f * e + 0.4f * p, 1.37f * e + 1.05f * p}), -1};
+    }
+    m.ignore({"alpha", "sigma_a", "eumelanin", "pheomelanin"});
+    return out;
+}
+
+Material Reader::mix(const Parameters& m)
+{
+    const std::vector<std::string> names = m.texts("materials");
+    if (names.size() != 2) m.fail("'materials' are the names of two");
+    Material both[2];
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto found = named_materials_.find(names[i]);
+        if (found == named_materials_.end()) m.fail(fmt::format("there is no material '{}'", printable(names[i])));
+        both[i] = material(found->second.get());
+    }
+    const FloatInput amount = number_or_texture(m, "amount", 0.5f);
+    if (both[0].kind == MaterialKind::diffuse && both[1].kind == MaterialKind::diffuse) {
+        both[0].base_color = mixed(both[0].base_color, both[1].base_color, amount);
+        return both[0];
+    }
+    if (amount.texture >= 0 || (amount.value > 0 && amount.value < 1))
+        tell(m, "a mix of different kinds of material is taken as the one that has more of it");
+    return amount.texture < 0 && amount.value > 0.5f ? both[1] : both[0];
+}
+
+void Reader::set_medium(const Parameters& medium, Material& out)
+{
+    const std::string& type = medium.plugin();
+    if (type != "homogeneous") {
+        tell(medium, "is not rendered yet: nothing is there");
+        return;
+    }
+    if (medium.has("preset")) tell(medium, "the media that have names are not known: the usual one instead");
+    if (medium.has("Le")) tell(medium, "media don't glow yet: 'Le' is left out");
+    const double scale = medium.number("scale", 1);
+    const Color absorption = color_value(medium, "sigma_a", {0.0011f, 0.0024f, 0.014f}, true),
+                scattering = color_value(medium, "sigma_s", {2.55f, 3.21f, 3.77f}, true);
+    const auto g = float(medium.number("g", 0));
+    medium.ignore({"type", "preset", "Le", "Lescale"});
+    medium.finish(teller_);
+    if (out.kind == MaterialKind::none) {
+        // A boundary that bends nothing.
+        out = Material();
+        out.kind = MaterialKind::glass;
+        out.base_color = {{1, 1, 1}, -1};
+        out.roughness = {0, -1, 0};
+        out.ior = 1;
+        tell(medium,
+             "behind an 'interface' it is a solid of index 1, which lights outside of it reach by chance alone");
+    }
+    if (out.kind != MaterialKind::glass || out.thin) {
+        tell(medium, "is not rendered in what is not glass");
+        return;
+    }
+    fill_solid(out, scaled(absorption, scale), scaled(scattering, scale), g);
+}
+
+void Reader::set_emission(const Surface& surface, Material& out)
+{
+    const Parameters& light = *surface.light;
+    if (light.plugin() != "diffuse") tell(light, "is not known: 'diffuse' instead");
+    ColorInput emission{light_color(light, "L"), -1};
+    if (light.has("filename")) {
+        Texture picture;
+        picture.name = light.text("filename", "");
+        picture.image = image(light);
+        emission.texture = add_texture(picture);
+    }
+    emission.value = scaled(emission.value, surface.power_factor);
+    out.emission = emission;
+    out.emission_two_sided = light.boolean("twosided", false);
+    light.ignore({"power"});
+    light.finish(teller_);
+    if (out.kind == MaterialKind::none && out.alpha_mode == AlphaMode::blend && out.alpha.value == 0) {
+        out.alpha.value = 1;
+        out.alpha_mode = AlphaMode::opaque;
+    }
+}
+
+int Reader::surface_material(const Surface& surface)
+{
+    if (const auto found = surfaces_.find(surface); found != surfaces_.end()) return found->second;
+    Material m = material(surface.material);
+    if (surface.medium) set_medium(*surface.medium, m);
+    if (surface.light) set_emission(surface, m);
+    scene_.materials.push_back(std::move(m));
+    return surfaces_[surface] = int(scene_.materials.size()) - 1;
+}
+
+const Parameters* Reader::state_material(const Place& place)
+{
+    if (state_.named_material.empty()) return state_.material.get();
+    const auto found = named_materials_.find(state_.named_material);
+    if (found != named_materials_.end()) return found->second.get();
+    std::vector<std::string> names;
+    for (const auto& [name, plugin] : named_materials_) names.push_back(name);
+    place.fail(fmt::format("there is no material '{}'{}", printable(state_.named_material),
+                           suggestion(state_.named_material, names)));
+}
+
+}  // namespace fathom::pbrt

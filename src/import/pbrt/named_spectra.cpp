@@ -1,0 +1,79 @@
+#include "import/pbrt/named_spectra.h"
+
+#include <algorithm>
+
+namespace fathom::pbrt {
+
+namespace {
+
+constexpr NamedLight lights[] = {
+    {"stdillum-A", 0.44757, 0.40745},   {"stdillum-D50", 0.34567, 0.35850}, {"stdillum-D65", 0.31271, 0.32902},
+    {"stdillum-F1", 0.31310, 0.33727},  {"stdillum-F2", 0.37208, 0.37529},  {"stdillum-F3", 0.40910, 0.39430},
+    {"stdillum-F4", 0.44018, 0.40329},  {"stdillum-F5", 0.31379, 0.34531},  {"stdillum-F6", 0.37790, 0.38835},
+    {"stdillum-F7", 0.31292, 0.32933},  {"stdillum-F8", 0.34588, 0.35875},  {"stdillum-F9", 0.37417, 0.37281},
+    {"stdillum-F10", 0.34609, 0.35986}, {"stdillum-F11", 0.38052, 0.37713}, {"stdillum-F12", 0.43695, 0.40441},
+    {"illum-acesD60", 0.32168, 0.33767}};
+
+struct NamedMetal {
+    const char *name, *here;
+};
+constexpr NamedMetal metals[] = {
+    {"Ag", "silver"}, {"Al", "aluminium"}, {"Au", "gold"}, {"Cu", "copper"}, {"CuZn", "brass"}};
+
+struct NamedGlass {
+    const char* name;
+    double index;
+};
+constexpr NamedGlass glasses[] = {{"glass-BK7", 1.5168},   {"glass-BAF10", 1.6700}, {"glass-FK51A", 1.4866},
+                                  {"glass-LASF9", 1.8503}, {"glass-F5", 1.6727},    {"glass-SF5", 1.6727},
+                                  {"glass-F10", 1.7283},   {"glass-SF10", 1.7283},  {"glass-F11", 1.7847},
+                                  {"glass-SF11", 1.7847}};
+
+}  // namespace
+
+const NamedLight* find_light(const std::string& name)
+{
+    const auto* const found =
+        std::find_if(std::begin(lights), std::end(lights), [&](const NamedLight& l) { return name == l.name; });
+    return found == std::end(lights) ? nullptr : found;
+}
+
+std::string metal_of(const std::string& spectrum)
+{
+    for (const NamedMetal& metal : metals)
+        for (const char* what : {"-eta", "-k"})
+            if (spectrum == "metal-" + std::string(metal.name) + what) return metal.here;
+    return "";
+}
+
+std::optional<double> glass_index(const std::string& name)
+{
+    for (const NamedGlass& glass : glasses)
+        if (name == glass.name) return glass.index;
+    return std::nullopt;
+}
+
+bool is_named_spectrum(const std::string& name)
+{
+    for (const char* start : {"metal-", "glass-", "canon_", "nikon_", "sony_"})
+        if (name.starts_with(start)) return name.find('.') == std::string::npos;
+    return false;
+}
+
+double value_at(const std::vector<SpectrumPoint>& points, double nm)
+{
+    const auto after = std::upper_bound(points.begin(), points.end(), nm,
+                                        [](double x, const SpectrumPoint& p) { return x < p.wavelength; });
+    if (after == points.begin()) return points.front().value;
+    const SpectrumPoint& before = *(after - 1);
+    if (after == points.end()) return before.value;
+    return before.value +
+           (nm - before.wavelength) / (after->wavelength - before.wavelength) * (after->value - before.value);
+}
+
+double value_at_587(const Parameter& parameter)
+{
+    return value_at(spectrum_points(parameter, parameter.numbers), 587.6);
+}
+
+}  // namespace fathom::pbrt

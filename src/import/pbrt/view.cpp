@@ -1,0 +1,160 @@
+// What is seen, and from where; and what the file says of how it is to be rendered.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "import/common/read_file.h"
+#include "import/pbrt/reader.h"
+
+namespace fathom::pbrt {
+
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+constexpr int most_pixels = 1 << 20;
+
+/// What the film plane shows of the plane at distance 1, before the field of view: left, right, bottom, top.
+std::array<double, 4> screen(const Parameters& camera, double aspect)
+{
+    const std::vector<float> said = camera.numbers("screenwindow");
+    if (!said.empty()) {
+        if (said.size() != 4 || !(said[1] > said[0]) || !(said[3] > said[2]))
+            camera.fail("'screenwindow' is four numbers: left, right, bottom, top");
+        return {said[0], said[1], said[2], said[3]};
+    }
+    // The shorter side reaches from -1 to 1.
+    if (aspect > 1) return {-aspect, aspect, -1, 1};
+    return {-1, 1, -1 / aspect, 1 / aspect};
+}
+
+}  // namespace
+
+void Reader::read_film(const Parameters& film)
+{
+    const int width = film.integer("xresolution", 1280), height = film.integer("yresolution", 720);
+    if (width < 1 || height < 1 || width > most_pixels || height > most_pixels)
+        film.fail(fmt::format("a film's size must be from 1 to {}", most_pixels));
+    scene_.hints.width = width, scene_.hints.height = height;
+    if (film.plugin() != "rgb") tell(film, "the picture has red, green and blue");
+    if (film.has("cropwindow") || film.has("pixelbounds"))
+        tell(film, "the crop is left out: --crop x0,y0,x1,y1 renders a part");
+    film.ignore({"cropwindow", "pixelbounds", "filename", "savefp16", "diagonal"});
+    if (film.has("maxcomponentvalue")) tell(film, "'maxcomponentvalue' is left out: samples are as bright as they are");
+    const std::string sensor = film.text("sensor", "cie1931");
+    const double iso = film.number("iso", 100);
+    if (!(iso > 0)) film.fail("'iso' must be above 0");
+    // Radiance is shown as it is where the exposure time is 1 s and ISO is 100.
+    const double open = camera_ ? camera_->number("shutteropen", 0) : 0,
+                 close = camera_ ? camera_->number("shutterclose", 1) : 1;
+    const double ratio = (close - open) * iso / 100;
+    if (ratio > 0 && ratio != 1) scene_.hints.exposure = std::log2(ratio);
+    if (sensor != "cie1931") tell(film, fmt::format("the sensor '{}' is taken as 'cie1931'", printable(sensor)));
+    if (film.number("whitebalance", 0) != 0) tell(film, "'whitebalance' is left out");
+    film.ignore({"maxcomponentvalue"});
+    film.finish(teller_);
+}
+
+void Reader::read_filter(const Parameters& filter)
+{
+    const std::string& type = filter.plugin();
+    scene_.hints.filter = type == "box" ? "box" : type == "gaussian" ? "gaussian" : "blackman-harris";
+    if (type != "box" && type != "gaussian")
+        tell(filter, "the filter is 'blackman-harris' here: no filter with negative parts, nor a tent");
+    filter.ignore({"xradius", "yradius", "sigma", "B", "C", "tau"});
+    filter.finish(teller_);
+}
+
+void Reader::read_sampler(const Parameters& sampler)
+{
+    const int samples = sampler.plugin() == "stratified"
+                            ? sampler.integer("xsamples", 4) * sampler.integer("ysamples", 4)
+                            : sampler.integer("pixelsamples", 16);
+    scene_.hints.samples = std::clamp(samples, 1, 1 << 24);
+    // How samples are spread is Fathom's own matter.
+    sampler.ignore({"randomization", "seed", "jitter", "pixelsamples", "xsamples", "ysamples"});
+    sampler.finish(teller_);
+}
+
+void Reader::read_integrator(const Parameters& integrator)
+{
+    const std::string& type = integrator.plugin();
+    if (type != "path" && type != "volpath") tell(integrator, "paths are traced instead");
+    scene_.hints.max_depth = std::max(0, integrator.integer("maxdepth", 5));
+    // What only the ways have that light is sampled by, or other methods, makes no difference to the picture.
+    if (type == "path" || type == "volpath") {
+        integrator.ignore({"lightsampler"});
+        if (integrator.boolean("regularize", false)) tell(integrator, "'regularize' is left out");
+        integrator.finish(teller_);
+    }
+}
+
+void Reader::finish_camera()
+{
+    if (!scene_.hints.filter) scene_.hints.filter = "gaussian";
+    if (film_) read_film(*film_);
+    if (camera_) read_camera(*camera_);
+}
+
+void Reader::read_camera(const Parameters& of)
+{
+    const std::string& type = of.plugin();
+    const Transform& world = world_from_camera_;
+    const double determinant = world.determinant();
+    if (!std::isnormal(determinant)) of.fail("its transform flattens everything");
+    // pbrt's cameras have x to the right, y up and z forward, which is left-handed.
+    mirrored_ = determinant > 0;
+    const double said = of.number("frameaspectratio", 0);
+    const double aspect =
+        said > 0 ? said : double(scene_.hints.width.value_or(1280)) / scene_.hints.height.value_or(720);
+    if (said > 0) tell(of, "'frameaspectratio' is taken for the view alone: the picture has the film's size");
+    const std::array<double, 4> window = screen(of, aspect);
+    if (std::abs(window[0] + window[1]) > 1e-5 * (window[1] - window[0]) ||
+        std::abs(window[2] + window[3]) > 1e-5 * (window[3] - window[2]))
+        tell(of, "a 'screenwindow' that is not about the middle is taken as if it were");
+    const double half_height = (window[3] - window[2]) / 2, scale = std::cbrt(std::abs(determinant));
+    Camera camera;
+    camera.position = world.point({0, 0, 0});
+    camera.look_at = world.point({0, 0, 1});
+    camera.up = normalize(world.vector({0, 1, 0}));
+    if (type == "orthographic") {
+        camera.kind = CameraKind::orthographic;
+        camera.height = 2 * half_height * length(world.vector({0, 1, 0}));
+    } else if (type == "realistic") {
+        tell(of, "the lens is taken as a thin one, of a film 35 mm across");
+        const double focus = of.number("focusdistance", 10) * scale;
+        camera.aperture = of.number("aperturediameter", 1) * 1e-3 * scale;
+        camera.focus_distance = focus;
+        // A lens of 50 mm, as the file of the lens is not read.
+        const double film_height = 0.035 / std::hypot(1, aspect);
+        camera.fov_y = 2 * std::atan(film_height / 2 / 0.050);
+        of.ignore({"lensfile", "aperture"});
+    } else {
+        const double fov = of.number("fov", 90) * degree;
+        if (!(fov > 0) || !(fov < std::numbers::pi)) of.fail("'fov' must be above 0 and below 180 degrees");
+        camera.fov_y = 2 * std::atan(std::tan(fov / 2) * half_height);
+        if (type == "spherical") {
+            tell(of, "a spherical camera is not rendered yet: a perspective one of 90 degrees instead");
+            of.ignore({"mapping"});
+        } else if (type != "perspective") {
+            tell(of, "is not known: a perspective one instead");
+        }
+    }
+    if (type == "perspective" || type == "orthographic") {
+        const double radius = of.number("lensradius", 0);
+        if (radius > 0 && type == "orthographic") tell(of, "the lens of an orthographic camera is left out");
+        if (type == "perspective") camera.aperture = 2 * radius * scale;
+        const double focus = of.number("focaldistance", 1e6);
+        camera.focus_distance = radius > 0 ? focus * scale : 0;
+    }
+    camera.shutter_open = of.number("shutteropen", 0);
+    camera.shutter_close = std::max(camera.shutter_open, of.number("shutterclose", 1));
+    of.finish(teller_);
+    scene_.cameras.push_back(camera);
+    Node node;
+    node.camera = int(scene_.cameras.size()) - 1;
+    scene_.roots.push_back(add_node(std::move(node)));
+}
+
+}  // namespace fathom::pbrt
