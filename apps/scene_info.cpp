@@ -28,7 +28,8 @@ const char* name_of(EnvironmentKind kind)
 }
 const char* name_of(MaterialKind kind)
 {
-    constexpr const char* names[] = {"none", "unlit", "diffuse", "metal", "fuzz_metal", "glass", "principled"};
+    constexpr const char* names[] = {"none",       "unlit", "diffuse", "metal",
+                                     "fuzz_metal", "glass", "plastic", "principled"};
     static_assert(std::size(names) == material_kind_count);
     return names[int(kind)];
 }

@@ -54,4 +54,5 @@ def main():
                    + "\n}  // namespace fathom\n")
 
 
-main()
+if __name__ == "__main__":
+    main()

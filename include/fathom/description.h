@@ -97,12 +97,13 @@ enum class MaterialKind {
     fuzz_metal,  ///< the report's metal: mirror direction plus fuzz times a random point of the unit sphere
     glass,       ///< smooth or rough dielectric of index ior, solid or thin; a solid absorbs by attenuation_color over
                  ///< attenuation_distance
+    plastic,     ///< a boundary of index ior, smooth or rough, over a diffuse body of base_color
     /// Layers in the manner of OpenPBR: sheen over coat over a mixture of metal and dielectric, the latter a specular
     /// boundary over what is diffuse, passes diffusely, or is refracted. By default the metallic-roughness model of
     /// glTF.
     principled,
 };
-inline constexpr int material_kind_count = 7;
+inline constexpr int material_kind_count = 8;
 
 enum class AlphaMode { opaque, mask, blend };
 
@@ -142,6 +143,7 @@ struct Material {
     FloatInput anisotropy{0, -1, 2};
     double anisotropy_rotation = 0;   ///< radians, from the tangent towards the bitangent
     int anisotropy_texture = -1;      ///< red and green: the direction, of which 0.5 is 0; before the rotation
+    bool nonlinear = true;            ///< plastic: what the boundary throws back is coloured each time
     bool energy_compensation = true;  ///< scaled for what facets scatter more than once, which is lost otherwise
     FloatInput coat{0, -1, 0};
     ColorInput coat_color;  ///< what the coat leaves of light that passes it

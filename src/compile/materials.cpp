@@ -66,6 +66,8 @@ ClosureKind closure_of(const Material& m)
             return ClosureKind::fuzz_metal;
         case MaterialKind::glass:
             return ClosureKind::glass;
+        case MaterialKind::plastic:
+            return ClosureKind::plastic;
         case MaterialKind::principled:
             break;
     }
@@ -119,6 +121,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     }
     if (m.single_sided && !is_solid(m, t.closure)) t.flags |= MaterialRecord::single_sided;
     if (m.energy_compensation) t.flags |= MaterialRecord::compensated;
+    if (m.nonlinear) t.flags |= MaterialRecord::nonlinear;
     if (m.use_vertex_color) t.flags |= MaterialRecord::vertex_colored;
     if (t.base_texture != no_index || t.roughness_texture != no_index || t.metallic_texture != no_index ||
         m.use_vertex_color)

@@ -22,7 +22,7 @@ struct LaneScene final : KernelScene {
     std::vector<std::uint32_t> shape_info;
     static constexpr std::uint32_t emits = 1u << 31;
     /// Paths are sorted by bucket before they are shaded: first by ClosureKind, then by material (modulo 32).
-    static constexpr std::uint32_t bucket_mask = 0xff, kind_shift = 5;
+    static constexpr std::uint32_t bucket_mask = 0x1ff, kind_shift = 5;
     static constexpr std::uint32_t buckets = std::uint32_t(closure_kind_count) << kind_shift;
     static_assert(buckets <= bucket_mask + 1);
     /// Per primitive, if the scene is flat: shape_info of its shape; padded for lookup().

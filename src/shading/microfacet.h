@@ -82,14 +82,14 @@ inline Float schlick_weight(Float cosine)
 }
 
 /// A table of albedos of the size of ggx_albedo_table.h.
-inline Float albedo_lookup(const float* table, Float cosine, Float roughness)
+inline Float albedo_lookup(const float* table, Float cosine, Float roughness, UInt first = UInt(0))
 {
     constexpr int n = ggx_albedo_size;
     const Float x = clamp(cosine, Float(0), Float(1)) * Float(n - 1),
                 y = clamp(roughness, Float(0), Float(1)) * Float(n - 1);
     const Float x0 = min(floor(x), Float(n - 2)), y0 = min(floor(y), Float(n - 2));
     const Float fx = x - x0, fy = y - y0;
-    const UInt index = to_uint(y0) * UInt(n) + to_uint(x0);
+    const UInt index = to_uint(y0) * UInt(n) + to_uint(x0) + first;
     const auto at = [&](std::uint32_t offset) { return gather(table, index + UInt(offset)); };
     const Float a = at(0), b = at(1), c = at(n), d = at(n + 1);
     const Float top = fma(fx, b - a, a), bottom = fma(fx, d - c, c);

@@ -44,11 +44,12 @@ enum class ClosureKind : std::uint32_t {
     metal,
     fuzz_metal,
     glass,
+    plastic,
     principled,
     layered,
     layered_transmitting  ///< the same where light passes to the other side
 };
-inline constexpr int closure_kind_count = 8;
+inline constexpr int closure_kind_count = 9;
 
 /// A number or colour times that of a texture, if there is one.
 struct NumberRecord {
@@ -103,7 +104,8 @@ struct MaterialRecord {
         wants_tangent = 128,  ///< of the surface, for normal maps or anisotropy
         single_sided = 256,   ///< cameras look through it from behind
         compensated = 512,    ///< scaled for what facets scatter more than once
-        sheet = 1024          ///< thin: of two boundaries
+        sheet = 1024,         ///< thin: of two boundaries
+        nonlinear = 2048      ///< plastic: light below the boundary is coloured each time
     };
     // What shading reads of each vertex: see hot_words.
     std::uint32_t flags = 0;

@@ -99,7 +99,8 @@ void GlbMaterials::put_color(Json& json, const char* key, const ColorInput& inpu
 Json GlbMaterials::base_json(const Material& m)
 {
     const bool is_metal = m.kind == MaterialKind::metal || m.kind == MaterialKind::fuzz_metal;
-    const bool has_facets = is_metal || m.kind == MaterialKind::glass || m.kind == MaterialKind::principled;
+    const bool has_facets = is_metal || m.kind == MaterialKind::glass || m.kind == MaterialKind::plastic ||
+                            m.kind == MaterialKind::principled;
     ColorInput color = m.base_color;
     if (m.kind == MaterialKind::none) color = {{0, 0, 0}, -1};
     const bool is_clear = m.kind == MaterialKind::glass || (m.transmission.value > 0 && m.metallic.value == 0);
@@ -126,6 +127,7 @@ Json GlbMaterials::base_json(const Material& m)
         roughness = {std::sqrt(m.fuzz), -1, green};
         if (m.fuzz > 0) tell("fuzz: it is rough instead");
     }
+    if (m.kind == MaterialKind::plastic) tell("what goes to and fro below the boundary of plastic");
     put_factor(json, "metallicFactor", metallic, 1, "metallicRoughnessTexture", blue);
     Json of_metal = json.contains("metallicRoughnessTexture") ? json["metallicRoughnessTexture"] : Json();
     put_factor(json, "roughnessFactor", roughness, 1, "metallicRoughnessTexture", green);

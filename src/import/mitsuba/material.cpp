@@ -239,21 +239,15 @@ Material Reader::thin_dielectric(Object& bsdf)
     return m;
 }
 
-/// A coat over what is diffuse, without a boundary of its own. Of light that comes up, Mitsuba counts as `nonlinear`
-/// how often the boundary throws it back and the colour takes of it, which is what a coat's darkening is.
 Material Reader::plastic(Object& bsdf)
 {
     Material m;
-    m.kind = MaterialKind::principled;
-    m.metallic = {0, -1, 0};
-    m.specular = {0, -1, 0};
+    m.kind = MaterialKind::plastic;
     m.base_color = color(bsdf, "diffuse_reflectance", {0.5f, 0.5f, 0.5f});
-    m.coat = {1, -1, 0};
-    m.coat_ior = float(relative_ior(bsdf, polypropylene, air));
-    m.coat_darkening = bsdf.boolean("nonlinear", false) ? 1.f : 0.f;
+    m.ior = float(relative_ior(bsdf, polypropylene, air));
+    m.nonlinear = bsdf.boolean("nonlinear", false);
     m.roughness = {0, -1, 0};
     if (bsdf.type() == "roughplastic") read_roughness(bsdf, m);
-    m.coat_roughness = std::exchange(m.roughness, FloatInput{0.5f, -1, 0});
     m.anisotropy = {0, -1, 0};
     if (const ColorInput c = color(bsdf, "specular_reflectance", {1, 1, 1});
         c.texture >= 0 || !(c.value == Color{1, 1, 1}))

@@ -170,20 +170,15 @@ void Reader::set_bumps(const Parameters& m, Material& out)
     if (map.height_scale != 0) out.normal_texture = add_texture(map);
 }
 
-/// A coat over what is diffuse, without a boundary of its own. What is thrown back and forth below the coat is its
-/// darkening.
+/// pbrt walks at random between the layers, and loses what facets send to the wrong side.
 Material Reader::coated_diffuse(const Parameters& m)
 {
     Material out;
-    out.kind = MaterialKind::principled;
-    out.metallic = {0, -1, 0};
-    out.specular = {0, -1, 0};
+    out.kind = MaterialKind::plastic;
+    out.energy_compensation = false;
     out.base_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
     set_roughness(m, "", out);
-    out.coat = {1, -1, 0};
-    out.coat_ior = ior(m, "eta", 1.5f);
-    out.coat_darkening = 1;
-    out.coat_roughness = std::exchange(out.roughness, FloatInput{0.5f, -1, 0});
+    out.ior = ior(m, "eta", 1.5f);
     if (out.anisotropy.value > 0) {
         tell(m, "the coat is as rough in all directions as in its smoother one");
         out.anisotropy = {0, -1, 0};

@@ -47,6 +47,7 @@ public:
         p.thin = (flags & UInt(MaterialRecord::thin)) != UInt(0);
         p.sheet = (flags & UInt(MaterialRecord::sheet)) != UInt(0);
         p.compensated = (flags & UInt(MaterialRecord::compensated)) != UInt(0);
+        p.nonlinear = (flags & UInt(MaterialRecord::nonlinear)) != UInt(0);
         const Mask colored = m & ((flags & UInt(MaterialRecord::vertex_colored)) != UInt(0));
         for (int c = 0; c < channels && any(colored); ++c)
             p.base_color.c[c] = select(colored, p.base_color.c[c] * s.at.vertex_color[c], p.base_color.c[c]);

@@ -69,10 +69,11 @@ struct LayersPoint {
 struct MaterialPoint {
     Spectrum base_color;
     Float roughness, metallic, ior, fuzz;
-    Mask entering;     ///< the path comes from the side of the geometric normal
-    Mask thin;         ///< without thickness
-    Mask sheet;        ///< thin: of two boundaries, between which light goes to and fro
-    Mask compensated;  ///< scaled for what facets scatter more than once
+    Mask entering;         ///< the path comes from the side of the geometric normal
+    Mask thin;             ///< without thickness
+    Mask sheet;            ///< thin: of two boundaries, between which light goes to and fro
+    Mask compensated;      ///< scaled for what facets scatter more than once
+    Mask nonlinear{true};  ///< plastic: light below the boundary is coloured each time
 };
 /// Of a surface of layers. Apart, since it is fifty times the registers that others need.
 struct LayeredMaterialPoint : MaterialPoint {

@@ -5,6 +5,7 @@
 #include "shading/closures/glass.h"
 #include "shading/closures/layered.h"
 #include "shading/closures/metal.h"
+#include "shading/closures/plastic.h"
 #include "shading/closures/principled.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -21,7 +22,7 @@ struct ClosureList {
     }
 };
 
-using Closures = ClosureList<DiffuseBsdf, MetalBsdf, FuzzMetalBsdf, GlassBsdf, PrincipledBsdf, LayeredBsdf<false>,
-                             LayeredBsdf<true>>;
+using Closures = ClosureList<DiffuseBsdf, MetalBsdf, FuzzMetalBsdf, GlassBsdf, PlasticBsdf, PrincipledBsdf,
+                             LayeredBsdf<false>, LayeredBsdf<true>>;
 
 }  // namespace fathom::inline FATHOM_LANES

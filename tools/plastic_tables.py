@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""Writes src/shading/plastic_tables.h: what a rough boundary of index 1.5 lets through, by cosine and roughness, as
+closures/plastic.h takes it. Facets as in ggx_albedo.py, with Fresnel's equations."""
+import numpy as np
+
+from ggx_albedo import SIZE, smith_lambda, visible_normals
+
+IOR = 1.5
+STRATA = 160
+
+
+def fresnel(cosine, eta):
+    """Reflectance, and the cosine beyond."""
+    s2 = (1 - cosine * cosine) / eta**2
+    t = np.sqrt(np.clip(1 - s2, 0, 1))
+    p, s = (eta * cosine - t) / (eta * cosine + t), (cosine - eta * t) / (cosine + eta * t)
+    return np.where(s2 >= 1, 1, (p * p + s * s) / 2), t
+
+
+def shares(cosine, alpha, eta):
+    """What is reflected, what passes, and what would be reflected by mirrors, by one facet (Walter et al. 2007)."""
+    wo = np.array([np.sqrt(max(0, 1 - cosine * cosine)), 0, cosine])
+    u = (np.arange(STRATA) + 0.5) / STRATA
+    n = visible_normals(wo, alpha, *np.meshgrid(u, u))
+    c = np.clip(n @ wo, 0, 1)
+    f, t = fresnel(c, eta)
+    up = 2 * c * n[..., 2] - wo[2]
+    down = wo[2] / eta - (c / eta - t) * n[..., 2]
+    lo = smith_lambda(cosine, alpha)
+
+    def seen(z):
+        return np.where(z > 0, (1 + lo) / (1 + lo + smith_lambda(np.maximum(z, 1e-6), alpha)), 0)
+
+    return np.array([(f * seen(up)).mean(), ((1 - f) * seen(down)).mean(), seen(up).mean()])
+
+
+def diffuse_mean(function):
+    """The mean over light from everywhere."""
+    points, weights = np.polynomial.legendre.leggauss(64)
+    roots = (points + 1) / 2  # of the cosines: much happens at grazing angles
+    return sum(2 * w * r**3 * function(r * r) for r, w in zip(roots, weights))
+
+
+def cosine_of(reflectance):
+    """Where a smooth boundary reflects as much."""
+    low, high = 0.0, 1.0
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (middle, high) if fresnel(middle, IOR)[0] > reflectance else (low, middle)
+    return (low + high) / 2
+
+
+def smooth_mean(ior):
+    return diffuse_mean(lambda c: fresnel(c, ior)[0])
+
+
+def smooth_polynomial():
+    """What a smooth boundary reflects of light from everywhere, by powers 1 to 7 of the root of (ior - 1) / (ior + 1)."""
+    ior = np.concatenate([np.linspace(1.0005, 1.05, 30), np.linspace(1.05, 3, 80)])
+    root = np.sqrt((ior - 1) / (ior + 1))
+    return np.linalg.lstsq(np.stack([root**k for k in range(1, 8)], 1), [smooth_mean(i) for i in ior], rcond=None)[0]
+
+
+def rows(values):
+    return "\n".join("    " + ", ".join(f"{v:.5f}f" for v in row) + "," for row in values)
+
+
+def main():
+    mirrors, passes, cosines, means = [], [], [], []
+    for j in range(SIZE):
+        alpha = max(j / (SIZE - 1), 0.02) ** 2
+        outside = [shares(max(i / (SIZE - 1), 0.004), alpha, IOR) for i in range(SIZE)]
+        effective = [cosine_of(r / all_) for r, _, all_ in outside]
+        mirrors.append([all_ for _, _, all_ in outside])
+        passes.append([t / (1 - fresnel(c, IOR)[0]) for (_, t, _), c in zip(outside, effective)])
+        cosines.append(effective)
+        reflected, through, _ = diffuse_mean(lambda c: shares(c, alpha, IOR))
+        lost_within = 1 - diffuse_mean(lambda c: shares(c, alpha, 1 / IOR))[0] - through / IOR**2
+        # From the law of smooth boundaries to that of normal incidence, which rough ones come near to.
+        other = 1.3
+        smooth_ratio, normal_ratio = smooth_mean(other) / smooth_mean(IOR), fresnel(1.0, other)[0] / fresnel(1.0, IOR)[0]
+        ratio = diffuse_mean(lambda c: shares(c, alpha, other))[0] / reflected
+        bend = np.clip((ratio - smooth_ratio) / (normal_ratio - smooth_ratio), 0, 1)
+        means.append([reflected, through / (1 - reflected), max(lost_within, 0), bend])
+    polynomial = ", ".join(f"{c:.7f}f" for c in smooth_polynomial())
+    with open("src/shading/plastic_tables.h", "w") as file:
+        file.write("#pragma once\n// A row of a table is a line here.\n// clang-format off\n#include \"shading/ggx_albedo_table.h\"\n\n"
+                   "namespace fathom {\n\n"
+                   "/// Made by tools/plastic_tables.py, of facets of a boundary of index 1.5. Rows by roughness (alpha's root) 0 to 1, columns\n"
+                   "/// by cosine 0 to 1; first what mirrors would reflect by one facet, then what passes of what is not reflected.\n"
+                   "inline constexpr float plastic_share_table[2 * ggx_albedo_size * ggx_albedo_size] = {\n"
+                   f"{rows(mirrors)}\n{rows(passes)}\n}};\n"
+                   "/// The cosine at which a smooth boundary reflects what facets do in the mean.\n"
+                   "inline constexpr float plastic_cosine_table[ggx_albedo_size * ggx_albedo_size] = {\n"
+                   f"{rows(cosines)}\n}};\n"
+                   "/// By roughness, of light from everywhere: what is reflected; what passes of what is not; what is lost of light from\n"
+                   "/// within; how far the change with the index is from a smooth boundary's to that at normal incidence.\n"
+                   f"inline constexpr float plastic_means_table[4 * ggx_albedo_size] = {{\n{rows(np.array(means).T)}\n}};\n"
+                   "/// What a smooth boundary reflects of light from everywhere, by powers 1 to 7 of the root of (ior - 1) / (ior + 1).\n"
+                   f"inline constexpr float smooth_mean_polynomial[7] = {{{polynomial}}};\n\n}}  // namespace fathom\n")
+
+
+if __name__ == "__main__":
+    main()
