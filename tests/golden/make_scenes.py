@@ -159,6 +159,7 @@ def materials():
     write("metal-rough", scene=with_material(kind="metal", color=[0.9, 0.7, 0.4], roughness=0.45), lights={
         "sun": {"kind": "directional", "direction": [-1, -2, -1], "intensity": 2}})
     write("fuzz-metal", scene=with_material(kind="fuzz_metal", color=[0.9, 0.7, 0.4], fuzz=0.4))
+    write("plastic", scene=with_material(kind="plastic", color=[0.8, 0.3, 0.2], roughness=0.3))
     write("glass", scene=with_material(kind="glass", ior=1.5))
     write("glass-rough", scene=with_material(kind="glass", ior=1.4, roughness=0.4, color=[0.6, 0.9, 0.8]))
     write("glass-absorbing", scene=with_material(kind="glass", attenuation_color=[0.2, 0.6, 0.9], attenuation_distance=0.5))

@@ -495,11 +495,14 @@ TEST_F(Mitsuba, Plastic)
 <string name="distribution" value="ggx"/><float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/>
 <boolean name="nonlinear" value="true"/></bsdf>)");
     expect_color(m.base_color.value, 0.1, 0.2, 0.3);
-    EXPECT_NEAR(m.coat_roughness.value, 0.3, 1e-6);
-    EXPECT_EQ(m.coat_ior, 1.5f);
-    EXPECT_EQ(m.coat_darkening, 1);
-    EXPECT_EQ(m.specular.value, 0);
-    EXPECT_EQ(bsdf(R"(<bsdf type="plastic"/>)").coat_darkening, 0);
+    EXPECT_EQ(m.kind, MaterialKind::plastic);
+    EXPECT_NEAR(m.roughness.value, 0.3, 1e-6);
+    EXPECT_EQ(m.ior, 1.5f);
+    EXPECT_TRUE(m.nonlinear);
+    EXPECT_TRUE(m.energy_compensation);
+    const Material smooth = bsdf(R"(<bsdf type="plastic"/>)");
+    EXPECT_EQ(smooth.roughness.value, 0);
+    EXPECT_FALSE(smooth.nonlinear);
 }
 
 TEST_F(Mitsuba, MasksAndNothing)

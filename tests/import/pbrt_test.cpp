@@ -343,10 +343,10 @@ TEST_F(Pbrt, Coats)
 {
     const Material m = material(
         "Material \"coateddiffuse\" \"rgb reflectance\" [ 1 0 0 ] \"float roughness\" 0.0001 \"float eta\" 1.4");
-    EXPECT_EQ(m.coat.value, 1);
-    EXPECT_EQ(m.specular.value, 0);
-    EXPECT_EQ(m.coat_ior, 1.4f);
-    EXPECT_NEAR(m.coat_roughness.value, 0.1, 1e-6);
+    EXPECT_EQ(m.kind, MaterialKind::plastic);
+    EXPECT_FALSE(m.energy_compensation);
+    EXPECT_EQ(m.ior, 1.4f);
+    EXPECT_NEAR(m.roughness.value, 0.1, 1e-6);
     const Material metal = material("Material \"coatedconductor\" \"float conductor.roughness\" 0.0001");
     EXPECT_EQ(metal.metallic.value, 1);
     EXPECT_EQ(metal.coat.value, 1);
