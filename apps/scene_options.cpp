@@ -180,7 +180,8 @@ const std::vector<std::string> tree_build_names = {"fast", "standard", "high", "
 
 void add_file_options(Command& command, SceneOptions& options)
 {
-    command.add_positional("SCENE", options.file, "Fathom's own JSON, glTF, GLB, Mitsuba's XML, OBJ, PLY, STL, ...");
+    command.add_positional("SCENE", options.file,
+                           "Fathom's own JSON, glTF, GLB, Mitsuba's XML, pbrt, OBJ, PLY, STL, ...");
     command.add_value("--scene", "NAME", "name or number of the scene in a glTF file that has several",
                       [&](const std::string& text) { options.scene = text; });
     command.add_value("--variant", "NAME", "name or number of the variant of materials in a glTF file that has several",
