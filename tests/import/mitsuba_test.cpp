@@ -499,7 +499,7 @@ TEST_F(Mitsuba, Plastic)
     EXPECT_NEAR(m.roughness.value, 0.3, 1e-6);
     EXPECT_EQ(m.ior, 1.5f);
     EXPECT_TRUE(m.nonlinear);
-    EXPECT_TRUE(m.energy_compensation);
+    EXPECT_FALSE(m.energy_compensation);
     const Material smooth = bsdf(R"(<bsdf type="plastic"/>)");
     EXPECT_EQ(smooth.roughness.value, 0);
     EXPECT_FALSE(smooth.nonlinear);

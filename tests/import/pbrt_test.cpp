@@ -213,10 +213,32 @@ TEST_F(Pbrt, CamerasHaveLensesAndWindows)
     const Camera flat = camera(R"(Camera "orthographic" "float screenwindow" [ -6 6 -3 3 ])");
     EXPECT_EQ(flat.kind, CameraKind::orthographic);
     EXPECT_NEAR(flat.height, 6, 1e-9);
+    const Camera aside = camera(R"(Camera "orthographic" "float screenwindow" [ 1 5 -1 3 ])");
+    EXPECT_NEAR(aside.shift_x, 0.75, 1e-9);
+    EXPECT_NEAR(aside.shift_y, 0.25, 1e-9);
     camera("Camera \"spherical\"");
     EXPECT_TRUE(is_told("a spherical camera is not rendered yet"));
     camera("Camera \"realistic\" \"string lensfile\" \"a.dat\"");
     EXPECT_TRUE(is_told("the lens is taken as a thin one"));
+}
+
+/// The upper right quarter of a film of 400 x 200, which shows -2 to 2 and -1 to 1.
+TEST_F(Pbrt, CropsAreThePicture)
+{
+    for (const char* crop : {"\"float cropwindow\" [ 0.5 1 0 0.5 ]", "\"integer pixelbounds\" [ 200 400 -7 100 ]"}) {
+        const SceneDescription scene = load(
+            "a.pbrt", std::string("Camera \"perspective\" \"float fov\" 90 Film \"rgb\" \"integer xresolution\" 400 "
+                                  "\"integer yresolution\" 200 ") +
+                          crop + " WorldBegin Shape \"sphere\"");
+        EXPECT_EQ(scene.hints.width, 200);
+        EXPECT_EQ(scene.hints.height, 100);
+        EXPECT_NEAR(scene.cameras.at(0).fov_y, 2 * std::atan(0.5), 1e-9);
+        EXPECT_NEAR(scene.cameras.at(0).shift_x, 0.5, 1e-9);
+        EXPECT_NEAR(scene.cameras.at(0).shift_y, 0.5, 1e-9);
+    }
+    EXPECT_NE(error_of("a.pbrt", "Film \"rgb\" \"float cropwindow\" [ 0.5 0.5 0 1 ] WorldBegin Shape \"sphere\"")
+                  .find("there is nothing in its crop"),
+              std::string::npos);
 }
 
 TEST_F(Pbrt, FilmsAndIntegratorsAreHints)

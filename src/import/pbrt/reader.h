@@ -80,6 +80,8 @@ private:
     void read_camera(const Parameters& camera);
     void finish_camera();
     void read_film(const Parameters& film);
+    void read_crop(const Parameters& film, int width, int height);
+    std::array<double, 4> cropped(const std::array<double, 4>& window) const;
     void read_filter(const Parameters& filter);
     void read_sampler(const Parameters& sampler);
     void read_integrator(const Parameters& integrator);
@@ -169,6 +171,8 @@ private:
     std::array<double, 2> times_{0, 1};
     std::map<std::string, std::array<Transform, 2>> systems_;
     Plugin camera_, film_;
+    std::array<int, 2> film_size_ = {1280, 720};   ///< of the whole film
+    std::array<int, 4> crop_ = {0, 1280, 0, 720};  ///< what of it is the picture: x0, x1, y0, y1
     Transform world_from_camera_;
     bool mirrored_ = false;  ///< pbrt's world is left-handed where its camera does not mirror
     std::map<std::string, NamedTexture> float_textures_, color_textures_;

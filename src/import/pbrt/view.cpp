@@ -36,10 +36,8 @@ void Reader::read_film(const Parameters& film)
     const int width = film.integer("xresolution", 1280), height = film.integer("yresolution", 720);
     if (width < 1 || height < 1 || width > most_pixels || height > most_pixels)
         film.fail(fmt::format("a film's size must be from 1 to {}", most_pixels));
-    scene_.hints.width = width, scene_.hints.height = height;
+    read_crop(film, width, height);
     if (film.plugin() != "rgb") tell(film, "the picture has red, green and blue");
-    if (film.has("cropwindow") || film.has("pixelbounds"))
-        tell(film, "the crop is left out: --crop x0,y0,x1,y1 renders a part");
     film.ignore({"cropwindow", "pixelbounds", "filename", "savefp16", "diagonal"});
     if (film.has("maxcomponentvalue")) tell(film, "'maxcomponentvalue' is left out: samples are as bright as they are");
     const std::string sensor = film.text("sensor", "cie1931");
@@ -54,6 +52,26 @@ void Reader::read_film(const Parameters& film)
     if (film.number("whitebalance", 0) != 0) tell(film, "'whitebalance' is left out");
     film.ignore({"maxcomponentvalue"});
     film.finish(teller_);
+}
+
+/// The part of the film that is the picture, as pixels; pbrt takes 'pixelbounds' where both are there.
+void Reader::read_crop(const Parameters& film, int width, int height)
+{
+    const std::vector<std::int32_t> bounds = film.integers("pixelbounds");
+    const std::vector<float> window = film.numbers("cropwindow");
+    std::array<int, 4> part = {0, width, 0, height};
+    if (!bounds.empty()) {
+        if (bounds.size() != 4) film.fail("'pixelbounds' is four numbers: x0, x1, y0, y1");
+        for (int i = 0; i < 4; ++i) part[i] = std::clamp(bounds[i], 0, i < 2 ? width : height);
+    } else if (!window.empty()) {
+        if (window.size() != 4) film.fail("'cropwindow' is four numbers from 0 to 1: x0, x1, y0, y1");
+        for (int i = 0; i < 4; ++i)
+            part[i] = int(std::ceil((i < 2 ? width : height) * std::clamp(window[i], 0.f, 1.f)));
+    }
+    if (part[0] >= part[1] || part[2] >= part[3]) film.fail("there is nothing in its crop");
+    scene_.hints.width = part[1] - part[0], scene_.hints.height = part[3] - part[2];
+    film_size_ = {width, height};
+    crop_ = part;
 }
 
 void Reader::read_filter(const Parameters& filter)
@@ -97,6 +115,14 @@ void Reader::finish_camera()
     if (camera_) read_camera(*camera_);
 }
 
+/// What the crop shows of what the whole film does.
+std::array<double, 4> Reader::cropped(const std::array<double, 4>& window) const
+{
+    const auto x = [&](int at) { return std::lerp(window[0], window[1], double(at) / film_size_[0]); };
+    const auto y = [&](int at) { return std::lerp(window[3], window[2], double(at) / film_size_[1]); };
+    return {x(crop_[0]), x(crop_[1]), y(crop_[3]), y(crop_[2])};
+}
+
 void Reader::read_camera(const Parameters& of)
 {
     const std::string& type = of.plugin();
@@ -106,15 +132,13 @@ void Reader::read_camera(const Parameters& of)
     // pbrt's cameras have x to the right, y up and z forward, which is left-handed.
     mirrored_ = determinant > 0;
     const double said = of.number("frameaspectratio", 0);
-    const double aspect =
-        said > 0 ? said : double(scene_.hints.width.value_or(1280)) / scene_.hints.height.value_or(720);
+    const double aspect = said > 0 ? said : double(film_size_[0]) / film_size_[1];
     if (said > 0) tell(of, "'frameaspectratio' is taken for the view alone: the picture has the film's size");
-    const std::array<double, 4> window = screen(of, aspect);
-    if (std::abs(window[0] + window[1]) > 1e-5 * (window[1] - window[0]) ||
-        std::abs(window[2] + window[3]) > 1e-5 * (window[3] - window[2]))
-        tell(of, "a 'screenwindow' that is not about the middle is taken as if it were");
-    const double half_height = (window[3] - window[2]) / 2, scale = std::cbrt(std::abs(determinant));
+    const std::array<double, 4> window = cropped(screen(of, aspect));
+    const double width = window[1] - window[0], height = window[3] - window[2];
+    const double half_height = height / 2, scale = std::cbrt(std::abs(determinant));
     Camera camera;
+    camera.shift_x = (window[0] + window[1]) / 2 / width, camera.shift_y = (window[2] + window[3]) / 2 / height;
     camera.position = world.point({0, 0, 0});
     camera.look_at = world.point({0, 0, 1});
     camera.up = normalize(world.vector({0, 1, 0}));
@@ -127,7 +151,7 @@ void Reader::read_camera(const Parameters& of)
         camera.aperture = of.number("aperturediameter", 1) * 1e-3 * scale;
         camera.focus_distance = focus;
         // A lens of 50 mm, as the file of the lens is not read.
-        const double film_height = 0.035 / std::hypot(1, aspect);
+        const double film_height = 0.035 / std::hypot(1, aspect) * (crop_[3] - crop_[2]) / film_size_[1];
         camera.fov_y = 2 * std::atan(film_height / 2 / 0.050);
         of.ignore({"lensfile", "aperture"});
     } else {
