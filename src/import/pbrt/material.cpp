@@ -175,7 +175,6 @@ Material Reader::coated_diffuse(const Parameters& m)
 {
     Material out;
     out.kind = MaterialKind::plastic;
-    out.energy_compensation = false;
     out.base_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
     set_roughness(m, "", out);
     out.ior = ior(m, "eta", 1.5f);
