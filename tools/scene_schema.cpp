@@ -42,6 +42,8 @@ Json type_of(const Parameter<Owner>& p, Member member, Json& value)
         return reference("textureInput");
     } else if constexpr (std::is_same_v<Member, ImageReference<Owner>>) {
         return {{"type", "string"}};
+    } else if constexpr (std::is_same_v<Member, MaterialReference<Owner>>) {
+        return {{"oneOf", {{{"type", "string"}}, reference("material")}}};
     } else {
         const auto& out = made.*member;
         using T = std::decay_t<decltype(out)>;

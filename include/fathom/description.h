@@ -102,8 +102,10 @@ enum class MaterialKind {
     /// boundary over what is diffuse, passes diffusely, or is refracted. By default the metallic-roughness model of
     /// glTF.
     principled,
+    mix,       ///< of two materials: a path meets material_b as often as factor says, else material_a
+    two_sided  ///< material_a on the side of the geometric normal, material_b on the other
 };
-inline constexpr int material_kind_count = 8;
+inline constexpr int material_kind_count = 10;
 
 enum class AlphaMode { opaque, mask, blend };
 
@@ -159,6 +161,10 @@ struct Material {
     FloatInput thin_film{0, -1, 0};              ///< share of the surface that has the film
     FloatInput thin_film_thickness{400, -1, 1};  ///< nanometres
     float thin_film_ior = 1.3f;
+    // mix, two_sided: materials, which may be such themselves. What they emit, their alpha and their displacement don't
+    // count: the mixture has its own.
+    int material_a = -1, material_b = -1;
+    FloatInput factor{0.5f, -1, 0};  ///< 0: material_a, 1: material_b
     // all kinds
     ColorInput emission{{0, 0, 0}, -1};  ///< radiance
     bool emission_two_sided = false;     ///< else only on the side of the geometric normal

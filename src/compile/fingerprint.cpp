@@ -29,7 +29,8 @@ std::uint64_t fingerprint_contents(const GeometryTables& t)
 std::uint64_t fingerprint_materials(const SceneTables& t)
 {
     Fingerprint f;
-    f.add(t.materials), f.add(t.layers), f.add(t.media), f.add(t.texels), f.add(t.environment.texels);
+    f.add(t.materials), f.add(t.layers), f.add(t.mixtures), f.add(t.media), f.add(t.texels),
+        f.add(t.environment.texels);
     f.add(t.ramp_stops);
     for (const auto& image : t.packed_images) f.add(image);
     for (const TextureRecord& texture : t.textures) {

@@ -57,6 +57,8 @@ ClosureKind closure_of(const Material& m)
     switch (m.kind) {
         case MaterialKind::none:
         case MaterialKind::unlit:
+        case MaterialKind::mix:
+        case MaterialKind::two_sided:
             return ClosureKind::none;
         case MaterialKind::diffuse:
             return ClosureKind::diffuse;
@@ -138,15 +140,42 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     return t;
 }
 
+/// A mixture gets what compiling geometry asks of a material from those that are in it.
+void join_mixture(Compiler& c, std::size_t index)
+{
+    const Material& m = c.scene.materials[index];
+    if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided) return;
+    if (c.tables.materials[index].mixture != no_index) return;
+    MixtureRecord mixture;
+    mixture.first = std::uint32_t(m.material_a), mixture.second = std::uint32_t(m.material_b);
+    mixture.by_side = m.kind == MaterialKind::two_sided;
+    if (m.kind == MaterialKind::mix)
+        mixture.factor = {m.factor.value, texture_id(m.factor.texture), std::uint32_t(m.factor.channel)};
+    MaterialRecord& t = c.tables.materials[index];
+    t.mixture = std::uint32_t(c.tables.mixtures.size());
+    c.tables.mixtures.push_back(mixture);
+    if (mixture.factor.texture != no_index) t.flags |= MaterialRecord::textured;
+    for (const std::uint32_t part : {mixture.first, mixture.second}) {
+        join_mixture(c, part);
+        const MaterialRecord& p = c.tables.materials[part];
+        t.flags |= p.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped |
+                              MaterialRecord::vertex_colored | MaterialRecord::wants_tangent);
+        if (t.medium == 0) t.medium = p.medium;
+        if (t.subsurface_medium == 0) t.subsurface_medium = p.subsurface_medium;
+    }
+}
+
 }  // namespace
 
 void compile_material_records(Compiler& c)
 {
     c.tables.materials.clear();
     c.tables.layers.clear();
+    c.tables.mixtures.clear();
     c.tables.media.resize(1);
     for (const Material& material : c.scene.materials)
         c.tables.materials.push_back(compile_material(c, own_parameters(material, material_parameters())));
+    for (std::size_t i = 0; i < c.scene.materials.size(); ++i) join_mixture(c, i);
     // The last one stands for shapes without a material.
     c.tables.materials.push_back(compile_material(c, Material{}));
 }

@@ -9,9 +9,10 @@ namespace fathom {
 
 /// What materials and textures are written with: how others are called, and where warnings go.
 struct ParameterNames {
-    const std::string& file;                   ///< for warnings
-    const std::vector<std::string>& textures;  ///< by index
-    const std::vector<std::string>& images;    ///< paths, by index
+    const std::string& file;                    ///< for warnings
+    const std::vector<std::string>& textures;   ///< by index
+    const std::vector<std::string>& images;     ///< paths, by index
+    const std::vector<std::string>& materials;  ///< by index
     Warnings& warnings;
 };
 

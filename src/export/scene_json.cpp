@@ -87,7 +87,7 @@ public:
 
     Json write()
     {
-        const ParameterNames names{file_, textures_, images_, warnings_};
+        const ParameterNames names{file_, textures_, images_, materials_, warnings_};
         Json json = {{"fathom", 1}};
         put(json, "render", render_json(), Json::object());
         add(json, "cameras", scene_.cameras, cameras_, &SceneWriter::camera_json);

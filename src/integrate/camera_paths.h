@@ -13,7 +13,8 @@ enum BouncePair : std::uint32_t {
     pair_roulette,
     pair_channel,
     pair_light_tree,
-    pair_guiding
+    pair_guiding,
+    pair_mixture
 };
 
 /// The beginnings of a job's paths, numbered pixel by pixel.

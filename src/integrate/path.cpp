@@ -12,6 +12,7 @@
 #include "integrate/pool.h"
 #include "integrate/stages/camera_media.h"
 #include "integrate/stages/indirect_clamp.h"
+#include "integrate/stages/mixture.h"
 #include "integrate/stages/shade.h"
 #include "integrate/stages/single_sided.h"
 #include "integrate/stages/walk.h"
@@ -48,6 +49,7 @@ public:
           counters_(counters),
           clock_(counters, settings.measure),
           single_sided_(scene, counters),
+          mixtures_(scene),
           walk_(scene, settings),
           recorder_(job.records, camera_paths_.total()),
           shade_(scene, settings, counters, clock_, recorder_)
@@ -159,6 +161,7 @@ private:
     std::size_t arrive(std::size_t active)
     {
         if (scene_.has_absorption) walk_.run(*paths_, hits_, active);
+        if (scene_.has_mixtures) mixtures_.choose(*paths_, hits_, active, extras_.time);
         std::size_t emitting = 0, missing = 0, finished = 0, walking = 0;
         PathPool& p = *paths_;
         for (std::size_t i = 0; i < active; i += lanes) {
@@ -175,7 +178,8 @@ private:
             const UInt info = scene_.info_of(primitive, instance, hit);
             list(hit & ((info & UInt(LaneScene::emits)) != UInt(0u)), i, emitting_, emitting);
             if (scene_.sees_environment || settings_.background.given) list(valid & !hit, i, missing_, missing);
-            const UInt bucket = info & UInt(LaneScene::bucket_mask);
+            UInt bucket = info & UInt(LaneScene::bucket_mask);
+            if (scene_.has_mixtures) bucket = mixtures_.bucket(hits_.material.load(i), bucket, hit);
             const Mask scatters = hit & !less(bucket, UInt(1u << LaneScene::kind_shift)) &
                                   may_scatter(settings_, p.state.load(i) & UInt(PathPool::bounce_mask));
             list(valid & !scatters, i, finished_, finished);
@@ -217,7 +221,7 @@ private:
                 if (none(m)) continue;
                 const auto append = [&](const auto& from, auto& to) { to.append(packed, from.load(i), m); };
                 PathPool::for_travelling(*paths_, *spare_, extras_, append);
-                HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, append);
+                HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, scene_.has_mixtures, append);
                 packed += std::size_t(count(m));
             }
             kind_end_[kind] = packed;
@@ -245,7 +249,7 @@ private:
             for (std::size_t i = 0; i < packed; ++i) to[i] = from[order_[i]];
         };
         PathPool::for_travelling(*paths_, *spare_, extras_, permute);
-        HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, permute);
+        HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, scene_.has_mixtures, permute);
         return packed;
     }
 
@@ -372,8 +376,9 @@ private:
             const Mask m = first_lanes(active - i) & ((state & UInt(PathPool::bounce_mask)) == UInt(0u));
             const Mask hits = m & (hits_.primitive.load(i) != UInt(no_index));
             if (none(hits)) continue;
-            first_hits_.add(gather_hit(iota() + UInt(std::uint32_t(i)), hits), PathPool::pixel_of(state),
-                            p.reversed_index.load(i), hits);
+            SurfaceHit hit = gather_hit(iota() + UInt(std::uint32_t(i)), hits);
+            if (scene_.has_mixtures) hit.material = hits_.material.load(i);
+            first_hits_.add(hit, PathPool::pixel_of(state), p.reversed_index.load(i), hits);
         }
     }
 
@@ -398,6 +403,7 @@ private:
     PathPool *paths_ = &pools_[0], *spare_ = &pools_[1];
     HitColumns hits_, packed_hits_;
     SingleSided single_sided_;
+    MixtureStage mixtures_;
     const WalkStage walk_;
     PathRecorder recorder_;
     ShadeStage shade_;

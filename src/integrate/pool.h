@@ -162,13 +162,15 @@ struct PathPool {
 struct HitColumns {
     Column<float> t, u, v;
     Column<std::uint32_t> primitive, instance;
+    Column<std::uint32_t> material;  ///< see SurfaceHit
 
-    /// Calls f(column of a, the same of b) for each; the instance only where there are any.
+    /// Calls f(column of a, the same of b) for each; instance and material only where there are any.
     template <class F>
-    static void for_all(HitColumns& a, HitColumns& b, bool instances, F&& f)
+    static void for_all(HitColumns& a, HitColumns& b, bool instances, bool materials, F&& f)
     {
         f(a.t, b.t), f(a.u, b.u), f(a.v, b.v), f(a.primitive, b.primitive);
         if (instances) f(a.instance, b.instance);
+        if (materials) f(a.material, b.material);
     }
 };
 

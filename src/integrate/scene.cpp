@@ -90,29 +90,46 @@ void LaneScene::read_tables()
 void LaneScene::read_shapes()
 {
     kinds = 0;
-    refracts = wants_tangents = single_sided = has_absorption = scatters_inside = textured_media = false;
+    refracts = wants_tangents = single_sided = has_absorption = scatters_inside = textured_media = has_mixtures = false;
+    material_bucket.clear();
+    for (const MaterialRecord& material : tables.materials)
+        material_bucket.push_back(std::uint32_t(material.closure) << kind_shift |
+                                  (std::uint32_t(material_bucket.size()) & ((1u << kind_shift) - 1)));
     shape_info.clear();
     only_diffuse_quads = is_flat && !tables.moving && tables.textures.empty() && tables.triangles.empty() &&
                          tables.spheres.empty() && tables.disks.empty();
     for (const ShapeRecord& shape : tables.shapes) {
         const MaterialRecord& material = tables.materials[shape.material];
-        refracts |= Closures::transmits(material.closure);
-        single_sided |= (material.flags & MaterialRecord::single_sided) != 0;
-        wants_tangents |= (material.flags & MaterialRecord::wants_tangent) != 0;
-        for (const std::uint32_t number : {material.medium, material.subsurface_medium}) {
-            const MediumRecord& medium = tables.media[number];
-            for (float sigma : medium.extinction) has_absorption |= sigma > 0;
-            for (float sigma : medium.scattering) scatters_inside |= sigma > 0;
-            textured_media |= medium.is_textured != 0;
-        }
-        const auto kind = std::uint32_t(material.closure);
-        const bool scatters = material.closure != ClosureKind::none;
-        if (scatters) kinds |= 1u << kind;
-        only_diffuse_quads &= !single_sided;
-        only_diffuse_quads &= !scatters || (material.closure == ClosureKind::diffuse && material.roughness == 0);
-        shape_info.push_back(kind << kind_shift | (shape.material & ((1u << kind_shift) - 1)) |
-                             (material.flags & MaterialRecord::emits ? emits : 0u));
+        read_material(material);
+        shape_info.push_back(material_bucket[shape.material] | (material.flags & MaterialRecord::emits ? emits : 0u) |
+                             (material.mixture != no_index ? is_mixture : 0u));
     }
+}
+
+/// What the scene has by one of its materials.
+void LaneScene::read_material(const MaterialRecord& material)
+{
+    if (material.mixture != no_index) {
+        has_mixtures = true;
+        only_diffuse_quads = false;
+        const MixtureRecord& mixture = tables.mixtures[material.mixture];
+        read_material(tables.materials[mixture.first]);
+        read_material(tables.materials[mixture.second]);
+        return;
+    }
+    refracts |= Closures::transmits(material.closure);
+    single_sided |= (material.flags & MaterialRecord::single_sided) != 0;
+    wants_tangents |= (material.flags & MaterialRecord::wants_tangent) != 0;
+    for (const std::uint32_t number : {material.medium, material.subsurface_medium}) {
+        const MediumRecord& medium = tables.media[number];
+        for (float sigma : medium.extinction) has_absorption |= sigma > 0;
+        for (float sigma : medium.scattering) scatters_inside |= sigma > 0;
+        textured_media |= medium.is_textured != 0;
+    }
+    const bool scatters = material.closure != ClosureKind::none;
+    if (scatters) kinds |= 1u << std::uint32_t(material.closure);
+    only_diffuse_quads &= !single_sided;
+    only_diffuse_quads &= !scatters || (material.closure == ClosureKind::diffuse && material.roughness == 0);
 }
 
 std::size_t LaneScene::memory_bytes() const

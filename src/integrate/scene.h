@@ -18,9 +18,11 @@ struct LaneScene final : KernelScene {
     bool is_flat = false;
     FlatScene flat;
     Bvh bvh;
-    /// Per shape: the bucket of its material, and the emission flag on top.
+    /// Per shape: the bucket of its material, and flags on top.
     std::vector<std::uint32_t> shape_info;
-    static constexpr std::uint32_t emits = 1u << 31;
+    static constexpr std::uint32_t emits = 1u << 31, is_mixture = 1u << 30;
+    /// Per material: its bucket; of use where a mixture has it.
+    std::vector<std::uint32_t> material_bucket;
     /// Paths are sorted by bucket before they are shaded: first by ClosureKind, then by material (modulo 32).
     static constexpr std::uint32_t bucket_mask = 0x1ff, kind_shift = 5;
     static constexpr std::uint32_t buckets = std::uint32_t(closure_kind_count) << kind_shift;
@@ -41,6 +43,7 @@ struct LaneScene final : KernelScene {
     bool scatters_inside = false;     ///< some medium scatters
     bool textured_media = false;      ///< as textures say, which paths bring along
     bool tracks_media = false;        ///< paths must know what they are in: that, or solids may overlap
+    bool has_mixtures = false;        ///< some material is one of two
     bool sees_environment = false;    ///< rays that leave the scene bring something
     bool only_diffuse_quads = false;  ///< flat, smooth, without textures or motion: QuadTracer renders it
     FilterTable filters[2];           ///< Gaussian, Blackman-Harris
@@ -58,6 +61,7 @@ private:
     bool has_alpha() const;
     void read_tables();
     void read_shapes();
+    void read_material(const MaterialRecord& material);
 };
 
 inline UInt LaneScene::info_of(UInt primitive, UInt instance, Mask m) const

@@ -40,7 +40,11 @@ Appended append_scene(SceneDescription& to, SceneDescription from)
         shift(texture.image, images);
         for_each_texture(texture, texture_parameters(), shift_texture);
     }
-    for (Material& material : from.materials) for_each_texture(material, material_parameters(), shift_texture);
+    for (Material& material : from.materials) {
+        for_each_texture(material, material_parameters(), shift_texture);
+        shift(material.material_a, materials);
+        shift(material.material_b, materials);
+    }
     for (Node& node : from.nodes) {
         for (int& child : node.children) shift(child, nodes);
         for (Shape& shape : node.shapes) {

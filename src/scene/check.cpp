@@ -35,6 +35,7 @@ public:
         check_texture_graph();
         for (std::size_t i = 0; i < scene_.materials.size(); ++i)
             check_material(scene_.materials[i], element("materials", i));
+        check_mixtures();
         for (std::size_t i = 0; i < scene_.meshes.size(); ++i) check_mesh(scene_.meshes[i], element("meshes", i));
         for (std::size_t i = 0; i < scene_.curves.size(); ++i) check_curves(scene_.curves[i], element("curves", i));
         for (std::size_t i = 0; i < scene_.points.size(); ++i) {
@@ -59,6 +60,7 @@ public:
         each(parts.nodes, [&](std::size_t i) { check_node(scene_.nodes[i], element("nodes", i)); });
         each(parts.meshes, [&](std::size_t i) { check_mesh(scene_.meshes[i], element("meshes", i)); });
         each(parts.materials, [&](std::size_t i) { check_material(scene_.materials[i], element("materials", i)); });
+        if (!parts.materials.empty()) check_mixtures();
         each(parts.lights, [&](std::size_t i) { check_light(i); });
         check_environment();
     }
@@ -107,6 +109,36 @@ private:
             index(texture, scene_.textures.size(), place + '.' + key, "texture");
         });
         check_finite(m, material_parameters(), place);
+        if (!is_mixture(m)) return;
+        required(m.material_a, scene_.materials.size(), place + ".material_a", "material");
+        required(m.material_b, scene_.materials.size(), place + ".material_b", "material");
+    }
+
+    static bool is_mixture(const Material& m)
+    {
+        return m.kind == MaterialKind::mix || m.kind == MaterialKind::two_sided;
+    }
+
+    /// Materials may be mixed of others, but not of themselves.
+    void check_mixtures() const
+    {
+        constexpr int deepest = 16;
+        std::vector<int> depth(scene_.materials.size(), 0);
+        // As for textures.
+        for (bool grown = true; grown;) {
+            grown = false;
+            for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
+                const Material& m = scene_.materials[i];
+                if (!is_mixture(m)) continue;
+                const int below = std::max(depth[std::size_t(m.material_a)], depth[std::size_t(m.material_b)]);
+                if (below < depth[i]) continue;
+                depth[i] = below + 1;
+                grown = true;
+                if (depth[i] > deepest)
+                    fail(element("materials", i),
+                         "materials are mixed more than " + std::to_string(deepest) + " deep, or one contains itself");
+            }
+        }
     }
 
     void check_texture(const Texture& t, const std::string& place) const

@@ -19,11 +19,13 @@ constexpr KindName<MaterialKind> kinds[] = {
     {principled, "principled", "layers: sheen over coat over metal or dielectric; metallic-roughness of glTF 2.0"},
     {unlit, "unlit", "shows its colour whatever the light, and lights nothing"},
     {none, "none", "black, for lamps"},
+    {mix, "mix", "of two materials: light meets one of them, by chance"},
+    {two_sided, "two_sided", "another material on the back"},
 };
 static_assert(std::size(kinds) == material_kind_count);
 
 constexpr std::uint32_t all = (1u << material_kind_count) - 1;
-constexpr std::uint32_t scattering = all & ~kind_bits(none, unlit);
+constexpr std::uint32_t scattering = all & ~kind_bits(none, unlit, mix, two_sided);
 
 constexpr const char* alpha_modes[] = {"opaque", "mask", "blend"};
 constexpr const char* mean_cosine = "mean cosine of scattering: 0 alike to all sides, above 0 on, below back";
@@ -168,6 +170,27 @@ const P parameters[] = {
      "else only on the side of the geometric normal"},
     {"normal_map", scattering, TextureReference<Material>{&Material::normal_texture},
      "tangent-space normals, green up"},
+    {.key = "material_a",
+     .kinds = kind_bits(mix),
+     .member = MaterialReference<Material>{&Material::material_a},
+     .meaning = "one of the two",
+     .required = true},
+    {.key = "material_b",
+     .kinds = kind_bits(mix),
+     .member = MaterialReference<Material>{&Material::material_b},
+     .meaning = "the other",
+     .required = true},
+    {"factor", kind_bits(mix), &Material::factor, "0: material_a, 1: material_b", 0, 1},
+    {.key = "front",
+     .kinds = kind_bits(two_sided),
+     .member = MaterialReference<Material>{&Material::material_a},
+     .meaning = "material of the side of the geometric normal",
+     .required = true},
+    {.key = "back",
+     .kinds = kind_bits(two_sided),
+     .member = MaterialReference<Material>{&Material::material_b},
+     .meaning = "material of the other side",
+     .required = true},
     {"normal_scale", scattering, &Material::normal_scale, "multiplies x and y of the normal map"},
     {"displacement", all, &Material::displacement,
      "height by which the surface itself is moved along its normal, in units of the shape's own space"},

@@ -22,6 +22,11 @@ struct ImageReference {
     int Owner::* index;
     bool operator==(const ImageReference&) const = default;
 };
+template <class Owner>
+struct MaterialReference {
+    int Owner::* index;
+    bool operator==(const MaterialReference&) const = default;
+};
 
 /// A parameter that some kinds of Owner have.
 template <class Owner>
@@ -29,7 +34,7 @@ struct Parameter {
     using Member = std::variant<ColorInput Owner::*, FloatInput Owner::*, Color Owner::*, float Owner::*,
                                 double Owner::*, int Owner::*, bool Owner::*, Vec2f Owner::*, AlphaMode Owner::*,
                                 Wrap Owner::*, ColorSpace Owner::*, std::vector<RampStop> Owner::*,
-                                TextureReference<Owner>, ImageReference<Owner>>;
+                                TextureReference<Owner>, ImageReference<Owner>, MaterialReference<Owner>>;
     static constexpr double unbounded = std::numeric_limits<double>::infinity();
 
     const char* key;      ///< in files

@@ -59,6 +59,11 @@ public:
         const bool is_there = index >= 0 && std::size_t(index) < scene_.textures.size();
         return is_there ? " " + scene_.textures[std::size_t(index)].name : "";
     }
+    std::string material(int index) const
+    {
+        const bool is_there = index >= 0 && std::size_t(index) < scene_.materials.size();
+        return is_there ? scene_.materials[std::size_t(index)].name : "";
+    }
     std::string image(int index) const
     {
         const bool is_there = index >= 0 && std::size_t(index) < scene_.images.size();
@@ -102,6 +107,8 @@ void add(PartsText& text, const char* kind, const Owner& owner, std::span<const 
                     text.value(p.key, words.texture(owner.*member.index));
                 else if constexpr (std::is_same_v<decltype(member), ImageReference<Owner>>)
                     text.value(p.key, words.image(owner.*member.index));
+                else if constexpr (std::is_same_v<decltype(member), MaterialReference<Owner>>)
+                    text.value(p.key, words.material(owner.*member.index));
                 else
                     text.value(p.key, words.of(owner.*member));
             },

@@ -92,6 +92,13 @@ struct LayersRecord {
     std::uint32_t anisotropy_texture = no_index, coat_normal_texture = no_index;
 };
 
+/// A material that paths meet as one of two others.
+struct MixtureRecord {
+    std::uint32_t first = 0, second = 0;  ///< among ShadingTables::materials
+    std::uint32_t by_side = 0;            ///< the second one is that of the back; else paths meet it by chance
+    NumberRecord factor;                  ///< how often
+};
+
 struct MaterialRecord {
     enum Flags : std::uint32_t {
         textured = 1,
@@ -116,6 +123,7 @@ struct MaterialRecord {
     float normal_scale = 1;
 
     ClosureKind closure = ClosureKind::none;
+    std::uint32_t mixture = no_index;  ///< in ShadingTables; what is here beside emission and alpha is of both then
     Rgb emission{};
     float alpha = 1, alpha_cutoff = 0;
     std::uint32_t medium = 0;  ///< in MediaTables: what a solid of it is filled with; 0: it is no solid
@@ -140,6 +148,7 @@ struct RampStopRecord {
 struct ShadingTables {
     std::vector<MaterialRecord> materials;
     std::vector<LayersRecord> layers;
+    std::vector<MixtureRecord> mixtures;
     std::vector<TextureRecord> textures;
     std::vector<RampStopRecord> ramp_stops;
     LargeVector<float> texels;  ///< of images in four floats a texel: what no other format holds

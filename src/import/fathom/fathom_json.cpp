@@ -218,8 +218,7 @@ SceneDescription FathomJsonReader::read()
     // In the file's order, which ids in pictures follow, and what is written of a scene; the rest when it is referred
     // to.
     read_textures();
-    for_each_named("materials",
-                   [&](const std::string& name, const JsonValue& v) { materials_[name] = add_material(v, name); });
+    read_materials();
     for_each_named("meshes", [&](const std::string& name, const JsonValue& v) { meshes_[name] = add_mesh(v, name); });
     for_each_named("curves", [&](const std::string& name, const JsonValue& v) { curves_[name] = add_curves(v, name); });
     for_each_named("points", [&](const std::string& name, const JsonValue& v) { points_[name] = add_points(v, name); });

@@ -140,6 +140,8 @@ void FathomJsonReader::read_parameters(JsonObject& o, std::span<const Parameter<
                 owner.*member.index = texture(*v, use.value_or(Use::data));
             } else if constexpr (std::is_same_v<Member, ImageReference<Owner>>) {
                 owner.*member.index = image(*v);
+            } else if constexpr (std::is_same_v<Member, MaterialReference<Owner>>) {
+                owner.*member.index = material(*v);
             } else {
                 auto& out = owner.*member;
                 using T = std::decay_t<decltype(out)>;
@@ -267,7 +269,29 @@ int FathomJsonReader::material(const JsonValue& v)
     return found->second;
 }
 
+void FathomJsonReader::read_materials()
+{
+    std::vector<std::string> names;
+    for_each_named("materials", [&](const std::string& name, const JsonValue&) {
+        materials_[name] = int(names.size());
+        names.push_back(name);
+    });
+    // They may refer to each other: all have their numbers before one is read.
+    scene_.materials.resize(names.size());
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        Material material = read_material((*table("materials"))[names[i]], names[i]);
+        scene_.materials[i] = std::move(material);
+    }
+}
+
 int FathomJsonReader::add_material(const JsonValue& v, const std::string& name)
+{
+    Material material = read_material(v, name);
+    scene_.materials.push_back(std::move(material));
+    return int(scene_.materials.size()) - 1;
+}
+
+Material FathomJsonReader::read_material(const JsonValue& v, const std::string& name)
 {
     Material m;
     m.name = name;
@@ -279,8 +303,7 @@ int FathomJsonReader::add_material(const JsonValue& v, const std::string& name)
     if (m.kind != MaterialKind::unlit) read_emission_unit(o, m);
     if (m.kind == MaterialKind::metal || m.kind == MaterialKind::principled) read_conductor(o, m);
     o.done(fmt::format("in a material of kind '{}'", v.has("kind") ? v["kind"].string() : "diffuse"));
-    scene_.materials.push_back(std::move(m));
-    return int(scene_.materials.size()) - 1;
+    return m;
 }
 
 }  // namespace fathom

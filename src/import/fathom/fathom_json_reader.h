@@ -81,6 +81,9 @@ private:
     static std::vector<RampStop> read_stops(const JsonValue& v);
     int material(const JsonValue& v);
     int add_material(const JsonValue& v, const std::string& name);
+    Material read_material(const JsonValue& v, const std::string& name);
+    /// All named ones, in the file's order.
+    void read_materials();
     void read_emission_unit(JsonObject& o, Material& material);
     static void read_conductor(JsonObject& o, Material& material);
 

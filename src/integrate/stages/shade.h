@@ -101,10 +101,15 @@ private:
         PathPool& p = *paths_;
         const auto [key, state, bounce, seed, index] = Randomness(p, i);
         const Float time = has_time_ ? p.time.load(i) : Float(0);
-        const SurfaceHit hit{p.origin.load(i),         p.direction.load(i),
-                             hits_->t.load(i),         hits_->u.load(i),
-                             hits_->v.load(i),         time,
-                             hits_->primitive.load(i), scene_.is_flat ? UInt(no_index) : hits_->instance.load(i)};
+        const SurfaceHit hit{p.origin.load(i),
+                             p.direction.load(i),
+                             hits_->t.load(i),
+                             hits_->u.load(i),
+                             hits_->v.load(i),
+                             time,
+                             hits_->primitive.load(i),
+                             scene_.is_flat ? UInt(no_index) : hits_->instance.load(i),
+                             scene_.has_mixtures ? hits_->material.load(i) : UInt(no_index)};
         MediumStack media;
         if (scene_.tracks_media) media = p.media.load(i);
         ShadingPoint<Closure> at = read_shading_point<Closure>(surfaces_, materials_, hit,

@@ -69,6 +69,7 @@ public:
 
         const RecordRow<ShapeRecord, 2> shape(t_.shapes, s.shape, m);
         s.material = shape.get(&ShapeRecord::material);
+        if (scene_.has_mixtures) s.material = select(hit.material != UInt(no_index), hit.material, s.material);
         const UInt flags = shape.get(&ShapeRecord::flags);
         const Mask triangle = m & less(hit.primitive, UInt(t_.first_quad()));
         const Mask quad = m & !triangle & less(hit.primitive, UInt(t_.first_sphere()));

@@ -9,6 +9,7 @@ struct SurfaceHit {
     Vec3 o, d;
     Float t, u, v, time;
     UInt primitive, instance;
+    UInt material = UInt(no_index);  ///< of a mixture, which one the path meets; else the shape's
 };
 
 struct Surface {
