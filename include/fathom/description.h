@@ -178,6 +178,7 @@ struct Material {
     AlphaMode alpha_mode = AlphaMode::opaque;
     FloatInput alpha{1, -1, 3};
     float alpha_cutoff = 0.5f;
+    bool black_behind = false;      ///< of what doesn't transmit: reflects nothing on its back
     bool single_sided = false;      ///< cameras look through it from behind; other light does not pass
     bool use_vertex_color = false;  ///< base_color (and alpha) times the mesh's vertex colours
 };

@@ -90,7 +90,8 @@ void LaneScene::read_tables()
 void LaneScene::read_shapes()
 {
     kinds = 0;
-    refracts = wants_tangents = single_sided = has_absorption = scatters_inside = textured_media = has_mixtures = false;
+    refracts = wants_tangents = single_sided = has_absorption = scatters_inside = textured_media = has_mixtures =
+        black_behind = false;
     material_bucket.clear();
     for (const MaterialRecord& material : tables.materials)
         material_bucket.push_back(std::uint32_t(material.closure) << kind_shift |
@@ -128,7 +129,8 @@ void LaneScene::read_material(const MaterialRecord& material)
     }
     const bool scatters = material.closure != ClosureKind::none;
     if (scatters) kinds |= 1u << std::uint32_t(material.closure);
-    only_diffuse_quads &= !single_sided;
+    black_behind |= (material.flags & MaterialRecord::black_behind) != 0;
+    only_diffuse_quads &= !single_sided && !black_behind;
     only_diffuse_quads &= !scatters || (material.closure == ClosureKind::diffuse && material.roughness == 0);
 }
 

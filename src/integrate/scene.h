@@ -38,6 +38,7 @@ struct LaneScene final : KernelScene {
     bool moving_lights = false;       ///< some are elsewhere at other times, see LightRecord::motion
     bool curve_lights = false;        ///< some are segments of curves
     bool refracts = false;            ///< some material lets light pass
+    bool black_behind = false;        ///< some surfaces reflect nothing on their back
     bool single_sided = false;        ///< cameras look through some surfaces from behind
     bool has_absorption = false;      ///< some medium absorbs or scatters
     bool scatters_inside = false;     ///< some medium scatters

@@ -26,6 +26,7 @@ static_assert(std::size(kinds) == material_kind_count);
 
 constexpr std::uint32_t all = (1u << material_kind_count) - 1;
 constexpr std::uint32_t scattering = all & ~kind_bits(none, unlit, mix, two_sided);
+constexpr std::uint32_t reflecting = scattering & ~kind_bits(glass);
 
 constexpr const char* alpha_modes[] = {"opaque", "mask", "blend"};
 constexpr const char* mean_cosine = "mean cosine of scattering: 0 alike to all sides, above 0 on, below back";
@@ -205,6 +206,7 @@ const P parameters[] = {
      .words = alpha_modes,
      .default_by_use = true},
     {"alpha_cutoff", all, &Material::alpha_cutoff, "mask: visible from this alpha on"},
+    {"black_behind", reflecting, &Material::black_behind, "reflects nothing on its back; for what does not transmit"},
     {"single_sided", all, &Material::single_sided, "cameras look through it from behind; to other light it is there"},
     {"use_vertex_color", all, &Material::use_vertex_color, "multiply colour and alpha with the mesh's vertex colours"},
 };

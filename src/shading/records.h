@@ -112,7 +112,8 @@ struct MaterialRecord {
         single_sided = 256,   ///< cameras look through it from behind
         compensated = 512,    ///< scaled for what facets scatter more than once
         sheet = 1024,         ///< thin: of two boundaries
-        nonlinear = 2048      ///< plastic: light below the boundary is coloured each time
+        nonlinear = 2048,     ///< plastic: light below the boundary is coloured each time
+        black_behind = 4096
     };
     // What shading reads of each vertex: see hot_words.
     std::uint32_t flags = 0;

@@ -34,9 +34,24 @@ GlbMaterials::GlbMaterials(const SceneDescription& scene, GlbBuffer& buffer, con
 int GlbMaterials::index(int material)
 {
     const auto [found, is_new] = indices_.try_emplace(material, int(materials_.size()));
-    if (is_new)
-        materials_.push_back(material_json(material < 0 ? Material() : scene_.materials[std::size_t(material)]));
+    if (is_new) materials_.push_back(material_json(material < 0 ? Material() : greater_part(material)));
     return found->second;
+}
+
+Material GlbMaterials::greater_part(int material)
+{
+    const Material& m = scene_.materials[std::size_t(material)];
+    if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided) return m;
+    const float factor =
+        m.kind == MaterialKind::mix ? (m.factor.texture < 0 ? 1 : mean_of(m.factor.texture).g) * m.factor.value : 0;
+    Material part = greater_part(factor > 0.5f ? m.material_b : m.material_a);
+    current_ = &m;
+    tell(m.kind == MaterialKind::mix ? "a mix of materials: the one that has more of it is taken"
+                                     : "another material on the back: it is like the front");
+    part.name = m.name;
+    part.emission = m.emission, part.emission_two_sided = m.emission_two_sided;
+    part.alpha_mode = m.alpha_mode, part.alpha = m.alpha, part.alpha_cutoff = m.alpha_cutoff;
+    return part;
 }
 
 void GlbMaterials::put_into(Json& gltf) const
@@ -224,6 +239,7 @@ void GlbMaterials::add_layers(const Material& m, Json& json)
 
 void GlbMaterials::tell_what_is_lost(const Material& m)
 {
+    if (m.black_behind) tell("a back that is black: it is like the front");
     const auto lost = [&](bool has, const char* what) {
         if (has) tell(what);
     };

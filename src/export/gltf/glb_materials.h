@@ -24,6 +24,8 @@ public:
     const std::set<std::string>& extensions() const { return extensions_; }
 
 private:
+    /// Of a mixture, with what the mixture itself says; else the material.
+    Material greater_part(int material);
     Json material_json(const Material& m);
     Json base_json(const Material& m);
     void add_transmission(const Material& m, Json& json);

@@ -49,19 +49,34 @@ float square_root(float x)
     return std::sqrt(std::max(0.f, x));
 }
 
+bool reflects_only(const Material& m)
+{
+    switch (m.kind) {
+        case MaterialKind::diffuse:
+        case MaterialKind::metal:
+        case MaterialKind::plastic:
+            return true;
+        case MaterialKind::principled:
+            return m.transmission.value == 0 && m.diffuse_transmission.value == 0;
+        default:
+            return false;
+    }
+}
+
 }  // namespace
 
 int Reader::material(const Element& bsdf)
 {
-    if (const auto found = materials_.find(&bsdf); found != materials_.end()) {
+    auto& known = two_sided_ ? two_sided_materials_ : materials_;
+    if (const auto found = known.find(&bsdf); found != known.end()) {
         if (found->second < 0) bsdf.fail("a bsdf can't contain itself");
         return found->second;
     }
-    materials_[&bsdf] = -1;
+    known[&bsdf] = -1;
     Material read = read_bsdf(bsdf);
     if (read.name.empty()) read.name = bsdf.attribute("id");
     scene_.materials.push_back(std::move(read));
-    return materials_[&bsdf] = int(scene_.materials.size()) - 1;
+    return known[&bsdf] = int(scene_.materials.size()) - 1;
 }
 
 Material Reader::read_bsdf(const Element& element)
@@ -84,7 +99,7 @@ Material Reader::read_bsdf(const Element& element)
                                                                      {"bumpmap", &Reader::bumps},
                                                                      {"normalmap", &Reader::bumps},
                                                                      {"blendbsdf", &Reader::blend},
-                                                                     {"twosided", &Reader::read_nested}};
+                                                                     {"twosided", &Reader::two_sided}};
     Material result;
     if (type == "null") {
         result.kind = MaterialKind::none;
@@ -99,20 +114,12 @@ Material Reader::read_bsdf(const Element& element)
         result.base_color = {{0.5f, 0.5f, 0.5f}, -1};
         return result;
     }
+    if (!two_sided_ && bsdf.children("bsdf").empty()) result.black_behind = reflects_only(result);
     bsdf.ignore({"sample_visible", "specular_sampling_weight", "diffuse_reflectance_sampling_rate",
                  "main_specular_sampling_rate", "clearcoat_sampling_rate", "diff_trans_sampling_rate",
                  "specular_reflectance_sampling_rate"});
     bsdf.finish(context_.warnings);
     return result;
-}
-
-Material Reader::read_nested(Object& bsdf)
-{
-    const std::vector<const Element*> nested = bsdf.children("bsdf");
-    if (nested.empty()) bsdf.element().fail(fmt::format("{} needs a bsdf in it", bsdf.title()));
-    if (nested.size() > 1)
-        tell(bsdf.element(), "the second side of a 'twosided' bsdf is left out: it is like the first");
-    return scene_.materials[std::size_t(material(*nested[0]))];
 }
 
 Material Reader::diffuse(Object& bsdf)
@@ -329,33 +336,6 @@ Material Reader::bumps(Object& bsdf)
     return m;
 }
 
-Material Reader::blend(Object& bsdf)
-{
-    const std::vector<const Element*> nested = bsdf.children("bsdf");
-    if (nested.size() != 2) bsdf.element().fail("a 'blendbsdf' has two bsdfs in it");
-    const FloatInput weight = number_or_texture(bsdf, "weight", 0.5f);
-    Material a = scene_.materials[std::size_t(material(*nested[0]))];
-    const Material b = scene_.materials[std::size_t(material(*nested[1]))];
-    const auto share = [&](const Color& x, const Color& y) {
-        const auto mix = [&](float p, float q) { return p + weight.value * (q - p); };
-        return Color{mix(x.r, y.r), mix(x.g, y.g), mix(x.b, y.b)};
-    };
-    if (a.kind == MaterialKind::diffuse && b.kind == MaterialKind::diffuse) {
-        if (weight.texture < 0 && a.base_color.texture < 0 && b.base_color.texture < 0) {
-            a.base_color.value = share(a.base_color.value, b.base_color.value);
-            return a;
-        }
-        Texture mix;
-        mix.kind = TextureKind::mix;
-        mix.color_a = a.base_color, mix.color_b = b.base_color, mix.factor = weight;
-        a.base_color = {{1, 1, 1}, int(scene_.textures.size())};
-        scene_.textures.push_back(mix);
-        return a;
-    }
-    tell(bsdf.element(), "a blend of different kinds of bsdf is taken as the one that has more of it");
-    return weight.texture < 0 && weight.value > 0.5f ? b : a;
-}
-
 void Reader::read_interior(const Element& element, Material& m)
 {
     Object medium(element, document_);
@@ -393,7 +373,9 @@ int Reader::material_of_shape(Object& shape)
     const auto [found, is_new] = shape_materials_.emplace(std::array<const Element*, 3>{bsdf, emitter, medium}, 0);
     if (!is_new) return found->second;
     Material m;
-    m.base_color = {{0.5f, 0.5f, 0.5f}, -1};
+    const float grey = emitter ? 0.f : 0.5f;
+    m.base_color = {{grey, grey, grey}, -1};
+    m.black_behind = true;
     if (bsdf) m = scene_.materials[std::size_t(material(*bsdf))];
     if (emitter) {
         Object area(*emitter, document_);

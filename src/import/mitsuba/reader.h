@@ -14,6 +14,9 @@
 namespace fathom::mitsuba {
 
 /// A Mitsuba document into a scene.
+/// Turns a mesh's other side to the front.
+void flip(Mesh& mesh);
+
 class Reader {
 public:
     Reader(const Document& document, LoadContext& context) : document_(document), context_(context) {}
@@ -47,7 +50,7 @@ private:
     /// data  numbers, not colours
     int texture(const Element& element, bool data);
     int bitmap(Object& texture, bool data);
-    int checkerboard(Object& texture);
+    int checkerboard(Object& texture, bool data);
 
     // material.cpp
     int material(const Element& bsdf);
@@ -61,7 +64,9 @@ private:
     Material principled(Object& bsdf);
     Material mask(Object& bsdf);
     Material bumps(Object& bsdf);
+    Material two_sided(Object& bsdf);
     Material blend(Object& bsdf);
+    Material blend_with_nothing(Material m, FloatInput weight, bool of_nothing);
     void read_roughness(Object& bsdf, Material& material);
     /// Of one side against the other.
     double relative_ior(Object& bsdf, double inside, double outside);
@@ -77,6 +82,9 @@ private:
     std::optional<Shape> serialized(Object& shape);
     Shape rectangle(Object& shape);
     Shape cylinder(Object& shape, Node& node);
+    Shape sphere(Object& shape, Node& node);
+    Shape disk(Object& shape);
+    Shape cube(Object& shape);
     std::optional<Shape> curves(Object& shape);
     void read_group(Object& group, std::vector<int>& roots);
     Shape add_mesh(Mesh mesh);
@@ -91,7 +99,8 @@ private:
     SceneDescription scene_;
     int film_width_ = 768, film_height_ = 576;
     std::array<double, 2> crop_middle_{384, 288};  ///< of the part of the film that is the picture, in pixels
-    std::map<const Element*, int> textures_, materials_;
+    std::map<const Element*, int> textures_, materials_, two_sided_materials_;
+    bool two_sided_ = false;  ///< what is read is within a 'twosided' bsdf: it is not black behind
     std::map<const Element*, int> data_textures_;
     std::map<std::string, int> images_;
     /// By bsdf, emitter and medium.

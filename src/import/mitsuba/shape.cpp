@@ -42,48 +42,6 @@ void add_smooth_normals(Mesh& mesh)
     }
 }
 
-void flip(Mesh& mesh)
-{
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
-    for (Vec3f& n : mesh.normals) n = {-n.x, -n.y, -n.z};
-}
-
-/// A tube from z = 0 to 1 of radius 1, without lids.
-Mesh tube()
-{
-    constexpr std::uint32_t sides = 256;
-    Mesh mesh;
-    for (std::uint32_t i = 0; i <= sides; ++i) {
-        const double angle = 2 * std::numbers::pi * i / sides;
-        const auto x = float(std::cos(angle)), y = float(std::sin(angle));
-        for (int end = 0; end < 2; ++end) {
-            mesh.positions.push_back({x, y, float(end)});
-            mesh.normals.push_back({x, y, 0});
-            mesh.uvs[0].push_back({float(i) / sides, float(end)});
-        }
-        if (i == sides) break;
-        for (std::uint32_t corner : {0u, 2u, 3u, 0u, 3u, 1u}) mesh.indices.push_back(2 * i + corner);
-    }
-    return mesh;
-}
-
-/// From (0, 0, 0) to (0, 0, 1), and a unit across, to a tube between two points.
-Transform between(Vec3d a, Vec3d b, double radius)
-{
-    const Vec3d along = b - a, w = normalize(along);
-    const Vec3d u = normalize(cross(std::abs(w.x) > 0.5 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, w)), v = cross(w, u);
-    Transform t;
-    const Vec3d columns[] = {u * radius, v * radius, along, a};
-    for (std::size_t c = 0; c < 4; ++c) t.m[0][c] = columns[c].x, t.m[1][c] = columns[c].y, t.m[2][c] = columns[c].z;
-    return t;
-}
-
-bool has_texture(const Material& m)
-{
-    return m.base_color.texture >= 0 || m.emission.texture >= 0 || m.alpha.texture >= 0 || m.roughness.texture >= 0 ||
-           m.normal_texture >= 0;
-}
-
 }  // namespace
 
 int Reader::add_node(Node node)
@@ -167,16 +125,9 @@ std::optional<Shape> Reader::read_geometry(Object& shape, Node& node)
     if (type == "rectangle") return rectangle(shape);
     if (type == "cylinder") return cylinder(shape, node);
     if (type == "bsplinecurve" || type == "linearcurve") return curves(shape);
-    const bool flipped = shape.boolean("flip_normals", false);
-    if (type == "sphere") {
-        const double radius = shape.number("radius", 1);
-        return Shape{Sphere{shape.vector("center").value_or(Vec3d{}), flipped ? -radius : radius, {}}, -1, {}};
-    }
-    if (type == "disk") return Shape{Disk{{0, 0, 0}, {0, 0, flipped ? -1.0 : 1.0}, 1}, -1, {}};
-    if (type == "cube") {
-        if (flipped) tell(shape.element(), "'flip_normals' of a cube is left out");
-        return Shape{Box{{-1, -1, -1}, {1, 1, 1}}, -1, {}};
-    }
+    if (type == "sphere") return sphere(shape, node);
+    if (type == "disk") return disk(shape);
+    if (type == "cube") return cube(shape);
     tell(shape.element(), "is not known: it is left out");
     return std::nullopt;
 }
@@ -257,33 +208,6 @@ std::optional<Shape> Reader::serialized(Object& shape)
         if (error.file() == *shape.element().place.file) throw;
         shape.element().fail(error.what());
     }
-}
-
-Shape Reader::rectangle(Object& shape)
-{
-    const bool flipped = shape.boolean("flip_normals", false);
-    const int material = material_of_shape(shape);
-    if (!has_texture(scene_.materials[std::size_t(material)]))
-        return flipped ? Shape{Rectangle{{1, -1, 0}, {-2, 0, 0}, {0, 2, 0}}, -1, {}}
-                       : Shape{Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, -1, {}};
-    // A picture's first row is at y = -1, unlike on rectangles here.
-    Mesh mesh;
-    mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
-    mesh.uvs[0] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    mesh.indices = {0, 1, 2, 0, 2, 3};
-    if (flipped) flip(mesh);
-    return add_mesh(std::move(mesh));
-}
-
-Shape Reader::cylinder(Object& shape, Node& node)
-{
-    const Vec3d a = shape.vector("p0").value_or(Vec3d{0, 0, 0}), b = shape.vector("p1").value_or(Vec3d{0, 0, 1});
-    const double radius = shape.number("radius", 1);
-    if (length(b - a) == 0 || !(radius > 0)) shape.element().fail("a cylinder needs two points and a radius above 0");
-    node.parent_from_node = node.parent_from_node * between(a, b, radius);
-    Mesh mesh = tube();
-    if (shape.boolean("flip_normals", false)) flip(mesh);
-    return add_mesh(std::move(mesh));
 }
 
 std::optional<Shape> Reader::curves(Object& shape)

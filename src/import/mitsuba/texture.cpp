@@ -161,7 +161,7 @@ int Reader::texture(const Element& element, bool data)
     if (object.type() == "bitmap") {
         index = bitmap(object, data);
     } else if (object.type() == "checkerboard") {
-        index = checkerboard(object);
+        index = checkerboard(object, data);
     } else if (object.type() == "mesh_attribute") {
         Texture vertex_color;
         vertex_color.kind = TextureKind::vertex_color;
@@ -222,7 +222,7 @@ int Reader::bitmap(Object& object, bool data)
     return int(scene_.textures.size()) - 1;
 }
 
-int Reader::checkerboard(Object& object)
+int Reader::checkerboard(Object& object, bool data)
 {
     Texture result;
     result.kind = TextureKind::checker_uv;
@@ -230,6 +230,8 @@ int Reader::checkerboard(Object& object)
     result.scale = 2;
     result.color_a = color(object, "color0", {0.4f, 0.4f, 0.4f});
     result.color_b = color(object, "color1", {0.2f, 0.2f, 0.2f});
+    // Where numbers are looked up, Mitsuba (3.9.1) has the two the other way round.
+    if (data) std::swap(result.color_a, result.color_b);
     if (!set_uv_map(object.transform("to_uv"), result))
         tell(object.element(), "a shear of texture coordinates is left out");
     scene_.textures.push_back(result);

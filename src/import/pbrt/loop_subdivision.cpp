@@ -4,7 +4,7 @@
 #include <map>
 #include <numbers>
 
-#include "import/pbrt/round_shapes.h"
+#include "import/pbrt/loop_subdivision.h"
 
 namespace fathom::pbrt {
 

@@ -298,13 +298,24 @@ Material Reader::mix(const Parameters& m)
         both[i] = material(found->second.get());
     }
     const FloatInput amount = number_or_texture(m, "amount", 0.5f);
-    if (both[0].kind == MaterialKind::diffuse && both[1].kind == MaterialKind::diffuse) {
+    if (amount.texture < 0 && (amount.value <= 0 || amount.value >= 1)) return both[amount.value >= 1 ? 1 : 0];
+    const auto is_plain = [](const Material& part) {
+        return part.kind == MaterialKind::diffuse && part.normal_texture < 0 && part.displacement.texture < 0;
+    };
+    if (is_plain(both[0]) && is_plain(both[1])) {
         both[0].base_color = mixed(both[0].base_color, both[1].base_color, amount);
         return both[0];
     }
-    if (amount.texture >= 0 || (amount.value > 0 && amount.value < 1))
-        tell(m, "a mix of different kinds of material is taken as the one that has more of it");
-    return amount.texture < 0 && amount.value > 0.5f ? both[1] : both[0];
+    Material out;
+    out.kind = MaterialKind::mix;
+    out.factor = amount;
+    out.material_a = int(scene_.materials.size()), out.material_b = out.material_a + 1;
+    for (std::size_t i = 0; i < 2; ++i) {
+        if (both[i].alpha_mode != AlphaMode::opaque) tell(m, "an 'interface' within a mix of materials is black");
+        both[i].name = names[i];
+        scene_.materials.push_back(both[i]);
+    }
+    return out;
 }
 
 void Reader::set_medium(const Parameters& medium, Material& out)

@@ -1,12 +1,11 @@
 // Spheres, disks, cylinders, and parts of them.
-#include "import/pbrt/round_shapes.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "import/common/turned.h"
 #include "import/pbrt/reader.h"
 
 namespace fathom::pbrt {
@@ -14,7 +13,6 @@ namespace fathom::pbrt {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
-constexpr int sides_of_circle = 256;
 
 double phi_max_of(const Parameters& shape)
 {
@@ -27,26 +25,6 @@ int sides_of(double phi_max)
 }
 
 }  // namespace
-
-Mesh turned(const std::vector<ProfilePoint>& profile, double phi_max, int sides)
-{
-    Mesh mesh;
-    const auto rows = std::uint32_t(profile.size());
-    for (int i = 0; i <= sides; ++i) {
-        const double phi = phi_max * i / sides, c = std::cos(phi), s = std::sin(phi);
-        for (const ProfilePoint& p : profile) {
-            mesh.positions.push_back({float(p.radius * c), float(p.radius * s), float(p.z)});
-            mesh.normals.push_back({float(p.normal_radius * c), float(p.normal_radius * s), float(p.normal_z)});
-            mesh.uvs[0].push_back({float(i) / float(sides), 1 - float(p.v)});
-        }
-    }
-    for (std::uint32_t i = 0; i < std::uint32_t(sides); ++i)
-        for (std::uint32_t j = 0; j + 1 < rows; ++j) {
-            const std::uint32_t a = i * rows + j, b = a + rows;
-            for (std::uint32_t corner : {a, b, b + 1, a, b + 1, a + 1}) mesh.indices.push_back(corner);
-        }
-    return mesh;
-}
 
 std::optional<Shape> Reader::sphere(const Parameters& shape, bool has_textures)
 {
@@ -61,7 +39,7 @@ std::optional<Shape> Reader::sphere(const Parameters& shape, bool has_textures)
     constexpr int rows = sides_of_circle / 2;
     for (int i = 0; i <= rows; ++i) {
         const double theta = low + (high - low) * i / rows, s = std::sin(theta), c = std::cos(theta);
-        profile.push_back({radius * s, radius * c, s, c, double(i) / rows});
+        profile.push_back({radius * s, radius * c, s, c, 1 - double(i) / rows});
     }
     return add_mesh(turned(profile, phi_max, sides_of(phi_max)), shape.title());
 }
@@ -73,8 +51,8 @@ std::optional<Shape> Reader::disk(const Parameters& shape, bool has_textures)
     if (!(radius > 0)) shape.fail("the radius must be above 0");
     if (inner <= 0 && phi_max >= 2 * std::numbers::pi * (1 - 1e-6) && !has_textures)
         return Shape{Disk{{0, 0, height}, {0, 0, state_.reverse ? -1.0 : 1.0}, radius}, -1, {}};
-    // v is 0 at the rim.
-    const std::vector<ProfilePoint> profile = {{radius, height, 0, 1, 0}, {std::max(0.0, inner), height, 0, 1, 1}};
+    // pbrt's v is 0 at the rim, and upside down.
+    const std::vector<ProfilePoint> profile = {{radius, height, 0, 1, 1}, {std::max(0.0, inner), height, 0, 1, 0}};
     return add_mesh(turned(profile, phi_max, sides_of(phi_max)), shape.title());
 }
 
@@ -83,8 +61,8 @@ std::optional<Shape> Reader::cylinder(const Parameters& shape)
     const double radius = shape.number("radius", 1), z_min = shape.number("zmin", -1), z_max = shape.number("zmax", 1),
                  phi_max = phi_max_of(shape);
     if (!(radius > 0) || z_min == z_max) shape.fail("a cylinder has a radius and a height above 0");
-    const std::vector<ProfilePoint> profile = {{radius, std::min(z_min, z_max), 1, 0, 0},
-                                               {radius, std::max(z_min, z_max), 1, 0, 1}};
+    const std::vector<ProfilePoint> profile = {{radius, std::min(z_min, z_max), 1, 0, 1},
+                                               {radius, std::max(z_min, z_max), 1, 0, 0}};
     return add_mesh(turned(profile, phi_max, sides_of(phi_max)), shape.title());
 }
 

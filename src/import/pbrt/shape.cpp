@@ -9,8 +9,9 @@
 #include "import/common/gunzip.h"
 #include "import/common/mesh_cleanup.h"
 #include "import/common/read_file.h"
+#include "import/common/textured.h"
+#include "import/pbrt/loop_subdivision.h"
 #include "import/pbrt/reader.h"
-#include "import/pbrt/round_shapes.h"
 #include "import/ply/ply.h"
 
 namespace fathom::pbrt {
@@ -96,12 +97,6 @@ Mesh vertices_of(const Parameters& shape)
         if (size != 0 && size != mesh.positions.size())
             shape.fail(fmt::format("'{}' has {} elements, 'P' {}", name, size, mesh.positions.size()));
     return mesh;
-}
-
-bool has_texture(const Material& m)
-{
-    return m.base_color.texture >= 0 || m.emission.texture >= 0 || m.alpha.texture >= 0 || m.roughness.texture >= 0 ||
-           m.normal_texture >= 0 || m.coat_roughness.texture >= 0 || m.diffuse_transmission_color.texture >= 0;
 }
 
 PlyData ply_data_of(InputFile file)
@@ -265,7 +260,7 @@ std::optional<Shape> Reader::geometry(const Parameters& shape, Surface& surface)
     if (type == "bilinearmesh") return bilinear_mesh(shape);
     if (type == "loopsubdiv") return loop_mesh(shape);
     if (type == "curve") return curve(shape);
-    const bool has_textures = has_texture(material(surface.material)) || !surface.alpha.empty() ||
+    const bool has_textures = is_textured(scene_, material(surface.material)) || !surface.alpha.empty() ||
                               (surface.light && surface.light->has("filename"));
     if (type == "sphere") return sphere(shape, has_textures);
     if (type == "disk") return disk(shape, has_textures);

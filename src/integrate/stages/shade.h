@@ -115,6 +115,7 @@ private:
         ShadingPoint<Closure> at = read_shading_point<Closure>(surfaces_, materials_, hit,
                                                                scene_.tracks_media ? &media : nullptr, valid, clock_);
         Spectrum throughput = p.throughput.load(i);
+        if (scene_.black_behind && !Closure::transmits) throughput = lit_side(at, throughput, valid);
         if constexpr (Closure::is_layered && Closure::transmits) choose_channel(key, seed, at.material, throughput);
         const Closure closure(at.material);
         clock_.enter(RenderStage::light);
@@ -156,6 +157,15 @@ private:
         p.throughput.store(i, next.throughput, valid);
         p.bsdf_pdf.store(i, next.pdf, valid);
         p.state.store(i, next_state, valid);
+    }
+
+    /// Nothing, on the back of what is black there.
+    template <class Closure>
+    Spectrum lit_side(const ShadingPoint<Closure>& at, const Spectrum& throughput, Mask valid) const
+    {
+        const UInt flags = materials_.get(&MaterialRecord::flags, at.material_index, valid & at.inside);
+        const Mask black = at.inside & ((flags & UInt(MaterialRecord::black_behind)) != UInt(0u));
+        return select(black, Spectrum(Float(0)), throughput);
     }
 
     /// What paths that enter a subsurface are scattered by there: by the colour and the radius of where they enter.

@@ -1,0 +1,89 @@
+/// Bsdfs made of two others.
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "fathom/error.h"
+#include "import/mitsuba/reader.h"
+
+namespace fathom::mitsuba {
+
+namespace {
+
+/// Two of these are one of the mean colour.
+bool is_plain(const Material& m)
+{
+    return m.kind == MaterialKind::diffuse && m.normal_texture < 0 && m.alpha_mode == AlphaMode::opaque;
+}
+
+}  // namespace
+
+Material Reader::read_nested(Object& bsdf)
+{
+    const std::vector<const Element*> nested = bsdf.children("bsdf");
+    if (nested.empty()) bsdf.element().fail(fmt::format("{} needs a bsdf in it", bsdf.title()));
+    return scene_.materials[std::size_t(material(*nested[0]))];
+}
+
+Material Reader::two_sided(Object& bsdf)
+{
+    const bool outer = std::exchange(two_sided_, true);
+    Material m = read_nested(bsdf);
+    if (const std::vector<const Element*> nested = bsdf.children("bsdf"); nested.size() > 1) {
+        m = Material();
+        m.kind = MaterialKind::two_sided;
+        m.material_a = material(*nested[0]), m.material_b = material(*nested[1]);
+    }
+    two_sided_ = outer;
+    return m;
+}
+
+Material Reader::blend(Object& bsdf)
+{
+    const std::vector<const Element*> nested = bsdf.children("bsdf");
+    if (nested.size() != 2) bsdf.element().fail("a 'blendbsdf' has two bsdfs in it");
+    const FloatInput weight = number_or_texture(bsdf, "weight", 0.5f);
+    Material mixture;
+    mixture.kind = MaterialKind::mix;
+    mixture.factor = weight;
+    mixture.material_a = material(*nested[0]), mixture.material_b = material(*nested[1]);
+    const Material& a = scene_.materials[std::size_t(mixture.material_a)];
+    const Material& b = scene_.materials[std::size_t(mixture.material_b)];
+    if (weight.texture < 0 && (weight.value <= 0 || weight.value >= 1)) return weight.value >= 1 ? b : a;
+    const auto is_nothing = [](const Material& m) { return m.kind == MaterialKind::none && m.alpha.value == 0; };
+    if (is_nothing(b)) return blend_with_nothing(a, weight, true);
+    if (is_nothing(a)) return blend_with_nothing(b, weight, false);
+    if (is_plain(a) && is_plain(b)) {
+        Material out = a;
+        Texture mix;
+        mix.kind = TextureKind::mix;
+        mix.color_a = a.base_color, mix.color_b = b.base_color, mix.factor = weight;
+        out.base_color = {{1, 1, 1}, int(scene_.textures.size())};
+        scene_.textures.push_back(mix);
+        return out;
+    }
+    if (a.alpha_mode != AlphaMode::opaque || b.alpha_mode != AlphaMode::opaque)
+        tell(bsdf.element(), "what lets light pass in one of two blended bsdfs is left out");
+    return mixture;
+}
+
+/// The material as often as the weight says, or (of_nothing) as it doesn't, and else nothing.
+Material Reader::blend_with_nothing(Material m, FloatInput weight, bool of_nothing)
+{
+    if (of_nothing && weight.texture < 0) weight.value = 1 - weight.value;
+    if (of_nothing && weight.texture >= 0) {
+        Texture inverse;
+        inverse.kind = TextureKind::mix;
+        inverse.color_a = {{1, 1, 1}, -1}, inverse.color_b = {{0, 0, 0}, -1}, inverse.factor = weight;
+        weight = {1, int(scene_.textures.size()), 1};
+        scene_.textures.push_back(inverse);
+    }
+    if (m.alpha_mode == AlphaMode::opaque) m.alpha = {1, -1, weight.channel};
+    m.alpha_mode = AlphaMode::blend;
+    m.alpha.value *= weight.value;
+    // Of two pictures the blend's is what artists see first.
+    if (weight.texture >= 0) m.alpha.texture = weight.texture, m.alpha.channel = weight.channel;
+    return m;
+}
+
+}  // namespace fathom::mitsuba
