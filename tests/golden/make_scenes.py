@@ -160,6 +160,12 @@ def materials():
         "sun": {"kind": "directional", "direction": [-1, -2, -1], "intensity": 2}})
     write("fuzz-metal", scene=with_material(kind="fuzz_metal", color=[0.9, 0.7, 0.4], fuzz=0.4))
     write("plastic", scene=with_material(kind="plastic", color=[0.8, 0.3, 0.2], roughness=0.3))
+    write("mixture", scene=with_material(
+        kind="mix", factor={"texture": {"image": "channels.png"}, "channel": "g", "value": 0.5},
+        material_a={"kind": "two_sided", "front": {"kind": "glass", "thin": True, "color": [0.5, 0.8, 0.9]},
+                    "back": {"color": [0.2, 0.7, 0.2], "black_behind": True}},
+        material_b={"kind": "mix", "material_a": {"kind": "metal", "color": [0.9, 0.6, 0.2], "roughness": 0.2},
+                    "material_b": {"kind": "plastic", "color": [0.7, 0.1, 0.1]}, "factor": 0.25}))
     write("glass", scene=with_material(kind="glass", ior=1.5))
     write("glass-rough", scene=with_material(kind="glass", ior=1.4, roughness=0.4, color=[0.6, 0.9, 0.8]))
     write("glass-absorbing", scene=with_material(kind="glass", attenuation_color=[0.2, 0.6, 0.9], attenuation_distance=0.5))

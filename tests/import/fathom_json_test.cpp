@@ -444,6 +444,13 @@ TEST_F(FathomJson, TexturesOfTwoUses)
     EXPECT_EQ(error_of("d.json",
                        R"({"textures": {"a": {"kind": "scale", "input": "b"}, "b": {"kind": "scale", "input": "a"}}})"),
               "textures[0]: textures are nested more than 16 deep, or one contains itself");
+    EXPECT_EQ(error_of("e.json", R"({"materials": {"a": {"kind": "two_sided", "front": "b", "back": "b"},
+                                                   "b": {"kind": "mix", "material_a": "a", "material_b": "a"}}})"),
+              "materials[0]: materials are mixed more than 16 deep, or one contains itself");
+    EXPECT_EQ(error_of("f.json", R"({"materials": {"a": {"kind": "two_sided", "front": "b", "back": "a"}}})"),
+              "/materials/a/front: there is no material named 'b'; known here: a");
+    EXPECT_EQ(error_of("g.json", R"({"materials": {"a": {"kind": "mix", "material_a": {}}}})"),
+              "/materials/a: key 'material_b' is missing");
 }
 
 TEST_F(FathomJson, FilesOfNumbers)

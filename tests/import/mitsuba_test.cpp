@@ -516,6 +516,81 @@ TEST_F(Mitsuba, MasksAndNothing)
     EXPECT_EQ(none.alpha.value, 0);
 }
 
+TEST_F(Mitsuba, Blends)
+{
+    const char* const both =
+        R"(<bsdf type="diffuse"><rgb name="reflectance" value="1 0 0"/></bsdf><bsdf type="conductor">
+<string name="material" value="none"/></bsdf>)";
+    const SceneDescription scene = read(fmt::format(
+        R"(<shape type="sphere"><bsdf type="blendbsdf"><float name="weight" value="0.25"/>{}</bsdf></shape>)", both));
+    const Material& m = material_of(scene);
+    EXPECT_EQ(m.kind, MaterialKind::mix);
+    EXPECT_EQ(m.factor.value, 0.25f);
+    EXPECT_EQ(scene.materials.at(std::size_t(m.material_a)).kind, MaterialKind::diffuse);
+    EXPECT_EQ(scene.materials.at(std::size_t(m.material_b)).metallic.value, 1);
+    // Nothing and something: how much of it lets light pass.
+    const auto alpha = [&](const char* first, const char* second) {
+        return bsdf(
+                   fmt::format(
+                       R"(<bsdf type="blendbsdf"><float name="weight" value="0.25"/><bsdf type="{}"/><bsdf type="{}"/></bsdf>)",
+                       first, second))
+            .alpha.value;
+    };
+    EXPECT_EQ(alpha("null", "diffuse"), 0.25f);
+    EXPECT_EQ(alpha("diffuse", "null"), 0.75f);
+}
+
+/// Without 'twosided' a bsdf that only reflects is black on its back.
+TEST_F(Mitsuba, Sides)
+{
+    EXPECT_TRUE(bsdf(R"(<bsdf type="diffuse"/>)").black_behind);
+    EXPECT_FALSE(bsdf(R"(<bsdf type="dielectric"/>)").black_behind);
+    EXPECT_FALSE(bsdf(R"(<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>)").black_behind);
+    EXPECT_TRUE(bsdf(R"(<bsdf type="mask"><bsdf type="diffuse"/></bsdf>)").black_behind);
+    EXPECT_FALSE(bsdf(R"(<bsdf type="twosided"><bsdf type="mask"><bsdf type="diffuse"/></bsdf></bsdf>)").black_behind);
+    const SceneDescription scene = read(
+        R"(<bsdf type="diffuse" id="a"/><shape type="sphere"><ref id="a"/></shape><shape type="sphere"><bsdf type="twosided">
+<ref id="a"/><bsdf type="diffuse"><rgb name="reflectance" value="1 0 0"/></bsdf></bsdf></shape>)");
+    const auto of_shape = [&](std::size_t i) -> const Material& {
+        return scene.materials.at(std::size_t(scene.nodes.at(std::size_t(scene.roots.at(i))).shapes.at(0).material));
+    };
+    EXPECT_TRUE(of_shape(0).black_behind);
+    EXPECT_EQ(of_shape(1).kind, MaterialKind::two_sided);
+    for (const int part : {of_shape(1).material_a, of_shape(1).material_b})
+        EXPECT_FALSE(scene.materials.at(std::size_t(part)).black_behind);
+    expect_color(scene.materials.at(std::size_t(of_shape(1).material_b)).base_color.value, 1, 0, 0);
+    // A lamp of no bsdf reflects nothing.
+    expect_color(material_of(read(R"(<shape type="sphere"><emitter type="area"/></shape>)")).base_color.value, 0, 0, 0);
+}
+
+/// Texture coordinates of shapes that are meshes where they have pictures, as Mitsuba tells them of these places.
+TEST_F(Mitsuba, PicturesOnShapes)
+{
+    const auto uv_at = [&](const char* shape, Vec3f place) {
+        const SceneDescription scene = read(fmt::format(
+            R"(<shape type="{}"><bsdf type="diffuse"><texture type="checkerboard" name="reflectance"/></bsdf></shape>)",
+            shape));
+        const Mesh& mesh = scene.meshes.at(0);
+        std::size_t nearest = 0;
+        const auto distance = [&](std::size_t i) {
+            const Vec3f p = mesh.positions[i];
+            return std::hypot(p.x - place.x, p.y - place.y, p.z - place.z);
+        };
+        for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+            if (distance(i) < distance(nearest)) nearest = i;
+        return mesh.uvs[0][nearest];
+    };
+    const auto expect_uv = [](Vec2f uv, float u, float v) {
+        EXPECT_NEAR(uv.x, u, 0.005);
+        EXPECT_NEAR(uv.y, v, 0.005);
+    };
+    expect_uv(uv_at("sphere", {0.3f, 0.4f, 0.86602545f}), 0.14758f, 0.16667f);
+    expect_uv(uv_at("sphere", {-0.2f, -0.5f, 0.8426151f}), 0.68944f, 0.18101f);
+    expect_uv(uv_at("disk", {0, -1, 0}), 1, 0.75f);
+    expect_uv(uv_at("cube", {1, -1, -1}), 0, 1);  // of the face y = -1, the first
+    expect_uv(uv_at("rectangle", {1, -1, 0}), 1, 0);
+}
+
 /// Absorption within glass: what is left after a way is exp(-sigma (1 - albedo) way).
 TEST_F(Mitsuba, Interiors)
 {

@@ -416,6 +416,13 @@ TEST_F(Pbrt, WhatIsApproximatedIsTold)
     const char* const two = R"(MakeNamedMaterial "a" "string type" "diffuse" "rgb reflectance" [ 1 1 1 ]
 MakeNamedMaterial "b" "string type" "diffuse" "rgb reflectance" [ 0 0 0 ] Material "mix" "string materials" [ "a" "b" ] "float amount" 0.25)";
     expect_color(material(two).base_color.value, 0.75, 0.75, 0.75);
+    const SceneDescription mixed = world(R"(MakeNamedMaterial "a" "string type" "diffuse"
+MakeNamedMaterial "b" "string type" "conductor" Material "mix" "string materials" [ "a" "b" ] "float amount" 0.25 Shape "sphere")");
+    const Material& mixture = material_of(mixed);
+    EXPECT_EQ(mixture.kind, MaterialKind::mix);
+    EXPECT_EQ(mixture.factor.value, 0.25f);
+    EXPECT_EQ(mixed.materials.at(std::size_t(mixture.material_a)).kind, MaterialKind::diffuse);
+    EXPECT_EQ(mixed.materials.at(std::size_t(mixture.material_b)).metallic.value, 1);
 }
 
 // ---------------------------------------------------------------------------------------------------- textures
