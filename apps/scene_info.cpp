@@ -23,7 +23,8 @@ const char* name_of(LightKind kind)
 }
 const char* name_of(EnvironmentKind kind)
 {
-    constexpr const char* names[] = {"none", "constant", "gradient", "image", "studio", "sky", "cube", "equal-area"};
+    constexpr const char* names[] = {"none", "constant", "gradient",   "image",       "studio",
+                                     "sky",  "cube",     "equal-area", "hosek-wilkie"};
     return names[int(kind)];
 }
 const char* name_of(MaterialKind kind)

@@ -293,10 +293,11 @@ enum class EnvironmentKind {
     constant,
     gradient,
     image,
-    studio,      ///< three soft lights around what is shown, for a camera that looks along -z, and a dim room
-    sky,         ///< a clear sky over grey ground, computed from the air; the sun too if sun_disk
-    cube,        ///< six pictures, the faces of a cube around everything
-    equal_area,  ///< a square picture of all directions, each with its share of the area, as pbrt-v4 has them
+    studio,        ///< three soft lights around what is shown, for a camera that looks along -z, and a dim room
+    sky,           ///< a clear sky over grey ground, computed from the air; the sun too if sun_disk
+    cube,          ///< six pictures, the faces of a cube around everything
+    equal_area,    ///< a square picture of all directions, each with its share of the area, as pbrt-v4 has them
+    hosek_wilkie,  ///< a clear sky by the formula of Hosek and Wilkie, without its sun, nothing below the horizon
 };
 
 /// What a ray sees that leaves the scene, and what lights it from there.
@@ -313,6 +314,9 @@ struct Environment {
     /// 42,000 that is nits.
     Vec3d to_sun{-0.4, 0.6, 0.7};
     bool sun_disk = true;
+    /// Hosek-Wilkie, which has to_sun too, and a radiance in W/m^2/sr/nm, of around 0.1: 1 (clear) to 10 (haze), and 0
+    /// to 1, of the ground that lights the air.
+    double turbidity = 3, ground_albedo = 0.3;
     bool sky_ground = true;  ///< sky: grey ground below the horizon, in the light of sun and sky; else nothing
 };
 

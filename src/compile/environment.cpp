@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "compile/compiler.h"
+#include "compile/hosek_sky.h"
 #include "compile/luminance.h"
 #include "compile/sky.h"
 #include "compile/studio.h"
@@ -140,6 +141,10 @@ void compile_environment(Compiler& c)
     if (e.kind == EnvironmentKind::sky)
         make_picture(t, 256, [sky = Sky(e.to_sun), has_ground = e.sky_ground](const Vec3d& d) {
             return has_ground || d.y >= 0 ? sky.radiance(d) : Color{0, 0, 0};
+        });
+    if (e.kind == EnvironmentKind::hosek_wilkie)
+        make_picture(t, 512, [sky = HosekSky(e.to_sun, e.turbidity, e.ground_albedo)](const Vec3d& d) {
+            return sky.radiance(d);
         });
     if (EnvironmentKind(t.kind) == EnvironmentKind::image && t.width > 0)
         t.mean_luminance = make_environment_distribution(t);

@@ -276,6 +276,11 @@ private:
             put(json, "sun", e.sun_disk, true);
             put(json, "ground", e.sky_ground, true);
         }
+        if (e.kind == EnvironmentKind::hosek_wilkie) {
+            json["to_sun"] = vector_json(e.to_sun);
+            put(json, "turbidity", number_json(e.turbidity), 3);
+            put(json, "ground_albedo", number_json(e.ground_albedo), number_json(0.3));
+        }
         if (e.world_from_environment.m != Transform().m) json["rotate"] = matrix_json(e.world_from_environment);
         return json;
     }

@@ -74,6 +74,14 @@ private:
             check_brightness(c, "environment");
         const double to_sun = length(scene_.environment.to_sun);
         if (!(to_sun > 0 && std::isfinite(to_sun))) fail("environment.to_sun", "is no direction");
+        const auto between = [&](double value, double least, double most, const char* what) {
+            if (!(value >= least && value <= most))
+                fail(std::string("environment.") + what,
+                     fmt::format("is {:g}; a sky of this kind has one from {:g} to {:g}", value, least, most));
+        };
+        if (scene_.environment.kind != EnvironmentKind::hosek_wilkie) return;
+        between(scene_.environment.turbidity, 1, 10, "turbidity");
+        between(scene_.environment.ground_albedo, 0, 1, "ground_albedo");
     }
 
     void check_light(std::size_t i) const { check_brightness(scene_.lights[i].intensity, element("lights", i)); }

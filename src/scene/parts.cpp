@@ -148,7 +148,8 @@ std::string scene_parts(const SceneDescription& scene)
     text.value("kind", words.of(e.kind));
     text.value("color", words.of(e.color) + words.of(e.bottom) + words.of(e.top));
     text.value("image", words.image(e.image));
-    text.value("sun", words.of(e.to_sun) + words.of(e.sun_disk) + words.of(e.sky_ground));
+    text.value("sun", words.of(e.to_sun) + words.of(e.sun_disk) + words.of(e.sky_ground) + words.of(e.turbidity) +
+                          words.of(e.ground_albedo));
     for (const Camera& camera : scene.cameras) {
         if (text.is_full()) break;
         text.begin("camera", camera.name);

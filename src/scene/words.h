@@ -7,8 +7,8 @@ namespace fathom::words {
 
 inline constexpr const char* camera_kinds[] = {"perspective", "orthographic"};
 inline constexpr const char* light_kinds[] = {"point", "spot", "directional"};
-inline constexpr const char* environment_kinds[] = {"none",   "constant", "gradient", "image",
-                                                    "studio", "sky",      "cube",     "equal-area"};
+inline constexpr const char* environment_kinds[] = {"none", "constant", "gradient",   "image",       "studio",
+                                                    "sky",  "cube",     "equal-area", "hosek-wilkie"};
 inline constexpr const char* curve_bases[] = {"linear", "bezier", "bspline", "catmull-rom"};
 inline constexpr const char* curve_styles[] = {"round", "ribbon"};
 inline constexpr const char* channels[] = {"r", "g", "b", "a"};

@@ -166,6 +166,8 @@ def materials():
                     "back": {"color": [0.2, 0.7, 0.2], "black_behind": True}},
         material_b={"kind": "mix", "material_a": {"kind": "metal", "color": [0.9, 0.6, 0.2], "roughness": 0.2},
                     "material_b": {"kind": "plastic", "color": [0.7, 0.1, 0.1]}, "factor": 0.25}))
+    write("hosek-wilkie", scene=with_material(kind="plastic"), environment={
+        "kind": "hosek-wilkie", "to_sun": [-1, 0.5, 1], "turbidity": 4.3, "ground_albedo": 0.6, "color": 5, "rotate": {"axis": [0, 1, 0], "angle_deg": 30}})
     write("glass", scene=with_material(kind="glass", ior=1.5))
     write("glass-rough", scene=with_material(kind="glass", ior=1.4, roughness=0.4, color=[0.6, 0.9, 0.8]))
     write("glass-absorbing", scene=with_material(kind="glass", attenuation_color=[0.2, 0.6, 0.9], attenuation_distance=0.5))

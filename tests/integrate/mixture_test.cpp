@@ -128,6 +128,21 @@ TEST(Mixture, OfGlassLetsItsShareThrough)
     square.expect(square.mix(glass, black, {0.7f, -1, 0}), {0.3f, 0.3f, 0.3f});
 }
 
+/// In a white surrounding all surfaces of a colour look alike; before one lamp behind the camera they don't.
+TEST(Mixture, ScattersAsEachOfThem)
+{
+    for (const std::uint32_t n : {1u, 20u}) {
+        Square square(false, n);
+        square.scene.environment.kind = EnvironmentKind::none;
+        Material lamp = diffuse({0, 0, 0});
+        lamp.emission.value = {1, 1, 1};
+        const int shining = square.material(lamp), black = square.material(diffuse({0, 0, 0})),
+                  metal = square.material(mirror({0.5f, 0.6f, 0.7f}));
+        square.add(Rectangle{{-2, -2, 6}, {0, 4, 0}, {4, 0, 0}}, shining);
+        square.expect(square.mix(black, metal, {0.25f, -1, 0}), {0.125f, 0.15f, 0.175f});
+    }
+}
+
 /// The layer of colours has the mixture's, of what every sample met.
 TEST(Mixture, HasAnAlbedo)
 {

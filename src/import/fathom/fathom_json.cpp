@@ -89,7 +89,7 @@ void FathomJsonReader::read_environment(const JsonValue& v)
     Environment& environment = scene_.environment;
     JsonObject o(v);
     if (!v.has("kind"))
-        v.fail("key 'kind' is missing: none, constant, gradient, image, studio, sky, cube or equal-area");
+        v.fail("key 'kind' is missing: none, constant, gradient, image, studio, sky, cube, equal-area or hosek-wilkie");
     o.read_word("kind", words::environment_kinds, environment.kind);
     const bool turns = environment.kind != EnvironmentKind::none && environment.kind != EnvironmentKind::constant;
     if (environment.kind != EnvironmentKind::none && environment.kind != EnvironmentKind::gradient)
@@ -109,6 +109,11 @@ void FathomJsonReader::read_environment(const JsonValue& v)
         o.read("to_sun", environment.to_sun);
         o.read("sun", environment.sun_disk);
         o.read("ground", environment.sky_ground);
+    }
+    if (environment.kind == EnvironmentKind::hosek_wilkie) {
+        o.read("to_sun", environment.to_sun);
+        o.read("turbidity", environment.turbidity);
+        o.read("ground_albedo", environment.ground_albedo);
     }
     if (turns) {
         if (auto rotate = o.get("rotate"))

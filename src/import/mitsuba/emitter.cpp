@@ -133,14 +133,12 @@ void Reader::read_sky(Object& emitter)
                  elevation_deg = std::asin(std::clamp(to_sun.z, 0.0, 1.0)) / degree;
     if (emitter.type() != "sun") {
         Environment& environment = scene_.environment;
-        environment.kind = EnvironmentKind::sky;
-        environment.sun_disk = false;
-        environment.sky_ground = false;
+        environment.kind = EnvironmentKind::hosek_wilkie;
+        environment.turbidity = turbidity;
+        environment.ground_albedo = emitter.number("albedo", 0.3);
         environment.world_from_environment = world_from_sky;
         environment.to_sun = y_up.vector(to_sun);
-        environment.color = scaled(look_up(sky_over_ours, turbidity, elevation_deg), emitter.number("sky_scale", 1));
-        tell(emitter.element(),
-             "the sky is computed from the air, as bright as Mitsuba's of this turbidity, but not the same");
+        environment.color = scaled({1, 1, 1}, emitter.number("sky_scale", 1));
     }
     if (emitter.type() != "sky" && to_sun.z > 0) {
         Light sun;
