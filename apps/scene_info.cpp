@@ -179,12 +179,10 @@ ordered_json cameras_of(const SceneDescription& scene)
 {
     ordered_json result = ordered_json::array();
     for (const Camera& camera : scene.cameras) {
-        const bool is_perspective = camera.kind == CameraKind::perspective;
-        ordered_json c = {{"name", camera.name}, {"kind", is_perspective ? "perspective" : "orthographic"}};
-        if (is_perspective)
-            c["fov_y_deg"] = camera.fov_y * 180 / std::numbers::pi;
-        else
-            c["height"] = camera.height;
+        constexpr const char* kinds[] = {"perspective", "orthographic", "spherical", "equal-area"};
+        ordered_json c = {{"name", camera.name}, {"kind", kinds[int(camera.kind)]}};
+        if (camera.kind == CameraKind::perspective) c["fov_y_deg"] = camera.fov_y * 180 / std::numbers::pi;
+        if (camera.kind == CameraKind::orthographic) c["height"] = camera.height;
         if (camera.aspect > 0) c["aspect"] = camera.aspect;
         if (camera.shift_x != 0 || camera.shift_y != 0) c["shift"] = {camera.shift_x, camera.shift_y};
         if (camera.aperture > 0) c["aperture"] = camera.aperture;

@@ -28,6 +28,9 @@ std::string camera_text(const Camera& camera)
                                       text(camera.look_at), text(camera.up));
     if (camera.kind == CameraKind::orthographic) {
         members = "\"kind\": \"orthographic\", " + members + fmt::format(", \"height\": {}", text(camera.height));
+    } else if (camera.kind != CameraKind::perspective) {
+        const bool equal = camera.kind == CameraKind::equal_area;
+        members = fmt::format("\"kind\": \"{}\", ", equal ? "equal-area" : "spherical") + members;
     } else {
         members += fmt::format(", \"fov_y_deg\": {}", text(camera.fov_y * 180 / std::numbers::pi));
         if (camera.aperture > 0) members += fmt::format(", \"aperture\": {}", text(camera.aperture));

@@ -320,7 +320,13 @@ struct Environment {
     bool sky_ground = true;  ///< sky: grey ground below the horizon, in the light of sun and sky; else nothing
 };
 
-enum class CameraKind { perspective, orthographic };
+enum class CameraKind {
+    perspective,
+    orthographic,
+    spherical,  ///< all directions: equirectangular, `up` at the top, the direction of look_at in the middle
+    equal_area  ///< all directions, each with its share of the picture, as pbrt-v4 has it: `up` in the middle, the
+                ///< direction of look_at at the top, its opposite at all corners
+};
 
 /// In the space of its node: looks from position to look_at.
 struct Camera {

@@ -50,12 +50,14 @@ CameraRecord Scene::Data::camera_record(const Camera& seen_by, int width, int he
     put(t.position, (seen_by.position - tables->origin) * scale);
     put(t.right, right), put(t.up, cross(right, forward)), put(t.forward, forward);
     t.orthographic = seen_by.kind == CameraKind::orthographic;
+    t.equal_area = seen_by.kind == CameraKind::equal_area;
+    t.spherical = t.equal_area || seen_by.kind == CameraKind::spherical;
     const double half_height = t.orthographic ? seen_by.height / 2 * scale : std::tan(seen_by.fov_y / 2);
     t.half_height = float(half_height);
     t.half_width = float(half_height * width / height);
     t.shift_right = float(2 * seen_by.shift_x * half_height * width / height);
     t.shift_up = float(2 * seen_by.shift_y * half_height);
-    t.lens_radius = float(seen_by.aperture / 2 * scale);
+    t.lens_radius = t.spherical ? 0 : float(seen_by.aperture / 2 * scale);
     const double focus =
         seen_by.focus_distance > 0 ? seen_by.focus_distance : length(seen_by.look_at - seen_by.position);
     t.focus_distance = float(focus * scale);

@@ -228,6 +228,7 @@ private:
             if (camera.aperture != 0) warn("the lens of an orthographic camera is left out");
             return json;
         }
+        if (camera.kind != CameraKind::perspective) return json;
         if (camera.fov_y != usual.fov_y) json["fov_y_deg"] = number_json(camera.fov_y, radians_per_degree);
         put(json, "aperture", number_json(camera.aperture), 0);
         put(json, "focus_distance", number_json(camera.focus_distance), 0);

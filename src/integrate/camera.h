@@ -9,6 +9,28 @@ struct CameraRay {
     Float time;
 };
 
+/// Across, up and ahead: where the point (x, y) of a picture of all directions looks, y growing downwards.
+inline Vec3 spherical_direction(Float x, Float y)
+{
+    const SinCos theta = sincos_2pi(Float(0.5f) * clamp(y, Float(0), Float(1))), phi = sincos_2pi(x - floor(x));
+    return {-theta.sin * phi.sin, theta.cos, -theta.sin * phi.cos};
+}
+
+/// The same in a square where each direction has its share of the area: P. Clarberg: Fast Equal-Area Mapping of the
+/// (Hemi)Sphere using SIMD, 2008.
+inline Vec3 equal_area_direction(Float x, Float y)
+{
+    const Float u = fma(clamp(x, Float(0), Float(1)), Float(2), Float(-1)),
+                v = fma(clamp(y, Float(0), Float(1)), Float(2), Float(-1));
+    const Float above = Float(1) - abs(u) - abs(v), r = Float(1) - abs(above);
+    // An eighth of a turn for each side of the diagonal.
+    const Float eighths = select(r > Float(0), (abs(v) - abs(u)) / max(r, Float(1e-30f)) + Float(1), Float(1));
+    const SinCos phi = sincos_2pi(eighths * Float(0.125f));
+    const Float across = r * sqrt(max(fma(-r, r, Float(2)), Float(0)));
+    const Float up = fma(-r, r, Float(1));
+    return {flip_sign(phi.cos * across, u), flip_sign(up, above), -flip_sign(phi.sin * across, v)};
+}
+
 /// The ray through the point (x, y) of the picture, from 0 to 1 and y downwards; lens and time are random.
 inline CameraRay camera_ray(const CameraRecord& camera, Float x, Float y, Sample2 lens, Float time)
 {
@@ -20,7 +42,10 @@ inline CameraRay camera_ray(const CameraRecord& camera, Float x, Float y, Sample
     ray.o = axis(camera.position);
     ray.time = fma(time, Float(camera.shutter_close - camera.shutter_open), Float(camera.shutter_open));
     const Vec3 across = fma(right, sx, up * sy);
-    if (camera.orthographic) {
+    if (camera.spherical) {
+        const Vec3 d = camera.equal_area ? equal_area_direction(x, y) : spherical_direction(x, y);
+        ray.d = fma(right, d.x, fma(up, d.y, forward * d.z));
+    } else if (camera.orthographic) {
         ray.o = ray.o + across;
         ray.d = forward;
     } else {

@@ -5,7 +5,7 @@
 
 namespace fathom::words {
 
-inline constexpr const char* camera_kinds[] = {"perspective", "orthographic"};
+inline constexpr const char* camera_kinds[] = {"perspective", "orthographic", "spherical", "equal-area"};
 inline constexpr const char* light_kinds[] = {"point", "spot", "directional"};
 inline constexpr const char* environment_kinds[] = {"none", "constant", "gradient",   "image",       "studio",
                                                     "sky",  "cube",     "equal-area", "hosek-wilkie"};

@@ -168,6 +168,8 @@ def materials():
                     "material_b": {"kind": "plastic", "color": [0.7, 0.1, 0.1]}, "factor": 0.25}))
     write("hosek-wilkie", scene=with_material(kind="plastic"), environment={
         "kind": "hosek-wilkie", "to_sun": [-1, 0.5, 1], "turbidity": 4.3, "ground_albedo": 0.6, "color": 5, "rotate": {"axis": [0, 1, 0], "angle_deg": 30}})
+    for kind in ["spherical", "equal-area"]:
+        write(f"camera-{kind}", scene=with_material(kind="diffuse") + [LAMP], camera={"kind": kind, "position": [0.5, 1.6, 2], "look_at": [0, 0.6, 0]})
     write("glass", scene=with_material(kind="glass", ior=1.5))
     write("glass-rough", scene=with_material(kind="glass", ior=1.4, roughness=0.4, color=[0.6, 0.9, 0.8]))
     write("glass-absorbing", scene=with_material(kind="glass", attenuation_color=[0.2, 0.6, 0.9], attenuation_distance=0.5))

@@ -216,8 +216,12 @@ TEST_F(Pbrt, CamerasHaveLensesAndWindows)
     const Camera aside = camera(R"(Camera "orthographic" "float screenwindow" [ 1 5 -1 3 ])");
     EXPECT_NEAR(aside.shift_x, 0.75, 1e-9);
     EXPECT_NEAR(aside.shift_y, 0.25, 1e-9);
-    camera("Camera \"spherical\"");
-    EXPECT_TRUE(is_told("a spherical camera is not rendered yet"));
+    EXPECT_EQ(camera("Camera \"spherical\"").kind, CameraKind::equal_area);
+    const Camera around = camera(R"(Camera "spherical" "string mapping" "equirectangular")");
+    EXPECT_EQ(around.kind, CameraKind::spherical);
+    EXPECT_LT(around.look_at.x, -0.5);  // in the picture's middle is pbrt's -x
+    // What it shows is as in a mirror.
+    EXPECT_EQ(load("a.pbrt", "Camera \"spherical\" WorldBegin Shape \"sphere\"").roots.size(), 1u + 1u);
     camera("Camera \"realistic\" \"string lensfile\" \"a.dat\"");
     EXPECT_TRUE(is_told("the lens is taken as a thin one"));
 }

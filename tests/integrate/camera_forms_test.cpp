@@ -269,5 +269,49 @@ TEST(Layers, NormalsOfSmoothMeshesAndBacks)
     EXPECT_NEAR(image.find("normal")->pixels[3 * (2 * 16 + 13) + 2], 1, 1e-6);
 }
 
+/// All directions: each pixel's middle sees the environment where the formulas of the mapping say. Beside a gradient by
+/// height, which way is right and ahead is told by lamps.
+TEST(CameraForms, AllDirections)
+{
+    for (const bool equal_area : {false, true}) {
+        SceneBuilder b;
+        Camera c;
+        c.kind = equal_area ? CameraKind::equal_area : CameraKind::spherical;
+        c.position = {5, 0, 0}, c.look_at = {5, 0, -2}, c.aperture = 0.5;
+        b.scene.cameras.push_back(c);
+        b.scene.nodes[0].camera = 0;
+        b.scene.environment.kind = EnvironmentKind::gradient;
+        b.scene.environment.bottom = {0, 0, 0}, b.scene.environment.top = {1, 1, 1};
+        b.add(Sphere{{5, 0, -10}, 0.5, {}}, b.diffuse(0, {7, 0, 0}));  // ahead
+        b.add(Sphere{{15, 0, 0}, 0.5, {}}, b.diffuse(0, {0, 7, 0}));   // on the right
+        b.add(Sphere{{5, 0, 10}, 0.5, {}}, b.diffuse(0, {0, 0, 7}));   // behind
+        const int w = 80, h = equal_area ? 80 : 40;
+        const Film film = render_film(b.scene, small_picture(w, h), 16);
+        const Image image = film.image(false, false);
+        const auto& pixels = image.layers[0].pixels;
+        const auto at = [&](double x, double y) {
+            const auto i = std::size_t(std::clamp(int(y * h), 0, h - 1) * w + std::clamp(int(x * w), 0, w - 1));
+            return Color{pixels[3 * i], pixels[3 * i + 1], pixels[3 * i + 2]};
+        };
+        if (equal_area) {
+            EXPECT_GT(at(0.5, 0).r, 3);
+            EXPECT_GT(at(1, 0.5).g, 3);
+            EXPECT_GT(at(0.5, 1).b, 3);
+            EXPECT_NEAR(at(0.5, 0.5).r, 1, 0.02);  // up
+            for (const double corner : {0.0, 1.0}) EXPECT_NEAR(at(corner, corner).r, 0, 0.02);
+            // Each direction has its share: the mean of the whole sphere.
+            double sum = 0;
+            for (std::size_t i = 0; i < pixels.size(); i += 3) sum += std::min(1.0, double(pixels[i])) / (w * h);
+            EXPECT_NEAR(sum, 0.5, 0.005);
+        } else {
+            EXPECT_GT(at(0.5, 0.5).r, 1.5);
+            EXPECT_GT(at(0.75, 0.5).g, 1.5);
+            EXPECT_GT(at(0, 0.5).b, 1.5);
+            for (const double y : {0.1, 0.3, 0.8})
+                EXPECT_NEAR(at(0.2, y).r, (1 + std::cos(std::numbers::pi * (std::floor(y * h) + 0.5) / h)) / 2, 0.005);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace fathom

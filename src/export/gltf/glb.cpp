@@ -253,6 +253,7 @@ private:
                                     {"zfar", farthest}};
             return json;
         }
+        if (c.kind != CameraKind::perspective) warn("a camera that sees all directions is one of perspective");
         json["type"] = "perspective";
         json["perspective"] = {{"yfov", number_json(c.fov_y)}, {"znear", nearest}};
         if (c.aspect > 0) json["perspective"]["aspectRatio"] = number_json(c.aspect);

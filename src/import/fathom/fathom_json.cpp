@@ -61,6 +61,9 @@ Camera FathomJsonReader::read_camera(const JsonValue& v, const std::string& name
         o.read("aperture", camera.aperture);
         o.read("focus_distance", camera.focus_distance);
         o.done("in a perspective camera");
+    } else if (camera.kind != CameraKind::orthographic) {
+        if (v.has("shift")) v["shift"].fail("a camera that sees all directions has none");
+        o.done("in a camera that sees all directions");
     } else {
         o.read("height", camera.height);
         if (!(camera.height > 0)) v["height"].fail("must be greater than 0");

@@ -130,7 +130,8 @@ void Reader::read_camera(const Parameters& of)
     const double determinant = world.determinant();
     if (!std::isnormal(determinant)) of.fail("its transform flattens everything");
     // pbrt's cameras have x to the right, y up and z forward, which is left-handed.
-    mirrored_ = determinant > 0;
+    // Pictures of all directions are as seen in a mirror.
+    mirrored_ = (determinant > 0) != (type == "spherical");
     const double said = of.number("frameaspectratio", 0);
     const double aspect = said > 0 ? said : double(film_size_[0]) / film_size_[1];
     if (said > 0) tell(of, "'frameaspectratio' is taken for the view alone: the picture has the film's size");
@@ -145,6 +146,16 @@ void Reader::read_camera(const Parameters& of)
     if (type == "orthographic") {
         camera.kind = CameraKind::orthographic;
         camera.height = 2 * half_height * length(world.vector({0, 1, 0}));
+    } else if (type == "spherical") {
+        const std::string mapping = of.text("mapping", "equalarea");
+        if (mapping != "equalarea" && mapping != "equirectangular")
+            of.fail(fmt::format("'mapping' is 'equalarea' or 'equirectangular', not '{}'", printable(mapping)));
+        const bool equal = mapping == "equalarea";
+        camera.kind = equal ? CameraKind::equal_area : CameraKind::spherical;
+        camera.look_at = world.point(equal ? Vec3d{0, 0, -1} : Vec3d{-1, 0, 0});
+        camera.shift_x = camera.shift_y = 0;
+        if (crop_ != std::array<int, 4>{0, film_size_[0], 0, film_size_[1]})
+            tell(of, "a crop of all directions is left out: all are in the picture");
     } else if (type == "realistic") {
         tell(of, "the lens is taken as a thin one, of a film 35 mm across");
         const double focus = of.number("focusdistance", 10) * scale;
@@ -158,10 +169,7 @@ void Reader::read_camera(const Parameters& of)
         const double fov = of.number("fov", 90) * degree;
         if (!(fov > 0) || !(fov < std::numbers::pi)) of.fail("'fov' must be above 0 and below 180 degrees");
         camera.fov_y = 2 * std::atan(std::tan(fov / 2) * half_height);
-        if (type == "spherical") {
-            tell(of, "a spherical camera is not rendered yet: a perspective one of 90 degrees instead");
-            of.ignore({"mapping"});
-        } else if (type != "perspective") {
+        if (type != "perspective") {
             tell(of, "is not known: a perspective one instead");
         }
     }

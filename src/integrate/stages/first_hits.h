@@ -21,8 +21,8 @@ public:
         Surface s = surfaces_.read(hit, hits);
         const Spectrum albedo = albedo_of(s, hits);
         const Vec3 n = flip_sign(s.ns, -dot(hit.d, s.ng));
-        const Float depth =
-            dot(s.p - hit.o, Vec3(Float(camera_.forward[0]), Float(camera_.forward[1]), Float(camera_.forward[2])));
+        const Vec3 forward(Float(camera_.forward[0]), Float(camera_.forward[1]), Float(camera_.forward[2]));
+        const Float depth = camera_.spherical ? hit.t : dot(s.p - hit.o, forward);
         const Vec3 world = surfaces_.in_world(s.p);
         const UInt object = surfaces_.object_of(hit, s.shape, hits);
         const Float values[] = {albedo.c[0],
