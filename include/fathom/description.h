@@ -98,6 +98,9 @@ enum class MaterialKind {
     glass,       ///< smooth or rough dielectric of index ior, solid or thin; a solid absorbs by attenuation_color over
                  ///< attenuation_distance
     plastic,     ///< a boundary of index ior, smooth or rough, over a diffuse body of base_color
+    /// A fibre: a rough cylinder of glass that absorbs, under tilted scales. Meant for curves; on other shapes fibres
+    /// run along growing u, and v says where across one it is.
+    hair,
     /// Layers in the manner of OpenPBR: sheen over coat over a mixture of metal and dielectric, the latter a specular
     /// boundary over what is diffuse, passes diffusely, or is refracted. By default the metallic-roughness model of
     /// glTF.
@@ -105,7 +108,7 @@ enum class MaterialKind {
     mix,       ///< of two materials: a path meets material_b as often as factor says, else material_a
     two_sided  ///< material_a on the side of the geometric normal, material_b on the other
 };
-inline constexpr int material_kind_count = 10;
+inline constexpr int material_kind_count = 11;
 
 enum class AlphaMode { opaque, mask, blend };
 
@@ -165,6 +168,13 @@ struct Material {
     // count: the mixture has its own.
     int material_a = -1, material_b = -1;
     FloatInput factor{0.5f, -1, 0};  ///< 0: material_a, 1: material_b
+    // hair. Of absorption, the melanins together and base_color the first that is above 0 counts.
+    ColorInput absorption{{0, 0, 0}, -1};     ///< coefficient times the fibre's radius
+    float eumelanin = 0, pheomelanin = 0;     ///< concentrations: of black and brown, of red and yellow
+    FloatInput beta_m{0.3f, -1, 1};           ///< roughness along the fibre, 0 to 1
+    FloatInput beta_n{0.3f, -1, 1};           ///< and around it
+    double scale_tilt = 0.03490658503988659;  ///< radians, towards the root
+    float hair_ior = 1.55f;
     // all kinds
     ColorInput emission{{0, 0, 0}, -1};  ///< radiance
     bool emission_two_sided = false;     ///< else only on the side of the geometric normal

@@ -126,11 +126,14 @@ private:
             add_points(p, c_.scene.points[std::size_t(q->points)]);
     }
 
-    /// What light gets into, in some of its places at least.
+    /// What light gets into, and what is hair, in some of its places at least.
     void find_solids(const std::vector<ShapeOccurrence>& shapes)
     {
-        for (const ShapeOccurrence& p : shapes)
-            if (t_.materials[material_of(*p.shape)].has_inside()) solids_.insert(content_of(c_, *p.shape));
+        for (const ShapeOccurrence& p : shapes) {
+            const MaterialRecord& m = t_.materials[material_of(*p.shape)];
+            if (m.has_inside()) solids_.insert(content_of(c_, *p.shape));
+            if (m.closure == ClosureKind::hair) fibres_.insert(content_of(c_, *p.shape));
+        }
     }
 
     /// Triangles are joined to parallelograms where a scene is small enough to be traced as a list.
@@ -144,13 +147,18 @@ private:
         return n;
     }
 
+    /// Where on a surface something is, or which way its fibres run, is seen.
+    static bool shows_uv(const MaterialRecord& m)
+    {
+        return (m.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped)) ||
+               m.emission_texture != no_index || m.closure == ClosureKind::hair;
+    }
+
     /// Nothing but positions matters: the picture of a parallelogram is that of its two triangles.
     bool is_plain(const ShapeOccurrence& p, const Mesh& mesh) const
     {
         const MaterialRecord& m = t_.materials[material_of(*p.shape)];
-        const bool textured =
-            (m.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped)) || m.emission_texture != no_index;
-        return mesh.normals.empty() && mesh.motion.empty() && !textured &&
+        return mesh.normals.empty() && mesh.motion.empty() && !shows_uv(m) &&
                m.alpha_mode == std::uint32_t(AlphaMode::opaque);
     }
 
@@ -206,8 +214,6 @@ private:
     void set_frame(ShapeRecord& shape, const Transform& node_from_render, double factor)
     {
         const MaterialRecord& m = t_.materials[shape.material];
-        const bool shows =
-            (m.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped)) || m.emission_texture != no_index;
         std::array<float, 9> rows;
         bool turned = false;
         for (std::size_t i = 0; i < 9; ++i) {
@@ -215,7 +221,7 @@ private:
             rows[i] = float(number);
             turned |= std::abs(number - (i % 4 == 0)) > 1e-9;
         }
-        if (!shows || !turned) return;
+        if (!shows_uv(m) || !turned) return;
         shape.frame = std::uint32_t(t_.frames.size());
         t_.frames.push_back(rows);
     }
@@ -387,6 +393,8 @@ private:
             shape.flags |= ShapeRecord::ribbons;
         else if (solids_.contains(content_of(c_, *p.shape)))
             shape.flags |= ShapeRecord::solid_curves;
+        else if (fibres_.contains(content_of(c_, *p.shape)))
+            shape.flags |= ShapeRecord::fibres;
         const bool moves = instancing_.vertices_move(*p.shape);
         contents_.fixed_motion |= !curves.motion.empty();
         const std::size_t points = t_.curve_points.size();
@@ -414,7 +422,7 @@ private:
     const Instancing instancing_;
     PlacedContents contents_;
     std::size_t degenerate_ = 0, opaque_ = 0;
-    std::set<const void*> solids_;                                                   ///< by content_of
+    std::set<const void*> solids_, fibres_;                                          ///< by content_of
     std::vector<std::pair<const ShapeOccurrence*, std::vector<Rectangle>>> joined_;  ///< shapes of joined triangles
 };
 

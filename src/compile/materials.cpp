@@ -70,6 +70,8 @@ ClosureKind closure_of(const Material& m)
             return ClosureKind::glass;
         case MaterialKind::plastic:
             return ClosureKind::plastic;
+        case MaterialKind::hair:
+            return ClosureKind::hair;
         case MaterialKind::principled:
             break;
     }
@@ -79,6 +81,36 @@ ClosureKind closure_of(const Material& m)
 bool is_solid(const Material& m, ClosureKind closure)
 {
     return !m.thin && (closure == ClosureKind::glass || closure == ClosureKind::layered_transmitting);
+}
+
+void set_number(const FloatInput& from, float& value, std::uint32_t& texture, std::uint32_t& channel)
+{
+    value = from.value;
+    texture = texture_id(from.texture);
+    channel = std::uint32_t(from.channel);
+}
+
+/// In the places of what hair has no use for.
+void compile_hair(const Material& m, MaterialRecord& t)
+{
+    set_number(m.beta_m, t.roughness, t.roughness_texture, t.roughness_channel);
+    set_number(m.beta_n, t.metallic, t.metallic_texture, t.metallic_channel);
+    t.fuzz = float(m.scale_tilt);
+    t.ior = m.hair_ior;
+    t.flags |= MaterialRecord::wants_tangent;
+    Color absorbed = m.absorption.value;
+    int texture = m.absorption.texture;
+    const auto is_there = [&] { return absorbed.r > 0 || absorbed.g > 0 || absorbed.b > 0; };
+    if (!is_there()) {
+        // d'Eon et al. 2011, "An Energy-Conserving Hair Reflectance Model", 6.1.
+        const float e = m.eumelanin, p = m.pheomelanin;
+        absorbed = {0.419f * e + 0.187f * p, 0.697f * e + 0.4f * p, 1.37f * e + 1.05f * p};
+        texture = -1;
+    }
+    if (!is_there()) return;
+    t.flags |= MaterialRecord::absorption;
+    t.base_color = spectrum(absorbed);
+    t.base_texture = texture_id(texture);
 }
 
 MaterialRecord compile_material(Compiler& c, const Material& m)
@@ -100,14 +132,11 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
         t.emission_texture = t.base_texture;
         t.flags |= MaterialRecord::unlit;
     }
-    t.roughness = m.roughness.value;
-    t.roughness_texture = texture_id(m.roughness.texture);
-    t.roughness_channel = std::uint32_t(m.roughness.channel);
-    t.metallic = m.metallic.value;
-    t.metallic_texture = texture_id(m.metallic.texture);
-    t.metallic_channel = std::uint32_t(m.metallic.channel);
+    set_number(m.roughness, t.roughness, t.roughness_texture, t.roughness_channel);
+    set_number(m.metallic, t.metallic, t.metallic_texture, t.metallic_channel);
     t.ior = m.ior;
     t.fuzz = m.fuzz;
+    if (m.kind == MaterialKind::hair) compile_hair(m, t);
     t.normal_texture = texture_id(m.normal_texture);
     t.normal_scale = m.normal_scale;
     t.alpha = m.alpha.value;

@@ -52,6 +52,7 @@ struct ShapeRecord {
         linear_curves = 256,   ///< segments are lines: two points each, not four
         ribbons = 512,         ///< curves are flat and turned towards each ray, not round
         solid_curves = 1024,   ///< rays meet them from inside, too
+        fibres = 2048,         ///< round curves that rays leave from within without meeting them
         only_instanced = 128,  ///< its primitives stand where instances put them, and nowhere else
     };
     std::uint32_t material = 0;

@@ -103,6 +103,7 @@ private:
         p.reversed_index.store(to, path.key.reversed_index);
         p.state.store(to, UInt(PathPool::specular) | path.pixel << PathPool::pixel_shift);
         p.bsdf_pdf.store(to, Float(0));
+        p.way_out.store(to, Float(0));
         p.eta_scale.store(to, Float(1));
         p.time.store(to, path.ray.time);
         p.media.store(to, camera_media_);
@@ -199,6 +200,7 @@ private:
         if (walking > 0) {
             PathPool::for_travelling(*paths_, *spare_, extras_, append);
             append(paths_->bsdf_pdf, spare_->bsdf_pdf);
+            append(paths_->way_out, spare_->way_out);
         }
         return packed + walking;
     }
@@ -279,6 +281,7 @@ private:
             if (i == active) continue;
             PathPool::for_travelling(p, p, extras_, [&](auto& column, auto&) { column[i] = column[active]; });
             p.bsdf_pdf[i] = p.bsdf_pdf[active];
+            p.way_out[i] = p.way_out[active];
         }
         return active;
     }
@@ -343,8 +346,10 @@ private:
             if (const Mask shared = shows & (light != UInt(no_index)) & !specular; any(shared)) {
                 const UInt number = select(shared, light, UInt(0u));
                 const Float pdf = p.bsdf_pdf.gather(index, m);
+                const Float way_out = scene_.has_fibres ? p.way_out.gather(index, m) : Float(0);
                 weight = select(shared,
-                                lights_.emission_weight_of(number, hit.o, hit.time, hit.d, hit.t, hit.u, pdf, shared),
+                                lights_.emission_weight_of(number, fma(hit.d, -way_out, hit.o), hit.time, hit.d,
+                                                           hit.t + way_out, hit.u, pdf, shared),
                                 weight);
             }
         }

@@ -124,6 +124,7 @@ struct PathPool {
     static constexpr std::uint32_t specular = 1u << 31;  ///< the last direction came from a delta lobe, or the camera
     static constexpr std::uint32_t dead = 1u << 30;      ///< throughput is 0, or roulette ended the path
     Column<float> bsdf_pdf;  ///< of the last direction; of no use to whoever shades, which gives it anew
+    Column<float> way_out;   ///< beside it, where there are fibres: so far before the origin lights were seen from
     Column<float> eta_scale, time;
     Column<float> indirect_left;  ///< see IndirectClamp
     /// Radiance that was expected to come back from the first surface of which anything was known; 0: there was none.

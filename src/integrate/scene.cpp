@@ -71,6 +71,7 @@ void LaneScene::read_tables()
     constexpr std::size_t much = 1 << 17;  // of vertices
     is_large = tables.positions.size() > much;
     textured = !tables.textures.empty();
+    wants_uv = textured || has_fibres;
     varied_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
                                 [](const LightRecord& light) { return light.material != no_index; });
     moving_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
@@ -90,8 +91,8 @@ void LaneScene::read_tables()
 void LaneScene::read_shapes()
 {
     kinds = 0;
-    refracts = wants_tangents = single_sided = has_absorption = scatters_inside = textured_media = has_mixtures =
-        black_behind = false;
+    refracts = has_fibres = wants_tangents = single_sided = has_absorption = scatters_inside = textured_media =
+        has_mixtures = black_behind = false;
     material_bucket.clear();
     for (const MaterialRecord& material : tables.materials)
         material_bucket.push_back(std::uint32_t(material.closure) << kind_shift |
@@ -119,6 +120,7 @@ void LaneScene::read_material(const MaterialRecord& material)
         return;
     }
     refracts |= Closures::transmits(material.closure);
+    has_fibres |= material.closure == ClosureKind::hair;
     single_sided |= (material.flags & MaterialRecord::single_sided) != 0;
     wants_tangents |= (material.flags & MaterialRecord::wants_tangent) != 0;
     for (const std::uint32_t number : {material.medium, material.subsurface_medium}) {

@@ -32,7 +32,9 @@ struct LaneScene final : KernelScene {
     QuadColumns quads;
     std::uint32_t kinds = 0;          ///< bit per ClosureKind that occurs and scatters
     bool is_large = false;            ///< vertices are far more than caches hold near a core
-    bool textured = false;            ///< uv matter somewhere
+    bool textured = false;            ///< there are textures
+    bool has_fibres = false;          ///< some material is of fibres, to which uv say where across they are met
+    bool wants_uv = false;            ///< either of both
     bool wants_tangents = false;      ///< tangents of surfaces matter somewhere
     bool varied_lights = false;       ///< some are not alike all over, see LightRecord::material
     bool moving_lights = false;       ///< some are elsewhere at other times, see LightRecord::motion

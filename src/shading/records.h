@@ -45,11 +45,12 @@ enum class ClosureKind : std::uint32_t {
     fuzz_metal,
     glass,
     plastic,
+    hair,
     principled,
     layered,
     layered_transmitting  ///< the same where light passes to the other side
 };
-inline constexpr int closure_kind_count = 9;
+inline constexpr int closure_kind_count = 10;
 
 /// A number or colour times that of a texture, if there is one.
 struct NumberRecord {
@@ -113,12 +114,16 @@ struct MaterialRecord {
         compensated = 512,    ///< scaled for what facets scatter more than once
         sheet = 1024,         ///< thin: of two boundaries
         nonlinear = 2048,     ///< plastic: light below the boundary is coloured each time
-        black_behind = 4096
+        black_behind = 4096,
+        absorption = 8192  ///< hair: base_color is what a fibre absorbs over its radius
     };
     // What shading reads of each vertex: see hot_words.
     std::uint32_t flags = 0;
     Rgb base_color{};
-    float roughness = 0, metallic = 0, ior = 1.5f, fuzz = 0;
+    float roughness = 0;  ///< hair: along the fibre
+    float metallic = 0;   ///< hair: roughness around the fibre
+    float ior = 1.5f;
+    float fuzz = 0;                   ///< hair: tilt of its scales, radians
     std::uint32_t layers = no_index;  ///< in ShadingTables
     std::uint32_t base_texture = no_index, normal_texture = no_index;
     float normal_scale = 1;

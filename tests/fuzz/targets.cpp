@@ -386,6 +386,8 @@ AttributeBegin AreaLightSource "diffuse" "spectrum L" [ 300 1 800 2 ] "bool twos
 ObjectBegin "o" NamedMaterial "a" Shape "trianglemesh" "point3 P" [ 0 0 0 1 0 0 0 1 0 ] "point2 uv" [ 0 0 1 0 1 1 ]
  "normal N" [ 0 0 1 0 0 1 0 0 1 ] "integer indices" [ 0 1 2 ] "texture alpha" "f" ObjectEnd
 Rotate 30 0 1 0 ObjectInstance "o" ConcatTransform [ 1 0 0 0 0 1 0 0 0 0 1 0 1 1 1 1 ] ObjectInstance "o"
+Material "hair" "float eumelanin" .3 "float beta_m" .2 "texture beta_n" "f" "float alpha" 3 "float eta" 1.4
+Shape "curve" "point3 P" [ 0 0 0 1 0 0 2 0 0 3 0 0 ] "float width" .1
 ReverseOrientation MediumInterface "g" "" Material "dielectric" "spectrum eta" "glass-BK7" Shape "sphere" "float zmin" 0
 Attribute "shape" "float radius" 3 Shape "cylinder" "float phimax" 90
 NamedMaterial "b" Shape "bilinearmesh" "point3 P" [ 0 0 0 1 0 0 0 1 0 1 1 1 ]
@@ -403,6 +405,7 @@ std::vector<std::string> mitsuba_seeds()
  name="height" value="6"/><rfilter type="box"/></film><sampler type="independent"><integer name="sample_count" value="$spp"/>
  </sampler></sensor><bsdf type="twosided" id="a"><bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.1 0.2 0.3"/>
  <float name="alpha" value="0.1"/><string name="distribution" value="ggx"/><boolean name="nonlinear" value="true"/></bsdf></bsdf>
+ <bsdf type="hair" id="h"><rgb name="sigma_a" value="1 2 3"/><float name="scale" value="2"/><float name="scale_tilt" value="3"/></bsdf>
  <bsdf type="mask" id="b"><float name="opacity" value="0.5"/><bsdf type="roughconductor"><spectrum name="eta" value="400:1,700:2"/>
  <rgb name="k" value="3"/><float name="alpha_u" value="0.1"/><float name="alpha_v" value="0.2"/></bsdf></bsdf>
  <shape type="shapegroup" id="g"><shape type="sphere"><ref id="a"/></shape></shape><shape type="instance"><ref id="g"/>

@@ -310,6 +310,19 @@ def glowing_curves():
         curves={"placed": curves(0, "bezier", "ribbon")})
 
 
+def hair():
+    """By each way to say its colour, round and flat, on curves and on a ball, with a texture; a lamp behind."""
+    points = lambda z: [[0.25 * k - 0.9, 0.5 + 0.25 * (k % 3), z + 0.1 * (k % 2), 0.05 - 0.004 * k] for k in range(8)]
+    curves = lambda z, style: {"curves": [points(z), points(z - 0.2)], "style": style}
+    write("hair", scene=[
+        {"material": {"kind": "hair", "eumelanin": 0.4, "pheomelanin": 0.3}, "curves": curves(0.6, "round")},
+        {"material": {"kind": "hair", "color": [0.9, 0.6, 0.4], "beta_m": 0.15, "beta_n": 0.2, "scale_tilt": 4}, "curves": curves(0, "ribbon")},
+        {"material": {"kind": "hair", "absorption": {"texture": {"image": "bands.png"}, "value": [0.3, 0.6, 1.2]}, "ior": 1.4}, "curves": "placed",
+         "transform": {"translate": [0.2, 0.2, -0.6], "rotate": {"axis": [0, 1, 0], "angle_deg": 30}, "scale": 0.8}},
+        {"material": {"kind": "hair", "color": [0.7, 0.7, 0.9], "beta_m": 0.6}, "sphere": {"center": [0.9, 0.3, -0.4], "radius": 0.3}},
+        LAMP], curves={"placed": curves(0, "round")})
+
+
 def moving_curves():
     """Points that move, with their radii: hair of one key more, glass, a lamp, and one in a node that moves, too."""
     def keys(points, way, times=(0, 0.4, 1)):
@@ -353,6 +366,7 @@ def lights():
     hundreds_of_lamps()
     moving_lamps()
     glowing_curves()
+    hair()
     moving_curves()
     write("fibres", scene=[FLOOR, LAMP, *({"material": {"kind": "glass", "attenuation_color": [0.4, 0.8, 0.6], "attenuation_distance": 0.3}, "curves": {
         "basis": basis, "curves": [[[0.25 * k - 1.5 + 0.3 * math.sin(k), 0.3 * (k % 4) + y, z, 0.08 + 0.03 * (k % 2)] for k in range(10)]]}}

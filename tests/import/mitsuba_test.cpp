@@ -505,6 +505,29 @@ TEST_F(Mitsuba, Plastic)
     EXPECT_FALSE(smooth.nonlinear);
 }
 
+TEST_F(Mitsuba, Hair)
+{
+    const Material usual = bsdf(R"(<bsdf type="hair"/>)");
+    EXPECT_EQ(usual.kind, MaterialKind::hair);
+    EXPECT_EQ(usual.eumelanin, 1.3f);
+    EXPECT_EQ(usual.pheomelanin, 0.2f);
+    EXPECT_NEAR(usual.hair_ior, 1.55 / 1.000277, 1e-6);
+    EXPECT_NEAR(usual.scale_tilt, 2 * std::numbers::pi / 180, 1e-9);
+    const Material m = bsdf(
+        R"(<bsdf type="hair"><float name="longitudinal_roughness" value="0.2"/><float name="scale_tilt" value="4"/>
+<float name="azimuthal_roughness" value="0.4"/><float name="int_ior" value="1.5"/><float name="ext_ior" value="1.25"/>
+<rgb name="sigma_a" value="0.1 0.2 0.3"/><float name="scale" value="5"/></bsdf>)");
+    EXPECT_EQ(m.beta_m.value, 0.2f);
+    EXPECT_EQ(m.beta_n.value, 0.4f);
+    EXPECT_NEAR(m.scale_tilt, 4 * std::numbers::pi / 180, 1e-9);
+    EXPECT_NEAR(m.hair_ior, 1.2, 1e-6);
+    expect_color(m.absorption.value, 0.5, 1, 1.5);
+    expect_color(m.base_color.value, 1, 1, 1);
+    EXPECT_EQ(m.eumelanin, 0);
+    EXPECT_EQ(bsdf(R"(<bsdf type="hair"><float name="eumelanin" value="0.5"/></bsdf>)").pheomelanin, 0.2f);
+    expect_color(bsdf(R"(<bsdf type="hair"><rgb name="sigma_a" value="3 4 5"/></bsdf>)").absorption.value, 3, 4, 5);
+}
+
 TEST_F(Mitsuba, MasksAndNothing)
 {
     const Material mask =
@@ -643,6 +666,8 @@ TEST_F(Mitsuba, Emitters)
     expect_near(normalize(node_of(2).parent_from_node.vector({0, 0, -1})), {0, -1, 0});
     expect_color(scene.lights.at(2).intensity, 7, 7, 7);
     expect_color(material_of(scene).emission.value, 4, 5, 6);
+    // Without a bsdf it only shines.
+    expect_color(material_of(scene).base_color.value, 0, 0, 0);
 }
 
 /// The picture's middle lies towards +z, what is right of it towards -x.

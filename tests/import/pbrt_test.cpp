@@ -404,10 +404,38 @@ TEST_F(Pbrt, DiffuseTransmission)
     EXPECT_NEAR(share * m.diffuse_transmission_color.value.g, 0.1, 1e-6);
 }
 
+TEST_F(Pbrt, Hair)
+{
+    const Material usual = material("Material \"hair\"");
+    EXPECT_EQ(usual.kind, MaterialKind::hair);
+    EXPECT_EQ(usual.eumelanin, 1.3f);
+    EXPECT_EQ(usual.pheomelanin, 0);
+    EXPECT_EQ(usual.hair_ior, 1.55f);
+    EXPECT_EQ(usual.beta_m.value, 0.3f);
+    EXPECT_EQ(usual.beta_n.value, 0.3f);
+    EXPECT_NEAR(usual.scale_tilt, 2 * std::numbers::pi / 180, 1e-9);
+    const Material red = material(
+        R"(Material "hair" "float pheomelanin" 0.7 "float beta_m" 0.2 "float beta_n" 0.4 "float alpha" 3 "float eta" 1.4)");
+    EXPECT_EQ(red.eumelanin, 0);
+    EXPECT_EQ(red.pheomelanin, 0.7f);
+    EXPECT_EQ(red.beta_m.value, 0.2f);
+    EXPECT_EQ(red.beta_n.value, 0.4f);
+    EXPECT_NEAR(red.scale_tilt, 3 * std::numbers::pi / 180, 1e-9);
+    EXPECT_EQ(red.hair_ior, 1.4f);
+    const Material colored = material(R"(Material "hair" "rgb reflectance" [ 0.1 0.2 0.3 ] "float eumelanin" 2)");
+    expect_color(colored.base_color.value, 0.1, 0.2, 0.3);
+    EXPECT_EQ(colored.eumelanin, 0);
+    const Material absorbing = material(R"(Material "hair" "rgb sigma_a" [ 0.5 1.5 2.5 ] "rgb color" [ 0.1 0.2 0.3 ])");
+    expect_color(absorbing.absorption.value, 0.5, 1.5, 2.5);
+    expect_color(absorbing.base_color.value, 1, 1, 1);
+    EXPECT_FALSE(is_told("hair"));
+}
+
 TEST_F(Pbrt, WhatIsApproximatedIsTold)
 {
     const std::pair<const char*, const char*> approximated[] = {
-        {"Material \"hair\"", "hair scatters as a rough surface"},
+        {"Texture \"t\" \"float\" \"checkerboard\" Material \"hair\" \"texture eumelanin\" \"t\"",
+         "of textures as melanins"},
         {"Material \"measured\" \"string filename\" \"a.bsdf\"", "measured materials are not read"},
         {"Material \"subsurface\" \"string name\" \"Skin1\"", "the media that have names are not known"},
         {"Material \"velvet\"", "is not known: grey diffuse instead"}};

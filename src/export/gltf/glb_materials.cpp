@@ -142,6 +142,7 @@ Json GlbMaterials::base_json(const Material& m)
         roughness = {std::sqrt(m.fuzz), -1, green};
         if (m.fuzz > 0) tell("fuzz: it is rough instead");
     }
+    if (m.kind == MaterialKind::hair) tell("how hair scatters: it is diffuse instead");
     if (m.kind == MaterialKind::plastic) tell("what goes to and fro below the boundary of plastic");
     put_factor(json, "metallicFactor", metallic, 1, "metallicRoughnessTexture", blue);
     Json of_metal = json.contains("metallicRoughnessTexture") ? json["metallicRoughnessTexture"] : Json();

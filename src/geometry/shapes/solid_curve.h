@@ -14,13 +14,15 @@ public:
     {
     }
 
+    /// Lanes whose point is within the pieces before or behind.
+    Mask hide(const Vec3& p) const { return within(before_, p) | within(behind_, p); }
     /// Lanes whose ray meets the piece at t > 0; w: along it.
     Mask meet(const CurvePiece& piece, const Vec3& o, const Vec3& d, Float& t, Float& w) const
     {
         const RoundSpan s = span_of_round_piece(piece, o, d);
         const auto shows = [&](Float at) {
             const Vec3 p = fma(d, at, o);
-            return s.met & (at > Float(0)) & !within(before_, p) & !within(behind_, p);
+            return s.met & (at > Float(0)) & !hide(p);
         };
         const Mask enters = shows(s.t_in), leaves = shows(s.t_out);
         t = select(enters, s.t_in, s.t_out);

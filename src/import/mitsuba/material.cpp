@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "import/common/medium.h"
 #include "import/common/read_file.h"
@@ -15,7 +16,7 @@ namespace fathom::mitsuba {
 
 namespace {
 
-constexpr double bk7 = 1.5046, air = 1.000277, polypropylene = 1.49;
+constexpr double bk7 = 1.5046, air = 1.000277, polypropylene = 1.49, amber = 1.55;
 
 struct NamedIor {
     const char* name;
@@ -28,7 +29,7 @@ constexpr NamedIor named_iors[] = {{"vacuum", 1},        {"helium", 1.000036},  
                                    {"glycerol", 1.4729}, {"benzene", 1.501},          {"silicone oil", 1.52045},
                                    {"bromine", 1.661},   {"water ice", 1.31},         {"fused quartz", 1.458},
                                    {"pyrex", 1.470},     {"acrylic glass", 1.49},     {"polypropylene", polypropylene},
-                                   {"bk7", bk7},         {"sodium chloride", 1.544},  {"amber", 1.55},
+                                   {"bk7", bk7},         {"sodium chloride", 1.544},  {"amber", amber},
                                    {"pet", 1.5750},      {"diamond", 2.419}};
 
 struct NamedMetal {
@@ -93,6 +94,7 @@ Material Reader::read_bsdf(const Element& element)
                                                                      {"plastic", &Reader::plastic},
                                                                      {"roughplastic", &Reader::plastic},
                                                                      {"pplastic", &Reader::plastic},
+                                                                     {"hair", &Reader::hair},
                                                                      {"principled", &Reader::principled},
                                                                      {"principledthin", &Reader::principled},
                                                                      {"mask", &Reader::mask},
@@ -259,6 +261,29 @@ Material Reader::plastic(Object& bsdf)
     if (const ColorInput c = color(bsdf, "specular_reflectance", {1, 1, 1});
         c.texture >= 0 || !(c.value == Color{1, 1, 1}))
         tell(bsdf.element(), "'specular_reflectance' is left out: it reflects what Fresnel's law says");
+    return m;
+}
+
+Material Reader::hair(Object& bsdf)
+{
+    Material m;
+    m.kind = MaterialKind::hair;
+    m.beta_m = {float(bsdf.number("longitudinal_roughness", 0.3)), -1, 1};
+    m.beta_n = {float(bsdf.number("azimuthal_roughness", 0.3)), -1, 1};
+    m.scale_tilt = bsdf.number("scale_tilt", 2) * (std::numbers::pi / 180);
+    m.hair_ior = float(std::clamp(relative_ior(bsdf, amber, air), 1.0, 3.0));
+    // Without any absorption it is white.
+    m.base_color = {{1, 1, 1}, -1};
+    if (bsdf.has("sigma_a")) {
+        const float scale = float(bsdf.number("scale", 1));
+        const std::optional<Color> plain = color_of(*bsdf.child("sigma_a"));  // above 1, too
+        m.absorption = plain ? ColorInput{*plain, -1} : color(bsdf, "sigma_a", {0, 0, 0});
+        for (float* c : {&m.absorption.value.r, &m.absorption.value.g, &m.absorption.value.b}) *c *= scale;
+    } else {
+        m.eumelanin = float(bsdf.number("eumelanin", 1.3));
+        m.pheomelanin = float(bsdf.number("pheomelanin", 0.2));
+    }
+    bsdf.ignore({"scale", "eumelanin", "pheomelanin"});
     return m;
 }
 

@@ -61,6 +61,7 @@ private:
     Material dielectric(Object& bsdf);
     Material thin_dielectric(Object& bsdf);
     Material plastic(Object& bsdf);
+    Material hair(Object& bsdf);
     Material principled(Object& bsdf);
     Material mask(Object& bsdf);
     Material bumps(Object& bsdf);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "import/common/medium.h"
 #include "import/common/read_file.h"
@@ -256,34 +257,31 @@ Material Reader::subsurface(const Parameters& m)
     return out;
 }
 
-/// As a rough surface of the colour that many hairs have.
+/// Of 'sigma_a', 'reflectance' (once 'color') and the melanins the first that is there counts.
 Material Reader::hair(const Parameters& m)
 {
     Material out;
-    out.kind = MaterialKind::principled;
-    out.metallic = {0, -1, 0};
-    tell(m, "hair scatters as a rough surface of its colour");
-    const auto beta_m = float(m.number("beta_m", 0.3)), beta_n = float(m.number("beta_n", 0.3));
-    out.ior = ior(m, "eta", 1.55f);
-    out.roughness = {std::clamp(beta_m, 0.05f, 1.f), -1, 0};
-    // What hair of an absorption gives back of much light (Chiang et al. 2016, equation 9).
-    const double n = beta_n, fit = 5.969 - 0.215 * n + 2.532 * n * n - 10.73 * std::pow(n, 3) + 5.574 * std::pow(n, 4) +
-                                   0.245 * std::pow(n, 5);
-    const auto reflectance = [&](Color absorption) {
-        const auto of = [&](float s) { return float(std::exp(-std::sqrt(std::max(0.f, s)) * fit)); };
-        return Color{of(absorption.r), of(absorption.g), of(absorption.b)};
-    };
-    if (m.has("reflectance") || m.has("color")) {
+    out.kind = MaterialKind::hair;
+    out.beta_m = number_or_texture(m, "beta_m", 0.3f);
+    out.beta_n = number_or_texture(m, "beta_n", 0.3f);
+    out.scale_tilt = number_or_texture(m, "alpha", 2).value * (std::numbers::pi / 180);
+    out.hair_ior = std::clamp(ior(m, "eta", 1.55f), 1.f, 3.f);
+    // Without any absorption it is white.
+    out.base_color = {{1, 1, 1}, -1};
+    if (m.has("sigma_a")) {
+        out.absorption = m.find("sigma_a")->type == "texture"
+                             ? color(m, "sigma_a", {0, 0, 0})
+                             : ColorInput{color_value(m, "sigma_a", {0, 0, 0}, true), -1};
+    } else if (m.has("reflectance") || m.has("color")) {
         out.base_color = color(m, m.has("reflectance") ? "reflectance" : "color", {0.5f, 0.5f, 0.5f});
-    } else if (m.has("sigma_a") && m.find("sigma_a")->type != "texture") {
-        out.base_color = {reflectance(color_value(m, "sigma_a", {}, true)), -1};
     } else {
         const bool is_said = m.has("eumelanin") || m.has("pheomelanin");
-        const float e = number_or_texture(m, "eumelanin", is_said ? 0.f : 1.3f).value,
-                    p = number_or_texture(m, "pheomelanin", 0).value;
-        out.base_color = {reflectance({0.419f * e + 0.187f * p, 0.697f * e + 0.4f * p, 1.37f * e + 1.05f * p}), -1};
+        const FloatInput e = number_or_texture(m, "eumelanin", is_said ? 0 : 1.3f),
+                         p = number_or_texture(m, "pheomelanin", 0);
+        out.eumelanin = e.value, out.pheomelanin = p.value;
+        if (e.texture >= 0 || p.texture >= 0) tell(m, "of textures as melanins only what they are scaled by is taken");
     }
-    m.ignore({"alpha", "sigma_a", "eumelanin", "pheomelanin"});
+    m.ignore({"sigma_a", "reflectance", "color", "eumelanin", "pheomelanin"});
     return out;
 }
 

@@ -10,7 +10,8 @@ namespace fathom::inline FATHOM_LANES {
 /// flags    of surface.shape
 /// hit      its u, along the segment as traversal found it, and its time are read
 /// d        unit direction of the ray, in the space of the curve
-/// surface  p is the hit point; set are place, normals, tangent, uv (u along the whole curve, v across) and offset
+/// surface  p is the hit point; set are place, normals, tangent, uv (u along the whole curve, v across), offset and
+///          radius
 inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, const SurfaceHit& hit, const Vec3& d,
                        Mask m, Surface& surface)
 {
@@ -44,6 +45,7 @@ inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, cons
     // half the width. Of round curves the test with its many steps decides.
     const Float rounding = Float(0x1p-19f) * max(max_abs(surface.p), c.r);
     surface.offset = select(m, max(rounding, select(ribbon, c.r * Float(1.0625f), Float(0))), surface.offset);
+    surface.radius = select(m, c.r, surface.radius);
     const Vec3 side = cross(axis, d);
     const Float across =
         dot(from_axis, side) * inverse_sqrt(max(dot(side, side), Float(1e-37f))) / max(c.r, Float(1e-30f));

@@ -3,6 +3,7 @@
 #include "integrate/stages/layers.h"
 #include "integrate/stages/surface.h"
 #include "shading/closures/closure.h"
+#include "shading/hair_color.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -53,6 +54,8 @@ public:
             p.base_color.c[c] = select(colored, p.base_color.c[c] * s.at.vertex_color[c], p.base_color.c[c]);
         const Mask textured = m & ((flags & UInt(MaterialRecord::textured)) != UInt(0));
         if (any(textured)) apply_textures(s, row.get(&MaterialRecord::base_texture), textured, p);
+        const Mask absorbing = m & ((flags & UInt(MaterialRecord::absorption)) != UInt(0));
+        if (any(absorbing)) p.base_color = select(absorbing, hair_color(p.base_color, p.metallic), p.base_color);
         if constexpr (std::is_same_v<Point, LayeredMaterialPoint>)
             LayersReader(t_, s, row.get(&MaterialRecord::layers), m).read(p.layers);
         const Mask bent = m & ((flags & UInt(MaterialRecord::normal_mapped)) != UInt(0));

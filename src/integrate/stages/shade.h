@@ -156,6 +156,7 @@ private:
         p.direction.store(i, next.wi, valid);
         p.throughput.store(i, next.throughput, valid);
         p.bsdf_pdf.store(i, next.pdf, valid);
+        if (scene_.has_fibres) p.way_out.store(i, at.way_out(next.wi), valid);
         p.state.store(i, next_state, valid);
     }
 
@@ -207,7 +208,7 @@ private:
     {
         // Lights are seen from where the shadow ray starts: right at the surface a light that passes through it, or
         // a distance that ends behind the light, would be one of rounding.
-        const Vec3 eye = fma(at.ng, at.offset, at.p);
+        const Vec3 eye = at.eye();
         const Sample2 random = sample_2d(index, pair_seed(seed, pair_light));
         const LightSample s = lights_.sample(valid, eye, key, seed, random, time);
         Mask lit = valid & (s.inverse_pdf > Float(0));

@@ -20,10 +20,31 @@ struct ShadingPoint {
     MediumStack media, media_beyond;
     MediumStack media_below;  ///< what it comes to if it enters the subsurface
     Mask passes_on;           ///< the same medium is on both sides: nothing is there
+    /// Of fibres: whether they are flat curves, how wide these are, and how far from the axis the path met them, in
+    /// that.
+    Mask is_ribbon;
+    Float radius, across;
 
+    /// From where lights are seen.
+    [[gnu::always_inline]] Vec3 eye() const { return fma(ng, offset, p); }
+    /// How far from there a ray begins that leaves a ribbon of hair along wi: past its axis, where it would be met
+    /// again, since it is turned towards each ray. Else 0.
+    [[gnu::always_inline]] Float way_out(const Vec3& wi) const
+    {
+        if constexpr (Closure::is_fibre) {
+            const Float along = dot(wi, frame.s);
+            // Almost along the fibre the way would be longer than the fibre is straight.
+            const Float across2 = max(fma(-along, along, Float(1)), Float(1e-3f));
+            const Float way = fma(max(-(across * dot(wi, frame.t)), Float(0)) / across2, radius,
+                                  radius * Float(0.125f) * inverse_sqrt(across2));
+            return select(is_ribbon, way, Float(0));
+        }
+        return Float(0);
+    }
     /// Where a ray begins that leaves along wi.
     [[gnu::always_inline]] Vec3 start(const Vec3& wi) const
     {
+        if constexpr (Closure::is_fibre) return fma(wi, way_out(wi), fma(flip_sign(ng, dot(wi, ng)), offset, p));
         const Vec3 side = Closure::transmits ? flip_sign(ng, dot(wi, ng)) : ng;
         return fma(side, offset, p);
     }
@@ -103,6 +124,32 @@ inline Vec3 upper(Vec3 w)
     return {w.x, w.y, max(w.z, Float(1e-4f))};
 }
 
+/// The frame of a fibre, whose x is along it, and where across it the path is. Off curves its tangent is that of u, and
+/// v says where across.
+template <class Closure>
+inline void turn_to_fibre(const Surface& s, Float facing, ShadingPoint<Closure>& at)
+{
+    const Frame any(at.ng);
+    const Float length2 = dot(s.tangent, s.tangent);
+    const Vec3 given = s.tangent * inverse_sqrt(max(length2, Float(1e-37f)));
+    const Vec3 along = select(length2 > Float(1e-37f), given, any.s);
+    // Of a tapering fibre the normal leans.
+    const Vec3 n = fma(along, -dot(along, at.ng), at.ng);
+    const Vec3 normal = normalize(select(dot(n, n) > Float(1e-6f), n, any.t));
+    at.frame = Frame(along, cross(normal, along), normal);
+    at.ng = normal;
+    at.radius = s.radius;
+    at.is_ribbon = s.is_ribbon;
+    at.offset = select(s.is_ribbon, Float(0), s.offset);
+    const Float v = s.at.v[0], repeated = select((v >= Float(0)) & (v <= Float(1)), v, v - floor(v));
+    const Float across = fma(repeated, Float(2), Float(-1));
+    // Of curves v grows along y; else as the picture goes down, seen from in front.
+    const Float down = -flip_sign(s.bitangent_sign, facing);
+    at.across = select(s.is_curve, across, flip_sign(across, down));
+    at.material.across = at.across;
+    at.wo = upper(at.frame.to_local(-at.d));
+}
+
 }  // namespace detail
 
 /// media: what the path is in; null where nobody keeps track of it.
@@ -127,6 +174,10 @@ template <class Closure>
     if (media) at.media = at.media_beyond = *media;
     if constexpr (Closure::transmits)
         if (media) detail::find_media(materials, m, at);
+    if constexpr (Closure::is_fibre) {
+        detail::turn_to_fibre(s, facing, at);
+        return at;
+    }
     if constexpr (Closure::is_glossy) {
         const Vec3 own = ns;
         ns = detail::bend_to_mirror(-hit.d, at.ng, ns);

@@ -62,7 +62,7 @@ public:
         s.shape = shape_of(hit.primitive, hit.instance, m);
         s.tangent = Vec3(Float(0), Float(0), Float(0));
         s.bitangent_sign = Float(1);
-        s.offset = Float(0);
+        s.offset = s.radius = Float(0);
         for (Float& c : s.at.vertex_color) c = Float(1);
         for (int i = 0; i < 2; ++i) s.at.u[i] = hit.u, s.at.v[i] = hit.v;
         s.ng = Vec3(Float(0), Float(0), Float(1));
@@ -78,6 +78,8 @@ public:
         const Mask curve =
             m & !less(hit.primitive, UInt(t_.first_curve())) & less(hit.primitive, UInt(t_.first_point()));
         const Mask point = m & !less(hit.primitive, UInt(t_.first_point()));
+        s.is_curve = curve;
+        s.is_ribbon = curve & ((flags & UInt(ShapeRecord::ribbons)) != UInt(0u));
         s.ns = s.ng;
         if (any(triangle)) read_triangle(hit, flags, triangle, s);
         if (any(quad)) read_quad(hit, way, quad, s);
@@ -229,6 +231,7 @@ private:
         const Float rounding = rounding_along(ng, p, to_render.reach(s.p)) +
                                scale * (s.offset + rounding_along(s.ng, s.p, to_object.reach(p)));
         s.offset = select(m, rounding, s.offset);
+        s.radius = select(m, s.radius * scale, s.radius);
         s.p = select(m, p, s.p);
         s.ng = select(m, ng, s.ng);
         s.ns = select(m, normal(s.ns), s.ns);
@@ -246,7 +249,7 @@ private:
         const Float rounding = rounding_along(s.ng, s.p, way) + scene_.quads.rounding(quad);
         s.offset = select(m, rounding, s.offset);
         s.ns = select(m, s.ng, s.ns);
-        if (!scene_.textured) return;
+        if (!scene_.wants_uv) return;
         const Vec3 corner = gather(t_.quads, &QuadRecord::corner, quad, m),
                    u = gather(t_.quads, &QuadRecord::edge_u, quad, m),
                    v = gather(t_.quads, &QuadRecord::edge_v, quad, m);
@@ -306,7 +309,7 @@ private:
         s.ng = select(m, n, s.ng);
         s.ns = select(m, n, s.ns);
         s.offset = select(m, rounding_along(n, s.p, abs(way) + abs(s.p - center)), s.offset);
-        if (!scene_.textured) return;
+        if (!scene_.wants_uv) return;
         const NodeAxes axes = node_axes(s.shape, m);
         const Frame frame(axes.to_node(n));
         const Vec3 r = axes.to_node(s.p - center);
@@ -337,7 +340,7 @@ private:
                    s.offset);
         s.ng = select(m, flip_sign(out, radius), s.ng);
         s.ns = select(m, s.ng, s.ns);
-        if (!scene_.textured) return;
+        if (!scene_.wants_uv) return;
         // u around +y, v from the pole at +y down.
         const NodeAxes axes = node_axes(s.shape, m);
         const Vec3 to = axes.to_node(out);

@@ -19,6 +19,8 @@ struct Surface {
     Vec3 tangent;          ///< along growing u; zero where unknown
     Float bitangent_sign;  ///< on which side of cross(ns, tangent) green of normal maps points: up in the image
     Float offset;          ///< rays that leave the surface begin so far off it, along ng: see rounding_along
+    Mask is_curve, is_ribbon;
+    Float radius;  ///< of curves, else 0
     TexturePoint at;
     UInt shape, material;
 };

@@ -9,8 +9,10 @@
 ///                                            must not put below the surface then
 ///     static constexpr bool is_layered       whether it is made from a LayeredMaterialPoint
 ///     static constexpr bool is_guided        whether directions may also come from what has been learnt about light
-///     (see
-///                                            guiding/)
+///                                            (see guiding/)
+///     static constexpr bool is_fibre         whether the frame's x is along a fibre, and MaterialPoint::across is
+///     asked
+///                                            for
 ///     explicit Closure(const MaterialPoint&), or of a LayeredMaterialPoint
 ///     BsdfEval eval(wo, wi)                  what part of the light from wi goes to wo, times the cosine, and the
 ///                                            density of sampling wi
@@ -74,6 +76,7 @@ struct MaterialPoint {
     Mask sheet;            ///< thin: of two boundaries, between which light goes to and fro
     Mask compensated;      ///< scaled for what facets scatter more than once
     Mask nonlinear{true};  ///< plastic: light below the boundary is coloured each time
+    Float across{0};       ///< hair: where the path met the fibre across its width, -1 to 1 along the frame's y
 };
 /// Of a surface of layers. Apart, since it is fifty times the registers that others need.
 struct LayeredMaterialPoint : MaterialPoint {

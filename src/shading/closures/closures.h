@@ -3,6 +3,7 @@
 #include "shading/closures/diffuse.h"
 #include "shading/closures/fuzz_metal.h"
 #include "shading/closures/glass.h"
+#include "shading/closures/hair.h"
 #include "shading/closures/layered.h"
 #include "shading/closures/metal.h"
 #include "shading/closures/plastic.h"
@@ -22,7 +23,7 @@ struct ClosureList {
     }
 };
 
-using Closures = ClosureList<DiffuseBsdf, MetalBsdf, FuzzMetalBsdf, GlassBsdf, PlasticBsdf, PrincipledBsdf,
+using Closures = ClosureList<DiffuseBsdf, MetalBsdf, FuzzMetalBsdf, GlassBsdf, PlasticBsdf, HairBsdf, PrincipledBsdf,
                              LayeredBsdf<false>, LayeredBsdf<true>>;
 
 }  // namespace fathom::inline FATHOM_LANES

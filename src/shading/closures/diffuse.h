@@ -12,6 +12,7 @@ public:
     static constexpr bool is_glossy = false;
     static constexpr bool is_layered = false;
     static constexpr bool is_guided = true;
+    static constexpr bool is_fibre = false;
 
     explicit DiffuseBsdf(const MaterialPoint& m) : color_(m.base_color), r_(m.roughness)
     {

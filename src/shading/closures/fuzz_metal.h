@@ -15,6 +15,7 @@ public:
     static constexpr bool is_glossy = true;
     static constexpr bool is_layered = false;
     static constexpr bool is_guided = false;
+    static constexpr bool is_fibre = false;
 
     explicit FuzzMetalBsdf(const MaterialPoint& m) : color_(m.base_color), fuzz_(clamp(m.fuzz, Float(0), Float(1)))
     {

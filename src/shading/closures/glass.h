@@ -23,6 +23,7 @@ public:
     static constexpr bool is_glossy = true;
     static constexpr bool is_layered = false;
     static constexpr bool is_guided = false;
+    static constexpr bool is_fibre = false;
 
     explicit GlassBsdf(const MaterialPoint& m)
         : roughness_(m.roughness),

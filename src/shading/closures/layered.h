@@ -25,6 +25,7 @@ public:
     static constexpr bool is_glossy = true;
     static constexpr bool is_layered = true;
     static constexpr bool is_guided = !passes;
+    static constexpr bool is_fibre = false;
 
     explicit LayeredBsdf(const LayeredMaterialPoint& m)
         : l_(m.layers), color_(m.base_color), metallic_(m.metallic), thin_(m.thin)

@@ -13,6 +13,7 @@ public:
     static constexpr bool is_glossy = true;
     static constexpr bool is_layered = false;
     static constexpr bool is_guided = true;
+    static constexpr bool is_fibre = false;
 
     explicit MetalBsdf(const MaterialPoint& m)
         : color_(m.base_color), roughness_(m.roughness), ggx_{max(m.roughness * m.roughness, Float(min_alpha))}

@@ -16,6 +16,7 @@ public:
     static constexpr bool is_glossy = true;
     static constexpr bool is_layered = false;
     static constexpr bool is_guided = true;
+    static constexpr bool is_fibre = false;
 
     explicit PrincipledBsdf(const MaterialPoint& m)
         : roughness_(m.roughness),

@@ -55,7 +55,7 @@ void put_curves_at(const GeometryTables& tables, const std::vector<std::uint32_t
         arrays.set_vector(0, i, ends.a);
         arrays.set(3, i, flags & ShapeRecord::solid_curves ? -ends.a.r : ends.a.r);
         arrays.set_vector(4, i, ends.b);
-        arrays.set(7, i, ends.b.r);
+        arrays.set(7, i, flags & ShapeRecord::fibres ? -ends.b.r : ends.b.r);
         if (!ribbons) continue;
         arrays.set_vector(8, i, ends.tangent_a);
         arrays.set_vector(11, i, ends.tangent_b);

@@ -85,7 +85,7 @@ struct IndexedLeaf : BvhLeaf {
 
 /// One of pieces of curves. Arrays: where a piece begins along its segment, and how much of it that is; then, where any
 /// moves for each of the scene's vertex_times, both ends with their radii, of ribbons also the tangents there. The
-/// first radius of solid curves is negative, or -0.
+/// first radius of solid curves is negative, or -0, the second of fibres.
 struct CurveLeaf {
     static constexpr int first_time = 2;
     static constexpr int arrays_at_time(bool ribbons) { return ribbons ? 14 : 8; }

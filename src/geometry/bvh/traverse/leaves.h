@@ -113,9 +113,12 @@ public:
     }
     Vec3 vector(int k) const { return {number(k), number(k + 1), number(k + 2)}; }
     /// By the sign of a radius at a key, which would be lost in between where both are 0.
-    Mask solid() const { return (float_bits(array_from(leaf_, first_ + 3, at_)) >> 31) != UInt(0u); }
+    Mask solid() const { return negative(3); }
+    Mask fibre() const { return negative(7); }
 
 private:
+    Mask negative(int k) const { return (float_bits(array_from(leaf_, first_ + k, at_)) >> 31) != UInt(0u); }
+
     const BvhLeaf& leaf_;
     int at_, first_ = CurveLeaf::first_time;
     bool moves_;
@@ -137,13 +140,23 @@ struct PieceHits {
     return hits;
 }
 
+/// Lanes of `near` whose ray meets the end of a piece at t within the piece itself, or within its neighbours.
+[[gnu::noinline]] inline Mask hidden_in_fibre(const GeometryTables& tables, UInt segment, Float number,
+                                              const CurvePiece& piece, const LeafRay& ray, Float t, Mask near)
+{
+    const Mask begins_within = span_of_round_piece(piece, ray.o, ray.d).t_in <= Float(0);
+    const KeyTime time{UInt(ray.key), Float(ray.fraction)};
+    return near & (begins_within | SolidPieces(tables, segment, number, time, near).hide(fma(ray.d, t, ray.o)));
+}
+
 /// moving  whether anything in the scene does
 template <bool any_hit, bool ribbons, bool moving, class Offer>
 bool meet_curves(const GeometryTables& tables, const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
     const auto meet = [&](int at, Float& t, Float& u, Float&) {
         const CurveLeafReader<ribbons, moving> pieces(leaf, ray, at);
-        const CurvePiece piece{pieces.vector(0), pieces.vector(4), abs(pieces.number(3)), pieces.number(7)};
+        const CurvePiece piece{pieces.vector(0), pieces.vector(4), abs(pieces.number(3)),
+                               ribbons ? pieces.number(7) : abs(pieces.number(7))};
         Float w;
         Mask m;
         if constexpr (ribbons)
@@ -157,6 +170,14 @@ bool meet_curves(const GeometryTables& tables, const BvhLeaf& leaf, const LeafRa
                 m = (m & !solid) | (hits.m & solid);
                 t = select(solid, hits.t, t);
                 w = select(solid, hits.w, w);
+            }
+            // Rays that begin within a fibre, and no others, may meet the ends of its pieces: not far from there but
+            // for those that go almost along it.
+            constexpr float far_in_radii = 32;
+            const Mask near = m & pieces.fibre() & (t < max(piece.ra, piece.rb) * Float(far_in_radii));
+            if (any(near)) {
+                const Float number = pieces.begin() / pieces.share();
+                m = m & !hidden_in_fibre(tables, ids_from(leaf, at), number, piece, ray, t, near);
             }
         }
         // Powers of 2 both: the end of a piece is the beginning of the next.
