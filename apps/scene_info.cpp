@@ -18,7 +18,7 @@ using nlohmann::ordered_json;
 
 const char* name_of(LightKind kind)
 {
-    constexpr const char* names[] = {"point", "spot", "directional"};
+    constexpr const char* names[] = {"point", "spot", "directional", "projector", "goniometric"};
     return names[int(kind)];
 }
 const char* name_of(EnvironmentKind kind)
