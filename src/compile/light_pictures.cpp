@@ -88,18 +88,23 @@ private:
     Color light_;
 };
 
-/// width, height: tangents, from the middle to the edges.
+/// width, height: tangents, from the middle to the edges. The few pixels of a small picture are cut into smaller ones.
 Sums sum_plane(const Texels& texels, const LightImages::Image& image, double width, double height, bool flat_field)
 {
+    const int parts = std::max(1, 256 / std::min(image.width, image.height));
+    const double columns = double(image.width) * parts, rows = double(image.height) * parts;
+    const double area = 4 * width * height / (columns * rows);
     Sums sums;
-    const double area = 4 * width * height / (double(image.width) * image.height);
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) {
-            const double right = ((x + 0.5) / image.width * 2 - 1) * width,
-                         up = ((y + 0.5) / image.height * 2 - 1) * height;
-            const double cosine3 = std::pow(1 + right * right + up * up, -1.5);
-            const double factor = flat_field ? 1 / cosine3 : 1;
-            sums.add(texels.own(x, y) * factor, texels.product(x, y) * factor, area * cosine3);
+            const double own = texels.own(x, y), product = texels.product(x, y);
+            for (int k = 0; k < parts * parts; ++k) {
+                const double right = ((x * parts + k % parts + 0.5) / columns * 2 - 1) * width,
+                             up = ((y * parts + k / parts + 0.5) / rows * 2 - 1) * height;
+                const double cosine2 = 1 / (1 + right * right + up * up), cosine3 = cosine2 * std::sqrt(cosine2);
+                const double factor = flat_field ? 1 / cosine3 : 1;
+                sums.add(own * factor, product * factor, area * cosine3);
+            }
         }
     return sums;
 }

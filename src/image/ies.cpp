@@ -73,8 +73,7 @@ private:
         const std::size_t begin = text_.starts_with("\xef\xbb\xbf") ? 3 : 0;
         at_ = begin;
         // The factor became a number without meaning, and later one that says how the file was made.
-        has_photometric_factor_ =
-            !text_.substr(begin).starts_with("IESNA") || text_.substr(begin).starts_with("IESNA91");
+        has_photometric_factor_ = !text_.substr(begin).starts_with("IES") || text_.substr(begin).starts_with("IESNA91");
         while (at_ < text_.size()) {
             const std::string_view found = line();
             if (!found.starts_with("TILT=")) continue;

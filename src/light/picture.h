@@ -64,7 +64,7 @@ inline UInt picture_texel(const PictureRow& t, Float x, Float y, Mask equal_area
     const Mask beside = equal_area & ((x < Float(0)) | (x > last_x));
     x = clamp(x, Float(0), last_x);
     // Over an edge an equal-area picture goes on at the same edge, mirrored at its middle.
-    y = select(beside, last_y - clamp(y, Float(0), last_y), y);
+    y = select(beside, last_y - y, y);
     const Mask above = equal_area & ((y < Float(0)) | (y > last_y));
     y = clamp(y, Float(0), last_y);
     x = select(above, last_x - x, x);
