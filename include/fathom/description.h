@@ -301,7 +301,7 @@ struct Light {
     /// Spot: stretched over a square that touches the outer cone. Projector: with square pixels. Goniometric: an
     /// equal-area square as Environment has it, its middle along -z; or a file whose name ends with .ies (LM-63), of
     /// candela, whose nadir is along -z and whose plane of 0 degrees is at +x.
-    LightPicture picture;
+    LightPicture picture{};
     double fov = 0.7853981633974483;  ///< projector: full angle of the picture
     FovAxis fov_axis = FovAxis::smaller;
     /// Projector: the picture is what arrives on a screen across the axis at a distance of 1 (lux), not what is sent.

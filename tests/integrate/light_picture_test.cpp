@@ -1,9 +1,11 @@
 #include <cstddef>
 #include <filesystem>
+#include <limits>
 #include <random>
 
 #include "fathom/edit.h"
 #include "fathom/error.h"
+#include "fathom/image.h"
 #include "floor.h"
 
 // Lights whose intensity is a picture: what they send to points of a floor, by formulas in double.
@@ -298,6 +300,26 @@ TEST(LightPictures, ColourSpaces)
         c.intensity = [v](const Vec3d&, int) { return 5 * v; };
         c.expect(0, 0);
     }
+}
+
+/// What is below 0, or no number, is dark.
+TEST(LightPictures, OddValues)
+{
+    const std::filesystem::path file = std::filesystem::temp_directory_path() / "fathom_odd_light.exr";
+    Image image;
+    image.width = 4, image.height = 1;
+    image.layers.push_back({"", {"R", "G", "B"}, {}});
+    for (const float v : {-3.f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 6.f})
+        image.layers[0].pixels.insert(image.layers[0].pixels.end(), 3, v);
+    write_image(file, image, {});
+    Case c = projector(true, false);
+    c.image = {"odd.exr", file, {}};
+    c.intensity = [](const Vec3d& d, int) {
+        const double t = std::tan(0.45), u = 0.5 + d.x / -d.z / t / 8, v = 0.5 - d.y / -d.z / t / 2;
+        return d.z < 0 && u > 0.75 && u < 1 && v > 0 && v < 1 ? 30.0 : 0.0;
+    };
+    for (const Vec3d& p : floor_places) c.expect(p.x, p.z);
+    std::filesystem::remove(file);
 }
 
 /// Forty lights with pictures that are mostly dark, and a sphere: what is chosen only changes the noise.
