@@ -238,8 +238,6 @@ void add_light_profile(Compiler& c, const LightImages::Use& use)
         for (int x = 0; x < image.width; ++x, texel += 4) {
             const double polar = y + 1 == image.height ? first + span : first + span * y / (image.height - 1);
             const double value = profile.at(polar, 360.0 * x / image.width);
-            if (!(value <= 1e18))
-                throw Error(name_of(c.scene, use.first), "", fmt::format("IES: {} cd is too much", value));
             texel[0] = texel[1] = texel[2] = float(value);
             texel[3] = 1;
         }

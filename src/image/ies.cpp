@@ -16,6 +16,8 @@ namespace {
 /// A file holds some hundred thousand numbers at most; larger ones are something else.
 constexpr std::uintmax_t largest_file = std::uintmax_t(64) << 20;
 
+constexpr double largest_candela = 1e18;
+
 bool is_blank(char c)
 {
     return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ',';
@@ -51,6 +53,9 @@ public:
         for (std::size_t i = 0; i < polar * azimuth; ++i) {
             const double value = next("candela value");
             if (!(value >= 0)) fail(fmt::format("the candela value {} of {} is negative", i + 1, polar * azimuth));
+            if (!(value * factor <= largest_candela))
+                fail(fmt::format("the candela value {} of {} is {:g}, which is too much", i + 1, polar * azimuth,
+                                 value * factor));
             profile.candela.push_back(value * factor);
         }
         return profile;

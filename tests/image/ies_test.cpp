@@ -85,6 +85,8 @@ TEST(Ies, DamageIsNamed)
     EXPECT_EQ(error_of(file_of("1 1 1 2 1 1 1 0 0 0 1 1 1 0 90 0 5")),
               "IES: it ends where its candela value should be");
     EXPECT_EQ(error_of(file_of("1 1 1 2 1 1 1 0 0 0 1 1 1 0 90 0 5 -3")), "IES: the candela value 2 of 2 is negative");
+    EXPECT_EQ(error_of(file_of("1 1 1e300 2 1 1 1 0 0 0 1 1 1 0 90 0 5 3e20")),
+              "IES: the candela value 1 of 2 is 5e+300, which is too much");
     EXPECT_EQ(error_of(file_of("1 1 -1 2 1 1 1 0 0 0 1 1 1 0 90 0 5 3")),
               "IES: its candela multiplier is -1; it must be above 0");
     EXPECT_EQ(error_of(file_of("1 1 1 -2 1 1 1 0 0 0 1 1 1 0 90 0 5 3")),

@@ -104,8 +104,20 @@ Case projector(bool nearest, bool flat_field)
 TEST(LightPictures, ProjectorsThroughTheirWindow)
 {
     for (const bool nearest : {false, true})
-        for (const bool flat_field : {false, true})
-            for (const Vec3d& p : floor_places) projector(nearest, flat_field).expect(p.x, p.z);
+        for (const bool flat_field : {false, true}) {
+            const Case c = projector(nearest, flat_field);
+            for (const Vec3d& p : floor_places) c.expect(p.x, p.z);
+            // Within and beyond all four corners.
+            for (const double x : {-1.0, 1.0})
+                for (const double y : {-1.0, 1.0})
+                    for (const double share : {0.98, 1.02}) {
+                        const Vec3d from = c.place.point({0, 0, 0});
+                        const double t = std::tan(0.45) * share;
+                        const Vec3d d = c.place.vector({x * 1.5 * t, y * t, -1});
+                        const Vec3d p = from + d * (-from.y / d.y);
+                        c.expect(p.x, p.z);
+                    }
+        }
 }
 
 TEST(LightPictures, AnglesOfViewAcrossEachAxis)
@@ -331,7 +343,7 @@ TEST(LightPictures, SelectionOnlyChangesTheNoise)
     b.add(Rectangle{{-3, 0, 3}, {6, 0, 0}, {0, 0, -6}}, b.diffuse(0.5f));
     b.add(Sphere{{0, 0.4, 0}, 0.4, {}}, b.diffuse(0.5f, {0.2f, 0.2f, 0.2f}));
     std::vector<int> sparse(3 * 64);
-    for (int i = 0; i < 5; ++i) sparse[std::size_t(chance(0, 191))] = 255;
+    for (int i = 0; i < 60; ++i) sparse[std::size_t(chance(40, 191))] = 255;
     b.scene.images = {picture_of(8, 8, sparse), picture_of(3, 2, colours),
                       profile_of("1 1 1 3 1 1 1 0 0 0 1 1 1  0 20 80  0  9 3 0")};
     for (int i = 0; i < 40; ++i) {
