@@ -35,7 +35,7 @@ EMITTERS = {
  <string name="wrap_mode" value="clamp"/></texture><float name="scale" value="5"/><float name="fov" value="45"/>{PLACE}</emitter>""",
     "spot with a texture": f"""<emitter type="spot"><texture type="bitmap" name="texture"><string name="filename" value="picture.png"/>
  <string name="wrap_mode" value="clamp"/></texture><rgb name="intensity" value="9,8,7"/><float name="cutoff_angle" value="28"/>
- <float name="beam_width" value="27.999"/>{PLACE}</emitter>"""}
+ {PLACE}</emitter>"""}
 
 
 def write_pictures(folder):

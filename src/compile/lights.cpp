@@ -360,10 +360,20 @@ private:
         const double outer = one_minus_cos(l.outer_angle);
         light.outer = float(outer);
         light.falloff = float(outer - one_minus_cos(std::min(l.inner_angle, l.outer_angle)));
+        if (l.kind == LightKind::spot) put_falloff(light, l);
         double intensity_luminance = luminance(light.radiance);
         if (is_pictured(l)) intensity_luminance = put_picture(light, occurrence);
         if (occurrence.motion >= 0) set_poses(light, (*motions_)[std::size_t(occurrence.motion)]);
         add(light, intensity_luminance * 4 * std::numbers::pi);
+    }
+
+    static void put_falloff(LightRecord& light, const Light& l)
+    {
+        // Without a way there is nothing to fall off on, and no angle to divide by.
+        const double way = l.outer_angle - l.inner_angle;
+        if (l.falloff == SpotFalloff::smooth) light.length_u = 1;
+        if (l.falloff == SpotFalloff::linear && way > 1e-6 * l.outer_angle)
+            light.radius = float(l.outer_angle), light.area = float(1 / way);
     }
 
     /// What a light with a picture has besides. Returns the luminance of its typical intensity, in render space.

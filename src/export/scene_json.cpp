@@ -252,6 +252,7 @@ private:
         if (light.kind == LightKind::spot) {
             put_angle("inner_angle_deg", light.inner_angle, usual.inner_angle);
             put_angle("outer_angle_deg", light.outer_angle, usual.outer_angle);
+            put(json, "falloff", words::spot_falloffs[int(light.falloff)], words::spot_falloffs[int(usual.falloff)]);
         }
         if (light.kind == LightKind::projector) {
             put_angle("fov_deg", light.fov, usual.fov);

@@ -58,9 +58,9 @@ struct LightRecord {
     float edge_u[3] = {};    ///< rectangle: unit along u; spot, pictured, directional: direction that light travels
     float edge_v[3] = {};    ///< rectangle: unit along v; pictured: to the picture's right
     float normal[3] = {};    ///< pictured: to its top
-    float length_u = 0, length_v = 0;
-    float area = 0;
-    float radius = 0;               ///< rectangle: its diagonal
+    float length_u = 0, length_v = 0;  ///< spot: u is 1 where the falloff is a smooth step, 0 where it is a square
+    float area = 0;                    ///< spot whose falloff is linear: 1 over the angle that it takes
+    float radius = 0;               ///< rectangle: its diagonal; spot whose falloff is linear: the outer angle; else 0
     float radiance[channels] = {};  ///< or intensity, or irradiance
     float outer = 0;                ///< spot, pictured: 1 - cos of the half angle beyond which nothing arrives
     float falloff = 0;              ///< from there inwards, in the same measure, the light grows to its full intensity

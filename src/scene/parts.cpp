@@ -156,7 +156,8 @@ std::string scene_parts(const SceneDescription& scene)
         text.begin("light", light.name);
         text.value("kind", words.of(light.kind));
         text.value("intensity", words.of(light.intensity));
-        text.value("angles", fmt::format("{} {} {}", light.inner_angle, light.outer_angle, light.angle));
+        text.value("angles",
+                   fmt::format("{} {} {} {}", light.inner_angle, light.outer_angle, light.angle, int(light.falloff)));
         if (light.picture.image < 0 && light.kind != LightKind::projector) continue;
         text.value("picture", words.image(light.picture.image) +
                                   fmt::format(" {} {}", int(light.picture.color_space), light.picture.nearest));

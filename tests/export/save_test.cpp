@@ -236,6 +236,7 @@ TEST_F(Save, LightsWithPictures)
     scene.lights[4].kind = LightKind::goniometric, scene.lights[4].picture.image = 0;
     scene.lights[4].intensity_is_flux = true;
     scene.lights[5].kind = LightKind::spot, scene.lights[5].picture = {2, ColorSpace::srgb, true};
+    scene.lights[5].falloff = SpotFalloff::linear;
     scene.lights[5].intensity_is_flux = true;  // of a spot it means nothing
     for (int light = 0; light < 6; ++light) {
         Node node;

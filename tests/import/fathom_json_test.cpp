@@ -366,7 +366,7 @@ TEST_F(FathomJson, LightsWithPictures)
         "a": {"kind": "projector", "image": "p.png", "color_space": "linear", "lookup": "nearest", "fov_deg": 30, "fov_axis": "height",
               "flat_field": true, "intensity": 800, "unit": "lm", "direction": [0, -1, 0], "up": [1, 0, 0]},
         "b": {"kind": "goniometric", "image": "lamp.ies", "intensity": 2, "position": [1, 2, 3]},
-        "c": {"kind": "spot", "image": "p.png", "intensity": 12.566370614, "unit": "lm"}, "d": {"kind": "projector", "unit": "W"}}})");
+        "c": {"kind": "spot", "image": "p.png", "falloff": "smooth", "intensity": 12.566370614, "unit": "lm"}, "d": {"kind": "projector", "unit": "W"}}})");
     ASSERT_EQ(scene.lights.size(), 4u);
     const Light& a = scene.lights[0];
     EXPECT_EQ(a.kind, LightKind::projector);
@@ -387,6 +387,7 @@ TEST_F(FathomJson, LightsWithPictures)
     EXPECT_EQ(scene.lights[1].intensity.g, 2);
     EXPECT_EQ(scene.images.at(std::size_t(scene.lights[1].picture.image)).name, "lamp.ies");
     EXPECT_EQ(scene.lights[2].picture.image, a.picture.image);
+    EXPECT_EQ(scene.lights[2].falloff, SpotFalloff::smooth);
     EXPECT_NEAR(scene.lights[2].intensity.g, 1, 1e-6);
     EXPECT_FALSE(scene.lights[2].intensity_is_flux);
     EXPECT_EQ(scene.lights[3].picture.image, -1);

@@ -565,6 +565,7 @@ TEST_F(Mitsuba, Emitters)
     expect_near(node_of(1).parent_from_node.vector({0, 0, -1}), {0, -1, 0});
     EXPECT_NEAR(scene.lights.at(1).outer_angle, 40 * degree, 1e-12);
     EXPECT_NEAR(scene.lights.at(1).inner_angle, 30 * degree, 1e-12);
+    EXPECT_EQ(scene.lights.at(1).falloff, SpotFalloff::linear);
     expect_near(normalize(node_of(2).parent_from_node.vector({0, 0, -1})), {0, -1, 0});
     expect_color(scene.lights.at(2).intensity, 7, 7, 7);
     expect_color(material_of(scene).emission.value, 4, 5, 6);

@@ -273,6 +273,7 @@ TEST_F(Pbrt, LightsHaveTheirUnits)
     scene = world("LightSource \"spot\" \"float coneangle\" 40 \"float conedeltaangle\" 10");
     EXPECT_NEAR(scene.lights.at(0).outer_angle, 40 * degree, 1e-9);
     EXPECT_NEAR(scene.lights.at(0).inner_angle, 30 * degree, 1e-9);
+    EXPECT_EQ(scene.lights.at(0).falloff, SpotFalloff::smooth);
 }
 
 /// pbrt's own directions of pictures: of a projection along +z, x to the right and y up; the map of a goniometric light

@@ -282,6 +282,8 @@ private:
             // The inner one must be less.
             json["spot"] = {{"innerConeAngle", number_json(std::min(l.inner_angle, l.outer_angle * (1 - 1e-6)))},
                             {"outerConeAngle", number_json(l.outer_angle)}};
+        if (l.kind == LightKind::spot && l.falloff != SpotFalloff::square && l.inner_angle < l.outer_angle)
+            warn("spots fall off as glTF's do");
         if (l.kind == LightKind::projector)
             json["spot"] = {{"outerConeAngle", number_json(std::min(l.fov, std::numbers::pi * (1 - 1e-6)) / 2)}};
         lights_.push_back(std::move(json));

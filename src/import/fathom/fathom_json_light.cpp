@@ -83,6 +83,7 @@ FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const s
     if (light.kind == LightKind::spot) {
         if (auto angle = o.get("inner_angle_deg")) light.inner_angle = read_angle(*angle, 90);
         if (auto angle = o.get("outer_angle_deg")) light.outer_angle = read_angle(*angle, 90);
+        o.read_word("falloff", words::spot_falloffs, light.falloff);
         if (light.inner_angle > light.outer_angle || light.outer_angle == 0)
             v.fail("'outer_angle_deg' must be greater than 0 and not less than 'inner_angle_deg'");
     }

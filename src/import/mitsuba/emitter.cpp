@@ -84,6 +84,7 @@ void Reader::read_emitter(const Element& element)
         const double cutoff = emitter.number("cutoff_angle", 20);
         light.outer_angle = cutoff * degree;
         light.inner_angle = emitter.number("beam_width", cutoff * 3 / 4) * degree;
+        light.falloff = SpotFalloff::linear;
         // Its picture's right is at +x and its bottom at +y: about the axis, half a turn from that of a projector.
         Transform place = emitter.transform("to_world");
         if (const Element* const texture = emitter.child("texture")) {

@@ -83,6 +83,7 @@ void Reader::read_light(const Parameters& of)
         light.intensity = light_color(of, "I");
         const double cone = of.number("coneangle", 30);
         light.outer_angle = cone * degree;
+        light.falloff = SpotFalloff::smooth;
         light.inner_angle = std::max(0.0, cone - of.number("conedeltaangle", 5)) * degree;
         if (!(cone > 0 && cone < 180)) of.fail("the cone's angle must be above 0 and below 180 degrees");
         const double inner = std::cos(light.inner_angle), outer = std::cos(light.outer_angle);
