@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
@@ -18,7 +20,7 @@ using nlohmann::ordered_json;
 
 const char* name_of(LightKind kind)
 {
-    constexpr const char* names[] = {"point", "spot", "directional"};
+    constexpr const char* names[] = {"point", "spot", "directional", "projector", "goniometric"};
     return names[int(kind)];
 }
 const char* name_of(EnvironmentKind kind)
@@ -142,6 +144,14 @@ ordered_json materials_of(const SceneDescription& scene)
     return result;
 }
 
+/// An IES file, which is no picture, though lights show it like one.
+bool is_luminaire(const std::string& name)
+{
+    std::string extension = std::filesystem::path(name).extension().string();
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return extension == ".ies";
+}
+
 ordered_json images_of(const SceneDescription& scene)
 {
     ordered_json result = ordered_json::array();
@@ -156,7 +166,7 @@ ordered_json images_of(const SceneDescription& scene)
         if (size) result.back()["size"] = *size;
         if (error)
             result.back()["problem"] = "is missing";
-        else if (!size)
+        else if (!size && !is_luminaire(image.name))
             result.back()["problem"] = "is no picture that can be read";
     }
     return result;

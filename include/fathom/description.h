@@ -286,16 +286,54 @@ struct Shape {
 
 // ---------------------------------------------------------------------------------------------------- lights, camera
 
-enum class LightKind { point, spot, directional };
+enum class LightKind {
+    point,
+    spot,
+    directional,
+    projector,    ///< a point from which a picture is projected through a frustum
+    goniometric,  ///< a point whose intensity is a picture over all directions, or an IES file's
+};
 
-/// A light without a surface, at the origin of its node, shining along the node's -z (spot, directional).
+/// What an angle of view is measured across.
+enum class FovAxis { smaller, larger, width, height, diagonal };
+
+/// How a spot's light falls from its inner to its outer cone.
+enum class SpotFalloff {
+    square,  ///< as the square of the cosine's share of the way: KHR_lights_punctual
+    smooth,  ///< as a smooth step of that share: pbrt
+    linear,  ///< as the angle's share of the way: Mitsuba
+};
+
+/// By what a light's intensity is multiplied, direction by direction.
+struct LightPicture {
+    int image = -1;  ///< -1: none, which is white
+    ColorSpace color_space = ColorSpace::srgb;
+    bool nearest = false;  ///< the nearest pixel's value, instead of what lies between four
+};
+
+/// A light without a surface, at the origin of its node, shining along the node's -z (all but point lights). Of a
+/// picture the right is at the node's +x, the top at +y, whatever the node's scale; where the node mirrors, it is
+/// mirrored.
 struct Light {
     std::string name;
     LightKind kind = LightKind::point;
-    /// Point, spot: radiant intensity (candela); directional: irradiance (lux) at normal incidence.
+    /// Directional: irradiance (lux) at normal incidence; others: radiant intensity (candela), multiplied by the
+    /// picture.
     Color intensity{1, 1, 1};
-    double inner_angle = 0, outer_angle = 0.7853981633974483;  ///< spot: half angles, falling smoothly between
+    double inner_angle = 0, outer_angle = 0.7853981633974483;  ///< spot: half angles, falling between
     double angle = 0;  ///< directional: angular diameter of the disk it comes from; 0 is a delta
+    /// Spot: stretched over a square that touches the outer cone. Projector: with square pixels. Goniometric: an
+    /// equal-area square as Environment has it, its middle along -z; or a file whose name ends with .ies (LM-63), of
+    /// candela, whose nadir is along -z and whose plane of 0 degrees is at +x.
+    LightPicture picture{};
+    SpotFalloff falloff = SpotFalloff::square;
+    double fov = 0.7853981633974483;  ///< projector: full angle of the picture
+    FovAxis fov_axis = FovAxis::smaller;
+    /// Projector: the picture is what arrives on a screen across the axis at a distance of 1 (lux), not what is sent.
+    bool flat_field = false;
+    /// Projector, goniometric: the intensity is the flux of all directions together (lumen) instead, however bright the
+    /// picture is.
+    bool intensity_is_flux = false;
 };
 
 enum class EnvironmentKind {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "compile/displacement/displaced_shapes.h"
+#include "compile/light_pictures.h"
 #include "compile/render_space.h"
 #include "fathom/load.h"
 #include "fathom/render.h"
@@ -40,6 +41,7 @@ struct Compiler {
     SceneTables& tables;
     Warnings& warnings;
     DisplacedShapes& displaced;
+    LightImages& light_images;
 
     /// The mesh that a shape is shown as, displaced if its material says so; null if it is of another kind.
     const Mesh* mesh_of(const Shape& shape) const

@@ -89,7 +89,12 @@ void SceneEdit::set_material(int material, const Material& material_now)
 
 void SceneEdit::set_light(int light, const Light& light_now)
 {
-    at(data_->scene.lights, light) = light_now;
+    const Light before = std::exchange(at(data_->scene.lights, light), light_now);
+    // A picture is decoded with those of textures, and one that is not shown must not tell two scenes apart.
+    const LightPicture &was = before.picture, &is = light_now.picture;
+    const bool other_picture = was.image != is.image || was.color_space != is.color_space;
+    if (is_pictured(before) != is_pictured(light_now) || (is_pictured(light_now) && other_picture))
+        data_->compiled.reset();
     data_->changes.parts.lights.push_back(light);
 }
 

@@ -31,6 +31,7 @@ std::uint64_t fingerprint_materials(const SceneTables& t)
     Fingerprint f;
     f.add(t.materials), f.add(t.layers), f.add(t.mixtures), f.add(t.media), f.add(t.texels),
         f.add(t.environment.texels);
+    f.add(t.picture_texels);
     f.add(t.ramp_stops);
     for (const auto& image : t.packed_images) f.add(image);
     for (const TextureRecord& texture : t.textures) {
@@ -65,6 +66,7 @@ std::uint64_t fingerprint_places(const SceneTables& t)
 {
     Fingerprint f;
     f.add(t.shapes), f.add(t.instances), f.add(t.poses), f.add(t.lights), f.add(t.light_cdf);
+    f.add(t.light_pictures);
     const EnvironmentRecord& e = t.environment;
     f.add(&e.kind, sizeof e.kind);
     f.add(&e.color, sizeof e.color), f.add(&e.bottom, sizeof e.bottom), f.add(&e.top, sizeof e.top);

@@ -107,7 +107,7 @@ public:
     {
         auto* const bytes = std::get_if<ByteImage>(&picture);
         if (!bytes) return texels(std::get<Image>(picture), use);
-        if (!use.is_texture || use.height_scale != 0) {
+        if (use.purpose != ImageUse::Purpose::texture || use.height_scale != 0) {
             const ImageFile& file = scene_.images[std::size_t(use.image)];
             const std::string name = file.bytes.empty() ? file.path.string() : file.name;
             return texels(to_image(*bytes, name, available()), use);
@@ -124,7 +124,7 @@ public:
         const Image normals = use.height_scale != 0 ? normal_map(picture, use.height_scale) : Image();
         const Image& image = use.height_scale != 0 ? normals : picture;
         const ColorSpace space = use.height_scale != 0 ? ColorSpace::linear : use.space;
-        const bool may_pack = use.is_texture;
+        const bool may_pack = use.purpose == ImageUse::Purpose::texture;
         Decoded decoded;
         decoded.width = image.width;
         decoded.height = image.height;
@@ -241,11 +241,11 @@ private:
 
 ImageUse use_of(const Texture& texture)
 {
-    return {texture.image, texture.color_space, texture.height_scale, true};
+    return {texture.image, texture.color_space, texture.height_scale, ImageUse::Purpose::texture};
 }
 ImageUse environment_use(int image)
 {
-    return {image, ColorSpace::srgb, 0, false};
+    return {image, ColorSpace::srgb, 0, ImageUse::Purpose::environment};
 }
 
 /// Every use once, in the order in which their warnings and texels come.
@@ -262,6 +262,9 @@ std::vector<ImageUse> uses_of(const SceneDescription& scene)
         add(environment_use(scene.environment.image));
     if (scene.environment.kind == EnvironmentKind::cube)
         for (const int face : scene.environment.faces) add(environment_use(face));
+    for (const Light& light : scene.lights)
+        if (is_pictured(light) && !is_profile(scene, light.picture.image))
+            add({light.picture.image, light.picture.color_space, 0, ImageUse::Purpose::light});
     return uses;
 }
 
@@ -332,7 +335,7 @@ ImageStore::ImageStore(Compiler& c)
     for (std::size_t i = 0; i < uses.size(); ++i) {
         std::optional<Decoded>& picture = decoded[i];
         pictures.push_back(picture ? std::move(*picture) : decode_alone(c, uses[i]));
-        if (uses[i].is_texture) floats += pictures.back().floats.size();
+        if (uses[i].purpose == ImageUse::Purpose::texture) floats += pictures.back().floats.size();
     }
     Decoder(c.scene, 1).check_memory(double(floats) * sizeof(float));
     c.tables.texels.reserve(floats);
@@ -340,7 +343,9 @@ ImageStore::ImageStore(Compiler& c)
         Decoded d = std::move(pictures[i]);  // its floats go when they are where they belong
         Texels& texels = texels_[uses[i]];
         texels = {d.format, c.tables.packed_images.size(), d.width, d.height};
-        if (!uses[i].is_texture) {
+        if (uses[i].purpose == ImageUse::Purpose::light) {
+            lights_[{uses[i].image, uses[i].space}] = {d.width, d.height, std::move(d.floats)};
+        } else if (uses[i].purpose == ImageUse::Purpose::environment) {
             environment_[uses[i].image] = {d.width, d.height, std::move(d.floats)};
         } else if (d.format != TexelFormat::float4) {
             c.tables.packed_images.push_back(std::move(d.words));
@@ -354,6 +359,24 @@ ImageStore::ImageStore(Compiler& c)
 ImageStore::Texels ImageStore::texture(const Texture& texture) const
 {
     return texels_.at(use_of(texture));
+}
+
+void ImageStore::set_lights(Compiler& c)
+{
+    c.light_images.by_use.clear();
+    for (const Light& light : c.scene.lights) {
+        const LightImages::Use use{light.picture.image, light.picture.color_space};
+        if (!is_pictured(light) || c.light_images.by_use.contains(use)) continue;
+        if (use.first < 0) {
+            add_light_image(c, use, 1, 1, {1, 1, 1, 1});
+        } else if (is_profile(c.scene, use.first)) {
+            add_light_profile(c, use);
+        } else {
+            const CubeFace picture = std::move(lights_.at(use));
+            Decoder(c.scene, 1).check_memory(16.0 * picture.width * picture.height);
+            add_light_image(c, use, picture.width, picture.height, picture.texels);
+        }
+    }
 }
 
 void ImageStore::set_environment(Compiler& c)

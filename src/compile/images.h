@@ -13,8 +13,8 @@ namespace fathom {
 struct ImageUse {
     int image;
     ColorSpace space;
-    float height_scale;  ///< as Texture::height_scale
-    bool is_texture;     ///< textures may be packed, environments are looked up in floats
+    float height_scale;                                          ///< as Texture::height_scale
+    enum class Purpose { texture, environment, light } purpose;  ///< textures may be packed, others remain floats
 
     friend auto operator<=>(const ImageUse&, const ImageUse&) = default;
 };
@@ -40,10 +40,13 @@ public:
     Texels texture(const Texture& texture) const;
     /// Puts the environment's picture into its record, if it has one. Once.
     void set_environment(Compiler& c);
+    /// Puts the pictures of lights among their tables, with the IES files among them. Once.
+    void set_lights(Compiler& c);
 
 private:
     std::map<ImageUse, Texels> texels_;
     std::map<int, CubeFace> environment_;  ///< by image: floats
+    std::map<LightImages::Use, CubeFace> lights_;
 };
 
 }  // namespace fathom

@@ -135,6 +135,10 @@ void put_emission(Item& item, const LightRecord& l, double power)
         case LightRecordKind::curve:
             item.intensity = power / (4 * pi);
             return;
+        case LightRecordKind::pictured:
+            item.intensity = power / (4 * pi);
+            if (l.outer >= 2) return;  // all round
+            [[fallthrough]];
         case LightRecordKind::spot:
             // Its directions are normals, beyond which nothing goes.
             item.axis = to_vector(l.edge_u);

@@ -36,6 +36,7 @@ public:
     {
         t_.lights.clear();
         t_.light_cdf.clear();
+        t_.light_pictures.clear();
     }
 
     void run(const Occurrences& all)
@@ -359,11 +360,40 @@ private:
         const double outer = one_minus_cos(l.outer_angle);
         light.outer = float(outer);
         light.falloff = float(outer - one_minus_cos(std::min(l.inner_angle, l.outer_angle)));
+        if (l.kind == LightKind::spot) put_falloff(light, l);
+        double intensity_luminance = luminance(light.radiance);
+        if (is_pictured(l)) intensity_luminance = put_picture(light, occurrence);
         if (occurrence.motion >= 0) set_poses(light, (*motions_)[std::size_t(occurrence.motion)]);
-        add(light, luminance(light.radiance) * 4 * std::numbers::pi);
+        add(light, intensity_luminance * 4 * std::numbers::pi);
     }
 
-    /// Of a point or a spot that a node moves.
+    static void put_falloff(LightRecord& light, const Light& l)
+    {
+        // Without a way there is nothing to fall off on, and no angle to divide by.
+        const double way = l.outer_angle - l.inner_angle;
+        if (l.falloff == SpotFalloff::smooth) light.length_u = 1;
+        if (l.falloff == SpotFalloff::linear && way > 1e-6 * l.outer_angle)
+            light.radius = float(l.outer_angle), light.area = float(1 / way);
+    }
+
+    /// What a light with a picture has besides. Returns the luminance of its typical intensity, in render space.
+    double put_picture(LightRecord& light, const LightOccurrence& occurrence)
+    {
+        const PicturedIntensity pictured = add_light_picture(c_, *occurrence.light);
+        for (float& r : light.radiance) r = float(double(r) * pictured.factor);
+        light.kind = std::uint32_t(LightRecordKind::pictured);
+        light.primitive = pictured.picture;
+        if (occurrence.light->kind != LightKind::spot) light.outer = float(pictured.outer), light.falloff = 0;
+        // The picture's axes stay at right angles, however the node stretches, and as it mirrors.
+        const Transform& t = occurrence.render_from_node;
+        const Vec3d along = normalize(t.vector({0, 0, -1})), right = t.vector({1, 0, 0});
+        const Vec3d across = normalize(right - along * dot(right, along)), top = cross(across, along);
+        put(light.edge_v, across);
+        put(light.normal, dot(top, t.vector({0, 1, 0})) < 0 ? -top : top);
+        return pictured.typical * c_.space.scale * c_.space.scale;
+    }
+
+    /// Of a light other than a directional one that a node moves.
     void set_poses(LightRecord& light, const std::vector<NodeKey>& motion)
     {
         const std::vector<PoseRecord> poses = pose_tables(motion);
@@ -371,6 +401,8 @@ private:
         light.instance = append_poses(t_, poses, c_.scene.file);
         t_.moving = true;
         put(light.edge_u, {0, 0, -1});
+        if (light.kind == std::uint32_t(LightRecordKind::pictured))
+            put(light.edge_v, {1, 0, 0}), put(light.normal, {0, 1, 0});
         const LightPath path(poses);
         LightExtent extent{std::uint32_t(t_.lights.size()), {}, 0, {}};
         path.put_ball({}, 0, extent);

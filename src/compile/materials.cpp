@@ -218,6 +218,7 @@ void compile_materials(Compiler& c)
         c.tables.textures.push_back(compile_texture(c, images, own_parameters(texture, texture_parameters())));
     compile_material_records(c);
     images.set_environment(c);
+    images.set_lights(c);
 }
 
 }  // namespace fathom

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <tuple>
 
+#include "compile/light_pictures.h"
 #include "image/picture.h"
 #include "scene/check.h"
 
@@ -18,6 +19,8 @@ constexpr double bytes_per_segment = 1100;  // of a curve: in the tree it is up 
 constexpr double bytes_per_point = 370;     // a ball
 constexpr double bytes_while_moving = 96;   // of a triangle: boxes at both ends of a time
 constexpr double bytes_per_environment = 28;  // of a texel: four floats, and how often it is chosen
+
+constexpr double bytes_per_light_texel = 32;  // four floats, there twice for a while
 
 /// What the tree takes for a triangle while it is built.
 double tree_bytes(TreeBuild build)
@@ -112,7 +115,16 @@ public:
         if (e.kind == EnvironmentKind::cube)
             for (const int face : e.faces)
                 if (face >= 0) environment += of(face).pixels() * 2 * bytes_per_environment;
-        return {{"textures", textures}, {"environment", environment}, {"decoding a picture", largest_read_}};
+        double lights = 0;
+        std::set<std::pair<int, ColorSpace>> of_lights;
+        for (const Light& l : scene_.lights)
+            if (is_pictured(l) && l.picture.image >= 0 && !is_profile(scene_, l.picture.image) &&
+                of_lights.insert({l.picture.image, l.picture.color_space}).second)
+                lights += of(l.picture.image).pixels() * bytes_per_light_texel;
+        return {{"textures", textures},
+                {"environment", environment},
+                {"pictures of lights", lights},
+                {"decoding a picture", largest_read_}};
     }
 
 private:

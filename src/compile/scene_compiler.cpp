@@ -58,7 +58,7 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
                      bytes(tables.curves) + bytes(tables.curve_points) + bytes(tables.points) + bytes(tables.poses) +
                      bytes(tables.texels) + bytes(tables.environment.texels) + bytes(tables.environment.conditional) +
                      bytes(tables.environment.conditional_guides) + bytes(tables.lights) + bytes(tables.light_tree) +
-                     kernel.memory_bytes();
+                     bytes(tables.light_pictures) + bytes(tables.picture_texels) + kernel.memory_bytes();
     for (const auto& image : tables.packed_images) s.memory_bytes += bytes(image);
     return s;
 }

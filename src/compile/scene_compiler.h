@@ -34,7 +34,7 @@ public:
     bool refresh_space();
 
 private:
-    Compiler compiler(Warnings& warnings) { return {scene_, space_, *tables_, warnings, displaced_}; }
+    Compiler compiler(Warnings& warnings) { return {scene_, space_, *tables_, warnings, displaced_, light_images_}; }
     bool keeps_displaced(const SceneChanges& changes, bool other_times) const;
     bool keeps_places(const Occurrences& now) const;
     void check_moved(const Compiler& c, const Occurrences& now, const std::vector<int>& meshes) const;
@@ -50,6 +50,7 @@ private:
     std::shared_ptr<SceneTables> tables_;
     Occurrences occurrences_;
     DisplacedShapes displaced_;
+    LightImages light_images_;
     PlacedContents contents_;
     std::vector<std::size_t> triangles_;  ///< of shapes that instances place, by shape
     Fingerprints fingerprints_;

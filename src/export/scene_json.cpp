@@ -134,6 +134,7 @@ private:
         for (const Texture& texture : scene_.textures) use(texture.image);
         use(scene_.environment.image);
         for (const int face : scene_.environment.faces) use(face);
+        for (const Light& light : scene_.lights) use(light.picture.image);
         for (std::size_t i = 0; i < scene_.images.size(); ++i) {
             const ImageFile& image = scene_.images[i];
             std::string path = image.bytes.empty() ? files_.refer(image.path) : std::string();
@@ -249,9 +250,24 @@ private:
             if (angle != usual_angle) json[key] = number_json(angle, radians_per_degree);
         };
         if (light.kind == LightKind::directional) put_angle("angle_deg", light.angle, usual.angle);
-        if (light.kind != LightKind::spot) return json;
-        put_angle("inner_angle_deg", light.inner_angle, usual.inner_angle);
-        put_angle("outer_angle_deg", light.outer_angle, usual.outer_angle);
+        if (light.kind == LightKind::spot) {
+            put_angle("inner_angle_deg", light.inner_angle, usual.inner_angle);
+            put_angle("outer_angle_deg", light.outer_angle, usual.outer_angle);
+            put(json, "falloff", words::spot_falloffs[int(light.falloff)], words::spot_falloffs[int(usual.falloff)]);
+        }
+        if (light.kind == LightKind::projector) {
+            put_angle("fov_deg", light.fov, usual.fov);
+            put(json, "fov_axis", words::fov_axes[int(light.fov_axis)], words::fov_axes[int(usual.fov_axis)]);
+            put(json, "flat_field", light.flat_field, false);
+        }
+        const bool may_be_flux = light.kind == LightKind::projector || light.kind == LightKind::goniometric;
+        if (may_be_flux && light.intensity_is_flux) json["unit"] = "lm";
+        const LightPicture& picture = light.picture;
+        if (picture.image < 0 || !(may_be_flux || light.kind == LightKind::spot)) return json;
+        json["image"] = images_[std::size_t(picture.image)];
+        if (picture.color_space != ColorSpace::srgb)
+            json["color_space"] = words::color_spaces[int(picture.color_space)];
+        if (picture.nearest) json["lookup"] = words::lookups[1];
         return json;
     }
 

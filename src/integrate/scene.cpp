@@ -20,7 +20,9 @@ ShadowTargets shadow_targets(const LightTables& tables)
         // What moves is seen from anywhere: no surface is left out.
         targets.infinite |= light.kind == std::uint32_t(LightRecordKind::directional) || light.motion != 0;
     }
-    if (tables.lights.size() == 1) targets.only_primitive = tables.lights[0].primitive;
+    // Of a light with a picture the number is that of the picture.
+    if (tables.lights.size() == 1 && tables.lights[0].kind != std::uint32_t(LightRecordKind::pictured))
+        targets.only_primitive = tables.lights[0].primitive;
     return targets;
 }
 
@@ -79,6 +81,7 @@ void LaneScene::read_tables()
     curve_lights = std::any_of(tables.lights.begin(), tables.lights.end(), [](const LightRecord& light) {
         return light.kind == std::uint32_t(LightRecordKind::curve);
     });
+    pictured_lights = !tables.light_pictures.empty();
     if (is_flat) {
         primitive_info.clear();
         for (std::uint32_t shape : tables.shape_of_primitive) primitive_info.push_back(shape_info[shape]);

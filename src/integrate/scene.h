@@ -39,6 +39,7 @@ struct LaneScene final : KernelScene {
     bool varied_lights = false;       ///< some are not alike all over, see LightRecord::material
     bool moving_lights = false;       ///< some are elsewhere at other times, see LightRecord::motion
     bool curve_lights = false;        ///< some are segments of curves
+    bool pictured_lights = false;     ///< some are LightRecordKind::pictured
     bool refracts = false;            ///< some material lets light pass
     bool black_behind = false;        ///< some surfaces reflect nothing on their back
     bool single_sided = false;        ///< cameras look through some surfaces from behind

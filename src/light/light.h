@@ -2,6 +2,7 @@
 /// Sampling of lights by lanes, and the density with which a light's point would have been sampled.
 #include "light/kinds/directional.h"
 #include "light/kinds/flat.h"
+#include "light/kinds/pictured.h"
 #include "light/kinds/rectangle.h"
 #include "light/kinds/sphere.h"
 #include "light/kinds/spot.h"
@@ -34,7 +35,7 @@ struct LightKindList {
 
 /// All kinds but environments, which are sampled by their pictures (environment.h).
 using LightKinds = LightKindList<RectangleLight, ParallelogramLight, TriangleLight, DiskLight, SphereLight, PointLight,
-                                 SpotLight, DirectionalLight>;
+                                 SpotLight, DirectionalLight, PicturedLight>;
 
 /// sample_light for lights that are not all rectangles.
 template <class Light>

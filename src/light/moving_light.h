@@ -30,6 +30,8 @@ public:
             const Affine to_render = pose_of(tables, instance(), time, carried);
             position_ = select(carried, to_render.shift, position_);
             edge_u_ = select(carried, normalize(to_render.vector(edge_u_)), edge_u_);
+            const Mask pictured = carried & is_kind(kind(), LightRecordKind::pictured);
+            if (any(pictured)) turn_picture(to_render, pictured);
         }
     }
 
@@ -47,6 +49,15 @@ public:
 private:
     /// Unit; zero of what has no normal, which then sends nothing.
     static Vec3 unit(const Vec3& v) { return v * inverse_sqrt(max(dot(v, v), Float(1e-37f))); }
+
+    /// The axes of a picture, which stay at right angles; edge_u_ is turned already.
+    void turn_picture(const Affine& to_render, Mask m)
+    {
+        const Vec3 right = to_render.vector(edge_v_), up = to_render.vector(normal_);
+        const Vec3 across = unit(right - edge_u_ * dot(right, edge_u_)), top = cross(across, edge_u_);
+        edge_v_ = select(m, across, edge_v_);
+        normal_ = select(m, flip_sign(top, dot(top, up)), normal_);
+    }
 
     void read_triangle(const GeometryTables& tables, Float time, Mask flipped, Mask m)
     {

@@ -21,32 +21,52 @@ enum class LightRecordKind : std::uint32_t {
     spot,
     directional,
     environment,
-    curve  ///< a segment: its geometry is in the tables of curves
+    curve,    ///< a segment: its geometry is in the tables of curves
+    pictured  ///< as a spot, multiplied by a picture
 };
+
+/// How a picture lies over the directions in which a light shines.
+enum class LightPictureMap : std::uint32_t {
+    plane,       ///< as seen through a window across the axis
+    equal_area,  ///< a square, as pbrt-v4 has it, with the axis in its middle
+    angles,      ///< rows by the angle from the axis, columns by that about it, with values at rows and columns
+};
+
+/// By what a light's intensity is multiplied in each direction. Read by lanes as 8 words.
+struct LightPictureRecord {
+    enum Flags : std::uint32_t { nearest = 1, flat_field = 2 };
+    std::uint32_t map = 0;    ///< LightPictureMap
+    std::uint32_t flags = 0;  ///< some of Flags; flat_field: over the cube of the cosine to the axis
+    std::uint32_t first = 0;  ///< texel, of LightTables::picture_texels
+    float width = 0, height = 0;
+    float scale_u = 0, scale_v = 0;  ///< plane: of tangents, to half of the picture; angles: texels a radian
+    float start = 0;                 ///< angles: radians from the axis of the first row
+};
+static_assert(sizeof(LightPictureRecord) == 8 * sizeof(float));
 
 /// One light, or one emissive primitive. Read by lanes as an array of 32 floats.
 struct LightRecord {
     enum Motion : std::uint32_t {
         vertices_move = 1,  ///< a triangle whose corners are where they then are
         placed = 2,         ///< the numbers are those of the instance's own space, which moves, or whose vertices do
-        has_poses = 4,      ///< point, spot: `instance` is a word like InstanceRecord::poses
+        has_poses = 4,      ///< point, spot, pictured: `instance` is a word like InstanceRecord::poses
         flipped = 8,        ///< the normal is against cross(edge_u, edge_v)
     };
     std::uint32_t kind = 0;
     float pmf = 0;           ///< probability to be chosen
     float position[3] = {};  ///< corner, centre, or place
-    float edge_u[3] = {};    ///< rectangle: unit along u; spot, directional: direction that light travels
-    float edge_v[3] = {};    ///< rectangle: unit along v
-    float normal[3] = {};
-    float length_u = 0, length_v = 0;
-    float area = 0;
-    float radius = 0;               ///< rectangle: its diagonal
+    float edge_u[3] = {};    ///< rectangle: unit along u; spot, pictured, directional: direction that light travels
+    float edge_v[3] = {};    ///< rectangle: unit along v; pictured: to the picture's right
+    float normal[3] = {};    ///< pictured: to its top
+    float length_u = 0, length_v = 0;  ///< spot: u is 1 where the falloff is a smooth step, 0 where it is a square
+    float area = 0;                    ///< spot whose falloff is linear: 1 over the angle that it takes
+    float radius = 0;               ///< rectangle: its diagonal; spot whose falloff is linear: the outer angle; else 0
     float radiance[channels] = {};  ///< or intensity, or irradiance
-    float outer = 0;                ///< spot: 1 - cos of the half angle beyond which nothing arrives
+    float outer = 0;                ///< spot, pictured: 1 - cos of the half angle beyond which nothing arrives
     float falloff = 0;              ///< from there inwards, in the same measure, the light grows to its full intensity
     std::uint32_t two_sided = 0;
-    std::uint32_t material = no_index;  ///< whose emission texture or alpha scales radiance, if it has one
-    std::uint32_t primitive = no_index;
+    std::uint32_t material = no_index;    ///< whose emission texture or alpha scales radiance, if it has one
+    std::uint32_t primitive = no_index;   ///< pictured: the number of its picture
     std::uint32_t instance = no_index;    ///< that places the primitive, if one does; with has_poses, those poses
     float motion_or_center[3] = {};       ///< sphere: its motion in a second; rectangle: its centre
     std::uint32_t tree_place = no_index;  ///< of it in the light tree: node * LightNode::width + slot
@@ -91,6 +111,8 @@ struct LightTables {
     LargeVector<LightNode> light_tree;  ///< over the first `placed_lights`; node 0 is the root
     std::uint32_t placed_lights = 0;    ///< those that have a place come first: all but directions and environments
     EnvironmentRecord environment;
+    std::vector<LightPictureRecord> light_pictures;
+    LargeVector<float> picture_texels;  ///< of lights: four floats each, linear, none below 0
 };
 
 }  // namespace fathom

@@ -56,6 +56,7 @@ Appended append_scene(SceneDescription& to, SceneDescription from)
         shift(node.light, lights);
         shift(node.camera, cameras);
     }
+    for (Light& light : from.lights) shift(light.picture.image, images);
     for (int& root : from.roots) shift(root, nodes);
 
     move_behind(to.images, from.images);

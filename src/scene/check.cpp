@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "fathom/error.h"
@@ -84,7 +85,17 @@ private:
         between(scene_.environment.ground_albedo, 0, 1, "ground_albedo");
     }
 
-    void check_light(std::size_t i) const { check_brightness(scene_.lights[i].intensity, element("lights", i)); }
+    void check_light(std::size_t i) const
+    {
+        const Light& light = scene_.lights[i];
+        const std::string place = element("lights", i);
+        check_brightness(light.intensity, place);
+        index(light.picture.image, scene_.images.size(), place + ".picture.image", "image");
+        if (light.kind == LightKind::goniometric && light.picture.image < 0)
+            fail(place, "a goniometric light needs a picture, or an IES file");
+        if (light.kind == LightKind::projector && !(light.fov > 0 && light.fov < std::numbers::pi))
+            fail(place + ".fov", "must be above 0 and below half a turn");
+    }
 
     [[noreturn]] void fail(const std::string& place, const std::string& message) const
     {

@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include "scene/words.h"
+
 namespace fathom {
 
 namespace {
@@ -29,8 +31,6 @@ constexpr std::uint32_t two_colors = kind_bits(checker_uv, checker_space, noise,
 constexpr std::uint32_t in_uv = kind_bits(image, checker_uv, uv_transform);
 
 constexpr const char* wraps[] = {"repeat", "clamp", "mirror"};
-constexpr const char* spaces[] = {"srgb", "linear"};
-constexpr const char* lookups[] = {"bilinear", "nearest"};
 
 const P parameters[] = {
     {.key = "image",
@@ -43,7 +43,7 @@ const P parameters[] = {
      .member = &Texture::color_space,
      .meaning = "how 8- and 16-bit values are encoded; default: srgb where the texture is a colour, linear where it is "
                 "a number or a normal",
-     .words = spaces,
+     .words = words::color_spaces,
      .default_by_use = true},
     {.key = "wrap_u",
      .kinds = kind_bits(image),
@@ -59,7 +59,7 @@ const P parameters[] = {
      .kinds = kind_bits(image),
      .member = &Texture::nearest,
      .meaning = "between pixels",
-     .words = lookups},
+     .words = words::lookups},
     {"height_scale", kind_bits(image), &Texture::height_scale,
      "unless 0: the picture holds heights, white so many of its widths above black, and the texture is their normal "
      "map"},

@@ -175,6 +175,23 @@ TEST_F(SaveGlb, PlacesLightsAndCameras)
     EXPECT_TRUE(is_told("spheres are made of triangles"));
 }
 
+/// glTF has no pictures of lights.
+TEST_F(SaveGlb, TellsOfPicturesOfLights)
+{
+    write("p.ppm", "P6\n1 1\n255\nabc");
+    const SceneDescription again = saved(load("lights.json", R"({"fathom": 1, "lights": {
+        "a": {"kind": "projector", "image": "p.ppm", "fov_deg": 60, "color": [8, 4, 2]},
+        "b": {"kind": "goniometric", "image": "p.ppm", "intensity": 12.566370614, "unit": "lm"}},
+        "scene": [{"light": "a"}, {"light": "b"}]})"));
+    ASSERT_EQ(again.lights.size(), 2u);
+    EXPECT_EQ(again.lights[0].kind, LightKind::spot);
+    EXPECT_NEAR(again.lights[0].outer_angle, 0.5235987756, 1e-9);
+    EXPECT_EQ(again.lights[0].intensity, (Color{8, 4, 2}));
+    EXPECT_EQ(again.lights[1].kind, LightKind::point);
+    EXPECT_NEAR(again.lights[1].intensity.g, 1, 1e-6);
+    EXPECT_TRUE(is_told("pictures of lights are left out"));
+}
+
 /// The file as the format's specification has it.
 TEST_F(SaveGlb, Container)
 {

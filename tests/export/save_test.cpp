@@ -212,6 +212,42 @@ TEST_F(Save, CurvesAndPointsThatNodesShare)
     EXPECT_EQ(again.points.size(), 1u);
 }
 
+/// Each number that isn't what it usually is, and those that a kind doesn't have.
+TEST_F(Save, LightsWithPictures)
+{
+    SceneDescription scene;
+    scene.images = {{"p.ppm", write("p.ppm", "P6\n1 1\n255\nabc"), {}},
+                    {"lamp.ies", {}, {}},
+                    {"q.ppm", write("q.ppm", "P6\n2 1\n255\nabcdef"), {}}};
+    for (const char c : std::string("IESNA:LM-63-2002\nTILT=NONE\n1 1 1 2 1 1 1 0 0 0 1 1 1 0 90 0 5 3"))
+        scene.images[1].bytes.push_back(std::byte(c));
+    scene.meshes = {triangle()};
+    add_shape(scene, MeshInstance{0});
+    scene.lights.resize(6);
+    for (Light& light : scene.lights) {
+        light.kind = LightKind::projector;
+        light.intensity = {1, 2, 3};
+    }
+    scene.lights[0].picture = {2, ColorSpace::linear, true};
+    scene.lights[0].fov = 0.3, scene.lights[0].fov_axis = FovAxis::diagonal;
+    scene.lights[1].flat_field = true;
+    scene.lights[2].intensity_is_flux = true;
+    scene.lights[3].kind = LightKind::goniometric, scene.lights[3].picture.image = 1;
+    scene.lights[4].kind = LightKind::goniometric, scene.lights[4].picture.image = 0;
+    scene.lights[4].intensity_is_flux = true;
+    scene.lights[5].kind = LightKind::spot, scene.lights[5].picture = {2, ColorSpace::srgb, true};
+    scene.lights[5].falloff = SpotFalloff::linear;
+    scene.lights[5].intensity_is_flux = true;  // of a spot it means nothing
+    for (int light = 0; light < 6; ++light) {
+        Node node;
+        node.light = light;
+        node.parent_from_node = Transform::rotate({1, 2, 3}, light) * Transform::scale({light % 2 ? -1.0 : 1.0, 1, 1});
+        scene.roots.push_back(int(scene.nodes.size()));
+        scene.nodes.push_back(node);
+    }
+    expect_same(scene);
+}
+
 /// Several shapes in a node, nodes of several parents, a light and a camera in two places, transforms that flatten or
 /// mirror.
 TEST_F(Save, NodesOfEveryKind)

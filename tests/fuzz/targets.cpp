@@ -19,6 +19,7 @@
 #include "fathom/render.h"
 #include "fathom/scene_file.h"
 #include "film/film_data.h"
+#include "image/ies.h"
 #include "import/common/importer.h"
 #include "import/fathom/fathom_json.h"
 #include "import/gltf/gltf.h"
@@ -113,6 +114,17 @@ void read_picture(const std::string& bytes)
     }
 }
 
+void read_profile(const std::string& bytes)
+{
+    try {
+        const IesProfile profile = parse_ies("a.ies", bytes);
+        for (const double azimuth : {0.0, 37.0, 90.0, 200.0, 359.0})
+            for (const double polar : {0.0, 33.0, 90.0, 180.0}) profile.at(polar, azimuth);
+    } catch (const Error&) {
+        // As it should be.
+    }
+}
+
 /// Film files are read from any place by several threads, so from a file: one in memory.
 void read_film(const std::string& bytes)
 {
@@ -147,7 +159,8 @@ std::vector<std::string> json_seeds()
   "nodes": {"n": {"mesh": "q", "material": "m", "children": [{"sphere": {"radius": 2}, "material": "g"}]}},
   "scene": ["n", {"instance": "n", "transform": [{"scale": 2}, {"rotate": {"axis": [0, 1, 0], "angle_deg": 30}}]},
     {"motion": [{"time": 0}, {"time": 1, "transform": {"translate": [1, 0, 0]}}], "box": {"min": [0, 0, 0], "max": [1, 1, 1]}}],
-  "lights": {"l": {"kind": "spot", "intensity": 10, "unit": "W", "position": [0, 3, 0]}},
+  "lights": {"l": {"kind": "spot", "intensity": 10, "unit": "W", "position": [0, 3, 0]},
+    "p": {"kind": "projector", "image": "a.png", "fov_deg": 40, "fov_axis": "width", "up": [0, 1, 1]}, "g": {"kind": "goniometric", "image": "a.ies"}},
   "environment": {"kind": "gradient"}, "render": {"size": [32, 24], "samples": 4}})",
         R"({"fathom": 1, "scene": [{"curves": {"curves": [[[0, 0, 0, 1], [1, 0, 0, 1], [2, 0, 0, 1], [3, 1, 0, 1]]]}},
   {"points": {"points": [[0, 0, 0], [1, 2, 3, 0.5]]}}, {"disk": {"normal": [0, 1, 0]}},
@@ -380,6 +393,7 @@ MakeNamedMaterial "a" "string type" "coateddiffuse" "texture reflectance" "m" "f
 MakeNamedMaterial "b" "string type" "conductor" "spectrum eta" [ 400 1 700 2 ] "spectrum k" [ 400 3 700 2 ]
 MakeNamedMedium "g" "string type" "homogeneous" "rgb sigma_a" [ 1 2 3 ] "rgb sigma_s" [ 0 0 1 ]
 LightSource "infinite" "blackbody L" 5000 "float illuminance" 10
+LightSource "projection" "string filename" "a.png" "float power" 3
 LightSource "spot" "rgb I" [ 1 2 3 ] "point3 from" [ 0 5 0 ] "float power" 10
 AttributeBegin AreaLightSource "diffuse" "spectrum L" [ 300 1 800 2 ] "bool twosided" true "float power" 5
  Translate 0 1e1 0 Shape "disk" "float radius" 2 AttributeEnd
@@ -412,7 +426,8 @@ std::vector<std::string> mitsuba_seeds()
  <transform name="to_world"><rotate y="1" angle="30"/><scale value="2"/><translate x="1"/></transform></shape><shape type="rectangle">
  <ref id="b"/><emitter type="area"><rgb name="radiance" value="1 2 3"/></emitter></shape><shape type="cylinder"><bsdf type="dielectric">
  <string name="int_ior" value="water"/></bsdf><medium name="interior" type="homogeneous"><float name="sigma_t" value="2"/></medium>
- </shape><emitter type="sunsky"><vector name="sun_direction" x="0" y="1" z="1"/></emitter><alias id="a" as="c"/><emitter type="spot"/>
+ </shape><emitter type="sunsky"><vector name="sun_direction" x="0" y="1" z="1"/></emitter><alias id="a" as="c"/><emitter type="spot"/><emitter type="projector"><float name="fov" value="40"/>
+ <rgb name="irradiance" value="1 2 3"/></emitter>
  <shape type="cube"><bsdf type="blendbsdf"><float name="weight" value="0.2"/><ref id="c"/><bsdf type="principled"><texture
  type="checkerboard" name="base_color"/></bsdf></bsdf></shape></scene>)"};
 }
@@ -437,6 +452,14 @@ std::vector<std::string> serialized_seeds()
     return {first + second + raw(std::vector<std::uint64_t>{0, first.size()}) + raw(2u)};
 }
 
+std::vector<std::string> ies_seeds()
+{
+    const std::string numbers =
+        "1 1000 1.5\n4 3 1 1 0.1 0.1 0.1\n1 1 60\n0 20 45 90\n0 45 90\n3 2.8 1 0.2\n3 2.5 1.6 0.3\n3 1 0.4 0\n";
+    return {"IESNA:LM-63-2002\n[TEST] a\nTILT=NONE\n" + numbers,
+            "IESNA91\nTILT=INCLUDE\n1\n2\n0 90\n1 0.9\n" + numbers};
+}
+
 constexpr Target all[] = {{"fathom-json", read_scene<fathom_json_importer>, json_seeds},
                           {"gltf", read_scene<gltf_importer>, gltf_seeds},
                           {"obj", read_scene<obj_importer>, obj_seeds},
@@ -447,6 +470,7 @@ constexpr Target all[] = {{"fathom-json", read_scene<fathom_json_importer>, json
                           {"pbrt", read_scene<pbrt_importer>, pbrt_seeds},
                           {"serialized", read_serialized, serialized_seeds},
                           {"image", read_picture, image_seeds},
+                          {"ies", read_profile, ies_seeds},
                           {"film", read_film, film_seeds}};
 
 }  // namespace

@@ -294,6 +294,26 @@ def moving_lamps():
         lights={"spot": {"kind": "spot", "intensity": 4, "outer_angle_deg": 40}, "point": {"kind": "point", "intensity": 1}})
 
 
+def pictured_lights():
+    """Windows, maps of all directions, a luminaire and a spot; in nodes that stand, move and mirror."""
+    (FOLDER / "lamp.ies").write_text("IESNA:LM-63-2002\n[TEST] made up\nTILT=NONE\n1 1000 1\n5 3 1 1 0.1 0.1 0.1\n1 1 60\n0 20 45 90 110\n0 45 90\n"
+                                     "3 2.8 1 0.2 0\n3 2.5 1.6 0.3 0.1\n3 1 0.4 0.2 0\n")
+    down = {"rotate": {"axis": [1, 0, 0], "angle_deg": -80}}
+    at = lambda x, y, z, **more: {"transform": [*([more] if more else []), down, {"translate": [x, y, z]}]}
+    write("pictured-lights", environment=None, camera={**CAMERA, "shutter": [0, 1]}, scene=[
+        FLOOR, {**BALL, "material": {"color": 0.7}}, {"light": "window", **at(-1, 1.8, 0.6)}, {"light": "screen", **at(1, 1.6, 0.8, scale=[-1, 1, 1])},
+        {"light": "map", **at(0.3, 2, -0.9)}, {"light": "nearest", **at(-1.2, 0.6, -0.3)}, {"light": "lamp", **at(0.9, 1.5, -0.4)},
+        {"light": "spot", "motion": [{"time": 0, "transform": [{"rotate": {"axis": [1, 0, 0], "angle_deg": -40}}, {"translate": [-0.6, 1.5, 1.5]}]},
+                                     {"time": 1, "transform": [{"rotate": {"axis": [1, 0, 0.5], "angle_deg": -60}}, {"translate": [-0.2, 1.7, 1.4]}]}]}],
+        lights={"window": {"kind": "projector", "image": "bands.png", "intensity": 4, "fov_deg": 40},
+                "screen": {"kind": "projector", "image": "channels.png", "color_space": "linear", "intensity": 2, "unit": "lm", "flat_field": True,
+                           "fov_deg": 50, "fov_axis": "diagonal"},
+                "map": {"kind": "goniometric", "image": "bumps.png", "color": [0.5, 0.4, 0.8]},
+                "nearest": {"kind": "goniometric", "image": "channels.png", "lookup": "nearest", "intensity": 0.4},
+                "lamp": {"kind": "goniometric", "image": "lamp.ies", "color": [0.7, 0.6, 0.4]},
+                "spot": {"kind": "spot", "image": "channels.png", "intensity": 5, "outer_angle_deg": 35}})
+
+
 def glowing_curves():
     """Round and flat, of lines and smooth ones, in the world, placed twice, and in a node that moves."""
     points = lambda z: [[round(0.9 * math.sin(1.3 * i), 4), 1.2 + 0.2 * i, z + round(0.3 * math.cos(1.3 * i), 4), 0.02 + 0.01 * (i % 3)]
@@ -365,6 +385,7 @@ def lights():
                        for i in range(12)], {"p": {"kind": "point", "position": [0, 2.5, 2], "intensity": 2}})
     hundreds_of_lamps()
     moving_lamps()
+    pictured_lights()
     glowing_curves()
     hair()
     moving_curves()

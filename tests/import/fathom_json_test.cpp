@@ -360,6 +360,50 @@ TEST_F(FathomJson, UnitsOfLight)
     EXPECT_NEAR(scene.nodes[scene.roots[3]].parent_from_node.determinant(), 1, 1e-12);
 }
 
+TEST_F(FathomJson, LightsWithPictures)
+{
+    const SceneDescription scene = load("l.json", R"({"lights": {
+        "a": {"kind": "projector", "image": "p.png", "color_space": "linear", "lookup": "nearest", "fov_deg": 30, "fov_axis": "height",
+              "flat_field": true, "intensity": 800, "unit": "lm", "direction": [0, -1, 0], "up": [1, 0, 0]},
+        "b": {"kind": "goniometric", "image": "lamp.ies", "intensity": 2, "position": [1, 2, 3]},
+        "c": {"kind": "spot", "image": "p.png", "falloff": "smooth", "intensity": 12.566370614, "unit": "lm"}, "d": {"kind": "projector", "unit": "W"}}})");
+    ASSERT_EQ(scene.lights.size(), 4u);
+    const Light& a = scene.lights[0];
+    EXPECT_EQ(a.kind, LightKind::projector);
+    EXPECT_EQ(scene.images.at(std::size_t(a.picture.image)).name, "p.png");
+    EXPECT_EQ(a.picture.color_space, ColorSpace::linear);
+    EXPECT_TRUE(a.picture.nearest);
+    EXPECT_NEAR(a.fov, std::numbers::pi / 6, 1e-12);
+    EXPECT_EQ(a.fov_axis, FovAxis::height);
+    EXPECT_TRUE(a.flat_field);
+    EXPECT_TRUE(a.intensity_is_flux);
+    EXPECT_EQ(a.intensity.g, 800);
+    const Transform& t = scene.nodes.at(std::size_t(scene.roots[0])).parent_from_node;
+    expect_near(t.vector({0, 0, -1}), {0, -1, 0});
+    expect_near(t.vector({0, 1, 0}), {1, 0, 0});
+    EXPECT_NEAR(t.determinant(), 1, 1e-12);
+    EXPECT_EQ(scene.lights[1].kind, LightKind::goniometric);
+    EXPECT_FALSE(scene.lights[1].intensity_is_flux);
+    EXPECT_EQ(scene.lights[1].intensity.g, 2);
+    EXPECT_EQ(scene.images.at(std::size_t(scene.lights[1].picture.image)).name, "lamp.ies");
+    EXPECT_EQ(scene.lights[2].picture.image, a.picture.image);
+    EXPECT_EQ(scene.lights[2].falloff, SpotFalloff::smooth);
+    EXPECT_NEAR(scene.lights[2].intensity.g, 1, 1e-6);
+    EXPECT_FALSE(scene.lights[2].intensity_is_flux);
+    EXPECT_EQ(scene.lights[3].picture.image, -1);
+    EXPECT_EQ(scene.lights[3].intensity.g, 683);
+
+    const auto error = [&](const std::string& light) {
+        return error_of("e.json", R"({"lights": {"l": {)" + light + "}}}");
+    };
+    EXPECT_EQ(error(R"("kind": "goniometric")"), "/lights/l: key 'image' is missing");
+    EXPECT_NE(error(R"("kind": "projector", "fov_deg": 180)").find("fov_deg"), std::string::npos);
+    EXPECT_NE(error(R"("kind": "projector", "up": [0, 0, 2])").find("/lights/l/up"), std::string::npos);
+    EXPECT_NE(error(R"("kind": "point", "image": "a.png")").find("image"), std::string::npos);
+    EXPECT_NE(error(R"("kind": "spot", "fov_deg": 20)").find("fov_deg"), std::string::npos);
+    EXPECT_NE(error(R"("kind": "spot", "up": [1, 0, 0])").find("up"), std::string::npos);
+}
+
 /// By name, and by the same index of refraction; `metal` has no colour of its own at the edge.
 TEST_F(FathomJson, Conductors)
 {

@@ -123,12 +123,12 @@ TEST_F(Mitsuba, WhatNobodyReadsIsTold)
 {
     read(
         R"(<shape type="sphere"><float name="radious" value="1"/><bsdf type="diffuse"><float name="gloss" value="1"/></bsdf></shape>
-<shape type="torus"/><bsdf type="phong" id="p"/><shape type="disk"><ref id="p"/></shape><emitter type="projector"/><volume type="x"/>)");
+<shape type="torus"/><bsdf type="phong" id="p"/><shape type="disk"><ref id="p"/></shape><emitter type="directionalarea"/><volume type="x"/>)");
     EXPECT_TRUE(is_told("'radious' of shape 'sphere' is ignored"));
     EXPECT_TRUE(is_told("'gloss' of bsdf 'diffuse' is ignored"));
     EXPECT_TRUE(is_told("shape 'torus': is not known"));
     EXPECT_TRUE(is_told("bsdf 'phong' ('p'): is not known: grey diffuse"));
-    EXPECT_TRUE(is_told("emitter 'projector': is not known"));
+    EXPECT_TRUE(is_told("emitter 'directionalarea': is not known"));
     EXPECT_TRUE(is_told("volume 'x': is ignored"));
 }
 
@@ -663,11 +663,62 @@ TEST_F(Mitsuba, Emitters)
     expect_near(node_of(1).parent_from_node.vector({0, 0, -1}), {0, -1, 0});
     EXPECT_NEAR(scene.lights.at(1).outer_angle, 40 * degree, 1e-12);
     EXPECT_NEAR(scene.lights.at(1).inner_angle, 30 * degree, 1e-12);
+    EXPECT_EQ(scene.lights.at(1).falloff, SpotFalloff::linear);
     expect_near(normalize(node_of(2).parent_from_node.vector({0, 0, -1})), {0, -1, 0});
     expect_color(scene.lights.at(2).intensity, 7, 7, 7);
     expect_color(material_of(scene).emission.value, 4, 5, 6);
     // Without a bsdf it only shines.
     expect_color(material_of(scene).base_color.value, 0, 0, 0);
+}
+
+/// A projector's picture is upright for who looks along +z with +y up, a spot's is turned by half a turn.
+TEST_F(Mitsuba, EmittersWithPictures)
+{
+    write("p.png", "x");
+    SceneDescription scene =
+        read(R"(<emitter type="projector"><float name="scale" value="2"/><float name="fov" value="50"/>
+<string name="fov_axis" value="larger"/><texture type="bitmap" name="irradiance"><string name="filename" value="p.png"/><boolean name="raw" value="true"/>
+<string name="filter_type" value="nearest"/></texture><transform name="to_world"><translate x="1" y="2" z="3"/></transform></emitter>
+<emitter type="spot"><float name="cutoff_angle" value="30"/><texture type="bitmap" name="texture"><string name="filename" value="p.png"/></texture></emitter>
+<emitter type="projector"><rgb name="irradiance" value="1 2 3"/></emitter>)");
+    EXPECT_TRUE(warnings_.counts().empty());
+    const Light& projector = scene.lights.at(0);
+    EXPECT_EQ(projector.kind, LightKind::projector);
+    expect_color(projector.intensity, 2 * std::numbers::pi, 2 * std::numbers::pi, 2 * std::numbers::pi, 1e-5);
+    EXPECT_NEAR(projector.fov, 50 * degree, 1e-12);
+    EXPECT_EQ(projector.fov_axis, FovAxis::larger);
+    EXPECT_TRUE(projector.flat_field);
+    EXPECT_EQ(scene.images.at(std::size_t(projector.picture.image)).name, "p.png");
+    EXPECT_EQ(projector.picture.color_space, ColorSpace::linear);
+    EXPECT_TRUE(projector.picture.nearest);
+    const Transform& t = scene.nodes.at(0).parent_from_node;
+    expect_near(t.point({0, 0, 0}), {1, 2, 3});
+    expect_near(t.vector({0, 0, -1}), {0, 0, 1});
+    expect_near(t.vector({1, 0, 0}), {-1, 0, 0});
+    expect_near(t.vector({0, 1, 0}), {0, 1, 0});
+    const Light& spot = scene.lights.at(1);
+    EXPECT_EQ(spot.kind, LightKind::spot);
+    EXPECT_EQ(spot.picture.image, projector.picture.image);
+    EXPECT_EQ(spot.picture.color_space, ColorSpace::srgb);
+    const Transform& s = scene.nodes.at(1).parent_from_node;
+    expect_near(s.vector({0, 0, -1}), {0, 0, 1});
+    expect_near(s.vector({1, 0, 0}), {1, 0, 0});
+    expect_near(s.vector({0, 1, 0}), {0, -1, 0});
+    // White, through the diagonal of 35 mm film.
+    const Light& plain = scene.lights.at(2);
+    EXPECT_EQ(plain.picture.image, -1);
+    expect_color(plain.intensity, std::numbers::pi, 2 * std::numbers::pi, 3 * std::numbers::pi, 1e-5);
+    EXPECT_NEAR(plain.fov, 2 * std::atan(std::hypot(18, 12) / 50), 1e-12);
+    EXPECT_EQ(plain.fov_axis, FovAxis::diagonal);
+
+    scene = read(R"(<emitter type="spot"><texture type="checkerboard" name="texture"/></emitter>)");
+    EXPECT_EQ(scene.lights.at(0).picture.image, -1);
+    EXPECT_TRUE(is_told("a texture other than a bitmap is no picture for a light"));
+    EXPECT_NE(error(R"(<emitter type="projector"><float name="fov" value="180"/></emitter>)").find("'fov' must be"),
+              std::string::npos);
+    EXPECT_NE(error(R"(<emitter type="projector"><string name="focal_length" value="-3mm"/></emitter>)")
+                  .find("'focal_length'"),
+              std::string::npos);
 }
 
 /// The picture's middle lies towards +z, what is right of it towards -x.

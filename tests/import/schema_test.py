@@ -44,6 +44,7 @@ for bad in ({"sceen": []}, {"fathom": 2}, {"materials": {"red": {"colr": 1}}}, {
             {"render": {"size": [0, 600]}}, {"render": {"samples": 2.5}}, {"scene": [{"sphere": {"radius": 0}}]},
             {"scene": [{"rectangle": {"corner": [0, 0, 0]}}]}, {"scene": [{"sphere": {}, "model": "a.glb"}]},
             {"scene": [{"sphere": {}, "materials": {}}]}, {"scene": [{"material": "red"}]},
-            {"lights": {"l": {"kind": "point", "unit": "lx"}}}):
+            {"lights": {"l": {"kind": "point", "unit": "lx"}}}, {"lights": {"l": {"kind": "goniometric"}}},
+            {"lights": {"l": {"kind": "projector", "fov_deg": 180}}}, {"lights": {"l": {"kind": "point", "image": "a.png"}}}):
     expect(False, json.dumps(bad), bad)
 sys.exit(1 if failures else 0)

@@ -25,7 +25,11 @@ TEST(LightForms, Point)
     }
 }
 
-TEST(LightForms, Spot)
+class SpotForms : public testing::TestWithParam<SpotFalloff> {};
+INSTANTIATE_TEST_SUITE_P(Falloffs, SpotForms,
+                         testing::Values(SpotFalloff::square, SpotFalloff::smooth, SpotFalloff::linear));
+
+TEST_P(SpotForms, FallOff)
 {
     const Vec3d at{0.3, 1.6, -0.2}, along = normalize(Vec3d{-0.5, -1, 0.1});
     const double inner = 0.3, outer = 0.75;
@@ -35,6 +39,7 @@ TEST(LightForms, Spot)
         light.kind = LightKind::spot;
         light.intensity = {5, 5, 5};
         light.inner_angle = inner, light.outer_angle = outer;
+        light.falloff = GetParam();
         b.light(light, Transform::translate(at) * shining(along));
     };
     int full = 0, falling = 0, none = 0;
@@ -42,7 +47,11 @@ TEST(LightForms, Spot)
         const Vec3d to = at - Vec3d{x, 0, 0};
         const double c = dot(along, normalize(to) * -1.0);
         const double share = std::clamp((c - std::cos(outer)) / (std::cos(inner) - std::cos(outer)), 0.0, 1.0);
-        floor.expect(x, 0, 5 * share * share * to.y / std::pow(length(to), 3), 3e-3);
+        const double by_angle = std::clamp((outer - std::acos(std::min(c, 1.0))) / (outer - inner), 0.0, 1.0);
+        const double factor = GetParam() == SpotFalloff::square   ? share * share
+                              : GetParam() == SpotFalloff::smooth ? share * share * (3 - 2 * share)
+                                                                  : by_angle;
+        floor.expect(x, 0, 5 * factor * to.y / std::pow(length(to), 3), 3e-3);
         (share == 1 ? full : share == 0 ? none : falling)++;
     }
     EXPECT_GE(full, 1);

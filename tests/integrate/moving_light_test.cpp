@@ -282,11 +282,29 @@ TEST(MovingLights, TurnTowardsTheFloor)
     EXPECT_LT(m.error[0], 0.012 * m.value[0]);
 }
 
+/// From dark at the left and the bottom to bright at the right and the top.
+ImageFile rising_picture()
+{
+    ImageFile file{"rising.ppm", {}, {}};
+    for (const char c : std::string("P6\n2 2\n255\n")) file.bytes.push_back(std::byte(c));
+    for (const int grey : {100, 250, 0, 150})
+        for (int c = 0; c < 3; ++c) file.bytes.push_back(std::byte(grey));
+    return file;
+}
+/// Its value, from -1 to 1 to the right and up.
+double rising(double right, double up, double along)
+{
+    if (!(along > 0) || std::abs(right) > 1 || std::abs(up) > 1) return 0;
+    const double x = std::clamp(right + 0.5, 0.0, 1.0), y = std::clamp(up + 0.5, 0.0, 1.0);
+    return (150 * x + 100 * y) / 255;
+}
+
 /// Those of a node, which are where it is.
-TEST(MovingLights, PointsAndSpots)
+TEST(MovingLights, PointsSpotsAndProjectors)
 {
     for (const Way& way : ways)
-        for (const bool spot : {false, true}) {
+        for (const LightKind kind : {LightKind::point, LightKind::spot, LightKind::projector}) {
+            const bool spot = kind == LightKind::spot, projector = kind == LightKind::projector;
             SCOPED_TRACE(way.name);
             const Transform rest = Transform::translate({0.2, 1.1, 0}) * shining({0.1, -1, 0.2});
             Floor floor;
@@ -294,9 +312,11 @@ TEST(MovingLights, PointsAndSpots)
             floor.shutter_close = 1;
             floor.furnish = [&](SceneBuilder& b) {
                 Light light;
-                light.kind = spot ? LightKind::spot : LightKind::point;
+                light.kind = kind;
+                if (projector) light.picture = {0, ColorSpace::linear, false}, light.fov = 1.6;
                 light.intensity = {2, 2, 2};
                 light.inner_angle = 0.2, light.outer_angle = 0.7;
+                if (projector) b.scene.images.push_back(rising_picture());
                 b.light(light, rest);
                 // Within a node that moves, whose origin is not theirs.
                 Node arm;
@@ -312,7 +332,17 @@ TEST(MovingLights, PointsAndSpots)
                 const Vec3d to = now.point({0, 0, 0}) - floor_point;
                 const double c = -dot(normalize(now.vector({0, 0, -1})), normalize(to));
                 const double x = std::clamp((c - std::cos(0.7)) / (std::cos(0.2) - std::cos(0.7)), 0.0, 1.0);
-                expected += 2 * (spot ? x * x : 1) * to.y / std::pow(length(to), 3) / times;
+                double share = spot ? x * x : 1;
+                if (projector) {
+                    // The axes as the node has them, at right angles to each other.
+                    const Vec3d along = normalize(now.vector({0, 0, -1})), side = now.vector({1, 0, 0});
+                    const Vec3d right = normalize(side - along * dot(side, along)), top = cross(right, along);
+                    const Vec3d d = to * -1.0;
+                    const double turned = dot(top, now.vector({0, 1, 0})) < 0 ? -1 : 1;
+                    share = rising(dot(d, right) / dot(d, along) / std::tan(0.8),
+                                   turned * dot(d, top) / dot(d, along) / std::tan(0.8), dot(d, along));
+                }
+                expected += 2 * share * to.y / std::pow(length(to), 3) / times;
             }
             floor.expect(floor_point.x, floor_point.z, expected, 4e-3);
         }

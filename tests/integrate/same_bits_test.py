@@ -52,7 +52,7 @@ def main():
         for scene in ["cornell-box", "cornell-box-triangles", "report-spheres", "report-marble", "environment", "textures",
                       "motion-blur", "motion-nodes", "motion-vertices", "curves",
                       "points", "depth-of-field", "model", "instances", "../tests/golden/scenes/hundreds-of-lamps",
-                      "../tests/golden/scenes/moving-lamps", "../tests/golden/scenes/glowing-curves",
+                      "../tests/golden/scenes/moving-lamps", "../tests/golden/scenes/pictured-lights", "../tests/golden/scenes/glowing-curves",
                       "../tests/golden/scenes/moving-curves", "../tests/golden/scenes/fibres", *GUIDED]:
             path = os.path.join(scenes, scene.removesuffix(guided_mark) + ".json")
             guiding = "on" if scene.endswith(guided_mark) else "off"

@@ -23,7 +23,7 @@ SceneDescription scene_of(const std::string& name)
     s.meshes.resize(1), s.meshes[0].name = name;
     s.curves.resize(1), s.curves[0].name = name;
     s.points.resize(1), s.points[0].name = name;
-    s.lights.resize(1), s.lights[0].name = name;
+    s.lights.resize(1), s.lights[0].name = name, s.lights[0].picture.image = 0;
     s.cameras.resize(1), s.cameras[0].name = name;
     s.nodes.resize(2);
     s.nodes[0].name = name, s.nodes[0].children = {1};
@@ -49,6 +49,7 @@ TEST(AppendScene, EverythingStillRefersToItsOwn)
         const Node& n = all.nodes[std::size_t(root.children.at(0))];
         EXPECT_EQ(n.name, name);
         EXPECT_EQ(all.lights[std::size_t(n.light)].name, name);
+        EXPECT_EQ(all.images[std::size_t(all.lights[std::size_t(n.light)].picture.image)].name, name);
         EXPECT_EQ(all.cameras[std::size_t(n.camera)].name, name);
         EXPECT_EQ(all.meshes[std::size_t(std::get<MeshInstance>(n.shapes[0].geometry).mesh)].name, name);
         EXPECT_EQ(all.curves[std::size_t(std::get<CurvesInstance>(n.shapes[1].geometry).curves)].name, name);

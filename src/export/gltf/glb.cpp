@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "export/gltf/glb_buffer.h"
 #include "export/gltf/glb_materials.h"
@@ -265,12 +266,16 @@ private:
         const auto [found, is_new] = light_indices_.try_emplace(index, int(lights_.size()));
         if (!is_new) return found->second;
         const Light& l = scene_.lights[std::size_t(index)];
-        constexpr const char* types[] = {"point", "spot", "directional"};
+        constexpr const char* types[] = {"point", "spot", "directional", "spot", "point"};
         Json json = {{"type", types[int(l.kind)]}};
+        if (l.picture.image >= 0 || l.kind == LightKind::projector)
+            warn("pictures of lights are left out: projectors are spots, goniometric lights points");
         if (!l.name.empty()) json["name"] = l.name;
         const Color c = l.intensity;
         const float most = std::max({c.r, c.g, c.b});
-        json["intensity"] = number_json(most);
+        const bool is_flux =
+            l.intensity_is_flux && (l.kind == LightKind::projector || l.kind == LightKind::goniometric);
+        json["intensity"] = is_flux ? number_json(double(most) / (4 * std::numbers::pi)) : number_json(most);
         if (most > 0) json["color"] = {number_json(c.r / most), number_json(c.g / most), number_json(c.b / most)};
         if (l.kind == LightKind::directional && l.angle > 0)
             warn("lights far away are points: their angle is left out");
@@ -278,6 +283,10 @@ private:
             // The inner one must be less.
             json["spot"] = {{"innerConeAngle", number_json(std::min(l.inner_angle, l.outer_angle * (1 - 1e-6)))},
                             {"outerConeAngle", number_json(l.outer_angle)}};
+        if (l.kind == LightKind::spot && l.falloff != SpotFalloff::square && l.inner_angle < l.outer_angle)
+            warn("spots fall off as glTF's do");
+        if (l.kind == LightKind::projector)
+            json["spot"] = {{"outerConeAngle", number_json(std::min(l.fov, std::numbers::pi * (1 - 1e-6)) / 2)}};
         lights_.push_back(std::move(json));
         return found->second;
     }

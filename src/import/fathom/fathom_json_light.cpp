@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <numbers>
+#include <optional>
 
 #include "import/common/units.h"
 #include "import/fathom/fathom_json_reader.h"
@@ -12,11 +13,11 @@ namespace {
 
 using Units = std::vector<std::pair<std::string, double>>;
 
-/// Maps -z, along which lights shine, to the direction.
-Transform shining_along(Vec3d direction)
+/// Maps -z, along which lights shine, to the direction; +y to what is up, if that is given.
+Transform shining_along(Vec3d direction, const std::optional<Vec3d>& up)
 {
     const Vec3d z = -normalize(direction);
-    const Vec3d other = std::abs(z.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0};
+    const Vec3d other = up ? normalize(*up) : std::abs(z.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0};
     const Vec3d x = normalize(cross(other, z)), y = cross(z, x);
     Transform t;
     t.m = {{{x.x, y.x, z.x, 0}, {x.y, y.y, z.y, 0}, {x.z, y.z, z.z, 0}}};
@@ -34,6 +35,19 @@ double read_angle(const JsonValue& v, double most_deg)
 
 }  // namespace
 
+/// Of a spot, a projector or a goniometric light; false if it can't have one, or has none and needs none.
+bool FathomJsonReader::read_picture(JsonObject& o, Light& light)
+{
+    if (light.kind == LightKind::point || light.kind == LightKind::directional) return false;
+    std::optional<JsonValue> path = o.get("image");
+    if (!path && light.kind == LightKind::goniometric) path = o.require("image");
+    if (!path && light.kind == LightKind::spot) return false;
+    if (path) light.picture.image = image(*path);
+    o.read_word("color_space", words::color_spaces, light.picture.color_space);
+    o.read_word("lookup", words::lookups, light.picture.nearest);
+    return true;
+}
+
 FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const std::string& name)
 {
     Light light;
@@ -41,7 +55,7 @@ FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const s
     Placed placed;
     JsonObject o(v);
     o.read("name", light.name);
-    if (!v.has("kind")) v.fail("key 'kind' is missing: point, spot or directional");
+    if (!v.has("kind")) v.fail("key 'kind' is missing: point, spot, directional, projector or goniometric");
     o.read_word("kind", words::light_kinds, light.kind);
     Color color{1, 1, 1};
     o.read("color", color);
@@ -54,10 +68,14 @@ FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const s
         if (auto angle = o.get("angle_deg")) light.angle = read_angle(*angle, 180);
     } else {
         // Power is what the bulb sends into the whole sphere; a spot's shade only takes away.
-        const double sphere = 4 * std::numbers::pi;
+        const bool may_be_flux = light.kind == LightKind::projector || light.kind == LightKind::goniometric;
+        const double sphere = may_be_flux ? 1 : 4 * std::numbers::pi;
         o.read_enum("unit",
                     Units{{"cd", 1}, {"lm", 1 / sphere}, {"W/sr", lumens_per_watt}, {"W", lumens_per_watt / sphere}},
                     unit);
+        // A picture says how much of it goes where, so there it is all that is sent.
+        if (may_be_flux && v.has("unit"))
+            light.intensity_is_flux = v["unit"].string() == "lm" || v["unit"].string() == "W";
         Vec3d position;
         o.read("position", position);
         placed.place = Transform::translate(position);
@@ -65,14 +83,28 @@ FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const s
     if (light.kind == LightKind::spot) {
         if (auto angle = o.get("inner_angle_deg")) light.inner_angle = read_angle(*angle, 90);
         if (auto angle = o.get("outer_angle_deg")) light.outer_angle = read_angle(*angle, 90);
+        o.read_word("falloff", words::spot_falloffs, light.falloff);
         if (light.inner_angle > light.outer_angle || light.outer_angle == 0)
             v.fail("'outer_angle_deg' must be greater than 0 and not less than 'inner_angle_deg'");
     }
+    if (light.kind == LightKind::projector) {
+        if (auto angle = o.get("fov_deg")) light.fov = read_angle(*angle, 180);
+        if (light.fov <= 0 || light.fov >= std::numbers::pi) v["fov_deg"].fail("must be above 0 and below 180");
+        o.read_word("fov_axis", words::fov_axes, light.fov_axis);
+        o.read("flat_field", light.flat_field);
+    }
+    const bool has_picture = read_picture(o, light);
     if (light.kind != LightKind::point) {
         Vec3d direction{0, 0, -1};
         o.read("direction", direction);
         if (length(direction) == 0) v["direction"].fail("has no length");
-        placed.place = placed.place * shining_along(direction);
+        std::optional<Vec3d> up;
+        if (has_picture && v.has("up")) {
+            o.read("up", up.emplace());
+            if (length(cross(*up, direction)) <= 1e-9 * length(*up) * length(direction))
+                v["up"].fail("must have a length and not be along 'direction'");
+        }
+        placed.place = placed.place * shining_along(direction, up);
     }
     o.done(fmt::format("in a light of kind '{}'", v["kind"].string()));
     const double factor = intensity * unit;

@@ -88,6 +88,7 @@ private:
     static void read_conductor(JsonObject& o, Material& material);
 
     // fathom_json_light.cpp
+    bool read_picture(JsonObject& o, Light& light);
     Placed add_light(const JsonValue& v, const std::string& name);
     void read_light(const JsonValue& v, Node& node);
 

@@ -15,6 +15,12 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
+Color scaled(Color c, double factor)
+{
+    const auto f = float(factor);
+    return {c.r * f, c.g * f, c.b * f};
+}
+
 /// From directions as environments have them here, whose picture has +x in its middle and +z to the right of it, to
 /// Mitsuba's, which has +z and -x there.
 Transform mitsuba_from_environment()
@@ -78,9 +84,17 @@ void Reader::read_emitter(const Element& element)
         const double cutoff = emitter.number("cutoff_angle", 20);
         light.outer_angle = cutoff * degree;
         light.inner_angle = emitter.number("beam_width", cutoff * 3 / 4) * degree;
-        if (emitter.has("texture")) tell(element, "a spot's texture is left out");
-        emitter.ignore({"texture"});
-        add_light(light, emitter.transform("to_world"));
+        light.falloff = SpotFalloff::linear;
+        // Its picture's right is at +x and its bottom at +y: about the axis, half a turn from that of a projector.
+        Transform place = emitter.transform("to_world");
+        if (const Element* const texture = emitter.child("texture")) {
+            if (cutoff >= 90) element.fail("the cone of a spot with a texture must be below 90 degrees");
+            if (const auto picture = light_picture(*texture)) light.picture = *picture;
+            place = place * Transform::scale({-1, -1, 1});
+        }
+        add_light(light, place);
+    } else if (type == "projector") {
+        read_projector(emitter, light);
     } else if (type == "directional") {
         light.kind = LightKind::directional;
         light.intensity = plain_color(emitter, "irradiance", {1, 1, 1});
@@ -92,6 +106,61 @@ void Reader::read_emitter(const Element& element)
     }
     emitter.ignore({"sampling_weight"});
     emitter.finish(context_.warnings);
+}
+
+/// A bitmap; nothing, which is told, of another texture.
+std::optional<LightPicture> Reader::light_picture(const Element& texture)
+{
+    Object object(texture, document_);
+    if (texture.tag != "texture" || object.type() != "bitmap") {
+        tell(texture, "a texture other than a bitmap is no picture for a light: left out");
+        return std::nullopt;
+    }
+    Texture read = scene_.textures[std::size_t(this->texture(texture, false))];
+    const bool is_moved =
+        read.uv_scale.x != 1 || read.uv_scale.y != 1 || read.uv_offset.x != 0 || read.uv_offset.y != 0;
+    if (is_moved || read.uv_rotation != 0) tell(texture, "'to_uv' of a light's picture is left out");
+    return LightPicture{read.image, read.color_space, read.nearest};
+}
+
+/// What is given is the irradiance at a distance of 1, over pi: Mitsuba has it from the importance of cameras.
+void Reader::read_projector(Object& emitter, Light& light)
+{
+    light.kind = LightKind::projector;
+    light.flat_field = true;
+    light.intensity = scaled({1, 1, 1}, std::numbers::pi * emitter.number("scale", 1));
+    if (const Element* const irradiance = emitter.child("irradiance")) {
+        if (const auto color = color_of(*irradiance)) {
+            light.intensity = scaled(*color, double(light.intensity.r));
+        } else if (const auto picture = light_picture(*irradiance)) {
+            light.picture = *picture;
+        }
+    }
+    read_fov(emitter, light);
+    add_light(light, emitter.transform("to_world"));
+}
+
+void Reader::read_fov(Object& emitter, Light& light)
+{
+    if (emitter.has("fov")) {
+        const double fov = emitter.number("fov", 0);
+        if (!(fov > 0 && fov < 180)) emitter.element().fail("'fov' must be above 0 and below 180 degrees");
+        light.fov = fov * degree;
+        const std::string axis = emitter.text("fov_axis", "x");
+        light.fov_axis = axis == "y"          ? FovAxis::height
+                         : axis == "diagonal" ? FovAxis::diagonal
+                         : axis == "smaller"  ? FovAxis::smaller
+                         : axis == "larger"   ? FovAxis::larger
+                                              : FovAxis::width;
+        return;
+    }
+    // Of a frame of 36 by 24 mm.
+    std::string text = emitter.text("focal_length", "50mm");
+    if (text.ends_with("mm")) text.resize(text.size() - 2);
+    const std::vector<double> f = numbers_of(emitter.element(), text);
+    if (f.size() != 1 || !(f[0] > 0)) emitter.element().fail("'focal_length' is a length in mm, as in 50mm");
+    light.fov = 2 * std::atan(std::hypot(36, 24) / 2 / f[0]);
+    light.fov_axis = FovAxis::diagonal;
 }
 
 void Reader::read_environment_map(Object& emitter)
@@ -108,16 +177,6 @@ void Reader::read_environment_map(Object& emitter)
     environment.world_from_environment = rotation_of(emitter.transform("to_world")) * mitsuba_from_environment();
     emitter.ignore({"mis_compensation"});
 }
-
-namespace {
-
-Color scaled(Color c, double factor)
-{
-    const auto f = float(factor);
-    return {c.r * f, c.g * f, c.b * f};
-}
-
-}  // namespace
 
 void Reader::read_sky(Object& emitter)
 {

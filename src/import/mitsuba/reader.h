@@ -36,6 +36,9 @@ private:
     void read_integrator(const Element& element);
     // emitter.cpp
     void read_emitter(const Element& element);
+    std::optional<LightPicture> light_picture(const Element& texture);
+    void read_projector(Object& emitter, Light& light);
+    static void read_fov(Object& emitter, Light& light);
     void read_environment_map(Object& emitter);
     void read_sky(Object& emitter);
     void add_light(Light light, const Transform& world_from_light);

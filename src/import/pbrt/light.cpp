@@ -45,9 +45,14 @@ Transform rotation_of(const Transform& t)
 
 void Reader::add_light(Light light, const Transform& world_from_light)
 {
-    Node node;
     // Lights shine along -z here, along +z in the space that is given.
-    node.parent_from_node = world_from_light * Transform::scale({-1, 1, -1});
+    add_light_node(std::move(light), world_from_light * Transform::scale({-1, 1, -1}));
+}
+
+void Reader::add_light_node(Light light, const Transform& world_from_node)
+{
+    Node node;
+    node.parent_from_node = world_from_node;
     node.light = int(scene_.lights.size());
     scene_.lights.push_back(std::move(light));
     scene_.roots.push_back(add_node(std::move(node)));
@@ -58,34 +63,33 @@ void Reader::read_light(const Parameters& of)
     if (state_.ctm[0].m != state_.ctm[1].m) tell(of, "a light that moves stands where it is at first");
     const std::string& type = of.plugin();
     if (type == "infinite") return read_infinite(of);
-    const Vec3d from = of.vector("from").value_or(Vec3d{}), to = of.vector("to").value_or(Vec3d{0, 0, 1});
-    if (type != "point" && length(to - from) == 0) of.fail("'from' and 'to' are the same point");
+    const bool has_place = type != "goniometric" && type != "projection";
+    const Vec3d from = has_place ? of.vector("from").value_or(Vec3d{}) : Vec3d{},
+                to = has_place && type != "point" ? of.vector("to").value_or(Vec3d{0, 0, 1}) : Vec3d{0, 0, 1};
+    if (has_place && type != "point" && length(to - from) == 0) of.fail("'from' and 'to' are the same point");
     const double power = of.number("power", -1);
     const Transform& world = state_.ctm[0];
     Light light;
-    if (type == "point" || type == "goniometric") {
+    if (type == "point" || (type == "goniometric" && !of.has("filename"))) {
         light.intensity = light_color(of, "I");
         if (power > 0) light.intensity = scaled(light.intensity, power / (4 * std::numbers::pi));
-        if (type == "goniometric") {
-            tell(of, "its picture is left out: it shines alike in all directions");
-            of.ignore({"filename"});
-        }
         add_light(light, world * Transform::translate(from));
-    } else if (type == "spot" || type == "projection") {
+    } else if (type == "goniometric") {
+        read_goniometric(of);
+    } else if (type == "projection") {
+        read_projection(of);
+    } else if (type == "spot") {
         light.kind = LightKind::spot;
         light.intensity = light_color(of, "I");
-        const double cone = type == "spot" ? of.number("coneangle", 30) : of.number("fov", 90) / 2;
+        const double cone = of.number("coneangle", 30);
         light.outer_angle = cone * degree;
-        light.inner_angle = std::max(0.0, cone - (type == "spot" ? of.number("conedeltaangle", 5) : 0)) * degree;
+        light.falloff = SpotFalloff::smooth;
+        light.inner_angle = std::max(0.0, cone - of.number("conedeltaangle", 5)) * degree;
         if (!(cone > 0 && cone < 180)) of.fail("the cone's angle must be above 0 and below 180 degrees");
         const double inner = std::cos(light.inner_angle), outer = std::cos(light.outer_angle);
         if (power > 0)
             light.intensity =
                 scaled(light.intensity, power / (2 * std::numbers::pi * ((1 - inner) + (inner - outer) / 2)));
-        if (type == "projection") {
-            tell(of, "its picture is left out: it is a spot of that width");
-            of.ignore({"filename"});
-        }
         add_light(light, world * Transform::translate(from) * towards(to - from));
     } else if (type == "distant") {
         light.kind = LightKind::directional;
@@ -97,6 +101,43 @@ void Reader::read_light(const Parameters& of)
         return;
     }
     of.finish(teller_);
+}
+
+/// The picture's middle is at +y, its right at +x, its bottom at +z.
+void Reader::read_goniometric(const Parameters& of)
+{
+    Light light;
+    light.kind = LightKind::goniometric;
+    light.picture = {image(of), ColorSpace::srgb, true};
+    light.intensity = light_color(of, "I");
+    set_power(of, light);
+    Transform light_from_node;
+    light_from_node.m = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, -1, 0, 0}}};
+    add_light_node(light, state_.ctm[0] * light_from_node);
+}
+
+/// Along +z, the picture's right at +x, its top at +y.
+void Reader::read_projection(const Parameters& of)
+{
+    Light light;
+    light.kind = LightKind::projector;
+    light.picture = {image(of), ColorSpace::srgb, true};
+    const auto scale = float(of.number("scale", 1));
+    light.intensity = {scale, scale, scale};
+    set_power(of, light);
+    const double fov = of.number("fov", 90);
+    if (!(fov > 0 && fov < 180)) of.fail("'fov' must be above 0 and below 180 degrees");
+    light.fov = fov * degree;
+    add_light_node(light, state_.ctm[0] * Transform::scale({1, 1, -1}));
+}
+
+/// Of a light with a picture.
+void Reader::set_power(const Parameters& of, Light& light)
+{
+    const double power = of.number("power", -1);
+    if (!(power > 0)) return;
+    light.intensity = scaled(light.intensity, power);
+    light.intensity_is_flux = true;
 }
 
 void Reader::read_infinite(const Parameters& of)

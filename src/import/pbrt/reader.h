@@ -151,7 +151,11 @@ private:
     // light.cpp: light without a surface
     void read_light(const Parameters& light);
     void read_infinite(const Parameters& light);
+    void read_goniometric(const Parameters& of);
+    void read_projection(const Parameters& of);
+    static void set_power(const Parameters& of, Light& light);
     void add_light(Light light, const Transform& world_from_light);
+    void add_light_node(Light light, const Transform& world_from_node);
 
     void tell(const Parameters& of, const std::string& message);
     int add_node(Node node);

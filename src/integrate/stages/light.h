@@ -4,6 +4,7 @@
 #include "light/curve_light.h"
 #include "light/environment.h"
 #include "light/moving_light.h"
+#include "light/picture.h"
 #include "light/selector.h"
 #include "shading/alpha.h"
 
@@ -16,7 +17,8 @@ public:
         : scene_(scene), tables_(scene.tables), surfaces_(scene), materials_(scene), selector_(scene.tables, selection)
     {
         is_alone_ = tables_.lights.size() == 1 && tables_.environment.light == no_index &&
-                    tables_.lights[0].material == no_index && !scene.moving_lights && !scene.curve_lights;
+                    tables_.lights[0].material == no_index && !scene.moving_lights && !scene.curve_lights &&
+                    !scene.pictured_lights;
     }
 
     /// A point of the only light, or of one that is selected; then the sample's density is that of both choices.
@@ -127,8 +129,21 @@ private:
             const Mask varied = valid & (material != UInt(no_index));
             if (any(varied)) s.radiance = s.radiance * factor_at(light, material, eye, s, time, {along, curve}, varied);
         }
+        if (scene_.pictured_lights) {
+            const Mask pictured = valid & is_kind(light.kind(), LightRecordKind::pictured);
+            if (any(pictured)) s.radiance = s.radiance * picture_at(light, s.wi, pictured);
+        }
         s.inverse_pdf = s.inverse_pdf / choice.pmf;
         return s;
+    }
+
+    /// What the picture of a light leaves of what it sends against wi; 1 for other lanes.
+    template <class Light>
+    [[gnu::noinline]] Spectrum picture_at(const Light& light, const Vec3& wi, Mask m) const
+    {
+        const Spectrum factor = light_picture(tables_, light.primitive(), -dot(wi, light.edge_v()),
+                                              -dot(wi, light.normal()), -dot(wi, light.edge_u()), m);
+        return select(m, factor, Spectrum(Float(1)));
     }
 
     /// Samples the lights of some lanes that are curves; returns where along their segments.
