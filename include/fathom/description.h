@@ -148,6 +148,7 @@ struct Material {
     FloatInput anisotropy{0, -1, 2};
     double anisotropy_rotation = 0;   ///< radians, from the tangent towards the bitangent
     int anisotropy_texture = -1;      ///< red and green: the direction, of which 0.5 is 0; before the rotation
+    bool beckmann = false;            ///< facets are Beckmann's, else GGX's; alpha is the roughness' square too
     bool nonlinear = true;            ///< plastic: what the boundary throws back is coloured each time
     bool energy_compensation = true;  ///< scaled for what facets scatter more than once, which is lost otherwise
     FloatInput coat{0, -1, 0};

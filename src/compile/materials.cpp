@@ -152,6 +152,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     }
     if (m.single_sided && !is_solid(m, t.closure)) t.flags |= MaterialRecord::single_sided;
     if (m.black_behind && t.closure != ClosureKind::none && !t.has_inside()) t.flags |= MaterialRecord::black_behind;
+    if (m.beckmann) t.flags |= MaterialRecord::beckmann;
     if (m.energy_compensation) t.flags |= MaterialRecord::compensated;
     if (m.nonlinear) t.flags |= MaterialRecord::nonlinear;
     if (m.use_vertex_color) t.flags |= MaterialRecord::vertex_colored;

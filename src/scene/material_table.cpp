@@ -124,6 +124,8 @@ const P parameters[] = {
      "degrees, from the tangent towards the bitangent", -P::unbounded, P::unbounded, std::numbers::pi / 180},
     {"anisotropy_map", kind_bits(principled), TextureReference<Material>{&Material::anisotropy_texture},
      "direction in red and green, of which 0.5 is 0"},
+    {"beckmann", kind_bits(metal, glass, plastic, principled), &Material::beckmann,
+     "facets are Beckmann's, else GGX's, whose highlights have wider tails"},
     {"nonlinear", kind_bits(plastic), &Material::nonlinear,
      "whether what the boundary throws back is coloured each time, which saturates"},
     {"energy_compensation", kind_bits(plastic, principled), &Material::energy_compensation,

@@ -1,6 +1,7 @@
 #pragma once
 /// The GGX distribution of facets: Walter et al. 2007, with the height-correlated Smith term (Heitz 2014). Directions
 /// are in the frame of the shading normal.
+#include "math/elementary.h"
 #include "sampling/warp.h"
 #include "shading/ggx_albedo_table.h"
 #include "shading/spectrum.h"
@@ -42,6 +43,11 @@ struct Ggx {
     Float g1(Vec3 w) const { return Float(1) / (Float(1) + lambda(w)); }
     Float g2(Vec3 wo, Vec3 wi) const { return Float(1) / (Float(1) + lambda(wo) + lambda(wi)); }
 
+    /// Square of a normal's slope, of alpha 1.
+    Float slope2(Vec3 h) const { return fma(h.x, h.x, h.y * h.y) / max(alpha * alpha * h.z * h.z, Float(1e-30f)); }
+    /// The same of a direction's inverse: how far the surface's roughness reaches.
+    Float stretch2(Vec3 w) const { return alpha * alpha * fma(w.x, w.x, w.y * w.y) / max(w.z * w.z, Float(1e-12f)); }
+    Float alpha2() const { return alpha * alpha; }
     Vec3 sample(Vec3 wo, Sample2 u) const { return sample_visible_normal(wo, alpha, alpha, u); }
     /// Density per solid angle of the normals that sample gives.
     Float pdf(Vec3 wo, Vec3 h) const { return g1(wo) * max(dot(wo, h), Float(0)) * d(h) / wo.z; }
@@ -65,7 +71,67 @@ struct AnisotropicGgx {
     }
     Float g1(Vec3 w) const { return Float(1) / (Float(1) + lambda(w)); }
     Float g2(Vec3 wo, Vec3 wi) const { return Float(1) / (Float(1) + lambda(wo) + lambda(wi)); }
+    Float slope2(Vec3 h) const
+    {
+        const Float x = h.x / alpha_x, y = h.y / alpha_y;
+        return fma(x, x, y * y) / max(h.z * h.z, Float(1e-30f));
+    }
+    Float stretch2(Vec3 w) const
+    {
+        const Float x = w.x * alpha_x, y = w.y * alpha_y;
+        return fma(x, x, y * y) / max(w.z * w.z, Float(1e-12f));
+    }
+    Float alpha2() const { return alpha_x * alpha_y; }
     Vec3 sample(Vec3 wo, Sample2 u) const { return sample_visible_normal(wo, alpha_x, alpha_y, u); }
+};
+
+/// What GGX's alpha is of Beckmann's that it looks most like.
+inline constexpr float ggx_of_beckmann = 0.7f, sqrt_ggx_of_beckmann = 0.83666003f;
+
+/// Facets as GGX has them or, in some lanes, Beckmann, with the fit of the shadowing term by Walter et al. 2007, of
+/// each direction by itself. Normals are those of GGX, the distribution G, of ggx_of_beckmann times the alpha:
+/// Beckmann's are nowhere more than 1.8 times as many.
+template <class G>
+class Facets : public G {
+public:
+    Facets() = default;
+    /// ggx: that which is sampled
+    Facets(const G& ggx, Mask beckmann) : G(ggx), beckmann_(beckmann), some_(any(beckmann)) {}
+
+    /// Density of the facets' normals. d: G::d(h).
+    Float value(Vec3 h, Float d) const
+    {
+        if (!some_) return d;
+        constexpr float ratio2 = ggx_of_beckmann * ggx_of_beckmann;
+        const Float cos2 = max(h.z * h.z, Float(1e-8f));
+        const Float b = exp(-this->slope2(h) * Float(ratio2)) * Float(ratio2 * inv_pi) / (this->alpha2() * cos2 * cos2);
+        return select(beckmann_, b, d);
+    }
+    Float g2(Vec3 wo, Vec3 wi) const
+    {
+        const Float g = G::g2(wo, wi);
+        return some_ ? select(beckmann_, shadowing(wo) * shadowing(wi), g) : g;
+    }
+    /// Of a direction that comes from the normal h: what it is worth but for the reflectance.
+    Float weight(Vec3 wo, Vec3 wi, Vec3 h) const
+    {
+        const Float w = g2(wo, wi) / G::g1(wo);
+        if (!some_) return w;
+        const Float d = G::d(h);
+        return w * (value(h, d) / max(d, Float(1e-30f)));
+    }
+
+private:
+    Float shadowing(Vec3 w) const
+    {
+        const Float a = Float(ggx_of_beckmann) / sqrt(max(this->stretch2(w), Float(1e-20f)));
+        const Float fit =
+            a * fma(a, Float(2.181f), Float(3.535f)) / fma(a, fma(a, Float(2.577f), Float(2.276f)), Float(1));
+        return select(a < Float(1.6f), fit, Float(1));
+    }
+
+    Mask beckmann_{false};
+    bool some_ = false;
 };
 
 inline Vec3 reflect(Vec3 w, Vec3 n)

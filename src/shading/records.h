@@ -115,7 +115,8 @@ struct MaterialRecord {
         sheet = 1024,         ///< thin: of two boundaries
         nonlinear = 2048,     ///< plastic: light below the boundary is coloured each time
         black_behind = 4096,
-        absorption = 8192  ///< hair: base_color is what a fibre absorbs over its radius
+        absorption = 8192,  ///< hair: base_color is what a fibre absorbs over its radius
+        beckmann = 16384    ///< facets are Beckmann's, else GGX's
     };
     // What shading reads of each vertex: see hot_words.
     std::uint32_t flags = 0;

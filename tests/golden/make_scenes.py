@@ -170,6 +170,11 @@ def materials():
         "kind": "hosek-wilkie", "to_sun": [-1, 0.5, 1], "turbidity": 4.3, "ground_albedo": 0.6, "color": 5, "rotate": {"axis": [0, 1, 0], "angle_deg": 30}})
     for kind in ["spherical", "equal-area"]:
         write(f"camera-{kind}", scene=with_material(kind="diffuse") + [LAMP], camera={"kind": kind, "position": [0.5, 1.6, 2], "look_at": [0, 0.6, 0]})
+    write("beckmann", scene=with_material(kind="principled", metallic=1, color=[0.9, 0.6, 0.3], edge_color=[1, 0.9, 0.8], roughness=0.4, anisotropy=0.5,
+                                          beckmann=True, energy_compensation=False) + [
+        LAMP, {"material": {"kind": "glass", "roughness": 0.3, "beckmann": True}, "sphere": {"center": [-1.1, 0.3, 0.8], "radius": 0.3}},
+        {"material": {"kind": "plastic", "roughness": 0.3, "beckmann": True}, "sphere": {"center": [1.1, 0.3, 0.8], "radius": 0.3}},
+        {"material": {"kind": "metal", "roughness": 0.3, "beckmann": True}, "sphere": {"center": [0.2, 0.2, 1.3], "radius": 0.2}}])
     write("glass", scene=with_material(kind="glass", ior=1.5))
     write("glass-rough", scene=with_material(kind="glass", ior=1.4, roughness=0.4, color=[0.6, 0.9, 0.8]))
     write("glass-absorbing", scene=with_material(kind="glass", attenuation_color=[0.2, 0.6, 0.9], attenuation_distance=0.5))

@@ -471,6 +471,19 @@ TEST_F(Mitsuba, AnisotropicConductors)
     check(rough("0.04", "0.36"), std::numbers::pi / 2);
 }
 
+/// Beckmann's unless another is named.
+TEST_F(Mitsuba, DistributionsOfFacets)
+{
+    for (const char* type : {"roughconductor", "roughdielectric", "roughplastic"}) {
+        const Material m = bsdf(fmt::format(R"(<bsdf type="{}"><float name="alpha" value="0.09"/></bsdf>)", type));
+        EXPECT_TRUE(m.beckmann) << type;
+        EXPECT_NEAR(m.roughness.value, 0.3, 1e-6) << type;
+        EXPECT_FALSE(
+            bsdf(fmt::format(R"(<bsdf type="{}"><string name="distribution" value="ggx"/></bsdf>)", type)).beckmann)
+            << type;
+    }
+}
+
 TEST_F(Mitsuba, Dielectrics)
 {
     const Material glass =

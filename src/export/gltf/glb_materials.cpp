@@ -143,6 +143,10 @@ Json GlbMaterials::base_json(const Material& m)
         if (m.fuzz > 0) tell("fuzz: it is rough instead");
     }
     if (m.kind == MaterialKind::hair) tell("how hair scatters: it is diffuse instead");
+    if (m.beckmann && has_facets) {
+        roughness.value *= 0.83666f;
+        if (roughness.value > 0) tell("facets of Beckmann's: those of GGX that are most like them are taken");
+    }
     if (m.kind == MaterialKind::plastic) tell("what goes to and fro below the boundary of plastic");
     put_factor(json, "metallicFactor", metallic, 1, "metallicRoughnessTexture", blue);
     Json of_metal = json.contains("metallicRoughnessTexture") ? json["metallicRoughnessTexture"] : Json();

@@ -133,13 +133,7 @@ Material Reader::diffuse(Object& bsdf)
 
 void Reader::read_roughness(Object& bsdf, Material& m)
 {
-    // What is told of facets of Beckmann's distribution is most like those of GGX of 0.7 times the alpha: of veach-mis
-    // the mean agrees so within 0.3 %, its plates within 5 to 12 %.
-    const bool is_beckmann = bsdf.text("distribution", "beckmann") == "beckmann";
-    const float ggx_alpha = is_beckmann ? 0.7f : 1.f;
-    if (is_beckmann)
-        tell(bsdf.element(),
-             "facets of Beckmann's distribution are taken as of GGX, whose highlights have wider tails");
+    m.beckmann = bsdf.text("distribution", "beckmann") == "beckmann";
     // alpha = roughness^2 here; of a texture its root would be wanted.
     const auto alpha = [&](std::string_view name, float otherwise) {
         FloatInput input = number_or_texture(bsdf, name, otherwise);
@@ -147,7 +141,7 @@ void Reader::read_roughness(Object& bsdf, Material& m)
             tell(bsdf.element(),
                  fmt::format("a texture as '{}' is taken for the roughness: it is the root of that", name));
         else
-            input.value = square_root(std::min(input.value * ggx_alpha, 1.f));
+            input.value = square_root(std::min(input.value, 1.f));
         return input;
     };
     m.energy_compensation = false;

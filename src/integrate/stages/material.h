@@ -47,6 +47,7 @@ public:
         const UInt flags = row.get(&MaterialRecord::flags);
         p.thin = (flags & UInt(MaterialRecord::thin)) != UInt(0);
         p.sheet = (flags & UInt(MaterialRecord::sheet)) != UInt(0);
+        p.beckmann = (flags & UInt(MaterialRecord::beckmann)) != UInt(0);
         p.compensated = (flags & UInt(MaterialRecord::compensated)) != UInt(0);
         p.nonlinear = (flags & UInt(MaterialRecord::nonlinear)) != UInt(0);
         const Mask colored = m & ((flags & UInt(MaterialRecord::vertex_colored)) != UInt(0));

@@ -24,6 +24,7 @@
 #include <type_traits>
 
 #include "sampling/warp.h"
+#include "shading/microfacet.h"
 #include "shading/records.h"
 #include "shading/spectrum.h"
 
@@ -74,6 +75,7 @@ struct MaterialPoint {
     Mask entering;         ///< the path comes from the side of the geometric normal
     Mask thin;             ///< without thickness
     Mask sheet;            ///< thin: of two boundaries, between which light goes to and fro
+    Mask beckmann{false};  ///< facets are Beckmann's
     Mask compensated;      ///< scaled for what facets scatter more than once
     Mask nonlinear{true};  ///< plastic: light below the boundary is coloured each time
     Float across{0};       ///< hair: where the path met the fibre across its width, -1 to 1 along the frame's y
@@ -82,6 +84,17 @@ struct MaterialPoint {
 struct LayeredMaterialPoint : MaterialPoint {
     LayersPoint layers;
 };
+
+/// Alpha of GGX by which facets are sampled: of Facets.
+inline Float sampled_alpha(const MaterialPoint& m)
+{
+    return m.roughness * m.roughness * select(m.beckmann, Float(ggx_of_beckmann), Float(1));
+}
+/// Roughness of those, for tables of GGX's facets.
+inline Float sampled_roughness(const MaterialPoint& m)
+{
+    return m.roughness * select(m.beckmann, Float(sqrt_ggx_of_beckmann), Float(1));
+}
 
 /// What a closure is made from.
 template <class Closure>

@@ -26,8 +26,8 @@ public:
     static constexpr bool is_fibre = false;
 
     explicit GlassBsdf(const MaterialPoint& m)
-        : roughness_(m.roughness),
-          ggx_{max(m.roughness * m.roughness, Float(min_alpha))},
+        : roughness_(sampled_roughness(m)),
+          ggx_({max(sampled_alpha(m), Float(min_alpha))}, m.beckmann),
           color_(m.base_color),
           is_thin_(m.thin),
           is_sheet_(m.sheet),
@@ -53,11 +53,11 @@ public:
         Float cos_t;
         const Float r = reflectance(min(o, Float(1)), cos_t);
         const Float share = select(reflects, r, Float(1) - r);
-        const Float d = ggx_.d(h), g = ggx_.g2(wo, wi), visible = ggx_.g1(wo) * d / wo.z;
+        const Float d = ggx_.d(h), visible = ggx_.g1(wo) * d / wo.z, facets = ggx_.value(h, d) * ggx_.g2(wo, wi);
         const Float denominator = i + o / eta_;
         const Float jacobian = abs(i) / max(denominator * denominator, Float(1e-20f));
-        const Float f_mirror = share * d * g / (Float(4) * wo.z);
-        const Float f_refract = share * d * g * jacobian * o / (wo.z * eta_ * eta_);
+        const Float f_mirror = share * facets / (Float(4) * wo.z);
+        const Float f_refract = share * facets * jacobian * o / (wo.z * eta_ * eta_);
         const Float f = select(valid, select(mirrors, f_mirror, f_refract), Float(0));
         const Float pdf = select(valid, visible * share * select(mirrors, Float(0.25f), jacobian * o), Float(0));
         return {tint(reflects) * (f * gain(wo)), pdf};
@@ -73,7 +73,7 @@ public:
         const Vec3 through = select(is_thin_, straight, refract(wo, h, o, cos_t, eta_));
         const Vec3 wi = normalize(select(reflects, mirrored, through));
         const Mask valid = equal(wi.z > Float(0), reflects);
-        const Float g = select(is_smooth_, Float(1), ggx_.g2(wo, wi) / ggx_.g1(wo));
+        const Float g = select(is_smooth_, Float(1), ggx_.weight(wo, wi, h));
         const Mask refracts = !(reflects | is_thin_);
         const Float weight = select(refracts, g / (eta_ * eta_), g);
         const Float pdf = eval(wo, wi).pdf;
@@ -97,7 +97,7 @@ private:
     Spectrum tint(Mask reflects) const { return select(reflects, Spectrum(Float(1)), color_); }
 
     Float roughness_;
-    Ggx ggx_;
+    Facets<Ggx> ggx_;
     Spectrum color_;
     Float eta_;
     Mask is_thin_, is_sheet_, is_compensated_, is_smooth_;

@@ -32,17 +32,19 @@ public:
     {
         const Float alpha = m.roughness * m.roughness;
         Float alpha_x = alpha;
-        mean_roughness_ = m.roughness;
+        mean_roughness_ = sampled_roughness(m);
         if (l_.has(LayersRecord::anisotropic)) {
             alpha_x = fma(Float(1) - alpha, l_.anisotropy * l_.anisotropy, alpha);
-            mean_roughness_ = sqrt(sqrt(max(alpha * alpha_x, Float(0))));
+            mean_roughness_ =
+                sqrt(sqrt(max(alpha * alpha_x, Float(0)))) * select(m.beckmann, Float(sqrt_ggx_of_beckmann), Float(1));
             const Float sine2 = fma(l_.tangent.x, l_.tangent.x, l_.tangent.y * l_.tangent.y);
             const Mask known = sine2 > Float(1e-12f);
             const Float inverse = inverse_sqrt(max(sine2, Float(1e-12f)));
             turn_cos_ = select(known, l_.tangent.x * inverse, Float(1));
             turn_sin_ = select(known, l_.tangent.y * inverse, Float(0));
         }
-        ggx_ = {max(alpha_x, Float(2 * min_alpha)), max(alpha, Float(2 * min_alpha))};
+        const Float scale = select(m.beckmann, Float(ggx_of_beckmann), Float(1));
+        ggx_ = {{max(alpha_x * scale, Float(2 * min_alpha)), max(alpha * scale, Float(2 * min_alpha))}, m.beckmann};
         // Where both sides have the same index nothing would tell the facet that refracted.
         const Float ior = select(abs(m.ior - Float(1)) < Float(5e-4f), Float(1 + 5e-4f), m.ior);
         const Float root = (ior - Float(1)) / (ior + Float(1));
@@ -317,7 +319,8 @@ private:
     {
         const Vec3 o = turned(wo, 1), i = turned(wi, 1);
         const Vec3 h = normalize(o + i + Vec3{Float(0), Float(0), Float(1e-20f)});
-        const Float d = ggx_.d(h) / (Float(4) * wo.z), specular = d * ggx_.g2(o, i);
+        const Float normals = ggx_.d(h), d = normals / (Float(4) * wo.z);
+        const Float specular = ggx_.value(h, normals) / (Float(4) * wo.z) * ggx_.g2(o, i);
         const Float cosine = max(wi.z, Float(0)) * Float(inv_pi);
         Spectrum dielectric, metal;
         reflectance(max(dot(o, h), Float(0)), dielectric, metal);
@@ -366,10 +369,10 @@ private:
         const Mask valid = refracts_ & (oh > Float(0)) & equal(ih > Float(0), thin_);
         Spectrum dielectric, metal;
         reflectance(clamp(oh, Float(0), Float(1)), dielectric, metal);
-        const Float d = ggx_.d(h) / wo.z, denominator = ih + oh / eta_;
+        const Float normals = ggx_.d(h), d = normals / wo.z, denominator = ih + oh / eta_;
         const Float jacobian = abs(ih) * oh / max(denominator * denominator, Float(1e-20f));
         const Float gain = select(thin_, Float(0.25f) * (Float(1) + v.more), jacobian / (eta_ * eta_));
-        const Float f = select(valid, d * ggx_.g2(o, i) * gain * l_.transmission, Float(0));
+        const Float f = select(valid, ggx_.value(h, normals) / wo.z * ggx_.g2(o, i) * gain * l_.transmission, Float(0));
         const Float pdf = select(valid, d * ggx_.g1(o) * select(thin_, Float(0.25f), jacobian), Float(0));
         const Float cosine = max(-wi.z, Float(0)) * Float(inv_pi);
         const Float diffuse = v.boundary_left * diffuse_share_ * l_.diffuse_transmission * cosine;
@@ -388,7 +391,7 @@ private:
     Float metallic_;
     Mask thin_;
     Float plain_f0_, mean_roughness_, turn_cos_{1}, turn_sin_{0};
-    AnisotropicGgx ggx_;
+    Facets<AnisotropicGgx> ggx_;
     // Of closures that pass light:
     Spectrum tint_;
     Float eta_{1}, diffuse_share_{1}, below_share_{0};

@@ -16,7 +16,9 @@ public:
     static constexpr bool is_fibre = false;
 
     explicit MetalBsdf(const MaterialPoint& m)
-        : color_(m.base_color), roughness_(m.roughness), ggx_{max(m.roughness * m.roughness, Float(min_alpha))}
+        : color_(m.base_color),
+          roughness_(sampled_roughness(m)),
+          ggx_({max(sampled_alpha(m), Float(min_alpha))}, m.beckmann)
     {
         is_mirror_ = m.roughness * m.roughness < Float(min_alpha);
     }
@@ -27,7 +29,7 @@ public:
         const Vec3 h = normalize(wo + wi + Vec3{Float(0), Float(0), Float(1e-20f)});
         const Mask valid = (wi.z > Float(0)) & has_smooth();
         const Float d = ggx_.d(h);
-        const Float f = select(valid, d * ggx_.g2(wo, wi) / (Float(4) * wo.z), Float(0));
+        const Float f = select(valid, ggx_.value(h, d) * ggx_.g2(wo, wi) / (Float(4) * wo.z), Float(0));
         const Float pdf = select(valid, ggx_.g1(wo) * d / (Float(4) * wo.z), Float(0));
         return {reflectance(wo, dot(wo, h)) * f, pdf};
     }
@@ -35,7 +37,7 @@ public:
     {
         const Vec3 h = select(is_mirror_, Vec3{Float(0), Float(0), Float(1)}, ggx_.sample(wo, u));
         const Vec3 wi = reflect(wo, h);
-        const Float g = select(is_mirror_, Float(1), ggx_.g2(wo, wi) / ggx_.g1(wo));
+        const Float g = select(is_mirror_, Float(1), ggx_.weight(wo, wi, h));
         const Float pdf = ggx_.g1(wo) * ggx_.d(h) / (Float(4) * wo.z);
         return {wi, reflectance(wo, dot(wo, h)) * select(wi.z > Float(0), g, Float(0)), pdf, is_mirror_, Float(1)};
     }
@@ -56,7 +58,7 @@ private:
 
     Spectrum color_;
     Float roughness_;
-    Ggx ggx_;
+    Facets<Ggx> ggx_;
     Mask is_mirror_;
 };
 

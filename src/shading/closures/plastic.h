@@ -24,8 +24,8 @@ public:
     static constexpr bool is_fibre = false;
 
     explicit PlasticBsdf(const MaterialPoint& m)
-        : roughness_(m.roughness),
-          ggx_{max(m.roughness * m.roughness, Float(2 * min_alpha))},
+        : roughness_(sampled_roughness(m)),
+          ggx_({max(sampled_alpha(m), Float(2 * min_alpha))}, m.beckmann),
           ior_(clamp(m.ior, Float(1), Float(3))),
           compensated_(m.compensated)
     {
@@ -50,7 +50,7 @@ public:
         const Float d = ggx_.d(h), scale = Float(1) / (Float(4) * wo.z);
         Float beyond;
         const Float f = fresnel_dielectric(clamp(dot(wo, h), Float(0), Float(1)), ior_, beyond);
-        const Float boundary = f * d * ggx_.g2(wo, wi) * scale;
+        const Float boundary = f * ggx_.value(h, d) * ggx_.g2(wo, wi) * scale;
         const Float passes_out = passes(wo.z), cosine = wi.z * Float(inv_pi);
         const Float body = passes_out * passes(wi.z) * cosine;
         BsdfEval r;
@@ -110,7 +110,7 @@ private:
     }
 
     Float roughness_;
-    Ggx ggx_;
+    Facets<Ggx> ggx_;
     Float ior_, most_body_;
     Mask compensated_;
     Spectrum body_;  ///< but for what passes the boundary, and 1 / pi

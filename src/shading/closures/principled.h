@@ -19,8 +19,8 @@ public:
     static constexpr bool is_fibre = false;
 
     explicit PrincipledBsdf(const MaterialPoint& m)
-        : roughness_(m.roughness),
-          ggx_{max(m.roughness * m.roughness, Float(2 * min_alpha))},
+        : roughness_(sampled_roughness(m)),
+          ggx_({max(sampled_alpha(m), Float(2 * min_alpha))}, m.beckmann),
           metallic_(m.metallic),
           compensation_(select(m.compensated, Float(1), Float(0))),
           color_(m.base_color)
@@ -38,7 +38,7 @@ public:
         const Vec3 h = normalize(wo + wi + Vec3{Float(0), Float(0), Float(1e-20f)});
         const Mask valid = wi.z > Float(0);
         const Float d = ggx_.d(h);
-        const Float specular = d * ggx_.g2(wo, wi) / (Float(4) * wo.z);
+        const Float specular = ggx_.value(h, d) * ggx_.g2(wo, wi) / (Float(4) * wo.z);
         const Float w = schlick_weight(dot(wo, h));
         const Float more = gain(ggx_albedo(wo.z, roughness_));
         const auto reflected = [&](Float f0) { return fma(Float(1) - f0, w, f0) * fma(f0, more, Float(1)); };
@@ -81,7 +81,7 @@ private:
     }
 
     Float roughness_;
-    Ggx ggx_;
+    Facets<Ggx> ggx_;
     Float metallic_, compensation_, dielectric_f0_, most_f0_, most_diffuse_;
     Spectrum color_;
 };
