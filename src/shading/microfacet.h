@@ -105,7 +105,9 @@ public:
         constexpr float ratio2 = ggx_of_beckmann * ggx_of_beckmann;
         const Float cos2 = max(h.z * h.z, Float(1e-8f));
         const Float b = exp(-this->slope2(h) * Float(ratio2)) * Float(ratio2 * inv_pi) / (this->alpha2() * cos2 * cos2);
-        return select(beckmann_, b, d);
+        // Above 0, as the density of sampling is: which directions can come must not depend on what exp still tells
+        // from 0.
+        return select(beckmann_, max(b, Float(1e-30f)), d);
     }
     Float g2(Vec3 wo, Vec3 wi) const
     {

@@ -9,8 +9,8 @@
 #include "import/common/medium.h"
 #include "import/common/read_file.h"
 #include "import/common/suggest.h"
+#include "import/mitsuba/metals.h"
 #include "import/mitsuba/reader.h"
-#include "scene/conductors.h"
 
 namespace fathom::mitsuba {
 
@@ -31,14 +31,6 @@ constexpr NamedIor named_iors[] = {{"vacuum", 1},        {"helium", 1.000036},  
                                    {"pyrex", 1.470},     {"acrylic glass", 1.49},     {"polypropylene", polypropylene},
                                    {"bk7", bk7},         {"sodium chloride", 1.544},  {"amber", amber},
                                    {"pet", 1.5750},      {"diamond", 2.419}};
-
-struct NamedMetal {
-    const char *name, *here;
-};
-/// What Mitsuba calls metals whose data are known here.
-constexpr NamedMetal named_metals[] = {
-    {"Au", "gold"},     {"Ag", "silver"},         {"Al", "aluminium"},       {"Cu", "copper"},
-    {"Cr", "chromium"}, {"Cr_palik", "chromium"}, {"Al_palik", "aluminium"}, {"Cu_palik", "copper"}};
 
 Color times(Color a, Color b)
 {
@@ -174,13 +166,10 @@ Material Reader::conductor(Object& bsdf)
         for (Color* c : {&conductor.eta, &conductor.k}) *c = {c->r / outside, c->g / outside, c->b / outside};
         colors = colors_of(conductor);
     } else if (name != "none") {
-        const auto metal = std::find_if(std::begin(named_metals), std::end(named_metals),
-                                        [&](const NamedMetal& n) { return name == n.name; });
-        const Conductor* found = nullptr;
-        for (const Conductor& c : conductors())
-            if (metal != std::end(named_metals) && std::string_view(c.name) == metal->here) found = &c;
-        if (found)
-            colors = colors_of(*found);
+        const auto metal =
+            std::find_if(std::begin(metals), std::end(metals), [&](const Conductor& c) { return name == c.name; });
+        if (metal != std::end(metals))
+            colors = colors_of(*metal);
         else
             tell(bsdf.element(), fmt::format("the metal '{}' is not known: a perfect mirror instead", printable(name)));
     }
