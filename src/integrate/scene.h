@@ -49,7 +49,8 @@ struct LaneScene final : KernelScene {
     bool tracks_media = false;        ///< paths must know what they are in: that, or solids may overlap
     bool has_mixtures = false;        ///< some material is one of two
     bool sees_environment = false;    ///< rays that leave the scene bring something
-    bool only_diffuse_quads = false;  ///< flat, smooth, without textures or motion: QuadTracer renders it
+    bool only_quads = false;          ///< flat, without motion and what is rare: QuadTracer renders it
+    bool only_plain_quads = false;    ///< the same, and all quads are plain: see QuadColumns
     FilterTable filters[2];           ///< Gaussian, Blackman-Harris
 
     LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level);
