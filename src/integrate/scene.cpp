@@ -103,8 +103,8 @@ void LaneScene::read_shapes()
                                   (std::uint32_t(material_bucket.size()) & ((1u << kind_shift) - 1)));
     shape_info.clear();
     only_plain_quads = true;
-    only_quads = is_flat && !tables.moving && tables.triangles.empty() && tables.spheres.empty() &&
-                 tables.disks.empty();
+    only_quads =
+        is_flat && !tables.moving && tables.triangles.empty() && tables.spheres.empty() && tables.disks.empty();
     for (const ShapeRecord& shape : tables.shapes) {
         const MaterialRecord& material = tables.materials[shape.material];
         read_material(material);

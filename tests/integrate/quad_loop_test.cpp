@@ -16,18 +16,28 @@ Material other_material(SceneDescription& scene, std::mt19937& engine)
     m.roughness.value = engine() % 2 ? 0.f : float(uniform(0.4, 0.9));
     m.base_color.value = {float(uniform(0.3, 0.9)), float(uniform(0.3, 0.9)), float(uniform(0.3, 0.9))};
     switch (engine() % 6) {
-    case 0: m.kind = MaterialKind::metal; break;
-    case 1: m.kind = MaterialKind::plastic; break;
-    case 2: m.kind = MaterialKind::fuzz_metal, m.fuzz = uniform(0.1, 0.9); break;
-    case 3: m.kind = MaterialKind::glass, m.thin = engine() % 3 != 0; break;
-    case 4: m.kind = MaterialKind::unlit; break;
-    default: {
-        Texture checker;
-        checker.kind = TextureKind::checker_space;
-        checker.scale = 9;
-        scene.textures.push_back(checker);
-        m.base_color.texture = int(scene.textures.size()) - 1;
-    }
+        case 0:
+            m.kind = MaterialKind::metal;
+            break;
+        case 1:
+            m.kind = MaterialKind::plastic;
+            break;
+        case 2:
+            m.kind = MaterialKind::fuzz_metal, m.fuzz = uniform(0.1, 0.9);
+            break;
+        case 3:
+            m.kind = MaterialKind::glass, m.thin = engine() % 3 != 0;
+            break;
+        case 4:
+            m.kind = MaterialKind::unlit;
+            break;
+        default: {
+            Texture checker;
+            checker.kind = TextureKind::checker_space;
+            checker.scale = 9;
+            scene.textures.push_back(checker);
+            m.base_color.texture = int(scene.textures.size()) - 1;
+        }
     }
     return m;
 }

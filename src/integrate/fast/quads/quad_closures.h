@@ -29,10 +29,7 @@ struct QuadScatter {
 
 class QuadClosures {
 public:
-    QuadClosures(const LaneScene& scene, StageClock& clock)
-        : surfaces_(scene), materials_(scene), clock_(clock)
-    {
-    }
+    QuadClosures(const LaneScene& scene, StageClock& clock) : surfaces_(scene), materials_(scene), clock_(clock) {}
 
     /// The lanes of m, all on quads of a kind. sample: gives the light sample of some lanes.
     template <class LightOf>

@@ -10,46 +10,12 @@
 /// others are kept apart, where closures are run on full gangs of them (quad_closures.h).
 #include <utility>
 
+#include "integrate/fast/quads/ended_paths.h"
 #include "integrate/fast/quads/quad_closures.h"
-#include "integrate/pool.h"
+#include "integrate/fast/quads/quad_pool.h"
 #include "integrate/stages/first_hits.h"
 
 namespace fathom::inline FATHOM_LANES {
-
-/// Paths that wait on a quad each.
-struct QuadPool {
-    VectorColumn eye;
-    SpectrumColumn throughput, radiance;
-    /// The quad in its low 15 bits, whether any closure but delta lobes has scattered the path, the bounces so far in
-    /// the next 15, and on top whether the path is on the quad's back.
-    Column<std::uint32_t> place;
-    Column<std::uint32_t> pixel_hash, reversed_index, pixel;
-    Column<float> eta_scale;  ///< where something refracts
-
-    static constexpr std::uint32_t quad_mask = 0x7fff, scattered = 1u << 15, bounce_mask = 0x7fff, back = 1u << 31;
-    static constexpr int bounce_shift = 16;
-
-    SampleKey key(std::size_t i) const { return {pixel_hash.load(i), reversed_index.load(i)}; }
-    UInt quad(std::size_t i) const { return place.load(i) & UInt(quad_mask); }
-    UInt bounces(std::size_t i) const { return (place.load(i) >> bounce_shift) & UInt(bounce_mask); }
-
-    template <class F>
-    void for_all(bool refracts, F&& f)
-    {
-        f(eye.x), f(eye.y), f(eye.z);
-        for (int c = 0; c < channels; ++c) f(throughput.c[c]), f(radiance.c[c]);
-        f(place), f(pixel_hash), f(reversed_index), f(pixel);
-        if (refracts) f(eta_scale);
-    }
-};
-
-/// Of quads that are not plain, those of one ClosureKind.
-struct OtherQuadPool : QuadPool {
-    std::uint32_t kind;
-    std::size_t end;         ///< where the next path goes
-    VectorColumn direction;  ///< along which the path came
-    Column<float> offset;    ///< of the eye from the quad
-};
 
 /// all_plain: whether all quads are plain.
 template <bool all_plain>
@@ -63,7 +29,7 @@ public:
           lights_(scene, settings.light_selection),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
-          sums_(sums),
+          ended_(sums),
           counters_(counters),
           clock_(counters, settings.measure),
           closures_(scene, clock_)
@@ -86,7 +52,7 @@ public:
             if constexpr (!all_plain)
                 for (std::size_t k = 0; k < other_kinds_; ++k) run_others(others_[k]);
         }
-        sum_ended();
+        ended_.sum();
     }
 
 private:
@@ -130,7 +96,7 @@ private:
         Spectrum sum(Float(0));
         at.add_radiance(*this, Spectrum(Float(1)), sum);
         const Mask goes_on = at.goes_on() & may_scatter(settings_, UInt(0u));
-        finish(valid & !goes_on, path.pixel, path.key.reversed_index, sum);
+        ended_.add(valid & !goes_on, path.pixel, path.key.reversed_index, sum);
         keep(at, goes_on, UInt(0u), Spectrum(Float(1)), sum, Float(1), path.key, path.pixel);
     }
 
@@ -166,8 +132,15 @@ private:
         const UInt index = shuffled_index(p.key(i), seed), quad = p.quad(i);
         const Vec3 eye = p.eye.load(i);
         const Float offset = p.offset.load(i);
-        const QuadPlace place{fma(normal(p, i), -offset, eye), offset, p.direction.load(i), eye, quad, p.key(i), seed,
-                              index, p.throughput.load(i)};
+        const QuadPlace place{fma(normal(p, i), -offset, eye),
+                              offset,
+                              p.direction.load(i),
+                              eye,
+                              quad,
+                              p.key(i),
+                              seed,
+                              index,
+                              p.throughput.load(i)};
         const auto light = [&](Mask m) {
             return lights_.sample(m, eye, place.key, seed, sample_2d(index, pair_seed(seed, pair_light)), Float(0));
         };
@@ -193,7 +166,7 @@ private:
         at.meet(*this);
         at.add_radiance(*this, left, sum);
         const Mask goes_on = at.goes_on() & may_scatter(settings_, before + UInt(1u));
-        finish(valid & !goes_on, p.pixel.load(i), p.reversed_index.load(i), sum);
+        ended_.add(valid & !goes_on, p.pixel.load(i), p.reversed_index.load(i), sum);
         keep(at, goes_on, before + UInt(1u), left, sum, eta_scale, p.key(i), p.pixel.load(i));
     }
 
@@ -266,8 +239,8 @@ private:
         static constexpr bool from_camera = from == From::camera;
 
         Vec3 o, d;
-        Float pdf;   ///< of the direction
-        Mask alive;  ///< lanes with a ray
+        Float pdf;                     ///< of the direction
+        Mask alive;                    ///< lanes with a ray
         Mask specular{from_camera};    ///< light that the ray brings is not weighted against light sampling
         Mask scattered{!from_camera};  ///< by closures but delta lobes, at any time
 
@@ -328,7 +301,7 @@ private:
 
         /// By value: nothing of the caller's has to live in memory for its sake. 0 outside the mask.
         [[gnu::noinline]] static Spectrum background(const QuadTracer& tracer, Vec3 d, Float pdf, Mask misses,
-                                                  Mask specular)
+                                                     Mask specular)
         {
             const Spectrum seen = tracer.lights_.environment(tracer.settings_.background, tracer.lights_are_sampled_, d,
                                                              Mask(from_camera), specular, pdf, misses);
@@ -350,43 +323,13 @@ private:
         }
     };
 
-    /// Notes the sums of paths that have ended.
-    [[gnu::always_inline]] void finish(Mask ended, UInt pixels, UInt reversed, const Spectrum& sum)
-    {
-        Float largest = abs(sum.c[0]);
-        for (int c = 1; c < channels; ++c) largest = max(abs(sum.c[c]), largest);
-        // NaN is not small; where max() loses one, the comparison of the sum finds it.
-        Float total = sum.c[0];
-        for (int c = 1; c < channels; ++c) total = total + sum.c[c];
-        const Mask small = ended & (largest < Float(TileSums::small)) & (total == total);
-        if (const Mask large = ended & !small; any(large)) sum_large(large, pixels, reversed, sum);
-        ended_pixel_.append(ended_, pixels, small);
-        ended_radiance_.append(ended_, sum, small);
-        ended_ += std::size_t(count(small));
-        if (ended_ > pool_capacity - lanes) sum_ended();
-    }
-    [[gnu::noinline]] void sum_large(Mask m, UInt pixels, UInt reversed, Spectrum sum)
-    {
-        std::uint32_t pixel_of[lanes], sample[lanes];
-        float value[channels][lanes];
-        store(pixel_of, pixels), store(sample, reverse_bits(reversed));
-        for (int c = 0; c < channels; ++c) store(value[c], sum.c[c]);
-        for_each_active(m, [&](int k) { sums_.add(pixel_of[k], sample[k], value[0][k], value[1][k], value[2][k]); });
-    }
-    [[gnu::noinline]] void sum_ended()
-    {
-        for (std::size_t k = 0; k < ended_; ++k)
-            sums_.add_small(ended_pixel_[k], ended_radiance_.c[0][k], ended_radiance_.c[1][k], ended_radiance_.c[2][k]);
-        ended_ = 0;
-    }
-
     const LaneScene& scene_;
     const SceneTables& tables_;
     const KernelSettings& settings_;
     const LightSampler lights_;
     const CameraPaths camera_paths_;
     FirstHits first_hits_;
-    TileSums& sums_;
+    EndedPaths ended_;
     KernelCounters& counters_;
     StageClock clock_;
     const QuadClosures closures_;
@@ -397,10 +340,6 @@ private:
     std::size_t plain_end_ = 0;  ///< where the next path goes
     std::size_t other_kinds_ = 0;
     OtherQuadPool others_[all_plain ? 1 : closure_kind_count];
-    /// Paths that have ended: summed many at a time.
-    std::size_t ended_ = 0;
-    Column<std::uint32_t> ended_pixel_;
-    SpectrumColumn ended_radiance_;
 };
 
 }  // namespace fathom::inline FATHOM_LANES
