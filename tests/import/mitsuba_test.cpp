@@ -181,8 +181,9 @@ TEST_F(Mitsuba, FieldsOfView)
     EXPECT_NEAR(fov(R"(<float name="fov" value="60"/><string name="fov_axis" value="larger"/>)"), from_x, 1e-9);
     EXPECT_NEAR(fov(R"(<float name="fov" value="60"/><string name="fov_axis" value="diagonal"/>)"),
                 2 * std::atan(half / std::sqrt(5)) / degree, 1e-9);
-    EXPECT_NEAR(fov(R"(<string name="focal_length" value="50mm"/>)"),
-                2 * std::atan(std::hypot(36, 24) / 100 / std::sqrt(5)) / degree, 1e-9);
+    const double of_50_mm = 2 * std::atan(std::hypot(36, 24) / 100 / std::sqrt(5)) / degree;
+    EXPECT_NEAR(fov(R"(<string name="focal_length" value="50mm"/>)"), of_50_mm, 1e-9);
+    EXPECT_NEAR(fov(""), of_50_mm, 1e-9) << "unless anything is said";
 }
 
 /// Where the camera looks at a point of its picture, in pixels, over its way along the view axis.
@@ -230,6 +231,16 @@ TEST_F(Mitsuba, Crop)
 <integer name="width" value="40"/><integer name="crop_offset_x" value="33"/><integer name="crop_width" value="8"/></film></sensor></scene>)")
                   .find("the crop of 8x576 from 33, 0 on is not within the film of 40x576"),
               std::string::npos);
+}
+
+/// Those that measure another's picture stand around it.
+TEST_F(Mitsuba, NestedIntegrators)
+{
+    const SceneDescription scene = read(R"(<integrator type="moment"><integrator type="path">
+<integer name="max_depth" value="3"/></integrator></integrator>)");
+    EXPECT_EQ(scene.hints.max_depth, 2);
+    EXPECT_TRUE(is_told("the integrator in it"));
+    EXPECT_EQ(read(R"(<integrator type="direct"/>)").hints.max_depth, 1) << "light comes by one surface";
 }
 
 TEST_F(Mitsuba, Settings)
@@ -453,6 +464,15 @@ TEST_F(Mitsuba, Conductors)
     expect_color(given.coat_color.value, 0.2, 0.4, 0.6);
 }
 
+/// They may be above 1, also as spectra.
+TEST_F(Mitsuba, IndicesOfConductors)
+{
+    const Material m = bsdf(R"(<bsdf type="conductor"><spectrum name="eta" value="0.789"/>
+<spectrum name="k" value="400:6.15, 700:6.15"/></bsdf>)");
+    EXPECT_NEAR(m.base_color.value.r, conductor_reflectance(1, 0.789, 6.15), 1e-2);
+    EXPECT_NEAR(m.base_color.value.b, conductor_reflectance(1, 0.789, 6.15), 1e-2);
+}
+
 TEST_F(Mitsuba, AnisotropicConductors)
 {
     const auto rough = [&](const char* u, const char* v) {
@@ -627,7 +647,7 @@ TEST_F(Mitsuba, PicturesOnShapes)
     expect_uv(uv_at("rectangle", {1, -1, 0}), 1, 0);
 }
 
-/// Absorption within glass: what is left after a way is exp(-sigma (1 - albedo) way).
+/// Of the straight way both absorption and scattering take: exp(-sigma_t way) is left.
 TEST_F(Mitsuba, Interiors)
 {
     const SceneDescription scene =
@@ -636,9 +656,24 @@ TEST_F(Mitsuba, Interiors)
     const Material& m = material_of(scene);
     const auto sigma = [&](float left) { return -std::log(left) / m.attenuation_distance; };
     EXPECT_NEAR(sigma(m.attenuation_color.r), 3, 1e-4);
-    EXPECT_NEAR(sigma(m.attenuation_color.g), 3, 1e-4);
+    EXPECT_NEAR(sigma(m.attenuation_color.g), 6, 1e-4);
     EXPECT_NEAR(sigma(m.attenuation_color.b), 12, 1e-4);
     EXPECT_NEAR(m.transmission_scatter.g / m.attenuation_distance, 3, 1e-4);
+}
+
+/// Where the boundary is none.
+TEST_F(Mitsuba, InteriorsBehindNull)
+{
+    constexpr const char* medium =
+        R"(<medium type="homogeneous" name="interior"><float name="sigma_t" value="2"/></medium></shape>)";
+    const SceneDescription scene = read(fmt::format(R"(<shape type="sphere"><bsdf type="null"/>{})", medium));
+    const Material& m = material_of(scene);
+    EXPECT_EQ(m.kind, MaterialKind::glass);
+    EXPECT_EQ(m.ior, 1);
+    EXPECT_NEAR(m.transmission_scatter.r / m.attenuation_distance, 2 * 0.75, 1e-4);
+    EXPECT_TRUE(is_told("solid of index 1"));
+    read(fmt::format(R"(<shape type="sphere"><bsdf type="diffuse"/>{})", medium));
+    EXPECT_TRUE(is_told("not rendered in what is not glass"));
 }
 
 TEST_F(Mitsuba, Bitmaps)

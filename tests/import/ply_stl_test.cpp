@@ -49,6 +49,24 @@ TEST_F(Ply, Ascii)
     EXPECT_TRUE(warnings_.empty());
 }
 
+/// As Mitsuba has attributes of vertices: numbers, not bytes of a display.
+TEST_F(Ply, LinearColors)
+{
+    std::string bytes = header("binary_little_endian",
+                               "property float x\nproperty float y\nproperty float z\n"
+                               "property float color_0\nproperty float color_1\nproperty float color_2\n",
+                               "property list uchar int vertex_indices\n", 3, 1);
+    for (int i = 0; i < 3; ++i)
+        for (float x : {float(i == 1), float(i == 2), 0.f, 0.25f, 0.5f, 0.75f}) append(bytes, x, false);
+    bytes += char(3);
+    for (int i : {0, 1, 2}) append(bytes, i, false);
+    const Mesh mesh = load("a.ply", bytes).meshes.at(0);
+    ASSERT_EQ(mesh.colors.size(), 3u);
+    EXPECT_EQ(mesh.colors[1].x, 0.25f);
+    EXPECT_EQ(mesh.colors[2].z, 0.75f);
+    EXPECT_EQ(mesh.colors[2].w, 1.f);
+}
+
 TEST_F(Ply, BothByteOrdersWithEverything)
 {
     for (bool big : {false, true}) {

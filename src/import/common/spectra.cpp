@@ -81,14 +81,18 @@ Color color_of_light(const std::vector<SpectrumPoint>& points)
     return integrated([&](double nm) { return value_at(points, nm); }, [](double) { return 1.0; });
 }
 
+Color color_in_daylight(const std::vector<SpectrumPoint>& points)
+{
+    const Color c = integrated([&](double nm) { return value_at(points, nm) * daylight(nm); }, daylight),
+                white = integrated(daylight, daylight);
+    return {c.r / white.r, c.g / white.g, c.b / white.b};
+}
+
 Color color_of_surface(const std::vector<SpectrumPoint>& points)
 {
-    const auto in_daylight = [](const Color& c, const Color& white) {
-        const auto limited = [](float x, float whole) { return std::clamp(x / whole, 0.f, 1.f); };
-        return Color{limited(c.r, white.r), limited(c.g, white.g), limited(c.b, white.b)};
-    };
-    return in_daylight(integrated([&](double nm) { return value_at(points, nm) * daylight(nm); }, daylight),
-                       integrated(daylight, daylight));
+    const auto limited = [](float x) { return std::clamp(x, 0.f, 1.f); };
+    const Color c = color_in_daylight(points);
+    return {limited(c.r), limited(c.g), limited(c.b)};
 }
 
 Color color_of_black_body(double temperature)

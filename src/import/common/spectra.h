@@ -14,7 +14,9 @@ struct SpectrumPoint {
 };
 /// Of light: a spectrum of 1 at all wavelengths has a luminance of 1.
 Color color_of_light(const std::vector<SpectrumPoint>& points);
-/// Of a surface in daylight, D65: a spectrum of 1 at all wavelengths is white.
+/// In daylight, D65: a spectrum of 1 at all wavelengths is white.
+Color color_in_daylight(const std::vector<SpectrumPoint>& points);
+/// The same of what a surface reflects: 0 to 1.
 Color color_of_surface(const std::vector<SpectrumPoint>& points);
 /// Radiance of a black body, W/(m2 sr nm), of a temperature in kelvin.
 Color color_of_black_body(double temperature);

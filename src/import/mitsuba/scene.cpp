@@ -59,15 +59,22 @@ void Reader::read_root(const Element& element)
 void Reader::read_integrator(const Element& element)
 {
     Object integrator(element, document_);
-    if (integrator.type() != "path" && integrator.type() != "volpath" && integrator.type() != "volpathmis")
+    // Those that add layers or statistics to another's picture.
+    if (const std::vector<const Element*> nested = integrator.children("integrator"); !nested.empty()) {
+        tell(element, "the picture is that of the integrator in it");
+        return read_integrator(*nested[0]);
+    }
+    const std::string& type = integrator.type();
+    const bool direct = type == "direct";
+    if (type != "path" && type != "volpath" && type != "volpathmis" && !direct)
         tell(element, "paths are traced instead");
     // Mitsuba counts the ways between surfaces, of which the last leads to the light; here surfaces that scatter.
-    const int depth = integrator.integer("max_depth", -1);
+    const int depth = direct ? 2 : integrator.integer("max_depth", -1);
     if (depth >= 0) scene_.hints.max_depth = std::max(0, depth - 1);
-    scene_.hints.roulette_depth = integrator.integer("rr_depth", 5);
-    integrator.ignore({"hide_emitters"});
-    // What is nested in an integrator of an integrator, and what only other methods have, makes no difference here.
-    if (integrator.type() == "path") integrator.finish(context_.warnings);
+    scene_.hints.roulette_depth = direct ? 5 : integrator.integer("rr_depth", 5);
+    if (integrator.boolean("hide_emitters", false)) tell(element, "the camera sees lights: 'hide_emitters' is ignored");
+    // What only other methods have makes no difference here.
+    if (type == "path") integrator.finish(context_.warnings);
 }
 
 void Reader::read_film(const Element& element)
@@ -121,16 +128,16 @@ void Reader::look_at_crop(Object& sensor, Camera& camera) const
 
 double Reader::vertical_fov(Object& sensor, double aspect) const
 {
-    if (sensor.has("focal_length")) {
+    if (!sensor.has("fov")) {
         // Of a picture of 36 by 24 mm, by its diagonal.
         std::string text = sensor.text("focal_length", "50mm");
         if (text.ends_with("mm")) text.resize(text.size() - 2);
-        const std::vector<double> f = numbers_of(*sensor.child("focal_length"), text);
+        const std::vector<double> f = numbers_of(sensor.element(), text);
         if (f.size() != 1 || !(f[0] > 0)) sensor.element().fail("'focal_length' is a length in mm, as in 50mm");
         const double half_diagonal = std::hypot(36, 24) / 2 / f[0];
         return 2 * std::atan(half_diagonal / std::hypot(1, aspect));
     }
-    const double fov = sensor.number("fov", 40) * degree;
+    const double fov = sensor.number("fov", 0) * degree;
     if (!(fov > 0) || !(fov < std::numbers::pi)) sensor.element().fail("'fov' must be above 0 and below 180 degrees");
     const std::string axis = sensor.text("fov_axis", "x");
     const double half = std::tan(fov / 2);

@@ -81,7 +81,7 @@ Color Reader::spectrum(const Element& element)
     Object object(element, document_);
     const std::string& type = element.type();
     const auto of_points = [&](const std::vector<SpectrumPoint>& points) {
-        return is_light(element) ? color_of_light(points) : color_of_surface(points);
+        return is_light(element) ? color_of_light(points) : color_in_daylight(points);
     };
     const auto uniform = [&](double value) { return of_points({{300, value}, {900, value}}); };
     if (type.empty() && element.has("filename")) {

@@ -102,6 +102,11 @@ private:
             data_.radii.resize(count);
             return {data_.radii.data(), 1, Target::plain};
         }
+        // Linear, as attributes of Mitsuba's meshes.
+        if (is("color_0", "color_1", "color_2")) {
+            if (mesh_.colors.empty()) mesh_.colors.assign(count, {1, 1, 1, 1});
+            return target(mesh_.colors, count, std::size_t(name.back() - '0'));
+        }
         const bool alpha = is("alpha", "a");
         const int channel = is("red", "r") ? 0 : is("green", "g") ? 1 : is("blue", "b") ? 2 : alpha ? 3 : -1;
         if (channel < 0) return t;
