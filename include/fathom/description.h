@@ -134,6 +134,8 @@ struct Material {
     float dispersion = 0;                       ///< 20 / Abbe's number
     FloatInput diffuse_transmission{0, -1, 3};  ///< share of what is diffuse that leaves on the other side
     ColorInput diffuse_transmission_color;
+    /// What passes diffusely is not taken from what base_color reflects, but comes beside it: together at most 1.
+    bool diffuse_transmission_added = false;
     /// Share of what is diffuse that enters the solid, is scattered there, and leaves it diffusely.
     FloatInput subsurface{0, -1, 0};
     ColorInput subsurface_color{{0.8f, 0.8f, 0.8f}, -1};  ///< what a half-space gives back of light from everywhere
@@ -149,6 +151,7 @@ struct Material {
     double anisotropy_rotation = 0;   ///< radians, from the tangent towards the bitangent
     int anisotropy_texture = -1;      ///< red and green: the direction, of which 0.5 is 0; before the rotation
     bool beckmann = false;            ///< facets are Beckmann's, else GGX's; alpha is the roughness' square too
+    float optical_thickness = 0;      ///< plastic: of the grey layer between boundary and body
     bool nonlinear = true;            ///< plastic: what the boundary throws back is coloured each time
     bool energy_compensation = true;  ///< scaled for what facets scatter more than once, which is lost otherwise
     FloatInput coat{0, -1, 0};

@@ -35,6 +35,7 @@ std::uint32_t features_of(const Material& m)
     add(is_above_0(m.thin_film) && is_above_0(m.thin_film_thickness), LayersRecord::with_thin_film);
     add(transmits, LayersRecord::with_transmission);
     add(is_above_0(m.diffuse_transmission), LayersRecord::with_diffuse_transmission);
+    add(is_above_0(m.diffuse_transmission) && m.diffuse_transmission_added, LayersRecord::diffuse_transmission_added);
     add(is_above_0(m.subsurface) && !m.thin, LayersRecord::with_subsurface);
     add(is_above_0(m.diffuse_roughness), LayersRecord::rough_diffuse);
     add(is_above_0(m.anisotropy), LayersRecord::anisotropic);
@@ -78,6 +79,20 @@ double inner_reflectance(double ior)
 }
 
 }  // namespace
+
+double share_lost_within(double ior, double optical_thickness)
+{
+    if (!(optical_thickness > 0)) return 0;
+    constexpr int steps = 2048;
+    double all = 0, left = 0;
+    for (int i = 0; i < steps; ++i) {
+        const double cosine = (i + 0.5) / steps, sine2 = (1 - cosine * cosine) * ior * ior;
+        const double sent_back = sine2 < 1 ? fresnel(std::sqrt(1 - sine2), ior) : 1;
+        all += sent_back * cosine;
+        left += sent_back * cosine * std::exp(-2 * optical_thickness / cosine);
+    }
+    return 1 - left / all;
+}
 
 ClosureKind closure_of_layers(const Material& m)
 {

@@ -20,4 +20,7 @@ ClosureKind closure_of_layers(const Material& m);
 /// render_scale: of render space, in whose units lengths are.
 LayersRecord compile_layers(const Material& m, double render_scale);
 
+/// Of diffuse light that a smooth boundary of index ior sends back through a layer: what that absorbs on both ways.
+double share_lost_within(double ior, double optical_thickness);
+
 }  // namespace fathom

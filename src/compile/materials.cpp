@@ -137,6 +137,10 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     t.ior = m.ior;
     t.fuzz = m.fuzz;
     if (m.kind == MaterialKind::hair) compile_hair(m, t);
+    if (m.kind == MaterialKind::plastic) {
+        t.fuzz = m.optical_thickness;
+        t.metallic = float(share_lost_within(std::max(m.ior, 1.001f), m.optical_thickness));
+    }
     t.normal_texture = texture_id(m.normal_texture);
     t.normal_scale = m.normal_scale;
     t.alpha = m.alpha.value;

@@ -77,7 +77,8 @@ struct LayersRecord {
         disperses = 512,
         with_subsurface = 1024,
         sheen_reciprocal = 2048,
-        textured = 4096  ///< any of the parameters here
+        diffuse_transmission_added = 4096,
+        textured = 8192  ///< any of the parameters here
     };
     std::uint32_t features = 0;
     NumberRecord specular, anisotropy, transmission, diffuse_transmission, diffuse_roughness, coat, coat_roughness,
@@ -122,9 +123,9 @@ struct MaterialRecord {
     std::uint32_t flags = 0;
     Rgb base_color{};
     float roughness = 0;  ///< hair: along the fibre
-    float metallic = 0;   ///< hair: roughness around the fibre
+    float metallic = 0;   ///< hair: roughness around the fibre; plastic: see PlasticBsdf
     float ior = 1.5f;
-    float fuzz = 0;                   ///< hair: tilt of its scales, radians
+    float fuzz = 0;                   ///< hair: tilt of its scales, radians; plastic: optical thickness
     std::uint32_t layers = no_index;  ///< in ShadingTables
     std::uint32_t base_texture = no_index, normal_texture = no_index;
     float normal_scale = 1;

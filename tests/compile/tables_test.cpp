@@ -289,6 +289,22 @@ TEST(MaterialTable, LayersAsNeeded)
     for (const auto& change : changes) EXPECT_EQ(closure(change), layered);
 }
 
+/// The share that a layer under a boundary of index 1.5 takes from what that throws back, integrated elsewhere.
+TEST(PlasticTable, LayersLoseAShareWithin)
+{
+    for (const auto& [thickness, lost] : {std::pair{0.0f, 0.0f}, {0.01f, 0.048598f}, {0.2f, 0.566788f}}) {
+        SceneDescription d = empty_scene();
+        Material m;
+        m.kind = MaterialKind::plastic;
+        m.optical_thickness = thickness;
+        d.materials = {m};
+        const Scene scene = compiled(d);
+        const MaterialRecord& record = scene.data().tables->materials[0];
+        EXPECT_EQ(record.fuzz, thickness);
+        EXPECT_NEAR(record.metallic, lost, 2e-5);
+    }
+}
+
 /// What principled is told of its losses and its boundary reaches the simpler closures.
 TEST(MaterialTable, CompensationAndOneBoundary)
 {

@@ -442,6 +442,17 @@ TEST_F(Mitsuba, DamagedSerializedMeshes)
 
 // ---------------------------------------------------------------------------------------------------- surfaces
 
+TEST_F(Mitsuba, TexturesAsAlpha)
+{
+    const SceneDescription scene = read(R"(<shape type="sphere"><bsdf type="roughconductor">
+<texture type="bitmap" name="alpha"><string name="filename" value="p.png"/></texture></bsdf></shape>)");
+    const FloatInput& roughness = scene.materials.at(0).roughness;
+    const Texture& curve = scene.textures.at(std::size_t(roughness.texture));
+    ASSERT_EQ(curve.kind, TextureKind::ramp);
+    for (const RampStop& stop : curve.stops) EXPECT_NEAR(stop.color.g, std::sqrt(double(stop.position)), 1e-6);
+    EXPECT_TRUE(warnings_.empty());
+}
+
 TEST_F(Mitsuba, Conductors)
 {
     const Material mirror = bsdf(R"(<bsdf type="conductor"/>)");

@@ -382,18 +382,34 @@ TEST_F(Pbrt, RoughnessIsRemapped)
     EXPECT_NEAR(m.anisotropy_rotation, 90 * degree, 1e-9);
 }
 
+TEST_F(Pbrt, TexturesAsRoughnessAreRemapped)
+{
+    for (const double power : {0.25, 0.5}) {
+        const SceneDescription scene = world(fmt::format(R"(Texture "t" "float" "imagemap" "string filename" "a.png"
+Material "conductor" "texture roughness" "t" "bool remaproughness" {} Shape "sphere")",
+                                                         power < 0.5));
+        const FloatInput& roughness = material_of(scene).roughness;
+        const Texture& curve = scene.textures.at(std::size_t(roughness.texture));
+        ASSERT_EQ(curve.kind, TextureKind::ramp);
+        EXPECT_EQ(scene.textures.at(std::size_t(curve.factor.texture)).kind, TextureKind::image);
+        for (const RampStop& stop : curve.stops)
+            EXPECT_NEAR(stop.color.g, std::pow(double(stop.position), power), 1e-6);
+    }
+}
+
 TEST_F(Pbrt, Metals)
 {
-    const auto find = [](std::string_view name) {
-        for (const Conductor& c : conductors())
-            if (name == c.name) return colors_of(c).base;
-        return Color{};
-    };
-    const Color silver = find("silver"), copper = find("copper");
+    // What pbrt's own curves reflect in daylight.
     expect_color(material("Material \"conductor\" \"spectrum eta\" \"metal-Ag-eta\" \"spectrum k\" \"metal-Ag-k\"")
                      .base_color.value,
-                 silver.r, silver.g, silver.b);
-    expect_color(material("Material \"conductor\"").base_color.value, copper.r, copper.g, copper.b);
+                 0.9715, 0.9599, 0.9153, 1e-3);
+    const Material copper = material("Material \"conductor\"");
+    expect_color(copper.base_color.value, 0.9553, 0.6376, 0.5382, 2e-3);
+    const auto at_82 = [](float base, float edge) { return edge * (base + (1 - base) * std::pow(6.0 / 7, 5)); };
+    EXPECT_NEAR(at_82(copper.base_color.value.g, copper.edge_color.value.g), 0.7669, 1e-3);
+    expect_color(
+        material("Material \"coatedconductor\" \"spectrum conductor.eta\" \"metal-CuZn-eta\"").base_color.value, 0.8717,
+        0.7191, 0.3346, 3e-3);
     const double f = conductor_reflectance(1, 1.5, 3);
     expect_color(material("Material \"conductor\" \"rgb eta\" [ 1.5 1.5 1.5 ] \"rgb k\" [ 3 3 3 ]").base_color.value, f,
                  f, f);
@@ -404,8 +420,13 @@ TEST_F(Pbrt, Metals)
     write("k.spd", "300 3\n900 3\n");
     const char* const files = "Material \"conductor\" \"spectrum eta\" \"n.spd\" \"spectrum k\" \"k.spd\"";
     expect_color(material(files).base_color.value, f, f, f, 1e-3);
-    expect_color(material("Material \"conductor\" \"rgb reflectance\" [ 0.7 0.6 0.5 ]").base_color.value, 0.7, 0.6,
-                 0.5);
+    const Material plain = material("Material \"conductor\" \"rgb reflectance\" [ 0.7 0.6 0.5 ]");
+    expect_color(plain.base_color.value, 0.7, 0.6, 0.5);
+    const double k = 2 * std::sqrt(0.7 / 0.3);
+    EXPECT_NEAR(at_82(plain.base_color.value.r, plain.edge_color.value.r), conductor_reflectance(1.0 / 7, 1, k), 1e-4);
+    const char* const coated = "Material \"coatedconductor\" \"rgb reflectance\" [ 0.7 0.6 0.5 ]";
+    EXPECT_NEAR(material(coated).base_color.value.r, conductor_reflectance(1, 1 / 1.5, k / 1.5), 1e-4)
+        << "the reflectance is that in air";
 }
 
 TEST_F(Pbrt, Coats)
@@ -415,10 +436,16 @@ TEST_F(Pbrt, Coats)
     EXPECT_EQ(m.kind, MaterialKind::plastic);
     EXPECT_FALSE(m.energy_compensation);
     EXPECT_EQ(m.ior, 1.4f);
+    EXPECT_EQ(m.optical_thickness, 0.01f) << "pbrt's layers absorb";
+    EXPECT_EQ(material("Material \"coateddiffuse\" \"float thickness\" 0.5").optical_thickness, 0.5f);
     EXPECT_NEAR(m.roughness.value, 0.1, 1e-6);
     const Material metal = material("Material \"coatedconductor\" \"float conductor.roughness\" 0.0001");
     EXPECT_EQ(metal.metallic.value, 1);
     EXPECT_EQ(metal.coat.value, 1);
+    EXPECT_NEAR(metal.coat_color.value.g, std::exp(-0.02 / std::sqrt(1 - 0.5 / 2.25)), 1e-6);
+    // Refraction widens what rough metal reflects; the grazing angle of the outside is none below.
+    EXPECT_NEAR(metal.roughness.value, std::sqrt(1.5 * 0.01), 1e-5);
+    EXPECT_NEAR(metal.edge_color.value.g, 0.677, 2e-3);
     EXPECT_TRUE(is_told("light below the coat is not followed"));
 }
 
@@ -439,12 +466,17 @@ TEST_F(Pbrt, Glass)
 
 TEST_F(Pbrt, DiffuseTransmission)
 {
-    const Material m = material(
-        R"(Material "diffusetransmission" "rgb reflectance" [ 0.6 0.6 0.3 ] "rgb transmittance" [ 0.2 0.1 0.2 ])");
-    const float share = m.diffuse_transmission.value;
-    EXPECT_NEAR((1 - share) * m.base_color.value.r, 0.6, 1e-6);
-    EXPECT_NEAR((1 - share) * m.base_color.value.b, 0.3, 1e-6);
-    EXPECT_NEAR(share * m.diffuse_transmission_color.value.g, 0.1, 1e-6);
+    const char* const text = R"(Material "diffusetransmission" "rgb reflectance" [ 0.9 0.6 0.1 ]
+"rgb transmittance" [ 0.1 0.2 0.8 ] "float scale" {})";
+    const Material m = material(fmt::format(fmt::runtime(text), 1));
+    EXPECT_TRUE(m.diffuse_transmission_added) << "neither is taken from the other";
+    EXPECT_EQ(m.diffuse_transmission.value, 1);
+    expect_color(m.base_color.value, 0.9, 0.6, 0.1);
+    expect_color(m.diffuse_transmission_color.value, 0.1, 0.2, 0.8);
+    expect_color(material(fmt::format(fmt::runtime(text), 0.5)).diffuse_transmission_color.value, 0.05, 0.1, 0.4);
+    EXPECT_FALSE(is_told("more than it gets"));
+    expect_color(material(fmt::format(fmt::runtime(text), 2)).base_color.value, 1, 1, 0.2);
+    EXPECT_TRUE(is_told("more than it gets"));
 }
 
 TEST_F(Pbrt, Hair)

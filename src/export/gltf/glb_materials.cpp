@@ -166,6 +166,7 @@ void GlbMaterials::add_transmission(const Material& m, Json& json)
         put_factor(extension(json, "KHR_materials_transmission"), "transmissionFactor", transmission, 0,
                    "transmissionTexture", red);
     if (m.diffuse_transmission.value > 0) {
+        if (m.diffuse_transmission_added) tell("light that passes diffusely beside what is reflected");
         Json& passing = extension(json, "KHR_materials_diffuse_transmission");
         put_factor(passing, "diffuseTransmissionFactor", m.diffuse_transmission, 0, "diffuseTransmissionTexture",
                    alpha);

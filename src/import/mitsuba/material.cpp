@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "import/common/medium.h"
+#include "import/common/power.h"
 #include "import/common/read_file.h"
 #include "import/common/suggest.h"
 #include "import/mitsuba/metals.h"
@@ -126,19 +127,18 @@ Material Reader::diffuse(Object& bsdf)
 void Reader::read_roughness(Object& bsdf, Material& m)
 {
     m.beckmann = bsdf.text("distribution", "beckmann") == "beckmann";
-    // alpha = roughness^2 here; of a texture its root would be wanted.
+    // alpha = roughness^2 here.
     const auto alpha = [&](std::string_view name, float otherwise) {
-        FloatInput input = number_or_texture(bsdf, name, otherwise);
-        if (input.texture >= 0)
-            tell(bsdf.element(),
-                 fmt::format("a texture as '{}' is taken for the roughness: it is the root of that", name));
-        else
-            input.value = square_root(std::min(input.value, 1.f));
-        return input;
+        return to_power(scene_, number_or_texture(bsdf, name, otherwise), 0.5);
     };
     m.energy_compensation = false;
     if (bsdf.has("alpha_u") || bsdf.has("alpha_v")) {
         const FloatInput u = alpha("alpha_u", 0.1f), v = alpha("alpha_v", 0.1f);
+        if (u.texture >= 0 || v.texture >= 0) {
+            tell(bsdf.element(), "of textures as 'alpha_u' and 'alpha_v' only the former is taken");
+            m.roughness = u;
+            return;
+        }
         const FloatInput& narrow = u.value < v.value ? u : v;
         const FloatInput& wide = u.value < v.value ? v : u;
         const float narrow_alpha = narrow.value * narrow.value, wide_alpha = wide.value * wide.value;

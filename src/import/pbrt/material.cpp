@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "import/common/medium.h"
+#include "import/common/power.h"
 #include "import/common/read_file.h"
 #include "import/common/suggest.h"
 #include "import/pbrt/reader.h"
@@ -23,6 +24,14 @@ Color scaled(Color c, double factor)
 float largest(const ColorInput& c)
 {
     return std::max({c.value.r, c.value.g, c.value.b});
+}
+
+/// Whether two parts of light are more than all of it. Textures' values are not known here.
+bool is_above_1(const ColorInput& a, const ColorInput& b)
+{
+    constexpr float most = 1 + 1e-5f;
+    if (a.texture >= 0 || b.texture >= 0) return false;
+    return a.value.r + b.value.r > most || a.value.g + b.value.g > most || a.value.b + b.value.b > most;
 }
 
 }  // namespace
@@ -102,25 +111,10 @@ Material Reader::diffuse(const Parameters& m)
     return out;
 }
 
+/// alpha = roughness^2 here; in pbrt alpha is the roughness, or its root where that is remapped.
 FloatInput Reader::roughness(const Parameters& m, const std::string& name, float otherwise, bool remap)
 {
-    FloatInput input = number_or_texture(m, name, otherwise);
-    // alpha = roughness^2 here; in pbrt alpha is the roughness, or its root where that is remapped.
-    const auto ours = [&](double x) { return float(std::pow(std::clamp(x, 0.0, 1.0), remap ? 0.25 : 0.5)); };
-    if (input.texture < 0) {
-        input.value = ours(input.value);
-        return input;
-    }
-    Texture curve;
-    curve.kind = TextureKind::ramp;
-    curve.factor = input;
-    constexpr int stops = 16;
-    for (int i = 0; i < stops; ++i) {
-        // Closer near 0, where the root is steep.
-        const double x = std::pow(double(i) / (stops - 1), 3);
-        curve.stops.push_back({float(x), {ours(x), ours(x), ours(x)}});
-    }
-    return {1, add_texture(curve), 1};
+    return to_power(scene_, number_or_texture(m, name, otherwise), remap ? 0.25 : 0.5);
 }
 
 void Reader::set_roughness(const Parameters& m, const std::string& prefix, Material& out)
@@ -183,9 +177,19 @@ Material Reader::coated_diffuse(const Parameters& m)
         tell(m, "the coat is as rough in all directions as in its smoother one");
         out.anisotropy = {0, -1, 0};
     }
-    if (m.has("albedo") && largest(color(m, "albedo", {0, 0, 0})) > 0) tell(m, "nothing scatters between the layers");
-    m.ignore({"thickness", "maxdepth", "nsamples", "g", "albedo"});
+    out.optical_thickness = layer_thickness(m);
     return out;
+}
+
+/// Of what is between the layers, whose coefficient is 1: it absorbs even where no albedo is given.
+float Reader::layer_thickness(const Parameters& m)
+{
+    const FloatInput thickness = number_or_texture(m, "thickness", 0.01f);
+    if (thickness.texture >= 0) tell(m, "of a texture as 'thickness' only what it is scaled by is taken");
+    const float scattered = m.has("albedo") ? largest(color(m, "albedo", {0, 0, 0})) : 0;
+    if (scattered > 0) tell(m, "nothing scatters between the layers: what would be is let through");
+    m.ignore({"maxdepth", "nsamples", "g", "albedo"});
+    return std::clamp(thickness.value * (1 - scattered), 0.f, 100.f);
 }
 
 Material Reader::dielectric(const Parameters& m)
@@ -203,26 +207,23 @@ Material Reader::dielectric(const Parameters& m)
 
 Material Reader::diffuse_transmission(const Parameters& m)
 {
-    ColorInput back = color(m, "reflectance", {0.25f, 0.25f, 0.25f}),
-               through = color(m, "transmittance", {0.25f, 0.25f, 0.25f});
     const double scale = m.number("scale", 1);
-    back.value = scaled(back.value, scale), through.value = scaled(through.value, scale);
+    const auto limited = [&](ColorInput c) {
+        c.value = scaled(c.value, scale);
+        for (float* channel : {&c.value.r, &c.value.g, &c.value.b}) *channel = std::min(*channel, 1.f);
+        return c;
+    };
     Material out;
     out.kind = MaterialKind::principled;
     out.metallic = {0, -1, 0};
     out.specular = {0, -1, 0};
     out.roughness = {1, -1, 0};
-    // The share is such that neither part gets above 1.
-    const float sum = largest(back) + largest(through), share = sum > 0 ? largest(through) / sum : 0;
-    out.diffuse_transmission = {share, -1, 0};
-    if (share < 1) back.value = scaled(back.value, 1 / (1 - share));
-    if (share > 0) through.value = scaled(through.value, 1 / share);
-    const auto limited = [](ColorInput c) {
-        for (float* channel : {&c.value.r, &c.value.g, &c.value.b}) *channel = std::min(*channel, 1.f);
-        return c;
-    };
-    if (sum > 1 + 1e-5f) tell(m, "reflects and transmits more than it gets: it is taken as at most all of it");
-    out.base_color = limited(back), out.diffuse_transmission_color = limited(through);
+    out.base_color = limited(color(m, "reflectance", {0.25f, 0.25f, 0.25f}));
+    out.diffuse_transmission = {1, -1, 0};
+    out.diffuse_transmission_color = limited(color(m, "transmittance", {0.25f, 0.25f, 0.25f}));
+    out.diffuse_transmission_added = true;
+    if (is_above_1(out.base_color, out.diffuse_transmission_color))
+        tell(m, "reflects and transmits more than it gets, as pbrt has it too");
     return out;
 }
 
@@ -332,12 +333,7 @@ void Reader::set_medium(const Parameters& medium, Material& out)
     medium.ignore({"type", "preset", "Le", "Lescale"});
     medium.finish(teller_);
     if (out.kind == MaterialKind::none) {
-        // A boundary that bends nothing.
-        out = Material();
-        out.kind = MaterialKind::glass;
-        out.base_color = {{1, 1, 1}, -1};
-        out.roughness = {0, -1, 0};
-        out.ior = 1;
+        out = open_boundary();
         tell(medium,
              "behind an 'interface' it is a solid of index 1, which lights outside of it reach by chance alone");
     }

@@ -14,11 +14,16 @@ constexpr NamedLight lights[] = {
     {"stdillum-F10", 0.34609, 0.35986}, {"stdillum-F11", 0.38052, 0.37713}, {"stdillum-F12", 0.43695, 0.40441},
     {"illum-acesD60", 0.32168, 0.33767}};
 
-struct NamedMetal {
-    const char *name, *here;
-};
-constexpr NamedMetal metals[] = {
-    {"Ag", "silver"}, {"Al", "aluminium"}, {"Au", "gold"}, {"Cu", "copper"}, {"CuZn", "brass"}};
+/// Fitted by what pbrt's curves reflect in daylight, at normal incidence and at 82 degrees, in air and in a coat of
+/// index 1.5: to 0.002, gold's red (which is 1 at most here, 1.02 there) to 0.005. Indices at three wavelengths would
+/// be off by up to 0.03.
+constexpr Conductor metals[] = {{"Ag", {0.1291f, 0.1242f, 0.1511f}, {4.107f, 3.335f, 2.411f}},
+                                {"Al", {1.428f, 0.9292f, 0.5908f}, {7.737f, 6.605f, 5.361f}},
+                                {"Au", {0.7772f, 0.41f, 1.555f}, {30.49f, 2.359f, 1.711f}},
+                                {"Cu", {0.1421f, 0.9761f, 1.208f}, {3.324f, 2.621f, 2.363f}},
+                                {"CuZn", {0.4374f, 0.5213f, 1.122f}, {4.134f, 2.661f, 1.807f}},
+                                {"MgO", {1.734f, 1.739f, 1.748f}, {0, 0.02408f, 0.04351f}},
+                                {"TiO2", {2.86f, 2.956f, 3.186f}, {0, 0.03111f, 0}}};
 
 struct NamedGlass {
     const char* name;
@@ -38,12 +43,12 @@ const NamedLight* find_light(const std::string& name)
     return found == std::end(lights) ? nullptr : found;
 }
 
-std::string metal_of(const std::string& spectrum)
+const Conductor* find_metal(const std::string& spectrum)
 {
-    for (const NamedMetal& metal : metals)
+    for (const Conductor& metal : metals)
         for (const char* what : {"-eta", "-k"})
-            if (spectrum == "metal-" + std::string(metal.name) + what) return metal.here;
-    return "";
+            if (spectrum == "metal-" + std::string(metal.name) + what) return &metal;
+    return nullptr;
 }
 
 std::optional<double> glass_index(const std::string& name)

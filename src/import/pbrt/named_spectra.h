@@ -5,6 +5,7 @@
 
 #include "import/common/spectra.h"
 #include "import/pbrt/parameters.h"
+#include "scene/conductors.h"
 
 /// The spectra that have names in pbrt-v4.
 namespace fathom::pbrt {
@@ -15,8 +16,9 @@ struct NamedLight {
     double x, y;
 };
 const NamedLight* find_light(const std::string& name);
-/// "metal-Ag-eta" is "silver"; empty if it is none or not known here.
-std::string metal_of(const std::string& spectrum);
+/// Of "metal-Ag-eta" or "metal-Ag-k": what reflects like it, a colour for each of red, green and blue. Null if it is
+/// none or not known here.
+const Conductor* find_metal(const std::string& spectrum);
 /// Of a glass at 587.6 nm, by its maker's data sheet.
 std::optional<double> glass_index(const std::string& name);
 bool is_named_spectrum(const std::string& name);

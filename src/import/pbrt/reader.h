@@ -124,6 +124,7 @@ private:
     Material hair(const Parameters& m);
     Material mix(const Parameters& m);
     void set_metal_colors(const Parameters& m, const std::string& prefix, float outside, Material& out);
+    float layer_thickness(const Parameters& m);
     void set_roughness(const Parameters& m, const std::string& prefix, Material& out);
     FloatInput roughness(const Parameters& m, const std::string& name, float otherwise, bool remap);
     void set_bumps(const Parameters& m, Material& out);

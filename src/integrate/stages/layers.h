@@ -28,6 +28,7 @@ public:
             if (any(m & ((features & UInt(bit)) != UInt(0)))) features_ |= bit;
         compensated_ = (features & UInt(LayersRecord::energy_compensation)) != UInt(0);
         reciprocal_ = (features & UInt(LayersRecord::sheen_reciprocal)) != UInt(0);
+        added_ = (features & UInt(LayersRecord::diffuse_transmission_added)) != UInt(0);
     }
     void read(LayersPoint& p) const
     {
@@ -48,6 +49,7 @@ public:
         if (p.has(LayersRecord::with_diffuse_transmission)) {
             p.diffuse_transmission = number(&LayersRecord::diffuse_transmission);
             p.diffuse_transmission_color = color(&LayersRecord::diffuse_transmission_color);
+            p.diffuse_transmission_added = added_;
         }
         if (p.has(LayersRecord::with_coat)) read_coat(p);
         if (p.has(LayersRecord::with_sheen)) {
@@ -129,7 +131,7 @@ private:
     const UInt index_;
     const Mask m_;
     std::uint32_t features_ = 0;
-    Mask compensated_, reciprocal_;
+    Mask compensated_, reciprocal_, added_;
 };
 
 }  // namespace fathom::inline FATHOM_LANES

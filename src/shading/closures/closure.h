@@ -52,6 +52,7 @@ struct LayersPoint {
     Vec3 tangent;  ///< of the anisotropy; while the surface is read in the space of the scene, then in the frame
     Float diffuse_roughness{0};
     Float transmission{0}, diffuse_transmission{0};
+    Mask diffuse_transmission_added{false};
     Spectrum transmission_color, diffuse_transmission_color;
     Float dispersion{0};
     Float coat{0}, coat_roughness{0}, coat_f0, coat_inner, coat_darkening;

@@ -58,6 +58,7 @@ public:
             if (l_.has(LayersRecord::with_subsurface)) l_.subsurface = select(m.entering, l_.subsurface, Float(0));
             // The share counts for light that comes in; what is in there finds no body but that of the outside.
             l_.transmission = select(within_, Float(1), l_.transmission);
+            reflected_share_ = select(l_.diffuse_transmission_added, Float(1), Float(1) - l_.diffuse_transmission);
             below_share_ = (Float(1) - l_.transmission) * l_.subsurface;
             diffuse_share_ = (Float(1) - l_.transmission) * (Float(1) - l_.subsurface);
             for (int i = 0; i < channels; ++i) {
@@ -247,7 +248,7 @@ private:
             diffuse = diffuse * diffuse_share_;
             beyond = body * v.boundary_left * diffuse_share_ * l_.diffuse_transmission *
                      max_component(l_.diffuse_transmission_color);
-            diffuse = diffuse * (Float(1) - l_.diffuse_transmission);
+            diffuse = diffuse * reflected_share_;
             refracted = body * l_.transmission * max_component(tint_) * max(Float(1) - dielectric, Float(0.05f));
             below = body * v.boundary_left * below_share_;
         }
@@ -333,7 +334,7 @@ private:
         }
         const Float sheen_left = under_sheen(v, wi);
         Float share = v.boundary_left;
-        if constexpr (passes) share = share * diffuse_share_ * (Float(1) - l_.diffuse_transmission);
+        if constexpr (passes) share = share * diffuse_share_ * reflected_share_;
         const Float lambert = share * cosine;
         BsdfEval r;
         for (int k = 0; k < channels; ++k) {
@@ -394,7 +395,7 @@ private:
     Facets<AnisotropicGgx> ggx_;
     // Of closures that pass light:
     Spectrum tint_;
-    Float eta_{1}, diffuse_share_{1}, below_share_{0};
+    Float eta_{1}, diffuse_share_{1}, reflected_share_{1}, below_share_{0};
     Mask refracts_{false}, solid_{false}, within_{false};
 };
 

@@ -352,6 +352,22 @@ TEST(Layered, ColourOfWhatIsRefracted)
             EXPECT_NEAR(first(Passing(m).eval(wo, down).f_cos.c[0]) / white, thin ? 0.25 : 0.5, 1e-5);
         }
 }
+/// What passes diffusely may be a share of what is diffuse, or come beside what is reflected.
+TEST(Layered, DiffuseTransmissionMayBeAdded)
+{
+    LayeredMaterialPoint m = with_diffuse_transmission(layers(0.6f, 1), 0.25f);
+    m.layers.specular = Float(0);
+    const Vec3 wo = outgoing(50), wi = outgoing(20);
+    const auto reflected = [&] { return first(Passing(m).eval(wo, wi).f_cos.c[0]) * std::numbers::pi / first(wi.z); };
+    const auto passed = [&] { return first(Passing(m).eval(wo, -wi).f_cos.c[0]) * std::numbers::pi / first(wi.z); };
+    EXPECT_NEAR(reflected(), 0.75 * 0.6, 1e-5);
+    EXPECT_NEAR(passed(), 0.25, 1e-5);
+    m.layers.diffuse_transmission_added = Mask(true);
+    EXPECT_NEAR(reflected(), 0.6, 1e-5);
+    EXPECT_NEAR(passed(), 0.25, 1e-5);
+    check_sampling(Passing(m), 50, "added");
+    EXPECT_NEAR(albedo_of(Passing(m), 50).first, 0.85, 0.01);
+}
 /// A thin surface has one boundary: what the mirror image gets, what is straight on does not.
 TEST(Layered, ThinReflectsOnce)
 {

@@ -14,6 +14,9 @@ namespace fathom::inline FATHOM_LANES {
 ///
 /// Of rough boundaries passes and inner are by tables. Where the material is compensated all that facets don't reflect
 /// at once is let in; else what they let through at once, as layers by random walks have it, and the rest is lost.
+///
+/// A grey layer between boundary and body (`fuzz`: its optical thickness) absorbs along the ways that a smooth boundary
+/// refracts to, and a part of what is thrown back (`metallic`).
 class PlasticBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::plastic;
@@ -27,12 +30,14 @@ public:
         : roughness_(sampled_roughness(m)),
           ggx_({max(sampled_alpha(m), Float(2 * min_alpha))}, m.beckmann),
           ior_(clamp(m.ior, Float(1), Float(3))),
+          thickness_(m.fuzz),
           compensated_(m.compensated)
     {
         const Float reflected = mean_reflected();
         const Float lets_in = select(compensated_, Float(1) - reflected, mean_of<passing>() * (Float(1) - reflected));
         const Float lost = select(compensated_, Float(0), mean_of<lost_within>());
-        const Float out = lets_in / (ior_ * ior_), inner = clamp(Float(1) - out - lost, Float(0), Float(1));
+        const Float out = lets_in / (ior_ * ior_),
+                    inner = clamp(Float(1) - out - lost, Float(0), Float(1)) * (Float(1) - m.metallic);
         for (int i = 0; i < channels; ++i) {
             const Float color = m.base_color.c[i];
             // What is thrown back is white to Mitsuba's linear model.
@@ -52,7 +57,7 @@ public:
         const Float f = fresnel_dielectric(clamp(dot(wo, h), Float(0), Float(1)), ior_, beyond);
         const Float boundary = f * ggx_.value(h, d) * ggx_.g2(wo, wi) * scale;
         const Float passes_out = passes(wo.z), cosine = wi.z * Float(inv_pi);
-        const Float body = passes_out * passes(wi.z) * cosine;
+        const Float body = passes_out * passes(wi.z) * absorbed_less(wo.z, wi.z) * cosine;
         BsdfEval r;
         for (int i = 0; i < channels; ++i) r.f_cos.c[i] = select(valid, fma(body_.c[i], body, boundary), Float(0));
         const Float p = boundary_probability(passes_out);
@@ -102,6 +107,16 @@ private:
         const Float f = fresnel_dielectric(albedo_lookup(plastic_cosine_table, cosine, roughness_), ior_, beyond);
         return fma(-f, share, select(compensated_, Float(1), share));
     }
+    /// What the layer leaves of light on its ways in and out.
+    Float absorbed_less(Float cosine_in, Float cosine_out) const
+    {
+        if (none(thickness_ > Float(0))) return Float(1);
+        const Float inverse = Float(1) / (ior_ * ior_);
+        const auto way = [&](Float cosine) {
+            return inverse_sqrt(max(fma(fma(cosine, cosine, Float(-1)), inverse, Float(1)), Float(1e-6f)));
+        };
+        return exp(-(thickness_ * (way(cosine_in) + way(cosine_out))));
+    }
     /// The chance to sample the boundary. passes_out: what gets through it towards the path.
     Float boundary_probability(Float passes_out) const
     {
@@ -111,7 +126,7 @@ private:
 
     Float roughness_;
     Facets<Ggx> ggx_;
-    Float ior_, most_body_;
+    Float ior_, thickness_, most_body_;
     Mask compensated_;
     Spectrum body_;  ///< but for what passes the boundary, and 1 / pi
 };

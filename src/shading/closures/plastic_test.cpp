@@ -81,6 +81,29 @@ TEST(Plastic, SmoothIsTheClosedForm)
     }
 }
 
+/// A layer that absorbs: on the way in, on the way out, and there and back below the boundary.
+TEST(Plastic, LayersAbsorb)
+{
+    constexpr double ior = 1.5, thickness = 0.2, color = 0.8;
+    double out = 0, inner = 0, inner_all = 0;
+    constexpr int steps = 4000;
+    for (int i = 0; i < steps; ++i) {
+        const double c = (i + 0.5) / steps, s2 = (1 - c * c) * ior * ior;
+        const double back = s2 < 1 ? fresnel(std::sqrt(1 - s2), ior) : 1;
+        out += 2 * (1 - back) * std::exp(-thickness / c) * c / steps;
+        inner += 2 * back * std::exp(-2 * thickness / c) * c / steps;
+        inner_all += 2 * back * c / steps;
+    }
+    MaterialPoint m = plastic(float(color), 0, float(ior));
+    m.fuzz = Float(float(thickness)), m.metallic = Float(float(1 - inner / inner_all));
+    for (const double degrees : {0.0, 40.0, 70.0}) {
+        const double c = std::cos(degrees * std::numbers::pi / 180), f = fresnel(c, ior);
+        const double in = (1 - f) * std::exp(-thickness / std::sqrt(1 - (1 - c * c) / (ior * ior)));
+        EXPECT_NEAR(albedo(m, degrees), f + in * color * out / (1 - color * inner), 0.004) << degrees;
+    }
+    check_sampling(PlasticBsdf(m), 40, "a layer that absorbs");
+}
+
 /// Of light that comes in: what a walk between facets and body brings out, by the same facets' sampling and Fresnel's
 /// equations, where what goes to the wrong side of a facet is lost, as in pbrt's layers.
 double walked(double alpha, double color, double ior, double degrees)

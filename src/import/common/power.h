@@ -1,0 +1,32 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "fathom/description.h"
+
+namespace fathom {
+
+/// A number from 0 to 1, or a texture of such, to a power of less than 1: what other formats call roughness is alpha,
+/// or another power of ours. Of textures it is a curve of straight pieces: above 0.05 roots are right to
+/// 0.9 %, above 0.01 to 1.8 %.
+inline FloatInput to_power(SceneDescription& scene, FloatInput input, double power)
+{
+    const auto raised = [&](double x) { return float(std::pow(std::clamp(x, 0.0, 1.0), power)); };
+    if (input.texture < 0) {
+        input.value = raised(input.value);
+        return input;
+    }
+    Texture curve;
+    curve.kind = TextureKind::ramp;
+    curve.factor = input;
+    constexpr int stops = 16;
+    for (int i = 0; i < stops; ++i) {
+        // Closer near 0, where roots are steep.
+        const double x = std::pow(double(i) / (stops - 1), 4);
+        curve.stops.push_back({float(x), {raised(x), raised(x), raised(x)}});
+    }
+    scene.textures.push_back(curve);
+    return {1, int(scene.textures.size()) - 1, 1};
+}
+
+}  // namespace fathom
