@@ -12,6 +12,12 @@ struct SurfaceHit {
     UInt material = UInt(no_index);  ///< of a mixture, which one the path meets; else the shape's
 };
 
+/// Two ways along a surface, and by how much texture coordinates grow on each: what slopes of textures are found by.
+struct SurfaceWays {
+    Vec3 way[2];               ///< 0 where they are not known
+    Float du[2][2], dv[2][2];  ///< by way and uv set
+};
+
 struct Surface {
     Vec3 p;
     Vec3 ng;               ///< geometric normal, unit, on the side of the shape's front
@@ -22,6 +28,7 @@ struct Surface {
     Mask is_curve, is_ribbon;
     Float radius;  ///< of curves, else 0
     TexturePoint at;
+    SurfaceWays ways;  ///< where some material of the scene is bumped
     UInt shape, material;
 };
 

@@ -1,7 +1,12 @@
 #pragma once
 /// All textures: the list that lookups are made from.
 #include "shading/textures/checker.h"
+#include "shading/textures/coordinates.h"
+#include "shading/textures/dots.h"
+#include "shading/textures/facing.h"
+#include "shading/textures/fractal.h"
 #include "shading/textures/image.h"
+#include "shading/textures/limits.h"
 #include "shading/textures/mix.h"
 #include "shading/textures/noise.h"
 #include "shading/textures/ramp.h"
@@ -21,9 +26,10 @@ struct TextureList {
     }
 };
 
-using Textures =
-    TextureList<ImageTexture, CheckerUvTexture, CheckerSpaceTexture, NoiseTexture, TurbulenceTexture, MarbleTexture,
-                MixTexture, ScaleTexture, UvTransformTexture, RampTexture, VertexColorTexture>;
+using Textures = TextureList<ImageTexture, CheckerUvTexture, CheckerSpaceTexture, NoiseTexture, TurbulenceTexture,
+                             MarbleTexture, MixTexture, ScaleTexture, UvTransformTexture, RampTexture,
+                             VertexColorTexture, FbmTexture, WrinkledTexture, WindyTexture, VeinedMarbleTexture,
+                             DotsTexture, CoordinatesTexture, FacingTexture, InvertTexture, ClampTexture>;
 
 [[gnu::noinline]] inline Texel TextureGraph::evaluate(const TextureRecord& t, const TexturePoint& at, Mask m) const
 {
