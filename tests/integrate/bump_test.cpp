@@ -54,7 +54,12 @@ std::vector<Case> cases()
     const Vec3d out = normalize(Vec3d{0.3, 0.4, 0.8});
     const double from_axis = std::hypot(out.x, out.z);
     const Vec3d east = normalize(Vec3d{out.z, 0, -out.x}), south = cross(east, out);
-    return {{"rectangle", Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 4, 0}}, {0.1, 0.2, 0}, {0, 0, 1}, {0.5, 0, 0}, {0, -0.25, 0}},
+    return {{"rectangle",
+             Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 4, 0}},
+             {0.1, 0.2, 0},
+             {0, 0, 1},
+             {0.5, 0, 0},
+             {0, -0.25, 0}},
             {"box", Box{{-1, -1, -1}, {1, 1, 0}}, {0.1, 0.2, 0}, {0, 0, 1}, {0.5, 0, 0}, {0, -0.5, 0}},
             {"disk", Disk{{0, 0, 0}, {0, 0, 1}, 2}, {0.1, 0.2, 0}, {0, 0, 1}, {0.25, 0, 0}, {0, -0.25, 0}},
             {"mesh", MeshInstance{0}, {0.1, 0.2, 0}, {0, 0, 1}, {0.25, 0.5, 0}, {-1, 0.125, 0}},
