@@ -45,7 +45,7 @@ void add_settings_options(Command& command, SettingsOptions& o)
                           if (const int word = parse_word(text, {"off", "on", "auto"}); word < 2) o.guiding = word == 1;
                       });
     command.add_value("--loop", "general|fast",
-                      "general: rooms of plain quads, too, by the loop for all scenes, to debug (default fast)",
+                      "general: rooms of quads, too, by the loop for all scenes, to debug (default fast)",
                       [&](const std::string& text) { o.general_loop = parse_word(text, {"fast", "general"}) == 1; });
     command.add_value("--background", "COLOUR",
                       "what the camera sees behind the scene (lights nothing): #rrggbb, linear r,g,b, black, white, or "

@@ -430,11 +430,15 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
         const std::unique_ptr<Tracer> tracer(new Tracer(lane_scene, camera, settings, job, sums, counters));
         tracer->run();
     };
-    if (!lane_scene.only_diffuse_quads || settings.general_loop || settings.clamp_indirect > 0)
+    if (!lane_scene.only_quads || settings.general_loop || settings.clamp_indirect > 0)
         run(std::type_identity<PathTracer>());
-    // That loop is faster than any guidance would make the other.
-    else if (!job.records)
-        run(std::type_identity<QuadTracer>());
+    // The loops for quads are faster than any guidance would make that one.
+    else if (job.records)
+        return;
+    else if (lane_scene.only_plain_quads)
+        run(std::type_identity<QuadTracer<true>>());
+    else
+        run(std::type_identity<QuadTracer<false>>());
 }
 
 }  // namespace fathom

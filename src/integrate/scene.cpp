@@ -70,6 +70,7 @@ void LaneScene::read_tables()
         bvh.set_alpha_test(has_alpha() ? &alpha_passes : nullptr, &tables);
     read_shapes();
     tracks_media = has_absorption || count_solids(tables) > 1;
+    only_quads &= !tracks_media;
     constexpr std::size_t much = 1 << 17;  // of vertices
     is_large = tables.positions.size() > much;
     textured = !tables.textures.empty();
@@ -101,8 +102,9 @@ void LaneScene::read_shapes()
         material_bucket.push_back(std::uint32_t(material.closure) << kind_shift |
                                   (std::uint32_t(material_bucket.size()) & ((1u << kind_shift) - 1)));
     shape_info.clear();
-    only_diffuse_quads = is_flat && !tables.moving && tables.textures.empty() && tables.triangles.empty() &&
-                         tables.spheres.empty() && tables.disks.empty();
+    only_plain_quads = true;
+    only_quads =
+        is_flat && !tables.moving && tables.triangles.empty() && tables.spheres.empty() && tables.disks.empty();
     for (const ShapeRecord& shape : tables.shapes) {
         const MaterialRecord& material = tables.materials[shape.material];
         read_material(material);
@@ -116,7 +118,7 @@ void LaneScene::read_material(const MaterialRecord& material)
 {
     if (material.mixture != no_index) {
         has_mixtures = true;
-        only_diffuse_quads = false;
+        only_quads = false;
         const MixtureRecord& mixture = tables.mixtures[material.mixture];
         read_material(tables.materials[mixture.first]);
         read_material(tables.materials[mixture.second]);
@@ -136,8 +138,9 @@ void LaneScene::read_material(const MaterialRecord& material)
     const bool scatters = material.closure != ClosureKind::none;
     if (scatters) kinds |= 1u << std::uint32_t(material.closure);
     black_behind |= (material.flags & MaterialRecord::black_behind) != 0;
-    only_diffuse_quads &= !single_sided && !black_behind;
-    only_diffuse_quads &= !scatters || (material.closure == ClosureKind::diffuse && material.roughness == 0);
+    only_quads &= !single_sided && !black_behind && material.emission_texture == no_index &&
+                  (!scatters || Closures::is_small(material.closure));
+    only_plain_quads &= QuadColumns::is_plain(material);
 }
 
 std::size_t LaneScene::memory_bytes() const

@@ -30,28 +30,29 @@ struct LaneScene final : KernelScene {
     /// Per primitive, if the scene is flat: shape_info of its shape; padded for lookup().
     std::vector<std::uint32_t> primitive_info;
     QuadColumns quads;
-    std::uint32_t kinds = 0;          ///< bit per ClosureKind that occurs and scatters
-    bool is_large = false;            ///< vertices are far more than caches hold near a core
-    bool textured = false;            ///< there are textures
-    bool has_fibres = false;          ///< some material is of fibres, to which uv say where across they are met
-    bool wants_uv = false;            ///< either of both
-    bool wants_tangents = false;      ///< tangents of surfaces matter somewhere
-    bool has_bumps = false;           ///< some material bends normals by the slope of a texture
-    bool varied_lights = false;       ///< some are not alike all over, see LightRecord::material
-    bool moving_lights = false;       ///< some are elsewhere at other times, see LightRecord::motion
-    bool curve_lights = false;        ///< some are segments of curves
-    bool pictured_lights = false;     ///< some are LightRecordKind::pictured
-    bool refracts = false;            ///< some material lets light pass
-    bool black_behind = false;        ///< some surfaces reflect nothing on their back
-    bool single_sided = false;        ///< cameras look through some surfaces from behind
-    bool has_absorption = false;      ///< some medium absorbs or scatters
-    bool scatters_inside = false;     ///< some medium scatters
-    bool textured_media = false;      ///< as textures say, which paths bring along
-    bool tracks_media = false;        ///< paths must know what they are in: that, or solids may overlap
-    bool has_mixtures = false;        ///< some material is one of two
-    bool sees_environment = false;    ///< rays that leave the scene bring something
-    bool only_diffuse_quads = false;  ///< flat, smooth, without textures or motion: QuadTracer renders it
-    FilterTable filters[2];           ///< Gaussian, Blackman-Harris
+    std::uint32_t kinds = 0;        ///< bit per ClosureKind that occurs and scatters
+    bool is_large = false;          ///< vertices are far more than caches hold near a core
+    bool textured = false;          ///< there are textures
+    bool has_fibres = false;        ///< some material is of fibres, to which uv say where across they are met
+    bool wants_uv = false;          ///< either of both
+    bool wants_tangents = false;    ///< tangents of surfaces matter somewhere
+    bool has_bumps = false;         ///< some material bends normals by the slope of a texture
+    bool varied_lights = false;     ///< some are not alike all over, see LightRecord::material
+    bool moving_lights = false;     ///< some are elsewhere at other times, see LightRecord::motion
+    bool curve_lights = false;      ///< some are segments of curves
+    bool pictured_lights = false;   ///< some are LightRecordKind::pictured
+    bool refracts = false;          ///< some material lets light pass
+    bool black_behind = false;      ///< some surfaces reflect nothing on their back
+    bool single_sided = false;      ///< cameras look through some surfaces from behind
+    bool has_absorption = false;    ///< some medium absorbs or scatters
+    bool scatters_inside = false;   ///< some medium scatters
+    bool textured_media = false;    ///< as textures say, which paths bring along
+    bool tracks_media = false;      ///< paths must know what they are in: that, or solids may overlap
+    bool has_mixtures = false;      ///< some material is one of two
+    bool sees_environment = false;  ///< rays that leave the scene bring something
+    bool only_quads = false;        ///< flat, without motion and what is rare: QuadTracer renders it
+    bool only_plain_quads = false;  ///< the same, and all quads are plain: see QuadColumns
+    FilterTable filters[2];         ///< Gaussian, Blackman-Harris
 
     LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level);
     std::size_t memory_bytes() const override;

@@ -21,8 +21,9 @@ constexpr std::size_t paths_per_job = 4096;
 constexpr std::size_t trial_step = 2;
 /// What a guided path's vertex takes, in those of one that is not; measured.
 constexpr double guided_cost = 1.15;
-/// With less gain, which is not known exactly, the plain paths are kept.
-constexpr double least_gain = 1.1;
+/// With less gain the plain paths are kept: it is not known exactly, and the more samples a pixel has, the more plain
+/// ones win by their even spread, which shows less in the few of the trial.
+constexpr double least_gain = 1.2;
 /// How bright a pixel is, is told by so many before it in its row, and as many behind it.
 constexpr std::size_t neighbours = 16;
 /// Of all pixels, the noisiest that don't count: a few would decide alone.

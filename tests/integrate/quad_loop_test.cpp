@@ -8,8 +8,43 @@ namespace {
 
 using namespace test;
 
-/// A room with its front open, some boxes and loose quads in it, one to three lamps, and sometimes a sky.
-SceneDescription random_room(unsigned seed)
+/// A material of little code that is not plain.
+Material other_material(SceneDescription& scene, std::mt19937& engine)
+{
+    Material m;
+    const auto uniform = [&](double lo, double hi) { return lo + (hi - lo) * double(engine() >> 8) / 16777216.0; };
+    m.roughness.value = engine() % 2 ? 0.f : float(uniform(0.4, 0.9));
+    m.base_color.value = {float(uniform(0.3, 0.9)), float(uniform(0.3, 0.9)), float(uniform(0.3, 0.9))};
+    switch (engine() % 6) {
+        case 0:
+            m.kind = MaterialKind::metal;
+            break;
+        case 1:
+            m.kind = MaterialKind::plastic;
+            break;
+        case 2:
+            m.kind = MaterialKind::fuzz_metal, m.fuzz = uniform(0.1, 0.9);
+            break;
+        case 3:
+            m.kind = MaterialKind::glass, m.thin = engine() % 3 != 0;
+            break;
+        case 4:
+            m.kind = MaterialKind::unlit;
+            break;
+        default: {
+            Texture checker;
+            checker.kind = TextureKind::checker_space;
+            checker.scale = 9;
+            scene.textures.push_back(checker);
+            m.base_color.texture = int(scene.textures.size()) - 1;
+        }
+    }
+    return m;
+}
+
+/// A room with its front open, some boxes and loose quads in it, one to three lamps, and sometimes a sky. others:
+/// whether half of the quads are not plain.
+SceneDescription random_room(unsigned seed, bool others)
 {
     std::mt19937 engine(seed);
     const auto uniform = [&](double lo, double hi) { return lo + (hi - lo) * double(engine() >> 8) / 16777216.0; };
@@ -17,6 +52,7 @@ SceneDescription random_room(unsigned seed)
     const auto color = [&] {
         Material m;
         m.base_color.value = {float(uniform(0.1, 0.95)), float(uniform(0.1, 0.95)), float(uniform(0.1, 0.95))};
+        if (others && engine() % 2) m = other_material(b.scene, engine);
         b.scene.materials.push_back(m);
         return int(b.scene.materials.size()) - 1;
     };
@@ -44,17 +80,25 @@ SceneDescription random_room(unsigned seed)
         b.add(Rectangle{{uniform(-0.9, 0.3), uniform(0.9, 0.99), uniform(-0.9, 0.3)}, {side, 0, 0}, {0, 0, side}},
               int(b.scene.materials.size()) - 1);
     }
+    if (others) {
+        // A pane, through which lamps and sky are seen.
+        Material pane;
+        pane.kind = MaterialKind::glass, pane.thin = true;
+        b.scene.materials.push_back(pane);
+        b.add(Rectangle{{-1, -0.8, 1.1}, {1.6, 0, 0}, {0, 1.8, 0}}, int(b.scene.materials.size()) - 1);
+    }
     if (seed % 3 == 0) b.scene.environment.kind = EnvironmentKind::gradient;
     b.camera({0.2, 0.1, 3.4}, {0, 0, 0});
     return b.scene;
 }
 
-TEST(QuadLoop, HasTheMeanAndTheVarianceOfTheGeneralLoop)
+/// others: see random_room
+void compare_loops(bool others)
 {
     for (unsigned seed = 1; seed <= 10; ++seed) {
         SCOPED_TRACE(seed);
         Warnings warnings;
-        const Scene scene = Scene::compile(random_room(seed), "", warnings);
+        const Scene scene = Scene::compile(random_room(seed, others), "", warnings);
         RenderSettings fast = small_picture(), general = fast;
         general.general_loop = true;
         general.seed = 1;
@@ -80,6 +124,30 @@ TEST(QuadLoop, HasTheMeanAndTheVarianceOfTheGeneralLoop)
         EXPECT_LT(z2 / n, 1.1);
         EXPECT_LT(std::abs(difference), 4 * std::sqrt(error2));
         EXPECT_LT(std::abs(more_variance), 4 * std::sqrt(variance_error2));
+    }
+}
+
+TEST(QuadLoop, HasTheMeanAndTheVarianceOfTheGeneralLoop)
+{
+    compare_loops(false);
+}
+TEST(QuadLoop, SoWithOtherQuads)
+{
+    compare_loops(true);
+}
+
+/// Which paths wait for a full gang depends on how many there are.
+TEST(QuadLoop, PathsThatWaitStayTheSame)
+{
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+        Warnings warnings;
+        const Scene scene = Scene::compile(random_room(seed, true), "", warnings);
+        const RenderJob job{scene, small_picture()};
+        Film whole(job), parts(job);
+        render(job, {0, 64}, whole);
+        for (const auto& [from, to] : {std::pair(0, 7), std::pair(7, 20), std::pair(20, 64)})
+            render(job, {from, to}, parts);
+        EXPECT_EQ(whole.image(false, false).layers[0].pixels, parts.image(false, false).layers[0].pixels) << seed;
     }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "integrate/kernel.h"
+#include "integrate/stages/direct.h"
 #include "integrate/stages/dispersion.h"
 #include "integrate/stages/environment_ahead.h"
 #include "integrate/stages/light.h"
@@ -212,15 +213,7 @@ private:
         const Sample2 random = sample_2d(index, pair_seed(seed, pair_light));
         const LightSample s = lights_.sample(valid, eye, key, seed, random, time);
         Mask lit = valid & (s.inverse_pdf > Float(0));
-        const Vec3 wi = at.frame.to_local(s.wi);
-        lit &= closure.has_smooth() & equal(wi.z > Float(0), dot(s.wi, at.ng) > Float(0));
-        if (!Closure::transmits) lit &= wi.z > Float(0);
-        if (Closure::transmits) lit &= !at.passes_on;
-        const BsdfEval e = closure.eval(at.wo, wi);
-        const Float bsdf_pdf = guidance.is_on() ? guidance.pdf(s.wi, e.pdf) : e.pdf;
-        const Float r = bsdf_pdf * s.inverse_pdf;
-        const Float weight = select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * s.inverse_pdf;
-        Spectrum add = throughput * e.f_cos * s.radiance * weight;
+        Spectrum add = direct_light(closure, at, guidance, s, throughput, lit);
         if (scene_.has_absorption) {
             const Mask beyond = Closure::transmits ? dot(s.wi, at.ng) < Float(0) : Mask(false);
             const UInt medium = select(beyond, at.media_beyond, at.media).current();
@@ -229,10 +222,7 @@ private:
         lit &= any_positive(add);
         if (none(lit)) return;
         counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
-        const Vec3 o = Closure::transmits ? at.start(s.wi) : eye;
-        // On the surface's other side the way is longer or shorter.
-        const Float distance = Closure::transmits ? s.distance + dot(eye - o, s.wi) : s.distance;
-        const Ray ray{o, s.wi, distance * Float(1 - 0x1p-16f), time};
+        const Ray ray = shadow_ray(at, eye, s, time);
         if (!scene_.is_flat) {
             shadows_.push(ray, add, i, lit);
             return;

@@ -11,10 +11,18 @@
 
 namespace fathom::inline FATHOM_LANES {
 
+/// Of little code: neither of layers nor of fibres.
+template <class Closure>
+inline constexpr bool is_small = !Closure::is_layered && !Closure::is_fibre;
+
 template <class... Closure>
 struct ClosureList {
     static constexpr bool contains(ClosureKind kind) { return ((Closure::kind == kind) || ...); }
     static constexpr bool transmits(ClosureKind kind) { return ((Closure::kind == kind && Closure::transmits) || ...); }
+    static constexpr bool is_small(ClosureKind kind)
+    {
+        return ((Closure::kind == kind && fathom::is_small<Closure>) || ...);
+    }
     /// Calls f.template operator()<Closure>() for the closure of a kind, if it has one.
     template <class F>
     static void visit(ClosureKind kind, F&& f)

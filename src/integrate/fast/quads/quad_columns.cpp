@@ -8,6 +8,14 @@
 
 namespace fathom::inline FATHOM_LANES {
 
+bool QuadColumns::is_plain(const MaterialRecord& material)
+{
+    constexpr std::uint32_t varied = MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped |
+                                     MaterialRecord::vertex_colored;
+    return material.closure == ClosureKind::none ||
+           (material.closure == ClosureKind::diffuse && material.roughness == 0 && !(material.flags & varied));
+}
+
 void QuadColumns::build(const SceneTables& tables, bool sheared)
 {
     size_ = int(tables.quads.size());
@@ -37,7 +45,9 @@ void QuadColumns::build(const SceneTables& tables, bool sheared)
         const MaterialRecord& material = tables.materials[shape.material];
         // Emission is on the side of the front as the scene says, which a mirroring transform swaps.
         const bool flipped = (shape.flags & ShapeRecord::flipped) != 0;
-        std::uint32_t flags = material.closure == ClosureKind::diffuse ? std::uint32_t(scatters) : 0u;
+        std::uint32_t flags = std::uint32_t(material.closure) << kind_shift;
+        if (material.closure != ClosureKind::none) flags |= scatters;
+        if (is_plain(material)) flags |= plain;
         const bool emits = material.flags & MaterialRecord::emits,
                    two_sided = material.flags & MaterialRecord::two_sided_emission;
         if (emits && (two_sided || !flipped)) flags |= emits_front;

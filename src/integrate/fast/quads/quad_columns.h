@@ -17,9 +17,12 @@ public:
         scatters = 1,
         emits_front = 2,
         emits_back = 4,
-        unlit = 8 /* seen by the camera only */
+        unlit = 8 /* seen by the camera only */,
+        plain = 16 /* smooth, diffuse, of one colour; what does not scatter is plain, too */
     };
+    static constexpr int kind_shift = 8;  ///< above the flags: the ClosureKind
 
+    static bool is_plain(const MaterialRecord& material);
     /// sheared: quads are met as triangles, by the test that shears coordinates.
     void build(const SceneTables& tables, bool sheared);
 

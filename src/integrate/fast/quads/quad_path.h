@@ -1,30 +1,24 @@
 #pragma once
-/// The path loop for flat scenes of smooth, untextured, diffuse quads, as boxes and rooms are: the same estimator as
-/// PathTracer's, in fewer instructions.
+/// The path loop for flat scenes of quads, as boxes and rooms are: the same estimator as PathTracer's, in fewer
+/// instructions.
 ///
 ///     start ─┬─▶ arrive ─▶ pool ─▶ light, next direction ─┐
 ///            └───────────────────◀───────────────────────┘
 ///
 /// What a path meets next is found while its state is still in registers, and only paths that go on are stored. All
-/// state fits into the first-level cache.
-#include "integrate/pool.h"
-#include "integrate/stage_clock.h"
+/// state fits into the first-level cache. Most quads of such scenes are plain: smooth, diffuse, of one colour. Paths on
+/// others are kept apart, where closures are run on full gangs of them (quad_closures.h).
+#include <utility>
+
+#include "integrate/fast/quads/ended_paths.h"
+#include "integrate/fast/quads/quad_closures.h"
+#include "integrate/fast/quads/quad_pool.h"
 #include "integrate/stages/first_hits.h"
-#include "integrate/stages/light.h"
-#include "integrate/stages/path_end.h"
 
 namespace fathom::inline FATHOM_LANES {
 
-/// Paths that wait on a surface each.
-struct QuadPool {
-    VectorColumn eye;
-    SpectrumColumn throughput, radiance;
-    /// The quad in its low 16 bits, the bounces so far in the next 15, and on top whether the path is on the quad's
-    /// back.
-    Column<std::uint32_t> place;
-    Column<std::uint32_t> pixel_hash, reversed_index, pixel;
-};
-
+/// all_plain: whether all quads are plain.
+template <bool all_plain>
 class QuadTracer {
 public:
     QuadTracer(const LaneScene& scene, const CameraRecord& camera, const KernelSettings& settings, const KernelJob& job,
@@ -35,40 +29,66 @@ public:
           lights_(scene, settings.light_selection),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
-          sums_(sums),
+          ended_(sums),
           counters_(counters),
-          clock_(counters, settings.measure)
+          clock_(counters, settings.measure),
+          closures_(scene, clock_)
     {
         clock_.enter(RenderStage::quads);
         lights_are_sampled_ = settings.light_sampling && !tables_.lights.empty();
         sees_background_ = scene.sees_environment || settings.background.given;
+        for (std::uint32_t kind = 0; kind < closure_kind_count && !all_plain; ++kind)
+            if (scene.has_closure(kind)) others_[other_kinds_].kind = kind, others_[other_kinds_++].end = 0;
     }
 
     void run()
     {
-        std::size_t active = 0;
         for (;;) {
-            while (active + lanes <= pool_capacity && next_ < camera_paths_.total()) active = start(active);
-            if (active == 0) break;
-            // Paths that go on take the places before those still to be read.
-            std::size_t kept = 0;
-            for (std::size_t i = 0; i < active; i += lanes) kept = bounce(i, first_lanes(active - i), kept);
-            active = kept;
+            while (size() + lanes <= pool_capacity && next_ < camera_paths_.total()) start();
+            if (size() == 0) break;
+            // Paths that go on take the places before those still to be read, or come to another pool's end.
+            const std::size_t active = std::exchange(plain_end_, 0);
+            for (std::size_t i = 0; i < active; i += lanes) bounce(i, first_lanes(active - i));
+            if constexpr (!all_plain)
+                for (std::size_t k = 0; k < other_kinds_; ++k) run_others(others_[k]);
         }
-        sum_ended();
+        ended_.sum();
     }
 
 private:
-    static constexpr std::uint32_t quad_mask = 0xffff, bounce_mask = 0x7fff, back = 1u << 31;
-    static constexpr int bounce_shift = 16;
+    /// Where rays come from.
+    enum class From { camera, plain, other };
+    template <From from>
+    struct Arrival;
 
-    /// Camera paths: those that meet a surface which scatters are stored from `to` on. Returns where the next ones go.
-    [[gnu::noinline, gnu::flatten]] std::size_t start(std::size_t to)
+    /// How many paths are under way.
+    std::size_t size() const
+    {
+        std::size_t size = plain_end_;
+        for (std::size_t k = 0; k < other_kinds_; ++k) size += others_[k].end;
+        return size;
+    }
+
+    /// Gangs of paths on other quads; what would leave lanes empty waits while there are new paths.
+    void run_others(OtherQuadPool& p)
+    {
+        const bool waits = next_ < camera_paths_.total();
+        const std::size_t active = std::exchange(p.end, 0), done = waits ? active / lanes * lanes : active;
+        for (std::size_t i = 0; i < done; i += lanes) bounce_by_closure(p, i, first_lanes(done - i));
+        for (std::size_t i = done; i < active; ++i, ++p.end) {
+            const auto move = [&](auto& column) { column[p.end] = column[i]; };
+            p.for_all(scene_.refracts, move);
+            move(p.direction.x), move(p.direction.y), move(p.direction.z), move(p.offset);
+        }
+    }
+
+    /// Camera paths: those that meet a surface which scatters are stored.
+    [[gnu::noinline, gnu::flatten]] void start()
     {
         const Mask valid = first_lanes(camera_paths_.total() - next_);
         const CameraPaths::Path path = camera_paths_.make(next_);
         next_ += lanes;
-        Arrival<true> at{path.ray.o, path.ray.d, Float(0), valid};
+        Arrival<From::camera> at{path.ray.o, path.ray.d, Float(0), valid};
         at.meet(*this);
         if (first_hits_.wanted())
             first_hits_.add({at.o, at.d, at.t, Float(0), Float(0), Float(0), at.quad, UInt(no_index)}, path.pixel,
@@ -76,83 +96,153 @@ private:
         Spectrum sum(Float(0));
         at.add_radiance(*this, Spectrum(Float(1)), sum);
         const Mask goes_on = at.goes_on() & may_scatter(settings_, UInt(0u));
-        finish(valid & !goes_on, path.pixel, path.key.reversed_index, sum);
-        at.keep_place(*this, UInt(0u), goes_on, to);
-        pool_.throughput.append(to, Spectrum(Float(1)), goes_on), pool_.radiance.append(to, sum, goes_on);
-        pool_.pixel_hash.append(to, path.key.pixel_hash, goes_on);
-        pool_.reversed_index.append(to, path.key.reversed_index, goes_on);
-        pool_.pixel.append(to, path.pixel, goes_on);
-        return to + std::size_t(count(goes_on));
+        ended_.add(valid & !goes_on, path.pixel, path.key.reversed_index, sum);
+        keep(at, goes_on, UInt(0u), Spectrum(Float(1)), sum, Float(1), path.key, path.pixel);
     }
 
-    /// A light, and the next direction, for the paths stored from i on; `to` is at most i.
+    /// A light, and the next direction, for the paths on plain quads stored from i on.
     ///
     /// Fields are read where they are needed, and again where they are needed again: registers are scarce.
-    [[gnu::noinline, gnu::flatten]] std::size_t bounce(std::size_t i, Mask valid, std::size_t to)
+    [[gnu::noinline, gnu::flatten]] void bounce(std::size_t i, Mask valid)
     {
         count_vertices(counters_, valid);
-        const UInt seed = group_seed(key(i), bounces(i) + UInt(1u));
+        const QuadPool& p = plain_;
+        const UInt seed = group_seed(p.key(i), p.bounces(i) + UInt(1u));
         // The light's point and the next direction are never multiplied with each other.
-        const UInt index = shuffled_index(key(i), seed);
+        const UInt index = shuffled_index(p.key(i), seed);
         Spectrum light(Float(0));
         if (lights_are_sampled_) light = direct_light(i, valid, seed, index);
 
         const Vec3 local = sample_cosine_hemisphere(sample_2d(index, pair_seed(seed, pair_bsdf)));
-        const Vec3 n = normal(i), tangent = scene_.quads.tangent(quad(i));
-        Arrival<false> at{pool_.eye.load(i), Frame(tangent, cross(n, tangent), n).to_world(local),
-                          local.z * Float(inv_pi), valid};
+        const Vec3 n = normal(p, i), tangent = scene_.quads.tangent(p.quad(i));
+        Arrival<From::plain> at{p.eye.load(i), Frame(tangent, cross(n, tangent), n).to_world(local),
+                                local.z * Float(inv_pi), valid};
 
-        Spectrum left = pool_.throughput.load(i) * scene_.quads.color(quad(i));
+        Spectrum left = p.throughput.load(i) * scene_.quads.color(p.quad(i));
         Spectrum sum;
-        for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c], light.c[c], pool_.radiance.c[c].load(i));
-        const UInt before = bounces(i);
-        at.alive = valid & !play(roulette_by_throughput(settings_, before, Float(1), left), key(i), seed, left);
+        for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c], light.c[c], p.radiance.c[c].load(i));
+        go_on(at, p, i, valid, seed, !all_plain && scene_.refracts ? p.eta_scale.load(i) : Float(1), left, sum);
+    }
+
+    /// The same of paths on other quads.
+    [[gnu::noinline, gnu::flatten]] void bounce_by_closure(const OtherQuadPool& p, std::size_t i, Mask valid)
+    {
+        count_vertices(counters_, valid);
+        const UInt seed = group_seed(p.key(i), p.bounces(i) + UInt(1u));
+        const UInt index = shuffled_index(p.key(i), seed), quad = p.quad(i);
+        const Vec3 eye = p.eye.load(i);
+        const Float offset = p.offset.load(i);
+        const QuadPlace place{fma(normal(p, i), -offset, eye),
+                              offset,
+                              p.direction.load(i),
+                              eye,
+                              quad,
+                              p.key(i),
+                              seed,
+                              index,
+                              p.throughput.load(i)};
+        const auto light = [&](Mask m) {
+            return lights_.sample(m, eye, place.key, seed, sample_2d(index, pair_seed(seed, pair_light)), Float(0));
+        };
+        QuadScatter next;
+        closures_.scatter(ClosureKind(p.kind), place, valid, lights_are_sampled_, light, next);
+        Spectrum sum = p.radiance.load(i);
+        if (any(next.lit)) sum = sum + select(clear(next.shadow, next.lit), next.direct, Spectrum(Float(0)));
+        Float eta_scale(1);
+        if (scene_.refracts) eta_scale = p.eta_scale.load(i) * next.by.eta * next.by.eta;
+        Arrival<From::other> at{next.start, next.by.wi, next.by.pdf, valid};
+        at.specular = next.by.is_delta;
+        at.scattered = !next.by.is_delta | ((p.place.load(i) & UInt(QuadPool::scattered)) != UInt(0u));
+        go_on(at, p, i, valid, seed, eta_scale, next.by.throughput, sum);
+    }
+
+    /// Roulette, and what those paths meet that go on along `at`. left: their throughput; sum: their radiance.
+    template <From from>
+    [[gnu::always_inline]] void go_on(Arrival<from>& at, const QuadPool& p, std::size_t i, Mask valid, UInt seed,
+                                      Float eta_scale, Spectrum left, Spectrum sum)
+    {
+        const UInt before = p.bounces(i);
+        at.alive = valid & !play(roulette_by_throughput(settings_, before, eta_scale, left), p.key(i), seed, left);
         at.meet(*this);
         at.add_radiance(*this, left, sum);
         const Mask goes_on = at.goes_on() & may_scatter(settings_, before + UInt(1u));
-        finish(valid & !goes_on, pool_.pixel.load(i), pool_.reversed_index.load(i), sum);
-        at.keep_place(*this, before + UInt(1u), goes_on, to);
-        pool_.throughput.append(to, left, goes_on), pool_.radiance.append(to, sum, goes_on);
-        for (Column<std::uint32_t>* column : {&pool_.pixel_hash, &pool_.reversed_index, &pool_.pixel})
-            column->append(to, column->load(i), goes_on);
-        return to + std::size_t(count(goes_on));
+        ended_.add(valid & !goes_on, p.pixel.load(i), p.reversed_index.load(i), sum);
+        keep(at, goes_on, before + UInt(1u), left, sum, eta_scale, p.key(i), p.pixel.load(i));
     }
 
-    SampleKey key(std::size_t i) const { return {pool_.pixel_hash.load(i), pool_.reversed_index.load(i)}; }
-    UInt quad(std::size_t i) const { return pool_.place.load(i) & UInt(quad_mask); }
-    UInt bounces(std::size_t i) const { return (pool_.place.load(i) >> bounce_shift) & UInt(bounce_mask); }
-    /// On the side of the path.
-    Vec3 normal(std::size_t i) const
+    /// Stores paths that go on with those on plain quads or with the others.
+    template <From from>
+    [[gnu::always_inline]] void keep(const Arrival<from>& at, Mask goes_on, UInt bounces, const Spectrum& left,
+                                     const Spectrum& sum, Float eta_scale, const SampleKey& key, UInt pixel)
     {
-        return flip_sign(scene_.quads.normal(quad(i)), bits_float(pool_.place.load(i)));
+        if constexpr (all_plain) {
+            keep_in(plain_, plain_end_, at, goes_on, bounces, left, sum, eta_scale, key, pixel);
+        } else {
+            const Mask plain = goes_on & ((at.flags & UInt(QuadColumns::plain)) != UInt(0u));
+            keep_in(plain_, plain_end_, at, plain, bounces, left, sum, eta_scale, key, pixel);
+            for (std::size_t k = 0; k < other_kinds_; ++k) {
+                OtherQuadPool& p = others_[k];
+                const Mask m = goes_on & !plain & ((at.flags >> QuadColumns::kind_shift) == UInt(p.kind));
+                if (none(m)) continue;
+                p.direction.append(p.end, at.d, m), p.offset.append(p.end, at.offset(*this), m);
+                keep_in(p, p.end, at, m, bounces, left, sum, eta_scale, key, pixel);
+            }
+        }
+    }
+    template <From from>
+    [[gnu::always_inline]] void keep_in(QuadPool& p, std::size_t& end, const Arrival<from>& at, Mask m, UInt bounces,
+                                        const Spectrum& left, const Spectrum& sum, Float eta_scale,
+                                        const SampleKey& key, UInt pixel)
+    {
+        at.keep_place(*this, p, bounces, m, end);
+        p.throughput.append(end, left, m), p.radiance.append(end, sum, m);
+        if (!all_plain && scene_.refracts) p.eta_scale.append(end, eta_scale, m);
+        p.pixel_hash.append(end, key.pixel_hash, m), p.reversed_index.append(end, key.reversed_index, m);
+        p.pixel.append(end, pixel, m);
+        end += std::size_t(count(m));
+    }
+
+    /// On the side of the path.
+    Vec3 normal(const QuadPool& p, std::size_t i) const
+    {
+        return flip_sign(scene_.quads.normal(p.quad(i)), bits_float(p.place.load(i)));
+    }
+    /// Lanes of m whose shadow ray nothing is in the way of.
+    [[gnu::always_inline]] Mask clear(const Ray& ray, Mask m)
+    {
+        counters_.count_rays(RayKind::shadow, std::uint64_t(count(m)));
+        const Mask clear = m & !scene_.flat.occluded(tables_, ray, m);
+        counters_.costs.clear_shadow_rays += std::uint64_t(count(clear));
+        return clear;
     }
 
     /// What a sampled light sends to the paths if nothing is in the way, times cosine / pi, over the density; to be
     /// multiplied by throughput and the surface's colour.
     [[gnu::always_inline]] Spectrum direct_light(std::size_t i, Mask valid, UInt seed, UInt index)
     {
-        const LightSample s = lights_.sample(valid, pool_.eye.load(i), key(i), seed,
+        const QuadPool& p = plain_;
+        const LightSample s = lights_.sample(valid, p.eye.load(i), p.key(i), seed,
                                              sample_2d(index, pair_seed(seed, pair_light)), Float(0));
-        const Float cosine = dot(s.wi, normal(i));
+        const Float cosine = dot(s.wi, normal(p, i));
         const Mask lit = valid & (s.inverse_pdf > Float(0)) & (cosine > Float(0));
-        counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
-        const Mask clear =
-            lit & !scene_.flat.occluded(tables_,
-                                        Ray{pool_.eye.load(i), s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)}, lit);
-        counters_.costs.clear_shadow_rays += std::uint64_t(count(clear));
+        const Mask arrives = clear(Ray{p.eye.load(i), s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)}, lit);
         // f_cos / pdf, times the power heuristic in terms of r = bsdf_pdf / pdf: 1 / (1 + r^2).
         const Float r = cosine * Float(inv_pi) * s.inverse_pdf;
         Float weight = r * reciprocal(fma(r, r, Float(1)));
         if (any(s.is_delta)) weight = select(s.is_delta, r, weight);
-        return s.radiance * select(clear, weight, Float(0));
+        return s.radiance * select(arrives, weight, Float(0));
     }
 
     /// Rays on their way to what they meet.
-    template <bool from_camera>
+    template <From from>
     struct Arrival {
+        static constexpr bool from_camera = from == From::camera;
+
         Vec3 o, d;
-        Float pdf;   ///< of the direction
-        Mask alive;  ///< lanes with a ray
+        Float pdf;                     ///< of the direction
+        Mask alive;                    ///< lanes with a ray
+        Mask specular{from_camera};    ///< light that the ray brings is not weighted against light sampling
+        Mask scattered{!from_camera};  ///< by closures but delta lobes, at any time
 
         Float t{};
         UInt quad{}, flags{};
@@ -180,14 +270,18 @@ private:
             const UInt shining_side =
                 select(facing > Float(0), UInt(QuadColumns::emits_front), UInt(QuadColumns::emits_back));
             Mask shines = hits & ((flags & shining_side) != UInt(0u));
-            if (!from_camera) shines &= (flags & UInt(QuadColumns::unlit)) == UInt(0u);
+            if (!from_camera) {
+                // What is unlit is seen, in mirrors too, but lights nothing.
+                const Mask is_unlit = (flags & UInt(QuadColumns::unlit)) != UInt(0u);
+                shines &= !(from == From::other ? is_unlit & scattered : is_unlit);
+            }
             if (any(shines)) {
                 const Float weight = select(shines, emission_weight(tracer, shines), Float(0));
                 const Spectrum emitted = tracer.scene_.quads.emission(quad);
                 for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c] * emitted.c[c], weight, sum.c[c]);
             }
             if (const Mask misses = alive & !hits; tracer.sees_background_ && any(misses))
-                sum = sum + left * background(tracer, d, pdf, misses);
+                sum = sum + left * background(tracer, d, pdf, misses, specular);
         }
 
         [[gnu::always_inline]] Float emission_weight(const QuadTracer& tracer, Mask shines) const
@@ -195,7 +289,8 @@ private:
             if (from_camera || !tracer.lights_are_sampled_) return Float(1);
             const auto& lights = tracer.tables_.lights;
             const UInt light = tracer.scene_.quads.light(quad);
-            const Mask shared = shines & (light != UInt(no_index));
+            Mask shared = shines & (light != UInt(no_index));
+            if (from == From::other) shared &= !specular;
             if (lights.size() == 1) {
                 const LightReader<true> record(lights.data(), UInt(0u));
                 return select(shared, mis_weight(pdf, pdf_light(record, o, Float(0), d, t, shared)), Float(1));
@@ -205,51 +300,28 @@ private:
         }
 
         /// By value: nothing of the caller's has to live in memory for its sake. 0 outside the mask.
-        [[gnu::noinline]] static Spectrum background(const QuadTracer& tracer, Vec3 d, Float pdf, Mask misses)
+        [[gnu::noinline]] static Spectrum background(const QuadTracer& tracer, Vec3 d, Float pdf, Mask misses,
+                                                     Mask specular)
         {
             const Spectrum seen = tracer.lights_.environment(tracer.settings_.background, tracer.lights_are_sampled_, d,
-                                                             Mask(from_camera), Mask(from_camera), pdf, misses);
+                                                             Mask(from_camera), specular, pdf, misses);
             return select(misses, seen, Spectrum(Float(0)));
         }
 
-        [[gnu::always_inline]] void keep_place(QuadTracer& tracer, UInt bounces, Mask goes_on, std::size_t to) const
+        /// How far from the quad rays that leave it begin.
+        [[gnu::always_inline]] Float offset(const QuadTracer& tracer) const
         {
-            const Vec3 p = fma(d, t, o);
-            const Float offset = rounding_along(n, p, d * t) + tracer.scene_.quads.rounding(quad);
-            tracer.pool_.eye.append(to, fma(n, flip_sign(offset, facing), p), goes_on);
-            tracer.pool_.place.append(to, quad | bounces << bounce_shift | (float_bits(facing) & UInt(back)), goes_on);
+            return rounding_along(n, fma(d, t, o), d * t) + tracer.scene_.quads.rounding(quad);
+        }
+        [[gnu::always_inline]] void keep_place(const QuadTracer& tracer, QuadPool& p, UInt bounces, Mask m,
+                                               std::size_t to) const
+        {
+            p.eye.append(to, fma(n, flip_sign(offset(tracer), facing), fma(d, t, o)), m);
+            UInt place = quad | bounces << QuadPool::bounce_shift | (float_bits(facing) & UInt(QuadPool::back));
+            if (!all_plain) place = place | select(scattered, UInt(QuadPool::scattered), UInt(0u));
+            p.place.append(to, place, m);
         }
     };
-
-    /// Notes the sums of paths that have ended.
-    [[gnu::always_inline]] void finish(Mask ended, UInt pixels, UInt reversed, const Spectrum& sum)
-    {
-        Float largest = abs(sum.c[0]);
-        for (int c = 1; c < channels; ++c) largest = max(abs(sum.c[c]), largest);
-        // NaN is not small; where max() loses one, the comparison of the sum finds it.
-        Float total = sum.c[0];
-        for (int c = 1; c < channels; ++c) total = total + sum.c[c];
-        const Mask small = ended & (largest < Float(TileSums::small)) & (total == total);
-        if (const Mask large = ended & !small; any(large)) sum_large(large, pixels, reversed, sum);
-        ended_pixel_.append(ended_, pixels, small);
-        ended_radiance_.append(ended_, sum, small);
-        ended_ += std::size_t(count(small));
-        if (ended_ > pool_capacity - lanes) sum_ended();
-    }
-    [[gnu::noinline]] void sum_large(Mask m, UInt pixels, UInt reversed, Spectrum sum)
-    {
-        std::uint32_t pixel_of[lanes], sample[lanes];
-        float value[channels][lanes];
-        store(pixel_of, pixels), store(sample, reverse_bits(reversed));
-        for (int c = 0; c < channels; ++c) store(value[c], sum.c[c]);
-        for_each_active(m, [&](int k) { sums_.add(pixel_of[k], sample[k], value[0][k], value[1][k], value[2][k]); });
-    }
-    [[gnu::noinline]] void sum_ended()
-    {
-        for (std::size_t k = 0; k < ended_; ++k)
-            sums_.add_small(ended_pixel_[k], ended_radiance_.c[0][k], ended_radiance_.c[1][k], ended_radiance_.c[2][k]);
-        ended_ = 0;
-    }
 
     const LaneScene& scene_;
     const SceneTables& tables_;
@@ -257,17 +329,17 @@ private:
     const LightSampler lights_;
     const CameraPaths camera_paths_;
     FirstHits first_hits_;
-    TileSums& sums_;
+    EndedPaths ended_;
     KernelCounters& counters_;
     StageClock clock_;
+    const QuadClosures closures_;
     bool lights_are_sampled_ = false, sees_background_ = false;
     std::uint32_t next_ = 0;  ///< number of the job's next path
 
-    QuadPool pool_;
-    /// Paths that have ended: summed many at a time.
-    std::size_t ended_ = 0;
-    Column<std::uint32_t> ended_pixel_;
-    SpectrumColumn ended_radiance_;
+    QuadPool plain_;
+    std::size_t plain_end_ = 0;  ///< where the next path goes
+    std::size_t other_kinds_ = 0;
+    OtherQuadPool others_[all_plain ? 1 : closure_kind_count];
 };
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -1,0 +1,74 @@
+#pragma once
+/// Quads that are not just smooth and diffuse of one colour, in the loop for rooms of quads: what a light sends to
+/// paths on them, and how these go on.
+#include "integrate/stages/direct.h"
+#include "integrate/stages/scatter.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// Where the paths of a gang are.
+struct QuadPlace {
+    Vec3 p;        ///< on the quad
+    Float offset;  ///< rays that leave it begin so far off it
+    Vec3 d;        ///< each path came along this
+    Vec3 eye;      ///< from where lights are seen
+    UInt quad;
+    SampleKey key;
+    UInt seed, index;  ///< of the bounce: see Randomness
+    Spectrum throughput;
+};
+
+/// How they go on, and what a sampled light sends them.
+struct QuadScatter {
+    Scattered by;
+    Vec3 start;
+    Mask lit{false};  ///< where `direct` comes if nothing is in the way of the shadow ray
+    Spectrum direct;
+    Ray shadow;
+};
+
+class QuadClosures {
+public:
+    QuadClosures(const LaneScene& scene, StageClock& clock) : surfaces_(scene), materials_(scene), clock_(clock) {}
+
+    /// The lanes of m, all on quads of a kind. sample: gives the light sample of some lanes.
+    template <class LightOf>
+    [[gnu::always_inline]] void scatter(ClosureKind kind, const QuadPlace& place, Mask m, bool lights_are_sampled,
+                                        const LightOf& sample, QuadScatter& next) const
+    {
+        Closures::visit(kind, [&]<class Closure>() {
+            if constexpr (is_small<Closure>) scatter_by<Closure>(place, m, lights_are_sampled, sample, next);
+        });
+        clock_.enter(RenderStage::quads);
+    }
+
+private:
+    template <class Closure, class LightOf>
+    [[gnu::noinline, gnu::flatten]] void scatter_by(const QuadPlace& place, Mask m, bool lights_are_sampled,
+                                                    const LightOf& sample, QuadScatter& next) const
+    {
+        clock_.enter(RenderStage::surface);
+        const SurfaceHit hit{place.p, place.d, Float(0), Float(0), Float(0), Float(0), place.quad, UInt(no_index)};
+        ShadingPoint<Closure> at = read_shading_point<Closure>(surfaces_, materials_, hit, nullptr, m, clock_);
+        at.offset = place.offset;
+        const Closure closure(at.material);
+        const Mask smooth = m & closure.has_smooth();
+        if (lights_are_sampled && any(smooth)) {
+            clock_.enter(RenderStage::light);
+            const LightSample light = sample(smooth);
+            Mask lit = smooth & (light.inverse_pdf > Float(0));
+            next.direct = direct_light(closure, at, Guidance{}, light, place.throughput, lit);
+            next.shadow = shadow_ray(at, place.eye, light, Float(0));
+            next.lit = lit;
+        }
+        clock_.enter(RenderStage::scatter);
+        next.by = fathom::scatter(closure, at, Guidance{}, place.key, place.seed, place.index, place.throughput);
+        next.start = at.start(next.by.wi);
+    }
+
+    const SurfaceReader surfaces_;
+    const MaterialReader materials_;
+    StageClock& clock_;
+};
+
+}  // namespace fathom::inline FATHOM_LANES

@@ -1,0 +1,38 @@
+#pragma once
+#include "guiding/guidance.h"
+#include "integrate/stages/light.h"
+#include "integrate/stages/shading_point.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// What a sampled light sends along a path of this throughput if nothing is in the way, weighted against what the
+/// closure, with the guidance, might have sampled; of use in the lanes of `lit`, of which those stay to which the light
+/// can be sent on.
+template <class Closure>
+[[gnu::always_inline]] inline Spectrum direct_light(const Closure& closure, const ShadingPoint<Closure>& at,
+                                                    const Guidance& guidance, const LightSample& s,
+                                                    const Spectrum& throughput, Mask& lit)
+{
+    const Vec3 wi = at.frame.to_local(s.wi);
+    lit &= closure.has_smooth() & equal(wi.z > Float(0), dot(s.wi, at.ng) > Float(0));
+    if (!Closure::transmits) lit &= wi.z > Float(0);
+    if (Closure::transmits) lit &= !at.passes_on;
+    const BsdfEval e = closure.eval(at.wo, wi);
+    const Float bsdf_pdf = guidance.is_on() ? guidance.pdf(s.wi, e.pdf) : e.pdf;
+    const Float r = bsdf_pdf * s.inverse_pdf;
+    const Float weight = select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * s.inverse_pdf;
+    return throughput * e.f_cos * s.radiance * weight;
+}
+
+/// The shadow ray of such a sample. eye: where the light was seen from.
+template <class Closure>
+[[gnu::always_inline]] inline Ray shadow_ray(const ShadingPoint<Closure>& at, const Vec3& eye, const LightSample& s,
+                                             Float time)
+{
+    const Vec3 o = Closure::transmits ? at.start(s.wi) : eye;
+    // On the surface's other side the way is longer or shorter.
+    const Float distance = Closure::transmits ? s.distance + dot(eye - o, s.wi) : s.distance;
+    return {o, s.wi, distance * Float(1 - 0x1p-16f), time};
+}
+
+}  // namespace fathom::inline FATHOM_LANES
