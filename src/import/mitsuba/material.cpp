@@ -329,6 +329,10 @@ Material Reader::bumps(Object& bsdf)
     const std::vector<const Element*> maps = bsdf.children("texture");
     if (maps.empty()) bsdf.element().fail(fmt::format("{} needs a texture", bsdf.title()));
     const float scale = float(bsdf.number("scale", 1));
+    if (m.kind == MaterialKind::mix || m.kind == MaterialKind::two_sided) {
+        tell(bsdf.element(), "around a bsdf of two others it bends nothing");
+        return m;
+    }
     if (bsdf.type() == "bumpmap") {
         m.bump = {scale, texture(*maps[0], true), 0};
         return m;
