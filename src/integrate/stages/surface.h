@@ -66,7 +66,7 @@ public:
         for (Float& c : s.at.vertex_color) c = Float(1);
         for (int i = 0; i < 2; ++i) s.at.u[i] = hit.u, s.at.v[i] = hit.v;
         s.ng = Vec3(Float(0), Float(0), Float(1));
-        if (scene_.has_bumps) clear_ways(s.ways);
+        if (scene_.has_bumps) s.ways.clear();
 
         const RecordRow<ShapeRecord, 2> shape(t_.shapes, s.shape, m);
         s.material = shape.get(&ShapeRecord::material);
@@ -175,10 +175,9 @@ private:
         place.read_uv(t_.uv0, has(ShapeRecord::has_uv0), s.at.u[0], s.at.v[0]);
         place.read_uv(t_.uv1, has(ShapeRecord::has_uv1), s.at.u[1], s.at.v[1]);
         if (scene_.has_bumps) {
-            const Vec3 edges[2] = {e1, e2};
-            for (int k = 0; k < 2; ++k) s.ways.way[k] = select(m, edges[k], s.ways.way[k]);
-            read_uv_changes(t_.uv0, vertex, 0, has(ShapeRecord::has_uv0), s.ways);
-            read_uv_changes(t_.uv1, vertex, 1, has(ShapeRecord::has_uv1), s.ways);
+            s.ways.set_edges(e1, e2, m);
+            s.ways.read_uv(t_.uv0, vertex, 0, has(ShapeRecord::has_uv0));
+            s.ways.read_uv(t_.uv1, vertex, 1, has(ShapeRecord::has_uv1));
         }
         Vec3 tangent = uv_tangent(e1, e2, vertex, has(ShapeRecord::has_uv0), s.bitangent_sign);
         s.bitangent_sign = select(m, flip_sign(s.bitangent_sign, dot(n, ns)), s.bitangent_sign);
@@ -203,19 +202,6 @@ private:
         s.ng = select(m, ng, s.ng);
         s.ns = select(m, normalize(ns), s.ns);
         s.tangent = select(m, tangent, s.tangent);
-    }
-
-    /// How much uv change along the first two edges of a triangle.
-    static void read_uv_changes(const LargeVector<Vec2f>& table, const UInt* vertex, int set, Mask m, SurfaceWays& ways)
-    {
-        if (none(m)) return;
-        const auto* base = reinterpret_cast<const float*>(table.data());
-        Float uv[3][2];
-        for (int k = 0; k < 3; ++k) gather_row(base, vertex[k] << 1, m, uv[k]);
-        for (int k = 0; k < 2; ++k) {
-            ways.du[k][set] = select(m, uv[k + 1][0] - uv[0][0], ways.du[k][set]);
-            ways.dv[k][set] = select(m, uv[k + 1][1] - uv[0][1], ways.dv[k][set]);
-        }
     }
 
     /// dp/du of the first uv set, and the side of cross(cross(e1, e2), t) on which v shrinks; for meshes without
@@ -284,25 +270,7 @@ private:
             s.at.v[i] = select(m, Float(1) - vv, s.at.v[i]);
         }
         s.tangent = select(m, u, s.tangent);
-        if (scene_.has_bumps) set_ways(u, -v, m, s.ways);
-    }
-
-    static void clear_ways(SurfaceWays& ways)
-    {
-        for (int k = 0; k < 2; ++k) {
-            ways.way[k] = Vec3(Float(0), Float(0), Float(0));
-            for (int set = 0; set < 2; ++set) ways.du[k][set] = ways.dv[k][set] = Float(0);
-        }
-    }
-    /// Of what has both uv sets the same: where u and v grow by 1.
-    static void set_ways(const Vec3& along_u, const Vec3& along_v, Mask m, SurfaceWays& ways)
-    {
-        ways.way[0] = select(m, along_u, ways.way[0]);
-        ways.way[1] = select(m, along_v, ways.way[1]);
-        for (int set = 0; set < 2; ++set) {
-            ways.du[0][set] = select(m, Float(1), ways.du[0][set]);
-            ways.dv[1][set] = select(m, Float(1), ways.dv[1][set]);
-        }
+        if (scene_.has_bumps) s.ways.set(u, -v, m);
     }
 
     /// The axes of the nodes of round shapes, by which their uv go.
@@ -362,7 +330,7 @@ private:
         s.tangent = select(m, axes.from_node(frame.s), s.tangent);
         if (scene_.has_bumps) {
             const Float width = radius + radius;
-            set_ways(axes.from_node(frame.s) * width, axes.from_node(frame.t) * -width, m, s.ways);
+            s.ways.set(axes.from_node(frame.s) * width, axes.from_node(frame.t) * -width, m);
         }
         s.bitangent_sign = select(m, axes.handedness(), s.bitangent_sign);
     }
@@ -400,8 +368,8 @@ private:
             const Float half_turn = abs(radius) * Float(float(pi));
             // Poles have no direction in which u grows.
             const Float from_axis = max(sqrt(fma(to.x, to.x, to.z * to.z)), Float(1e-4f)), slant = to.y / from_axis;
-            set_ways(axes.from_node({to.z, Float(0), -to.x}) * (half_turn + half_turn),
-                     axes.from_node({to.x * slant, -from_axis, to.z * slant}) * half_turn, m, s.ways);
+            s.ways.set(axes.from_node({to.z, Float(0), -to.x}) * (half_turn + half_turn),
+                       axes.from_node({to.x * slant, -from_axis, to.z * slant}) * half_turn, m);
         }
         s.bitangent_sign = select(m, flip_sign(axes.handedness(), radius), s.bitangent_sign);
     }

@@ -1,4 +1,5 @@
 #pragma once
+#include "integrate/stages/surface_ways.h"
 #include "shading/spectrum.h"
 #include "shading/textures/node.h"
 
@@ -10,12 +11,6 @@ struct SurfaceHit {
     Float t, u, v, time;
     UInt primitive, instance;
     UInt material = UInt(no_index);  ///< of a mixture, which one the path meets; else the shape's
-};
-
-/// Two ways along a surface, and by how much texture coordinates grow on each: what slopes of textures are found by.
-struct SurfaceWays {
-    Vec3 way[2];               ///< 0 where they are not known
-    Float du[2][2], dv[2][2];  ///< by way and uv set
 };
 
 struct Surface {
