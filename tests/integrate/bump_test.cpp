@@ -66,20 +66,29 @@ std::vector<Case> cases()
             {"sphere", Sphere{{0, 0, 0}, r, {}}, out * r, out, east * (1 / (turn * from_axis)), south * (2 / turn)}};
 }
 
-/// A triangle about the origin, by whose corners uv are (u, v) = (x / 4 + y / 2, y / 8 - x).
-Mesh triangle()
+/// A square of so many triangles that two of them are instances, where (u, v) = (x / 4 + y / 2, y / 8 - x).
+Mesh sheet()
 {
+    constexpr std::uint32_t n = 48;
     Mesh mesh;
-    mesh.positions = {{-2, -1, 0}, {2, -1, 0}, {0, 3, 0}};
-    for (const Vec3f& p : mesh.positions) mesh.uvs[0].push_back({p.x / 4 + p.y / 2, p.y / 8 - p.x});
-    mesh.indices = {0, 1, 2};
+    for (std::uint32_t i = 0; i <= n; ++i)
+        for (std::uint32_t j = 0; j <= n; ++j) {
+            const float x = 2.0f * float(i) / n - 1, y = 2.0f * float(j) / n - 1;
+            mesh.positions.push_back({x, y, 0});
+            mesh.uvs[0].push_back({x / 4 + y / 2, y / 8 - x});
+        }
+    for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t j = 0; j < n; ++j) {
+            const std::uint32_t c = i * (n + 1) + j, d = c + n + 1;
+            mesh.indices.insert(mesh.indices.end(), {c, d, c + 1, c + 1, d, d + 1});
+        }
     return mesh;
 }
 
 SceneDescription scene_of(SceneBuilder& b, const Case& c, const Transform& transform, int material)
 {
-    b.scene.meshes.push_back(triangle());
-    for (int i = 0; i < 2; ++i) {  // twice: what is distorted or a mesh becomes an instance
+    b.scene.meshes.push_back(sheet());
+    for (int i = 0; i < 2; ++i) {
         Node node;
         node.parent_from_node = Transform::translate({0, 0, -100.0 * i}) * transform;
         node.shapes.push_back({c.shape, material, ""});

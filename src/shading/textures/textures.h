@@ -21,7 +21,12 @@ struct TextureList {
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
     {
         Texel r;
-        ((TextureKind(t.kind) == Node::kind ? void(r = Node::evaluate(graph, t, at, m)) : void()), ...);
+        const auto is_of = [&]<class One>(One) {
+            if (TextureKind(t.kind) != One::kind) return false;
+            r = One::evaluate(graph, t, at, m);
+            return true;
+        };
+        static_cast<void>((is_of(Node()) || ...));
         return r;
     }
 };
