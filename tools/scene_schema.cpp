@@ -55,7 +55,7 @@ Json type_of(const Parameter<Owner>& p, Member member, Json& value)
             return reference(p.most == 1 ? "reflectanceInput" : "colorInput");
         } else if constexpr (std::is_same_v<T, FloatInput>) {
             value = number(double(out.value), true);
-            return reference(p.most == 1 ? "unitInput" : "numberInput");
+            return reference(p.most == 1 ? "unitInput" : p.least < 0 ? "signedInput" : "numberInput");
         } else if constexpr (std::is_same_v<T, Color>) {
             value = color_json(out);
             return reference(p.most == 1 ? "reflectance" : "color");
