@@ -49,7 +49,8 @@ INSTANTIATE_TEST_SUITE_P(
              "/materials/a~1b~0c/kind: unknown value 'mirror'; known here: diffuse, metal, fuzz_metal, glass, "
              "plastic, hair, principled, unlit, none, mix, two_sided"},
         Case{R"({"materials": {"m": {"kind": "glass", "fuzz": 1}}})",
-             "/materials/m/fuzz: unknown key 'fuzz' in a material of kind 'glass'; known here: kind, color, thin, "
+             "/materials/m/fuzz: unknown key 'fuzz' in a material of kind 'glass'; known here: kind, color, beckmann, "
+             "thin, "
              "roughness, ior, attenuation_color, attenuation_distance, transmission_scatter, "
              "transmission_scatter_anisotropy, priority, emission, emission_two_sided, normal_map, normal_scale, "
              "bump, displacement, displacement_midlevel, displacement_edge_length, "
