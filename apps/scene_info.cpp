@@ -122,6 +122,7 @@ std::vector<std::string> uses_of(const Material& m)
         add(is_there(m.thin_film), "thin film");
     }
     add(m.normal_texture >= 0, "normal map");
+    add(m.bump.texture >= 0, "bumps");
     add(m.displacement.value != 0, "displacement");
     add(m.alpha_mode == AlphaMode::mask, "alpha mask");
     add(m.alpha_mode == AlphaMode::blend, "alpha");

@@ -55,13 +55,18 @@ Json type_of(const Parameter<Owner>& p, Member member, Json& value)
             return reference(p.most == 1 ? "reflectanceInput" : "colorInput");
         } else if constexpr (std::is_same_v<T, FloatInput>) {
             value = number(double(out.value), true);
-            return reference(p.most == 1 ? "unitInput" : "numberInput");
+            return reference(p.most == 1 ? "unitInput" : p.least < 0 ? "signedInput" : "numberInput");
         } else if constexpr (std::is_same_v<T, Color>) {
             value = color_json(out);
             return reference(p.most == 1 ? "reflectance" : "color");
         } else if constexpr (std::is_same_v<T, Vec2f>) {
             value = {number(double(out.x), true), number(double(out.y), true)};
             return reference("vec2");
+        } else if constexpr (std::is_same_v<T, Vec3d>) {
+            value = {number(out.x, false), number(out.y, false), number(out.z, false)};
+            return reference("vec3");
+        } else if constexpr (std::is_same_v<T, Transform>) {
+            return reference("transform");
         } else if constexpr (std::is_same_v<T, std::vector<RampStop>>) {
             json = {{"type", "array"}, {"minItems", 2}, {"maxItems", 16}};
             json["items"] = {{"type", "array"},

@@ -26,7 +26,13 @@ struct ImageFile {
 
 /// How 8- and 16-bit values of a colour image are encoded (HDR, EXR: always linear).
 enum class ColorSpace { srgb, linear };
-enum class Wrap { repeat, clamp, mirror };
+enum class Wrap {
+    repeat,
+    clamp,
+    mirror,
+    black,      ///< nothing outside, alpha too
+    octahedral  ///< across each edge lies the same edge turned round, as of an octahedral map of directions
+};
 
 /// value, multiplied by the texture if there is one.
 struct ColorInput {
@@ -47,13 +53,30 @@ enum class TextureKind {
     noise,          ///< Perlin noise of scale * p mixed from color_a (0) to color_b (1) by 0.5 (1 + noise)
     turbulence,     ///< sum over octaves of |noise| / 2^i, mixed from color_a (0) to color_b (1)
     marble,         ///< 0.5 (1 + sin(scale z + turbulence_weight * turbulence(p))) mixed from color_a to color_b
+    fbm,            ///< fractal sum of Perlin's noise: octaves 1.99 times as fine, gain times as high; color_a (0) to b
+    wrinkled,       ///< the same of |noise|, and 0.2 for what comes after the last octave
+    windy,          ///< fbm of six octaves times |fbm| of three that are ten times as coarse, mixed as those
+    veined_marble,  ///< bands of scale * y, shaken by turbulence_weight * fbm, in the greys of marble
+    dots,           ///< color_b in disks of radius 0.35 in about half of the squares of uv, else color_a
+    coordinates,    ///< where it is looked up: red u, green v
+    facing,         ///< by how much the geometric normal is along direction: color_a (0) to color_b (1)
     mix,            ///< from color_a (factor 0) to color_b (factor 1)
     scale,          ///< color_a times color_b
     uv_transform,   ///< color_a's texture, looked up at transformed texture coordinates
     ramp,           ///< the factor as a colour: linear between stops
     vertex_color,   ///< the mesh's vertex colours; white where it has none
+    invert,         ///< what color_a lacks of white, 0 where it is brighter
+    clamp,          ///< color_a, limited to 0 to 1
 };
-inline constexpr int texture_kind_count = 11;
+inline constexpr int texture_kind_count = 20;
+
+/// What kinds that look at uv take for them. Of the others p is where they are looked up, in the texture's space.
+enum class TextureMapping {
+    uv,           ///< those of the surface
+    spherical,    ///< u: angle about z from x over 2 pi; v: angle from z over pi
+    cylindrical,  ///< u: angle about z over 2 pi, 1/2 at x; v: z
+    planar        ///< x and y
+};
 
 /// A colour at a number.
 struct RampStop {
@@ -74,14 +97,19 @@ struct Texture {
     /// Unless 0: the picture holds heights, and the texture is the normal map of them, where white lies that many
     /// widths of the picture above black.
     float height_scale = 0;
-    // all kinds that look at uv: which set, and the map applied to it first: offset + rotation * (scale * uv)
+    // all kinds that look at uv: which they are, and the map applied to it first: offset + rotation * (scale * uv)
+    TextureMapping mapping = TextureMapping::uv;
     int uv_set = 0;
     Vec2f uv_offset{0, 0}, uv_scale{1, 1};
     float uv_rotation = 0;  ///< radians, as KHR_texture_transform
+    /// Where the texture stands: of all kinds in space, and of mappings other than uv.
+    Transform world_from_texture;
     // procedural kinds
     float scale = 1;
     float turbulence_weight = 10;
     int octaves = 7;
+    float gain = 0.5f;         ///< fbm, wrinkled, veined_marble: height of each octave by that of the one before
+    Vec3d direction{0, 1, 0};  ///< facing: in the world
     ColorInput color_a{{0, 0, 0}, -1}, color_b{{1, 1, 1}, -1};
     FloatInput factor;            ///< mix, ramp
     std::vector<RampStop> stops;  ///< ramp: 2 to 16, by ascending position
@@ -184,6 +212,9 @@ struct Material {
     bool emission_two_sided = false;     ///< else only on the side of the geometric normal
     int normal_texture = -1;
     float normal_scale = 1;
+    /// Height above the surface, in units of the world, by whose slope the shading normal is bent (Blinn 1978), before
+    /// normal_texture bends it. Only a texture has a slope.
+    FloatInput bump{0, -1, 0};
     /// Height by which surfaces themselves are moved along their shading normal, in units of the shape's own space:
     /// value times what the texture is above displacement_midlevel; without one it counts as 1.
     FloatInput displacement{0, -1, 0};

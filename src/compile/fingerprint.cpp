@@ -32,13 +32,14 @@ std::uint64_t fingerprint_materials(const SceneTables& t)
     f.add(t.materials), f.add(t.layers), f.add(t.mixtures), f.add(t.media), f.add(t.texels),
         f.add(t.environment.texels);
     f.add(t.picture_texels);
-    f.add(t.ramp_stops);
+    f.add(t.ramp_stops), f.add(t.texture_spaces);
     for (const auto& image : t.packed_images) f.add(image);
     for (const TextureRecord& texture : t.textures) {
         // Member by member where there may be padding.
         f.add(&texture.texels, sizeof texture.texels);
         f.add(&texture.uv_map, sizeof texture.uv_map);
-        f.add(&texture.scale, 2 * sizeof(float));
+        f.add(&texture.scale, 3 * sizeof(float));
+        f.add(&texture.direction, sizeof texture.direction);
         f.add(&texture.factor, sizeof texture.factor);
         f.add(&texture.color_a, sizeof texture.color_a);
         f.add(&texture.color_b, sizeof texture.color_b);
@@ -50,6 +51,8 @@ std::uint64_t fingerprint_materials(const SceneTables& t)
                                          texture.wrap_v,
                                          texture.nearest,
                                          texture.uv_set,
+                                         texture.mapping,
+                                         texture.space,
                                          texture.octaves,
                                          texture.texture_a,
                                          texture.texture_b,

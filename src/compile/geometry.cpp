@@ -150,7 +150,7 @@ private:
     /// Where on a surface something is, or which way its fibres run, is seen.
     static bool shows_uv(const MaterialRecord& m)
     {
-        return (m.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped)) ||
+        return (m.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped)) ||
                m.emission_texture != no_index || m.closure == ClosureKind::hair;
     }
 

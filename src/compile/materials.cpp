@@ -15,6 +15,18 @@ namespace fathom {
 
 namespace {
 
+/// The number of a texture's space; none for the world itself.
+std::uint32_t compile_space(Compiler& c, const Transform& world_from_texture)
+{
+    if (world_from_texture.m == Transform().m) return no_index;
+    const Transform inverse = world_from_texture.inverse();
+    TextureSpaceRecord space;
+    for (std::size_t row = 0; row < 3; ++row)
+        for (std::size_t k = 0; k < 4; ++k) space.rows[row][k] = float(inverse.m[row][k]);
+    c.tables.texture_spaces.push_back(space);
+    return std::uint32_t(c.tables.texture_spaces.size() - 1);
+}
+
 TextureRecord compile_texture(Compiler& c, ImageStore& images, const Texture& texture)
 {
     TextureRecord t;
@@ -34,9 +46,13 @@ TextureRecord compile_texture(Compiler& c, ImageStore& images, const Texture& te
     const float cosine = std::cos(texture.uv_rotation), sine = std::sin(texture.uv_rotation);
     t.uv_map = {cosine * texture.uv_scale.x, sine * texture.uv_scale.y,   texture.uv_offset.x,
                 -sine * texture.uv_scale.x,  cosine * texture.uv_scale.y, texture.uv_offset.y};
-    // Textures in space are given in world units.
+    t.mapping = std::uint32_t(texture.mapping);
+    t.space = compile_space(c, texture.world_from_texture);
     t.scale = texture.scale;
     t.turbulence_weight = texture.turbulence_weight;
+    t.gain = texture.gain;
+    const Vec3f direction = to_float(normalize(texture.direction));
+    t.direction = {direction.x, direction.y, direction.z};
     t.octaves = std::uint32_t(std::clamp(texture.octaves, 1, 16));
     const Color a = texture.color_a.value, b = texture.color_b.value;
     t.color_a = {a.r, a.g, a.b, 1};
@@ -143,6 +159,10 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     }
     t.normal_texture = texture_id(m.normal_texture);
     t.normal_scale = m.normal_scale;
+    if (m.bump.texture >= 0) {
+        t.flags |= MaterialRecord::bumped;
+        t.bump = {float(m.bump.value * c.space.scale), texture_id(m.bump.texture), std::uint32_t(m.bump.channel)};
+    }
     t.alpha = m.alpha.value;
     t.alpha_texture = texture_id(m.alpha.texture);
     t.alpha_channel = std::uint32_t(m.alpha.channel);
@@ -193,7 +213,7 @@ void join_mixture(Compiler& c, std::size_t index)
     for (const std::uint32_t part : {mixture.first, mixture.second}) {
         join_mixture(c, part);
         const MaterialRecord& p = c.tables.materials[part];
-        t.flags |= p.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped |
+        t.flags |= p.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped |
                               MaterialRecord::vertex_colored | MaterialRecord::wants_tangent);
         if (t.medium == 0) t.medium = p.medium;
         if (t.subsurface_medium == 0) t.subsurface_medium = p.subsurface_medium;

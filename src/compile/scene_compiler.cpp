@@ -249,7 +249,8 @@ bool SceneCompiler::update_materials(Compiler& c)
     const std::vector<MaterialRecord> before = tables_->materials;
     compile_material_records(c);
     const auto alike = [](const MaterialRecord& a, const MaterialRecord& b) {
-        constexpr std::uint32_t shown = MaterialRecord::textured | MaterialRecord::normal_mapped;
+        constexpr std::uint32_t shown =
+            MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped;
         return a.alpha_mode == b.alpha_mode && a.has_inside() == b.has_inside() &&
                (a.flags & shown) == (b.flags & shown) &&
                (a.emission_texture == no_index) == (b.emission_texture == no_index);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "import/common/read_file.h"
 #include "scene/material_table.h"
@@ -64,6 +65,8 @@ private:
     Json value(const P& p, int v) const { return int(inside(p, v)); }
     Json value(const P& p, const Color& v) const { return color_json(inside(p, v)); }
     Json value(const P&, const Vec2f& v) const { return {number_json(v.x), number_json(v.y)}; }
+    Json value(const P&, const Vec3d& v) const { return vector_json(v); }
+    Json value(const P&, const Transform& t) const { return transform_json(t); }
     Json value(const P& p, const ColorInput& v) const { return input(color_json(inside(p, v.value)), v.texture, {}); }
     Json value(const P& p, const FloatInput& v) const
     {
@@ -127,6 +130,31 @@ Json color_json(Color c)
 {
     if (c.r == c.g && c.g == c.b) return number_json(c.r);
     return {number_json(c.r), number_json(c.g), number_json(c.b)};
+}
+
+Json vector_json(const Vec3d& v)
+{
+    return {number_json(v.x), number_json(v.y), number_json(v.z)};
+}
+
+Json matrix_json(const Transform& t)
+{
+    Json rows = Json::array();
+    for (const auto& row : t.m) {
+        rows.push_back(Json::array());
+        for (const double value : row) rows.back().push_back(number_json(value));
+    }
+    Json json = {{"matrix", std::move(rows)}};
+    if (!std::isnormal(t.determinant())) json["flat"] = true;
+    return json;
+}
+
+Json transform_json(const Transform& t)
+{
+    if (t.m == Transform().m) return {};
+    const Vec3d way{t.m[0][3], t.m[1][3], t.m[2][3]};
+    if (t.m == Transform::translate(way).m) return {{"translate", vector_json(way)}};
+    return matrix_json(t);
 }
 
 Json material_json(const Material& material, const ParameterNames& names)

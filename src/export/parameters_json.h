@@ -17,6 +17,10 @@ struct ParameterNames {
 };
 
 Json color_json(Color color);
+Json vector_json(const Vec3d& v);
+Json matrix_json(const Transform& t);
+/// Nothing for the identity.
+Json transform_json(const Transform& t);
 /// What differs from the default.
 Json material_json(const Material& material, const ParameterNames& names);
 Json texture_json(const Texture& texture, const ParameterNames& names);

@@ -17,32 +17,6 @@ namespace fathom {
 
 namespace {
 
-Json vector_json(const Vec3d& v)
-{
-    return {number_json(v.x), number_json(v.y), number_json(v.z)};
-}
-
-Json matrix_json(const Transform& t)
-{
-    Json rows = Json::array();
-    for (const auto& row : t.m) {
-        rows.push_back(Json::array());
-        for (const double value : row) rows.back().push_back(number_json(value));
-    }
-    Json json = {{"matrix", std::move(rows)}};
-    if (!std::isnormal(t.determinant())) json["flat"] = true;
-    return json;
-}
-
-/// Nothing for the identity.
-Json transform_json(const Transform& t)
-{
-    if (t.m == Transform().m) return {};
-    const Vec3d way{t.m[0][3], t.m[1][3], t.m[2][3]};
-    if (t.m == Transform::translate(way).m) return {{"translate", vector_json(way)}};
-    return matrix_json(t);
-}
-
 /// Sets a key unless the value is the one that goes without saying.
 void put(Json& json, const char* key, Json value, const Json& usual = {})
 {

@@ -29,6 +29,7 @@ TexturePoint read_place(const SceneTables& t, const ShapeRecord& shape, const Al
     const Vec3 o(c.origin[0], c.origin[1], c.origin[2]), d(c.direction[0], c.direction[1], c.direction[2]);
     at.p_world =
         fma(fma(d, c.t, o), Float(1 / t.render_scale), Vec3(Float(t.origin.x), Float(t.origin.y), Float(t.origin.z)));
+    at.n_world = Vec3(0, 0, 0);
     // A quad's images hang upright: edge_v points up, v grows downwards.
     const bool is_triangle = c.primitive < t.first_quad();
     for (int i = 0; i < 2; ++i) at.u[i] = is_triangle ? 0 : c.u, at.v[i] = is_triangle ? 0 : 1 - c.v;

@@ -36,6 +36,7 @@ struct LaneScene final : KernelScene {
     bool has_fibres = false;        ///< some material is of fibres, to which uv say where across they are met
     bool wants_uv = false;          ///< either of both
     bool wants_tangents = false;    ///< tangents of surfaces matter somewhere
+    bool has_bumps = false;         ///< some material bends normals by the slope of a texture
     bool varied_lights = false;     ///< some are not alike all over, see LightRecord::material
     bool moving_lights = false;     ///< some are elsewhere at other times, see LightRecord::motion
     bool curve_lights = false;      ///< some are segments of curves

@@ -15,6 +15,7 @@ void look_up_texture(const ShadingTables& tables, std::uint32_t texture, std::ui
         TexturePoint at;
         for (int set = 0; set < 2; ++set) at.u[set] = point.uv[set].x, at.v[set] = point.uv[set].y;
         at.p_world = Vec3(point.position.x, point.position.y, point.position.z);
+        at.n_world = Vec3(0, 0, 0);
         const Vec4f& color = point.vertex_color;
         at.vertex_color[0] = color.x, at.vertex_color[1] = color.y;
         at.vertex_color[2] = color.z, at.vertex_color[3] = color.w;

@@ -167,6 +167,10 @@ private:
             index(texture, scene_.textures.size(), place + '.' + key, "texture");
         });
         check_finite(t, texture_parameters(), place);
+        if (!std::isnormal(t.world_from_texture.determinant()))
+            fail(place + ".transform", "a texture can't stand in a space without a volume");
+        if (t.kind == TextureKind::facing && !(length(t.direction) > 0))
+            fail(place + ".direction", "is no direction: all of it is 0");
         if (t.kind != TextureKind::ramp) return;
         if (t.stops.size() < 2 || t.stops.size() > 16)
             fail(place + ".stops", std::to_string(t.stops.size()) + " stops: 2 to 16 make a ramp");
@@ -184,6 +188,10 @@ private:
                 return std::isfinite(value.r) && std::isfinite(value.g) && std::isfinite(value.b);
             else if constexpr (std::is_same_v<T, Vec2f>)
                 return std::isfinite(value.x) && std::isfinite(value.y);
+            else if constexpr (std::is_same_v<T, Vec3d>)
+                return std::isfinite(value.x) && std::isfinite(value.y) && std::isfinite(value.z);
+            else if constexpr (std::is_same_v<T, Transform>)
+                return std::isfinite(value.determinant()) && std::isfinite(length(value.point({})));
             else if constexpr (std::is_floating_point_v<T>)
                 return std::isfinite(value);
             else

@@ -220,6 +220,8 @@ const P parameters[] = {
      .meaning = "material of the other side",
      .required = true},
     {"normal_scale", scattering & ~kind_bits(hair), &Material::normal_scale, "multiplies x and y of the normal map"},
+    {"bump", scattering & ~kind_bits(hair), &Material::bump,
+     "height above the surface, metres, by whose slope normals are bent, before normal_map bends them"},
     {"displacement", all, &Material::displacement,
      "height by which the surface itself is moved along its normal, in units of the shape's own space"},
     {"displacement_midlevel", all, &Material::displacement_midlevel, "value of its texture that moves nothing"},

@@ -32,9 +32,10 @@ struct MaterialReference {
 template <class Owner>
 struct Parameter {
     using Member = std::variant<ColorInput Owner::*, FloatInput Owner::*, Color Owner::*, float Owner::*,
-                                double Owner::*, int Owner::*, bool Owner::*, Vec2f Owner::*, AlphaMode Owner::*,
-                                Wrap Owner::*, ColorSpace Owner::*, std::vector<RampStop> Owner::*,
-                                TextureReference<Owner>, ImageReference<Owner>, MaterialReference<Owner>>;
+                                double Owner::*, int Owner::*, bool Owner::*, Vec2f Owner::*, Vec3d Owner::*,
+                                Transform Owner::*, AlphaMode Owner::*, Wrap Owner::*, ColorSpace Owner::*,
+                                TextureMapping Owner::*, std::vector<RampStop> Owner::*, TextureReference<Owner>,
+                                ImageReference<Owner>, MaterialReference<Owner>>;
     static constexpr double unbounded = std::numeric_limits<double>::infinity();
 
     const char* key;      ///< in files

@@ -35,6 +35,13 @@ public:
     std::string of(const Color& c) const { return fmt::format("{} {} {}", c.r, c.g, c.b); }
     std::string of(const Vec2f& v) const { return fmt::format("{} {}", v.x, v.y); }
     std::string of(const Vec3d& v) const { return fmt::format("{} {} {}", v.x, v.y, v.z); }
+    std::string of(const Transform& t) const
+    {
+        std::string words;
+        for (const auto& row : t.m)
+            for (const double number : row) words += fmt::format("{} ", number);
+        return words;
+    }
     std::string of(const ColorInput& input) const { return of(input.value) + texture(input.texture); }
     std::string of(const FloatInput& input) const
     {

@@ -28,13 +28,21 @@ struct TextureRecord {
     std::uint32_t wrap_u = 0, wrap_v = 0, nearest = 0;
     std::uint32_t uv_set = 0;
     std::array<float, 6> uv_map{1, 0, 0, 0, 1, 0};  ///< two rows: texture uv from mesh uv
-    float scale = 1, turbulence_weight = 0;
+    std::uint32_t mapping = 0;                      ///< TextureMapping
+    std::uint32_t space = no_index;                 ///< among ShadingTables::texture_spaces; else the world itself
+    float scale = 1, turbulence_weight = 0, gain = 0.5f;
+    std::array<float, 3> direction{0, 1, 0};  ///< facing: unit
     std::uint32_t octaves = 7;
     std::array<float, 4> color_a{}, color_b{};
     std::uint32_t texture_a = no_index, texture_b = no_index;  ///< which they are multiplied by
     float factor = 1;
     std::uint32_t factor_texture = no_index, factor_channel = 0;
     std::uint32_t first_stop = 0, stop_count = 0;
+};
+
+/// Where a texture stands: rows of an affine map, texture from world.
+struct TextureSpaceRecord {
+    std::array<std::array<float, 4>, 3> rows{};
 };
 
 /// The code that scatters light (closures/closures.h).
@@ -117,7 +125,8 @@ struct MaterialRecord {
         nonlinear = 2048,     ///< plastic: light below the boundary is coloured each time
         black_behind = 4096,
         absorption = 8192,  ///< hair: base_color is what a fibre absorbs over its radius
-        beckmann = 16384    ///< facets are Beckmann's, else GGX's
+        beckmann = 16384,   ///< facets are Beckmann's, else GGX's
+        bumped = 32768      ///< normals are bent by the slope of bump
     };
     // What shading reads of each vertex: see hot_words.
     std::uint32_t flags = 0;
@@ -140,6 +149,7 @@ struct MaterialRecord {
 
     bool has_inside() const { return medium != 0 || subsurface_medium != 0; }
     std::uint32_t alpha_mode = 0;  ///< AlphaMode
+    NumberRecord bump;             ///< height above the surface, in render space
     std::uint32_t roughness_texture = no_index, metallic_texture = no_index, emission_texture = no_index,
                   alpha_texture = no_index;
     std::uint32_t roughness_channel = 1, metallic_channel = 2, alpha_channel = 3;
@@ -159,6 +169,7 @@ struct ShadingTables {
     std::vector<MixtureRecord> mixtures;
     std::vector<TextureRecord> textures;
     std::vector<RampStopRecord> ramp_stops;
+    std::vector<TextureSpaceRecord> texture_spaces;
     LargeVector<float> texels;  ///< of images in four floats a texel: what no other format holds
     std::vector<std::vector<std::uint32_t>> packed_images;  ///< of the others, image by image
     std::array<float, 256> linear_of_srgb{};

@@ -13,6 +13,7 @@
 
 #include "compile/displacement/displace.h"
 #include "compile/displacement/subdivision.h"
+#include "compile/displacement/texture_detail.h"
 #include "compile/scene_data.h"
 #include "fathom/edit.h"
 #include "fathom/image.h"
@@ -238,6 +239,36 @@ TEST(Displacement, ARampTiltsAPlane)
         EXPECT_NEAR(normal.at(13), n.y, 1e-4);
         EXPECT_NEAR(normal.at(14), n.z, 1e-4);
     }
+}
+
+/// Of a picture of 64 by 32 texels whose coordinates are those of the place, in a space of half the size.
+TEST(Displacement, DetailFollowsMappingsByPlace)
+{
+    Mesh mesh;
+    mesh.positions = {{0.5f, 0, 0}, {0, 0.5f, 0.375f}, {-0.5f, 0.05f, 0}, {-0.5f, -0.05f, 0}, {0, 0, 0.5f}};
+    ShadingTables tables;
+    tables.texture_spaces = {{{{{2, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 2, 0}}}}};
+    TextureRecord picture;
+    picture.kind = std::uint32_t(TextureKind::image);
+    picture.width = 64, picture.height = 32;
+    picture.space = 0;
+    const auto parts = [&](TextureMapping mapping, std::uint32_t a, std::uint32_t b) {
+        picture.mapping = std::uint32_t(mapping);
+        tables.textures = {picture};
+        return TextureDetail(tables, 0).parts(mesh, a, b);
+    };
+    EXPECT_NEAR(parts(TextureMapping::planar, 0, 1), 64, 1e-6);
+    EXPECT_NEAR(parts(TextureMapping::cylindrical, 0, 1), 0.75 * 32, 1e-6);
+    // Across the seam of the angle.
+    EXPECT_NEAR(parts(TextureMapping::cylindrical, 2, 3), 64 * std::atan(0.1) / std::numbers::pi, 1e-4);
+    EXPECT_NEAR(parts(TextureMapping::spherical, 0, 4), 16, 1e-6);
+    // What is computed in space is as much finer.
+    TextureRecord noise;
+    noise.kind = std::uint32_t(TextureKind::fbm), noise.octaves = 1;
+    tables.textures = {noise};
+    const double plain = TextureDetail(tables, 0).parts(mesh, 0, 1);
+    tables.textures[0].space = 0;
+    EXPECT_GE(TextureDetail(tables, 0).parts(mesh, 0, 1), 2 * plain * (1 - 1e-6));
 }
 
 TEST(Displacement, NothingGapesAtHardEdgesAndSeams)

@@ -411,23 +411,25 @@ TEST_F(Save, WhatAKindDoesNotHaveIsNotCompiled)
 TEST_F(Save, GraphsOfTextures)
 {
     SceneDescription scene;
-    for (int kind = texture_kind_count - 1; kind > 0; --kind) {
+    for (int kind = 1; kind < texture_kind_count; ++kind) {
         Texture t;
         t.kind = TextureKind(kind);
-        t.color_a = {{0.25f, 0.5f, 0.75f}, kind < 8 ? kind : -1};
+        // Each refers to the next one, but for the last of every four: graphs may not be deeper than 16.
+        const bool is_last = kind % 4 == 0 || kind == texture_kind_count - 1;
+        t.color_a = {{0.25f, 0.5f, 0.75f}, is_last ? -1 : kind};
         t.color_b = {{0.1f, 0.1f, 0.3f}, -1};
-        t.factor = {0.5f, kind == 6 || kind == 9 ? 0 : -1, 2};
+        t.factor = {0.5f, is_last ? -1 : kind, 2};
         t.stops = {{0.1f, {1, 2, 3}}, {0.7f, {0.1f, 0.1f, 0.1f}}};
-        t.scale = 0.3f, t.octaves = 5, t.turbulence_weight = 0.1f, t.uv_set = 1;
+        t.scale = 0.3f, t.octaves = 5, t.gain = 0.7f, t.turbulence_weight = 0.1f, t.uv_set = 1;
+        t.direction = {0.1, -2, 3};
+        t.mapping = TextureMapping(kind % 4);
+        t.world_from_texture = Transform::translate({1, 2, 3}) * Transform::rotate({0.3, 1, 0.2}, 0.7);
         scene.textures.push_back(t);
     }
-    // 0 is vertex_color; kind k stands at 10 - k and refers to one that stands before or after it.
-    for (std::size_t i = 0; i < scene.textures.size(); ++i)
-        if (scene.textures[i].color_a.texture >= 0) scene.textures[i].color_a.texture = int((i + 1) % 10);
-    scene.textures[9].color_a.texture = 0;
     Material m;
     m.base_color.texture = 3;
     m.roughness = {1, 9, 2};
+    m.bump = {0.01f, 5, 1};
     scene.materials = {m};
     add_shape(scene, Sphere{{0, 0, -3}, 1, {}}, 0);
     expect_same(scene);

@@ -234,6 +234,43 @@ def textures():
         texture = {"kind": name, "color_a": [0.1, 0.2, 0.6], "color_b": [0.9, 0.8, 0.3], **more}
         write(name.replace("_", "-"), scene=[FLOOR, {**BALL, "material": {"color": {"texture": texture}}},
                                              {"material": {"color": {"texture": texture}}, "disk": {"center": [1.2, 0.6, 0], "normal": [-0.3, 0, 1], "radius": 0.5}}])
+    write("fractals", scene=[
+        FLOOR, {**BALL, "material": {"color": {"texture": {"kind": "veined_marble", "scale": 6, "turbulence_weight": 3, "octaves": 6}}}},
+        {"material": {"color": {"texture": {"kind": "wrinkled", "scale": 4, "gain": 0.6, "octaves": 5, "transform": {"translate": [0.3, 0.2, 0.1]}}}},
+         "disk": {"center": [1.2, 0.6, 0], "normal": [-0.3, 0, 1], "radius": 0.5}},
+        {"material": {"color": {"texture": {"kind": "clamp", "input": {"texture": {
+            "kind": "fbm", "scale": 5, "color_a": [0.5, 0.4, 0.3], "color_b": [1.4, 0.2, 0.1],
+            "transform": {"scale": [1, 4, 1], "rotate": {"axis": [0, 0, 1], "angle_deg": 30}}}}}}},
+         "box": {"min": [-1.9, 0, -0.5], "max": [-1.1, 0.9, 0.2]}},
+        {"material": {"color": {"texture": {"kind": "windy", "scale": 9, "color_a": 0.5, "color_b": 2}}},
+         "rectangle": {"corner": [-2, 1.2, -0.6], "edge_u": [1, 0, 0], "edge_v": [0, 0.8, 0]}}])
+    by_place = {"transform": {"translate": [-0.1, 0.5, 0.2], "rotate": {"axis": [1, 0, 0], "angle_deg": -60}}}
+    write("mappings", scene=[
+        FLOOR, {**BALL, "material": {"color": {"texture": {"image": "bands.png", "mapping": "spherical", "uv_scale": [3, 2], **by_place}}}},
+        {"material": {"color": {"texture": {"kind": "dots", "scale": 6, "mapping": "planar", "color_a": {"texture": {"kind": "coordinates"}},
+                                            "color_b": [0.9, 0.1, 0.1], **by_place}}}, "disk": {"center": [1.2, 0.6, 0], "normal": [-0.3, 0, 1], "radius": 0.5}},
+        {"material": {"color": {"texture": {"kind": "uv_transform", "mapping": "cylindrical", "input": {"texture": {"kind": "checker_uv", "scale": 6}}, **by_place}}},
+         "box": {"min": [-1.9, 0, -0.5], "max": [-1.1, 0.9, 0.2]}},
+        {"material": {"color": {"texture": {"kind": "invert", "input": {"texture": {
+            "kind": "facing", "direction": [0, 1, 1], "color_a": [0.9, 0.2, 0.1], "color_b": [0.1, 0.3, 1.5]}}}}},
+         "sphere": {"center": [1.1, 1.5, -0.3], "radius": 0.35}}])
+    write("image-edges", scene=[
+        {"material": {"color": {"texture": {"image": "bands.png", "wrap_u": "black", "wrap_v": "repeat", "uv_scale": [2, 2], "uv_offset": [-0.5, 0]}}},
+         "rectangle": {"corner": [-2, 0, 0], "edge_u": [2, 0, 0], "edge_v": [0, 2, 0]}},
+        {"material": {"color": {"texture": {"image": "bands.png", "wrap_u": "octahedral", "wrap_v": "octahedral", "lookup": "nearest",
+                                            "uv_scale": [2, 2], "uv_offset": [-0.5, -0.5]}}},
+         "rectangle": {"corner": [0, 0, 0], "edge_u": [2, 0, 0], "edge_v": [0, 2, 0]}}])
+    # Of every shape that has ways along it, by what is computed in space and by pictures in either set of uv.
+    fbm, picture = {"kind": "fbm", "scale": 5, "octaves": 4}, {"image": "bands.png", "uv_scale": [2, 2]}
+    write("bump", scene=[
+        FLOOR, LAMP, {**BALL, "material": {"color": 0.7, "bump": {"texture": fbm, "value": 0.06}}},
+        {"children": [{"material": {"color": 0.7, "bump": {"texture": picture, "value": 0.05, "channel": "g"}},
+                       "box": {"min": [-1, 0, -0.5], "max": [0, 1, 0.5]}}], "transform": {"scale": [0.8, 1, 0.6], "translate": [-1, 0, 0]}},
+        {"material": {"kind": "principled", "roughness": 0.3, "bump": {"texture": picture, "value": 0.04}},
+         "disk": {"center": [1.2, 0.6, 0], "normal": [-0.3, 0, 1], "radius": 0.5}},
+        {"mesh": {"positions": [[-0.9, 1.1, -0.6], [1, 1.1, -0.9], [0, 2.2, -0.5]], "uvs": [[0, 0]] * 3, "uvs_1": [[0, 1], [1, 1], [0.5, 0]],
+                  "normals": [[-0.3, 0, 1], [0.3, 0, 1], [0, 0.3, 1]]},
+         "material": {"color": 0.6, "bump": {"texture": {**picture, "uv_set": 1}, "value": -0.1}}}])
     # A ball with a seam, a box with hard edges and a mesh, by a picture of few texels and by what is computed.
     raised = {"color": 0.7, "displacement": {"texture": {"image": "bands.png", "uv_scale": [2, 1]}, "value": 0.2}}
     write("displacement", scene=[

@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(
              "/materials/m/fuzz: unknown key 'fuzz' in a material of kind 'glass'; known here: kind, color, beckmann, "
              "thin, roughness, ior, attenuation_color, attenuation_distance, transmission_scatter, "
              "transmission_scatter_anisotropy, priority, emission, emission_two_sided, normal_map, normal_scale, "
-             "displacement, displacement_midlevel, displacement_edge_length, "
+             "bump, displacement, displacement_midlevel, displacement_edge_length, "
              "alpha, alpha_mode, alpha_cutoff, single_sided, use_vertex_color, emission_unit"},
         Case{R"({"materials": {"m": {"kind": "metal", "conductor": "gild"}}})",
              "/materials/m/conductor: unknown value 'gild'; did you mean 'gold'?"},

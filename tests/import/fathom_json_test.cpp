@@ -184,7 +184,11 @@ TEST_F(FathomJson, EveryKeyOfATexture)
               "uv_offset": [1, 2], "uv_scale": [3, 4], "uv_rotation_deg": 90},
         "b": {"kind": "marble", "color_a": [1, 2, 3], "color_b": [4, 5, 6], "scale": 7, "octaves": 3, "turbulence_weight": 8},
         "c": {"kind": "checker_uv", "uv_scale": [2, 5]}, "d": {"kind": "checker_space"}, "e": {"kind": "noise"},
-        "f": {"kind": "turbulence", "octaves": 5}}})");
+        "f": {"kind": "turbulence", "octaves": 5},
+        "g": {"kind": "fbm", "gain": 0.25, "octaves": 3, "scale": 2, "transform": {"translate": [1, 2, 3]}},
+        "h": {"kind": "facing", "direction": [1, 2, 3]},
+        "i": {"kind": "dots", "mapping": "cylindrical", "transform": {"scale": 2}},
+        "j": {"image": "a.png", "mapping": "planar", "wrap_u": "black", "wrap_v": "octahedral"}}})");
     const auto texture = [&](const std::string& name) {
         for (const Texture& t : scene.textures)
             if (t.name == name) return t;
@@ -215,6 +219,16 @@ TEST_F(FathomJson, EveryKeyOfATexture)
     EXPECT_EQ(texture("e").kind, TextureKind::noise);
     EXPECT_EQ(texture("f").kind, TextureKind::turbulence);
     EXPECT_EQ(texture("f").octaves, 5);
+    EXPECT_EQ(texture("g").kind, TextureKind::fbm);
+    EXPECT_EQ(texture("g").gain, 0.25f);
+    EXPECT_EQ(texture("g").world_from_texture.m, Transform::translate({1, 2, 3}).m);
+    EXPECT_EQ(texture("h").direction, (Vec3d{1, 2, 3}));
+    EXPECT_EQ(texture("i").kind, TextureKind::dots);
+    EXPECT_EQ(texture("i").mapping, TextureMapping::cylindrical);
+    EXPECT_EQ(texture("i").world_from_texture.m, Transform::scale({2, 2, 2}).m);
+    EXPECT_EQ(texture("j").mapping, TextureMapping::planar);
+    EXPECT_EQ(texture("j").wrap_u, Wrap::black);
+    EXPECT_EQ(texture("j").wrap_v, Wrap::octahedral);
 }
 
 TEST_F(FathomJson, EveryKeyOfAMaterial)

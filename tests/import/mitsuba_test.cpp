@@ -702,6 +702,19 @@ TEST_F(Mitsuba, Bitmaps)
     EXPECT_EQ(t.uv_scale.y, 5);
 }
 
+TEST_F(Mitsuba, BumpsAreHeights)
+{
+    const std::string map = R"(<bsdf type="bumpmap"><texture type="checkerboard"/><float name="scale" value="0.25"/>)";
+    const Material m = bsdf(map + R"(<bsdf type="diffuse"/></bsdf>)");
+    EXPECT_GE(m.bump.texture, 0);
+    EXPECT_EQ(m.bump.value, 0.25f);
+    EXPECT_LT(m.normal_texture, 0);
+    EXPECT_TRUE(warnings_.counts().empty());
+    bsdf(map + R"(<bsdf type="blendbsdf"><float name="weight" value="0.5"/>
+<bsdf type="diffuse"/><bsdf type="conductor"/></bsdf></bsdf>)");
+    EXPECT_FALSE(warnings_.counts().empty());
+}
+
 // ---------------------------------------------------------------------------------------------------- light
 
 TEST_F(Mitsuba, Emitters)

@@ -32,11 +32,17 @@ Material other_material(SceneDescription& scene, std::mt19937& engine)
             m.kind = MaterialKind::unlit;
             break;
         default: {
-            Texture checker;
-            checker.kind = TextureKind::checker_space;
-            checker.scale = 9;
-            scene.textures.push_back(checker);
-            m.base_color.texture = int(scene.textures.size()) - 1;
+            // What is plain but for its bumps, or its colours.
+            Texture texture;
+            const bool is_bumped = m.roughness.value == 0;
+            texture.kind = is_bumped ? TextureKind::fbm : TextureKind::checker_space;
+            texture.scale = 9;
+            scene.textures.push_back(texture);
+            const int index = int(scene.textures.size()) - 1;
+            if (is_bumped)
+                m.bump = {0.1f, index, 0};
+            else
+                m.base_color.texture = index;
         }
     }
     return m;

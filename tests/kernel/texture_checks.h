@@ -32,9 +32,14 @@ struct TextureFixture {
     }
     std::array<float, 4> at(std::uint32_t texture, float u = 0, float v = 0) const
     {
+        return at_place(texture, {double(u), double(v), 0}, u, v);
+    }
+    std::array<float, 4> at_place(std::uint32_t texture, Vec3d p, float u = 0, float v = 0) const
+    {
         TexturePoint point;
         for (int set = 0; set < 2; ++set) point.u[set] = Float(u), point.v[set] = Float(v);
-        point.p_world = Vec3(Float(u), Float(v), Float(0));
+        point.p_world = Vec3(to_float(p));
+        point.n_world = Vec3(Float(0), Float(0), Float(1));
         for (int c = 0; c < 4; ++c) point.vertex_color[c] = Float(0.125f * float(c + 1));
         const Texel t = evaluate_textures(tables, UInt(texture), point, Mask(true));
         return {first(t.c[0]), first(t.c[1]), first(t.c[2]), first(t.c[3])};

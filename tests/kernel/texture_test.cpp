@@ -135,6 +135,7 @@ TexturePoint point(double u0, double v0, double u1, double v1, Vec3d p = {})
     return {{Float(float(u0)), Float(float(u1))},
             {Float(float(v0)), Float(float(v1))},
             Vec3(Vec3f{float(p.x), float(p.y), float(p.z)}),
+            Vec3(Vec3f{0, 0, 1}),
             {Float(1), Float(1), Float(1), Float(1)}};
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <vector>
 
 #include "fathom/description.h"
@@ -17,11 +18,14 @@ public:
     double parts(const Mesh& mesh, std::uint32_t a, std::uint32_t b) const;
 
 private:
-    /// Rows of the map from a set of texture coordinates to parts.
+    /// Rows of the map from a set of texture coordinates, or those by place, to parts.
     struct UvMap {
         std::size_t set;
         double rows[2][2];
+        TextureMapping mapping = TextureMapping::uv;
+        Transform texture_from_mesh{};
     };
+    static std::array<double, 2> change(const UvMap& map, const Mesh& mesh, std::uint32_t a, std::uint32_t b);
     void add(const ShadingTables& tables, std::uint32_t texture, const UvMap* outer);
     void add_uv(UvMap map, double across, double down);
 

@@ -250,6 +250,7 @@ void GlbMaterials::tell_what_is_lost(const Material& m)
         if (has) tell(what);
     };
     lost(m.displacement.value != 0, "displacement");
+    lost(m.bump.texture >= 0 && m.bump.value != 0, "bumps");
     lost(m.priority != 0, "which of overlapping solids is there");
     if (m.kind == MaterialKind::diffuse) lost(m.roughness.value > 0, "a diffuse surface's roughness");
     if (m.kind != MaterialKind::principled) return;

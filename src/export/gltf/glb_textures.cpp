@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string_view>
 
 #include "export/gltf/glb_materials.h"
 #include "import/common/read_file.h"
+#include "scene/texture_table.h"
 
 namespace fathom {
 
@@ -23,7 +25,8 @@ const char* mime_type(std::string_view bytes)
 
 int wrap_mode(Wrap wrap)
 {
-    constexpr int modes[] = {10497, 33071, 33648};
+    constexpr int repeat = 10497, clamp = 33071, mirror = 33648;
+    constexpr int modes[] = {repeat, clamp, mirror, clamp, clamp};
     return modes[int(wrap)];
 }
 
@@ -42,6 +45,7 @@ bool is_identity(const Texture& t)
 bool GlbMaterials::is_picture(int texture) const
 {
     const Texture& t = scene_.textures[std::size_t(texture)];
+    if (looks_at_space(t)) return false;
     if (t.kind == TextureKind::uv_transform && t.color_a.texture >= 0) return is_picture(t.color_a.texture);
     return t.kind == TextureKind::image;
 }
@@ -59,7 +63,21 @@ Color GlbMaterials::mean_of(int texture) const
         case TextureKind::vertex_color:
             return {1, 1, 1};
         case TextureKind::uv_transform:
+        case TextureKind::clamp:
             return color(t.color_a);
+        case TextureKind::invert: {
+            const Color c = color(t.color_a);
+            return {std::max(1 - c.r, 0.f), std::max(1 - c.g, 0.f), std::max(1 - c.b, 0.f)};
+        }
+        case TextureKind::coordinates:
+            return {0.5f, 0.5f, 0};
+        case TextureKind::fbm:
+        case TextureKind::windy:
+            return color(t.color_a);
+        case TextureKind::dots:
+            return mixed(color(t.color_a), color(t.color_b), 0.19f);
+        case TextureKind::veined_marble:
+            return {0.78f, 0.78f, 0.8f};
         case TextureKind::scale: {
             const Color a = color(t.color_a), b = color(t.color_b);
             return {a.r * b.r, a.g * b.g, a.b * b.b};
@@ -81,6 +99,7 @@ Color GlbMaterials::mean_of(int texture) const
 const Texture* GlbMaterials::picture_of(int texture)
 {
     const Texture& t = scene_.textures[std::size_t(texture)];
+    if (looks_at_space(t)) return nullptr;
     if (t.kind == TextureKind::image) return &t;
     if (t.kind != TextureKind::uv_transform || t.color_a.texture < 0) return nullptr;
     return picture_of(t.color_a.texture);
@@ -96,6 +115,7 @@ Json GlbMaterials::texture_info(int texture, ColorSpace color_space)
         return {};
     }
     if (picture != &t && !is_identity(*picture)) tell("one of two maps of texture coordinates");
+    if (std::max(picture->wrap_u, picture->wrap_v) >= Wrap::black) tell("a wrap that glTF has not: it is clamped");
     if (picture->height_scale != 0) {
         tell("a picture of heights");
         return {};

@@ -57,7 +57,7 @@ std::string suggestion(std::string_view word, const std::vector<std::string>& ca
 {
     const std::string near = suggest(word, candidates);
     if (!near.empty()) return fmt::format("; did you mean '{}'?", near);
-    if (candidates.empty() || candidates.size() > 24) return {};
+    if (candidates.empty() || candidates.size() > 32) return {};
     return fmt::format("; known here: {}", fmt::join(candidates, ", "));
 }
 

@@ -156,6 +156,10 @@ void FathomJsonReader::read_parameters(JsonObject& o, std::span<const Parameter<
                     check_most(*v, out, p.most, p.excess);
                 } else if constexpr (std::is_same_v<T, Vec2f>) {
                     out = v->vec2f();
+                } else if constexpr (std::is_same_v<T, Vec3d>) {
+                    out = v->vec3d();
+                } else if constexpr (std::is_same_v<T, Transform>) {
+                    out = transform(*v);
                 } else if constexpr (std::is_same_v<T, bool>) {
                     if (p.words.empty())
                         out = v->boolean();

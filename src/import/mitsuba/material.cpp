@@ -329,16 +329,20 @@ Material Reader::bumps(Object& bsdf)
     const std::vector<const Element*> maps = bsdf.children("texture");
     if (maps.empty()) bsdf.element().fail(fmt::format("{} needs a texture", bsdf.title()));
     const float scale = float(bsdf.number("scale", 1));
+    if (m.kind == MaterialKind::mix || m.kind == MaterialKind::two_sided) {
+        tell(bsdf.element(), "around a bsdf of two others it bends nothing");
+        return m;
+    }
+    if (bsdf.type() == "bumpmap") {
+        m.bump = {scale, texture(*maps[0], true), 0};
+        return m;
+    }
     Texture map = scene_.textures[std::size_t(texture(*maps[0], true))];
     if (map.kind != TextureKind::image) {
         tell(bsdf.element(), "a map that is no bitmap is left out");
         return m;
     }
     map.color_space = ColorSpace::linear;
-    if (bsdf.type() == "bumpmap") {
-        map.height_scale = scale;
-        tell(bsdf.element(), "heights of a bump map count in widths of the picture, not in units of the scene");
-    }
     m.normal_texture = int(scene_.textures.size());
     scene_.textures.push_back(map);
     return m;

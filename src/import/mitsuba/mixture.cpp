@@ -13,7 +13,8 @@ namespace {
 /// Two of these are one of the mean colour.
 bool is_plain(const Material& m)
 {
-    return m.kind == MaterialKind::diffuse && m.normal_texture < 0 && m.alpha_mode == AlphaMode::opaque;
+    return m.kind == MaterialKind::diffuse && m.normal_texture < 0 && m.bump.texture < 0 &&
+           m.alpha_mode == AlphaMode::opaque;
 }
 
 }  // namespace

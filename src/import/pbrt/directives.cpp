@@ -11,6 +11,7 @@
 #include "import/common/suggest.h"
 #include "import/pbrt/pbrt.h"
 #include "import/pbrt/reader.h"
+#include "scene/texture_table.h"
 
 namespace fathom {
 
@@ -97,6 +98,11 @@ SceneDescription Reader::finished()
         mirror.parent_from_node = Transform::scale({-1, 1, 1});
         mirror.children = std::move(scene_.roots);
         scene_.environment.world_from_environment = mirror.parent_from_node * scene_.environment.world_from_environment;
+        for (Texture& texture : scene_.textures) {
+            texture.direction = mirror.parent_from_node.vector(texture.direction);
+            if (looks_at_space(texture))
+                texture.world_from_texture = mirror.parent_from_node * texture.world_from_texture;
+        }
         scene_.roots = {add_node(std::move(mirror))};
     }
     return std::move(scene_);

@@ -137,12 +137,15 @@ void Reader::set_roughness(const Parameters& m, const std::string& prefix, Mater
     if (u.value < v.value) out.anisotropy_rotation = 1.5707963267948966;
 }
 
-/// Pictures of heights and of normals. Here heights count in widths of the picture.
+/// Normals, or else heights.
 void Reader::set_bumps(const Parameters& m, Material& out)
 {
     const std::string file = m.text("normalmap", "");
     Texture map;
-    if (!file.empty()) {
+    if (file.empty()) {
+        if (m.has("displacement")) out.bump = number_or_texture(m, "displacement", 0);
+    } else {
+        m.ignore({"displacement"});
         const std::filesystem::path path = locate(m, file);
         const auto [found, is_new] = images_.emplace(path.string(), int(scene_.images.size()));
         if (is_new) scene_.images.push_back({file, path, {}});
@@ -151,18 +154,6 @@ void Reader::set_bumps(const Parameters& m, Material& out)
         map.color_space = ColorSpace::linear;
         out.normal_texture = add_texture(map);
     }
-    if (!m.has("displacement")) return;
-    const FloatInput heights = number_or_texture(m, "displacement", 0);
-    if (heights.texture < 0) return;
-    map = scene_.textures[std::size_t(heights.texture)];
-    if (map.kind != TextureKind::image || out.normal_texture >= 0) {
-        tell(m, "a 'displacement' that is no imagemap, or beside a normal map, is left out");
-        return;
-    }
-    tell(m, "heights of 'displacement' count in widths of the picture, not in units of the scene");
-    map.height_scale = heights.value;
-    map.color_space = ColorSpace::linear;
-    if (map.height_scale != 0) out.normal_texture = add_texture(map);
 }
 
 /// pbrt walks at random between the layers, and loses what facets send to the wrong side.
@@ -299,7 +290,7 @@ Material Reader::mix(const Parameters& m)
     const FloatInput amount = number_or_texture(m, "amount", 0.5f);
     if (amount.texture < 0 && (amount.value <= 0 || amount.value >= 1)) return both[amount.value >= 1 ? 1 : 0];
     const auto is_plain = [](const Material& part) {
-        return part.kind == MaterialKind::diffuse && part.normal_texture < 0 && part.displacement.texture < 0;
+        return part.kind == MaterialKind::diffuse && part.normal_texture < 0 && part.bump.texture < 0;
     };
     if (is_plain(both[0]) && is_plain(both[1])) {
         both[0].base_color = mixed(both[0].base_color, both[1].base_color, amount);

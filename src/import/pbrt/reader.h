@@ -101,13 +101,19 @@ private:
     ColorInput texture(const Parameters& of, std::string_view name, bool is_float);
     ColorInput read_texture(NamedTexture& named);
     ColorInput texture_operand(const Parameters& of, std::string_view name, bool is_float, float otherwise);
-    ColorInput image_map(const Parameters& of, bool is_float);
-    ColorInput mixture(const Parameters& of, bool is_float);
+    ColorInput image_map(const NamedTexture& named);
+    ColorInput mixture(const NamedTexture& named);
+    ColorInput dots(const NamedTexture& named);
+    ColorInput bilerp(const NamedTexture& named);
     ColorInput checkerboard(const NamedTexture& named);
     ColorInput procedural(const NamedTexture& named);
     ColorInput product(const ColorInput& a, const ColorInput& b);
     ColorInput mixed(const ColorInput& a, const ColorInput& b, const FloatInput& amount);
-    void set_mapping(const Parameters& of, Texture& texture, bool is_picture);
+    ColorInput limited(ColorInput input);
+    static Transform world_from_texture(const NamedTexture& named);
+    void set_mapping(const NamedTexture& named, Texture& texture, bool is_picture);
+    static void set_plane(const Parameters& of, Texture& texture, bool is_picture);
+    Wrap wrap_of(const Parameters& of, const std::string& name);
     int image(const Parameters& of);
     int add_texture(Texture texture);
 

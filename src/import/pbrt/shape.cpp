@@ -260,7 +260,7 @@ std::optional<Shape> Reader::geometry(const Parameters& shape, Surface& surface)
     if (type == "bilinearmesh") return bilinear_mesh(shape);
     if (type == "loopsubdiv") return loop_mesh(shape);
     if (type == "curve") return curve(shape);
-    const bool has_textures = is_textured(scene_, material(surface.material)) || !surface.alpha.empty() ||
+    const bool has_textures = reaches_uv(scene_, material(surface.material)) || !surface.alpha.empty() ||
                               (surface.light && surface.light->has("filename"));
     if (type == "sphere") return sphere(shape, has_textures);
     if (type == "disk") return disk(shape, has_textures);

@@ -148,7 +148,7 @@ ColorInput Reader::color(const Parameters& of, std::string_view name, Color othe
 {
     const Parameter* const p = of.find(name);
     if (!p) return {otherwise, -1};
-    if (p->type == "texture") return texture(of, name, false);
+    if (p->type == "texture") return limited(texture(of, name, false));
     Color c = color_value(of, *p, false);
     for (float* channel : {&c.r, &c.g, &c.b}) *channel = std::clamp(*channel, 0.f, 1.f);
     return {c, -1};

@@ -28,6 +28,38 @@ Color grey(double value)
     return {v, v, v};
 }
 
+bool is_within_unit(Color c)
+{
+    return std::min({c.r, c.g, c.b}) >= 0 && std::max({c.r, c.g, c.b}) <= 1;
+}
+
+/// Whether no colour of a texture can be below 0 or above 1.
+bool is_within_unit(const SceneDescription& scene, const ColorInput& input)
+{
+    if (!is_within_unit(input.value)) return false;
+    if (input.texture < 0) return true;
+    const Texture& t = scene.textures[std::size_t(input.texture)];
+    const auto number = [&](const FloatInput& f) { return is_within_unit(scene, {grey(double(f.value)), f.texture}); };
+    switch (t.kind) {
+        case TextureKind::image:
+            return !t.name.ends_with(".exr") && !t.name.ends_with(".pfm") && !t.name.ends_with(".hdr");
+        case TextureKind::checker_uv:
+        case TextureKind::checker_space:
+        case TextureKind::dots:
+        case TextureKind::facing:
+        case TextureKind::scale:
+            return is_within_unit(scene, t.color_a) && is_within_unit(scene, t.color_b);
+        case TextureKind::mix:
+            return is_within_unit(scene, t.color_a) && is_within_unit(scene, t.color_b) && number(t.factor);
+        case TextureKind::veined_marble:
+        case TextureKind::invert:
+        case TextureKind::clamp:
+            return true;
+        default:
+            return false;
+    }
+}
+
 }  // namespace
 
 int Reader::add_texture(Texture texture)
@@ -82,15 +114,28 @@ ColorInput Reader::mixed(const ColorInput& a, const ColorInput& b, const FloatIn
     return {{1, 1, 1}, add_texture(mix)};
 }
 
-ColorInput Reader::mixture(const Parameters& of, bool is_float)
+/// As materials of pbrt have reflectances.
+ColorInput Reader::limited(ColorInput input)
 {
-    const ColorInput a = texture_operand(of, "tex1", is_float, 0), b = texture_operand(of, "tex2", is_float, 1);
-    if (of.plugin() == "directionmix") {
-        tell(of, "the two are mixed alike in every direction");
-        of.ignore({"dir"});
-        return mixed(a, b, {0.5f, -1, 1});
-    }
-    return mixed(a, b, number_or_texture(of, "amount", 0.5f));
+    if (is_within_unit(scene_, input)) return input;
+    Texture limit;
+    limit.kind = TextureKind::clamp;
+    limit.color_a = input;
+    return {{1, 1, 1}, add_texture(limit)};
+}
+
+ColorInput Reader::mixture(const NamedTexture& named)
+{
+    const Parameters& of = *named.plugin;
+    const ColorInput a = texture_operand(of, "tex1", named.is_float, 0),
+                     b = texture_operand(of, "tex2", named.is_float, 1);
+    if (of.plugin() == "mix") return mixed(a, b, number_or_texture(of, "amount", 0.5f));
+    Texture t;
+    t.kind = TextureKind::facing;
+    t.color_a = b, t.color_b = a;
+    t.direction = named.world_from_texture.vector(of.vector("dir").value_or(Vec3d{0, 1, 0}));
+    if (!(length(t.direction) > 0)) of.fail("'dir' is no direction: all of it is 0");
+    return {{1, 1, 1}, add_texture(t)};
 }
 
 ColorInput Reader::read_texture(NamedTexture& named)
@@ -100,26 +145,39 @@ ColorInput Reader::read_texture(NamedTexture& named)
     const bool is_float = named.is_float;
     if (type == "constant") return texture_operand(of, "value", is_float, 1);
     if (type == "scale") return product(texture_operand(of, "tex", is_float, 1), texture_operand(of, "scale", true, 1));
-    if (type == "mix" || type == "directionmix") return mixture(of, is_float);
-    if (type == "imagemap") return image_map(of, is_float);
+    if (type == "mix" || type == "directionmix") return mixture(named);
+    if (type == "imagemap") return image_map(named);
     if (type == "checkerboard") return checkerboard(named);
-    if (type == "dots") {
-        tell(of, "dots are not drawn: the mean of 'inside' and 'outside' is there");
-        of.ignore({"mapping", "uscale", "vscale", "udelta", "vdelta", "v1", "v2"});
-        // Half of the cells have a dot, whose radius is 0.35 of the cell.
-        return mixed(texture_operand(of, "outside", is_float, 0), texture_operand(of, "inside", is_float, 1),
-                     {0.19f, -1, 1});
-    }
-    if (type == "bilerp") {
-        tell(of, "the mean of its four corners is there");
-        const ColorInput low = mixed(texture_operand(of, "v00", is_float, 0), texture_operand(of, "v01", is_float, 1),
-                                     {0.5f, -1, 1}),
-                         high = mixed(texture_operand(of, "v10", is_float, 0), texture_operand(of, "v11", is_float, 1),
-                                      {0.5f, -1, 1});
-        of.ignore({"mapping", "uscale", "vscale", "udelta", "vdelta", "v1", "v2"});
-        return mixed(low, high, {0.5f, -1, 1});
-    }
+    if (type == "dots") return dots(named);
+    if (type == "bilerp") return bilerp(named);
     return procedural(named);
+}
+
+ColorInput Reader::dots(const NamedTexture& named)
+{
+    const Parameters& of = *named.plugin;
+    Texture t;
+    t.kind = TextureKind::dots;
+    // pbrt-v4 shows 'inside' between the dots, and 'outside' in them.
+    t.color_a = texture_operand(of, "inside", named.is_float, 1);
+    t.color_b = texture_operand(of, "outside", named.is_float, 0);
+    set_mapping(named, t, false);
+    return {{1, 1, 1}, add_texture(t)};
+}
+
+/// From corner to corner by s and t, as numbers that the mapping's coordinates are.
+ColorInput Reader::bilerp(const NamedTexture& named)
+{
+    const Parameters& of = *named.plugin;
+    Texture place;
+    place.kind = TextureKind::coordinates;
+    set_mapping(named, place, false);
+    const int st = add_texture(place);
+    const auto side = [&](const char* at_0, const char* at_1, float otherwise) {
+        return mixed(texture_operand(of, at_0, named.is_float, otherwise),
+                     texture_operand(of, at_1, named.is_float, otherwise), {1, st, 0});
+    };
+    return mixed(side("v00", "v10", 0), side("v01", "v11", 1), {1, st, 1});
 }
 
 ColorInput Reader::procedural(const NamedTexture& named)
@@ -127,44 +185,78 @@ ColorInput Reader::procedural(const NamedTexture& named)
     const Parameters& of = *named.plugin;
     const std::string& type = of.plugin();
     Texture t;
-    if (type == "fbm" || type == "windy") {
-        t.kind = TextureKind::noise;
-        t.color_a = {grey(type == "fbm" ? -1 : 0), -1};
-        tell(of, "one octave of noise is there");
-        of.ignore({"octaves", "roughness"});
-    } else if (type == "wrinkled") {
-        t.kind = TextureKind::turbulence;
+    t.world_from_texture = world_from_texture(named);
+    if (type == "fbm" || type == "wrinkled" || type == "marble") {
+        t.kind = type == "fbm"        ? TextureKind::fbm
+                 : type == "wrinkled" ? TextureKind::wrinkled
+                                      : TextureKind::veined_marble;
         t.octaves = std::clamp(of.integer("octaves", 8), 1, 16);
-        if (of.number("roughness", 0.5) != 0.5) tell(of, "each octave has half of the one before it");
-    } else if (type == "marble") {
-        t.kind = TextureKind::marble;
-        t.octaves = std::clamp(of.integer("octaves", 8), 1, 16);
-        t.scale = float(of.number("scale", 1));
-        t.turbulence_weight = float(of.number("variation", 0.2)) * 10;
-        t.color_a = {{0.2f, 0.2f, 0.3f}, -1}, t.color_b = {{0.58f, 0.58f, 0.6f}, -1};
-        tell(of, "marble is Fathom's own, between two of its colours");
-        of.ignore({"roughness"});
+        t.gain = float(of.number("roughness", 0.5));
+        if (type == "marble") {
+            t.scale = float(of.number("scale", 1));
+            t.turbulence_weight = float(of.number("variation", 0.2));
+        }
+    } else if (type == "windy") {
+        t.kind = TextureKind::windy;
     } else {
         tell(of, type == "ptex" ? "Ptex files are not read: grey 0.5 instead" : "is not known: grey 0.5 instead");
         of.ignore({"filename", "encoding", "scale"});
         return {grey(0.5), -1};
     }
-    if (named.world_from_texture.m != Transform().m) tell(of, "its pattern is one of the world's space");
     return {{1, 1, 1}, add_texture(t)};
 }
 
-void Reader::set_mapping(const Parameters& of, Texture& texture, bool is_picture)
+Transform Reader::world_from_texture(const NamedTexture& named)
 {
+    if (!std::isnormal(named.world_from_texture.determinant()))
+        named.plugin->fail("the transform that it is defined in leaves no volume");
+    return named.world_from_texture;
+}
+
+/// s and t of a mapping, which grows upwards in pictures there, as our u and v: a pattern looks at s and t themselves,
+/// of a picture the first row is at the top.
+void Reader::set_mapping(const NamedTexture& named, Texture& texture, bool is_picture)
+{
+    const Parameters& of = *named.plugin;
     const std::string mapping = of.text("mapping", "uv");
-    if (mapping != "uv") {
-        tell(of, fmt::format("the mapping '{}' is taken as 'uv'", printable(mapping)));
-        of.ignore({"v1", "v2"});
+    if (mapping == "spherical" || mapping == "cylindrical" || mapping == "planar") {
+        texture.world_from_texture = world_from_texture(named);
+        if (mapping == "planar") return set_plane(of, texture, is_picture);
+        if (is_picture) texture.uv_offset.y = 1;
+        texture.mapping = mapping == "spherical" ? TextureMapping::spherical : TextureMapping::cylindrical;
+        if (mapping == "cylindrical") {
+            texture.uv_scale.y = is_picture ? -1 : 1;
+        } else {
+            // s is the angle from the axis, t that about it: our v and u.
+            texture.uv_rotation = float(std::numbers::pi / 2);
+            texture.uv_scale.x = is_picture ? 1 : -1;
+        }
+        of.ignore({"uscale", "vscale", "udelta", "vdelta", "v1", "v2"});
+        return;
     }
+    if (mapping != "uv") tell(of, fmt::format("the mapping '{}' is taken as 'uv'", printable(mapping)));
+    of.ignore({"v1", "v2"});
     const auto su = float(of.number("uscale", 1)), sv = float(of.number("vscale", 1)),
                du = float(of.number("udelta", 0)), dv = float(of.number("vdelta", 0));
-    // v grows upwards in pbrt. Of a picture the first row is at the top, of a pattern v is what counts.
+    // v of meshes grows downwards here.
     texture.uv_scale = {su, is_picture ? sv : -sv};
     texture.uv_offset = {du, is_picture ? 1 - sv - dv : sv + dv};
+}
+
+/// s and t are products with two vectors: the x and y of a space that has them so.
+void Reader::set_plane(const Parameters& of, Texture& texture, bool is_picture)
+{
+    const Vec3d s = of.vector("v1").value_or(Vec3d{1, 0, 0}), t = of.vector("v2").value_or(Vec3d{0, 1, 0}),
+                n = cross(s, t);
+    Transform plane_from_texture;
+    plane_from_texture.m = {{{s.x, s.y, s.z, 0}, {t.x, t.y, t.z, 0}, {n.x, n.y, n.z, 0}}};
+    if (!std::isnormal(plane_from_texture.determinant())) of.fail("'v1' and 'v2' span no plane");
+    texture.mapping = TextureMapping::planar;
+    texture.world_from_texture = texture.world_from_texture * plane_from_texture.inverse();
+    const auto ds = float(of.number("udelta", 0)), dt = float(of.number("vdelta", 0));
+    texture.uv_scale = {1, is_picture ? -1.f : 1.f};
+    texture.uv_offset = {ds, is_picture ? 1 - dt : dt};
+    of.ignore({"uscale", "vscale"});
 }
 
 ColorInput Reader::checkerboard(const NamedTexture& named)
@@ -177,11 +269,11 @@ ColorInput Reader::checkerboard(const NamedTexture& named)
     if (dimension != 2 && dimension != 3) of.fail("'dimension' is 2 or 3");
     if (dimension == 2) {
         t.kind = TextureKind::checker_uv;
-        set_mapping(of, t, false);
+        set_mapping(named, t, false);
     } else {
         t.kind = TextureKind::checker_space;
         t.scale = float(std::numbers::pi);
-        if (named.world_from_texture.m != Transform().m) tell(of, "its pattern is one of the world's space");
+        t.world_from_texture = world_from_texture(named);
     }
     return {{1, 1, 1}, add_texture(t)};
 }
@@ -196,35 +288,39 @@ int Reader::image(const Parameters& of)
     return found->second;
 }
 
-ColorInput Reader::image_map(const Parameters& of, bool is_float)
+ColorInput Reader::image_map(const NamedTexture& named)
 {
+    const Parameters& of = *named.plugin;
     Texture t;
     t.name = of.text("filename", "");
     t.image = image(of);
     const std::string wrap = of.text("wrap", "repeat"), filter = of.text("filter", "bilinear"),
                       encoding = of.text("encoding", "sRGB");
-    if (wrap != "repeat" && wrap != "clamp")
-        tell(of, fmt::format("the wrap '{}' is taken as 'clamp'", printable(wrap)));
-    t.wrap_u = t.wrap_v = wrap == "repeat" ? Wrap::repeat : Wrap::clamp;
+    t.wrap_u = t.wrap_v = wrap_of(of, wrap);
     t.nearest = filter == "point";
     // Only PNGs have an encoding in pbrt.
     if (t.name.ends_with(".png") || t.name.ends_with(".PNG")) {
         t.color_space = encoding == "linear" ? ColorSpace::linear : ColorSpace::srgb;
         if (encoding != "linear" && encoding != "sRGB") tell(of, "the encoding is taken as 'sRGB'");
     }
-    set_mapping(of, t, true);
+    set_mapping(named, t, true);
     // At many samples what filters over a pixel's footprint makes no difference.
     of.ignore({"maxanisotropy"});
-    const double scale = of.number("scale", 1);
-    ColorInput input{grey(scale), add_texture(t)};
+    const ColorInput input{grey(of.number("scale", 1)), add_texture(t)};
     if (!of.boolean("invert", false)) return input;
-    if (!is_float) tell(of, "a coloured picture is inverted by its green alone");
-    input.value = grey(1);
     Texture inverted;
-    inverted.kind = TextureKind::mix;
-    inverted.color_a = {grey(1), -1}, inverted.color_b = {grey(0), -1};
-    inverted.factor = {float(scale), input.texture, 1};
+    inverted.kind = TextureKind::invert;
+    inverted.color_a = input;
     return {grey(1), add_texture(inverted)};
+}
+
+Wrap Reader::wrap_of(const Parameters& of, const std::string& name)
+{
+    if (name == "repeat") return Wrap::repeat;
+    if (name == "black") return Wrap::black;
+    if (name == "octahedralsphere") return Wrap::octahedral;
+    if (name != "clamp") tell(of, fmt::format("the wrap '{}' is taken as 'clamp'", printable(name)));
+    return Wrap::clamp;
 }
 
 }  // namespace fathom::pbrt

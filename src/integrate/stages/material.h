@@ -1,5 +1,6 @@
 #pragma once
 /// What the material at a surface is like: its parameters with textures applied, and the shading normal bent.
+#include "integrate/stages/bump.h"
 #include "integrate/stages/layers.h"
 #include "integrate/stages/surface.h"
 #include "shading/closures/closure.h"
@@ -50,6 +51,10 @@ public:
         p.beckmann = (flags & UInt(MaterialRecord::beckmann)) != UInt(0);
         p.compensated = (flags & UInt(MaterialRecord::compensated)) != UInt(0);
         p.nonlinear = (flags & UInt(MaterialRecord::nonlinear)) != UInt(0);
+        if (scene_.has_bumps) {
+            const Mask bumped = m & ((flags & UInt(MaterialRecord::bumped)) != UInt(0));
+            if (any(bumped)) bend_by_bump(t_, bumped, s);
+        }
         const Mask colored = m & ((flags & UInt(MaterialRecord::vertex_colored)) != UInt(0));
         for (int c = 0; c < channels && any(colored); ++c)
             p.base_color.c[c] = select(colored, p.base_color.c[c] * s.at.vertex_color[c], p.base_color.c[c]);

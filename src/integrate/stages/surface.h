@@ -66,6 +66,7 @@ public:
         for (Float& c : s.at.vertex_color) c = Float(1);
         for (int i = 0; i < 2; ++i) s.at.u[i] = hit.u, s.at.v[i] = hit.v;
         s.ng = Vec3(Float(0), Float(0), Float(1));
+        if (scene_.has_bumps) s.ways.clear();
 
         const RecordRow<ShapeRecord, 2> shape(t_.shapes, s.shape, m);
         s.material = shape.get(&ShapeRecord::material);
@@ -98,7 +99,7 @@ public:
         const Float agreement = dot(s.ns, s.ng);
         s.ns = flip_sign(s.ns, agreement);
         s.bitangent_sign = flip_sign(s.bitangent_sign, agreement);
-        if (scene_.textured) s.at.p_world = in_world(s.p);
+        if (scene_.textured) s.at.p_world = in_world(s.p), s.at.n_world = s.ng;
         return s;
     }
 
@@ -173,6 +174,11 @@ private:
         const TrianglePlace place{{vertex[0], vertex[1], vertex[2]}, hit.u, hit.v};
         place.read_uv(t_.uv0, has(ShapeRecord::has_uv0), s.at.u[0], s.at.v[0]);
         place.read_uv(t_.uv1, has(ShapeRecord::has_uv1), s.at.u[1], s.at.v[1]);
+        if (scene_.has_bumps) {
+            s.ways.set_edges(e1, e2, m);
+            s.ways.read_uv(t_.uv0, vertex, 0, has(ShapeRecord::has_uv0));
+            s.ways.read_uv(t_.uv1, vertex, 1, has(ShapeRecord::has_uv1));
+        }
         Vec3 tangent = uv_tangent(e1, e2, vertex, has(ShapeRecord::has_uv0), s.bitangent_sign);
         s.bitangent_sign = select(m, flip_sign(s.bitangent_sign, dot(n, ns)), s.bitangent_sign);
         if (const Mask given = has(ShapeRecord::has_tangents); any(given)) {
@@ -236,6 +242,8 @@ private:
         s.ng = select(m, ng, s.ng);
         s.ns = select(m, normal(s.ns), s.ns);
         s.tangent = select(m, to_render.vector(s.tangent), s.tangent);
+        if (scene_.has_bumps)
+            for (Vec3& way : s.ways.way) way = select(m, to_render.vector(way), way);
         s.bitangent_sign = select(m, flip_sign(s.bitangent_sign, to_object.determinant()), s.bitangent_sign);
     }
 
@@ -262,6 +270,7 @@ private:
             s.at.v[i] = select(m, Float(1) - vv, s.at.v[i]);
         }
         s.tangent = select(m, u, s.tangent);
+        if (scene_.has_bumps) s.ways.set(u, -v, m);
     }
 
     /// The axes of the nodes of round shapes, by which their uv go.
@@ -319,6 +328,10 @@ private:
             s.at.v[i] = select(m, fma(dot(r, frame.t), -scale, Float(0.5f)), s.at.v[i]);
         }
         s.tangent = select(m, axes.from_node(frame.s), s.tangent);
+        if (scene_.has_bumps) {
+            const Float width = radius + radius;
+            s.ways.set(axes.from_node(frame.s) * width, axes.from_node(frame.t) * -width, m);
+        }
         s.bitangent_sign = select(m, axes.handedness(), s.bitangent_sign);
     }
 
@@ -351,6 +364,13 @@ private:
             s.at.v[i] = select(m, v, s.at.v[i]);
         }
         s.tangent = select(m, axes.from_node({to.z, Float(0), -to.x}), s.tangent);
+        if (scene_.has_bumps) {
+            const Float half_turn = abs(radius) * Float(float(pi));
+            // Poles have no direction in which u grows.
+            const Float from_axis = max(sqrt(fma(to.x, to.x, to.z * to.z)), Float(1e-4f)), slant = to.y / from_axis;
+            s.ways.set(axes.from_node({to.z, Float(0), -to.x}) * (half_turn + half_turn),
+                       axes.from_node({to.x * slant, -from_axis, to.z * slant}) * half_turn, m);
+        }
         s.bitangent_sign = select(m, flip_sign(axes.handedness(), radius), s.bitangent_sign);
     }
 

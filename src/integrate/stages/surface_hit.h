@@ -1,4 +1,5 @@
 #pragma once
+#include "integrate/stages/surface_ways.h"
 #include "shading/spectrum.h"
 #include "shading/textures/node.h"
 
@@ -22,6 +23,7 @@ struct Surface {
     Mask is_curve, is_ribbon;
     Float radius;  ///< of curves, else 0
     TexturePoint at;
+    SurfaceWays ways;  ///< where some material of the scene is bumped
     UInt shape, material;
 };
 

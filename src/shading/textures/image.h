@@ -1,5 +1,7 @@
 #pragma once
-#include "shading/textures/node.h"
+#include <algorithm>
+
+#include "shading/textures/mapping.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -19,6 +21,57 @@ inline Float wrap(Float x, int size, std::uint32_t mode)
     return clamp(min(r, period - Float(1) - r), Float(0), n - Float(1));
 }
 
+/// Between four texels, the first two of which are above the others.
+inline Texel between_texels(const Texel& a, const Texel& b, const Texel& c, const Texel& d, Float fx, Float fy)
+{
+    Texel r;
+    for (int i = 0; i < 4; ++i) {
+        const Float top = fma(fx, b.c[i] - a.c[i], a.c[i]), bottom = fma(fx, d.c[i] - c.c[i], c.c[i]);
+        r.c[i] = fma(fy, bottom - top, top);
+    }
+    return r;
+}
+
+/// Takes a column and row to those of a texel, and says where there is one.
+inline Mask cross_edges(const TextureRecord& t, Float& column, Float& row)
+{
+    const Float width(static_cast<float>(t.width)), height(static_cast<float>(t.height)), one(1);
+    Mask inside(true);
+    if (t.wrap_u == std::uint32_t(Wrap::octahedral)) {
+        // Each edge of the square is folded in its middle, and its halves are one line of the sphere.
+        const Mask aside = (column < Float(0)) | (column >= width);
+        column =
+            select(column < Float(0), -one - column, select(column >= width, width + width - one - column, column));
+        row = select(aside, height - one - row, row);
+        const Mask beyond = (row < Float(0)) | (row >= height);
+        row = select(row < Float(0), -one - row, select(row >= height, height + height - one - row, row));
+        column = select(beyond, width - one - column, column);
+    } else {
+        if (t.wrap_u == std::uint32_t(Wrap::black)) inside = inside & (column >= Float(0)) & (column < width);
+        if (t.wrap_v == std::uint32_t(Wrap::black)) inside = inside & (row >= Float(0)) & (row < height);
+    }
+    const auto within = [](Float x, int size, std::uint32_t mode) {
+        return wrap(x, size, mode < std::uint32_t(Wrap::black) ? mode : std::uint32_t(Wrap::clamp));
+    };
+    column = within(column, t.width, t.wrap_u), row = within(row, t.height, t.wrap_v);
+    return inside;
+}
+
+/// filter_texels for the wraps that few pictures have. x, y: in texels, of whose middles they are whole.
+template <class Fetch>
+[[gnu::noinline]] Texel filter_across_edges(const TextureRecord& t, Float x, Float y, const Fetch& fetch)
+{
+    const auto at = [&](Float column, Float row) {
+        const Mask inside = cross_edges(t, column, row);
+        Texel texel = fetch(to_uint(row) * UInt(std::uint32_t(t.width)) + to_uint(column));
+        for (Float& c : texel.c) c = select(inside, c, Float(0));
+        return texel;
+    };
+    if (t.nearest) return at(floor(x + Float(0.5f)), floor(y + Float(0.5f)));
+    const Float x0 = floor(x), y0 = floor(y), x1 = x0 + Float(1), y1 = y0 + Float(1);
+    return between_texels(at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1), x - x0, y - y0);
+}
+
 /// Mixes the four texels about (u, v), or takes the nearest. fetch(number of the texel) gives a Texel.
 template <class Fetch>
 Texel filter_texels(const TextureRecord& t, Float u, Float v, Fetch&& fetch)
@@ -28,18 +81,13 @@ Texel filter_texels(const TextureRecord& t, Float u, Float v, Fetch&& fetch)
     const auto at = [&](Float column, Float row) {
         return fetch(to_uint(row) * UInt(std::uint32_t(t.width)) + to_uint(column));
     };
+    if (std::max(t.wrap_u, t.wrap_v) >= std::uint32_t(Wrap::black)) return filter_across_edges(t, x, y, fetch);
     if (t.nearest)
         return at(wrap(floor(x + Float(0.5f)), t.width, t.wrap_u), wrap(floor(y + Float(0.5f)), t.height, t.wrap_v));
     const Float x0 = floor(x), y0 = floor(y), fx = x - x0, fy = y - y0;
     const Float xa = wrap(x0, t.width, t.wrap_u), xb = wrap(x0 + Float(1), t.width, t.wrap_u);
     const Float ya = wrap(y0, t.height, t.wrap_v), yb = wrap(y0 + Float(1), t.height, t.wrap_v);
-    const Texel a = at(xa, ya), b = at(xb, ya), c = at(xa, yb), d = at(xb, yb);
-    Texel r;
-    for (int i = 0; i < 4; ++i) {
-        const Float top = fma(fx, b.c[i] - a.c[i], a.c[i]), bottom = fma(fx, d.c[i] - c.c[i], c.c[i]);
-        r.c[i] = fma(fy, bottom - top, top);
-    }
-    return r;
+    return between_texels(at(xa, ya), at(xb, ya), at(xa, yb), at(xb, yb), fx, fy);
 }
 
 /// A finite half in the lower 16 bits; the multiplication puts the exponent right, also of the smallest ones.
@@ -121,7 +169,7 @@ struct ImageTexture {
 
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
     {
-        const TextureUv uv(t, at);
+        const TextureUv uv(graph.tables, t, at);
         return lookup_image(graph.tables, t, uv.u, uv.v, m);
     }
 };

@@ -24,19 +24,8 @@ struct Texel {
 struct TexturePoint {
     Float u[2], v[2];  ///< the two uv sets
     Vec3 p_world;
+    Vec3 n_world;           ///< geometric normal, unit; 0 where textures are looked up before there is one
     Float vertex_color[4];  ///< white where the mesh has none
-};
-
-/// uv of the set that the texture looks at, after its map.
-struct TextureUv {
-    Float u, v;
-
-    TextureUv(const TextureRecord& t, const TexturePoint& at)
-    {
-        const int set = t.uv_set ? 1 : 0;
-        u = fma(at.u[set], Float(t.uv_map[0]), fma(at.v[set], Float(t.uv_map[1]), Float(t.uv_map[2])));
-        v = fma(at.u[set], Float(t.uv_map[3]), fma(at.v[set], Float(t.uv_map[4]), Float(t.uv_map[5])));
-    }
 };
 
 /// What nodes refer to, evaluated.

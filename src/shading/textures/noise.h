@@ -1,6 +1,7 @@
 #pragma once
 #include "math/hash.h"
-#include "shading/textures/node.h"
+#include "shading/textures/improved_noise.h"
+#include "shading/textures/mapping.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -14,7 +15,6 @@ inline Float perlin_noise(Vec3 p)
     const UInt x = to_uint(clamp(cell.x, Float(-1e9f), Float(1e9f))),
                y = to_uint(clamp(cell.y, Float(-1e9f), Float(1e9f))),
                z = to_uint(clamp(cell.z, Float(-1e9f), Float(1e9f)));
-    const auto fade = [](Float t) { return t * t * t * fma(t, fma(t, Float(6), Float(-15)), Float(10)); };
     const auto corner = [&](std::uint32_t dx, std::uint32_t dy, std::uint32_t dz) {
         const UInt h = hash((x + UInt(dx)) + hash((y + UInt(dy)) + hash(z + UInt(dz)))) & UInt(15);
         const Float fx = f.x - Float(float(dx)), fy = f.y - Float(float(dy)), fz = f.z - Float(float(dz));
@@ -43,13 +43,13 @@ inline Float turbulence(Vec3 p, std::uint32_t octaves)
 
 }  // namespace detail
 
-/// Gradient noise in world space.
+/// Gradient noise in space.
 struct NoiseTexture {
     static constexpr TextureKind kind = TextureKind::noise;
 
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
     {
-        const Float noise = detail::perlin_noise(at.p_world * Float(t.scale));
+        const Float noise = detail::perlin_noise(place_of(graph.tables, t, at) * Float(t.scale));
         return graph.mix(t, fma(noise, Float(0.5f), Float(0.5f)), at, m);
     }
 };
@@ -59,7 +59,7 @@ struct TurbulenceTexture {
 
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
     {
-        return graph.mix(t, detail::turbulence(at.p_world * Float(t.scale), t.octaves), at, m);
+        return graph.mix(t, detail::turbulence(place_of(graph.tables, t, at) * Float(t.scale), t.octaves), at, m);
     }
 };
 
@@ -69,8 +69,8 @@ struct MarbleTexture {
 
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
     {
-        const Float phase =
-            fma(detail::turbulence(at.p_world, t.octaves), Float(t.turbulence_weight), at.p_world.z * Float(t.scale));
+        const Vec3 p = place_of(graph.tables, t, at);
+        const Float phase = fma(detail::turbulence(p, t.octaves), Float(t.turbulence_weight), p.z * Float(t.scale));
         return graph.mix(t, fma(sincos_2pi(phase * Float(0.5f * inv_pi)).sin, Float(0.5f), Float(0.5f)), at, m);
     }
 };

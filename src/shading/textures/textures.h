@@ -1,7 +1,12 @@
 #pragma once
 /// All textures: the list that lookups are made from.
 #include "shading/textures/checker.h"
+#include "shading/textures/coordinates.h"
+#include "shading/textures/dots.h"
+#include "shading/textures/facing.h"
+#include "shading/textures/fractal.h"
 #include "shading/textures/image.h"
+#include "shading/textures/limits.h"
 #include "shading/textures/mix.h"
 #include "shading/textures/noise.h"
 #include "shading/textures/ramp.h"
@@ -16,14 +21,20 @@ struct TextureList {
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
     {
         Texel r;
-        ((TextureKind(t.kind) == Node::kind ? void(r = Node::evaluate(graph, t, at, m)) : void()), ...);
+        const auto is_of = [&]<class One>(One) {
+            if (TextureKind(t.kind) != One::kind) return false;
+            r = One::evaluate(graph, t, at, m);
+            return true;
+        };
+        static_cast<void>((is_of(Node()) || ...));
         return r;
     }
 };
 
-using Textures =
-    TextureList<ImageTexture, CheckerUvTexture, CheckerSpaceTexture, NoiseTexture, TurbulenceTexture, MarbleTexture,
-                MixTexture, ScaleTexture, UvTransformTexture, RampTexture, VertexColorTexture>;
+using Textures = TextureList<ImageTexture, CheckerUvTexture, CheckerSpaceTexture, NoiseTexture, TurbulenceTexture,
+                             MarbleTexture, MixTexture, ScaleTexture, UvTransformTexture, RampTexture,
+                             VertexColorTexture, FbmTexture, WrinkledTexture, WindyTexture, VeinedMarbleTexture,
+                             DotsTexture, CoordinatesTexture, FacingTexture, InvertTexture, ClampTexture>;
 
 [[gnu::noinline]] inline Texel TextureGraph::evaluate(const TextureRecord& t, const TexturePoint& at, Mask m) const
 {

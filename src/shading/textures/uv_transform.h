@@ -1,5 +1,5 @@
 #pragma once
-#include "shading/textures/node.h"
+#include "shading/textures/mapping.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -9,7 +9,7 @@ struct UvTransformTexture {
 
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
     {
-        const TextureUv uv(t, at);
+        const TextureUv uv(graph.tables, t, at);
         TexturePoint there = at;
         for (int set = 0; set < 2; ++set) there.u[set] = uv.u, there.v[set] = uv.v;
         return graph.color_a(t, there, m);

@@ -10,8 +10,8 @@ namespace fathom::inline FATHOM_LANES {
 
 bool QuadColumns::is_plain(const MaterialRecord& material)
 {
-    constexpr std::uint32_t varied =
-        MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::vertex_colored;
+    constexpr std::uint32_t varied = MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped |
+                                     MaterialRecord::vertex_colored;
     return material.closure == ClosureKind::none ||
            (material.closure == ClosureKind::diffuse && material.roughness == 0 && !(material.flags & varied));
 }
