@@ -289,6 +289,7 @@ Material Reader::principled(Object& bsdf)
         m.ior = float((1 + root) / (1 - root));
     }
     m.anisotropy = number_or_texture(bsdf, "anisotropic", 0);
+    if (m.anisotropy.texture >= 0) tell(bsdf.element(), "a texture as 'anisotropic' is only nearly Disney's");
     if (m.anisotropy.value > 0 && m.anisotropy.texture < 0) {
         // Disney's aspect: alphas are roughness^2 over and times the root of 1 - 0.9 anisotropic.
         const double aspect = std::sqrt(1 - 0.9 * m.anisotropy.value), alpha = m.roughness.value * m.roughness.value;
@@ -296,14 +297,19 @@ Material Reader::principled(Object& bsdf)
         if (m.roughness.texture < 0) m.roughness.value = float(std::sqrt(narrow));
         m.anisotropy.value = square_root(float((wide - narrow) / std::max(1e-6, 1 - narrow)));
     }
-    const float coat = float(bsdf.number("clearcoat", 0)), gloss = float(bsdf.number("clearcoat_gloss", 0));
     // A quarter of a boundary of index 1.5, of an alpha from 0.1 to 0.001.
-    m.coat = {0.25f * coat, -1, 0};
-    m.coat_roughness = {square_root(0.1f + gloss * (0.001f - 0.1f)), -1, 0};
+    m.coat = number_or_texture(bsdf, "clearcoat", 0);
+    m.coat.value *= 0.25f;
+    FloatInput gloss = number_or_texture(bsdf, "clearcoat_gloss", 0);
+    if (gloss.texture >= 0) {
+        tell(bsdf.element(), "a texture as 'clearcoat_gloss' is taken as 0.5");
+        gloss.value = 0.5f;
+    }
+    m.coat_roughness = {square_root(0.1f + gloss.value * (0.001f - 0.1f)), -1, 0};
     m.coat_darkening = 0;
-    const float sheen = float(bsdf.number("sheen", 0));
-    m.sheen_color = {{sheen, sheen, sheen}, -1};
-    if (sheen > 0) tell(bsdf.element(), "sheen is that of fibres here, not Disney's");
+    const FloatInput sheen = number_or_texture(bsdf, "sheen", 0);
+    m.sheen_color = {{sheen.value, sheen.value, sheen.value}, sheen.texture};
+    if (sheen.value > 0) tell(bsdf.element(), "sheen is that of fibres here, not Disney's");
     m.diffuse_transmission = number_or_texture(bsdf, "diff_trans", 0);
     m.diffuse_transmission.value *= 0.5f;
     bsdf.ignore({"eta", "specular"});
