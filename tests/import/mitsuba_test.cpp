@@ -631,6 +631,19 @@ TEST_F(Mitsuba, Sides)
 }
 
 /// Texture coordinates of shapes that are meshes where they have pictures, as Mitsuba tells them of these places.
+/// By Mitsuba's poles, along z, go also facets that are drawn out.
+TEST_F(Mitsuba, AnisotropicSpheres)
+{
+    const auto meshes = [&](const char* u, const char* v) {
+        return read(fmt::format(R"(<shape type="sphere"><bsdf type="roughconductor"><float name="alpha_u" value="{}"/>
+<float name="alpha_v" value="{}"/></bsdf></shape>)",
+                                u, v))
+            .meshes.size();
+    };
+    EXPECT_EQ(meshes("0.4", "0.1"), 1u);
+    EXPECT_EQ(meshes("0.2", "0.2"), 0u);
+}
+
 TEST_F(Mitsuba, PicturesOnShapes)
 {
     const auto uv_at = [&](const char* shape, Vec3f place) {

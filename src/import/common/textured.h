@@ -15,11 +15,11 @@ inline bool reaches_uv(const SceneDescription& scene, const Texture& texture)
     return found;
 }
 
-/// The same of a material, or of one that it is mixed of. m: may stand outside of the scene, whose materials it refers
-/// to.
+/// The same of a material, or of one that it is mixed of; or whether its facets are drawn out along them. m: may stand
+/// outside of the scene, whose materials it refers to.
 inline bool reaches_uv(const SceneDescription& scene, const Material& m)
 {
-    bool found = false;
+    bool found = m.anisotropy.value != 0;
     for_each_texture(m, material_parameters(), [&](int texture, const char*) {
         found = found || (texture >= 0 && reaches_uv(scene, scene.textures[std::size_t(texture)]));
     });
