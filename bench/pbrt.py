@@ -17,12 +17,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-import OpenEXR
-
-
-def picture(path):
-    channels = OpenEXR.File(str(path)).channels()
-    return np.asarray((channels.get("RGB") or channels["RGBA"]).pixels, dtype=np.float64)[..., :3]
+from exr import picture
 
 
 def processor_seconds(command):

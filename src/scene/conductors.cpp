@@ -35,6 +35,12 @@ std::span<const Conductor> conductors()
     return known;
 }
 
+Conductor within(Conductor c, float outside)
+{
+    for (Color* v : {&c.eta, &c.k}) *v = {v->r / outside, v->g / outside, v->b / outside};
+    return c;
+}
+
 double conductor_reflectance(double cosine, double eta, double k)
 {
     const double c2 = cosine * cosine, s2 = 1 - c2, difference = eta * eta - k * k - s2;

@@ -15,6 +15,9 @@ struct Conductor {
 /// Known ones, by name: from refractiveindex.info (Polyanskiy 2024), at 650, 550 and 450 nm.
 std::span<const Conductor> conductors();
 
+/// As it is met from a medium of this index.
+Conductor within(Conductor conductor, float outside);
+
 /// As the materials have it: the reflectance at normal incidence, and what is left at 82 degrees of what Schlick's law
 /// makes of that (Hoffman 2019, "Fresnel Equations Considered Harmful").
 struct ConductorColors {

@@ -33,10 +33,15 @@ void flip(Mesh& mesh)
     for (Vec3f& n : mesh.normals) n = {-n.x, -n.y, -n.z};
 }
 
+bool Reader::wants_uv(Object& shape)
+{
+    return reaches_uv(scene_, scene_.materials[std::size_t(material_of_shape(shape))]);
+}
+
 Shape Reader::rectangle(Object& shape)
 {
     const bool flipped = shape.boolean("flip_normals", false);
-    if (!reaches_uv(scene_, scene_.materials[std::size_t(material_of_shape(shape))]))
+    if (!wants_uv(shape))
         return flipped ? Shape{Rectangle{{1, -1, 0}, {-2, 0, 0}, {0, 2, 0}}, -1, {}}
                        : Shape{Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, -1, {}};
     // A picture's first row is at y = -1, unlike on rectangles here.
@@ -53,8 +58,7 @@ Shape Reader::sphere(Object& shape, Node& node)
     const bool flipped = shape.boolean("flip_normals", false);
     const double radius = shape.number("radius", 1);
     const Vec3d center = shape.vector("center").value_or(Vec3d{});
-    if (!reaches_uv(scene_, scene_.materials[std::size_t(material_of_shape(shape))]))
-        return Shape{Sphere{center, flipped ? -radius : radius, {}}, -1, {}};
+    if (!wants_uv(shape)) return Shape{Sphere{center, flipped ? -radius : radius, {}}, -1, {}};
     // u goes around z, v down from it.
     constexpr int rows = sides_of_circle / 2;
     std::vector<ProfilePoint> profile;
@@ -71,8 +75,7 @@ Shape Reader::sphere(Object& shape, Node& node)
 Shape Reader::disk(Object& shape)
 {
     const bool flipped = shape.boolean("flip_normals", false);
-    if (!reaches_uv(scene_, scene_.materials[std::size_t(material_of_shape(shape))]))
-        return Shape{Disk{{0, 0, 0}, {0, 0, flipped ? -1.0 : 1.0}, 1}, -1, {}};
+    if (!wants_uv(shape)) return Shape{Disk{{0, 0, 0}, {0, 0, flipped ? -1.0 : 1.0}, 1}, -1, {}};
     // u goes out, v around.
     Mesh mesh = turned({{1, 0, 0, 1, 1}, {0, 0, 0, 1, 0}}, circle, sides_of_circle);
     for (Vec2f& uv : mesh.uvs[0]) std::swap(uv.x, uv.y);
@@ -83,8 +86,7 @@ Shape Reader::disk(Object& shape)
 Shape Reader::cube(Object& shape)
 {
     const bool flipped = shape.boolean("flip_normals", false);
-    if (!flipped && !reaches_uv(scene_, scene_.materials[std::size_t(material_of_shape(shape))]))
-        return Shape{Box{{-1, -1, -1}, {1, 1, 1}}, -1, {}};
+    if (!flipped && !wants_uv(shape)) return Shape{Box{{-1, -1, -1}, {1, 1, 1}}, -1, {}};
     // Each face shows a whole picture: corners from where u is 0 and v is 1, against v.
     constexpr Vec3f corners[6][4] = {
         {{1, -1, -1}, {1, -1, 1}, {-1, -1, 1}, {-1, -1, -1}}, {{1, 1, -1}, {-1, 1, -1}, {-1, 1, 1}, {1, 1, 1}},

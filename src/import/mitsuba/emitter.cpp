@@ -136,31 +136,9 @@ void Reader::read_projector(Object& emitter, Light& light)
             light.picture = *picture;
         }
     }
-    read_fov(emitter, light);
+    const FieldOfView view = field_of_view(emitter);
+    light.fov = view.angle, light.fov_axis = view.axis;
     add_light(light, emitter.transform("to_world"));
-}
-
-void Reader::read_fov(Object& emitter, Light& light)
-{
-    if (emitter.has("fov")) {
-        const double fov = emitter.number("fov", 0);
-        if (!(fov > 0 && fov < 180)) emitter.element().fail("'fov' must be above 0 and below 180 degrees");
-        light.fov = fov * degree;
-        const std::string axis = emitter.text("fov_axis", "x");
-        light.fov_axis = axis == "y"          ? FovAxis::height
-                         : axis == "diagonal" ? FovAxis::diagonal
-                         : axis == "smaller"  ? FovAxis::smaller
-                         : axis == "larger"   ? FovAxis::larger
-                                              : FovAxis::width;
-        return;
-    }
-    // Of a frame of 36 by 24 mm.
-    std::string text = emitter.text("focal_length", "50mm");
-    if (text.ends_with("mm")) text.resize(text.size() - 2);
-    const std::vector<double> f = numbers_of(emitter.element(), text);
-    if (f.size() != 1 || !(f[0] > 0)) emitter.element().fail("'focal_length' is a length in mm, as in 50mm");
-    light.fov = 2 * std::atan(std::hypot(36, 24) / 2 / f[0]);
-    light.fov_axis = FovAxis::diagonal;
 }
 
 void Reader::read_environment_map(Object& emitter)

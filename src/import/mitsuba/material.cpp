@@ -161,10 +161,8 @@ Material Reader::conductor(Object& bsdf)
     ConductorColors colors{{1, 1, 1}, {1, 1, 1}};
     const std::string name = bsdf.text("material", "none");
     if (bsdf.has("eta") || bsdf.has("k")) {
-        Conductor conductor{"", plain_color(bsdf, "eta", {0, 0, 0}), plain_color(bsdf, "k", {1, 1, 1})};
-        const float outside = float(ior(bsdf, "ext_eta", 1));
-        for (Color* c : {&conductor.eta, &conductor.k}) *c = {c->r / outside, c->g / outside, c->b / outside};
-        colors = colors_of(conductor);
+        const Conductor conductor{"", plain_color(bsdf, "eta", {0, 0, 0}), plain_color(bsdf, "k", {1, 1, 1})};
+        colors = colors_of(within(conductor, float(ior(bsdf, "ext_eta", 1))));
     } else if (name != "none") {
         const auto metal =
             std::find_if(std::begin(metals), std::end(metals), [&](const Conductor& c) { return name == c.name; });

@@ -29,7 +29,13 @@ private:
     // scene.cpp: what is seen, and from where
     void read_root(const Element& element);
     void read_sensor(const Element& element);
-    double vertical_fov(Object& sensor, double aspect) const;
+    struct FieldOfView {
+        double angle;  ///< radians
+        FovAxis axis;  ///< of which side of the picture
+    };
+    /// Of cameras and projectors.
+    static FieldOfView field_of_view(Object& object);
+    static double vertical_fov(Object& sensor, double aspect);
     void read_film(const Element& element);
     void read_crop(Object& film);
     void look_at_crop(Object& sensor, Camera& camera) const;
@@ -38,7 +44,6 @@ private:
     void read_emitter(const Element& element);
     std::optional<LightPicture> light_picture(const Element& texture);
     void read_projector(Object& emitter, Light& light);
-    static void read_fov(Object& emitter, Light& light);
     void read_environment_map(Object& emitter);
     void read_sky(Object& emitter);
     void add_light(Light light, const Transform& world_from_light);
@@ -84,6 +89,7 @@ private:
     std::optional<Shape> read_geometry(Object& shape, Node& node);
     std::optional<Shape> model(Object& shape, Node& node);
     std::optional<Shape> serialized(Object& shape);
+    bool wants_uv(Object& shape);
     Shape rectangle(Object& shape);
     Shape cylinder(Object& shape, Node& node);
     Shape sphere(Object& shape, Node& node);

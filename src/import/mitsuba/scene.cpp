@@ -126,23 +126,32 @@ void Reader::look_at_crop(Object& sensor, Camera& camera) const
     camera.shift_y = ((0.5 - offset("principal_point_offset_y")) * film_height_ - crop_middle_[1]) / height;
 }
 
-double Reader::vertical_fov(Object& sensor, double aspect) const
+Reader::FieldOfView Reader::field_of_view(Object& object)
 {
-    if (!sensor.has("fov")) {
-        // Of a picture of 36 by 24 mm, by its diagonal.
-        std::string text = sensor.text("focal_length", "50mm");
-        if (text.ends_with("mm")) text.resize(text.size() - 2);
-        const std::vector<double> f = numbers_of(sensor.element(), text);
-        if (f.size() != 1 || !(f[0] > 0)) sensor.element().fail("'focal_length' is a length in mm, as in 50mm");
-        const double half_diagonal = std::hypot(36, 24) / 2 / f[0];
-        return 2 * std::atan(half_diagonal / std::hypot(1, aspect));
+    if (object.has("fov")) {
+        const double fov = object.number("fov", 0);
+        if (!(fov > 0 && fov < 180)) object.element().fail("'fov' must be above 0 and below 180 degrees");
+        const std::string axis = object.text("fov_axis", "x");
+        return {fov * degree, axis == "y"          ? FovAxis::height
+                              : axis == "diagonal" ? FovAxis::diagonal
+                              : axis == "smaller"  ? FovAxis::smaller
+                              : axis == "larger"   ? FovAxis::larger
+                                                   : FovAxis::width};
     }
-    const double fov = sensor.number("fov", 0) * degree;
-    if (!(fov > 0) || !(fov < std::numbers::pi)) sensor.element().fail("'fov' must be above 0 and below 180 degrees");
-    const std::string axis = sensor.text("fov_axis", "x");
-    const double half = std::tan(fov / 2);
-    if (axis == "y" || (axis == "smaller" && aspect >= 1) || (axis == "larger" && aspect < 1)) return fov;
-    if (axis == "diagonal") return 2 * std::atan(half / std::hypot(1, aspect));
+    // Of a picture of 36 by 24 mm, by its diagonal.
+    std::string text = object.text("focal_length", "50mm");
+    if (text.ends_with("mm")) text.resize(text.size() - 2);
+    const std::vector<double> f = numbers_of(object.element(), text);
+    if (f.size() != 1 || !(f[0] > 0)) object.element().fail("'focal_length' is a length in mm, as in 50mm");
+    return {2 * std::atan(std::hypot(36, 24) / 2 / f[0]), FovAxis::diagonal};
+}
+
+double Reader::vertical_fov(Object& sensor, double aspect)
+{
+    const auto [angle, axis] = field_of_view(sensor);
+    const double half = std::tan(angle / 2);
+    if (axis == FovAxis::height || axis == (aspect >= 1 ? FovAxis::smaller : FovAxis::larger)) return angle;
+    if (axis == FovAxis::diagonal) return 2 * std::atan(half / std::hypot(1, aspect));
     return 2 * std::atan(half / aspect);
 }
 

@@ -29,13 +29,6 @@ float edge_channel(float at_normal, float at_edge)
     return float(std::clamp(at_edge / schlick, 0.0, 1.0));
 }
 
-/// As it is met from a medium of this index.
-Conductor within(Conductor c, float outside)
-{
-    for (Color* v : {&c.eta, &c.k}) *v = {v->r / outside, v->g / outside, v->b / outside};
-    return c;
-}
-
 /// What pbrt makes of a reflectance at normal incidence in air: eta is 1, and k so large.
 Conductor of_reflectance(const Color& color)
 {
