@@ -333,6 +333,45 @@ TEST_F(Mitsuba, NormalsOfMeshes)
     EXPECT_EQ(flipped.indices[1], smooth.indices[2]);
 }
 
+/// Attributes of vertices and of faces by their names, as numbers and as colours.
+TEST_F(Mitsuba, AttributesOfMeshes)
+{
+    // Two triangles that share an edge.
+    write("a.ply",
+          "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty "
+          "float heat_x\nproperty float color_0\nproperty float color_1\nproperty float color_2\nelement face 2\n"
+          "property list uchar int vertex_indices\nproperty float weight_0\nproperty float paint_r\nproperty float "
+          "paint_g\nproperty float paint_b\nend_header\n0 0 0 0.5 1 2 3\n1 0 0 0.5 1 2 3\n1 1 0 0.5 1 2 3\n0 1 1 0.5 1 "
+          "2 3\n3 0 1 2 0.25 0.1 0.2 0.3\n3 0 2 3 0.75 0.4 0.5 0.6\n");
+    const auto mesh = [&](const std::string& name) {
+        return read(R"(<shape type="ply"><string name="filename" value="a.ply"/><bsdf type="diffuse"><texture
+type="mesh_attribute" name="reflectance"><string name="name" value=")" +
+                    name + R"("/></texture></bsdf></shape>)")
+            .meshes.at(0);
+    };
+    const auto expect = [&](const Mesh& m, std::size_t corner, Vec3f color) {
+        const Vec4f& c = m.colors.at(m.indices.at(corner));
+        EXPECT_EQ(c.x, color.x) << corner;
+        EXPECT_EQ(c.y, color.y) << corner;
+        EXPECT_EQ(c.z, color.z) << corner;
+    };
+    const Mesh weight = mesh("face_weight"), paint = mesh("face_paint_color");
+    for (std::size_t i = 0; i < 6; ++i) {
+        const float w = i < 3 ? 0.25f : 0.75f;
+        expect(weight, i, {w, w, w});
+        expect(paint, i, i < 3 ? Vec3f{0.1f, 0.2f, 0.3f} : Vec3f{0.4f, 0.5f, 0.6f});
+        expect(mesh("vertex_heat"), i, {0.5f, 0.5f, 0.5f});
+        expect(mesh("vertex_color"), i, {1, 2, 3});
+    }
+    // Normals are those of the shared edge.
+    const auto normal_x = [&](std::size_t corner) { return weight.normals.at(weight.indices[corner]).x; };
+    EXPECT_EQ(normal_x(0), normal_x(3));
+    EXPECT_NE(normal_x(0), normal_x(1));
+    EXPECT_TRUE(warnings_.empty());
+    EXPECT_TRUE(mesh("face_color").colors.empty());
+    EXPECT_TRUE(is_told("the mesh has no 'face_color'"));
+}
+
 TEST_F(Mitsuba, InstancesShareTheirGroup)
 {
     const SceneDescription scene =

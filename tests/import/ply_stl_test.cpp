@@ -67,6 +67,38 @@ TEST_F(Ply, LinearColors)
     EXPECT_EQ(mesh.colors[2].w, 1.f);
 }
 
+/// A square and a triangle beside it, which share an edge: each its own colour, as MeshLab writes them.
+constexpr const char* colored_faces = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 0 0\n255 0 0 128 4 0 1 2 3\n0 0 255 255 3 1 4 2\n";
+const std::string face_bytes = "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
+
+TEST_F(Ply, ColorsOfFaces)
+{
+    const SceneDescription scene = load("a.ply", header("ascii", xyz, face_bytes + indices, 5, 2) + colored_faces);
+    const Mesh& mesh = scene.meshes.at(0);
+    ASSERT_EQ(mesh.indices.size(), 9u);
+    ASSERT_EQ(mesh.colors.size(), mesh.positions.size());
+    EXPECT_EQ(mesh.positions.size(), 7u) << "two vertices are doubled";
+    const float red_of[] = {1, 1, 0};
+    for (std::size_t i = 0; i < 9; ++i) {
+        const Vec4f& c = mesh.colors[mesh.indices[i]];
+        EXPECT_EQ(c.x, red_of[i / 3]) << i;
+        EXPECT_EQ(c.z, 1 - red_of[i / 3]) << i;
+        EXPECT_FLOAT_EQ(c.w, i < 6 ? 128 / 255.f : 1) << i;
+    }
+    EXPECT_EQ(mesh.positions[mesh.indices[7]].x, 2);
+    EXPECT_TRUE(scene.materials.at(0).use_vertex_color);
+}
+
+TEST_F(Ply, ColorsOfVerticesGoBeforeThoseOfFaces)
+{
+    const std::string text = header("ascii", xyz + "property uchar red\n", "property uchar blue\n" + indices, 3, 1) +
+                             "0 0 0 0\n1 0 0 0\n1 1 0 0\n0 3 0 1 2\n";
+    const Mesh mesh = load("a.ply", text).meshes.at(0);
+    ASSERT_EQ(mesh.colors.size(), 3u);
+    EXPECT_EQ(mesh.colors[0].x, 0);
+    EXPECT_EQ(mesh.colors[0].z, 1);
+}
+
 TEST_F(Ply, BothByteOrdersWithEverything)
 {
     for (bool big : {false, true}) {

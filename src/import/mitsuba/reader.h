@@ -59,6 +59,7 @@ private:
     int texture(const Element& element, bool data);
     int bitmap(Object& texture, bool data);
     int checkerboard(Object& texture, bool data);
+    int mesh_attribute(Object& texture);
 
     // material.cpp
     int material(const Element& bsdf);
@@ -88,6 +89,11 @@ private:
     void read_shape(const Element& element, std::vector<int>& roots);
     std::optional<Shape> read_geometry(Object& shape, Node& node);
     std::optional<Shape> model(Object& shape, Node& node);
+    std::optional<Shape> ply(Object& shape);
+    Mesh ply_mesh(Object& shape, const std::string& file, const std::string& attribute);
+    std::filesystem::path file_of(Object& shape);
+    /// The mesh attribute that the shape's material looks up: "vertex_color", "face_weight", ...; else empty.
+    std::string attribute_of(Object& shape);
     std::optional<Shape> serialized(Object& shape);
     bool wants_uv(Object& shape);
     Shape rectangle(Object& shape);
@@ -112,6 +118,7 @@ private:
     std::map<const Element*, int> textures_, materials_, two_sided_materials_;
     bool two_sided_ = false;  ///< what is read is within a 'twosided' bsdf: it is not black behind
     std::map<const Element*, int> data_textures_;
+    std::map<int, std::string> attributes_;  ///< names of those that textures stand for
     std::map<std::string, int> images_;
     /// By bsdf, emitter and medium.
     std::map<std::array<const Element*, 3>, int> shape_materials_;

@@ -5,10 +5,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "import/common/face_colors.h"
 #include "import/common/mesh_cleanup.h"
 #include "import/common/read_file.h"
 #include "import/common/text_scanner.h"
+#include "import/common/textured.h"
 #include "import/mitsuba/reader.h"
+#include "import/ply/ply.h"
 
 namespace fathom::mitsuba {
 
@@ -120,7 +123,8 @@ void Reader::read_group(Object& group, std::vector<int>& roots)
 std::optional<Shape> Reader::read_geometry(Object& shape, Node& node)
 {
     const std::string& type = shape.type();
-    if (type == "obj" || type == "ply") return model(shape, node);
+    if (type == "obj") return model(shape, node);
+    if (type == "ply") return ply(shape);
     if (type == "serialized") return serialized(shape);
     if (type == "rectangle") return rectangle(shape);
     if (type == "cylinder") return cylinder(shape, node);
@@ -130,6 +134,13 @@ std::optional<Shape> Reader::read_geometry(Object& shape, Node& node)
     if (type == "cube") return cube(shape);
     tell(shape.element(), "is not known: it is left out");
     return std::nullopt;
+}
+
+std::filesystem::path Reader::file_of(Object& shape)
+{
+    const std::string filename = shape.text("filename", "");
+    if (filename.empty()) shape.element().fail(fmt::format("{} needs a 'filename'", shape.title()));
+    return document_.locate(filename, context_);
 }
 
 Mesh Reader::finished(Mesh mesh, Object& shape, bool flip_v)
@@ -157,12 +168,9 @@ std::string variant_of(Object& shape, bool flip_v)
 
 std::optional<Shape> Reader::model(Object& shape, Node& node)
 {
-    const bool is_obj = shape.type() == "obj";
-    const std::string filename = shape.text("filename", "");
-    if (filename.empty()) shape.element().fail(fmt::format("{} needs a 'filename'", shape.title()));
-    // Our readers turn v over, as Mitsuba's of OBJ does unless it is told otherwise, and that of PLY does not.
-    const bool flip_v = shape.boolean("flip_tex_coords", is_obj) != true;
-    const std::filesystem::path file = document_.locate(filename, context_);
+    const std::filesystem::path file = file_of(shape);
+    // Our reader turns v over, as Mitsuba's does unless it is told otherwise.
+    const bool flip_v = !shape.boolean("flip_tex_coords", true);
     const std::string key = file.string() + '\n' + variant_of(shape, flip_v);
     auto found = models_.find(key);
     if (found == models_.end()) {
@@ -184,13 +192,60 @@ std::optional<Shape> Reader::model(Object& shape, Node& node)
     return std::nullopt;
 }
 
+std::string Reader::attribute_of(Object& shape)
+{
+    std::string name;
+    for_each_reached(scene_, scene_.materials[std::size_t(material_of_shape(shape))], [&](int texture) {
+        const auto found = attributes_.find(texture);
+        if (found == attributes_.end() || found->second == name) return;
+        if (name.empty())
+            name = found->second;
+        else
+            tell(shape.element(), fmt::format("of a mesh's attributes only one is looked up, '{}'", printable(name)));
+    });
+    return name;
+}
+
+Mesh Reader::ply_mesh(Object& shape, const std::string& file, const std::string& attribute)
+{
+    constexpr std::string_view of_vertices = "vertex_", of_faces = "face_";
+    PlyAttribute colors;
+    colors.of_faces = attribute.starts_with(of_faces);
+    if (!attribute.empty()) colors.name = attribute.substr((colors.of_faces ? of_faces : of_vertices).size());
+    InputFile input = context_.open(file);
+    PlyData data = read_ply_data(input, colors);
+    if (data.mesh.indices.empty()) throw Error(file, "", "there are no triangles in it");
+    context_.warnings.add(file + ": faces with fewer than three corners are left out", data.bad_faces);
+    // Our reader turns v over, unlike Mitsuba's.
+    Mesh mesh = finished(std::move(data.mesh), shape, !shape.boolean("flip_tex_coords", false));
+    if (colors.of_faces && !data.face_colors.empty()) color_faces(mesh, data.face_colors);
+    if (!attribute.empty() && mesh.colors.empty())
+        tell(shape.element(), fmt::format("the mesh has no '{}': it is white", printable(attribute)));
+    mesh.name = std::filesystem::path(file).stem().string();
+    clean_mesh(mesh, file, context_.warnings);
+    return mesh;
+}
+
+std::optional<Shape> Reader::ply(Object& shape)
+{
+    const std::string file = file_of(shape).string(), attribute = attribute_of(shape);
+    const Key key{nullptr, file + '\n' + variant_of(shape, shape.boolean("flip_tex_coords", false)) + attribute};
+    if (const auto known = meshes_.find(key); known != meshes_.end()) return Shape{MeshInstance{known->second}, -1, {}};
+    try {
+        Mesh mesh = ply_mesh(shape, file, attribute);
+        meshes_[key] = int(scene_.meshes.size());
+        return add_mesh(std::move(mesh));
+    } catch (const Error& error) {
+        if (error.file() == *shape.element().place.file) throw;
+        shape.element().fail(error.what());
+    }
+}
+
 std::optional<Shape> Reader::serialized(Object& shape)
 {
-    const std::string filename = shape.text("filename", "");
-    if (filename.empty()) shape.element().fail(fmt::format("{} needs a 'filename'", shape.title()));
     const int index = shape.integer("shape_index", 0);
     const bool flip_v = shape.boolean("flip_tex_coords", false);
-    const std::string file = document_.locate(filename, context_).string();
+    const std::string file = file_of(shape).string();
     const Key key{nullptr, fmt::format("{}\n{}\n{}", file, index, variant_of(shape, flip_v))};
     if (const auto known = meshes_.find(key); known != meshes_.end()) return Shape{MeshInstance{known->second}, -1, {}};
     try {
@@ -212,11 +267,9 @@ std::optional<Shape> Reader::serialized(Object& shape)
 
 std::optional<Shape> Reader::curves(Object& shape)
 {
-    const std::string filename = shape.text("filename", "");
-    if (filename.empty()) shape.element().fail(fmt::format("{} needs a 'filename'", shape.title()));
-    const std::string file = document_.locate(filename, context_).string(), text = context_.read(file);
+    const std::string file = file_of(shape).string(), text = context_.read(file);
     Curves curves;
-    curves.name = filename;
+    curves.name = shape.text("filename", "");
     curves.basis = shape.type() == "linearcurve" ? CurveBasis::linear : CurveBasis::bspline;
     const std::uint32_t least = curves.basis == CurveBasis::linear ? 2 : 4;
     TextScanner scan(file, text);

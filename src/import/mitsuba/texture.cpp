@@ -163,12 +163,7 @@ int Reader::texture(const Element& element, bool data)
     } else if (object.type() == "checkerboard") {
         index = checkerboard(object, data);
     } else if (object.type() == "mesh_attribute") {
-        Texture vertex_color;
-        vertex_color.kind = TextureKind::vertex_color;
-        if (object.text("name", "") != "vertex_color")
-            tell(element, "a mesh attribute other than 'vertex_color' is taken as it");
-        index = int(scene_.textures.size());
-        scene_.textures.push_back(vertex_color);
+        index = mesh_attribute(object);
     } else {
         tell(element, "is not known: taken as grey 0.5");
         Texture grey;
@@ -220,6 +215,27 @@ int Reader::bitmap(Object& object, bool data)
         tell(object.element(), "a shear of texture coordinates is left out");
     scene_.textures.push_back(result);
     return int(scene_.textures.size()) - 1;
+}
+
+int Reader::mesh_attribute(Object& object)
+{
+    const std::string name = object.text("name", "");
+    if (!name.starts_with("vertex_") && !name.starts_with("face_"))
+        object.element().fail(fmt::format("a mesh attribute is 'vertex_...' or 'face_...', not '{}'", printable(name)));
+    Texture attribute;
+    attribute.kind = TextureKind::vertex_color;
+    int index = int(scene_.textures.size());
+    scene_.textures.push_back(attribute);
+    attributes_[index] = name;
+    if (const float scale = float(object.number("scale", 1)); scale != 1) {
+        Texture scaled;
+        scaled.kind = TextureKind::scale;
+        scaled.color_a = {{1, 1, 1}, index};
+        scaled.color_b = {{scale, scale, scale}, -1};
+        index = int(scene_.textures.size());
+        scene_.textures.push_back(scaled);
+    }
+    return index;
 }
 
 int Reader::checkerboard(Object& object, bool data)

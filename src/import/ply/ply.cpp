@@ -5,11 +5,13 @@
 #include <cstring>
 #include <limits>
 
+#include "import/common/face_colors.h"
 #include "import/common/large_pages.h"
 #include "import/common/mesh_cleanup.h"
 #include "import/common/point_cloud.h"
 #include "import/common/polygon.h"
 #include "import/ply/ply_body.h"
+#include "import/ply/ply_colors.h"
 #include "import/ply/ply_header.h"
 
 namespace fathom {
@@ -31,8 +33,9 @@ float color_channel(double value, PlyType type, bool is_alpha)
 
 class PlyReader {
 public:
-    explicit PlyReader(InputFile& input)
+    PlyReader(InputFile& input, PlyAttribute colors)
         : file_(input.name()),
+          colors_(std::move(colors)),
           window_(input),
           header_(read_ply_header(file_, window_)),
           body_(file_, window_, header_.format, header_.lines + 1)
@@ -60,6 +63,7 @@ public:
                 for (std::size_t i = 0; i < element.count; ++i)
                     for (const PlyProperty& property : element.properties) body_.skip(property);
         }
+        if (!data_.face_colors.empty()) data_.face_colors.resize(mesh_.indices.size() / 3, white);
         return std::move(data_);
     }
 
@@ -102,29 +106,48 @@ private:
             data_.radii.resize(count);
             return {data_.radii.data(), 1, Target::plain};
         }
-        // Linear, as attributes of Mitsuba's meshes.
-        if (is("color_0", "color_1", "color_2")) {
-            if (mesh_.colors.empty()) mesh_.colors.assign(count, {1, 1, 1, 1});
-            return target(mesh_.colors, count, std::size_t(name.back() - '0'));
-        }
-        const bool alpha = is("alpha", "a");
-        const int channel = is("red", "r") ? 0 : is("green", "g") ? 1 : is("blue", "b") ? 2 : alpha ? 3 : -1;
-        if (channel < 0) return t;
-        if (mesh_.colors.empty()) mesh_.colors.assign(count, {1, 1, 1, 1});
-        t = target(mesh_.colors, count, std::size_t(channel));
-        t.kind = alpha ? Target::alpha : Target::color;
         return t;
+    }
+
+    static Target target_in(std::vector<Vec4f>& colors, std::size_t count, PlyChannel channel)
+    {
+        if (colors.empty()) colors.assign(count, white);
+        Target t = target(colors, count, std::size_t(channel.index));
+        if (channel.is_encoded) t.kind = channel.index == 3 ? Target::alpha : Target::color;
+        return t;
+    }
+
+    /// Of an attribute that is a number, it as a grey.
+    static void spread_number(std::vector<Vec4f>& colors, const std::vector<PlyChannel>& channels)
+    {
+        int used = 0;
+        for (const PlyChannel& c : channels)
+            if (c.index >= 0) used |= c.is_encoded ? 2 : 1 << c.index;
+        if (used == 1)
+            for (Vec4f& c : colors) c.y = c.z = c.x;
     }
 
     void read_vertices(const PlyElement& element)
     {
         if (element.count == 0) return;
         if (element.count > std::numeric_limits<std::uint32_t>::max()) body_.fail("there are more than 2^32 vertices");
+        std::vector<PlyChannel> channels(element.properties.size());
+        if (!colors_.of_faces) channels = channels_of(element, colors_.name);
         std::vector<Target> targets;
         targets.reserve(element.properties.size());
-        for (const PlyProperty& p : element.properties)
-            targets.push_back(p.is_list ? Target{} : target_of(p.name, element.count));
+        for (std::size_t k = 0; k < channels.size(); ++k) {
+            const PlyProperty& p = element.properties[k];
+            targets.push_back(p.is_list                ? Target{}
+                              : channels[k].index >= 0 ? target_in(mesh_.colors, element.count, channels[k])
+                                                       : target_of(p.name, element.count));
+        }
         if (mesh_.positions.empty()) body_.fail("the vertices have no x, y and z");
+        read_rows(element, targets);
+        spread_number(mesh_.colors, channels);
+    }
+
+    void read_rows(const PlyElement& element, const std::vector<Target>& targets)
+    {
         if (body_.is_native() && !element.has_lists()) return read_native_vertices(element, targets);
         for (std::size_t i = 0; i < element.count; ++i)
             for (std::size_t k = 0; k < targets.size(); ++k) {
@@ -204,13 +227,26 @@ private:
             element.properties[0].count_type == PlyType::u8 && size_of(element.properties[0].type) == 4 &&
             element.properties[0].type != PlyType::f32)
             return read_native_faces(element);
-        for (std::size_t i = 0; i < element.count; ++i)
-            for (const PlyProperty& property : element.properties) {
+        const std::vector<PlyChannel> channels = channels_of(element, colors_.name);
+        const bool has_colors =
+            std::any_of(channels.begin(), channels.end(), [](PlyChannel c) { return c.index >= 0; });
+        std::vector<Vec4f>& colors = data_.face_colors;
+        if (has_colors) colors.resize(mesh_.indices.size() / 3, white);
+        std::vector<Vec4f> color(1, white);
+        for (std::size_t i = 0; i < element.count; ++i) {
+            for (std::size_t k = 0; k < channels.size(); ++k) {
+                const PlyProperty& property = element.properties[k];
                 if (is_indices(property))
                     read_corners(property), add_polygon(i);
+                else if (channels[k].index >= 0)
+                    store(target_in(color, 1, channels[k]), 0, body_.number(property.type), property.type);
                 else
                     body_.skip(property);
             }
+            if (!has_colors) continue;
+            spread_number(color, channels);
+            colors.resize(mesh_.indices.size() / 3, color[0]);
+        }
     }
 
     void read_corners(const PlyProperty& property)
@@ -330,7 +366,10 @@ private:
             }
     }
 
+    static constexpr Vec4f white{1, 1, 1, 1};
+
     const std::string& file_;
+    const PlyAttribute colors_;
     InputWindow window_;
     PlyHeader header_;
     PlyBody body_;
@@ -361,9 +400,9 @@ SceneDescription point_cloud(PlyData points, const std::filesystem::path& file, 
 
 }  // namespace
 
-PlyData read_ply_data(InputFile& input)
+PlyData read_ply_data(InputFile& input, const PlyAttribute& colors)
 {
-    return PlyReader(input).read();
+    return PlyReader(input, colors).read();
 }
 
 SceneDescription read_ply(const std::filesystem::path& file, InputFile& input, LoadContext& context)
@@ -376,6 +415,7 @@ SceneDescription read_ply(const std::filesystem::path& file, InputFile& input, L
     if (mesh.indices.empty()) throw Error(name, "", "there are no triangles in it: its faces have fewer corners");
     context.warnings.add(name + ": faces with fewer than three corners are left out", data.bad_faces);
     mesh.name = file.stem().string();
+    if (mesh.colors.empty() && !data.face_colors.empty()) color_faces(mesh, data.face_colors);
     clean_mesh(mesh, name, context.warnings);
 
     SceneDescription scene;

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "import/common/importer.h"
+#include "import/ply/ply_colors.h"
 
 namespace fathom {
 
@@ -10,14 +11,16 @@ namespace fathom {
 struct PlyData {
     Mesh mesh;                                ///< without faces: points
     std::vector<float> radii;                 ///< of vertices, or empty
+    std::vector<Vec4f> face_colors;           ///< of triangles, or empty
     std::vector<std::uint32_t> curve_counts;  ///< how many vertices each curve has, where there are curves
     std::size_t bad_faces = 0;                ///< with fewer than three corners, which are not there
 };
-PlyData read_ply_data(InputFile& input);
+/// colors  what becomes colours of vertices or faces; of faces those of the same name are read in any case
+PlyData read_ply_data(InputFile& input, const PlyAttribute& colors = {});
 
-/// Reads PLY, ASCII and binary of both byte orders: positions, normals, texture coordinates, colours; faces as polygons
-/// or triangle strips; without faces, vertices as points, of their radius or one that fits (add_point_cloud). Other
-/// elements and properties are skipped.
+/// Reads PLY, ASCII and binary of both byte orders: positions, normals, texture coordinates, colours of vertices, or
+/// else those of faces; faces as polygons or triangle strips; without faces, vertices as points, of their radius or one
+/// that fits (add_point_cloud). Other elements and properties are skipped.
 SceneDescription read_ply(const std::filesystem::path& file, InputFile& input, LoadContext& context);
 
 inline constexpr Importer ply_importer{
