@@ -176,11 +176,14 @@ struct Material {
     ColorInput edge_color;          ///< metal: at 82 degrees, what is left of Schlick's reflectance
     /// How far facets are drawn out along the tangent: there alpha goes from roughness^2 to 1 by the square of it.
     FloatInput anisotropy{0, -1, 2};
+    bool two_roughnesses = false;     ///< anisotropy is the roughness along the tangent, and roughness that across it
     double anisotropy_rotation = 0;   ///< radians, from the tangent towards the bitangent
     int anisotropy_texture = -1;      ///< red and green: the direction, of which 0.5 is 0; before the rotation
     bool beckmann = false;            ///< facets are Beckmann's, else GGX's; alpha is the roughness' square too
+    bool separable = false;           ///< what hides GGX's facets from one direction says nothing of the other
     float optical_thickness = 0;      ///< plastic: of the grey layer between boundary and body
     bool nonlinear = true;            ///< plastic: what the boundary throws back is coloured each time
+    float inner_reflectance = -1;     ///< plastic: what the boundary throws back; below 0: what follows from its facets
     bool energy_compensation = true;  ///< scaled for what facets scatter more than once, which is lost otherwise
     FloatInput coat{0, -1, 0};
     ColorInput coat_color;  ///< what the coat leaves of light that passes it

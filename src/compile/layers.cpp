@@ -38,7 +38,8 @@ std::uint32_t features_of(const Material& m)
     add(is_above_0(m.diffuse_transmission) && m.diffuse_transmission_added, LayersRecord::diffuse_transmission_added);
     add(is_above_0(m.subsurface) && !m.thin, LayersRecord::with_subsurface);
     add(is_above_0(m.diffuse_roughness), LayersRecord::rough_diffuse);
-    add(is_above_0(m.anisotropy), LayersRecord::anisotropic);
+    add(is_above_0(m.anisotropy) || m.two_roughnesses, LayersRecord::anisotropic);
+    add(m.two_roughnesses, LayersRecord::two_roughnesses);
     add(m.energy_compensation, LayersRecord::energy_compensation);
     add(is_coated && m.coat_normal_texture >= 0, LayersRecord::coat_normal_mapped);
     add(transmits && m.dispersion > 0, LayersRecord::disperses);

@@ -156,6 +156,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     if (m.kind == MaterialKind::plastic) {
         t.fuzz = m.optical_thickness;
         t.metallic = float(share_lost_within(std::max(m.ior, 1.001f), m.optical_thickness));
+        if (m.inner_reflectance >= 0) t.metallic = -std::max(m.inner_reflectance, 1e-6f);
     }
     t.normal_texture = texture_id(m.normal_texture);
     t.normal_scale = m.normal_scale;
@@ -177,6 +178,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     if (m.single_sided && !is_solid(m, t.closure)) t.flags |= MaterialRecord::single_sided;
     if (m.black_behind && t.closure != ClosureKind::none && !t.has_inside()) t.flags |= MaterialRecord::black_behind;
     if (m.beckmann) t.flags |= MaterialRecord::beckmann;
+    if (m.separable) t.flags |= MaterialRecord::separable;
     if (m.energy_compensation) t.flags |= MaterialRecord::compensated;
     if (m.nonlinear) t.flags |= MaterialRecord::nonlinear;
     if (m.use_vertex_color) t.flags |= MaterialRecord::vertex_colored;

@@ -88,7 +88,8 @@ struct AnisotropicGgx {
 /// What GGX's alpha is of Beckmann's that it looks most like.
 inline constexpr float ggx_of_beckmann = 0.7f, sqrt_ggx_of_beckmann = 0.83666003f;
 
-/// Facets as GGX has them or, in some lanes, Beckmann, with the fit of the shadowing term by Walter et al. 2007, of
+/// Facets as GGX has them, in some lanes with a shadowing term of each direction by itself (Walter et al. 2007), or
+/// Beckmann, with the fit of the shadowing term by Walter et al. 2007, of
 /// each direction by itself. Normals are those of GGX, the distribution G, of ggx_of_beckmann times the alpha:
 /// Beckmann's are nowhere more than 1.8 times as many.
 template <class G>
@@ -96,7 +97,10 @@ class Facets : public G {
 public:
     Facets() = default;
     /// ggx: that which is sampled
-    Facets(const G& ggx, Mask beckmann) : G(ggx), beckmann_(beckmann), some_(any(beckmann)) {}
+    Facets(const G& ggx, Mask beckmann, Mask separable = Mask(false))
+        : G(ggx), beckmann_(beckmann), separable_(separable), some_(any(beckmann | separable))
+    {
+    }
 
     /// Density of the facets' normals. d: G::d(h).
     Float value(Vec3 h, Float d) const
@@ -112,7 +116,8 @@ public:
     Float g2(Vec3 wo, Vec3 wi) const
     {
         const Float g = G::g2(wo, wi);
-        return some_ ? select(beckmann_, shadowing(wo) * shadowing(wi), g) : g;
+        if (!some_) return g;
+        return select(beckmann_, shadowing(wo) * shadowing(wi), select(separable_, G::g1(wo) * G::g1(wi), g));
     }
     /// Of a direction that comes from the normal h: what it is worth but for the reflectance.
     Float weight(Vec3 wo, Vec3 wi, Vec3 h) const
@@ -132,7 +137,7 @@ private:
         return select(a < Float(1.6f), fit, Float(1));
     }
 
-    Mask beckmann_{false};
+    Mask beckmann_{false}, separable_{false};
     bool some_ = false;
 };
 

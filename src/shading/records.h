@@ -86,7 +86,8 @@ struct LayersRecord {
         with_subsurface = 1024,
         sheen_reciprocal = 2048,
         diffuse_transmission_added = 4096,
-        textured = 8192  ///< any of the parameters here
+        two_roughnesses = 8192,  ///< anisotropy is the roughness along the tangent
+        textured = 16384         ///< any of the parameters here
     };
     std::uint32_t features = 0;
     NumberRecord specular, anisotropy, transmission, diffuse_transmission, diffuse_roughness, coat, coat_roughness,
@@ -126,7 +127,8 @@ struct MaterialRecord {
         black_behind = 4096,
         absorption = 8192,  ///< hair: base_color is what a fibre absorbs over its radius
         beckmann = 16384,   ///< facets are Beckmann's, else GGX's
-        bumped = 32768      ///< normals are bent by the slope of bump
+        bumped = 32768,     ///< normals are bent by the slope of bump
+        separable = 65536   ///< facets' shadowing is that of each direction by itself
     };
     // What shading reads of each vertex: see hot_words.
     std::uint32_t flags = 0;

@@ -463,6 +463,85 @@ TEST_F(Mitsuba, SerializedMeshes)
     EXPECT_EQ(scene.meshes[1].indices, (std::vector<std::uint32_t>{0, 1, 2}));
 }
 
+/// A volume file of the distances of a function, by its numbers along x, y, z.
+template <class Distance>
+std::string volume_of(std::array<std::int32_t, 3> size, const Distance& distance)
+{
+    std::string bytes("VOL\3", 4);
+    const auto add = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+    for (const std::int32_t word : {1, size[0], size[1], size[2], 1}) add(word);
+    for (const float side : {0.f, 0.f, 0.f, 1.f, 1.f, 1.f}) add(side);
+    for (std::int32_t z = 0; z < size[2]; ++z)
+        for (std::int32_t y = 0; y < size[1]; ++y)
+            for (std::int32_t x = 0; x < size[0]; ++x)
+                add(float(distance(Vec3d{x / double(size[0] - 1), y / double(size[1] - 1), z / double(size[2] - 1)})));
+    return bytes;
+}
+
+/// Numbers along each axis of their own; the whole lies in the unit cube.
+TEST_F(Mitsuba, GridsOfDistances)
+{
+    const Vec3d center{0.5, 0.45, 0.55};
+    write("a.vol", volume_of({24, 30, 20}, [&](Vec3d p) { return length(p - center) - 0.3; }));
+    const auto mesh = [&](const std::string& said) {
+        return read(R"(<shape type="sdfgrid"><string name="filename" value="a.vol"/>)" + said + "</shape>")
+            .meshes.at(0);
+    };
+    const Mesh smooth = mesh("");
+    ASSERT_EQ(smooth.normals.size(), smooth.positions.size());
+    const auto at = [&](std::size_t i) {
+        const Vec3f p = smooth.positions[i];
+        return Vec3d{p.x, p.y, p.z} - center;
+    };
+    for (std::size_t i = 0; i < smooth.positions.size(); ++i) {
+        const Vec3f n = smooth.normals[i];
+        // What is linear lies below what is curved: by at most an eighth of a cell's square over the two radii.
+        EXPECT_NEAR(length(at(i)), 0.3, 2 / 0.3 / 8 / (19 * 19));
+        EXPECT_GT(dot(normalize(at(i)), {n.x, n.y, n.z}), 0.998);
+    }
+    // Closed and turned outwards: what it holds is the ball's volume.
+    double volume = 0;
+    for (std::size_t i = 0; i < smooth.indices.size(); i += 3)
+        volume += dot(at(smooth.indices[i]), cross(at(smooth.indices[i + 1]), at(smooth.indices[i + 2]))) / 6;
+    EXPECT_NEAR(volume, 4 * std::numbers::pi / 3 * 0.027, 0.0024 * 4 * std::numbers::pi * 0.09);
+    EXPECT_TRUE(mesh(R"(<string name="normals" value="analytic"/>)").normals.empty());
+    EXPECT_TRUE(warnings_.empty());
+}
+
+/// Between numbers it is what is linear along each axis: of one cell with four corners inside, a saddle.
+TEST_F(Mitsuba, CellsOfDistancesAreTrilinear)
+{
+    const auto saddle = [](Vec3d p) { return (p.x - 0.5) * (p.y - 0.5) + 0.25 * (p.z - 0.4); };
+    write("a.vol", volume_of({2, 2, 2}, saddle));
+    const Mesh mesh = read(R"(<shape type="sdfgrid"><string name="filename" value="a.vol"/></shape>)").meshes.at(0);
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        const Vec3d p{mesh.positions[i].x, mesh.positions[i].y, mesh.positions[i].z};
+        EXPECT_NEAR(saddle(p), 0, 1e-6);
+        const Vec3d gradient = normalize({p.y - 0.5, p.x - 0.5, 0.25});
+        const Vec3f n = mesh.normals[i];
+        EXPECT_NEAR(dot(gradient, {n.x, n.y, n.z}), 1, 1e-6);
+    }
+}
+
+TEST_F(Mitsuba, DamagedGridsOfDistances)
+{
+    const std::string good = volume_of({3, 3, 3}, [](Vec3d p) { return p.x - 0.4; });
+    const auto told = [&](const std::string& bytes) {
+        write("a.vol", bytes);
+        return error(R"(<shape type="sdfgrid"><string name="filename" value="a.vol"/></shape>)");
+    };
+    EXPECT_EQ(told(good), "loaded");
+    EXPECT_NE(told("VOL").find("this is no volume file"), std::string::npos);
+    EXPECT_NE(told(good.substr(0, good.size() - 4)).find("104 bytes of numbers, not 108"), std::string::npos);
+    EXPECT_NE(told(volume_of({3, 3, 3}, [](Vec3d) { return 1.0; })).find("there is no surface in it"),
+              std::string::npos);
+    EXPECT_NE(told(volume_of({3, 3, 3}, [](Vec3d p) { return 1 / (p.x - 0.5); })).find("not finite"),
+              std::string::npos);
+    std::string wide = good;
+    wide[9] = 1;
+    EXPECT_NE(told(wide).find("bytes of numbers"), std::string::npos);
+}
+
 TEST_F(Mitsuba, DamagedSerializedMeshes)
 {
     const std::string asked = fmt::format(fmt::runtime(of_serialized), 1);
@@ -490,6 +569,43 @@ TEST_F(Mitsuba, TexturesAsAlpha)
     ASSERT_EQ(curve.kind, TextureKind::ramp);
     for (const RampStop& stop : curve.stops) EXPECT_NEAR(stop.color.g, std::sqrt(double(stop.position)), 1e-6);
     EXPECT_TRUE(warnings_.empty());
+}
+
+/// Along u and along v, each by itself; of glass and plastic one is taken.
+TEST_F(Mitsuba, TexturesAsTwoAlphas)
+{
+    const auto rough = [&](const char* type) {
+        return read(fmt::format(R"(<shape type="sphere"><bsdf type="{}">
+<texture type="checkerboard" name="alpha_u"/><float name="alpha_v" value="0.09"/></bsdf></shape>)",
+                                type))
+            .materials.at(0);
+    };
+    const Material m = rough("roughconductor");
+    EXPECT_TRUE(m.two_roughnesses);
+    EXPECT_GE(m.anisotropy.texture, 0) << "along u, where the tangent is";
+    EXPECT_NEAR(m.roughness.value, 0.3, 1e-6);
+    EXPECT_EQ(m.roughness.texture, -1);
+    EXPECT_TRUE(warnings_.empty());
+    EXPECT_FALSE(rough("roughdielectric").two_roughnesses);
+    EXPECT_TRUE(is_told("glass is as rough along u"));
+}
+
+/// What comes from below as Mitsuba 3.9.1 has it, by what its roughplastic shows of bodies of two colours.
+TEST_F(Mitsuba, InnerReflectanceOfRoughPlastic)
+{
+    const struct {
+        const char* distribution;
+        double ior, alpha, expected;
+    } cases[] = {{"ggx", 1.49, 0.01, 0.5805},     {"ggx", 1.49, 0.4, 0.3426},     {"ggx", 1.9, 0.1, 0.7203},
+                 {"beckmann", 1.49, 0.1, 0.5748}, {"beckmann", 1.9, 0.4, 0.6673}, {"beckmann", 1.9, 0.9, 0.4288}};
+    for (const auto& c : cases) {
+        const Material m = bsdf(fmt::format(R"(<bsdf type="roughplastic"><string name="distribution" value="{}"/>
+<float name="int_ior" value="{}"/><float name="ext_ior" value="1"/><float name="alpha" value="{}"/></bsdf>)",
+                                            c.distribution, c.ior, c.alpha));
+        EXPECT_NEAR(m.inner_reflectance, c.expected, 0.0005) << c.distribution << ' ' << c.ior << ' ' << c.alpha;
+        EXPECT_TRUE(m.separable);
+    }
+    EXPECT_LT(bsdf(R"(<bsdf type="plastic"/>)").inner_reflectance, 0);
 }
 
 TEST_F(Mitsuba, Conductors)

@@ -25,6 +25,25 @@ TEST(LightForms, Point)
     }
 }
 
+/// A perfect mirror would show a point as one, which no ray meets: of a smooth plastic a point lights only the body.
+TEST(LightForms, PointsAreNotSeenInMirrors)
+{
+    SceneBuilder b;
+    Material m;
+    m.kind = MaterialKind::plastic;
+    m.roughness.value = 0;
+    m.base_color.value = {0, 0, 0};
+    b.add(Rectangle{{-4, 0, -4}, {0, 0, 8}, {8, 0, 0}}, b.material(m));
+    Light light;
+    light.intensity = {5, 5, 5};
+    b.light(light, Transform::translate({0, 2, 0}));
+    b.camera({0, 3, 0.5}, {0, 0, 0});
+    const Mean mean = mean_of(render_film(b.scene, small_picture(), 16));
+    for (const double value : mean.value) EXPECT_EQ(value, 0);
+    b.scene.materials[0].roughness.value = 0.2f;
+    EXPECT_GT(mean_of(render_film(b.scene, small_picture(), 16)).value[0], 0.01);
+}
+
 void expect_spot(SpotFalloff falloff)
 {
     const Vec3d at{0.3, 1.6, -0.2}, along = normalize(Vec3d{-0.5, -1, 0.1});

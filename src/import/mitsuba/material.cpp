@@ -12,6 +12,7 @@
 #include "import/common/suggest.h"
 #include "import/mitsuba/metals.h"
 #include "import/mitsuba/reader.h"
+#include "import/mitsuba/rough_boundary.h"
 
 namespace fathom::mitsuba {
 
@@ -132,11 +133,12 @@ void Reader::read_roughness(Object& bsdf, Material& m)
         return to_power(scene_, number_or_texture(bsdf, name, otherwise), 0.5);
     };
     m.energy_compensation = false;
+    m.separable = true;
     if (bsdf.has("alpha_u") || bsdf.has("alpha_v")) {
         const FloatInput u = alpha("alpha_u", 0.1f), v = alpha("alpha_v", 0.1f);
         if (u.texture >= 0 || v.texture >= 0) {
-            tell(bsdf.element(), "of textures as 'alpha_u' and 'alpha_v' only the former is taken");
-            m.roughness = u;
+            m.two_roughnesses = true;
+            m.anisotropy = u, m.roughness = v;
             return;
         }
         const FloatInput& narrow = u.value < v.value ? u : v;
@@ -213,7 +215,12 @@ Material Reader::dielectric(Object& bsdf)
     m.roughness = {0, -1, 0};
     m.base_color = {{1, 1, 1}, -1};
     m.energy_compensation = false;
-    if (bsdf.type() == "roughdielectric") read_roughness(bsdf, m);
+    if (bsdf.type() == "roughdielectric") {
+        read_roughness(bsdf, m);
+        if (m.two_roughnesses || m.anisotropy.value > 0)
+            tell(bsdf.element(), "glass is as rough along u as it is along v, or as in its smoother direction");
+        m.two_roughnesses = false, m.anisotropy = {0, -1, 0};
+    }
     const Color through = plain_color(bsdf, "specular_transmittance", {1, 1, 1});
     m.transmission_color = {times(through, through), -1};
     if (const Color c = plain_color(bsdf, "specular_reflectance", {1, 1, 1}); !(c == Color{1, 1, 1}))
@@ -237,8 +244,14 @@ Material Reader::plastic(Object& bsdf)
     m.ior = float(relative_ior(bsdf, polypropylene, air));
     m.nonlinear = bsdf.boolean("nonlinear", false);
     m.roughness = {0, -1, 0};
-    if (bsdf.type() == "roughplastic") read_roughness(bsdf, m);
-    m.anisotropy = {0, -1, 0};
+    if (bsdf.type() == "roughplastic") {
+        read_roughness(bsdf, m);
+        if (m.roughness.texture < 0) {
+            const double alpha = std::max(1e-4, double(m.roughness.value) * double(m.roughness.value));
+            m.inner_reflectance = float(std::min(0.9999, inner_reflectance(alpha, m.beckmann, double(m.ior))));
+        }
+    }
+    m.two_roughnesses = false, m.anisotropy = {0, -1, 0};
     if (const ColorInput c = color(bsdf, "specular_reflectance", {1, 1, 1});
         c.texture >= 0 || !(c.value == Color{1, 1, 1}))
         tell(bsdf.element(), "'specular_reflectance' is left out: it reflects what Fresnel's law says");

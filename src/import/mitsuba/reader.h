@@ -95,6 +95,7 @@ private:
     /// The mesh attribute that the shape's material looks up: "vertex_color", "face_weight", ...; else empty.
     std::string attribute_of(Object& shape);
     std::optional<Shape> serialized(Object& shape);
+    std::optional<Shape> sdf_grid(Object& shape);
     bool wants_uv(Object& shape);
     Shape rectangle(Object& shape);
     Shape cylinder(Object& shape, Node& node);

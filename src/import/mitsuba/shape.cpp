@@ -11,6 +11,7 @@
 #include "import/common/text_scanner.h"
 #include "import/common/textured.h"
 #include "import/mitsuba/reader.h"
+#include "import/mitsuba/sdf_grid.h"
 #include "import/ply/ply.h"
 
 namespace fathom::mitsuba {
@@ -126,6 +127,7 @@ std::optional<Shape> Reader::read_geometry(Object& shape, Node& node)
     if (type == "obj") return model(shape, node);
     if (type == "ply") return ply(shape);
     if (type == "serialized") return serialized(shape);
+    if (type == "sdfgrid") return sdf_grid(shape);
     if (type == "rectangle") return rectangle(shape);
     if (type == "cylinder") return cylinder(shape, node);
     if (type == "bsplinecurve" || type == "linearcurve") return curves(shape);
@@ -256,6 +258,25 @@ std::optional<Shape> Reader::serialized(Object& shape)
             shape.element().fail(
                 fmt::format("there is no mesh {} in '{}': it has {}", index, file, found->second.count()));
         Mesh mesh = finished(found->second.mesh(std::size_t(index)), shape, flip_v);
+        clean_mesh(mesh, file, context_.warnings);
+        meshes_[key] = int(scene_.meshes.size());
+        return add_mesh(std::move(mesh));
+    } catch (const Error& error) {
+        if (error.file() == *shape.element().place.file) throw;
+        shape.element().fail(error.what());
+    }
+}
+
+std::optional<Shape> Reader::sdf_grid(Object& shape)
+{
+    const std::string file = file_of(shape).string(), normals = shape.text("normals", "smooth");
+    if (normals != "smooth" && normals != "analytic")
+        shape.element().fail(fmt::format("normals are 'smooth' or 'analytic', not '{}'", printable(normals)));
+    const Key key{nullptr, file + '\n' + normals};
+    if (const auto known = meshes_.find(key); known != meshes_.end()) return Shape{MeshInstance{known->second}, -1, {}};
+    try {
+        Mesh mesh = sdf_mesh(file, context_.read(file), normals == "smooth");
+        mesh.name = shape.text("filename", "");
         clean_mesh(mesh, file, context_.warnings);
         meshes_[key] = int(scene_.meshes.size());
         return add_mesh(std::move(mesh));

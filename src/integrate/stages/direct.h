@@ -5,6 +5,16 @@
 
 namespace fathom::inline FATHOM_LANES {
 
+/// Closures whose narrowest facets stand for mirrors show no lights without extent in those.
+template <class Closure>
+inline BsdfEval eval_for_light(const Closure& closure, const Vec3& wo, const Vec3& wi, Mask has_no_extent)
+{
+    if constexpr (requires { closure.eval(wo, wi, has_no_extent); })
+        return closure.eval(wo, wi, has_no_extent);
+    else
+        return closure.eval(wo, wi);
+}
+
 /// What a sampled light sends along a path of this throughput if nothing is in the way, weighted against what the
 /// closure, with the guidance, might have sampled; of use in the lanes of `lit`, of which those stay to which the light
 /// can be sent on.
@@ -17,7 +27,7 @@ template <class Closure>
     lit &= closure.has_smooth() & equal(wi.z > Float(0), dot(s.wi, at.ng) > Float(0));
     if (!Closure::transmits) lit &= wi.z > Float(0);
     if (Closure::transmits) lit &= !at.passes_on;
-    const BsdfEval e = closure.eval(at.wo, wi);
+    const BsdfEval e = eval_for_light(closure, at.wo, wi, s.is_delta);
     const Float bsdf_pdf = guidance.is_on() ? guidance.pdf(s.wi, e.pdf) : e.pdf;
     const Float r = bsdf_pdf * s.inverse_pdf;
     const Float weight = select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * s.inverse_pdf;

@@ -28,6 +28,7 @@ public:
             if (any(m & ((features & UInt(bit)) != UInt(0)))) features_ |= bit;
         compensated_ = (features & UInt(LayersRecord::energy_compensation)) != UInt(0);
         reciprocal_ = (features & UInt(LayersRecord::sheen_reciprocal)) != UInt(0);
+        two_roughnesses_ = (features & UInt(LayersRecord::two_roughnesses)) != UInt(0);
         added_ = (features & UInt(LayersRecord::diffuse_transmission_added)) != UInt(0);
     }
     void read(LayersPoint& p) const
@@ -98,6 +99,7 @@ private:
     void read_anisotropy(LayersPoint& p) const
     {
         p.anisotropy = number(&LayersRecord::anisotropy);
+        p.two_roughnesses = two_roughnesses_;
         const UInt texture = get(&LayersRecord::anisotropy_texture);
         const Mask has = m_ & (texture != UInt(no_index));
         Float x(1), y(0);
@@ -131,7 +133,7 @@ private:
     const UInt index_;
     const Mask m_;
     std::uint32_t features_ = 0;
-    Mask compensated_, reciprocal_, added_;
+    Mask compensated_, reciprocal_, added_, two_roughnesses_;
 };
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -49,6 +49,7 @@ public:
         p.thin = (flags & UInt(MaterialRecord::thin)) != UInt(0);
         p.sheet = (flags & UInt(MaterialRecord::sheet)) != UInt(0);
         p.beckmann = (flags & UInt(MaterialRecord::beckmann)) != UInt(0);
+        p.separable = (flags & UInt(MaterialRecord::separable)) != UInt(0);
         p.compensated = (flags & UInt(MaterialRecord::compensated)) != UInt(0);
         p.nonlinear = (flags & UInt(MaterialRecord::nonlinear)) != UInt(0);
         if (scene_.has_bumps) {

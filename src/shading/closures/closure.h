@@ -16,6 +16,9 @@
 ///     explicit Closure(const MaterialPoint&), or of a LayeredMaterialPoint
 ///     BsdfEval eval(wo, wi)                  what part of the light from wi goes to wo, times the cosine, and the
 ///                                            density of sampling wi
+///     BsdfEval eval(wo, wi, without_mirrors) optional, where smooth facets are made of narrow lobes instead of deltas:
+///                                            in the lanes of the mask they count as deltas, since no light without
+///                                            extent is met in a mirror
 ///     BsdfSample sample(wo, u, u1)           a direction with its weight, f_cos / pdf
 ///     Float guided_weight()                  where is_guided: how much such directions are worth, from 0 to 1; little
 ///                                            where most goes into a narrow lobe, 0 where there are delta lobes
@@ -49,6 +52,7 @@ struct LayersPoint {
     Float specular{1}, compensation{1};  ///< compensation: 1 or 0
     Spectrum specular_color{Float(1)}, edge_color{Float(1)};
     Float anisotropy{0};
+    Mask two_roughnesses{false};  ///< anisotropy is the roughness along the tangent
     Vec3 tangent;  ///< of the anisotropy; while the surface is read in the space of the scene, then in the frame
     Float diffuse_roughness{0};
     Float transmission{0}, diffuse_transmission{0};
@@ -73,19 +77,25 @@ struct LayersPoint {
 struct MaterialPoint {
     Spectrum base_color;
     Float roughness, metallic, ior, fuzz;
-    Mask entering;         ///< the path comes from the side of the geometric normal
-    Mask thin;             ///< without thickness
-    Mask sheet;            ///< thin: of two boundaries, between which light goes to and fro
-    Mask beckmann{false};  ///< facets are Beckmann's
-    Mask compensated;      ///< scaled for what facets scatter more than once
-    Mask nonlinear{true};  ///< plastic: light below the boundary is coloured each time
-    Float across{0};       ///< hair: where the path met the fibre across its width, -1 to 1 along the frame's y
+    Mask entering;          ///< the path comes from the side of the geometric normal
+    Mask thin;              ///< without thickness
+    Mask sheet;             ///< thin: of two boundaries, between which light goes to and fro
+    Mask beckmann{false};   ///< facets are Beckmann's
+    Mask separable{false};  ///< what hides facets from one direction says nothing of the other
+    Mask compensated;       ///< scaled for what facets scatter more than once
+    Mask nonlinear{true};   ///< plastic: light below the boundary is coloured each time
+    Float across{0};        ///< hair: where the path met the fibre across its width, -1 to 1 along the frame's y
 };
 /// Of a surface of layers. Apart, since it is fifty times the registers that others need.
 struct LayeredMaterialPoint : MaterialPoint {
     LayersPoint layers;
 };
 
+/// Where facets stand for a mirror.
+inline Mask is_mirror(Float roughness)
+{
+    return roughness * roughness < Float(min_alpha);
+}
 /// Alpha of GGX by which facets are sampled: of Facets.
 inline Float sampled_alpha(const MaterialPoint& m)
 {

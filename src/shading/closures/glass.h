@@ -27,14 +27,14 @@ public:
 
     explicit GlassBsdf(const MaterialPoint& m)
         : roughness_(sampled_roughness(m)),
-          ggx_({max(sampled_alpha(m), Float(min_alpha))}, m.beckmann),
+          ggx_({max(sampled_alpha(m), Float(min_alpha))}, m.beckmann, m.separable),
           color_(m.base_color),
           is_thin_(m.thin),
           is_sheet_(m.sheet),
           is_compensated_(m.thin & m.compensated)
     {
         eta_ = select(m.entering | is_thin_, m.ior, Float(1) / m.ior);
-        is_smooth_ = m.roughness * m.roughness < Float(min_alpha);
+        is_smooth_ = is_mirror(m.roughness);
         for (Float& c : color_.c) c = select(is_thin_, c, sqrt(max(c, Float(0))));
     }
     Mask has_smooth() const { return !is_smooth_; }

@@ -34,7 +34,8 @@ public:
         Float alpha_x = alpha;
         mean_roughness_ = sampled_roughness(m);
         if (l_.has(LayersRecord::anisotropic)) {
-            alpha_x = fma(Float(1) - alpha, l_.anisotropy * l_.anisotropy, alpha);
+            const Float square = l_.anisotropy * l_.anisotropy;
+            alpha_x = select(l_.two_roughnesses, square, fma(Float(1) - alpha, square, alpha));
             mean_roughness_ =
                 sqrt(sqrt(max(alpha * alpha_x, Float(0)))) * select(m.beckmann, Float(sqrt_ggx_of_beckmann), Float(1));
             const Float sine2 = fma(l_.tangent.x, l_.tangent.x, l_.tangent.y * l_.tangent.y);
@@ -44,7 +45,10 @@ public:
             turn_sin_ = select(known, l_.tangent.y * inverse, Float(0));
         }
         const Float scale = select(m.beckmann, Float(ggx_of_beckmann), Float(1));
-        ggx_ = {{max(alpha_x * scale, Float(2 * min_alpha)), max(alpha * scale, Float(2 * min_alpha))}, m.beckmann};
+        ggx_ = {{max(alpha_x * scale, Float(2 * min_alpha)), max(alpha * scale, Float(2 * min_alpha))},
+                m.beckmann,
+                m.separable};
+        mirrors_ = (alpha < Float(min_alpha)) & (alpha_x < Float(min_alpha));
         // Where both sides have the same index nothing would tell the facet that refracted.
         const Float ior = select(abs(m.ior - Float(1)) < Float(5e-4f), Float(1 + 5e-4f), m.ior);
         const Float root = (ior - Float(1)) / (ior + Float(1));
@@ -72,7 +76,10 @@ public:
     {
         return fma(metallic_, min(Float(2) * mean_roughness_, Float(1)) - Float(1), Float(1));
     }
-    BsdfEval eval(Vec3 wo, Vec3 wi) const { return eval(look(wo), wo, wi); }
+    BsdfEval eval(Vec3 wo, Vec3 wi, Mask without_mirrors = Mask(false)) const
+    {
+        return eval(look(wo), wo, wi, without_mirrors);
+    }
     BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
     {
         const View v = look(wo);
@@ -110,7 +117,7 @@ public:
             wi.z = select(diffusely | below, -wi.z, wi.z);
             goes_beyond |= diffusely;
         }
-        const BsdfEval e = eval(v, wo, wi);
+        const BsdfEval e = eval(v, wo, wi, Mask(false));
         // What facets send to the wrong side is lost, as is what they reflect totally: the density there is of other
         // lobes.
         const Mask kept = (e.pdf > Float(0)) & equal(wi.z < Float(0), goes_beyond) & !total;
@@ -296,12 +303,12 @@ private:
     /// Sheen, film and coat are on the outside of solids.
     Float outer(Float strength) const { return passes ? select(within_, Float(0), strength) : strength; }
 
-    BsdfEval eval(const View& v, Vec3 wo, Vec3 wi) const
+    BsdfEval eval(const View& v, Vec3 wo, Vec3 wi, Mask without_mirrors) const
     {
         const Mask above = wi.z > Float(0);
-        BsdfEval r = reflected(v, wo, wi);
+        BsdfEval r = reflected(v, wo, wi, without_mirrors);
         if constexpr (passes) {
-            const BsdfEval beyond = passed(v, wo, wi);
+            const BsdfEval beyond = passed(v, wo, wi, without_mirrors);
             r.f_cos = select(above, r.f_cos, beyond.f_cos);
             r.pdf = select(above, r.pdf, beyond.pdf);
             if (l_.has(LayersRecord::with_subsurface)) {
@@ -316,12 +323,13 @@ private:
         }
         return r;
     }
-    BsdfEval reflected(const View& v, const Vec3& wo, const Vec3& wi) const
+    BsdfEval reflected(const View& v, const Vec3& wo, const Vec3& wi, Mask without_mirrors) const
     {
         const Vec3 o = turned(wo, 1), i = turned(wi, 1);
         const Vec3 h = normalize(o + i + Vec3{Float(0), Float(0), Float(1e-20f)});
         const Float normals = ggx_.d(h), d = normals / (Float(4) * wo.z);
-        const Float specular = ggx_.value(h, normals) / (Float(4) * wo.z) * ggx_.g2(o, i);
+        const Float facets = ggx_.value(h, normals) / (Float(4) * wo.z) * ggx_.g2(o, i);
+        const Float specular = select(without_mirrors & mirrors_, Float(0), facets);
         const Float cosine = max(wi.z, Float(0)) * Float(inv_pi);
         Spectrum dielectric, metal;
         reflectance(max(dot(o, h), Float(0)), dielectric, metal);
@@ -347,6 +355,7 @@ private:
             Float f_cos, pdf;
             CoatLobe(l_).eval(wo, wi, f_cos, pdf);
             f_cos = f_cos * outer(l_.coat) * sheen_left;
+            f_cos = select(without_mirrors & is_mirror(l_.coat_roughness), Float(0), f_cos);
             r.f_cos = r.f_cos + Spectrum(f_cos);
             r.pdf = fma(v.p_coat, pdf, r.pdf);
         }
@@ -357,7 +366,7 @@ private:
         }
         return r;
     }
-    BsdfEval passed(const View& v, const Vec3& wo, const Vec3& wi) const
+    BsdfEval passed(const View& v, const Vec3& wo, const Vec3& wi, Mask without_mirrors) const
     {
         const Vec3 o = turned(wo, 1);
         Vec3 i = turned(wi, 1);
@@ -373,7 +382,8 @@ private:
         const Float normals = ggx_.d(h), d = normals / wo.z, denominator = ih + oh / eta_;
         const Float jacobian = abs(ih) * oh / max(denominator * denominator, Float(1e-20f));
         const Float gain = select(thin_, Float(0.25f) * (Float(1) + v.more), jacobian / (eta_ * eta_));
-        const Float f = select(valid, ggx_.value(h, normals) / wo.z * ggx_.g2(o, i) * gain * l_.transmission, Float(0));
+        const Float f = select(valid & !(without_mirrors & mirrors_),
+                               ggx_.value(h, normals) / wo.z * ggx_.g2(o, i) * gain * l_.transmission, Float(0));
         const Float pdf = select(valid, d * ggx_.g1(o) * select(thin_, Float(0.25f), jacobian), Float(0));
         const Float cosine = max(-wi.z, Float(0)) * Float(inv_pi);
         const Float diffuse = v.boundary_left * diffuse_share_ * l_.diffuse_transmission * cosine;
@@ -393,6 +403,7 @@ private:
     Mask thin_;
     Float plain_f0_, mean_roughness_, turn_cos_{1}, turn_sin_{0};
     Facets<AnisotropicGgx> ggx_;
+    Mask mirrors_;
     // Of closures that pass light:
     Spectrum tint_;
     Float eta_{1}, diffuse_share_{1}, reflected_share_{1}, below_share_{0};

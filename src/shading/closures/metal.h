@@ -18,9 +18,9 @@ public:
     explicit MetalBsdf(const MaterialPoint& m)
         : color_(m.base_color),
           roughness_(sampled_roughness(m)),
-          ggx_({max(sampled_alpha(m), Float(min_alpha))}, m.beckmann)
+          ggx_({max(sampled_alpha(m), Float(min_alpha))}, m.beckmann, m.separable),
+          is_mirror_(is_mirror(m.roughness))
     {
-        is_mirror_ = m.roughness * m.roughness < Float(min_alpha);
     }
     Mask has_smooth() const { return !is_mirror_; }
     Float guided_weight() const { return select(is_mirror_, Float(0), min(Float(2) * roughness_, Float(1))); }

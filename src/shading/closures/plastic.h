@@ -16,7 +16,7 @@ namespace fathom::inline FATHOM_LANES {
 /// at once is let in; else what they let through at once, as layers by random walks have it, and the rest is lost.
 ///
 /// A grey layer between boundary and body (`fuzz`: its optical thickness) absorbs along the ways that a smooth boundary
-/// refracts to, and a part of what is thrown back (`metallic`).
+/// refracts to, and a part of what is thrown back (`metallic`). A `metallic` below 0 is inner itself, less than 0.
 class PlasticBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::plastic;
@@ -28,16 +28,20 @@ public:
 
     explicit PlasticBsdf(const MaterialPoint& m)
         : roughness_(sampled_roughness(m)),
-          ggx_({max(sampled_alpha(m), Float(2 * min_alpha))}, m.beckmann),
+          ggx_({max(sampled_alpha(m), Float(2 * min_alpha))}, m.beckmann, m.separable),
+          mirrors_(is_mirror(m.roughness)),
+          facets_(select(m.compensated, UInt(compensated),
+                         select(m.beckmann, UInt(beckmann), select(m.separable, UInt(separable), UInt(correlated))))),
           ior_(clamp(m.ior, Float(1), Float(3))),
-          thickness_(m.fuzz),
-          compensated_(m.compensated)
+          thickness_(m.fuzz)
     {
-        const Float reflected = mean_reflected();
-        const Float lets_in = select(compensated_, Float(1) - reflected, mean_of<passing>() * (Float(1) - reflected));
-        const Float lost = select(compensated_, Float(0), mean_of<lost_within>());
+        const UInt row_of_facets = UInt(passing) + (facets_ - UInt(1)) * UInt(2);
+        const Mask all_goes_in = facets_ == UInt(compensated);
+        const Float lets_in = select(all_goes_in, Float(1), mean_of(row_of_facets)) * (Float(1) - mean_reflected());
+        const Float lost = select(all_goes_in, Float(0), mean_of(row_of_facets + UInt(1)));
         const Float out = lets_in / (ior_ * ior_),
-                    inner = clamp(Float(1) - out - lost, Float(0), Float(1)) * (Float(1) - m.metallic);
+                    follows = clamp(Float(1) - out - lost, Float(0), Float(1)) * (Float(1) - m.metallic),
+                    inner = select(m.metallic < Float(0), -m.metallic, follows);
         for (int i = 0; i < channels; ++i) {
             const Float color = m.base_color.c[i];
             // What is thrown back is white to Mitsuba's linear model.
@@ -48,14 +52,15 @@ public:
     }
     Mask has_smooth() const { return Mask(true); }
     Float guided_weight() const { return Float(1); }
-    BsdfEval eval(Vec3 wo, Vec3 wi) const
+    BsdfEval eval(Vec3 wo, Vec3 wi, Mask without_mirrors = Mask(false)) const
     {
         const Vec3 h = normalize(wo + wi + Vec3{Float(0), Float(0), Float(1e-20f)});
         const Mask valid = wi.z > Float(0);
         const Float d = ggx_.d(h), scale = Float(1) / (Float(4) * wo.z);
         Float beyond;
         const Float f = fresnel_dielectric(clamp(dot(wo, h), Float(0), Float(1)), ior_, beyond);
-        const Float boundary = f * ggx_.value(h, d) * ggx_.g2(wo, wi) * scale;
+        const Float boundary =
+            select(without_mirrors & mirrors_, Float(0), f * ggx_.value(h, d) * ggx_.g2(wo, wi) * scale);
         const Float passes_out = passes(wo.z), cosine = wi.z * Float(inv_pi);
         const Float body = passes_out * passes(wi.z) * absorbed_less(wo.z, wi.z) * cosine;
         BsdfEval r;
@@ -74,15 +79,16 @@ public:
     }
 
 private:
-    /// Rows of plastic_means_table.
-    enum : std::uint32_t { reflecting, passing, lost_within, bend };
+    /// Parts of plastic_share_table.
+    enum : std::uint32_t { compensated, correlated, separable, beckmann };
+    /// Rows of plastic_means_table: passing and what is lost within of each but the first of those.
+    enum : std::uint32_t { reflecting, bend, passing };
 
-    template <std::uint32_t row>
-    Float mean_of() const
+    Float mean_of(UInt row) const
     {
         const Float y = clamp(roughness_, Float(0), Float(1)) * Float(ggx_albedo_size - 1);
         const Float y0 = min(floor(y), Float(ggx_albedo_size - 2));
-        const UInt index = to_uint(y0) + UInt(row * ggx_albedo_size);
+        const UInt index = to_uint(y0) + row * UInt(ggx_albedo_size);
         const Float a = gather(plastic_means_table, index), b = gather(plastic_means_table, index + UInt(1));
         return fma(y - y0, b - a, a);
     }
@@ -95,17 +101,16 @@ private:
         constexpr float smooth_of_table = 0.0917780f, normal_of_table = 0.04f;
         const Float by_smooth = max(smooth * root, Float(0)) * Float(1 / smooth_of_table);
         const Float by_normal = r * r * Float(1 / normal_of_table);
-        return mean_of<reflecting>() * fma(mean_of<bend>(), by_normal - by_smooth, by_smooth);
+        return mean_of(UInt(reflecting)) * fma(mean_of(UInt(bend)), by_normal - by_smooth, by_smooth);
     }
     /// The share of light from a direction, or to it, that passes the boundary.
     Float passes(Float cosine) const
     {
         constexpr std::uint32_t size = ggx_albedo_size * ggx_albedo_size;
-        const Float share =
-            albedo_lookup(plastic_share_table, cosine, roughness_, select(compensated_, UInt(0), UInt(size)));
+        const Float share = albedo_lookup(plastic_share_table, cosine, roughness_, facets_ * UInt(size));
         Float beyond;
         const Float f = fresnel_dielectric(albedo_lookup(plastic_cosine_table, cosine, roughness_), ior_, beyond);
-        return fma(-f, share, select(compensated_, Float(1), share));
+        return fma(-f, share, select(facets_ == UInt(compensated), Float(1), share));
     }
     /// What the layer leaves of light on its ways in and out.
     Float absorbed_less(Float cosine_in, Float cosine_out) const
@@ -126,8 +131,9 @@ private:
 
     Float roughness_;
     Facets<Ggx> ggx_;
+    Mask mirrors_;
+    UInt facets_;  ///< which part of the tables
     Float ior_, thickness_, most_body_;
-    Mask compensated_;
     Spectrum body_;  ///< but for what passes the boundary, and 1 / pi
 };
 

@@ -20,7 +20,8 @@ public:
 
     explicit PrincipledBsdf(const MaterialPoint& m)
         : roughness_(sampled_roughness(m)),
-          ggx_({max(sampled_alpha(m), Float(2 * min_alpha))}, m.beckmann),
+          ggx_({max(sampled_alpha(m), Float(2 * min_alpha))}, m.beckmann, m.separable),
+          mirrors_(is_mirror(m.roughness)),
           metallic_(m.metallic),
           compensation_(select(m.compensated, Float(1), Float(0))),
           color_(m.base_color)
@@ -33,12 +34,13 @@ public:
     }
     Mask has_smooth() const { return Mask(true); }
     Float guided_weight() const { return fma(metallic_, min(Float(2) * roughness_, Float(1)) - Float(1), Float(1)); }
-    BsdfEval eval(Vec3 wo, Vec3 wi) const
+    BsdfEval eval(Vec3 wo, Vec3 wi, Mask without_mirrors = Mask(false)) const
     {
         const Vec3 h = normalize(wo + wi + Vec3{Float(0), Float(0), Float(1e-20f)});
         const Mask valid = wi.z > Float(0);
         const Float d = ggx_.d(h);
-        const Float specular = ggx_.value(h, d) * ggx_.g2(wo, wi) / (Float(4) * wo.z);
+        const Float specular =
+            select(without_mirrors & mirrors_, Float(0), ggx_.value(h, d) * ggx_.g2(wo, wi) / (Float(4) * wo.z));
         const Float w = schlick_weight(dot(wo, h));
         const Float more = gain(ggx_albedo(wo.z, roughness_));
         const auto reflected = [&](Float f0) { return fma(Float(1) - f0, w, f0) * fma(f0, more, Float(1)); };
@@ -82,6 +84,7 @@ private:
 
     Float roughness_;
     Facets<Ggx> ggx_;
+    Mask mirrors_;
     Float metallic_, compensation_, dielectric_f0_, most_f0_, most_diffuse_;
     Spectrum color_;
 };
