@@ -138,6 +138,24 @@ TEST_F(SaveGlb, LayersOfMaterials)
     EXPECT_EQ(again.materials[4].kind, MaterialKind::unlit);
 }
 
+/// As glTF has them, which facets are drawn out along the rougher one.
+TEST_F(SaveGlb, TwoRoughnesses)
+{
+    const SceneDescription again = saved(load("rough.json", R"({"fathom": 1, "materials": {
+        "u": {"kind": "principled", "two_roughnesses": true, "anisotropy": 0.75, "roughness": 0.5},
+        "v": {"kind": "principled", "two_roughnesses": true, "anisotropy": 0.5, "roughness": 0.75, "separable_shadowing": true}},
+        "scene": [{"sphere": {"center": [0, 0, 0], "radius": 1}, "material": "u"}, {"sphere": {"center": [0, 0, 0], "radius": 1}, "material": "v"}]})"));
+    ASSERT_EQ(again.materials.size(), 2u);
+    for (const Material& m : again.materials) {
+        EXPECT_EQ(m.roughness.value, 0.5f);
+        const double a = double(m.anisotropy.value) * double(m.anisotropy.value);
+        EXPECT_NEAR(0.25 + 0.75 * a, 0.75 * 0.75, 1e-6);
+    }
+    EXPECT_EQ(again.materials[0].anisotropy_rotation, 0);
+    EXPECT_NEAR(again.materials[1].anisotropy_rotation, 1.5707963268, 1e-6);
+    EXPECT_TRUE(is_told("shadowing of facets by each direction alone"));
+}
+
 /// A room of diffuse rectangles under a lamp has the light that it had, by other samples: its rectangles are triangles.
 TEST_F(SaveGlb, RoomsHaveTheirLight)
 {

@@ -397,6 +397,25 @@ Material "conductor" "texture roughness" "t" "bool remaproughness" {} Shape "sph
     }
 }
 
+/// Each direction has its own; of what has facets of one roughness only one is taken.
+TEST_F(Pbrt, TexturesAsTwoRoughnesses)
+{
+    const auto rough = [&](const char* kind) {
+        return material(fmt::format(R"(Texture "t" "float" "imagemap" "string filename" "a.png"
+Material "{}" "texture uroughness" "t" "float vroughness" 0.25 "bool remaproughness" false)",
+                                    kind));
+    };
+    const Material m = rough("conductor");
+    EXPECT_TRUE(m.two_roughnesses);
+    EXPECT_GE(m.anisotropy.texture, 0) << "along u, where the tangent is";
+    EXPECT_EQ(m.roughness.value, 0.5f);
+    EXPECT_FALSE(is_told("rough"));
+    EXPECT_FALSE(rough("dielectric").two_roughnesses);
+    EXPECT_TRUE(is_told("glass is as rough in all directions as in one"));
+    EXPECT_FALSE(rough("coateddiffuse").two_roughnesses);
+    EXPECT_TRUE(is_told("the coat is as rough in all directions as in one"));
+}
+
 TEST_F(Pbrt, Metals)
 {
     // What pbrt's own curves reflect in daylight.

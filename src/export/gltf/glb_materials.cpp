@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "import/common/read_file.h"
 
@@ -251,6 +252,7 @@ void GlbMaterials::tell_what_is_lost(const Material& m)
     };
     lost(m.displacement.value != 0, "displacement");
     lost(m.bump.texture >= 0 && m.bump.value != 0, "bumps");
+    lost(m.separable && !m.beckmann && m.roughness.value > 0, "shadowing of facets by each direction alone");
     lost(m.priority != 0, "which of overlapping solids is there");
     if (m.kind == MaterialKind::diffuse) lost(m.roughness.value > 0, "a diffuse surface's roughness");
     if (m.kind != MaterialKind::principled) return;
@@ -267,9 +269,34 @@ void GlbMaterials::tell_what_is_lost(const Material& m)
          "one colour for what is reflected and another for what passes");
 }
 
-Json GlbMaterials::material_json(const Material& m)
+namespace {
+
+/// Two roughnesses as the smaller one and how far facets are drawn out along the other. False if these are textures:
+/// that across the tangent stays.
+bool join_roughnesses(Material& m)
 {
-    current_ = &m;
+    const FloatInput along = m.anisotropy;
+    const bool is_plain = along.texture < 0 && m.roughness.texture < 0;
+    m.two_roughnesses = false;
+    m.anisotropy = {0, -1, 2};
+    if (!is_plain) return false;
+    const double u = double(along.value) * double(along.value),
+                 v = double(m.roughness.value) * double(m.roughness.value);
+    const double narrow = std::min(u, v), wide = std::max(u, v);
+    m.roughness.value = float(std::sqrt(narrow));
+    if (wide > narrow) m.anisotropy.value = float(std::sqrt((wide - narrow) / (1 - narrow)));
+    if (v > u) m.anisotropy_rotation += std::numbers::pi / 2;
+    return true;
+}
+
+}  // namespace
+
+Json GlbMaterials::material_json(const Material& given)
+{
+    Material m = given;
+    current_ = &given;
+    if (m.two_roughnesses && !join_roughnesses(m))
+        tell("textures of two roughnesses: that along the tangent is left out");
     Json json = Json::object();
     if (!m.name.empty()) json["name"] = m.name;
     Json base = base_json(m);

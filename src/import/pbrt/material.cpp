@@ -126,7 +126,9 @@ void Reader::set_roughness(const Parameters& m, const std::string& prefix, Mater
     out.energy_compensation = false;
     out.roughness = u;
     if (u.texture >= 0 || v.texture >= 0) {
-        if (u.texture != v.texture) tell(m, "of textures as roughnesses only the one along u is taken");
+        if (!m.has(prefix + "uroughness") && !m.has(prefix + "vroughness")) return;
+        out.two_roughnesses = true;
+        out.anisotropy = u, out.roughness = v;
         return;
     }
     const float narrow = std::min(u.value, v.value), wide = std::max(u.value, v.value);
@@ -164,10 +166,8 @@ Material Reader::coated_diffuse(const Parameters& m)
     out.base_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
     set_roughness(m, "", out);
     out.ior = ior(m, "eta", 1.5f);
-    if (out.anisotropy.value > 0) {
-        tell(m, "the coat is as rough in all directions as in its smoother one");
-        out.anisotropy = {0, -1, 0};
-    }
+    if (out.anisotropy.value > 0) tell(m, "the coat is as rough in all directions as in one");
+    out.two_roughnesses = false, out.anisotropy = {0, -1, 0};
     out.optical_thickness = layer_thickness(m);
     return out;
 }
@@ -192,7 +192,10 @@ Material Reader::dielectric(const Parameters& m)
     out.thin = m.plugin() == "thindielectric";
     out.roughness = {0, -1, 0};
     out.energy_compensation = false;
-    if (!out.thin) set_roughness(m, "", out);
+    if (out.thin) return out;
+    set_roughness(m, "", out);
+    if (out.anisotropy.value > 0) tell(m, "glass is as rough in all directions as in one");
+    out.two_roughnesses = false, out.anisotropy = {0, -1, 0};
     return out;
 }
 

@@ -147,7 +147,7 @@ Material Reader::coated_conductor(const Parameters& m)
         const Color& base = out.base_color.value;
         out.edge_color.value = {edge(base.r), edge(base.g), edge(base.b)};
     }
-    if (out.roughness.texture < 0 && coat.roughness.texture < 0)
+    if (out.roughness.texture < 0 && coat.roughness.texture < 0 && !out.two_roughnesses)
         out.roughness.value = roughness_through_coat(out.roughness.value, coat.roughness.value, coat_ior);
     tell(m, "light below the coat is not followed: what it loses there is computed from the colour");
     return out;
