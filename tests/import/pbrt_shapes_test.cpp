@@ -1,0 +1,297 @@
+// pbrt's textures and shapes.
+#include <fmt/format.h>
+#include <cmath>
+
+#include "pbrt_fixture.h"
+
+namespace fathom::test {
+namespace {
+
+// ---------------------------------------------------------------------------------------------------- textures
+
+TEST_F(Pbrt, Textures)
+{
+    const SceneDescription scene =
+        world(R"(Texture "t" "spectrum" "imagemap" "string filename" "a.png" "string wrap" "clamp"
+"float uscale" 2 "float vscale" 3 "float udelta" 0.5 "float vdelta" 0.25 "float scale" 0.5 "string encoding" "linear"
+Material "diffuse" "texture reflectance" "t" Shape "sphere")");
+    const ColorInput& c = material_of(scene).base_color;
+    expect_color(c.value, 0.5, 0.5, 0.5);
+    const Texture& t = scene.textures.at(std::size_t(c.texture));
+    EXPECT_EQ(t.wrap_u, Wrap::clamp);
+    EXPECT_EQ(t.color_space, ColorSpace::linear);
+    EXPECT_EQ(t.uv_scale.y, 3);
+    EXPECT_EQ(t.uv_offset.x, 0.5f);
+    // v grows downwards here: 1 - (3 (1 - v) + 0.25).
+    EXPECT_EQ(t.uv_offset.y, -2.25f);
+    // A sphere with a picture has pbrt's texture coordinates.
+    EXPECT_FALSE(scene.meshes.empty());
+}
+
+TEST_F(Pbrt, TexturesOfTextures)
+{
+    const SceneDescription scene = world(R"(Texture "c" "spectrum" "checkerboard" "rgb tex1" [ 1 0 0 ] "float uscale" 4
+Texture "half" "float" "constant" "float value" 0.5
+Texture "s" "spectrum" "scale" "texture tex" "c" "texture scale" "half"
+Material "diffuse" "texture reflectance" "s" Shape "sphere")");
+    const ColorInput& c = material_of(scene).base_color;
+    expect_color(c.value, 0.5, 0.5, 0.5);
+    const Texture& t = scene.textures.at(std::size_t(c.texture));
+    EXPECT_EQ(t.kind, TextureKind::checker_uv);
+    expect_color(t.color_a.value, 1, 0, 0);
+    EXPECT_EQ(t.uv_scale.x, 4);
+}
+
+/// A world whose reflectance is a texture of pbrt's, and what was made of it.
+struct Textured {
+    SceneDescription scene;
+
+    const Texture& base() const
+    {
+        for (const Node& node : scene.nodes)
+            if (!node.shapes.empty())
+                return of(scene.materials.at(std::size_t(node.shapes[0].material)).base_color.texture);
+        throw std::runtime_error("no shape");
+    }
+    const Texture& of(int texture) const { return scene.textures.at(std::size_t(texture)); }
+};
+
+TEST_F(Pbrt, ProceduralTextures)
+{
+    const auto read = [&](const std::string& type, const std::string& parameters) {
+        warnings_ = {};
+        Textured t{
+            world(fmt::format("Texture \"t\" \"spectrum\" \"{}\" {}\n"
+                              "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
+                              type, parameters))};
+        EXPECT_EQ(is_told("Texture '"), type == "ptex") << type;
+        return t;
+    };
+    // What may leave 0 to 1 is limited, as reflectances are.
+    const auto limited = [](const Textured& t) -> const Texture& {
+        EXPECT_EQ(t.base().kind, TextureKind::clamp);
+        return t.of(t.base().color_a.texture);
+    };
+    const Textured fbm = read("fbm", "\"integer octaves\" 3 \"float roughness\" 0.75");
+    EXPECT_EQ(limited(fbm).kind, TextureKind::fbm);
+    EXPECT_EQ(limited(fbm).octaves, 3);
+    EXPECT_EQ(limited(fbm).gain, 0.75f);
+    // Only the place matters: the sphere needs no coordinates of pbrt's.
+    EXPECT_TRUE(fbm.scene.meshes.empty());
+    const Textured wrinkled = read("wrinkled", "");
+    EXPECT_EQ(limited(wrinkled).kind, TextureKind::wrinkled);
+    EXPECT_EQ(limited(wrinkled).octaves, 8);
+    EXPECT_EQ(limited(read("windy", "")).kind, TextureKind::windy);
+    const Textured marble = read("marble", "\"float scale\" 2 \"float variation\" 0.5");
+    EXPECT_EQ(marble.base().kind, TextureKind::veined_marble);
+    EXPECT_EQ(marble.base().scale, 2);
+    EXPECT_EQ(marble.base().turbulence_weight, 0.5f);
+    const Textured dots = read("dots", "\"rgb inside\" [ 1 0 0 ] \"rgb outside\" [ 0 1 0 ] \"float uscale\" 3");
+    EXPECT_EQ(dots.base().kind, TextureKind::dots);
+    // pbrt-v4 has the two the other way round.
+    expect_color(dots.base().color_a.value, 1, 0, 0);
+    expect_color(dots.base().color_b.value, 0, 1, 0);
+    EXPECT_EQ(dots.base().uv_scale.x, 3);
+    const Textured mix = read("directionmix", "\"vector dir\" [ 3 0 4 ] \"rgb tex1\" [ 1 0 0 ]");
+    EXPECT_EQ(mix.base().kind, TextureKind::facing);
+    expect_color(mix.base().color_b.value, 1, 0, 0);
+    EXPECT_EQ(mix.base().direction, (Vec3d{3, 0, 4}));
+    read("ptex", "");
+    EXPECT_TRUE(is_told("Ptex files are not read"));
+}
+
+/// s and t of a mapping at a place, by the texture's own parameters.
+Vec2f mapped(const Texture& t, double u, double v)
+{
+    const double c = std::cos(double(t.uv_rotation)), s = std::sin(double(t.uv_rotation));
+    const double x = u * double(t.uv_scale.x), y = v * double(t.uv_scale.y);
+    return {float(c * x + s * y) + t.uv_offset.x, float(-s * x + c * y) + t.uv_offset.y};
+}
+
+TEST_F(Pbrt, BilerpGoesFromCornerToCorner)
+{
+    const Textured t{world(R"(Texture "t" "spectrum" "bilerp" "rgb v00" [ 0.1 0 0 ] "rgb v01" [ 0.2 0 0 ]
+"rgb v10" [ 0.3 0 0 ] "rgb v11" [ 0.4 0 0 ] Material "diffuse" "texture reflectance" "t" Shape "sphere")")};
+    // Coordinates may leave 0 to 1, and colours with them.
+    const Texture& mix = t.of(t.base().color_a.texture);
+    const Texture &low = t.of(mix.color_a.texture), &high = t.of(mix.color_b.texture);
+    EXPECT_NEAR(low.color_a.value.r, 0.1, 1e-6);
+    EXPECT_NEAR(low.color_b.value.r, 0.3, 1e-6);
+    EXPECT_NEAR(high.color_a.value.r, 0.2, 1e-6);
+    EXPECT_NEAR(high.color_b.value.r, 0.4, 1e-6);
+    EXPECT_EQ(mix.factor.channel, 1);
+    EXPECT_EQ(low.factor.channel, 0);
+    EXPECT_EQ(high.factor.channel, 0);
+    const Texture& place = t.of(mix.factor.texture);
+    EXPECT_EQ(place.kind, TextureKind::coordinates);
+    // v of meshes grows downwards here.
+    EXPECT_NEAR(mapped(place, 0.25, 0.125).y, 0.875, 1e-6);
+}
+
+TEST_F(Pbrt, MappingsByPlace)
+{
+    const auto read = [&](const std::string& type, const std::string& parameters) {
+        // Through this camera x runs the other way.
+        return Textured{load("a.pbrt", fmt::format(R"(Camera "perspective" WorldBegin AttributeBegin Translate 1 2 3
+Texture "t" "spectrum" "{}" {} AttributeEnd
+Material "diffuse" "texture reflectance" "t" Shape "sphere")",
+                                                   type, parameters))};
+    };
+    const std::string picture = "\"string filename\" \"a.png\" ";
+    // s is the angle from the axis there, t that about it: u and v here the other way round.
+    const Textured ball = read("imagemap", picture + "\"string mapping\" \"spherical\"");
+    EXPECT_EQ(ball.base().mapping, TextureMapping::spherical);
+    const Vec2f on_ball = mapped(ball.base(), 0.125, 0.25);
+    EXPECT_NEAR(on_ball.x, 0.25, 1e-6);
+    EXPECT_NEAR(on_ball.y, 1 - 0.125, 1e-6);
+    // The sphere needs no coordinates of its own, but the place where the texture was defined, in the mirrored world.
+    EXPECT_TRUE(ball.scene.meshes.empty());
+    EXPECT_EQ(ball.base().world_from_texture.point({1, 0, 0}), (Vec3d{-2, 2, 3}));
+    const Texture dots_on_ball = read("dots", "\"string mapping\" \"spherical\"").base();
+    EXPECT_NEAR(mapped(dots_on_ball, 0.125, 0.25).x, 0.25, 1e-6);
+    EXPECT_NEAR(mapped(dots_on_ball, 0.125, 0.25).y, 0.125, 1e-6);
+    const Texture tube = read("imagemap", picture + "\"string mapping\" \"cylindrical\"").base();
+    EXPECT_EQ(tube.mapping, TextureMapping::cylindrical);
+    EXPECT_NEAR(mapped(tube, 0.125, 0.25).x, 0.125, 1e-6);
+    EXPECT_NEAR(mapped(tube, 0.125, 0.25).y, 0.75, 1e-6);
+    const Texture plane = read("checkerboard",
+                               "\"string mapping\" \"planar\" \"vector v1\" [ 0 2 0 ] \"vector v2\" [ 0 0 4 ] "
+                               "\"float udelta\" 0.5 \"float vdelta\" 0.25")
+                              .base();
+    EXPECT_EQ(plane.mapping, TextureMapping::planar);
+    // At y = 2 + 3 and z = 3 + 5.
+    const Vec3d p = plane.world_from_texture.inverse().point({0, 5, 8});
+    EXPECT_NEAR(mapped(plane, p.x, p.y).x, 6.5, 1e-6);
+    EXPECT_NEAR(mapped(plane, p.x, p.y).y, 20.25, 1e-6);
+    const Texture cubes = read("checkerboard", "\"integer dimension\" 3").base();
+    EXPECT_EQ(cubes.kind, TextureKind::checker_space);
+    EXPECT_EQ(cubes.world_from_texture.point({0, 0, 0}), (Vec3d{-1, 2, 3}));
+    EXPECT_EQ(read("directionmix", "\"vector dir\" [ 3 0 4 ]").base().direction, (Vec3d{-3, 0, 4}));
+}
+
+TEST_F(Pbrt, PicturesAreInvertedAndWrapped)
+{
+    const Textured t{world(R"(Texture "t" "spectrum" "imagemap" "string filename" "a.png" "string wrap" "black"
+"bool invert" true "float scale" 0.5 Material "diffuse" "texture reflectance" "t" Shape "sphere")")};
+    EXPECT_EQ(t.base().kind, TextureKind::invert);
+    expect_color(t.base().color_a.value, 0.5, 0.5, 0.5);
+    EXPECT_EQ(t.of(t.base().color_a.texture).wrap_u, Wrap::black);
+    EXPECT_EQ(t.of(t.base().color_a.texture).wrap_v, Wrap::black);
+    const Textured sky{world(R"(Texture "t" "spectrum" "imagemap" "string filename" "a.png" "string wrap"
+"octahedralsphere" Material "diffuse" "texture reflectance" "t" Shape "sphere")")};
+    EXPECT_EQ(sky.base().wrap_u, Wrap::octahedral);
+    EXPECT_FALSE(is_told("the wrap"));
+}
+
+TEST_F(Pbrt, HeightsBendNormals)
+{
+    const char* const waves = "Texture \"t\" \"float\" \"scale\" \"texture tex\" \"w\" \"float scale\" 0.25 ";
+    const std::string windy = std::string("Texture \"w\" \"float\" \"windy\" ") + waves;
+    const Material water = material(windy + "Material \"dielectric\" \"texture displacement\" \"t\"");
+    EXPECT_GE(water.bump.texture, 0);
+    EXPECT_EQ(water.bump.value, 0.25f);
+    EXPECT_TRUE(warnings_.counts().empty());
+    // Where there is a normal map it counts.
+    const Material both = material(windy +
+                                   "Material \"diffuse\" \"texture displacement\" \"t\" "
+                                   "\"string normalmap\" \"n.png\"");
+    EXPECT_LT(both.bump.texture, 0);
+    EXPECT_GE(both.normal_texture, 0);
+}
+
+TEST_F(Pbrt, AlphaMakesHoles)
+{
+    const SceneDescription scene = world("Shape \"sphere\" \"float alpha\" 0.25 Shape \"sphere\"");
+    EXPECT_EQ(material_of(scene).alpha.value, 0.25f);
+    EXPECT_EQ(material_of(scene).alpha_mode, AlphaMode::blend);
+    EXPECT_EQ(scene.materials.at(std::size_t(scene.nodes.at(1).shapes.at(0).material)).alpha_mode, AlphaMode::opaque);
+}
+
+// ---------------------------------------------------------------------------------------------------- shapes
+
+TEST_F(Pbrt, TrianglesFaceTheirNormals)
+{
+    const std::string normals = " \"normal N\" [ 0 0 -1 0 0 -1 0 0 -1 ]";
+    const auto z_of = [](const Mesh& mesh) {
+        const Vec3f a = mesh.positions[mesh.indices[0]], b = mesh.positions[mesh.indices[1]],
+                    c = mesh.positions[mesh.indices[2]];
+        return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    };
+    const std::string mesh = std::string("Shape \"trianglemesh\" ") + triangle;
+    EXPECT_GT(z_of(mesh_of(world(mesh))), 0);
+    EXPECT_LT(z_of(mesh_of(world("ReverseOrientation " + mesh))), 0);
+    EXPECT_LT(z_of(mesh_of(world(mesh + normals))), 0);
+    EXPECT_GT(z_of(mesh_of(world("ReverseOrientation " + mesh + normals))), 0);
+    EXPECT_EQ(mesh_of(world("ReverseOrientation " + mesh + normals)).normals.at(0).z, 1);
+}
+
+TEST_F(Pbrt, PlyMeshesAreReadOnce)
+{
+    write("a.ply",
+          "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+          "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    const SceneDescription scene =
+        world("Shape \"plymesh\" \"string filename\" \"a.ply\" Shape \"plymesh\" \"string filename\" \"a.ply\"");
+    EXPECT_EQ(scene.meshes.size(), 1u);
+    EXPECT_EQ(scene.nodes.size(), 2u);
+    EXPECT_EQ(error("Shape \"plymesh\" \"string filename\" \"b.ply\"").find("line 2, column 1: "), 0u);
+}
+
+TEST_F(Pbrt, RoundShapes)
+{
+    EXPECT_EQ(
+        std::get<Sphere>(shape_of(world("ReverseOrientation Shape \"sphere\" \"float radius\" 2")).geometry).radius,
+        -2);
+    EXPECT_EQ(std::get<Disk>(shape_of(world("Shape \"disk\" \"float radius\" 2 \"float height\" 1")).geometry).center.z,
+              1);
+    const auto area = [&](const std::string& text) {
+        const SceneDescription scene = world("Shape " + text);
+        const Mesh& mesh = mesh_of(scene);
+        double sum = 0;
+        for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+            const auto p = [&](std::size_t k) {
+                const Vec3f v = mesh.positions[mesh.indices[i + k]];
+                return Vec3d{v.x, v.y, v.z};
+            };
+            const Vec3d n = cross(p(1) - p(0), p(2) - p(0));
+            const Vec3f normal = mesh.normals[mesh.indices[i]];
+            EXPECT_GT(n.x * normal.x + n.y * normal.y + n.z * normal.z, 0);
+            sum += length(n) / 2;
+        }
+        return sum;
+    };
+    constexpr double pi = std::numbers::pi;
+    EXPECT_NEAR(area("\"cylinder\" \"float radius\" 2 \"float zmin\" 0 \"float zmax\" 3"), 12 * pi, 0.01);
+    EXPECT_NEAR(area("\"sphere\" \"float zmin\" 0"), 2 * pi, 0.01);
+    EXPECT_NEAR(area("\"disk\" \"float innerradius\" 0.5 \"float phimax\" 180"), 0.375 * pi, 0.001);
+    EXPECT_NEAR(area("\"bilinearmesh\" \"point3 P\" [ 0 0 0 2 0 0 0 3 0 2 3 0 ]"), 6, 1e-6);
+}
+
+TEST_F(Pbrt, CurvesAndSubdivision)
+{
+    const SceneDescription scene = world(
+        R"(Shape "curve" "point3 P" [ 0 0 0 1 0 0 2 0 0 3 0 0 ] "float width0" 1 "float width1" 0.5 "string type" "cylinder")");
+    const Curves& curves = scene.curves.at(0);
+    EXPECT_EQ(curves.basis, CurveBasis::bezier);
+    EXPECT_FALSE(curves.ribbons);
+    EXPECT_EQ(curves.radii.front(), 0.5f);
+    EXPECT_EQ(curves.radii.back(), 0.25f);
+    EXPECT_EQ(world(R"(Shape "curve" "integer degree" 2 "point3 P" [ 0 0 0 1 2 0 2 0 0 ])").curves.at(0).points.size(),
+              4u);
+    // An octahedron's limit is nearly a ball, all alike around.
+    const SceneDescription loop =
+        world(R"(Shape "loopsubdiv" "integer levels" 3 "point3 P" [ 1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1 ]
+"integer indices" [ 0 2 4 2 1 4 1 3 4 3 0 4 2 0 5 1 2 5 3 1 5 0 3 5 ])");
+    const Mesh& mesh = mesh_of(loop);
+    EXPECT_EQ(mesh.indices.size(), 3u * 8 * 64);
+    const auto radius = [&](std::size_t i) {
+        return std::hypot(mesh.positions[i].x, mesh.positions[i].y, mesh.positions[i].z);
+    };
+    // Of a corner of valence 4: the limit's weights are 1/2 of itself where its neighbours cancel out.
+    EXPECT_NEAR(radius(0), radius(4), 1e-6);
+    EXPECT_GT(radius(0), 0.4);
+    EXPECT_LT(radius(0), 0.8);
+}
+
+}  // namespace
+}  // namespace fathom::test
