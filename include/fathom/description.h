@@ -133,10 +133,12 @@ enum class MaterialKind {
     /// boundary over what is diffuse, passes diffusely, or is refracted. By default the metallic-roughness model of
     /// glTF.
     principled,
+    /// Disney's (Burley 2012, 2015): lobes that are added, of facets, what is diffuse, sheen and a clear coat.
+    disney,
     mix,       ///< of two materials: a path meets material_b as often as factor says, else material_a
     two_sided  ///< material_a on the side of the geometric normal, material_b on the other
 };
-inline constexpr int material_kind_count = 11;
+inline constexpr int material_kind_count = 12;
 
 enum class AlphaMode { opaque, mask, blend };
 
@@ -199,6 +201,12 @@ struct Material {
     FloatInput thin_film{0, -1, 0};              ///< share of the surface that has the film
     FloatInput thin_film_thickness{400, -1, 1};  ///< nanometres
     float thin_film_ior = 1.3f;
+    // disney
+    FloatInput flatness{0, -1, 0};       ///< how far what is diffuse is that of light scattered below the surface
+    FloatInput specular_tint{0, -1, 0};  ///< how far the dielectric's reflection has the hue of base_color
+    FloatInput sheen{0, -1, 0};
+    FloatInput sheen_tint{0, -1, 0};  ///< how far the sheen has that hue
+    FloatInput coat_gloss{0, -1, 0};  ///< 0: an alpha of 0.1, 1: one of 0.001
     // mix, two_sided: materials, which may be such themselves. What they emit, their alpha and their displacement don't
     // count: the mixture has its own.
     int material_a = -1, material_b = -1;

@@ -29,7 +29,7 @@ std::uint64_t fingerprint_contents(const GeometryTables& t)
 std::uint64_t fingerprint_materials(const SceneTables& t)
 {
     Fingerprint f;
-    f.add(t.materials), f.add(t.layers), f.add(t.mixtures), f.add(t.media), f.add(t.texels),
+    f.add(t.materials), f.add(t.layers), f.add(t.disney), f.add(t.mixtures), f.add(t.media), f.add(t.texels),
         f.add(t.environment.texels);
     f.add(t.picture_texels);
     f.add(t.ramp_stops), f.add(t.texture_spaces);

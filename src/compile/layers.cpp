@@ -79,6 +79,11 @@ double inner_reflectance(double ior)
     return 1 - (1 - mean) / (ior * ior);
 }
 
+bool is_textured(const auto&... inputs)
+{
+    return ((inputs.texture != no_index) || ...);
+}
+
 }  // namespace
 
 double share_lost_within(double ior, double optical_thickness)
@@ -132,12 +137,31 @@ LayersRecord compile_layers(const Material& m, double render_scale)
     t.coat_darkening = m.coat_darkening;
     t.coat_normal_texture = texture_id(m.coat_normal_texture), t.coat_normal_scale = m.coat_normal_scale;
     t.thin_film_ior = m.thin_film_ior;
-    const auto is_textured = [](const auto&... inputs) { return ((inputs.texture != no_index) || ...); };
     if (is_textured(t.specular, t.anisotropy, t.transmission, t.diffuse_transmission, t.diffuse_roughness, t.coat,
                     t.coat_roughness, t.sheen_roughness, t.thin_film, t.thin_film_thickness, t.specular_color,
                     t.edge_color, t.transmission_color, t.diffuse_transmission_color, t.coat_color, t.sheen_color,
                     t.subsurface, t.subsurface_color, t.subsurface_radius, t.subsurface_radius_scale))
         t.features |= LayersRecord::textured;
+    return t;
+}
+
+ClosureKind closure_of_disney(const Material& m)
+{
+    const bool passes = is_above_0(m.transmission) || (m.thin && is_above_0(m.diffuse_transmission));
+    return passes ? ClosureKind::disney_transmitting : ClosureKind::disney;
+}
+
+DisneyRecord compile_disney(const Material& m)
+{
+    DisneyRecord t;
+    t.anisotropy = number(m.anisotropy), t.flatness = number(m.flatness), t.specular_tint = number(m.specular_tint);
+    t.sheen = number(m.sheen), t.sheen_tint = number(m.sheen_tint);
+    t.coat = number(m.coat), t.coat_gloss = number(m.coat_gloss);
+    t.transmission = number(m.transmission), t.diffuse_transmission = number(m.diffuse_transmission);
+    if (is_above_0(m.anisotropy)) t.features |= DisneyRecord::anisotropic;
+    if (is_textured(t.anisotropy, t.flatness, t.specular_tint, t.sheen, t.sheen_tint, t.coat, t.coat_gloss,
+                    t.transmission, t.diffuse_transmission))
+        t.features |= DisneyRecord::textured;
     return t;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Materials of layers, as the kernel reads them.
+/// Materials of layers and Disney's, as the kernel reads them.
 #include "fathom/description.h"
 #include "shading/records.h"
 
@@ -19,6 +19,9 @@ ClosureKind closure_of_layers(const Material& m);
 
 /// render_scale: of render space, in whose units lengths are.
 LayersRecord compile_layers(const Material& m, double render_scale);
+
+ClosureKind closure_of_disney(const Material& m);
+DisneyRecord compile_disney(const Material& m);
 
 /// Of diffuse light that a smooth boundary of index ior sends back through a layer: what that absorbs on both ways.
 double share_lost_within(double ior, double optical_thickness);

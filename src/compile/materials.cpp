@@ -88,6 +88,8 @@ ClosureKind closure_of(const Material& m)
             return ClosureKind::plastic;
         case MaterialKind::hair:
             return ClosureKind::hair;
+        case MaterialKind::disney:
+            return closure_of_disney(m);
         case MaterialKind::principled:
             break;
     }
@@ -96,7 +98,8 @@ ClosureKind closure_of(const Material& m)
 
 bool is_solid(const Material& m, ClosureKind closure)
 {
-    return !m.thin && (closure == ClosureKind::glass || closure == ClosureKind::layered_transmitting);
+    return !m.thin && (closure == ClosureKind::glass || closure == ClosureKind::layered_transmitting ||
+                       closure == ClosureKind::disney_transmitting);
 }
 
 void set_number(const FloatInput& from, float& value, std::uint32_t& texture, std::uint32_t& channel)
@@ -194,6 +197,11 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
         if (c.tables.layers.back().features & (LayersRecord::anisotropic | LayersRecord::coat_normal_mapped))
             t.flags |= MaterialRecord::wants_tangent;
     }
+    if (m.kind == MaterialKind::disney) {
+        t.disney = std::uint32_t(c.tables.disney.size());
+        c.tables.disney.push_back(compile_disney(m));
+        if (c.tables.disney.back().features & DisneyRecord::anisotropic) t.flags |= MaterialRecord::wants_tangent;
+    }
     return t;
 }
 
@@ -228,6 +236,7 @@ void compile_material_records(Compiler& c)
 {
     c.tables.materials.clear();
     c.tables.layers.clear();
+    c.tables.disney.clear();
     c.tables.mixtures.clear();
     c.tables.media.resize(1);
     for (const Material& material : c.scene.materials)

@@ -85,6 +85,27 @@ struct AnisotropicGgx {
     Vec3 sample(Vec3 wo, Sample2 u) const { return sample_visible_normal(wo, alpha_x, alpha_y, u); }
 };
 
+/// Turns directions about the normal, to where a tangent is x: the axes of anisotropic facets.
+struct FacetAxes {
+    Float cosine{1}, sine{0};
+
+    FacetAxes() = default;
+    /// tangent: in the frame of the shading normal; where it has no length to speak of, nothing is turned
+    explicit FacetAxes(const Vec3& tangent)
+    {
+        const Float sine2 = fma(tangent.x, tangent.x, tangent.y * tangent.y);
+        const Mask known = sine2 > Float(1e-12f);
+        const Float inverse = inverse_sqrt(max(sine2, Float(1e-12f)));
+        cosine = select(known, tangent.x * inverse, Float(1));
+        sine = select(known, tangent.y * inverse, Float(0));
+    }
+    Vec3 to_facets(const Vec3& w) const { return turned(w, sine); }
+    Vec3 from_facets(const Vec3& w) const { return turned(w, -sine); }
+
+private:
+    Vec3 turned(const Vec3& w, Float s) const { return {fma(w.x, cosine, w.y * s), fma(w.y, cosine, -(w.x * s)), w.z}; }
+};
+
 /// What GGX's alpha is of Beckmann's that it looks most like.
 inline constexpr float ggx_of_beckmann = 0.7f, sqrt_ggx_of_beckmann = 0.83666003f;
 

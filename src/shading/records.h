@@ -55,10 +55,12 @@ enum class ClosureKind : std::uint32_t {
     plastic,
     hair,
     principled,
+    disney,
+    disney_transmitting,  ///< the same where light passes to the other side
     layered,
-    layered_transmitting  ///< the same where light passes to the other side
+    layered_transmitting
 };
-inline constexpr int closure_kind_count = 10;
+inline constexpr int closure_kind_count = 12;
 
 /// A number or colour times that of a texture, if there is one.
 struct NumberRecord {
@@ -103,6 +105,14 @@ struct LayersRecord {
     std::uint32_t anisotropy_texture = no_index, coat_normal_texture = no_index;
 };
 
+/// What a surface of Disney's has beside a MaterialRecord.
+struct DisneyRecord {
+    enum Features : std::uint32_t { anisotropic = 1, textured = 2 /* any of the parameters here */ };
+    std::uint32_t features = 0;
+    NumberRecord anisotropy, flatness, specular_tint, sheen, sheen_tint, coat, coat_gloss, transmission,
+        diffuse_transmission;
+};
+
 /// A material that paths meet as one of two others.
 struct MixtureRecord {
     std::uint32_t first = 0, second = 0;  ///< among ShadingTables::materials
@@ -142,6 +152,7 @@ struct MaterialRecord {
     float normal_scale = 1;
 
     ClosureKind closure = ClosureKind::none;
+    std::uint32_t disney = no_index;   ///< in ShadingTables
     std::uint32_t mixture = no_index;  ///< in ShadingTables; what is here beside emission and alpha is of both then
     Rgb emission{};
     float alpha = 1, alpha_cutoff = 0;
@@ -168,6 +179,7 @@ struct RampStopRecord {
 struct ShadingTables {
     std::vector<MaterialRecord> materials;
     std::vector<LayersRecord> layers;
+    std::vector<DisneyRecord> disney;
     std::vector<MixtureRecord> mixtures;
     std::vector<TextureRecord> textures;
     std::vector<RampStopRecord> ramp_stops;

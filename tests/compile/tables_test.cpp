@@ -289,6 +289,25 @@ TEST(MaterialTable, LayersAsNeeded)
     for (const auto& change : changes) EXPECT_EQ(closure(change), layered);
 }
 
+TEST(MaterialTable, DisneysPassLightWhereAsked)
+{
+    const auto closure = [](const std::function<void(Material&)>& change) {
+        SceneDescription d = empty_scene();
+        Material m;
+        m.kind = MaterialKind::disney;
+        change(m);
+        d.materials = {m};
+        return compiled(d).data().tables->materials[0];
+    };
+    using enum ClosureKind;
+    EXPECT_EQ(closure([](Material&) {}).closure, disney);
+    EXPECT_EQ(closure([](Material& m) { m.diffuse_transmission.value = 1; }).closure, disney);
+    EXPECT_EQ(closure([](Material& m) { m.diffuse_transmission.value = 1, m.thin = true; }).closure,
+              disney_transmitting);
+    EXPECT_NE(closure([](Material& m) { m.transmission.value = 1; }).medium, 0u);
+    EXPECT_EQ(closure([](Material& m) { m.transmission.value = 1, m.thin = true; }).medium, 0u);
+}
+
 /// The share that a layer under a boundary of index 1.5 takes from what that throws back, integrated elsewhere.
 TEST(PlasticTable, LayersLoseAShareWithin)
 {

@@ -385,6 +385,34 @@ def hair():
         LAMP], curves={"placed": curves(0, "round")})
 
 
+def disney():
+    """Opaque, of brushed metal, coated, solid with a smaller one within, and a sheet; numbers by textures."""
+    ball = lambda x, z, r, **keys: {"material": {"kind": "disney", **keys}, "sphere": {"center": [x, r, z], "radius": r}}
+    bands = lambda value: {"texture": {"image": "bands.png", "color_space": "linear"}, "value": value}
+    write("disney", scene=[
+        FLOOR, LAMP, ball(-1, 0.2, 0.35, color=[0.7, 0.3, 0.2], roughness=0.6, sheen=0.8, sheen_tint=0.5, flatness=bands(0.9)),
+        ball(-0.3, -0.5, 0.4, color=[0.9, 0.7, 0.4], metallic=bands(1), roughness=0.4, anisotropy=0.8, specular_tint=0.5),
+        ball(0.5, 0.1, 0.4, color=[0.8, 0.9, 0.9], transmission=0.9, roughness=0.2, ior=1.4, attenuation_color=[0.5, 0.9, 0.6], attenuation_distance=0.5),
+        ball(0.5, 0.1, 0.15, color=[0.2, 0.3, 0.8], coat=1, coat_gloss=0.4, roughness=0.7),
+        {"material": {"kind": "disney", "thin": True, "color": [0.6, 0.8, 0.4], "diffuse_transmission": 0.4, "transmission": bands(0.5), "roughness": 0.3},
+         "rectangle": {"corner": [0.9, 0, -0.6], "edge_u": [0.4, 0, 0.5], "edge_v": [0, 0.9, 0]}}])
+
+
+def neighbours():
+    """Balls that each have something the next one has not: lanes of a gang must not change each other's bits."""
+    parts = [{}, {"sheen_color": 0.5}, {"coat": 0.7, "coat_roughness": 0.2}, {"thin_film": 0.8}, {"diffuse_roughness": 0.6}, {"anisotropy": 0.7},
+             {"specular": 0.5}, {"two_roughnesses": True, "anisotropy": 0.3}, {"sheen_color": 0.4, "sheen_reciprocal": True},
+             {"specular": 0.5, "energy_compensation": False}, {"specular": 0.6, "beckmann": True}, {"specular": 0.6, "separable_shadowing": True},
+             {"transmission": 0.6}, {"diffuse_transmission": 0.5}, {"transmission": 0.5, "dispersion": 2}, {"subsurface": 0.6},
+             {"diffuse_transmission": 0.3, "diffuse_transmission_added": True, "color": 0.5, "diffuse_transmission_color": 0.3},
+             {"coat": {"texture": {"kind": "checker_uv", "scale": 5, "color_a": 0.1, "color_b": 0.9}}},
+             {"kind": "disney"}, {"kind": "disney", "anisotropy": 0.6, "coat": 0.5}, {"kind": "disney", "transmission": 0.6},
+             {"kind": "disney", "thin": True, "transmission": 0.6, "diffuse_transmission": 0.3}]
+    write("neighbours", scene=[FLOOR, LAMP, *(
+        {"material": {"kind": "principled", "color": [0.7, 0.5, 0.3], "roughness": 0.4, **part},
+         "sphere": {"center": [round(0.4 * (i % 6) - 1, 3), 0.2, round(0.4 * (i // 6) - 0.8, 3)], "radius": 0.19}} for i, part in enumerate(parts))])
+
+
 def moving_curves():
     """Points that move, with their radii: hair of one key more, glass, a lamp, and one in a node that moves, too."""
     def keys(points, way, times=(0, 0.4, 1)):
@@ -430,6 +458,8 @@ def lights():
     pictured_lights()
     glowing_curves()
     hair()
+    disney()
+    neighbours()
     moving_curves()
     write("fibres", scene=[FLOOR, LAMP, *({"material": {"kind": "glass", "attenuation_color": [0.4, 0.8, 0.6], "attenuation_distance": 0.3}, "curves": {
         "basis": basis, "curves": [[[0.25 * k - 1.5 + 0.3 * math.sin(k), 0.3 * (k % 4) + y, z, 0.08 + 0.03 * (k % 2)] for k in range(10)]]}}

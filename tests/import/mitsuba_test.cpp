@@ -154,6 +154,37 @@ TEST_F(Mitsuba, Plastic)
     EXPECT_FALSE(smooth.nonlinear);
 }
 
+TEST_F(Mitsuba, Principled)
+{
+    const Material m = bsdf(
+        R"(<bsdf type="principled"><rgb name="base_color" value="0.1 0.2 0.3"/><float name="roughness" value="0.3"/>
+<float name="metallic" value="0.1"/><float name="specular" value="0.8"/><float name="anisotropic" value="0.2"/>
+<float name="clearcoat" value="0.4"/><float name="clearcoat_gloss" value="0.6"/><float name="sheen" value="0.7"/>
+<float name="sheen_tint" value="0.8"/><float name="flatness" value="0.9"/><float name="spec_tint" value="0.15"/>
+<float name="spec_trans" value="0.25"/></bsdf>)");
+    EXPECT_EQ(m.kind, MaterialKind::disney);
+    expect_color(m.base_color.value, 0.1, 0.2, 0.3);
+    const std::pair<float, const FloatInput*> expected[] = {
+        {0.3f, &m.roughness},      {0.1f, &m.metallic},     {0.2f, &m.anisotropy}, {0.4f, &m.coat},
+        {0.6f, &m.coat_gloss},     {0.7f, &m.sheen},        {0.8f, &m.sheen_tint}, {0.9f, &m.flatness},
+        {0.15f, &m.specular_tint}, {0.25f, &m.transmission}};
+    for (const auto& [value, input] : expected) EXPECT_NEAR(input->value, value, 1e-6);
+    const double normal = (double(m.ior) - 1) / (double(m.ior) + 1);
+    EXPECT_NEAR(normal * normal, 0.08 * 0.8, 1e-6);
+    EXPECT_FALSE(m.thin);
+    EXPECT_FALSE(m.black_behind);
+
+    const Material sheet = bsdf(
+        R"(<bsdf type="principledthin"><float name="diff_trans" value="0.8"/><float name="eta" value="1.3"/></bsdf>)");
+    EXPECT_TRUE(sheet.thin);
+    EXPECT_EQ(sheet.diffuse_transmission.value, 0.4f);
+    EXPECT_EQ(sheet.ior, 1.3f);
+    const Material usual = bsdf(R"(<bsdf type="principled"/>)");
+    EXPECT_NEAR(usual.ior, 1.5, 1e-6);
+    EXPECT_EQ(usual.roughness.value, 0.5f);
+    EXPECT_TRUE(usual.black_behind);
+}
+
 TEST_F(Mitsuba, Hair)
 {
     const Material usual = bsdf(R"(<bsdf type="hair"/>)");

@@ -1,4 +1,5 @@
 #include <functional>
+#include <span>
 
 #include "picture_helpers.h"
 
@@ -69,26 +70,30 @@ void furnish_all(Material& m)
     m.thin_film.value = 0.5f, m.thin_film_thickness.value = 350;
 }
 
-/// A number times a channel of a texture is that product; and it matters.
-TEST(LayerForms, NumbersHaveTextures)
+/// The same of Disney's, on a solid or a sheet.
+void furnish_disney(Material& m, bool thin)
 {
-    const std::pair<const char*, FloatInput Material::*> numbers[] = {
-        {"specular", &Material::specular},
-        {"anisotropy", &Material::anisotropy},
-        {"transmission", &Material::transmission},
-        {"diffuse_transmission", &Material::diffuse_transmission},
-        {"diffuse_roughness", &Material::diffuse_roughness},
-        {"coat", &Material::coat},
-        {"coat_roughness", &Material::coat_roughness},
-        {"sheen_roughness", &Material::sheen_roughness},
-        {"thin_film", &Material::thin_film},
-        {"thin_film_thickness", &Material::thin_film_thickness}};
+    m.kind = MaterialKind::disney;
+    m.base_color.value = {0.6f, 0.2f, 0.4f};
+    m.metallic.value = 0.4f, m.roughness.value = 0.6f;
+    m.anisotropy.value = 0.6f, m.flatness.value = 0.5f, m.specular_tint.value = 0.4f;
+    m.sheen.value = 0.5f, m.sheen_tint.value = 0.6f;
+    m.coat.value = 0.7f, m.coat_gloss.value = 0.3f;
+    m.transmission.value = 0.3f, m.diffuse_transmission.value = 0.6f;
+    m.thin = thin;
+}
+
+using Number = std::pair<const char*, FloatInput Material::*>;
+
+/// A number times a channel of a texture is that product; and it matters.
+void expect_textured_numbers(const Shown& shown, void (*furnish)(Material&), std::span<const Number> numbers)
+{
     for (const auto& [name, member] : numbers)
         for (int channel = 0; channel < 3; ++channel) {
             const float factors[] = {0.5f, 0.75f, 0.625f};
             const auto render = [&](float times, bool textured) {
-                return Shown().of([&](Material& m, SceneBuilder& b) {
-                    furnish_all(m);
+                return shown.of([&](Material& m, SceneBuilder& b) {
+                    furnish(m);
                     FloatInput& input = m.*member;
                     input.value *= times;
                     input.channel = channel;
@@ -99,6 +104,38 @@ TEST(LayerForms, NumbersHaveTextures)
             expect_equal(textured, plain, name);
             EXPECT_GT(std::abs(whole.g - plain.g), 1e-4 * plain.g) << name << " changes nothing";
         }
+}
+TEST(LayerForms, NumbersHaveTextures)
+{
+    const Number numbers[] = {{"specular", &Material::specular},
+                              {"anisotropy", &Material::anisotropy},
+                              {"transmission", &Material::transmission},
+                              {"diffuse_transmission", &Material::diffuse_transmission},
+                              {"diffuse_roughness", &Material::diffuse_roughness},
+                              {"coat", &Material::coat},
+                              {"coat_roughness", &Material::coat_roughness},
+                              {"sheen_roughness", &Material::sheen_roughness},
+                              {"thin_film", &Material::thin_film},
+                              {"thin_film_thickness", &Material::thin_film_thickness}};
+    expect_textured_numbers({}, furnish_all, numbers);
+}
+TEST(LayerForms, DisneysNumbersHaveTextures)
+{
+    const Number solid[] = {{"anisotropy", &Material::anisotropy},
+                            {"flatness", &Material::flatness},
+                            {"sheen", &Material::sheen},
+                            {"sheen_tint", &Material::sheen_tint},
+                            {"coat", &Material::coat},
+                            {"coat_gloss", &Material::coat_gloss},
+                            {"metallic", &Material::metallic},
+                            {"specular_tint", &Material::specular_tint},
+                            {"roughness", &Material::roughness},
+                            {"transmission", &Material::transmission}};
+    const Number sheet[] = {{"diffuse_transmission", &Material::diffuse_transmission}};
+    // Where sheen is seen.
+    const Shown shown{normalize(Vec3d{1.5, -0.3, 0.5}), normalize(Vec3d{-1.2, 0.6, 0.4})};
+    expect_textured_numbers(shown, [](Material& m) { furnish_disney(m, false); }, solid);
+    expect_textured_numbers(shown, [](Material& m) { furnish_disney(m, true); }, sheet);
 }
 TEST(LayerForms, ColoursHaveTextures)
 {

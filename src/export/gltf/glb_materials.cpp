@@ -289,12 +289,38 @@ bool join_roughnesses(Material& m)
     return true;
 }
 
+/// The layers that are most like Disney's.
+Material as_layers(Material m)
+{
+    m.kind = MaterialKind::principled;
+    m.transmission_color = m.base_color;
+    m.diffuse_transmission_color = m.base_color;
+    if (m.anisotropy.value > 0) {
+        // Disney's aspect: alphas are roughness^2 over and times the root of 1 - 0.9 anisotropy.
+        const double aspect = std::sqrt(1 - 0.9 * double(m.anisotropy.value));
+        const double square = double(m.roughness.value) * double(m.roughness.value);
+        m.anisotropy.value = float(std::sqrt(std::min(1.0, square / aspect)));
+        m.roughness.value = float(std::sqrt(square * aspect));
+        m.two_roughnesses = true;
+    }
+    // A quarter of a boundary of index 1.5, of an alpha from 0.1 to 0.001.
+    m.coat.value *= 0.25f;
+    m.coat_roughness = {std::sqrt(0.1f + m.coat_gloss.value * (0.001f - 0.1f)), -1, green};
+    const float sheen = m.sheen.value;
+    m.sheen_color = {{sheen, sheen, sheen}, m.sheen.texture};
+    return m;
+}
+
 }  // namespace
 
 Json GlbMaterials::material_json(const Material& given)
 {
     Material m = given;
     current_ = &given;
+    if (m.kind == MaterialKind::disney) {
+        tell("how Disney's lobes are added: they are layers");
+        m = as_layers(m);
+    }
     if (m.two_roughnesses && !join_roughnesses(m))
         tell("textures of two roughnesses: that along the tangent is left out");
     Json json = Json::object();

@@ -51,6 +51,7 @@ bool reflects_only(const Material& m)
         case MaterialKind::metal:
         case MaterialKind::plastic:
             return true;
+        case MaterialKind::disney:
         case MaterialKind::principled:
             return m.transmission.value == 0 && m.diffuse_transmission.value == 0;
         default:
@@ -284,51 +285,35 @@ Material Reader::hair(Object& bsdf)
 Material Reader::principled(Object& bsdf)
 {
     Material m;
-    m.kind = MaterialKind::principled;
+    m.kind = MaterialKind::disney;
     m.thin = bsdf.type() == "principledthin";
-    m.energy_compensation = false;
     m.base_color = color(bsdf, "base_color", {0.5f, 0.5f, 0.5f});
     m.roughness = number_or_texture(bsdf, "roughness", 0.5f);
     m.metallic = number_or_texture(bsdf, "metallic", 0);
     m.transmission = number_or_texture(bsdf, "spec_trans", 0);
-    m.ior = 1.5f;
+    double ior = 1.5;
     if (bsdf.has("eta")) {
-        m.ior = float(bsdf.number("eta", 1.5));
-    } else if (bsdf.has("specular")) {
+        const FloatInput eta = number_or_texture(bsdf, "eta", 1.5f);
+        if (eta.texture >= 0)
+            tell(bsdf.element(), "a texture as 'eta' is taken as 1.5");
+        else
+            ior = double(eta.value);
+    } else {
         // Reflectance at normal incidence is 0.08 times it.
         const double root = std::sqrt(std::clamp(0.08 * bsdf.number("specular", 0.5), 0.0, 0.99));
-        m.ior = float((1 + root) / (1 - root));
+        ior = (1 + root) / (1 - root);
     }
+    m.ior = float(ior);
     m.anisotropy = number_or_texture(bsdf, "anisotropic", 0);
-    if (m.anisotropy.texture >= 0) tell(bsdf.element(), "a texture as 'anisotropic' is only nearly Disney's");
-    if (m.anisotropy.value > 0 && m.anisotropy.texture < 0) {
-        // Disney's aspect: alphas are roughness^2 over and times the root of 1 - 0.9 anisotropic.
-        const double aspect = std::sqrt(1 - 0.9 * m.anisotropy.value), alpha = m.roughness.value * m.roughness.value;
-        const double wide = std::min(1.0, alpha / aspect), narrow = alpha * aspect;
-        if (m.roughness.texture < 0) m.roughness.value = float(std::sqrt(narrow));
-        m.anisotropy.value = square_root(float((wide - narrow) / std::max(1e-6, 1 - narrow)));
-    }
-    // A quarter of a boundary of index 1.5, of an alpha from 0.1 to 0.001.
     m.coat = number_or_texture(bsdf, "clearcoat", 0);
-    m.coat.value *= 0.25f;
-    FloatInput gloss = number_or_texture(bsdf, "clearcoat_gloss", 0);
-    if (gloss.texture >= 0) {
-        tell(bsdf.element(), "a texture as 'clearcoat_gloss' is taken as 0.5");
-        gloss.value = 0.5f;
-    }
-    m.coat_roughness = {square_root(0.1f + gloss.value * (0.001f - 0.1f)), -1, 0};
-    m.coat_darkening = 0;
-    const FloatInput sheen = number_or_texture(bsdf, "sheen", 0);
-    m.sheen_color = {{sheen.value, sheen.value, sheen.value}, sheen.texture};
-    if (sheen.value > 0) tell(bsdf.element(), "sheen is that of fibres here, not Disney's");
+    m.coat_gloss = number_or_texture(bsdf, "clearcoat_gloss", 0);
+    m.sheen = number_or_texture(bsdf, "sheen", 0);
+    m.sheen_tint = number_or_texture(bsdf, "sheen_tint", 0);
+    m.flatness = number_or_texture(bsdf, "flatness", 0);
+    m.specular_tint = number_or_texture(bsdf, "spec_tint", 0);
     m.diffuse_transmission = number_or_texture(bsdf, "diff_trans", 0);
     m.diffuse_transmission.value *= 0.5f;
-    bsdf.ignore({"eta", "specular"});
-    for (const char* left_out : {"flatness", "spec_tint", "sheen_tint"})
-        if (bsdf.has(left_out) && !(bsdf.child(left_out)->attribute("value") == "0"))
-            tell(bsdf.element(), fmt::format("'{}' is left out", left_out));
-        else
-            bsdf.ignore({left_out});
+    bsdf.ignore({"specular"});
     return m;
 }
 

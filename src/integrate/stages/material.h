@@ -1,6 +1,7 @@
 #pragma once
 /// What the material at a surface is like: its parameters with textures applied, and the shading normal bent.
 #include "integrate/stages/bump.h"
+#include "integrate/stages/disney.h"
 #include "integrate/stages/layers.h"
 #include "integrate/stages/surface.h"
 #include "shading/closures/closure.h"
@@ -33,7 +34,7 @@ public:
 
     /// Parameters of the material, and the shading normal bent by its normal map.
     ///
-    /// Point: MaterialPoint or LayeredMaterialPoint
+    /// Point: MaterialPoint, or one with more
     template <class Point>
     [[gnu::always_inline]] void read(Surface& s, Mask entering, Mask m, Point& p) const
     {
@@ -65,6 +66,8 @@ public:
         if (any(absorbing)) p.base_color = select(absorbing, hair_color(p.base_color, p.metallic), p.base_color);
         if constexpr (std::is_same_v<Point, LayeredMaterialPoint>)
             LayersReader(t_, s, row.get(&MaterialRecord::layers), m).read(p.layers);
+        if constexpr (std::is_same_v<Point, DisneyMaterialPoint>)
+            read_disney(t_, s, get(&MaterialRecord::disney, s.material, m), m, p.disney);
         const Mask bent = m & ((flags & UInt(MaterialRecord::normal_mapped)) != UInt(0));
         if (any(bent)) {
             const UInt texture = row.get(&MaterialRecord::normal_texture);

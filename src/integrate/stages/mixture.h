@@ -3,6 +3,7 @@
 #include "integrate/camera_paths.h"
 #include "integrate/pool.h"
 #include "integrate/stages/surface.h"
+#include "shading/textures/record_inputs.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -63,15 +64,7 @@ private:
     /// Between 0 and 1.
     Float factor(const Surface& s, UInt mixture, Mask m) const
     {
-        const auto get = [&](auto NumberRecord::* member) {
-            return gather(t_.mixtures, &MixtureRecord::factor, member, mixture, m);
-        };
-        Float f = get(&NumberRecord::value);
-        const UInt texture = get(&NumberRecord::texture);
-        if (const Mask has = m & (texture != UInt(no_index)); any(has)) {
-            const Texel texel = evaluate_textures(t_, texture, s.at, has);
-            f = select(has, f * texel.channel(get(&NumberRecord::channel)), f);
-        }
+        const Float f = RecordInputs<MixtureRecord>(t_, t_.mixtures, s.at, mixture, m).number(&MixtureRecord::factor);
         return min(max(f, Float(0)), Float(1));
     }
 

@@ -117,7 +117,7 @@ private:
                                                                scene_.tracks_media ? &media : nullptr, valid, clock_);
         Spectrum throughput = p.throughput.load(i);
         if (scene_.black_behind && !Closure::transmits) throughput = lit_side(at, throughput, valid);
-        if constexpr (Closure::is_layered && Closure::transmits) choose_channel(key, seed, at.material, throughput);
+        if constexpr (is_layered<Closure> && Closure::transmits) choose_channel(key, seed, at.material, throughput);
         const Closure closure(at.material);
         clock_.enter(RenderStage::light);
         const Guidance guidance = guide(closure, at, key, seed, valid);
@@ -135,9 +135,9 @@ private:
         }
         if (Closure::transmits && scene_.tracks_media) {
             MediumStack beyond = at.media_beyond;
-            if constexpr (Closure::is_layered) beyond = select(next.enters_subsurface, at.media_below, beyond);
+            if constexpr (is_layered<Closure>) beyond = select(next.enters_subsurface, at.media_below, beyond);
             p.media.store(i, select(dot(next.wi, at.ng) < Float(0), beyond, at.media), valid);
-            if constexpr (Closure::is_layered)
+            if constexpr (is_layered<Closure>)
                 if (scene_.textured_media) keep_medium(i, valid & next.enters_subsurface, at);
         }
         if (scene_.scatters_inside) p.walk_steps.store(i, UInt(0u), valid);

@@ -13,7 +13,7 @@ struct ShadingPoint {
     Frame frame;   ///< of the shading normal
     Vec3 wo;       ///< to where the path came from, in the frame
     UInt material_index;
-    MaterialPointOf<Closure> material;
+    typename Closure::Point material;
     Vec3 d;       ///< the path came along this
     Mask inside;  ///< from behind the geometric normal
     /// What the path is in, and what it comes to if it passes, where that is kept track of.
@@ -105,14 +105,20 @@ inline void find_media(const MaterialReader& materials, Mask m, ShadingPoint<Clo
     const MediumBoundary boundary(materials.tables(), at.media, select(below, subsurface, medium), !at.inside, solid);
     at.media_beyond = select(solid, boundary.beyond, at.media);
     at.passes_on = solid & !boundary.is_there;
-    if constexpr (Closure::is_layered) at.material.layers.in_subsurface = below & boundary.is_there;
+    if constexpr (is_layered<Closure>) at.material.layers.in_subsurface = below & boundary.is_there;
     at.media_below = at.media.entered(materials.tables(), subsurface, solid);
     at.material.ior = select(solid, at.material.ior / boundary.other_ior, at.material.ior);
 }
 
-/// The directions that layers have of their own, into the frame of the shading normal; wo is on the side of ng.
-inline void turn_layers(const Frame& frame, const Vec3& wo, const Vec3& ng, Float facing, LayersPoint& layers)
+/// The directions that a material has of its own, into the frame of the shading normal; wo is on the side of ng.
+inline void turn(const Frame&, const Vec3&, const Vec3&, Float, MaterialPoint&) {}
+inline void turn(const Frame& frame, const Vec3&, const Vec3&, Float, DisneyMaterialPoint& material)
 {
+    material.disney.tangent = frame.to_local(material.disney.tangent);
+}
+inline void turn(const Frame& frame, const Vec3& wo, const Vec3& ng, Float facing, LayeredMaterialPoint& material)
+{
+    LayersPoint& layers = material.layers;
     if (layers.has(LayersRecord::anisotropic)) layers.tangent = frame.to_local(layers.tangent);
     if (layers.has(LayersRecord::with_coat))
         layers.coat_normal = frame.to_local(bend_to_mirror(wo, ng, flip_sign(layers.coat_normal, facing)));
@@ -185,14 +191,14 @@ template <class Closure>
             const Float eta = select(at.inside, Float(1) / at.material.ior, at.material.ior);
             ns = select(detail::refracts_about_ng(-hit.d, at.ng, ns, eta) & !at.material.thin, at.ng, ns);
             // Light that comes out diffusely doesn't depend on where it came from.
-            if constexpr (Closure::is_layered) ns = select(at.material.layers.in_subsurface, own, ns);
+            if constexpr (is_layered<Closure>) ns = select(at.material.layers.in_subsurface, own, ns);
         }
     } else {
         // Seen from behind its shading normal, a surface shows its geometric one.
         ns = select(dot(hit.d, ns) < Float(-1e-4f), ns, at.ng);
     }
     at.frame = Frame(ns);
-    if constexpr (Closure::is_layered) detail::turn_layers(at.frame, -hit.d, at.ng, facing, at.material.layers);
+    detail::turn(at.frame, -hit.d, at.ng, facing, at.material);
     at.wo = detail::upper(at.frame.to_local(-hit.d));
     return at;
 }

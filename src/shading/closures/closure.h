@@ -7,13 +7,13 @@
 ///     static constexpr bool transmits        whether light passes to the other side
 ///     static constexpr bool is_glossy        whether most goes in or near the mirror direction, which shading normals
 ///                                            must not put below the surface then
-///     static constexpr bool is_layered       whether it is made from a LayeredMaterialPoint
+///     using Point                            what it is made from: MaterialPoint, or one with more
 ///     static constexpr bool is_guided        whether directions may also come from what has been learnt about light
 ///                                            (see guiding/)
 ///     static constexpr bool is_fibre         whether the frame's x is along a fibre, and MaterialPoint::across is
 ///     asked
 ///                                            for
-///     explicit Closure(const MaterialPoint&), or of a LayeredMaterialPoint
+///     explicit Closure(const Point&)
 ///     BsdfEval eval(wo, wi)                  what part of the light from wi goes to wo, times the cosine, and the
 ///                                            density of sampling wi
 ///     BsdfEval eval(wo, wi, without_mirrors) optional, where smooth facets are made of narrow lobes instead of deltas:
@@ -73,6 +73,12 @@ struct LayersPoint {
     bool has(LayersRecord::Features feature) const { return (features & feature) != 0; }
 };
 
+/// What a surface of Disney's has beside: see DisneyBsdf.
+struct DisneyPoint {
+    Float anisotropy, flatness, specular_tint, sheen, sheen_tint, coat, coat_gloss, transmission, diffuse_transmission;
+    Vec3 tangent;  ///< as of LayersPoint
+};
+
 /// The parameters of a surface's material, textures applied.
 struct MaterialPoint {
     Spectrum base_color;
@@ -91,6 +97,10 @@ struct LayeredMaterialPoint : MaterialPoint {
     LayersPoint layers;
 };
 
+struct DisneyMaterialPoint : MaterialPoint {
+    DisneyPoint disney;
+};
+
 /// Where facets stand for a mirror.
 inline Mask is_mirror(Float roughness)
 {
@@ -107,8 +117,8 @@ inline Float sampled_roughness(const MaterialPoint& m)
     return m.roughness * select(m.beckmann, Float(sqrt_ggx_of_beckmann), Float(1));
 }
 
-/// What a closure is made from.
+/// Whether a closure is made from a LayeredMaterialPoint.
 template <class Closure>
-using MaterialPointOf = std::conditional_t<Closure::is_layered, LayeredMaterialPoint, MaterialPoint>;
+inline constexpr bool is_layered = std::is_same_v<typename Closure::Point, LayeredMaterialPoint>;
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -1,6 +1,7 @@
 #pragma once
 /// All closures: the list that the path loop is made from.
 #include "shading/closures/diffuse.h"
+#include "shading/closures/disney.h"
 #include "shading/closures/fuzz_metal.h"
 #include "shading/closures/glass.h"
 #include "shading/closures/hair.h"
@@ -11,9 +12,9 @@
 
 namespace fathom::inline FATHOM_LANES {
 
-/// Of little code: neither of layers nor of fibres.
+/// Of little code: neither of more than a MaterialPoint nor of fibres.
 template <class Closure>
-inline constexpr bool is_small = !Closure::is_layered && !Closure::is_fibre;
+inline constexpr bool is_small = std::is_same_v<typename Closure::Point, MaterialPoint> && !Closure::is_fibre;
 
 template <class... Closure>
 struct ClosureList {
@@ -32,6 +33,6 @@ struct ClosureList {
 };
 
 using Closures = ClosureList<DiffuseBsdf, MetalBsdf, FuzzMetalBsdf, GlassBsdf, PlasticBsdf, HairBsdf, PrincipledBsdf,
-                             LayeredBsdf<false>, LayeredBsdf<true>>;
+                             DisneyBsdf<false>, DisneyBsdf<true>, LayeredBsdf<false>, LayeredBsdf<true>>;
 
 }  // namespace fathom::inline FATHOM_LANES

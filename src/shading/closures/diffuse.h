@@ -10,7 +10,7 @@ public:
     static constexpr ClosureKind kind = ClosureKind::diffuse;
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = false;
-    static constexpr bool is_layered = false;
+    using Point = MaterialPoint;
     static constexpr bool is_guided = true;
     static constexpr bool is_fibre = false;
 

@@ -13,7 +13,7 @@ public:
     static constexpr ClosureKind kind = ClosureKind::fuzz_metal;
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = true;
-    static constexpr bool is_layered = false;
+    using Point = MaterialPoint;
     static constexpr bool is_guided = false;
     static constexpr bool is_fibre = false;
 

@@ -21,7 +21,7 @@ public:
     static constexpr ClosureKind kind = ClosureKind::glass;
     static constexpr bool transmits = true;
     static constexpr bool is_glossy = true;
-    static constexpr bool is_layered = false;
+    using Point = MaterialPoint;
     static constexpr bool is_guided = false;
     static constexpr bool is_fibre = false;
 

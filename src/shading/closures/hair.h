@@ -19,7 +19,7 @@ public:
     static constexpr ClosureKind kind = ClosureKind::hair;
     static constexpr bool transmits = true;
     static constexpr bool is_glossy = false;
-    static constexpr bool is_layered = false;
+    using Point = MaterialPoint;
     static constexpr bool is_guided = false;
     static constexpr bool is_fibre = true;
 

@@ -23,7 +23,7 @@ public:
     static constexpr ClosureKind kind = passes ? ClosureKind::layered_transmitting : ClosureKind::layered;
     static constexpr bool transmits = passes;
     static constexpr bool is_glossy = true;
-    static constexpr bool is_layered = true;
+    using Point = LayeredMaterialPoint;
     static constexpr bool is_guided = !passes;
     static constexpr bool is_fibre = false;
 
@@ -36,13 +36,12 @@ public:
         if (l_.has(LayersRecord::anisotropic)) {
             const Float square = l_.anisotropy * l_.anisotropy;
             alpha_x = select(l_.two_roughnesses, square, fma(Float(1) - alpha, square, alpha));
-            mean_roughness_ =
+            // What other lanes have must not change the bits of one.
+            const Mask drawn_out = (l_.anisotropy > Float(0)) | l_.two_roughnesses;
+            const Float mean =
                 sqrt(sqrt(max(alpha * alpha_x, Float(0)))) * select(m.beckmann, Float(sqrt_ggx_of_beckmann), Float(1));
-            const Float sine2 = fma(l_.tangent.x, l_.tangent.x, l_.tangent.y * l_.tangent.y);
-            const Mask known = sine2 > Float(1e-12f);
-            const Float inverse = inverse_sqrt(max(sine2, Float(1e-12f)));
-            turn_cos_ = select(known, l_.tangent.x * inverse, Float(1));
-            turn_sin_ = select(known, l_.tangent.y * inverse, Float(0));
+            mean_roughness_ = select(drawn_out, mean, mean_roughness_);
+            axes_ = FacetAxes(select(drawn_out, l_.tangent, Vec3(Float(0), Float(0), Float(0))));
         }
         const Float scale = select(m.beckmann, Float(ggx_of_beckmann), Float(1));
         ggx_ = {{max(alpha_x * scale, Float(2 * min_alpha)), max(alpha * scale, Float(2 * min_alpha))},
@@ -153,8 +152,7 @@ private:
     Vec3 turned(const Vec3& w, int way) const
     {
         if (!l_.has(LayersRecord::anisotropic)) return w;
-        const Float s = way > 0 ? turn_sin_ : -turn_sin_;
-        return {fma(w.x, turn_cos_, w.y * s), fma(w.y, turn_cos_, -(w.x * s)), w.z};
+        return way > 0 ? axes_.to_facets(w) : axes_.from_facets(w);
     }
     /// How far reflectance is from that at normal incidence to that at grazing incidence.
     Float grazing(Float cosine) const
@@ -339,6 +337,7 @@ private:
             rough.base_color = color_;
             rough.roughness = l_.diffuse_roughness;
             body = DiffuseBsdf(rough).eval(wo, wi).f_cos * select(cosine > Float(0), Float(1) / cosine, Float(0));
+            body = select(l_.diffuse_roughness > Float(0), body, color_);
         }
         const Float sheen_left = under_sheen(v, wi);
         Float share = v.boundary_left;
@@ -401,7 +400,8 @@ private:
     Spectrum color_, f0_;
     Float metallic_;
     Mask thin_;
-    Float plain_f0_, mean_roughness_, turn_cos_{1}, turn_sin_{0};
+    Float plain_f0_, mean_roughness_;
+    FacetAxes axes_;
     Facets<AnisotropicGgx> ggx_;
     Mask mirrors_;
     // Of closures that pass light:

@@ -11,7 +11,7 @@ public:
     static constexpr ClosureKind kind = ClosureKind::metal;
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = true;
-    static constexpr bool is_layered = false;
+    using Point = MaterialPoint;
     static constexpr bool is_guided = true;
     static constexpr bool is_fibre = false;
 

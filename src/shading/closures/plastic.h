@@ -22,7 +22,7 @@ public:
     static constexpr ClosureKind kind = ClosureKind::plastic;
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = true;
-    static constexpr bool is_layered = false;
+    using Point = MaterialPoint;
     static constexpr bool is_guided = true;
     static constexpr bool is_fibre = false;
 
