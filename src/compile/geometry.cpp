@@ -147,11 +147,11 @@ private:
         return n;
     }
 
-    /// Where on a surface something is, or which way its fibres run, is seen.
+    /// Where on a surface something is, or which way its fibres or facets run, is seen.
     static bool shows_uv(const MaterialRecord& m)
     {
-        return (m.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped)) ||
-               m.emission_texture != no_index || m.closure == ClosureKind::hair;
+        return (m.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped |
+                           MaterialRecord::wants_tangent | MaterialRecord::wants_uv)) != 0;
     }
 
     /// Nothing but positions matters: the picture of a parallelogram is that of its two triangles.

@@ -188,19 +188,24 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     if (t.base_texture != no_index || t.roughness_texture != no_index || t.metallic_texture != no_index ||
         m.use_vertex_color)
         t.flags |= MaterialRecord::textured;
+    if (t.emission_texture != no_index || t.closure == ClosureKind::hair) t.flags |= MaterialRecord::wants_uv;
     if (t.normal_texture != no_index) t.flags |= MaterialRecord::normal_mapped | MaterialRecord::wants_tangent;
     if (std::max({t.emission[0], t.emission[1], t.emission[2]}) > 0) t.flags |= MaterialRecord::emits;
     if (m.emission_two_sided || m.kind == MaterialKind::unlit) t.flags |= MaterialRecord::two_sided_emission;
     if (t.closure == ClosureKind::layered || t.closure == ClosureKind::layered_transmitting) {
         t.layers = std::uint32_t(c.tables.layers.size());
         c.tables.layers.push_back(compile_layers(m, c.space.scale));
-        if (c.tables.layers.back().features & (LayersRecord::anisotropic | LayersRecord::coat_normal_mapped))
+        const std::uint32_t features = c.tables.layers.back().features;
+        if (features & (LayersRecord::anisotropic | LayersRecord::coat_normal_mapped))
             t.flags |= MaterialRecord::wants_tangent;
+        if (features & LayersRecord::textured) t.flags |= MaterialRecord::wants_uv;
     }
     if (m.kind == MaterialKind::disney) {
         t.disney = std::uint32_t(c.tables.disney.size());
         c.tables.disney.push_back(compile_disney(m));
-        if (c.tables.disney.back().features & DisneyRecord::anisotropic) t.flags |= MaterialRecord::wants_tangent;
+        const std::uint32_t features = c.tables.disney.back().features;
+        if (features & DisneyRecord::anisotropic) t.flags |= MaterialRecord::wants_tangent;
+        if (features & DisneyRecord::textured) t.flags |= MaterialRecord::wants_uv;
     }
     return t;
 }
@@ -223,8 +228,9 @@ void join_mixture(Compiler& c, std::size_t index)
     for (const std::uint32_t part : {mixture.first, mixture.second}) {
         join_mixture(c, part);
         const MaterialRecord& p = c.tables.materials[part];
-        t.flags |= p.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped |
-                              MaterialRecord::vertex_colored | MaterialRecord::wants_tangent);
+        t.flags |=
+            p.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped |
+                       MaterialRecord::vertex_colored | MaterialRecord::wants_tangent | MaterialRecord::wants_uv);
         if (t.medium == 0) t.medium = p.medium;
         if (t.subsurface_medium == 0) t.subsurface_medium = p.subsurface_medium;
     }

@@ -74,7 +74,7 @@ void LaneScene::read_tables()
     constexpr std::size_t much = 1 << 17;  // of vertices
     is_large = tables.positions.size() > much;
     textured = !tables.textures.empty();
-    wants_uv = textured || has_fibres;
+    wants_uv = textured || has_fibres || wants_tangents;
     varied_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
                                 [](const LightRecord& light) { return light.material != no_index; });
     moving_lights = std::any_of(tables.lights.begin(), tables.lights.end(),

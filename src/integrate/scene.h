@@ -34,7 +34,7 @@ struct LaneScene final : KernelScene {
     bool is_large = false;          ///< vertices are far more than caches hold near a core
     bool textured = false;          ///< there are textures
     bool has_fibres = false;        ///< some material is of fibres, to which uv say where across they are met
-    bool wants_uv = false;          ///< either of both
+    bool wants_uv = false;          ///< either of both, or tangents
     bool wants_tangents = false;    ///< tangents of surfaces matter somewhere
     bool has_bumps = false;         ///< some material bends normals by the slope of a texture
     bool varied_lights = false;     ///< some are not alike all over, see LightRecord::material

@@ -138,7 +138,9 @@ struct MaterialRecord {
         absorption = 8192,  ///< hair: base_color is what a fibre absorbs over its radius
         beckmann = 16384,   ///< facets are Beckmann's, else GGX's
         bumped = 32768,     ///< normals are bent by the slope of bump
-        separable = 65536   ///< facets' shadowing is that of each direction by itself
+        separable = 65536,  ///< facets' shadowing is that of each direction by itself
+        wants_uv =
+            131072  ///< of the surface, beside what is textured: for fibres and textures of what records have beside
     };
     // What shading reads of each vertex: see hot_words.
     std::uint32_t flags = 0;

@@ -578,6 +578,42 @@ TEST(GeometryTable, TrianglesAreJoinedWhereTheyMakeParallelograms)
     EXPECT_EQ(compiled(d).data().tables->triangle_count(), 3u);
 }
 
+/// Triangles that show where on them something is keep their texture coordinates.
+TEST(GeometryTable, TrianglesThatShowTheirUvAreNotJoined)
+{
+    const auto quads = [](const std::function<void(Material&)>& change, bool mixed = false) {
+        SceneDescription d = empty_scene();
+        Mesh mesh;
+        mesh.positions = {{0, 0, -5}, {2, 0, -5}, {3, 1, -5}, {1, 1, -5}};
+        mesh.indices = {0, 1, 2, 0, 2, 3};
+        d.meshes = {mesh};
+        Texture checks;
+        checks.kind = TextureKind::checker_uv;
+        d.textures = {checks};
+        Material m, mix;
+        m.kind = MaterialKind::principled;
+        change(m);
+        mix.kind = MaterialKind::mix, mix.material_a = mix.material_b = 0;
+        d.materials = {m, mix};
+        d.nodes[0].shapes.push_back({MeshInstance{0}, mixed ? 1 : 0, ""});
+        return compiled(d).data().tables->quads.size();
+    };
+    EXPECT_EQ(quads([](Material& m) { m.coat.value = 1; }), 1u);
+    EXPECT_EQ(quads([](Material& m) { m.kind = MaterialKind::disney; }), 1u);
+    const std::function<void(Material&)> changes[] = {
+        [](Material& m) { m.base_color.texture = 0; },
+        [](Material& m) { m.coat.value = 1, m.coat.texture = 0; },
+        [](Material& m) { m.sheen_color = {{1, 1, 1}, 0}; },
+        [](Material& m) { m.anisotropy.value = 0.5f; },
+        [](Material& m) { m.coat.value = 1, m.coat_normal_texture = 0; },
+        [](Material& m) { m.emission = {{1, 1, 1}, 0}; },
+        [](Material& m) { m.kind = MaterialKind::disney, m.flatness.texture = 0; },
+        [](Material& m) { m.kind = MaterialKind::disney, m.anisotropy.value = 0.5f; },
+        [](Material& m) { m.kind = MaterialKind::hair; }};
+    for (const auto& change : changes)
+        for (const bool mixed : {false, true}) EXPECT_EQ(quads(change, mixed), 0u);
+}
+
 /// Bezier points of each basis, shared between neighbours, and where along the curve each segment is.
 TEST(GeometryTable, CurvesBecomeBezierSegments)
 {

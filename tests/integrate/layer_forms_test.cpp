@@ -244,6 +244,37 @@ TEST(LayerForms, AnisotropyHasADirection)
         }
 }
 
+/// Facets lie along the tangent of the shape: a square, a disk or a ball turned about the normal, with eye and light,
+/// looks as it did.
+TEST(LayerForms, TangentsTurnWithTheShape)
+{
+    const auto seen = [](MaterialKind kind, int shape, double turn) {
+        const Transform turned = Transform::rotate({0, 0, 1}, turn);
+        const Shown shown{turned.vector(normalize(Vec3d{0.5, -0.3, 1})),
+                          turned.vector(normalize(Vec3d{-0.2, 0.6, 0.8}))};
+        return shown.of([&](Material& m, SceneBuilder& b) {
+            m.kind = kind;
+            m.metallic.value = 1, m.anisotropy.value = 0.9f;
+            const int material = b.material(m);
+            // Above the one that is there already.
+            const Vec3d along = turned.vector({1, 0, 0}), across = turned.vector({0, 1, 0}), up{0, 0, 0.01};
+            if (shape == 0) b.add(Rectangle{up - along - across, along * 2, across * 2}, material);
+            Node node;
+            node.parent_from_node = turned;
+            if (shape == 1) node.shapes = {{Disk{up, {0, 0, 1}, 1}, material, ""}};
+            if (shape == 2) node.shapes = {{Sphere{{0, 0, -399.99}, 400, {}}, material, ""}};
+            b.scene.roots.push_back(int(b.scene.nodes.size()));
+            b.scene.nodes.push_back(node);
+        });
+    };
+    for (const MaterialKind kind : {MaterialKind::principled, MaterialKind::disney})
+        for (int shape = 0; shape < 3; ++shape) {
+            const Color straight = seen(kind, shape, 0);
+            for (const double turn : {0.5, 1.3})
+                EXPECT_NEAR(seen(kind, shape, turn).r, straight.r, 2e-3 * straight.r) << shape << " " << turn;
+        }
+}
+
 /// A white solid keeps all light, also where a part of it, or each colour its own way, is refracted.
 TEST(LayerForms, FurnaceOfSolids)
 {

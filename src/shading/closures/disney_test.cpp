@@ -154,6 +154,25 @@ TEST(Disney, SamplingGivesAll)
     }
 }
 
+/// The coat's directions cover the hemisphere as its density says: the cosine's integral is pi.
+TEST(Disney, CoatSamplesByItsDensity)
+{
+    const Gtr1Coat lobe(Float(0));
+    const Vec3 wo = outgoing(40);
+    Random random(3);
+    double sum = 0;
+    constexpr int n = 400000 / lanes;
+    for (int k = 0; k < n; ++k) {
+        const Vec3 wi = lobe.sample(wo, random.next2());
+        Float f_cos, pdf;
+        lobe.eval(wo, {wi.x, wi.y, max(wi.z, Float(0))}, f_cos, pdf);
+        float each[lanes];
+        store(each, select(wi.z > Float(0), wi.z / pdf, Float(0)));
+        for (const float x : each) sum += double(x);
+    }
+    EXPECT_NEAR(sum / (n * lanes), std::numbers::pi, 0.04);
+}
+
 /// Lights without extent show nothing in facets that stand for a mirror.
 TEST(Disney, MirrorsShowNoPoints)
 {

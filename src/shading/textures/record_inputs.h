@@ -26,7 +26,8 @@ public:
     {
         return gather(records_, member, part, index_, m_);
     }
-    Float number(NumberRecord Record::* member) const
+    /// Inlined, since clang 19 needs many minutes for a call of it in the kernel of AVX-512.
+    [[gnu::always_inline]] Float number(NumberRecord Record::* member) const
     {
         const Float value = get(member, &NumberRecord::value);
         Texel t;
