@@ -179,6 +179,13 @@ TEST_F(Mitsuba, Principled)
     EXPECT_TRUE(sheet.thin);
     EXPECT_EQ(sheet.diffuse_transmission.value, 0.4f);
     EXPECT_EQ(sheet.ior, 1.3f);
+    // Numbers of textures may be above 1, as diff_trans goes to 2.
+    const SceneDescription scene = read(
+        R"(<shape type="sphere"><bsdf type="principledthin"><texture name="diff_trans" type="checkerboard">
+<float name="color0" value="1.5"/><float name="color1" value="0.5"/></texture></bsdf></shape>)");
+    const int checks = material_of(scene).diffuse_transmission.texture;
+    ASSERT_GE(checks, 0);
+    expect_color(scene.textures[std::size_t(checks)].color_b.value, 1.5, 1.5, 1.5);
     const Material usual = bsdf(R"(<bsdf type="principled"/>)");
     EXPECT_NEAR(usual.ior, 1.5, 1e-6);
     EXPECT_EQ(usual.roughness.value, 0.5f);

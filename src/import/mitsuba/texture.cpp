@@ -244,8 +244,14 @@ int Reader::checkerboard(Object& object, bool data)
     result.kind = TextureKind::checker_uv;
     // Squares have half the width of uv's unit.
     result.scale = 2;
-    result.color_a = color(object, "color0", {0.4f, 0.4f, 0.4f});
-    result.color_b = color(object, "color1", {0.2f, 0.2f, 0.2f});
+    // Numbers may be above 1, reflectances not.
+    const auto value = [&](const char* name, Color otherwise) {
+        const Element* const found = data ? object.child(name) : nullptr;
+        const std::optional<Color> number = found ? color_of(*found) : std::nullopt;
+        return number ? ColorInput{*number, -1} : color(object, name, otherwise);
+    };
+    result.color_a = value("color0", {0.4f, 0.4f, 0.4f});
+    result.color_b = value("color1", {0.2f, 0.2f, 0.2f});
     // Where numbers are looked up, Mitsuba (3.9.1) has the two the other way round.
     if (data) std::swap(result.color_a, result.color_b);
     if (!set_uv_map(object.transform("to_uv"), result))
