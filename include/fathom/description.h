@@ -176,6 +176,9 @@ struct Material {
     FloatInput specular{1, -1, 3};  ///< strength of the dielectric's reflection
     ColorInput specular_color;      ///< its tint at normal incidence; may be above 1, the reflectance may not
     ColorInput edge_color;          ///< metal: at 82 degrees, what is left of Schlick's reflectance
+    /// Metal: complex index of refraction. Where k is above 0 what is reflected at each angle is what Fresnel's
+    /// equations say of it; base_color and edge_color are those of the same metal then.
+    Color conductor_eta{0, 0, 0}, conductor_k{0, 0, 0};
     /// How far facets are drawn out along the tangent: there alpha goes from roughness^2 to 1 by the square of it.
     FloatInput anisotropy{0, -1, 2};
     bool two_roughnesses = false;     ///< anisotropy is the roughness along the tangent, and roughness that across it

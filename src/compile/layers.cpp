@@ -11,9 +11,13 @@ bool is_above_0(const FloatInput& input)
 {
     return input.value > 0;
 }
+float max_of(const Color& c)
+{
+    return std::max({c.r, c.g, c.b});
+}
 bool is_above_0(const ColorInput& input)
 {
-    return std::max({input.value.r, input.value.g, input.value.b}) > 0;
+    return max_of(input.value) > 0;
 }
 bool is_white(const ColorInput& input)
 {
@@ -40,6 +44,7 @@ std::uint32_t features_of(const Material& m)
     add(is_above_0(m.diffuse_roughness), LayersRecord::rough_diffuse);
     add(is_above_0(m.anisotropy) || m.two_roughnesses, LayersRecord::anisotropic);
     add(m.two_roughnesses, LayersRecord::two_roughnesses);
+    add(is_above_0(m.metallic) && max_of(m.conductor_k) > 0, LayersRecord::with_conductor);
     add(m.energy_compensation, LayersRecord::energy_compensation);
     add(is_coated && m.coat_normal_texture >= 0, LayersRecord::coat_normal_mapped);
     add(transmits && m.dispersion > 0, LayersRecord::disperses);
@@ -129,6 +134,7 @@ LayersRecord compile_layers(const Material& m, double render_scale)
     t.subsurface_color = color(m.subsurface_color), t.subsurface_radius_scale = color(m.subsurface_radius_scale);
     t.subsurface_radius = number(m.subsurface_radius);
     t.subsurface_radius.value = float(double(m.subsurface_radius.value) * render_scale);
+    t.conductor_eta = spectrum(m.conductor_eta), t.conductor_k = spectrum(m.conductor_k);
     t.anisotropy_cos = float(std::cos(m.anisotropy_rotation)),
     t.anisotropy_sin = float(std::sin(m.anisotropy_rotation));
     t.anisotropy_texture = texture_id(m.anisotropy_texture);

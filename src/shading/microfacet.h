@@ -213,4 +213,21 @@ inline Float fresnel_dielectric(Float cos_theta_i, Float eta, Float& cos_theta_t
     return select(total, Float(1), Float(0.5f) * fma(parallel, parallel, perpendicular * perpendicular));
 }
 
+/// Reflectance of a conductor of index eta + i k, met from empty space, for unpolarised light.
+///
+/// cosine  of direction and normal, in [0, 1]
+/// Born and Wolf, Principles of Optics, 14.2: with u + i v the root of (eta + i k)^2 - sin^2.
+inline Float fresnel_conductor(Float cosine, Float eta, Float k)
+{
+    const Float cos2 = cosine * cosine, sin2 = Float(1) - cos2;
+    const Float real = fma(eta, eta, fma(-k, k, -sin2)), imaginary = Float(2) * eta * k;
+    const Float modulus = sqrt(fma(real, real, imaginary * imaginary));  // u^2 + v^2
+    const Float u = sqrt(max(Float(0.5f) * (modulus + real), Float(0)));
+    const Float sum = modulus + cos2, twice = Float(2) * u * cosine;
+    const Float perpendicular = (sum - twice) / max(sum + twice, Float(1e-20f));
+    const Float other = fma(cos2, modulus, sin2 * sin2), twice_other = twice * sin2;
+    const Float ratio = (other - twice_other) / max(other + twice_other, Float(1e-20f));
+    return Float(0.5f) * perpendicular * (Float(1) + ratio);
+}
+
 }  // namespace fathom::inline FATHOM_LANES

@@ -89,13 +89,15 @@ struct LayersRecord {
         sheen_reciprocal = 2048,
         diffuse_transmission_added = 4096,
         two_roughnesses = 8192,  ///< anisotropy is the roughness along the tangent
-        textured = 16384         ///< any of the parameters here
+        with_conductor = 16384,
+        textured = 32768  ///< any of the parameters here
     };
     std::uint32_t features = 0;
     NumberRecord specular, anisotropy, transmission, diffuse_transmission, diffuse_roughness, coat, coat_roughness,
         sheen_roughness, thin_film, thin_film_thickness, subsurface, subsurface_radius;
     ColorRecord specular_color, edge_color, transmission_color, diffuse_transmission_color, coat_color, sheen_color,
         subsurface_color, subsurface_radius_scale;
+    Rgb conductor_eta{}, conductor_k{};
     float anisotropy_cos = 1, anisotropy_sin = 0;
     float dispersion = 0;
     /// Reflectance of the coat at normal incidence, and of light from within that comes from everywhere; see

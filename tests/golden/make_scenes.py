@@ -401,7 +401,7 @@ def disney():
 def neighbours():
     """Balls that each have something the next one has not: lanes of a gang must not change each other's bits."""
     parts = [{}, {"sheen_color": 0.5}, {"coat": 0.7, "coat_roughness": 0.2}, {"thin_film": 0.8}, {"diffuse_roughness": 0.6}, {"anisotropy": 0.7},
-             {"specular": 0.5}, {"two_roughnesses": True, "anisotropy": 0.3}, {"sheen_color": 0.4, "sheen_reciprocal": True},
+             {"specular": 0.5}, {"conductor": "copper"}, {"two_roughnesses": True, "anisotropy": 0.3}, {"sheen_color": 0.4, "sheen_reciprocal": True},
              {"specular": 0.5, "energy_compensation": False}, {"specular": 0.6, "beckmann": True}, {"specular": 0.6, "separable_shadowing": True},
              {"transmission": 0.6}, {"diffuse_transmission": 0.5}, {"transmission": 0.5, "dispersion": 2}, {"subsurface": 0.6},
              {"diffuse_transmission": 0.3, "diffuse_transmission_added": True, "color": 0.5, "diffuse_transmission_color": 0.3},
@@ -409,7 +409,7 @@ def neighbours():
              {"kind": "disney"}, {"kind": "disney", "anisotropy": 0.6, "coat": 0.5}, {"kind": "disney", "transmission": 0.6},
              {"kind": "disney", "thin": True, "transmission": 0.6, "diffuse_transmission": 0.3}]
     write("neighbours", scene=[FLOOR, LAMP, *(
-        {"material": {"kind": "principled", "color": [0.7, 0.5, 0.3], "roughness": 0.4, **part},
+        {"material": {"kind": "principled", **({} if "conductor" in part else {"color": [0.7, 0.5, 0.3]}), "roughness": 0.4, **part},
          "sphere": {"center": [round(0.4 * (i % 6) - 1, 3), 0.2, round(0.4 * (i // 6) - 0.8, 3)], "radius": 0.19}} for i, part in enumerate(parts))])
 
 

@@ -437,6 +437,8 @@ TEST_F(FathomJson, Conductors)
     EXPECT_EQ(m[1].base_color.value, m[0].base_color.value);
     EXPECT_EQ(m[1].edge_color.value, m[0].edge_color.value);
     EXPECT_EQ(m[2].base_color.value, m[0].base_color.value);
+    EXPECT_EQ(m[0].conductor_eta, (Color{0.18299f, 0.42108f, 1.3734f}));
+    EXPECT_EQ(m[1].conductor_k, m[0].conductor_k);
 }
 
 TEST_F(FathomJson, ModelsAreReadOnceAndTheirMaterialsReplaced)

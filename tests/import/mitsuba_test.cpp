@@ -74,6 +74,10 @@ TEST_F(Mitsuba, Conductors)
     const Material given = bsdf(R"(<bsdf type="conductor"><rgb name="eta" value="1.5"/><rgb name="k" value="2"/>
 <rgb name="specular_reflectance" value="0.2 0.4 0.6"/></bsdf>)");
     EXPECT_NEAR(given.base_color.value.g, conductor_reflectance(1, 1.5, 2), 1e-6);
+    expect_color(given.conductor_eta, 1.5, 1.5, 1.5);
+    expect_color(given.conductor_k, 2, 2, 2);
+    EXPECT_GT(gold.conductor_k.r, 1);
+    expect_color(mirror.conductor_k, 0, 0, 0);
     // Left of all that it reflects, at every angle.
     EXPECT_EQ(given.coat_ior, 1);
     EXPECT_EQ(given.coat.value, 1);

@@ -94,9 +94,12 @@ TEST_F(Pbrt, Metals)
     expect_color(plain.base_color.value, 0.7, 0.6, 0.5);
     const double k = 2 * std::sqrt(0.7 / 0.3);
     EXPECT_NEAR(at_82(plain.base_color.value.r, plain.edge_color.value.r), conductor_reflectance(1.0 / 7, 1, k), 1e-4);
+    expect_color(plain.conductor_eta, 1, 1, 1);
+    EXPECT_NEAR(plain.conductor_k.r, k, 1e-4);
     const char* const coated = "Material \"coatedconductor\" \"rgb reflectance\" [ 0.7 0.6 0.5 ]";
     EXPECT_NEAR(material(coated).base_color.value.r, conductor_reflectance(1, 1 / 1.5, k / 1.5), 1e-4)
         << "the reflectance is that in air";
+    expect_color(material(coated).conductor_k, 0, 0, 0);
 }
 
 TEST_F(Pbrt, Coats)

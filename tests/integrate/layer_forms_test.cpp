@@ -1,3 +1,4 @@
+#include <complex>
 #include <functional>
 #include <span>
 
@@ -242,6 +243,29 @@ TEST(LayerForms, AnisotropyHasADirection)
             expect_drawn_out(angle + mapped, mapped, {0, 0, 1});
             expect_drawn_out(angle + mapped, mapped, normalize(Vec3d{0.3, 0.2, 1}));
         }
+}
+
+/// A metal's index of refraction counts, not what colours it has for means; in a mixture with what is no metal, too.
+TEST(LayerForms, MetalsReflectByTheirIndex)
+{
+    const auto seen = [](float metallic, bool by_index) {
+        return Shown().of([&](Material& m, SceneBuilder&) {
+            m.metallic.value = metallic;
+            m.energy_compensation = false;
+            m.base_color.value = by_index ? Color{0.4f, 0.5f, 0.6f} : Color{1, 1, 1};
+            if (by_index) m.conductor_eta = {2.5f, 0.2f, 0}, m.conductor_k = {1, 3.4f, 0};
+        });
+    };
+    const auto fresnel = [](std::complex<double> index) {
+        const Shown shown;
+        const double c = dot(shown.to_eye, normalize(shown.to_eye + shown.to_light)), s2 = 1 - c * c;
+        const std::complex<double> square = index * index, t = std::sqrt(square - s2);
+        return (std::norm((c - t) / (c + t)) + std::norm((square * c - t) / (square * c + t))) / 2;
+    };
+    const Color white = seen(1, false), metal = seen(1, true);
+    EXPECT_NEAR(metal.r / white.r, fresnel({2.5, 1}), 1e-3);
+    EXPECT_NEAR(metal.g / white.g, fresnel({0.2, 3.4}), 1e-3);
+    EXPECT_LT(metal.b / white.b, 0.7);
 }
 
 /// Facets lie along the tangent of the shape: a square, a disk or a ball turned about the normal, with eye and light,

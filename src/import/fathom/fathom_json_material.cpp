@@ -245,7 +245,7 @@ void FathomJsonReader::read_conductor(JsonObject& o, Material& material)
 {
     const auto v = o.get("conductor");
     if (!v) return;
-    for (const char* key : {"color", "edge_color", "metallic"})
+    for (const char* key : {"color", "edge_color", "conductor_eta", "conductor_k", "metallic"})
         if (o.value().has(key)) v->fail(fmt::format("stands for '{}': leave out one of both", key));
     Conductor conductor{};
     if (v->is_string()) {
@@ -261,6 +261,7 @@ void FathomJsonReader::read_conductor(JsonObject& o, Material& material)
     material.base_color.value = colors.base;
     if (material.kind != MaterialKind::principled) return;
     material.edge_color.value = colors.edge;
+    material.conductor_eta = conductor.eta, material.conductor_k = conductor.k;
     material.metallic.value = 1;
 }
 

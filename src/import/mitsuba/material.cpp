@@ -162,15 +162,19 @@ Material Reader::conductor(Object& bsdf)
     m.energy_compensation = false;
     m.roughness = {0, -1, 0};
     ConductorColors colors{{1, 1, 1}, {1, 1, 1}};
+    const auto take = [&](const Conductor& conductor) {
+        colors = colors_of(conductor);
+        m.conductor_eta = conductor.eta, m.conductor_k = conductor.k;
+    };
     const std::string name = bsdf.text("material", "none");
     if (bsdf.has("eta") || bsdf.has("k")) {
         const Conductor conductor{"", plain_color(bsdf, "eta", {0, 0, 0}), plain_color(bsdf, "k", {1, 1, 1})};
-        colors = colors_of(within(conductor, float(ior(bsdf, "ext_eta", 1))));
+        take(within(conductor, float(ior(bsdf, "ext_eta", 1))));
     } else if (name != "none") {
         const auto metal =
             std::find_if(std::begin(metals), std::end(metals), [&](const Conductor& c) { return name == c.name; });
         if (metal != std::end(metals))
-            colors = colors_of(*metal);
+            take(*metal);
         else
             tell(bsdf.element(), fmt::format("the metal '{}' is not known: a perfect mirror instead", printable(name)));
     }

@@ -74,6 +74,13 @@ float roughness_through_coat(float base, float coat, float ior)
     return std::min(std::pow(base_alpha * base_alpha + coat_alpha * coat_alpha / 2, 0.25f), 1.f);
 }
 
+void set_metal(const Conductor& conductor, Material& out)
+{
+    const ConductorColors colors = colors_of(conductor);
+    out.base_color = {colors.base, -1}, out.edge_color = {colors.edge, -1};
+    out.conductor_eta = conductor.eta, out.conductor_k = conductor.k;
+}
+
 }  // namespace
 
 void Reader::set_metal_colors(const Parameters& m, const std::string& prefix, float outside, Material& out)
@@ -86,7 +93,7 @@ void Reader::set_metal_colors(const Parameters& m, const std::string& prefix, fl
     const auto is_plain = [](const Parameter* p) { return p && (p->type == "rgb" || p->type == "float"); };
     if (is_plain(eta) && is_plain(k)) {
         const Conductor plain{"", color_value(m, *eta, true), color_value(m, *k, true)};
-        return set(colors_of(within(plain, outside)));
+        return set_metal(within(plain, outside), out);
     }
     // Pairs of wavelength and value, here or in a file.
     const auto is_spectrum = [&](const Parameter* p) {
@@ -119,8 +126,7 @@ Material Reader::conductor(const Parameters& m, const std::string& prefix, float
         out.base_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
         // Of a texture it is Schlick's law nearly.
         if (out.base_color.texture < 0) {
-            const ConductorColors colors = colors_of(within(of_reflectance(out.base_color.value), outside));
-            out.base_color.value = colors.base, out.edge_color.value = colors.edge;
+            set_metal(within(of_reflectance(out.base_color.value), outside), out);
         }
         m.ignore({prefix + "eta", prefix + "k"});
     } else {
@@ -146,6 +152,8 @@ Material Reader::coated_conductor(const Parameters& m)
         const auto edge = [&](float base) { return edge_in_coat(base, coat_ior, thickness, left); };
         const Color& base = out.base_color.value;
         out.edge_color.value = {edge(base.r), edge(base.g), edge(base.b)};
+        // The colours know of the coat.
+        out.conductor_eta = out.conductor_k = {0, 0, 0};
     }
     if (out.roughness.texture < 0 && coat.roughness.texture < 0 && !out.two_roughnesses)
         out.roughness.value = roughness_through_coat(out.roughness.value, coat.roughness.value, coat_ior);

@@ -30,6 +30,10 @@ public:
         p.specular_color = inputs_.color(&LayersRecord::specular_color);
         p.edge_color = inputs_.color(&LayersRecord::edge_color);
         if (p.has(LayersRecord::anisotropic)) read_anisotropy(p);
+        if (p.has(LayersRecord::with_conductor)) {
+            p.conductor_eta = inputs_.get(&LayersRecord::conductor_eta);
+            p.conductor_k = inputs_.get(&LayersRecord::conductor_k);
+        }
         if (p.has(LayersRecord::rough_diffuse)) p.diffuse_roughness = inputs_.number(&LayersRecord::diffuse_roughness);
         p.transmission = p.diffuse_transmission = p.dispersion = Float(0);
         p.transmission_color = p.diffuse_transmission_color = Spectrum(Float(0));

@@ -51,6 +51,7 @@ struct LayersPoint {
     std::uint32_t features = 0;  ///< LayersRecord::Features that any lane has; numbers of others need not be set
     Float specular{1}, compensation{1};  ///< compensation: 1 or 0
     Spectrum specular_color{Float(1)}, edge_color{Float(1)};
+    Spectrum conductor_eta, conductor_k{Float(0)};  ///< where k is 0, colours say what metal reflects
     Float anisotropy{0};
     Mask two_roughnesses{false};  ///< anisotropy is the roughness along the tangent
     Vec3 tangent;  ///< of the anisotropy; while the surface is read in the space of the scene, then in the frame

@@ -185,6 +185,12 @@ private:
             metal.c[i] = clamp(fma(-(side * at82), Float(1) - l_.edge_color.c[i], fma(Float(1) - c, schlick, c)),
                                Float(0), Float(1));
         }
+        if (l_.has(LayersRecord::with_conductor))
+            for (int i = 0; i < channels; ++i) {
+                const Float k = l_.conductor_k.c[i],
+                            exact = fresnel_conductor(clamp(cosine, Float(0), Float(1)), l_.conductor_eta.c[i], k);
+                metal.c[i] = select(k > Float(0), exact, metal.c[i]);
+            }
         if (l_.has(LayersRecord::with_thin_film)) {
             Spectrum f0;
             for (int i = 0; i < channels; ++i) f0.c[i] = fma(metallic_, color_.c[i] - f0_.c[i], f0_.c[i]);

@@ -409,6 +409,38 @@ TEST(Layered, EdgeColour)
     EXPECT_NEAR(albedo_of(Opaque(m), 0, 40000).first, head_on, 1e-3);
 }
 
+/// Fresnel's equations in complex numbers.
+double fresnel_of(double degrees, std::complex<double> index)
+{
+    const double c = std::cos(degrees * std::numbers::pi / 180), s2 = 1 - c * c;
+    const std::complex<double> square = index * index, t = std::sqrt(square - s2);
+    return (std::norm((c - t) / (c + t)) + std::norm((square * c - t) / (square * c + t))) / 2;
+}
+
+/// Of a metal whose index of refraction is given, facets reflect what Fresnel's equations say; colours are not asked.
+TEST(Layered, ConductorsReflectByTheirIndex)
+{
+    LayeredMaterialPoint white = layers(1, 0.3f, 1);
+    white.layers.compensation = Float(0);
+    for (const std::complex<double> index : {std::complex(2.5, 1.0), {0.2, 3.4}, {1.4, 7.6}, {3.2, 0.3}}) {
+        LayeredMaterialPoint metal = white;
+        metal.base_color = grey(0.3f), metal.layers.edge_color = grey(0.5f);
+        metal.layers.features |= LayersRecord::with_conductor;
+        metal.layers.conductor_eta = grey(float(index.real())), metal.layers.conductor_k = grey(float(index.imag()));
+        for (const double degrees : {0.0, 30.0, 60.0, 75.0, 85.0}) {
+            const Vec3 wo = outgoing(degrees), wi = outgoing(-degrees);
+            const double share = double(first(Opaque(metal).eval(wo, wi).f_cos.c[1])) /
+                                 double(first(Opaque(white).eval(wo, wi).f_cos.c[1]));
+            EXPECT_NEAR(share, fresnel_of(degrees, index), 1e-4) << degrees << " " << index;
+        }
+        metal.layers.conductor_k = grey(0);
+        EXPECT_NEAR(first(Opaque(metal).eval(outgoing(0), outgoing(0)).f_cos.c[1]) /
+                        first(Opaque(white).eval(outgoing(0), outgoing(0)).f_cos.c[1]),
+                    0.3, 1e-4)
+            << "another lane's";
+    }
+}
+
 /// The eye's sensitivity at a wavelength: Wyman, Sloan and Shirley 2013, "Simple Analytic Approximations to the CIE XYZ
 /// Color Matching Functions".
 std::array<double, 3> sensitivity(double nm)
