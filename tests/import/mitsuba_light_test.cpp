@@ -99,6 +99,25 @@ TEST_F(Mitsuba, EnvironmentMaps)
     EXPECT_EQ(scene.environment.color.g, 2);
 }
 
+/// The sun's irradiance as Mitsuba's pictures of a plane have it, between the heights and turbidities of the table.
+TEST_F(Mitsuba, SunOfSunsky)
+{
+    struct Case {
+        double turbidity, height_deg, red, green, blue;
+    };
+    for (const Case& c : {Case{3, 24.63, 1.3405, 1.0237, 0.6367}, Case{6.5, 6, 0.3161, 0.1474, 0.0331},
+                          Case{1, 1, 0.4837, 0.1379, 0}}) {
+        const double e = c.height_deg * degree;
+        const SceneDescription scene = read(fmt::format(
+            R"(<emitter type="sunsky"><vector name="sun_direction" x="{}" y="0" z="{}"/><float name="turbidity" value="{}"/></emitter>)",
+            std::cos(e), std::sin(e), c.turbidity));
+        const Color sun = scene.lights.at(0).intensity;
+        EXPECT_NEAR(sun.r, c.red, 3e-3 * c.red);
+        EXPECT_NEAR(sun.g, c.green, 3e-3 * c.green);
+        EXPECT_NEAR(sun.b, c.blue, 3e-3 * c.blue + 1e-9);
+    }
+}
+
 TEST_F(Mitsuba, SkyWithItsSun)
 {
     const SceneDescription scene =

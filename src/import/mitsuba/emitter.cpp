@@ -7,7 +7,7 @@
 
 #include "import/common/read_file.h"
 #include "import/mitsuba/reader.h"
-#include "import/mitsuba/sky_tables.h"
+#include "import/mitsuba/sun_table.h"
 
 namespace fathom::mitsuba {
 
@@ -45,6 +45,24 @@ Transform towards(Vec3d direction)
     const Vec3d columns[] = {u, v, w};
     for (std::size_t c = 0; c < 3; ++c) t.m[0][c] = columns[c].x, t.m[1][c] = columns[c].y, t.m[2][c] = columns[c].z;
     return t;
+}
+
+Color sun_at(double turbidity, double height_deg)
+{
+    const double t = std::clamp(turbidity - 1, 0.0, 9.0);
+    const auto row = std::min<std::size_t>(std::size_t(t), 8);
+    constexpr std::size_t last = std::size(sun_heights_deg) - 1;
+    std::size_t i = 0;
+    while (i + 1 < last && sun_heights_deg[i + 1] < height_deg) ++i;
+    const double begin = sun_heights_deg[i], end = sun_heights_deg[i + 1],
+                 x = std::clamp((height_deg - begin) / (end - begin), 0.0, 1.0), y = t - double(row);
+    const auto channel = [&](std::size_t c) {
+        const auto at = [&](std::size_t r) {
+            return (1 - x) * double(sun_irradiance[r][i][c]) + x * double(sun_irradiance[r][i + 1][c]);
+        };
+        return float(std::max((1 - y) * at(row) + y * at(row + 1), 0.0));
+    };
+    return {channel(0), channel(1), channel(2)};
 }
 
 }  // namespace
@@ -182,7 +200,7 @@ void Reader::read_sky(Object& emitter)
         sun.name = "sun";
         sun.kind = LightKind::directional;
         sun.angle = emitter.number("sun_aperture", 0.5358) * degree;
-        sun.intensity = scaled(look_up(sun_irradiance, turbidity, elevation_deg), emitter.number("sun_scale", 1));
+        sun.intensity = scaled(sun_at(turbidity, elevation_deg), emitter.number("sun_scale", 1));
         add_light(sun, towards(world.vector(-to_sun)));
     }
     emitter.ignore({"turbidity", "albedo", "sun_aperture", "sun_scale", "sky_scale", "complex_sun"});
