@@ -98,8 +98,16 @@ ClosureKind closure_of(const Material& m)
 
 bool is_solid(const Material& m, ClosureKind closure)
 {
-    return !m.thin && (closure == ClosureKind::glass || closure == ClosureKind::layered_transmitting ||
-                       closure == ClosureKind::disney_transmitting);
+    // Sheets of glass may enclose something.
+    if (m.thin) return m.kind == MaterialKind::glass && m.attenuation_distance > 0;
+    return closure == ClosureKind::glass || closure == ClosureKind::layered_transmitting ||
+           closure == ClosureKind::disney_transmitting;
+}
+
+bool is_open_boundary(const MaterialRecord& t)
+{
+    const bool is_clear = t.base_texture == no_index && t.base_color == Rgb{1, 1, 1};
+    return t.closure == ClosureKind::glass && !(t.flags & MaterialRecord::thin) && t.ior == 1 && is_clear;
 }
 
 void set_number(const FloatInput& from, float& value, std::uint32_t& texture, std::uint32_t& channel)
@@ -176,7 +184,9 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
         if (m.kind == MaterialKind::principled && m.subsurface.value > 0) t.subsurface_medium = subsurface_medium(c, m);
         const bool only_subsurface =
             t.subsurface_medium != 0 && !(m.transmission.value > 0) && !(m.diffuse_transmission.value > 0);
-        t.medium = only_subsurface ? t.subsurface_medium : volume_medium(c, m);
+        if (is_open_boundary(t)) t.flags |= MaterialRecord::open_boundary;
+        const bool is_open = (t.flags & (MaterialRecord::open_boundary | MaterialRecord::thin)) != 0;
+        t.medium = only_subsurface ? t.subsurface_medium : volume_medium(c, m, is_open);
     }
     if (m.single_sided && !is_solid(m, t.closure)) t.flags |= MaterialRecord::single_sided;
     if (m.black_behind && t.closure != ClosureKind::none && !t.has_inside()) t.flags |= MaterialRecord::black_behind;

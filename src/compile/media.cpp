@@ -15,7 +15,7 @@ namespace {
 
 std::uint32_t number_of(Compiler& c, MediumRecord medium, const Material& m)
 {
-    medium.ior = m.ior;
+    medium.ior = medium.is_open ? 1 : m.ior;
     medium.priority = std::uint32_t(std::clamp(m.priority, -1000, 1000) + 1001);
     std::vector<MediumRecord>& media = c.tables.media;
     const auto known = std::find(media.begin() + 1, media.end(), medium);
@@ -28,9 +28,10 @@ std::uint32_t number_of(Compiler& c, MediumRecord medium, const Material& m)
 
 }  // namespace
 
-std::uint32_t volume_medium(Compiler& c, const Material& m)
+std::uint32_t volume_medium(Compiler& c, const Material& m, bool is_open)
 {
     MediumRecord medium;
+    medium.is_open = is_open;
     const Rgb color = spectrum(m.attenuation_color), scatter = spectrum(m.transmission_scatter);
     if (m.attenuation_distance > 0) {
         const double distance = m.attenuation_distance * c.space.scale;

@@ -41,7 +41,8 @@ public:
                   .expected = settings.guiding != nullptr,
                   .number = job.records != nullptr,
                   .walks = scene.scatters_inside,
-                  .walk_textures = scene.textured_media},
+                  .walk_textures = scene.textured_media,
+                  .open_media = scene.open_media},
           camera_media_(scene.tracks_media ? media_at(scene, camera) : MediumStack()),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
@@ -50,7 +51,7 @@ public:
           clock_(counters, settings.measure),
           single_sided_(scene, counters),
           mixtures_(scene),
-          walk_(scene, settings),
+          walk_(scene, settings, counters, clock_),
           recorder_(job.records, camera_paths_.total()),
           shade_(scene, settings, counters, clock_, recorder_)
     {
@@ -181,8 +182,10 @@ private:
             if (scene_.sees_environment || settings_.background.given) list(valid & !hit, i, missing_, missing);
             UInt bucket = info & UInt(LaneScene::bucket_mask);
             if (scene_.has_mixtures) bucket = mixtures_.bucket(hits_.material.load(i), bucket, hit);
+            // Open boundaries are no bounce.
             const Mask scatters = hit & !less(bucket, UInt(1u << LaneScene::kind_shift)) &
-                                  may_scatter(settings_, p.state.load(i) & UInt(PathPool::bounce_mask));
+                                  (may_scatter(settings_, p.state.load(i) & UInt(PathPool::bounce_mask)) |
+                                   ((info & UInt(LaneScene::may_be_passed)) != UInt(0u)));
             list(valid & !scatters, i, finished_, finished);
             buckets_.store(i, select(scatters, bucket, UInt(0u)));
         }
@@ -346,7 +349,7 @@ private:
             if (const Mask shared = shows & (light != UInt(no_index)) & !specular; any(shared)) {
                 const UInt number = select(shared, light, UInt(0u));
                 const Float pdf = p.bsdf_pdf.gather(index, m);
-                const Float way_out = scene_.has_fibres ? p.way_out.gather(index, m) : Float(0);
+                const Float way_out = scene_.has_way_out ? p.way_out.gather(index, m) : Float(0);
                 weight = select(shared,
                                 lights_.emission_weight_of(number, fma(hit.d, -way_out, hit.o), hit.time, hit.d,
                                                            hit.t + way_out, hit.u, pdf, shared),
@@ -378,12 +381,16 @@ private:
         const PathPool& p = *paths_;
         for (std::size_t i = 0; i < active; i += lanes) {
             const UInt state = p.state.load(i);
-            const Mask m = first_lanes(active - i) & ((state & UInt(PathPool::bounce_mask)) == UInt(0u));
+            const Mask valid = first_lanes(active - i);
+            if (scene_.open_media)
+                first_hits_.add_scattered(PathPool::pixel_of(state),
+                                          valid & (hits_.t.load(i) == Float(WalkStage::scattered_first)));
+            const Mask m = valid & ((state & UInt(PathPool::bounce_mask)) == UInt(0u));
             const Mask hits = m & (hits_.primitive.load(i) != UInt(no_index));
             if (none(hits)) continue;
             SurfaceHit hit = gather_hit(iota() + UInt(std::uint32_t(i)), hits);
             if (scene_.has_mixtures) hit.material = hits_.material.load(i);
-            first_hits_.add(hit, PathPool::pixel_of(state), p.reversed_index.load(i), hits);
+            first_hits_.add(hit, p.media.load(i), PathPool::pixel_of(state), p.reversed_index.load(i), hits);
         }
     }
 
@@ -409,7 +416,7 @@ private:
     HitColumns hits_, packed_hits_;
     SingleSided single_sided_;
     MixtureStage mixtures_;
-    const WalkStage walk_;
+    WalkStage walk_;
     PathRecorder recorder_;
     ShadeStage shade_;
     Column<std::uint32_t> buckets_, order_;

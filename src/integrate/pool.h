@@ -108,6 +108,7 @@ struct PathExtras {
     bool number = false;         ///< paths are noted
     bool walks = false;          ///< and that scatters
     bool walk_textures = false;  ///< in colours and distances of its own where the path came in
+    bool open_media = false;     ///< surfaces may be passed as if they were not there
 };
 
 /// Paths under way.
@@ -123,8 +124,8 @@ struct PathPool {
     static constexpr std::uint32_t max_pixels = 1u << 14;
     static constexpr std::uint32_t specular = 1u << 31;  ///< the last direction came from a delta lobe, or the camera
     static constexpr std::uint32_t dead = 1u << 30;      ///< throughput is 0, or roulette ended the path
-    Column<float> bsdf_pdf;  ///< of the last direction; of no use to whoever shades, which gives it anew
-    Column<float> way_out;   ///< beside it, where there are fibres: so far before the origin lights were seen from
+    Column<float> bsdf_pdf;  ///< of the last direction; whoever shades gives it anew, but at open boundaries
+    Column<float> way_out;   ///< beside it, see LaneScene::has_way_out: so far before the origin lights were seen from
     Column<float> eta_scale, time;
     Column<float> indirect_left;  ///< see IndirectClamp
     /// Radiance that was expected to come back from the first surface of which anything was known; 0: there was none.
@@ -148,7 +149,8 @@ struct PathPool {
         if (extras.clamp) f(a.indirect_left, b.indirect_left);
         if (extras.expected) f(a.expected, b.expected);
         if (extras.number) f(a.number, b.number);
-        if (extras.walks) f(a.walk_steps, b.walk_steps);
+        if (extras.walks || extras.open_media) f(a.walk_steps, b.walk_steps);
+        if (extras.open_media) f(a.bsdf_pdf, b.bsdf_pdf), f(a.way_out, b.way_out);
         if (extras.walk_textures)
             for_columns(a.walk_extinction, b.walk_extinction, f), for_columns(a.walk_albedo, b.walk_albedo, f);
     }

@@ -37,12 +37,19 @@ std::size_t count_solids(const SceneTables& tables)
     return count;
 }
 
+bool has_open_media(const SceneTables& tables)
+{
+    return std::any_of(tables.materials.begin(), tables.materials.end(), [&](const MaterialRecord& m) {
+        return (m.flags & MaterialRecord::open_boundary) || tables.media[m.medium].is_open;
+    });
+}
+
 }  // namespace
 
 LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
     : tables_owner(std::move(t)), tables(*tables_owner)
 {
-    is_flat = FlatScene::fits(tables) && !has_alpha();
+    is_flat = FlatScene::fits(tables) && !has_alpha() && !has_open_media(tables);
     if (!is_flat) bvh.build(tables, level);
     filters[0].make_gaussian();
     filters[1].make_blackman_harris();
@@ -69,7 +76,10 @@ void LaneScene::read_tables()
     else
         bvh.set_alpha_test(has_alpha() ? &alpha_passes : nullptr, &tables);
     read_shapes();
-    tracks_media = has_absorption || count_solids(tables) > 1;
+    // An edit may fill what was empty; a flat list has shadow rays end where that begins.
+    open_media = !is_flat && has_open_media(tables);
+    tracks_media = has_absorption || open_media || count_solids(tables) > 1;
+    has_way_out = has_fibres || open_media;
     only_quads &= !tracks_media;
     constexpr std::size_t much = 1 << 17;  // of vertices
     is_large = tables.positions.size() > much;
@@ -109,7 +119,8 @@ void LaneScene::read_shapes()
         const MaterialRecord& material = tables.materials[shape.material];
         read_material(material);
         shape_info.push_back(material_bucket[shape.material] | (material.flags & MaterialRecord::emits ? emits : 0u) |
-                             (material.mixture != no_index ? is_mixture : 0u));
+                             (material.mixture != no_index ? is_mixture : 0u) |
+                             (material.flags & MaterialRecord::open_boundary ? may_be_passed : 0u));
     }
 }
 

@@ -20,7 +20,7 @@ struct LaneScene final : KernelScene {
     Bvh bvh;
     /// Per shape: the bucket of its material, and flags on top.
     std::vector<std::uint32_t> shape_info;
-    static constexpr std::uint32_t emits = 1u << 31, is_mixture = 1u << 30;
+    static constexpr std::uint32_t emits = 1u << 31, is_mixture = 1u << 30, may_be_passed = 1u << 29;
     /// Per material: its bucket; of use where a mixture has it.
     std::vector<std::uint32_t> material_bucket;
     /// Paths are sorted by bucket before they are shaded: first by ClosureKind, then by material (modulo 32).
@@ -35,6 +35,7 @@ struct LaneScene final : KernelScene {
     bool textured = false;          ///< there are textures
     bool has_fibres = false;        ///< some material is of fibres, to which uv say where across they are met
     bool wants_uv = false;          ///< either of both, or tangents
+    bool has_way_out = false;       ///< lights were seen from elsewhere than where rays begin: PathPool::way_out
     bool wants_tangents = false;    ///< tangents of surfaces matter somewhere
     bool has_bumps = false;         ///< some material bends normals by the slope of a texture
     bool varied_lights = false;     ///< some are not alike all over, see LightRecord::material
@@ -47,6 +48,7 @@ struct LaneScene final : KernelScene {
     bool has_absorption = false;    ///< some medium absorbs or scatters
     bool scatters_inside = false;   ///< some medium scatters
     bool textured_media = false;    ///< as textures say, which paths bring along
+    bool open_media = false;        ///< some are open, or have boundaries that are: see MediumRecord
     bool tracks_media = false;      ///< paths must know what they are in: that, or solids may overlap
     bool has_mixtures = false;      ///< some material is one of two
     bool sees_environment = false;  ///< rays that leave the scene bring something

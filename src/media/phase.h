@@ -18,4 +18,12 @@ inline Vec3 sample_phase(Float anisotropy, Sample2 u)
     return {sine * phi.cos, sine * phi.sin, cosine};
 }
 
+/// Its density per solid angle. cosine: to the way on.
+inline Float phase_pdf(Float anisotropy, Float cosine)
+{
+    const Float g = anisotropy, g2 = g * g;
+    const Float way2 = max(fma(Float(-2) * g, cosine, Float(1) + g2), Float(1e-4f));
+    return Float(0.25f * inv_pi) * (Float(1) - g2) / (way2 * sqrt(way2));
+}
+
 }  // namespace fathom::inline FATHOM_LANES

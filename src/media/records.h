@@ -17,6 +17,9 @@ struct MediumRecord {
     std::uint32_t is_textured = 0;
     float ior = 1;               ///< index of refraction
     std::uint32_t priority = 0;  ///< where media overlap, the one with the greatest is there; above 0, below 2^31
+    /// Light comes in without being refracted, like into fog: paths have lights sampled where they are scattered, and
+    /// that is a bounce.
+    std::uint32_t is_open = 0;
 
     bool operator==(const MediumRecord&) const = default;
 };

@@ -142,7 +142,8 @@ struct MaterialRecord {
         bumped = 32768,     ///< normals are bent by the slope of bump
         separable = 65536,  ///< facets' shadowing is that of each direction by itself
         wants_uv =
-            131072  ///< of the surface, beside what is textured: for fibres and textures of what records have beside
+            131072,  ///< of the surface, beside what is textured: for fibres and textures of what records have beside
+        open_boundary = 262144  ///< of a solid of index 1, at which nothing happens to light but that it is inside
     };
     // What shading reads of each vertex: see hot_words.
     std::uint32_t flags = 0;

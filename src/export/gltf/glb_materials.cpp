@@ -176,7 +176,10 @@ void GlbMaterials::add_transmission(const Material& m, Json& json)
     }
     if (transmission.value <= 0 && m.diffuse_transmission.value <= 0) return;
     if (m.dispersion > 0) extension(json, "KHR_materials_dispersion")["dispersion"] = number_json(m.dispersion);
-    if (m.thin) return;
+    if (m.thin) {
+        if (is_glass && m.attenuation_distance > 0) tell("what sheets of glass enclose");
+        return;
+    }
     // Of any thickness: rays know their way through, and rasterisers guess.
     Json& volume = extension(json, "KHR_materials_volume");
     volume["thicknessFactor"] = 1;

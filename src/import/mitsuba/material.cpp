@@ -376,9 +376,8 @@ void Reader::read_interior(const Element& element, Material& m)
         const ColorInput emission = m.emission;
         m = open_boundary();
         m.emission = emission;
-        tell(element, "behind 'null' it is a solid of index 1, which lights outside of it reach by chance alone");
     }
-    if (m.kind != MaterialKind::glass || m.thin) return tell(element, "is not rendered in what is not glass");
+    if (m.kind != MaterialKind::glass) return tell(element, "is not rendered in what is not glass");
     const auto absorbed = [&](float t, float a) { return float(double(t) * scale * (1 - a)); };
     const auto scattered = [&](float t, float a) { return float(double(t) * scale * a); };
     fill_solid(

@@ -326,12 +326,8 @@ void Reader::set_medium(const Parameters& medium, Material& out)
     const auto g = float(medium.number("g", 0));
     medium.ignore({"type", "preset", "Le", "Lescale"});
     medium.finish(teller_);
-    if (out.kind == MaterialKind::none) {
-        out = open_boundary();
-        tell(medium,
-             "behind an 'interface' it is a solid of index 1, which lights outside of it reach by chance alone");
-    }
-    if (out.kind != MaterialKind::glass || out.thin) {
+    if (out.kind == MaterialKind::none) out = open_boundary();
+    if (out.kind != MaterialKind::glass) {
         tell(medium, "is not rendered in what is not glass");
         return;
     }

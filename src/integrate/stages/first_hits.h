@@ -1,6 +1,6 @@
 #pragma once
 #include "integrate/kernel.h"
-#include "integrate/stages/material.h"
+#include "integrate/stages/solid_boundary.h"
 
 namespace fathom::inline FATHOM_LANES {
 
@@ -14,11 +14,18 @@ public:
 
     bool wanted() const { return places_.any(); }
 
-    /// Adds those of the lanes `hits`. pixel: place in the job; reversed_index: of the sample, see SampleKey.
-    [[gnu::noinline]] void add(const SurfaceHit& hit, UInt pixel, UInt reversed_index, Mask hits)
+    /// Adds those of the lanes `hits` that are not passed like open boundaries. media: what the paths are in; pixel:
+    /// place in the job; reversed_index: of the sample, see SampleKey.
+    [[gnu::noinline]] void add(const SurfaceHit& hit, const MediumStack& media, UInt pixel, UInt reversed_index,
+                               Mask hits)
     {
         if (none(hits)) return;
         Surface s = surfaces_.read(hit, hits);
+        if (scene_.open_media) {
+            const Mask inside = dot(hit.d, s.ng) >= Float(0);
+            hits &= !solid_boundary(materials_, s.material, media, inside, hits).passes_on;
+            if (none(hits)) return;
+        }
         const Spectrum albedo = albedo_of(s, hits);
         const Vec3 n = flip_sign(s.ns, -dot(hit.d, s.ng));
         const Vec3 forward(Float(camera_.forward[0]), Float(camera_.forward[1]), Float(camera_.forward[2]));
@@ -36,6 +43,15 @@ public:
                                 world.y,
                                 world.z};
         put(values, pixel, hits, object, s.material, reversed_index);
+    }
+
+    /// Pixels that see what scatters before any surface are covered by it.
+    void add_scattered(UInt pixels, Mask m)
+    {
+        if (places_.alpha < 0 || none(m)) return;
+        std::uint32_t pixel[lanes];
+        store(pixel, pixels);
+        for_each_active(m, [&](int lane) { sums_.add_first_hit(pixel[lane], places_.alpha, 1); });
     }
 
 private:

@@ -8,6 +8,7 @@
 #include "integrate/stages/path_recorder.h"
 #include "integrate/stages/scatter.h"
 #include "integrate/stages/shadow.h"
+#include "integrate/stages/walk.h"
 #include "media/albedo.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -128,6 +129,9 @@ private:
         Scattered next = scatter(closure, at, guidance, key, seed, index, throughput);
         UInt next_state = (state & UInt(~PathPool::specular)) + UInt(1u);
         next_state = next_state | select(next.is_delta, UInt(PathPool::specular), UInt(PathPool::scattered));
+        // Where shadow rays pass, paths go on as if they had met nothing. By chance they meet something else there.
+        Mask straight(false);
+        if (Closure::transmits && scene_.open_media) straight = valid & at.passes_on & (hit.material == UInt(no_index));
         Float eta_scale(1.f);
         if (scene_.refracts) {
             eta_scale = p.eta_scale.load(i) * next.eta * next.eta;
@@ -140,7 +144,7 @@ private:
             if constexpr (is_layered<Closure>)
                 if (scene_.textured_media) keep_medium(i, valid & next.enters_subsurface, at);
         }
-        if (scene_.scatters_inside) p.walk_steps.store(i, UInt(0u), valid);
+        if (scene_.scatters_inside && !scene_.open_media) p.walk_steps.store(i, UInt(0u), valid);
         Roulette roulette = roulette_by_throughput(settings_, bounce, eta_scale, next.throughput);
         if (guidance.is_on()) {
             const Float expected = mean(throughput * at.material.base_color) * guidance.mean();
@@ -148,8 +152,19 @@ private:
             p.expected.store(i, select(guidance.known() & !(first > Float(0)), expected, first), valid);
             roulette = roulette_by_expectation(guidance.known(), expected, first, bounce, roulette);
         }
+        roulette.plays &= !straight;
         const Mask ends = play(roulette, key, seed, next.throughput);
         next_state = select(ends, next_state | UInt(PathPool::dead), next_state);
+        Float way_out = at.way_out(next.wi);
+        if (Closure::transmits && scene_.open_media) {
+            // Whoever only might have passed had no bounce left.
+            const Mask over = !may_scatter(settings_, bounce);
+            next_state = select(over, next_state | UInt(PathPool::dead), next_state);
+            next_state = select(straight, go_straight(i, state, straight), next_state);
+            next.pdf = select(straight, p.bsdf_pdf.load(i), next.pdf);
+            const Vec3 way = at.start(next.wi) - hit.o;
+            way_out = select(straight, p.way_out.load(i) + dot(way, hit.d), way_out);
+        }
         if (Closure::is_guided && recorder_.is_on())
             recorder_.turn(p.number.load(i), bounce, at.p, at.frame.n, next.wi, next.pdf, next.throughput,
                            valid & !ends & !next.is_delta);
@@ -157,8 +172,16 @@ private:
         p.direction.store(i, next.wi, valid);
         p.throughput.store(i, next.throughput, valid);
         p.bsdf_pdf.store(i, next.pdf, valid);
-        if (scene_.has_fibres) p.way_out.store(i, at.way_out(next.wi), valid);
+        if (scene_.has_way_out) p.way_out.store(i, way_out, valid);
         p.state.store(i, next_state, valid);
+    }
+
+    /// The state of paths that pass the boundary of an open medium, which is a step in a walk, but no bounce.
+    UInt go_straight(std::size_t i, UInt state, Mask straight)
+    {
+        const UInt step = paths_->walk_steps.load(i) + UInt(1u);
+        paths_->walk_steps.store(i, step, straight);
+        return state | select(less(step, UInt(WalkStage::most_steps)), UInt(0u), UInt(PathPool::dead));
     }
 
     /// Nothing, on the back of what is black there.
@@ -214,17 +237,23 @@ private:
         const LightSample s = lights_.sample(valid, eye, key, seed, random, time);
         Mask lit = valid & (s.inverse_pdf > Float(0));
         Spectrum add = direct_light(closure, at, guidance, s, throughput, lit);
-        if (scene_.has_absorption) {
+        MediumStack media;
+        if (scene_.tracks_media) {
             const Mask beyond = Closure::transmits ? dot(s.wi, at.ng) < Float(0) : Mask(false);
-            const UInt medium = select(beyond, at.media_beyond, at.media).current();
-            add = add * transmittance(extinction_of(scene_, *paths_, i, medium, lit), s.distance);
+            media = select(beyond, at.media_beyond, at.media);
         }
+        if (scene_.has_absorption && !scene_.open_media)
+            add = add * transmittance(extinction_of(scene_, *paths_, i, media.current(), lit), s.distance);
         lit &= any_positive(add);
         if (none(lit)) return;
         counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
         const Ray ray = shadow_ray(at, eye, s, time);
         if (!scene_.is_flat) {
-            shadows_.push(ray, add, i, lit);
+            const UInt path = iota() + UInt(std::uint32_t(i));
+            if (scene_.open_media)
+                shadows_.push(ray, add, media, path, lit);
+            else
+                shadows_.push(ray, add, path, lit);
             return;
         }
         PathPool& p = *paths_;

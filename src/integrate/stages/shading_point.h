@@ -1,6 +1,7 @@
 #pragma once
 #include "integrate/stage_clock.h"
 #include "integrate/stages/material.h"
+#include "integrate/stages/solid_boundary.h"
 #include "media/stack.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -19,7 +20,7 @@ struct ShadingPoint {
     /// What the path is in, and what it comes to if it passes, where that is kept track of.
     MediumStack media, media_beyond;
     MediumStack media_below;  ///< what it comes to if it enters the subsurface
-    Mask passes_on;           ///< the same medium is on both sides: nothing is there
+    Mask passes_on;           ///< nothing is there, see SolidBoundary
     /// Of fibres: whether they are flat curves, how wide these are, and how far from the axis the path met them, in
     /// that.
     Mask is_ribbon;
@@ -97,17 +98,16 @@ inline Mask refracts_about_ng(const Vec3& wo, const Vec3& ng, const Vec3& ns, Fl
 template <class Closure>
 inline void find_media(const MaterialReader& materials, Mask m, ShadingPoint<Closure>& at)
 {
-    const UInt medium = materials.get(&MaterialRecord::medium, at.material_index, m);
-    const Mask solid = m & (medium != UInt(0u));
-    if (none(solid)) return;
-    const UInt subsurface = materials.get(&MaterialRecord::subsurface_medium, at.material_index, m);
-    const Mask below = at.inside & at.media.contains(subsurface);
-    const MediumBoundary boundary(materials.tables(), at.media, select(below, subsurface, medium), !at.inside, solid);
-    at.media_beyond = select(solid, boundary.beyond, at.media);
-    at.passes_on = solid & !boundary.is_there;
-    if constexpr (is_layered<Closure>) at.material.layers.in_subsurface = below & boundary.is_there;
-    at.media_below = at.media.entered(materials.tables(), subsurface, solid);
-    at.material.ior = select(solid, at.material.ior / boundary.other_ior, at.material.ior);
+    const SolidBoundary boundary = solid_boundary(materials, at.material_index, at.media, at.inside, m);
+    if (none(boundary.solid)) return;
+    at.media_beyond = select(boundary.solid, boundary.media.beyond, at.media);
+    at.passes_on = boundary.passes_on;
+    if constexpr (is_layered<Closure>) {
+        const UInt subsurface = materials.get(&MaterialRecord::subsurface_medium, at.material_index, boundary.solid);
+        at.material.layers.in_subsurface = boundary.below & boundary.media.is_there;
+        at.media_below = at.media.entered(materials.tables(), subsurface, boundary.solid);
+    }
+    at.material.ior = select(boundary.solid, at.material.ior / boundary.media.other_ior, at.material.ior);
 }
 
 /// The directions that a material has of its own, into the frame of the shading normal; wo is on the side of ng.

@@ -2,7 +2,11 @@
 #include <algorithm>
 
 #include "integrate/camera_paths.h"
+#include "integrate/stage_clock.h"
+#include "integrate/stages/light.h"
+#include "integrate/stages/path_end.h"
 #include "integrate/stages/path_medium.h"
+#include "integrate/stages/shadow.h"
 #include "media/phase.h"
 #include "media/stack.h"
 
@@ -11,23 +15,31 @@ namespace fathom::inline FATHOM_LANES {
 /// Ways through what fills solids: what they leave of the light, and in a medium that scatters, where a path turns.
 ///
 /// A path that is scattered before it gets to what it was about to hit is put there and goes on along another
-/// direction: a step of a random walk, in which it is not shaded. It has no light sampled, since no light gets in but
-/// through a surface that scatters it.
+/// direction: a step of a random walk, in which it is not shaded. It has a light sampled only in open media: into
+/// others no light gets but through a surface that scatters it.
 class WalkStage {
 public:
-    WalkStage(const LaneScene& scene, const KernelSettings& settings)
-        : scene_(scene), tables_(scene.tables), settings_(settings)
+    WalkStage(const LaneScene& scene, const KernelSettings& settings, KernelCounters& counters, StageClock& clock)
+        : scene_(scene),
+          tables_(scene.tables),
+          settings_(settings),
+          counters_(counters),
+          clock_(clock),
+          lights_(scene, settings.light_selection),
+          lights_are_sampled_(settings.light_sampling && !tables_.lights.empty())
     {
     }
 
-    /// Hits of paths that were scattered before become misses at this distance.
-    static constexpr float scattered_before = -1;
+    /// Hits of paths that were scattered before become misses at this distance; where in an open medium they came
+    /// straight from the camera, at the other.
+    static constexpr float scattered_before = -1, scattered_first = -2;
     /// So many steps, and the path ends: a number too large to be met but where next to nothing is absorbed in a solid
     /// of some hundred mean free paths.
     static constexpr std::uint32_t most_steps = 0xffff;
 
-    void run(PathPool& p, HitColumns& hits, std::size_t active) const
+    void run(PathPool& p, HitColumns& hits, std::size_t active)
     {
+        shadows_.clear();
         for (std::size_t i = 0; i < active; i += lanes) {
             const UInt medium = p.media.load(i).current();
             const Mask inside = first_lanes(active - i) & (medium != UInt(0u));
@@ -42,11 +54,17 @@ public:
                 attenuate(p, hits, i, medium, inside);
             }
         }
+        if (!scene_.open_media) return;
+        clock_.enter(RenderStage::shadow);
+        counters_.costs.clear_shadow_rays += shadows_.trace(scene_, p, settings_.clamp_indirect > 0);
+        clock_.enter(RenderStage::arrival);
     }
 
 private:
     /// Pairs of random dimensions of a step, whose group has its number in the upper half.
     enum WalkPair : std::uint32_t { pair_distance, pair_phase, pair_survival };
+    /// What sets the group of a light's numbers apart from that of the step.
+    static constexpr std::uint32_t light_group = 1u << 15;
 
     void attenuate(PathPool& p, const HitColumns& hits, std::size_t i, UInt medium, Mask m) const
     {
@@ -55,7 +73,7 @@ private:
     }
 
     [[gnu::noinline]] void go(PathPool& p, HitColumns& hits, std::size_t i, UInt medium, const Spectrum& scattering,
-                              Mask m) const
+                              Mask m)
     {
         const SampleKey key{p.pixel_hash.load(i), p.reversed_index.load(i)};
         const UInt state = p.state.load(i), bounce = state & UInt(PathPool::bounce_mask);
@@ -68,24 +86,57 @@ private:
         const Float t_hit = hits.t.load(i);
         const Mask turns = m & (way.distance() < t_hit);
         Spectrum next = throughput * select(turns, way.scattered(scattering), way.passed(t_hit));
+        Mask open(false);
+        if (scene_.open_media) {
+            open = turns & (gather(tables_.media, &MediumRecord::is_open, medium, m) != UInt(0u));
+            // Of use to whoever passes the boundary that is ahead.
+            p.walk_steps.store(i, step, m);
+        }
+        const Spectrum scattered = next;
         const Mask ends = end_by_chance(turns, key, seed, bounce + step, p.eta_scale.load(i), next) |
-                          (turns & !less(step, UInt(most_steps)));
+                          (turns & !less(step, UInt(most_steps))) | (open & !may_scatter(settings_, bounce));
         p.throughput.store(i, next, m);
         if (none(turns)) return;
 
         const Vec3 o = p.origin.load(i), d = p.direction.load(i);
         const Float g = gather(tables_.media, &MediumRecord::anisotropy, medium, m);
         const Vec3 turned = sample_phase(g, sample_2d(key, pair_seed(seed, pair_phase)));
-        p.origin.store(i, fma(d, kept_inside(o, way.distance(), t_hit), o), turns);
+        const Vec3 at = fma(d, kept_inside(o, way.distance(), t_hit), o);
+        const Mask lit = open & may_scatter(settings_, bounce);
+        if (lights_are_sampled_ && any(lit))
+            sample_light(p, i, at, g, key, step << 16 | UInt(light_group) | (bounce + UInt(1u)), scattered, lit);
+        p.origin.store(i, at, turns);
         p.direction.store(i, normalize(Frame(d).to_world(turned)), turns);
         p.walk_steps.store(i, step, turns);
-        p.bsdf_pdf.store(i, Float(0), turns);
+        p.bsdf_pdf.store(i, select(open, phase_pdf(g, turned.z), Float(0)), turns);
+        if (scene_.has_way_out) p.way_out.store(i, Float(0), turns);
         // A camera in a medium sees no first hit through it: the path has left the camera.
-        const UInt left_camera = select(bounce == UInt(0u), UInt(1u), UInt(0u));
+        const Mask from_camera = bounce == UInt(0u);
+        const UInt left = select(open | from_camera, UInt(1u), UInt(0u));
         const UInt dead = select(ends, UInt(PathPool::dead), UInt(0u));
-        p.state.store(i, (state + left_camera) | UInt(PathPool::specular | PathPool::scattered) | dead, turns);
-        hits.t.store(i, Float(scattered_before), turns);
+        const UInt specular = select(open, UInt(0u), UInt(PathPool::specular));
+        const UInt others = state & UInt(~PathPool::specular);
+        p.state.store(i, (others + left) | specular | UInt(PathPool::scattered) | dead, turns);
+        hits.t.store(i, select(open & from_camera, Float(scattered_first), Float(scattered_before)), turns);
         hits.primitive.store(i, UInt(no_index), turns);
+    }
+
+    /// Has the shadow ray queued of a light that is sampled where paths are scattered. scattered: what they carry from
+    /// there, of which the phase function has its share.
+    [[gnu::noinline]] void sample_light(const PathPool& p, std::size_t i, const Vec3& at, Float anisotropy,
+                                        const SampleKey& key, UInt group, const Spectrum& scattered, Mask m)
+    {
+        const UInt seed = group_seed(key, group);
+        const Float time = tables_.moving ? p.time.load(i) : Float(0);
+        const LightSample s = lights_.sample(m, at, key, seed, sample_2d(key, pair_seed(seed, pair_light)), time);
+        const Float pdf = phase_pdf(anisotropy, dot(s.wi, p.direction.load(i))), r = pdf * s.inverse_pdf;
+        const Float weight = select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * s.inverse_pdf;
+        const Spectrum light = scattered * s.radiance * (pdf * weight);
+        const Mask lit = m & (s.inverse_pdf > Float(0)) & any_positive(light);
+        if (none(lit)) return;
+        counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
+        shadows_.push({at, s.wi, s.distance * Float(1 - 0x1p-16f), time}, light, p.media.load(i),
+                      iota() + UInt(std::uint32_t(i)), lit);
     }
 
     /// Rounding must not put a path onto the other side of what lies ahead, whence it would not find back.
@@ -110,6 +161,11 @@ private:
     const LaneScene& scene_;
     const SceneTables& tables_;
     const KernelSettings& settings_;
+    KernelCounters& counters_;
+    StageClock& clock_;
+    const LightSampler lights_;
+    const bool lights_are_sampled_;
+    ShadowQueue shadows_;
 };
 
 }  // namespace fathom::inline FATHOM_LANES

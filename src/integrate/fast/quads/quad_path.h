@@ -91,8 +91,8 @@ private:
         Arrival<From::camera> at{path.ray.o, path.ray.d, Float(0), valid};
         at.meet(*this);
         if (first_hits_.wanted())
-            first_hits_.add({at.o, at.d, at.t, Float(0), Float(0), Float(0), at.quad, UInt(no_index)}, path.pixel,
-                            path.key.reversed_index, at.hits);
+            first_hits_.add({at.o, at.d, at.t, Float(0), Float(0), Float(0), at.quad, UInt(no_index)}, MediumStack(),
+                            path.pixel, path.key.reversed_index, at.hits);
         Spectrum sum(Float(0));
         at.add_radiance(*this, Spectrum(Float(1)), sum);
         const Mask goes_on = at.goes_on() & may_scatter(settings_, UInt(0u));

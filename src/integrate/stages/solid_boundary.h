@@ -1,0 +1,31 @@
+#pragma once
+#include "integrate/stages/material.h"
+#include "media/stack.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+/// The boundaries of solids as paths meet them, or shadow rays, that are in the media of a stack.
+struct SolidBoundary {
+    Mask solid;  ///< the material has an inside
+    Mask below;  ///< met from within its subsurface
+    MediumBoundary media;
+    Mask passes_on;  ///< light goes straight on, as if nothing were there
+};
+
+/// inside: met from behind the geometric normal. For the lanes of m; those that are not solid have nothing in media.
+inline SolidBoundary solid_boundary(const MaterialReader& materials, UInt material, const MediumStack& media,
+                                    Mask inside, Mask m)
+{
+    const auto get = [&](auto member, Mask lanes_of) { return materials.get(member, material, lanes_of); };
+    const UInt medium = get(&MaterialRecord::medium, m);
+    const Mask solid = m & (medium != UInt(0u));
+    const UInt subsurface = get(&MaterialRecord::subsurface_medium, solid), flags = get(&MaterialRecord::flags, solid);
+    const auto has = [&](std::uint32_t flag) { return (flags & UInt(flag)) != UInt(0u); };
+    const Mask below = solid & inside & media.contains(subsurface);
+    const MediumBoundary boundary(materials.tables(), media, select(below, subsurface, medium), !inside, solid);
+    const Mask is_nothing = has(MaterialRecord::open_boundary) & (boundary.other_ior == Float(1));
+    const Mask passes_on = solid & !has(MaterialRecord::thin) & (!boundary.is_there | is_nothing);
+    return {solid, below, boundary, passes_on};
+}
+
+}  // namespace fathom::inline FATHOM_LANES
