@@ -140,6 +140,13 @@ void compile_hair(const Material& m, MaterialRecord& t)
     t.base_texture = texture_id(texture);
 }
 
+/// What bends normals would bend what is reflected only, but textures of them are seldom for panes.
+bool is_pane(const Material& m, const MaterialRecord& t)
+{
+    return t.closure == ClosureKind::glass && m.thin && t.roughness == 0 && t.roughness_texture == no_index &&
+           t.normal_texture == no_index && !(t.flags & MaterialRecord::bumped);
+}
+
 MaterialRecord compile_material(Compiler& c, const Material& m)
 {
     MaterialRecord t;
@@ -180,6 +187,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     t.alpha_channel = std::uint32_t(m.alpha.channel);
     t.alpha_cutoff = m.alpha_cutoff;
     t.alpha_mode = std::uint32_t(m.alpha_mode);
+    if (is_pane(m, t)) t.flags |= MaterialRecord::pane;
     if (is_solid(m, t.closure)) {
         if (m.kind == MaterialKind::principled && m.subsurface.value > 0) t.subsurface_medium = subsurface_medium(c, m);
         const bool only_subsurface =

@@ -40,9 +40,9 @@ public:
                   .clamp = settings.clamp_indirect > 0,
                   .expected = settings.guiding != nullptr,
                   .number = job.records != nullptr,
-                  .walks = scene.scatters_inside,
+                  .walks = scene.scatters_inside || scene.open_media,
                   .walk_textures = scene.textured_media,
-                  .open_media = scene.open_media},
+                  .sees_through = scene.sees_through},
           camera_media_(scene.tracks_media ? media_at(scene, camera) : MediumStack()),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
@@ -182,10 +182,9 @@ private:
             if (scene_.sees_environment || settings_.background.given) list(valid & !hit, i, missing_, missing);
             UInt bucket = info & UInt(LaneScene::bucket_mask);
             if (scene_.has_mixtures) bucket = mixtures_.bucket(hits_.material.load(i), bucket, hit);
-            // Open boundaries are no bounce.
             const Mask scatters = hit & !less(bucket, UInt(1u << LaneScene::kind_shift)) &
                                   (may_scatter(settings_, p.state.load(i) & UInt(PathPool::bounce_mask)) |
-                                   ((info & UInt(LaneScene::may_be_passed)) != UInt(0u)));
+                                   ((info & UInt(LaneScene::is_no_bounce)) != UInt(0u)));
             list(valid & !scatters, i, finished_, finished);
             buckets_.store(i, select(scatters, bucket, UInt(0u)));
         }

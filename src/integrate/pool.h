@@ -108,7 +108,7 @@ struct PathExtras {
     bool number = false;         ///< paths are noted
     bool walks = false;          ///< and that scatters
     bool walk_textures = false;  ///< in colours and distances of its own where the path came in
-    bool open_media = false;     ///< surfaces may be passed as if they were not there
+    bool sees_through = false;   ///< surfaces may be passed as if they were not there
 };
 
 /// Paths under way.
@@ -149,8 +149,8 @@ struct PathPool {
         if (extras.clamp) f(a.indirect_left, b.indirect_left);
         if (extras.expected) f(a.expected, b.expected);
         if (extras.number) f(a.number, b.number);
-        if (extras.walks || extras.open_media) f(a.walk_steps, b.walk_steps);
-        if (extras.open_media) f(a.bsdf_pdf, b.bsdf_pdf), f(a.way_out, b.way_out);
+        if (extras.walks) f(a.walk_steps, b.walk_steps);
+        if (extras.sees_through) f(a.bsdf_pdf, b.bsdf_pdf), f(a.way_out, b.way_out);
         if (extras.walk_textures)
             for_columns(a.walk_extinction, b.walk_extinction, f), for_columns(a.walk_albedo, b.walk_albedo, f);
     }

@@ -44,12 +44,27 @@ bool has_open_media(const SceneTables& tables)
     });
 }
 
+bool has_panes(const SceneTables& tables)
+{
+    return std::any_of(tables.materials.begin(), tables.materials.end(),
+                       [](const MaterialRecord& m) { return (m.flags & MaterialRecord::pane) != 0; });
+}
+
+/// How paths and shadow rays pass what is of a material, among the flags of shape_info.
+std::uint32_t passing_info(const SceneTables& tables, const MaterialRecord& m)
+{
+    if (m.flags & MaterialRecord::open_boundary) return LaneScene::may_be_passed | LaneScene::is_no_bounce;
+    if (!(m.flags & MaterialRecord::pane)) return 0;
+    // Where light comes into something, what scatters it there is the bounce.
+    return LaneScene::may_be_passed | (tables.media[m.medium].is_open ? LaneScene::is_no_bounce : 0);
+}
+
 }  // namespace
 
 LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
     : tables_owner(std::move(t)), tables(*tables_owner)
 {
-    is_flat = FlatScene::fits(tables) && !has_alpha() && !has_open_media(tables);
+    is_flat = FlatScene::fits(tables) && !has_alpha() && !has_open_media(tables) && !has_panes(tables);
     if (!is_flat) bvh.build(tables, level);
     filters[0].make_gaussian();
     filters[1].make_blackman_harris();
@@ -76,10 +91,11 @@ void LaneScene::read_tables()
     else
         bvh.set_alpha_test(has_alpha() ? &alpha_passes : nullptr, &tables);
     read_shapes();
-    // An edit may fill what was empty; a flat list has shadow rays end where that begins.
+    // Edits may bring both; to shadow rays in a flat list they are like any surface.
     open_media = !is_flat && has_open_media(tables);
+    sees_through = open_media || (!is_flat && has_panes(tables));
     tracks_media = has_absorption || open_media || count_solids(tables) > 1;
-    has_way_out = has_fibres || open_media;
+    has_way_out = has_fibres || sees_through;
     only_quads &= !tracks_media;
     constexpr std::size_t much = 1 << 17;  // of vertices
     is_large = tables.positions.size() > much;
@@ -119,8 +135,7 @@ void LaneScene::read_shapes()
         const MaterialRecord& material = tables.materials[shape.material];
         read_material(material);
         shape_info.push_back(material_bucket[shape.material] | (material.flags & MaterialRecord::emits ? emits : 0u) |
-                             (material.mixture != no_index ? is_mixture : 0u) |
-                             (material.flags & MaterialRecord::open_boundary ? may_be_passed : 0u));
+                             (material.mixture != no_index ? is_mixture : 0u) | passing_info(tables, material));
     }
 }
 

@@ -20,7 +20,9 @@ struct LaneScene final : KernelScene {
     Bvh bvh;
     /// Per shape: the bucket of its material, and flags on top.
     std::vector<std::uint32_t> shape_info;
-    static constexpr std::uint32_t emits = 1u << 31, is_mixture = 1u << 30, may_be_passed = 1u << 29;
+    static constexpr std::uint32_t emits = 1u << 31, is_mixture = 1u << 30;
+    /// Shadow rays may pass, and paths as if nothing were there; and that is no bounce.
+    static constexpr std::uint32_t may_be_passed = 1u << 29, is_no_bounce = 1u << 28;
     /// Per material: its bucket; of use where a mixture has it.
     std::vector<std::uint32_t> material_bucket;
     /// Paths are sorted by bucket before they are shaded: first by ClosureKind, then by material (modulo 32).
@@ -49,6 +51,7 @@ struct LaneScene final : KernelScene {
     bool scatters_inside = false;   ///< some medium scatters
     bool textured_media = false;    ///< as textures say, which paths bring along
     bool open_media = false;        ///< some are open, or have boundaries that are: see MediumRecord
+    bool sees_through = false;      ///< shadow rays pass some surfaces: boundaries of those, and panes
     bool tracks_media = false;      ///< paths must know what they are in: that, or solids may overlap
     bool has_mixtures = false;      ///< some material is one of two
     bool sees_environment = false;  ///< rays that leave the scene bring something

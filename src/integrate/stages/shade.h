@@ -59,7 +59,7 @@ public:
             begin = end;
         }
         clock_.enter(RenderStage::shadow);
-        counters_.costs.clear_shadow_rays += shadows_.trace(scene_, paths, settings_.clamp_indirect > 0);
+        counters_.costs.clear_shadow_rays += shadows_.trace(scene_, paths, settings_, clock_);
     }
 
 private:
@@ -74,7 +74,7 @@ private:
     void find_environment_rows(std::size_t i, std::size_t end)
     {
         if (i >= end) return;
-        const Randomness r(*paths_, i);
+        const Randomness r(*paths_, i, scene_.open_media);
         environment_ahead_.find_rows(i / lanes, sample_2d(r.index, pair_seed(r.seed, pair_light)));
     }
 
@@ -84,14 +84,16 @@ private:
         UInt state, bounce, seed;
         UInt index;  ///< of the order of samples. The light's point and the next direction are never multiplied with
                      ///< each other, so one will do for both
-        Randomness(const PathPool& p, std::size_t i)
+        Randomness(const PathPool& p, std::size_t i, bool has_steps)
             : key{p.pixel_hash.load(i), p.reversed_index.load(i)},
               state(p.state.load(i)),
               bounce(state & UInt(PathPool::bounce_mask)),
-              seed(group_seed(key, bounce + UInt(1u))),
+              seed(group_seed(key, (bounce + UInt(1u)) | (has_steps ? after(p.walk_steps.load(i)) : UInt(0u)))),
               index(shuffled_index(key, seed))
         {
         }
+        /// Steps of walks have numbers of groups of their own.
+        static UInt after(UInt steps) { return select(steps == UInt(0u), UInt(0u), steps << 16 | UInt(1u << 31)); }
     };
 
     /// Samples a light for each path of a gang, then its next direction.
@@ -101,7 +103,7 @@ private:
         clock_.enter(RenderStage::surface);
         count_vertices(counters_, valid);
         PathPool& p = *paths_;
-        const auto [key, state, bounce, seed, index] = Randomness(p, i);
+        const auto [key, state, bounce, seed, index] = Randomness(p, i, scene_.open_media);
         const Float time = has_time_ ? p.time.load(i) : Float(0);
         const SurfaceHit hit{p.origin.load(i),
                              p.direction.load(i),
@@ -129,9 +131,10 @@ private:
         Scattered next = scatter(closure, at, guidance, key, seed, index, throughput);
         UInt next_state = (state & UInt(~PathPool::specular)) + UInt(1u);
         next_state = next_state | select(next.is_delta, UInt(PathPool::specular), UInt(PathPool::scattered));
-        // Where shadow rays pass, paths go on as if they had met nothing. By chance they meet something else there.
-        Mask straight(false);
-        if (Closure::transmits && scene_.open_media) straight = valid & at.passes_on & (hit.material == UInt(no_index));
+        Mask straight(false), no_bounce(false);
+        if (Closure::kind == ClosureKind::glass && scene_.sees_through)
+            go_straight(i, at, next.wi, valid & (hit.material == UInt(no_index)), state, next_state, straight,
+                        no_bounce);
         Float eta_scale(1.f);
         if (scene_.refracts) {
             eta_scale = p.eta_scale.load(i) * next.eta * next.eta;
@@ -152,18 +155,16 @@ private:
             p.expected.store(i, select(guidance.known() & !(first > Float(0)), expected, first), valid);
             roulette = roulette_by_expectation(guidance.known(), expected, first, bounce, roulette);
         }
-        roulette.plays &= !straight;
-        const Mask ends = play(roulette, key, seed, next.throughput);
+        roulette.plays &= !no_bounce;
+        Mask ends = play(roulette, key, seed, next.throughput);
+        // Whoever only might have gone on without a bounce, and did not, had none left.
+        if (Closure::kind == ClosureKind::glass && scene_.sees_through)
+            ends |= !no_bounce & !may_scatter(settings_, bounce);
         next_state = select(ends, next_state | UInt(PathPool::dead), next_state);
         Float way_out = at.way_out(next.wi);
-        if (Closure::transmits && scene_.open_media) {
-            // Whoever only might have passed had no bounce left.
-            const Mask over = !may_scatter(settings_, bounce);
-            next_state = select(over, next_state | UInt(PathPool::dead), next_state);
-            next_state = select(straight, go_straight(i, state, straight), next_state);
+        if (Closure::kind == ClosureKind::glass && scene_.sees_through) {
             next.pdf = select(straight, p.bsdf_pdf.load(i), next.pdf);
-            const Vec3 way = at.start(next.wi) - hit.o;
-            way_out = select(straight, p.way_out.load(i) + dot(way, hit.d), way_out);
+            way_out = select(straight, p.way_out.load(i) + dot(at.start(next.wi) - hit.o, hit.d), way_out);
         }
         if (Closure::is_guided && recorder_.is_on())
             recorder_.turn(p.number.load(i), bounce, at.p, at.frame.n, next.wi, next.pdf, next.throughput,
@@ -176,12 +177,29 @@ private:
         p.state.store(i, next_state, valid);
     }
 
-    /// The state of paths that pass the boundary of an open medium, which is a step in a walk, but no bounce.
-    UInt go_straight(std::size_t i, UInt state, Mask straight)
+    /// Which paths go on as if they had met nothing, as shadow rays do there, and for which of these that is no bounce;
+    /// and their next state: in what they were scattered by, nothing has changed. m: of those that don't meet what is
+    /// there by chance.
+    template <class Closure>
+    [[gnu::noinline]] void go_straight(std::size_t i, const ShadingPoint<Closure>& at, const Vec3& wi, Mask m,
+                                       UInt state, UInt& next_state, Mask& straight, Mask& no_bounce)
     {
+        const UInt flags = materials_.get(&MaterialRecord::flags, at.material_index, m);
+        const Mask is_pane = m & ((flags & UInt(MaterialRecord::pane)) != UInt(0u));
+        const Mask is_open = m & ((flags & UInt(MaterialRecord::open_boundary)) != UInt(0u));
+        const Mask pane = is_pane & (dot(wi, at.ng) < Float(0)), open = is_open & at.passes_on;
+        straight = pane | open;
+        if (none(straight)) return;
+        no_bounce = open;
+        next_state = select(straight, state + UInt(1u), next_state);
+        if (!scene_.open_media) return;
+        const UInt medium = materials_.get(&MaterialRecord::medium, at.material_index, straight);
+        no_bounce |= pane & (medium != UInt(0u));
+        // But it is a step, from which other numbers come.
         const UInt step = paths_->walk_steps.load(i) + UInt(1u);
-        paths_->walk_steps.store(i, step, straight);
-        return state | select(less(step, UInt(WalkStage::most_steps)), UInt(0u), UInt(PathPool::dead));
+        paths_->walk_steps.store(i, step, no_bounce);
+        const UInt over = select(less(step, UInt(WalkStage::most_steps)), UInt(0u), UInt(PathPool::dead));
+        next_state = select(no_bounce, state | over, next_state);
     }
 
     /// Nothing, on the back of what is black there.
@@ -250,7 +268,7 @@ private:
         const Ray ray = shadow_ray(at, eye, s, time);
         if (!scene_.is_flat) {
             const UInt path = iota() + UInt(std::uint32_t(i));
-            if (scene_.open_media)
+            if (scene_.sees_through)
                 shadows_.push(ray, add, media, path, lit);
             else
                 shadows_.push(ray, add, path, lit);

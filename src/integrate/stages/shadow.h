@@ -2,7 +2,8 @@
 #include "integrate/pool.h"
 #include "integrate/scene.h"
 #include "integrate/stages/indirect_clamp.h"
-#include "integrate/stages/solid_boundary.h"
+#include "integrate/stages/path_end.h"
+#include "integrate/stages/shading_point.h"
 #include "media/distance.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -22,19 +23,19 @@ public:
         path_.append(size_, path, m);
         size_ += std::size_t(count(m));
     }
-    /// The same in scenes with open media. media: where the rays begin.
+    /// The same in scenes that are seen through. media: where the rays begin.
     void push(const Ray& ray, const Spectrum& light, const MediumStack& media, UInt path, Mask m)
     {
-        media_.low.append(size_, media.low(), m), media_.high.append(size_, media.high(), m);
-        push(ray, light, path, m);
+        push_on(ray, light, media, path, UInt(0u), m);
     }
 
     /// Traces all, and adds what those that nothing blocks bring to the radiance of their paths, whose bounces count
     /// the surface that the rays left. Returns how many these are.
-    std::size_t trace(const LaneScene& scene, PathPool& paths, bool clamp)
+    std::size_t trace(const LaneScene& scene, PathPool& paths, const KernelSettings& settings, StageClock& clock)
     {
         if (size_ == 0) return 0;
-        if (scene.open_media) return trace_through(scene, paths, clamp);
+        const bool clamp = settings.clamp_indirect > 0;
+        if (scene.sees_through) return trace_through(scene, paths, settings, clock);
         scene.bvh.occluded(rays(scene, size_), blocked_.data, false);
         std::size_t clear = 0;
         for (std::size_t k = 0; k < size_; ++k) {
@@ -46,8 +47,8 @@ public:
     }
 
 private:
-    /// A ray that has passed so many boundaries goes round and round in what rounding leaves of a solid.
-    static constexpr int most_boundaries = 1024;
+    /// A ray that has passed so many surfaces goes round and round in what rounding leaves of a solid.
+    static constexpr int most_passed = 1024;
 
     RayArrays rays(const LaneScene& scene, std::size_t size) const
     {
@@ -62,51 +63,70 @@ private:
                 size};
     }
 
-    /// From boundary to boundary of what light passes straight; on each way the medium there takes its share.
-    [[gnu::noinline]] std::size_t trace_through(const LaneScene& scene, PathPool& paths, bool clamp)
+    void push_on(const Ray& ray, const Spectrum& light, const MediumStack& media, UInt path, UInt bounces, Mask m)
+    {
+        bounces_.append(size_, bounces, m);
+        media_.low.append(size_, media.low(), m), media_.high.append(size_, media.high(), m);
+        push(ray, light, path, m);
+    }
+
+    /// From one surface that light passes to the next; on each way the medium there takes its share.
+    [[gnu::noinline]] std::size_t trace_through(const LaneScene& scene, PathPool& paths, const KernelSettings& settings,
+                                                StageClock& clock)
     {
         std::size_t clear = 0;
-        for (int boundary = 0; size_ > 0 && boundary < most_boundaries; ++boundary) {
+        for (int passed = 0; size_ > 0 && passed < most_passed; ++passed) {
             scene.bvh.closest(rays(scene, size_),
                               {hits_.t.data, hits_.u.data, hits_.v.data, hits_.primitive.data, hits_.instance.data},
                               false);
             const std::size_t size = size_;
             size_ = 0;
-            for (std::size_t i = 0; i < size; i += lanes) clear += pass(scene, paths, clamp, i, first_lanes(size - i));
+            for (std::size_t i = 0; i < size; i += lanes) {
+                const Mask m = first_lanes(size - i);
+                const UInt primitive = hits_.primitive.load(i);
+                const Mask nothing = m & (primitive == UInt(no_index));
+                const UInt info = scene.info_of(primitive, hits_.instance.load(i), m & !nothing);
+                const Mask may_pass = m & !nothing & ((info & UInt(LaneScene::may_be_passed)) != UInt(0u));
+                if (scene.has_absorption) attenuate(scene, i, nothing | may_pass);
+                for_each_active(nothing,
+                                [&](int lane) { add(paths, i + std::size_t(lane), settings.clamp_indirect > 0); });
+                clear += std::size_t(count(nothing));
+                if (any(may_pass)) pass(scene, paths, settings, clock, i, may_pass);
+            }
         }
         return clear;
     }
 
-    /// Adds what rays number i and on bring if nothing is ahead of them, and keeps those that pass what they meet, in
-    /// front of those that are still to be looked at. Returns how many met nothing.
-    std::size_t pass(const LaneScene& scene, PathPool& paths, bool clamp, std::size_t i, Mask m)
+    void attenuate(const LaneScene& scene, std::size_t i, Mask m)
     {
-        const MediumStack media = media_.load(i);
-        const Float t = hits_.t.load(i);
-        const Spectrum left =
-            transmittance(gather(scene.tables.media, &MediumRecord::extinction, media.current(), m), t);
-        const Spectrum light = radiance_.load(i) * left;
-        radiance_.store(i, light, m);
-        const UInt primitive = hits_.primitive.load(i);
-        const Mask clear = m & (primitive == UInt(no_index));
-        for_each_active(clear, [&](int lane) { add(paths, i + std::size_t(lane), clamp); });
+        const UInt medium = media_.load(i).current();
+        const Spectrum extinction = gather(scene.tables.media, &MediumRecord::extinction, medium, m);
+        radiance_.store(i, radiance_.load(i) * transmittance(extinction, hits_.t.load(i)), m);
+    }
 
-        const Mask hit = m & !clear & any_positive(light);
-        if (none(hit)) return std::size_t(count(clear));
-        const Vec3 d = direction_.load(i);
-        const SurfaceHit at{origin_.load(i),       d, t, hits_.u.load(i), hits_.v.load(i), time_.load(i), primitive,
-                            hits_.instance.load(i)};
-        const Surface s = SurfaceReader(scene).read(at, hit);
-        const Mask inside = dot(d, s.ng) >= Float(0);
+    /// Keeps those of rays number i and on that go on through what they meet, in front of those that are still to be
+    /// looked at. A path would go there by as many bounces.
+    [[gnu::noinline]] void pass(const LaneScene& scene, const PathPool& paths, const KernelSettings& settings,
+                                StageClock& clock, std::size_t i, Mask m)
+    {
+        const SurfaceHit hit{origin_.load(i), direction_.load(i), hits_.t.load(i),         hits_.u.load(i),
+                             hits_.v.load(i), time_.load(i),      hits_.primitive.load(i), hits_.instance.load(i)};
         const MaterialReader materials(scene);
-        const SolidBoundary boundary = solid_boundary(materials, s.material, media, inside, hit);
-        const Mask passes =
-            boundary.passes_on & (materials.get(&MaterialRecord::mixture, s.material, hit) == UInt(no_index));
-        if (none(passes)) return std::size_t(count(clear));
-        const Vec3 o = fma(flip_sign(s.ng, dot(d, s.ng)), s.offset, s.p);
-        push({o, d, max(t_max_.load(i) - t, Float(0)), time_.load(i)}, light, boundary.media.beyond, path_.load(i),
-             passes);
-        return std::size_t(count(clear));
+        const MediumStack media = media_.load(i);
+        const ShadingPoint<GlassBsdf> at = read_shading_point<GlassBsdf>(
+            SurfaceReader(scene), materials, hit, scene.tracks_media ? &media : nullptr, m, clock);
+        const UInt flags = materials.get(&MaterialRecord::flags, at.material_index, m);
+        const Mask pane = m & ((flags & UInt(MaterialRecord::pane)) != UInt(0u));
+        Mask counts = pane;
+        if (scene.open_media) counts &= materials.get(&MaterialRecord::medium, at.material_index, m) == UInt(0u);
+        const UInt path = path_.load(i), bounces = bounces_.load(i);
+        const UInt bounce = (paths.state.gather(path, m) & UInt(PathPool::bounce_mask)) + bounces;
+        const Spectrum light =
+            radiance_.load(i) * select(pane, GlassBsdf(at.material).passed(at.wo), Spectrum(Float(1)));
+        const Mask passes = (pane | at.passes_on) & m & any_positive(light) & (!counts | may_scatter(settings, bounce));
+        const Ray ray{at.start(hit.d), hit.d, max(t_max_.load(i) - hit.t, Float(0)), hit.time};
+        push_on(ray, light, scene.tracks_media ? at.media_beyond : MediumStack(), path,
+                bounces + select(counts, UInt(1u), UInt(0u)), passes);
     }
 
     /// What the ray brings, to its path.
@@ -127,8 +147,10 @@ private:
     Column<float> t_max_, time_;
     SpectrumColumn radiance_;
     Column<std::uint32_t> path_, blocked_;
-    MediaColumn media_;  ///< where there are open ones
-    HitColumns hits_;    ///< there, too
+    // In scenes that are seen through:
+    MediaColumn media_;
+    Column<std::uint32_t> bounces_;  ///< that a path would have had on the way so far
+    HitColumns hits_;
 };
 
 }  // namespace fathom::inline FATHOM_LANES

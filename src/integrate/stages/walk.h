@@ -35,7 +35,7 @@ public:
     static constexpr float scattered_before = -1, scattered_first = -2;
     /// So many steps, and the path ends: a number too large to be met but where next to nothing is absorbed in a solid
     /// of some hundred mean free paths.
-    static constexpr std::uint32_t most_steps = 0xffff;
+    static constexpr std::uint32_t most_steps = 0x7fff;
 
     void run(PathPool& p, HitColumns& hits, std::size_t active)
     {
@@ -56,7 +56,7 @@ public:
         }
         if (!scene_.open_media) return;
         clock_.enter(RenderStage::shadow);
-        counters_.costs.clear_shadow_rays += shadows_.trace(scene_, p, settings_.clamp_indirect > 0);
+        counters_.costs.clear_shadow_rays += shadows_.trace(scene_, p, settings_, clock_);
         clock_.enter(RenderStage::arrival);
     }
 

@@ -62,6 +62,12 @@ public:
         const Float pdf = select(valid, visible * share * select(mirrors, Float(0.25f), jacobian * o), Float(0));
         return {tint(reflects) * (f * gain(wo)), pdf};
     }
+    /// What goes on straight through a smooth sheet.
+    Spectrum passed(Vec3 wo) const
+    {
+        Float cos_t;
+        return color_ * (Float(1) - reflectance(min(wo.z, Float(1)), cos_t));
+    }
     BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
     {
         const Vec3 h = select(is_smooth_, Vec3{Float(0), Float(0), Float(1)}, ggx_.sample(wo, u));
