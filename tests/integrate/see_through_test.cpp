@@ -1,0 +1,172 @@
+#include "picture_helpers.h"
+
+// What shadow rays pass: boundaries of index 1, behind which fog begins, and panes. By what is known in closed form, and
+// by paths that find lights by chance alone.
+namespace fathom {
+namespace {
+
+using namespace test;
+
+/// Fills a material with what absorbs and scatters so much in a metre.
+void fill(Material& m, double absorption, double scattering, double mean_cosine)
+{
+    const auto same = [](double v) { return Color{float(v), float(v), float(v)}; };
+    m.attenuation_distance = 1;
+    m.attenuation_color = same(std::exp(-absorption - scattering));
+    m.transmission_scatter = same(scattering);
+    m.transmission_scatter_anisotropy = float(mean_cosine);
+}
+
+Material fog(double absorption, double scattering, double mean_cosine)
+{
+    Material m;
+    m.kind = MaterialKind::glass;
+    m.ior = 1;
+    fill(m, absorption, scattering, mean_cosine);
+    return m;
+}
+
+Material pane(float ior, float color = 1)
+{
+    Material m;
+    m.kind = MaterialKind::glass;
+    m.ior = ior;
+    m.thin = true;
+    m.transmission_color.value = m.base_color.value = {color, color, color};
+    return m;
+}
+
+double phase(double g, double cosine)
+{
+    return (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g - 2 * g * cosine, 1.5));
+}
+
+/// A sheet of two boundaries: 2 r / (1 + r) is reflected, r by Fresnel's law.
+double passed_by_sheet(double ior, double cosine)
+{
+    const double t = std::sqrt(1 - (1 - cosine * cosine) / (ior * ior));
+    const double s = (cosine - ior * t) / (cosine + ior * t), p = (ior * cosine - t) / (ior * cosine + t);
+    const double r = (s * s + p * p) / 2;
+    return 1 - 2 * r / (1 + r);
+}
+
+/// Of a slab of fog, seen along its normal and lit along a direction, what is scattered once has a closed form. Nothing
+/// but that scattering is a bounce.
+TEST(SeeThrough, FogScattersOnce)
+{
+    for (const double g : {0.0, 0.6, -0.4})
+        for (const double degrees : {20.0, 55.0}) {
+            SceneBuilder b;
+            const double absorbed = 0.2, scattered = 0.5, depth = 1.5, extinction = absorbed + scattered;
+            b.add(Box{{-500, -500, -depth}, {500, 500, 0}}, b.material(fog(absorbed, scattered, g)));
+            Light sun;
+            sun.kind = LightKind::directional;
+            sun.intensity = {3, 3, 3};
+            const double a = degrees * std::numbers::pi / 180, cosine = std::cos(a);
+            b.light(sun, shining({std::sin(a), 0, -cosine}));
+            b.camera({0, 0, 4}, {0, 0, 0}, 0.01);
+            RenderSettings settings = small_picture(4, 4);
+            settings.max_depth = 1;
+            // Light comes in by z / cosine, and goes back by z. Towards the eye it turns by the angle to +z.
+            const double rate = extinction * (1 + 1 / cosine);
+            const double expected = 3 * scattered * phase(g, -cosine) * (1 - std::exp(-rate * depth)) / rate;
+            expect_mean(render_film(b.scene, settings, 4096), expected, 0.004);
+        }
+}
+
+SceneBuilder lamp_in_fog(const Material& around)
+{
+    SceneBuilder b;
+    b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(around));
+    b.add(Rectangle{{-0.3, 0.3, -0.3}, {0.6, 0, 0}, {0, 0, 0.6}}, b.diffuse(0, {4, 4, 4}, true));
+    b.add(Rectangle{{-2, -1.5, -2}, {0, 0, 4}, {4, 0, 0}}, b.diffuse(0.6f));
+    b.add(Rectangle{{-0.4, 1.8, -0.4}, {0.8, 0, 0}, {0, 0, 0.8}}, b.diffuse(0, {6, 6, 6}, true));
+    b.camera({0, 0.5, 5}, {0, -0.3, 0}, 35);
+    return b;
+}
+
+/// Lights inside and outside, surfaces outside: the picture without any light sampled has the same mean.
+TEST(SeeThrough, AsByChanceAlone)
+{
+    Material sheet = pane(1.4f, 0.8f), full = sheet;
+    fill(full, 0.3, 0.9, 0.3);
+    for (const Material& m : {fog(0.3, 0.9, 0.3), sheet, full})
+        for (const int max_depth : {2, 3, 12}) {
+            const SceneBuilder b = lamp_in_fog(m);
+            RenderSettings settings = small_picture(24, 24);
+            settings.max_depth = max_depth;
+            const Mean sampled = mean_of(render_film(b.scene, settings, 1024));
+            settings.light_sampling = false;
+            settings.seed = 7;
+            const Mean by_chance = mean_of(render_film(b.scene, settings, 8192));
+            const double error = std::hypot(sampled.error[0], by_chance.error[0]);
+            EXPECT_NEAR(sampled.value[0], by_chance.value[0], 4 * error) << max_depth << " " << m.thin;
+            EXPECT_LT(error, 0.01 * by_chance.value[0]) << "the picture can tell";
+        }
+}
+
+/// What loses nothing does not show in an even light, whatever encloses it.
+TEST(SeeThrough, WhiteFogIsNotSeen)
+{
+    Material full = pane(1.5f);
+    fill(full, 0, 2, 0.2);
+    for (const Material& m : {fog(0, 2, 0.2), full}) {
+        SceneBuilder b;
+        b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(m));
+        b.scene.environment.kind = EnvironmentKind::constant;
+        b.scene.environment.color = {1, 1, 1};
+        b.camera({0, 0, 5}, {0, 0, 0}, 30);
+        expect_mean(render_film(b.scene, small_picture(), 256), 1, 1e-4);
+    }
+}
+
+/// A point light shines through two panes, each of which is a bounce.
+TEST(SeeThrough, LampBehindPanes)
+{
+    for (const int max_depth : {1, 2, 3}) {
+        SceneBuilder b;
+        const float ior = 1.6f, color = 0.7f;
+        const int glass = b.material(pane(ior, color));
+        b.add(Rectangle{{-50, 1, -50}, {0, 0, 100}, {100, 0, 0}}, glass);
+        b.add(Rectangle{{-50, 1.5, -50}, {0, 0, 100}, {100, 0, 0}}, glass);
+        b.add(Rectangle{{-50, 0, -50}, {0, 0, 100}, {100, 0, 0}}, b.diffuse(0.5f));
+        Light lamp;
+        lamp.intensity = {10, 10, 10};
+        b.light(lamp, Transform::translate({3, 4, 0}));
+        // From below the panes.
+        b.camera({0, 0.9, 0.1}, {0, 0, 0}, 0.01);
+        RenderSettings settings = small_picture(4, 4);
+        settings.max_depth = max_depth;
+        const double passed = passed_by_sheet(double(ior), 0.8) * double(color);
+        const double direct = 0.5 / std::numbers::pi * 10 * 0.8 / 25 * passed * passed;
+        const Mean m = mean_of(render_film(b.scene, settings, 256));
+        if (max_depth < 3)
+            EXPECT_EQ(m.value[0], 0) << max_depth;
+        else
+            EXPECT_NEAR(m.value[0], direct, 2e-3 * direct);
+    }
+}
+
+/// Nothing is met at the boundary of fog: the first hit is what stands behind. Where it scatters before, it covers.
+TEST(SeeThrough, FirstHitsAreBehindFog)
+{
+    for (const double dense : {0.0, 50.0}) {
+        SceneBuilder b;
+        b.add(Box{{-5, -5, -1}, {5, 5, 0}}, b.material(fog(0.1, dense, 0)));
+        b.add(Rectangle{{-50, -50, -3}, {100, 0, 0}, {0, 100, 0}}, b.diffuse(0.25f));
+        b.camera({0, 0, 4}, {0, 0, 0}, 0.01);
+        RenderSettings settings = small_picture(4, 4);
+        settings.aovs = {Aov::depth, Aov::albedo};
+        settings.alpha = true;
+        const Image image = render_film(b.scene, settings, 64).image(true, false);
+        if (dense == 0) {
+            EXPECT_NEAR(image.find("depth")->pixels[0], 7, 1e-3);
+            EXPECT_NEAR(image.find("albedo")->pixels[0], 0.25, 1e-4);
+        }
+        ASSERT_EQ(image.layers[0].channels.size(), 4u);
+        EXPECT_EQ(image.layers[0].pixels[3], 1) << dense;
+    }
+}
+
+}  // namespace
+}  // namespace fathom
