@@ -389,6 +389,11 @@ private:
             if (none(hits)) continue;
             SurfaceHit hit = gather_hit(iota() + UInt(std::uint32_t(i)), hits);
             if (scene_.has_mixtures) hit.material = hits_.material.load(i);
+            if (scene_.open_media) {
+                // The camera is before all boundaries on the way.
+                const Float way = p.way_out.load(i);
+                hit.o = fma(hit.d, -way, hit.o), hit.t = hit.t + way;
+            }
             first_hits_.add(hit, p.media.load(i), PathPool::pixel_of(state), p.reversed_index.load(i), hits);
         }
     }

@@ -413,6 +413,18 @@ def neighbours():
          "sphere": {"center": [round(0.4 * (i % 6) - 1, 3), 0.2, round(0.4 * (i // 6) - 0.8, 3)], "radius": 0.19}} for i, part in enumerate(parts))])
 
 
+def seen_through():
+    """Fog, a ball of fog within a sheet of glass, a pane of coloured glass, and lamps in and behind them."""
+    fog = {"kind": "glass", "attenuation_distance": 0.5, "attenuation_color": [0.5, 0.4, 0.3], "transmission_scatter": 0.6}
+    lamp = {"kind": "none", "emission": [9, 8, 7]}
+    write("seen-through", scene=[
+        FLOOR, LAMP, {"material": {**fog, "ior": 1, "transmission_scatter_anisotropy": 0.4}, "box": {"min": [-2, 0, -1.5], "max": [2, 0.4, 1]}},
+        {"material": {**fog, "ior": 1.4, "thin": True}, "sphere": {"center": [-0.6, 0.9, 0], "radius": 0.4}},
+        {"material": lamp, "sphere": {"center": [-0.6, 0.9, 0], "radius": 0.1}},
+        {"material": {"color": [0.3, 0.5, 0.7]}, "sphere": {"center": [0.6, 0.4, -0.2], "radius": 0.3}},
+        {"material": {"kind": "glass", "thin": True, "color": [0.8, 0.9, 0.5]}, "rectangle": {"corner": [0.2, 0, 0.6], "edge_u": [1, 0, 0.3], "edge_v": [0, 1, 0]}}])
+
+
 def moving_curves():
     """Points that move, with their radii: hair of one key more, glass, a lamp, and one in a node that moves, too."""
     def keys(points, way, times=(0, 0.4, 1)):
@@ -460,6 +472,7 @@ def lights():
     hair()
     disney()
     neighbours()
+    seen_through()
     moving_curves()
     write("fibres", scene=[FLOOR, LAMP, *({"material": {"kind": "glass", "attenuation_color": [0.4, 0.8, 0.6], "attenuation_distance": 0.3}, "curves": {
         "basis": basis, "curves": [[[0.25 * k - 1.5 + 0.3 * math.sin(k), 0.3 * (k % 4) + y, z, 0.08 + 0.03 * (k % 2)] for k in range(10)]]}}

@@ -343,7 +343,8 @@ TEST_F(Mitsuba, InteriorsBehindNull)
     EXPECT_EQ(m.ior, 1);
     EXPECT_NEAR(m.transmission_scatter.r / m.attenuation_distance, 2 * 0.75, 1e-4);
     EXPECT_FALSE(is_told("solid of index 1"));
-    const Material sheet = material_of(read(fmt::format(R"(<shape type="sphere"><bsdf type="thindielectric"/>{})", medium)));
+    const Material sheet =
+        material_of(read(fmt::format(R"(<shape type="sphere"><bsdf type="thindielectric"/>{})", medium)));
     EXPECT_TRUE(sheet.thin);
     EXPECT_NEAR(sheet.transmission_scatter.r / sheet.attenuation_distance, 2 * 0.75, 1e-4);
     read(fmt::format(R"(<shape type="sphere"><bsdf type="diffuse"/>{})", medium));

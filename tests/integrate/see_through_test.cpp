@@ -1,7 +1,7 @@
 #include "picture_helpers.h"
 
-// What shadow rays pass: boundaries of index 1, behind which fog begins, and panes. By what is known in closed form, and
-// by paths that find lights by chance alone.
+// What shadow rays pass: boundaries of index 1, behind which fog begins, and panes. By what is known in closed form,
+// and by paths that find lights by chance alone.
 namespace fathom {
 namespace {
 
@@ -101,7 +101,7 @@ TEST(SeeThrough, AsByChanceAlone)
             const Mean by_chance = mean_of(render_film(b.scene, settings, 8192));
             const double error = std::hypot(sampled.error[0], by_chance.error[0]);
             EXPECT_NEAR(sampled.value[0], by_chance.value[0], 4 * error) << max_depth << " " << m.thin;
-            EXPECT_LT(error, 0.01 * by_chance.value[0]) << "the picture can tell";
+            EXPECT_LT(error, 0.02 * by_chance.value[0]) << "the picture can tell";
         }
 }
 

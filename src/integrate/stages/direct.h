@@ -29,9 +29,7 @@ template <class Closure>
     if (Closure::transmits) lit &= !at.passes_on;
     const BsdfEval e = eval_for_light(closure, at.wo, wi, s.is_delta);
     const Float bsdf_pdf = guidance.is_on() ? guidance.pdf(s.wi, e.pdf) : e.pdf;
-    const Float r = bsdf_pdf * s.inverse_pdf;
-    const Float weight = select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * s.inverse_pdf;
-    return throughput * e.f_cos * s.radiance * weight;
+    return throughput * e.f_cos * s.radiance * light_weight(s, bsdf_pdf);
 }
 
 /// The shadow ray of such a sample. eye: where the light was seen from.

@@ -10,6 +10,14 @@
 
 namespace fathom::inline FATHOM_LANES {
 
+/// What a sample is divided by, with its weight against directions that something else might have sampled with a
+/// density of pdf.
+[[gnu::always_inline]] inline Float light_weight(const LightSample& s, Float pdf)
+{
+    const Float r = pdf * s.inverse_pdf;
+    return select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * s.inverse_pdf;
+}
+
 /// Light sampling: which light, then which point of it.
 class LightSampler {
 public:

@@ -129,9 +129,8 @@ private:
         const UInt seed = group_seed(key, group);
         const Float time = tables_.moving ? p.time.load(i) : Float(0);
         const LightSample s = lights_.sample(m, at, key, seed, sample_2d(key, pair_seed(seed, pair_light)), time);
-        const Float pdf = phase_pdf(anisotropy, dot(s.wi, p.direction.load(i))), r = pdf * s.inverse_pdf;
-        const Float weight = select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * s.inverse_pdf;
-        const Spectrum light = scattered * s.radiance * (pdf * weight);
+        const Float pdf = phase_pdf(anisotropy, dot(s.wi, p.direction.load(i)));
+        const Spectrum light = scattered * s.radiance * (pdf * light_weight(s, pdf));
         const Mask lit = m & (s.inverse_pdf > Float(0)) & any_positive(light);
         if (none(lit)) return;
         counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
