@@ -232,10 +232,13 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     }
     EXPECT_EQ(r.ior, 1.7f);
     EXPECT_EQ(t.media[r.medium].ior, 1.7f);
-    // Of what is a sheet, or no glass, there is no inside; the first medium is empty space.
-    EXPECT_EQ(t.materials[1].medium, 0u);
+    // A sheet encloses the same, of index 1; of what is no glass there is no inside; the first medium is empty space.
+    const MediumRecord& enclosed = t.media[t.materials[1].medium];
+    EXPECT_EQ(enclosed.ior, 1);
+    EXPECT_EQ(enclosed.extinction, t.media[r.medium].extinction);
+    EXPECT_TRUE(enclosed.is_open && !t.media[r.medium].is_open);
     EXPECT_EQ(t.materials[2].medium, 0u);
-    EXPECT_EQ(t.media.size(), 2u);
+    EXPECT_EQ(t.media.size(), 3u);
     EXPECT_EQ(t.media[0].ior, 1);
     EXPECT_EQ(r.roughness, 0.3f);
     EXPECT_EQ(r.roughness_channel, 2u);
