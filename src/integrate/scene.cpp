@@ -37,17 +37,24 @@ std::size_t count_solids(const SceneTables& tables)
     return count;
 }
 
+/// Whether something stands in the scene whose material f says yes to; parts of mixtures don't.
+template <class F>
+bool has_material(const SceneTables& tables, F&& f)
+{
+    return std::any_of(tables.shapes.begin(), tables.shapes.end(),
+                       [&](const ShapeRecord& shape) { return f(tables.materials[shape.material]); });
+}
+
 bool has_open_media(const SceneTables& tables)
 {
-    return std::any_of(tables.materials.begin(), tables.materials.end(), [&](const MaterialRecord& m) {
+    return has_material(tables, [&](const MaterialRecord& m) {
         return (m.flags & MaterialRecord::open_boundary) || tables.media[m.medium].is_open;
     });
 }
 
 bool has_panes(const SceneTables& tables)
 {
-    return std::any_of(tables.materials.begin(), tables.materials.end(),
-                       [](const MaterialRecord& m) { return (m.flags & MaterialRecord::pane) != 0; });
+    return has_material(tables, [](const MaterialRecord& m) { return (m.flags & MaterialRecord::pane) != 0; });
 }
 
 /// How paths and shadow rays pass what is of a material, among the flags of shape_info.

@@ -147,6 +147,33 @@ TEST(SeeThrough, LampBehindPanes)
     }
 }
 
+/// A lamp shines on a floor within glass that absorbs, of index 1 but coloured, so that its boundary is one. A pane
+/// somewhere else changes nothing.
+TEST(SeeThrough, LampWithinGlassBesideAPane)
+{
+    for (const bool beside : {false, true}) {
+        SceneBuilder b;
+        Material glass;
+        glass.kind = MaterialKind::glass;
+        glass.ior = 1;
+        glass.transmission_color.value = {0.81f, 0.81f, 0.81f};
+        glass.attenuation_distance = 1;
+        glass.attenuation_color = {0.5f, 0.5f, 0.5f};
+        b.add(Box{{-30, -1, -30}, {30, 3, 30}}, b.material(glass));
+        b.add(Rectangle{{-20, 0, -20}, {0, 0, 40}, {40, 0, 0}}, b.diffuse(0.5f));
+        if (beside) b.add(Rectangle{{50, 0, -5}, {0, 10, 0}, {0, 0, 10}}, b.material(pane(1.5f)));
+        Light lamp;
+        lamp.intensity = {10, 10, 10};
+        b.light(lamp, Transform::translate({1.5, 2, 0}));
+        b.camera({0, 2.5, 0}, {0, 0, 0}, 0.01);
+        RenderSettings settings = small_picture(4, 4);
+        settings.max_depth = 1;
+        // Both ways are absorbed: 2.5 to the lamp, at a cosine of 0.8, and 2.5 to the eye.
+        const double expected = 0.5 / std::numbers::pi * 10 * 0.8 / 6.25 * std::pow(0.5, 5);
+        expect_mean(render_film(b.scene, settings, 64), expected);
+    }
+}
+
 /// Nothing is met at the boundary of fog: the first hit is what stands behind. Where it scatters before, it covers.
 TEST(SeeThrough, FirstHitsAreBehindFog)
 {

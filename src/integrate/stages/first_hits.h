@@ -23,9 +23,8 @@ public:
         Surface s = surfaces_.read(hit, hits);
         if (scene_.open_media) {
             const Mask inside = dot(hit.d, s.ng) >= Float(0);
-            const UInt flags = materials_.get(&MaterialRecord::flags, s.material, hits);
-            hits &= !(solid_boundary(materials_, s.material, media, inside, hits).passes_on &
-                      ((flags & UInt(MaterialRecord::open_boundary)) != UInt(0u)));
+            const Mask passes_on = solid_boundary(materials_, s.material, media, inside, hits).passes_on;
+            hits &= !seen_through(scene_, materials_, s.material, passes_on, hits).open;
             if (none(hits)) return;
         }
         const Spectrum albedo = albedo_of(s, hits);

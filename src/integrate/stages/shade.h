@@ -184,17 +184,11 @@ private:
     [[gnu::noinline]] void go_straight(std::size_t i, const ShadingPoint<Closure>& at, const Vec3& wi, Mask m,
                                        UInt state, UInt& next_state, Mask& straight, Mask& no_bounce)
     {
-        const UInt flags = materials_.get(&MaterialRecord::flags, at.material_index, m);
-        const Mask is_pane = m & ((flags & UInt(MaterialRecord::pane)) != UInt(0u));
-        const Mask is_open = m & ((flags & UInt(MaterialRecord::open_boundary)) != UInt(0u));
-        const Mask pane = is_pane & (dot(wi, at.ng) < Float(0)), open = is_open & at.passes_on;
-        straight = pane | open;
-        if (none(straight)) return;
-        no_bounce = open;
+        const SeenThrough there = seen_through(scene_, materials_, at.material_index, at.passes_on, m);
+        straight = (there.pane & (dot(wi, at.ng) < Float(0))) | there.open;
+        no_bounce = there.no_bounce & straight;
         next_state = select(straight, state + UInt(1u), next_state);
         if (!scene_.open_media) return;
-        const UInt medium = materials_.get(&MaterialRecord::medium, at.material_index, straight);
-        no_bounce |= pane & (medium != UInt(0u));
         // But it is a step, from which other numbers come.
         const UInt step = paths_->walk_steps.load(i) + UInt(1u);
         paths_->walk_steps.store(i, step, no_bounce);
@@ -260,7 +254,7 @@ private:
             const Mask beyond = Closure::transmits ? dot(s.wi, at.ng) < Float(0) : Mask(false);
             media = select(beyond, at.media_beyond, at.media);
         }
-        if (scene_.has_absorption && !scene_.open_media)
+        if (scene_.has_absorption && !scene_.sees_through)
             add = add * transmittance(extinction_of(scene_, *paths_, i, media.current(), lit), s.distance);
         lit &= any_positive(add);
         if (none(lit)) return;

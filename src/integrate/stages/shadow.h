@@ -76,6 +76,7 @@ private:
     {
         std::size_t clear = 0;
         for (int passed = 0; size_ > 0 && passed < most_passed; ++passed) {
+            clock.enter(RenderStage::shadow);
             scene.bvh.closest(rays(scene, size_),
                               {hits_.t.data, hits_.u.data, hits_.v.data, hits_.primitive.data, hits_.instance.data},
                               false);
@@ -115,18 +116,16 @@ private:
         const MediumStack media = media_.load(i);
         const ShadingPoint<GlassBsdf> at = read_shading_point<GlassBsdf>(
             SurfaceReader(scene), materials, hit, scene.tracks_media ? &media : nullptr, m, clock);
-        const UInt flags = materials.get(&MaterialRecord::flags, at.material_index, m);
-        const Mask pane = m & ((flags & UInt(MaterialRecord::pane)) != UInt(0u));
-        Mask counts = pane;
-        if (scene.open_media) counts &= materials.get(&MaterialRecord::medium, at.material_index, m) == UInt(0u);
+        const SeenThrough there = seen_through(scene, materials, at.material_index, at.passes_on, m);
         const UInt path = path_.load(i), bounces = bounces_.load(i);
         const UInt bounce = (paths.state.gather(path, m) & UInt(PathPool::bounce_mask)) + bounces;
         const Spectrum light =
-            radiance_.load(i) * select(pane, GlassBsdf(at.material).passed(at.wo), Spectrum(Float(1)));
-        const Mask passes = (pane | at.passes_on) & m & any_positive(light) & (!counts | may_scatter(settings, bounce));
+            radiance_.load(i) * select(there.pane, GlassBsdf(at.material).passed(at.wo), Spectrum(Float(1)));
+        const Mask passes =
+            (there.pane | there.open) & any_positive(light) & (there.no_bounce | may_scatter(settings, bounce));
         const Ray ray{at.start(hit.d), hit.d, max(t_max_.load(i) - hit.t, Float(0)), hit.time};
         push_on(ray, light, scene.tracks_media ? at.media_beyond : MediumStack(), path,
-                bounces + select(counts, UInt(1u), UInt(0u)), passes);
+                bounces + select(there.no_bounce, UInt(0u), UInt(1u)), passes);
     }
 
     /// What the ray brings, to its path.

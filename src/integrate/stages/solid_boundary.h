@@ -28,4 +28,24 @@ inline SolidBoundary solid_boundary(const MaterialReader& materials, UInt materi
     return {solid, below, boundary, passes_on};
 }
 
+/// What shadow rays pass, and paths without being turned.
+struct SeenThrough {
+    Mask pane;       ///< but for what it mirrors
+    Mask open;       ///< the boundary of an open medium
+    Mask no_bounce;  ///< of both: to pass is none
+};
+
+/// passes_on: see SolidBoundary. For the lanes of m, which don't meet their material by chance.
+inline SeenThrough seen_through(const LaneScene& scene, const MaterialReader& materials, UInt material, Mask passes_on,
+                                Mask m)
+{
+    const UInt flags = materials.get(&MaterialRecord::flags, material, m);
+    const auto has = [&](std::uint32_t flag) { return m & ((flags & UInt(flag)) != UInt(0u)); };
+    const Mask pane = has(MaterialRecord::pane), open = has(MaterialRecord::open_boundary) & passes_on;
+    Mask no_bounce = open;
+    // Where light comes into something, what scatters it there is the bounce.
+    if (scene.open_media) no_bounce |= pane & (materials.get(&MaterialRecord::medium, material, pane) != UInt(0u));
+    return {pane, open, no_bounce};
+}
+
 }  // namespace fathom::inline FATHOM_LANES
