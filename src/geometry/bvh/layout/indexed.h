@@ -170,8 +170,9 @@ struct PacketTimes {
 };
 
 template <class F, bool moving>
-[[gnu::always_inline]] inline void weigh_triangles(const IndexedLeaf& leaf, const LeafVertices<moving, F>& vertices,
-                                                   int at, const PreparedRay& r, WeighedTriangles& out)
+[[gnu::always_inline]] inline WeighedTriangles weigh_triangles(const IndexedLeaf& leaf,
+                                                               const LeafVertices<moving, F>& vertices, int at,
+                                                               const PreparedRay& r)
 {
     const CornerNumbers<F> corner[] = {{leaf, 0, at}, {leaf, 1, at}, {leaf, 2, at}};
     const std::ptrdiff_t axis = r.integer(PreparedRays::axis), ix = axis == 2 ? 0 : axis + 1,
@@ -188,21 +189,19 @@ template <class F, bool moving>
         return SeenCorner<F>{corner[k].of(leaf.axis(ix), x), corner[k].of(leaf.axis(iy), y)};
     };
     const TriangleWeightsOf<F> w = triangle_weights(seen(0), seen(1), seen(2));
-    store(out.a, w.a), store(out.b, w.b), store(out.c, w.c);
-    for (int k = 0; k < 3; ++k) store(out.z[k], corner[k].of(leaf.axis(axis), z));
-    out.inside = mask_bits(w.inside) & ((std::uint32_t(2) << (leaf.count() - at - 1)) - 1);
+    const auto corner_z = [&](int k) { return corner[k].of(leaf.axis(axis), z); };
+    return first_weighed(w, corner_z(0), corner_z(1), corner_z(2), leaf.count() - at);
 }
 
 /// The ray with a leaf's triangles from `at` on, as many as there are lanes at most; key and fraction: as in
 /// LeafVertices.
 template <bool moving>
-[[gnu::always_inline]] inline void weigh_triangles(const IndexedLeaf& leaf, std::uint32_t key, float fraction, int at,
-                                                   const PreparedRay& r, WeighedTriangles& out)
+[[gnu::always_inline]] inline WeighedTriangles weigh_triangles(const IndexedLeaf& leaf, std::uint32_t key,
+                                                               float fraction, int at, const PreparedRay& r)
 {
     if (FATHOM_LANE_PAIRS && leaf.count() <= native::lanes && leaf.vertices() <= native::lanes)
-        weigh_triangles(leaf, LeafVertices<moving, native::Float>(leaf, key, native::Float(fraction)), at, r, out);
-    else
-        weigh_triangles(leaf, LeafVertices<moving, Float>(leaf, key, Float(fraction)), at, r, out);
+        return weigh_triangles(leaf, LeafVertices<moving, native::Float>(leaf, key, native::Float(fraction)), at, r);
+    return weigh_triangles(leaf, LeafVertices<moving, Float>(leaf, key, Float(fraction)), at, r);
 }
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -17,8 +17,11 @@ static_assert(stream_size <= 64);
 inline constexpr std::uint32_t hit_is_place = 1u << 31;
 
 struct RayHits {
-    alignas(64) float t[stream_size], u[stream_size], v[stream_size];
-    alignas(64) std::uint32_t what[stream_size], instance[stream_size];
+    /// Past the rays': for what is to be forgotten.
+    static constexpr int nowhere = stream_size;
+
+    alignas(64) float t[stream_size + 16], u[stream_size + 16], v[stream_size + 16];
+    alignas(64) std::uint32_t what[stream_size + 16], instance[stream_size + 16];
 
     BvhKey key(const BvhData& bvh, int i) const
     {

@@ -72,7 +72,20 @@ inline int filter(const BvhStack& stack, int size, float t_max)
     return _mm512_mask_cmp_ps_mask(m.v, masked, _mm512_set1_ps(_mm512_reduce_min_ps(masked)), _CMP_EQ_OQ);
 }
 
+/// The value of the first lane of m; anything where there is none.
+[[gnu::always_inline]] inline float first_of(Float x, Mask m)
+{
+    return _mm512_cvtss_f32(_mm512_maskz_compress_ps(m.v, x.v));
+}
+
 #else
+
+[[gnu::always_inline]] inline float first_of(Float x, Mask m)
+{
+    alignas(64) float all[lanes];
+    store(all, x);
+    return all[std::countr_zero(mask_bits(m) | 1u << (lanes - 1))];
+}
 
 inline int filter(const BvhStack& stack, int size, float t_max)
 {

@@ -71,9 +71,8 @@ public:
         memory_.visits.primitives += std::uint64_t(n);
         bool found = false;
         for (int at = 0; at < n && !(any_hit && found); at += lanes) {
-            WeighedTriangles triangles;
-            weigh(ray, at, triangles);
-            if (triangles.inside) found |= take_triangles(ray, at, triangles);
+            const WeighedTriangles triangles = weigh(ray, at);
+            if (any(triangles.weights.inside)) found |= take_triangles(ray, at, triangles);
         }
         return found;
     }
@@ -93,13 +92,11 @@ public:
                 next_.n = counts;
             }
             if constexpr (lanes == bvh_width) {
-                for (int i = 0; i < std::min(leaf_wave, now_.n.leaves); ++i) fetch_leaf(now_.leaf[i]);
-                if (any_hit && !bvh_.has_alpha) {
+                for (int i = 0; i < std::min(leaves_ahead, now_.n.leaves); ++i) fetch_leaf(now_.leaf[i]);
+                if (any_hit && !bvh_.has_alpha)
                     visit_leaves_for_any();
-                } else {
-                    for (int i = 0; i < now_.n.leaves; i += leaf_wave)
-                        visit_leaves(i, std::min(i + leaf_wave, now_.n.leaves));
-                }
+                else
+                    visit_leaves();
             } else {
                 for (int i = 0; i < now_.n.leaves; ++i) visit_leaf(now_.leaf[i]);
             }
@@ -122,8 +119,8 @@ public:
 
 private:
     static constexpr std::uint32_t end = BvhReference::others(BvhReference::end, 0);
-    /// So many leaves are met at a time; also, how many leaves earlier one is fetched.
-    static constexpr int leaf_wave = 8;
+    /// How many leaves earlier one is fetched.
+    static constexpr int leaves_ahead = 8;
     /// How many rays earlier a node is fetched: later is too late, earlier crowds the queues of the processor.
     static constexpr int ahead = 4;
 
@@ -241,11 +238,6 @@ private:
         pop(ray, n);
     }
 
-    struct Block : WeighedTriangles {
-        std::uint32_t reference;
-        int ray;
-    };
-
     /// Leaves of triangles, of either kind.
     static bool is_indexed(std::uint32_t leaf) { return BvhReference::is_indexed_triangles(leaf); }
     IndexedLeaf indexed_leaf(std::uint32_t reference) const { return bvh_.indexed_leaf(reference); }
@@ -262,37 +254,33 @@ private:
                                 : hit_is_place | (BvhReference::first_triangle(leaf) + std::uint32_t(i));
     }
 
-    [[gnu::always_inline]] void weigh(int ray, int at, WeighedTriangles& out) const
+    [[gnu::always_inline]] WeighedTriangles weigh(int ray, int at) const
     {
         const std::uint32_t leaf = states_[ray].reference;
-        if (!is_indexed(leaf)) return weigh_triangles(bvh_, leaf, at, prepared(ray), out);
+        if (!is_indexed(leaf)) return weigh_triangles(bvh_, leaf, at, prepared(ray));
         const std::uint32_t key = moving ? memory_.times.key[ray] : 0;
         const float fraction = moving ? memory_.times.fraction[ray] : 0;
-        weigh_triangles<moving>(indexed_leaf(leaf), key, fraction, at, prepared(ray), out);
+        return weigh_triangles<moving>(indexed_leaf(leaf), key, fraction, at, prepared(ray));
     }
 
-    /// First which rays pass through a triangle at all, then where. Neither can be foreseen, so there is no branch on
-    /// it. (Both at once takes a tenth more time.)
-    void visit_leaves(int first, int last)
+    /// What a ray meets can't be foreseen, so there is no branch on it.
+    void visit_leaves()
     {
-        Block blocks[leaf_wave + 1];
-        int met = 0, triangles = 0;
+        int triangles = 0;
         Counts n = next_.n;
-        for (int i = first; i < last; ++i) {
+        for (int i = 0; i < now_.n.leaves; ++i) {
             const int ray = now_.leaf[i];
-            fetch_leaf(now_.leaf[std::min(i + leaf_wave, now_.n.leaves - 1)]);
-            Block& block = blocks[met];
-            block.reference = states_[ray].reference;
-            weigh(ray, 0, block);
-            block.ray = ray;
-            triangles += triangle_count(block.reference);
-            const int passes = block.inside != 0;
-            met += passes;
-            // Those that pass by go on now.
-            pop(ray, n, 1 - passes);
+            fetch_leaf(now_.leaf[std::min(i + leaves_ahead, now_.n.leaves - 1)]);
+            triangles += triangle_count(states_[ray].reference);
+            const bool found = note_nearest(ray, distances_to_triangles(ray, weigh(ray, 0)));
+            if (any_hit) {
+                pop(ray, n, 1 - int(found));
+            } else {
+                remove_beyond(ray, memory_.hits.t[ray]);
+                pop(ray, n);
+            }
         }
         memory_.visits.primitives += std::uint64_t(triangles);
-        for (int i = 0; i < met; ++i) finish_leaf(blocks[i], n);
         next_.n = n;
     }
 
@@ -303,11 +291,9 @@ private:
         Counts n = next_.n;
         for (int i = 0; i < now_.n.leaves; ++i) {
             const int ray = now_.leaf[i];
-            fetch_leaf(now_.leaf[std::min(i + leaf_wave, now_.n.leaves - 1)]);
+            fetch_leaf(now_.leaf[std::min(i + leaves_ahead, now_.n.leaves - 1)]);
             triangles += triangle_count(states_[ray].reference);
-            WeighedTriangles weighed;
-            weigh(ray, 0, weighed);
-            const int found = any(distances_to_triangles(ray, weighed).hit);
+            const int found = any(distances_to_triangles(ray, weigh(ray, 0)).hit);
             memory_.hits.what[ray] = found ? 0 : memory_.hits.what[ray];
             pop(ray, n, 1 - found);
         }
@@ -324,34 +310,39 @@ private:
     {
         const Float t_max(memory_.hits.t[ray]), shear_z(prepared(ray).number(PreparedRays::shear_z));
         TriangleDistances to;
-        to.hit = triangle_distance(weighed.weights(), shear_z, weighed.corners_z(), t_max, to.t, to.u, to.v);
+        to.hit = triangle_distance(weighed.weights, shear_z, weighed.corners_z, t_max, to.t, to.u, to.v);
         if (any_hit) to.hit &= to.t < t_max;
         return to;
     }
 
-    [[gnu::always_inline]] void finish_leaf(const Block& block, Counts& n)
+    /// Notes the nearest hit on a leaf of as many triangles as there are lanes at most; whether there is one.
+    [[gnu::always_inline]] bool note_nearest(int ray, const TriangleDistances& to)
     {
-        const int ray = block.ray;
         RayHits& hits = memory_.hits;
-        const auto [t, u, v, m] = distances_to_triangles(ray, block);
-        const std::uint32_t least = least_lanes(m, t);
-        alignas(64) float ts[lanes], us[lanes], vs[lanes];
-        store(ts, t), store(us, u), store(vs, v);
-        const int lane = std::countr_zero(least | 1u << (lanes - 1));
-        bool found = least != 0;
-        if (bvh_.has_alpha || (found && (!std::has_single_bit(least) || ts[lane] == hits.t[ray]))) {
-            // A tie, or a hit to be asked for: one by one.
-            found = take(ray, m, t, u, v, [&](int k) { return triangle_key(block.reference, k); });
-        } else {
-            hits.t[ray] = found ? ts[lane] : hits.t[ray];
-            hits.u[ray] = found ? us[lane] : hits.u[ray];
-            hits.v[ray] = found ? vs[lane] : hits.v[ray];
-            hits.what[ray] = found ? name_of(block.reference, lane) : hits.what[ray];
-            hits.instance[ray] = found ? states_[ray].instance : hits.instance[ray];
-        }
-        if (any_hit) return pop(ray, n, 1 - int(found));
-        remove_beyond(ray, hits.t[ray]);
-        pop(ray, n);
+        const std::uint32_t met = mask_bits(to.hit);
+        const float t = first_of(to.t, to.hit);
+        if (bvh_.has_alpha || (met & (met - 1)) != 0 || t == hits.t[ray]) return note_nearest_of_some(ray, to);
+        // What isn't there is noted where nobody looks.
+        const int at = met != 0 ? ray : RayHits::nowhere;
+        const int lane = std::countr_zero(met | 1u << (lanes - 1));
+        hits.set(at, t, first_of(to.u, to.hit), first_of(to.v, to.hit), name_of(states_[ray].reference, lane),
+                 states_[ray].instance);
+        return met != 0;
+    }
+
+    /// The same where several triangles are met, as the two sides of a thin thing, where there is a tie, or a hit is to
+    /// be asked for.
+    [[gnu::noinline]] bool note_nearest_of_some(int ray, TriangleDistances to)
+    {
+        const std::uint32_t leaf = states_[ray].reference, least = least_lanes(to.hit, to.t);
+        const Mask nearest = mask_from_bits(least);
+        const float t = first_of(to.t, nearest);
+        if (least == 0) return false;
+        if (bvh_.has_alpha || !std::has_single_bit(least) || t == memory_.hits.t[ray])
+            return take(ray, to.hit, to.t, to.u, to.v, [&](int lane) { return triangle_key(leaf, lane); });
+        memory_.hits.set(ray, t, first_of(to.u, nearest), first_of(to.v, nearest),
+                         name_of(leaf, std::countr_zero(least)), states_[ray].instance);
+        return true;
     }
 
     /// The same where lanes are few.
