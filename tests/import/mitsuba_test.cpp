@@ -318,39 +318,6 @@ TEST_F(Mitsuba, PicturesOnShapes)
     expect_uv(uv_at("rectangle", {1, -1, 0}), 1, 0);
 }
 
-/// Of the straight way both absorption and scattering take: exp(-sigma_t way) is left.
-TEST_F(Mitsuba, Interiors)
-{
-    const SceneDescription scene =
-        read(R"(<shape type="sphere"><bsdf type="dielectric"/><medium type="homogeneous" name="interior">
-<rgb name="sigma_t" value="1 2 4"/><rgb name="albedo" value="0 0.5 0"/><float name="scale" value="3"/></medium></shape>)");
-    const Material& m = material_of(scene);
-    const auto sigma = [&](float left) { return -std::log(left) / m.attenuation_distance; };
-    EXPECT_NEAR(sigma(m.attenuation_color.r), 3, 1e-4);
-    EXPECT_NEAR(sigma(m.attenuation_color.g), 6, 1e-4);
-    EXPECT_NEAR(sigma(m.attenuation_color.b), 12, 1e-4);
-    EXPECT_NEAR(m.transmission_scatter.g / m.attenuation_distance, 3, 1e-4);
-}
-
-/// Where the boundary is none.
-TEST_F(Mitsuba, InteriorsBehindNull)
-{
-    constexpr const char* medium =
-        R"(<medium type="homogeneous" name="interior"><float name="sigma_t" value="2"/></medium></shape>)";
-    const SceneDescription scene = read(fmt::format(R"(<shape type="sphere"><bsdf type="null"/>{})", medium));
-    const Material& m = material_of(scene);
-    EXPECT_EQ(m.kind, MaterialKind::glass);
-    EXPECT_EQ(m.ior, 1);
-    EXPECT_NEAR(m.transmission_scatter.r / m.attenuation_distance, 2 * 0.75, 1e-4);
-    EXPECT_FALSE(is_told("solid of index 1"));
-    const Material sheet =
-        material_of(read(fmt::format(R"(<shape type="sphere"><bsdf type="thindielectric"/>{})", medium)));
-    EXPECT_TRUE(sheet.thin);
-    EXPECT_NEAR(sheet.transmission_scatter.r / sheet.attenuation_distance, 2 * 0.75, 1e-4);
-    read(fmt::format(R"(<shape type="sphere"><bsdf type="diffuse"/>{})", medium));
-    EXPECT_TRUE(is_told("not rendered in what is not glass"));
-}
-
 TEST_F(Mitsuba, Bitmaps)
 {
     write("t.png", "x");

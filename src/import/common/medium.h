@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "fathom/description.h"
 
@@ -34,5 +35,9 @@ inline void fill_solid(Material& solid, Color absorption, Color scattering, floa
     solid.transmission_scatter = {scattered(scattering.r), scattered(scattering.g), scattered(scattering.b)};
     solid.transmission_scatter_anisotropy = mean_cosine;
 }
+
+/// Puts a ball of a medium, which is a solid of it, around all shapes and cameras: what is in nothing else is in it. It
+/// has twice the radius of what it surrounds. Returns what is to be said of that; empty: nothing.
+std::string surround(SceneDescription& scene, Material medium);
 
 }  // namespace fathom

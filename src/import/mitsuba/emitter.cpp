@@ -84,6 +84,8 @@ void Reader::read_emitter(const Element& element)
     const std::string& type = emitter.type();
     Light light;
     light.name = element.attribute("id");
+    // What a light is in follows from the shapes around it.
+    emitter.child("medium");
     if (type == "constant") {
         scene_.environment.kind = EnvironmentKind::constant;
         scene_.environment.color = plain_color(emitter, "radiance", {1, 1, 1});

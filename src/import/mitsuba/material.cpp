@@ -386,11 +386,25 @@ void Reader::read_interior(const Element& element, Material& m)
         m.transmission_scatter_anisotropy);
 }
 
+/// Of what the camera is in, all is full that is in nothing else.
+void Reader::finish_media()
+{
+    for (const Element* outside : media_outside_)
+        if (outside != camera_medium_ && !media_inside_.contains(outside))
+            tell(*outside, "is around shapes, but neither in one nor around the camera: nothing is there");
+    if (!camera_medium_) return;
+    Material m = open_boundary();
+    read_interior(*camera_medium_, m);
+    if (!(m.attenuation_distance > 0)) return;
+    if (const std::string told = surround(scene_, std::move(m)); !told.empty()) tell(*camera_medium_, told);
+}
+
 int Reader::material_of_shape(Object& shape)
 {
     const std::vector<const Element*> bsdfs = shape.children("bsdf"), emitters = shape.children("emitter");
-    const Element* const medium = shape.child("interior");
-    if (shape.child("exterior")) tell(shape.element(), "the medium outside of a shape is not rendered yet");
+    const Element *const medium = shape.child("interior"), *const outside = shape.child("exterior");
+    if (medium) media_inside_.insert(medium);
+    if (outside) media_outside_.insert(outside);
     const Element* const bsdf = bsdfs.empty() ? nullptr : bsdfs.back();
     const Element* const emitter = emitters.empty() ? nullptr : emitters.front();
     if (bsdf && !emitter && !medium) return material(*bsdf);

@@ -84,6 +84,7 @@ private:
     /// With what fills the shape, and with what it emits.
     int material_of_shape(Object& shape);
     void read_interior(const Element& medium, Material& material);
+    void finish_media();
 
     // shape.cpp
     void read_shape(const Element& element, std::vector<int>& roots);
@@ -123,6 +124,8 @@ private:
     std::map<std::string, int> images_;
     /// By bsdf, emitter and medium.
     std::map<std::array<const Element*, 3>, int> shape_materials_;
+    const Element* camera_medium_ = nullptr;
+    std::set<const Element*> media_inside_, media_outside_;  ///< of shapes
     std::map<Key, int> meshes_;
     std::map<std::string, SerializedFile> serialized_;
     std::map<std::string, Appended> models_;  ///< by file and options

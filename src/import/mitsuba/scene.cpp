@@ -35,6 +35,7 @@ SceneDescription Reader::read()
     for (const auto& child : document_.root->children)
         if (child->tag == "sensor") read_sensor(*child);
     for (const auto& child : document_.root->children) read_root(*child);
+    finish_media();
     return std::move(scene_);
 }
 
@@ -183,6 +184,8 @@ void Reader::read_sensor(const Element& element)
     } else {
         camera.fov_y = vertical_fov(sensor, aspect);
     }
+    // Of several cameras the first is rendered from.
+    if (const Element* medium = sensor.child("medium"); medium && scene_.cameras.empty()) camera_medium_ = medium;
     if (type == "thinlens") camera.aperture = 2 * sensor.number("aperture_radius", 0);
     camera.focus_distance = type == "thinlens" ? sensor.number("focus_distance", 1) : 0;
     camera.shutter_open = sensor.number("shutter_open", 0);

@@ -92,6 +92,7 @@ SceneDescription Reader::read(const std::string& bytes)
 SceneDescription Reader::finished()
 {
     finish_camera();
+    finish_media();
     if (mirrored_) {
         Node mirror;
         mirror.name = "left-handed";
@@ -303,6 +304,7 @@ bool Reader::read_block(Scanner& scanner, std::string_view word)
     if (word == "Camera") {
         camera_ = plugin(scanner, "Camera", "");
         world_from_camera_ = state_.ctm[0].inverse();
+        camera_medium_ = state_.outside;
         systems_["camera"] = {world_from_camera_, state_.ctm[1].inverse()};
         if (state_.ctm[0].m != state_.ctm[1].m) tell(*camera_, "a camera that moves stands where it is at first");
     } else if (word == "Film") {

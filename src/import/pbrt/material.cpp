@@ -334,6 +334,21 @@ void Reader::set_medium(const Parameters& medium, Material& out)
     fill_solid(out, scaled(absorption, scale), scaled(scattering, scale), g);
 }
 
+/// Of what the camera is in, all is full that is in nothing else.
+void Reader::finish_media()
+{
+    const Parameters* around = nullptr;
+    if (!camera_medium_.empty()) around = medium(camera_->place(), camera_medium_);
+    for (const Parameters* outside : media_outside_)
+        if (outside != around && !media_inside_.contains(outside))
+            tell(*outside, "is around shapes, but neither in one nor around the camera: nothing is there");
+    if (!around) return;
+    Material m = open_boundary();
+    set_medium(*around, m);
+    if (!(m.attenuation_distance > 0)) return;
+    if (const std::string told = surround(scene_, std::move(m)); !told.empty()) tell(*around, told);
+}
+
 void Reader::set_emission(const Surface& surface, Material& out)
 {
     const Parameters& light = *surface.light;
@@ -361,6 +376,7 @@ int Reader::surface_material(const Surface& surface)
     if (const auto found = surfaces_.find(surface); found != surfaces_.end()) return found->second;
     Material m = material(surface.material);
     if (surface.medium) set_medium(*surface.medium, m);
+    if (surface.is_hole && m.kind == MaterialKind::none) m = open_boundary();
     if (surface.light) set_emission(surface, m);
     scene_.materials.push_back(std::move(m));
     return surfaces_[surface] = int(scene_.materials.size()) - 1;

@@ -43,6 +43,7 @@ struct Surface {
     const Parameters* material = nullptr;
     const Parameters* light = nullptr;
     const Parameters* medium = nullptr;
+    bool is_hole = false;  ///< in what is around it, if nothing else is there
     std::string alpha;
     float power_factor = 1;  ///< of lights whose power is given: what their area makes of it
     float displacement_edge = 0;
@@ -135,6 +136,7 @@ private:
     FloatInput roughness(const Parameters& m, const std::string& name, float otherwise, bool remap);
     void set_bumps(const Parameters& m, Material& out);
     void set_medium(const Parameters& medium, Material& out);
+    void finish_media();
     void set_emission(const Surface& surface, Material& out);
     int surface_material(const Surface& surface);
     const Parameters* state_material(const Place& place);
@@ -151,7 +153,8 @@ private:
     std::optional<Shape> disk(const Parameters& shape, bool has_textures);
     std::optional<Shape> cylinder(const Parameters& shape);
     Shape add_mesh(Mesh mesh, const std::string& file);
-    const Parameters* state_medium(const Place& place, const Parameters* material);
+    void set_media(const Place& place, Surface& surface);
+    const Parameters* medium(const Place& place, const std::string& name) const;
     double area_of(const Shape& shape, const Transform& world) const;
     void place(Node node);
 
@@ -182,8 +185,10 @@ private:
     std::array<double, 2> times_{0, 1};
     std::map<std::string, std::array<Transform, 2>> systems_;
     Plugin camera_, film_;
-    std::array<int, 2> film_size_ = {1280, 720};   ///< of the whole film
-    std::array<int, 4> crop_ = {0, 1280, 0, 720};  ///< what of it is the picture: x0, x1, y0, y1
+    std::string camera_medium_;
+    std::set<const Parameters*> media_inside_, media_outside_;  ///< of shapes
+    std::array<int, 2> film_size_ = {1280, 720};                ///< of the whole film
+    std::array<int, 4> crop_ = {0, 1280, 0, 720};               ///< what of it is the picture: x0, x1, y0, y1
     Transform world_from_camera_;
     bool mirrored_ = false;  ///< pbrt's world is left-handed where its camera does not mirror
     std::map<std::string, NamedTexture> float_textures_, color_textures_;

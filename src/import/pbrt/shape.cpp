@@ -288,18 +288,23 @@ double Reader::area_of(const Shape& shape, const Transform& world) const
     return sum;
 }
 
-const Parameters* Reader::state_medium(const Place& place, const Parameters* material)
+const Parameters* Reader::medium(const Place& place, const std::string& name) const
 {
-    const auto find = [&](const std::string& name) -> const Parameters* {
-        if (name.empty()) return nullptr;
-        const auto found = media_.find(name);
-        if (found == media_.end()) place.fail(fmt::format("there is no medium '{}'", printable(name)));
-        return found->second.get();
-    };
-    const Parameters *const inside = find(state_.inside), *const outside = find(state_.outside);
-    if (inside == outside) return nullptr;
-    if (outside) tell(*outside, "is not rendered yet where it is outside of a shape");
-    return inside;
+    if (name.empty()) return nullptr;
+    const auto found = media_.find(name);
+    if (found == media_.end()) place.fail(fmt::format("there is no medium '{}'", printable(name)));
+    return found->second.get();
+}
+
+/// What is outside follows from what other shapes, and the camera, are in.
+void Reader::set_media(const Place& place, Surface& surface)
+{
+    const Parameters *const inside = medium(place, state_.inside), *const outside = medium(place, state_.outside);
+    if (inside) media_inside_.insert(inside);
+    if (outside) media_outside_.insert(outside);
+    if (inside == outside) return;
+    surface.medium = inside;
+    surface.is_hole = !inside;
 }
 
 /// A node where the state puts it, among what is being read.
@@ -320,7 +325,7 @@ void Reader::read_shape(const Parameters& shape)
     if (!in_world_) shape.fail("shapes belong behind WorldBegin");
     Surface surface;
     surface.material = state_material(shape.place());
-    surface.medium = state_medium(shape.place(), surface.material);
+    set_media(shape.place(), surface);
     surface.light = state_.area_light.get();
     if (surface.light && current_object_) {
         tell(shape, "shapes of objects don't shine in pbrt: it is none of light");

@@ -1,0 +1,82 @@
+/// Media of Mitsuba's files: within shapes and around them.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "mitsuba_fixture.h"
+
+namespace fathom::test {
+namespace {
+
+/// Of the straight way both absorption and scattering take: exp(-sigma_t way) is left.
+TEST_F(Mitsuba, Interiors)
+{
+    const SceneDescription scene =
+        read(R"(<shape type="sphere"><bsdf type="dielectric"/><medium type="homogeneous" name="interior">
+<rgb name="sigma_t" value="1 2 4"/><rgb name="albedo" value="0 0.5 0"/><float name="scale" value="3"/></medium></shape>)");
+    const Material& m = material_of(scene);
+    const auto sigma = [&](float left) { return -std::log(left) / m.attenuation_distance; };
+    EXPECT_NEAR(sigma(m.attenuation_color.r), 3, 1e-4);
+    EXPECT_NEAR(sigma(m.attenuation_color.g), 6, 1e-4);
+    EXPECT_NEAR(sigma(m.attenuation_color.b), 12, 1e-4);
+    EXPECT_NEAR(m.transmission_scatter.g / m.attenuation_distance, 3, 1e-4);
+}
+
+/// Where the boundary is none.
+TEST_F(Mitsuba, InteriorsBehindNull)
+{
+    constexpr const char* medium =
+        R"(<medium type="homogeneous" name="interior"><float name="sigma_t" value="2"/></medium></shape>)";
+    const SceneDescription scene = read(fmt::format(R"(<shape type="sphere"><bsdf type="null"/>{})", medium));
+    const Material& m = material_of(scene);
+    EXPECT_EQ(m.kind, MaterialKind::glass);
+    EXPECT_EQ(m.ior, 1);
+    EXPECT_NEAR(m.transmission_scatter.r / m.attenuation_distance, 2 * 0.75, 1e-4);
+    EXPECT_FALSE(is_told("solid of index 1"));
+    const Material sheet =
+        material_of(read(fmt::format(R"(<shape type="sphere"><bsdf type="thindielectric"/>{})", medium)));
+    EXPECT_TRUE(sheet.thin);
+    EXPECT_NEAR(sheet.transmission_scatter.r / sheet.attenuation_distance, 2 * 0.75, 1e-4);
+    read(fmt::format(R"(<shape type="sphere"><bsdf type="diffuse"/>{})", medium));
+    EXPECT_TRUE(is_told("not rendered in what is not glass"));
+}
+
+constexpr const char* fog = R"(<medium type="homogeneous" id="fog"><float name="sigma_t" value="2"/></medium>)";
+constexpr const char* camera_in_fog =
+    R"(<sensor type="perspective"><transform name="to_world"><translate x="9"/></transform><ref name="medium" id="fog"/></sensor>)";
+
+/// What the camera is in is everywhere where nothing else is.
+TEST_F(Mitsuba, MediumAroundTheCamera)
+{
+    const SceneDescription scene =
+        read(std::string(fog) + camera_in_fog +
+             R"(<shape type="sphere"><bsdf type="diffuse"/><ref name="exterior" id="fog"/></shape>
+<emitter type="point"><ref name="medium" id="fog"/></emitter>)");
+    EXPECT_TRUE(warnings_.counts().empty());
+    const Shape& around = scene.nodes.at(std::size_t(scene.roots.back())).shapes.at(0);
+    const Sphere& ball = std::get<Sphere>(around.geometry);
+    // From -1 to 9, and from -1 to 1.
+    EXPECT_NEAR(ball.center.x, 4, 1e-6);
+    EXPECT_NEAR(ball.radius, std::sqrt(10 * 10 + 2 * 2 + 2 * 2), 1e-6);
+    const Material& m = scene.materials.at(std::size_t(around.material));
+    EXPECT_EQ(m.priority, -1000);
+    EXPECT_EQ(m.ior, 1);
+    EXPECT_NEAR(-std::log(m.attenuation_color.r) / m.attenuation_distance, 2, 1e-4);
+    EXPECT_NEAR(m.transmission_scatter.r / m.attenuation_distance, 2 * 0.75, 1e-4);
+    read(std::string(fog) + camera_in_fog + R"(<emitter type="constant"/>)");
+    EXPECT_TRUE(is_told("behind which the environment is"));
+}
+
+TEST_F(Mitsuba, MediaOutsideOfShapes)
+{
+    const std::string shape =
+        R"(<shape type="sphere"><bsdf type="dielectric"/><ref name="exterior" id="fog"/></shape>)";
+    EXPECT_EQ(read(fog + shape).nodes.size(), 1u);
+    EXPECT_TRUE(is_told("is around shapes, but neither in one nor around the camera"));
+    warnings_ = {};
+    read(fog + shape + R"(<shape type="cube"><bsdf type="null"/><ref name="interior" id="fog"/></shape>)");
+    EXPECT_TRUE(warnings_.counts().empty()) << "another shape has it inside";
+}
+
+}  // namespace
+}  // namespace fathom::test
