@@ -226,6 +226,7 @@ ordered_json settings_of(const RenderHints& hints)
     add("filter", hints.filter);
     add("light_sampling", hints.light_sampling);
     add("exposure", hints.exposure);
+    add("white_balance", hints.white_balance);
     add("tonemap", hints.tonemap);
     return result;
 }

@@ -464,13 +464,17 @@ struct Node {
     bool movable = false;  ///< it will stand elsewhere in later pictures, with what is below it: see SceneEdit
 };
 
+/// Temperatures of light that can be told to be white.
+inline constexpr double least_white_kelvin = 1000, most_white_kelvin = 25000;
+
 /// Render settings that a scene file may give; an option of the command line overrides them.
 struct RenderHints {
     std::optional<int> width, height, samples, max_depth, roulette_depth;
     std::optional<std::string> filter;  ///< box, gaussian, blackman-harris
     std::optional<bool> light_sampling;
-    std::optional<double> exposure;  ///< stops (ev)
-    bool own_light = false;          ///< the file's light is meant as it is, however dim: none is added
+    std::optional<double> exposure;       ///< stops (ev)
+    std::optional<double> white_balance;  ///< kelvin: light of this temperature is shown as white
+    bool own_light = false;               ///< the file's light is meant as it is, however dim: none is added
     std::optional<std::string> tonemap;
     std::optional<std::string> build;  ///< fast, default, high: work for the tree, see tree_build.h
 };

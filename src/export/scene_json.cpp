@@ -175,6 +175,7 @@ private:
         add_hint("build", hints.build);
         add_hint("light_sampling", hints.light_sampling);
         add_hint("exposure", hints.exposure);
+        add_hint("white_balance", hints.white_balance);
         add_hint("tonemap", hints.tonemap);
         if (!hints.own_light) json["own_light"] = false;
         return json;

@@ -210,6 +210,15 @@ TEST_F(Pbrt, FilmsAndIntegratorsAreHints)
     for (const char* words : {"the picture has red, green and blue", "the sensor 'canon_eos_5d'",
                               "no filter with negative", "paths are traced instead"})
         EXPECT_TRUE(is_told(words)) << words;
+    EXPECT_FALSE(scene.hints.white_balance);
+    EXPECT_EQ(load("a.pbrt", R"(Camera "perspective" "float shutterclose" 0.5
+Film "rgb" "float whitebalance" 3200 "float maxcomponentvalue" 10 "float iso" 800)")
+                  .hints.white_balance,
+              3200);
+    // Of what the film records, which is four times the radiance.
+    EXPECT_TRUE(is_told("--clamp-indirect 2.5"));
+    EXPECT_EQ(load("a.pbrt", "Film \"rgb\" \"float whitebalance\" 500").hints.white_balance, 1000);
+    EXPECT_TRUE(is_told("'whitebalance' is taken as 1000 K"));
 }
 
 }  // namespace

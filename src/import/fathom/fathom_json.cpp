@@ -151,6 +151,11 @@ void FathomJsonReader::read_render(const JsonValue& v)
     o.read_word("build", words::builds, hints.build);
     if (auto value = o.get("light_sampling")) hints.light_sampling = value->boolean();
     if (auto value = o.get("exposure")) hints.exposure = value->number();
+    if (auto value = o.get("white_balance")) {
+        hints.white_balance = value->number();
+        if (!(*hints.white_balance >= least_white_kelvin && *hints.white_balance <= most_white_kelvin))
+            value->fail(fmt::format("light has a temperature of {} to {} K", least_white_kelvin, most_white_kelvin));
+    }
     if (auto value = o.get("own_light")) hints.own_light = value->boolean();
     o.done("in render settings");
 }

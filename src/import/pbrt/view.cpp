@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "import/common/read_file.h"
@@ -39,7 +40,6 @@ void Reader::read_film(const Parameters& film)
     read_crop(film, width, height);
     if (film.plugin() != "rgb") tell(film, "the picture has red, green and blue");
     film.ignore({"cropwindow", "pixelbounds", "filename", "savefp16", "diagonal"});
-    if (film.has("maxcomponentvalue")) tell(film, "'maxcomponentvalue' is left out: samples are as bright as they are");
     const std::string sensor = film.text("sensor", "cie1931");
     const double iso = film.number("iso", 100);
     if (!(iso > 0)) film.fail("'iso' must be above 0");
@@ -48,9 +48,21 @@ void Reader::read_film(const Parameters& film)
                  close = camera_ ? camera_->number("shutterclose", 1) : 1;
     const double ratio = (close - open) * iso / 100;
     if (ratio > 0 && ratio != 1) scene_.hints.exposure = std::log2(ratio);
-    if (sensor != "cie1931") tell(film, fmt::format("the sensor '{}' is taken as 'cie1931'", printable(sensor)));
-    if (film.number("whitebalance", 0) != 0) tell(film, "'whitebalance' is left out");
-    film.ignore({"maxcomponentvalue"});
+    // Of what is recorded, in the sensor's own light. It takes light away, which is asked for here, not done unasked.
+    const double most = film.number("maxcomponentvalue", std::numeric_limits<double>::infinity());
+    if (std::isfinite(most) && ratio > 0)
+        tell(film, fmt::format("'maxcomponentvalue' is left out, as it makes pictures darker: samples are as bright as "
+                               "they are; --clamp-indirect {:.4g} limits those of light by two surfaces or more",
+                               most / ratio));
+    if (sensor != "cie1931")
+        tell(film, fmt::format("the sensor '{}' is taken as 'cie1931', without the colours of its filters",
+                               printable(sensor)));
+    // Sensors whose colours are told for 6500 K by pbrt have the white that is here without any.
+    if (const double kelvin = film.number("whitebalance", 0); kelvin != 0) {
+        scene_.hints.white_balance = std::clamp(kelvin, least_white_kelvin, most_white_kelvin);
+        if (kelvin != *scene_.hints.white_balance)
+            tell(film, fmt::format("'whitebalance' is taken as {} K", *scene_.hints.white_balance));
+    }
     film.finish(teller_);
 }
 

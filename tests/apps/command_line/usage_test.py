@@ -44,6 +44,7 @@ class Usage(CommandLine):
             "--only-sample": ["1,2", "800,0,0", "0,600,0", "-1,0,0", "0,0,4294967296"],
             "--aov": ["colour", ""],
             "--exposure": ["nan", "inf", "1000", "x"],
+            "--white-balance": ["nan", "999", "25001", "warm"],
             "--tonemap": ["reinhard"],
             "--quality": ["0", "101", "x"],
             "--background": ["blue", "#12345", "#gggggg", "1,2", "-1,0,0", "nan,0,0"],
