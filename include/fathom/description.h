@@ -341,6 +341,7 @@ enum class LightKind {
     directional,
     projector,    ///< a point from which a picture is projected through a frustum
     goniometric,  ///< a point whose intensity is a picture over all directions, or an IES file's
+    beam,         ///< parallel light from a flat area
 };
 
 /// What an angle of view is measured across.
@@ -366,7 +367,7 @@ struct LightPicture {
 struct Light {
     std::string name;
     LightKind kind = LightKind::point;
-    /// Directional: irradiance (lux) at normal incidence; others: radiant intensity (candela), multiplied by the
+    /// Directional, beam: irradiance (lux) at normal incidence; others: radiant intensity (candela), multiplied by the
     /// picture.
     Color intensity{1, 1, 1};
     double inner_angle = 0, outer_angle = 0.7853981633974483;  ///< spot: half angles, falling between
@@ -378,6 +379,10 @@ struct Light {
     SpotFalloff falloff = SpotFalloff::square;
     double fov = 0.7853981633974483;  ///< projector: full angle of the picture
     FovAxis fov_axis = FovAxis::smaller;
+    /// Beam: the area across the node's z that it comes from, along x and y, in the node's own measure: a rectangle, or
+    /// an ellipse. Where the node shears it, light goes along its normal.
+    double width = 1, height = 1;
+    bool round = false;
     /// Projector: the picture is what arrives on a screen across the axis at a distance of 1 (lux), not what is sent.
     bool flat_field = false;
     /// Projector, goniometric: the intensity is the flux of all directions together (lumen) instead, however bright the

@@ -235,6 +235,11 @@ private:
             put(json, "fov_axis", words::fov_axes[int(light.fov_axis)], words::fov_axes[int(usual.fov_axis)]);
             put(json, "flat_field", light.flat_field, false);
         }
+        if (light.kind == LightKind::beam) {
+            put(json, "width", number_json(light.width), number_json(usual.width));
+            put(json, "height", number_json(light.height), number_json(usual.height));
+            put(json, "round", light.round, false);
+        }
         const bool may_be_flux = light.kind == LightKind::projector || light.kind == LightKind::goniometric;
         if (may_be_flux && light.intensity_is_flux) json["unit"] = "lm";
         const LightPicture& picture = light.picture;

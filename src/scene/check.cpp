@@ -95,6 +95,9 @@ private:
             fail(place, "a goniometric light needs a picture, or an IES file");
         if (light.kind == LightKind::projector && !(light.fov > 0 && light.fov < std::numbers::pi))
             fail(place + ".fov", "must be above 0 and below half a turn");
+        if (light.kind == LightKind::beam &&
+            !(light.width > 0 && light.height > 0 && std::isfinite(light.width) && std::isfinite(light.height)))
+            fail(place, "a beam needs a width and a height above 0");
     }
 
     [[noreturn]] void fail(const std::string& place, const std::string& message) const

@@ -223,7 +223,7 @@ TEST_F(Save, LightsWithPictures)
         scene.images[1].bytes.push_back(std::byte(c));
     scene.meshes = {triangle()};
     add_shape(scene, MeshInstance{0});
-    scene.lights.resize(6);
+    scene.lights.resize(8);
     for (Light& light : scene.lights) {
         light.kind = LightKind::projector;
         light.intensity = {1, 2, 3};
@@ -238,7 +238,9 @@ TEST_F(Save, LightsWithPictures)
     scene.lights[5].kind = LightKind::spot, scene.lights[5].picture = {2, ColorSpace::srgb, true};
     scene.lights[5].falloff = SpotFalloff::linear;
     scene.lights[5].intensity_is_flux = true;  // of a spot it means nothing
-    for (int light = 0; light < 6; ++light) {
+    for (const int beam : {6, 7}) scene.lights[std::size_t(beam)].kind = LightKind::beam;
+    scene.lights[7].width = 0.3, scene.lights[7].height = 0.2, scene.lights[7].round = true;
+    for (int light = 0; light < 8; ++light) {
         Node node;
         node.light = light;
         node.parent_from_node = Transform::rotate({1, 2, 3}, light) * Transform::scale({light % 2 ? -1.0 : 1.0, 1, 1});

@@ -105,7 +105,10 @@ private:
         if (!n.motion.empty()) warn("nodes that move while the shutter is open stand still, at their first place");
         const Transform& place = n.motion.empty() ? n.parent_from_node : n.motion.front().parent_from_node;
         if (place.m != Transform().m) node["matrix"] = matrix_json(place);
-        if (n.light >= 0) node["extensions"]["KHR_lights_punctual"]["light"] = light(n.light);
+        if (n.light >= 0 && scene_.lights[std::size_t(n.light)].kind == LightKind::beam)
+            warn("beams are left out: glTF has no light that is parallel and has sides");
+        else if (n.light >= 0)
+            node["extensions"]["KHR_lights_punctual"]["light"] = light(n.light);
         Json children = Json::array();
         if (n.camera >= 0) add_camera(n.camera, node, children);
         Json primitives = Json::array();

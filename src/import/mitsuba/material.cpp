@@ -401,7 +401,7 @@ int Reader::material_of_shape(Object& shape)
     m.base_color = {{grey, grey, grey}, -1};
     m.black_behind = true;
     if (bsdf) m = scene_.materials[std::size_t(material(*bsdf))];
-    if (emitter) {
+    if (emitter && emitter->type() != "directionalarea") {
         Object area(*emitter, document_);
         if (area.type() != "area")
             tell(*emitter, fmt::format("the emitter '{}' of a shape is taken as 'area'", printable(area.type())));

@@ -47,6 +47,8 @@ private:
     void read_environment_map(Object& emitter);
     void read_sky(Object& emitter);
     void add_light(Light light, const Transform& world_from_light);
+    /// Of a shape that shines along its normals only: a light in front of it.
+    void add_beam(const Element& element, Object& shape, Node& node);
 
     // texture.cpp: colours and what stands for them. Reflectances are at most 1.
     ColorInput color(Object& of, std::string_view name, Color otherwise);
