@@ -224,6 +224,7 @@ ordered_json settings_of(const RenderHints& hints)
     add("max_depth", hints.max_depth);
     add("roulette_depth", hints.roulette_depth);
     add("filter", hints.filter);
+    add("filter_radius", hints.filter_radius);
     add("light_sampling", hints.light_sampling);
     add("exposure", hints.exposure);
     add("white_balance", hints.white_balance);

@@ -475,7 +475,8 @@ inline constexpr double least_white_kelvin = 1000, most_white_kelvin = 25000;
 /// Render settings that a scene file may give; an option of the command line overrides them.
 struct RenderHints {
     std::optional<int> width, height, samples, max_depth, roulette_depth;
-    std::optional<std::string> filter;  ///< box, gaussian, blackman-harris
+    std::optional<std::string> filter;    ///< box, gaussian, blackman-harris, tent
+    std::optional<double> filter_radius;  ///< pixels that it reaches from its middle
     std::optional<bool> light_sampling;
     std::optional<double> exposure;       ///< stops (ev)
     std::optional<double> white_balance;  ///< kelvin: light of this temperature is shown as white

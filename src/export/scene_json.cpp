@@ -172,6 +172,7 @@ private:
         add_hint("max_depth", hints.max_depth);
         add_hint("roulette_depth", hints.roulette_depth);
         add_hint("filter", hints.filter);
+        add_hint("filter_radius", hints.filter_radius);
         add_hint("build", hints.build);
         add_hint("light_sampling", hints.light_sampling);
         add_hint("exposure", hints.exposure);

@@ -83,6 +83,7 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
     if (!is_flat) bvh.build(tables, level);
     filters[0].make_gaussian();
     filters[1].make_blackman_harris();
+    filters[2].make_tent();
     read_tables();
 }
 

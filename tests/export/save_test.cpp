@@ -442,12 +442,13 @@ TEST_F(Save, HintsForRendering)
     SceneDescription scene;
     RenderHints& h = scene.hints;
     h.width = 7, h.height = 9, h.samples = 3, h.max_depth = -1, h.roulette_depth = 2, h.filter = "box",
-    h.light_sampling = false, h.exposure = -1.1, h.tonemap = "filmic", h.build = "high", h.white_balance = 2856;
+    h.light_sampling = false, h.exposure = -1.1, h.tonemap = "filmic", h.build = "high", h.white_balance = 2856,
+    h.filter_radius = 1.25;
     const RenderHints r = saved(scene).hints;
     EXPECT_EQ(std::tie(r.width, r.height, r.samples, r.max_depth, r.roulette_depth, r.filter, r.light_sampling,
-                       r.exposure, r.tonemap, r.build, r.white_balance),
+                       r.exposure, r.tonemap, r.build, r.white_balance, r.filter_radius),
               std::tie(h.width, h.height, h.samples, h.max_depth, h.roulette_depth, h.filter, h.light_sampling,
-                       h.exposure, h.tonemap, h.build, h.white_balance));
+                       h.exposure, h.tonemap, h.build, h.white_balance, h.filter_radius));
 }
 
 // ------------------------------------------------------------------------------------------- what can't be written

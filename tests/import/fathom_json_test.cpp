@@ -299,6 +299,7 @@ TEST_F(FathomJson, EveryKeyOfShapesLightsAndSurroundings)
     EXPECT_EQ(hints.max_depth, 6);
     EXPECT_EQ(hints.roulette_depth, 7);
     EXPECT_EQ(hints.filter, "gaussian");
+    EXPECT_EQ(hints.filter_radius, 1.5);
     EXPECT_EQ(hints.build, "high");
     EXPECT_EQ(hints.light_sampling, false);
     EXPECT_EQ(hints.exposure, -1.5);

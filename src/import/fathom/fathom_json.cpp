@@ -147,6 +147,10 @@ void FathomJsonReader::read_render(const JsonValue& v)
     read_int("max_depth", hints.max_depth, -1);
     read_int("roulette_depth", hints.roulette_depth, 0);
     o.read_word("filter", words::filters, hints.filter);
+    if (auto value = o.get("filter_radius")) {
+        hints.filter_radius = value->number();
+        if (!(*hints.filter_radius >= 0.01 && *hints.filter_radius <= 64)) value->fail("must be 0.01 to 64 pixels");
+    }
     o.read_word("tonemap", words::tonemaps, hints.tonemap);
     o.read_word("build", words::builds, hints.build);
     if (auto value = o.get("light_sampling")) hints.light_sampling = value->boolean();

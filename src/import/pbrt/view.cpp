@@ -89,10 +89,24 @@ void Reader::read_crop(const Parameters& film, int width, int height)
 void Reader::read_filter(const Parameters& filter)
 {
     const std::string& type = filter.plugin();
-    scene_.hints.filter = type == "box" ? "box" : type == "gaussian" ? "gaussian" : "blackman-harris";
-    if (type != "box" && type != "gaussian")
-        tell(filter, "the filter is 'blackman-harris' here: no filter with negative parts, nor a tent");
-    filter.ignore({"xradius", "yradius", "sigma", "B", "C", "tau"});
+    const bool is_triangle = type == "triangle", is_gaussian = type == "gaussian";
+    const bool is_own = type == "box" || is_triangle || is_gaussian;
+    scene_.hints.filter = is_triangle ? "tent" : is_own ? type : "blackman-harris";
+    scene_.hints.filter_radius.reset();
+    if (!is_own) {
+        tell(filter, "the filter is 'blackman-harris' here: none has negative parts");
+        filter.ignore({"xradius", "yradius", "B", "C", "tau"});
+    } else {
+        const double usual = is_triangle   ? 2
+                             : is_gaussian ? 1.5
+                                           : 0.5,
+                     x = filter.number("xradius", usual), y = filter.number("yradius", usual);
+        if (x != y) tell(filter, "the filter is as wide along y as along x");
+        // What pbrt's Gaussian has beyond its radius, which here is four deviations, is next to nothing.
+        const double radius = is_gaussian ? 4 * filter.number("sigma", 0.5) : x;
+        if (!(radius > 0 && radius <= 64)) filter.fail("a filter reaches up to 64 pixels");
+        if (radius != (is_gaussian ? 2 : is_triangle ? 1 : 0.5)) scene_.hints.filter_radius = radius;
+    }
     filter.finish(teller_);
 }
 

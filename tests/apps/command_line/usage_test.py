@@ -36,6 +36,7 @@ class Usage(CommandLine):
             "--seed": ["-1", "4294967296", "x"],
             "--crop": ["0,0,0,0", "1,2,3", "5,5,4,9", "0,0,801,600", "-1,0,5,5"],
             "--filter": ["sinc"],
+            "--filter-radius": ["0", "-1", "65", "nan", "x"],
             "--max-depth": ["-1", "x"],
             "--roulette-depth": ["-1"],
             "--light-sampling": ["maybe"],
