@@ -408,6 +408,9 @@ struct Environment {
     Color color{1, 1, 1};                       ///< constant: radiance; others: multiplied
     Color bottom{1, 1, 1}, top{0.5f, 0.7f, 1};  ///< gradient: mixed by (1 + y) / 2 of the direction's up component
     int image = -1;                             ///< equirectangular or equal-area, linear (8-bit files: sRGB)
+    /// Of a picture, above 0: it is made as bright as lights a surface, which faces its top (of an equal-area one, its
+    /// middle), by this many lux; colours are multiplied afterwards.
+    double illuminance = 0;
     /// Cube: towards +x, -x, +y, -y, +z, -z, turned as OpenGL has them; linear (8-bit files: sRGB), over their alpha.
     std::array<int, 6> faces{-1, -1, -1, -1, -1, -1};
     Transform world_from_environment;  ///< rotation; the image's middle looks along +x, its top along +y.

@@ -265,10 +265,13 @@ private:
             put(json, "color", color_json(e.color), 1);
         }
         if (e.kind == EnvironmentKind::constant) return json;
+        const bool has_picture = e.kind == EnvironmentKind::image || e.kind == EnvironmentKind::equal_area ||
+                                 e.kind == EnvironmentKind::cube;
         if ((e.kind == EnvironmentKind::image || e.kind == EnvironmentKind::equal_area) && e.image >= 0)
             json["image"] = images_[std::size_t(e.image)];
         if (e.kind == EnvironmentKind::cube)
             for (const int face : e.faces) json["faces"].push_back(face >= 0 ? images_[std::size_t(face)] : "");
+        if (has_picture) put(json, "illuminance", number_json(e.illuminance), 0);
         if (e.kind == EnvironmentKind::sky) {
             json["to_sun"] = vector_json(e.to_sun);
             put(json, "sun", e.sun_disk, true);

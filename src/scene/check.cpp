@@ -80,6 +80,8 @@ private:
                 fail(std::string("environment.") + what,
                      fmt::format("is {:g}; a sky of this kind has one from {:g} to {:g}", value, least, most));
         };
+        if (!(scene_.environment.illuminance >= 0 && std::isfinite(scene_.environment.illuminance)))
+            fail("environment.illuminance", "must be 0 or above");
         if (scene_.environment.kind != EnvironmentKind::hosek_wilkie) return;
         between(scene_.environment.turbidity, 1, 10, "turbidity");
         between(scene_.environment.ground_albedo, 0, 1, "ground_albedo");

@@ -103,6 +103,10 @@ void FathomJsonReader::read_environment(const JsonValue& v)
     }
     if (environment.kind == EnvironmentKind::image || environment.kind == EnvironmentKind::equal_area)
         environment.image = image(o.require("image"));
+    if (environment.kind == EnvironmentKind::image || environment.kind == EnvironmentKind::equal_area ||
+        environment.kind == EnvironmentKind::cube)
+        o.read("illuminance", environment.illuminance);
+    if (environment.illuminance < 0) v["illuminance"].fail("must not be negative");
     if (environment.kind == EnvironmentKind::cube) {
         const JsonValue faces = o.require("faces");
         faces.array_of(6);
