@@ -155,6 +155,7 @@ struct Material {
     double attenuation_distance = 0;            ///< metres after which attenuation_color is left; 0: clear
     Color transmission_scatter{0, 0, 0};        ///< what is scattered over attenuation_distance, as an exponent
     float transmission_scatter_anisotropy = 0;  ///< mean cosine of it
+    bool transmission_scatter_bounces = false;  ///< where paths have a longest depth, each scattering counts
     int priority = 0;  ///< where solids overlap, the one of greatest priority is there; of equal ones the inner
     /// What is left of light that went through, in and out of a solid, or once a thin sheet.
     ColorInput transmission_color;

@@ -203,6 +203,9 @@ def materials():
                           "subsurface_radius": 0.05, "priority": 1, "attenuation_color": [0.9, 0.8, 0.7], "attenuation_distance": 0.3,
                           "transmission_scatter": 0.2},
              "sphere": {"center": [0.6, 0.5, 0.4], "radius": 0.5}}, LAMP])
+    write("cloudy-solids-counted", scene=with_material(
+        kind="glass", ior=1.33, attenuation_color=[0.3, 0.5, 0.2], attenuation_distance=0.4, transmission_scatter=[1.1, 0.6, 1.7],
+        transmission_scatter_bounces=True) + [LAMP])
     write("layers-sheet", scene=wall(**principled, transmission=0.5, thin=True, diffuse_transmission=0.6,
                                      diffuse_transmission_color=[0.3, 0.9, 0.4]) + [{"sphere": {"center": [0, 0.6, -0.8], "radius": 0.5}}])
     write("single-sided", scene=[FLOOR, LAMP, BALL, {"material": {"color": [0.2, 0.3, 0.8], "single_sided": True}, "mesh": {

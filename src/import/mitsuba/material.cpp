@@ -378,6 +378,7 @@ void Reader::read_interior(const Element& element, Material& m)
         m.emission = emission;
     }
     if (m.kind != MaterialKind::glass) return tell(element, "is not rendered in what is not glass");
+    m.transmission_scatter_bounces = true;
     const auto absorbed = [&](float t, float a) { return float(double(t) * scale * (1 - a)); };
     const auto scattered = [&](float t, float a) { return float(double(t) * scale * a); };
     fill_solid(

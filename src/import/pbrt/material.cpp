@@ -331,6 +331,7 @@ void Reader::set_medium(const Parameters& medium, Material& out)
         tell(medium, "is not rendered in what is not glass");
         return;
     }
+    out.transmission_scatter_bounces = true;
     fill_solid(out, scaled(absorption, scale), scaled(scattering, scale), g);
 }
 
