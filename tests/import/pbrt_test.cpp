@@ -137,6 +137,37 @@ TEST_F(Pbrt, Glass)
     EXPECT_TRUE(is_told("Medium 'cloud': is not rendered yet"));
 }
 
+/// By name, of pairs and of files: 20 over Abbe's number, which is the index at 587.6 nm less 1 over the way from
+/// 656.3 to 486.1 nm.
+TEST_F(Pbrt, GlassThatSpreadsColours)
+{
+    const Material crown = material("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"");
+    EXPECT_EQ(crown.kind, MaterialKind::principled);
+    EXPECT_EQ(crown.transmission.value, 1);
+    EXPECT_EQ(crown.metallic.value, 0);
+    EXPECT_EQ(crown.roughness.value, 0);
+    expect_color(crown.base_color.value, 1, 1, 1);
+    EXPECT_NEAR(crown.dispersion, 20 / 64.17, 1e-5);
+    EXPECT_NEAR(material("Material \"dielectric\" \"spectrum eta\" \"glass-F11\"").dispersion, 20 / 25.76, 1e-5);
+    const Material pairs = material(
+        R"(Material "dielectric" "spectrum eta" [ 400 1.7 486.1 1.63 587.6 1.6 656.3 1.59 800 1.58 ] "float roughness" 0.25)");
+    EXPECT_NEAR(pairs.ior, 1.6, 1e-6);
+    EXPECT_NEAR(pairs.dispersion, 20 * 0.04 / 0.6, 1e-4);
+    EXPECT_GT(pairs.roughness.value, 0.3f);
+    write("glass.spd", "400 1.5\n# the same everywhere\n700 1.5\n");
+    const Material flat = material("Material \"dielectric\" \"spectrum eta\" \"glass.spd\"");
+    EXPECT_EQ(flat.kind, MaterialKind::glass);
+    EXPECT_EQ(flat.ior, 1.5f);
+    // What fills it is there all the same.
+    EXPECT_GT(material(R"(MakeNamedMedium "g" "string type" "homogeneous" MediumInterface "g" ""
+Material "dielectric" "spectrum eta" "glass-SF10")")
+                  .attenuation_distance,
+              0);
+    EXPECT_FALSE(is_told("alike"));
+    EXPECT_NEAR(material("Material \"hair\" \"spectrum eta\" \"glass-BK7\"").hair_ior, 1.5168, 1e-6);
+    EXPECT_TRUE(is_told("what is not glass refracts all colours alike"));
+}
+
 TEST_F(Pbrt, DiffuseTransmission)
 {
     const char* const text = R"(Material "diffusetransmission" "rgb reflectance" [ 0.9 0.6 0.1 ]

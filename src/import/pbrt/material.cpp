@@ -70,7 +70,7 @@ Material Reader::read_material(const Parameters& m)
     else if (type == "coatedconductor")
         result = coated_conductor(m);
     else if (type == "dielectric" || type == "thindielectric")
-        result = dielectric(m);
+        result = dielectric(m, 1.5f);
     else if (type == "diffusetransmission")
         result = diffuse_transmission(m);
     else if (type == "subsurface")
@@ -183,16 +183,25 @@ float Reader::layer_thickness(const Parameters& m)
     return std::clamp(thickness.value * (1 - scattered), 0.f, 100.f);
 }
 
-Material Reader::dielectric(const Parameters& m)
+Material Reader::dielectric(const Parameters& m, float usual_index)
 {
     Material out;
     out.kind = MaterialKind::glass;
     out.base_color = {{1, 1, 1}, -1};
-    out.ior = ior(m, "eta", 1.5f);
+    const GlassIndex glass = glass_index(m, "eta", usual_index);
+    out.ior = float(glass.middle);
     out.thin = m.plugin() == "thindielectric";
     out.roughness = {0, -1, 0};
     out.energy_compensation = false;
+    // A pane shifts colours, which is not seen.
     if (out.thin) return out;
+    if (glass.abbe > 0) {
+        // The same as glass, bit by bit, but that it spreads colours.
+        out.kind = MaterialKind::principled;
+        out.metallic = {0, -1, 0};
+        out.transmission = {1, -1, 0};
+        out.dispersion = float(std::min(20 / glass.abbe, 40.0));
+    }
     set_roughness(m, "", out);
     if (out.anisotropy.value > 0) tell(m, "glass is as rough in all directions as in one");
     out.two_roughnesses = false, out.anisotropy = {0, -1, 0};
@@ -223,8 +232,7 @@ Material Reader::diffuse_transmission(const Parameters& m)
 
 Material Reader::subsurface(const Parameters& m)
 {
-    Material out = dielectric(m);
-    out.ior = ior(m, "eta", 1.33f);
+    Material out = dielectric(m, 1.33f);
     const double scale = m.number("scale", 1);
     const auto g = float(m.number("g", 0));
     if (m.has("reflectance")) {
@@ -327,7 +335,7 @@ void Reader::set_medium(const Parameters& medium, Material& out)
     medium.ignore({"type", "preset", "Le", "Lescale"});
     medium.finish(teller_);
     if (out.kind == MaterialKind::none) out = open_boundary();
-    if (out.kind != MaterialKind::glass) {
+    if (out.kind != MaterialKind::glass && !(out.kind == MaterialKind::principled && out.transmission.value == 1)) {
         tell(medium, "is not rendered in what is not glass");
         return;
     }
