@@ -278,6 +278,37 @@ TEST_F(Pbrt, CurvesAndSubdivision)
     EXPECT_EQ(curves.radii.back(), 0.25f);
     EXPECT_EQ(world(R"(Shape "curve" "integer degree" 2 "point3 P" [ 0 0 0 1 2 0 2 0 0 ])").curves.at(0).points.size(),
               4u);
+    // A quadratic B-spline begins and ends in the middles of its sides, and touches the others there.
+    const SceneDescription quadratic = world(
+        R"(Shape "curve" "integer degree" 2 "string basis" "bspline" "point3 P" [ 0 0 0 2 4 0 4 0 0 8 2 0 ] "float width0" 0)");
+    const Curves& spline = quadratic.curves.at(0);
+    EXPECT_EQ(spline.basis, CurveBasis::bezier);
+    ASSERT_EQ(spline.points.size(), 7u);
+    EXPECT_EQ(spline.points[0].x, 1);
+    EXPECT_EQ(spline.points[0].y, 2);
+    EXPECT_EQ(spline.points[3].x, 3);
+    EXPECT_EQ(spline.points[3].y, 2);
+    EXPECT_EQ(spline.points[6].x, 6);
+    EXPECT_EQ(spline.points[6].y, 1);
+    // Two thirds of the way to the corner.
+    EXPECT_NEAR(spline.points[1].y, 2 + 2 * 2 / 3.0, 1e-6);
+    EXPECT_NEAR(spline.radii[3], 0.25, 1e-6);
+    // A cubic one whose width changes is as wide at its ends as it is told, not beyond them.
+    const SceneDescription cubic = world(
+        R"(Shape "curve" "string basis" "bspline" "point3 P" [ 0 0 0 1 6 0 2 0 0 3 0 0 4 0 0 ] "float width0" 0 "float width1" 2)");
+    const Curves& tapered = cubic.curves.at(0);
+    EXPECT_EQ(tapered.basis, CurveBasis::bezier);
+    ASSERT_EQ(tapered.points.size(), 7u);
+    EXPECT_NEAR(tapered.points[0].x, 1, 1e-6);
+    EXPECT_NEAR(tapered.points[0].y, 4, 1e-6);
+    EXPECT_NEAR(tapered.points[3].y, 1, 1e-6);
+    EXPECT_NEAR(tapered.points[6].x, 3, 1e-6);
+    EXPECT_EQ(tapered.radii[0], 0);
+    EXPECT_EQ(tapered.radii[6], 1);
+    EXPECT_EQ(world(R"(Shape "curve" "string basis" "bspline" "point3 P" [ 0 0 0 1 6 0 2 0 0 3 0 0 4 0 0 ])")
+                  .curves.at(0)
+                  .basis,
+              CurveBasis::bspline);
     // An octahedron's limit is nearly a ball, all alike around.
     const SceneDescription loop =
         world(R"(Shape "loopsubdiv" "integer levels" 3 "point3 P" [ 1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1 ]

@@ -210,13 +210,58 @@ TEST_F(Pbrt, Hair)
     EXPECT_FALSE(is_told("hair"));
 }
 
+/// By Jensen et al. 2001, table 1, and by Narasimhan et al. 2006.
+TEST_F(Pbrt, MeasuredMedia)
+{
+    const auto expect_medium = [](const Material& m, Color scattering, Color absorption) {
+        const double d = m.attenuation_distance;
+        expect_color(m.transmission_scatter, scattering.r * d, scattering.g * d, scattering.b * d);
+        const auto extinction = [&](float left) { return -std::log(double(left)) / d; };
+        EXPECT_NEAR(extinction(m.attenuation_color.r), scattering.r + absorption.r, 1e-4 * scattering.r);
+        EXPECT_NEAR(extinction(m.attenuation_color.b), scattering.b + absorption.b, 1e-4 * scattering.b);
+    };
+    const Material skin = material(
+        R"(Material "subsurface" "string name" "Skin1" "float scale" 2 "float g" 0.5 "rgb sigma_a" [ 9 9 9 ])");
+    expect_medium(skin, {1.48f, 1.76f, 2.02f}, {0.064f, 0.34f, 0.96f});
+    EXPECT_EQ(skin.transmission_scatter_anisotropy, 0);
+    // What stands for the diffusion of light is no number of bounces.
+    EXPECT_FALSE(skin.transmission_scatter_bounces);
+    const Material coffee = material(
+        R"(MakeNamedMedium "m" "string type" "homogeneous" "string preset" "Espresso" "float g" 0.3 MediumInterface "m" ""
+Material "dielectric")");
+    expect_medium(coffee, {0.72378f, 0.84557f, 1.0247f}, {4.7984f, 6.5751f, 8.8493f});
+    EXPECT_EQ(coffee.transmission_scatter_anisotropy, 0.3f);
+    EXPECT_TRUE(coffee.transmission_scatter_bounces);
+    const Material usual = material(
+        "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" MediumInterface \"m\" \"\" Material \"dielectric\"");
+    expect_medium(usual, {1, 1, 1}, {1, 1, 1});
+    EXPECT_NE(error_of("a.pbrt", "WorldBegin Material \"subsurface\" \"string name\" \"Skin3\" Shape \"sphere\"")
+                  .find("there is no medium 'Skin3'; did you mean 'Skin1'?"),
+              std::string::npos);
+}
+
+/// What is a hole as often as an amount says.
+TEST_F(Pbrt, InterfacesInMixtures)
+{
+    const char* const text =
+        R"(MakeNamedMaterial "a" "string type" "conductor" MakeNamedMaterial "b" "string type" "interface"
+Material "mix" "string materials" [ "{}" "{}" ] "float amount" 0.25)";
+    const Material first = material(fmt::format(fmt::runtime(text), "a", "b")),
+                   second = material(fmt::format(fmt::runtime(text), "b", "a"));
+    for (const Material& m : {first, second}) {
+        EXPECT_EQ(m.metallic.value, 1);
+        EXPECT_EQ(m.alpha_mode, AlphaMode::blend);
+    }
+    EXPECT_EQ(first.alpha.value, 0.75f);
+    EXPECT_EQ(second.alpha.value, 0.25f);
+}
+
 TEST_F(Pbrt, WhatIsApproximatedIsTold)
 {
     const std::pair<const char*, const char*> approximated[] = {
         {"Texture \"t\" \"float\" \"checkerboard\" Material \"hair\" \"texture eumelanin\" \"t\"",
          "of textures as melanins"},
         {"Material \"measured\" \"string filename\" \"a.bsdf\"", "measured materials are not read"},
-        {"Material \"subsurface\" \"string name\" \"Skin1\"", "the media that have names are not known"},
         {"Material \"velvet\"", "is not known: grey diffuse instead"}};
     for (const auto& [text, words] : approximated) {
         material(text);

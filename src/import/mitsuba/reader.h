@@ -78,7 +78,6 @@ private:
     Material bumps(Object& bsdf);
     Material two_sided(Object& bsdf);
     Material blend(Object& bsdf);
-    Material blend_with_nothing(Material m, FloatInput weight, bool of_nothing);
     void read_roughness(Object& bsdf, Material& material);
     /// Of one side against the other.
     double relative_ior(Object& bsdf, double inside, double outside);

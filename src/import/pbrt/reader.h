@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "import/common/load_context.h"
+#include "import/pbrt/measured_media.h"
+#include "import/pbrt/named_spectra.h"
 #include "import/pbrt/parameters.h"
 
 namespace fathom::pbrt {
@@ -128,6 +130,7 @@ private:
     Material diffuse_transmission(const Parameters& m);
     Material conductor(const Parameters& m, const std::string& prefix, float outside);
     Material coated_conductor(const Parameters& m);
+    const MeasuredMedium* measured_medium(const Parameters& of, std::string_view parameter);
     Material subsurface(const Parameters& m);
     Material hair(const Parameters& m);
     Material mix(const Parameters& m);
