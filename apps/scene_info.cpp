@@ -20,7 +20,7 @@ using nlohmann::ordered_json;
 
 const char* name_of(LightKind kind)
 {
-    constexpr const char* names[] = {"point", "spot", "directional", "projector", "goniometric"};
+    constexpr const char* names[] = {"point", "spot", "directional", "projector", "goniometric", "beam"};
     return names[int(kind)];
 }
 const char* name_of(EnvironmentKind kind)
