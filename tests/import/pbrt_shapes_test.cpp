@@ -28,6 +28,30 @@ Material "diffuse" "texture reflectance" "t" Shape "sphere")");
     EXPECT_FALSE(scene.meshes.empty());
 }
 
+/// Only that of sRGB, and none, are decoded so; a power is said to be how far from that.
+TEST_F(Pbrt, EncodingsOfPictures)
+{
+    const auto space = [&](const std::string& encoding) {
+        const SceneDescription scene =
+            world(R"(Texture "t" "spectrum" "imagemap" "string filename" "a.png" "string encoding" ")" + encoding +
+                  R"(" Material "diffuse" "texture reflectance" "t" Shape "sphere")");
+        return scene.textures.at(std::size_t(material_of(scene).base_color.texture)).color_space;
+    };
+    EXPECT_EQ(space("sRGB"), ColorSpace::srgb);
+    EXPECT_EQ(space("gamma 1"), ColorSpace::linear);
+    EXPECT_FALSE(is_told("encoding"));
+    EXPECT_EQ(space("gamma 2.2"), ColorSpace::srgb);
+    EXPECT_TRUE(is_told("'gamma 2.2' is taken as 'sRGB': off by up to 0.009"));
+    space("gamma 1.8");
+    EXPECT_TRUE(is_told("'gamma 1.8' is taken as 'sRGB': off by up to 0.08"));
+    EXPECT_NE(
+        error_of("a.pbrt",
+                 R"(WorldBegin Texture "t" "spectrum" "imagemap" "string filename" "a.png" "string encoding" "gamma x"
+Material "diffuse" "texture reflectance" "t" Shape "sphere")")
+            .find("'gamma' with a number, not 'gamma x'"),
+        std::string::npos);
+}
+
 TEST_F(Pbrt, TexturesOfTextures)
 {
     const SceneDescription scene = world(R"(Texture "c" "spectrum" "checkerboard" "rgb tex1" [ 1 0 0 ] "float uscale" 4
