@@ -373,6 +373,34 @@ TEST(Lights, Beams)
     EXPECT_GT(dark, 100);
 }
 
+/// Chosen among other lights, few and many, as often as is right on average.
+TEST(Lights, BeamsBesideOthers)
+{
+    for (const int others : {1, 40}) {
+        SceneBuilder b = floor_scene(0.5f);
+        b.scene.cameras[0].fov_y = 1e-3;
+        const Transform down = Transform::rotate({1, 0, 0}, -std::numbers::pi / 2);
+        Light light;
+        light.intensity = {3, 3, 3};
+        double expected = 5;
+        for (int i = 0; i < others; ++i) {
+            const Vec3d at{0.2 * i - 1, 2, 0.1 * i};
+            b.light(light, Transform::translate(at));
+            expected += 3 * at.y / std::pow(length(at), 3);
+        }
+        light.kind = LightKind::beam;
+        light.intensity = {5, 5, 5};
+        light.width = light.height = 0.1;
+        b.light(light, Transform::translate({0, 3, 0}) * down);
+        for (const LightSelection how : {LightSelection::tree, LightSelection::power, LightSelection::uniform}) {
+            RenderSettings settings = small_picture(8, 8);
+            settings.light_selection = how;
+            expect_mean(render_film(b.scene, settings, 4096), 0.5 / std::numbers::pi * expected,
+                        how == LightSelection::tree ? 0.01 : 0.03);
+        }
+    }
+}
+
 /// What stands between the area and a place keeps the light off; what is behind the area does not.
 TEST(Lights, ShadowsOfBeams)
 {
