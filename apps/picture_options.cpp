@@ -68,6 +68,13 @@ void add_display_options(Command& command, PictureOptions& options)
                       "brighter (+) or darker (-) PNG, JPEG, WebP, AVIF and window, in powers of two",
                       [&](const std::string& text) { options.exposure_ev = parse_number(text, -100, 100); });
     command.add_value(
+        "--white-balance", "KELVIN",
+        "light of this temperature is white in PNG, JPEG, WebP, AVIF and window: 2700 for lamps, 6504 for "
+        "daylight, which is as it is (default)",
+        [&](const std::string& text) {
+            options.white_kelvin = parse_number(text, least_white_kelvin, most_white_kelvin);
+        });
+    command.add_value(
         "--tonemap", "NAME",
         "for PNG, JPEG, WebP, AVIF and window: khronos-neutral (default) keeps the colours of surfaces, agx and aces "
         "are like film, filmic is a simple curve, srgb shows radiance up to 1 as it is, so that pictures can be "
@@ -116,6 +123,7 @@ WriteOptions write_options(const PictureOptions& options, const RenderHints& hin
         reporter.note("OpenColorIO: " + ocio_text(*write.display.ocio));
     }
     write.display.exposure_ev = options.exposure_ev.value_or(hints.exposure.value_or(0));
+    write.display.white_kelvin = options.white_kelvin ? options.white_kelvin : hints.white_balance;
     write.png_bits = options.png_bits;
     write.exr_half = options.exr_half;
     write.exr_primaries = options.exr_primaries;

@@ -20,7 +20,7 @@ enum class Denoising { off, automatic, on };
 /// Which files are written, and how.
 struct PictureOptions {
     std::vector<std::filesystem::path> outputs;
-    std::optional<double> exposure_ev;
+    std::optional<double> exposure_ev, white_kelvin;
     std::optional<Tonemap> tonemap;
     OcioChoice ocio;
     bool uses_ocio = false;  ///< instead of a tone map

@@ -7,7 +7,7 @@
 
 namespace fathom::cli {
 
-const std::vector<std::string> filter_names = {"box", "gaussian", "blackman-harris"};
+const std::vector<std::string> filter_names = {"box", "gaussian", "blackman-harris", "tent"};
 
 void add_settings_options(Command& command, SettingsOptions& o)
 {
@@ -17,8 +17,13 @@ void add_settings_options(Command& command, SettingsOptions& o)
     command.add_value("--threads", "N",
                       "threads (default: all cores that this process may use); the picture doesn't depend on it",
                       [&](const std::string& text) { o.threads = int(parse_integer(text, 1, 4096)); });
-    command.add_value("--filter", "NAME", "box, gaussian or blackman-harris (default)",
+    command.add_value("--filter", "NAME", "box, gaussian, blackman-harris (default) or tent",
                       [&](const std::string& text) { o.filter = Filter(parse_word(text, filter_names)); });
+    command.add_value(
+        "--filter-radius", "PIXELS",
+        "how far the filter reaches (default: box 0.5, gaussian 2, four times its deviation, blackman-harris 1.65, "
+        "tent 1)",
+        [&](const std::string& text) { o.filter_radius = parse_number(text, 0.01, most_filter_radius); });
     command.add_value(
         "--max-depth", "N|none", "longest path in bounces (default none: a limit makes the picture darker)",
         [&](const std::string& text) { o.max_depth = text == "none" ? -1 : int(parse_integer(text, 0, most_int)); });
@@ -69,6 +74,8 @@ RenderSettings settings_of(const SettingsOptions& o, const RenderHints& hints, c
                         fmt::format("expected {}, found '{}'", fmt::join(filter_names, " or "), *hints.filter));
         settings.filter = Filter(name - filter_names.begin());
     }
+    // That of the file is its filter's.
+    settings.filter_radius = o.filter_radius.value_or(o.filter ? 0 : hints.filter_radius.value_or(0));
     settings.filter = o.filter.value_or(settings.filter);
     settings.light_selection = o.light_selection;
     settings.guiding = o.guiding.value_or(false);

@@ -17,6 +17,7 @@ struct SettingsOptions {
     std::optional<bool> guiding;
     bool general_loop = false;
     std::optional<Filter> filter;
+    std::optional<double> filter_radius;
     std::optional<Color> background;
     std::optional<double> clamp_indirect;
     bool transparent = false;

@@ -20,7 +20,7 @@ using nlohmann::ordered_json;
 
 const char* name_of(LightKind kind)
 {
-    constexpr const char* names[] = {"point", "spot", "directional", "projector", "goniometric"};
+    constexpr const char* names[] = {"point", "spot", "directional", "projector", "goniometric", "beam"};
     return names[int(kind)];
 }
 const char* name_of(EnvironmentKind kind)
@@ -224,8 +224,10 @@ ordered_json settings_of(const RenderHints& hints)
     add("max_depth", hints.max_depth);
     add("roulette_depth", hints.roulette_depth);
     add("filter", hints.filter);
+    add("filter_radius", hints.filter_radius);
     add("light_sampling", hints.light_sampling);
     add("exposure", hints.exposure);
+    add("white_balance", hints.white_balance);
     add("tonemap", hints.tonemap);
     return result;
 }

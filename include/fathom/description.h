@@ -155,6 +155,7 @@ struct Material {
     double attenuation_distance = 0;            ///< metres after which attenuation_color is left; 0: clear
     Color transmission_scatter{0, 0, 0};        ///< what is scattered over attenuation_distance, as an exponent
     float transmission_scatter_anisotropy = 0;  ///< mean cosine of it
+    bool transmission_scatter_bounces = false;  ///< where paths have a longest depth, each scattering counts
     int priority = 0;  ///< where solids overlap, the one of greatest priority is there; of equal ones the inner
     /// What is left of light that went through, in and out of a solid, or once a thin sheet.
     ColorInput transmission_color;
@@ -341,6 +342,7 @@ enum class LightKind {
     directional,
     projector,    ///< a point from which a picture is projected through a frustum
     goniometric,  ///< a point whose intensity is a picture over all directions, or an IES file's
+    beam,         ///< parallel light from a flat area
 };
 
 /// What an angle of view is measured across.
@@ -366,7 +368,7 @@ struct LightPicture {
 struct Light {
     std::string name;
     LightKind kind = LightKind::point;
-    /// Directional: irradiance (lux) at normal incidence; others: radiant intensity (candela), multiplied by the
+    /// Directional, beam: irradiance (lux) at normal incidence; others: radiant intensity (candela), multiplied by the
     /// picture.
     Color intensity{1, 1, 1};
     double inner_angle = 0, outer_angle = 0.7853981633974483;  ///< spot: half angles, falling between
@@ -378,6 +380,10 @@ struct Light {
     SpotFalloff falloff = SpotFalloff::square;
     double fov = 0.7853981633974483;  ///< projector: full angle of the picture
     FovAxis fov_axis = FovAxis::smaller;
+    /// Beam: the area across the node's z that it comes from, along x and y, in the node's own measure: a rectangle, or
+    /// an ellipse. Where the node shears it, light goes along its normal.
+    double width = 1, height = 1;
+    bool round = false;
     /// Projector: the picture is what arrives on a screen across the axis at a distance of 1 (lux), not what is sent.
     bool flat_field = false;
     /// Projector, goniometric: the intensity is the flux of all directions together (lumen) instead, however bright the
@@ -403,6 +409,9 @@ struct Environment {
     Color color{1, 1, 1};                       ///< constant: radiance; others: multiplied
     Color bottom{1, 1, 1}, top{0.5f, 0.7f, 1};  ///< gradient: mixed by (1 + y) / 2 of the direction's up component
     int image = -1;                             ///< equirectangular or equal-area, linear (8-bit files: sRGB)
+    /// Of a picture, above 0: it is made as bright as lights a surface, which faces its top (of an equal-area one, its
+    /// middle), by this many lux; colours are multiplied afterwards.
+    double illuminance = 0;
     /// Cube: towards +x, -x, +y, -y, +z, -z, turned as OpenGL has them; linear (8-bit files: sRGB), over their alpha.
     std::array<int, 6> faces{-1, -1, -1, -1, -1, -1};
     Transform world_from_environment;  ///< rotation; the image's middle looks along +x, its top along +y.
@@ -464,13 +473,18 @@ struct Node {
     bool movable = false;  ///< it will stand elsewhere in later pictures, with what is below it: see SceneEdit
 };
 
+/// Temperatures of light that can be told to be white.
+inline constexpr double least_white_kelvin = 1000, most_white_kelvin = 25000;
+
 /// Render settings that a scene file may give; an option of the command line overrides them.
 struct RenderHints {
     std::optional<int> width, height, samples, max_depth, roulette_depth;
-    std::optional<std::string> filter;  ///< box, gaussian, blackman-harris
+    std::optional<std::string> filter;    ///< box, gaussian, blackman-harris, tent
+    std::optional<double> filter_radius;  ///< pixels that it reaches from its middle
     std::optional<bool> light_sampling;
-    std::optional<double> exposure;  ///< stops (ev)
-    bool own_light = false;          ///< the file's light is meant as it is, however dim: none is added
+    std::optional<double> exposure;       ///< stops (ev)
+    std::optional<double> white_balance;  ///< kelvin: light of this temperature is shown as white
+    bool own_light = false;               ///< the file's light is meant as it is, however dim: none is added
     std::optional<std::string> tonemap;
     std::optional<std::string> build;  ///< fast, default, high: work for the tree, see tree_build.h
 };

@@ -65,6 +65,7 @@ struct DisplayTransform {
     double exposure_ev = 0;
     Tonemap tonemap = Tonemap::srgb;
     std::shared_ptr<const OcioView> ocio = {};  ///< instead of the tone map, and of what encodes as sRGB
+    std::optional<double> white_kelvin = {};    ///< 1000 to 25000: light of this temperature is shown as white
 };
 
 /// What red, green and blue of an EXR are.

@@ -17,7 +17,10 @@
 
 namespace fathom {
 
-enum class Filter { box, gaussian, blackman_harris };
+enum class Filter { box, gaussian, blackman_harris, tent };
+/// How far each reaches from the middle, in pixels.
+inline constexpr double filter_radii[] = {0.5, 2, 1.65, 1};
+inline constexpr double most_filter_radius = 64;
 
 /// How the light is chosen that a surface samples: by power, each as often as any other, or by what it may bring there,
 /// which a tree over all lights tells.
@@ -44,6 +47,7 @@ struct RenderSettings {
     /// more.
     bool guiding = false;
     Filter filter = Filter::blackman_harris;
+    double filter_radius = 0;  ///< pixels: the filter is stretched so that it reaches so far; 0: its own
     std::optional<Crop> crop;  ///< only these pixels are rendered; the picture keeps its size
     std::vector<Aov> aovs;
     /// What camera rays that leave the scene see instead of the environment; it lights nothing.

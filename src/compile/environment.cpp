@@ -111,6 +111,25 @@ void make_picture(EnvironmentRecord& t, int width, const Radiance& radiance)
     });
 }
 
+/// Of the picture, without its factor: what a surface gets that faces upwards in it, as luminance times solid angle.
+double illuminance_of(const EnvironmentRecord& t, bool faces_middle)
+{
+    double sum = 0;
+    for (int y = 0; y < t.height; ++y) {
+        const float* texel = &t.texels[std::size_t(y) * std::size_t(t.width) * 4];
+        const double theta = (y + 0.5) / t.height * std::numbers::pi, sine = std::sin(theta);
+        double row = 0;
+        for (int x = 0; x < t.width; ++x, texel += 4) {
+            // An equal-area picture's middle is +z.
+            const double phi = ((x + 0.5) / t.width - 0.5) * 2 * std::numbers::pi,
+                         cosine = faces_middle ? sine * std::sin(phi) : std::cos(theta);
+            row += std::max(0.0, cosine) * luminance(texel);
+        }
+        sum += sine * row;
+    }
+    return sum * 2 * std::numbers::pi * std::numbers::pi / (double(t.width) * t.height);
+}
+
 }  // namespace
 
 void compile_environment(Compiler& c)
@@ -146,6 +165,9 @@ void compile_environment(Compiler& c)
         make_picture(t, 512, [sky = HosekSky(e.to_sun, e.turbidity, e.ground_albedo)](const Vec3d& d) {
             return sky.radiance(d);
         });
+    if (has_picture && e.illuminance > 0 && t.width > 0)
+        if (const double own = illuminance_of(t, e.kind == EnvironmentKind::equal_area); own > 0)
+            for (float& factor : t.color) factor = float(double(factor) * e.illuminance / own);
     if (EnvironmentKind(t.kind) == EnvironmentKind::image && t.width > 0)
         t.mean_luminance = make_environment_distribution(t);
 }

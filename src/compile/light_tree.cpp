@@ -115,6 +115,8 @@ void put_ball(Item& item, const LightRecord& l, double open, double close)
         }
         case LightRecordKind::disk:
             return put(p, double(l.radius));
+        case LightRecordKind::beam:
+            return put(p, l.radius > 0 ? std::hypot(length(u), length(v)) : std::max(length(u + v), length(u - v)));
         default:
             return put(p, 0);
     }
@@ -146,6 +148,16 @@ void put_emission(Item& item, const LightRecord& l, double power)
             item.cos_emission = 1 - cosine_slack;
             item.intensity = power / (4 * pi);
             return;
+        case LightRecordKind::beam: {
+            // What it brings does not fall off with the square of the distance, as importances do: it is as much as of
+            // a light of this intensity, as far away as a quarter to half of the scene's radius, which is 512 to 1024.
+            constexpr double typical_distance = 256;
+            item.axis = to_vector(l.normal);
+            item.cos_normals = 1;
+            item.cos_emission = 1 - cosine_slack;
+            item.intensity = power / double(l.area) * typical_distance * typical_distance;
+            return;
+        }
         default:
             item.axis = to_vector(l.normal);
             item.cos_normals = 1;

@@ -354,6 +354,7 @@ private:
             add(light, luminance(intensity.data()) * std::numbers::pi * scene_radius_ * scene_radius_);
             return;
         }
+        if (l.kind == LightKind::beam) return add_beam(light, occurrence);
         // Intensity is per world unit squared of distance; render space is scaled.
         for (float& r : light.radiance) r = float(r * c_.space.scale * c_.space.scale);
         light.kind = std::uint32_t(l.kind == LightKind::spot ? LightRecordKind::spot : LightRecordKind::point);
@@ -365,6 +366,26 @@ private:
         if (is_pictured(l)) intensity_luminance = put_picture(light, occurrence);
         if (occurrence.motion >= 0) set_poses(light, (*motions_)[std::size_t(occurrence.motion)]);
         add(light, intensity_luminance * 4 * std::numbers::pi);
+    }
+
+    void add_beam(LightRecord& light, const LightOccurrence& occurrence)
+    {
+        const Light& l = *occurrence.light;
+        const Transform& t = occurrence.render_from_node;
+        const Vec3d u = t.vector({l.width / 2, 0, 0}), v = t.vector({0, l.height / 2, 0}), n = cross(u, v);
+        const double area = length(n) * (l.round ? std::numbers::pi : 4);
+        if (!(area > 0)) return;
+        light.kind = std::uint32_t(LightRecordKind::beam);
+        light.radius = l.round;
+        light.area = float(area);
+        put(light.edge_u, u), put(light.edge_v, v);
+        put(light.normal, normalize(dot(n, t.vector({0, 0, -1})) < 0 ? -n : n));
+        if (occurrence.motion >= 0) {
+            set_poses(light, (*motions_)[std::size_t(occurrence.motion)], std::hypot(l.width, l.height) / 2);
+            put(light.edge_u, {l.width / 2, 0, 0}), put(light.edge_v, {0, l.height / 2, 0});
+            put(light.normal, {0, 0, -1});
+        }
+        add(light, luminance(light.radiance) * area);
     }
 
     static void put_falloff(LightRecord& light, const Light& l)
@@ -393,8 +414,8 @@ private:
         return pictured.typical * c_.space.scale * c_.space.scale;
     }
 
-    /// Of a light other than a directional one that a node moves.
-    void set_poses(LightRecord& light, const std::vector<NodeKey>& motion)
+    /// Of a light other than a directional one that a node moves; radius: of the ball around it, in the node's measure.
+    void set_poses(LightRecord& light, const std::vector<NodeKey>& motion, double radius = 0)
     {
         const std::vector<PoseRecord> poses = pose_tables(motion);
         light.motion = LightRecord::has_poses;
@@ -405,7 +426,7 @@ private:
             put(light.edge_v, {1, 0, 0}), put(light.normal, {0, 1, 0});
         const LightPath path(poses);
         LightExtent extent{std::uint32_t(t_.lights.size()), {}, 0, {}};
-        path.put_ball({}, 0, extent);
+        path.put_ball({}, radius, extent);
         const NormalCone directions = path.cone({0, 0, -1});
         extent.axis = directions.axis, extent.cos_turned = directions.cosine;
         extents_.push_back(extent);

@@ -45,7 +45,10 @@ std::uint32_t volume_medium(Compiler& c, const Material& m, bool is_open)
             medium.scattering[i] = float(double(scatter[i]) / distance);
             medium.extinction[i] = float((sigma_a[i] - least + double(scatter[i])) / distance);
         }
-        if (std::max({scatter[0], scatter[1], scatter[2]}) > 0) medium.anisotropy = m.transmission_scatter_anisotropy;
+        if (std::max({scatter[0], scatter[1], scatter[2]}) > 0) {
+            medium.anisotropy = m.transmission_scatter_anisotropy;
+            medium.counts = m.transmission_scatter_bounces && !is_open;
+        }
     }
     return number_of(c, medium, m);
 }

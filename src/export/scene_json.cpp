@@ -172,9 +172,11 @@ private:
         add_hint("max_depth", hints.max_depth);
         add_hint("roulette_depth", hints.roulette_depth);
         add_hint("filter", hints.filter);
+        add_hint("filter_radius", hints.filter_radius);
         add_hint("build", hints.build);
         add_hint("light_sampling", hints.light_sampling);
         add_hint("exposure", hints.exposure);
+        add_hint("white_balance", hints.white_balance);
         add_hint("tonemap", hints.tonemap);
         if (!hints.own_light) json["own_light"] = false;
         return json;
@@ -234,6 +236,11 @@ private:
             put(json, "fov_axis", words::fov_axes[int(light.fov_axis)], words::fov_axes[int(usual.fov_axis)]);
             put(json, "flat_field", light.flat_field, false);
         }
+        if (light.kind == LightKind::beam) {
+            put(json, "width", number_json(light.width), number_json(usual.width));
+            put(json, "height", number_json(light.height), number_json(usual.height));
+            put(json, "round", light.round, false);
+        }
         const bool may_be_flux = light.kind == LightKind::projector || light.kind == LightKind::goniometric;
         if (may_be_flux && light.intensity_is_flux) json["unit"] = "lm";
         const LightPicture& picture = light.picture;
@@ -258,10 +265,13 @@ private:
             put(json, "color", color_json(e.color), 1);
         }
         if (e.kind == EnvironmentKind::constant) return json;
+        const bool has_picture = e.kind == EnvironmentKind::image || e.kind == EnvironmentKind::equal_area ||
+                                 e.kind == EnvironmentKind::cube;
         if ((e.kind == EnvironmentKind::image || e.kind == EnvironmentKind::equal_area) && e.image >= 0)
             json["image"] = images_[std::size_t(e.image)];
         if (e.kind == EnvironmentKind::cube)
             for (const int face : e.faces) json["faces"].push_back(face >= 0 ? images_[std::size_t(face)] : "");
+        if (has_picture) put(json, "illuminance", number_json(e.illuminance), 0);
         if (e.kind == EnvironmentKind::sky) {
             json["to_sun"] = vector_json(e.to_sun);
             put(json, "sun", e.sun_disk, true);

@@ -28,7 +28,8 @@ std::vector<std::pair<std::string, std::string>> fields_of(const FilmKey& key)
             {"light_selection", fmt::format("{}", int(s.light_selection))},
             {"guiding", fmt::format("{}", int(s.guiding))},
             {"general_loop", fmt::format("{}", int(s.general_loop))},
-            {"filter", fmt::format("{}", int(s.filter))},
+            {"filter",
+             fmt::format("{}", int(s.filter)) + (s.filter_radius > 0 ? fmt::format("x{:a}", s.filter_radius) : "")},
             {"crop", s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none"},
             {"background",
              s.background ? fmt::format("{:a},{:a},{:a}", s.background->r, s.background->g, s.background->b) : "none"},
@@ -111,6 +112,8 @@ void check_settings(const RenderSettings& s)
     if (s.crop && (s.crop->x0 < 0 || s.crop->y0 < 0 || s.crop->x1 > s.width || s.crop->y1 > s.height ||
                    s.crop->x0 >= s.crop->x1 || s.crop->y0 >= s.crop->y1))
         throw Error("", "", "the crop is empty or not inside the picture");
+    if (!(s.filter_radius >= 0 && s.filter_radius <= most_filter_radius))
+        throw Error("", "", fmt::format("a filter reaches up to {} pixels", most_filter_radius));
 }
 
 std::string FilmKey::text() const
@@ -156,7 +159,11 @@ FilmKey FilmKey::parse(const std::string& text)
     s.light_selection = LightSelection(parser.number<int>("light_selection", 0, 2));
     s.guiding = parser.number<int>("guiding", 0, 1) == 1;
     s.general_loop = parser.number<int>("general_loop", 0, 1) == 1;
-    s.filter = Filter(parser.number<int>("filter", 0, 2));
+    const std::string_view filter = parser.field("filter"), kind = filter.substr(0, filter.find('x'));
+    s.filter = Filter(KeyParser::numbers<int, 1>("filter", kind, ',', 0, 3)[0]);
+    if (kind.size() < filter.size())
+        s.filter_radius =
+            KeyParser::numbers<double, 1>("filter", filter.substr(kind.size() + 1), ',', 1e-300, most_filter_radius)[0];
     if (const std::string_view crop = parser.field("crop"); crop != "none") {
         const auto c = KeyParser::numbers<int, 4>("crop", crop, ',', 0, 65535);
         s.crop = Crop{c[0], c[1], c[2], c[3]};

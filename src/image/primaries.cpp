@@ -94,6 +94,29 @@ ColorMatrix conversion(const Chromaticities& from, const Chromaticities& to)
     return multiply(inverse(xyz_from_rgb(to)), multiply(adaptation(from.white, to.white), xyz_from_rgb(from)));
 }
 
+Vec2f white_of(double kelvin)
+{
+    const double t = kelvin;
+    if (t < 4000) {
+        // M. Krystek, "An algorithm to calculate correlated colour temperature", 1985: u and v of CIE 1960, to 1e-4.
+        const double u = (0.860117757 + 1.54118254e-4 * t + 1.28641212e-7 * t * t) /
+                         (1 + 8.42420235e-4 * t + 7.08145163e-7 * t * t),
+                     v = (0.317398726 + 4.22806245e-5 * t + 4.20481691e-8 * t * t) /
+                         (1 - 2.89741816e-5 * t + 1.61456053e-7 * t * t);
+        const double whole = 2 * u - 8 * v + 4;
+        return {float(3 * u / whole), float(2 * v / whole)};
+    }
+    const double m = 1000 / t, x = t <= 7000 ? 0.244063 + m * (0.09911 + m * (2.9678 - m * 4.6070))
+                                             : 0.237040 + m * (0.24748 + m * (1.9018 - m * 2.0064));
+    return {float(x), float(-3 * x * x + 2.870 * x - 0.275)};
+}
+
+ColorMatrix white_balance(double kelvin)
+{
+    const ColorMatrix xyz = xyz_from_rgb(rec709_chromaticities);
+    return multiply(inverse(xyz), multiply(adaptation(white_of(kelvin), rec709_chromaticities.white), xyz));
+}
+
 void convert(Image::Layer& layer, const ColorMatrix& matrix)
 {
     std::array<std::size_t, 3> places;

@@ -21,6 +21,13 @@ bool is_same(const Chromaticities& a, const Chromaticities& b);
 using ColorMatrix = std::array<std::array<double, 3>, 3>;
 ColorMatrix conversion(const Chromaticities& from, const Chromaticities& to);
 
+/// The chromaticity of light of a temperature in kelvin, 1000 to 25000: of daylight from 4000 on (CIE 15, in which D65
+/// has 6504), of a black body below, for which daylight is not defined.
+Vec2f white_of(double kelvin);
+
+/// Of linear Rec.709: what is lit by light of this temperature as if it were lit by D65.
+ColorMatrix white_balance(double kelvin);
+
 /// Red, green and blue of the layer, if it has them, by the matrix. Values that are not finite stay as they are.
 void convert(Image::Layer& layer, const ColorMatrix& matrix);
 

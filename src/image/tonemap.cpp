@@ -8,6 +8,7 @@
 #include "image/codes.h"
 #include "image/formats.h"
 #include "image/ocio.h"
+#include "image/primaries.h"
 #include "image/tone_curves.h"
 
 namespace fathom {
@@ -77,17 +78,25 @@ double linear_from_srgb(double encoded)
 DisplayMap::DisplayMap(const DisplayTransform& display)
     : scale_(float(std::exp2(display.exposure_ev))), tonemap_(display.tonemap), ocio_(display.ocio)
 {
+    if (!display.white_kelvin) return;
+    const ColorMatrix matrix = white_balance(*display.white_kelvin);
+    balance_.emplace();
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t k = 0; k < 3; ++k) (*balance_)[i][k] = float(matrix[i][k]);
 }
 
 Color DisplayMap::exposed(const Color& radiance) const
 {
     // Beyond this the squares of curves overflow, which have long reached 1.
     constexpr float most = 1e6f;
-    const auto scaled = [&](float x) {
-        x *= scale_;
-        return x > 0 ? std::min(x, most) : 0.0f;
+    const auto limited = [&](float x) { return x > 0 ? std::min(x, most) : 0.0f; };
+    const Color c = {limited(radiance.r * scale_), limited(radiance.g * scale_), limited(radiance.b * scale_)};
+    if (!balance_) return c;
+    const auto row = [&](std::size_t i) {
+        const auto& m = (*balance_)[i];
+        return limited(m[0] * c.r + m[1] * c.g + m[2] * c.b);
     };
-    return {scaled(radiance.r), scaled(radiance.g), scaled(radiance.b)};
+    return {row(0), row(1), row(2)};
 }
 
 /// By OpenColorIO: encoded already.

@@ -1,6 +1,8 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 
 #include "fathom/image.h"
 #include "fathom/vector.h"
@@ -25,6 +27,7 @@ private:
     Color sent(const Color& radiance) const;
 
     float scale_;
+    std::optional<std::array<std::array<float, 3>, 3>> balance_;
     Tonemap tonemap_;
     std::shared_ptr<const OcioView> ocio_;
 };

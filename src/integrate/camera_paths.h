@@ -51,8 +51,13 @@ public:
         Float dx = film.x, dy = film.y;
         if (settings_.filter != 0) {
             const FilterTable& filter = scene_.filters[settings_.filter - 1];
-            dx = Float(0.5f) + filter.sample(film.x);
-            dy = Float(0.5f) + filter.sample(film.y);
+            const Float stretch(settings_.filter_stretch);
+            dx = Float(0.5f) + filter.sample(film.x) * stretch;
+            dy = Float(0.5f) + filter.sample(film.y) * stretch;
+        } else if (settings_.filter_stretch != 1) {
+            const Float stretch(settings_.filter_stretch);
+            dx = Float(0.5f) + (film.x - Float(0.5f)) * stretch;
+            dy = Float(0.5f) + (film.y - Float(0.5f)) * stretch;
         }
         const Float film_x = (to_float(x) + dx) * Float(1.0f / float(settings_.width));
         const Float film_y = (to_float(y) + dy) * Float(1.0f / float(settings_.height));

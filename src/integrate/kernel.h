@@ -44,6 +44,7 @@ struct KernelSettings {
     /// Of what a sample brings by two surfaces or more, in each channel; 0: as much as there is.
     float clamp_indirect = 0;
     std::uint32_t filter = 0;  ///< Filter
+    float filter_stretch = 1;  ///< how many times as wide it is as by itself
     AovPlaces aovs;
     KernelBackground background;
     const GuidingTables* guiding = nullptr;  ///< directions and roulette go by it, where there is one

@@ -17,6 +17,14 @@ ShadowTargets shadow_targets(const LightTables& tables)
     targets.infinite = tables.environment.light != no_index;
     for (const LightRecord& light : tables.lights) {
         targets.places.push_back({light.position[0], light.position[1], light.position[2]});
+        if (light.kind == std::uint32_t(LightRecordKind::beam))
+            for (const float i : {-1.f, 1.f})
+                for (const float j : {-1.f, 1.f}) {
+                    const auto corner = [&](int k) {
+                        return light.position[k] + i * light.edge_u[k] + j * light.edge_v[k];
+                    };
+                    targets.places.push_back({corner(0), corner(1), corner(2)});
+                }
         // What moves is seen from anywhere: no surface is left out.
         targets.infinite |= light.kind == std::uint32_t(LightRecordKind::directional) || light.motion != 0;
     }
@@ -75,6 +83,7 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
     if (!is_flat) bvh.build(tables, level);
     filters[0].make_gaussian();
     filters[1].make_blackman_harris();
+    filters[2].make_tent();
     read_tables();
 }
 

@@ -57,7 +57,7 @@ struct LaneScene final : KernelScene {
     bool sees_environment = false;  ///< rays that leave the scene bring something
     bool only_quads = false;        ///< flat, without motion and what is rare: QuadTracer renders it
     bool only_plain_quads = false;  ///< the same, and all quads are plain: see QuadColumns
-    FilterTable filters[2];         ///< Gaussian, Blackman-Harris
+    FilterTable filters[3];         ///< Gaussian, Blackman-Harris, tent
 
     LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level);
     std::size_t memory_bytes() const override;

@@ -1,5 +1,6 @@
 #pragma once
 /// Sampling of lights by lanes, and the density with which a light's point would have been sampled.
+#include "light/kinds/beam.h"
 #include "light/kinds/directional.h"
 #include "light/kinds/flat.h"
 #include "light/kinds/pictured.h"
@@ -35,7 +36,7 @@ struct LightKindList {
 
 /// All kinds but environments, which are sampled by their pictures (environment.h).
 using LightKinds = LightKindList<RectangleLight, ParallelogramLight, TriangleLight, DiskLight, SphereLight, PointLight,
-                                 SpotLight, DirectionalLight, PicturedLight>;
+                                 SpotLight, DirectionalLight, PicturedLight, BeamLight>;
 
 /// sample_light for lights that are not all rectangles.
 template <class Light>

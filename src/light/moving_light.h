@@ -29,7 +29,10 @@ public:
         if (const Mask carried = has(LightRecord::has_poses); any(carried)) {
             const Affine to_render = pose_of(tables, instance(), time, carried);
             position_ = select(carried, to_render.shift, position_);
-            edge_u_ = select(carried, normalize(to_render.vector(edge_u_)), edge_u_);
+            const Mask beam = carried & is_kind(kind(), LightRecordKind::beam);
+            const Vec3 u = to_render.vector(edge_u_);
+            edge_u_ = select(carried, select(beam, u, normalize(u)), edge_u_);
+            if (any(beam)) turn_beam(to_render, beam);
             const Mask pictured = carried & is_kind(kind(), LightRecordKind::pictured);
             if (any(pictured)) turn_picture(to_render, pictured);
         }
@@ -57,6 +60,14 @@ private:
         const Vec3 across = unit(right - edge_u_ * dot(right, edge_u_)), top = cross(across, edge_u_);
         edge_v_ = select(m, across, edge_v_);
         normal_ = select(m, flip_sign(top, dot(top, up)), normal_);
+    }
+
+    /// Across its area, which the node may stretch and mirror; edge_u_ is turned already.
+    void turn_beam(const Affine& to_render, Mask m)
+    {
+        const Vec3 v = to_render.vector(edge_v_), n = cross(edge_u_, v);
+        edge_v_ = select(m, v, edge_v_);
+        normal_ = select(m, flip_sign(unit(n), dot(n, to_render.vector(normal_))), normal_);
     }
 
     void read_triangle(const GeometryTables& tables, Float time, Mask flipped, Mask m)

@@ -21,8 +21,9 @@ enum class LightRecordKind : std::uint32_t {
     spot,
     directional,
     environment,
-    curve,    ///< a segment: its geometry is in the tables of curves
-    pictured  ///< as a spot, multiplied by a picture
+    curve,     ///< a segment: its geometry is in the tables of curves
+    pictured,  ///< as a spot, multiplied by a picture
+    beam,      ///< parallel light through an area
 };
 
 /// How a picture lies over the directions in which a light shines.
@@ -49,7 +50,7 @@ struct LightRecord {
     enum Motion : std::uint32_t {
         vertices_move = 1,  ///< a triangle whose corners are where they then are
         placed = 2,         ///< the numbers are those of the instance's own space, which moves, or whose vertices do
-        has_poses = 4,      ///< point, spot, pictured: `instance` is a word like InstanceRecord::poses
+        has_poses = 4,      ///< point, spot, pictured, beam: `instance` is a word like InstanceRecord::poses
         flipped = 8,        ///< the normal is against cross(edge_u, edge_v)
     };
     std::uint32_t kind = 0;
@@ -57,10 +58,11 @@ struct LightRecord {
     float position[3] = {};  ///< corner, centre, or place
     float edge_u[3] = {};    ///< rectangle: unit along u; spot, pictured, directional: direction that light travels
     float edge_v[3] = {};    ///< rectangle: unit along v; pictured: to the picture's right
-    float normal[3] = {};    ///< pictured: to its top
+    float normal[3] = {};    ///< pictured: to its top; beam: direction that light travels
     float length_u = 0, length_v = 0;  ///< spot: u is 1 where the falloff is a smooth step, 0 where it is a square
     float area = 0;                    ///< spot whose falloff is linear: 1 over the angle that it takes
-    float radius = 0;               ///< rectangle: its diagonal; spot whose falloff is linear: the outer angle; else 0
+    float radius = 0;               ///< rectangle: its diagonal; spot whose falloff is linear: the outer angle; else 0;
+                                    ///< beam: 1 if it is round
     float radiance[channels] = {};  ///< or intensity, or irradiance
     float outer = 0;                ///< spot, pictured: 1 - cos of the half angle beyond which nothing arrives
     float falloff = 0;              ///< from there inwards, in the same measure, the light grows to its full intensity

@@ -20,6 +20,7 @@ struct MediumRecord {
     /// Light comes in without being refracted, like into fog: paths have lights sampled where they are scattered, and
     /// that is a bounce.
     std::uint32_t is_open = 0;
+    std::uint32_t counts = 0;  ///< where there is a longest depth, each scattering is a bounce, too
 
     bool operator==(const MediumRecord&) const = default;
 };

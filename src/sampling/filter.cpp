@@ -42,4 +42,9 @@ void FilterTable::make_blackman_harris()
     });
 }
 
+void FilterTable::make_tent()
+{
+    invert(inverse, size, 1, [](double x) { return 1 + x; });
+}
+
 }  // namespace fathom::inline FATHOM_LANES

@@ -6,8 +6,8 @@
 namespace fathom::inline FATHOM_LANES {
 
 /// Sampling of a pixel filter by its inverse cumulative distribution: every sample then has the same weight, and a
-/// pixel owns its samples (Ernst, Stamminger, Greiner 2006, "Filter Importance Sampling"). Both filters are separable,
-/// positive, and end two pixels from the centre (Gaussian, sigma 0.5) or 1.65 (Blackman-Harris).
+/// pixel owns its samples (Ernst, Stamminger, Greiner 2006, "Filter Importance Sampling"). The filters are separable,
+/// positive, and end two pixels from the centre (Gaussian, sigma 0.5), 1.65 (Blackman-Harris) or one (tent).
 struct FilterTable {
     static constexpr int size = 512;
     /// The left half of the inverse, by the fourth root of the share: filters end softly, and there the inverse is
@@ -16,6 +16,7 @@ struct FilterTable {
 
     void make_gaussian();
     void make_blackman_harris();
+    void make_tent();
 
     /// Offset from the pixel's centre, for u in [0, 1).
     Float sample(Float u) const

@@ -80,6 +80,8 @@ private:
                 fail(std::string("environment.") + what,
                      fmt::format("is {:g}; a sky of this kind has one from {:g} to {:g}", value, least, most));
         };
+        if (!(scene_.environment.illuminance >= 0 && std::isfinite(scene_.environment.illuminance)))
+            fail("environment.illuminance", "must be 0 or above");
         if (scene_.environment.kind != EnvironmentKind::hosek_wilkie) return;
         between(scene_.environment.turbidity, 1, 10, "turbidity");
         between(scene_.environment.ground_albedo, 0, 1, "ground_albedo");
@@ -95,6 +97,9 @@ private:
             fail(place, "a goniometric light needs a picture, or an IES file");
         if (light.kind == LightKind::projector && !(light.fov > 0 && light.fov < std::numbers::pi))
             fail(place + ".fov", "must be above 0 and below half a turn");
+        if (light.kind == LightKind::beam &&
+            !(light.width > 0 && light.height > 0 && std::isfinite(light.width) && std::isfinite(light.height)))
+            fail(place, "a beam needs a width and a height above 0");
     }
 
     [[noreturn]] void fail(const std::string& place, const std::string& message) const

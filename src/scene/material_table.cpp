@@ -210,6 +210,8 @@ const P parameters[] = {
      "coefficient of scattering times attenuation_distance; what the ways lose beyond it is absorbed", 0},
     {"transmission_scatter_anisotropy", kind_bits(glass, principled, disney),
      &Material::transmission_scatter_anisotropy, mean_cosine, -0.99, 0.99},
+    {"transmission_scatter_bounces", kind_bits(glass, principled, disney), &Material::transmission_scatter_bounces,
+     "where max_depth is given, each scattering counts, as in Mitsuba and pbrt"},
     {"priority", kind_bits(glass, principled, disney), &Material::priority,
      "where solids overlap, the one of greatest priority is there; of equal ones the one that was entered last", -1000,
      1000},

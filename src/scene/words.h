@@ -6,7 +6,7 @@
 namespace fathom::words {
 
 inline constexpr const char* camera_kinds[] = {"perspective", "orthographic", "spherical", "equal-area"};
-inline constexpr const char* light_kinds[] = {"point", "spot", "directional", "projector", "goniometric"};
+inline constexpr const char* light_kinds[] = {"point", "spot", "directional", "projector", "goniometric", "beam"};
 inline constexpr const char* spot_falloffs[] = {"square", "smooth", "linear"};
 inline constexpr const char* fov_axes[] = {"smaller", "larger", "width", "height", "diagonal"};
 inline constexpr const char* color_spaces[] = {"srgb", "linear"};
@@ -16,7 +16,7 @@ inline constexpr const char* environment_kinds[] = {"none", "constant", "gradien
 inline constexpr const char* curve_bases[] = {"linear", "bezier", "bspline", "catmull-rom"};
 inline constexpr const char* curve_styles[] = {"round", "ribbon"};
 inline constexpr const char* channels[] = {"r", "g", "b", "a"};
-inline constexpr const char* filters[] = {"box", "gaussian", "blackman-harris"};
+inline constexpr const char* filters[] = {"box", "gaussian", "blackman-harris", "tent"};
 inline constexpr auto& tonemaps = tonemap_names;
 inline constexpr const char* builds[] = {"fast", "standard", "high", "compact"};
 

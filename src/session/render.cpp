@@ -46,6 +46,7 @@ KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout
     k.measure = s.measure;
     k.clamp_indirect = s.clamp_indirect.value_or(0);
     k.filter = std::uint32_t(s.filter);
+    if (s.filter_radius > 0) k.filter_stretch = float(s.filter_radius / filter_radii[k.filter]);
     k.aovs = layout;
     k.film_words = std::size_t(layout.words);
     k.background.given = s.background.has_value();

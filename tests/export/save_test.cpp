@@ -223,7 +223,7 @@ TEST_F(Save, LightsWithPictures)
         scene.images[1].bytes.push_back(std::byte(c));
     scene.meshes = {triangle()};
     add_shape(scene, MeshInstance{0});
-    scene.lights.resize(6);
+    scene.lights.resize(8);
     for (Light& light : scene.lights) {
         light.kind = LightKind::projector;
         light.intensity = {1, 2, 3};
@@ -238,7 +238,9 @@ TEST_F(Save, LightsWithPictures)
     scene.lights[5].kind = LightKind::spot, scene.lights[5].picture = {2, ColorSpace::srgb, true};
     scene.lights[5].falloff = SpotFalloff::linear;
     scene.lights[5].intensity_is_flux = true;  // of a spot it means nothing
-    for (int light = 0; light < 6; ++light) {
+    for (const int beam : {6, 7}) scene.lights[std::size_t(beam)].kind = LightKind::beam;
+    scene.lights[7].width = 0.3, scene.lights[7].height = 0.2, scene.lights[7].round = true;
+    for (int light = 0; light < 8; ++light) {
         Node node;
         node.light = light;
         node.parent_from_node = Transform::rotate({1, 2, 3}, light) * Transform::scale({light % 2 ? -1.0 : 1.0, 1, 1});
@@ -440,12 +442,13 @@ TEST_F(Save, HintsForRendering)
     SceneDescription scene;
     RenderHints& h = scene.hints;
     h.width = 7, h.height = 9, h.samples = 3, h.max_depth = -1, h.roulette_depth = 2, h.filter = "box",
-    h.light_sampling = false, h.exposure = -1.1, h.tonemap = "filmic", h.build = "high";
+    h.light_sampling = false, h.exposure = -1.1, h.tonemap = "filmic", h.build = "high", h.white_balance = 2856,
+    h.filter_radius = 1.25;
     const RenderHints r = saved(scene).hints;
     EXPECT_EQ(std::tie(r.width, r.height, r.samples, r.max_depth, r.roulette_depth, r.filter, r.light_sampling,
-                       r.exposure, r.tonemap, r.build),
+                       r.exposure, r.tonemap, r.build, r.white_balance, r.filter_radius),
               std::tie(h.width, h.height, h.samples, h.max_depth, h.roulette_depth, h.filter, h.light_sampling,
-                       h.exposure, h.tonemap, h.build));
+                       h.exposure, h.tonemap, h.build, h.white_balance, h.filter_radius));
 }
 
 // ------------------------------------------------------------------------------------------- what can't be written

@@ -192,7 +192,7 @@ TEST(FilmMerge, InPiecesIsTheSame)
 TEST(FilmMerge, RefusesOtherSettings)
 {
     const RenderSettings settings = settings_with({Aov::depth}, true);
-    std::vector<RenderSettings> others(12, settings);
+    std::vector<RenderSettings> others(13, settings);
     others[0].seed = 1;
     others[1].max_depth = 3;
     others[2].roulette_depth = 6;
@@ -205,6 +205,7 @@ TEST(FilmMerge, RefusesOtherSettings)
     others[9].light_selection = LightSelection::uniform;
     others[10].light_selection = LightSelection::power;
     others[11].guiding = true;
+    others[12].filter_radius = 3;
     for (const RenderSettings& other : others)
         EXPECT_THROW(test::made_film(settings).merge(test::made_film(other)), Error) << &other - others.data();
     RenderSettings same = settings;
@@ -214,13 +215,18 @@ TEST(FilmMerge, RefusesOtherSettings)
 
 TEST(FilmSums, ComeBackWithTheirSettings)
 {
-    Film film = test::made_film(settings_with({Aov::material_id, Aov::normal}, true));
+    RenderSettings settings = settings_with({Aov::material_id, Aov::normal}, true);
+    settings.filter = Filter::tent;
+    settings.filter_radius = 1.3;
+    Film film = test::made_film(settings);
     film.data().add_range({4, 9});
     add_radiance(film, 3, 1, 0.5, 0.25);
     add_other(film, 3, film.data().layout.normal, 0.5);
     const Film again = Film::from_sums(film.sums());
     EXPECT_EQ(again.sums().words, film.sums().words);
     EXPECT_EQ(again.sums().key, film.sums().key);
+    EXPECT_EQ(again.key().settings.filter, Filter::tent);
+    EXPECT_EQ(again.key().settings.filter_radius, 1.3);
     EXPECT_EQ(again.samples(), film.samples());
     EXPECT_EQ(again.image(true, false).find("normal")->pixels, film.image(true, false).find("normal")->pixels);
     Film::Sums wrong = film.sums();

@@ -203,6 +203,9 @@ def materials():
                           "subsurface_radius": 0.05, "priority": 1, "attenuation_color": [0.9, 0.8, 0.7], "attenuation_distance": 0.3,
                           "transmission_scatter": 0.2},
              "sphere": {"center": [0.6, 0.5, 0.4], "radius": 0.5}}, LAMP])
+    write("cloudy-solids-counted", scene=with_material(
+        kind="glass", ior=1.33, attenuation_color=[0.3, 0.5, 0.2], attenuation_distance=0.4, transmission_scatter=[1.1, 0.6, 1.7],
+        transmission_scatter_bounces=True) + [LAMP])
     write("layers-sheet", scene=wall(**principled, transmission=0.5, thin=True, diffuse_transmission=0.6,
                                      diffuse_transmission_color=[0.3, 0.9, 0.4]) + [{"sphere": {"center": [0, 0.6, -0.8], "radius": 0.5}}])
     write("single-sided", scene=[FLOOR, LAMP, BALL, {"material": {"color": [0.2, 0.3, 0.8], "single_sided": True}, "mesh": {
@@ -356,6 +359,22 @@ def pictured_lights():
                 "spot": {"kind": "spot", "image": "channels.png", "intensity": 5, "outer_angle_deg": 35}})
 
 
+def beams():
+    """Parallel light through rectangles and ellipses, in fog too; in nodes that stand, stretch and move."""
+    down = {"rotate": {"axis": [1, 0, 0.2], "angle_deg": -70}}
+    write("beams", environment=None, camera={**CAMERA, "shutter": [0, 1]}, scene=[
+        FLOOR, {**BALL, "material": {"color": 0.7}},
+        {"sphere": {"center": [1.1, 0.6, 0.3], "radius": 0.5},
+         "material": {"kind": "glass", "ior": 1, "attenuation_distance": 1, "attenuation_color": 0.3, "transmission_scatter": [0.9, 1, 1.1]}},
+        {"light": "panel"}, {"light": "laser"}, {"light": "oval", "transform": [{"scale": [1, 1.4, 1]}, down, {"translate": [-0.6, 2, 0.5]}]},
+        {"light": "oval", "motion": [{"time": 0, "transform": [down, {"translate": [-1.6, 2, 1]}]},
+                                     {"time": 1, "transform": [down, {"translate": [-1.2, 2, 1.4]}]}]}],
+        lights={"panel": {"kind": "beam", "position": [0.2, 2.2, 0], "direction": [-0.2, -1, -0.1], "width": 0.8, "height": 0.5, "intensity": 3},
+                "laser": {"kind": "beam", "position": [2.4, 0.7, 0.3], "direction": [-1, 0, 0], "width": 0.05, "height": 0.05, "round": True,
+                          "color": [1, 0.1, 0.1], "intensity": 40},
+                "oval": {"kind": "beam", "width": 0.7, "height": 0.3, "round": True, "color": [0.3, 0.5, 1], "intensity": 4}})
+
+
 def glowing_curves():
     """Round and flat, of lines and smooth ones, in the world, placed twice, and in a node that moves."""
     points = lambda z: [[round(0.9 * math.sin(1.3 * i), 4), 1.2 + 0.2 * i, z + round(0.3 * math.cos(1.3 * i), 4), 0.02 + 0.01 * (i % 3)]
@@ -468,6 +487,7 @@ def lights():
     hundreds_of_lamps()
     moving_lamps()
     pictured_lights()
+    beams()
     glowing_curves()
     hair()
     disney()

@@ -67,6 +67,35 @@ TEST(Primaries, RedOfRec709InXyz)
     for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(m[i][0] * white[i], red[i], 5e-5);
 }
 
+/// CIE 15: D50, D55, D65, D75 and illuminant A, of 2856 K.
+TEST(Primaries, WhitesOfTemperatures)
+{
+    struct Known {
+        double kelvin, x, y;
+    };
+    for (const auto& [kelvin, x, y] :
+         {Known{5003, 0.34567, 0.35850}, Known{5503, 0.33242, 0.34743}, Known{6504, 0.31272, 0.32903},
+          Known{7504, 0.29902, 0.31485}, Known{2856, 0.44758, 0.40745}, Known{1000, 0.65275, 0.34446}}) {
+        const Vec2f white = white_of(kelvin);
+        EXPECT_NEAR(white.x, x, 4e-4) << kelvin;
+        EXPECT_NEAR(white.y, y, 4e-4) << kelvin;
+    }
+}
+
+/// Light of illuminant A, by its x and y, becomes grey that is as bright; daylight stays as it is, to what D65 is
+/// rounded to.
+TEST(Primaries, WhiteBalance)
+{
+    const double x = 0.44758, y = 0.40745, xyz[] = {x / y, 1, (1 - x - y) / y};
+    const ColorMatrix rec709{
+        {{3.2404542, -1.5371385, -0.4985314}, {-0.9692660, 1.8760108, 0.0415560}, {0.0556434, -0.2040259, 1.0572252}}};
+    for (const double v : times(white_balance(2856), times(rec709, {xyz[0], xyz[1], xyz[2]}))) EXPECT_NEAR(v, 1, 6e-3);
+    const auto daylight = times(white_balance(6504), {0.2, 0.7, 0.4});
+    EXPECT_NEAR(daylight[0], 0.2, 5e-4);
+    EXPECT_NEAR(daylight[1], 0.7, 5e-4);
+    EXPECT_NEAR(daylight[2], 0.4, 5e-4);
+}
+
 TEST(Primaries, OfNoColoursAreRefused)
 {
     EXPECT_THROW(conversion({{0, 0}, {0.5f, 0.5f}, {1, 1}, {0.3f, 0.3f}}, rec709_chromaticities), Error);

@@ -212,6 +212,21 @@ TEST(Tonemap, CurvesRiseFromBlackToWhite)
     }
 }
 
+/// What a lamp of 2856 K (x 0.4476, y 0.4075: 1.85, 0.83 and 0.23 at a luminance of 1) lights is grey, and as bright as
+/// its luminance times the exposure.
+TEST(Tonemap, WhiteBalanceMakesLampsWhite)
+{
+    const auto grey =
+        DisplayMap({-1, Tonemap::srgb, {}, 2856}).codes8({0.364f * 1.8451f, 0.364f * 0.8261f, 0.364f * 0.2333f});
+    // 0.182
+    for (const int code : grey) EXPECT_NEAR(code, 118, 1.5);
+    EXPECT_EQ(DisplayMap({0, Tonemap::srgb, {}, 2856}).codes8({NAN, NAN, NAN})[2], 0);
+    // Light that is bluer than daylight is shown warmer.
+    const auto warm = DisplayMap({0, Tonemap::srgb, {}, 10000}).codes8({0.5f, 0.5f, 0.5f});
+    EXPECT_GT(warm[0], 188);
+    EXPECT_LT(warm[2], 188);
+}
+
 /// A base colour of up to 0.8 that reflects 4 % more under white light is shown as it is.
 TEST(Tonemap, NeutralKeepsTheColoursOfSurfaces)
 {

@@ -52,7 +52,8 @@ INSTANTIATE_TEST_SUITE_P(
             R"({"materials": {"m": {"kind": "glass", "fuzz": 1}}})",
             "/materials/m/fuzz: unknown key 'fuzz' in a material of kind 'glass'; known here: kind, color, beckmann, "
             "separable_shadowing, thin, roughness, ior, attenuation_color, attenuation_distance, transmission_scatter, "
-            "transmission_scatter_anisotropy, priority, emission, emission_two_sided, normal_map, normal_scale, "
+            "transmission_scatter_anisotropy, transmission_scatter_bounces, priority, emission, emission_two_sided, "
+            "normal_map, normal_scale, "
             "bump, displacement, displacement_midlevel, displacement_edge_length, "
             "alpha, alpha_mode, alpha_cutoff, single_sided, use_vertex_color, emission_unit"},
         Case{R"({"materials": {"m": {"kind": "metal", "conductor": "gild"}}})",

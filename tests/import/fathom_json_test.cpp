@@ -281,9 +281,9 @@ TEST_F(FathomJson, EveryKeyOfAMaterial)
 TEST_F(FathomJson, EveryKeyOfShapesLightsAndSurroundings)
 {
     const SceneDescription scene = load("s.json", R"({
-        "environment": {"kind": "image", "image": "sky.hdr", "color": [1, 2, 3], "rotate": {"axis": [1, 0, 0], "angle_deg": 90}},
-        "render": {"size": [3, 4], "samples": 5, "max_depth": 6, "roulette_depth": 7, "filter": "gaussian", "build": "high",
-                   "light_sampling": false, "exposure": -1.5, "tonemap": "filmic"},
+        "environment": {"kind": "image", "image": "sky.hdr", "color": [1, 2, 3], "illuminance": 500, "rotate": {"axis": [1, 0, 0], "angle_deg": 90}},
+        "render": {"size": [3, 4], "samples": 5, "max_depth": 6, "roulette_depth": 7, "filter": "gaussian", "filter_radius": 1.5, "build": "high",
+                   "light_sampling": false, "exposure": -1.5, "white_balance": 3200, "tonemap": "filmic"},
         "lights": {"spot": {"kind": "spot", "position": [1, 2, 3], "direction": [0, 0, 1], "inner_angle_deg": 30, "outer_angle_deg": 60}},
         "scene": [{"sphere": {"center": [1, 2, 3], "radius": -4, "center_end": [5, 6, 7]}},
                   {"rectangle": {"corner": [1, 2, 3], "edge_u": [4, 5, 6], "edge_v": [7, 8, 10]}},
@@ -299,11 +299,14 @@ TEST_F(FathomJson, EveryKeyOfShapesLightsAndSurroundings)
     EXPECT_EQ(hints.max_depth, 6);
     EXPECT_EQ(hints.roulette_depth, 7);
     EXPECT_EQ(hints.filter, "gaussian");
+    EXPECT_EQ(hints.filter_radius, 1.5);
     EXPECT_EQ(hints.build, "high");
     EXPECT_EQ(hints.light_sampling, false);
     EXPECT_EQ(hints.exposure, -1.5);
+    EXPECT_EQ(hints.white_balance, 3200);
     EXPECT_EQ(hints.tonemap, "filmic");
     EXPECT_EQ(scene.environment.color, (Color{1, 2, 3}));
+    EXPECT_EQ(scene.environment.illuminance, 500);
     expect_near(scene.environment.world_from_environment.vector({0, 1, 0}), {0, 0, 1});
     EXPECT_NEAR(scene.lights[0].inner_angle, std::numbers::pi / 6, 1e-15);
     EXPECT_NEAR(scene.lights[0].outer_angle, std::numbers::pi / 3, 1e-15);

@@ -210,9 +210,19 @@ TEST_F(Mitsuba, Settings)
     EXPECT_EQ(scene.hints.width, 20);
     EXPECT_EQ(scene.hints.height, 10);
     EXPECT_EQ(scene.hints.filter, "box");
+    EXPECT_FALSE(scene.hints.filter_radius);
     EXPECT_EQ(camera_of(scene).aperture, 1);
     EXPECT_EQ(camera_of(scene).focus_distance, 3);
     EXPECT_TRUE(warnings_.empty());
+    const auto filter = [&](const std::string& inside) {
+        const RenderHints hints =
+            read(R"(<sensor type="perspective"><film type="hdrfilm">)" + inside + "</film></sensor>").hints;
+        return hints.filter.value_or("") + " " + std::to_string(hints.filter_radius.value_or(0)).substr(0, 4);
+    };
+    EXPECT_EQ(filter(R"(<rfilter type="tent"/>)"), "tent 0.00");
+    EXPECT_EQ(filter(R"(<rfilter type="tent"><float name="radius" value="1.5"/></rfilter>)"), "tent 1.50");
+    EXPECT_EQ(filter(R"(<rfilter type="gaussian"><float name="stddev" value="0.25"/></rfilter>)"), "gaussian 1.00");
+    EXPECT_EQ(filter(R"(<rfilter type="mitchell"/>)"), "blackman-harris 0.00");
 }
 
 TEST_F(Mitsuba, OldNames)

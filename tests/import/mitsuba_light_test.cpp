@@ -36,6 +36,34 @@ TEST_F(Mitsuba, Emitters)
     expect_color(material_of(scene).base_color.value, 0, 0, 0);
 }
 
+/// Along the shape's normal, from all of it; the shape itself is there, and does not shine.
+TEST_F(Mitsuba, DirectionalArea)
+{
+    const SceneDescription scene = read(
+        R"(<shape type="rectangle"><transform name="to_world"><scale x="2" y="3"/><rotate y="1" angle="90"/><translate x="5"/></transform>
+<emitter type="directionalarea"><rgb name="radiance" value="1 2 3"/></emitter></shape>
+<shape type="disk"><boolean name="flip_normals" value="true"/><emitter type="directionalarea"/></shape>
+<shape type="sphere"><emitter type="directionalarea"/></shape>)");
+    ASSERT_EQ(scene.lights.size(), 2u);
+    for (const Light& light : scene.lights) EXPECT_EQ(light.kind, LightKind::beam);
+    expect_color(scene.lights[0].intensity, 1, 2, 3);
+    EXPECT_EQ(scene.lights[0].width, 2);
+    EXPECT_FALSE(scene.lights[0].round);
+    EXPECT_TRUE(scene.lights[1].round);
+    const auto place_of = [&](int light) {
+        for (const Node& node : scene.nodes)
+            for (const int child : node.children)
+                if (scene.nodes[std::size_t(child)].light == light)
+                    return node.parent_from_node * scene.nodes[std::size_t(child)].parent_from_node;
+        return Transform();
+    };
+    expect_near(normalize(place_of(0).vector({0, 0, -1})), {1, 0, 0});
+    expect_near(place_of(0).point({1, 1, 0}), {5, 3, -2});
+    expect_near(place_of(1).vector({0, 0, -1}), {0, 0, -1});
+    expect_color(material_of(scene).emission.value, 0, 0, 0);
+    EXPECT_TRUE(is_told("neither a rectangle nor a disk"));
+}
+
 /// A projector's picture is upright for who looks along +z with +y up, a spot's is turned by half a turn.
 TEST_F(Mitsuba, EmittersWithPictures)
 {

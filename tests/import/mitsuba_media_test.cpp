@@ -20,6 +20,7 @@ TEST_F(Mitsuba, Interiors)
     EXPECT_NEAR(sigma(m.attenuation_color.g), 6, 1e-4);
     EXPECT_NEAR(sigma(m.attenuation_color.b), 12, 1e-4);
     EXPECT_NEAR(m.transmission_scatter.g / m.attenuation_distance, 3, 1e-4);
+    EXPECT_TRUE(m.transmission_scatter_bounces);
 }
 
 /// Where the boundary is none.

@@ -208,8 +208,26 @@ TEST_F(Pbrt, FilmsAndIntegratorsAreHints)
     EXPECT_TRUE(warnings_.empty());
     load("a.pbrt", "Film \"spectral\" \"string sensor\" \"canon_eos_5d\" PixelFilter \"mitchell\" Integrator \"bdpt\"");
     for (const char* words : {"the picture has red, green and blue", "the sensor 'canon_eos_5d'",
-                              "no filter with negative", "paths are traced instead"})
+                              "none has negative parts", "paths are traced instead"})
         EXPECT_TRUE(is_told(words)) << words;
+    EXPECT_FALSE(scene.hints.white_balance);
+    EXPECT_EQ(load("a.pbrt", R"(Camera "perspective" "float shutterclose" 0.5
+Film "rgb" "float whitebalance" 3200 "float maxcomponentvalue" 10 "float iso" 800)")
+                  .hints.white_balance,
+              3200);
+    const auto filter = [&](const char* words) {
+        const RenderHints hints = load("a.pbrt", std::string("PixelFilter ") + words).hints;
+        return hints.filter.value_or("") + " " + std::to_string(hints.filter_radius.value_or(0)).substr(0, 4);
+    };
+    EXPECT_EQ(filter("\"triangle\""), "tent 2.00");
+    EXPECT_EQ(filter("\"triangle\" \"float xradius\" 1 \"float yradius\" 1"), "tent 0.00");
+    EXPECT_EQ(filter("\"gaussian\""), "gaussian 0.00");
+    EXPECT_EQ(filter("\"gaussian\" \"float sigma\" 0.75"), "gaussian 3.00");
+    EXPECT_EQ(filter("\"box\" \"float xradius\" 1.5 \"float yradius\" 1.5"), "box 1.50");
+    // Of what the film records, which is four times the radiance.
+    EXPECT_TRUE(is_told("--clamp-indirect 2.5"));
+    EXPECT_EQ(load("a.pbrt", "Film \"rgb\" \"float whitebalance\" 500").hints.white_balance, 1000);
+    EXPECT_TRUE(is_told("'whitebalance' is taken as 1000 K"));
 }
 
 }  // namespace

@@ -100,6 +100,11 @@ TEST_F(Pbrt, EnvironmentsAreConstantOrPictures)
     EXPECT_EQ(scene.environment.kind, EnvironmentKind::equal_area);
     expect_color(scene.environment.color, 3, 3, 3);
     expect_near(scene.environment.world_from_environment.vector({0, 0, 1}), {1, 0, 0}, 1e-9);
+    EXPECT_EQ(scene.environment.illuminance, 0);
+    // pbrt makes it twice as bright as it is told, see light.cpp.
+    EXPECT_EQ(world("LightSource \"infinite\" \"string filename\" \"a.exr\" \"float illuminance\" 50")
+                  .environment.illuminance,
+              100);
 }
 
 }  // namespace

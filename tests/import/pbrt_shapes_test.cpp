@@ -28,6 +28,30 @@ Material "diffuse" "texture reflectance" "t" Shape "sphere")");
     EXPECT_FALSE(scene.meshes.empty());
 }
 
+/// Only that of sRGB, and none, are decoded so; a power is said to be how far from that.
+TEST_F(Pbrt, EncodingsOfPictures)
+{
+    const auto space = [&](const std::string& encoding) {
+        const SceneDescription scene =
+            world(R"(Texture "t" "spectrum" "imagemap" "string filename" "a.png" "string encoding" ")" + encoding +
+                  R"(" Material "diffuse" "texture reflectance" "t" Shape "sphere")");
+        return scene.textures.at(std::size_t(material_of(scene).base_color.texture)).color_space;
+    };
+    EXPECT_EQ(space("sRGB"), ColorSpace::srgb);
+    EXPECT_EQ(space("gamma 1"), ColorSpace::linear);
+    EXPECT_FALSE(is_told("encoding"));
+    EXPECT_EQ(space("gamma 2.2"), ColorSpace::srgb);
+    EXPECT_TRUE(is_told("'gamma 2.2' is taken as 'sRGB': off by up to 0.009"));
+    space("gamma 1.8");
+    EXPECT_TRUE(is_told("'gamma 1.8' is taken as 'sRGB': off by up to 0.08"));
+    EXPECT_NE(
+        error_of("a.pbrt",
+                 R"(WorldBegin Texture "t" "spectrum" "imagemap" "string filename" "a.png" "string encoding" "gamma x"
+Material "diffuse" "texture reflectance" "t" Shape "sphere")")
+            .find("'gamma' with a number, not 'gamma x'"),
+        std::string::npos);
+}
+
 TEST_F(Pbrt, TexturesOfTextures)
 {
     const SceneDescription scene = world(R"(Texture "c" "spectrum" "checkerboard" "rgb tex1" [ 1 0 0 ] "float uscale" 4
@@ -278,6 +302,37 @@ TEST_F(Pbrt, CurvesAndSubdivision)
     EXPECT_EQ(curves.radii.back(), 0.25f);
     EXPECT_EQ(world(R"(Shape "curve" "integer degree" 2 "point3 P" [ 0 0 0 1 2 0 2 0 0 ])").curves.at(0).points.size(),
               4u);
+    // A quadratic B-spline begins and ends in the middles of its sides, and touches the others there.
+    const SceneDescription quadratic = world(
+        R"(Shape "curve" "integer degree" 2 "string basis" "bspline" "point3 P" [ 0 0 0 2 4 0 4 0 0 8 2 0 ] "float width0" 0)");
+    const Curves& spline = quadratic.curves.at(0);
+    EXPECT_EQ(spline.basis, CurveBasis::bezier);
+    ASSERT_EQ(spline.points.size(), 7u);
+    EXPECT_EQ(spline.points[0].x, 1);
+    EXPECT_EQ(spline.points[0].y, 2);
+    EXPECT_EQ(spline.points[3].x, 3);
+    EXPECT_EQ(spline.points[3].y, 2);
+    EXPECT_EQ(spline.points[6].x, 6);
+    EXPECT_EQ(spline.points[6].y, 1);
+    // Two thirds of the way to the corner.
+    EXPECT_NEAR(spline.points[1].y, 2 + 2 * 2 / 3.0, 1e-6);
+    EXPECT_NEAR(spline.radii[3], 0.25, 1e-6);
+    // A cubic one whose width changes is as wide at its ends as it is told, not beyond them.
+    const SceneDescription cubic = world(
+        R"(Shape "curve" "string basis" "bspline" "point3 P" [ 0 0 0 1 6 0 2 0 0 3 0 0 4 0 0 ] "float width0" 0 "float width1" 2)");
+    const Curves& tapered = cubic.curves.at(0);
+    EXPECT_EQ(tapered.basis, CurveBasis::bezier);
+    ASSERT_EQ(tapered.points.size(), 7u);
+    EXPECT_NEAR(tapered.points[0].x, 1, 1e-6);
+    EXPECT_NEAR(tapered.points[0].y, 4, 1e-6);
+    EXPECT_NEAR(tapered.points[3].y, 1, 1e-6);
+    EXPECT_NEAR(tapered.points[6].x, 3, 1e-6);
+    EXPECT_EQ(tapered.radii[0], 0);
+    EXPECT_EQ(tapered.radii[6], 1);
+    EXPECT_EQ(world(R"(Shape "curve" "string basis" "bspline" "point3 P" [ 0 0 0 1 6 0 2 0 0 3 0 0 4 0 0 ])")
+                  .curves.at(0)
+                  .basis,
+              CurveBasis::bspline);
     // An octahedron's limit is nearly a ball, all alike around.
     const SceneDescription loop =
         world(R"(Shape "loopsubdiv" "integer levels" 3 "point3 P" [ 1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1 ]

@@ -327,6 +327,98 @@ TEST(Lights, SpotOfEveryWidth)
             }
 }
 
+/// Parallel light where a perpendicular meets its area, with the cosine at the floor and without any falloff: areas in
+/// nodes that turn, stretch, mirror and shear, straight above and far away.
+TEST(Lights, Beams)
+{
+    const auto expect_beam = [](const Transform& place, bool round) {
+        SceneBuilder b = floor_scene(0.5f);
+        b.scene.cameras[0].fov_y = 1e-3;
+        Light light;
+        light.kind = LightKind::beam;
+        light.intensity = {5, 5, 5};
+        light.width = 1.6, light.height = 0.6;
+        light.round = round;
+        b.light(light, place);
+        // What meets the area at right angles, in shares of its sides: by the normal equations of least squares.
+        const Vec3d u = place.vector({0.8, 0, 0}), v = place.vector({0, 0.3, 0}), from = -place.point({0, 0, 0});
+        Vec3d n = normalize(cross(u, v));
+        if (dot(n, place.vector({0, 0, -1})) < 0) n = -n;
+        const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), all = uu * vv - uv * uv;
+        const double x = (dot(from, u) * vv - dot(from, v) * uv) / all,
+                     y = (dot(from, v) * uu - dot(from, u) * uv) / all;
+        const bool inside = round ? x * x + y * y < 1 : std::max(std::abs(x), std::abs(y)) < 1;
+        const double expected = inside && dot(from, n) > 0 ? 0.5 / std::numbers::pi * 5 * std::max(0.0, -n.y) : 0;
+        SCOPED_TRACE(std::to_string(x) + " " + std::to_string(y) + (round ? " round" : ""));
+        expect_mean(render_film(b.scene, small_picture(4, 4), 4), expected, 1e-4);
+        return expected > 0;
+    };
+    int lit = 0, dark = 0;
+    for (const bool round : {false, true})
+        for (const double x : {-0.83, -0.77, 0.1, 0.6, 0.83})
+            for (const double y : {-0.31, -0.2, 0.05, 0.29})
+                for (const double height : {0.01, 2.0, 300.0, -1.0})
+                    for (const Transform& form :
+                         {Transform(), Transform::rotate({0.3, 1, 0.2}, 0.4), Transform::scale({-1, 1.5, 2}),
+                          Transform::rotate({0, 0, 1}, 0.5) * Transform::scale({1, 2, 1}) *
+                              Transform::rotate({1, 0, 1}, 0.3)}) {
+                        // Its node's -z looks down; the place seen is so far from the area's middle, along its axis.
+                        const Transform down = Transform::rotate({1, 0, 0}, -std::numbers::pi / 2) * form;
+                        const Vec3d u = down.vector({1, 0, 0}), v = down.vector({0, 1, 0});
+                        Vec3d n = normalize(cross(u, v));
+                        if (dot(n, down.vector({0, 0, -1})) < 0) n = -n;
+                        ++(expect_beam(Transform::translate(-(u * x + v * y + n * height)) * down, round) ? lit : dark);
+                    }
+    EXPECT_GT(lit, 100);
+    EXPECT_GT(dark, 100);
+}
+
+/// Chosen among other lights, few and many, as often as is right on average.
+TEST(Lights, BeamsBesideOthers)
+{
+    for (const int others : {1, 40}) {
+        SceneBuilder b = floor_scene(0.5f);
+        b.scene.cameras[0].fov_y = 1e-3;
+        const Transform down = Transform::rotate({1, 0, 0}, -std::numbers::pi / 2);
+        Light light;
+        light.intensity = {3, 3, 3};
+        double expected = 5;
+        for (int i = 0; i < others; ++i) {
+            const Vec3d at{0.2 * i - 1, 2, 0.1 * i};
+            b.light(light, Transform::translate(at));
+            expected += 3 * at.y / std::pow(length(at), 3);
+        }
+        light.kind = LightKind::beam;
+        light.intensity = {5, 5, 5};
+        light.width = light.height = 0.1;
+        b.light(light, Transform::translate({0, 3, 0}) * down);
+        for (const LightSelection how : {LightSelection::tree, LightSelection::power, LightSelection::uniform}) {
+            RenderSettings settings = small_picture(8, 8);
+            settings.light_selection = how;
+            expect_mean(render_film(b.scene, settings, 4096), 0.5 / std::numbers::pi * expected,
+                        how == LightSelection::tree ? 0.01 : 0.03);
+        }
+    }
+}
+
+/// What stands between the area and a place keeps the light off; what is behind the area does not.
+TEST(Lights, ShadowsOfBeams)
+{
+    for (const double height : {0.5, 1.5}) {
+        SceneBuilder b = floor_scene(0.5f);
+        b.scene.cameras[0].fov_y = 1e-3;
+        b.scene.cameras[0].position = {0.3, 0.4, 0};
+        Light light;
+        light.kind = LightKind::beam;
+        light.intensity = {5, 5, 5};
+        b.light(light, Transform::translate({0, 1, 0}) * Transform::rotate({1, 0, 0}, -std::numbers::pi / 2));
+        // In the plane of the area itself, too, as of a shape that shines so.
+        b.add(Rectangle{{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}}, b.diffuse(0));
+        b.add(Rectangle{{-0.2, height, -0.2}, {0.4, 0, 0}, {0, 0, 0.4}}, b.diffuse(0));
+        expect_mean(render_film(b.scene, small_picture(4, 4), 4), height < 1 ? 0 : 0.5 / std::numbers::pi * 5, 1e-4);
+    }
+}
+
 /// Angles that vanish give light that is finite: a directional one its irradiance, a spot nothing but on its axis.
 TEST(Lights, AnglesNearZero)
 {

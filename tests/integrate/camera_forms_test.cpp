@@ -133,6 +133,7 @@ TEST(FilterForms, ResponseToAnEdge)
                    : 0;
     };
     const auto box = [](double x) { return std::abs(x) < 0.5 ? 1.0 : 0; };
+    const auto tent = [](double x) { return std::max(0.0, 1 - std::abs(x)); };
     const auto share_right = [](const auto& f, double from) {
         double right = 0, all = 0;
         for (int i = 0; i < 40000; ++i) {
@@ -142,8 +143,15 @@ TEST(FilterForms, ResponseToAnEdge)
         }
         return right / all;
     };
+    struct Case {
+        Filter filter;
+        double radius, own;
+    };
     for (const bool upright : {false, true})
-        for (const Filter filter : {Filter::box, Filter::gaussian, Filter::blackman_harris}) {
+        for (const auto& [filter, radius, own] :
+             {Case{Filter::box, 0, 0.5}, Case{Filter::gaussian, 0, 2}, Case{Filter::blackman_harris, 0, 1.65},
+              Case{Filter::tent, 0, 1}, Case{Filter::box, 1.25, 0.5}, Case{Filter::gaussian, 1.2, 2},
+              Case{Filter::blackman_harris, 3, 1.65}, Case{Filter::tent, 2, 1}}) {
             Whites s;
             s.camera({0, 0, 5}, {0, 0, 0});
             s.scene.cameras[0].kind = CameraKind::orthographic;
@@ -154,16 +162,18 @@ TEST(FilterForms, ResponseToAnEdge)
                   s.white());
             RenderSettings settings = small_picture(16, 16);
             settings.filter = filter;
+            settings.filter_radius = radius;
             const std::vector<float> p = s.pixels(settings, 1024);
             for (int k = 0; k < 16; ++k) {
                 double mean = 0;
                 for (int j = 0; j < 16; ++j) mean += p[std::size_t(3 * (upright ? k * 16 + j : j * 16 + k))] / 16;
                 // The edge lies 8 - (k + 0.5) beyond the pixel's middle.
-                const double from = 8 - (k + 0.5);
+                const double from = (8 - (k + 0.5)) * (radius > 0 ? own / radius : 1);
                 const double expected = filter == Filter::box        ? share_right(box, from)
                                         : filter == Filter::gaussian ? share_right(gaussian, from)
+                                        : filter == Filter::tent     ? share_right(tent, from)
                                                                      : share_right(blackman_harris, from);
-                EXPECT_NEAR(mean, expected, 2e-3) << int(filter) << upright << " " << k;
+                EXPECT_NEAR(mean, expected, 2e-3) << int(filter) << ' ' << radius << upright << " " << k;
             }
         }
 }

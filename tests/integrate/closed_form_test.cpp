@@ -123,6 +123,34 @@ TEST(ClosedForm, EnvironmentImages)
     expect_irradiance(400, 200);  // larger than caches near a core: fetched ahead
 }
 
+/// A picture that is to give so many lux does so, whatever is in it: on what faces its top, or the middle of one in
+/// which all directions have their share. Times the colour.
+TEST(ClosedForm, IlluminanceOfPictures)
+{
+    for (const bool equal_area : {false, true}) {
+        const int w = 64, h = equal_area ? 64 : 32;
+        const TemporaryFolder folder;
+        Image image = made_image(w, h);
+        for (int y = 0; y < h; ++y)
+            for (int x = 0; x < w; ++x) {
+                float* const pixel = &image.layers[0].pixels[std::size_t(y * w + x) * 3];
+                pixel[0] = float(0.3 + 0.2 * std::sin(0.2 * x)), pixel[1] = float(1 + 0.5 * std::cos(0.2 * y)),
+                pixel[2] = 0.1f;
+            }
+        write_image(folder.path() / "sky.exr", image, {});
+        SceneBuilder b = floor_scene(0.5f);
+        b.scene.images.push_back({"sky", folder.path() / "sky.exr", {}});
+        b.scene.environment.kind = equal_area ? EnvironmentKind::equal_area : EnvironmentKind::image;
+        b.scene.environment.image = 0;
+        b.scene.environment.illuminance = 700;
+        b.scene.environment.color = {2, 2, 2};
+        if (equal_area) b.scene.environment.world_from_environment = Transform::rotate({1, 0, 0}, -pi / 2);
+        const Mean mean = mean_of(render_film(b.scene, small_picture(8, 8), 1024));
+        const double luminance = 0.2126 * mean.value[0] + 0.7152 * mean.value[1] + 0.0722 * mean.value[2];
+        EXPECT_NEAR(luminance, 0.5 / pi * 1400, 0.005 * 0.5 / pi * 1400) << equal_area;
+    }
+}
+
 /// An edge between black and white through a lens: of the circle that a point of a pixel sees there, the share beyond
 /// the edge. In focus the circle is a point.
 TEST(ClosedForm, LensAndFocus)

@@ -119,7 +119,7 @@ SceneDescription random_lights(unsigned seed)
     }
     for (unsigned i = 0; i < seed % 5; ++i) {
         Light light;
-        light.kind = i % 2 ? LightKind::spot : LightKind::point;
+        light.kind = i == 3 ? LightKind::beam : i % 2 ? LightKind::spot : LightKind::point;
         light.outer_angle = chance(0.2, 1.2);
         light.intensity = {1, 1, 1};
         b.light(light, Transform::translate(chance.point()) * shining({chance(-1, 1), -1, chance(-1, 1)}));

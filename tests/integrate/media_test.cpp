@@ -122,6 +122,48 @@ TEST(Media, ThingsInsideColouredGlass)
     }
 }
 
+/// A layer that scatters all evenly and takes nothing, with next to no boundary, in white light from everywhere, where
+/// paths have a longest depth: in and out again, and each scattering counts, or (as long as it isn't to) none does.
+TEST(Media, ScatteringCountsAsBounces)
+{
+    constexpr double thickness = 1.5;
+    // What goes on evenly from a plane passes what is ahead: the exponential integral of the second order.
+    const auto passes = [](double depth) {
+        double sum = 0;
+        constexpr int n = 400;
+        for (int i = 0; i < n; ++i) sum += std::exp(-depth * n / (i + 0.5)) / n;
+        return sum;
+    };
+    double once = 0;
+    constexpr int parts = 400;
+    for (int i = 0; i < parts; ++i) {
+        const double at = thickness * (i + 0.5) / parts;
+        once += std::exp(-at) * (passes(at) + passes(thickness - at)) / 2 * thickness / parts;
+    }
+    const double straight = std::exp(-thickness);
+    for (const bool counts : {false, true}) {
+        SceneBuilder b;
+        Material m;
+        m.kind = MaterialKind::glass;
+        m.ior = 1.0002f;
+        m.attenuation_distance = 1;
+        m.attenuation_color = {float(std::exp(-1)), float(std::exp(-1)), float(std::exp(-1))};
+        m.transmission_scatter = {1, 1, 1};
+        m.transmission_scatter_bounces = counts;
+        b.add(layer(0, -thickness), b.material(m));
+        b.scene.environment.kind = EnvironmentKind::constant;
+        b.camera({0, 0, 1}, {0, 0, 0}, 0.1);
+        const auto mean = [&](int max_depth) {
+            RenderSettings settings = small_picture(16, 16);
+            settings.max_depth = max_depth;
+            return render_film(b.scene, settings, 1024);
+        };
+        expect_mean(mean(2), counts ? straight : 1, 0.005);
+        expect_mean(mean(3), counts ? straight + once : 1, 0.005);
+        expect_mean(mean(-1), 1, 0.005);
+    }
+}
+
 /// Light of lamps is absorbed on its way through the medium, and so is what the camera sees from inside it.
 TEST(Media, ShadowRaysAndCamerasInsideColouredGlass)
 {

@@ -300,11 +300,12 @@ double rising(double right, double up, double along)
 }
 
 /// Those of a node, which are where it is.
-TEST(MovingLights, PointsSpotsAndProjectors)
+TEST(MovingLights, PointsSpotsProjectorsAndBeams)
 {
     for (const Way& way : ways)
-        for (const LightKind kind : {LightKind::point, LightKind::spot, LightKind::projector}) {
-            const bool spot = kind == LightKind::spot, projector = kind == LightKind::projector;
+        for (const LightKind kind : {LightKind::point, LightKind::spot, LightKind::projector, LightKind::beam}) {
+            const bool spot = kind == LightKind::spot, projector = kind == LightKind::projector,
+                       beam = kind == LightKind::beam;
             SCOPED_TRACE(way.name);
             const Transform rest = Transform::translate({0.2, 1.1, 0}) * shining({0.1, -1, 0.2});
             Floor floor;
@@ -316,6 +317,7 @@ TEST(MovingLights, PointsSpotsAndProjectors)
                 if (projector) light.picture = {0, ColorSpace::linear, false}, light.fov = 1.6;
                 light.intensity = {2, 2, 2};
                 light.inner_angle = 0.2, light.outer_angle = 0.7;
+                light.width = 0.9, light.height = 0.6;
                 if (projector) b.scene.images.push_back(rising_picture());
                 b.light(light, rest);
                 // Within a node that moves, whose origin is not theirs.
@@ -341,6 +343,18 @@ TEST(MovingLights, PointsSpotsAndProjectors)
                     const double turned = dot(top, now.vector({0, 1, 0})) < 0 ? -1 : 1;
                     share = rising(dot(d, right) / dot(d, along) / std::tan(0.8),
                                    turned * dot(d, top) / dot(d, along) / std::tan(0.8), dot(d, along));
+                }
+                if (beam) {
+                    // Along the normal of its area, wherever in it a perpendicular comes to.
+                    const Vec3d u = now.vector({0.45, 0, 0}), v = now.vector({0, 0.3, 0});
+                    Vec3d n = normalize(cross(u, v));
+                    if (dot(n, now.vector({0, 0, -1})) < 0) n = -n;
+                    const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), all = uu * vv - uv * uv,
+                                 right = (dot(-to, u) * vv - dot(-to, v) * uv) / all,
+                                 up = (dot(-to, v) * uu - dot(-to, u) * uv) / all;
+                    const bool inside = std::max(std::abs(right), std::abs(up)) < 1 && dot(-to, n) > 0;
+                    expected += inside ? 2 * std::max(0.0, -n.y) / times : 0;
+                    continue;
                 }
                 expected += 2 * share * to.y / std::pow(length(to), 3) / times;
             }

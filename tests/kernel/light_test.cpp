@@ -389,6 +389,31 @@ TEST(SpotLight, FallsOffBetweenItsCones)
         }
 }
 
+TEST(BeamLight, ShinesAlongItsNormalOnly)
+{
+    LightRecord table;
+    table.kind = std::uint32_t(LightRecordKind::beam);
+    table.two_sided = 1;
+    put(table.position, {1, 2, 3});
+    put(table.edge_u, {2, 0, 0}), put(table.edge_v, {1, 1, 0}), put(table.normal, {0, 0, -1});
+    for (float& r : table.radiance) r = 7;
+    for (const bool round : {false, true}) {
+        table.radius = round;
+        for (const double x : {-1.01, -0.99, -0.5, 0.0, 0.55, 0.9, 1.01})
+            for (const double y : {-1.2, -0.8, 0.1, 0.7, 0.99})
+                for (const double z : {3.0, 0.25, 1e-3, -0.5}) {
+                    const LightSample s = sample_of(table, {1 + 2 * x + y, 2 + y, 3 - z});
+                    const bool arrives = z > 0 && (round ? x * x + y * y < 1 : std::max(std::abs(x), std::abs(y)) < 1);
+                    EXPECT_EQ(first(s.inverse_pdf), arrives ? 1 : 0) << x << ' ' << y << ' ' << z;
+                    if (!arrives) continue;
+                    EXPECT_EQ(first(s.radiance.c[0]), 7);
+                    EXPECT_NEAR(first(s.distance), z, 1e-6);
+                    EXPECT_NEAR(first(s.wi.z), 1, 1e-6);
+                    EXPECT_TRUE(first(s.is_delta));
+                }
+    }
+}
+
 TEST(DirectionalLight, ComesFromOneDirectionOrADisk)
 {
     const Vec3d travels = normalize(Vec3d{1, -2, 0.5});

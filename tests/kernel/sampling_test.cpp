@@ -178,9 +178,10 @@ TEST(Warp, DiskIsUniform)
 
 TEST(Filter, FollowsItsShape)
 {
-    FilterTable gaussian, blackman_harris;
+    FilterTable gaussian, blackman_harris, tent;
     gaussian.make_gaussian();
     blackman_harris.make_blackman_harris();
+    tent.make_tent();
     const auto check = [](const FilterTable& table, double radius, auto f) {
         constexpr int cells = 40, per_cell = 2000;
         std::vector<double> observed(cells), expected(cells);
@@ -202,6 +203,7 @@ TEST(Filter, FollowsItsShape)
         for (double& e : expected) e *= drawn / total;
         EXPECT_EQ(test::chi_square(observed, expected), "");
     };
+    check(tent, 1, [](double x) { return 1 - std::abs(x); });
     check(gaussian, 2, [](double x) { return std::exp(-2 * x * x) - std::exp(-8.0); });
     check(blackman_harris, 1.65, [](double x) {
         const double t = std::numbers::pi * (x / 1.65 + 1);
@@ -212,9 +214,10 @@ TEST(Filter, FollowsItsShape)
 /// Up to their very ends, where next to no samples fall: the share of the filter below a number's offset is the number.
 TEST(Filter, IsTheInverseOfItsShares)
 {
-    FilterTable gaussian, blackman_harris;
+    FilterTable gaussian, blackman_harris, tent;
     gaussian.make_gaussian();
     blackman_harris.make_blackman_harris();
+    tent.make_tent();
     const auto check = [](const FilterTable& table, double radius, auto f) {
         const auto share_below = [&](double x) {
             double below = 0, all = 0;
@@ -233,6 +236,7 @@ TEST(Filter, IsTheInverseOfItsShares)
         EXPECT_NEAR(first(table.sample(Float(1 - 0x1p-24f))), radius, 0.1);
         EXPECT_NEAR(first(table.sample(Float(0.5f))), 0, 1e-3);
     };
+    check(tent, 1, [](double x) { return 1 - std::abs(x); });
     check(gaussian, 2, [](double x) { return std::exp(-2 * x * x) - std::exp(-8.0); });
     check(blackman_harris, 1.65, [](double x) {
         const double t = std::numbers::pi * (x / 1.65 + 1);

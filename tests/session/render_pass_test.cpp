@@ -245,6 +245,7 @@ TEST(FilmKey, IsItsText)
     settings.background = Color{0.1f, -2.5f, 1e-3f};
     settings.seed = 4000000000u;
     settings.filter = Filter::gaussian;
+    settings.filter_radius = 1.7;
     settings.light_sampling = false;
     const RenderJob job(scene, settings);
     const FilmKey again = FilmKey::parse(job.key().text());
@@ -269,8 +270,8 @@ TEST(FilmKey, RefusesWhatIsNone)
           with("size=120x90", "size=99999x90"), with("alpha=0", "alpha=2"), with("aovs=24", "aovs=27"),
           with("aovs=24", "aovs=00000000"), with("crop=none", "crop=0,0,1"), with("crop=none", "crop=5,0,5,9"),
           with("crop=none", "crop=0,0,200,9"), with("crop=none", "crop=0,0,70000000000,9"),
-          with("filter=2", "filter=3"), with("background=none", "background=nan,0,0"), good + ";more=1",
-          good.substr(0, good.size() - 1)})
+          with("filter=2", "filter=4"), with("filter=2", "filter=2x"), with("filter=2", "filter=2x0x1p+9"),
+          with("background=none", "background=nan,0,0"), good + ";more=1", good.substr(0, good.size() - 1)})
         EXPECT_THROW(FilmKey::parse(bad), Error) << bad;
 }
 

@@ -105,7 +105,10 @@ private:
         if (!n.motion.empty()) warn("nodes that move while the shutter is open stand still, at their first place");
         const Transform& place = n.motion.empty() ? n.parent_from_node : n.motion.front().parent_from_node;
         if (place.m != Transform().m) node["matrix"] = matrix_json(place);
-        if (n.light >= 0) node["extensions"]["KHR_lights_punctual"]["light"] = light(n.light);
+        if (n.light >= 0 && scene_.lights[std::size_t(n.light)].kind == LightKind::beam)
+            warn("beams are left out: glTF has no light that is parallel and has sides");
+        else if (n.light >= 0)
+            node["extensions"]["KHR_lights_punctual"]["light"] = light(n.light);
         Json children = Json::array();
         if (n.camera >= 0) add_camera(n.camera, node, children);
         Json primitives = Json::array();
@@ -296,7 +299,7 @@ private:
         if (scene_.environment.kind != EnvironmentKind::none) warn("the environment is left out: glTF has none");
         const RenderHints& h = scene_.hints;
         if (h.width || h.height || h.samples || h.max_depth || h.roulette_depth || h.filter || h.light_sampling ||
-            h.exposure || h.tonemap || h.build)
+            h.exposure || h.white_balance || h.tonemap || h.build)
             warn("how it is to be rendered (size, samples, exposure and such) is left out: glTF has no place for it");
     }
 

@@ -103,6 +103,10 @@ void FathomJsonReader::read_environment(const JsonValue& v)
     }
     if (environment.kind == EnvironmentKind::image || environment.kind == EnvironmentKind::equal_area)
         environment.image = image(o.require("image"));
+    if (environment.kind == EnvironmentKind::image || environment.kind == EnvironmentKind::equal_area ||
+        environment.kind == EnvironmentKind::cube)
+        o.read("illuminance", environment.illuminance);
+    if (environment.illuminance < 0) v["illuminance"].fail("must not be negative");
     if (environment.kind == EnvironmentKind::cube) {
         const JsonValue faces = o.require("faces");
         faces.array_of(6);
@@ -147,10 +151,19 @@ void FathomJsonReader::read_render(const JsonValue& v)
     read_int("max_depth", hints.max_depth, -1);
     read_int("roulette_depth", hints.roulette_depth, 0);
     o.read_word("filter", words::filters, hints.filter);
+    if (auto value = o.get("filter_radius")) {
+        hints.filter_radius = value->number();
+        if (!(*hints.filter_radius >= 0.01 && *hints.filter_radius <= 64)) value->fail("must be 0.01 to 64 pixels");
+    }
     o.read_word("tonemap", words::tonemaps, hints.tonemap);
     o.read_word("build", words::builds, hints.build);
     if (auto value = o.get("light_sampling")) hints.light_sampling = value->boolean();
     if (auto value = o.get("exposure")) hints.exposure = value->number();
+    if (auto value = o.get("white_balance")) {
+        hints.white_balance = value->number();
+        if (!(*hints.white_balance >= least_white_kelvin && *hints.white_balance <= most_white_kelvin))
+            value->fail(fmt::format("light has a temperature of {} to {} K", least_white_kelvin, most_white_kelvin));
+    }
     if (auto value = o.get("own_light")) hints.own_light = value->boolean();
     o.done("in render settings");
 }

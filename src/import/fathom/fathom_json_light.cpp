@@ -38,7 +38,8 @@ double read_angle(const JsonValue& v, double most_deg)
 /// Of a spot, a projector or a goniometric light; false if it can't have one, or has none and needs none.
 bool FathomJsonReader::read_picture(JsonObject& o, Light& light)
 {
-    if (light.kind == LightKind::point || light.kind == LightKind::directional) return false;
+    if (light.kind == LightKind::point || light.kind == LightKind::directional || light.kind == LightKind::beam)
+        return false;
     std::optional<JsonValue> path = o.get("image");
     if (!path && light.kind == LightKind::goniometric) path = o.require("image");
     if (!path && light.kind == LightKind::spot) return false;
@@ -55,7 +56,7 @@ FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const s
     Placed placed;
     JsonObject o(v);
     o.read("name", light.name);
-    if (!v.has("kind")) v.fail("key 'kind' is missing: point, spot, directional, projector or goniometric");
+    if (!v.has("kind")) v.fail("key 'kind' is missing: point, spot, directional, projector, goniometric or beam");
     o.read_word("kind", words::light_kinds, light.kind);
     Color color{1, 1, 1};
     o.read("color", color);
@@ -63,9 +64,9 @@ FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const s
     o.read("intensity", intensity);
     if (intensity < 0) v["intensity"].fail("must not be negative");
 
-    if (light.kind == LightKind::directional) {
+    const bool is_parallel = light.kind == LightKind::directional || light.kind == LightKind::beam;
+    if (is_parallel) {
         o.read_enum("unit", Units{{"lx", 1}, {"W/m2", lumens_per_watt}}, unit);
-        if (auto angle = o.get("angle_deg")) light.angle = read_angle(*angle, 180);
     } else {
         // Power is what the bulb sends into the whole sphere; a spot's shade only takes away.
         const bool may_be_flux = light.kind == LightKind::projector || light.kind == LightKind::goniometric;
@@ -76,6 +77,10 @@ FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const s
         // A picture says how much of it goes where, so there it is all that is sent.
         if (may_be_flux && v.has("unit"))
             light.intensity_is_flux = v["unit"].string() == "lm" || v["unit"].string() == "W";
+    }
+    if (light.kind == LightKind::directional) {
+        if (auto angle = o.get("angle_deg")) light.angle = read_angle(*angle, 180);
+    } else {
         Vec3d position;
         o.read("position", position);
         placed.place = Transform::translate(position);
@@ -93,13 +98,20 @@ FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const s
         o.read_word("fov_axis", words::fov_axes, light.fov_axis);
         o.read("flat_field", light.flat_field);
     }
-    const bool has_picture = read_picture(o, light);
+    if (light.kind == LightKind::beam) {
+        for (const auto& [key, side] : {std::pair{"width", &light.width}, {"height", &light.height}}) {
+            o.read(key, *side);
+            if (!(*side > 0)) v[key].fail("must be above 0");
+        }
+        o.read("round", light.round);
+    }
+    const bool has_up = read_picture(o, light) || light.kind == LightKind::beam;
     if (light.kind != LightKind::point) {
         Vec3d direction{0, 0, -1};
         o.read("direction", direction);
         if (length(direction) == 0) v["direction"].fail("has no length");
         std::optional<Vec3d> up;
-        if (has_picture && v.has("up")) {
+        if (has_up && v.has("up")) {
             o.read("up", up.emplace());
             if (length(cross(*up, direction)) <= 1e-9 * length(*up) * length(direction))
                 v["up"].fail("must have a length and not be along 'direction'");

@@ -78,6 +78,27 @@ void Reader::add_light(Light light, const Transform& world_from_light)
     scene_.roots.push_back(add_node(std::move(node)));
 }
 
+void Reader::add_beam(const Element& element, Object& shape, Node& node)
+{
+    const std::string& type = shape.type();
+    if (type != "rectangle" && type != "disk")
+        return tell(element, "light along the normals of what is neither a rectangle nor a disk is left out");
+    Object emitter(element, document_);
+    Light light;
+    light.name = element.attribute("id");
+    light.kind = LightKind::beam;
+    // What is given per area goes all in one direction.
+    light.intensity = plain_color(emitter, "radiance", {1, 1, 1});
+    light.width = light.height = 2;
+    light.round = type == "disk";
+    emitter.finish(context_.warnings);
+    Node beam;
+    if (!shape.boolean("flip_normals", false)) beam.parent_from_node = Transform::scale({1, 1, -1});
+    beam.light = int(scene_.lights.size());
+    scene_.lights.push_back(std::move(light));
+    node.children.push_back(add_node(std::move(beam)));
+}
+
 void Reader::read_emitter(const Element& element)
 {
     Object emitter(element, document_);

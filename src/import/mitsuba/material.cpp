@@ -378,6 +378,7 @@ void Reader::read_interior(const Element& element, Material& m)
         m.emission = emission;
     }
     if (m.kind != MaterialKind::glass) return tell(element, "is not rendered in what is not glass");
+    m.transmission_scatter_bounces = true;
     const auto absorbed = [&](float t, float a) { return float(double(t) * scale * (1 - a)); };
     const auto scattered = [&](float t, float a) { return float(double(t) * scale * a); };
     fill_solid(
@@ -415,7 +416,7 @@ int Reader::material_of_shape(Object& shape)
     m.base_color = {{grey, grey, grey}, -1};
     m.black_behind = true;
     if (bsdf) m = scene_.materials[std::size_t(material(*bsdf))];
-    if (emitter) {
+    if (emitter && emitter->type() != "directionalarea") {
         Object area(*emitter, document_);
         if (area.type() != "area")
             tell(*emitter, fmt::format("the emitter '{}' of a shape is taken as 'area'", printable(area.type())));

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "fathom/error.h"
+#include "import/common/blend_nothing.h"
 #include "import/mitsuba/reader.h"
 
 namespace fathom::mitsuba {
@@ -51,9 +52,8 @@ Material Reader::blend(Object& bsdf)
     const Material& a = scene_.materials[std::size_t(mixture.material_a)];
     const Material& b = scene_.materials[std::size_t(mixture.material_b)];
     if (weight.texture < 0 && (weight.value <= 0 || weight.value >= 1)) return weight.value >= 1 ? b : a;
-    const auto is_nothing = [](const Material& m) { return m.kind == MaterialKind::none && m.alpha.value == 0; };
-    if (is_nothing(b)) return blend_with_nothing(a, weight, true);
-    if (is_nothing(a)) return blend_with_nothing(b, weight, false);
+    if (is_nothing(b)) return blend_with_nothing(scene_, a, weight, true);
+    if (is_nothing(a)) return blend_with_nothing(scene_, b, weight, false);
     if (is_plain(a) && is_plain(b)) {
         Material out = a;
         Texture mix;
@@ -66,25 +66,6 @@ Material Reader::blend(Object& bsdf)
     if (a.alpha_mode != AlphaMode::opaque || b.alpha_mode != AlphaMode::opaque)
         tell(bsdf.element(), "what lets light pass in one of two blended bsdfs is left out");
     return mixture;
-}
-
-/// The material as often as the weight says, or (of_nothing) as it doesn't, and else nothing.
-Material Reader::blend_with_nothing(Material m, FloatInput weight, bool of_nothing)
-{
-    if (of_nothing && weight.texture < 0) weight.value = 1 - weight.value;
-    if (of_nothing && weight.texture >= 0) {
-        Texture inverse;
-        inverse.kind = TextureKind::mix;
-        inverse.color_a = {{1, 1, 1}, -1}, inverse.color_b = {{0, 0, 0}, -1}, inverse.factor = weight;
-        weight = {1, int(scene_.textures.size()), 1};
-        scene_.textures.push_back(inverse);
-    }
-    if (m.alpha_mode == AlphaMode::opaque) m.alpha = {1, -1, weight.channel};
-    m.alpha_mode = AlphaMode::blend;
-    m.alpha.value *= weight.value;
-    // Of two pictures the blend's is what artists see first.
-    if (weight.texture >= 0) m.alpha.texture = weight.texture, m.alpha.channel = weight.channel;
-    return m;
 }
 
 }  // namespace fathom::mitsuba

@@ -47,6 +47,8 @@ private:
     void read_environment_map(Object& emitter);
     void read_sky(Object& emitter);
     void add_light(Light light, const Transform& world_from_light);
+    /// Of a shape that shines along its normals only: a light in front of it.
+    void add_beam(const Element& element, Object& shape, Node& node);
 
     // texture.cpp: colours and what stands for them. Reflectances are at most 1.
     ColorInput color(Object& of, std::string_view name, Color otherwise);
@@ -76,7 +78,6 @@ private:
     Material bumps(Object& bsdf);
     Material two_sided(Object& bsdf);
     Material blend(Object& bsdf);
-    Material blend_with_nothing(Material m, FloatInput weight, bool of_nothing);
     void read_roughness(Object& bsdf, Material& material);
     /// Of one side against the other.
     double relative_ior(Object& bsdf, double inside, double outside);

@@ -91,11 +91,22 @@ void Reader::read_film(const Element& element)
                  "variant", "high_quality_edges", "attach_log"});
     scene_.hints.filter = "gaussian";
     for (const Element* filter : film.children("rfilter")) {
-        scene_.hints.filter = filter->type() == "box"        ? "box"
-                              : filter->type() == "gaussian" ? "gaussian"
-                                                             : "blackman-harris";
-        if (filter->type() != "box" && filter->type() != "gaussian")
-            tell(*filter, "the filter is 'blackman-harris' here: no filter with negative parts, nor a tent");
+        Object of(*filter, document_);
+        const std::string& type = filter->type();
+        const bool is_own = type == "box" || type == "tent" || type == "gaussian";
+        scene_.hints.filter = is_own ? type : "blackman-harris";
+        scene_.hints.filter_radius.reset();
+        if (!is_own) {
+            tell(*filter, "the filter is 'blackman-harris' here: none has negative parts");
+            of.ignore({"B", "C", "lobes"});
+        }
+        // A Gaussian ends at four deviations there and here.
+        const double radius = type == "gaussian" ? 4 * of.number("stddev", 0.5)
+                              : type == "box"    ? of.number("radius", 0.5)
+                                                 : of.number("radius", 1);
+        if (!(radius > 0 && radius <= 64)) filter->fail("a filter reaches up to 64 pixels");
+        if (is_own && radius != (type == "gaussian" ? 2 : type == "box" ? 0.5 : 1)) scene_.hints.filter_radius = radius;
+        of.finish(context_.warnings);
     }
     film.finish(context_.warnings);
 }

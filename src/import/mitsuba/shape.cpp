@@ -101,6 +101,8 @@ void Reader::read_shape(const Element& element, std::vector<int>& roots)
     }
     for (int child : node.children)
         for (Shape& s : scene_.nodes[std::size_t(child)].shapes) s.material = material;
+    for (const Element* emitter : shape.children("emitter"))
+        if (emitter->type() == "directionalarea") add_beam(*emitter, shape, node);
     if (!node.shapes.empty() || !node.children.empty()) roots.push_back(add_node(std::move(node)));
 }
 

@@ -156,7 +156,9 @@ void Reader::read_infinite(const Parameters& of)
         environment.image = image(of);
         const auto scale = float(of.number("scale", 1));
         environment.color = {scale, scale, scale};
-        if (lux > 0) tell(of, "'illuminance' is left out: the picture is as bright as it is");
+        // pbrt takes each pixel for half of the solid angle that it has: what it shows is twice as bright as it is
+        // told.
+        environment.illuminance = std::max(2 * lux, 0.0);
         environment.world_from_environment = rotation_of(state_.ctm[0]);
     } else {
         Color color = light_color(of, "L");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "import/common/blend_nothing.h"
 #include "import/common/medium.h"
 #include "import/common/power.h"
 #include "import/common/read_file.h"
@@ -70,7 +71,7 @@ Material Reader::read_material(const Parameters& m)
     else if (type == "coatedconductor")
         result = coated_conductor(m);
     else if (type == "dielectric" || type == "thindielectric")
-        result = dielectric(m);
+        result = dielectric(m, 1.5f);
     else if (type == "diffusetransmission")
         result = diffuse_transmission(m);
     else if (type == "subsurface")
@@ -183,16 +184,25 @@ float Reader::layer_thickness(const Parameters& m)
     return std::clamp(thickness.value * (1 - scattered), 0.f, 100.f);
 }
 
-Material Reader::dielectric(const Parameters& m)
+Material Reader::dielectric(const Parameters& m, float usual_index)
 {
     Material out;
     out.kind = MaterialKind::glass;
     out.base_color = {{1, 1, 1}, -1};
-    out.ior = ior(m, "eta", 1.5f);
+    const GlassIndex glass = glass_index(m, "eta", usual_index);
+    out.ior = float(glass.middle);
     out.thin = m.plugin() == "thindielectric";
     out.roughness = {0, -1, 0};
     out.energy_compensation = false;
+    // A pane shifts colours, which is not seen.
     if (out.thin) return out;
+    if (glass.abbe > 0) {
+        // The same as glass, bit by bit, but that it spreads colours.
+        out.kind = MaterialKind::principled;
+        out.metallic = {0, -1, 0};
+        out.transmission = {1, -1, 0};
+        out.dispersion = float(std::min(20 / glass.abbe, 40.0));
+    }
     set_roughness(m, "", out);
     if (out.anisotropy.value > 0) tell(m, "glass is as rough in all directions as in one");
     out.two_roughnesses = false, out.anisotropy = {0, -1, 0};
@@ -221,10 +231,19 @@ Material Reader::diffuse_transmission(const Parameters& m)
     return out;
 }
 
+/// By a parameter that has its name; null where there is none.
+const MeasuredMedium* Reader::measured_medium(const Parameters& of, std::string_view parameter)
+{
+    const std::string name = of.text(parameter, "");
+    if (name.empty()) return nullptr;
+    const MeasuredMedium* const found = find_medium(name);
+    if (!found) of.fail(fmt::format("there is no medium '{}'{}", printable(name), suggestion(name, medium_names())));
+    return found;
+}
+
 Material Reader::subsurface(const Parameters& m)
 {
-    Material out = dielectric(m);
-    out.ior = ior(m, "eta", 1.33f);
+    Material out = dielectric(m, 1.33f);
     const double scale = m.number("scale", 1);
     const auto g = float(m.number("g", 0));
     if (m.has("reflectance")) {
@@ -242,8 +261,11 @@ Material Reader::subsurface(const Parameters& m)
         out.subsurface_scatter_anisotropy = g;
         return out;
     }
-    if (m.has("name")) tell(m, "the media that have names are not known: 'sigma_a' and 'sigma_s' are the usual ones");
-    m.ignore({"name"});
+    if (const MeasuredMedium* const known = measured_medium(m, "name")) {
+        m.ignore({"sigma_a", "sigma_s", "g"});
+        fill_solid(out, scaled(known->absorption, scale), scaled(known->scattering, scale), 0);
+        return out;
+    }
     for (const char* texture : {"sigma_a", "sigma_s"})
         if (m.has(texture) && m.find(texture)->type == "texture")
             m.fail(fmt::format("a texture as '{}' is not rendered yet: give a colour", texture));
@@ -292,8 +314,11 @@ Material Reader::mix(const Parameters& m)
     }
     const FloatInput amount = number_or_texture(m, "amount", 0.5f);
     if (amount.texture < 0 && (amount.value <= 0 || amount.value >= 1)) return both[amount.value >= 1 ? 1 : 0];
+    for (const bool second : {false, true})
+        if (is_nothing(both[second])) return blend_with_nothing(scene_, both[!second], amount, second);
     const auto is_plain = [](const Material& part) {
-        return part.kind == MaterialKind::diffuse && part.normal_texture < 0 && part.bump.texture < 0;
+        return part.kind == MaterialKind::diffuse && part.alpha_mode == AlphaMode::opaque && part.normal_texture < 0 &&
+               part.bump.texture < 0;
     };
     if (is_plain(both[0]) && is_plain(both[1])) {
         both[0].base_color = mixed(both[0].base_color, both[1].base_color, amount);
@@ -304,7 +329,7 @@ Material Reader::mix(const Parameters& m)
     out.factor = amount;
     out.material_a = int(scene_.materials.size()), out.material_b = out.material_a + 1;
     for (std::size_t i = 0; i < 2; ++i) {
-        if (both[i].alpha_mode != AlphaMode::opaque) tell(m, "an 'interface' within a mix of materials is black");
+        if (both[i].alpha_mode != AlphaMode::opaque) tell(m, "an 'interface' in a mix within a mix is black");
         both[i].name = names[i];
         scene_.materials.push_back(both[i]);
     }
@@ -318,19 +343,22 @@ void Reader::set_medium(const Parameters& medium, Material& out)
         tell(medium, "is not rendered yet: nothing is there");
         return;
     }
-    if (medium.has("preset")) tell(medium, "the media that have names are not known: the usual one instead");
     if (medium.has("Le")) tell(medium, "media don't glow yet: 'Le' is left out");
     const double scale = medium.number("scale", 1);
-    const Color absorption = color_value(medium, "sigma_a", {0.0011f, 0.0024f, 0.014f}, true),
-                scattering = color_value(medium, "sigma_s", {2.55f, 3.21f, 3.77f}, true);
+    const MeasuredMedium* const known = measured_medium(medium, "preset");
+    // What pbrt takes where nothing is said; its manual has other numbers.
+    const Color absorption = known ? known->absorption : color_value(medium, "sigma_a", {1, 1, 1}, true),
+                scattering = known ? known->scattering : color_value(medium, "sigma_s", {1, 1, 1}, true);
+    if (known) medium.ignore({"sigma_a", "sigma_s"});
     const auto g = float(medium.number("g", 0));
-    medium.ignore({"type", "preset", "Le", "Lescale"});
+    medium.ignore({"type", "Le", "Lescale"});
     medium.finish(teller_);
     if (out.kind == MaterialKind::none) out = open_boundary();
-    if (out.kind != MaterialKind::glass) {
+    if (out.kind != MaterialKind::glass && !(out.kind == MaterialKind::principled && out.transmission.value == 1)) {
         tell(medium, "is not rendered in what is not glass");
         return;
     }
+    out.transmission_scatter_bounces = true;
     fill_solid(out, scaled(absorption, scale), scaled(scattering, scale), g);
 }
 

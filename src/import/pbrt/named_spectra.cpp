@@ -27,12 +27,14 @@ constexpr Conductor metals[] = {{"Ag", {0.1291f, 0.1242f, 0.1511f}, {4.107f, 3.3
 
 struct NamedGlass {
     const char* name;
-    double index;
+    GlassIndex index;
 };
-constexpr NamedGlass glasses[] = {{"glass-BK7", 1.5168},   {"glass-BAF10", 1.6700}, {"glass-FK51A", 1.4866},
-                                  {"glass-LASF9", 1.8503}, {"glass-F5", 1.6727},    {"glass-SF5", 1.6727},
-                                  {"glass-F10", 1.7283},   {"glass-SF10", 1.7283},  {"glass-F11", 1.7847},
-                                  {"glass-SF11", 1.7847}};
+/// Of Schott. pbrt has names without an S for three.
+constexpr NamedGlass glasses[] = {{"glass-BK7", {1.5168, 64.17}},   {"glass-BAF10", {1.6700, 47.11}},
+                                  {"glass-FK51A", {1.4866, 84.47}}, {"glass-LASF9", {1.8503, 32.17}},
+                                  {"glass-F5", {1.6727, 32.21}},    {"glass-SF5", {1.6727, 32.21}},
+                                  {"glass-F10", {1.7283, 28.41}},   {"glass-SF10", {1.7283, 28.41}},
+                                  {"glass-F11", {1.7847, 25.76}},   {"glass-SF11", {1.7847, 25.76}}};
 
 }  // namespace
 
@@ -51,7 +53,7 @@ const Conductor* find_metal(const std::string& spectrum)
     return nullptr;
 }
 
-std::optional<double> glass_index(const std::string& name)
+std::optional<GlassIndex> find_glass(const std::string& name)
 {
     for (const NamedGlass& glass : glasses)
         if (name == glass.name) return glass.index;
@@ -76,9 +78,13 @@ double value_at(const std::vector<SpectrumPoint>& points, double nm)
            (nm - before.wavelength) / (after->wavelength - before.wavelength) * (after->value - before.value);
 }
 
-double value_at_587(const Parameter& parameter)
+GlassIndex glass_of(const std::vector<SpectrumPoint>& points)
 {
-    return value_at(spectrum_points(parameter, parameter.numbers), 587.6);
+    GlassIndex glass{value_at(points, 587.6)};
+    // No glass refracts red more than blue.
+    if (const double spread = value_at(points, 486.1) - value_at(points, 656.3); spread > 0)
+        glass.abbe = (glass.middle - 1) / spread;
+    return glass;
 }
 
 }  // namespace fathom::pbrt

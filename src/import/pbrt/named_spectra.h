@@ -19,8 +19,14 @@ const NamedLight* find_light(const std::string& name);
 /// Of "metal-Ag-eta" or "metal-Ag-k": what reflects like it, a colour for each of red, green and blue. Null if it is
 /// none or not known here.
 const Conductor* find_metal(const std::string& spectrum);
-/// Of a glass at 587.6 nm, by its maker's data sheet.
-std::optional<double> glass_index(const std::string& name);
+/// How glass refracts: its index at 587.6 nm, and Abbe's number, by that index less 1 over how much more it is at 486.1
+/// than at 656.3 nm; 0 where all colours are refracted alike.
+struct GlassIndex {
+    double middle, abbe = 0;
+};
+/// By its maker's data sheet.
+std::optional<GlassIndex> find_glass(const std::string& name);
+GlassIndex glass_of(const std::vector<SpectrumPoint>& points);
 bool is_named_spectrum(const std::string& name);
 
 /// Pairs of wavelength and value. Throws Error.
@@ -29,6 +35,5 @@ std::vector<SpectrumPoint> spectrum_points(const Parameter& parameter, const std
 std::vector<float> numbers_of_file(const std::string& file, const std::string& text);
 /// Linear in between, and as at its ends outside.
 double value_at(const std::vector<SpectrumPoint>& points, double nm);
-double value_at_587(const Parameter& parameter);
 
 }  // namespace fathom::pbrt

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "import/common/load_context.h"
+#include "import/pbrt/measured_media.h"
+#include "import/pbrt/named_spectra.h"
 #include "import/pbrt/parameters.h"
 
 namespace fathom::pbrt {
@@ -95,7 +97,9 @@ private:
     Color light_color(const Parameters& of, std::string_view name);
     ColorInput color(const Parameters& of, std::string_view name, Color otherwise);
     FloatInput number_or_texture(const Parameters& of, std::string_view name, float otherwise);
-    /// An index of refraction: a number, or a glass by name.
+    /// An index of refraction: a number, a glass by name, or a spectrum.
+    GlassIndex glass_index(const Parameters& of, std::string_view name, float otherwise);
+    /// Where all colours are refracted alike.
     float ior(const Parameters& of, std::string_view name, float otherwise);
 
     // texture.cpp
@@ -123,10 +127,11 @@ private:
     Material read_material(const Parameters& m);
     Material diffuse(const Parameters& m);
     Material coated_diffuse(const Parameters& m);
-    Material dielectric(const Parameters& m);
+    Material dielectric(const Parameters& m, float usual_index);
     Material diffuse_transmission(const Parameters& m);
     Material conductor(const Parameters& m, const std::string& prefix, float outside);
     Material coated_conductor(const Parameters& m);
+    const MeasuredMedium* measured_medium(const Parameters& of, std::string_view parameter);
     Material subsurface(const Parameters& m);
     Material hair(const Parameters& m);
     Material mix(const Parameters& m);

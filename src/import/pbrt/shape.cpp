@@ -206,6 +206,39 @@ std::optional<Shape> Reader::loop_mesh(const Parameters& shape)
     return add_mesh(std::move(mesh), shape.title());
 }
 
+namespace {
+
+/// Of a quadratic B-spline: its pieces meet in the middles of its polygon's sides.
+std::vector<Vec3f> quadratic_bezier(const Parameters& shape, const std::vector<Vec3f>& points)
+{
+    if (points.size() < 3) shape.fail("a quadratic 'bspline' has three points or more");
+    const auto middle = [&](std::size_t i) {
+        return to_float((to_double(points[i]) + to_double(points[i + 1])) * 0.5);
+    };
+    std::vector<Vec3f> result{middle(0)};
+    for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+        result.push_back(points[i]);
+        result.push_back(middle(i));
+    }
+    return result;
+}
+
+/// Of a cubic B-spline: its pieces.
+std::vector<Vec3f> cubic_bezier(const Parameters& shape, const std::vector<Vec3f>& points)
+{
+    if (points.size() < 4) shape.fail("a 'bspline' has four points or more");
+    const auto at = [&](std::size_t i) { return to_double(points[i]); };
+    std::vector<Vec3f> result{to_float((at(0) + at(1) * 4 + at(2)) * (1.0 / 6))};
+    for (std::size_t i = 1; i + 2 < points.size(); ++i) {
+        result.push_back(to_float((at(i) * 2 + at(i + 1)) * (1.0 / 3)));
+        result.push_back(to_float((at(i) + at(i + 1) * 2) * (1.0 / 3)));
+        result.push_back(to_float((at(i) + at(i + 1) * 4 + at(i + 2)) * (1.0 / 6)));
+    }
+    return result;
+}
+
+}  // namespace
+
 std::optional<Shape> Reader::curve(const Parameters& shape)
 {
     Curves curves;
@@ -214,12 +247,13 @@ std::optional<Shape> Reader::curve(const Parameters& shape)
     const std::string basis = shape.text("basis", "bezier"), type = shape.text("type", "flat");
     if (degree != 2 && degree != 3) shape.fail("'degree' is 2 or 3");
     if (basis != "bezier" && basis != "bspline") shape.fail("'basis' is 'bezier' or 'bspline'");
+    const double width = shape.number("width", 1), first = shape.number("width0", width),
+                 last = shape.number("width1", width);
+    // Widths change evenly from end to end, which no points of a B-spline say where they change at all.
+    const bool is_bezier = basis == "bezier" || degree == 2 || first != last;
+    if (basis == "bspline" && is_bezier)
+        curves.points = degree == 2 ? quadratic_bezier(shape, curves.points) : cubic_bezier(shape, curves.points);
     if (degree == 2) {
-        if (basis == "bspline") {
-            tell(shape, "quadratic splines are not read: it is left out");
-            shape.ignore({"width", "width0", "width1", "N", "splitdepth"});
-            return std::nullopt;
-        }
         // The same curve as a cubic one.
         std::vector<Vec3f> cubic;
         for (std::size_t i = 0; i + 2 < curves.points.size(); i += 2) {
@@ -234,16 +268,14 @@ std::optional<Shape> Reader::curve(const Parameters& shape)
         curves.points = std::move(cubic);
     }
     const std::size_t n = curves.points.size();
-    if (n < 4 || (basis == "bezier" && n % 3 != 1))
+    if (n < 4 || (is_bezier && n % 3 != 1))
         shape.fail(fmt::format("a curve of {} points: it needs 4, 7, 10, ..., or 4 and more of a 'bspline'", n));
-    curves.basis = basis == "bezier" ? CurveBasis::bezier : CurveBasis::bspline;
+    curves.basis = is_bezier ? CurveBasis::bezier : CurveBasis::bspline;
     curves.ribbons = type != "cylinder";
     if (type == "ribbon") {
         tell(shape, "a ribbon faces each ray, not along its 'N'");
         shape.ignore({"N"});
     }
-    const double width = shape.number("width", 1), first = shape.number("width0", width),
-                 last = shape.number("width1", width);
     for (std::size_t i = 0; i < n; ++i)
         curves.radii.push_back(float((first + (last - first) * double(i) / double(n - 1)) / 2));
     curves.counts = {std::uint32_t(n)};

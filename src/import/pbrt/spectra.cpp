@@ -163,25 +163,34 @@ FloatInput Reader::number_or_texture(const Parameters& of, std::string_view name
     return {input.value.g, input.texture, 1};
 }
 
-float Reader::ior(const Parameters& of, std::string_view name, float otherwise)
+GlassIndex Reader::glass_index(const Parameters& of, std::string_view name, float otherwise)
 {
     const Parameter* const p = of.find(name);
-    if (!p) return otherwise;
-    double value = otherwise;
+    if (!p) return {otherwise};
+    GlassIndex glass{otherwise};
     if (p->type == "spectrum" && p->strings.size() == 1) {
-        const std::optional<double> glass = glass_index(p->strings[0]);
-        if (!glass) p->place.fail(fmt::format("the glass '{}' is not known", printable(p->strings[0])));
-        tell(of, fmt::format("glass refracts all colours alike: '{}' is its index at 587.6 nm", p->strings[0]));
-        value = *glass;
-    } else if (p->type == "spectrum" || p->type == "rgb") {
-        const Color c = p->type == "rgb" ? color_value(of, *p, true) : Color{0, float(value_at_587(*p)), 0};
+        const std::optional<GlassIndex> named = find_glass(p->strings[0]);
+        if (!named && is_named_spectrum(p->strings[0]))
+            p->place.fail(fmt::format("the glass '{}' is not known", printable(p->strings[0])));
+        glass = named ? *named : glass_of(spectrum_points(*p, spectrum_file(*p)));
+    } else if (p->type == "spectrum") {
+        glass = glass_of(spectrum_points(*p, p->numbers));
+    } else if (p->type == "rgb") {
         tell(of, fmt::format("glass refracts all colours alike: '{}' is taken in the middle", name));
-        value = c.g;
+        glass.middle = color_value(of, *p, true).g;
     } else {
-        value = of.number(name, otherwise);
+        glass.middle = of.number(name, otherwise);
     }
-    if (!(value > 0) || !std::isfinite(value)) p->place.fail("an index of refraction must be above 0");
-    return float(value);
+    if (!(glass.middle > 0) || !std::isfinite(glass.middle)) p->place.fail("an index of refraction must be above 0");
+    return glass;
+}
+
+float Reader::ior(const Parameters& of, std::string_view name, float otherwise)
+{
+    const GlassIndex glass = glass_index(of, name, otherwise);
+    if (glass.abbe > 0)
+        tell(of, fmt::format("'{}' is taken at 587.6 nm: what is not glass refracts all colours alike", name));
+    return float(glass.middle);
 }
 
 }  // namespace fathom::pbrt

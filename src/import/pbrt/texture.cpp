@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 
@@ -31,6 +32,33 @@ Color grey(double value)
 bool is_within_unit(Color c)
 {
     return std::min({c.r, c.g, c.b}) >= 0 && std::max({c.r, c.g, c.b}) <= 1;
+}
+
+/// The exponent by which a picture's values become light; 0 of sRGB, which is no power.
+double gamma_of(const Parameters& of, const std::string& encoding)
+{
+    if (encoding == "sRGB") return 0;
+    if (encoding == "linear") return 1;
+    constexpr std::string_view start = "gamma ";
+    double gamma = 0;
+    if (encoding.starts_with(start)) {
+        const char *const first = encoding.data() + start.size(), *const last = encoding.data() + encoding.size();
+        if (std::from_chars(first, last, gamma).ptr != last) gamma = 0;
+    }
+    if (!(gamma > 0 && std::isfinite(gamma)))
+        of.fail(fmt::format("'encoding' is 'sRGB', 'linear' or 'gamma' with a number, not '{}'", printable(encoding)));
+    return gamma;
+}
+
+/// How far a power is from the curve of sRGB at most.
+double distance_to_srgb(double gamma)
+{
+    double most = 0;
+    for (int code = 0; code < 256; ++code) {
+        const double v = code / 255.0, linear = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+        most = std::max(most, std::abs(std::pow(v, gamma) - linear));
+    }
+    return most;
 }
 
 /// Whether no colour of a texture can be below 0 or above 1.
@@ -300,8 +328,11 @@ ColorInput Reader::image_map(const NamedTexture& named)
     t.nearest = filter == "point";
     // Only PNGs have an encoding in pbrt.
     if (t.name.ends_with(".png") || t.name.ends_with(".PNG")) {
-        t.color_space = encoding == "linear" ? ColorSpace::linear : ColorSpace::srgb;
-        if (encoding != "linear" && encoding != "sRGB") tell(of, "the encoding is taken as 'sRGB'");
+        const double gamma = gamma_of(of, encoding);
+        t.color_space = gamma == 1 ? ColorSpace::linear : ColorSpace::srgb;
+        if (gamma > 0 && gamma != 1)
+            tell(of, fmt::format("the encoding '{}' is taken as 'sRGB': off by up to {:.1g}", printable(encoding),
+                                 distance_to_srgb(gamma)));
     }
     set_mapping(named, t, true);
     // At many samples what filters over a pixel's footprint makes no difference.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "import/common/read_file.h"
@@ -39,7 +40,6 @@ void Reader::read_film(const Parameters& film)
     read_crop(film, width, height);
     if (film.plugin() != "rgb") tell(film, "the picture has red, green and blue");
     film.ignore({"cropwindow", "pixelbounds", "filename", "savefp16", "diagonal"});
-    if (film.has("maxcomponentvalue")) tell(film, "'maxcomponentvalue' is left out: samples are as bright as they are");
     const std::string sensor = film.text("sensor", "cie1931");
     const double iso = film.number("iso", 100);
     if (!(iso > 0)) film.fail("'iso' must be above 0");
@@ -48,9 +48,21 @@ void Reader::read_film(const Parameters& film)
                  close = camera_ ? camera_->number("shutterclose", 1) : 1;
     const double ratio = (close - open) * iso / 100;
     if (ratio > 0 && ratio != 1) scene_.hints.exposure = std::log2(ratio);
-    if (sensor != "cie1931") tell(film, fmt::format("the sensor '{}' is taken as 'cie1931'", printable(sensor)));
-    if (film.number("whitebalance", 0) != 0) tell(film, "'whitebalance' is left out");
-    film.ignore({"maxcomponentvalue"});
+    // Of what is recorded, in the sensor's own light. It takes light away, which is asked for here, not done unasked.
+    const double most = film.number("maxcomponentvalue", std::numeric_limits<double>::infinity());
+    if (std::isfinite(most) && ratio > 0)
+        tell(film, fmt::format("'maxcomponentvalue' is left out, as it makes pictures darker: samples are as bright as "
+                               "they are; --clamp-indirect {:.4g} limits those of light by two surfaces or more",
+                               most / ratio));
+    if (sensor != "cie1931")
+        tell(film, fmt::format("the sensor '{}' is taken as 'cie1931', without the colours of its filters",
+                               printable(sensor)));
+    // Sensors whose colours are told for 6500 K by pbrt have the white that is here without any.
+    if (const double kelvin = film.number("whitebalance", 0); kelvin != 0) {
+        scene_.hints.white_balance = std::clamp(kelvin, least_white_kelvin, most_white_kelvin);
+        if (kelvin != *scene_.hints.white_balance)
+            tell(film, fmt::format("'whitebalance' is taken as {} K", *scene_.hints.white_balance));
+    }
     film.finish(teller_);
 }
 
@@ -77,10 +89,24 @@ void Reader::read_crop(const Parameters& film, int width, int height)
 void Reader::read_filter(const Parameters& filter)
 {
     const std::string& type = filter.plugin();
-    scene_.hints.filter = type == "box" ? "box" : type == "gaussian" ? "gaussian" : "blackman-harris";
-    if (type != "box" && type != "gaussian")
-        tell(filter, "the filter is 'blackman-harris' here: no filter with negative parts, nor a tent");
-    filter.ignore({"xradius", "yradius", "sigma", "B", "C", "tau"});
+    const bool is_triangle = type == "triangle", is_gaussian = type == "gaussian";
+    const bool is_own = type == "box" || is_triangle || is_gaussian;
+    scene_.hints.filter = is_triangle ? "tent" : is_own ? type : "blackman-harris";
+    scene_.hints.filter_radius.reset();
+    if (!is_own) {
+        tell(filter, "the filter is 'blackman-harris' here: none has negative parts");
+        filter.ignore({"xradius", "yradius", "B", "C", "tau"});
+    } else {
+        const double usual = is_triangle   ? 2
+                             : is_gaussian ? 1.5
+                                           : 0.5,
+                     x = filter.number("xradius", usual), y = filter.number("yradius", usual);
+        if (x != y) tell(filter, "the filter is as wide along y as along x");
+        // What pbrt's Gaussian has beyond its radius, which here is four deviations, is next to nothing.
+        const double radius = is_gaussian ? 4 * filter.number("sigma", 0.5) : x;
+        if (!(radius > 0 && radius <= 64)) filter.fail("a filter reaches up to 64 pixels");
+        if (radius != (is_gaussian ? 2 : is_triangle ? 1 : 0.5)) scene_.hints.filter_radius = radius;
+    }
     filter.finish(teller_);
 }
 

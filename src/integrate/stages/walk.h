@@ -92,9 +92,13 @@ private:
             // Of use to whoever passes the boundary that is ahead.
             p.walk_steps.store(i, step, m);
         }
+        Mask counts = open;
+        // Paths without a longest depth have as many bits as if nothing were counted.
+        if (settings_.max_depth >= 0)
+            counts |= turns & (gather(tables_.media, &MediumRecord::counts, medium, m) != UInt(0u));
         const Spectrum scattered = next;
         const Mask ends = end_by_chance(turns, key, seed, bounce + step, p.eta_scale.load(i), next) |
-                          (turns & !less(step, UInt(most_steps))) | (open & !may_scatter(settings_, bounce));
+                          (turns & !less(step, UInt(most_steps))) | (counts & !may_scatter(settings_, bounce));
         p.throughput.store(i, next, m);
         if (none(turns)) return;
 
@@ -112,7 +116,7 @@ private:
         if (scene_.has_way_out) p.way_out.store(i, Float(0), turns);
         // A camera in a medium sees no first hit through it: the path has left the camera.
         const Mask from_camera = bounce == UInt(0u);
-        const UInt left = select(open | from_camera, UInt(1u), UInt(0u));
+        const UInt left = select(counts | from_camera, UInt(1u), UInt(0u));
         const UInt dead = select(ends, UInt(PathPool::dead), UInt(0u));
         const UInt specular = select(open, UInt(0u), UInt(PathPool::specular));
         const UInt others = state & UInt(~PathPool::specular);

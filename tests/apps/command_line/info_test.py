@@ -115,6 +115,12 @@ class Info(CommandLine):
         self.assertRegex(text, r"materials +\d+: .*1 glass.* of no shape\n")
         self.assertNotIn("spare", text)
 
+    def test_lights(self):
+        kinds = ["point", "spot", "directional", "projector", "goniometric", "beam"]
+        lights = {kind: {"kind": kind, **({"image": "dot.png"} if kind == "goniometric" else {})} for kind in kinds}
+        self.put("lights.json", json.dumps({"fathom": 1, "lights": lights, "scene": []}))
+        self.assertEqual([light["kind"] for light in self.info("lights.json")["lights"]], kinds)
+
     def test_images(self):
         missing, dot = self.info("a.json")["images"]
         self.assertEqual((missing["problem"], "size" in missing), ("is missing", False))
