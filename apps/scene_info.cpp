@@ -31,8 +31,8 @@ const char* name_of(EnvironmentKind kind)
 }
 const char* name_of(MaterialKind kind)
 {
-    constexpr const char* names[] = {"none",    "unlit", "diffuse",    "metal",  "fuzz_metal", "glass",
-                                     "plastic", "hair",  "principled", "disney", "mix",        "two_sided"};
+    constexpr const char* names[] = {"none", "unlit",      "diffuse", "metal",    "fuzz_metal", "glass",    "plastic",
+                                     "hair", "principled", "disney",  "measured", "mix",        "two_sided"};
     static_assert(std::size(names) == material_kind_count);
     return names[int(kind)];
 }

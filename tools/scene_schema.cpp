@@ -40,7 +40,8 @@ Json type_of(const Parameter<Owner>& p, Member member, Json& value)
     Json json = Json::object();
     if constexpr (std::is_same_v<Member, TextureReference<Owner>>) {
         return reference("textureInput");
-    } else if constexpr (std::is_same_v<Member, ImageReference<Owner>>) {
+    } else if constexpr (std::is_same_v<Member, ImageReference<Owner>> ||
+                         std::is_same_v<Member, MeasuredReference<Owner>>) {
         return {{"type", "string"}};
     } else if constexpr (std::is_same_v<Member, MaterialReference<Owner>>) {
         return {{"oneOf", {{{"type", "string"}}, reference("material")}}};

@@ -135,10 +135,11 @@ enum class MaterialKind {
     principled,
     /// Disney's (Burley 2012, 2015): lobes that are added, of facets, what is diffuse, sheen and a clear coat.
     disney,
+    measured,  ///< what was measured of a surface: of the description's `measured`
     mix,       ///< of two materials: a path meets material_b as often as factor says, else material_a
     two_sided  ///< material_a on the side of the geometric normal, material_b on the other
 };
-inline constexpr int material_kind_count = 12;
+inline constexpr int material_kind_count = 13;
 
 enum class AlphaMode { opaque, mask, blend };
 
@@ -211,6 +212,7 @@ struct Material {
     FloatInput sheen{0, -1, 0};
     FloatInput sheen_tint{0, -1, 0};  ///< how far the sheen has that hue
     FloatInput coat_gloss{0, -1, 0};  ///< 0: an alpha of 0.1, 1: one of 0.001
+    int measured = -1;                ///< measured: into SceneDescription::measured
     // mix, two_sided: materials, which may be such themselves. What they emit, their alpha and their displacement don't
     // count: the mixture has its own.
     int material_a = -1, material_b = -1;
@@ -241,6 +243,29 @@ struct Material {
     bool black_behind = false;      ///< of what doesn't transmit: reflects nothing on its back
     bool single_sided = false;      ///< cameras look through it from behind; other light does not pass
     bool use_vertex_color = false;  ///< base_color (and alpha) times the mesh's vertex colours
+};
+
+/// Values at points of the unit square, of which those of the first and last row and column lie on its edges; linear in
+/// between. Rows by growing v, in each of them u grows. Where there are several such tables they are behind each other.
+struct MeasuredTable {
+    int width = 0, height = 0;
+    std::vector<float> values;
+};
+
+/// What was measured of how a surface reflects, as files of the RGL's database of materials have it: Dupuy and Jakob
+/// 2018, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering". Directions are points of the
+/// unit square: u the root of theta / (pi / 2), v as phi goes from -pi to pi.
+struct MeasuredBrdf {
+    std::string name;                     ///< of its file
+    std::vector<float> theta{0}, phi{0};  ///< of the directions that the tables are for, radians, ascending
+    MeasuredTable ndf, sigma;             ///< facets by their normal; their area as seen from a direction
+    MeasuredTable vndf;                   ///< for each theta of each phi: how facets by their normal count there
+    MeasuredTable luminance;              ///< the same: how light counts, over the square that vndf makes even
+    MeasuredTable color;                  ///< over that square, too: red, green, blue for each theta of each phi
+    bool color_is_per_facet = true;       ///< what is reflected is color * ndf / (4 sigma), else color alone
+
+    /// Alike from all sides: normals' phi counts from the direction's.
+    bool is_isotropic() const { return phi.size() <= 2; }
 };
 
 // ---------------------------------------------------------------------------------------------------- geometry
@@ -495,6 +520,7 @@ struct SceneDescription {
     std::vector<ImageFile> images;
     std::vector<Texture> textures;
     std::vector<Material> materials;
+    std::vector<MeasuredBrdf> measured;
     std::vector<Mesh> meshes;
     std::vector<Curves> curves;
     std::vector<Points> points;

@@ -29,8 +29,8 @@ std::uint64_t fingerprint_contents(const GeometryTables& t)
 std::uint64_t fingerprint_materials(const SceneTables& t)
 {
     Fingerprint f;
-    f.add(t.materials), f.add(t.layers), f.add(t.disney), f.add(t.mixtures), f.add(t.media), f.add(t.texels),
-        f.add(t.environment.texels);
+    f.add(t.materials), f.add(t.layers), f.add(t.disney), f.add(t.measured), f.add(t.measured_values),
+        f.add(t.mixtures), f.add(t.media), f.add(t.texels), f.add(t.environment.texels);
     f.add(t.picture_texels);
     f.add(t.ramp_stops), f.add(t.texture_spaces);
     for (const auto& image : t.packed_images) f.add(image);

@@ -9,7 +9,9 @@
 #include "compile/media.h"
 #include "fathom/error.h"
 #include "scene/material_table.h"
+#include "scene/measured.h"
 #include "scene/texture_table.h"
+#include "shading/measured_tables.h"
 
 namespace fathom {
 
@@ -90,6 +92,8 @@ ClosureKind closure_of(const Material& m)
             return ClosureKind::hair;
         case MaterialKind::disney:
             return closure_of_disney(m);
+        case MaterialKind::measured:
+            return ClosureKind::measured;
         case MaterialKind::principled:
             break;
     }
@@ -140,6 +144,27 @@ void compile_hair(const Material& m, MaterialRecord& t)
     t.base_texture = texture_id(texture);
 }
 
+/// The tables are shared, and were compiled with the scene's textures.
+void compile_measured(const Compiler& c, const Material& m, MaterialRecord& t)
+{
+    const MeasuredBrdf& brdf = c.scene.measured[std::size_t(m.measured)];
+    t.measured = std::uint32_t(m.measured);
+    t.base_color = spectrum(reflectance_of(brdf));  // shown by albedo layers
+    if (!brdf.is_isotropic()) t.flags |= MaterialRecord::wants_tangent;
+}
+
+/// Values of all measured surfaces.
+void compile_measured_tables(Compiler& c)
+{
+    double count = 0;
+    for (const MeasuredBrdf& brdf : c.scene.measured) count += measured_value_count(brdf);
+    constexpr double most = 0x7fffffff;  // that an index of lanes can tell apart
+    if (count > most) throw Error(c.scene.file, "", "its measured materials have more than 2,147,483,647 values");
+    c.tables.measured_values.reserve(std::size_t(count));
+    for (const MeasuredBrdf& brdf : c.scene.measured)
+        c.tables.measured.push_back(add_measured(brdf, c.tables.measured_values));
+}
+
 /// What bends normals would bend what is reflected only, but textures of them are seldom for panes.
 bool is_pane(const Material& m, const MaterialRecord& t)
 {
@@ -171,6 +196,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     t.ior = m.ior;
     t.fuzz = m.fuzz;
     if (m.kind == MaterialKind::hair) compile_hair(m, t);
+    if (m.kind == MaterialKind::measured) compile_measured(c, m, t);
     if (m.kind == MaterialKind::plastic) {
         t.fuzz = m.optical_thickness;
         t.metallic = float(share_lost_within(std::max(m.ior, 1.001f), m.optical_thickness));
@@ -276,6 +302,7 @@ void compile_materials(Compiler& c)
     // What a kind doesn't have must not tell two scenes apart.
     for (const Texture& texture : c.scene.textures)
         c.tables.textures.push_back(compile_texture(c, images, own_parameters(texture, texture_parameters())));
+    compile_measured_tables(c);
     compile_material_records(c);
     images.set_environment(c);
     images.set_lights(c);

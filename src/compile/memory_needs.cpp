@@ -8,6 +8,7 @@
 #include "compile/light_pictures.h"
 #include "image/picture.h"
 #include "scene/check.h"
+#include "shading/measured_tables.h"
 
 namespace fathom {
 
@@ -221,6 +222,9 @@ std::vector<MemoryNeed> memory_needs(const SceneDescription& scene, TreeBuild bu
     }
     std::vector<MemoryNeed> needs = shapes.needs();
     for (MemoryNeed& need : PictureNeeds(scene).needs()) needs.push_back(std::move(need));
+    double values = 0;
+    for (const MeasuredBrdf& brdf : scene.measured) values += measured_value_count(brdf);
+    if (values > 0) needs.push_back({"measured materials", values * sizeof(float)});
     return needs;
 }
 

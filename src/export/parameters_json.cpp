@@ -45,6 +45,9 @@ private:
         } else if constexpr (std::is_same_v<Member, ImageReference<Owner>>) {
             const int image = owner.*member.index;
             return image < 0 ? Json() : Json(names_.images[std::size_t(image)]);
+        } else if constexpr (std::is_same_v<Member, MeasuredReference<Owner>>) {
+            const int measured = owner.*member.index;
+            return measured < 0 ? Json() : Json(names_.measured[std::size_t(measured)]);
         } else if constexpr (std::is_same_v<Member, MaterialReference<Owner>>) {
             const int material = owner.*member.index;
             return material < 0 ? Json() : Json(names_.materials[std::size_t(material)]);

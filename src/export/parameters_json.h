@@ -13,6 +13,7 @@ struct ParameterNames {
     const std::vector<std::string>& textures;   ///< by index
     const std::vector<std::string>& images;     ///< paths, by index
     const std::vector<std::string>& materials;  ///< by index
+    const std::vector<std::string>& measured;   ///< paths, by index
     Warnings& warnings;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "export/measured_file.h"
 #include "export/parameters_json.h"
 #include "export/ply_file.h"
 #include "fathom/error.h"
@@ -53,6 +54,7 @@ public:
         name(scene.curves, "curves", curves_);
         name(scene.points, "points", points_);
         refer_to_images();
+        refer_to_measured();
         count_uses();
         UniqueNames unique;
         for (std::size_t i = 0; i < scene.nodes.size(); ++i)
@@ -61,7 +63,7 @@ public:
 
     Json write()
     {
-        const ParameterNames names{file_, textures_, images_, materials_, warnings_};
+        const ParameterNames names{file_, textures_, images_, materials_, measured_, warnings_};
         Json json = {{"fathom", 1}};
         put(json, "render", render_json(), Json::object());
         add(json, "cameras", scene_.cameras, cameras_, &SceneWriter::camera_json);
@@ -118,6 +120,23 @@ private:
                 path = files_.add(fmt::format("picture-{}-{}", i, std::filesystem::path(image.name).stem().string()),
                                   extension_of(image), [&image](const auto& target) { write_picture(image, target); });
             images_.push_back(std::move(path));
+        }
+    }
+
+    void refer_to_measured()
+    {
+        std::vector<bool> is_used(scene_.measured.size());
+        for (const Material& m : scene_.materials)
+            if (m.kind == MaterialKind::measured) is_used[std::size_t(m.measured)] = true;
+        for (std::size_t i = 0; i < scene_.measured.size(); ++i) {
+            const MeasuredBrdf& brdf = scene_.measured[i];
+            const auto write = [&brdf](const auto& target) {
+                const std::string bytes = measured_file(brdf);
+                OutputFile out(target);
+                out.write(bytes.data(), bytes.size());
+                out.commit();
+            };
+            measured_.push_back(is_used[i] ? files_.add(fmt::format("measured-{}", i), ".bsdf", write) : std::string());
         }
     }
 
@@ -412,7 +431,7 @@ private:
     const std::string& file_;
     SaveFiles& files_;
     Warnings& warnings_;
-    std::vector<std::string> cameras_, lights_, textures_, materials_, meshes_, curves_, points_, nodes_;
+    std::vector<std::string> cameras_, lights_, textures_, materials_, measured_, meshes_, curves_, points_, nodes_;
     std::vector<std::string> images_;  ///< paths
     std::vector<int> uses_, heights_;  ///< of nodes
     std::vector<bool> has_camera_, has_light_;

@@ -33,6 +33,7 @@ Appended append_scene(SceneDescription& to, SceneDescription from)
     const int images = int(to.images.size()), textures = int(to.textures.size());
     const int materials = int(to.materials.size()), meshes = int(to.meshes.size());
     const int curves = int(to.curves.size()), points = int(to.points.size());
+    const int measured = int(to.measured.size());
     const int lights = int(to.lights.size()), cameras = int(to.cameras.size()), nodes = int(to.nodes.size());
 
     const auto shift_texture = [&](int& texture, const char*) { shift(texture, textures); };
@@ -44,6 +45,7 @@ Appended append_scene(SceneDescription& to, SceneDescription from)
         for_each_texture(material, material_parameters(), shift_texture);
         shift(material.material_a, materials);
         shift(material.material_b, materials);
+        shift(material.measured, measured);
     }
     for (Node& node : from.nodes) {
         for (int& child : node.children) shift(child, nodes);
@@ -62,6 +64,7 @@ Appended append_scene(SceneDescription& to, SceneDescription from)
     move_behind(to.images, from.images);
     move_behind(to.textures, from.textures);
     move_behind(to.materials, from.materials);
+    move_behind(to.measured, from.measured);
     move_behind(to.meshes, from.meshes);
     move_behind(to.curves, from.curves);
     move_behind(to.points, from.points);

@@ -9,6 +9,7 @@
 #include "fathom/error.h"
 #include "fathom/memory.h"
 #include "scene/material_table.h"
+#include "scene/measured.h"
 #include "scene/texture_table.h"
 
 namespace fathom {
@@ -37,6 +38,9 @@ public:
         for (std::size_t i = 0; i < scene_.materials.size(); ++i)
             check_material(scene_.materials[i], element("materials", i));
         check_mixtures();
+        for (std::size_t i = 0; i < scene_.measured.size(); ++i)
+            if (const std::string problem = problem_of(scene_.measured[i]); !problem.empty())
+                fail(element("measured", i), problem);
         for (std::size_t i = 0; i < scene_.meshes.size(); ++i) check_mesh(scene_.meshes[i], element("meshes", i));
         for (std::size_t i = 0; i < scene_.curves.size(); ++i) check_curves(scene_.curves[i], element("curves", i));
         for (std::size_t i = 0; i < scene_.points.size(); ++i) {
@@ -133,6 +137,9 @@ private:
             index(texture, scene_.textures.size(), place + '.' + key, "texture");
         });
         check_finite(m, material_parameters(), place);
+        index(m.measured, scene_.measured.size(), place + ".measured", "measured surface");
+        if (m.kind == MaterialKind::measured && m.measured < 0)
+            fail(place, "a measured material needs what was measured");
         if (!is_mixture(m)) return;
         required(m.material_a, scene_.materials.size(), place + ".material_a", "material");
         required(m.material_b, scene_.materials.size(), place + ".material_b", "material");

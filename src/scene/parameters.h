@@ -28,6 +28,12 @@ struct MaterialReference {
     bool operator==(const MaterialReference&) const = default;
 };
 
+template <class Owner>
+struct MeasuredReference {
+    int Owner::* index;
+    bool operator==(const MeasuredReference&) const = default;
+};
+
 /// A parameter that some kinds of Owner have.
 template <class Owner>
 struct Parameter {
@@ -35,7 +41,7 @@ struct Parameter {
                                 double Owner::*, int Owner::*, bool Owner::*, Vec2f Owner::*, Vec3d Owner::*,
                                 Transform Owner::*, AlphaMode Owner::*, Wrap Owner::*, ColorSpace Owner::*,
                                 TextureMapping Owner::*, std::vector<RampStop> Owner::*, TextureReference<Owner>,
-                                ImageReference<Owner>, MaterialReference<Owner>>;
+                                ImageReference<Owner>, MaterialReference<Owner>, MeasuredReference<Owner>>;
     static constexpr double unbounded = std::numeric_limits<double>::infinity();
 
     const char* key;      ///< in files

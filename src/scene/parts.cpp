@@ -77,6 +77,12 @@ public:
         return is_there ? scene_.images[std::size_t(index)].path.filename().string() : "";
     }
 
+    std::string measured(int index) const
+    {
+        const bool is_there = index >= 0 && std::size_t(index) < scene_.measured.size();
+        return is_there ? scene_.measured[std::size_t(index)].name : "";
+    }
+
 private:
     const SceneDescription& scene_;
 };
@@ -114,6 +120,8 @@ void add(PartsText& text, const char* kind, const Owner& owner, std::span<const 
                     text.value(p.key, words.texture(owner.*member.index));
                 else if constexpr (std::is_same_v<decltype(member), ImageReference<Owner>>)
                     text.value(p.key, words.image(owner.*member.index));
+                else if constexpr (std::is_same_v<decltype(member), MeasuredReference<Owner>>)
+                    text.value(p.key, words.measured(owner.*member.index));
                 else if constexpr (std::is_same_v<decltype(member), MaterialReference<Owner>>)
                     text.value(p.key, words.material(owner.*member.index));
                 else

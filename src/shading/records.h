@@ -58,9 +58,10 @@ enum class ClosureKind : std::uint32_t {
     disney,
     disney_transmitting,  ///< the same where light passes to the other side
     layered,
-    layered_transmitting
+    layered_transmitting,
+    measured
 };
-inline constexpr int closure_kind_count = 12;
+inline constexpr int closure_kind_count = 13;
 
 /// A number or colour times that of a texture, if there is one.
 struct NumberRecord {
@@ -115,6 +116,22 @@ struct DisneyRecord {
         diffuse_transmission;
 };
 
+/// Where numbers over the unit square stand: in ShadingTables::measured_values. See MeasuredTable.
+struct MeasuredTableRecord {
+    std::uint32_t first = 0, width = 0, height = 0;
+};
+
+/// A measured surface: see measured_tables.h, and MeasuredBrdf of the description.
+struct MeasuredRecord {
+    std::uint32_t theta = 0, theta_count = 0, phi = 0, phi_count = 0;  ///< where the angles stand
+    /// Directions of which one is measured, since the surface looks the same from all: as it is (1), turned by half a
+    /// turn (2), or mirrored by both axes too (4).
+    std::uint32_t symmetry = 1;
+    std::uint32_t color_is_per_facet = 1;
+    MeasuredTableRecord ndf, sigma, vndf, luminance, color;
+    std::uint32_t unused[3] = {};  ///< rows are read in fours
+};
+
 /// A material that paths meet as one of two others.
 struct MixtureRecord {
     std::uint32_t first = 0, second = 0;  ///< among ShadingTables::materials
@@ -158,8 +175,9 @@ struct MaterialRecord {
     float normal_scale = 1;
 
     ClosureKind closure = ClosureKind::none;
-    std::uint32_t disney = no_index;   ///< in ShadingTables
-    std::uint32_t mixture = no_index;  ///< in ShadingTables; what is here beside emission and alpha is of both then
+    std::uint32_t disney = no_index;    ///< in ShadingTables
+    std::uint32_t measured = no_index;  ///< in ShadingTables
+    std::uint32_t mixture = no_index;   ///< in ShadingTables; what is here beside emission and alpha is of both then
     Rgb emission{};
     float alpha = 1, alpha_cutoff = 0;
     std::uint32_t medium = 0;  ///< in MediaTables: what a solid of it is filled with; 0: it is no solid
@@ -186,6 +204,8 @@ struct ShadingTables {
     std::vector<MaterialRecord> materials;
     std::vector<LayersRecord> layers;
     std::vector<DisneyRecord> disney;
+    std::vector<MeasuredRecord> measured;
+    LargeVector<float> measured_values;
     std::vector<MixtureRecord> mixtures;
     std::vector<TextureRecord> textures;
     std::vector<RampStopRecord> ramp_stops;

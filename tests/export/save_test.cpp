@@ -212,6 +212,43 @@ TEST_F(Save, CurvesAndPointsThatNodesShare)
     EXPECT_EQ(again.points.size(), 1u);
 }
 
+/// The tables are saved beside the scene: as colours, where they were spectra.
+TEST_F(Save, MeasuredMaterials)
+{
+    const SceneDescription golden =
+        load_scene(fs::path(FATHOM_ROOT) / "tests/golden/scenes/measured.json", {}, warnings_);
+    ASSERT_EQ(golden.measured.size(), 2u);
+    SceneDescription scene;
+    scene.measured = golden.measured;
+    scene.measured[1].name.clear();
+    scene.measured[1].color_is_per_facet = false;
+    scene.measured.push_back(scene.measured[0]);  // nobody's
+    scene.materials.resize(2);
+    for (int i = 0; i < 2; ++i) {
+        scene.materials[std::size_t(i)].kind = MaterialKind::measured;
+        scene.materials[std::size_t(i)].measured = i;
+        add_shape(scene, Sphere{}, i).parent_from_node = Transform::translate({double(3 * i), 0, -4});
+    }
+    scene.cameras.emplace_back();
+    scene.nodes[0].camera = 0;
+    const SceneDescription again = saved(scene);
+    ASSERT_EQ(again.measured.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+        const MeasuredBrdf &a = scene.measured[i], &b = again.measured[i];
+        EXPECT_EQ(a.theta, b.theta);
+        EXPECT_EQ(a.phi, b.phi);
+        EXPECT_EQ(a.color_is_per_facet, b.color_is_per_facet);
+        for (const auto table : {&MeasuredBrdf::ndf, &MeasuredBrdf::sigma, &MeasuredBrdf::vndf,
+                                 &MeasuredBrdf::luminance, &MeasuredBrdf::color}) {
+            EXPECT_EQ((a.*table).width, (b.*table).width);
+            EXPECT_EQ((a.*table).height, (b.*table).height);
+            EXPECT_EQ((a.*table).values, (b.*table).values);
+        }
+    }
+    scene.measured.pop_back();
+    expect_same(scene);
+}
+
 /// Each number that isn't what it usually is, and those that a kind doesn't have.
 TEST_F(Save, LightsWithPictures)
 {

@@ -21,6 +21,7 @@
 #include "film/film_data.h"
 #include "image/ies.h"
 #include "import/common/importer.h"
+#include "import/common/measured_file.h"
 #include "import/fathom/fathom_json.h"
 #include "import/gltf/gltf.h"
 #include "import/mitsuba/mitsuba.h"
@@ -120,6 +121,17 @@ void read_profile(const std::string& bytes)
         const IesProfile profile = parse_ies("a.ies", bytes);
         for (const double azimuth : {0.0, 37.0, 90.0, 200.0, 359.0})
             for (const double polar : {0.0, 33.0, 90.0, 180.0}) profile.at(polar, azimuth);
+    } catch (const Error&) {
+        // As it should be.
+    }
+}
+
+void read_surface(const std::string& bytes)
+{
+    try {
+        SceneDescription scene;
+        scene.measured.push_back(read_measured("a.bsdf", bytes));
+        use(scene);
     } catch (const Error&) {
         // As it should be.
     }
@@ -460,6 +472,36 @@ std::vector<std::string> ies_seeds()
             "IESNA91\nTILT=INCLUDE\n1\n2\n0 90\n1 0.9\n" + numbers};
 }
 
+std::vector<std::string> measured_seeds()
+{
+    // The arrays are one behind the other, and as large as their shapes say.
+    struct Field {
+        std::string name;
+        std::vector<std::uint64_t> shape;
+    };
+    const auto file = [](const std::vector<Field>& fields) {
+        std::string header = std::string("tensor_file\0\1\0", 14) + raw(std::uint32_t(fields.size())), data;
+        std::size_t size = header.size();
+        for (const Field& f : fields) size += 13 + f.name.size() + 8 * f.shape.size();
+        for (const Field& f : fields) {
+            const auto offset = std::uint64_t(size + data.size());
+            header += raw(std::vector<std::uint16_t>{std::uint16_t(f.name.size())}) + f.name;
+            header += raw(std::vector<std::uint16_t>{std::uint16_t(f.shape.size())}) + char(10);
+            header += raw(std::vector<std::uint64_t>{offset}) + raw(f.shape);
+            std::size_t count = 1;
+            for (const std::uint64_t n : f.shape) count *= n;
+            for (std::size_t i = 0; i < count; ++i) data += raw(std::vector<float>{float(i)});
+        }
+        return header + data;
+    };
+    const std::vector<Field> shared = {{"phi_i", {1}},    {"theta_i", {2}},       {"ndf", {2, 2}},
+                                       {"sigma", {2, 3}}, {"vndf", {1, 2, 3, 2}}, {"luminance", {1, 2, 2, 2}}};
+    std::vector<Field> colors = shared, spectra = shared;
+    colors.push_back({"rgb", {1, 2, 3, 2, 2}});
+    spectra.push_back({"spectra", {1, 2, 2, 2, 2}}), spectra.push_back({"wavelengths", {2}});
+    return {file(colors), file(spectra)};
+}
+
 constexpr Target all[] = {{"fathom-json", read_scene<fathom_json_importer>, json_seeds},
                           {"gltf", read_scene<gltf_importer>, gltf_seeds},
                           {"obj", read_scene<obj_importer>, obj_seeds},
@@ -471,6 +513,7 @@ constexpr Target all[] = {{"fathom-json", read_scene<fathom_json_importer>, json
                           {"serialized", read_serialized, serialized_seeds},
                           {"image", read_picture, image_seeds},
                           {"ies", read_profile, ies_seeds},
+                          {"measured", read_surface, measured_seeds},
                           {"film", read_film, film_seeds}};
 
 }  // namespace

@@ -13,6 +13,8 @@ import struct
 import sys
 import zlib
 
+import measured_file
+
 FOLDER = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).parent / "scenes"
 FLOOR = {"material": {"color": [0.6, 0.5, 0.4]}, "rectangle": {"corner": [-3, 0, 3], "edge_u": [6, 0, 0], "edge_v": [0, 0, -6]}}
 BALL = {"sphere": {"center": [0, 0.7, 0], "radius": 0.7}}
@@ -404,6 +406,21 @@ def hair():
         LAMP], curves={"placed": curves(0, "round")})
 
 
+def measured():
+    """A metal alike from all sides and a brushed one, bent, on both sides of a sheet, and mixed; by lamp and sky."""
+    (FOLDER / "gold.bsdf").write_bytes(measured_file.gold())
+    (FOLDER / "brushed.bsdf").write_bytes(measured_file.brushed())
+    gold, brushed = {"kind": "measured", "file": "gold.bsdf"}, {"kind": "measured", "file": "brushed.bsdf"}
+    ball = lambda x, z, r, **keys: {"material": keys, "sphere": {"center": [x, r, z], "radius": r}}
+    sheet = lambda x, y, z, u, **keys: {"material": keys, "rectangle": {"corner": [x, y, z], "edge_u": u, "edge_v": [0, 0.7, 0.1]}}
+    write("measured", scene=[
+        FLOOR, LAMP, ball(-0.8, 0, 0.55, **gold), ball(0.45, 0, 0.55, **brushed),
+        ball(-0.2, 0.9, 0.25, **gold, bump={"texture": {"image": "bumps.png"}, "value": 0.02}),
+        sheet(-1.5, 0, -0.8, [1, 0, 0], kind="two_sided", front=brushed, back=gold),
+        sheet(1.6, 0, -0.8, [-1, 0, 0], kind="two_sided", front=gold, back=brushed),
+        ball(1.1, 0.7, 0.3, kind="mix", material_a=brushed, material_b={"color": [0.1, 0.2, 0.6]})])
+
+
 def disney():
     """Opaque, of brushed metal, coated, solid with a smaller one within, and a sheet; numbers by textures."""
     ball = lambda x, z, r, **keys: {"material": {"kind": "disney", **keys}, "sphere": {"center": [x, r, z], "radius": r}}
@@ -490,6 +507,7 @@ def lights():
     beams()
     glowing_curves()
     hair()
+    measured()
     disney()
     neighbours()
     seen_through()

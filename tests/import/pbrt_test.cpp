@@ -261,7 +261,6 @@ TEST_F(Pbrt, WhatIsApproximatedIsTold)
     const std::pair<const char*, const char*> approximated[] = {
         {"Texture \"t\" \"float\" \"checkerboard\" Material \"hair\" \"texture eumelanin\" \"t\"",
          "of textures as melanins"},
-        {"Material \"measured\" \"string filename\" \"a.bsdf\"", "measured materials are not read"},
         {"Material \"velvet\"", "is not known: grey diffuse instead"}};
     for (const auto& [text, words] : approximated) {
         material(text);

@@ -10,6 +10,8 @@ SceneDescription scene_of(const std::string& name)
 {
     SceneDescription s;
     s.images.resize(1);
+    s.measured.resize(1);
+    s.measured[0].name = name;
     s.images[0].name = name;
     s.textures.resize(2);
     s.textures[1].name = name, s.textures[1].image = 0;
@@ -19,7 +21,7 @@ SceneDescription scene_of(const std::string& name)
     m.name = name;
     m.base_color.texture = m.transmission_color.texture = m.roughness.texture = m.metallic.texture = 1;
     m.emission.texture = m.alpha.texture = m.normal_texture = 1;
-    m.material_a = m.material_b = 0;
+    m.material_a = m.material_b = m.measured = 0;
     s.meshes.resize(1), s.meshes[0].name = name;
     s.curves.resize(1), s.curves[0].name = name;
     s.points.resize(1), s.points[0].name = name;
@@ -57,6 +59,7 @@ TEST(AppendScene, EverythingStillRefersToItsOwn)
         EXPECT_EQ(n.shapes[1].material, -1);
         const Material& m = all.materials[std::size_t(n.shapes[0].material)];
         EXPECT_EQ(m.name, name);
+        EXPECT_EQ(all.measured[std::size_t(m.measured)].name, name);
         EXPECT_EQ(m.material_a, n.shapes[0].material);
         EXPECT_EQ(m.material_b, n.shapes[0].material);
         EXPECT_EQ(parts[i].first_material, n.shapes[0].material);

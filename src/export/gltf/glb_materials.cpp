@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "import/common/read_file.h"
+#include "scene/measured.h"
 
 namespace fathom {
 
@@ -320,6 +321,11 @@ Json GlbMaterials::material_json(const Material& given)
 {
     Material m = given;
     current_ = &given;
+    if (m.kind == MaterialKind::measured) {
+        tell("what was measured of a surface: it is diffuse instead");
+        m.base_color = {reflectance_of(scene_.measured[std::size_t(m.measured)]), -1};
+        m.kind = MaterialKind::diffuse;
+    }
     if (m.kind == MaterialKind::disney) {
         tell("how Disney's lobes are added: they are layers");
         m = as_layers(m);

@@ -26,10 +26,12 @@ void for_each_reached(const SceneDescription& scene, const Material& m, const Vi
         if (part >= 0) for_each_reached(scene, scene.materials[std::size_t(part)], visit);
 }
 
-/// Whether facets of a material, or of one that it is mixed of, are drawn out along texture coordinates.
+/// Whether facets of a material, or of one that it is mixed of, are drawn out along texture coordinates, or were
+/// measured along them.
 inline bool has_anisotropy(const SceneDescription& scene, const Material& m)
 {
     bool found = m.anisotropy.value != 0;
+    if (m.kind == MaterialKind::measured) found = !scene.measured[std::size_t(m.measured)].is_isotropic();
     for (const int part : {m.material_a, m.material_b})
         found = found || (part >= 0 && has_anisotropy(scene, scene.materials[std::size_t(part)]));
     return found;

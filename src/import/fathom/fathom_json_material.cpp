@@ -55,6 +55,12 @@ int FathomJsonReader::image(const JsonValue& v)
     return found->second;
 }
 
+int FathomJsonReader::measured(const JsonValue& v)
+{
+    if (v.string().empty()) v.fail("the path of a file is empty");
+    return measured_.index_of(file_.parent_path() / v.string());
+}
+
 bool FathomJsonReader::is_decoded_by_use(const JsonValue& v)
 {
     if (v.is_string()) {
@@ -140,6 +146,8 @@ void FathomJsonReader::read_parameters(JsonObject& o, std::span<const Parameter<
                 owner.*member.index = texture(*v, use.value_or(Use::data));
             } else if constexpr (std::is_same_v<Member, ImageReference<Owner>>) {
                 owner.*member.index = image(*v);
+            } else if constexpr (std::is_same_v<Member, MeasuredReference<Owner>>) {
+                owner.*member.index = measured(*v);
             } else if constexpr (std::is_same_v<Member, MaterialReference<Owner>>) {
                 owner.*member.index = material(*v);
             } else {

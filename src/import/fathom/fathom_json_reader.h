@@ -8,6 +8,7 @@
 
 #include "import/common/json_object.h"
 #include "import/common/load_context.h"
+#include "import/common/measured_file.h"
 #include "import/ply/ply.h"
 #include "scene/append.h"
 #include "scene/parameters.h"
@@ -64,6 +65,7 @@ private:
 
     // fathom_json_material.cpp
     int image(const JsonValue& path);
+    int measured(const JsonValue& path);
     /// All named ones that are decoded in one way, in the file's order.
     void read_textures();
     /// Whether a picture in it doesn't say its colour space, so that what it is looked up for decides.
@@ -139,6 +141,7 @@ private:
     std::map<std::string, JsonValue> tables_;
 
     std::map<std::string, int> images_;
+    MeasuredFiles measured_{context_, scene_};
     std::map<std::pair<std::string, Use>, int> textures_;
     std::set<std::string> open_textures_;  ///< named ones that are being read
     std::map<std::string, bool> decoded_by_use_;

@@ -50,6 +50,7 @@ bool reflects_only(const Material& m)
         case MaterialKind::diffuse:
         case MaterialKind::metal:
         case MaterialKind::plastic:
+        case MaterialKind::measured:
             return true;
         case MaterialKind::disney:
         case MaterialKind::principled:
@@ -92,6 +93,7 @@ Material Reader::read_bsdf(const Element& element)
                                                                      {"hair", &Reader::hair},
                                                                      {"principled", &Reader::principled},
                                                                      {"principledthin", &Reader::principled},
+                                                                     {"measured", &Reader::measured},
                                                                      {"mask", &Reader::mask},
                                                                      {"bumpmap", &Reader::bumps},
                                                                      {"normalmap", &Reader::bumps},
@@ -318,6 +320,16 @@ Material Reader::principled(Object& bsdf)
     m.diffuse_transmission = number_or_texture(bsdf, "diff_trans", 0);
     m.diffuse_transmission.value *= 0.5f;
     bsdf.ignore({"specular"});
+    return m;
+}
+
+Material Reader::measured(Object& bsdf)
+{
+    const std::string filename = bsdf.text("filename", "");
+    if (filename.empty()) bsdf.element().fail(fmt::format("{} needs a 'filename'", bsdf.title()));
+    Material m;
+    m.kind = MaterialKind::measured;
+    m.measured = measured_files_.index_of(document_.locate(filename, context_));
     return m;
 }
 

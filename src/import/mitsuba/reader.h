@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "import/common/load_context.h"
+#include "import/common/measured_file.h"
 #include "import/mitsuba/object.h"
 #include "import/mitsuba/serialized.h"
 #include "scene/append.h"
@@ -74,6 +75,7 @@ private:
     Material plastic(Object& bsdf);
     Material hair(Object& bsdf);
     Material principled(Object& bsdf);
+    Material measured(Object& bsdf);
     Material mask(Object& bsdf);
     Material bumps(Object& bsdf);
     Material two_sided(Object& bsdf);
@@ -123,6 +125,7 @@ private:
     std::map<const Element*, int> data_textures_;
     std::map<int, std::string> attributes_;  ///< names of those that textures stand for
     std::map<std::string, int> images_;
+    MeasuredFiles measured_files_{context_, scene_};
     /// By bsdf, emitter and medium.
     std::map<std::array<const Element*, 3>, int> shape_materials_;
     const Element* camera_medium_ = nullptr;

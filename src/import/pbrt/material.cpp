@@ -78,6 +78,8 @@ Material Reader::read_material(const Parameters& m)
         result = subsurface(m);
     else if (type == "hair")
         result = hair(m);
+    else if (type == "measured")
+        result = measured(m);
     else if (type == "mix")
         result = mix(m);
     else {
@@ -93,11 +95,9 @@ Material Reader::read_material(const Parameters& m)
                                                 "mix",
                                                 "interface",
                                                 "measured"};
-        tell(m, type == "measured" ? "measured materials are not read: grey diffuse instead"
-                                   : fmt::format("is not known: grey diffuse instead{}", suggestion(type, names)));
+        tell(m, fmt::format("is not known: grey diffuse instead{}", suggestion(type, names)));
         result.base_color = {{0.5f, 0.5f, 0.5f}, -1};
-        m.ignore({"filename"});
-        if (type != "measured") return result;
+        return result;
     }
     if (type != "mix") set_bumps(m, result);
     m.ignore({"type"});
@@ -299,6 +299,16 @@ Material Reader::hair(const Parameters& m)
         if (e.texture >= 0 || p.texture >= 0) tell(m, "of textures as melanins only what they are scaled by is taken");
     }
     m.ignore({"sigma_a", "reflectance", "color", "eumelanin", "pheomelanin"});
+    return out;
+}
+
+Material Reader::measured(const Parameters& m)
+{
+    const std::string file = m.text("filename", "");
+    if (file.empty()) m.fail("it needs a 'filename'");
+    Material out;
+    out.kind = MaterialKind::measured;
+    out.measured = measured_files_.index_of(locate(m, file));
     return out;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "import/common/load_context.h"
+#include "import/common/measured_file.h"
 #include "import/pbrt/measured_media.h"
 #include "import/pbrt/named_spectra.h"
 #include "import/pbrt/parameters.h"
@@ -134,6 +135,7 @@ private:
     const MeasuredMedium* measured_medium(const Parameters& of, std::string_view parameter);
     Material subsurface(const Parameters& m);
     Material hair(const Parameters& m);
+    Material measured(const Parameters& m);
     Material mix(const Parameters& m);
     void set_metal_colors(const Parameters& m, const std::string& prefix, float outside, Material& out);
     float layer_thickness(const Parameters& m);
@@ -203,6 +205,7 @@ private:
     std::set<const Parameters*> open_materials_;
     std::map<Surface, int> surfaces_;
     std::map<std::string, int> images_;
+    MeasuredFiles measured_files_{context_, scene_};
     std::map<std::string, int> models_;  ///< meshes by file and side
     std::map<std::string, std::vector<int>> objects_;
     std::vector<int>* current_object_ = nullptr;

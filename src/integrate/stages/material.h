@@ -3,6 +3,7 @@
 #include "integrate/stages/bump.h"
 #include "integrate/stages/disney.h"
 #include "integrate/stages/layers.h"
+#include "integrate/stages/measured.h"
 #include "integrate/stages/surface.h"
 #include "shading/closures/closure.h"
 #include "shading/hair_color.h"
@@ -68,6 +69,8 @@ public:
             LayersReader(t_, s, row.get(&MaterialRecord::layers), m).read(p.layers);
         if constexpr (std::is_same_v<Point, DisneyMaterialPoint>)
             read_disney(t_, s, get(&MaterialRecord::disney, s.material, m), m, p.disney);
+        if constexpr (std::is_same_v<Point, MeasuredMaterialPoint>)
+            read_measured(t_, s, get(&MaterialRecord::measured, s.material, m), m, p.measured);
         const Mask bent = m & ((flags & UInt(MaterialRecord::normal_mapped)) != UInt(0));
         if (any(bent)) {
             const UInt texture = row.get(&MaterialRecord::normal_texture);

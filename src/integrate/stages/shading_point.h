@@ -116,6 +116,11 @@ inline void turn(const Frame& frame, const Vec3&, const Vec3&, Float, DisneyMate
 {
     material.disney.tangent = frame.to_local(material.disney.tangent);
 }
+inline void turn(const Frame& frame, const Vec3&, const Vec3&, Float facing, MeasuredMaterialPoint& material)
+{
+    material.measured.tangent = frame.to_local(material.measured.tangent);
+    material.measured.facing = facing;
+}
 inline void turn(const Frame& frame, const Vec3& wo, const Vec3& ng, Float facing, LayeredMaterialPoint& material)
 {
     LayersPoint& layers = material.layers;

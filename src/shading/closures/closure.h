@@ -80,6 +80,21 @@ struct DisneyPoint {
     Vec3 tangent;  ///< as of LayersPoint
 };
 
+/// Where a table of a measured surface stands, and its size.
+struct MeasuredTablePoint {
+    UInt first, width, height;
+};
+/// What a measured surface has beside: see MeasuredRecord.
+struct MeasuredPoint {
+    const float* values = nullptr;  ///< ShadingTables::measured_values
+    UInt theta, theta_count, phi, phi_count, symmetry;
+    Mask color_is_per_facet;
+    MeasuredTablePoint ndf, sigma, vndf, luminance, color;
+    bool has_phis = true;  ///< tables of any lane are for more than one phi
+    Vec3 tangent;          ///< as of LayersPoint; 0 where the surface looks the same from all sides
+    Float facing;          ///< negative where the path is behind the geometric normal
+};
+
 /// The parameters of a surface's material, textures applied.
 struct MaterialPoint {
     Spectrum base_color;
@@ -100,6 +115,10 @@ struct LayeredMaterialPoint : MaterialPoint {
 
 struct DisneyMaterialPoint : MaterialPoint {
     DisneyPoint disney;
+};
+
+struct MeasuredMaterialPoint : MaterialPoint {
+    MeasuredPoint measured;
 };
 
 /// Where facets stand for a mirror.

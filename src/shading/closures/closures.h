@@ -6,6 +6,7 @@
 #include "shading/closures/glass.h"
 #include "shading/closures/hair.h"
 #include "shading/closures/layered.h"
+#include "shading/closures/measured.h"
 #include "shading/closures/metal.h"
 #include "shading/closures/plastic.h"
 #include "shading/closures/principled.h"
@@ -33,6 +34,6 @@ struct ClosureList {
 };
 
 using Closures = ClosureList<DiffuseBsdf, MetalBsdf, FuzzMetalBsdf, GlassBsdf, PlasticBsdf, HairBsdf, PrincipledBsdf,
-                             DisneyBsdf<false>, DisneyBsdf<true>, LayeredBsdf<false>, LayeredBsdf<true>>;
+                             DisneyBsdf<false>, DisneyBsdf<true>, LayeredBsdf<false>, LayeredBsdf<true>, MeasuredBsdf>;
 
 }  // namespace fathom::inline FATHOM_LANES

@@ -37,7 +37,7 @@ MITSUBA = """<scene version="3.0.0">
 <sensor type="perspective"><float name="fov" value="40"/><film type="hdrfilm"><integer name="width" value="32"/>
 <integer name="height" value="16"/></film><sampler type="independent"><integer name="sample_count" value="9"/></sampler></sensor>
 <emitter type="point"><rgb name="intensity" value="1,2,3"/></emitter>
-<shape type="ply"><string name="filename" value="a.ply"/><bsdf type="measured" id="fur"/></shape></scene>
+<shape type="ply"><string name="filename" value="a.ply"/><bsdf type="polarizer" id="fur"/></shape></scene>
 """
 FATHOM = {
     "fathom": 1,
@@ -144,7 +144,7 @@ class Info(CommandLine):
         def told(name):
             return {w["message"]: w["count"] for w in self.info(name)["warnings"]}
         self.assertEqual(told("a.obj"), {"a.obj: lines are not shown": 2})
-        self.assertEqual(len([w for w in told("a.xml") if "measured" in w]), 1)
+        self.assertEqual(len([w for w in told("a.xml") if "polarizer" in w]), 1)
         self.assertEqual(len([w for w in told("a.glb") if "EXT_nobody_knows" in w]), 1)
         self.assertRegex(self.ok("info", "a.obj", program=PROGRAM).stdout, r"warning +a.obj: lines are not shown \(2 times\)\n")
         self.assertEqual(told("a.ply"), {})
