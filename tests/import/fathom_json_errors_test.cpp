@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(
              "/materials/red/colr: unknown key 'colr' in a material of kind 'diffuse'; did you mean 'color'?"},
         Case{R"({"materials": {"a/b~c": {"kind": "mirror"}}})",
              "/materials/a~1b~0c/kind: unknown value 'mirror'; known here: diffuse, metal, fuzz_metal, glass, "
-             "plastic, hair, principled, disney, unlit, none, mix, two_sided"},
+             "plastic, hair, principled, disney, measured, unlit, none, mix, two_sided"},
         Case{
             R"({"materials": {"m": {"kind": "glass", "fuzz": 1}}})",
             "/materials/m/fuzz: unknown key 'fuzz' in a material of kind 'glass'; known here: kind, color, beckmann, "
