@@ -175,16 +175,16 @@ template <class F, bool moving>
                                                                const PreparedRay& r)
 {
     const CornerNumbers<F> corner[] = {{leaf, 0, at}, {leaf, 1, at}, {leaf, 2, at}};
-    const std::ptrdiff_t axis = r.integer(PreparedRays::axis), ix = axis == 2 ? 0 : axis + 1,
-                         iy = axis == 0 ? 2 : axis - 1;
-    const auto origin = [&](std::ptrdiff_t i) { return F(r.number(PreparedRays::origin_x + int(i))); };
-    const auto z = [&, o = origin(axis)](const float* p) { return vertices.row(p) - o; };
-    const auto sheared = [&](std::ptrdiff_t i, int shear) {
-        return [&, to_z = (axis - i) * leaf.vertices(), o = origin(i), by = F(r.number(shear))](const float* p) {
+    const std::ptrdiff_t axis = r.integer(PreparedRays::axis), ix = r.integer(PreparedRays::row_x),
+                         iy = r.integer(PreparedRays::row_y);
+    const auto z = [&, o = F(r.number(PreparedRays::seen_z))](const float* p) { return vertices.row(p) - o; };
+    const auto sheared = [&](std::ptrdiff_t i, int seen, int shear) {
+        return [&, to_z = (axis - i) * leaf.vertices(), o = F(r.number(seen)), by = F(r.number(shear))](const float* p) {
             return fma(-by, z(p + to_z), vertices.row(p) - o);
         };
     };
-    const auto x = sheared(ix, PreparedRays::shear_x), y = sheared(iy, PreparedRays::shear_y);
+    const auto x = sheared(ix, PreparedRays::seen_x, PreparedRays::shear_x),
+               y = sheared(iy, PreparedRays::seen_y, PreparedRays::shear_y);
     const auto seen = [&](int k) {
         return SeenCorner<F>{corner[k].of(leaf.axis(ix), x), corner[k].of(leaf.axis(iy), y)};
     };

@@ -69,10 +69,16 @@ struct PreparedRays {
         side_x,
         side_y,
         side_z,
+        seen_x,
+        seen_y,
+        seen_z,
+        row_x,
+        row_y,
         field_count
     };
     /// octant: the bits of an integer, bit per axis, set where the direction is negative; axis: of an integer, along
-    /// which the direction is longest; side: where in BvhNode::bounds the nearer sides begin, by axis.
+    /// which the direction is longest; side: where in BvhNode::bounds the nearer sides begin, by axis; seen: the origin
+    /// as triangles are seen from it, along `axis` last; row: integers, which axes the first two of them are.
     alignas(64) float f[field_count][lanes];
 
     void prepare(const Vec3& o, const Vec3& d, Float ray_t_max, Float ray_time, Float radius)
@@ -97,7 +103,13 @@ struct PreparedRays {
         store(f[side_y], bits_float(y * UInt(3 * row) + UInt(row)));
         store(f[side_z], bits_float(z * UInt(3 * row) + UInt(2 * row)));
         store(f[octant], bits_float(x | y << 1 | z << 2));
-        store(f[axis], bits_float(select(shear.x_major, UInt(0u), select(shear.y_major, UInt(1u), UInt(2u)))));
+        const auto by_axis = [&](auto along_x, auto along_y, auto along_z) {
+            return select(shear.x_major, along_x, select(shear.y_major, along_y, along_z));
+        };
+        store(f[axis], bits_float(by_axis(UInt(0u), UInt(1u), UInt(2u))));
+        set(seen_x, {by_axis(o.y, o.z, o.x), by_axis(o.z, o.x, o.y), by_axis(o.x, o.y, o.z)});
+        store(f[row_x], bits_float(by_axis(UInt(1u), UInt(2u), UInt(0u))));
+        store(f[row_y], bits_float(by_axis(UInt(2u), UInt(0u), UInt(1u))));
     }
 
     /// As they see triangles.

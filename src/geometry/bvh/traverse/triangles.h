@@ -61,10 +61,9 @@ template <class F>
 [[gnu::always_inline]] inline WeighedTriangles weigh_triangles(const float* data, std::ptrdiff_t n, std::ptrdiff_t at,
                                                                const PreparedRay& r)
 {
-    const std::uint32_t axis = r.integer(PreparedRays::axis);
-    const std::ptrdiff_t ix = axis == 2 ? 0 : axis + 1, iy = axis == 0 ? 2 : axis - 1, iz = axis;
-    const F ox(r.number(PreparedRays::origin_x + int(ix))), oy(r.number(PreparedRays::origin_x + int(iy))),
-        oz(r.number(PreparedRays::origin_x + int(iz)));
+    const std::ptrdiff_t ix = r.integer(PreparedRays::row_x), iy = r.integer(PreparedRays::row_y),
+                         iz = r.integer(PreparedRays::axis);
+    const F ox(r.number(PreparedRays::seen_x)), oy(r.number(PreparedRays::seen_y)), oz(r.number(PreparedRays::seen_z));
     const auto corner = [&](std::ptrdiff_t k) {
         const float* const p = data + 3 * k * n + at;
         return TriangleCorner<F>{load_as<F>(p + ix * n) - ox, load_as<F>(p + iy * n) - oy, load_as<F>(p + iz * n) - oz};
