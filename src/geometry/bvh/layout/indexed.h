@@ -179,9 +179,8 @@ template <class F, bool moving>
                          iy = r.integer(PreparedRays::row_y);
     const auto z = [&, o = F(r.number(PreparedRays::seen_z))](const float* p) { return vertices.row(p) - o; };
     const auto sheared = [&](std::ptrdiff_t i, int seen, int shear) {
-        return [&, to_z = (axis - i) * leaf.vertices(), o = F(r.number(seen)), by = F(r.number(shear))](const float* p) {
-            return fma(-by, z(p + to_z), vertices.row(p) - o);
-        };
+        return [&, to_z = (axis - i) * leaf.vertices(), o = F(r.number(seen)),
+                by = F(r.number(shear))](const float* p) { return fma(-by, z(p + to_z), vertices.row(p) - o); };
     };
     const auto x = sheared(ix, PreparedRays::seen_x, PreparedRays::shear_x),
                y = sheared(iy, PreparedRays::seen_y, PreparedRays::shear_y);

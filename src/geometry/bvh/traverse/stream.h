@@ -87,16 +87,20 @@ public:
                 Counts counts;
                 for (int i = 0; i < now_.n.nodes; ++i) {
                     fetch_node(now_.node[std::min(i + ahead, now_.n.nodes - 1)]);
-                    visit_node(now_.node[i], counts);
+                    visit_node(now_.node[i]);
                 }
+                // Apart, as leaves are: what was just put on a stack is not to be had at once.
+                for (int i = 0; i < now_.n.nodes; ++i) pop(now_.node[i], counts);
                 next_.n = counts;
             }
             if constexpr (lanes == bvh_width) {
-                for (int i = 0; i < std::min(leaves_ahead, now_.n.leaves); ++i) fetch_leaf(now_.leaf[i]);
-                if (any_hit && !bvh_.has_alpha)
+                for (int i = 0; i < std::min(leaf_wave, now_.n.leaves); ++i) fetch_leaf(now_.leaf[i]);
+                if (any_hit && !bvh_.has_alpha) {
                     visit_leaves_for_any();
-                else
-                    visit_leaves();
+                } else {
+                    for (int i = 0; i < now_.n.leaves; i += leaf_wave)
+                        visit_leaves(i, std::min(i + leaf_wave, now_.n.leaves));
+                }
             } else {
                 for (int i = 0; i < now_.n.leaves; ++i) visit_leaf(now_.leaf[i]);
             }
@@ -119,8 +123,8 @@ public:
 
 private:
     static constexpr std::uint32_t end = BvhReference::others(BvhReference::end, 0);
-    /// How many leaves earlier one is fetched.
-    static constexpr int leaves_ahead = 8;
+    /// So many leaves are met at a time; also, how many leaves earlier one is fetched.
+    static constexpr int leaf_wave = 8;
     /// How many rays earlier a node is fetched: later is too late, earlier crowds the queues of the processor.
     static constexpr int ahead = 4;
 
@@ -212,22 +216,21 @@ private:
         queue(ray, *(states_[ray].top -= really), n, really);
     }
 
-    [[gnu::always_inline]] void visit_node(int ray, Counts& n)
+    [[gnu::always_inline]] void visit_node(int ray)
     {
         const PreparedRay r = prepared(ray);
         const BvhNode& node = bvh_.nodes[node_of(ray)];
         if constexpr (moving)
-            if (BvhReference::is_moving(states_[ray].reference)) return visit_moving_node(ray, r, node, n);
+            if (BvhReference::is_moving(states_[ray].reference)) return visit_moving_node(ray, r, node);
         const BoxDistances box = distances_to(node, r, Float(memory_.hits.t[ray]));
         std::uint32_t*& top = states_[ray].top;
         const BvhStack above{top, distances(top)};
         top += any_hit ? push_any(above, 0, node, box)
                        : push_in_order(above, 0, node.child, node.order[r.integer(PreparedRays::octant)], box);
-        pop(ray, n);
     }
 
     /// The same for boxes that move.
-    [[gnu::noinline]] void visit_moving_node(int ray, const PreparedRay& r, const BvhNode& node, Counts& n)
+    [[gnu::noinline]] void visit_moving_node(int ray, const PreparedRay& r, const BvhNode& node)
     {
         const BoxDistances box =
             distances_to_moving(node, r, Float(memory_.times.shutter[ray]), Float(memory_.hits.t[ray]));
@@ -235,7 +238,6 @@ private:
         const BvhStack above{top, distances(top)};
         const std::uint32_t* order = node.order[r.integer(PreparedRays::octant)];
         top += any_hit ? push_any(above, 0, node, box) : push_in_order(above, 0, node.child, order, box);
-        pop(ray, n);
     }
 
     /// Leaves of triangles, of either kind.
@@ -263,22 +265,25 @@ private:
         return weigh_triangles<moving>(indexed_leaf(leaf), key, fraction, at, prepared(ray));
     }
 
-    /// What a ray meets can't be foreseen, so there is no branch on it.
-    void visit_leaves()
+    /// What a ray meets can't be foreseen, so there is no branch on it. In three steps: a ray's way through all of them
+    /// is long, as one waits for the other, and in each the processor has more rays at hand.
+    void visit_leaves(int first, int last)
     {
+        TriangleDistances to[leaf_wave];
+        std::uint8_t found[leaf_wave];
         int triangles = 0;
         Counts n = next_.n;
-        for (int i = 0; i < now_.n.leaves; ++i) {
+        for (int i = first; i < last; ++i) {
             const int ray = now_.leaf[i];
-            fetch_leaf(now_.leaf[std::min(i + leaves_ahead, now_.n.leaves - 1)]);
+            fetch_leaf(now_.leaf[std::min(i + leaf_wave, now_.n.leaves - 1)]);
             triangles += triangle_count(states_[ray].reference);
-            const bool found = note_nearest(ray, distances_to_triangles(ray, weigh(ray, 0)));
-            if (any_hit) {
-                pop(ray, n, 1 - int(found));
-            } else {
-                remove_beyond(ray, memory_.hits.t[ray]);
-                pop(ray, n);
-            }
+            to[i - first] = distances_to_triangles(ray, weigh(ray, 0));
+        }
+        for (int i = first; i < last; ++i) found[i - first] = note_nearest(now_.leaf[i], to[i - first]);
+        for (int i = first; i < last; ++i) {
+            const int ray = now_.leaf[i];
+            if (!any_hit) remove_beyond(ray, memory_.hits.t[ray]);
+            pop(ray, n, any_hit ? 1 - found[i - first] : 1);
         }
         memory_.visits.primitives += std::uint64_t(triangles);
         next_.n = n;
@@ -287,15 +292,19 @@ private:
     /// The same where any hit will do, and all that is asked of a leaf is one bit: at once takes a fifth less time.
     void visit_leaves_for_any()
     {
+        std::uint8_t found[stream_size];
         int triangles = 0;
         Counts n = next_.n;
         for (int i = 0; i < now_.n.leaves; ++i) {
             const int ray = now_.leaf[i];
-            fetch_leaf(now_.leaf[std::min(i + leaves_ahead, now_.n.leaves - 1)]);
+            fetch_leaf(now_.leaf[std::min(i + leaf_wave, now_.n.leaves - 1)]);
             triangles += triangle_count(states_[ray].reference);
-            const int found = any(distances_to_triangles(ray, weigh(ray, 0)).hit);
-            memory_.hits.what[ray] = found ? 0 : memory_.hits.what[ray];
-            pop(ray, n, 1 - found);
+            found[i] = any(distances_to_triangles(ray, weigh(ray, 0)).hit);
+        }
+        for (int i = 0; i < now_.n.leaves; ++i) {
+            const int ray = now_.leaf[i];
+            memory_.hits.what[ray] = found[i] ? 0 : memory_.hits.what[ray];
+            pop(ray, n, 1 - found[i]);
         }
         memory_.visits.primitives += std::uint64_t(triangles);
         next_.n = n;
