@@ -1,7 +1,9 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "fathom/description.h"
 
@@ -35,6 +37,33 @@ inline void fill_solid(Material& solid, Color absorption, Color scattering, floa
     solid.transmission_scatter = {scattered(scattering.r), scattered(scattering.g), scattered(scattering.b)};
     solid.transmission_scatter_anisotropy = mean_cosine;
 }
+
+/// What shapes name as in and around them. What is around one follows from what others, and the camera, are in.
+template <class Medium>
+class MediaOfShapes {
+public:
+    /// Of one shape; null: nothing.
+    void add(const Medium* inside, const Medium* outside)
+    {
+        if (inside) inside_.insert(inside);
+        if (outside && std::find(outside_.begin(), outside_.end(), outside) == outside_.end())
+            outside_.push_back(outside);
+    }
+    /// Those around shapes that are neither in one nor around the camera, in the order in which they came.
+    std::vector<const Medium*> nowhere(const Medium* around_camera) const
+    {
+        std::vector<const Medium*> found;
+        for (const Medium* medium : outside_)
+            if (medium != around_camera && !inside_.contains(medium)) found.push_back(medium);
+        return found;
+    }
+
+private:
+    std::set<const Medium*> inside_;
+    std::vector<const Medium*> outside_;
+};
+inline constexpr const char* medium_is_nowhere =
+    "is around shapes, but neither in one nor around the camera: nothing is there";
 
 /// Puts a ball of a medium, which is a solid of it, around all shapes and cameras: what is in nothing else is in it. It
 /// has twice the radius of what it surrounds. Returns what is to be said of that; empty: nothing.

@@ -402,9 +402,7 @@ void Reader::read_interior(const Element& element, Material& m)
 /// Of what the camera is in, all is full that is in nothing else.
 void Reader::finish_media()
 {
-    for (const Element* outside : media_outside_)
-        if (outside != camera_medium_ && !media_inside_.contains(outside))
-            tell(*outside, "is around shapes, but neither in one nor around the camera: nothing is there");
+    for (const Element* medium : media_of_shapes_.nowhere(camera_medium_)) tell(*medium, medium_is_nowhere);
     if (!camera_medium_) return;
     Material m = open_boundary();
     read_interior(*camera_medium_, m);
@@ -415,9 +413,8 @@ void Reader::finish_media()
 int Reader::material_of_shape(Object& shape)
 {
     const std::vector<const Element*> bsdfs = shape.children("bsdf"), emitters = shape.children("emitter");
-    const Element *const medium = shape.child("interior"), *const outside = shape.child("exterior");
-    if (medium) media_inside_.insert(medium);
-    if (outside) media_outside_.insert(outside);
+    const Element* const medium = shape.child("interior");
+    media_of_shapes_.add(medium, shape.child("exterior"));
     const Element* const bsdf = bsdfs.empty() ? nullptr : bsdfs.back();
     const Element* const emitter = emitters.empty() ? nullptr : emitters.front();
     if (bsdf && !emitter && !medium) return material(*bsdf);

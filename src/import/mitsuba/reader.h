@@ -8,6 +8,7 @@
 
 #include "import/common/load_context.h"
 #include "import/common/measured_file.h"
+#include "import/common/medium.h"
 #include "import/mitsuba/object.h"
 #include "import/mitsuba/serialized.h"
 #include "scene/append.h"
@@ -129,7 +130,7 @@ private:
     /// By bsdf, emitter and medium.
     std::map<std::array<const Element*, 3>, int> shape_materials_;
     const Element* camera_medium_ = nullptr;
-    std::set<const Element*> media_inside_, media_outside_;  ///< of shapes
+    MediaOfShapes<Element> media_of_shapes_;
     std::map<Key, int> meshes_;
     std::map<std::string, SerializedFile> serialized_;
     std::map<std::string, Appended> models_;  ///< by file and options

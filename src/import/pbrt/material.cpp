@@ -377,9 +377,7 @@ void Reader::finish_media()
 {
     const Parameters* around = nullptr;
     if (!camera_medium_.empty()) around = medium(camera_->place(), camera_medium_);
-    for (const Parameters* outside : media_outside_)
-        if (outside != around && !media_inside_.contains(outside))
-            tell(*outside, "is around shapes, but neither in one nor around the camera: nothing is there");
+    for (const Parameters* medium : media_of_shapes_.nowhere(around)) tell(*medium, medium_is_nowhere);
     if (!around) return;
     Material m = open_boundary();
     set_medium(*around, m);

@@ -11,6 +11,7 @@
 
 #include "import/common/load_context.h"
 #include "import/common/measured_file.h"
+#include "import/common/medium.h"
 #include "import/pbrt/measured_media.h"
 #include "import/pbrt/named_spectra.h"
 #include "import/pbrt/parameters.h"
@@ -193,9 +194,9 @@ private:
     std::map<std::string, std::array<Transform, 2>> systems_;
     Plugin camera_, film_;
     std::string camera_medium_;
-    std::set<const Parameters*> media_inside_, media_outside_;  ///< of shapes
-    std::array<int, 2> film_size_ = {1280, 720};                ///< of the whole film
-    std::array<int, 4> crop_ = {0, 1280, 0, 720};               ///< what of it is the picture: x0, x1, y0, y1
+    MediaOfShapes<Parameters> media_of_shapes_;
+    std::array<int, 2> film_size_ = {1280, 720};   ///< of the whole film
+    std::array<int, 4> crop_ = {0, 1280, 0, 720};  ///< what of it is the picture: x0, x1, y0, y1
     Transform world_from_camera_;
     bool mirrored_ = false;  ///< pbrt's world is left-handed where its camera does not mirror
     std::map<std::string, NamedTexture> float_textures_, color_textures_;

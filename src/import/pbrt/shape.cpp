@@ -332,8 +332,7 @@ const Parameters* Reader::medium(const Place& place, const std::string& name) co
 void Reader::set_media(const Place& place, Surface& surface)
 {
     const Parameters *const inside = medium(place, state_.inside), *const outside = medium(place, state_.outside);
-    if (inside) media_inside_.insert(inside);
-    if (outside) media_outside_.insert(outside);
+    media_of_shapes_.add(inside, outside);
     if (inside == outside) return;
     surface.medium = inside;
     surface.is_hole = !inside;

@@ -20,8 +20,8 @@ struct RayHits {
     /// Past the rays': for what is to be forgotten.
     static constexpr int nowhere = stream_size;
 
-    alignas(64) float t[stream_size + 16], u[stream_size + 16], v[stream_size + 16];
-    alignas(64) std::uint32_t what[stream_size + 16], instance[stream_size + 16];
+    alignas(64) float t[nowhere + 1], u[nowhere + 1], v[nowhere + 1];
+    alignas(64) std::uint32_t what[nowhere + 1], instance[nowhere + 1];
 
     BvhKey key(const BvhData& bvh, int i) const
     {
