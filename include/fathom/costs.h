@@ -31,6 +31,7 @@ struct RenderCosts {
     std::array<std::uint64_t, ray_kind_count> rays{};  ///< by RayKind
     std::uint64_t clear_shadow_rays = 0;               ///< those that nothing blocked
     std::uint64_t vertices = 0;                        ///< places where paths were scattered by surfaces
+    std::uint64_t light_samples = 0;                   ///< at how many of these a light was sampled
     std::uint64_t shaded_lanes = 0;                    ///< lanes, idle ones too, that shading them took
     /// Seconds of all threads, by RenderStage; 0 unless RenderSettings::measure.
     std::array<double, render_stage_count> seconds{};
@@ -45,6 +46,7 @@ struct RenderCosts {
     {
         for (std::size_t i = 0; i < rays.size(); ++i) rays[i] += o.rays[i];
         clear_shadow_rays += o.clear_shadow_rays, vertices += o.vertices, shaded_lanes += o.shaded_lanes;
+        light_samples += o.light_samples;
         for (std::size_t i = 0; i < seconds.size(); ++i) seconds[i] += o.seconds[i];
         return *this;
     }

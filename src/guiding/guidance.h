@@ -46,23 +46,42 @@ inline UInt guiding_bin(UInt side, const Vec3& d)
     return whole(fma(p.z, Float(0.5f), Float(0.5f)), guiding_bands) * UInt(guiding_sectors) + sector;
 }
 
+/// Three numbers from one, all in [0, 1): by how much places are moved, so that the borders of cubes are not seen.
+inline Vec3 guiding_noise(Float x)
+{
+    const Float y = x * Float(0x1p8f), z = x * Float(0x1p16f);
+    return {x, y - floor(y), z - floor(z)};
+}
+
+/// The number of the cube that p is in, moved by up to half a cube. noise: see guiding_noise.
+inline UInt guiding_cube(const GuidingTables& tables, const Vec3& p, const Vec3& noise)
+{
+    const auto cell = [&](Float x, Float shift, int axis) {
+        const Float at = fma(x - Float(tables.lowest[axis]), Float(tables.inverse_cell), shift - Float(0.5f));
+        return to_uint(clamp(at, Float(0), Float(float(tables.cells[axis] - 1))));
+    };
+    const UInt x = cell(p.x, noise.x, 0), y = cell(p.y, noise.y, 1), z = cell(p.z, noise.z, 2);
+    return (z * UInt(tables.cells[1]) + y) * UInt(tables.cells[0]) + x;
+}
+
+/// The chance with which paths of a throughput sample a light in their cubes.
+inline Float light_chance(const GuidingTables& tables, UInt cube, Float throughput, Mask m)
+{
+    constexpr float least = 1.f / 8;
+    return clamp(gather(tables.light_needs.data(), select(m, cube, UInt(0u)), m) * throughput, Float(least), Float(1));
+}
+
 /// What is known about where light comes from at some surfaces, to sample directions by it.
 class Guidance {
 public:
     /// Nothing is known.
     Guidance() = default;
-    /// At p, where the normal is n. What holds there is that of p moved by up to half a cube: by `noise`, three numbers
-    /// in [0, 1), so that the cubes' borders are not seen. weight: how much directions by the histogram are worth
+    /// At p, where the normal is n. noise: see guiding_noise. weight: how much directions by the histogram are worth
     /// there, from 0 to 1.
     Guidance(const GuidingTables& tables, const Vec3& p, const Vec3& n, const Vec3& noise, Float weight, Mask m)
         : tables_(&tables)
     {
-        const auto cell = [&](Float x, Float shift, int axis) {
-            const Float at = fma(x - Float(tables.lowest[axis]), Float(tables.inverse_cell), shift - Float(0.5f));
-            return to_uint(clamp(at, Float(0), Float(float(tables.cells[axis] - 1))));
-        };
-        const UInt x = cell(p.x, noise.x, 0), y = cell(p.y, noise.y, 1), z = cell(p.z, noise.z, 2);
-        const UInt cube = (z * UInt(tables.cells[1]) + y) * UInt(tables.cells[0]) + x;
+        const UInt cube = guiding_cube(tables, p, noise);
         side_ = guiding_side(n);
         const UInt region = gather(tables.regions.data(), select(m, cube * UInt(guiding_sides) + side_, UInt(0u)), m);
         known_ = m & (region != UInt(no_index));

@@ -5,6 +5,8 @@
 /// or -z. A region has a histogram over directions whose pole is that side's: bands of equal height, hence of equal
 /// solid angle, cut into sectors. See Mueller, Gross and Novak 2017, "Practical Path Guiding for Efficient
 /// Light-Transport Simulation", for what to learn and how to use it.
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -29,20 +31,38 @@ struct GuidingTables {
     /// By region: radiance that comes back along directions that surfaces choose, averaged over them by the cosine;
     /// without what light samples bring.
     LargeVector<float> means;
+    /// By cube: with what chance a path samples a light there, over its throughput; see session/light_needs.h. Empty:
+    /// all do.
+    LargeVector<float> light_needs;
 };
 
-/// A direction that a path took from a surface, and what came back along it.
+/// The number of the cube that a place is in.
+inline std::size_t guiding_cube(const GuidingTables& t, const float* position)
+{
+    std::size_t at[3];
+    for (std::size_t k = 0; k < 3; ++k)
+        at[k] = std::size_t(std::clamp((position[k] - t.lowest[k]) * t.inverse_cell, 0.f, float(t.cells[k] - 1)));
+    return (at[2] * t.cells[1] + at[1]) * t.cells[0] + at[0];
+}
+
+/// What a path met at a surface that scatters it.
 struct GuidingRecord {
+    static constexpr std::uint16_t no_bin = 0xffff;
+
     float position[3];
-    std::uint16_t side = 0, bin = 0;
-    /// Radiance times the cosine over the density with which the direction was sampled: the mean of the channels.
+    std::uint16_t side = 0, bin = no_bin;  ///< of the direction that the path took from there, if any
+    /// Radiance that came back along it, times the cosine over the density with which it was sampled: the mean of the
+    /// channels.
     float value = 0;
+    /// What a light sample brought there, over the path's throughput: the mean of the channels.
+    float light = 0;
 };
 
-/// What paths that are traced for learning met and brought, pixel by pixel and sample by sample.
+/// What paths that are traced for learning met and brought, path by path.
 struct GuidingRecords {
-    std::vector<GuidingRecord> turns;
-    std::vector<float> radiance;  ///< of each path: the mean of the channels
+    std::vector<GuidingRecord> surfaces;
+    std::vector<std::uint8_t> counts;  ///< how many of these belong to each path
+    std::vector<float> radiance;       ///< of each path: the mean of the channels
 };
 
 }  // namespace fathom

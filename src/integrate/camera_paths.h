@@ -14,7 +14,8 @@ enum BouncePair : std::uint32_t {
     pair_channel,
     pair_light_tree,
     pair_guiding,
-    pair_mixture
+    pair_mixture,
+    pair_light_chance
 };
 
 /// The beginnings of a job's paths, numbered pixel by pixel.

@@ -38,7 +38,8 @@ public:
                   .eta_scale = scene.refracts,
                   .media = scene.tracks_media,
                   .clamp = settings.clamp_indirect > 0,
-                  .expected = settings.guiding != nullptr,
+                  .guided = settings.guiding != nullptr,
+                  .light_chance = settings.guiding && !settings.guiding->light_needs.empty(),
                   .number = job.records != nullptr,
                   .walks = scene.scatters_inside || scene.open_media,
                   .walk_textures = scene.textured_media,
@@ -72,6 +73,7 @@ public:
             if (recorder_.is_on()) recorder_.arrive(*paths_, active);
             active = arrive(active);
             std::swap(paths_, spare_);
+            if (recorder_.is_on()) recorder_.meet(*paths_, packed_hits_, kind_end_[closure_kind_count - 1]);
             shade_.run(*paths_, packed_hits_, kind_end_);
             clock_.enter(RenderStage::film);
             active = bury(active);
@@ -110,7 +112,7 @@ private:
         p.media.store(to, camera_media_);
         if (extras_.clamp) p.indirect_left.store(to, Float(settings_.clamp_indirect));
         p.walk_steps.store(to, UInt(0u));
-        if (extras_.expected) p.expected.store(to, Float(0));
+        if (extras_.guided) p.expected.store(to, Float(0));
         if (extras_.number) p.number.store(to, iota() + UInt(first));
         if (extras_.walk_textures) forget_medium(p, to);
     }
@@ -186,6 +188,7 @@ private:
                                   (may_scatter(settings_, p.state.load(i) & UInt(PathPool::bounce_mask)) |
                                    ((info & UInt(LaneScene::is_no_bounce)) != UInt(0u)));
             list(valid & !scatters, i, finished_, finished);
+            if (extras_.light_chance) bucket = bucket | choose_light_chance(i, scatters);
             buckets_.store(i, select(scatters, bucket, UInt(0u)));
         }
         if (first_hits_.wanted()) add_first_hits(active);
@@ -207,6 +210,23 @@ private:
         return packed + walking;
     }
 
+    /// Decides which of the gang's paths, of those of m, sample a light where they are. Returns the mark of their
+    /// buckets: paths that do are shaded apart from those that don't.
+    UInt choose_light_chance(std::size_t i, Mask m)
+    {
+        PathPool& p = *paths_;
+        const GuidingTables& tables = *settings_.guiding;
+        const SampleKey key{p.pixel_hash.load(i), p.reversed_index.load(i)};
+        const UInt bounce = p.state.load(i) & UInt(PathPool::bounce_mask);
+        const UInt seed = group_seed(key, bounce + UInt(1u));
+        const Vec3 at = fma(p.direction.load(i), hits_.t.load(i), p.origin.load(i));
+        const UInt cube = guiding_cube(tables, at, guiding_noise(sample_hash(key, pair_seed(seed, pair_guiding))));
+        const Float chance = light_chance(tables, cube, mean(p.throughput.load(i)), m);
+        const Mask samples = sample_hash(key, pair_seed(seed, pair_light_chance)) < chance;
+        p.light_chance.store(i, select(samples, chance, -chance));
+        return select(samples, UInt(LaneScene::samples_light), UInt(0u));
+    }
+
     /// Appends the numbers of the lanes, which begin at `first`, to a list.
     static void list(Mask m, std::size_t first, Column<std::uint32_t>& numbers, std::size_t& size)
     {
@@ -220,13 +240,20 @@ private:
     {
         std::size_t packed = 0;
         for (std::uint32_t kind = 0; kind < closure_kind_count; ++kind) {
-            for (std::size_t i = 0; i < active && scene_.has_closure(kind); i += lanes) {
-                const Mask m = (buckets_.load(i) >> LaneScene::kind_shift) == UInt(kind);
-                if (none(m)) continue;
-                const auto append = [&](const auto& from, auto& to) { to.append(packed, from.load(i), m); };
-                PathPool::for_travelling(*paths_, *spare_, extras_, append);
-                HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, scene_.has_mixtures, append);
-                packed += std::size_t(count(m));
+            const auto pack = [&](std::uint32_t mask, std::uint32_t wanted) {
+                for (std::size_t i = 0; i < active; i += lanes) {
+                    const Mask m = (buckets_.load(i) & UInt(mask)) == UInt(wanted);
+                    if (none(m)) continue;
+                    const auto append = [&](const auto& from, auto& to) { to.append(packed, from.load(i), m); };
+                    PathPool::for_travelling(*paths_, *spare_, extras_, append);
+                    HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, scene_.has_mixtures, append);
+                    packed += std::size_t(count(m));
+                }
+            };
+            if (scene_.has_closure(kind)) {
+                const std::uint32_t any_material = ~((1u << LaneScene::kind_shift) - 1);
+                if (extras_.light_chance) pack(any_material, kind << LaneScene::kind_shift | LaneScene::samples_light);
+                pack(any_material, kind << LaneScene::kind_shift);
             }
             kind_end_[kind] = packed;
         }
@@ -236,15 +263,22 @@ private:
     /// The same, and those of a kind in the order of their materials, by a counting sort over buckets.
     std::size_t pack_by_material(std::size_t active)
     {
-        std::uint32_t place[LaneScene::buckets] = {};
+        std::uint32_t place[2 * LaneScene::samples_light] = {};
         for (std::size_t i = 0; i < active; ++i) ++place[buckets_[i]];
         // Bucket 0 is of those that don't go on.
+        place[0] = 0;
         std::uint32_t packed = 0;
-        for (std::uint32_t bucket = 1; bucket < LaneScene::buckets; ++bucket) {
-            const std::uint32_t size = place[bucket];
-            place[bucket] = packed;
-            packed += size;
-            kind_end_[bucket >> LaneScene::kind_shift] = packed;
+        for (std::uint32_t kind = 0; kind < closure_kind_count; ++kind) {
+            const auto give_places = [&](std::uint32_t mark) {
+                const std::uint32_t begin = kind << LaneScene::kind_shift | mark;
+                for (std::uint32_t bucket = begin; bucket < begin + (1u << LaneScene::kind_shift); ++bucket)
+                    packed += std::exchange(place[bucket], packed);
+            };
+            if (scene_.has_closure(kind)) {
+                if (extras_.light_chance) give_places(LaneScene::samples_light);
+                give_places(0);
+            }
+            kind_end_[kind] = packed;
         }
         for (std::size_t i = 0; i < active; ++i)
             if (buckets_[i] != 0) order_[place[buckets_[i]]++] = std::uint32_t(i);

@@ -104,7 +104,8 @@ struct PathExtras {
     bool eta_scale = false;      ///< something refracts
     bool media = false;          ///< what solids are filled with matters
     bool clamp = false;          ///< indirect light is limited
-    bool expected = false;       ///< paths are guided
+    bool guided = false;         ///< paths go by what was learnt
+    bool light_chance = false;   ///< a light is not sampled everywhere
     bool number = false;         ///< paths are noted
     bool walks = false;          ///< and that scatters
     bool walk_textures = false;  ///< in colours and distances of its own where the path came in
@@ -130,6 +131,8 @@ struct PathPool {
     Column<float> indirect_left;  ///< see IndirectClamp
     /// Radiance that was expected to come back from the first surface of which anything was known; 0: there was none.
     Column<float> expected;
+    /// Of sampling a light where the path is; below 0: it does not.
+    Column<float> light_chance;
     Column<std::uint32_t> number;  ///< in the job
     MediaColumn media;
     Column<std::uint32_t> walk_steps;  ///< within a medium, since the last surface
@@ -147,7 +150,8 @@ struct PathPool {
         if (extras.time) f(a.time, b.time);
         if (extras.media) for_columns(a.media, b.media, f);
         if (extras.clamp) f(a.indirect_left, b.indirect_left);
-        if (extras.expected) f(a.expected, b.expected);
+        if (extras.guided) f(a.expected, b.expected);
+        if (extras.light_chance) f(a.light_chance, b.light_chance);
         if (extras.number) f(a.number, b.number);
         if (extras.walks) f(a.walk_steps, b.walk_steps);
         if (extras.sees_through) f(a.bsdf_pdf, b.bsdf_pdf), f(a.way_out, b.way_out);

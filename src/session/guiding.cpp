@@ -6,6 +6,8 @@
 #include <tbb/parallel_for.h>
 
 #include "film/film_data.h"
+#include "session/light_needs.h"
+#include "session/path_noise.h"
 
 namespace fathom {
 
@@ -19,15 +21,13 @@ constexpr std::size_t least_samples = 4;
 constexpr std::size_t paths_per_job = 4096;
 /// Guided paths are tried in every so manieth of these pixels.
 constexpr std::size_t trial_step = 2;
-/// What a guided path's vertex takes, in those of one that is not; measured.
-constexpr double guided_cost = 1.15;
+/// What guidance takes at a vertex, of all that a vertex takes without; measured.
+constexpr double guidance_cost = 0.15;
 /// With less gain the plain paths are kept: it is not known exactly, and the more samples a pixel has, the more plain
 /// ones win by their even spread, which shows less in the few of the trial.
 constexpr double least_gain = 1.2;
-/// How bright a pixel is, is told by so many before it in its row, and as many behind it.
-constexpr std::size_t neighbours = 16;
-/// Of all pixels, the noisiest that don't count: a few would decide alone.
-constexpr double outliers = 0.001;
+/// Where paths sample lights at more than so many of their surfaces, they do at all: choosing takes time, too.
+constexpr double most_light_samples = 0.5;
 
 /// Pixels far apart, in rows and columns of equal distances, about `count` of them or all that there are.
 std::vector<std::uint32_t> spread_pixels(int width, int height, std::size_t count)
@@ -41,9 +41,21 @@ std::vector<std::uint32_t> spread_pixels(int width, int height, std::size_t coun
 
 /// What some samples of some pixels met and brought.
 struct Pass {
-    GuidingRecords records;
-    std::size_t samples = 0;  ///< of each pixel
-    std::uint64_t vertices = 0;
+    std::vector<GuidingRecords> parts;
+    std::vector<float> radiance;  ///< path by path
+    std::size_t samples = 0;      ///< of each pixel
+    std::uint64_t vertices = 0, light_samples = 0;
+
+    void append_to(std::vector<const GuidingRecords*>& list) const
+    {
+        for (const GuidingRecords& part : parts) list.push_back(&part);
+    }
+    std::size_t pixels() const { return radiance.size() / samples; }
+    /// What it took, in vertices of plain paths. guidance: what that takes at each vertex.
+    double cost(double guidance) const
+    {
+        return (1 - light_cost + guidance) * double(vertices) + light_cost * double(light_samples);
+    }
 };
 
 /// salt: passes with another have other random numbers, as the samples of pictures have.
@@ -58,79 +70,63 @@ Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings 
     settings.aovs = layout;
     settings.film_words = std::size_t(layout.words);
     const std::size_t step = std::clamp<std::size_t>(paths_per_job / samples, 1, max_job_pixels);
-    std::vector<Pass> parts((pixels.size() + step - 1) / step);
-    tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t part) {
+    Pass all;
+    all.samples = samples;
+    all.parts.resize((pixels.size() + step - 1) / step);
+    std::vector<RenderCosts> costs(all.parts.size());
+    tbb::parallel_for(std::size_t(0), all.parts.size(), [&](std::size_t part) {
         if (is_cancelled()) return;
         const std::size_t first = part * step, count = std::min(step, pixels.size() - first);
         TileSums sums;
         sums.reset(count, settings.film_words);
         KernelCounters counters;
         render_job(scene, camera, settings,
-                   {&pixels[first], std::uint32_t(count), 0, std::uint32_t(samples), &parts[part].records}, sums,
+                   {&pixels[first], std::uint32_t(count), 0, std::uint32_t(samples), &all.parts[part]}, sums,
                    counters);
-        parts[part].vertices = counters.costs.vertices;
+        costs[part] = counters.costs;
     });
     if (is_cancelled()) throw Cancelled();
-    Pass all;
-    all.samples = samples;
-    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    for (const Pass& part : parts) {
-        append(all.records.turns, part.records.turns);
-        append(all.records.radiance, part.records.radiance);
-        all.vertices += part.vertices;
-    }
+    for (const GuidingRecords& part : all.parts)
+        all.radiance.insert(all.radiance.end(), part.radiance.begin(), part.radiance.end());
+    for (const RenderCosts& c : costs) all.vertices += c.vertices, all.light_samples += c.light_samples;
     return all;
 }
 
-/// Mean and variance of the samples of a pixel.
-struct Spread {
-    double mean = 0, variance = 0;
-};
-Spread spread_of(const Pass& pass, std::size_t pixel)
+/// How much noise the paths of pixels make, beside how bright these are.
+double noise_of(const std::vector<Spread>& spreads, const std::vector<double>& squares)
 {
-    const float* const values = &pass.records.radiance[pixel * pass.samples];
-    Spread s;
-    for (std::size_t i = 0; i < pass.samples; ++i) s.mean += double(values[i]) / double(pass.samples);
-    for (std::size_t i = 0; i < pass.samples; ++i)
-        s.variance += (double(values[i]) - s.mean) * (double(values[i]) - s.mean) / double(pass.samples - 1);
-    return s;
+    std::vector<double> noise(spreads.size());
+    for (std::size_t i = 0; i < noise.size(); ++i)
+        noise[i] = squares[i] > 0 ? spreads[i].variance / squares[i] : 0;
+    return mean_without_outliers(std::move(noise));
 }
 
-/// Sum of the numbers but the largest.
-double sum_without_outliers(std::vector<double> numbers)
+PathsMet paths_met(const Pass& plain)
 {
-    std::sort(numbers.begin(), numbers.end());
-    numbers.resize(numbers.size() - std::size_t(outliers * double(numbers.size())));
-    double sum = 0;
-    for (double x : numbers) sum += x;
-    return sum;
+    const std::vector<Spread> spreads = spreads_of(plain.radiance, plain.samples);
+    PathsMet met;
+    plain.append_to(met.parts);
+    met.brightness_squares = brightness_squares(spreads);
+    met.samples = plain.samples;
+    met.vertices = double(plain.vertices) / double(plain.radiance.size());
+    met.variance = noise_of(spreads, met.brightness_squares);
+    return met;
 }
 
 /// How many times as much noise, for equal time, paths have in every trial_step-th pixel without guidance as with.
 double gain(const Pass& plain, const Pass& guided)
 {
-    const std::size_t pixels = guided.records.radiance.size() / guided.samples;
-    double mean = 0;
-    for (float x : plain.records.radiance) mean += double(x) / double(plain.records.radiance.size());
-    std::vector<Spread> a(pixels), b(pixels);
-    // Sums of the means up to each pixel: a pixel's own few samples don't tell how bright it is.
-    std::vector<double> sums(pixels + 1);
-    for (std::size_t i = 0; i < pixels; ++i) {
-        a[i] = spread_of(plain, i * trial_step), b[i] = spread_of(guided, i);
-        sums[i + 1] = sums[i] + 0.5 * (a[i].mean + b[i].mean);
+    const std::vector<Spread> all = spreads_of(plain.radiance, plain.samples),
+                              after = spreads_of(guided.radiance, guided.samples);
+    std::vector<Spread> before(after.size()), both(after.size());
+    for (std::size_t i = 0; i < after.size(); ++i) {
+        before[i] = all[i * trial_step];
+        both[i].mean = 0.5 * (before[i].mean + after[i].mean);
     }
-    std::vector<double> before(pixels), after(pixels);
-    for (std::size_t i = 0; i < pixels; ++i) {
-        const std::size_t from = i - std::min(i, neighbours), to = std::min(pixels, i + neighbours + 1);
-        const double around = (sums[to] - sums[from]) / double(to - from);
-        const double scale = around * around + 0.01 * mean * mean;
-        if (!(scale > 0)) continue;
-        before[i] = a[i].variance / scale;
-        after[i] = b[i].variance / scale;
-    }
-    const double noise = sum_without_outliers(before) / std::max(sum_without_outliers(after), 1e-30);
-    const double share = double(guided.records.radiance.size()) / double(plain.records.radiance.size());
-    return noise * share * double(plain.vertices) / (guided_cost * double(std::max<std::uint64_t>(guided.vertices, 1)));
+    const std::vector<double> squares = brightness_squares(both);
+    const double share = double(guided.pixels()) / double(plain.pixels());
+    return noise_of(before, squares) / std::max(noise_of(after, squares), 1e-30) * share * plain.cost(0) /
+           std::max(guided.cost(guidance_cost), 1.0);
 }
 
 }  // namespace
@@ -142,18 +138,25 @@ std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, con
     const std::size_t paths = std::clamp(picture / 2, least_paths, most_paths);
     const std::vector<std::uint32_t> pixels = spread_pixels(settings.width, settings.height, paths / least_samples);
     const std::size_t samples = std::max(least_samples, paths / pixels.size());
-    Pass plain = trace(scene, camera, settings, pixels, samples, 0x9e3779b9u, cancel);
-    const std::shared_ptr<const GuidingTables> first = make_guiding(plain.records.turns);
+    const Pass plain = trace(scene, camera, settings, pixels, samples, 0x9e3779b9u, cancel);
+    std::vector<const GuidingRecords*> parts;
+    plain.append_to(parts);
+    const std::shared_ptr<GuidingTables> first = make_guiding(parts);
     if (!first) return nullptr;
+    const PathsMet met = paths_met(plain);
+    if (plain.light_samples > 0) set_light_needs(met, *first);
     std::vector<std::uint32_t> tried;
     for (std::size_t i = 0; i < pixels.size(); i += trial_step) tried.push_back(pixels[i]);
     KernelSettings with_first = settings;
     with_first.guiding = first.get();
-    const Pass guided = trace(scene, camera, with_first, tried, samples, 0x3c6ef372u, cancel);
+    Pass guided = trace(scene, camera, with_first, tried, samples, 0x3c6ef372u, cancel);
+    const bool samples_all = double(guided.light_samples) > most_light_samples * double(guided.vertices);
+    if (samples_all) guided.light_samples = guided.vertices;
     if (gain(plain, guided) < least_gain) return nullptr;
-    std::vector<GuidingRecord>& turns = plain.records.turns;
-    turns.insert(turns.end(), guided.records.turns.begin(), guided.records.turns.end());
-    return make_guiding(turns);
+    guided.append_to(parts);
+    const std::shared_ptr<GuidingTables> tables = make_guiding(parts);
+    if (tables && plain.light_samples > 0 && !samples_all) set_light_needs(met, *tables);
+    return tables;
 }
 
 }  // namespace fathom

@@ -2,8 +2,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "session/guiding.h"
+#include "session/sum_of_groups.h"
 
 namespace fathom {
 
@@ -60,17 +62,29 @@ void set_cubes(const Extent& extent, float along, GuidingTables& t)
 /// Where a record's region is in GuidingTables::regions.
 std::size_t place_of(const GuidingRecord& r, const GuidingTables& t)
 {
-    std::size_t at[3];
-    for (std::size_t k = 0; k < 3; ++k)
-        at[k] = std::size_t(std::clamp((r.position[k] - t.lowest[k]) * t.inverse_cell, 0.f, float(t.cells[k] - 1)));
-    return ((at[2] * t.cells[1] + at[1]) * t.cells[0] + at[0]) * guiding_sides + r.side;
+    return guiding_cube(t, r.position) * guiding_sides + r.side;
 }
 
-std::vector<std::uint32_t> count_by_region(const std::vector<GuidingRecord>& records, const GuidingTables& t)
+using Parts = std::vector<const GuidingRecords*>;
+
+/// Calls f(record) for those of a part that tell of a direction.
+template <class F>
+void for_directions(const GuidingRecords& part, const F& f)
 {
-    std::vector<std::uint32_t> count(t.regions.size());
-    for (const GuidingRecord& r : records) ++count[place_of(r, t)];
-    return count;
+    for (const GuidingRecord& r : part.surfaces)
+        if (r.bin != GuidingRecord::no_bin) f(r);
+}
+
+/// Every so manieth record of all that tell of a direction.
+std::vector<GuidingRecord> thin_out(const Parts& parts)
+{
+    std::vector<GuidingRecord> few;
+    std::size_t number = 0;
+    for (const GuidingRecords* part : parts)
+        for_directions(*part, [&](const GuidingRecord& r) {
+            if (number++ % thinning == 0) few.push_back(r);
+        });
+    return few;
 }
 
 /// Makes the cubes as fine as there are records for. few: some of all, evenly.
@@ -79,17 +93,39 @@ void choose_cubes(const std::vector<GuidingRecord>& few, GuidingTables& t)
     const Extent extent = extent_of(few);
     for (float along = 2; along < 64; along *= 1.25f) {
         set_cubes(extent, along, t);
-        std::vector<std::uint32_t> count = count_by_region(few, t);
+        std::vector<std::uint32_t> count(t.regions.size());
+        for (const GuidingRecord& r : few) ++count[place_of(r, t)];
         const auto known =
             std::count_if(count.begin(), count.end(), [](std::uint32_t n) { return n >= least_records / thinning; });
         if (double(few.size()) < records_per_region / thinning * double(known)) break;
     }
 }
 
-/// Numbers the regions that have enough records; returns how many records each of these has.
-std::vector<std::uint32_t> number_regions(const std::vector<GuidingRecord>& records, GuidingTables& t)
+/// How many records each place has, and their values in all.
+struct PlaceCounts {
+    std::vector<std::uint32_t> count;
+    double records = 0, values = 0;
+
+    void add(const PlaceCounts& o)
+    {
+        for (std::size_t i = 0; i < count.size(); ++i) count[i] += o.count[i];
+        records += o.records, values += o.values;
+    }
+};
+PlaceCounts count_by_place(const Parts& parts, const GuidingTables& t)
 {
-    const std::vector<std::uint32_t> count = count_by_region(records, t);
+    return sum_of_groups(parts.size(), PlaceCounts{std::vector<std::uint32_t>(t.regions.size()), 0, 0},
+                         [&](std::size_t part, PlaceCounts& sums) {
+                             for_directions(*parts[part], [&](const GuidingRecord& r) {
+                                 ++sums.count[place_of(r, t)];
+                                 sums.records += 1, sums.values += double(r.value);
+                             });
+                         });
+}
+
+/// Numbers the regions that have enough records; returns how many records each of these has.
+std::vector<std::uint32_t> number_regions(const std::vector<std::uint32_t>& count, GuidingTables& t)
+{
     std::vector<std::uint32_t> known;
     for (std::size_t i = 0; i < count.size(); ++i)
         if (count[i] >= least_records) {
@@ -97,6 +133,27 @@ std::vector<std::uint32_t> number_regions(const std::vector<GuidingRecord>& reco
             known.push_back(count[i]);
         }
     return known;
+}
+
+/// The values of records, summed by region and bin. most: that a value counts.
+struct BinSums {
+    std::vector<double> bins;
+
+    void add(const BinSums& o)
+    {
+        for (std::size_t i = 0; i < bins.size(); ++i) bins[i] += o.bins[i];
+    }
+};
+BinSums sum_by_bin(const Parts& parts, const GuidingTables& t, std::size_t regions, double most)
+{
+    return sum_of_groups(parts.size(), BinSums{std::vector<double>(regions * guiding_bins)},
+                         [&](std::size_t part, BinSums& sums) {
+                             for_directions(*parts[part], [&](const GuidingRecord& r) {
+                                 const std::uint32_t region = t.regions[place_of(r, t)];
+                                 if (region == no_index) return;
+                                 sums.bins[std::size_t(region) * guiding_bins + r.bin] += std::min(double(r.value), most);
+                             });
+                         });
 }
 
 /// The cumulative histogram of the sums of bins.
@@ -124,32 +181,25 @@ void write_histogram(const double* sums, float* to)
 
 }  // namespace
 
-std::shared_ptr<const GuidingTables> make_guiding(const std::vector<GuidingRecord>& records)
+std::shared_ptr<GuidingTables> make_guiding(const std::vector<const GuidingRecords*>& parts)
 {
-    if (records.size() < least_records) return nullptr;
+    const std::vector<GuidingRecord> few = thin_out(parts);
+    if (few.size() < least_records / thinning) return nullptr;
     auto tables = std::make_shared<GuidingTables>();
     GuidingTables& t = *tables;
-    std::vector<GuidingRecord> few;
-    for (std::size_t i = 0; i < records.size(); i += thinning) few.push_back(records[i]);
     choose_cubes(few, t);
-    const std::vector<std::uint32_t> counts = number_regions(records, t);
+    const PlaceCounts by_place = count_by_place(parts, t);
+    const std::vector<std::uint32_t> counts = number_regions(by_place.count, t);
     if (counts.empty()) return nullptr;
-    double total = 0;
-    for (const GuidingRecord& r : records) total += double(r.value);
-    const double most = most_value * total / double(records.size());
-    std::vector<double> bins(counts.size() * guiding_bins), sums(counts.size());
-    for (const GuidingRecord& r : records) {
-        const std::uint32_t region = t.regions[place_of(r, t)];
-        if (region == no_index) continue;
-        const double value = std::min(double(r.value), most);
-        bins[std::size_t(region) * guiding_bins + r.bin] += value;
-        sums[region] += value;
-    }
+    const std::vector<double> bins =
+        sum_by_bin(parts, t, counts.size(), most_value * by_place.values / by_place.records).bins;
     t.histograms.resize(counts.size() * guiding_stride);
     t.means.resize(counts.size());
     for (std::size_t i = 0; i < counts.size(); ++i) {
-        write_histogram(&bins[i * guiding_bins], &t.histograms[i * guiding_stride]);
-        t.means[i] = float(sums[i] / counts[i] / std::numbers::pi);
+        const double* const first = &bins[i * guiding_bins];
+        write_histogram(first, &t.histograms[i * guiding_stride]);
+        const double sum = std::accumulate(first, first + guiding_bins, 0.0);
+        t.means[i] = float(sum / counts[i] / std::numbers::pi);
     }
     return tables;
 }

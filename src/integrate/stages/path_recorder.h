@@ -7,7 +7,8 @@
 
 namespace fathom::inline FATHOM_LANES {
 
-/// Notes the directions that paths take from surfaces, and what comes back along them.
+/// Notes where paths are scattered, what light samples bring them there, which directions they take, and what comes
+/// back along these.
 class PathRecorder {
 public:
     /// to: where records go when all paths have ended; nullptr: nothing is noted. paths: how many there will be,
@@ -15,79 +16,109 @@ public:
     PathRecorder(GuidingRecords* to, std::size_t paths) : to_(to)
     {
         if (!to_) return;
-        turns_.resize(paths * most_turns);
+        vertices_.resize(paths * most_vertices);
         to_->radiance.resize(paths);
     }
     bool is_on() const { return to_ != nullptr; }
 
-    /// Paths that have met `bounce` surfaces before leave p, whose normal is n, along wi.
-    ///
-    /// number: of each path. throughput: from there on. pdf: of having sampled wi.
-    void turn(UInt number, UInt bounce, const Vec3& p, const Vec3& n, const Vec3& wi, Float pdf,
-              const Spectrum& throughput, Mask m)
-    {
-        const Float factor = abs(dot(n, wi)) / (pdf * mean(throughput));
-        m &= less(bounce, UInt(most_turns)) & (factor > Float(0)) & (factor < Float(1e30f));
-        const UInt side = guiding_side(n);
-        float x[lanes], y[lanes], z[lanes], factors[lanes];
-        store(x, p.x), store(y, p.y), store(z, p.z), store(factors, factor);
-        std::uint32_t at[lanes], sides[lanes], bins[lanes];
-        store(at, number * UInt(most_turns) + bounce), store(sides, side), store(bins, guiding_bin(side, wi));
-        for_each_active(m, [&](int i) {
-            Turn& turn = turns_[at[i]];
-            turn.record = {{x[i], y[i], z[i]}, std::uint16_t(sides[i]), std::uint16_t(bins[i]), 0};
-            turn.factor = factors[i];
-        });
-    }
-    /// Notes what the pool's paths have brought before they see what lies along their last directions.
-    void arrive(const PathPool& paths, std::size_t active)
+    /// The first `active` paths of the pool have met surfaces that are going to scatter them.
+    void meet(const PathPool& paths, const HitColumns& hits, std::size_t active)
     {
         for (std::size_t i = 0; i < active; ++i) {
             const std::uint32_t bounce = paths.state[i] & PathPool::bounce_mask;
-            if (bounce > 0 && bounce <= most_turns)
-                turns_[first_turn(paths, i) + bounce - 1].before = radiance(paths, i);
+            if (bounce >= most_vertices) continue;
+            const auto along = [&](const Column<float>& o, const Column<float>& d) { return o[i] + hits.t[i] * d[i]; };
+            Vertex v;
+            v.position[0] = along(paths.origin.x, paths.direction.x);
+            v.position[1] = along(paths.origin.y, paths.direction.y);
+            v.position[2] = along(paths.origin.z, paths.direction.z);
+            v.throughput = mean_of(paths.throughput, i);
+            v.before = v.lit = mean_of(paths.radiance, i);
+            vertices_[first_vertex(paths, i) + bounce] = v;
         }
+    }
+    /// Paths that have met `bounce` surfaces before leave one whose normal is n along wi.
+    ///
+    /// number: of each path. throughput: from there on. pdf: of having sampled wi.
+    void turn(UInt number, UInt bounce, const Vec3& n, const Vec3& wi, Float pdf, const Spectrum& throughput, Mask m)
+    {
+        const Float factor = abs(dot(n, wi)) / (pdf * mean(throughput));
+        m &= less(bounce, UInt(most_vertices)) & (factor > Float(0)) & (factor < Float(1e30f));
+        const UInt side = guiding_side(n);
+        float factors[lanes];
+        std::uint32_t at[lanes], sides[lanes], bins[lanes];
+        store(factors, factor), store(at, number * UInt(most_vertices) + bounce);
+        store(sides, side), store(bins, guiding_bin(side, wi));
+        for_each_active(m, [&](int i) {
+            Vertex& v = vertices_[at[i]];
+            v.side = std::uint16_t(sides[i]), v.bin = std::uint16_t(bins[i]), v.factor = factors[i];
+        });
+    }
+    /// Notes what light samples have brought the pool's paths, before these see what lies along their last directions.
+    void arrive(const PathPool& paths, std::size_t active)
+    {
+        for (std::size_t i = 0; i < active; ++i) note_light(paths, i);
     }
     /// A path has ended.
     void end(const PathPool& paths, std::size_t i)
     {
-        const float all = radiance(paths, i);
-        to_->radiance[paths.number[i]] = all;
-        Turn* const turns = &turns_[first_turn(paths, i)];
-        for (Turn* turn = turns; turn < turns + most_turns; ++turn) {
-            if (!(turn->factor > 0)) continue;
-            const float back = std::max(all - turn->before, 0.f);
-            turn->record.value = turn->factor * back;
-        }
+        // By its surface, where it came by its light sample, or by what it met after that, which came before.
+        if (paths.state[i] & PathPool::dead) note_light(paths, i);
+        to_->radiance[paths.number[i]] = mean_of(paths.radiance, i);
     }
     /// Hands all records over, path by path.
     void finish()
     {
         if (!to_) return;
-        for (const Turn& turn : turns_)
-            if (turn.factor > 0) to_->turns.push_back(turn.record);
+        const auto is_there = [](const Vertex& v) { return v.throughput > 0; };
+        to_->surfaces.reserve(std::size_t(std::count_if(vertices_.begin(), vertices_.end(), is_there)));
+        to_->counts.reserve(to_->radiance.size());
+        for (std::size_t path = 0; path < to_->radiance.size(); ++path) {
+            const std::size_t before = to_->surfaces.size();
+            for (std::size_t i = path * most_vertices; i < (path + 1) * most_vertices; ++i)
+                if (is_there(vertices_[i])) to_->surfaces.push_back(record(vertices_[i], to_->radiance[path]));
+            to_->counts.push_back(std::uint8_t(to_->surfaces.size() - before));
+        }
     }
 
 private:
-    static constexpr std::uint32_t most_turns = 8;
-    struct Turn {
-        GuidingRecord record;
-        float factor = 0;  ///< of radiance in the record's value; 0: there was no such turn
-        float before = 0;  ///< radiance of the path up to its next surface
+    static constexpr std::uint32_t most_vertices = 8;
+    struct Vertex {
+        float position[3];
+        std::uint16_t side = 0, bin = GuidingRecord::no_bin;
+        float factor = 0;      ///< of radiance in the record's value
+        float throughput = 0;  ///< of the path when it came there; 0: there was no such vertex
+        float before = 0;      ///< radiance of the path by then
+        float lit = 0;         ///< the same with what the light sample brought
     };
-    static std::size_t first_turn(const PathPool& paths, std::size_t i)
+
+    void note_light(const PathPool& paths, std::size_t i)
     {
-        return std::size_t(paths.number[i]) * most_turns;
+        const std::uint32_t bounce = paths.state[i] & PathPool::bounce_mask;
+        if (bounce > 0 && bounce <= most_vertices)
+            vertices_[first_vertex(paths, i) + bounce - 1].lit = mean_of(paths.radiance, i);
     }
-    static float radiance(const PathPool& paths, std::size_t i)
+    /// all: radiance of the path at its end.
+    static GuidingRecord record(const Vertex& v, float all)
+    {
+        GuidingRecord r{{v.position[0], v.position[1], v.position[2]}, v.side, v.bin, 0, 0};
+        r.value = v.factor * std::max(all - v.lit, 0.f);
+        r.light = std::max(v.lit - v.before, 0.f) / v.throughput;
+        return r;
+    }
+    static std::size_t first_vertex(const PathPool& paths, std::size_t i)
+    {
+        return std::size_t(paths.number[i]) * most_vertices;
+    }
+    static float mean_of(const SpectrumColumn& column, std::size_t i)
     {
         float sum = 0;
-        for (int k = 0; k < channels; ++k) sum += paths.radiance.c[k][i];
+        for (int k = 0; k < channels; ++k) sum += column.c[k][i];
         return sum * (1.f / channels);
     }
 
     GuidingRecords* to_;
-    std::vector<Turn> turns_;
+    std::vector<Vertex> vertices_;
 };
 
 }  // namespace fathom::inline FATHOM_LANES

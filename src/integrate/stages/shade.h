@@ -28,6 +28,7 @@ public:
           clock_(clock),
           recorder_(recorder),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
+          has_light_chance_(lights_are_sampled_ && settings.guiding && !settings.guiding->light_needs.empty()),
           has_time_(scene.tables.moving),
           environment_ahead_(tables_.environment),
           fetches_environment_(lights_are_sampled_ && is_worth_fetching(tables_.environment) &&
@@ -73,9 +74,15 @@ private:
     }
     void find_environment_rows(std::size_t i, std::size_t end)
     {
-        if (i >= end) return;
+        if (i >= end || none(samples_light(i, first_lanes(end - i)))) return;
         const Randomness r(*paths_, i, scene_.open_media);
         environment_ahead_.find_rows(i / lanes, sample_2d(r.index, pair_seed(r.seed, pair_light)));
+    }
+
+    /// Lanes that sample a light.
+    Mask samples_light(std::size_t i, Mask m) const
+    {
+        return has_light_chance_ ? m & (paths_->light_chance.load(i) > Float(0)) : m;
     }
 
     /// What decides the random numbers of a gang's next bounce.
@@ -124,8 +131,12 @@ private:
         const Closure closure(at.material);
         clock_.enter(RenderStage::light);
         const Guidance guidance = guide(closure, at, key, seed, valid);
-        if (lights_are_sampled_)
-            sample_light<Closure>(i, valid, closure, at, guidance, key, seed, index, throughput, time);
+        if (lights_are_sampled_) {
+            const Mask samples = samples_light(i, valid);
+            counters_.costs.light_samples += std::uint64_t(count(samples));
+            if (any(samples))
+                sample_light<Closure>(i, samples, closure, at, guidance, key, seed, index, throughput, time);
+        }
 
         clock_.enter(RenderStage::scatter);
         Scattered next = scatter(closure, at, guidance, key, seed, index, throughput);
@@ -162,17 +173,20 @@ private:
             ends |= !no_bounce & !may_scatter(settings_, bounce);
         next_state = select(ends, next_state | UInt(PathPool::dead), next_state);
         Float way_out = at.way_out(next.wi);
+        // The density that lights are weighted against, over the chance that one is sampled at all.
+        Float weighed_pdf = next.pdf;
+        if (has_light_chance_) weighed_pdf = weighed_pdf / abs(p.light_chance.load(i));
         if (Closure::kind == ClosureKind::glass && scene_.sees_through) {
-            next.pdf = select(straight, p.bsdf_pdf.load(i), next.pdf);
+            weighed_pdf = select(straight, p.bsdf_pdf.load(i), weighed_pdf);
             way_out = select(straight, p.way_out.load(i) + dot(at.start(next.wi) - hit.o, hit.d), way_out);
         }
         if (Closure::is_guided && recorder_.is_on())
-            recorder_.turn(p.number.load(i), bounce, at.p, at.frame.n, next.wi, next.pdf, next.throughput,
+            recorder_.turn(p.number.load(i), bounce, at.frame.n, next.wi, next.pdf, next.throughput,
                            valid & !ends & !next.is_delta);
         p.origin.store(i, at.start(next.wi), valid);
         p.direction.store(i, next.wi, valid);
         p.throughput.store(i, next.throughput, valid);
-        p.bsdf_pdf.store(i, next.pdf, valid);
+        p.bsdf_pdf.store(i, weighed_pdf, valid);
         if (scene_.has_way_out) p.way_out.store(i, way_out, valid);
         p.state.store(i, next_state, valid);
     }
@@ -227,10 +241,8 @@ private:
     {
         if constexpr (Closure::is_guided)
             if (settings_.guiding) {
-                const Float x = sample_hash(key, pair_seed(seed, pair_guiding));
-                const Float y = x * Float(0x1p8f), z = x * Float(0x1p16f);
-                return {*settings_.guiding,      at.p, at.frame.n, {x, y - floor(y), z - floor(z)},
-                        closure.guided_weight(), valid};
+                const Vec3 noise = guiding_noise(sample_hash(key, pair_seed(seed, pair_guiding)));
+                return {*settings_.guiding, at.p, at.frame.n, noise, closure.guided_weight(), valid};
             }
         return {};
     }
@@ -246,7 +258,8 @@ private:
         // a distance that ends behind the light, would be one of rounding.
         const Vec3 eye = at.eye();
         const Sample2 random = sample_2d(index, pair_seed(seed, pair_light));
-        const LightSample s = lights_.sample(valid, eye, key, seed, random, time);
+        LightSample s = lights_.sample(valid, eye, key, seed, random, time);
+        if (has_light_chance_) s.inverse_pdf = s.inverse_pdf / abs(paths_->light_chance.load(i));
         Mask lit = valid & (s.inverse_pdf > Float(0));
         Spectrum add = direct_light(closure, at, guidance, s, throughput, lit);
         MediumStack media;
@@ -295,7 +308,7 @@ private:
     KernelCounters& counters_;
     StageClock& clock_;
     PathRecorder& recorder_;
-    bool lights_are_sampled_, has_time_;
+    bool lights_are_sampled_, has_light_chance_, has_time_;
     EnvironmentAhead environment_ahead_;
     bool fetches_environment_;
 

@@ -1,0 +1,58 @@
+#include "session/path_noise.h"
+
+#include <algorithm>
+
+namespace fathom {
+
+namespace {
+
+/// How bright a pixel is, is told by so many before it in its row, and as many behind it.
+constexpr std::size_t neighbours = 16;
+/// Of all pixels, the noisiest that don't count.
+constexpr double outliers = 0.001;
+
+Spread spread_of(const float* values, std::size_t samples)
+{
+    Spread s;
+    for (std::size_t i = 0; i < samples; ++i) s.mean += double(values[i]) / double(samples);
+    for (std::size_t i = 0; i < samples; ++i)
+        s.variance += (double(values[i]) - s.mean) * (double(values[i]) - s.mean) / double(samples - 1);
+    return s;
+}
+
+}  // namespace
+
+std::vector<Spread> spreads_of(const std::vector<float>& radiance, std::size_t samples)
+{
+    std::vector<Spread> spreads;
+    spreads.reserve(radiance.size() / samples);
+    for (std::size_t i = 0; i < radiance.size(); i += samples) spreads.push_back(spread_of(&radiance[i], samples));
+    return spreads;
+}
+
+std::vector<double> brightness_squares(const std::vector<Spread>& along_rows)
+{
+    const std::size_t pixels = along_rows.size();
+    std::vector<double> sums(pixels + 1), squares(pixels);
+    for (std::size_t i = 0; i < pixels; ++i) sums[i + 1] = sums[i] + along_rows[i].mean;
+    const double mean = sums[pixels] / double(pixels);
+    for (std::size_t i = 0; i < pixels; ++i) {
+        const std::size_t from = i - std::min(i, neighbours), to = std::min(pixels, i + neighbours + 1);
+        const double around = (sums[to] - sums[from]) / double(to - from);
+        squares[i] = around * around + 0.01 * mean * mean;
+    }
+    return squares;
+}
+
+double mean_without_outliers(std::vector<double> numbers)
+{
+    const auto kept = std::ptrdiff_t(numbers.size()) - std::ptrdiff_t(outliers * double(numbers.size()));
+    std::nth_element(numbers.begin(), numbers.begin() + kept - 1, numbers.end());
+    // In an order that depends on the numbers alone.
+    std::sort(numbers.begin(), numbers.begin() + kept);
+    double sum = 0;
+    for (auto x = numbers.begin(); x < numbers.begin() + kept; ++x) sum += *x;
+    return sum / double(kept);
+}
+
+}  // namespace fathom
