@@ -16,7 +16,7 @@ constexpr double records_per_region = 2500;
 /// Nothing is known of regions with less.
 constexpr std::uint32_t least_records = 64;
 /// Every so manieth record tells where they are and how fine the cubes may be.
-constexpr std::uint32_t thinning = 8;
+constexpr std::uint32_t thinning = 16;
 /// A record's value counts up to so many times the mean of all.
 constexpr double most_value = 200;
 /// What a bin gives to each of its neighbours.
@@ -79,11 +79,9 @@ void for_directions(const GuidingRecords& part, const F& f)
 std::vector<GuidingRecord> thin_out(const Parts& parts)
 {
     std::vector<GuidingRecord> few;
-    std::size_t number = 0;
     for (const GuidingRecords* part : parts)
-        for_directions(*part, [&](const GuidingRecord& r) {
-            if (number++ % thinning == 0) few.push_back(r);
-        });
+        for (std::size_t i = 0; i < part->surfaces.size(); i += thinning)
+            if (part->surfaces[i].bin != GuidingRecord::no_bin) few.push_back(part->surfaces[i]);
     return few;
 }
 
