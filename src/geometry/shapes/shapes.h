@@ -103,14 +103,33 @@ template <class F>
     return triangle_weights(shear_x, shear_y, corner(pa), corner(pb), corner(pc));
 }
 
+/// Where a ray meets triangles, before the division by the sum of their weights.
+struct UndividedHits {
+    Float t, u, v, sum;
+
+    /// z: of the corners.
+    UndividedHits(const TriangleWeights& w, Float shear_z, const Vec3& z)
+        : t(fma(w.a, z.x, fma(w.b, z.y, w.c * z.z)) * shear_z), u(w.b), v(w.c), sum(w.a + w.b + w.c)
+    {
+    }
+
+    /// Lanes at 0 < t < t_max, but for rounding; none where the sum is 0. Divisions take long.
+    Mask before(Float t_max) const
+    {
+        const Float along = flip_sign(t, sum);
+        return (along > Float(0)) & (along < t_max * abs(sum));
+    }
+};
+
 /// Lanes that are inside and at 0 < t <= t_max; z: of the corners; u and v are the weights of b and c.
 [[gnu::always_inline]] inline Mask triangle_distance(const TriangleWeights& w, Float shear_z, const Vec3& z,
                                                      Float t_max, Float& t, Float& u, Float& v)
 {
-    const Float inverse = Float(1) / (w.a + w.b + w.c);
-    t = fma(w.a, z.x, fma(w.b, z.y, w.c * z.z)) * shear_z * inverse;
-    u = w.b * inverse;
-    v = w.c * inverse;
+    const UndividedHits hits(w, shear_z, z);
+    const Float inverse = Float(1) / hits.sum;
+    t = hits.t * inverse;
+    u = hits.u * inverse;
+    v = hits.v * inverse;
     // NaN, where the sum is 0, fails.
     return w.inside & (t > Float(0)) & (t <= t_max);
 }

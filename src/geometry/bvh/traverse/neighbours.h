@@ -130,8 +130,7 @@ private:
             const Vec3 a = corner(triangle), b = corner(triangle + 4), c = corner(triangle + 8);
             TriangleWeights w = triangle_weights(ray.shear_x, ray.shear_y, a, b, c);
             w.inside &= active;
-            Float t, u, v;
-            const Mask hit = triangle_distance(w, ray.shear_z, {a.z, b.z, c.z}, t_max, t, u, v) & (t < t_max);
+            const Mask hit = w.inside & UndividedHits(w, ray.shear_z, {a.z, b.z, c.z}).before(t_max);
             stopped |= hit;
             active &= !hit;
         }

@@ -427,22 +427,24 @@ private:
         RayHits& hits = memory_.hits;
         const int base = k * lanes;
         const Float t_max = load(hits.t + base);
+        const Float shear_z = load(part(k).f[PreparedRays::shear_z]);
+        if (any_hit && !bvh_.has_alpha) {
+            const Mask stopped = w.inside & UndividedHits(w, shear_z, z).before(t_max);
+            blocked_ |= RayMask(mask_bits(stopped)) << base;
+            store(hits.what + base, select(stopped, UInt(0u), load(hits.what + base)));
+            return any(stopped);
+        }
         Float t, u, v;
-        Mask m = triangle_distance(w, load(part(k).f[PreparedRays::shear_z]), z, t_max, t, u, v);
+        Mask m = triangle_distance(w, shear_z, z, t_max, t, u, v);
         const Mask nearer = m & (t < t_max);
         if (any_hit) m = nearer;
-        if (bvh_.has_alpha || (!any_hit && any(m & !nearer))) return take_one_by_one(base, what, m, t, u, v);
+        if (bvh_.has_alpha || any(m & !nearer)) return take_one_by_one(base, what, m, t, u, v);
         if (none(m)) return false;
-        if (any_hit) {
-            blocked_ |= RayMask(mask_bits(m)) << base;
-            store(hits.what + base, select(m, UInt(0u), load(hits.what + base)));
-        } else {
-            store(hits.t + base, select(m, t, t_max));
-            store(hits.u + base, select(m, u, load(hits.u + base)));
-            store(hits.v + base, select(m, v, load(hits.v + base)));
-            store(hits.what + base, select(m, UInt(what), load(hits.what + base)));
-            store(hits.instance + base, select(m, UInt(instance()), load(hits.instance + base)));
-        }
+        store(hits.t + base, select(m, t, t_max));
+        store(hits.u + base, select(m, u, load(hits.u + base)));
+        store(hits.v + base, select(m, v, load(hits.v + base)));
+        store(hits.what + base, select(m, UInt(what), load(hits.what + base)));
+        store(hits.instance + base, select(m, UInt(instance()), load(hits.instance + base)));
         return true;
     }
 

@@ -299,7 +299,7 @@ private:
             const int ray = now_.leaf[i];
             fetch_leaf(now_.leaf[std::min(i + leaf_wave, now_.n.leaves - 1)]);
             triangles += triangle_count(states_[ray].reference);
-            found[i] = any(distances_to_triangles(ray, weigh(ray, 0)).hit);
+            found[i] = any(blockers(ray, weigh(ray, 0)));
         }
         for (int i = 0; i < now_.n.leaves; ++i) {
             const int ray = now_.leaf[i];
@@ -322,6 +322,14 @@ private:
         to.hit = triangle_distance(weighed.weights, shear_z, weighed.corners_z, t_max, to.t, to.u, to.v);
         if (any_hit) to.hit &= to.t < t_max;
         return to;
+    }
+
+    /// The triangles that stop a ray.
+    [[gnu::always_inline]] Mask blockers(int ray, const WeighedTriangles& weighed) const
+    {
+        const Float shear_z(prepared(ray).number(PreparedRays::shear_z));
+        return weighed.weights.inside &
+               UndividedHits(weighed.weights, shear_z, weighed.corners_z).before(Float(memory_.hits.t[ray]));
     }
 
     /// Notes the nearest hit on a leaf of as many triangles as there are lanes at most; whether there is one.
@@ -359,6 +367,11 @@ private:
 
     [[gnu::always_inline]] bool take_triangles(int ray, int at, const WeighedTriangles& weighed)
     {
+        if (any_hit && !bvh_.has_alpha) {
+            if (none(blockers(ray, weighed))) return false;
+            memory_.hits.what[ray] = 0;
+            return true;
+        }
         const auto [t, u, v, m] = distances_to_triangles(ray, weighed);
         if (none(m)) return false;
         return take(ray, m, t, u, v, [&](int lane) { return triangle_key(states_[ray].reference, at + lane); });
