@@ -158,7 +158,7 @@ private:
     bool is_plain(const ShapeOccurrence& p, const Mesh& mesh) const
     {
         const MaterialRecord& m = t_.materials[material_of(*p.shape)];
-        return mesh.normals.empty() && mesh.motion.empty() && !shows_uv(m) &&
+        return (mesh.normals.empty() || has_flat_normals(mesh)) && mesh.motion.empty() && !shows_uv(m) &&
                m.alpha_mode == std::uint32_t(AlphaMode::opaque);
     }
 
