@@ -165,7 +165,8 @@ private:
     void join_triangles(const ShapeOccurrence& p, const Mesh& mesh)
     {
         Parallelograms pairs = pair_triangles(mesh);
-        if (!pairs.found.empty()) joined_.emplace_back(&p, std::move(pairs.found));
+        if (pairs.found.empty()) return add_mesh(p, mesh, p.render_from_node);
+        joined_.emplace_back(&p, std::move(pairs.found));
         if (pairs.triangles.empty()) return;
         Mesh rest;
         rest.positions = mesh.positions;
