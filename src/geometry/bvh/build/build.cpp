@@ -17,6 +17,9 @@ namespace bvh {
 
 namespace {
 
+/// What is fetched ahead from trees that caches hold takes time, and gains nothing: measured.
+constexpr std::size_t bytes_of_caches = std::size_t(32) << 20;
+
 std::uint32_t shape_end(const GeometryTables& tables, std::uint32_t shape)
 {
     std::uint32_t end = tables.shapes[shape].first_primitive;
@@ -123,6 +126,7 @@ void BvhBuilder::build()
     if (!tables_.editable) tree_.nodes.shrink_to_fit();
     BvhStatistics& s = tree_.statistics;
     s.bytes = tree_.nodes.capacity() * sizeof(BvhNode) + leaves_bytes() + tree_.meshes.size() * sizeof(BvhData::Mesh);
+    tree_.far = s.bytes > bytes_of_caches;
     peak_.see(s.bytes + (tables_.editable ? 0 : grown));
     s.peak_bytes = peak_.bytes;
 }

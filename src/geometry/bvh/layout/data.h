@@ -121,6 +121,7 @@ struct BvhData {
     float radius = 0;        ///< the largest coordinate of anything in the world
     bool empty = true;
     bool moving = false;  ///< something does while the shutter is open
+    bool far = false;     ///< it is larger than caches: what rays come to next is to be fetched ahead
     /// What instances place, by shape.
     struct Mesh {
         std::uint32_t root = 0;

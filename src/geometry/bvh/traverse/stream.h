@@ -2,8 +2,8 @@
 /// Some dozen rays at once through the tree, each on its own way.
 ///
 /// A ray alone waits: for memory, for the long chain of instructions from a node to the next, for mispredicted
-/// branches. Here a wave takes each ray one node further, without a branch that depends on the ray; the next wave's
-/// nodes are fetched meanwhile. Rays that have come to a leaf wait for the wave of leaves. Each ray visits what it
+/// branches. Here a wave takes each ray one node further, without a branch that depends on the ray; in large trees the
+/// next wave's nodes are fetched meanwhile. Rays that have come to a leaf wait for the wave of leaves. Each ray visits what it
 /// would visit alone in the same order.
 #include <array>
 #include <iterator>
@@ -20,7 +20,8 @@ namespace fathom::inline FATHOM_LANES {
 template <bool any_hit, bool moving>
 class Stream {
 public:
-    Stream(const BvhData& bvh, StreamMemory& memory) : bvh_(bvh), memory_(memory), stride_(std::size_t(bvh.stack_size))
+    Stream(const BvhData& bvh, StreamMemory& memory)
+        : bvh_(bvh), far_(bvh.far), memory_(memory), stride_(std::size_t(bvh.stack_size))
     {
         memory.packet_stack.resize(std::max(memory.packet_stack.size(), stride_));
         memory.stacks.resize(std::max(memory.stacks.size(), 2 * stride_ * stream_size));
@@ -175,6 +176,7 @@ private:
     /// Brings what a ray is about to read into the cache.
     [[gnu::always_inline]] void fetch_node(int ray) const
     {
+        if (!far_) return;
         const char* const p = reinterpret_cast<const char*>(&bvh_.nodes[node_of(ray)]);
         for (int line = 0; line < 8; ++line) __builtin_prefetch(p + 64 * line);
         if (moving && BvhReference::is_moving(states_[ray].reference))
@@ -182,6 +184,7 @@ private:
     }
     [[gnu::always_inline]] void fetch_other(int ray) const
     {
+        if (!far_) return;
         const std::uint32_t reference = states_[ray].reference;
         if (BvhReference::other_kind(reference) == BvhReference::end) return;
         const bool placed = BvhReference::other_kind(reference) == BvhReference::instance;
@@ -192,6 +195,7 @@ private:
     }
     [[gnu::always_inline]] void fetch_leaf(int ray) const
     {
+        if (!far_) return;
         const std::uint32_t reference = states_[ray].reference;
         const auto* const p = is_indexed(reference)
                                   ? reinterpret_cast<const char*>(indexed_leaf(reference).words)
@@ -509,6 +513,7 @@ private:
     }
 
     const BvhData& bvh_;
+    const bool far_;
     StreamMemory& memory_;
     const std::size_t stride_;
     Queues now_, next_;
