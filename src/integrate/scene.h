@@ -29,7 +29,8 @@ struct LaneScene final : KernelScene {
     static constexpr std::uint32_t bucket_mask = 0x1ff, kind_shift = 5;
     static constexpr std::uint32_t buckets = std::uint32_t(closure_kind_count) << kind_shift;
     static_assert(buckets <= bucket_mask + 1);
-    static constexpr std::uint32_t samples_light = bucket_mask + 1;  ///< the mark of buckets of paths that sample a light
+    static constexpr std::uint32_t samples_light =
+        bucket_mask + 1;  ///< the mark of buckets of paths that sample a light
     /// Per primitive, if the scene is flat: shape_info of its shape; padded for lookup().
     std::vector<std::uint32_t> primitive_info;
     QuadColumns quads;

@@ -81,8 +81,7 @@ Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings 
         sums.reset(count, settings.film_words);
         KernelCounters counters;
         render_job(scene, camera, settings,
-                   {&pixels[first], std::uint32_t(count), 0, std::uint32_t(samples), &all.parts[part]}, sums,
-                   counters);
+                   {&pixels[first], std::uint32_t(count), 0, std::uint32_t(samples), &all.parts[part]}, sums, counters);
         costs[part] = counters.costs;
     });
     if (is_cancelled()) throw Cancelled();
@@ -96,8 +95,7 @@ Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings 
 double noise_of(const std::vector<Spread>& spreads, const std::vector<double>& squares)
 {
     std::vector<double> noise(spreads.size());
-    for (std::size_t i = 0; i < noise.size(); ++i)
-        noise[i] = squares[i] > 0 ? spreads[i].variance / squares[i] : 0;
+    for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = squares[i] > 0 ? spreads[i].variance / squares[i] : 0;
     return mean_without_outliers(std::move(noise));
 }
 

@@ -144,14 +144,14 @@ struct BinSums {
 };
 BinSums sum_by_bin(const Parts& parts, const GuidingTables& t, std::size_t regions, double most)
 {
-    return sum_of_groups(parts.size(), BinSums{std::vector<double>(regions * guiding_bins)},
-                         [&](std::size_t part, BinSums& sums) {
-                             for_directions(*parts[part], [&](const GuidingRecord& r) {
-                                 const std::uint32_t region = t.regions[place_of(r, t)];
-                                 if (region == no_index) return;
-                                 sums.bins[std::size_t(region) * guiding_bins + r.bin] += std::min(double(r.value), most);
-                             });
-                         });
+    return sum_of_groups(
+        parts.size(), BinSums{std::vector<double>(regions * guiding_bins)}, [&](std::size_t part, BinSums& sums) {
+            for_directions(*parts[part], [&](const GuidingRecord& r) {
+                const std::uint32_t region = t.regions[place_of(r, t)];
+                if (region == no_index) return;
+                sums.bins[std::size_t(region) * guiding_bins + r.bin] += std::min(double(r.value), most);
+            });
+        });
 }
 
 /// The cumulative histogram of the sums of bins.

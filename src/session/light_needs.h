@@ -18,8 +18,8 @@ struct PathsMet {
 };
 
 /// Sets the tables' light_needs. A path samples a light where it is with a chance that is in proportion to its
-/// throughput and to what such samples bring there, beside how bright its pixel is: so that the noise that they add, and
-/// the time that they take, are in balance with noise and time of the whole (after Rath et al. 2022, "EARS:
+/// throughput and to what such samples bring there, beside how bright its pixel is: so that the noise that they add,
+/// and the time that they take, are in balance with noise and time of the whole (after Rath et al. 2022, "EARS:
 /// Efficiency-Aware Russian Roulette and Splitting").
 void set_light_needs(const PathsMet& met, GuidingTables& tables);
 
