@@ -156,18 +156,18 @@ TEST(Guiding, SamplesLightsByChanceWhereTheyRarelyArrive)
 /// The same where shadow rays pass a pane and fog, in which lights are sampled, too.
 TEST(Guiding, SamplesLightsByChanceInFog)
 {
-    SceneBuilder b = upstairs(grey(0.9f), 1, 1);
+    SceneBuilder b = upstairs(grey(0.85f), 1, 1);
     Material pane, fog;
     pane.kind = fog.kind = MaterialKind::glass;
     pane.thin = true;
     b.add(Rectangle{{1, 1.5, 2}, {1, 0, 0}, {0, 0, -4}}, b.material(pane));
     fog.ior = 1;
     fog.attenuation_distance = 1;
-    fog.attenuation_color = {0.7f, 0.7f, 0.7f};
-    fog.transmission_scatter = {0.3f, 0.3f, 0.3f};
+    fog.attenuation_color = {0.85f, 0.85f, 0.85f};
+    fog.transmission_scatter = {0.15f, 0.15f, 0.15f};
     b.add(Box{{-1.9, 0.1, -1.9}, {1.7, 1.4, 1.9}}, b.material(fog));
     EXPECT_LT(light_share(b.scene, guided()), 0.45);
-    expect_same_mean(render_film(b.scene, guided(), 512), render_film(b.scene, small_picture(), 1024), "fog");
+    expect_same_mean(render_film(b.scene, guided(), 768), render_film(b.scene, small_picture(), 1536), "fog");
 }
 
 /// Where the trial needed most of them, lights are sampled at every surface.
