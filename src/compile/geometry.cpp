@@ -158,14 +158,15 @@ private:
     bool is_plain(const ShapeOccurrence& p, const Mesh& mesh) const
     {
         const MaterialRecord& m = t_.materials[material_of(*p.shape)];
-        return mesh.normals.empty() && mesh.motion.empty() && !shows_uv(m) &&
+        return (mesh.normals.empty() || has_flat_normals(mesh)) && mesh.motion.empty() && !shows_uv(m) &&
                m.alpha_mode == std::uint32_t(AlphaMode::opaque);
     }
 
     void join_triangles(const ShapeOccurrence& p, const Mesh& mesh)
     {
         Parallelograms pairs = pair_triangles(mesh);
-        if (!pairs.found.empty()) joined_.emplace_back(&p, std::move(pairs.found));
+        if (pairs.found.empty()) return add_mesh(p, mesh, p.render_from_node);
+        joined_.emplace_back(&p, std::move(pairs.found));
         if (pairs.triangles.empty()) return;
         Mesh rest;
         rest.positions = mesh.positions;

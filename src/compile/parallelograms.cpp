@@ -29,6 +29,20 @@ std::optional<Rectangle> join(const Triangle& a, const Triangle& b)
 
 }  // namespace
 
+bool has_flat_normals(const Mesh& mesh)
+{
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        const auto corner = [&](std::size_t k) { return to_double(mesh.positions[mesh.indices[i + k]]); };
+        const Vec3d n = cross(corner(1) - corner(0), corner(2) - corner(0));
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3d shading = to_double(mesh.normals[mesh.indices[i + k]]);
+            // The tangent of the angle between both, which normals of files miss by their rounding.
+            if (!(length(cross(n, shading)) <= 1e-4 * dot(n, shading))) return false;
+        }
+    }
+    return true;
+}
+
 Parallelograms pair_triangles(const Mesh& mesh)
 {
     const std::size_t count = mesh.indices.size() / 3;

@@ -125,8 +125,8 @@ public:
 private:
     static constexpr int band_shift = 4;
     static_assert(guiding_sectors == 1u << band_shift);
-    /// The closure keeps half: it knows what the histogram does not, and bounds the noise where that is wrong.
-    static constexpr float most_share = 0.5f;
+    /// The closure keeps a third: it knows what the histogram does not, and bounds the noise where that is wrong.
+    static constexpr float most_share = 0.65f;
 
     const GuidingTables* tables_ = nullptr;
     UInt side_, region_;

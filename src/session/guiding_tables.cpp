@@ -21,6 +21,8 @@ constexpr std::uint32_t thinning = 16;
 constexpr double most_value = 200;
 /// What a bin gives to each of its neighbours.
 constexpr double blur = 0.1;
+/// What regions know is so much that of all eight cubes around them.
+constexpr double shared = 0.5;
 /// Of directions above the surface, as likely as any other whatever the records say.
 constexpr double even_share = 0.05;
 
@@ -154,6 +156,34 @@ BinSums sum_by_bin(const Parts& parts, const GuidingTables& t, std::size_t regio
         });
 }
 
+/// Gives each region some of what the regions of its side have in the eight cubes around it together: few bright
+/// records decide what a region knows by itself. bins: per record, of counts[region] records each.
+void share_with_neighbours(const GuidingTables& t, const std::vector<std::uint32_t>& counts, std::vector<double>& bins)
+{
+    const auto half = [&](std::size_t axis) { return std::size_t(t.cells[axis] + 1) / 2; };
+    const std::size_t blocks = half(0) * half(1) * half(2) * guiding_sides;
+    std::vector<double> sums(blocks * guiding_bins), records(blocks);
+    const auto for_regions = [&](const auto& f) {
+        for (std::size_t place = 0; place < t.regions.size(); ++place) {
+            if (t.regions[place] == no_index) continue;
+            const std::size_t cube = place / guiding_sides, side = place % guiding_sides;
+            const std::size_t x = cube % t.cells[0], y = cube / t.cells[0] % t.cells[1],
+                              z = cube / t.cells[0] / t.cells[1];
+            const std::size_t block = ((z / 2 * half(1) + y / 2) * half(0) + x / 2) * guiding_sides + side;
+            f(t.regions[place], &bins[std::size_t(t.regions[place]) * guiding_bins], block);
+        }
+    };
+    for_regions([&](std::uint32_t region, const double* own, std::size_t block) {
+        for (std::size_t i = 0; i < guiding_bins; ++i) sums[block * guiding_bins + i] += own[i];
+        records[block] += counts[region];
+    });
+    for_regions([&](std::uint32_t region, double* own, std::size_t block) {
+        const double share = shared * counts[region] / records[block];
+        for (std::size_t i = 0; i < guiding_bins; ++i)
+            own[i] = (1 - shared) * own[i] + share * sums[block * guiding_bins + i];
+    });
+}
+
 /// The cumulative histogram of the sums of bins.
 void write_histogram(const double* sums, float* to)
 {
@@ -189,8 +219,9 @@ std::shared_ptr<GuidingTables> make_guiding(const std::vector<const GuidingRecor
     const PlaceCounts by_place = count_by_place(parts, t);
     const std::vector<std::uint32_t> counts = number_regions(by_place.count, t);
     if (counts.empty()) return nullptr;
-    const std::vector<double> bins =
+    std::vector<double> bins =
         sum_by_bin(parts, t, counts.size(), most_value * by_place.values / by_place.records).bins;
+    share_with_neighbours(t, counts, bins);
     t.histograms.resize(counts.size() * guiding_stride);
     t.means.resize(counts.size());
     for (std::size_t i = 0; i < counts.size(); ++i) {

@@ -576,9 +576,28 @@ TEST(GeometryTable, TrianglesAreJoinedWhereTheyMakeParallelograms)
     EXPECT_EQ(joined.data().tables->triangle_count(), 1u);
     const QuadRecord& q = joined.data().tables->quads[0];
     EXPECT_GT(q.edge_u.x * q.edge_v.y - q.edge_u.y * q.edge_v.x, 0);  // its front is still the front
-    d.meshes[0].normals.assign(5, {0, 0, 1});
-    EXPECT_TRUE(compiled(d).data().tables->quads.empty());
-    EXPECT_EQ(compiled(d).data().tables->triangle_count(), 3u);
+}
+
+/// Normals matter but where they are those of the planes: files have them for boxes, too.
+TEST(GeometryTable, TrianglesAreJoinedWhereTheirNormalsSayNothing)
+{
+    const auto joined = [](std::vector<Vec3f> normals) {
+        SceneDescription d = empty_scene();
+        Mesh mesh;
+        mesh.positions = {{0, 0, -5}, {2, 0, -5}, {3, 1, -5}, {1, 1, -5}};
+        mesh.indices = {0, 1, 2, 0, 2, 3};
+        mesh.normals = std::move(normals);
+        d.meshes = {mesh};
+        d.nodes[0].shapes.push_back({MeshInstance{0}, -1, ""});
+        const Scene scene = compiled(d);
+        EXPECT_EQ(scene.data().tables->triangle_count() + 2 * scene.data().tables->quads.size(), 2u);
+        return scene.data().tables->quads.size() == 1;
+    };
+    const Vec3f front{0, 0, 1}, back{0, 0, -1}, bent{0, 0.01f, 1}, rounded{0, 1e-6f, 1};
+    EXPECT_TRUE(joined({front, front, front, front}));
+    EXPECT_TRUE(joined({front, rounded, front, front}));
+    EXPECT_FALSE(joined({front, front, front, bent}));
+    EXPECT_FALSE(joined({back, back, back, back}));
 }
 
 /// Triangles that show where on them something is keep their texture coordinates.

@@ -53,7 +53,24 @@ void add_box(GeometryTables& tables, Vec3f lo, Vec3f hi, int faces)
     for (int i = 0; i < faces; ++i) tables.quads.push_back(all[(i * 5 + faces) % 6]);
 }
 
-/// A room (open to one side, or closed), boxes, single squares, slanted parallelograms, triangles, round things.
+constexpr int turned_boxes = 3;
+
+/// A parallelepiped of which some faces are missing, from one opposite to another on. Which corner a face begins at,
+/// and which of its edges is the first, is left to chance.
+void add_turned_box(GeometryTables& tables, Random& random, Vec3f origin, const Vec3f (&edges)[3], int faces)
+{
+    for (int i = 0; i < faces; ++i) {
+        const int axis = i / 2;
+        Vec3f corner = i % 2 ? plus(origin, edges[axis]) : origin, u = edges[(axis + 1) % 3], v = edges[(axis + 2) % 3];
+        if (random.below(2)) std::swap(u, v);
+        if (random.below(2)) corner = plus(corner, u), u = {-u.x, -u.y, -u.z};
+        if (random.below(2)) corner = plus(corner, v), v = {-v.x, -v.y, -v.z};
+        tables.quads.push_back({corner, u, v});
+    }
+}
+
+/// A room (open to one side, or closed), boxes, also turned and slanted ones, single squares, slanted parallelograms,
+/// triangles, round things.
 GeometryTables room(std::uint64_t seed, int faces, bool round)
 {
     Random random(seed);
@@ -63,6 +80,11 @@ GeometryTables room(std::uint64_t seed, int faces, bool round)
         const Vec3f lo = random.point(3);
         add_box(tables, lo, plus(lo, {random.uniform(0.3f, 1), random.uniform(0.3f, 1), random.uniform(0.3f, 1)}),
                 2 + int(random.below(5)));
+    }
+    for (int i = 0; i < turned_boxes; ++i) {
+        Vec3f edges[3] = {{0.9f, 0, 0}, {0, 0.9f, 0}, {0, 0, 0.9f}};
+        for (Vec3f& edge : edges) edge = plus(edge, random.point(0.4f));
+        add_turned_box(tables, random, random.point(3), edges, 4 + i);
     }
     for (int i = 0; i < 3; ++i) {
         const Vec3f lo = random.point(3);
@@ -103,6 +125,7 @@ TEST(Flat, NearestHits)
             ASSERT_TRUE(FlatScene::fits(tables));
             FlatScene flat;
             flat.build(tables, {});
+            EXPECT_EQ(int(flat.all.turned_boxes.size()), turned_boxes);
             Random random(seed + 100);
             std::vector<std::uint32_t> times_hit(tables.primitive_count());
             int checked = 0;
@@ -178,6 +201,35 @@ TEST(Flat, Shadows)
                 EXPECT_GT(blocked, 300);
                 EXPECT_GT(clear, 300);
             }
+}
+
+/// Which parallelograms become a turned box: with four faces or more, two of them opposite to each other.
+TEST(Flat, TurnedBoxes)
+{
+    const Vec3f edges[3] = {{1, 0.5f, 0}, {-0.5f, 1, 0.2f}, {0, 0.3f, 1}};
+    const auto found = [&](const std::vector<int>& faces) {
+        Random random(5);
+        GeometryTables all = empty_tables(), tables = empty_tables();
+        add_turned_box(all, random, {1, 2, 3}, edges, 6);
+        for (int face : faces) tables.quads.push_back(all.quads[std::size_t(face)]);
+        finish(tables);
+        FlatScene flat;
+        flat.build(tables, {});
+        EXPECT_EQ(flat.all.quads.size() + flat.all.turned_boxes.size() * faces.size(), faces.size());
+        return flat.all.turned_boxes.size();
+    };
+    EXPECT_EQ(found({0, 1, 2, 3, 4, 5}), 1u);
+    EXPECT_EQ(found({4, 2, 5, 0, 3}), 1u);
+    EXPECT_EQ(found({1, 2, 3, 4}), 1u);
+    EXPECT_EQ(found({0, 1, 2}), 0u);
+    EXPECT_EQ(found({1, 3, 5}), 0u);
+    // Six that are no box: two lie side by side.
+    GeometryTables tables = empty_tables();
+    for (int i = 0; i < 6; ++i) tables.quads.push_back({{float(i), float(i), 0}, {1, 1, 0}, {-1, 1, 0}});
+    finish(tables);
+    FlatScene flat;
+    flat.build(tables, {});
+    EXPECT_TRUE(flat.all.turned_boxes.empty());
 }
 
 /// The only lamp, a square that is no part of the hull, blocks no ray that ends on it.

@@ -101,12 +101,12 @@ TEST(Guidance, SharesDirectionsWithTheClosure)
     EXPECT_FALSE(any(unknown.known()));
     EXPECT_EQ(test::first(unknown.share()), 0);
     EXPECT_EQ(test::first(unknown.pdf(d, Float(0.7f))), 0.7f);
-    const Guidance half = guidance_of(t, middle, normals[4], 1), quarter = guidance_of(t, middle, normals[4], 0.5f);
-    EXPECT_EQ(test::first(half.share()), 0.5f);
-    EXPECT_EQ(test::first(quarter.share()), 0.25f);
-    const float own = test::first(half.histogram_pdf(d));
-    EXPECT_NEAR(test::first(half.pdf(d, Float(0.7f))), 0.5f * own + 0.35f, 1e-6f);
-    EXPECT_NEAR(test::first(quarter.pdf(d, Float(0.7f))), 0.25f * own + 0.525f, 1e-6f);
+    const Guidance most = guidance_of(t, middle, normals[4], 1), half = guidance_of(t, middle, normals[4], 0.5f);
+    EXPECT_EQ(test::first(most.share()), 0.65f);
+    EXPECT_EQ(test::first(half.share()), 0.325f);
+    const float own = test::first(most.histogram_pdf(d));
+    EXPECT_NEAR(test::first(most.pdf(d, Float(0.7f))), 0.65f * own + 0.245f, 1e-6f);
+    EXPECT_NEAR(test::first(half.pdf(d, Float(0.7f))), 0.325f * own + 0.4725f, 1e-6f);
 }
 
 /// Beyond the cubes those at the border count, and places are moved by up to half a cube.

@@ -1,4 +1,4 @@
-#include "geometry/flat/flat.h"
+#include "geometry/flat/turned_boxes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -203,10 +203,13 @@ void FlatScene::build(const GeometryTables& tables, const ShadowTargets& targets
     BoxFinder finder(tables, float(tolerance));
     all = {};
     all.boxes = finder.find();
+    all.turned_boxes = find_turned_boxes(tables, finder.used, tolerance);
     face_primitives.clear();
-    for (const Box& box : all.boxes) {
+    const auto add_faces = [&](const Box& box) {
         face_primitives.insert(face_primitives.end(), box.faces, box.faces + codes_per_box);
-    }
+    };
+    for (const Box& box : all.boxes) add_faces(box);
+    for (const TurnedBox& box : all.turned_boxes) add_faces(box.unit);
     face_primitives.resize(face_primitives.size() + lookup_size, no_index);
     for (std::uint32_t i = 0; i < tables.quads.size(); ++i) {
         if (finder.used[i]) continue;
@@ -226,8 +229,8 @@ void FlatScene::build(const GeometryTables& tables, const ShadowTargets& targets
 
     find_occluders(tables, targets, points, tolerance);
     for (List* list : {&all, &occluders})
-        list->only_boxes =
-            list->quads.empty() && list->triangles.empty() && list->spheres.empty() && list->disks.empty();
+        list->only_boxes = list->turned_boxes.empty() && list->quads.empty() && list->triangles.empty() &&
+                           list->spheres.empty() && list->disks.empty();
 }
 
 void FlatScene::find_occluders(const GeometryTables& tables, const ShadowTargets& targets,
@@ -241,11 +244,13 @@ void FlatScene::find_occluders(const GeometryTables& tables, const ShadowTargets
     };
     // A ray towards a point of the only light, which is flat, is not blocked by that light.
     const std::uint32_t only_light = targets.only_primitive;
-    std::erase_if(occluders.boxes, [&](const Box& box) {
+    const auto stops_nothing = [&](const Box& box) {
         return std::all_of(box.faces, box.faces + 6, [&](std::uint32_t face) {
             return face == no_index || face == only_light || quad_on_hull(face);
         });
-    });
+    };
+    std::erase_if(occluders.boxes, stops_nothing);
+    std::erase_if(occluders.turned_boxes, [&](const TurnedBox& box) { return stops_nothing(box.unit); });
     std::erase_if(occluders.quads,
                   [&](const Quad& q) { return q.primitive == only_light || quad_on_hull(q.primitive); });
     std::erase_if(occluders.triangles, [&](const Triangle& t) {

@@ -1,9 +1,9 @@
 #pragma once
 /// Scenes of a few dozen primitives: every ray is tested against all of them, N rays at a time.
 ///
-/// What makes it fast is done when it is built: parallelograms that are faces of one axis-aligned box become that box
-/// (one slab test for up to six of them, from inside and outside), and primitives on the hull of the scene are left out
-/// of shadow tests, since nothing lies beyond them.
+/// What makes it fast is done when it is built: parallelograms that are faces of one box become that box (one slab test
+/// for up to six of them, from inside and outside), and primitives on the hull of the scene are left out of shadow
+/// tests, since nothing lies beyond them.
 #include <vector>
 
 #include "geometry/ray.h"
@@ -31,6 +31,12 @@ struct FlatScene {
         /// lookup().
         std::uint32_t faces[16];
     };
+    /// One that is turned, or a slanted one: its corner, and what tells how far along its edges a point is, which is
+    /// from 0 to 1 within it: dot(p - origin, along[axis]).
+    struct TurnedBox {
+        Vec3f origin, along[3];
+        Box unit;  ///< in its own coordinates
+    };
     struct Quad {
         Vec3f corner, normal, dual_u, dual_v;  ///< u = dot(p - corner, dual_u)
         std::uint32_t primitive;
@@ -44,6 +50,7 @@ struct FlatScene {
     };
     struct List {
         std::vector<Box> boxes;
+        std::vector<TurnedBox> turned_boxes;
         std::vector<Quad> quads;
         std::vector<Triangle> triangles;
         std::vector<Round> spheres, disks;
@@ -54,11 +61,11 @@ struct FlatScene {
     /// What can block a ray between two points of the scene, or a point and a light inside it.
     List occluders;
 
-    /// The primitive of each face code, eight to a box of `all`; padded for lookup().
+    /// The primitive of each face code, eight to a box of `all`, then to a turned one; padded for lookup().
     std::vector<std::uint32_t> face_primitives;
     UInt primitive_of_code(UInt code) const
     {
-        const int n = int(codes_per_box * all.boxes.size());
+        const int n = int(codes_per_box * (all.boxes.size() + all.turned_boxes.size()));
         return lookup_or_gather(face_primitives.data(), n, code);
     }
 
@@ -75,6 +82,7 @@ private:
                         double tolerance);
     // Arguments by value: nothing of the caller's has to live in memory for their sake.
     Hit closest_other(const GeometryTables& tables, Ray ray, Hit hit) const;
+    void closest_turned_box(const Ray& ray, Hit& hit) const;
     Mask occluded_by_other(const GeometryTables& tables, Ray ray) const;
 };
 
@@ -161,6 +169,16 @@ struct SlabRay {
     return meets & (enters | leaves);
 }
 
+/// The ray in a box's own coordinates, in which its direction has another length: distances are the same.
+[[gnu::always_inline]] inline Ray seen_from(const FlatScene::TurnedBox& box, const Ray& ray)
+{
+    const Vec3 o = ray.o - Vec3(box.origin);
+    const auto along = [&](const Vec3& v) {
+        return Vec3{dot(v, Vec3(box.along[0])), dot(v, Vec3(box.along[1])), dot(v, Vec3(box.along[2]))};
+    };
+    return {along(o), along(ray.d), ray.t_max, ray.time};
+}
+
 [[gnu::always_inline]] inline Mask meet_quad(const FlatScene::Quad& quad, const Ray& ray, Float t_max, Float& t)
 {
     const Vec3 n(quad.normal);
@@ -201,9 +219,21 @@ struct SlabRay {
     return blocked & active;
 }
 
-/// The nearest of a hit and those of what is not in boxes.
+inline void FlatScene::closest_turned_box(const Ray& ray, Hit& hit) const
+{
+    UInt code(no_face);
+    auto first = std::uint32_t(codes_per_box * all.boxes.size());
+    for (const TurnedBox& box : all.turned_boxes) {
+        flat::closest_box(box.unit, first, flat::SlabRay(flat::seen_from(box, ray)), hit.t, code);
+        first += codes_per_box;
+    }
+    hit.primitive = select(code == UInt(no_face), hit.primitive, primitive_of_code(code));
+}
+
+/// The nearest of a hit and those of what is not in axis-aligned boxes.
 [[gnu::noinline]] inline Hit FlatScene::closest_other(const GeometryTables& tables, Ray ray, Hit hit) const
 {
+    if (!all.turned_boxes.empty()) closest_turned_box(ray, hit);
     for (const Quad& quad : all.quads) {
         Float t;
         const Mask m = flat::meet_quad(quad, ray, hit.t, t);
@@ -223,6 +253,8 @@ struct SlabRay {
 [[gnu::noinline]] inline Mask FlatScene::occluded_by_other(const GeometryTables& tables, Ray ray) const
 {
     Mask blocked = Mask(false);
+    for (const TurnedBox& box : occluders.turned_boxes)
+        blocked |= flat::occluded_box(box.unit, flat::SlabRay(flat::seen_from(box, ray)), ray.t_max);
     for (const Quad& quad : occluders.quads) {
         Float t;
         blocked |= flat::meet_quad(quad, ray, ray.t_max, t);
