@@ -29,6 +29,11 @@ double lanes_in_use(const RenderCosts& c)
 {
     return ratio(double(c.vertices), double(c.shaded_lanes));
 }
+/// Of the vertices, those at which a light was sampled.
+double light_share(const RenderCosts& c)
+{
+    return ratio(double(c.light_samples), double(c.vertices));
+}
 double clear_share(const RenderCosts& c)
 {
     return ratio(double(c.clear_shadow_rays), double(c.rays[std::size_t(RayKind::shadow)]));
@@ -51,8 +56,8 @@ std::string cost_sheet(const RenderCosts& c, double render_s)
         text += fmt::format(" {} {:.1f} %{}", ray_kind_names[i], 100 * ratio(double(c.rays[i]), double(c.all_rays())),
                             i + 1 < ray_kind_count ? "," : "");
     text += fmt::format(" (of these {:.1f} % arrive)\n", 100 * clear_share(c));
-    text += fmt::format("{}path vertices, {:.1f} % of the lanes in use\n", with_unit(double(c.vertices)),
-                        100 * lanes_in_use(c));
+    text += fmt::format("{}path vertices, a light sampled at {:.1f} %, {:.1f} % of the lanes in use\n",
+                        with_unit(double(c.vertices)), 100 * light_share(c), 100 * lanes_in_use(c));
     text += "stage       share   ns a vertex\n";
     for (std::size_t i = 0; i < render_stage_count; ++i)
         if (c.seconds[i] > 0)
@@ -77,6 +82,7 @@ nlohmann::json cost_sheet_json(const RenderCosts& c, double render_s)
             {"rays_per_s", ratio(double(c.all_rays()), render_s)},
             {"shadow_rays_clear", c.clear_shadow_rays},
             {"vertices", c.vertices},
+            {"light_samples", c.light_samples},
             {"lanes_in_use", lanes_in_use(c)},
             {"stages", stages}};
 }

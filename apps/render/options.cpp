@@ -112,7 +112,8 @@ void add_render_options(Command& command, RenderOptions& o)
                       [&](const std::string& text) { o.uses_mpi = parse_word(text, {"off", "auto"}) == 1; });
     command.add_flag("-q,--quiet", o.quiet, "print only warnings and errors");
     command.add_flag("--stats", o.stats,
-                     "tell where the time went: rays by kind, lanes in use, nanoseconds a path's vertex by stage");
+                     "tell where the time went: rays by kind, light samples, lanes in use, nanoseconds a path's "
+                     "vertex by stage");
     command.add_value("--progress", "json", "one JSON object a line on stderr: progress, warnings, errors, summary",
                       [&](const std::string& text) { parse_word(text, {"json"}), o.json = true; });
 }

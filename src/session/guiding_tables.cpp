@@ -156,8 +156,8 @@ BinSums sum_by_bin(const Parts& parts, const GuidingTables& t, std::size_t regio
         });
 }
 
-/// Gives each region some of what the regions of its side have in the eight cubes around it together: few bright records
-/// decide what a region knows by itself. bins: per record, of counts[region] records each.
+/// Gives each region some of what the regions of its side have in the eight cubes around it together: few bright
+/// records decide what a region knows by itself. bins: per record, of counts[region] records each.
 void share_with_neighbours(const GuidingTables& t, const std::vector<std::uint32_t>& counts, std::vector<double>& bins)
 {
     const auto half = [&](std::size_t axis) { return std::size_t(t.cells[axis] + 1) / 2; };

@@ -253,6 +253,7 @@ bool render(const RenderJob& job, SampleRange range, Film& film, const std::atom
         progress.costs.rays = {progress.samples_done, progress.samples_done * 3, progress.samples_done};
         progress.costs.clear_shadow_rays = progress.samples_done / 2;
         progress.costs.vertices = 2'000'000, progress.costs.shaded_lanes = 2'500'000;
+        progress.costs.light_samples = 500'000;
         if (job.settings().measure) {
             progress.costs.seconds[std::size_t(RenderStage::trace)] = 0.75;
             progress.costs.seconds[std::size_t(RenderStage::light)] = 0.25;

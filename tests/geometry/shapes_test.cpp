@@ -56,6 +56,68 @@ TEST(Shapes, TrianglesInDouble)
     EXPECT_GT(hits, 1000);
 }
 
+/// Whether a triangle is met before the ray's end is told by a division and without one alike: triangles of both turns,
+/// on both sides of the origin, rays that end anywhere and nowhere.
+TEST(Shapes, TrianglesStopRaysWithoutADivision)
+{
+    Random random(3);
+    const float infinity = std::numeric_limits<float>::infinity();
+    int before = 0, beyond = 0, behind = 0, of_either_turn[2] = {};
+    for (int i = 0; i < 100000; ++i) {
+        const Vec3f o = random.point(5);
+        const Ray ray = ray_of(o, unit_towards(o, random.point(1)));
+        const TriangleRay along(ray);
+        const auto corner = [&] { return along.permute(Vec3(random.point(3)) - ray.o); };
+        const Vec3 a = corner(), b = corner(), c = corner();
+        const TriangleWeights w = triangle_weights(along.shear_x, along.shear_y, a, b, c);
+        if (!(mask_bits(w.inside) & 1)) continue;
+        const Vec3 z{a.z, b.z, c.z};
+        const UndividedHits hits(w, along.shear_z, z);
+        const auto stops = [&](float t_max) { return bool(mask_bits(hits.before(Float(t_max))) & 1); };
+        Float t, u, v;
+        const bool meets = mask_bits(triangle_distance(w, along.shear_z, z, Float(infinity), t, u, v)) & 1;
+        ASSERT_EQ(stops(infinity), meets) << i;
+        ASSERT_FALSE(stops(0)) << i;
+        const float distance = lane(t);
+        for (const float share : {0.01f, 0.5f, 0.99999f, 1.00001f, 2.0f, 100.0f}) {
+            const float t_max = share * std::abs(distance);
+            const bool expected = mask_bits(triangle_distance(w, along.shear_z, z, Float(t_max), t, u, v)) & 1;
+            ASSERT_EQ(stops(t_max), expected) << i << " " << share;
+            ++(expected ? before : meets ? beyond : behind);
+        }
+        ++of_either_turn[lane(hits.sum) < 0];
+    }
+    for (const int n : {before, beyond, behind, of_either_turn[0], of_either_turn[1]}) EXPECT_GT(n, 500);
+}
+
+/// Triangles without area, as the ray sees them, stop none: the sum of their weights is 0.
+TEST(Shapes, TrianglesWithoutAreaStopNoRay)
+{
+    const Ray ray = ray_of({0, 0, 0}, {0, 0, 1});
+    const TriangleRay along(ray);
+    const Vec3f triangles[][3] = {
+        {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}},             // a point on the ray
+        {{-1, -1, 1}, {1, 1, 1}, {1, 1, 1}},           // a segment across it
+        {{-1, 0, 1}, {1, 0, 1}, {0, 0, 1}},            // three corners in a line
+        {{0, -1, 1}, {0, 1, 1}, {0, 0, 3}},            // seen from its edge
+        {{0, 0, -1}, {0, 0, 1}, {0, 0, 2}},            // along it
+        {{-1e-30f, 0, 1}, {1e-30f, 0, 1}, {0, 0, 1}},  // the weights are too small for a number
+        {{-1e-30f, 0, 1}, {1e-30f, 0, 1}, {0, 1e-30f, 1}},
+    };
+    for (const auto& v : triangles) {
+        const Vec3 a = along.permute(Vec3(v[0])), b = along.permute(Vec3(v[1])), c = along.permute(Vec3(v[2]));
+        const TriangleWeights w = triangle_weights(along.shear_x, along.shear_y, a, b, c);
+        const Vec3 z{a.z, b.z, c.z};
+        const UndividedHits hits(w, along.shear_z, z);
+        ASSERT_EQ(lane(hits.sum), 0) << v[0].x << " " << v[1].x << " " << v[2].z;
+        for (const float t_max : {0.5f, 2.0f, 1e30f, std::numeric_limits<float>::infinity()}) {
+            EXPECT_TRUE(none(hits.before(Float(t_max)))) << t_max;
+            Float t, u, v2;
+            EXPECT_TRUE(none(triangle_distance(w, along.shear_z, z, Float(t_max), t, u, v2))) << t_max;
+        }
+    }
+}
+
 /// On an edge or corner that triangles share, in either order the one of the lowest number is hit, at the same place.
 TEST(Shapes, SharedEdgesBelongToTheLowestNumber)
 {

@@ -72,6 +72,23 @@ void expect_in_use(const SceneDescription& scene, const RenderSettings& settings
     EXPECT_NE(render_film(scene, settings, 2).sums().words, render_film(scene, plain, 2).sums().words) << what;
 }
 
+RenderCosts costs_of(const SceneDescription& description, const RenderSettings& settings, std::uint64_t samples)
+{
+    Warnings warnings;
+    const RenderJob job(Scene::compile(description, "", warnings), settings);
+    Film film(job);
+    RenderCosts costs;
+    render(job, {0, samples}, film, nullptr, [&](const Progress& p, const Film&) { costs = p.costs; });
+    return costs;
+}
+
+/// Of the vertices of paths, those at which a light was sampled.
+double light_share(const SceneDescription& description, const RenderSettings& settings)
+{
+    const RenderCosts costs = costs_of(description, settings, 64);
+    return double(costs.light_samples) / double(costs.vertices);
+}
+
 TEST(Guiding, ChangesTheNoiseOnly)
 {
     Material coated = of_kind(MaterialKind::principled, 0.6f);
@@ -105,9 +122,60 @@ TEST(Guiding, ChangesTheNoiseOnlyWhereLightsAreFoundByChance)
 /// Glossy walls are guided less, and roulette goes by what they reflect.
 TEST(Guiding, ChangesTheNoiseOnlyBetweenGlossyWalls)
 {
-    const SceneDescription scene = next_door(grey(0.8f), of_kind(MaterialKind::principled, 0.3f, 0.5f), 2);
+    const SceneDescription scene = next_door(grey(0.8f), of_kind(MaterialKind::principled, 0.3f, 0.5f), 1);
     expect_in_use(scene, guided(), "glossy walls");
     expect_same_mean(render_film(scene, guided(), 2048), render_film(scene, small_picture(), 4096), "glossy walls");
+}
+
+/// Two rooms, one above the other, with a hole between them, so wide. The lamp, of an edge so long, is in the upper
+/// one, the camera in the lower.
+///
+/// Above, lamps are seen from everywhere, below from hardly anywhere, and cubes of both kinds are neighbours across a
+/// thin ceiling: along y, by which a place is moved by the second of the numbers that move it.
+SceneBuilder upstairs(const Material& walls, double hole, double lamp)
+{
+    SceneBuilder b;
+    const int wall = b.material(walls);
+    add_room(b, wall);
+    b.add(Rectangle{{-2, 1.5, 2}, {4 - hole, 0, 0}, {0, 0, -4}}, wall);
+    b.add(Rectangle{{-1.9, 2.9, -lamp / 2}, {lamp, 0, 0}, {0, 0, lamp}}, b.diffuse(0, {20, 20, 20}));
+    b.add(Sphere{{-0.4, 0.5, 0.2}, 0.5, {}}, wall);
+    b.camera({1.8, 1.2, -1.8}, {-0.8, 0.6, 0.8}, 70);
+    return b;
+}
+
+/// Samples of lights that are left out are made up for by those that are taken, and by directions that find lamps.
+TEST(Guiding, SamplesLightsByChanceWhereTheyRarelyArrive)
+{
+    const SceneDescription scene = upstairs(grey(0.8f), 0.6, 1).scene;
+    EXPECT_LT(light_share(scene, guided()), 0.4);
+    EXPECT_EQ(light_share(scene, small_picture()), 1);
+    expect_same_mean(render_film(scene, guided(), 4096), render_film(scene, small_picture(), 4096), "upstairs");
+}
+
+/// The same where shadow rays pass a pane and fog, in which lights are sampled, too.
+TEST(Guiding, SamplesLightsByChanceInFog)
+{
+    SceneBuilder b = upstairs(grey(0.85f), 1, 1);
+    Material pane, fog;
+    pane.kind = fog.kind = MaterialKind::glass;
+    pane.thin = true;
+    b.add(Rectangle{{1, 1.5, 2}, {1, 0, 0}, {0, 0, -4}}, b.material(pane));
+    fog.ior = 1;
+    fog.attenuation_distance = 1;
+    fog.attenuation_color = {0.85f, 0.85f, 0.85f};
+    fog.transmission_scatter = {0.15f, 0.15f, 0.15f};
+    b.add(Box{{-1.9, 0.1, -1.9}, {1.7, 1.4, 1.9}}, b.material(fog));
+    EXPECT_LT(light_share(b.scene, guided()), 0.45);
+    expect_same_mean(render_film(b.scene, guided(), 768), render_film(b.scene, small_picture(), 1536), "fog");
+}
+
+/// Where the trial needed most of them, lights are sampled at every surface.
+TEST(Guiding, SamplesLightsEverywhereWhereTheyArrive)
+{
+    const SceneDescription scene = upstairs(grey(0.7f), 2, 2).scene;
+    expect_in_use(scene, guided(), "wide hole");
+    EXPECT_EQ(light_share(scene, guided()), 1);
 }
 
 /// In a closed room whose walls glow by 1 and reflect half there is a radiance of 2 everywhere.
@@ -140,15 +208,8 @@ TEST(Guiding, MakesLessNoiseNextDoor)
 /// Roulette needs no depth to begin at where it is known what a path may bring.
 TEST(Guiding, EndsPathsThatBringLittle)
 {
-    Warnings warnings;
-    const Scene scene = Scene::compile(next_door(grey(0.8f), grey(0.7f)), "", warnings);
-    const auto vertices = [&](const RenderSettings& settings) {
-        const RenderJob job(scene, settings);
-        Film film(job);
-        std::uint64_t n = 0;
-        render(job, {0, 64}, film, nullptr, [&](const Progress& p, const Film&) { n = p.costs.vertices; });
-        return double(n);
-    };
+    const SceneDescription scene = next_door(grey(0.8f), grey(0.7f));
+    const auto vertices = [&](const RenderSettings& s) { return double(costs_of(scene, s, 64).vertices); };
     RenderSettings patient = small_picture();
     patient.roulette_depth = 40;
     EXPECT_LT(vertices(guided(patient)), 0.25 * vertices(patient));
@@ -215,14 +276,9 @@ TEST(Guiding, IsLeftOutWhereItWouldNotPay)
 /// The time that finding out took is told, whatever came out; where nobody asked for guiding there is none.
 TEST(Guiding, TellsTheTimeThatWasSpentOnLearning)
 {
-    Warnings warnings;
-    const auto learning_s = [&](const SceneDescription& description, RenderSettings settings) {
+    const auto learning_s = [&](const SceneDescription& scene, RenderSettings settings) {
         settings.measure = true;
-        const RenderJob job(Scene::compile(description, "", warnings), settings);
-        Film film(job);
-        RenderCosts costs;
-        render(job, {0, 1}, film, nullptr, [&](const Progress& p, const Film&) { costs = p.costs; });
-        return costs.seconds[std::size_t(RenderStage::learn)];
+        return costs_of(scene, settings, 1).seconds[std::size_t(RenderStage::learn)];
     };
     // A quarter of a million paths: no machine takes less.
     EXPECT_GT(learning_s(next_door(grey(0.8f), grey(0.7f)), guided()), 0.001);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <set>
 
 #include "chi_square.h"
 #include "lane_helpers.h"
@@ -100,12 +101,12 @@ TEST(Guidance, SharesDirectionsWithTheClosure)
     EXPECT_FALSE(any(unknown.known()));
     EXPECT_EQ(test::first(unknown.share()), 0);
     EXPECT_EQ(test::first(unknown.pdf(d, Float(0.7f))), 0.7f);
-    const Guidance half = guidance_of(t, middle, normals[4], 1), quarter = guidance_of(t, middle, normals[4], 0.5f);
-    EXPECT_EQ(test::first(half.share()), 0.5f);
-    EXPECT_EQ(test::first(quarter.share()), 0.25f);
-    const float own = test::first(half.histogram_pdf(d));
-    EXPECT_NEAR(test::first(half.pdf(d, Float(0.7f))), 0.5f * own + 0.35f, 1e-6f);
-    EXPECT_NEAR(test::first(quarter.pdf(d, Float(0.7f))), 0.25f * own + 0.525f, 1e-6f);
+    const Guidance most = guidance_of(t, middle, normals[4], 1), half = guidance_of(t, middle, normals[4], 0.5f);
+    EXPECT_EQ(test::first(most.share()), 0.65f);
+    EXPECT_EQ(test::first(half.share()), 0.325f);
+    const float own = test::first(most.histogram_pdf(d));
+    EXPECT_NEAR(test::first(most.pdf(d, Float(0.7f))), 0.65f * own + 0.245f, 1e-6f);
+    EXPECT_NEAR(test::first(half.pdf(d, Float(0.7f))), 0.325f * own + 0.4725f, 1e-6f);
 }
 
 /// Beyond the cubes those at the border count, and places are moved by up to half a cube.
@@ -123,6 +124,63 @@ TEST(Guidance, FindsTheCube)
     EXPECT_EQ(mean_at({99, 0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}), 4);
     EXPECT_EQ(mean_at({0.8f, 0.5f, 0.5f}, {0.9f, 0.5f, 0.5f}), 4);
     EXPECT_EQ(mean_at({1.2f, 0.5f, 0.5f}, {0.1f, 0.5f, 0.5f}), 1);
+}
+
+/// Learning, which counts in plain numbers, and lanes mean the same cubes. Places are multiples of 1/64, so nothing is
+/// rounded.
+TEST(Guidance, LanesFindTheCubeThatLearningFinds)
+{
+    GuidingTables t;
+    t.lowest[0] = -2, t.lowest[1] = 1, t.lowest[2] = 0.5f;
+    t.inverse_cell = 2;
+    t.cells[0] = 5, t.cells[1] = 3, t.cells[2] = 4;
+    std::mt19937 engine(7);
+    std::set<std::size_t> met;
+    for (int i = 0; i < 4096; ++i) {
+        float p[3][lanes], noise[3][lanes];
+        for (int k = 0; k < 3; ++k)
+            for (int lane = 0; lane < lanes; ++lane) {
+                p[k][lane] = t.lowest[k] + (float(engine() % 256) - 64) / 64;
+                noise[k][lane] = float(engine() % 16) / 16;
+            }
+        std::uint32_t cubes[lanes], moved[lanes];
+        const Vec3 at{load(p[0]), load(p[1]), load(p[2])};
+        store(cubes, guiding_cube(t, at, no_shift));
+        store(moved, guiding_cube(t, at, {load(noise[0]), load(noise[1]), load(noise[2])}));
+        for (int lane = 0; lane < lanes; ++lane) {
+            float place[3], there[3];
+            for (int k = 0; k < 3; ++k) {
+                place[k] = p[k][lane];
+                there[k] = place[k] + (noise[k][lane] - 0.5f) / t.inverse_cell;
+            }
+            ASSERT_EQ(cubes[lane], guiding_cube(t, place)) << place[0] << " " << place[1] << " " << place[2];
+            ASSERT_EQ(moved[lane], guiding_cube(t, there)) << there[0] << " " << there[1] << " " << there[2];
+            met.insert(cubes[lane]);
+        }
+    }
+    EXPECT_EQ(met.size(), 5u * 3u * 4u);
+    EXPECT_EQ(*met.rbegin(), 5u * 3u * 4u - 1u);
+}
+
+/// Need times throughput, but an eighth at least and never more than 1.
+TEST(Guidance, ChancesOfLightSamplesAreProbabilities)
+{
+    GuidingTables t = some_tables(8);
+    for (float need : {0.0f, 0.25f, 2.0f, 1e30f}) t.light_needs.push_back(need);
+    const auto chance = [&](std::uint32_t cube, float throughput) {
+        return test::first(light_chance(t, UInt(cube), Float(throughput), Mask(true)));
+    };
+    EXPECT_EQ(chance(0, 1), 0.125f);
+    EXPECT_EQ(chance(1, 0), 0.125f);
+    EXPECT_EQ(chance(1, 0.25f), 0.125f);
+    EXPECT_EQ(chance(1, 1), 0.25f);
+    EXPECT_EQ(chance(1, 3), 0.75f);
+    EXPECT_EQ(chance(1, 5), 1);
+    EXPECT_EQ(chance(2, 0.25f), 0.5f);
+    EXPECT_EQ(chance(2, 1), 1);
+    EXPECT_EQ(chance(3, 0.5f), 1);
+    // Lanes that are off read nothing, wherever they are.
+    EXPECT_EQ(test::first(light_chance(t, UInt(0xfffffff0u), Float(1), Mask(false))), 0.125f);
 }
 
 }  // namespace

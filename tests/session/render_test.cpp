@@ -172,6 +172,7 @@ TEST(Render, CountsRaysAndVertices)
         constexpr std::uint64_t samples = 33 * 21 * 50;
         for (std::size_t i = 0; i < ray_kind_count; ++i) EXPECT_EQ(costs.rays[i], samples) << kind << " " << i;
         EXPECT_EQ(costs.vertices, samples) << kind;
+        EXPECT_EQ(costs.light_samples, samples) << kind;
         EXPECT_EQ(costs.clear_shadow_rays, samples) << kind;
         EXPECT_GE(costs.shaded_lanes, samples);
         EXPECT_EQ(costs.shaded_lanes % std::uint64_t(simd_width()), 0u);

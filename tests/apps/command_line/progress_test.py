@@ -51,7 +51,7 @@ class Running(CommandLine):
     def test_stats(self):
         text = self.ok("render", "box.json", "--spp", "2", "--size", "4x4", "--stats").stderr
         self.assertIn("camera 20.0 %, bounce 60.0 %, shadow 20.0 % (of these 50.0 % arrive)", text)
-        self.assertIn("2.00 Mpath vertices, 80.0 % of the lanes in use", text)
+        self.assertIn("2.00 Mpath vertices, a light sampled at 25.0 %, 80.0 % of the lanes in use", text)
         stages = {line.split()[0]: line.split()[1:] for line in text.splitlines() if line.startswith(("trace", "light", "all"))}
         self.assertEqual(stages, {"trace": ["75.0", "%", "375.0"], "light": ["25.0", "%", "125.0"], "all": ["100.0", "%", "500.0"]})
         self.assertNotIn("ns a vertex", self.ok("render", "box.json", "--spp", "2", "--size", "4x4").stderr)
@@ -60,6 +60,8 @@ class Running(CommandLine):
         self.assertEqual(len(stats), 1)
         self.assertEqual(stats[0]["rays"], {"camera": 32, "bounce": 96, "shadow": 32})
         self.assertEqual(stats[0]["shadow_rays_clear"], 16)
+        self.assertEqual(stats[0]["vertices"], 2000000)
+        self.assertEqual(stats[0]["light_samples"], 500000)
         self.assertAlmostEqual(stats[0]["lanes_in_use"], 0.8)
         self.assertEqual(stats[0]["stages"]["trace"], {"thread_s": 0.75, "share": 0.75, "ns_per_vertex": 375})
         self.assertEqual(set(stats[0]["stages"]), {"trace", "light"})

@@ -43,6 +43,7 @@ public:
 
     void run()
     {
+        const std::uint64_t vertices_before = counters_.costs.vertices;
         for (;;) {
             while (size() + lanes <= pool_capacity && next_ < camera_paths_.total()) start();
             if (size() == 0) break;
@@ -53,6 +54,7 @@ public:
                 for (std::size_t k = 0; k < other_kinds_; ++k) run_others(others_[k]);
         }
         ended_.sum();
+        if (lights_are_sampled_) counters_.costs.light_samples += counters_.costs.vertices - vertices_before;
     }
 
 private:
