@@ -2,7 +2,6 @@
 #include "integrate/kernel.h"
 #include "integrate/stages/direct.h"
 #include "integrate/stages/dispersion.h"
-#include "integrate/stages/environment_ahead.h"
 #include "integrate/stages/light.h"
 #include "integrate/stages/path_medium.h"
 #include "integrate/stages/path_recorder.h"
@@ -29,10 +28,7 @@ public:
           recorder_(recorder),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
           has_light_chance_(lights_are_sampled_ && settings.guiding && !settings.guiding->light_needs.empty()),
-          has_time_(scene.tables.moving),
-          environment_ahead_(tables_.environment),
-          fetches_environment_(lights_are_sampled_ && is_worth_fetching(tables_.environment) &&
-                               lights_.environment_pmf() > 0.25f)
+          has_time_(scene.tables.moving)
     {
     }
 
@@ -46,14 +42,11 @@ public:
             const std::size_t end = kind_end[kind];
             if (begin < end)
                 Closures::visit(ClosureKind(kind), [&]<class Closure>() {
-                    if (fetches_environment_)
-                        find_environment_rows(begin, end), find_environment_rows(begin + lanes, end);
                     for (std::size_t i = begin; i < end; i += lanes) {
                         const std::size_t next = i + fetched_ahead;
                         if (next < end)
                             surfaces_.fetch_vertices(&hits.primitive.data[next],
                                                      std::min<std::size_t>(lanes, end - next));
-                        if (fetches_environment_) fetch_environment(i, end);
                         shade<Closure>(i, first_lanes(end - i));
                     }
                 });
@@ -64,21 +57,6 @@ public:
     }
 
 private:
-    /// For the gangs that come after the one at i.
-    void fetch_environment(std::size_t i, std::size_t end)
-    {
-        clock_.enter(RenderStage::light);
-        const std::size_t next = i + lanes;
-        if (next < end) environment_ahead_.fetch_columns(next / lanes);
-        find_environment_rows(next + lanes, end);
-    }
-    void find_environment_rows(std::size_t i, std::size_t end)
-    {
-        if (i >= end || none(samples_light(i, first_lanes(end - i)))) return;
-        const Randomness r(*paths_, i, scene_.open_media);
-        environment_ahead_.find_rows(i / lanes, sample_2d(r.index, pair_seed(r.seed, pair_light)));
-    }
-
     /// Lanes that sample a light.
     Mask samples_light(std::size_t i, Mask m) const
     {
@@ -309,8 +287,6 @@ private:
     StageClock& clock_;
     PathRecorder& recorder_;
     bool lights_are_sampled_, has_light_chance_, has_time_;
-    EnvironmentAhead environment_ahead_;
-    bool fetches_environment_;
 
     PathPool* paths_ = nullptr;
     const HitColumns* hits_ = nullptr;
