@@ -3,8 +3,8 @@
 ///
 /// A ray alone waits: for memory, for the long chain of instructions from a node to the next, for mispredicted
 /// branches. Here a wave takes each ray one node further, without a branch that depends on the ray; in large trees the
-/// next wave's nodes are fetched meanwhile. Rays that have come to a leaf wait for the wave of leaves. Each ray visits what it
-/// would visit alone in the same order.
+/// next wave's nodes are fetched meanwhile. Rays that have come to a leaf wait for the wave of leaves. Each ray visits
+/// what it would visit alone in the same order.
 #include <array>
 #include <iterator>
 #include <utility>

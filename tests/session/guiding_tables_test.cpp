@@ -1,0 +1,64 @@
+#include <gtest/gtest.h>
+
+#include "session/guiding.h"
+
+namespace fathom {
+namespace {
+
+constexpr std::uint16_t usual_bin = 4 * guiding_sectors + 6, other_bin = 6 * guiding_sectors + 12;
+
+/// Surfaces along x, all of side 0, with light of the same radiance.
+GuidingRecords row_of_surfaces(int count)
+{
+    GuidingRecords part;
+    for (int i = 0; i < count; ++i) {
+        part.surfaces.push_back({{(float(i) + 0.5f) / float(count), 0.5f, 0.5f}, 0, usual_bin, 1, 0});
+        part.counts.push_back(1);
+    }
+    return part;
+}
+
+/// Of the directions in the region of side 0 of a cube, how many are in a bin.
+float share_of(const GuidingTables& t, std::uint32_t cube, std::uint32_t bin)
+{
+    const std::uint32_t region = t.regions[std::size_t(cube) * guiding_sides];
+    if (region == no_index) return -1;
+    const float* const sums = &t.histograms[std::size_t(region) * guiding_stride];
+    return sums[bin + 1] - sums[bin];
+}
+
+/// Half of what a cube's region knows is that of its block of eight cubes, and nothing of the next block.
+TEST(GuidingTables, RegionsShareWithTheirBlock)
+{
+    GuidingRecords part = row_of_surfaces(40000);
+    const std::shared_ptr<GuidingTables> cubes = make_guiding({&part});
+    ASSERT_TRUE(cubes);
+    ASSERT_GE(cubes->cells[0], 4u);
+    // In the second cube light comes from elsewhere.
+    for (GuidingRecord& r : part.surfaces)
+        if (guiding_cube(*cubes, r.position) == 1) r.bin = other_bin;
+    const std::shared_ptr<GuidingTables> t = make_guiding({&part});
+    ASSERT_EQ(t->cells[0], cubes->cells[0]);
+    // A bin gives a tenth to each of its four neighbours; a twentieth is even.
+    constexpr float kept = 0.95f / 1.4f, even = 0.05f / (guiding_bins / 2);
+    EXPECT_NEAR(share_of(*t, 0, usual_bin), 0.75f * kept + even, 0.01f);
+    EXPECT_NEAR(share_of(*t, 0, other_bin), 0.25f * kept + even, 0.01f);
+    EXPECT_NEAR(share_of(*t, 1, other_bin), 0.75f * kept + even, 0.01f);
+    EXPECT_NEAR(share_of(*t, 1, usual_bin), 0.25f * kept + even, 0.01f);
+    EXPECT_NEAR(share_of(*t, 2, usual_bin), kept + even, 1e-4f);
+    EXPECT_NEAR(share_of(*t, 2, other_bin), even, 1e-4f);
+    // The radiance is the same everywhere.
+    for (const float mean : t->means) EXPECT_NEAR(mean, 0.31831f, 1e-4f);
+}
+
+/// Where next to nothing is known, there are no tables.
+TEST(GuidingTables, NeedRecords)
+{
+    const GuidingRecords none = row_of_surfaces(0), few = row_of_surfaces(30);
+    EXPECT_FALSE(make_guiding({}));
+    EXPECT_FALSE(make_guiding({&none}));
+    EXPECT_FALSE(make_guiding({&few, &none}));
+}
+
+}  // namespace
+}  // namespace fathom
