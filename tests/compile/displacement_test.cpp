@@ -110,13 +110,19 @@ struct TestScene {
     }
 };
 
-/// The triangles of a compiled scene, in the world.
+/// The triangles of a compiled scene, in the world; parallelograms as the two that were joined.
 std::vector<std::array<Vec3d, 3>> triangles_of(const Scene& scene)
 {
     const SceneTables& t = *scene.data().tables;
+    const auto in_world = [&](const Vec3d& p) { return p * (1 / t.render_scale) + t.origin; };
     std::vector<std::array<Vec3d, 3>> triangles(t.triangle_count());
     for (std::size_t i = 0; i < t.triangles.size(); ++i)
-        triangles[i / 3][i % 3] = to_double(t.positions[t.triangles[i]]) * (1 / t.render_scale) + t.origin;
+        triangles[i / 3][i % 3] = in_world(to_double(t.positions[t.triangles[i]]));
+    for (const QuadRecord& q : t.quads) {
+        const Vec3d corner = to_double(q.corner), u = corner + to_double(q.edge_u), v = corner + to_double(q.edge_v);
+        triangles.push_back({in_world(corner), in_world(u), in_world(v)});
+        triangles.push_back({in_world(u), in_world(u + v - corner), in_world(v)});
+    }
     return triangles;
 }
 
