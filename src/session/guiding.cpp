@@ -26,7 +26,8 @@ constexpr double guidance_cost = 0.15;
 /// With less gain the plain paths are kept: it is not known exactly, and the more samples a pixel has, the more plain
 /// ones win by their even spread, which shows less in the few of the trial.
 constexpr double least_gain = 1.2;
-/// Where paths would sample lights at more surfaces than this share of all, they do so at every one: choosing takes time.
+/// Where paths would sample lights at more surfaces than this share of all, they do so at every one: choosing takes
+/// time.
 constexpr double most_light_samples = 0.5;
 
 /// Pixels far apart, in rows and columns of equal distances, about `count` of them or all that there are.
