@@ -51,6 +51,10 @@ inline Vec3f to_float(const Vec3d& v)
 {
     return {float(v.x), float(v.y), float(v.z)};
 }
+inline Vec3d to_double(const Vec3f& v)
+{
+    return {v.x, v.y, v.z};
+}
 
 /// Linear Rec.709 (the primaries of sRGB), not limited to 1.
 struct Color {

@@ -13,9 +13,4 @@ struct RenderSpace {
     Transform from_world() const { return Transform::scale({scale, scale, scale}) * Transform::translate(-origin); }
 };
 
-inline Vec3d to_double(Vec3f v)
-{
-    return {v.x, v.y, v.z};
-}
-
 }  // namespace fathom

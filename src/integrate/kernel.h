@@ -49,6 +49,9 @@ struct KernelSettings {
     KernelBackground background;
     const GuidingTables* guiding = nullptr;  ///< directions and roulette go by it, where there is one
     std::size_t film_words = 0;              ///< 32-bit words of a pixel in the film
+
+    /// Paths don't sample a light at every surface: see PathPool::light_chance.
+    bool leaves_lights_to_chance() const { return guiding && !guiding->light_needs.empty(); }
 };
 
 /// Samples first_sample and on of some pixels: at most max_job_pixels, and max_job_samples in all.

@@ -39,7 +39,7 @@ public:
                   .media = scene.tracks_media,
                   .clamp = settings.clamp_indirect > 0,
                   .guided = settings.guiding != nullptr,
-                  .light_chance = settings.guiding && !settings.guiding->light_needs.empty(),
+                  .light_chance = settings.leaves_lights_to_chance(),
                   .number = job.records != nullptr,
                   .walks = scene.scatters_inside || scene.open_media,
                   .walk_textures = scene.textured_media,
@@ -265,8 +265,7 @@ private:
     {
         std::uint32_t place[2 * LaneScene::samples_light] = {};
         for (std::size_t i = 0; i < active; ++i) ++place[buckets_[i]];
-        // Bucket 0 is of those that don't go on.
-        place[0] = 0;
+        // Bucket 0, of those that don't go on, gets no place.
         std::uint32_t packed = 0;
         for (std::uint32_t kind = 0; kind < closure_kind_count; ++kind) {
             const auto give_places = [&](std::uint32_t mark) {

@@ -43,7 +43,7 @@ std::vector<std::uint32_t> spread_pixels(int width, int height, std::size_t coun
 /// What some samples of some pixels met and brought.
 struct Pass {
     std::vector<GuidingRecords> parts;
-    std::vector<float> radiance;  ///< path by path
+    std::vector<Spread> spreads;  ///< by pixel
     std::size_t samples = 0;      ///< of each pixel
     std::uint64_t vertices = 0, light_samples = 0;
 
@@ -51,7 +51,6 @@ struct Pass {
     {
         for (const GuidingRecords& part : parts) list.push_back(&part);
     }
-    std::size_t pixels() const { return radiance.size() / samples; }
     /// What it took, in vertices of plain paths. guidance: what that takes at each vertex.
     double cost(double guidance) const
     {
@@ -86,8 +85,10 @@ Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings 
         costs[part] = counters.costs;
     });
     if (is_cancelled()) throw Cancelled();
+    std::vector<float> radiance;
     for (const GuidingRecords& part : all.parts)
-        all.radiance.insert(all.radiance.end(), part.radiance.begin(), part.radiance.end());
+        radiance.insert(radiance.end(), part.radiance.begin(), part.radiance.end());
+    all.spreads = spreads_of(radiance, samples);
     for (const RenderCosts& c : costs) all.vertices += c.vertices, all.light_samples += c.light_samples;
     return all;
 }
@@ -102,28 +103,26 @@ double noise_of(const std::vector<Spread>& spreads, const std::vector<double>& s
 
 PathsMet paths_met(const Pass& plain)
 {
-    const std::vector<Spread> spreads = spreads_of(plain.radiance, plain.samples);
     PathsMet met;
     plain.append_to(met.parts);
-    met.brightness_squares = brightness_squares(spreads);
+    met.brightness_squares = brightness_squares(plain.spreads);
     met.samples = plain.samples;
-    met.vertices = double(plain.vertices) / double(plain.radiance.size());
-    met.variance = noise_of(spreads, met.brightness_squares);
+    met.vertices = double(plain.vertices) / double(plain.spreads.size() * plain.samples);
+    met.variance = noise_of(plain.spreads, met.brightness_squares);
     return met;
 }
 
 /// How many times as much noise, for equal time, paths have in every trial_step-th pixel without guidance as with.
 double gain(const Pass& plain, const Pass& guided)
 {
-    const std::vector<Spread> all = spreads_of(plain.radiance, plain.samples),
-                              after = spreads_of(guided.radiance, guided.samples);
+    const std::vector<Spread>& after = guided.spreads;
     std::vector<Spread> before(after.size()), both(after.size());
     for (std::size_t i = 0; i < after.size(); ++i) {
-        before[i] = all[i * trial_step];
+        before[i] = plain.spreads[i * trial_step];
         both[i].mean = 0.5 * (before[i].mean + after[i].mean);
     }
     const std::vector<double> squares = brightness_squares(both);
-    const double share = double(guided.pixels()) / double(plain.pixels());
+    const double share = double(guided.spreads.size()) / double(plain.spreads.size());
     return noise_of(before, squares) / std::max(noise_of(after, squares), 1e-30) * share * plain.cost(0) /
            std::max(guided.cost(guidance_cost), 1.0);
 }

@@ -1,8 +1,11 @@
 #pragma once
 // Descriptions whose tables are looked at, and their tables.
+#include "../placed_light.h"
 #include "compile/scene_data.h"
 
 namespace fathom {
+
+using test::add_light;
 
 inline SceneDescription empty_scene()
 {
@@ -26,15 +29,6 @@ inline int add_lamp(SceneDescription& d, float radiance, bool two_sided = false)
     m.emission_two_sided = two_sided;
     d.materials.push_back(m);
     return int(d.materials.size()) - 1;
-}
-inline void add_light(SceneDescription& d, const Light& light, const Transform& place)
-{
-    Node node;
-    node.parent_from_node = place;
-    node.light = int(d.lights.size());
-    d.lights.push_back(light);
-    d.roots.push_back(int(d.nodes.size()));
-    d.nodes.push_back(node);
 }
 
 }  // namespace fathom

@@ -22,11 +22,6 @@
 namespace fathom {
 namespace {
 
-Vec3d to_double(Vec3f v)
-{
-    return {v.x, v.y, v.z};
-}
-
 /// A picture of one channel, as a file that is removed at the end.
 class HeightFile {
 public:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "../placed_light.h"
 #include "fathom/render.h"
 
 namespace fathom::test {
@@ -52,15 +53,7 @@ struct SceneBuilder {
         scene.cameras.push_back(c);
         scene.nodes[0].camera = int(scene.cameras.size()) - 1;
     }
-    void light(const Light& l, const Transform& place)
-    {
-        scene.lights.push_back(l);
-        Node node;
-        node.parent_from_node = place;
-        node.light = int(scene.lights.size()) - 1;
-        scene.roots.push_back(int(scene.nodes.size()));
-        scene.nodes.push_back(node);
-    }
+    void light(const Light& l, const Transform& place) { add_light(scene, l, place); }
 };
 
 /// Turns -z, along which lights shine, into a direction.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "../placed_light.h"
 #include "seen_from.h"
 
 // Which light models get, and how they are exposed: by scenes whose light is known.
@@ -22,22 +23,13 @@ protected:
         d.materials[0].base_color.value = {0.5f, 0.5f, 0.5f};
         d.nodes[0].shapes.push_back({Sphere{{0, 0, 0}, 1.5, {}}, 0, ""});
     }
-    void add_light(const Light& light, const Transform& place)
-    {
-        Node node;
-        node.parent_from_node = place;
-        node.light = int(d.lights.size());
-        d.lights.push_back(light);
-        d.roots.push_back(int(d.nodes.size()));
-        d.nodes.push_back(node);
-    }
     /// Shines along -z, as the camera looks.
     void add_sun(float lux, const Transform& turn = {})
     {
         Light sun;
         sun.kind = LightKind::directional;
         sun.intensity = {lux, lux, lux};
-        add_light(sun, turn);
+        test::add_light(d, sun, turn);
     }
     int add_lamp(Color radiance)
     {

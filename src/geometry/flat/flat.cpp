@@ -15,14 +15,6 @@ Vec3f sub(Vec3f a, Vec3f b)
 {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-Vec3d wide(Vec3f a)
-{
-    return {a.x, a.y, a.z};
-}
-Vec3f narrow(Vec3d a)
-{
-    return {float(a.x), float(a.y), float(a.z)};
-}
 float component(Vec3f a, int axis)
 {
     return axis == 0 ? a.x : axis == 1 ? a.y : a.z;
@@ -157,11 +149,11 @@ std::vector<Vec3d> hull_points(const GeometryTables& tables, const ShadowTargets
     std::vector<Vec3d> points;
     for (const QuadRecord& q : tables.quads)
         for (int i = 0; i < 4; ++i)
-            points.push_back(wide(q.corner) + wide(q.edge_u) * (i & 1) + wide(q.edge_v) * (i >> 1));
-    for (std::uint32_t v : tables.triangles) points.push_back(wide(tables.positions[v]));
+            points.push_back(to_double(q.corner) + to_double(q.edge_u) * (i & 1) + to_double(q.edge_v) * (i >> 1));
+    for (std::uint32_t v : tables.triangles) points.push_back(to_double(tables.positions[v]));
     const auto add_round = [&](Vec3f center, double radius) {
         for (int i = 0; i < 8; ++i)
-            points.push_back(wide(center) +
+            points.push_back(to_double(center) +
                              Vec3d{i & 1 ? radius : -radius, i & 2 ? radius : -radius, i & 4 ? radius : -radius});
     };
     for (const SphereRecord& s : tables.spheres) {
@@ -169,7 +161,7 @@ std::vector<Vec3d> hull_points(const GeometryTables& tables, const ShadowTargets
         add_round(add(s.center, s.motion), std::fabs(s.radius));
     }
     for (const DiskRecord& d : tables.disks) add_round(d.center, d.radius);
-    for (Vec3f place : targets.places) points.push_back(wide(place));
+    for (Vec3f place : targets.places) points.push_back(to_double(place));
     return points;
 }
 
@@ -214,11 +206,11 @@ void FlatScene::build(const GeometryTables& tables, const ShadowTargets& targets
     for (std::uint32_t i = 0; i < tables.quads.size(); ++i) {
         if (finder.used[i]) continue;
         const QuadRecord& q = tables.quads[i];
-        const Vec3d u = wide(q.edge_u), v = wide(q.edge_v), n = cross(u, v);
+        const Vec3d u = to_double(q.edge_u), v = to_double(q.edge_v), n = cross(u, v);
         const double n2 = dot(n, n);
         if (n2 == 0) continue;
-        all.quads.push_back({q.corner, narrow(normalize(n)), narrow(cross(v, n) * (1 / n2)),
-                             narrow(cross(n, u) * (1 / n2)), tables.first_quad() + i});
+        all.quads.push_back({q.corner, to_float(normalize(n)), to_float(cross(v, n) * (1 / n2)),
+                             to_float(cross(n, u) * (1 / n2)), tables.first_quad() + i});
     }
     for (std::uint32_t i = 0; i < tables.triangle_count(); ++i) {
         const std::uint32_t* v = &tables.triangles[3 * i];
@@ -240,7 +232,8 @@ void FlatScene::find_occluders(const GeometryTables& tables, const ShadowTargets
     if (targets.infinite) return;
     const auto quad_on_hull = [&](std::uint32_t primitive) {
         const QuadRecord& q = tables.quads[primitive - tables.first_quad()];
-        return on_hull(points, wide(q.corner), normalize(cross(wide(q.edge_u), wide(q.edge_v))), tolerance);
+        return on_hull(points, to_double(q.corner), normalize(cross(to_double(q.edge_u), to_double(q.edge_v))),
+                       tolerance);
     };
     // A ray towards a point of the only light, which is flat, is not blocked by that light.
     const std::uint32_t only_light = targets.only_primitive;
@@ -254,8 +247,8 @@ void FlatScene::find_occluders(const GeometryTables& tables, const ShadowTargets
     std::erase_if(occluders.quads,
                   [&](const Quad& q) { return q.primitive == only_light || quad_on_hull(q.primitive); });
     std::erase_if(occluders.triangles, [&](const Triangle& t) {
-        const Vec3d n = cross(wide(sub(t.b, t.a)), wide(sub(t.c, t.a)));
-        return t.primitive == only_light || on_hull(points, wide(t.a), normalize(n), tolerance);
+        const Vec3d n = cross(to_double(sub(t.b, t.a)), to_double(sub(t.c, t.a)));
+        return t.primitive == only_light || on_hull(points, to_double(t.a), normalize(n), tolerance);
     });
 }
 

@@ -11,15 +11,6 @@ namespace {
 
 using Corners = std::array<Vec3d, 4>;
 
-Vec3d wide(Vec3f a)
-{
-    return {a.x, a.y, a.z};
-}
-Vec3f narrow(Vec3d a)
-{
-    return {float(a.x), float(a.y), float(a.z)};
-}
-
 Corners corners_of(const Vec3d& corner, const Vec3d& u, const Vec3d& v)
 {
     return {corner, corner + u, corner + v, corner + u + v};
@@ -52,7 +43,7 @@ public:
         : tables_(tables), used_(used), tolerance_(tolerance)
     {
         for (const QuadRecord& q : tables.quads)
-            corners_.push_back(corners_of(wide(q.corner), wide(q.edge_u), wide(q.edge_v)));
+            corners_.push_back(corners_of(to_double(q.corner), to_double(q.edge_u), to_double(q.edge_v)));
     }
 
     std::vector<FlatScene::TurnedBox> find()
@@ -75,7 +66,7 @@ private:
         if (used_[i] || used_[j]) return {};
         const QuadRecord& q = tables_.quads[i];
         const auto center = [&](std::size_t k) { return (corners_[k][0] + corners_[k][3]) * 0.5; };
-        const Frame frame{wide(q.corner), {wide(q.edge_u), wide(q.edge_v), center(j) - center(i)}};
+        const Frame frame{to_double(q.corner), {to_double(q.edge_u), to_double(q.edge_v), center(j) - center(i)}};
         if (!are_same(frame.face(5), corners_[j], tolerance_)) return {};
         // Not two that lie side by side.
         const double area = length(cross(frame.edge[0], frame.edge[1]));
@@ -105,11 +96,11 @@ private:
 
     static FlatScene::TurnedBox box_of(const Frame& frame)
     {
-        FlatScene::TurnedBox box{narrow(frame.origin), {}, {{0, 0, 0}, {1, 1, 1}, false, {}}};
+        FlatScene::TurnedBox box{to_float(frame.origin), {}, {{0, 0, 0}, {1, 1, 1}, false, {}}};
         std::fill(std::begin(box.unit.faces), std::end(box.unit.faces), no_index);
         for (int axis = 0; axis < 3; ++axis) {
             const Vec3d across = cross(frame.edge[(axis + 1) % 3], frame.edge[(axis + 2) % 3]);
-            box.along[axis] = narrow(across * (1 / dot(across, frame.edge[axis])));
+            box.along[axis] = to_float(across * (1 / dot(across, frame.edge[axis])));
         }
         return box;
     }

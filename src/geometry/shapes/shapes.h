@@ -103,13 +103,13 @@ template <class F>
     return triangle_weights(shear_x, shear_y, corner(pa), corner(pb), corner(pc));
 }
 
-/// Where a ray meets triangles, before the division by the sum of their weights.
+/// How far away a ray meets triangles, before the division by the sum of their weights.
 struct UndividedHits {
-    Float t, u, v, sum;
+    Float t, sum;
 
     /// z: of the corners.
     UndividedHits(const TriangleWeights& w, Float shear_z, const Vec3& z)
-        : t(fma(w.a, z.x, fma(w.b, z.y, w.c * z.z)) * shear_z), u(w.b), v(w.c), sum(w.a + w.b + w.c)
+        : t(fma(w.a, z.x, fma(w.b, z.y, w.c * z.z)) * shear_z), sum(w.a + w.b + w.c)
     {
     }
 
@@ -128,8 +128,8 @@ struct UndividedHits {
     const UndividedHits hits(w, shear_z, z);
     const Float inverse = Float(1) / hits.sum;
     t = hits.t * inverse;
-    u = hits.u * inverse;
-    v = hits.v * inverse;
+    u = w.b * inverse;
+    v = w.c * inverse;
     // NaN, where the sum is 0, fails.
     return w.inside & (t > Float(0)) & (t <= t_max);
 }

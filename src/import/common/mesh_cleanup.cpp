@@ -11,11 +11,6 @@ namespace fathom {
 
 namespace {
 
-Vec3d to_double(Vec3f v)
-{
-    return {v.x, v.y, v.z};
-}
-
 /// Twice the area along the normal. In double the differences of floats are exact enough that 0 means 0.
 Vec3d area_vector(const Mesh& mesh, std::size_t i)
 {

@@ -20,10 +20,6 @@ namespace {
 
 constexpr std::size_t most_nodes = 20'000'000;
 
-Vec3d to_double(Vec3f v)
-{
-    return {v.x, v.y, v.z};
-}
 /// Of the faces around each vertex, by their angles there (G. Thuermer, C. A. Wuethrich: Computing Vertex Normals from
 /// Polygonal Facets, 1998), which is what Mitsuba gives meshes without.
 void add_smooth_normals(Mesh& mesh)

@@ -20,10 +20,6 @@ namespace {
 
 constexpr std::size_t most_subdivided = 12'000'000;
 
-Vec3d to_double(Vec3f v)
-{
-    return {v.x, v.y, v.z};
-}
 /// Of the faces around each vertex, by their areas.
 void add_smooth_normals(Mesh& mesh)
 {

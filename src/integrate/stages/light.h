@@ -43,13 +43,6 @@ public:
                       random, time);
     }
 
-    /// The probability with which a surface samples the environment.
-    float environment_pmf() const
-    {
-        const std::uint32_t light = tables_.environment.light;
-        return light == no_index ? 0 : selector_.pmf(light);
-    }
-
     /// What leaves the scene along d sees, for the lanes of m. specular: not weighted against light sampling;
     /// pdf: of having sampled d.
     Spectrum environment(const KernelBackground& background, bool lights_are_sampled, Vec3 d, Mask from_camera,
@@ -58,7 +51,7 @@ public:
         Spectrum radiance = environment_radiance(tables_, d, m);
         if (background.given) radiance = select(from_camera, Spectrum(background.radiance), radiance);
         if (lights_are_sampled && tables_.environment.light != no_index && any(m & !specular)) {
-            const Float pmf(environment_pmf());
+            const Float pmf(selector_.pmf(tables_.environment.light));
             radiance = radiance * select(specular, Float(1), mis_weight(pdf, pmf * environment_pdf(tables_, d)));
         }
         return radiance;

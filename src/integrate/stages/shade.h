@@ -27,7 +27,7 @@ public:
           clock_(clock),
           recorder_(recorder),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
-          has_light_chance_(lights_are_sampled_ && settings.guiding && !settings.guiding->light_needs.empty()),
+          has_light_chance_(settings.leaves_lights_to_chance()),
           has_time_(scene.tables.moving)
     {
     }
