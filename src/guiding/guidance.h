@@ -94,8 +94,8 @@ public:
     Mask known() const { return known_; }
     /// Of the directions that are to be sampled by sample().
     Float share() const { return share_; }
-    /// Radiance that may be expected to come back along a direction that the surface chooses.
-    Float mean() const { return gather(tables_->means.data(), region_, known_); }
+    /// The chance with which a path goes on, over its throughput times the surface's colour.
+    Float path_need() const { return gather(tables_->path_needs.data(), region_, known_); }
 
     /// A direction by the histogram.
     Vec3 sample(Sample2 u) const

@@ -28,11 +28,10 @@ struct GuidingTables {
     std::uint32_t cells[3] = {};
     LargeVector<std::uint32_t> regions;  ///< by (cube, x first) * guiding_sides + side: its number, or no_index
     LargeVector<float> histograms;       ///< guiding_stride values a region
-    /// By region: radiance that comes back along directions that surfaces choose, averaged over them by the cosine;
-    /// without what light samples bring.
-    LargeVector<float> means;
-    /// By cube: with what chance a path samples a light there, over its throughput; see session/light_needs.h. Empty:
-    /// all do.
+    /// By region: with what chance a path goes on from there, over its throughput times the surface's colour; see
+    /// session/needs.h.
+    LargeVector<float> path_needs;
+    /// By cube: with what chance a path samples a light there, over its throughput; the same. Empty: all do.
     LargeVector<float> light_needs;
 };
 

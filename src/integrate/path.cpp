@@ -38,7 +38,6 @@ public:
                   .eta_scale = scene.refracts,
                   .media = scene.tracks_media,
                   .clamp = settings.clamp_indirect > 0,
-                  .guided = settings.guiding != nullptr,
                   .light_chance = settings.leaves_lights_to_chance(),
                   .number = job.records != nullptr,
                   .walks = scene.scatters_inside || scene.open_media,
@@ -112,7 +111,6 @@ private:
         p.media.store(to, camera_media_);
         if (extras_.clamp) p.indirect_left.store(to, Float(settings_.clamp_indirect));
         p.walk_steps.store(to, UInt(0u));
-        if (extras_.guided) p.expected.store(to, Float(0));
         if (extras_.number) p.number.store(to, iota() + UInt(first));
         if (extras_.walk_textures) forget_medium(p, to);
     }

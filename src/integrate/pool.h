@@ -104,7 +104,6 @@ struct PathExtras {
     bool eta_scale = false;      ///< something refracts
     bool media = false;          ///< what solids are filled with matters
     bool clamp = false;          ///< indirect light is limited
-    bool guided = false;         ///< paths go by what was learnt
     bool light_chance = false;   ///< a light is not sampled everywhere
     bool number = false;         ///< paths are noted
     bool walks = false;          ///< and that scatters
@@ -129,8 +128,6 @@ struct PathPool {
     Column<float> way_out;   ///< beside it, see LaneScene::has_way_out: so far before the origin lights were seen from
     Column<float> eta_scale, time;
     Column<float> indirect_left;  ///< see IndirectClamp
-    /// Radiance that was expected to come back from the first surface of which anything was known; 0: there was none.
-    Column<float> expected;
     /// Of sampling a light where the path is; below 0: it does not.
     Column<float> light_chance;
     Column<std::uint32_t> number;  ///< in the job
@@ -150,7 +147,6 @@ struct PathPool {
         if (extras.time) f(a.time, b.time);
         if (extras.media) for_columns(a.media, b.media, f);
         if (extras.clamp) f(a.indirect_left, b.indirect_left);
-        if (extras.guided) f(a.expected, b.expected);
         if (extras.light_chance) f(a.light_chance, b.light_chance);
         if (extras.number) f(a.number, b.number);
         if (extras.walks) f(a.walk_steps, b.walk_steps);

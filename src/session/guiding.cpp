@@ -6,7 +6,8 @@
 #include <tbb/parallel_for.h>
 
 #include "film/film_data.h"
-#include "session/light_needs.h"
+#include "session/guiding_tables.h"
+#include "session/needs.h"
 #include "session/path_noise.h"
 
 namespace fathom {
@@ -101,15 +102,28 @@ double noise_of(const std::vector<Spread>& spreads, const std::vector<double>& s
     return mean_without_outliers(std::move(noise));
 }
 
-PathsMet paths_met(const Pass& plain)
+/// squares: of the brightness of the pass's pixels; to be kept for as long as what is returned.
+PathsMet paths_met(const Pass& pass, const std::vector<double>& squares)
 {
     PathsMet met;
-    plain.append_to(met.parts);
-    met.brightness_squares = brightness_squares(plain.spreads);
-    met.samples = plain.samples;
-    met.vertices = double(plain.vertices) / double(plain.spreads.size() * plain.samples);
-    met.variance = noise_of(plain.spreads, met.brightness_squares);
+    const double* first = squares.data();
+    for (const GuidingRecords& part : pass.parts) {
+        met.parts.push_back({&part, first});
+        first += part.counts.size() / pass.samples;
+    }
+    met.samples = pass.samples;
+    met.vertices = double(pass.vertices) / double(pass.spreads.size() * pass.samples);
+    met.variance = noise_of(pass.spreads, squares);
     return met;
+}
+
+/// Every so manieth.
+template <class T>
+std::vector<T> thinned(const std::vector<T>& all, std::size_t step)
+{
+    std::vector<T> some;
+    for (std::size_t i = 0; i < all.size(); i += step) some.push_back(all[i]);
+    return some;
 }
 
 /// How many times as much noise, for equal time, paths have in every trial_step-th pixel without guidance as with.
@@ -141,19 +155,24 @@ std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, con
     plain.append_to(parts);
     const std::shared_ptr<GuidingTables> first = make_guiding(parts);
     if (!first) return nullptr;
-    const PathsMet met = paths_met(plain);
+    const std::vector<double> squares = brightness_squares(plain.spreads), tried_squares = thinned(squares, trial_step);
+    const PathsMet met = paths_met(plain, squares);
     if (plain.light_samples > 0) set_light_needs(met, *first);
-    std::vector<std::uint32_t> tried;
-    for (std::size_t i = 0; i < pixels.size(); i += trial_step) tried.push_back(pixels[i]);
+    set_path_needs(met, *first);
     KernelSettings with_first = settings;
     with_first.guiding = first.get();
-    Pass guided = trace(scene, camera, with_first, tried, samples, 0x3c6ef372u, cancel);
+    Pass guided = trace(scene, camera, with_first, thinned(pixels, trial_step), samples, 0x3c6ef372u, cancel);
     const bool samples_all = double(guided.light_samples) > most_light_samples * double(guided.vertices);
     if (samples_all) guided.light_samples = guided.vertices;
     if (gain(plain, guided) < least_gain) return nullptr;
     guided.append_to(parts);
     const std::shared_ptr<GuidingTables> tables = make_guiding(parts);
-    if (tables && plain.light_samples > 0 && !samples_all) set_light_needs(met, *tables);
+    if (!tables) return nullptr;
+    if (plain.light_samples > 0 && !samples_all) set_light_needs(met, *tables);
+    // From here on paths are guided: what they take and bring is known by those of the trial.
+    PathsMet met_by_all = paths_met(guided, tried_squares);
+    met_by_all.parts.insert(met_by_all.parts.begin(), met.parts.begin(), met.parts.end());
+    set_path_needs(met_by_all, *tables);
     return tables;
 }
 

@@ -15,7 +15,4 @@ struct Cancelled {};
 std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, const CameraRecord& camera,
                                                    const KernelSettings& settings, const std::atomic<bool>* cancel);
 
-/// The tables of some records, without needs of light; nullptr where these tell too little.
-std::shared_ptr<GuidingTables> make_guiding(const std::vector<const GuidingRecords*>& parts);
-
 }  // namespace fathom

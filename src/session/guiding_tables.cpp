@@ -1,10 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
-#include <numeric>
 
-#include "session/guiding.h"
+#include "session/guiding_tables.h"
 #include "session/sum_of_groups.h"
 
 namespace fathom {
@@ -17,8 +15,6 @@ constexpr double records_per_region = 2500;
 constexpr std::uint32_t least_records = 64;
 /// Every so manieth record tells where they are and how fine the cubes may be.
 constexpr std::uint32_t thinning = 16;
-/// A record's value counts up to so many times the mean of all.
-constexpr double most_value = 200;
 /// What a bin gives to each of its neighbours.
 constexpr double blur = 0.1;
 /// What regions know is so much that of all eight cubes around them.
@@ -149,39 +145,11 @@ BinSums sum_by_bin(const Parts& parts, const GuidingTables& t, std::size_t regio
     return sum_of_groups(
         parts.size(), BinSums{std::vector<double>(regions * guiding_bins)}, [&](std::size_t part, BinSums& sums) {
             for_directions(*parts[part], [&](const GuidingRecord& r) {
-                const std::uint32_t region = t.regions[place_of(r, t)];
+                const std::uint32_t region = region_of(r, t);
                 if (region == no_index) return;
                 sums.bins[std::size_t(region) * guiding_bins + r.bin] += std::min(double(r.value), most);
             });
         });
-}
-
-/// Gives each region some of what the regions of its side have in the eight cubes around it together: few bright
-/// records decide what a region knows by itself. bins: per record, of counts[region] records each.
-void share_with_neighbours(const GuidingTables& t, const std::vector<std::uint32_t>& counts, std::vector<double>& bins)
-{
-    const auto half = [&](std::size_t axis) { return std::size_t(t.cells[axis] + 1) / 2; };
-    const std::size_t blocks = half(0) * half(1) * half(2) * guiding_sides;
-    std::vector<double> sums(blocks * guiding_bins), records(blocks);
-    const auto for_regions = [&](const auto& f) {
-        for (std::size_t place = 0; place < t.regions.size(); ++place) {
-            if (t.regions[place] == no_index) continue;
-            const std::size_t cube = place / guiding_sides, side = place % guiding_sides;
-            const std::size_t x = cube % t.cells[0], y = cube / t.cells[0] % t.cells[1],
-                              z = cube / t.cells[0] / t.cells[1];
-            const std::size_t block = ((z / 2 * half(1) + y / 2) * half(0) + x / 2) * guiding_sides + side;
-            f(t.regions[place], &bins[std::size_t(t.regions[place]) * guiding_bins], block);
-        }
-    };
-    for_regions([&](std::uint32_t region, const double* own, std::size_t block) {
-        for (std::size_t i = 0; i < guiding_bins; ++i) sums[block * guiding_bins + i] += own[i];
-        records[block] += counts[region];
-    });
-    for_regions([&](std::uint32_t region, double* own, std::size_t block) {
-        const double share = shared * counts[region] / records[block];
-        for (std::size_t i = 0; i < guiding_bins; ++i)
-            own[i] = (1 - shared) * own[i] + share * sums[block * guiding_bins + i];
-    });
 }
 
 /// The cumulative histogram of the sums of bins.
@@ -209,6 +177,32 @@ void write_histogram(const double* sums, float* to)
 
 }  // namespace
 
+void share_with_neighbours(const GuidingTables& t, const std::vector<std::uint32_t>& counts, std::size_t stride,
+                           std::vector<double>& sums)
+{
+    const auto half = [&](std::size_t axis) { return std::size_t(t.cells[axis] + 1) / 2; };
+    const std::size_t blocks = half(0) * half(1) * half(2) * guiding_sides;
+    std::vector<double> together(blocks * stride), records(blocks);
+    const auto for_regions = [&](const auto& f) {
+        for (std::size_t place = 0; place < t.regions.size(); ++place) {
+            if (t.regions[place] == no_index) continue;
+            const std::size_t cube = place / guiding_sides, side = place % guiding_sides;
+            const std::size_t x = cube % t.cells[0], y = cube / t.cells[0] % t.cells[1],
+                              z = cube / t.cells[0] / t.cells[1];
+            const std::size_t block = ((z / 2 * half(1) + y / 2) * half(0) + x / 2) * guiding_sides + side;
+            f(t.regions[place], &sums[std::size_t(t.regions[place]) * stride], block);
+        }
+    };
+    for_regions([&](std::uint32_t region, const double* own, std::size_t block) {
+        for (std::size_t i = 0; i < stride; ++i) together[block * stride + i] += own[i];
+        records[block] += counts[region];
+    });
+    for_regions([&](std::uint32_t region, double* own, std::size_t block) {
+        const double share = shared * counts[region] / std::max(records[block], 1.0);
+        for (std::size_t i = 0; i < stride; ++i) own[i] = (1 - shared) * own[i] + share * together[block * stride + i];
+    });
+}
+
 std::shared_ptr<GuidingTables> make_guiding(const std::vector<const GuidingRecords*>& parts)
 {
     const std::vector<GuidingRecord> few = thin_out(parts);
@@ -221,15 +215,10 @@ std::shared_ptr<GuidingTables> make_guiding(const std::vector<const GuidingRecor
     if (counts.empty()) return nullptr;
     std::vector<double> bins =
         sum_by_bin(parts, t, counts.size(), most_value * by_place.values / by_place.records).bins;
-    share_with_neighbours(t, counts, bins);
+    share_with_neighbours(t, counts, guiding_bins, bins);
     t.histograms.resize(counts.size() * guiding_stride);
-    t.means.resize(counts.size());
-    for (std::size_t i = 0; i < counts.size(); ++i) {
-        const double* const first = &bins[i * guiding_bins];
-        write_histogram(first, &t.histograms[i * guiding_stride]);
-        const double sum = std::accumulate(first, first + guiding_bins, 0.0);
-        t.means[i] = float(sum / counts[i] / std::numbers::pi);
-    }
+    for (std::size_t i = 0; i < counts.size(); ++i)
+        write_histogram(&bins[i * guiding_bins], &t.histograms[i * guiding_stride]);
     return tables;
 }
 

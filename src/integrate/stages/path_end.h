@@ -41,19 +41,14 @@ inline Float most_survival(UInt bounce)
             clamp(max_component(throughput) * eta_scale, Float(1e-3f), most_survival(bounce))};
 }
 
-/// Where something is known about where light comes from: by what a path may still bring, beside what it could have
-/// brought from the first such surface on (Vorba and Krivanek 2016, "Adjoint-Driven Russian Roulette and Splitting in
-/// Light Transport Simulation", with that first surface's radiance for the pixel's). otherwise: in other lanes.
-///
-/// The margin and the least probability were measured: docs/performance.md.
-[[gnu::always_inline]] inline Roulette roulette_by_expectation(Mask known, Float expected, Float first_expected,
-                                                               UInt bounce, const Roulette& otherwise)
+/// Where it is known what paths bring from there on, and what that takes (session/needs.h): with the chance that is
+/// worth it. otherwise: in other lanes.
+[[gnu::always_inline]] inline Roulette roulette_by_need(Mask known, Float chance, UInt bounce,
+                                                        const Roulette& otherwise)
 {
-    constexpr float margin = 2, least = 0.1f;
-    const Float ratio = expected / max(first_expected, Float(1e-30f));
-    const Mask plays = (known & (first_expected > Float(0))) | (otherwise.plays & !known);
-    return {plays,
-            select(known, clamp(Float(margin) * ratio, Float(least), most_survival(bounce)), otherwise.survival)};
+    constexpr float least = 0.1f;
+    return {Mask(known | otherwise.plays),
+            select(known, clamp(chance, Float(least), most_survival(bounce)), otherwise.survival)};
 }
 
 /// Lanes whose path ends after this bounce: nothing is left, or it has lost. Those that survive carry more.

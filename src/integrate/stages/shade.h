@@ -139,10 +139,8 @@ private:
         if (scene_.scatters_inside && !scene_.open_media) p.walk_steps.store(i, UInt(0u), valid);
         Roulette roulette = roulette_by_throughput(settings_, bounce, eta_scale, next.throughput);
         if (guidance.is_on()) {
-            const Float expected = mean(throughput * at.material.base_color) * guidance.mean();
-            const Float first = p.expected.load(i);
-            p.expected.store(i, select(guidance.known() & !(first > Float(0)), expected, first), valid);
-            roulette = roulette_by_expectation(guidance.known(), expected, first, bounce, roulette);
+            const Float chance = mean(throughput * at.material.base_color) * guidance.path_need();
+            roulette = roulette_by_need(guidance.known(), chance, bounce, roulette);
         }
         roulette.plays &= !no_bounce;
         Mask ends = play(roulette, key, seed, next.throughput);

@@ -1,4 +1,4 @@
-#include "session/light_needs.h"
+#include "session/needs.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,137 @@
+#include "session/needs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "session/guiding_tables.h"
+#include "session/sum_of_groups.h"
+
+namespace fathom {
+
+namespace {
+
+/// What is known of a cube counts beside so many samples of the mean of all.
+constexpr double samples_of_mean = 32;
+/// Chances of light samples are so many times those of the rule: they are spread evenly, which chance undoes.
+constexpr double light_caution = 1.5;
+/// The same of going on; measured.
+constexpr double path_caution = 0.7;
+/// What a ray takes that meets nothing, of all that a vertex takes.
+constexpr double miss_cost = 0.5;
+constexpr double most_need = 1e30;
+
+/// Calls f(record, how many of its path's come after it, square of its pixel's brightness) for all of a part.
+template <class F>
+void for_records(const PathsMet::Part& part, std::size_t samples, const F& f)
+{
+    auto at = part.records->surfaces.begin();
+    std::size_t path = 0;
+    for (const std::uint8_t count : part.records->counts) {
+        const double square = part.brightness_squares[path++ / samples];
+        for (int after = count - 1; after >= 0; --after, ++at) f(*at, after, square);
+    }
+}
+
+/// By cube: sums of the squares of what light samples brought, beside the brightness of pixels, and their number.
+struct LightSums {
+    std::vector<double> squares, counts;
+
+    explicit LightSums(std::size_t cubes) : squares(cubes), counts(cubes) {}
+    void add(const LightSums& o)
+    {
+        for (std::size_t i = 0; i < squares.size(); ++i) squares[i] += o.squares[i], counts[i] += o.counts[i];
+    }
+};
+
+LightSums light_sums(const PathsMet& met, const GuidingTables& tables)
+{
+    const std::size_t cubes = std::size_t(tables.cells[0]) * tables.cells[1] * tables.cells[2];
+    return sum_of_groups(met.parts.size(), LightSums(cubes), [&](std::size_t part, LightSums& sums) {
+        for_records(met.parts[part], met.samples, [&](const GuidingRecord& r, int, double square) {
+            const std::size_t cube = guiding_cube(tables, r.position);
+            if (square > 0) sums.squares[cube] += double(r.light) * double(r.light) / square;
+            sums.counts[cube] += 1;
+        });
+    });
+}
+
+/// The mean of what came back along directions.
+struct ValueSum {
+    double values = 0, count = 0;
+
+    void add(const ValueSum& o) { values += o.values, count += o.count; }
+    double mean() const { return values / std::max(count, 1.0); }
+};
+double mean_value(const PathsMet& met)
+{
+    return sum_of_groups(met.parts.size(), ValueSum(),
+                         [&](std::size_t part, ValueSum& sum) {
+                             for (const GuidingRecord& r : met.parts[part].records->surfaces)
+                                 if (r.bin != GuidingRecord::no_bin) sum.values += double(r.value), sum.count += 1;
+                         })
+        .mean();
+}
+
+/// By region, of paths that went on: sums of the squares of what they brought, beside the brightness of their pixels,
+/// and of what they took, and their number.
+struct PathSums {
+    std::vector<double> squares, costs;
+    std::vector<std::uint32_t> counts;
+
+    explicit PathSums(std::size_t regions) : squares(regions), costs(regions), counts(regions) {}
+    void add(const PathSums& o)
+    {
+        for (std::size_t i = 0; i < squares.size(); ++i)
+            squares[i] += o.squares[i], costs[i] += o.costs[i], counts[i] += o.counts[i];
+    }
+};
+
+PathSums path_sums(const PathsMet& met, const GuidingTables& tables, double most)
+{
+    const std::size_t regions = tables.histograms.size() / guiding_stride;
+    return sum_of_groups(met.parts.size(), PathSums(regions), [&](std::size_t part, PathSums& sums) {
+        for_records(met.parts[part], met.samples, [&](const GuidingRecord& r, int after, double square) {
+            if (r.bin == GuidingRecord::no_bin) return;
+            const std::uint32_t region = region_of(r, tables);
+            if (region == no_index) return;
+            const double brought = std::min(double(r.value), most) / std::numbers::pi;
+            if (square > 0) sums.squares[region] += brought * brought / square;
+            sums.costs[region] += after + miss_cost;
+            ++sums.counts[region];
+        });
+    });
+}
+
+}  // namespace
+
+void set_light_needs(const PathsMet& met, GuidingTables& tables)
+{
+    const LightSums sums = light_sums(met, tables);
+    double all = 0, count = 0;
+    for (double x : sums.squares) all += x;
+    for (double n : sums.counts) count += n;
+    const double mean = all / std::max(count, 1.0);
+    const double scale = met.variance > 0 ? met.vertices / (light_cost * met.variance) : 0;
+    tables.light_needs.resize(sums.counts.size());
+    for (std::size_t i = 0; i < sums.counts.size(); ++i) {
+        const double square = (sums.squares[i] + samples_of_mean * mean) / (sums.counts[i] + samples_of_mean);
+        tables.light_needs[i] = float(std::min(light_caution * std::sqrt(square * scale), most_need));
+    }
+}
+
+void set_path_needs(const PathsMet& met, GuidingTables& tables)
+{
+    PathSums sums = path_sums(met, tables, most_value * mean_value(met));
+    share_with_neighbours(tables, sums.counts, 1, sums.squares);
+    share_with_neighbours(tables, sums.counts, 1, sums.costs);
+    const double scale = met.variance > 0 ? (met.vertices + miss_cost) / met.variance : 0;
+    tables.path_needs.resize(sums.counts.size());
+    for (std::size_t i = 0; i < sums.counts.size(); ++i) {
+        // Of a region of which these paths tell nothing: on.
+        const double ratio = sums.costs[i] > 0 ? sums.squares[i] / sums.costs[i] : most_need;
+        tables.path_needs[i] = float(std::min(path_caution * std::sqrt(ratio * scale), most_need));
+    }
+}
+
+}  // namespace fathom
