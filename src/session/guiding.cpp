@@ -17,16 +17,17 @@ namespace {
 /// So many paths are learnt from: half as many as the picture has pixels, but not fewer or more than these. With fewer
 /// much is missed indoors; a million take some 100 MB for a while.
 constexpr std::size_t least_paths = std::size_t(1) << 18, most_paths = std::size_t(1) << 20;
-/// Of each pixel that is looked at, so that the noise of its samples is known.
-constexpr std::size_t least_samples = 4;
+/// Each pixel that is looked at has sets of so many samples: each spread evenly, with random numbers of its own, so
+/// that it is known how much noise is left. Two sets, or more where pixels are few.
+constexpr std::size_t samples_of_set = 4, least_sets = 2;
 constexpr std::size_t paths_per_job = 4096;
 /// Guided paths are tried in every so manieth of these pixels.
 constexpr std::size_t trial_step = 2;
 /// What guidance takes at a vertex, of all that a vertex takes without; measured.
 constexpr double guidance_cost = 0.15;
 /// With less gain the plain paths are kept: it is not known exactly, and the more samples a pixel has, the more plain
-/// ones win by their even spread, which shows less in the few of the trial.
-constexpr double least_gain = 1.2;
+/// ones win by their even spread, of which the few of the trial show only some.
+constexpr double least_gain = 1.15;
 /// Where paths would sample lights at more surfaces than this share of all, they do so at every one: choosing takes
 /// time.
 constexpr double most_light_samples = 0.5;
@@ -43,9 +44,9 @@ std::vector<std::uint32_t> spread_pixels(int width, int height, std::size_t coun
 
 /// What some samples of some pixels met and brought.
 struct Pass {
-    std::vector<GuidingRecords> parts;
-    std::vector<Spread> spreads;  ///< by pixel
-    std::size_t samples = 0;      ///< of each pixel
+    std::vector<GuidingRecords> parts;  ///< those of the first set, then as many of each other
+    std::vector<Spread> spreads;        ///< by pixel
+    std::uint64_t paths = 0;
     std::uint64_t vertices = 0, light_samples = 0;
 
     void append_to(std::vector<const GuidingRecords*>& list) const
@@ -61,35 +62,40 @@ struct Pass {
 
 /// salt: passes with another have other random numbers, as the samples of pictures have.
 Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings settings,
-           const std::vector<std::uint32_t>& pixels, std::size_t samples, std::uint32_t salt,
+           const std::vector<std::uint32_t>& pixels, std::size_t sets, std::uint32_t salt,
            const std::atomic<bool>* cancel)
 {
     const auto is_cancelled = [&] { return cancel && cancel->load(std::memory_order_relaxed); };
-    settings.seed ^= salt;
     settings.measure = false;
     const FilmLayout layout({}, false);
     settings.aovs = layout;
     settings.film_words = std::size_t(layout.words);
-    const std::size_t step = std::clamp<std::size_t>(paths_per_job / samples, 1, max_job_pixels);
+    const std::size_t step = paths_per_job / samples_of_set;
     Pass all;
-    all.samples = samples;
-    all.parts.resize((pixels.size() + step - 1) / step);
+    all.paths = pixels.size() * sets * samples_of_set;
+    const std::size_t parts = (pixels.size() + step - 1) / step;
+    all.parts.resize(sets * parts);
     std::vector<RenderCosts> costs(all.parts.size());
     tbb::parallel_for(std::size_t(0), all.parts.size(), [&](std::size_t part) {
         if (is_cancelled()) return;
-        const std::size_t first = part * step, count = std::min(step, pixels.size() - first);
+        const std::size_t first = part % parts * step, count = std::min(step, pixels.size() - first);
+        KernelSettings salted = settings;
+        salted.seed ^= salt + 0x9e3779b9u * std::uint32_t(part / parts);
         TileSums sums;
         sums.reset(count, settings.film_words);
         KernelCounters counters;
-        render_job(scene, camera, settings,
-                   {&pixels[first], std::uint32_t(count), 0, std::uint32_t(samples), &all.parts[part]}, sums, counters);
+        render_job(scene, camera, salted,
+                   {&pixels[first], std::uint32_t(count), 0, std::uint32_t(samples_of_set), &all.parts[part]}, sums,
+                   counters);
         costs[part] = counters.costs;
     });
     if (is_cancelled()) throw Cancelled();
-    std::vector<float> radiance;
-    for (const GuidingRecords& part : all.parts)
-        radiance.insert(radiance.end(), part.radiance.begin(), part.radiance.end());
-    all.spreads = spreads_of(radiance, samples);
+    std::vector<std::vector<float>> radiance(sets);
+    for (std::size_t part = 0; part < all.parts.size(); ++part) {
+        const std::vector<float>& some = all.parts[part].radiance;
+        radiance[part / parts].insert(radiance[part / parts].end(), some.begin(), some.end());
+    }
+    all.spreads = spreads_of(radiance, samples_of_set);
     for (const RenderCosts& c : costs) all.vertices += c.vertices, all.light_samples += c.light_samples;
     return all;
 }
@@ -106,13 +112,13 @@ double noise_of(const std::vector<Spread>& spreads, const std::vector<double>& s
 PathsMet paths_met(const Pass& pass, const std::vector<double>& squares)
 {
     PathsMet met;
-    const double* first = squares.data();
+    std::size_t pixel = 0;
     for (const GuidingRecords& part : pass.parts) {
-        met.parts.push_back({&part, first});
-        first += part.counts.size() / pass.samples;
+        met.parts.push_back({&part, &squares[pixel]});
+        pixel = (pixel + part.counts.size() / samples_of_set) % squares.size();
     }
-    met.samples = pass.samples;
-    met.vertices = double(pass.vertices) / double(pass.spreads.size() * pass.samples);
+    met.samples = samples_of_set;
+    met.vertices = double(pass.vertices) / double(pass.paths);
     met.variance = noise_of(pass.spreads, squares);
     return met;
 }
@@ -148,9 +154,10 @@ std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, con
 {
     const std::size_t picture = std::size_t(settings.width) * std::size_t(settings.height);
     const std::size_t paths = std::clamp(picture / 2, least_paths, most_paths);
-    const std::vector<std::uint32_t> pixels = spread_pixels(settings.width, settings.height, paths / least_samples);
-    const std::size_t samples = std::max(least_samples, paths / pixels.size());
-    const Pass plain = trace(scene, camera, settings, pixels, samples, 0x9e3779b9u, cancel);
+    const std::vector<std::uint32_t> pixels =
+        spread_pixels(settings.width, settings.height, paths / (least_sets * samples_of_set));
+    const std::size_t sets = std::max(least_sets, paths / (samples_of_set * pixels.size()));
+    const Pass plain = trace(scene, camera, settings, pixels, sets, 0x9e3779b9u, cancel);
     std::vector<const GuidingRecords*> parts;
     plain.append_to(parts);
     const std::shared_ptr<GuidingTables> first = make_guiding(parts);
@@ -161,7 +168,7 @@ std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, con
     set_path_needs(met, *first);
     KernelSettings with_first = settings;
     with_first.guiding = first.get();
-    Pass guided = trace(scene, camera, with_first, thinned(pixels, trial_step), samples, 0x3c6ef372u, cancel);
+    Pass guided = trace(scene, camera, with_first, thinned(pixels, trial_step), sets, 0x85ebca6bu, cancel);
     const bool samples_all = double(guided.light_samples) > most_light_samples * double(guided.vertices);
     if (samples_all) guided.light_samples = guided.vertices;
     if (gain(plain, guided) < least_gain) return nullptr;

@@ -11,22 +11,29 @@ constexpr std::size_t neighbours = 16;
 /// Of all pixels, the noisiest that don't count.
 constexpr double outliers = 0.001;
 
-Spread spread_of(const float* values, std::size_t samples)
+double mean_of(const float* values, std::size_t samples)
 {
-    Spread s;
-    for (std::size_t i = 0; i < samples; ++i) s.mean += double(values[i]) / double(samples);
-    for (std::size_t i = 0; i < samples; ++i)
-        s.variance += (double(values[i]) - s.mean) * (double(values[i]) - s.mean) / double(samples - 1);
-    return s;
+    double sum = 0;
+    for (std::size_t i = 0; i < samples; ++i) sum += double(values[i]);
+    return sum / double(samples);
 }
 
 }  // namespace
 
-std::vector<Spread> spreads_of(const std::vector<float>& radiance, std::size_t samples)
+std::vector<Spread> spreads_of(const std::vector<std::vector<float>>& sets, std::size_t samples)
 {
-    std::vector<Spread> spreads;
-    spreads.reserve(radiance.size() / samples);
-    for (std::size_t i = 0; i < radiance.size(); i += samples) spreads.push_back(spread_of(&radiance[i], samples));
+    std::vector<Spread> spreads(sets[0].size() / samples);
+    const double n = double(sets.size());
+    for (std::size_t i = 0; i < spreads.size(); ++i) {
+        Spread& s = spreads[i];
+        for (const std::vector<float>& set : sets) s.mean += mean_of(&set[i * samples], samples) / n;
+        double squares = 0;
+        for (const std::vector<float>& set : sets) {
+            const double off = mean_of(&set[i * samples], samples) - s.mean;
+            squares += off * off;
+        }
+        s.variance = double(samples) * squares / (n - 1);
+    }
     return spreads;
 }
 
@@ -39,7 +46,7 @@ std::vector<double> brightness_squares(const std::vector<Spread>& along_rows)
     for (std::size_t i = 0; i < pixels; ++i) {
         const std::size_t from = i - std::min(i, neighbours), to = std::min(pixels, i + neighbours + 1);
         const double around = (sums[to] - sums[from]) / double(to - from);
-        squares[i] = around * around + 0.01 * mean * mean;
+        squares[i] = around * around + 0.1 * mean * mean;
     }
     return squares;
 }

@@ -103,7 +103,7 @@ TEST(Guiding, ChangesTheNoiseOnly)
                           {"layers", coated},
                           {"glass", of_kind(MaterialKind::glass, 0)},
                           {"mirror", of_kind(MaterialKind::metal, 0)}}) {
-        const SceneDescription scene = next_door(c.material, grey(0.7f), 2);
+        const SceneDescription scene = next_door(c.material, grey(0.7f), 1);
         expect_in_use(scene, guided(), c.what);
         expect_same_mean(render_film(scene, guided(), 1024), render_film(scene, small_picture(), 2048), c.what);
     }

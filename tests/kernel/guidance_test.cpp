@@ -30,7 +30,7 @@ GuidingTables some_tables(unsigned seed)
             sum += w;
         }
         t.histograms.push_back(1);
-        t.means.push_back(float(side));
+        t.path_needs.push_back(float(side));
     }
     return t;
 }
@@ -81,7 +81,7 @@ TEST(Guidance, KnowsTheSideThatASurfaceFaces)
     const GuidingTables t = some_tables(4);
     for (std::uint32_t side = 0; side < guiding_sides; ++side) {
         EXPECT_EQ(test::first(guiding_side(Vec3(normals[side]))), side);
-        EXPECT_EQ(test::first(guidance_of(t, middle, normals[side]).mean()), float(side));
+        EXPECT_EQ(test::first(guidance_of(t, middle, normals[side]).path_need()), float(side));
         // The pole is the side's direction, and turning back gives what was turned.
         const Vec3 d(Vec3f{0.36f, -0.48f, 0.8f});
         const Vec3 again = from_pole(UInt(side), to_pole(UInt(side), d));
@@ -115,15 +115,15 @@ TEST(Guidance, FindsTheCube)
     GuidingTables t = some_tables(6);
     for (std::uint32_t side = 0; side < guiding_sides; ++side)
         t.regions[guiding_sides + side] = guiding_sides - 1 - side;
-    const auto mean_at = [&](Vec3f p, Vec3f shift) {
-        return test::first(Guidance(t, Vec3(p), Vec3(normals[1]), Vec3(shift), Float(1), Mask(true)).mean());
+    const auto need_at = [&](Vec3f p, Vec3f shift) {
+        return test::first(Guidance(t, Vec3(p), Vec3(normals[1]), Vec3(shift), Float(1), Mask(true)).path_need());
     };
-    EXPECT_EQ(mean_at({0.1f, 0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}), 1);
-    EXPECT_EQ(mean_at({-7, 9, -9}, {0.5f, 0.5f, 0.5f}), 1);
-    EXPECT_EQ(mean_at({1.2f, 0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}), 4);
-    EXPECT_EQ(mean_at({99, 0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}), 4);
-    EXPECT_EQ(mean_at({0.8f, 0.5f, 0.5f}, {0.9f, 0.5f, 0.5f}), 4);
-    EXPECT_EQ(mean_at({1.2f, 0.5f, 0.5f}, {0.1f, 0.5f, 0.5f}), 1);
+    EXPECT_EQ(need_at({0.1f, 0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}), 1);
+    EXPECT_EQ(need_at({-7, 9, -9}, {0.5f, 0.5f, 0.5f}), 1);
+    EXPECT_EQ(need_at({1.2f, 0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}), 4);
+    EXPECT_EQ(need_at({99, 0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}), 4);
+    EXPECT_EQ(need_at({0.8f, 0.5f, 0.5f}, {0.9f, 0.5f, 0.5f}), 4);
+    EXPECT_EQ(need_at({1.2f, 0.5f, 0.5f}, {0.1f, 0.5f, 0.5f}), 1);
 }
 
 /// Learning, which counts in plain numbers, and lanes mean the same cubes. Places are multiples of 1/64, so nothing is

@@ -39,9 +39,9 @@ TEST(LightNeeds, GoByWhatSamplesBringBesideTheirPixels)
 {
     const GuidingRecords first = part_of({{surface(0.5f, 2), surface(1.5f, 0)}, {surface(0.2f, 4)}, {}}),
                          second = part_of({{surface(1.9f, 1)}});
+    const double squares[] = {4, 0.25};
     PathsMet met;
-    met.parts = {&first, &second};
-    met.brightness_squares = {4, 0.25};
+    met.parts = {{&first, &squares[0]}, {&second, &squares[1]}};
     met.samples = 2;
     met.vertices = 3, met.variance = 2;
     GuidingTables t = row_of_cubes(3);
@@ -61,9 +61,9 @@ TEST(LightNeeds, AreThoseOfTheirCube)
     const std::size_t paths = 200'000;
     std::vector<std::vector<GuidingRecord>> bright(paths, {surface(0.5f, 0.4f)}), dark(paths, {surface(1.5f, 0.01f)});
     const GuidingRecords first = part_of(bright), second = part_of(dark);
+    const std::vector<double> squares(paths / 4, 1);
     PathsMet met;
-    met.parts = {&first, &second};
-    met.brightness_squares.assign(paths / 2, 1);
+    met.parts = {{&first, squares.data()}, {&second, squares.data()}};
     met.samples = 4;
     met.vertices = 4, met.variance = 16;
     GuidingTables t = row_of_cubes(2);
@@ -76,13 +76,14 @@ TEST(LightNeeds, AreThoseOfTheirCube)
 TEST(LightNeeds, KeepPathsBesideTheirPixels)
 {
     std::vector<GuidingRecords> parts(37);
+    std::vector<double> squares(parts.size());
     PathsMet met;
     for (std::size_t i = 0; i < parts.size(); ++i) {
         // As bright as what its samples bring: all are alike.
         const float light = float(1 + i);
         parts[i] = part_of({{surface(0.5f, light)}, {}, {surface(0.5f, light), surface(0.5f, light)}});
-        met.parts.push_back(&parts[i]);
-        met.brightness_squares.push_back(double(light) * double(light));
+        squares[i] = double(light) * double(light);
+        met.parts.push_back({&parts[i], &squares[i]});
     }
     met.samples = 3;
     met.vertices = 1, met.variance = 4;
@@ -97,8 +98,7 @@ TEST(LightNeeds, AreFinite)
     const GuidingRecords some = part_of({{surface(0.5f, 1)}}), none = part_of({{}});
     const auto need = [](const GuidingRecords& part, double square, double variance) {
         PathsMet met;
-        met.parts = {&part};
-        met.brightness_squares = {square};
+        met.parts = {{&part, &square}};
         met.samples = 1;
         met.vertices = 1, met.variance = variance;
         GuidingTables t = row_of_cubes(1);
@@ -110,6 +110,88 @@ TEST(LightNeeds, AreFinite)
     EXPECT_EQ(need(some, 0, 4), 0);
     EXPECT_EQ(need(some, 1, 0), 0);
     EXPECT_FLOAT_EQ(need(some, 1e-300, 1e-6), 1e30f);
+}
+
+/// A surface from which a path went on.
+GuidingRecord passed(float x, std::uint16_t side, float value)
+{
+    return {{x, 0.5f, 0.5f}, side, 0, value, 0};
+}
+
+/// The region of side 0 of each cube, if it is to be known.
+GuidingTables row_of_regions(std::uint32_t count)
+{
+    GuidingTables t = row_of_cubes(count);
+    t.regions.assign(std::size_t(count) * guiding_sides, no_index);
+    for (std::uint32_t i = 0; i < count; ++i) t.regions[std::size_t(i) * guiding_sides] = i;
+    t.histograms.resize(std::size_t(count) * guiding_stride);
+    return t;
+}
+
+/// Values are radiance times pi; what paths bring counts beside their pixels and for the vertices that come after it.
+TEST(PathNeeds, GoByWhatPathsBringForWhatTheyTake)
+{
+    constexpr float pi = 3.14159265f;
+    // The last surfaces of two paths go nowhere; other sides, and cubes of which nothing is known, don't count.
+    const GuidingRecords part = part_of({{passed(0.5f, 0, 2 * pi), surface(2.5f, 9), surface(2.5f, 9)},
+                                         {passed(0.5f, 0, 6 * pi)},
+                                         {passed(0.5f, 3, 50 * pi), passed(2.5f, 0, 1 * pi), surface(0.5f, 9)}});
+    const double squares[] = {4, 9, 0.25};
+    PathsMet met;
+    met.parts = {{&part, squares}};
+    met.samples = 1;
+    met.vertices = 3.5, met.variance = 8;
+    GuidingTables t = row_of_regions(4);
+    set_path_needs(met, t);
+    ASSERT_EQ(t.path_needs.size(), 4u);
+    // Squares beside the brightness: 4 / 4 + 36 / 9 = 5, for 2.5 + 0.5 vertices; a whole path takes 3.5 + 0.5.
+    EXPECT_FLOAT_EQ(t.path_needs[0], float(0.7 * std::sqrt(5 / 3.0 * 4 / 8)));
+    // 1 / 0.25 for 1 + 0.5.
+    EXPECT_FLOAT_EQ(t.path_needs[2], float(0.7 * std::sqrt(4 / 1.5 * 4 / 8)));
+    // Of the fourth cube, which is in a block with the third, nothing was met: go on.
+    EXPECT_GE(t.path_needs[3], 1e10f);
+}
+
+/// Cubes of a block share half of what they know, record by record.
+TEST(PathNeeds, AreShared)
+{
+    constexpr float pi = 3.14159265f;
+    const GuidingRecords part = part_of(
+        {{passed(0.5f, 0, 2 * pi)}, {passed(0.5f, 0, 2 * pi)}, {passed(0.5f, 0, 2 * pi)}, {passed(1.5f, 0, 0)}});
+    const double squares[] = {1};
+    PathsMet met;
+    met.parts = {{&part, squares}};
+    met.samples = 4;
+    met.vertices = 0.5, met.variance = 1;
+    GuidingTables t = row_of_regions(2);
+    set_path_needs(met, t);
+    // All four together bring 3 in the mean of squares, each for half a vertex, while a path takes one.
+    EXPECT_FLOAT_EQ(t.path_needs[0], float(0.7 * std::sqrt((0.5 * 4 + 0.5 * 3) / 0.5)));
+    EXPECT_FLOAT_EQ(t.path_needs[1], float(0.7 * std::sqrt(0.5 * 3 / 0.5)));
+}
+
+/// Single values of more than 200 times their mean don't decide, and what tells nothing gives no number that is none.
+TEST(PathNeeds, AreFinite)
+{
+    constexpr float pi = 3.14159265f;
+    std::vector<std::vector<GuidingRecord>> paths(999, {passed(0.5f, 0, pi)});
+    paths.push_back({passed(0.5f, 0, 1e8f * pi)});
+    const GuidingRecords bright = part_of(paths), dark = part_of({{passed(0.5f, 0, 0)}});
+    const auto need = [](const GuidingRecords& part, double square, double variance) {
+        PathsMet met;
+        met.parts = {{&part, &square}};
+        met.samples = part.counts.size();
+        met.vertices = 0.5, met.variance = variance;
+        GuidingTables t = row_of_regions(1);
+        set_path_needs(met, t);
+        return t.path_needs[0];
+    };
+    const double most = 200 * (999 + 1e8) / 1000;
+    EXPECT_NEAR(need(bright, 1, 1) / (0.7 * std::sqrt((999 + most * most) / 500)), 1, 1e-4);
+    EXPECT_EQ(need(dark, 1, 1), 0);
+    EXPECT_EQ(need(bright, 0, 1), 0);
+    EXPECT_EQ(need(bright, 1, 0), 0);
+    EXPECT_FLOAT_EQ(need(bright, 1e-300, 1), 1e30f);
 }
 
 }  // namespace

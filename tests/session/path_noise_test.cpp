@@ -5,19 +5,21 @@
 namespace fathom {
 namespace {
 
+/// Sets that are spread evenly vary as their means do, not as the samples in them.
 TEST(PathNoise, SpreadsOfPixels)
 {
-    const std::vector<Spread> pairs = spreads_of({1, 3, 2, 2, 0, 6}, 2);
+    // Means of 2, 2, 3 and 5, 2, 1.
+    const std::vector<Spread> pairs = spreads_of({{1, 3, 2, 2, 0, 6}, {4, 6, 0, 4, 1, 1}}, 2);
     ASSERT_EQ(pairs.size(), 3u);
-    const double means[] = {2, 2, 3}, variances[] = {2, 0, 18};
+    const double means[] = {3.5, 2, 2}, variances[] = {9, 0, 4};
     for (std::size_t i = 0; i < 3; ++i) {
         EXPECT_DOUBLE_EQ(pairs[i].mean, means[i]) << i;
         EXPECT_DOUBLE_EQ(pairs[i].variance, variances[i]) << i;
     }
-    const std::vector<Spread> fours = spreads_of({1, 2, 3, 6}, 4);
+    const std::vector<Spread> fours = spreads_of({{1, 2, 3, 6}, {0, 0, 0, 20}, {6, 4, 8, 10}}, 4);
     ASSERT_EQ(fours.size(), 1u);
-    EXPECT_DOUBLE_EQ(fours[0].mean, 3);
-    EXPECT_DOUBLE_EQ(fours[0].variance, 14.0 / 3);
+    EXPECT_DOUBLE_EQ(fours[0].mean, 5);
+    EXPECT_DOUBLE_EQ(fours[0].variance, 4 * (4 + 0 + 4) / 2.0);
 }
 
 /// A pixel's light counts for the sixteen on either side, as far as there are any; the mean's for all.
@@ -27,7 +29,7 @@ TEST(PathNoise, BrightnessIsThatOfNeighbours)
     pixels[20].mean = 33;
     const std::vector<double> squares = brightness_squares(pixels);
     ASSERT_EQ(squares.size(), 40u);
-    const double of_mean = 0.01 * (33.0 / 40) * (33.0 / 40);
+    const double of_mean = 0.1 * (33.0 / 40) * (33.0 / 40);
     for (std::size_t i = 0; i < 40; ++i) {
         double around = 0;
         if (i >= 4 && i < 16) around = 33.0 / double(i + 17);
@@ -35,7 +37,7 @@ TEST(PathNoise, BrightnessIsThatOfNeighbours)
         if (i >= 24 && i <= 36) around = 33.0 / double(56 - i);
         EXPECT_NEAR(squares[i], around * around + of_mean, 1e-12) << i;
     }
-    EXPECT_DOUBLE_EQ(brightness_squares({{3, 1}})[0], 9.09);
+    EXPECT_DOUBLE_EQ(brightness_squares({{3, 1}})[0], 9.9);
 }
 
 /// Of a thousand numbers the largest is left out.
