@@ -18,8 +18,8 @@ namespace {
 /// much is missed indoors; a million take some 100 MB for a while.
 constexpr std::size_t least_paths = std::size_t(1) << 18, most_paths = std::size_t(1) << 20;
 /// Each pixel that is looked at has sets of so many samples: each spread evenly, with random numbers of its own, so
-/// that it is known how much noise is left. Two sets, or more where pixels are few.
-constexpr std::size_t samples_of_set = 4, least_sets = 2;
+/// that it is known how much noise is left. Where pixels are few there are more sets, and then more samples.
+constexpr std::size_t least_samples = 4, least_sets = 2, most_sets = 256;
 constexpr std::size_t paths_per_job = 4096;
 /// Guided paths are tried in every so manieth of these pixels.
 constexpr std::size_t trial_step = 2;
@@ -46,6 +46,7 @@ std::vector<std::uint32_t> spread_pixels(int width, int height, std::size_t coun
 struct Pass {
     std::vector<GuidingRecords> parts;  ///< those of the first set, then as many of each other
     std::vector<Spread> spreads;        ///< by pixel
+    std::size_t samples = 0;            ///< of each pixel, in a set
     std::uint64_t paths = 0;
     std::uint64_t vertices = 0, light_samples = 0;
 
@@ -62,7 +63,7 @@ struct Pass {
 
 /// salt: passes with another have other random numbers, as the samples of pictures have.
 Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings settings,
-           const std::vector<std::uint32_t>& pixels, std::size_t sets, std::uint32_t salt,
+           const std::vector<std::uint32_t>& pixels, std::size_t sets, std::size_t samples, std::uint32_t salt,
            const std::atomic<bool>* cancel)
 {
     const auto is_cancelled = [&] { return cancel && cancel->load(std::memory_order_relaxed); };
@@ -70,9 +71,10 @@ Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings 
     const FilmLayout layout({}, false);
     settings.aovs = layout;
     settings.film_words = std::size_t(layout.words);
-    const std::size_t step = paths_per_job / samples_of_set;
+    const std::size_t step = std::clamp<std::size_t>(paths_per_job / samples, 1, max_job_pixels);
     Pass all;
-    all.paths = pixels.size() * sets * samples_of_set;
+    all.samples = samples;
+    all.paths = pixels.size() * sets * samples;
     const std::size_t parts = (pixels.size() + step - 1) / step;
     all.parts.resize(sets * parts);
     std::vector<RenderCosts> costs(all.parts.size());
@@ -85,8 +87,7 @@ Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings 
         sums.reset(count, settings.film_words);
         KernelCounters counters;
         render_job(scene, camera, salted,
-                   {&pixels[first], std::uint32_t(count), 0, std::uint32_t(samples_of_set), &all.parts[part]}, sums,
-                   counters);
+                   {&pixels[first], std::uint32_t(count), 0, std::uint32_t(samples), &all.parts[part]}, sums, counters);
         costs[part] = counters.costs;
     });
     if (is_cancelled()) throw Cancelled();
@@ -95,7 +96,7 @@ Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings 
         const std::vector<float>& some = all.parts[part].radiance;
         radiance[part / parts].insert(radiance[part / parts].end(), some.begin(), some.end());
     }
-    all.spreads = spreads_of(radiance, samples_of_set);
+    all.spreads = spreads_of(radiance, samples);
     for (const RenderCosts& c : costs) all.vertices += c.vertices, all.light_samples += c.light_samples;
     return all;
 }
@@ -115,9 +116,9 @@ PathsMet paths_met(const Pass& pass, const std::vector<double>& squares)
     std::size_t pixel = 0;
     for (const GuidingRecords& part : pass.parts) {
         met.parts.push_back({&part, &squares[pixel]});
-        pixel = (pixel + part.counts.size() / samples_of_set) % squares.size();
+        pixel = (pixel + part.counts.size() / pass.samples) % squares.size();
     }
-    met.samples = samples_of_set;
+    met.samples = pass.samples;
     met.vertices = double(pass.vertices) / double(pass.paths);
     met.variance = noise_of(pass.spreads, squares);
     return met;
@@ -155,9 +156,10 @@ std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, con
     const std::size_t picture = std::size_t(settings.width) * std::size_t(settings.height);
     const std::size_t paths = std::clamp(picture / 2, least_paths, most_paths);
     const std::vector<std::uint32_t> pixels =
-        spread_pixels(settings.width, settings.height, paths / (least_sets * samples_of_set));
-    const std::size_t sets = std::max(least_sets, paths / (samples_of_set * pixels.size()));
-    const Pass plain = trace(scene, camera, settings, pixels, sets, 0x9e3779b9u, cancel);
+        spread_pixels(settings.width, settings.height, paths / (least_sets * least_samples));
+    const std::size_t sets = std::clamp(paths / (least_samples * pixels.size()), least_sets, most_sets);
+    const std::size_t samples = std::max(least_samples, paths / (sets * pixels.size()));
+    const Pass plain = trace(scene, camera, settings, pixels, sets, samples, 0x9e3779b9u, cancel);
     std::vector<const GuidingRecords*> parts;
     plain.append_to(parts);
     const std::shared_ptr<GuidingTables> first = make_guiding(parts);
@@ -168,7 +170,7 @@ std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, con
     set_path_needs(met, *first);
     KernelSettings with_first = settings;
     with_first.guiding = first.get();
-    Pass guided = trace(scene, camera, with_first, thinned(pixels, trial_step), sets, 0x85ebca6bu, cancel);
+    Pass guided = trace(scene, camera, with_first, thinned(pixels, trial_step), sets, samples, 0x85ebca6bu, cancel);
     const bool samples_all = double(guided.light_samples) > most_light_samples * double(guided.vertices);
     if (samples_all) guided.light_samples = guided.vertices;
     if (gain(plain, guided) < least_gain) return nullptr;
