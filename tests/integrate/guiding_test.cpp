@@ -215,6 +215,15 @@ TEST(Guiding, EndsPathsThatBringLittle)
     EXPECT_LT(vertices(guided(patient)), 0.25 * vertices(patient));
 }
 
+/// And where surfaces are dark, few paths leave them.
+TEST(Guiding, EndsPathsOnDarkSurfaces)
+{
+    const SceneDescription scene = next_door(grey(0.3f), grey(0.3f));
+    const auto vertices = [&](const RenderSettings& s) { return double(costs_of(scene, s, 64).vertices); };
+    expect_in_use(scene, guided(), "dark");
+    EXPECT_LT(vertices(guided()), 0.55 * vertices(small_picture()));
+}
+
 TEST(Guiding, HasTheSameBitsForAnyThreadsPassesAndCrop)
 {
     Warnings warnings;
