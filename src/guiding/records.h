@@ -28,6 +28,7 @@ struct GuidingTables {
     std::uint32_t cells[3] = {};
     LargeVector<std::uint32_t> regions;  ///< by (cube, x first) * guiding_sides + side: its number, or no_index
     LargeVector<float> histograms;       ///< guiding_stride values a region
+    double most_value = 0;               ///< what a record's value counted at most
     /// By region: with what chance a path goes on from there, over its throughput times the surface's colour; see
     /// session/needs.h.
     LargeVector<float> path_needs;

@@ -137,11 +137,9 @@ std::vector<T> thinned(const std::vector<T>& all, std::size_t step)
 double gain(const Pass& plain, const Pass& guided)
 {
     const std::vector<Spread>& after = guided.spreads;
-    std::vector<Spread> before(after.size()), both(after.size());
-    for (std::size_t i = 0; i < after.size(); ++i) {
-        before[i] = plain.spreads[i * trial_step];
-        both[i].mean = 0.5 * (before[i].mean + after[i].mean);
-    }
+    const std::vector<Spread> before = thinned(plain.spreads, trial_step);
+    std::vector<Spread> both(after.size());
+    for (std::size_t i = 0; i < after.size(); ++i) both[i].mean = 0.5 * (before[i].mean + after[i].mean);
     const std::vector<double> squares = brightness_squares(both);
     const double share = double(guided.spreads.size()) / double(plain.spreads.size());
     return noise_of(before, squares) / std::max(noise_of(after, squares), 1e-30) * share * plain.cost(0) /

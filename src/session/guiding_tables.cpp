@@ -15,6 +15,8 @@ constexpr double records_per_region = 2500;
 constexpr std::uint32_t least_records = 64;
 /// Every so manieth record tells where they are and how fine the cubes may be.
 constexpr std::uint32_t thinning = 16;
+/// A record's value counts up to so many times the mean of all.
+constexpr double most_of_mean = 200;
 /// What a bin gives to each of its neighbours.
 constexpr double blur = 0.1;
 /// What regions know is so much that of all eight cubes around them.
@@ -55,12 +57,6 @@ void set_cubes(const Extent& extent, float along, GuidingTables& t)
         t.lowest[k] = 0.5f * (extent.low[k] + extent.high[k] - float(t.cells[k]) * size);
     }
     t.regions.assign(std::size_t(t.cells[0]) * t.cells[1] * t.cells[2] * guiding_sides, no_index);
-}
-
-/// Where a record's region is in GuidingTables::regions.
-std::size_t place_of(const GuidingRecord& r, const GuidingTables& t)
-{
-    return guiding_cube(t, r.position) * guiding_sides + r.side;
 }
 
 using Parts = std::vector<const GuidingRecords*>;
@@ -131,7 +127,7 @@ std::vector<std::uint32_t> number_regions(const std::vector<std::uint32_t>& coun
     return known;
 }
 
-/// The values of records, summed by region and bin. most: that a value counts.
+/// The values of records, summed by region and bin.
 struct BinSums {
     std::vector<double> bins;
 
@@ -140,14 +136,14 @@ struct BinSums {
         for (std::size_t i = 0; i < bins.size(); ++i) bins[i] += o.bins[i];
     }
 };
-BinSums sum_by_bin(const Parts& parts, const GuidingTables& t, std::size_t regions, double most)
+BinSums sum_by_bin(const Parts& parts, const GuidingTables& t, std::size_t regions)
 {
     return sum_of_groups(
         parts.size(), BinSums{std::vector<double>(regions * guiding_bins)}, [&](std::size_t part, BinSums& sums) {
             for_directions(*parts[part], [&](const GuidingRecord& r) {
-                const std::uint32_t region = region_of(r, t);
+                const std::uint32_t region = t.regions[place_of(r, t)];
                 if (region == no_index) return;
-                sums.bins[std::size_t(region) * guiding_bins + r.bin] += std::min(double(r.value), most);
+                sums.bins[std::size_t(region) * guiding_bins + r.bin] += std::min(double(r.value), t.most_value);
             });
         });
 }
@@ -213,8 +209,8 @@ std::shared_ptr<GuidingTables> make_guiding(const std::vector<const GuidingRecor
     const PlaceCounts by_place = count_by_place(parts, t);
     const std::vector<std::uint32_t> counts = number_regions(by_place.count, t);
     if (counts.empty()) return nullptr;
-    std::vector<double> bins =
-        sum_by_bin(parts, t, counts.size(), most_value * by_place.values / by_place.records).bins;
+    t.most_value = most_of_mean * by_place.values / by_place.records;
+    std::vector<double> bins = sum_by_bin(parts, t, counts.size()).bins;
     share_with_neighbours(t, counts, guiding_bins, bins);
     t.histograms.resize(counts.size() * guiding_stride);
     for (std::size_t i = 0; i < counts.size(); ++i)

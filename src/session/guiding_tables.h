@@ -6,16 +6,13 @@
 
 namespace fathom {
 
-/// A record's value counts up to so many times the mean of all.
-inline constexpr double most_value = 200;
-
 /// The tables of some records, without needs; nullptr where these tell too little.
 std::shared_ptr<GuidingTables> make_guiding(const std::vector<const GuidingRecords*>& parts);
 
-/// The region that a record belongs to, or no_index.
-inline std::uint32_t region_of(const GuidingRecord& r, const GuidingTables& t)
+/// Where a record's region is in GuidingTables::regions.
+inline std::size_t place_of(const GuidingRecord& r, const GuidingTables& t)
 {
-    return t.regions[guiding_cube(t, r.position) * guiding_sides + r.side];
+    return guiding_cube(t, r.position) * guiding_sides + r.side;
 }
 
 /// Gives each region half of what the regions of its side have in the eight cubes around it together: few bright

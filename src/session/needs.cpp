@@ -56,23 +56,6 @@ LightSums light_sums(const PathsMet& met, const GuidingTables& tables)
     });
 }
 
-/// The mean of what came back along directions.
-struct ValueSum {
-    double values = 0, count = 0;
-
-    void add(const ValueSum& o) { values += o.values, count += o.count; }
-    double mean() const { return values / std::max(count, 1.0); }
-};
-double mean_value(const PathsMet& met)
-{
-    return sum_of_groups(met.parts.size(), ValueSum(),
-                         [&](std::size_t part, ValueSum& sum) {
-                             for (const GuidingRecord& r : met.parts[part].records->surfaces)
-                                 if (r.bin != GuidingRecord::no_bin) sum.values += double(r.value), sum.count += 1;
-                         })
-        .mean();
-}
-
 /// By region, of paths that went on: sums of the squares of what they brought, beside the brightness of their pixels,
 /// and of what they took, and their number.
 struct PathSums {
@@ -87,15 +70,15 @@ struct PathSums {
     }
 };
 
-PathSums path_sums(const PathsMet& met, const GuidingTables& tables, double most)
+PathSums path_sums(const PathsMet& met, const GuidingTables& tables)
 {
     const std::size_t regions = tables.histograms.size() / guiding_stride;
     return sum_of_groups(met.parts.size(), PathSums(regions), [&](std::size_t part, PathSums& sums) {
         for_records(met.parts[part], met.samples, [&](const GuidingRecord& r, int after, double square) {
             if (r.bin == GuidingRecord::no_bin) return;
-            const std::uint32_t region = region_of(r, tables);
+            const std::uint32_t region = tables.regions[place_of(r, tables)];
             if (region == no_index) return;
-            const double brought = std::min(double(r.value), most) / std::numbers::pi;
+            const double brought = std::min(double(r.value), tables.most_value) / std::numbers::pi;
             if (square > 0) sums.squares[region] += brought * brought / square;
             sums.costs[region] += after + miss_cost;
             ++sums.counts[region];
@@ -122,7 +105,7 @@ void set_light_needs(const PathsMet& met, GuidingTables& tables)
 
 void set_path_needs(const PathsMet& met, GuidingTables& tables)
 {
-    PathSums sums = path_sums(met, tables, most_value * mean_value(met));
+    PathSums sums = path_sums(met, tables);
     share_with_neighbours(tables, sums.counts, 1, sums.squares);
     share_with_neighbours(tables, sums.counts, 1, sums.costs);
     const double scale = met.variance > 0 ? (met.vertices + miss_cost) / met.variance : 0;

@@ -24,14 +24,15 @@ std::vector<Spread> spreads_of(const std::vector<std::vector<float>>& sets, std:
 {
     std::vector<Spread> spreads(sets[0].size() / samples);
     const double n = double(sets.size());
+    std::vector<double> means(sets.size());
     for (std::size_t i = 0; i < spreads.size(); ++i) {
         Spread& s = spreads[i];
-        for (const std::vector<float>& set : sets) s.mean += mean_of(&set[i * samples], samples) / n;
-        double squares = 0;
-        for (const std::vector<float>& set : sets) {
-            const double off = mean_of(&set[i * samples], samples) - s.mean;
-            squares += off * off;
+        for (std::size_t k = 0; k < sets.size(); ++k) {
+            means[k] = mean_of(&sets[k][i * samples], samples);
+            s.mean += means[k] / n;
         }
+        double squares = 0;
+        for (const double mean : means) squares += (mean - s.mean) * (mean - s.mean);
         s.variance = double(samples) * squares / (n - 1);
     }
     return spreads;

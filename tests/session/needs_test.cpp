@@ -34,6 +34,17 @@ GuidingRecords part_of(const std::vector<std::vector<GuidingRecord>>& paths)
     return part;
 }
 
+/// What the paths of one part met.
+PathsMet met_of(const GuidingRecords& part, const double* squares, std::size_t samples, double vertices,
+                double variance)
+{
+    PathsMet met;
+    met.parts = {{&part, squares}};
+    met.samples = samples;
+    met.vertices = vertices, met.variance = variance;
+    return met;
+}
+
 /// Two paths for each of two pixels, the second of which is a quarter as bright.
 TEST(LightNeeds, GoByWhatSamplesBringBesideTheirPixels)
 {
@@ -97,12 +108,8 @@ TEST(LightNeeds, AreFinite)
 {
     const GuidingRecords some = part_of({{surface(0.5f, 1)}}), none = part_of({{}});
     const auto need = [](const GuidingRecords& part, double square, double variance) {
-        PathsMet met;
-        met.parts = {{&part, &square}};
-        met.samples = 1;
-        met.vertices = 1, met.variance = variance;
         GuidingTables t = row_of_cubes(1);
-        set_light_needs(met, t);
+        set_light_needs(met_of(part, &square, 1, 1, variance), t);
         return t.light_needs[0];
     };
     EXPECT_FLOAT_EQ(need(some, 1, 4), 1.5f);
@@ -125,6 +132,7 @@ GuidingTables row_of_regions(std::uint32_t count)
     t.regions.assign(std::size_t(count) * guiding_sides, no_index);
     for (std::uint32_t i = 0; i < count; ++i) t.regions[std::size_t(i) * guiding_sides] = i;
     t.histograms.resize(std::size_t(count) * guiding_stride);
+    t.most_value = 1e30;
     return t;
 }
 
@@ -137,12 +145,8 @@ TEST(PathNeeds, GoByWhatPathsBringForWhatTheyTake)
                                          {passed(0.5f, 0, 6 * pi)},
                                          {passed(0.5f, 3, 50 * pi), passed(2.5f, 0, 1 * pi), surface(0.5f, 9)}});
     const double squares[] = {4, 9, 0.25};
-    PathsMet met;
-    met.parts = {{&part, squares}};
-    met.samples = 1;
-    met.vertices = 3.5, met.variance = 8;
     GuidingTables t = row_of_regions(4);
-    set_path_needs(met, t);
+    set_path_needs(met_of(part, squares, 1, 3.5, 8), t);
     ASSERT_EQ(t.path_needs.size(), 4u);
     // Squares beside the brightness: 4 / 4 + 36 / 9 = 5, for 2.5 + 0.5 vertices; a whole path takes 3.5 + 0.5.
     EXPECT_FLOAT_EQ(t.path_needs[0], float(0.7 * std::sqrt(5 / 3.0 * 4 / 8)));
@@ -159,34 +163,27 @@ TEST(PathNeeds, AreShared)
     const GuidingRecords part = part_of(
         {{passed(0.5f, 0, 2 * pi)}, {passed(0.5f, 0, 2 * pi)}, {passed(0.5f, 0, 2 * pi)}, {passed(1.5f, 0, 0)}});
     const double squares[] = {1};
-    PathsMet met;
-    met.parts = {{&part, squares}};
-    met.samples = 4;
-    met.vertices = 0.5, met.variance = 1;
     GuidingTables t = row_of_regions(2);
-    set_path_needs(met, t);
+    set_path_needs(met_of(part, squares, 4, 0.5, 1), t);
     // All four together bring 3 in the mean of squares, each for half a vertex, while a path takes one.
     EXPECT_FLOAT_EQ(t.path_needs[0], float(0.7 * std::sqrt((0.5 * 4 + 0.5 * 3) / 0.5)));
     EXPECT_FLOAT_EQ(t.path_needs[1], float(0.7 * std::sqrt(0.5 * 3 / 0.5)));
 }
 
-/// Single values of more than 200 times their mean don't decide, and what tells nothing gives no number that is none.
+/// Single values above the most that one counts don't decide, and what tells nothing gives no number that is none.
 TEST(PathNeeds, AreFinite)
 {
     constexpr float pi = 3.14159265f;
     std::vector<std::vector<GuidingRecord>> paths(999, {passed(0.5f, 0, pi)});
     paths.push_back({passed(0.5f, 0, 1e8f * pi)});
     const GuidingRecords bright = part_of(paths), dark = part_of({{passed(0.5f, 0, 0)}});
-    const auto need = [](const GuidingRecords& part, double square, double variance) {
-        PathsMet met;
-        met.parts = {{&part, &square}};
-        met.samples = part.counts.size();
-        met.vertices = 0.5, met.variance = variance;
+    const double most = 200 * (999 + 1e8) / 1000;
+    const auto need = [&](const GuidingRecords& part, double square, double variance) {
         GuidingTables t = row_of_regions(1);
-        set_path_needs(met, t);
+        t.most_value = most * pi;
+        set_path_needs(met_of(part, &square, part.counts.size(), 0.5, variance), t);
         return t.path_needs[0];
     };
-    const double most = 200 * (999 + 1e8) / 1000;
     EXPECT_NEAR(need(bright, 1, 1) / (0.7 * std::sqrt((999 + most * most) / 500)), 1, 1e-4);
     EXPECT_EQ(need(dark, 1, 1), 0);
     EXPECT_EQ(need(bright, 0, 1), 0);
