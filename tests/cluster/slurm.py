@@ -24,7 +24,7 @@ def missing_program():
 
 def why_none_comes_up():
     """None where a cluster of one node can be started; else what kept it from starting."""
-    with tempfile.TemporaryDirectory(prefix="fathom-slurm-") as folder:
+    with tempfile.TemporaryDirectory(prefix="fathom-slurm-", ignore_cleanup_errors=True) as folder:
         cluster = Slurm(folder, nodes=1)
         try:
             cluster.start()
@@ -33,6 +33,15 @@ def why_none_comes_up():
         finally:
             cluster.stop()
     return None
+
+
+def is_running(pid):
+    """Whether a process, be it another's child, is there and has not ended (one that nobody waits for stays as 'Z')."""
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            return file.read().rpartition(")")[2].split()[0] not in "ZX"
+    except OSError:
+        return False
 
 
 def free_ports(count):
@@ -111,12 +120,19 @@ class Slurm:
         pids = {"munge/munged.pid": signal.SIGTERM, "slurmctld.pid": signal.SIGKILL}
         pids.update({f"slurmd-n{number}.pid": signal.SIGKILL for number in range(1, self.nodes + 1)})
         time.sleep(1)
+        told = []
         for name, how in pids.items():
             try:
                 with open(os.path.join(self.folder, name)) as file:
-                    os.kill(int(file.read()), how)
+                    pid = int(file.read())
+                os.kill(pid, how)
+                told.append(pid)
             except (OSError, ValueError):
                 pass
+        # munged writes its seed as it ends: whoever removes the folder must not meet it there.
+        end = time.monotonic() + 10
+        while any(map(is_running, told)) and time.monotonic() < end:
+            time.sleep(0.05)
 
     def run(self, *words):
         result = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=60)
