@@ -21,10 +21,17 @@ template <bool any_hit, bool moving>
 class Stream {
 public:
     Stream(const BvhData& bvh, StreamMemory& memory)
-        : bvh_(bvh), far_(bvh.far), memory_(memory), stride_(std::size_t(bvh.stack_size))
+        : bvh_(bvh),
+          far_(bvh.far),
+          has_meshes_(!bvh.meshes.empty()),
+          memory_(memory),
+          stride_((std::size_t(bvh.stack_size) + line_words - 1) / line_words * line_words)
     {
         memory.packet_stack.resize(std::max(memory.packet_stack.size(), stride_));
-        memory.stacks.resize(std::max(memory.stacks.size(), 2 * stride_ * stream_size));
+        memory.stacks.resize(std::max(memory.stacks.size(), stream_size * words_of_a_ray() + line_words));
+        const std::size_t past =
+            reinterpret_cast<std::uintptr_t>(memory.stacks.data()) / sizeof(std::uint32_t) % line_words;
+        stacks_ = memory.stacks.data() + (line_words - past) % line_words;
     }
 
     /// A ray of memory.world, from the root on.
@@ -81,19 +88,9 @@ public:
     /// Traces all that were started; memory.hits are set where something was hit.
     void run()
     {
-        while (next_.n.nodes + next_.n.leaves + next_.n.others > 0) {
-            std::swap(now_, next_);
-            memory_.visits.nodes += std::uint64_t(now_.n.nodes);
-            {
-                Counts counts;
-                for (int i = 0; i < now_.n.nodes; ++i) {
-                    fetch_node(now_.node[std::min(i + ahead, now_.n.nodes - 1)]);
-                    visit_node(now_.node[i]);
-                }
-                // Apart, as leaves are: what was just put on a stack is not to be had at once.
-                for (int i = 0; i < now_.n.nodes; ++i) pop(now_.node[i], counts);
-                next_.n = counts;
-            }
+        while (next_.n > 0) {
+            sort();
+            visit_nodes();
             if constexpr (lanes == bvh_width) {
                 for (int i = 0; i < std::min(leaf_wave, now_.n.leaves); ++i) fetch_leaf(now_.leaf[i]);
                 if (any_hit && !bvh_.has_alpha) {
@@ -103,22 +100,9 @@ public:
                         visit_leaves(i, std::min(i + leaf_wave, now_.n.leaves));
                 }
             } else {
-                for (int i = 0; i < now_.n.leaves; ++i) visit_leaf(now_.leaf[i]);
+                for (int i = 0; i < now_.n.leaves; ++i) visit_leaf(int(now_.leaf[i]));
             }
-            for (int i = 0; i < std::min(ahead, now_.n.others); ++i) fetch_other(now_.other[i]);
-            std::uint8_t entering[lanes];
-            int n = 0;
-            for (int i = 0; i < now_.n.others; ++i) {
-                fetch_other(now_.other[std::min(i + ahead, now_.n.others - 1)]);
-                const int ray = now_.other[i];
-                if (!moving || BvhReference::other_kind(states_[ray].reference) != BvhReference::instance) {
-                    visit_other(ray);
-                    continue;
-                }
-                entering[n++] = std::uint8_t(ray);
-                if (n == lanes) enter_instances(entering, std::exchange(n, 0));
-            }
-            if (n > 0) enter_instances(entering, n);
+            if (now_.n.others > 0) visit_others();
         }
     }
 
@@ -129,13 +113,45 @@ private:
     /// How many rays earlier a node is fetched: later is too late, earlier crowds the queues of the processor.
     static constexpr int ahead = 4;
 
+    /// Words of a cache line. Stacks begin with a line, so that few lines hold what is on them, and lie an odd number
+    /// of lines apart: at powers of two they would drive each other out of the cache.
+    static constexpr std::size_t line_words = 16;
+
     struct Counts {
         int nodes = 0, leaves = 0, others = 0;
     };
+    /// Numbers of rays; writers may fill a register.
+    using RayList = std::uint32_t[stream_size + lanes];
     struct Queues {
         Counts n;
-        std::uint8_t node[stream_size], leaf[stream_size], other[stream_size];
+        RayList node, leaf, other;
     };
+    /// Rays that go on, and to what.
+    struct NextVisits {
+        int n = 0;
+        RayList ray, reference;
+    };
+
+    /// Sends the rays that go on to the queue of what they visit, many at a time.
+    void sort()
+    {
+        Counts n;
+        for (int i = 0; i < next_.n; i += lanes) {
+            const UInt ray = load(next_.ray + i), reference = load(next_.reference + i), kind = reference >> 29;
+            // Outside of instances the end of a ray's stack is its end.
+            const Mask goes_on = first_lanes(std::size_t(next_.n - i)) & (has_meshes_ | (reference != UInt(end)));
+            const Mask node = kind == UInt(0u), leaf = less(UInt(2u), kind), other = goes_on & !(node | leaf);
+            const auto put = [&](RayList& list, int& size, Mask m) {
+                compress_store(list + size, ray, m);
+                size += count(m);
+            };
+            put(now_.node, n.nodes, goes_on & node);
+            put(now_.leaf, n.leaves, goes_on & leaf);
+            if (any(other)) put(now_.other, n.others, other);
+        }
+        now_.n = n;
+        next_.n = 0;
+    }
 
     /// Where a ray is.
     struct State {
@@ -148,12 +164,13 @@ private:
     /// A ray that has nowhere to go yet.
     void add(int ray)
     {
-        std::uint32_t* const bottom = memory_.stacks.data() + std::size_t(ray) * 2 * stride_;
+        std::uint32_t* const bottom = stacks_ + std::size_t(ray) * words_of_a_ray();
         states_[ray] = {&memory_.world[ray / lanes].f[0][ray % lanes], bottom, end, no_index, bottom};
         push(ray, end, -infinity);
         known_ |= RayMask(1) << ray;
         waiting_ &= ~(RayMask(1) << ray);
     }
+    std::size_t words_of_a_ray() const { return 2 * stride_ + line_words; }
     bool is_known(int ray) const { return known_ >> ray & 1; }
 
     PreparedRay prepared(int ray) const { return {states_[ray].prepared}; }
@@ -205,19 +222,30 @@ private:
     }
 
     /// Notes what a ray does next; without effect unless really is 1, to spare a branch.
-    [[gnu::always_inline]] void queue(int ray, std::uint32_t reference, Counts& n, int really = 1)
+    [[gnu::always_inline]] void queue(int ray, std::uint32_t reference, int& n, int really = 1)
     {
         states_[ray].reference = reference;
-        const bool is_node = BvhReference::is_node(reference), is_leaf = BvhReference::is_triangle_leaf(reference);
-        next_.node[n.nodes] = next_.leaf[n.leaves] = next_.other[n.others] = std::uint8_t(ray);
-        n.nodes += int(is_node) & really;
-        n.leaves += int(is_leaf) & really;
-        n.others += int(!is_node & !is_leaf) & really;
+        next_.ray[n] = std::uint32_t(ray);
+        next_.reference[n] = reference;
+        n += really;
     }
 
-    [[gnu::always_inline]] void pop(int ray, Counts& n, int really = 1)
+    [[gnu::always_inline]] void pop(int ray, int& n, int really = 1)
     {
         queue(ray, *(states_[ray].top -= really), n, really);
+    }
+
+    void visit_nodes()
+    {
+        memory_.visits.nodes += std::uint64_t(now_.n.nodes);
+        for (int i = 0; i < now_.n.nodes; ++i) {
+            fetch_node(int(now_.node[std::min(i + ahead, now_.n.nodes - 1)]));
+            visit_node(int(now_.node[i]));
+        }
+        // Apart, as leaves are: what was just put on a stack is not to be had at once.
+        int n = next_.n;
+        for (int i = 0; i < now_.n.nodes; ++i) pop(int(now_.node[i]), n);
+        next_.n = n;
     }
 
     [[gnu::always_inline]] void visit_node(int ray)
@@ -269,26 +297,32 @@ private:
         return weigh_triangles<moving>(indexed_leaf(leaf), key, fraction, at, prepared(ray));
     }
 
-    /// What a ray meets can't be foreseen, so there is no branch on it. In three steps: a ray's way through all of them
+    /// What a ray meets can't be foreseen, so there is no branch on it. In steps: a ray's way through all of them
     /// is long, as one waits for the other, and in each the processor has more rays at hand.
     void visit_leaves(int first, int last)
     {
         TriangleDistances to[leaf_wave];
         std::uint8_t found[leaf_wave];
         int triangles = 0;
-        Counts n = next_.n;
+        int n = next_.n;
         for (int i = first; i < last; ++i) {
-            const int ray = now_.leaf[i];
+            const int ray = int(now_.leaf[i]);
             fetch_leaf(now_.leaf[std::min(i + leaf_wave, now_.n.leaves - 1)]);
             triangles += triangle_count(states_[ray].reference);
             to[i - first] = distances_to_triangles(ray, weigh(ray, 0));
         }
-        for (int i = first; i < last; ++i) found[i - first] = note_nearest(now_.leaf[i], to[i - first]);
+        // Half of the leaves have nothing for their ray: those that have are listed, since a branch would be foreseen
+        // badly.
+        std::uint32_t nearer[leaf_wave];
+        int nearer_count = 0;
         for (int i = first; i < last; ++i) {
-            const int ray = now_.leaf[i];
-            if (!any_hit) remove_beyond(ray, memory_.hits.t[ray]);
-            pop(ray, n, any_hit ? 1 - found[i - first] : 1);
+            found[i - first] = note_nearest(int(now_.leaf[i]), to[i - first]);
+            nearer[nearer_count] = now_.leaf[i];
+            nearer_count += found[i - first];
         }
+        if (!any_hit)
+            for (int i = 0; i < nearer_count; ++i) remove_beyond(int(nearer[i]), memory_.hits.t[nearer[i]]);
+        for (int i = first; i < last; ++i) pop(int(now_.leaf[i]), n, any_hit ? 1 - found[i - first] : 1);
         memory_.visits.primitives += std::uint64_t(triangles);
         next_.n = n;
     }
@@ -298,15 +332,15 @@ private:
     {
         std::uint8_t found[stream_size];
         int triangles = 0;
-        Counts n = next_.n;
+        int n = next_.n;
         for (int i = 0; i < now_.n.leaves; ++i) {
-            const int ray = now_.leaf[i];
+            const int ray = int(now_.leaf[i]);
             fetch_leaf(now_.leaf[std::min(i + leaf_wave, now_.n.leaves - 1)]);
             triangles += triangle_count(states_[ray].reference);
             found[i] = any(blockers(ray, weigh(ray, 0)));
         }
         for (int i = 0; i < now_.n.leaves; ++i) {
-            const int ray = now_.leaf[i];
+            const int ray = int(now_.leaf[i]);
             memory_.hits.what[ray] = found[i] ? 0 : memory_.hits.what[ray];
             pop(ray, n, 1 - found[i]);
         }
@@ -409,7 +443,25 @@ private:
         return found;
     }
 
-    [[gnu::noinline]] void visit_other(int ray)
+    [[gnu::noinline]] void visit_others()
+    {
+        for (int i = 0; i < std::min(ahead, now_.n.others); ++i) fetch_other(int(now_.other[i]));
+        RayList entering;
+        int n = 0;
+        for (int i = 0; i < now_.n.others; ++i) {
+            fetch_other(int(now_.other[std::min(i + ahead, now_.n.others - 1)]));
+            const int ray = int(now_.other[i]);
+            if (!moving || BvhReference::other_kind(states_[ray].reference) != BvhReference::instance) {
+                visit_other(ray);
+                continue;
+            }
+            entering[n++] = std::uint32_t(ray);
+            if (n == lanes) enter_instances(entering, std::exchange(n, 0));
+        }
+        if (n > 0) enter_instances(entering, n);
+    }
+
+    void visit_other(int ray)
     {
         const std::uint32_t reference = states_[ray].reference;
         switch (BvhReference::other_kind(reference)) {
@@ -472,7 +524,7 @@ private:
     }
 
     /// The same where instances may move, which takes much work: as many rays at a time as there are lanes.
-    [[gnu::noinline]] void enter_instances(const std::uint8_t* rays, int count)
+    [[gnu::noinline]] void enter_instances(const std::uint32_t* rays, int count)
     {
         constexpr int copied[] = {PreparedRays::origin_x,    PreparedRays::origin_y,    PreparedRays::origin_z,
                                   PreparedRays::direction_x, PreparedRays::direction_y, PreparedRays::direction_z,
@@ -492,7 +544,7 @@ private:
         inner.prepare(to_object.point(load_vec3(in[0], in[1], in[2])), to_object.vector(load_vec3(in[3], in[4], in[5])),
                       load(t_max), time, load(radius));
         for (int i = 0; i < count; ++i) {
-            const int ray = rays[i];
+            const int ray = int(rays[i]);
             PreparedRays& object = memory_.object[ray / lanes];
             for (int field = 0; field < PreparedRays::field_count; ++field)
                 object.f[field][ray % lanes] = inner.f[field][i];
@@ -514,9 +566,12 @@ private:
 
     const BvhData& bvh_;
     const bool far_;
+    const Mask has_meshes_;  ///< all lanes, or none
     StreamMemory& memory_;
     const std::size_t stride_;
-    Queues now_, next_;
+    std::uint32_t* stacks_;  ///< of memory.stacks, from the first whole cache line on
+    Queues now_;
+    NextVisits next_;
     RayMask known_ = 0, waiting_ = 0;  ///< whose state is set; of which something was deferred
     State states_[stream_size];
 };
