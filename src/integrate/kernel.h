@@ -22,6 +22,8 @@ class KernelScene {
 public:
     virtual ~KernelScene() = default;
     virtual std::size_t memory_bytes() const = 0;
+    /// Rays go through a tree, not by all primitives of a small scene, which takes a third of the time.
+    virtual bool has_tree() const = 0;
     /// Brings it up to date after its tables have changed: materials, lights, instances that are not still, and the
     /// vertices of `shapes` that only instances show.
     virtual void update(const std::vector<std::uint32_t>& shapes) = 0;

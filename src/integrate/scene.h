@@ -63,6 +63,7 @@ struct LaneScene final : KernelScene {
 
     LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level);
     std::size_t memory_bytes() const override;
+    bool has_tree() const override { return !is_flat; }
     void update(const std::vector<std::uint32_t>& shapes) override;
 
     /// Whether some material of this ClosureKind scatters.

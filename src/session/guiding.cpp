@@ -19,15 +19,16 @@ namespace {
 constexpr std::size_t least_paths = std::size_t(1) << 18, most_paths = std::size_t(1) << 20;
 /// Each pixel that is looked at has sets of so many samples: each spread evenly, with random numbers of its own, so
 /// that it is known how much noise is left. Where pixels are few there are more sets, and then more samples.
-constexpr std::size_t least_samples = 4, least_sets = 2, most_sets = 256;
+constexpr std::size_t least_samples = 8, least_sets = 2, most_sets = 256;
 constexpr std::size_t paths_per_job = 4096;
 /// Guided paths are tried in every so manieth of these pixels.
 constexpr std::size_t trial_step = 2;
-/// What guidance takes at a vertex, of all that a vertex takes without; measured.
-constexpr double guidance_cost = 0.15;
+/// What guidance takes at a vertex, of all that a vertex takes without; measured. The same some 14 ns are more where
+/// no tree is.
+constexpr double guidance_cost = 0.08, guidance_cost_without_tree = 0.22;
 /// With less gain the plain paths are kept: it is not known exactly, and the more samples a pixel has, the more plain
 /// ones win by their even spread, of which the few of the trial show only some.
-constexpr double least_gain = 1.15;
+constexpr double least_gain = 1.05;
 /// Where paths would sample lights at more surfaces than this share of all, they do so at every one: choosing takes
 /// time.
 constexpr double most_light_samples = 0.5;
@@ -134,7 +135,8 @@ std::vector<T> thinned(const std::vector<T>& all, std::size_t step)
 }
 
 /// How many times as much noise, for equal time, paths have in every trial_step-th pixel without guidance as with.
-double gain(const Pass& plain, const Pass& guided)
+/// guidance: as in Pass::cost.
+double gain(const Pass& plain, const Pass& guided, double guidance)
 {
     const std::vector<Spread>& after = guided.spreads;
     const std::vector<Spread> before = thinned(plain.spreads, trial_step);
@@ -143,7 +145,7 @@ double gain(const Pass& plain, const Pass& guided)
     const std::vector<double> squares = brightness_squares(both);
     const double share = double(guided.spreads.size()) / double(plain.spreads.size());
     return noise_of(before, squares) / std::max(noise_of(after, squares), 1e-30) * share * plain.cost(0) /
-           std::max(guided.cost(guidance_cost), 1.0);
+           std::max(guided.cost(guidance), 1.0);
 }
 
 }  // namespace
@@ -171,7 +173,7 @@ std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, con
     Pass guided = trace(scene, camera, with_first, thinned(pixels, trial_step), sets, samples, 0x85ebca6bu, cancel);
     const bool samples_all = double(guided.light_samples) > most_light_samples * double(guided.vertices);
     if (samples_all) guided.light_samples = guided.vertices;
-    if (gain(plain, guided) < least_gain) return nullptr;
+    if (gain(plain, guided, scene.has_tree() ? guidance_cost : guidance_cost_without_tree) < least_gain) return nullptr;
     guided.append_to(parts);
     const std::shared_ptr<GuidingTables> tables = make_guiding(parts);
     if (!tables) return nullptr;

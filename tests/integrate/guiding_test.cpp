@@ -122,7 +122,7 @@ TEST(Guiding, ChangesTheNoiseOnlyWhereLightsAreFoundByChance)
 /// Glossy walls are guided less, and roulette goes by what they reflect.
 TEST(Guiding, ChangesTheNoiseOnlyBetweenGlossyWalls)
 {
-    const SceneDescription scene = next_door(grey(0.8f), of_kind(MaterialKind::principled, 0.3f, 0.5f), 1);
+    const SceneDescription scene = next_door(grey(0.8f), of_kind(MaterialKind::principled, 0.4f, 0.25f), 1);
     expect_in_use(scene, guided(), "glossy walls");
     expect_same_mean(render_film(scene, guided(), 2048), render_film(scene, small_picture(), 4096), "glossy walls");
 }
