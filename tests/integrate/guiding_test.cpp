@@ -147,8 +147,8 @@ SceneBuilder upstairs(const Material& walls, double hole, double lamp)
 /// Samples of lights that are left out are made up for by those that are taken, and by directions that find lamps.
 TEST(Guiding, SamplesLightsByChanceWhereTheyRarelyArrive)
 {
-    const SceneDescription scene = upstairs(grey(0.8f), 0.6, 1).scene;
-    EXPECT_LT(light_share(scene, guided()), 0.4);
+    const SceneDescription scene = upstairs(grey(0.8f), 0.3, 1.8).scene;
+    EXPECT_LT(light_share(scene, guided()), 0.45);
     EXPECT_EQ(light_share(scene, small_picture()), 1);
     expect_same_mean(render_film(scene, guided(), 4096), render_film(scene, small_picture(), 4096), "upstairs");
 }
