@@ -4,6 +4,7 @@
 
 #include "fathom/description.h"
 #include "integrate/alpha.h"
+#include "integrate/shadow_trial.h"
 
 namespace fathom {
 
@@ -85,6 +86,7 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
     filters[1].make_blackman_harris();
     filters[2].make_tent();
     read_tables();
+    try_shadow_rays(*this);
 }
 
 void LaneScene::update(const std::vector<std::uint32_t>& shapes)

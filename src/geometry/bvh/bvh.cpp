@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "geometry/bvh/build/builder.h"
+#include "geometry/bvh/build/stops.h"
 #include "geometry/bvh/traverse/neighbours.h"
 
 namespace fathom {
@@ -37,6 +38,11 @@ void Bvh::update(const std::vector<std::uint32_t>& changed)
 {
     auto& builder = data_->builder;
     if (builder && !builder->update(changed)) build(*data_->tables, builder->level());
+}
+
+void Bvh::expect(const RayArrays& shadow_rays)
+{
+    if (!data_->empty && !data_->moving && !data_->builder) bvh::order_by_stops(*data_, shadow_rays);
 }
 
 void Bvh::set_alpha_test(AlphaTest test, const void* context)

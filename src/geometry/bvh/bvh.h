@@ -78,6 +78,10 @@ public:
     /// tables that are `editable`, or only flags may have changed.
     void update(const std::vector<std::uint32_t>& changed);
 
+    /// Takes some shadow rays for what others will be like: those that ask for any hit first go to what stops most of
+    /// these. Changes no result. Does nothing where something moves, or may be moved later.
+    void expect(const RayArrays& shadow_rays);
+
     /// For hits on shapes with ShapeRecord::alpha_tested; null: all are opaque.
     void set_alpha_test(AlphaTest test, const void* context);
 

@@ -1,0 +1,139 @@
+#include "integrate/shadow_trial.h"
+
+#include "integrate/camera_paths.h"
+#include "integrate/stages/light.h"
+
+namespace fathom::inline FATHOM_LANES {
+
+namespace {
+
+/// More tell no more: few of them come to nodes far down, which matter little.
+constexpr std::size_t most_rays = 2048;
+
+/// Rays with room behind for whole registers, and what they hit.
+struct Rays {
+    std::vector<float> column[10];  ///< origin, direction, t_max; t, u, v of hits
+    std::vector<std::uint32_t> primitive, instance;
+    std::size_t count = 0;
+
+    Rays()
+    {
+        for (std::vector<float>& c : column) c.resize(most_rays + 64);
+        primitive.resize(most_rays + 64), instance.resize(most_rays + 64);
+    }
+    float* at(int k, std::size_t i) { return &column[k][i]; }
+    Vec3 origin(std::size_t i) { return load_vec3(at(0, i), at(1, i), at(2, i)); }
+    Vec3 direction(std::size_t i) { return load_vec3(at(3, i), at(4, i), at(5, i)); }
+    void append(const Vec3& o, const Vec3& d, Float t_max, Mask m)
+    {
+        const Float values[] = {o.x, o.y, o.z, d.x, d.y, d.z, t_max};
+        for (int k = 0; k < 7; ++k) compress_store(at(k, count), values[k], m);
+        count += std::size_t(fathom::count(m));
+    }
+    RayArrays arrays(bool limited)
+    {
+        return {at(0, 0), at(1, 0), at(2, 0), at(3, 0), at(4, 0), at(5, 0), limited ? at(6, 0) : nullptr,
+                nullptr,  count};
+    }
+    void trace(const Bvh& bvh)
+    {
+        bvh.closest(arrays(false), {at(7, 0), at(8, 0), at(9, 0), primitive.data(), instance.data()}, false);
+    }
+};
+
+/// The random numbers of ray i of a round.
+struct Numbers {
+    SampleKey key;
+    UInt seed;
+    Numbers(std::size_t i, std::uint32_t round)
+        : key{UInt(0x2545f491u), reverse_bits(iota() + UInt(std::uint32_t(i)))}, seed(group_seed(key, UInt(round)))
+    {
+    }
+    Sample2 pair(std::uint32_t which) const { return sample_2d(key, pair_seed(seed, which)); }
+};
+
+Vec3 any_direction(Sample2 u)
+{
+    const Float z = fma(u.x, Float(-2), Float(1)), r = sqrt(max(fma(-z, z, Float(1)), Float(0)));
+    const SinCos turn = sincos_2pi(u.y);
+    return {turn.cos * r, turn.sin * r, z};
+}
+
+/// From places on triangles, each as likely as another: where there are many there is much to be seen.
+Rays from_triangles(const GeometryTables& tables)
+{
+    Rays rays;
+    const float triangles = float(tables.world_triangles);
+    for (std::size_t i = 0; i < most_rays; i += lanes) {
+        const Numbers numbers(i, 0);
+        const UInt number = to_uint(min(numbers.pair(0).x * Float(triangles), Float(triangles - 1)));
+        Vec3 corner[3];
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const UInt vertex = gather(tables.triangles.data(), number * UInt(3u) + UInt(k));
+            Float xyz[3];
+            gather_row(&tables.positions[0].x, vertex * UInt(3u), xyz);
+            corner[k] = {xyz[0], xyz[1], xyz[2]};
+        }
+        const Sample2 u = numbers.pair(1);
+        const Float root = sqrt(u.x);
+        const Vec3 p = corner[0] * (Float(1) - root) + corner[1] * (root * (Float(1) - u.y)) + corner[2] * (root * u.y);
+        rays.append(p, any_direction(numbers.pair(2)), Float(infinity), Mask(true));
+    }
+    return rays;
+}
+
+/// Short of what a ray met.
+Vec3 place(Rays& rays, std::size_t i)
+{
+    return fma(rays.direction(i), load(rays.at(7, i)) * Float(1 - 0x1p-12f), rays.origin(i));
+}
+Mask have_met(const Rays& rays, std::size_t i)
+{
+    return first_lanes(rays.count - i) & (load(&rays.primitive[i]) != UInt(no_index));
+}
+
+/// Rays go on from what they met, on the side from which they came.
+Rays bounced(Rays& rays)
+{
+    Rays next;
+    for (std::size_t i = 0; i < rays.count; i += lanes) {
+        const Vec3 d = any_direction(Numbers(i, 1).pair(0));
+        const Vec3 back = select(dot(d, rays.direction(i)) > Float(0), -d, d);
+        next.append(place(rays, i), back, Float(infinity), have_met(rays, i));
+    }
+    return next;
+}
+
+/// Shadow rays from what rays met.
+Rays to_lights(const LaneScene& scene, Rays& rays)
+{
+    const LightSampler lights(scene, LightSelection::tree);
+    Rays next;
+    for (std::size_t i = 0; i < rays.count; i += lanes) {
+        const Numbers numbers(i, 2);
+        const Vec3 eye = place(rays, i);
+        const Mask met = have_met(rays, i);
+        if (none(met)) continue;
+        const LightSample s = lights.sample(met, eye, numbers.key, numbers.seed, numbers.pair(pair_light), Float(0));
+        const Mask useful = met & (s.inverse_pdf > Float(0)) & (dot(s.wi, rays.direction(i)) < Float(0));
+        next.append(eye, s.wi, s.distance * Float(1 - 0x1p-12f), useful);
+    }
+    return next;
+}
+
+}  // namespace
+
+void try_shadow_rays(LaneScene& scene)
+{
+    const SceneTables& tables = scene.tables;
+    if (scene.is_flat || tables.moving || tables.lights.empty() || tables.world_triangles == 0) return;
+    Rays rays = from_triangles(tables);
+    rays.trace(scene.bvh);
+    // What is met from there is where paths are, as places within closed things are not.
+    rays = bounced(rays);
+    rays.trace(scene.bvh);
+    Rays shadows = to_lights(scene, rays);
+    scene.bvh.expect(shadows.arrays(true));
+}
+
+}  // namespace fathom::inline FATHOM_LANES
