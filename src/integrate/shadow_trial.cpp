@@ -63,10 +63,12 @@ Vec3 any_direction(Sample2 u)
 Rays from_triangles(const GeometryTables& tables)
 {
     Rays rays;
-    const float triangles = float(tables.world_triangles);
+    const UInt last(tables.world_triangles - 1);
     for (std::size_t i = 0; i < most_rays; i += lanes) {
         const Numbers numbers(i, 0);
-        const UInt number = to_uint(min(numbers.pair(0).x * Float(triangles), Float(triangles - 1)));
+        const UInt any = to_uint(numbers.pair(0).x * Float(float(tables.world_triangles)));
+        // Rounding may go past the last one.
+        const UInt number = select(less(any, last), any, last);
         Vec3 corner[3];
         for (std::uint32_t k = 0; k < 3; ++k) {
             const UInt vertex = gather(tables.triangles.data(), number * UInt(3u) + UInt(k));
