@@ -1,7 +1,7 @@
 # The acceleration structure alone, for one instruction set: tests and benchmarks link it without the kernel around it.
 set(FATHOM_BVH_SOURCES bvh.cpp build/binary.cpp build/build.cpp build/chunk.cpp build/collapse.cpp build/cost.cpp
   build/items.cpp build/large_set.cpp build/leaf_data.cpp build/morton.cpp build/motion.cpp build/reinsertion.cpp
-  build/slots.cpp build/spatial.cpp build/stops.cpp build/split.cpp build/treelet.cpp)
+  build/slots.cpp build/spatial.cpp build/split.cpp build/stops.cpp build/treelet.cpp)
 list(TRANSFORM FATHOM_BVH_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/src/geometry/bvh/)
 
 function(fathom_bvh_library name isa)

@@ -24,6 +24,7 @@ struct Rays {
     float* at(int k, std::size_t i) { return &column[k][i]; }
     Vec3 origin(std::size_t i) { return load_vec3(at(0, i), at(1, i), at(2, i)); }
     Vec3 direction(std::size_t i) { return load_vec3(at(3, i), at(4, i), at(5, i)); }
+    Float hit_distance(std::size_t i) { return load(at(7, i)); }
     void append(const Vec3& o, const Vec3& d, Float t_max, Mask m)
     {
         const Float values[] = {o.x, o.y, o.z, d.x, d.y, d.z, t_max};
@@ -54,9 +55,7 @@ struct Numbers {
 
 Vec3 any_direction(Sample2 u)
 {
-    const Float z = fma(u.x, Float(-2), Float(1)), r = sqrt(max(fma(-z, z, Float(1)), Float(0)));
-    const SinCos turn = sincos_2pi(u.y);
-    return {turn.cos * r, turn.sin * r, z};
+    return sample_cone(u, Float(2));
 }
 
 /// From places on triangles, each as likely as another: where there are many there is much to be seen.
@@ -72,9 +71,7 @@ Rays from_triangles(const GeometryTables& tables)
         Vec3 corner[3];
         for (std::uint32_t k = 0; k < 3; ++k) {
             const UInt vertex = gather(tables.triangles.data(), number * UInt(3u) + UInt(k));
-            Float xyz[3];
-            gather_row(&tables.positions[0].x, vertex * UInt(3u), xyz);
-            corner[k] = {xyz[0], xyz[1], xyz[2]};
+            corner[k] = gather(tables.positions, vertex, Mask(true));
         }
         const Sample2 u = numbers.pair(1);
         const Float root = sqrt(u.x);
@@ -87,7 +84,7 @@ Rays from_triangles(const GeometryTables& tables)
 /// Short of what a ray met.
 Vec3 place(Rays& rays, std::size_t i)
 {
-    return fma(rays.direction(i), load(rays.at(7, i)) * Float(1 - 0x1p-12f), rays.origin(i));
+    return fma(rays.direction(i), rays.hit_distance(i) * Float(1 - 0x1p-12f), rays.origin(i));
 }
 Mask have_met(const Rays& rays, std::size_t i)
 {
@@ -128,7 +125,9 @@ Rays to_lights(const LaneScene& scene, Rays& rays)
 void try_shadow_rays(LaneScene& scene)
 {
     const SceneTables& tables = scene.tables;
-    if (scene.is_flat || tables.moving || tables.lights.empty() || tables.world_triangles == 0) return;
+    // Trees that move, or may be edited, would make no use of it.
+    if (scene.is_flat || tables.moving || tables.editable) return;
+    if (tables.lights.empty() || tables.world_triangles == 0) return;
     Rays rays = from_triangles(tables);
     rays.trace(scene.bvh);
     // What is met from there is where paths are, as places within closed things are not.

@@ -58,10 +58,11 @@ private:
     {
         const BvhNode& node = tree_.nodes[number];
         Outcome all{0, node_work};
+        TriedChildren& children = nodes_[number];
         for (int i = 0; i < bvh_width; ++i) {
             if (!is_used(node, i) || !passes(node, i, ray)) continue;
             const Outcome there = visit(node.child[i], ray);
-            Tried& tried = nodes_[number][std::size_t(i)];
+            Tried& tried = children[std::size_t(i)];
             tried.stops += there.stopped;
             // A ray that is stopped has about half of it before it.
             tried.work += std::max(node_work, there.work * (1 - there.stopped / 2));
