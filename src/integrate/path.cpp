@@ -31,7 +31,7 @@ public:
           tables_(scene.tables),
           surfaces_(scene),
           materials_(scene),
-          lights_(scene, settings.light_selection),
+          lights_(scene, settings.light_selection, false),
           settings_(settings),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
           extras_{.time = tables_.moving,

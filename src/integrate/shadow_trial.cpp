@@ -106,7 +106,7 @@ Rays bounced(Rays& rays)
 /// Shadow rays from what rays met.
 Rays to_lights(const LaneScene& scene, Rays& rays)
 {
-    const LightSampler lights(scene, LightSelection::tree);
+    const LightSampler lights(scene, LightSelection::tree, true);
     Rays next;
     for (std::size_t i = 0; i < rays.count; i += lanes) {
         const Numbers numbers(i, 2);

@@ -100,10 +100,16 @@ inline Float environment_pdf(const LightTables& tables, Vec3 direction)
 struct EnvironmentSample {
     Vec3 wi;
     Float inverse_pdf;
-    Spectrum radiance;
+    detail::ImagePoint at;
 };
 
-inline EnvironmentSample sample_environment(const LightTables& tables, Sample2 random, Mask m)
+/// What comes from a sampled direction.
+inline Spectrum environment_radiance(const LightTables& tables, const EnvironmentSample& s, Mask m)
+{
+    return detail::image_radiance(tables.environment, s.at, m);
+}
+
+inline EnvironmentSample sample_environment(const LightTables& tables, Sample2 random)
 {
     const EnvironmentRecord& e = tables.environment;
     const auto within = [](const GuidedInterval& i, Float x) {
@@ -118,7 +124,7 @@ inline EnvironmentSample sample_environment(const LightTables& tables, Sample2 r
     EnvironmentSample s;
     s.wi = detail::rotate_out(e, {theta.sin * phi.cos, theta.cos, theta.sin * phi.sin});
     s.inverse_pdf = select(pdf > Float(0), Float(1) / max(pdf, Float(1e-30f)), Float(0));
-    s.radiance = detail::image_radiance(e, at, m);
+    s.at = at;
     return s;
 }
 

@@ -17,6 +17,8 @@ struct LightSample {
                         ///< 0: nothing arrives
     Spectrum radiance;  ///< that arrives if nothing blocks it (delta lights: irradiance at normal incidence)
     Mask is_delta;      ///< no direction that a surface chooses meets it: the sample counts in full
+    /// radiance is to be multiplied by the environment's along wi, if nothing is in the way; see LightSampler.
+    Mask sees_environment = Mask(false);
 };
 
 inline Mask is_kind(UInt kind, LightRecordKind wanted)

@@ -33,34 +33,36 @@ struct LightBounds {
     }
 };
 
+/// Sine of an angle that makes no difference to importances.
+inline constexpr float narrow_normals = 1.f / 256;
+
 template <class F, class M>
 struct Importance {
     F value;  ///< at least 0
     M reaches;
 };
 
-/// A bound on what lights within the bounds bring to a point: paper section 4, without the receiver's cosine. The angle
-/// between any normal and the direction to the point is at least that of the axis, less how far normals are from the
-/// axis, less how far the lights are from the middle of their ball as seen from the point.
+/// A bound on what lights within the bounds bring to a point: paper section 4, without the receiver's cosine.
+///
+/// With lengths along normals instead of cosines, one root and one division do, of which both sides of a processor's
+/// lanes have few: seen from the middle of the ball a normal is at least as far from the point's direction as the axis is,
+/// less how far normals are from the axis; and no light of the ball is farther behind its own plane than the ball's radius.
+///
+/// narrow: normals are known to be within narrow_normals of the axis; then another root is spared.
 template <class M, class F>
-[[gnu::always_inline]] inline Importance<F, M> importance(const LightBounds<F>& b, F px, F py, F pz)
+[[gnu::always_inline]] inline Importance<F, M> importance(const LightBounds<F>& b, F px, F py, F pz, bool narrow)
 {
     const F x = px - b.x, y = py - b.y, z = pz - b.z;
     const F distance2 = fma(x, x, fma(y, y, z * z)), radius2 = b.radius * b.radius;
-    const M inside = distance2 <= radius2;
-    const F inverse = F(1.f) / sqrt(max(distance2, radius2));
-    const F sin_ball = min(b.radius * inverse, F(1.f));
-    const F cos_ball = sqrt(fma(-sin_ball, sin_ball, F(1.f)));
-    const F along = fma(x, b.axis_x, fma(y, b.axis_y, z * b.axis_z)) * inverse;
-    const F cos_axis = min(max(along, along * b.back), F(1.f));
-    const F sin_axis = sqrt(max(fma(-cos_axis, cos_axis, F(1.f)), F(0.f)));
-    // The cosines of what is left of the angle after each of the two; 1 where nothing is.
-    const M in_cone = cos_axis >= b.cos_normals;
-    const F cos_cone = select(in_cone, F(1.f), fma(cos_axis, b.cos_normals, sin_axis * b.sin_normals));
-    const F sin_cone = select(in_cone, F(0.f), fma(sin_axis, b.cos_normals, -(cos_axis * b.sin_normals)));
-    const M facing = inside | (cos_cone >= cos_ball);
-    const F cosine = select(facing, F(1.f), fma(cos_cone, cos_ball, sin_cone * sin_ball));
-    const M reaches = (b.intensity > F(0.f)) & (facing | (cosine > b.cos_emission));
+    // Within the ball as on it.
+    const F distance = sqrt(max(distance2, radius2)), inverse = F(1.f) / distance;
+    const F axial = fma(x, b.axis_x, fma(y, b.axis_y, z * b.axis_z)), along = max(axial, axial * b.back);
+    const F across = narrow ? distance : sqrt(max(fma(-along, along, distance2), F(0.f)));
+    const F height = fma(along, b.cos_normals, across * b.sin_normals) + b.radius;
+    const M facing = (distance2 <= radius2) | (along >= b.cos_normals * distance);
+    const F cosine = select(facing, F(1.f), min(height * inverse, F(1.f)));
+    const M reaches =
+        (b.intensity > F(0.f)) & (facing | (fma(b.radius, max(b.cos_emission, -b.cos_emission), height) > b.cos_emission * distance));
     return {b.intensity * max(cosine, F(0.f)) * inverse * inverse, reaches};
 }
 
@@ -126,7 +128,7 @@ inline LightWeights light_weights(const LightNode& n, const float (&p)[3])
     native::Float most(0.f);
     for (int i = 0; i < parts; ++i) {
         const auto read = [&](const LightNode::Column& c) { return native::load(c + i * native::lanes); };
-        seen[i] = importance<native::Mask>(LightBounds<native::Float>::of(n, read), x, y, z);
+        seen[i] = importance<native::Mask>(LightBounds<native::Float>::of(n, read), x, y, z, false);
         most = max(most, native::select(seen[i].reaches, seen[i].value, native::Float(0.f)));
     }
     const native::Float scale = weight_scale(native::Float(-native::least(-most)));
@@ -181,7 +183,8 @@ private:
         Float most(0.f);
         for (std::uint32_t i = 0; i < root.count; ++i) {
             const auto read = [&](const LightNode::Column& c) { return Float(c[i]); };
-            seen[i] = detail::importance<Mask>(Bounds::of(root, read), p.x, p.y, p.z);
+            seen[i] = detail::importance<Mask>(Bounds::of(root, read), p.x, p.y, p.z,
+                                              root.sin_normals[i] < detail::narrow_normals);
             most = max(most, fathom::select(seen[i].reaches, seen[i].value, Float(0.f)));
         }
         const Float scale = detail::weight_scale(most);

@@ -21,8 +21,15 @@ namespace fathom::inline FATHOM_LANES {
 /// Light sampling: which light, then which point of it.
 class LightSampler {
 public:
-    LightSampler(const LaneScene& scene, LightSelection selection)
-        : scene_(scene), tables_(scene.tables), surfaces_(scene), materials_(scene), selector_(scene.tables, selection)
+    /// leaves_environment: what the environment sends along a direction is left to whoever traces it, since within
+    /// rooms hardly any of these arrive.
+    LightSampler(const LaneScene& scene, LightSelection selection, bool leaves_environment)
+        : scene_(scene),
+          tables_(scene.tables),
+          surfaces_(scene),
+          materials_(scene),
+          selector_(scene.tables, selection),
+          leaves_environment_(leaves_environment)
     {
         is_alone_ = tables_.lights.size() == 1 && tables_.environment.light == no_index &&
                     tables_.lights[0].material == no_index && !scene.moving_lights && !scene.curve_lights &&
@@ -115,12 +122,15 @@ private:
         const bool only_environment = none(valid & !environment);
         LightSample s = only_environment ? LightSample{} : sample_light(light, eye, time, random, valid);
         if (any(valid & environment)) {
-            const EnvironmentSample e = sample_environment(tables_, random, valid & environment);
+            const EnvironmentSample e = sample_environment(tables_, random);
             s.wi = select(environment, e.wi, s.wi);
             s.distance = select(environment, Float(infinity), s.distance);
             s.inverse_pdf = select(environment, e.inverse_pdf, s.inverse_pdf);
-            s.radiance = select(environment, e.radiance, s.radiance);
+            const Spectrum radiance = leaves_environment_ ? Spectrum(Float(1))
+                                                          : environment_radiance(tables_, e, valid & environment);
+            s.radiance = select(environment, radiance, s.radiance);
             s.is_delta = s.is_delta & !environment;
+            s.sees_environment = environment & Mask(leaves_environment_);
         }
         const Mask curve = curves(light, valid);
         Float along(0.f);
@@ -200,6 +210,7 @@ private:
     const SurfaceReader surfaces_;
     const MaterialReader materials_;
     const LightSelector selector_;
+    const bool leaves_environment_;
     bool is_alone_;  ///< there is one light, and its radiance is the same all over
 };
 

@@ -21,7 +21,7 @@ public:
           tables_(scene.tables),
           surfaces_(scene),
           materials_(scene),
-          lights_(scene, settings.light_selection),
+          lights_(scene, settings.light_selection, !scene.is_flat),
           settings_(settings),
           counters_(counters),
           clock_(clock),
@@ -252,9 +252,9 @@ private:
         if (!scene_.is_flat) {
             const UInt path = iota() + UInt(std::uint32_t(i));
             if (scene_.sees_through)
-                shadows_.push(ray, add, media, path, lit);
+                shadows_.push(ray, add, media, path, s.sees_environment, lit);
             else
-                shadows_.push(ray, add, path, lit);
+                shadows_.push(ray, add, path, s.sees_environment, lit);
             return;
         }
         PathPool& p = *paths_;

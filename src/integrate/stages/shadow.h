@@ -4,6 +4,7 @@
 #include "integrate/stages/indirect_clamp.h"
 #include "integrate/stages/path_end.h"
 #include "integrate/stages/shading_point.h"
+#include "light/environment.h"
 #include "media/distance.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -14,19 +15,16 @@ class ShadowQueue {
 public:
     void clear() { size_ = 0; }
 
-    /// Appends the rays of the lanes of m. path: their number in the pool.
-    [[gnu::always_inline]] void push(const Ray& ray, const Spectrum& light, UInt path, Mask m)
+    /// Appends the rays of the lanes of m. path: their number in the pool. sees_environment: light is to be multiplied
+    /// by what the environment sends along the ray.
+    [[gnu::always_inline]] void push(const Ray& ray, const Spectrum& light, UInt path, Mask sees_environment, Mask m)
     {
-        origin_.append(size_, ray.o, m), direction_.append(size_, ray.d, m);
-        t_max_.append(size_, ray.t_max, m), time_.append(size_, ray.time, m);
-        radiance_.append(size_, light, m);
-        path_.append(size_, path, m);
-        size_ += std::size_t(count(m));
+        push_marked(ray, light, select(sees_environment, path | UInt(environment_mark), path), m);
     }
     /// The same in scenes that are seen through. media: where the rays begin.
-    void push(const Ray& ray, const Spectrum& light, const MediumStack& media, UInt path, Mask m)
+    void push(const Ray& ray, const Spectrum& light, const MediumStack& media, UInt path, Mask sees_environment, Mask m)
     {
-        push_on(ray, light, media, path, UInt(0u), m);
+        push_on(ray, light, media, select(sees_environment, path | UInt(environment_mark), path), UInt(0u), m);
     }
 
     /// Traces all, and adds what those that nothing blocks bring to the radiance of their paths, whose bounces count
@@ -37,6 +35,7 @@ public:
         const bool clamp = settings.clamp_indirect > 0;
         if (scene.sees_through) return trace_through(scene, paths, settings, clock);
         scene.bvh.occluded(rays(scene, size_), blocked_.data, false);
+        if (scene.sees_environment) see_environment_unless_blocked(scene);
         std::size_t clear = 0;
         for (std::size_t k = 0; k < size_; ++k) {
             if (blocked_[k]) continue;
@@ -49,7 +48,17 @@ public:
 private:
     /// A ray that has passed so many surfaces goes round and round in what rounding leaves of a solid.
     static constexpr int most_passed = 1024;
+    /// On the number of a path whose ray sees the environment if nothing blocks it.
+    static constexpr std::uint32_t environment_mark = 1u << 31;
 
+    [[gnu::always_inline]] void push_marked(const Ray& ray, const Spectrum& light, UInt path, Mask m)
+    {
+        origin_.append(size_, ray.o, m), direction_.append(size_, ray.d, m);
+        t_max_.append(size_, ray.t_max, m), time_.append(size_, ray.time, m);
+        radiance_.append(size_, light, m);
+        path_.append(size_, path, m);
+        size_ += std::size_t(count(m));
+    }
     RayArrays rays(const LaneScene& scene, std::size_t size) const
     {
         return {origin_.x.data,
@@ -67,8 +76,33 @@ private:
     {
         bounces_.append(size_, bounces, m);
         media_.low.append(size_, media.low(), m), media_.high.append(size_, media.high(), m);
-        push(ray, light, path, m);
+        push_marked(ray, light, path, m);
     }
+
+    /// Of the rays that nothing blocks, which are few within rooms, side by side.
+    void see_environment_unless_blocked(const LaneScene& scene)
+    {
+        std::size_t seen = 0;
+        for (std::size_t i = 0; i < size_; i += lanes) {
+            const Mask m = first_lanes(size_ - i) & (blocked_.load(i) == UInt(0u)) & is_marked(path_.load(i));
+            seen_.append(seen, iota() + UInt(std::uint32_t(i)), m);
+            seen += std::size_t(count(m));
+        }
+        for (std::size_t i = 0; i < seen; i += lanes) see_environment(scene, seen_.load(i), first_lanes(seen - i));
+    }
+    /// Multiplies what rays bring by what the environment sends along them. index: of the rays, for the lanes of m.
+    [[gnu::noinline]] void see_environment(const LaneScene& scene, UInt index, Mask m)
+    {
+        const Spectrum seen = environment_radiance(scene.tables, direction_.gather(index, m), m);
+        float values[channels][lanes];
+        std::uint32_t at[lanes];
+        store(at, index);
+        for (int c = 0; c < channels; ++c) store(values[c], seen.c[c]);
+        for_each_active(m, [&](int lane) {
+            for (int c = 0; c < channels; ++c) radiance_.c[c][at[lane]] *= values[c][lane];
+        });
+    }
+    static Mask is_marked(UInt path) { return (path & UInt(environment_mark)) != UInt(0u); }
 
     /// From one surface that light passes to the next; on each way the medium there takes its share.
     [[gnu::noinline]] std::size_t trace_through(const LaneScene& scene, PathPool& paths, const KernelSettings& settings,
@@ -89,6 +123,8 @@ private:
                 const UInt info = scene.info_of(primitive, hits_.instance.load(i), m & !nothing);
                 const Mask may_pass = m & !nothing & ((info & UInt(LaneScene::may_be_passed)) != UInt(0u));
                 if (scene.has_absorption) attenuate(scene, i, nothing | may_pass);
+                const UInt ray = iota() + UInt(std::uint32_t(i));
+                if (const Mask out = nothing & is_marked(path_.load(i)); any(out)) see_environment(scene, ray, out);
                 for_each_active(nothing,
                                 [&](int lane) { add(paths, i + std::size_t(lane), settings.clamp_indirect > 0); });
                 clear += std::size_t(count(nothing));
@@ -118,7 +154,8 @@ private:
             SurfaceReader(scene), materials, hit, scene.tracks_media ? &media : nullptr, m, clock);
         const SeenThrough there = seen_through(scene, materials, at.material_index, at.passes_on, m);
         const UInt path = path_.load(i), bounces = bounces_.load(i);
-        const UInt bounce = (paths.state.gather(path, m) & UInt(PathPool::bounce_mask)) + bounces;
+        const UInt number = path & UInt(~environment_mark);
+        const UInt bounce = (paths.state.gather(number, m) & UInt(PathPool::bounce_mask)) + bounces;
         const Spectrum light =
             radiance_.load(i) * select(there.pane, GlassBsdf(at.material).passed(at.wo), Spectrum(Float(1)));
         const Mask passes =
@@ -131,8 +168,9 @@ private:
     /// What the ray brings, to its path.
     void add(PathPool& paths, std::size_t k, bool clamp)
     {
-        const float scale = clamp ? clamped(paths, path_[k], radiance_, k) : 1;
-        for (int c = 0; c < channels; ++c) paths.radiance.c[c][path_[k]] += scale * radiance_.c[c][k];
+        const std::size_t path = path_[k] & ~environment_mark;
+        const float scale = clamp ? clamped(paths, path, radiance_, k) : 1;
+        for (int c = 0; c < channels; ++c) paths.radiance.c[c][path] += scale * radiance_.c[c][k];
     }
     static float clamped(PathPool& paths, std::size_t path, const SpectrumColumn& radiance, std::size_t k)
     {
@@ -145,7 +183,7 @@ private:
     VectorColumn origin_, direction_;
     Column<float> t_max_, time_;
     SpectrumColumn radiance_;
-    Column<std::uint32_t> path_, blocked_;
+    Column<std::uint32_t> path_, blocked_, seen_;
     // In scenes that are seen through:
     MediaColumn media_;
     Column<std::uint32_t> bounces_;  ///< that a path would have had on the way so far

@@ -25,7 +25,7 @@ public:
           settings_(settings),
           counters_(counters),
           clock_(clock),
-          lights_(scene, settings.light_selection),
+          lights_(scene, settings.light_selection, true),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty())
     {
     }
@@ -139,7 +139,7 @@ private:
         if (none(lit)) return;
         counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
         shadows_.push({at, s.wi, s.distance * Float(1 - 0x1p-16f), time}, light, p.media.load(i),
-                      iota() + UInt(std::uint32_t(i)), lit);
+                      iota() + UInt(std::uint32_t(i)), s.sees_environment, lit);
     }
 
     /// Rounding must not put a path onto the other side of what lies ahead, whence it would not find back.

@@ -26,7 +26,7 @@ public:
         : scene_(scene),
           tables_(scene.tables),
           settings_(settings),
-          lights_(scene, settings.light_selection),
+          lights_(scene, settings.light_selection, false),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
           ended_(sums),
