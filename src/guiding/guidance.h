@@ -102,8 +102,8 @@ public:
     Vec3 sample(Sample2 u, Mask m) const
     {
         const BinPlace place = find_bin(u.x, m);
-        const Float within = clamp((u.x - place.begin) / max(place.end - place.begin, Float(1e-20f)), Float(0),
-                                   Float(1 - 0x1p-24f));
+        const Float within =
+            clamp((u.x - place.begin) / max(place.end - place.begin, Float(1e-20f)), Float(0), Float(1 - 0x1p-24f));
         const Float band = to_float(place.bin >> band_shift), sector = to_float(place.bin & UInt(guiding_sectors - 1));
         const Float z = fma(band + u.y, Float(2.f / guiding_bands), Float(-1));
         const SinCos turn = sincos_2pi((sector + within) * Float(1.f / guiding_sectors));
@@ -129,8 +129,8 @@ private:
         UInt bin;
         Float begin, end;
     };
-    /// The bins that hold x. Lane by lane, since a band's sectors lie side by side: compared at once, they take a third of
-    /// the time that gathers take, halving by halving.
+    /// The bins that hold x. Lane by lane, since a band's sectors lie side by side: compared at once, they take a third
+    /// of the time that gathers take, halving by halving.
     BinPlace find_bin(Float x, Mask m) const
     {
         float xs[lanes], begin[lanes] = {}, end[lanes] = {};

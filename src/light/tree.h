@@ -42,27 +42,38 @@ struct Importance {
     M reaches;
 };
 
+/// What need not be asked of bounds.
+struct BoundsHints {
+    bool narrow_normals;  ///< no normal is farther than narrow_normals from the axis
+    bool wide_emission;   ///< light goes to all directions above its surface, or more
+};
+
 /// A bound on what lights within the bounds bring to a point: paper section 4, without the receiver's cosine.
 ///
-/// With lengths along normals instead of cosines, one root and one division do, of which both sides of a processor's
-/// lanes have few: seen from the middle of the ball a normal is at least as far from the point's direction as the axis is,
-/// less how far normals are from the axis; and no light of the ball is farther behind its own plane than the ball's radius.
-///
-/// narrow: normals are known to be within narrow_normals of the axis; then another root is spared.
+/// In lengths along normals instead of angles, one root and one division do: of the normals the one that is nearest to
+/// the point's direction, as the middle of the ball sees it; and no light is farther behind that plane than the ball's
+/// radius. Where light goes to few directions only, that is too rough: there the angle under which the ball is seen
+/// counts.
 template <class M, class F>
-[[gnu::always_inline]] inline Importance<F, M> importance(const LightBounds<F>& b, F px, F py, F pz, bool narrow)
+[[gnu::always_inline]] inline Importance<F, M> importance(const LightBounds<F>& b, F px, F py, F pz, BoundsHints hints)
 {
     const F x = px - b.x, y = py - b.y, z = pz - b.z;
     const F distance2 = fma(x, x, fma(y, y, z * z)), radius2 = b.radius * b.radius;
     // Within the ball as on it.
     const F distance = sqrt(max(distance2, radius2)), inverse = F(1.f) / distance;
     const F axial = fma(x, b.axis_x, fma(y, b.axis_y, z * b.axis_z)), along = max(axial, axial * b.back);
-    const F across = narrow ? distance : sqrt(max(fma(-along, along, distance2), F(0.f)));
-    const F height = fma(along, b.cos_normals, across * b.sin_normals) + b.radius;
-    const M facing = (distance2 <= radius2) | (along >= b.cos_normals * distance);
-    const F cosine = select(facing, F(1.f), min(height * inverse, F(1.f)));
-    const M reaches =
-        (b.intensity > F(0.f)) & (facing | (fma(b.radius, max(b.cos_emission, -b.cos_emission), height) > b.cos_emission * distance));
+    const F across = hints.narrow_normals ? distance : sqrt(max(fma(-along, along, distance2), F(0.f)));
+    const F height = fma(along, b.cos_normals, across * b.sin_normals);
+    M facing = (distance2 <= radius2) | (along >= b.cos_normals * distance);
+    F cosine = min((height + b.radius) * inverse, F(1.f));
+    if (!hints.wide_emission) {
+        const F sin_ball = min(b.radius * inverse, F(1.f)), cos_ball = sqrt(fma(-sin_ball, sin_ball, F(1.f)));
+        const F middle = min(height * inverse, F(1.f)), sin_middle = sqrt(max(fma(-middle, middle, F(1.f)), F(0.f)));
+        facing = facing | (middle >= cos_ball);
+        cosine = fma(middle, cos_ball, sin_middle * sin_ball);
+    }
+    cosine = select(facing, F(1.f), cosine);
+    const M reaches = (b.intensity > F(0.f)) & (facing | (cosine > b.cos_emission));
     return {b.intensity * max(cosine, F(0.f)) * inverse * inverse, reaches};
 }
 
@@ -128,7 +139,8 @@ inline LightWeights light_weights(const LightNode& n, const float (&p)[3])
     native::Float most(0.f);
     for (int i = 0; i < parts; ++i) {
         const auto read = [&](const LightNode::Column& c) { return native::load(c + i * native::lanes); };
-        seen[i] = importance<native::Mask>(LightBounds<native::Float>::of(n, read), x, y, z, false);
+        const bool wide = native::none(read(n.cos_emission) > native::Float(0.f));
+        seen[i] = importance<native::Mask>(LightBounds<native::Float>::of(n, read), x, y, z, {false, wide});
         most = max(most, native::select(seen[i].reaches, seen[i].value, native::Float(0.f)));
     }
     const native::Float scale = weight_scale(native::Float(-native::least(-most)));
@@ -183,8 +195,9 @@ private:
         Float most(0.f);
         for (std::uint32_t i = 0; i < root.count; ++i) {
             const auto read = [&](const LightNode::Column& c) { return Float(c[i]); };
-            seen[i] = detail::importance<Mask>(Bounds::of(root, read), p.x, p.y, p.z,
-                                              root.sin_normals[i] < detail::narrow_normals);
+            seen[i] =
+                detail::importance<Mask>(Bounds::of(root, read), p.x, p.y, p.z,
+                                         {root.sin_normals[i] < detail::narrow_normals, !(root.cos_emission[i] > 0)});
             most = max(most, fathom::select(seen[i].reaches, seen[i].value, Float(0.f)));
         }
         const Float scale = detail::weight_scale(most);

@@ -456,6 +456,39 @@ TEST_F(ImageEnvironment, LightsTheFloor)
     }
 }
 
+/// A sky seen through a pane and within fog lights as much whether it is sampled or found by chance.
+TEST_F(ImageEnvironment, LightsWhatIsSeenThrough)
+{
+    write(5, 2, 20, 0.1f);
+    Material pane;
+    pane.kind = MaterialKind::glass;
+    pane.ior = 1.5f;
+    pane.thin = true;
+    Material fog = pane;
+    fog.thin = false;
+    fog.ior = 1;
+    fog.attenuation_distance = 1;
+    fog.attenuation_color = {0.7f, 0.7f, 0.7f};
+    fog.transmission_scatter = {0.25f, 0.25f, 0.25f};
+    for (const Material& m : {pane, fog}) {
+        SceneBuilder b;
+        use(b, {}, {1, 0.5f, 2});
+        b.add(Rectangle{{-2, -1, -2}, {0, 0, 4}, {4, 0, 0}}, b.diffuse(0.6f));
+        b.add(Box{{-1.5, -1, -1.5}, {1.5, 1, 1.5}}, b.material(m));
+        b.camera({0, 0, 6}, {0, -0.3, 0}, 35);
+        RenderSettings settings = small_picture(16, 16);
+        const Mean sampled = mean_of(render_film(b.scene, settings, 1024));
+        settings.light_sampling = false;
+        settings.seed = 7;
+        const Mean by_chance = mean_of(render_film(b.scene, settings, 16384));
+        for (int c = 0; c < 3; ++c) {
+            const double error = std::hypot(sampled.error[c], by_chance.error[c]);
+            EXPECT_NEAR(sampled.value[c], by_chance.value[c], 4 * error) << m.thin << " channel " << c;
+            EXPECT_LT(error, 0.01 * by_chance.value[c]) << "the picture can tell";
+        }
+    }
+}
+
 /// Sampled by luminance: next to no noise is left of a small bright sun in a dark sky.
 TEST_F(ImageEnvironment, IsSampledWhereItIsBright)
 {

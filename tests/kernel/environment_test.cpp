@@ -167,12 +167,13 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
     test::Random random;
     int drawn = 0, compared = 0;
     for (; drawn < 200000; drawn += lanes) {
-        const EnvironmentSample s = sample_environment(tables, random.next2(), Mask(true));
+        const EnvironmentSample s = sample_environment(tables, random.next2());
         const Float other = environment_pdf(tables, s.wi);
-        const Spectrum seen = environment_radiance(tables, s.wi, Mask(true));
+        const Spectrum sampled = environment_radiance(tables, s, Mask(true)),
+                       seen = environment_radiance(tables, s.wi, Mask(true));
         float x[3][lanes], product[lanes], radiance[lanes], again[lanes];
         store(x[0], s.wi.x), store(x[1], s.wi.y), store(x[2], s.wi.z);
-        store(product, other * s.inverse_pdf), store(radiance, s.radiance.c[2]), store(again, seen.c[2]);
+        store(product, other * s.inverse_pdf), store(radiance, sampled.c[2]), store(again, seen.c[2]);
         for (int i = 0; i < lanes; ++i) {
             const Vec3d d = turn.vector({x[0][i], x[1][i], x[2][i]});
             ASSERT_NEAR(length(d), 1, 1e-5);

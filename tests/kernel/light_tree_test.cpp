@@ -345,6 +345,32 @@ TEST(LightTree, EstimatesTheSum)
     }
 }
 
+/// Beams side by side: in the middle of one of them none of the others is ever chosen, though it is near.
+TEST(LightTree, NarrowLightsAreChosenWhereTheyReach)
+{
+    for (const std::uint32_t n : {9u, 40u}) {
+        LightTables tables;
+        const std::vector<double> powers(n, 1);
+        for (std::uint32_t i = 0; i < n; ++i) {
+            LightRecord& l = tables.lights.emplace_back();
+            l.kind = std::uint32_t(LightRecordKind::beam);
+            put(l.position, {1.5 * i, 0, 0});
+            put(l.edge_u, {0.25, 0, 0}), put(l.edge_v, {0, 0, 0.25}), put(l.normal, {0, 1, 0});
+            l.area = 0.25f;
+            l.pmf = 1 / float(n);
+        }
+        for (std::uint32_t i = 0; i <= n; ++i) tables.light_cdf.push_back(float(i) / float(n));
+        tables.placed_lights = n;
+        build_light_tree(tables, powers, 0, close_time);
+        const LightSelector tree(tables, LightSelection::tree);
+        for (std::uint32_t i = 0; i < n; ++i) {
+            const Vec3d p{1.5 * i, 8, 0};
+            EXPECT_GT(first(tree.pmf(LightReader<false>(tables.lights.data(), UInt(i)), as_lanes(p), Mask(true))), 0.99)
+                << i << " of " << n;
+        }
+    }
+}
+
 /// 10,000 lights: the variance of direct light, exactly, by summing over all lights. Measured: a twentieth of that by
 /// power.
 TEST(LightTree, VarianceIsFarBelowThatByPower)

@@ -126,8 +126,8 @@ private:
             s.wi = select(environment, e.wi, s.wi);
             s.distance = select(environment, Float(infinity), s.distance);
             s.inverse_pdf = select(environment, e.inverse_pdf, s.inverse_pdf);
-            const Spectrum radiance = leaves_environment_ ? Spectrum(Float(1))
-                                                          : environment_radiance(tables_, e, valid & environment);
+            const Spectrum radiance =
+                leaves_environment_ ? Spectrum(Float(1)) : environment_radiance(tables_, e, valid & environment);
             s.radiance = select(environment, radiance, s.radiance);
             s.is_delta = s.is_delta & !environment;
             s.sees_environment = environment & Mask(leaves_environment_);
