@@ -392,6 +392,7 @@ private:
         n.cos_normals[slot] = float(cos_normals);
         n.sin_normals[slot] = float(std::sqrt(std::max(1 - cos_normals * cos_normals, 0.0)));
         n.cos_emission[slot] = float(cos_emission);
+        n.has_narrow |= cos_emission > 0;
         n.back[slot] = back ? -1 : 1;
     }
 

@@ -82,9 +82,9 @@ public:
     Guidance(const GuidingTables& tables, const Vec3& p, const Vec3& n, const Vec3& noise, Float weight, Mask m)
         : tables_(&tables)
     {
-        const UInt cube = guiding_cube(tables, p, noise);
+        cube_ = select(m, guiding_cube(tables, p, noise), UInt(0u));
         side_ = guiding_side(n);
-        const UInt region = gather(tables.regions.data(), select(m, cube * UInt(guiding_sides) + side_, UInt(0u)), m);
+        const UInt region = gather(tables.regions.data(), cube_ * UInt(guiding_sides) + side_, m);
         known_ = m & (region != UInt(no_index));
         region_ = select(known_, region, UInt(0u));
         share_ = select(known_, weight * Float(most_share), Float(0));
@@ -97,6 +97,14 @@ public:
     Float share() const { return share_; }
     /// The chance with which a path goes on, over its throughput times the surface's colour.
     Float path_need() const { return gather(tables_->path_needs.data(), region_, known_); }
+
+    /// The chance with which the shadow ray of a light sample is traced that brings so much if it arrives.
+    Float shadow_chance(Float brings, Mask m) const
+    {
+        constexpr float least = 0.1f;
+        if (tables_->shadow_needs.empty()) return Float(1);
+        return clamp(gather(tables_->shadow_needs.data(), cube_, m) * brings, Float(least), Float(1));
+    }
 
     /// A direction by the histogram, for the lanes of m.
     Vec3 sample(Sample2 u, Mask m) const
@@ -158,7 +166,7 @@ private:
     static constexpr float most_share = 0.65f;
 
     const GuidingTables* tables_ = nullptr;
-    UInt side_, region_;
+    UInt cube_, side_, region_;
     Mask known_;
     Float share_;
 };

@@ -34,6 +34,8 @@ struct GuidingTables {
     LargeVector<float> path_needs;
     /// By cube: with what chance a path samples a light there, over its throughput; the same. Empty: all do.
     LargeVector<float> light_needs;
+    /// By cube: with what chance the shadow ray of a light sample is traced, over what the sample brings if it arrives.
+    LargeVector<float> shadow_needs;
 };
 
 /// The number of the cube that a place is in.

@@ -15,7 +15,8 @@ enum BouncePair : std::uint32_t {
     pair_light_tree,
     pair_guiding,
     pair_mixture,
-    pair_light_chance
+    pair_light_chance,
+    pair_shadow_chance
 };
 
 /// The beginnings of a job's paths, numbered pixel by pixel.

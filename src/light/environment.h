@@ -101,6 +101,7 @@ struct EnvironmentSample {
     Vec3 wi;
     Float inverse_pdf;
     detail::ImagePoint at;
+    Float likely;  ///< luminance, by the density alone
 };
 
 /// What comes from a sampled direction.
@@ -125,6 +126,7 @@ inline EnvironmentSample sample_environment(const LightTables& tables, Sample2 r
     s.wi = detail::rotate_out(e, {theta.sin * phi.cos, theta.cos, theta.sin * phi.sin});
     s.inverse_pdf = select(pdf > Float(0), Float(1) / max(pdf, Float(1e-30f)), Float(0));
     s.at = at;
+    s.likely = fma(pdf, Float(e.sampled_luminance), Float(e.even_luminance));
     return s;
 }
 

@@ -19,6 +19,7 @@ struct LightSample {
     Mask is_delta;      ///< no direction that a surface chooses meets it: the sample counts in full
     /// radiance is to be multiplied by the environment's along wi, if nothing is in the way; see LightSampler.
     Mask sees_environment = Mask(false);
+    Float likely = Float(1);  ///< by what that will be, about
 };
 
 inline Mask is_kind(UInt kind, LightRecordKind wanted)

@@ -91,6 +91,7 @@ struct alignas(64) LightNode {
     std::uint32_t child[width];       ///< a light if is_light is set, else a node
     std::uint32_t count = 0;          ///< of children
     std::uint32_t parent = no_index;  ///< the node's place in its parent, as LightRecord::tree_place
+    bool has_narrow = false;          ///< some cos_emission is above 0
     static constexpr std::uint32_t is_light = 1u << 31;
 };
 
@@ -102,6 +103,9 @@ struct EnvironmentRecord {
     LargeVector<float> texels;  ///< of an image: four floats each
     int width = 0, height = 0;
     double mean_luminance = 0;  ///< of an image that lights are sampled from; else 0
+    /// Of such an image: a direction that is sampled with a density brings about this much, and so many times the
+    /// density.
+    float even_luminance = 0, sampled_luminance = 0;
     /// Image: cumulative distributions for sampling, rows then columns: (height + 1) and height * (width + 1) floats.
     LargeVector<float> marginal, conditional;
     LargeVector<std::uint32_t> marginal_guide, conditional_guides;  ///< see make_guides

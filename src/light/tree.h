@@ -139,8 +139,7 @@ inline LightWeights light_weights(const LightNode& n, const float (&p)[3])
     native::Float most(0.f);
     for (int i = 0; i < parts; ++i) {
         const auto read = [&](const LightNode::Column& c) { return native::load(c + i * native::lanes); };
-        const bool wide = native::none(read(n.cos_emission) > native::Float(0.f));
-        seen[i] = importance<native::Mask>(LightBounds<native::Float>::of(n, read), x, y, z, {false, wide});
+        seen[i] = importance<native::Mask>(LightBounds<native::Float>::of(n, read), x, y, z, {false, !n.has_narrow});
         most = max(most, native::select(seen[i].reaches, seen[i].value, native::Float(0.f)));
     }
     const native::Float scale = weight_scale(native::Float(-native::least(-most)));

@@ -182,6 +182,7 @@ std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, con
     PathsMet met_by_all = paths_met(guided, tried_squares);
     met_by_all.parts.insert(met_by_all.parts.begin(), met.parts.begin(), met.parts.end());
     set_path_needs(met_by_all, *tables);
+    if (plain.light_samples > 0) set_shadow_needs(met_by_all, *tables);
     return tables;
 }
 

@@ -19,6 +19,10 @@ constexpr double light_caution = 1.5;
 constexpr double path_caution = 0.7;
 /// What a ray takes that meets nothing, of all that a vertex takes.
 constexpr double miss_cost = 0.5;
+/// What a shadow ray takes, of all that a vertex takes.
+constexpr double shadow_cost = 0.2;
+/// So many light samples are taken to arrive. By what arrived in each cube those were missed that do where few do.
+constexpr double arriving = 0.25;
 constexpr double most_need = 1e30;
 
 /// Calls f(record, how many of its path's come after it, square of its pixel's brightness) for all of a part.
@@ -33,14 +37,16 @@ void for_records(const PathsMet::Part& part, std::size_t samples, const F& f)
     }
 }
 
-/// By cube: sums of the squares of what light samples brought, beside the brightness of pixels, and their number.
+/// By cube: sums of the squares of what light samples brought, beside the brightness of pixels, of one over the squares
+/// of that brightness, and their number.
 struct LightSums {
-    std::vector<double> squares, counts;
+    std::vector<double> squares, weights, counts;
 
-    explicit LightSums(std::size_t cubes) : squares(cubes), counts(cubes) {}
+    explicit LightSums(std::size_t cubes) : squares(cubes), weights(cubes), counts(cubes) {}
     void add(const LightSums& o)
     {
-        for (std::size_t i = 0; i < squares.size(); ++i) squares[i] += o.squares[i], counts[i] += o.counts[i];
+        for (std::size_t i = 0; i < squares.size(); ++i)
+            squares[i] += o.squares[i], weights[i] += o.weights[i], counts[i] += o.counts[i];
     }
 };
 
@@ -50,10 +56,34 @@ LightSums light_sums(const PathsMet& met, const GuidingTables& tables)
     return sum_of_groups(met.parts.size(), LightSums(cubes), [&](std::size_t part, LightSums& sums) {
         for_records(met.parts[part], met.samples, [&](const GuidingRecord& r, int, double square) {
             const std::size_t cube = guiding_cube(tables, r.position);
-            if (square > 0) sums.squares[cube] += double(r.light) * double(r.light) / square;
+            if (square > 0) {
+                sums.squares[cube] += double(r.light) * double(r.light) / square;
+                sums.weights[cube] += 1 / square;
+            }
             sums.counts[cube] += 1;
         });
     });
+}
+
+/// By cube, `factor` times the root of the mean of what was summed; where little is known it is more that of all cubes.
+LargeVector<float> roots_of_means(const std::vector<double>& sums, const std::vector<double>& counts, double factor)
+{
+    double all = 0, count = 0;
+    for (double x : sums) all += x;
+    for (double n : counts) count += n;
+    const double mean = all / std::max(count, 1.0);
+    LargeVector<float> roots(sums.size());
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        const double own = (sums[i] + samples_of_mean * mean) / (counts[i] + samples_of_mean);
+        roots[i] = float(std::min(factor * std::sqrt(own), most_need));
+    }
+    return roots;
+}
+
+/// The vertices of a path over its noise and the share of a vertex that something takes.
+double time_over_noise(const PathsMet& met, double cost)
+{
+    return met.variance > 0 ? met.vertices / (cost * met.variance) : 0;
 }
 
 /// By region, of paths that went on: sums of the squares of what they brought, beside the brightness of their pixels,
@@ -91,16 +121,15 @@ PathSums path_sums(const PathsMet& met, const GuidingTables& tables)
 void set_light_needs(const PathsMet& met, GuidingTables& tables)
 {
     const LightSums sums = light_sums(met, tables);
-    double all = 0, count = 0;
-    for (double x : sums.squares) all += x;
-    for (double n : sums.counts) count += n;
-    const double mean = all / std::max(count, 1.0);
-    const double scale = met.variance > 0 ? met.vertices / (light_cost * met.variance) : 0;
-    tables.light_needs.resize(sums.counts.size());
-    for (std::size_t i = 0; i < sums.counts.size(); ++i) {
-        const double square = (sums.squares[i] + samples_of_mean * mean) / (sums.counts[i] + samples_of_mean);
-        tables.light_needs[i] = float(std::min(light_caution * std::sqrt(square * scale), most_need));
-    }
+    const double factor = light_caution * std::sqrt(time_over_noise(met, light_cost));
+    tables.light_needs = roots_of_means(sums.squares, sums.counts, factor);
+}
+
+void set_shadow_needs(const PathsMet& met, GuidingTables& tables)
+{
+    const LightSums sums = light_sums(met, tables);
+    const double factor = std::sqrt(arriving * time_over_noise(met, shadow_cost));
+    tables.shadow_needs = roots_of_means(sums.weights, sums.counts, factor);
 }
 
 void set_path_needs(const PathsMet& met, GuidingTables& tables)

@@ -27,6 +27,8 @@ struct PathsMet {
 
 /// Sets the tables' light_needs.
 void set_light_needs(const PathsMet& met, GuidingTables& tables);
+/// Sets the tables' shadow_needs.
+void set_shadow_needs(const PathsMet& met, GuidingTables& tables);
 /// Sets the tables' path_needs.
 void set_path_needs(const PathsMet& met, GuidingTables& tables);
 

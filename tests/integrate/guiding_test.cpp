@@ -178,6 +178,34 @@ TEST(Guiding, SamplesLightsEverywhereWhereTheyArrive)
     EXPECT_EQ(light_share(scene, guided()), 1);
 }
 
+/// Of the lights that are sampled, the share for which a shadow ray is traced.
+double shadow_share(const SceneDescription& description, const RenderSettings& settings)
+{
+    const RenderCosts costs = costs_of(description, settings, 64);
+    return double(costs.rays[std::size_t(RayKind::shadow)]) / double(costs.light_samples);
+}
+
+/// Far from a lamp it brings little; rays that are left out are made up for by those that are traced. The same below a
+/// sky, which is seen by rays that arrive alone.
+TEST(Guiding, TracesShadowRaysThatAreWorthIt)
+{
+    SceneBuilder lit = upstairs(grey(0.7f), 2, 2), open;
+    const int wall = open.material(grey(0.7f));
+    open.add(Rectangle{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}}, wall);
+    open.add(Rectangle{{-2, 3, -2}, {4, 0, 0}, {0, 0, 4}}, wall);
+    open.add(Rectangle{{-2, 0, -2}, {4, 0, 0}, {0, 3, 0}}, wall);
+    open.add(Rectangle{{-2, 0, 2}, {0, 0, -4}, {0, 3, 0}}, wall);
+    for (int i = 0; i < 100; ++i) open.add(Sphere{{1.5 - 0.02 * i, 0.3, 1}, 0.02, {}}, wall);
+    open.scene.environment.kind = EnvironmentKind::sky;
+    open.camera({1.8, 1.2, -1.8}, {-0.8, 0.6, 0.8}, 70);
+    for (const SceneBuilder* b : {&lit, &open}) {
+        const char* const what = b == &lit ? "lamp" : "sky";
+        expect_in_use(b->scene, guided(), what);
+        EXPECT_LT(shadow_share(b->scene, guided()), 0.9 * shadow_share(b->scene, small_picture())) << what;
+        expect_same_mean(render_film(b->scene, guided(), 2048), render_film(b->scene, small_picture(), 4096), what);
+    }
+}
+
 /// In a closed room whose walls glow by 1 and reflect half there is a radiance of 2 everywhere.
 TEST(Guiding, KeepsTheRadianceOfAClosedRoom)
 {

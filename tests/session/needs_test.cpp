@@ -119,6 +119,21 @@ TEST(LightNeeds, AreFinite)
     EXPECT_FLOAT_EQ(need(some, 1e-300, 1e-6), 1e30f);
 }
 
+/// Over what a sample brings: by how bright the pixels are that see the cube.
+TEST(ShadowNeeds, GoByTheBrightnessOfThePixels)
+{
+    const GuidingRecords part = part_of({{surface(0.5f, 2), surface(1.5f, 0)}, {surface(0.2f, 4), surface(0.1f, 0)}});
+    const double squares[] = {4, 0.25};
+    GuidingTables t = row_of_cubes(3);
+    set_shadow_needs(met_of(part, squares, 1, 3, 2), t);
+    // 1 / 4 + 2 * 4 in the first cube, 1 / 4 in the second; 8.5 / 4 in the mean, which counts as 32 samples. A shadow
+    // ray takes a fifth of a vertex, and a quarter are taken to arrive: 0.25 * 3 / (2 * 0.2) = 1.875.
+    ASSERT_EQ(t.shadow_needs.size(), 3u);
+    EXPECT_FLOAT_EQ(t.shadow_needs[0], float(std::sqrt((8.25 + 68) / 35.0 * 1.875)));
+    EXPECT_FLOAT_EQ(t.shadow_needs[1], float(std::sqrt((0.25 + 68) / 33.0 * 1.875)));
+    EXPECT_FLOAT_EQ(t.shadow_needs[2], float(std::sqrt(8.5 / 4 * 1.875)));
+}
+
 /// A surface from which a path went on.
 GuidingRecord passed(float x, std::uint16_t side, float value)
 {

@@ -131,6 +131,7 @@ private:
             s.radiance = select(environment, radiance, s.radiance);
             s.is_delta = s.is_delta & !environment;
             s.sees_environment = environment & Mask(leaves_environment_);
+            s.likely = select(s.sees_environment, e.likely, Float(1));
         }
         const Mask curve = curves(light, valid);
         Float along(0.f);

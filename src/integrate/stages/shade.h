@@ -246,6 +246,7 @@ private:
         if (scene_.has_absorption && !scene_.sees_through)
             add = add * transmittance(extinction_of(scene_, *paths_, i, media.current(), lit), s.distance);
         lit &= any_positive(add);
+        if (guidance.is_on()) leave_to_chance(guidance, mean(add) * s.likely, key, seed, add, lit);
         if (none(lit)) return;
         counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
         const Ray ray = shadow_ray(at, eye, s, time);
@@ -263,6 +264,16 @@ private:
         counters_.costs.clear_shadow_rays += std::uint64_t(count(clear));
         if (settings_.clamp_indirect > 0) add = clamped(i, add, clear);
         p.radiance.store(i, p.radiance.load(i) + select(clear, add, Spectrum(Float(0))), valid);
+    }
+
+    /// Traces shadow rays with the chance that they are worth: of the lanes of lit those stay that are to be traced,
+    /// which bring as much more. brings: how much they do if they arrive, about.
+    static void leave_to_chance(const Guidance& guidance, Float brings, const SampleKey& key, UInt seed,
+                                Spectrum& light, Mask& lit)
+    {
+        const Float chance = guidance.shadow_chance(brings, lit);
+        lit &= sample_hash(key, pair_seed(seed, pair_shadow_chance)) < chance;
+        light = light * (Float(1) / chance);
     }
 
     /// See indirect_clamp.h: light that reaches this surface straight, and has come by those before it too.
