@@ -162,6 +162,7 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
                     1, 1e-3);
     }
 
+    tables.environment.even_luminance = 0.5f, tables.environment.sampled_luminance = 3;
     // Where samples fall: in cells of the image.
     std::vector<double> observed(120), expected(120);
     test::Random random;
@@ -171,8 +172,9 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
         const Float other = environment_pdf(tables, s.wi);
         const Spectrum sampled = environment_radiance(tables, s, Mask(true)),
                        seen = environment_radiance(tables, s.wi, Mask(true));
-        float x[3][lanes], product[lanes], radiance[lanes], again[lanes];
+        float x[3][lanes], product[lanes], radiance[lanes], again[lanes], likely[lanes], inverse[lanes];
         store(x[0], s.wi.x), store(x[1], s.wi.y), store(x[2], s.wi.z);
+        store(likely, s.likely * s.inverse_pdf), store(inverse, s.inverse_pdf);
         store(product, other * s.inverse_pdf), store(radiance, sampled.c[2]), store(again, seen.c[2]);
         for (int i = 0; i < lanes; ++i) {
             const Vec3d d = turn.vector({x[0][i], x[1][i], x[2][i]});
@@ -187,6 +189,7 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
             ++compared;
             ASSERT_NEAR(product[i], 1, rounding);
             ASSERT_NEAR(radiance[i], again[i], rounding);
+            ASSERT_NEAR(likely[i], 0.5 * inverse[i] + 3, 1e-5 * (0.5 * inverse[i] + 3));
         }
     }
     for (std::size_t y = 0; y < 10; ++y)
