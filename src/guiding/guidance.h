@@ -1,9 +1,8 @@
 #pragma once
-#include <bit>
-
 #include "guiding/records.h"
 #include "math/elementary.h"
 #include "math/vec3.h"
+#include "sampling/inversion.h"
 #include "sampling/sobol.h"
 
 namespace fathom::inline FATHOM_LANES {
@@ -106,13 +105,15 @@ public:
         return clamp(gather(tables_->shadow_needs.data(), cube_, m) * brings, Float(least), Float(1));
     }
 
-    /// A direction by the histogram, for the lanes of m.
-    Vec3 sample(Sample2 u, Mask m) const
+    /// A direction by the histogram.
+    Vec3 sample(Sample2 u) const
     {
-        const BinPlace place = find_bin(u.x, m);
-        const Float within =
-            clamp((u.x - place.begin) / max(place.end - place.begin, Float(1e-20f)), Float(0), Float(1 - 0x1p-24f));
-        const Float band = to_float(place.bin >> band_shift), sector = to_float(place.bin & UInt(guiding_sectors - 1));
+        const float* values = tables_->histograms.data();
+        const UInt first = region_ * UInt(guiding_stride);
+        const UInt bin = find_interval(values, first, guiding_bins, u.x);
+        const Float begin = gather(values, first + bin), end = gather(values + 1, first + bin);
+        const Float within = clamp((u.x - begin) / max(end - begin, Float(1e-20f)), Float(0), Float(1 - 0x1p-24f));
+        const Float band = to_float(bin >> band_shift), sector = to_float(bin & UInt(guiding_sectors - 1));
         const Float z = fma(band + u.y, Float(2.f / guiding_bands), Float(-1));
         const SinCos turn = sincos_2pi((sector + within) * Float(1.f / guiding_sectors));
         const Float r = sqrt(max(fma(-z, z, Float(1)), Float(0)));
@@ -132,36 +133,6 @@ public:
 private:
     static constexpr int band_shift = 4;
     static_assert(guiding_sectors == 1u << band_shift);
-
-    struct BinPlace {
-        UInt bin;
-        Float begin, end;
-    };
-    /// The bins that hold x. Lane by lane, since a band's sectors lie side by side: compared at once, they take a third
-    /// of the time that gathers take, halving by halving.
-    BinPlace find_bin(Float x, Mask m) const
-    {
-        float xs[lanes], begin[lanes] = {}, end[lanes] = {};
-        std::uint32_t regions[lanes], bins[lanes] = {};
-        store(xs, x), store(regions, region_);
-        for_each_active(m, [&](int k) {
-            const float* const values = tables_->histograms.data() + std::size_t(regions[k]) * guiding_stride;
-            const std::uint32_t bin = bin_of(values, xs[k]);
-            bins[k] = bin, begin[k] = values[bin], end[k] = values[bin + 1];
-        });
-        return {load(bins), load(begin), load(end)};
-    }
-    /// The last bin of a cumulative histogram that begins at x or before.
-    static std::uint32_t bin_of(const float* values, float x)
-    {
-        std::uint32_t first = 0;
-        for (std::uint32_t half = guiding_bins / 2; half >= guiding_sectors; half /= 2)
-            first += values[first + half] <= x ? half : 0;
-        int begun = 0;
-        for (std::uint32_t i = 0; i < guiding_sectors; i += native::lanes)
-            begun += std::popcount(native::mask_bits(native::load(values + first + i) <= native::Float(x)));
-        return first + std::uint32_t(begun) - 1;
-    }
     /// The closure keeps a third: it knows what the histogram does not, and bounds the noise where that is wrong.
     static constexpr float most_share = 0.65f;
 

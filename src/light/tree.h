@@ -44,8 +44,8 @@ struct Importance {
 
 /// What need not be asked of bounds.
 struct BoundsHints {
-    bool narrow_normals;  ///< no normal is farther than narrow_normals from the axis
-    bool wide_emission;   ///< light goes to all directions above its surface, or more
+    bool wide_emission;   ///< light goes to all directions above its surface
+    bool narrow_normals;  ///< besides, no normal is farther than narrow_normals from the axis
 };
 
 /// A bound on what lights within the bounds bring to a point: paper section 4, without the receiver's cosine.
@@ -139,7 +139,7 @@ inline LightWeights light_weights(const LightNode& n, const float (&p)[3])
     native::Float most(0.f);
     for (int i = 0; i < parts; ++i) {
         const auto read = [&](const LightNode::Column& c) { return native::load(c + i * native::lanes); };
-        seen[i] = importance<native::Mask>(LightBounds<native::Float>::of(n, read), x, y, z, {false, !n.has_narrow});
+        seen[i] = importance<native::Mask>(LightBounds<native::Float>::of(n, read), x, y, z, {!n.has_narrow, false});
         most = max(most, native::select(seen[i].reaches, seen[i].value, native::Float(0.f)));
     }
     const native::Float scale = weight_scale(native::Float(-native::least(-most)));
@@ -194,9 +194,8 @@ private:
         Float most(0.f);
         for (std::uint32_t i = 0; i < root.count; ++i) {
             const auto read = [&](const LightNode::Column& c) { return Float(c[i]); };
-            seen[i] =
-                detail::importance<Mask>(Bounds::of(root, read), p.x, p.y, p.z,
-                                         {root.sin_normals[i] < detail::narrow_normals, !(root.cos_emission[i] > 0)});
+            const bool wide = !(root.cos_emission[i] > 0), flat = wide && root.sin_normals[i] < detail::narrow_normals;
+            seen[i] = detail::importance<Mask>(Bounds::of(root, read), p.x, p.y, p.z, {wide, flat});
             most = max(most, fathom::select(seen[i].reaches, seen[i].value, Float(0.f)));
         }
         const Float scale = detail::weight_scale(most);

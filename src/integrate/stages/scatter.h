@@ -27,7 +27,7 @@ template <class Closure>
     const Mask guided = choice < share;
     const Float rest = clamp((choice - share) / (Float(1) - share), Float(0), Float(1 - 0x1p-24f));
     const BsdfSample by_bsdf = closure.sample(at.wo, random, rest);
-    const Vec3 wi = select(guided, guidance.sample(random, guided), at.frame.to_world(by_bsdf.wi));
+    const Vec3 wi = select(guided, guidance.sample(random), at.frame.to_world(by_bsdf.wi));
     const Vec3 local = select(guided, at.frame.to_local(wi), by_bsdf.wi);
     const BsdfEval e = closure.eval(at.wo, local);
     const Float pdf = guidance.pdf(wi, e.pdf), inverse_pdf = Float(1) / max(pdf, Float(1e-30f));
