@@ -86,7 +86,14 @@ struct Decoded {
     int width = 0, height = 0;
     std::vector<std::uint32_t> words;
     LargeVector<float> floats;
+    std::size_t spoilt = 0;  ///< values that were no number or infinite, and are 0
 };
+
+/// As messages name it.
+std::string name_of(const ImageFile& file)
+{
+    return file.bytes.empty() ? file.path.string() : file.name;
+}
 
 /// Reads pictures, each step with at most a part of the memory that is there.
 class Decoder {
@@ -108,12 +115,10 @@ public:
         auto* const bytes = std::get_if<ByteImage>(&picture);
         if (!bytes) return texels(std::get<Image>(picture), use);
         if (use.purpose != ImageUse::Purpose::texture || use.height_scale != 0) {
-            const ImageFile& file = scene_.images[std::size_t(use.image)];
-            const std::string name = file.bytes.empty() ? file.path.string() : file.name;
-            return texels(to_image(*bytes, name, available()), use);
+            return texels(to_image(*bytes, name_of(scene_.images[std::size_t(use.image)]), available()), use);
         }
         const TexelFormat format = use.space == ColorSpace::srgb ? TexelFormat::bytes_srgb : TexelFormat::bytes;
-        return {format, bytes->width, bytes->height, std::move(bytes->texels), {}};
+        return {format, bytes->width, bytes->height, std::move(bytes->texels), {}, 0};
     }
 
     Decoded texels(const Image& picture, const ImageUse& use) const
@@ -138,7 +143,7 @@ public:
                 return decoded;
             }
         }
-        unpack(image, decode, decoded.floats);
+        decoded.spoilt = unpack(image, decode, decoded.floats);
         return decoded;
     }
 
@@ -221,18 +226,23 @@ private:
         return true;
     }
 
-    void unpack(const Image& image, bool decode, LargeVector<float>& texels) const
+    /// How many values were no number or infinite: a single one would spoil the sums by which skies are sampled, and
+    /// make each sample black that it is part of.
+    std::size_t unpack(const Image& image, bool decode, LargeVector<float>& texels) const
     {
         const Image::Layer& layer = image.layers.front();
         const Channels places(layer);
         const std::size_t stride = layer.channels.size(), pixels = std::size_t(image.width) * std::size_t(image.height);
         check_memory(double(pixels) * 16);
         texels.resize(pixels * 4);
+        std::size_t spoilt = 0;
         for (std::size_t i = 0; i < pixels; ++i)
             for (int k = 0; k < 4; ++k) {
-                const float v = places.of(&layer.pixels[i * stride], k);
+                float v = places.of(&layer.pixels[i * stride], k);
+                if (!std::isfinite(v)) v = 0, ++spoilt;
                 texels[i * 4 + std::size_t(k)] = decode && k < 3 ? linear_from_srgb(double(v)) : v;
             }
+        return spoilt;
     }
 
     const SceneDescription& scene_;
@@ -341,6 +351,9 @@ ImageStore::ImageStore(Compiler& c)
     c.tables.texels.reserve(floats);
     for (std::size_t i = 0; i < uses.size(); ++i) {
         Decoded d = std::move(pictures[i]);  // its floats go when they are where they belong
+        c.warnings.add(fmt::format("{}: values that are no number or infinite are taken for 0",
+                                   name_of(c.scene.images[std::size_t(uses[i].image)])),
+                       d.spoilt);
         Texels& texels = texels_[uses[i]];
         texels = {d.format, c.tables.packed_images.size(), d.width, d.height};
         if (uses[i].purpose == ImageUse::Purpose::light) {

@@ -367,14 +367,16 @@ protected:
     }
     ~ImageEnvironment() override { std::filesystem::remove(file_); }
 
-    /// Black but one texel, whose channels are 1, 2 and 3 times `bright`; on top of `grey` everywhere.
-    void write(int x, int y, float bright, float grey)
+    /// Black but one texel, whose channels are 1, 2 and 3 times `bright`; on top of `grey` everywhere. first: values
+    /// that come first instead.
+    void write(int x, int y, float bright, float grey, const std::vector<float>& first = {})
     {
         Image image;
         image.width = width, image.height = height;
         image.layers.push_back({"", {"R", "G", "B"}, std::vector<float>(std::size_t(width * height * 3), grey)});
         for (int c = 0; c < 3; ++c)
             image.layers[0].pixels[std::size_t(3 * (y * width + x) + c)] += bright * float(c + 1);
+        std::copy(first.begin(), first.end(), image.layers[0].pixels.begin());
         write_image(file_, image, {});
         x_ = x, y_ = y, bright_ = double(bright), grey_ = double(grey);
     }
@@ -487,6 +489,28 @@ TEST_F(ImageEnvironment, LightsWhatIsSeenThrough)
             EXPECT_LT(error, 0.01 * by_chance.value[c]) << "the picture can tell";
         }
     }
+}
+
+/// A value that is no number would spoil all sums by which the sky is sampled.
+TEST_F(ImageEnvironment, ValuesThatAreNoNumbersAreBlack)
+{
+    write(5, 2, 20, 0.1f);
+    SceneBuilder good, bad;
+    use(good, {});
+    good.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, good.diffuse(0.5f));
+    good.camera({0, 1, 0.1}, {0, 0, 0});
+    bad = good;
+    const Mean before = mean_of(render_film(good.scene, small_picture(4, 4), 256));
+    write(5, 2, 20, 0.1f, {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()});
+    Warnings warnings;
+    const RenderJob job(Scene::compile(bad.scene, "", warnings), small_picture(4, 4));
+    Film film(job);
+    render(job, {0, 256}, film);
+    const Mean after = mean_of(film);
+    EXPECT_NEAR(after.value[0], before.value[0], 0.05 * before.value[0]);
+    const std::string message = file_.string() + ": values that are no number or infinite are taken for 0";
+    const std::map<std::string, std::size_t> expected{{message, 2}};
+    EXPECT_EQ(warnings.counts(), expected);
 }
 
 /// Sampled by luminance: next to no noise is left of a small bright sun in a dark sky.
