@@ -501,7 +501,8 @@ TEST_F(ImageEnvironment, ValuesThatAreNoNumbersAreBlack)
     good.camera({0, 1, 0.1}, {0, 0, 0});
     bad = good;
     const Mean before = mean_of(render_film(good.scene, small_picture(4, 4), 256));
-    write(5, 2, 20, 0.1f, {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()});
+    write(5, 2, 20, 0.1f,
+          {std::numeric_limits<float>::infinity(), 0.1f, 0.1f, std::numeric_limits<float>::quiet_NaN()});
     Warnings warnings;
     const RenderJob job(Scene::compile(bad.scene, "", warnings), small_picture(4, 4));
     Film film(job);
