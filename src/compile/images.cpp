@@ -89,12 +89,6 @@ struct Decoded {
     std::size_t spoilt = 0;  ///< values that were no number or infinite, and are 0
 };
 
-/// As messages name it.
-std::string name_of(const ImageFile& file)
-{
-    return file.bytes.empty() ? file.path.string() : file.name;
-}
-
 /// Reads pictures, each step with at most a part of the memory that is there.
 class Decoder {
 public:
@@ -115,7 +109,7 @@ public:
         auto* const bytes = std::get_if<ByteImage>(&picture);
         if (!bytes) return texels(std::get<Image>(picture), use);
         if (use.purpose != ImageUse::Purpose::texture || use.height_scale != 0) {
-            return texels(to_image(*bytes, name_of(scene_.images[std::size_t(use.image)]), available()), use);
+            return texels(to_image(*bytes, name_of(scene_, use.image), available()), use);
         }
         const TexelFormat format = use.space == ColorSpace::srgb ? TexelFormat::bytes_srgb : TexelFormat::bytes;
         return {format, bytes->width, bytes->height, std::move(bytes->texels), {}, 0};
@@ -330,6 +324,12 @@ Decoded decode_alone(const Compiler& c, const ImageUse& use)
 
 }  // namespace
 
+std::string name_of(const SceneDescription& scene, int image)
+{
+    const ImageFile& file = scene.images[std::size_t(image)];
+    return file.bytes.empty() ? file.path.string() : file.name;
+}
+
 ImageStore::ImageStore(Compiler& c)
 {
     for (int code = 0; code < 256; ++code) c.tables.linear_of_srgb[std::size_t(code)] = linear_from_srgb(code / 255.0);
@@ -351,9 +351,9 @@ ImageStore::ImageStore(Compiler& c)
     c.tables.texels.reserve(floats);
     for (std::size_t i = 0; i < uses.size(); ++i) {
         Decoded d = std::move(pictures[i]);  // its floats go when they are where they belong
-        c.warnings.add(fmt::format("{}: values that are no number or infinite are taken for 0",
-                                   name_of(c.scene.images[std::size_t(uses[i].image)])),
-                       d.spoilt);
+        c.warnings.add(
+            fmt::format("{}: values that are no number or infinite are taken for 0", name_of(c.scene, uses[i].image)),
+            d.spoilt);
         Texels& texels = texels_[uses[i]];
         texels = {d.format, c.tables.packed_images.size(), d.width, d.height};
         if (uses[i].purpose == ImageUse::Purpose::light) {

@@ -2,6 +2,7 @@
 #include <compare>
 #include <cstdint>
 #include <map>
+#include <string>
 
 #include "compile/compiler.h"
 #include "compile/cube_map.h"
@@ -18,6 +19,9 @@ struct ImageUse {
 
     friend auto operator<=>(const ImageUse&, const ImageUse&) = default;
 };
+
+/// An image file, as messages name it.
+std::string name_of(const SceneDescription& scene, int image);
 
 /// The texels of image files, among the tables. Each file is read once for each way to decode it; one that can't be
 /// read is grey, with a warning.

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "compile/compiler.h"
+#include "compile/images.h"
 #include "compile/luminance.h"
 #include "fathom/error.h"
 #include "image/ies.h"
@@ -19,12 +20,6 @@ constexpr double pi = std::numbers::pi, degree = pi / 180;
 constexpr std::size_t most_texels = std::size_t(1) << 29;
 /// A spot's picture is not stretched farther than this tangent, though its cone be half of all directions.
 constexpr double largest_tangent = 1e4;
-
-std::string name_of(const SceneDescription& scene, int image)
-{
-    const ImageFile& file = scene.images[std::size_t(image)];
-    return file.bytes.empty() ? file.path.string() : file.name;
-}
 
 /// Room for so many texels behind the others; the number of the first.
 std::uint32_t add_texels(Compiler& c, std::size_t texels, const std::string& name)

@@ -19,12 +19,12 @@ public:
     /// by what the environment sends along the ray.
     [[gnu::always_inline]] void push(const Ray& ray, const Spectrum& light, UInt path, Mask sees_environment, Mask m)
     {
-        push_marked(ray, light, select(sees_environment, path | UInt(environment_mark), path), m);
+        append(ray, light, marked(path, sees_environment), m);
     }
     /// The same in scenes that are seen through. media: where the rays begin.
     void push(const Ray& ray, const Spectrum& light, const MediumStack& media, UInt path, Mask sees_environment, Mask m)
     {
-        push_on(ray, light, media, select(sees_environment, path | UInt(environment_mark), path), UInt(0u), m);
+        push_on(ray, light, media, marked(path, sees_environment), UInt(0u), m);
     }
 
     /// Traces all, and adds what those that nothing blocks bring to the radiance of their paths, whose bounces count
@@ -35,7 +35,7 @@ public:
         const bool clamp = settings.clamp_indirect > 0;
         if (scene.sees_through) return trace_through(scene, paths, settings, clock);
         scene.bvh.occluded(rays(scene, size_), blocked_.data, false);
-        if (scene.sees_environment) see_environment_unless_blocked(scene);
+        if (scene.tables.environment.light != no_index) see_environment_unless_blocked(scene);
         std::size_t clear = 0;
         for (std::size_t k = 0; k < size_; ++k) {
             if (blocked_[k]) continue;
@@ -51,7 +51,7 @@ private:
     /// On the number of a path whose ray sees the environment if nothing blocks it.
     static constexpr std::uint32_t environment_mark = 1u << 31;
 
-    [[gnu::always_inline]] void push_marked(const Ray& ray, const Spectrum& light, UInt path, Mask m)
+    [[gnu::always_inline]] void append(const Ray& ray, const Spectrum& light, UInt path, Mask m)
     {
         origin_.append(size_, ray.o, m), direction_.append(size_, ray.d, m);
         t_max_.append(size_, ray.t_max, m), time_.append(size_, ray.time, m);
@@ -76,7 +76,7 @@ private:
     {
         bounces_.append(size_, bounces, m);
         media_.low.append(size_, media.low(), m), media_.high.append(size_, media.high(), m);
-        push_marked(ray, light, path, m);
+        append(ray, light, path, m);
     }
 
     /// Of the rays that nothing blocks, which are few within rooms, side by side.
@@ -101,6 +101,10 @@ private:
         for_each_active(m, [&](int lane) {
             for (int c = 0; c < channels; ++c) radiance_.c[c][at[lane]] *= values[c][lane];
         });
+    }
+    static UInt marked(UInt path, Mask sees_environment)
+    {
+        return select(sees_environment, path | UInt(environment_mark), path);
     }
     static Mask is_marked(UInt path) { return (path & UInt(environment_mark)) != UInt(0u); }
 
