@@ -60,6 +60,13 @@ public:
         dropped = 0;
     }
 
+    /// Brings a pixel's sums into the cache.
+    void fetch(std::uint32_t pixel) const
+    {
+        const char* const sums = reinterpret_cast<const char*>(&fast_[pixel]);
+        __builtin_prefetch(sums), __builtin_prefetch(sums + sizeof(Fast) - 1);
+    }
+
     /// Adds one sample's radiance and its square. NaN and infinity are dropped and counted.
     void add(std::uint32_t pixel, std::uint32_t sample, float r, float g, float b)
     {

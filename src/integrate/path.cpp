@@ -193,7 +193,10 @@ private:
         for (std::size_t i = 0; i < emitting; i += lanes) add_emission(i, first_lanes(emitting - i));
         for (std::size_t i = 0; i < missing; i += lanes) add_environment(i, first_lanes(missing - i));
         clock_.enter(RenderStage::film);
-        for (std::size_t i = 0; i < finished; ++i) finish(finished_[i]);
+        for (std::size_t i = 0; i < finished; ++i) {
+            fetch_sums(finished_[std::min(i + fetched_ahead, finished - 1)]);
+            finish(finished_[i]);
+        }
         clock_.enter(RenderStage::sort);
         // Where there are no textures, nothing is won by an order of the materials.
         const std::size_t packed = scene_.textured ? pack_by_material(active) : pack_by_kind(active);
@@ -290,6 +293,10 @@ private:
 
     // ------------------------------------------------------------------------------------------- end
 
+    /// So many paths earlier the film's sums are fetched.
+    static constexpr std::size_t fetched_ahead = 8;
+    void fetch_sums(std::size_t i) const { sums_.fetch(PathPool::pixel_of(paths_->state[i])); }
+
     /// Hands a path's radiance to the film.
     void finish(std::size_t i)
     {
@@ -309,6 +316,7 @@ private:
             list(first_lanes(active - i) & ((p.state.load(i) & UInt(PathPool::dead)) != UInt(0u)), i, finished_, dead);
         while (dead > 0) {
             const std::size_t i = finished_[--dead];
+            fetch_sums(finished_[dead - std::min(dead, fetched_ahead)]);
             finish(i);
             --active;
             if (i == active) continue;

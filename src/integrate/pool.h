@@ -8,7 +8,7 @@
 namespace fathom::inline FATHOM_LANES {
 
 /// So many paths are under way at once in a thread.
-inline constexpr std::size_t pool_capacity = 512;
+inline constexpr std::size_t pool_capacity = 2048;
 /// Columns have room behind for stores of whole registers.
 inline constexpr std::size_t pool_padded = pool_capacity + 32;
 
