@@ -23,8 +23,4 @@ void check_sun(const SunOptions& options);
 /// Towards the sun. Of a place and a date: +x is east there, -z north.
 Vec3d direction_to_sun(const SunOptions& options);
 
-/// Elevation and azimuth (clockwise from north), degrees, to 0.01: J. Meeus, Astronomical Algorithms, 1998, chapters
-/// 12, 13 and 25, the low accuracy; air, which lifts the sun at the horizon by half a degree, is left out.
-std::pair<double, double> sun_position(double latitude_deg, double longitude_deg, double julian_day);
-
 }  // namespace fathom::cli

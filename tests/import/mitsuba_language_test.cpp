@@ -78,11 +78,11 @@ TEST_F(Mitsuba, WhatNobodyReadsIsTold)
 {
     read(
         R"(<shape type="sphere"><float name="radious" value="1"/><bsdf type="diffuse"><float name="gloss" value="1"/></bsdf></shape>
-<shape type="torus"/><bsdf type="phong" id="p"/><shape type="disk"><ref id="p"/></shape><emitter type="directionalarea"/><volume type="x"/>)");
+<shape type="torus"/><bsdf type="irawan" id="p"/><shape type="disk"><ref id="p"/></shape><emitter type="directionalarea"/><volume type="x"/>)");
     EXPECT_TRUE(is_told("'radious' of shape 'sphere' is ignored"));
     EXPECT_TRUE(is_told("'gloss' of bsdf 'diffuse' is ignored"));
     EXPECT_TRUE(is_told("shape 'torus': is not known"));
-    EXPECT_TRUE(is_told("bsdf 'phong' ('p'): is not known: grey diffuse"));
+    EXPECT_TRUE(is_told("bsdf 'irawan' ('p'): is not known: grey diffuse"));
     EXPECT_TRUE(is_told("emitter 'directionalarea': is not known"));
     EXPECT_TRUE(is_told("volume 'x': is ignored"));
 }
@@ -223,15 +223,6 @@ TEST_F(Mitsuba, Settings)
     EXPECT_EQ(filter(R"(<rfilter type="tent"><float name="radius" value="1.5"/></rfilter>)"), "tent 1.50");
     EXPECT_EQ(filter(R"(<rfilter type="gaussian"><float name="stddev" value="0.25"/></rfilter>)"), "gaussian 1.00");
     EXPECT_EQ(filter(R"(<rfilter type="mitchell"/>)"), "blackman-harris 0.00");
-}
-
-TEST_F(Mitsuba, OldNames)
-{
-    const SceneDescription scene =
-        load("a.xml", R"(<scene version="0.6.0"><sensor type="perspective"><string name="fovAxis" value="y"/>
-<float name="fov" value="50"/><transform name="toWorld"><lookAt origin="0,0,5" target="0,0,0" up="0,1,0"/></transform></sensor></scene>)");
-    EXPECT_NEAR(camera_of(scene).fov_y, 50 * degree, 1e-12);
-    expect_near(camera_of(scene).position, {0, 0, 5});
 }
 
 }  // namespace

@@ -127,6 +127,17 @@ TEST_F(Mitsuba, EnvironmentMaps)
     EXPECT_EQ(scene.environment.color.g, 2);
 }
 
+/// As Mitsuba 3.9.1 has it, to 0.2 degrees: +x is south there, +y west, +z up.
+TEST_F(Mitsuba, SunOfADate)
+{
+    const auto sun = [&](const std::string& inside) {
+        const SceneDescription scene = read("<emitter type=\"sky\">" + inside + "</emitter>");
+        return scene.environment.world_from_environment.vector(scene.environment.to_sun);
+    };
+    expect_near(sun(""), {0.0513854, 0.691748, 0.720308}, 4e-3);
+    expect_near(sun(R"(<float name="hour" value="9"/>)"), {0.0956952, -0.614786, 0.782867}, 4e-3);
+}
+
 /// The sun's irradiance as Mitsuba's pictures of a plane have it, between the heights and turbidities of the table.
 TEST_F(Mitsuba, SunOfSunsky)
 {

@@ -10,6 +10,7 @@
 #include "fathom/error.h"
 #include "import/common/read_file.h"
 #include "import/common/suggest.h"
+#include "import/mitsuba/old_names.h"
 
 namespace fathom::mitsuba {
 
@@ -21,20 +22,6 @@ constexpr int deepest_element = 100, deepest_include = 15;
 constexpr std::size_t most_elements = 50'000'000;
 
 const std::string none;
-
-/// "toWorld" is "to_world" since version 2.
-std::string snake_case(std::string_view name)
-{
-    std::string result;
-    for (char c : name) {
-        if (c >= 'A' && c <= 'Z') {
-            if (!result.empty()) result += '_';
-            c = char(c - 'A' + 'a');
-        }
-        result += c;
-    }
-    return result;
-}
 
 class DocumentReader {
 public:
@@ -118,15 +105,11 @@ private:
             element->fail(fmt::format("elements are nested more than {} deep", deepest_element));
         for (const pugi::xml_attribute attribute : node.attributes())
             element->attributes[attribute.name()] = substituted(attribute.value(), *element);
-        if (source.old_names) {
-            if (element->tag == "lookAt") element->tag = "lookat";
-            if (const auto name = element->attributes.find("name"); name != element->attributes.end())
-                name->second = snake_case(name->second);
-        }
         if (element->tag == "default") return set_default(*element);
         if (element->tag == "path") return add_folder(*element);
         if (element->tag == "include") return include(parent, *element, includes);
         for (const pugi::xml_node child : node.children()) read_node(*element, child, source, depth + 1, includes);
+        if (source.old_names) upgrade(*element);
         if (element->tag == "alias") aliases_.emplace_back(element->attribute("as"), element.get());
         parent.children.push_back(std::move(element));
     }

@@ -7,6 +7,7 @@
 
 #include "import/common/read_file.h"
 #include "import/mitsuba/reader.h"
+#include "import/mitsuba/sun_of_date.h"
 #include "import/mitsuba/sun_table.h"
 
 namespace fathom::mitsuba {
@@ -204,9 +205,13 @@ void Reader::read_sky(Object& emitter)
     y_up.m = {{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}}};
     const Transform world = rotation_of(emitter.transform("to_world")), world_from_sky = world * y_up.inverse();
     const auto said = emitter.vector("sun_direction");
-    if (!said) tell(emitter.element(), "where a date and a place put the sun is not computed: give a 'sun_direction'");
-    // The direction is one of the world, whichever way the sky is turned.
-    const Vec3d to_sun = normalize(said ? world.inverse().vector(*said) : Vec3d{0.5, 0, 0.7});
+    const SunAngles sun = sun_of_date(
+        emitter.element(), [&](std::string_view name, double otherwise) { return emitter.number(name, otherwise); });
+    // +x is south there, and +y west.
+    const double flat = std::cos(sun.elevation);
+    const Vec3d of_date{-std::cos(sun.azimuth) * flat, -std::sin(sun.azimuth) * flat, std::sin(sun.elevation)};
+    // A direction that is said is one of the world, whichever way the sky is turned.
+    const Vec3d to_sun = normalize(said ? world.inverse().vector(*said) : of_date);
     const double turbidity = std::clamp(emitter.number("turbidity", 3), 1.0, 10.0),
                  elevation_deg = std::asin(std::clamp(to_sun.z, 0.0, 1.0)) / degree;
     if (emitter.type() != "sun") {
@@ -219,12 +224,12 @@ void Reader::read_sky(Object& emitter)
         environment.color = scaled({1, 1, 1}, emitter.number("sky_scale", 1));
     }
     if (emitter.type() != "sky" && to_sun.z > 0) {
-        Light sun;
-        sun.name = "sun";
-        sun.kind = LightKind::directional;
-        sun.angle = emitter.number("sun_aperture", 0.5358) * degree;
-        sun.intensity = scaled(sun_at(turbidity, elevation_deg), emitter.number("sun_scale", 1));
-        add_light(sun, towards(world.vector(-to_sun)));
+        Light light;
+        light.name = "sun";
+        light.kind = LightKind::directional;
+        light.angle = emitter.number("sun_aperture", 0.5358) * degree;
+        light.intensity = scaled(sun_at(turbidity, elevation_deg), emitter.number("sun_scale", 1));
+        add_light(light, towards(world.vector(-to_sun)));
     }
     emitter.ignore({"turbidity", "albedo", "sun_aperture", "sun_scale", "sky_scale", "complex_sun"});
 }

@@ -72,8 +72,13 @@ int Reader::material(const Element& bsdf)
     known[&bsdf] = -1;
     Material read = read_bsdf(bsdf);
     if (read.name.empty()) read.name = bsdf.attribute("id");
-    scene_.materials.push_back(std::move(read));
-    return known[&bsdf] = int(scene_.materials.size()) - 1;
+    return known[&bsdf] = add_material(std::move(read));
+}
+
+int Reader::add_material(Material material)
+{
+    scene_.materials.push_back(std::move(material));
+    return int(scene_.materials.size()) - 1;
 }
 
 Material Reader::read_bsdf(const Element& element)
@@ -98,6 +103,11 @@ Material Reader::read_bsdf(const Element& element)
                                                                      {"bumpmap", &Reader::bumps},
                                                                      {"normalmap", &Reader::bumps},
                                                                      {"blendbsdf", &Reader::blend},
+                                                                     {"mixturebsdf", &Reader::mixture},
+                                                                     {"phong", &Reader::phong},
+                                                                     {"ward", &Reader::phong},
+                                                                     {"roughdiffuse", &Reader::rough_diffuse},
+                                                                     {"difftrans", &Reader::diffuse_transmitter},
                                                                      {"twosided", &Reader::two_sided}};
     Material result;
     if (type == "null") {
@@ -106,6 +116,9 @@ Material Reader::read_bsdf(const Element& element)
         result.alpha.value = 0;
     } else if (const auto found = readers.find(type); found != readers.end()) {
         result = (this->*found->second)(bsdf);
+    } else if (!bsdf.children("bsdf").empty()) {
+        tell(element, "is not known: what is in it is taken alone");
+        return read_nested(bsdf);
     } else {
         std::vector<std::string> names;
         for (const auto& [name, read] : readers) names.push_back(name);
@@ -156,13 +169,29 @@ void Reader::read_roughness(Object& bsdf, Material& m)
     m.roughness = alpha("alpha", 0.1f);
 }
 
-Material Reader::conductor(Object& bsdf)
+Material Reader::mirror()
 {
     Material m;
     m.kind = MaterialKind::principled;
     m.metallic = {1, -1, 0};
     m.energy_compensation = false;
     m.roughness = {0, -1, 0};
+    m.base_color = m.edge_color = {{1, 1, 1}, -1};
+    return m;
+}
+
+void Reader::tint(Material& mirror, const ColorInput& color)
+{
+    // What a coat leaves that is no boundary.
+    mirror.coat = {1, -1, 0};
+    mirror.coat_ior = 1;
+    mirror.coat_darkening = 0;
+    mirror.coat_color = color;
+}
+
+Material Reader::conductor(Object& bsdf)
+{
+    Material m = mirror();
     ConductorColors colors{{1, 1, 1}, {1, 1, 1}};
     const auto take = [&](const Conductor& conductor) {
         colors = colors_of(conductor);
@@ -181,13 +210,7 @@ Material Reader::conductor(Object& bsdf)
             tell(bsdf.element(), fmt::format("the metal '{}' is not known: a perfect mirror instead", printable(name)));
     }
     m.base_color = {colors.base, -1}, m.edge_color = {colors.edge, -1};
-    if (bsdf.has("specular_reflectance")) {
-        // What a coat leaves that is no boundary.
-        m.coat = {1, -1, 0};
-        m.coat_ior = 1;
-        m.coat_darkening = 0;
-        m.coat_color = color(bsdf, "specular_reflectance", {1, 1, 1});
-    }
+    if (bsdf.has("specular_reflectance")) tint(m, color(bsdf, "specular_reflectance", {1, 1, 1}));
     if (bsdf.type() == "roughconductor") read_roughness(bsdf, m);
     return m;
 }
@@ -430,11 +453,11 @@ int Reader::material_of_shape(Object& shape)
         if (area.type() != "area")
             tell(*emitter, fmt::format("the emitter '{}' of a shape is taken as 'area'", printable(area.type())));
         m.emission = color(area, "radiance", {1, 1, 1});
+        area.ignore({"sampling_weight"});
         area.finish(context_.warnings);
     }
     if (medium) read_interior(*medium, m);
-    scene_.materials.push_back(std::move(m));
-    return found->second = int(scene_.materials.size()) - 1;
+    return found->second = add_material(std::move(m));
 }
 
 }  // namespace fathom::mitsuba

@@ -81,6 +81,17 @@ private:
     Material bumps(Object& bsdf);
     Material two_sided(Object& bsdf);
     Material blend(Object& bsdf);
+    // old_materials.cpp: of Mitsuba 0.6
+    Material phong(Object& bsdf);
+    Material rough_diffuse(Object& bsdf);
+    Material diffuse_transmitter(Object& bsdf);
+    Material mixture(Object& bsdf);
+    ColorInput scaled_input(const ColorInput& color, float by);
+    int add_material(Material material);
+    /// Metal that reflects all.
+    static Material mirror();
+    /// What a mirror reflects gets a colour, the same at all angles.
+    static void tint(Material& mirror, const ColorInput& color);
     void read_roughness(Object& bsdf, Material& material);
     /// Of one side against the other.
     double relative_ior(Object& bsdf, double inside, double outside);

@@ -19,9 +19,9 @@ Color three(const Element& element, const std::vector<double>& v)
     return {float(v[0]), float(v[1]), float(v[2])};
 }
 
-float linear_of(int srgb)
+/// Of a value of sRGB from 0 to 1.
+float linear_of(double c)
 {
-    const double c = srgb / 255.0;
     return float(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
 }
 
@@ -34,7 +34,7 @@ Color from_hex(const Element& element, const std::string& text)
         std::sscanf(text.c_str(), "#%2x%2x%2x%c", reinterpret_cast<unsigned*>(&v[0]),
                     reinterpret_cast<unsigned*>(&v[1]), reinterpret_cast<unsigned*>(&v[2]), &rest) != 3)
         element.fail(fmt::format("expected #rrggbb, found '{}'", printable(text)));
-    return {linear_of(v[0]), linear_of(v[1]), linear_of(v[2])};
+    return {linear_of(v[0] / 255.0), linear_of(v[1] / 255.0), linear_of(v[2] / 255.0)};
 }
 
 /// "400:0.1, 500:0.5": by ascending wavelength.
@@ -70,7 +70,9 @@ std::optional<Color> Reader::color_of(const Element& element)
     if (element.tag == "float" || element.tag == "integer") return three(element, numbers_of(element, value));
     if (element.tag == "rgb" || element.tag == "srgb" || element.tag == "color") {
         if (value.starts_with('#')) return from_hex(element, value);
-        return three(element, numbers_of(element, value));
+        const Color c = three(element, numbers_of(element, value));
+        if (element.tag == "srgb") return Color{linear_of(double(c.r)), linear_of(double(c.g)), linear_of(double(c.b))};
+        return c;
     }
     if (element.tag == "spectrum") return spectrum(element);
     return std::nullopt;
