@@ -12,6 +12,7 @@ namespace fathom::cli {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
+
 /// Minutes that a time of this zone, `Z` or `+02:00`, is ahead.
 std::optional<int> parse_zone(const std::string& text)
 {

@@ -226,18 +226,11 @@ int Reader::mesh_attribute(Object& object)
         object.element().fail(fmt::format("a mesh attribute is 'vertex_...' or 'face_...', not '{}'", printable(name)));
     Texture attribute;
     attribute.kind = TextureKind::vertex_color;
-    int index = int(scene_.textures.size());
+    const int index = int(scene_.textures.size());
     scene_.textures.push_back(attribute);
     attributes_[index] = name;
-    if (const float scale = float(object.number("scale", 1)); scale != 1) {
-        Texture scaled;
-        scaled.kind = TextureKind::scale;
-        scaled.color_a = {{1, 1, 1}, index};
-        scaled.color_b = {{scale, scale, scale}, -1};
-        index = int(scene_.textures.size());
-        scene_.textures.push_back(scaled);
-    }
-    return index;
+    const float scale = float(object.number("scale", 1));
+    return scale == 1 ? index : scaled_input({{1, 1, 1}, index}, scale).texture;
 }
 
 int Reader::checkerboard(Object& object, bool data)
