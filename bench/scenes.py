@@ -27,12 +27,21 @@ def options_of(twin):
     return ["--env-rotate", "90"] if environment.get("kind") == "image" else []
 
 
+def without_avx512():
+    """Keeps all that is started from here on to AVX2 where the loader chooses, and returns what Mitsuba needs for that in its environment."""
+    os.environ["GLIBC_TUNABLES"] = "glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512BW,-AVX512CD,-AVX512DQ"
+    folder = Path(tempfile.mkdtemp())
+    library = folder / "mitsuba_avx2.so"
+    subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", str(library), str(ROOT / "bench/mitsuba_avx2.c")], check=True)
+    return {"LD_PRELOAD": str(library)}
+
+
 def compare(args, folder):
     command = [sys.executable, str(ROOT / "bench/originals.py"), "--peers", str(args.peers)] if args.originals else [
         sys.executable, str(args.peers / "clay_compare.py"), "--extra=" + " ".join(options_of(folder))]
     command += ["--fathom", str(args.fathom), "--width", str(args.width), "--spp", str(args.spp), "--rounds", str(args.rounds),
                 "--reference-spp", str(args.reference_spp), str(folder)]
-    run = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+    run = subprocess.run(command, stdout=subprocess.PIPE, text=True, env={**os.environ, **args.mitsuba_environment})
     lines = [line for line in run.stdout.splitlines() if line.startswith("{")]
     if not lines:
         sys.exit(f"{folder.name}: nothing was measured")
@@ -66,6 +75,7 @@ def main():
     parser.add_argument("--scenes", type=Path, default=ROOT / "../shared/scenes/mitsuba")
     parser.add_argument("--peers", type=Path, default=ROOT / "../shared/peers")
     parser.add_argument("--originals", action="store_true", help="the scenes as they are, instead of their twins")
+    parser.add_argument("--avx2", action="store_true", help="both programs do without AVX-512")
     parser.add_argument("--only", help="names of scenes, by commas")
     parser.add_argument("--twins", type=Path, default=Path.home() / ".cache/fathom-scenes", help="where twins are kept")
     parser.add_argument("--out", type=Path, default=Path("scenes.md"))
@@ -80,6 +90,7 @@ def main():
     names = args.only.split(",") if args.only else sorted(p.parent.name for p in args.scenes.glob("*/scene.xml"))
     if not names:
         sys.exit(f"{args.scenes} has no folders with a scene.xml: --scenes names the folder")
+    args.mitsuba_environment = without_avx512() if args.avx2 else {}
     version = subprocess.run([str(args.fathom), "version"], check=True, capture_output=True, text=True).stdout.splitlines()
     head = [f"{machine.processor()}, {os.cpu_count()} cores; {version[1].strip()}; 2 threads, {args.width} wide, {args.spp} samples, {args.rounds} rounds",
             "", "| scene | samples/s, times Mitsuba | efficiency | million samples/s | relMSE, ours / Mitsuba | means apart | ns a vertex "
