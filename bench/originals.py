@@ -62,7 +62,8 @@ def read(path):
 
 path = next(p for p in (args.folder / "scene.xml", *sorted(args.folder.glob("*.xml"))) if p.exists())
 scene, (width, height) = scene_of(path)
-picture = tempfile.mkdtemp() + "/o.exr"
+pictures = tempfile.TemporaryDirectory()
+picture = pictures.name + "/o.exr"
 
 
 def mitsuba(samples, seed):

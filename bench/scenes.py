@@ -27,11 +27,11 @@ def options_of(twin):
     return ["--env-rotate", "90"] if environment.get("kind") == "image" else []
 
 
-def without_avx512():
-    """Keeps all that is started from here on to AVX2 where the loader chooses, and returns what Mitsuba needs for that in its environment."""
+def without_avx512(folder):
+    """Keeps all that is started from here on to AVX2 where the loader chooses, and returns what Mitsuba needs for that in its environment; puts a library for
+    it into a folder."""
     os.environ["GLIBC_TUNABLES"] = "glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512BW,-AVX512CD,-AVX512DQ"
-    folder = Path(tempfile.mkdtemp())
-    library = folder / "mitsuba_avx2.so"
+    library = Path(folder) / "mitsuba_avx2.so"
     subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", str(library), str(ROOT / "bench/mitsuba_avx2.c")], check=True)
     return {"LD_PRELOAD": str(library)}
 
@@ -90,7 +90,8 @@ def main():
     names = args.only.split(",") if args.only else sorted(p.parent.name for p in args.scenes.glob("*/scene.xml"))
     if not names:
         sys.exit(f"{args.scenes} has no folders with a scene.xml: --scenes names the folder")
-    args.mitsuba_environment = without_avx512() if args.avx2 else {}
+    shim = tempfile.TemporaryDirectory()
+    args.mitsuba_environment = without_avx512(shim.name) if args.avx2 else {}
     version = subprocess.run([str(args.fathom), "version"], check=True, capture_output=True, text=True).stdout.splitlines()
     head = [f"{machine.processor()}, {os.cpu_count()} cores; {version[1].strip()}; 2 threads, {args.width} wide, {args.spp} samples, {args.rounds} rounds",
             "", "| scene | samples/s, times Mitsuba | efficiency | million samples/s | relMSE, ours / Mitsuba | means apart | ns a vertex "
