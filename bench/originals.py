@@ -30,7 +30,8 @@ import common  # noqa: E402
 
 common.enter("clay")  # goes on in an environment that has what follows
 import numpy as np  # noqa: E402
-import OpenEXR  # noqa: E402
+
+import exr  # noqa: E402
 
 mi = common.mitsuba("llvm_ad_rgb", 2)
 
@@ -54,12 +55,6 @@ def scene_of(path):
     return mi.parser.instantiate(config, state), size
 
 
-def read(path):
-    with OpenEXR.File(path) as file:
-        channels = file.channels()
-        return channels["RGB" if "RGB" in channels else "RGBA"].pixels[..., :3].astype(np.float64)
-
-
 path = next(p for p in (args.folder / "scene.xml", *sorted(args.folder.glob("*.xml"))) if p.exists())
 scene, (width, height) = scene_of(path)
 pictures = tempfile.TemporaryDirectory()
@@ -76,12 +71,7 @@ def fathom(samples, seed):
     start = time.time()
     subprocess.run([args.fathom, "render", str(path), "--spp", str(samples), "--seed", str(seed), "--size", f"{width}x{height}", "--filter", "box",
                     "--threads", "2", "-q", "-o", picture], check=True, stderr=subprocess.DEVNULL)
-    return time.time() - start, read(picture)
-
-
-def relmse(picture, reference):
-    error = ((picture - reference) ** 2 / (reference ** 2 + .01 * (reference.mean() / .12) ** 2)).ravel()
-    return np.sort(error)[:-max(1, len(error) // 1000)].mean()
+    return time.time() - start, exr.picture(picture)
 
 
 reference = fathom(args.reference_spp, 99)[1]
@@ -93,8 +83,8 @@ for r in range(args.rounds):
     ours_s, ours = fathom(args.spp + 2, 20 + r)
     rounds.append((theirs_s, theirs, ours_s - start_s, ours))
 speed = statistics.median(r[0] / r[2] for r in rounds)
-their_error = statistics.median(relmse(r[1], reference) for r in rounds)
-our_error = statistics.median(relmse(r[3], reference) for r in rounds)
+their_error = statistics.median(exr.relmse(r[1], reference) for r in rounds)
+our_error = statistics.median(exr.relmse(r[3], reference) for r in rounds)
 million = args.spp * width * height / 1e6
 print(json.dumps({
     "scene": args.folder.name, "size": [width, height], "speed": round(speed, 2), "efficiency": round(speed * their_error / our_error, 2),

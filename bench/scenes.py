@@ -111,4 +111,5 @@ def main():
     print(foot)
 
 
-main()
+if __name__ == "__main__":
+    main()
