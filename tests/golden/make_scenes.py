@@ -296,18 +296,22 @@ def hundreds_of_lamps():
     """A light tree of several levels: triangles of all directions, balls, disks, spots, points and a sun."""
     def place(i):
         return [2.6 * math.sin(2.4 * i), 0.3 + 2.4 * ((0.618 * i) % 1), 2.6 * math.cos(1.7 * i) - 0.5]
-    triangles = {"positions": [], "indices": []}
-    for i in range(140):
-        x, y, z = place(i)
-        size = 0.03 + 0.1 * ((0.37 * i) % 1)
-        triangles["indices"].append([3 * i, 3 * i + 1, 3 * i + 2])
-        for k in range(3):
-            a, b = i + 2.1 * k, 0.7 * i + 2.1 * k
-            triangles["positions"].append([round(v, 4) for v in (x + size * math.sin(a), y + size * math.cos(a), z + size * math.sin(b))])
+
+    def triangles(numbers):
+        mesh = {"positions": [], "indices": []}
+        for i in numbers:
+            x, y, z = place(i)
+            size, first = 0.03 + 0.1 * ((0.37 * i) % 1), len(mesh["positions"])
+            mesh["indices"].append([first, first + 1, first + 2])
+            for k in range(3):
+                a, b = i + 2.1 * k, 0.7 * i + 2.1 * k
+                corner = (x + size * math.sin(a), y + size * math.cos(a), z + size * math.sin(b))
+                mesh["positions"].append([round(v, 4) for v in corner])
+        return mesh
     rounded = lambda i: [round(v, 4) for v in place(i)]
     lamp = lambda i, **shape: {"material": {"kind": "none", "emission": [3 + i % 4, 4, 6 - i % 4], "emission_two_sided": i % 2 == 0}, **shape}
     write("hundreds-of-lamps", environment=None, scene=[
-        FLOOR, {**BALL, "material": {"color": 0.7}}, lamp(1, mesh=triangles), lamp(2, mesh=triangles),
+        FLOOR, {**BALL, "material": {"color": 0.7}}, lamp(1, mesh=triangles(range(70))), lamp(2, mesh=triangles(range(70, 140))),
         *(lamp(i, sphere={"center": rounded(i), "radius": 0.02 + 0.005 * (i % 5)}) for i in range(200, 220)),
         *(lamp(i, disk={"center": rounded(i), "normal": [math.sin(i), -1, 0.5], "radius": 0.05}) for i in range(300, 312))],
         lights={**{f"spot {i}": {"kind": "spot", "position": rounded(i), "direction": [math.sin(i), -1, 0.2], "intensity": 1 + i % 3,
