@@ -268,7 +268,9 @@ private:
             for (std::uint32_t i = begin; i < end; ++i) parts.push_back({i, i + 1, 0});
             return parts;
         }
-        parts.push_back(range(begin, end));
+        const std::uint32_t rest = put_strongest_first(begin, end);
+        for (std::uint32_t i = begin; i < rest; ++i) parts.push_back({i, i + 1, 0});
+        parts.push_back(range(rest, end));
         while (parts.size() < LightNode::width) {
             const auto larger = [](const Range& a, const Range& b) {
                 const auto rank = [](const Range& r) {
@@ -283,6 +285,22 @@ private:
             parts.insert(largest + 1, range(middle, last));
         }
         return parts;
+    }
+
+    /// Lights that bring more than a node's child does in the mean are children themselves, so that they need no way
+    /// down: half of the children at most. Puts them first; returns where the others begin.
+    std::uint32_t put_strongest_first(std::uint32_t begin, std::uint32_t end)
+    {
+        constexpr std::uint32_t most = LightNode::width / 2;
+        const auto first = items_.begin() + begin, last = items_.begin() + end;
+        double all = 0;
+        for (auto item = first; item != last; ++item) all += item->intensity;
+        std::partial_sort(first, first + most, last, [](const Item& a, const Item& b) {
+            return std::tuple(-a.intensity, a.light) < std::tuple(-b.intensity, b.light);
+        });
+        const auto rest =
+            std::find_if(first, first + most, [&](const Item& i) { return !(i.intensity > all / LightNode::width); });
+        return std::uint32_t(rest - items_.begin());
     }
 
     struct Split {

@@ -168,75 +168,84 @@ public:
     explicit LightTree(const LightTables& tables) : tables_(tables) {}
 
     /// The light for a number u in [0, 1) of 24 bits and more bits of chance, `noise`, in [0, 1) too.
-    Choice select(Vec3 p, Float u, Float noise, Mask m) const
+    [[gnu::noinline]] Choice select(Vec3 p, Float u, Float noise, Mask m) const
     {
-        return is_one_node() ? select_in_root(p, u) : descend(p, u, noise, m);
+        const LightNode& root = tables_.light_tree.front();
+        const RootWeights w(root, p);
+        const UInt slot = w.slot_of(u);
+        const UInt child = lookup(root.child, LightNode::width, slot);
+        const Choice c{child & UInt(~LightNode::is_light), w.share(slot)};
+        const Mask deeper = m & (child == c.light);
+        return any(deeper) ? descend(p, below_root(w, slot, u, noise), c, deeper) : c;
     }
 
     /// The probability with which select() gives the light at a place of the tree, for the lanes of m.
-    Float pmf(UInt place, Vec3 p, Mask m) const { return is_one_node() ? pmf_in_root(place, p) : climb(place, p, m); }
+    [[gnu::noinline]] Float pmf(UInt place, Vec3 p, Mask m) const
+    {
+        const RootWeights w(tables_.light_tree.front(), p);
+        const Mask deeper = m & !less(place, UInt(LightNode::width));
+        if (!any(deeper)) return w.share(place);
+        const Climb up = climb(place, p, deeper);
+        return w.share(up.slot) * up.chance;
+    }
 
 private:
-    using Bounds = detail::LightBounds<Float>;
+    /// Weights of the root's children with points as lanes: all start there, so that none waits for another.
+    class RootWeights {
+    public:
+        RootWeights(const LightNode& root, Vec3 p) : count_(root.count)
+        {
+            detail::Importance<Float, Mask> seen[LightNode::width];
+            Float most(0.f);
+            for (std::uint32_t i = 0; i < count_; ++i) {
+                const auto read = [&](const LightNode::Column& c) { return Float(c[i]); };
+                const bool wide = !(root.cos_emission[i] > 0);
+                const bool flat = wide && root.sin_normals[i] < detail::narrow_normals;
+                const auto bounds = detail::LightBounds<Float>::of(root, read);
+                seen[i] = detail::importance<Mask>(bounds, p.x, p.y, p.z, {wide, flat});
+                most = max(most, fathom::select(seen[i].reaches, seen[i].value, Float(0.f)));
+            }
+            const Float scale = detail::weight_scale(most);
+            for (std::uint32_t i = 0; i < count_; ++i)
+                total_ += weight_[i] = detail::light_weight<UInt>(seen[i], scale);
+            const Mask nothing = total_ == UInt(0u);
+            if (!any(nothing)) return;
+            for (std::uint32_t i = 0; i < count_; ++i) weight_[i] = fathom::select(nothing, UInt(1u), weight_[i]);
+            total_ = fathom::select(nothing, UInt(count_), total_);
+        }
 
-    /// Points as lanes: then a few lights cost a few steps.
-    struct RootWeights {
-        UInt weight[LightNode::width];
-        UInt total;
+        UInt total() const { return total_; }
+        /// The child within whose weight u of the total is.
+        UInt slot_of(Float u) const
+        {
+            UInt x = to_uint(u * to_float(total_));
+            x = fathom::select(less(x, total_), x, total_ - UInt(1u));
+            UInt slot(0u), up_to = weight_[0];
+            for (std::uint32_t i = 1; i < count_; ++i) {
+                slot = fathom::select(less(x, up_to), slot, UInt(i));
+                up_to += weight_[i];
+            }
+            return slot;
+        }
+        UInt weight(UInt slot) const
+        {
+            UInt weight(0u);
+            for (std::uint32_t i = 0; i < count_; ++i) weight = fathom::select(slot == UInt(i), weight_[i], weight);
+            return weight;
+        }
+        /// Of the children before one.
+        UInt before(UInt slot) const
+        {
+            UInt sum(0u);
+            for (std::uint32_t i = 0; i < count_; ++i) sum += fathom::select(less(UInt(i), slot), weight_[i], UInt(0u));
+            return sum;
+        }
+        Float share(UInt slot) const { return to_float(weight(slot)) / to_float(total_); }
+
+    private:
+        std::uint32_t count_;
+        UInt weight_[LightNode::width], total_ = UInt(0u);
     };
-
-    bool is_one_node() const { return tables_.light_tree.size() == 1; }
-
-    RootWeights root_weights(Vec3 p) const
-    {
-        const LightNode& root = tables_.light_tree.front();
-        detail::Importance<Float, Mask> seen[LightNode::width];
-        Float most(0.f);
-        for (std::uint32_t i = 0; i < root.count; ++i) {
-            const auto read = [&](const LightNode::Column& c) { return Float(c[i]); };
-            const bool wide = !(root.cos_emission[i] > 0), flat = wide && root.sin_normals[i] < detail::narrow_normals;
-            seen[i] = detail::importance<Mask>(Bounds::of(root, read), p.x, p.y, p.z, {wide, flat});
-            most = max(most, fathom::select(seen[i].reaches, seen[i].value, Float(0.f)));
-        }
-        const Float scale = detail::weight_scale(most);
-        RootWeights w;
-        w.total = UInt(0u);
-        for (std::uint32_t i = 0; i < root.count; ++i)
-            w.total += w.weight[i] = detail::light_weight<UInt>(seen[i], scale);
-        const Mask nothing = w.total == UInt(0u);
-        if (any(nothing)) {
-            for (std::uint32_t i = 0; i < root.count; ++i) w.weight[i] = fathom::select(nothing, UInt(1u), w.weight[i]);
-            w.total = fathom::select(nothing, UInt(root.count), w.total);
-        }
-        return w;
-    }
-
-    [[gnu::noinline]] Choice select_in_root(Vec3 p, Float u) const
-    {
-        const LightNode& root = tables_.light_tree.front();
-        const RootWeights w = root_weights(p);
-        UInt x = to_uint(u * to_float(w.total));
-        x = fathom::select(less(x, w.total), x, w.total - UInt(1u));
-        UInt slot(0u), weight = w.weight[0], sum = w.weight[0];
-        for (std::uint32_t i = 1; i < root.count; ++i) {
-            // The sum of those before it.
-            const Mask here = !less(x, sum);
-            slot = fathom::select(here, UInt(i), slot);
-            weight = fathom::select(here, w.weight[i], weight);
-            sum += w.weight[i];
-        }
-        return {lookup(root.child, LightNode::width, slot) & UInt(~LightNode::is_light),
-                to_float(weight) / to_float(w.total)};
-    }
-
-    [[gnu::noinline]] Float pmf_in_root(UInt slot, Vec3 p) const
-    {
-        const RootWeights w = root_weights(p);
-        UInt weight(0u);
-        for (std::uint32_t i = 0; i < tables_.light_tree.front().count; ++i)
-            weight = fathom::select(slot == UInt(i), w.weight[i], weight);
-        return to_float(weight) / to_float(w.total);
-    }
 
     struct Points {
         float x[lanes], y[lanes], z[lanes];
@@ -254,22 +263,44 @@ private:
     {
         const double at = d.x * double(w.total());
         const std::uint32_t slot = w.slot_of(std::min(std::uint32_t(at), w.total() - 1)), weight = w.weight(slot);
-        const double x = (at - double(w.before(slot))) / double(weight);
-        d = {x < 1 ? x : 1 - 0x1p-53, d.chance * (double(weight) / double(w.total())), n.child[slot]};
+        d = {within(at, w.before(slot), weight), d.chance * (double(weight) / double(w.total())), n.child[slot]};
     }
 
-    /// All lanes go down a level before one goes further, and all are weighted before one is: what one waits for does
-    /// not keep the others.
-    [[gnu::noinline]] Choice descend(Vec3 p, Float u, Float noise, Mask m) const
+    /// Where a number is within a child's weight, in [0, 1).
+    static double within(double at, std::uint32_t before, std::uint32_t weight)
+    {
+        return std::clamp((at - double(before)) / double(weight), 0.0, 1 - 0x1p-53);
+    }
+
+    struct Numbers {
+        double of[lanes];
+    };
+
+    /// What is left of u and noise once the root's child is known. 48 bits of chance: 24 are soon used up by many
+    /// lights.
+    static Numbers below_root(const RootWeights& w, UInt slot, Float u, Float noise)
+    {
+        float high[lanes], low[lanes];
+        std::uint32_t total[lanes], before[lanes], weight[lanes];
+        store(high, u), store(low, noise);
+        store(total, w.total()), store(before, w.before(slot)), store(weight, w.weight(slot));
+        Numbers x;
+        for (int k = 0; k < lanes; ++k)
+            x.of[k] = within((double(high[k]) + double(low[k]) * 0x1p-24) * double(total[k]), before[k], weight[k]);
+        return x;
+    }
+
+    /// From the root's children, which c tells with their chances. All lanes go down a level before one goes further,
+    /// and all are weighted before one is: what one waits for does not keep the others.
+    Choice descend(Vec3 p, const Numbers& x, const Choice& c, Mask m) const
     {
         const Points points(p);
-        float high[lanes], low[lanes], pmf[lanes] = {};
-        std::uint32_t light[lanes] = {};
+        float pmf[lanes];
+        std::uint32_t light[lanes];
         Descent down[lanes];
         detail::LightWeights weights[lanes];
-        store(high, u), store(low, noise);
-        // 48 bits of chance: 24 are soon used up by many lights.
-        for_each_active(m, [&](int k) { down[k] = {double(high[k]) + double(low[k]) * 0x1p-24, 1, 0}; });
+        store(light, c.light), store(pmf, c.pmf);
+        for_each_active(m, [&](int k) { down[k] = {x.of[k], double(pmf[k]), light[k]}; });
         while (any(m)) {
             std::uint32_t inner = 0;
             for_each_active(m, [&](int k) {
@@ -286,23 +317,28 @@ private:
         return {load(light), load(pmf)};
     }
 
-    [[gnu::noinline]] Float climb(UInt place, Vec3 p, Mask m) const
+    struct Climb {
+        UInt slot;     ///< of the root, below which the place is
+        Float chance;  ///< of the place, once that slot is chosen
+    };
+
+    Climb climb(UInt place, Vec3 p, Mask m) const
     {
         const Points points(p);
-        std::uint32_t places[lanes];
-        float pmf[lanes] = {};
-        store(places, place);
+        std::uint32_t at[lanes];
+        float chances[lanes];
+        store(at, place), store(chances, Float(1.f));
         for_each_active(m, [&](int k) {
             double chance = 1;
-            for (std::uint32_t at = places[k]; at != no_index;) {
-                const LightNode& n = tables_.light_tree[at / LightNode::width];
+            while (at[k] >= LightNode::width) {
+                const LightNode& n = tables_.light_tree[at[k] / LightNode::width];
                 chance *=
-                    detail::light_weights(n, {points.x[k], points.y[k], points.z[k]}).share(at % LightNode::width);
-                at = n.parent;
+                    detail::light_weights(n, {points.x[k], points.y[k], points.z[k]}).share(at[k] % LightNode::width);
+                at[k] = n.parent;
             }
-            pmf[k] = float(chance);
+            chances[k] = float(chance);
         });
-        return load(pmf);
+        return {load(at), load(chances)};
     }
 
     const LightTables& tables_;

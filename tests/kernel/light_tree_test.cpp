@@ -317,6 +317,25 @@ Lamps triangles(unsigned seed, std::uint32_t n)
     return lamps;
 }
 
+/// So that no way down is needed for what is chosen most; but half of the children are left to the others.
+TEST(LightTree, LightsThatAreStrongAreChildrenOfTheRoot)
+{
+    for (const std::uint32_t strong : {1u, 3u, 11u}) {
+        Lamps lamps = triangles(4, 300);
+        std::vector<double> powers(300, 1);
+        for (std::uint32_t i = 0; i < strong; ++i) powers[100 + i] = 5000 - i;
+        build_light_tree(lamps.tables, powers, 0, close_time);
+        std::uint32_t in_root = 0, strong_in_root = 0;
+        for (std::uint32_t i = 0; i < 300; ++i) {
+            const bool is_in_root = lamps.tables.lights[i].tree_place < LightNode::width;
+            in_root += is_in_root, strong_in_root += is_in_root && i >= 100 && i < 100 + strong;
+        }
+        EXPECT_EQ(strong_in_root, std::min(strong, LightNode::width / 2u)) << strong;
+        EXPECT_EQ(lamps.tables.light_tree[0].count, std::uint32_t(LightNode::width));
+        EXPECT_LE(in_root, LightNode::width / 2u) << strong;
+    }
+}
+
 /// The mean of what selected lights bring over their probability is what all bring together.
 TEST(LightTree, EstimatesTheSum)
 {
