@@ -155,29 +155,51 @@ TEST(LightTree, ProbabilitiesAddUpToOne)
 }
 
 /// By random numbers; and what select() says of the probability is what pmf() finds again.
+void expect_as_often_as_probable(const Lamps& lamps, const LightSelector& selector, std::uint32_t count, Vec3 p,
+                                 unsigned seed)
+{
+    test::Random random(seed);
+    constexpr int draws = 1 << 15;
+    std::vector<double> drawn(count), expected = probabilities(lamps, selector, count, p);
+    for (double& number : expected) number *= draws;
+    for (int k = 0; k < draws; k += lanes) {
+        const Float u = random.next();
+        const LightSelector::Choice c = selector.select(p, u, random.next(), Mask(true));
+        std::uint32_t light[lanes];
+        float pmf[lanes];
+        store(light, c.light), store(pmf, c.pmf);
+        for (int lane = 0; lane < lanes; ++lane) {
+            ASSERT_LT(light[lane], count);
+            drawn[light[lane]] += 1;
+            EXPECT_NEAR(draws * double(pmf[lane]) / expected[light[lane]], 1, 1e-5);
+        }
+    }
+    EXPECT_EQ(test::chi_square(drawn, expected), "") << count << " lights";
+}
+
 TEST(LightTree, SelectsAsOftenAsItsProbabilitySays)
 {
     for_each_size(100, [](const Lamps& lamps, const LightSelector& selector, std::uint32_t count, unsigned seed) {
-        Chance chance(seed);
-        test::Random random(seed);
-        const Vec3 p = as_lanes(chance.point(10));
-        constexpr int draws = 1 << 15;
-        std::vector<double> drawn(count), expected = probabilities(lamps, selector, count, p);
-        for (double& number : expected) number *= draws;
-        for (int k = 0; k < draws; k += lanes) {
-            const Float u = random.next();
-            const LightSelector::Choice c = selector.select(p, u, random.next(), Mask(true));
-            std::uint32_t light[lanes];
-            float pmf[lanes];
-            store(light, c.light), store(pmf, c.pmf);
-            for (int lane = 0; lane < lanes; ++lane) {
-                ASSERT_LT(light[lane], count);
-                drawn[light[lane]] += 1;
-                EXPECT_NEAR(draws * double(pmf[lane]) / expected[light[lane]], 1, 1e-5);
-            }
-        }
-        EXPECT_EQ(test::chi_square(drawn, expected), "") << count << " lights";
+        expect_as_often_as_probable(lamps, selector, count, as_lanes(Chance(seed).point(10)), seed);
     });
+}
+
+/// Weights are small numbers there, so that each number at the end of one counts.
+TEST(LightTree, WhereNothingReachesLightsAreSelectedAsOftenAsTheirProbabilitySays)
+{
+    for (const std::uint32_t n : {11u, 300u}) {
+        Lamps lamps(n, n, 1);
+        for (LightRecord& l : lamps.tables.lights) {
+            l = {};
+            l.kind = std::uint32_t(LightRecordKind::triangle);
+            put(l.position, Chance(unsigned(&l - lamps.tables.lights.data())).point(1));
+            put(l.normal, {0, 0, 1}), put(l.edge_u, {0.1, 0, 0}), put(l.edge_v, {0, 0.1, 0});
+            l.area = 0.005f;
+        }
+        build_light_tree(lamps.tables, std::vector<double>(n, 1), 0, 0);
+        expect_as_often_as_probable(lamps, LightSelector(lamps.tables, LightSelection::tree), n, as_lanes({0, 0, -50}),
+                                    n);
+    }
 }
 
 /// Lanes see different points, and idle ones change nothing.
