@@ -10,10 +10,10 @@ cd "$here"
 # shellcheck source=scripts/setup.sh
 source scripts/setup.sh
 
-# Address and undefined-behaviour sanitizers over everything, with asserts, at one lane. Not the window: its tests wait for
-# pictures that take too long so.
+# Address and undefined-behaviour sanitizers over everything, with asserts, at one lane. Not the window and Slurm: their tests
+# wait for pictures that take too long so.
 run_asan() {
-    build_preset asan && ctest --preset asan --parallel "$(nproc)" --label-exclude "planted|thorough" --exclude-regex '^window$'
+    build_preset asan && ctest --preset asan --parallel "$(nproc)" --label-exclude "planted|thorough" --exclude-regex '^(window|slurm)$'
 }
 
 # Thread sanitizer over what has threads: jobs, passes, films, pictures that are decoded, the build of the tree, the program's

@@ -42,6 +42,13 @@ bool is_number(const std::string& text)
     return text.find_first_not_of("0123456789") == std::string::npos;
 }
 
+std::uint64_t count_of(const ordered_json& json, const char* name)
+{
+    const ordered_json& number = json.at(name);
+    if (!number.is_number_unsigned()) throw Error("", name, fmt::format("is {}, not a whole number", number.dump()));
+    return number;
+}
+
 JobPlan plan_of(const ordered_json& json)
 {
     if (json.at("version") != plan_version)
@@ -53,8 +60,8 @@ JobPlan plan_of(const ordered_json& json)
     json.at("render_options").get_to(plan.render_options);
     json.at("picture_options").get_to(plan.picture_options);
     for (const ordered_json& output : json.at("outputs")) plan.outputs.emplace_back(std::string(output));
-    plan.parts = json.at("parts");
-    plan.samples = json.at("samples");
+    plan.parts = count_of(json, "parts");
+    plan.samples = count_of(json, "samples");
     json.at("scheduler_options").get_to(plan.scheduler_options);
     for (const ordered_json& s : json.at("submissions")) plan.submissions.push_back({s.at("array"), s.at("merge")});
     for (const Submission& s : plan.submissions)

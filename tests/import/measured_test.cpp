@@ -1,5 +1,4 @@
 #include <cmath>
-#include <cstring>
 #include <functional>
 
 #include "import/common/measured_file.h"
@@ -44,9 +43,8 @@ struct File {
             put(f.shape.size(), 2), put(std::uint64_t(f.type), 1);
             put(std::uint64_t(std::int64_t(size + data.size()) + offset_error), 8);
             for (const std::uint64_t n : f.shape) put(n, 8);
-            std::string numbers(f.values.size() * 4, '\0');
-            std::memcpy(numbers.data(), f.values.data(), numbers.size());
-            data += f.values.empty() ? f.bytes : numbers;
+            data += f.values.empty() ? f.bytes
+                                     : std::string(reinterpret_cast<const char*>(f.values.data()), f.values.size() * 4);
         }
         return header + data;
     }

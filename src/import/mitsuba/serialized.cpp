@@ -131,11 +131,12 @@ SerializedFile::SerializedFile(std::string file, std::string bytes) : file_(std:
     const std::size_t each = version == 4 ? 8 : 4;
     if (count == 0 || count > (bytes_.size() - 4) / each) fail("its list of meshes is damaged");
     const std::size_t list = bytes_.size() - 4 - count * each;
+    if (list < header_bytes) fail("its list of meshes is damaged");
     for (std::size_t i = 0; i < count; ++i) {
         const std::uint64_t offset =
             version == 4 ? at<std::uint64_t>(bytes_, list + 8 * i) : at<std::uint32_t>(bytes_, list + 4 * i);
         const std::uint64_t before = i == 0 ? 0 : offsets_.back();
-        if ((i == 0 ? offset != 0 : offset <= before) || offset + header_bytes > list ||
+        if ((i == 0 ? offset != 0 : offset <= before) || offset > list - header_bytes ||
             at<std::uint16_t>(bytes_, offset) != sign)
             fail("its list of meshes is damaged");
         offsets_.push_back(offset);

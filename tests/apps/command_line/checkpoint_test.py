@@ -269,7 +269,7 @@ class Checkpoints(CommandLine):
         def start(guiding):
             return subprocess.Popen([PROGRAM, "render", "white.json", "--size", "1920x1080", "--roulette-depth", "100",
                                      "--spp", "1000", "--threads", "1", "--guiding", guiding, "--progress", "json",
-                                     "--checkpoint", "c.exr", "-o", "a.png"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
+                                     "--checkpoint", f"{guiding}.exr", "-o", "a.png"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
 
         process = start("off")
         for line in process.stderr:
@@ -278,15 +278,14 @@ class Checkpoints(CommandLine):
         one_pass = self.processor_seconds(process)
         # What is written at the end is a part of it.
         self.assertLess(self.interrupt(process), one_pass / 2)
-        self.assertEqual(json.loads(self.ok("info", "c.exr", "--json").stdout)["samples"], [[0, 1]])
-        os.remove(self.path("c.exr"))
+        self.assertEqual(json.loads(self.ok("info", "off.exr", "--json").stdout)["samples"], [[0, 1]])
 
         process = start("on")
         while self.processor_seconds(process) < one_pass / 10:
             self.assertIsNone(process.poll())
             time.sleep(0.01)
         self.assertLess(self.interrupt(process), one_pass / 4)
-        self.assertFalse(os.path.exists(self.path("c.exr")))
+        self.assertFalse(os.path.exists(self.path("on.exr")))
 
     def test_parts(self):
         self.ok(*self.render("--spp", "11", "-o", "whole.png"))

@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import unittest
 
-from harness import DOUBLE, PROGRAM, CommandLine, run_tests
+from harness import DOUBLE, PROGRAM, CommandLine, is_sanitized, run_tests
 
 BALL = json.dumps({"fathom": 1, "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]}, "environment": {"kind": "gradient"},
                    "scene": [{"sphere": {"radius": 1}}]})
@@ -58,6 +58,8 @@ class Limits(CommandLine):
     @unittest.skipUnless(PROGRAM and os.path.exists(PROGRAM), "no program given")
     def test_the_limit_is_kept(self):
         """A film of 1,000 x 1,000 as a picture, a film, and a checkpoint: refused below what it needs, and within that otherwise."""
+        if is_sanitized():
+            self.skipTest("a sanitizer takes memory of its own")
         self.scene("ball.json", BALL)
         words = ["render", "ball.json", "--size", "1000x1000", "--spp", "2", "-o", "a.exr", "-o", "a.png", "--checkpoint", "c.exr"]
         message = self.run_program(*words, "--memory", "20M", program=PROGRAM).stderr

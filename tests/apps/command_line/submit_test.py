@@ -102,7 +102,7 @@ class Submit(CommandLine):
                 "outputs": [self.path("out.exr")], "parts": 3, "samples": 7, "scheduler_options": [], "submissions": []}
         damaged = ["", "[]", "{", '{"version": 2}', json.dumps({**plan, "parts": 0}), json.dumps({**plan, "parts": -1}),
                    json.dumps({**plan, "samples": 2}), json.dumps({**plan, "outputs": []}), json.dumps({**plan, "parts": "x"}),
-                   json.dumps({**plan, "parts": 1e30}),
+                   json.dumps({**plan, "parts": 1e30}), json.dumps({**plan, "samples": 7.5}),
                    json.dumps({**plan, "submissions": [{"array": "--me", "merge": "", "parts": []}]}), json.dumps({**plan, "samples": 1 << 40})]
         for text in damaged:
             self.scene("out.exr.parts/plan.json", text)
