@@ -20,7 +20,7 @@ run_asan() {
 # line of progress. Not the window, as above.
 run_tsan() {
     scripts/tsan_tbb.sh &&
-        build_preset tsan film_tests session_tests picture_tests geometry_tests_base fathom fathom_double &&
+        build_preset tsan film_tests session_tests picture_tests geometry_tests_base fathom fathom_double fake_oidn &&
         ctest --preset tsan --no-tests=error \
             -R '^(Film|Render|TextureDecoding|QuadLoop|Invariance|base\.BvhBuild|command_line)'
 }

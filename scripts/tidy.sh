@@ -38,7 +38,7 @@ for entry in json.load(open(os.path.join(folder, "compile_commands.json"))):
 json.dump(list(first.values()), open(os.path.join(base, "compile_commands.json"), "w"))
 print("\n".join(sorted(first)))
 PYTHON
-files=$(wc -l <"$base/files")
+files=$(grep -c . "$base/files") || { echo "no file has $name in its path"; exit 1; }
 echo "$files files"
 xargs -a "$base/files" -n 1 -P "${FATHOM_JOBS:-$(nproc)}" "$tidy" -p "$base" --quiet --warnings-as-errors='*' 2>&1 |
     ours >"$base/said" || true

@@ -13,7 +13,7 @@ FATHOM_API int available_threads();
 /// nor rendering.
 class FATHOM_API ThreadLimit {
 public:
-    /// threads  0: available_threads(). Fewer if the system does not let so many be started.
+    /// threads  0: available_threads(). Fewer if the system does not let so many, and two for other work, be started.
     explicit ThreadLimit(int threads);
     ThreadLimit(ThreadLimit&&) noexcept;
     ~ThreadLimit();

@@ -94,8 +94,9 @@ Sums sum_plane(const Texels& texels, const LightImages::Image& image, double wid
         for (int x = 0; x < image.width; ++x) {
             const double own = texels.own(x, y), product = texels.product(x, y);
             for (int k = 0; k < parts * parts; ++k) {
-                const double right = ((x * parts + k % parts + 0.5) / columns * 2 - 1) * width,
-                             up = ((y * parts + k / parts + 0.5) / rows * 2 - 1) * height;
+                const int column = x * parts + k % parts, row = y * parts + k / parts;
+                const double right = ((column + 0.5) / columns * 2 - 1) * width,
+                             up = ((row + 0.5) / rows * 2 - 1) * height;
                 const double cosine2 = 1 / (1 + right * right + up * up), cosine3 = cosine2 * std::sqrt(cosine2);
                 const double factor = flat_field ? 1 / cosine3 : 1;
                 sums.add(own * factor, product * factor, area * cosine3);

@@ -149,6 +149,7 @@ private:
         // Between keys all goes straight: what holds it at both holds it in between.
         std::vector<std::vector<CurvePoint<double>>> keys;
         const std::size_t times = shape.moving_vertices > 0 ? t_.vertex_times.size() : 1;
+        keys.reserve(times);
         for (std::size_t k = 0; k < times; ++k) keys.push_back(piece_ends(p - t_.first_curve(), shape, k));
         Vec3d center;
         for (const auto& ends : keys)

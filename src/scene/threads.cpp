@@ -2,6 +2,7 @@
 
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <mutex>
 #include <system_error>
@@ -42,12 +43,24 @@ int available_threads()
     return usable_cores("/");
 }
 
+namespace {
+
+/// As many as can be started beside those of the program itself: one that shows progress, one that writes checkpoints.
+/// TBB starts its own when there is work, and it is an error where one can't be started then.
+int pool_threads(int wanted)
+{
+    constexpr int others = 2;
+    return std::max(1, startable_threads(wanted + others) - others);
+}
+
+}  // namespace
+
 struct ThreadLimit::Control {
     tbb::global_control control;
 };
 
 ThreadLimit::ThreadLimit(int threads)
-    : threads_(startable_threads(threads > 0 ? threads : available_threads())),
+    : threads_(pool_threads(threads > 0 ? threads : available_threads())),
       control_(new Control{{tbb::global_control::max_allowed_parallelism, std::size_t(threads_)}})
 {
 }

@@ -15,9 +15,6 @@ class Checkpoints(CommandLine):
     def render(self, *arguments):
         return ["render", "box.json", "--size", "9x7", *arguments]
 
-    def read(self, name):
-        return Path(self.path(name)).read_bytes()
-
     def sums(self, name):
         info = json.loads(self.ok("info", name, "--json").stdout)
         return info["samples"], info["noise"], info["dropped_samples"], info["settings"]

@@ -105,7 +105,7 @@ class Files(CommandLine):
 
     def test_without_proc(self):
         if is_sanitized():
-            self.skipTest("AddressSanitizer needs /proc")
+            self.skipTest("a sanitizer needs /proc")
         script = 'mount -t tmpfs none /proc && exec "$@"'
         rights = [] if os.geteuid() == 0 else ["--user", "--map-root-user"]
         command = ["unshare", *rights, "--mount", "sh", "-c", script, "sh"]

@@ -16,10 +16,19 @@ DOUBLE, PROGRAM, FAKE_OIDN = ([os.path.abspath(path) for path in sys.argv[1:4]] 
 WITHOUT_LEAK_CHECK = {**os.environ, "ASAN_OPTIONS": "detect_leaks=0"}
 
 
-def is_sanitized():
-    """AddressSanitizer reads its options, and much else, from /proc."""
+def has_symbol(name):
     with open(DOUBLE, "rb") as file:
-        return b"__asan_init" in file.read()
+        return name in file.read()
+
+
+def is_thread_sanitized():
+    """The thread sanitizer has a thread of its own."""
+    return has_symbol(b"__tsan_init")
+
+
+def is_sanitized():
+    """A sanitizer needs /proc, and memory of its own."""
+    return is_thread_sanitized() or has_symbol(b"__asan_init")
 
 
 def run_tests():
@@ -46,6 +55,10 @@ class CommandLine(unittest.TestCase):
 
     def path(self, name):
         return os.path.join(self.folder, name)
+
+    def read(self, name):
+        with open(self.path(name), "rb") as file:
+            return file.read()
 
     def run_program(self, *arguments, program=None, **options):
         return subprocess.run([program or DOUBLE, *arguments], cwd=self.folder, capture_output=True, text=True,

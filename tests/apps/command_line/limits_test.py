@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import unittest
 
-from harness import DOUBLE, PROGRAM, CommandLine, is_sanitized, run_tests
+from harness import DOUBLE, PROGRAM, CommandLine, is_sanitized, is_thread_sanitized, run_tests
 
 BALL = json.dumps({"fathom": 1, "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]}, "environment": {"kind": "gradient"},
                    "scene": [{"sphere": {"radius": 1}}]})
@@ -84,7 +84,7 @@ class Limits(CommandLine):
         core = str(min(os.sched_getaffinity(0)))
         process = self.started("taskset", "-c", core, PROGRAM, "render", "ball.json", "--size", "400x300", "--spp", "1000000",
                                "--progress", "json")
-        self.assertEqual(len(os.listdir(f"/proc/{process.pid}/task")), 1)
+        self.assertEqual(len(os.listdir(f"/proc/{process.pid}/task")), 1 + is_thread_sanitized())
 
 
 if __name__ == "__main__":

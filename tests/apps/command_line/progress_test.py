@@ -12,7 +12,7 @@ import subprocess
 import termios
 import time
 
-from harness import CommandLine, DOUBLE, PROGRAM, WITHOUT_LEAK_CHECK, png_size, run_tests
+from harness import CommandLine, DOUBLE, PROGRAM, WITHOUT_LEAK_CHECK, is_thread_sanitized, png_size, run_tests
 
 
 class Running(CommandLine):
@@ -170,23 +170,25 @@ class Running(CommandLine):
         self.scene("sphere.json", '{"fathom": 1, "scene": [{"sphere": {"radius": 1}}]}')
         os.chmod(self.folder, 0o777)
 
-        def become_nobody():
+        def become_nobody(processes):
             os.setgid(54321)
-            resource.setrlimit(resource.RLIMIT_NPROC, (3, 3))
+            resource.setrlimit(resource.RLIMIT_NPROC, (processes, processes))
             os.setuid(54321)
 
-        probe = self.run_program("version", program=PROGRAM, preexec_fn=become_nobody)
+        probe = self.run_program("version", program=PROGRAM, preexec_fn=lambda: become_nobody(3))
         if probe.returncode != 0:
             self.skipTest("another user can't run the program here")
-        result = self.run_program("render", "sphere.json", "--spp", "4", "--size", "64x64", "--threads", "16", "-o",
-                                  "a.exr", "-o", "a.png", program=PROGRAM, preexec_fn=become_nobody,
-                                  env=WITHOUT_LEAK_CHECK)
-        self.assertEqual(result.returncode, 0, result.stderr)
-        # The thread sanitizer has one thread of its own.
-        self.assertRegex(result.stderr, "only [23] of 16 threads can be started here")
-        self.ok("render", "sphere.json", "--spp", "4", "--size", "64x64", "-o", "b.png", program=PROGRAM)
-        with open(self.path("a.png"), "rb") as one, open(self.path("b.png"), "rb") as other:
-            self.assertEqual(one.read(), other.read())
+        render = ["render", "sphere.json", "--spp", "4", "--size", "64x64"]
+        self.ok(*render, "-o", "alone.exr", "-o", "alone.png", program=PROGRAM)
+        # One of those that can be started shows progress, and one writes checkpoints.
+        for processes, told in (2, 1), (3, 1), (6, 4):
+            for more in [], ["--progress", "json"], ["--checkpoint", "c.exr", "--every", "0.001s"]:
+                result = self.run_program(*render, "--threads", "16", "-o", "a.exr", "-o", "a.png", *more, program=PROGRAM,
+                                          preexec_fn=lambda: become_nobody(processes + is_thread_sanitized()),
+                                          env=WITHOUT_LEAK_CHECK)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertIn(f"only {told} of 16 threads can be started here", result.stderr)
+                self.assertEqual(self.read("a.png"), self.read("alone.png"))
 
 
 if __name__ == "__main__":
