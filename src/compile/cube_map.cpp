@@ -73,8 +73,9 @@ LargeVector<float> equirectangular(const std::array<CubeFace, 6>& faces)
         for (int x = 0; x < width; ++x) {
             std::array<double, 3> sum{};
             for (int i = 0; i < places * places; ++i) {
-                const auto [sin_theta, cos_theta] = rows[std::size_t(y * places + i / places)];
-                const auto [sin_phi, cos_phi] = columns[std::size_t(x * places + i % places)];
+                const int row = y * places + i / places, column = x * places + i % places;
+                const auto [sin_theta, cos_theta] = rows[std::size_t(row)];
+                const auto [sin_phi, cos_phi] = columns[std::size_t(column)];
                 const float* texel = texel_at(faces, {sin_theta * cos_phi, cos_theta, sin_theta * sin_phi});
                 for (std::size_t c = 0; c < 3; ++c)
                     sum[c] += double(texel[c]) / std::max(double(texel[3]), least_alpha);

@@ -70,8 +70,9 @@ LargeVector<float> equirectangular_from_equal_area(const CubeFace& square)
         for (int x = 0; x < width; ++x) {
             std::array<double, 3> sum{};
             for (int i = 0; i < places * places; ++i) {
-                const double theta = (y + (i / places + 0.5) / places) / height * std::numbers::pi,
-                             phi = ((x + (i % places + 0.5) / places) / width * 2 - 1) * std::numbers::pi;
+                const int row = i / places, column = i % places;
+                const double theta = (y + (row + 0.5) / places) / height * std::numbers::pi,
+                             phi = ((x + (column + 0.5) / places) / width * 2 - 1) * std::numbers::pi;
                 const Vec3d d{std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
                 const std::array<double, 3> value = looked_up(square, d);
                 for (std::size_t c = 0; c < 3; ++c) sum[c] += value[c];

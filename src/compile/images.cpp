@@ -159,7 +159,7 @@ private:
         image.height = picture.height;
         image.is_linear = picture.is_linear;
         image.layers = {picture.layers.front()};
-        convert(image.layers[0], conversion(*picture.chromaticities, rec709_chromaticities));
+        convert(image.layers[0], conversion(picture.chromaticities.value(), rec709_chromaticities));
         return image;
     }
 

@@ -225,9 +225,11 @@ double Sky::transmittance(const Depths& depths, double wavelength)
 
 Sky::Sky(const Vec3d& to_sun) : to_sun_(normalize(to_sun))
 {
-    table_.resize(std::size_t(table_heights * table_cosines));
-    tbb::parallel_for(0, table_heights * table_cosines, [&](int k) {
-        table_[std::size_t(k)] = depths_to_space(table_height(k / table_cosines), table_cosine(k % table_cosines));
+    constexpr int places = table_heights * table_cosines;
+    table_.resize(places);
+    tbb::parallel_for(0, places, [&](int place) {
+        const int height = place / table_cosines, cosine = place % table_cosines;
+        table_[std::size_t(place)] = depths_to_space(table_height(height), table_cosine(cosine));
     });
     make_multiple();
     // Irradiance of the ground: that of the sun, and of the sky by a sum over the upper half.
@@ -309,19 +311,21 @@ void Sky::make_multiple()
     constexpr int cosines = 8, turns = 8;
     constexpr double share = 1.0 / (cosines * turns);
     const double elevation = std::asin(std::clamp(to_sun_.y, -1.0, 1.0));
-    multiple_.resize(std::size_t(multiple_heights * multiple_elevations * bands));
-    tbb::parallel_for(0, multiple_heights * multiple_elevations, [&](int place) {
-        const double t = double(place / multiple_elevations) / (multiple_heights - 1);
-        const double e =
-            elevation + (2.0 * (place % multiple_elevations) / (multiple_elevations - 1) - 1) * elevations_around;
+    constexpr int places = multiple_heights * multiple_elevations;
+    multiple_.resize(std::size_t(places) * bands);
+    tbb::parallel_for(0, places, [&](int place) {
+        const int height = place / multiple_elevations, angle = place % multiple_elevations;
+        const double t = double(height) / (multiple_heights - 1);
+        const double e = elevation + (2.0 * angle / (multiple_elevations - 1) - 1) * elevations_around;
         const Vec3d sun{std::abs(std::cos(e)), std::sin(e), 0};
         Orders sum{std::vector<double>(bands), std::vector<double>(bands)};
         for (int k = 0; k < cosines * turns; ++k) {
-            const double y = 2 * (k / turns + 0.5) / cosines - 1;
-            const double phi = 2 * std::numbers::pi * (k % turns + 0.5) / turns;
+            const int cosine = k / turns, turn = k % turns;
+            const double y = 2 * (cosine + 0.5) / cosines - 1;
+            const double phi = 2 * std::numbers::pi * (turn + 0.5) / turns;
             add_second_order(air_height * t * t, sun, std::sqrt(1 - y * y) * std::cos(phi), y, sum);
         }
-        double* const multiple = &multiple_[std::size_t(place * bands)];
+        double* const multiple = &multiple_[std::size_t(place) * bands];
         for (std::size_t b = 0; b < bands; ++b) multiple[b] = sum.second[b] * share / (1 - sum.further[b] * share);
     });
 }

@@ -176,7 +176,8 @@ Packing::Packing(const Film::Data& film)
     std::vector<const PackedNumber*> negative;
     for (PackedNumber& number : numbers_) {
         Wide set = 0;
-        for (int i = 0; i < number.words; ++i) set |= Wide(words[std::size_t(number.word + i)]) << (32 * i);
+        for (int i = 0; i < number.words; ++i)
+            set |= Wide(words[std::size_t(number.word) + std::size_t(i)]) << (32 * i);
         if (set == 0) continue;
         number.first = lowest_byte(set);
         // A sum's highest bit is its sign; numbers without one may fill their bytes.
@@ -205,8 +206,8 @@ Packing::Packing(const FilmLayout& layout, const std::string& text)
         return value;
     };
     const auto expect = [&](char separator) {
-        if (at == end || *at++ != separator)
-            throw Error("", "", "its sums are packed in no way that this version knows");
+        if (at == end || *at != separator) throw Error("", "", "its sums are packed in no way that this version knows");
+        ++at;
     };
     for (PackedNumber& number : numbers_) {
         if (&number != &numbers_.front()) expect(',');

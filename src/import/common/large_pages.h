@@ -2,7 +2,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace fathom {
@@ -13,11 +13,11 @@ template <class T>
 void reserve_large(std::vector<T>& values, std::size_t count)
 {
     values.reserve(count);
-    const auto page = std::uintptr_t(sysconf(_SC_PAGESIZE));
-    const auto begin = (reinterpret_cast<std::uintptr_t>(values.data()) + page - 1) / page * page;
-    const auto end = reinterpret_cast<std::uintptr_t>(values.data() + count) / page * page;
+    void* begin = values.data();
+    std::size_t bytes = count * sizeof(T);
+    if (!std::align(std::size_t(sysconf(_SC_PAGESIZE)), std::size_t(4) << 20, begin, bytes)) return;
     // Advice: whether it is taken does not matter.
-    if (end > begin + (std::uintptr_t(4) << 20)) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+    madvise(begin, bytes, MADV_HUGEPAGE);
 }
 
 }  // namespace fathom

@@ -8,7 +8,7 @@ namespace fathom {
 
 namespace {
 
-constexpr double first_nm = 360, last_nm = 830, step_nm = 1;
+constexpr int first_nm = 360, last_nm = 830;
 constexpr double planck = 6.62607015e-34, light_speed = 299792458, boltzmann = 1.380649e-23;
 
 double lobe(double x, double mean, double low, double high)
@@ -65,7 +65,7 @@ template <class Value, class White>
 Color integrated(const Value& value, const White& white)
 {
     double sum[3] = {}, whole = 0;
-    for (double nm = first_nm; nm <= last_nm; nm += step_nm) {
+    for (int nm = first_nm; nm <= last_nm; ++nm) {
         const std::array<double, 3> xyz = matching(nm);
         const double v = value(nm);
         for (std::size_t i = 0; i < 3; ++i) sum[i] += v * xyz[i];

@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <ranges>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,14 @@ std::string suggest(std::string_view word, const std::vector<std::string>& candi
 
 /// "; did you mean 'color'?", or the candidates if few and none is near, or nothing.
 std::string suggestion(std::string_view word, const std::vector<std::string>& candidates);
+
+/// The same, among the names of a map.
+template <class Map>
+std::string suggestion_of(std::string_view word, const Map& by_name)
+{
+    const auto names = std::views::keys(by_name);
+    return suggestion(word, std::vector<std::string>(names.begin(), names.end()));
+}
 
 /// Number of the one that is named or numbered so; nothing if there is none.
 std::optional<std::size_t> find_choice(std::string_view wanted, const std::vector<std::string>& names);

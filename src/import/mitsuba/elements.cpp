@@ -212,10 +212,8 @@ const Element& Document::find(const Element& reference) const
 {
     const auto found = by_id.find(reference.attribute("id"));
     if (found != by_id.end()) return *found->second;
-    std::vector<std::string> ids;
-    for (const auto& [id, element] : by_id) ids.push_back(id);
     reference.fail(fmt::format("there is nothing with the id '{}'{}", printable(reference.attribute("id")),
-                               suggestion(reference.attribute("id"), ids)));
+                               suggestion_of(reference.attribute("id"), by_id)));
 }
 
 std::filesystem::path Document::locate(const std::string& path, LoadContext& context) const

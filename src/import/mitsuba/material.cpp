@@ -120,9 +120,7 @@ Material Reader::read_bsdf(const Element& element)
         tell(element, "is not known: what is in it is taken alone");
         return read_nested(bsdf);
     } else {
-        std::vector<std::string> names;
-        for (const auto& [name, read] : readers) names.push_back(name);
-        tell(element, fmt::format("is not known: grey diffuse instead{}", suggestion(type, names)));
+        tell(element, fmt::format("is not known: grey diffuse instead{}", suggestion_of(type, readers)));
         result.base_color = {{0.5f, 0.5f, 0.5f}, -1};
         return result;
     }

@@ -114,7 +114,7 @@ void Reader::read_film(const Element& element)
 /// The part of the film that is the picture.
 void Reader::read_crop(Object& film)
 {
-    film_width_ = *scene_.hints.width, film_height_ = *scene_.hints.height;
+    film_width_ = scene_.hints.width.value(), film_height_ = scene_.hints.height.value();
     const int x = film.integer("crop_offset_x", 0), y = film.integer("crop_offset_y", 0),
               width = film.integer("crop_width", film_width_ - x),
               height = film.integer("crop_height", film_height_ - y);

@@ -149,8 +149,9 @@ private:
     void read_points(std::string_view rest)
     {
         auto& [at, line] = event_line_;
-        line += std::size_t(std::count(at, rest.data(), '\n'));
-        at = rest.data();
+        const char* const begin = rest.data();
+        line += std::size_t(std::count(at, begin, '\n'));
+        at = begin;
         TextScanner scan(name_, rest, line);
         for (std::string_view word = scan.word(); !word.empty() && word[0] != '#'; word = scan.word())
             cloud_.push_back(positions_[index(scan, word, so_far_.positions, "vertex")]);

@@ -110,7 +110,10 @@ private:
         if (*p == '/') {
             ++p;
             if (*p != '/' && !ends_word(*p) && !integer(p, corner.uv)) return false;
-            if (*p == '/' && !ends_word(*++p) && !integer(p, corner.normal)) return false;
+            if (*p == '/') {
+                ++p;
+                if (!ends_word(*p) && !integer(p, corner.normal)) return false;
+            }
         }
         return ends_word(*p);
     }

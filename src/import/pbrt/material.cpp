@@ -423,10 +423,8 @@ const Parameters* Reader::state_material(const Place& place)
     if (state_.named_material.empty()) return state_.material.get();
     const auto found = named_materials_.find(state_.named_material);
     if (found != named_materials_.end()) return found->second.get();
-    std::vector<std::string> names;
-    for (const auto& [name, plugin] : named_materials_) names.push_back(name);
     place.fail(fmt::format("there is no material '{}'{}", printable(state_.named_material),
-                           suggestion(state_.named_material, names)));
+                           suggestion_of(state_.named_material, named_materials_)));
 }
 
 }  // namespace fathom::pbrt

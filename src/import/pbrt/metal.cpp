@@ -18,8 +18,9 @@ Color reflectance(const std::vector<SpectrumPoint>& eta, const std::vector<Spect
                   double cosine)
 {
     std::vector<SpectrumPoint> points;
-    for (double nm = 360; nm <= 830; nm += 5)
-        points.push_back({nm, conductor_reflectance(cosine, value_at(eta, nm) / outside, value_at(k, nm) / outside)});
+    for (int nm = 360; nm <= 830; nm += 5)
+        points.push_back(
+            {double(nm), conductor_reflectance(cosine, value_at(eta, nm) / outside, value_at(k, nm) / outside)});
     return color_of_surface(points);
 }
 
