@@ -97,7 +97,7 @@ TreeBuild build_that_pays(const RenderOptions& o, const LoadedScene& loaded, con
 /// Whether the picture is to be denoised, which rank 0 decides: it has the denoiser.
 bool all_denoise(bool own, Ranks* ranks)
 {
-    return ranks ? ranks->agree(own ? "denoised" : "").size() > 0 : own;
+    return ranks ? !ranks->agree(own ? "denoised" : "").empty() : own;
 }
 
 /// What options and scene say together; told is what was added to the scene.

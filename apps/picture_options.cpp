@@ -165,7 +165,7 @@ std::optional<fs::path> write_elsewhere(const fs::path& file, const Write& write
 {
     std::error_code error;
     for (const fs::path& folder : {fs::current_path(error), fs::temp_directory_path(error)}) {
-        const fs::path other = folder / file.filename();
+        fs::path other = folder / file.filename();
         if (folder.empty() || fs::exists(other, error) ||
             fs::equivalent(folder, fs::absolute(file).parent_path(), error))
             continue;

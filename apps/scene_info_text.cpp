@@ -79,6 +79,7 @@ void print_materials(const ordered_json& materials)
     std::map<std::string, std::size_t> kinds;
     for (const auto& material : materials) ++kinds[material["kind"]];
     std::vector<std::string> sums;
+    sums.reserve(kinds.size());
     for (const auto& [kind, times] : kinds) sums.push_back(fmt::format("{} {}", times, kind));
     if (materials.empty()) return;
     std::vector<std::string> rows;

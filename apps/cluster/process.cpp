@@ -96,6 +96,7 @@ ProcessResult run_process(const std::vector<std::string>& words, const std::stri
     posix_spawn_file_actions_adddup2(&actions, out.end[1], STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, err.end[1], STDERR_FILENO);
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
     pid_t child = 0;

@@ -23,7 +23,7 @@ std::string library_name()
     int length = 0;
     if (MPI_Get_library_version(text, &length) != MPI_SUCCESS) return "MPI";
     const std::string said(text, std::size_t(length));
-    const std::string line = said.substr(0, said.find_first_of(",\n"));
+    std::string line = said.substr(0, said.find_first_of(",\n"));
     // "Open MPI v4.1.4", "MPICH Version:\t4.0.2"
     const std::size_t digit = line.find_first_of("0123456789");
     if (digit == std::string::npos) return line;
@@ -32,7 +32,6 @@ std::string library_name()
         if (const std::size_t at = name.rfind(word); at != std::string::npos) name.erase(at);
     name.erase(name.find_last_not_of(" \t:") + 1);
     return name + ' ' + line.substr(digit);
-    return name;
 }
 
 class MpiGroup final : public Group {

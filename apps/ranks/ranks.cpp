@@ -235,15 +235,14 @@ void Ranks::take(Message message)
     {
         const std::lock_guard lock(mutex_);
         const auto found = handlers_.find(message.kind);
-        if (found == handlers_.end())
+        if (found == handlers_.end()) {
             inbox_.push_back(std::move(message));
-        else
-            handler = found->second;
+            arrived_.notify_all();
+            return;
+        }
+        handler = found->second;
     }
-    if (handler)
-        handler(message.from, message.body);
-    else
-        arrived_.notify_all();
+    handler(message.from, message.body);
 }
 
 void Ranks::take_messages()

@@ -33,7 +33,7 @@ bool shares_film_of_picture(View view)
 }  // namespace
 
 Renderer::Renderer(Scene scene, const RenderSettings& settings, std::uint64_t samples, const DisplayScale& scale,
-                   std::optional<Denoiser> denoiser)
+                   const std::optional<Denoiser>& denoiser)
     : scene_(std::move(scene)), settings_(settings), samples_(samples), denoised_(denoiser, settings.threads)
 {
     request_.denoise = work_.denoise = denoiser.has_value();

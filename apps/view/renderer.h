@@ -46,7 +46,7 @@ public:
     /// samples   a pixel, after which nothing more is done until something changes
     /// denoiser  of the picture from the start; none: not before it is asked for
     Renderer(Scene scene, const RenderSettings& settings, std::uint64_t samples, const DisplayScale& scale,
-             std::optional<Denoiser> denoiser);
+             const std::optional<Denoiser>& denoiser);
     ~Renderer();
     Renderer(const Renderer&) = delete;
     Renderer& operator=(const Renderer&) = delete;

@@ -140,9 +140,11 @@ private:
         const double x = u * (t.width - 1), y = v * (t.height - 1);
         double sum = 0;
         for (int j = 0; j < t.height; ++j)
-            for (int i = 0; i < t.width; ++i)
+            for (int i = 0; i < t.width; ++i) {
+                const int place = (int(slice) * t.height + j) * t.width + i;
                 sum += std::max(0.0, 1 - std::abs(x - i)) * std::max(0.0, 1 - std::abs(y - j)) *
-                       double(t.values[std::size_t((int(slice) * t.height + j) * t.width + i)]);
+                       double(t.values[std::size_t(place)]);
+            }
         return sum;
     }
     /// Simpson's rule in each of the cells, in which f is linear.
