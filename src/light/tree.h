@@ -220,10 +220,10 @@ private:
         {
             UInt x = to_uint(u * to_float(total_));
             x = fathom::select(less(x, total_), x, total_ - UInt(1u));
-            UInt slot(0u), up_to = weight_[0];
+            UInt slot(0u), up_to(0u);
             for (std::uint32_t i = 1; i < count_; ++i) {
+                up_to += weight_[i - 1];
                 slot = fathom::select(less(x, up_to), slot, UInt(i));
-                up_to += weight_[i];
             }
             return slot;
         }

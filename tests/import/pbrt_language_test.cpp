@@ -71,7 +71,7 @@ Shape "sphere" Shape "sphere" "float radius" 5)");
 TEST_F(Pbrt, CompressedScenesAreRead)
 {
     const std::string text = "WorldBegin Shape \"sphere\" \"float radius\" [ 4 ]";
-    const gzFile file = gzopen((folder_ / "a.pbrt.gz").c_str(), "wb");
+    gzFile file = gzopen((folder_ / "a.pbrt.gz").c_str(), "wb");
     gzwrite(file, text.data(), unsigned(text.size()));
     gzclose(file);
     const SceneDescription scene = load_scene(folder_ / "a.pbrt.gz", {}, warnings_);

@@ -140,13 +140,16 @@ TEST(LayerForms, DisneysNumbersHaveTextures)
 }
 TEST(LayerForms, ColoursHaveTextures)
 {
-    const std::pair<std::string, ColorInput Material::*> colors[] = {
-        {"specular_color", &Material::specular_color},
-        {"edge_color", &Material::edge_color},
-        {"transmission_color", &Material::transmission_color},
-        {"diffuse_transmission_color", &Material::diffuse_transmission_color},
-        {"coat_color", &Material::coat_color},
-        {"sheen_color", &Material::sheen_color}};
+    struct Named {
+        std::string name;
+        ColorInput Material::* member;
+    };
+    const Named colors[] = {{"specular_color", &Material::specular_color},
+                            {"edge_color", &Material::edge_color},
+                            {"transmission_color", &Material::transmission_color},
+                            {"diffuse_transmission_color", &Material::diffuse_transmission_color},
+                            {"coat_color", &Material::coat_color},
+                            {"sheen_color", &Material::sheen_color}};
     for (const auto& [name, member] : colors) {
         Shown shown;
         const bool is_beyond = name.find("transmission") != std::string::npos;

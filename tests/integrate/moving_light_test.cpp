@@ -228,7 +228,7 @@ TEST(MovingLights, HaveLessNoiseThanWhatIsFoundByChance)
     const std::size_t count = forms(nullptr).size();
     for (std::size_t kind = 0; kind <= count; ++kind)
         for (int way = 1; way < 4; ++way) {
-            double error[2], value[2];
+            double error[2] = {}, value[2] = {};
             for (const bool light_sampling : {true, false}) {
                 Floor floor;
                 floor.samples = 256;
