@@ -185,7 +185,8 @@ build_preset() {
         cmake --preset "$preset" >&2 || fail "CMake could not configure build/$preset (see above)"
     fi
     say "building build/$preset, $jobs at a time"
-    cmake --build --preset "$preset" --parallel "$jobs" ${1:+--target "$@"} >&2 || fail "the build failed (see above)"
+    # In C, as in tests/planted: ccache keeps what compilers say in each language apart.
+    LC_ALL=C cmake --build --preset "$preset" --parallel "$jobs" ${1:+--target "$@"} >&2 || fail "the build failed (see above)"
 }
 
 if [ "${BASH_SOURCE[0]}" = "$0" ]; then

@@ -116,7 +116,7 @@ class Workshop:
 
     def __init__(self, isa, jobs):
         self.jobs = jobs
-        # At the same place in the tree as other builds: so ccache finds what they have compiled.
+        # At the same place in the tree as other builds, and in C as in scripts/setup.sh: so ccache finds what they have compiled.
         self.tree, self.build = PLACE / "tree", PLACE / "tree" / "build" / isa
         self.environment = {**os.environ, "CCACHE_BASEDIR": str(self.tree), "LC_ALL": "C"}
         isas = "base" if isa == "base" else f"base;{isa}"
