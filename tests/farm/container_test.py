@@ -54,8 +54,8 @@ class Container(unittest.TestCase):
             def run(*words):
                 result = subprocess.run(["unshare", "--mount", "--pid", "--fork", "sh", "-c", script, "sh", *words], capture_output=True, text=True)
                 return result.returncode, result.stdout + result.stderr
-            code, text = run("/usr/local/bin/fathom", "render", "/work/scene.json", "--size", "40x30", "--spp", "4",
-                             *[word for kind in ("exr", "png", "jpg", "webp", "avif", "hdr") for word in ("-o", f"/work/a.{kind}")])
+            code, text = run("/usr/local/bin/fathom", "render", "work/scene.json", "--size", "40x30", "--spp", "4",
+                             *[word for kind in ("exr", "png", "jpg", "webp", "avif", "hdr") for word in ("-o", f"work/a.{kind}")])
             self.assertEqual(code, 0, text)
             self.assertEqual((root / "work" / "a.exr").stat().st_uid, USER)
             if shutil.which("busybox"):
