@@ -3,6 +3,7 @@
 /// are in the frame of the shading normal.
 #include "math/elementary.h"
 #include "sampling/warp.h"
+#include "shading/dielectric_albedo_table.h"
 #include "shading/ggx_albedo_table.h"
 #include "shading/spectrum.h"
 
@@ -175,25 +176,49 @@ inline Float schlick_weight(Float cosine)
     return m2 * m2 * m;
 }
 
-/// A table of albedos of the size of ggx_albedo_table.h.
-inline Float albedo_lookup(const float* table, Float cosine, Float roughness, UInt first = UInt(0))
+/// Bilinear interpolation in a table of rows. x, y: column and row from 0 to 1, clamped; first: index of the first
+/// entry.
+template <int columns, int rows>
+inline Float table_lookup(const float* table, Float x, Float y, UInt first)
 {
-    constexpr int n = ggx_albedo_size;
-    const Float x = clamp(cosine, Float(0), Float(1)) * Float(n - 1),
-                y = clamp(roughness, Float(0), Float(1)) * Float(n - 1);
-    const Float x0 = min(floor(x), Float(n - 2)), y0 = min(floor(y), Float(n - 2));
+    x = clamp(x, Float(0), Float(1)) * Float(columns - 1), y = clamp(y, Float(0), Float(1)) * Float(rows - 1);
+    const Float x0 = min(floor(x), Float(columns - 2)), y0 = min(floor(y), Float(rows - 2));
     const Float fx = x - x0, fy = y - y0;
-    const UInt index = to_uint(y0) * UInt(n) + to_uint(x0) + first;
+    const UInt index = to_uint(y0) * UInt(columns) + to_uint(x0) + first;
     const auto at = [&](std::uint32_t offset) { return gather(table, index + UInt(offset)); };
-    const Float a = at(0), b = at(1), c = at(n), d = at(n + 1);
+    const Float a = at(0), b = at(1), c = at(columns), d = at(columns + 1);
     const Float top = fma(fx, b - a, a), bottom = fma(fx, d - c, c);
     return fma(fy, bottom - top, top);
+}
+
+/// Looks up a table of albedos that has the size of ggx_albedo_table.h.
+inline Float albedo_lookup(const float* table, Float cosine, Float roughness, UInt first = UInt(0))
+{
+    return table_lookup<ggx_albedo_size, ggx_albedo_size>(table, cosine, roughness, first);
 }
 
 /// The share of light that GGX facets give back in one bounce.
 inline Float ggx_albedo(Float cosine, Float roughness)
 {
     return albedo_lookup(ggx_albedo_table, cosine, roughness);
+}
+
+/// The share of light that a rough dielectric boundary reflects or refracts in one scattering event (GGX facets). Its
+/// inverse compensates for multiple scattering between the facets: Turquin 2019, "Practical multiple scattering
+/// compensation for microfacet models".
+///
+/// eta  index beyond the boundary over index before it; above 6.2 and below 1/6.2 the value of that index
+inline Float dielectric_albedo(Float cosine, Float roughness, Float eta)
+{
+    constexpr int size = dielectric_albedo_size, slices = dielectric_albedo_indices;
+    const Float z = (eta - Float(1)) / (eta + Float(1));
+    const Float axis = flip_sign(sqrt(abs(z)), z);
+    const Float unit = clamp(fma(axis, Float(0.5f / dielectric_albedo_max_axis), Float(0.5f)), Float(0), Float(1));
+    const Float slice = unit * Float(slices - 1), lower = min(floor(slice), Float(slices - 2));
+    const UInt first = to_uint(lower) * UInt(size * size);
+    const Float a = table_lookup<size, size>(dielectric_albedo_table, cosine, roughness, first);
+    const Float b = table_lookup<size, size>(dielectric_albedo_table, cosine, roughness, first + UInt(size * size));
+    return fma(slice - lower, b - a, a);
 }
 
 /// Reflectance of a smooth boundary between two dielectrics, for unpolarised light.

@@ -15,7 +15,10 @@ inline Vec3 refract(Vec3 wo, Vec3 h, Float cos_o, Float cos_t, Float eta)
 ///
 /// Or a thin one. What it lets through goes straight on, times the colour; facets spread that as they spread
 /// reflections, on the other side. A sheet is two boundaries with nothing between: of a reflectance r of each, all the
-/// ways between them (r, t r t, t r^3 t, ...) make 2 r / (1 + r). Scaled for multiple scattering, as the metal is.
+/// ways between them (r, t r t, t r^3 t, ...) make 2 r / (1 + r).
+///
+/// Where the material is compensated, reflection and refraction are divided by their directional albedo together, so
+/// that multiple scattering between facets loses no energy: Turquin 2019. The closure is not reciprocal then.
 class GlassBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::glass;
@@ -31,7 +34,7 @@ public:
           color_(m.base_color),
           is_thin_(m.thin),
           is_sheet_(m.sheet),
-          is_compensated_(m.thin & m.compensated)
+          is_compensated_(m.compensated)
     {
         eta_ = select(m.entering | is_thin_, m.ior, Float(1) / m.ior);
         is_smooth_ = is_mirror(m.roughness);
@@ -93,12 +96,13 @@ private:
         const Float r = fresnel_dielectric(cosine, eta_, cos_t);
         return select(is_sheet_, Float(2) * r / (Float(1) + r), r);
     }
-    /// What makes up for light that facets of a thin surface scatter more than once.
+    /// Compensation for multiple scattering between facets.
     Float gain(Vec3 wo) const
     {
         const Mask scaled = is_compensated_ & !is_smooth_;
         if (none(scaled)) return Float(1);
-        return select(scaled, Float(1) / ggx_albedo(wo.z, roughness_), Float(1));
+        const Float albedo = select(is_thin_, ggx_albedo(wo.z, roughness_), dielectric_albedo(wo.z, roughness_, eta_));
+        return select(scaled, Float(1) / albedo, Float(1));
     }
     Spectrum tint(Mask reflects) const { return select(reflects, Spectrum(Float(1)), color_); }
 

@@ -134,10 +134,12 @@ public:
 private:
     /// What depends on the path's direction alone.
     struct View {
-        Float sheen_left;     ///< what the sheen leaves to all below it
-        Spectrum coat_left;   ///< what the coat leaves
-        Float more;           ///< see reflectance
-        Float boundary_left;  ///< what the dielectric's boundary leaves to what is diffuse
+        Float sheen_left;    ///< what the sheen leaves to all below it
+        Spectrum coat_left;  ///< what the coat leaves
+        Float more;  ///< compensation of opaque facets: a reflectance of f at normal incidence is scaled by 1 + f more
+        Float refracting;      ///< share of the boundary's light that is refracted or reflected, not diffused below it
+        Float refracted_gain;  ///< compensation of a boundary that refracts, for both sides
+        Float boundary_left;   ///< what the dielectric's boundary leaves to what is diffuse
         /// Chances of the lobes; what is left goes to the diffuse reflection.
         Float p_specular, p_coat, p_sheen, p_refracted, p_diffuse_beyond, p_below, p_diffuse;
     };
@@ -208,9 +210,17 @@ private:
         View v;
         const Float e = ggx_albedo(wo.z, mean_roughness_), w = albedo_lookup(ggx_schlick_table, wo.z, mean_roughness_);
         v.more = l_.compensation * (Float(1) - e) / e;
+        v.refracting = Float(0), v.refracted_gain = Float(1);
+        if constexpr (passes) {
+            if (any(refracts_)) {
+                const Float all = select(thin_, e, dielectric_albedo(wo.z, mean_roughness_, eta_));
+                v.refracting = select(refracts_, l_.transmission, Float(0));
+                v.refracted_gain = fma(l_.compensation, Float(1) / all - Float(1), Float(1));
+            }
+        }
         Spectrum dielectric, metal;
         reflectance(wo.z, dielectric, metal);
-        v.boundary_left = Float(1) - clamp(boundary_albedo(wo.z, e, w, v.more, dielectric), Float(0), Float(1));
+        v.boundary_left = Float(1) - clamp(boundary_albedo(v, wo.z, e, w, dielectric), Float(0), Float(1));
 
         Float coat_albedo(0), sheen_albedo(0);
         v.sheen_left = Float(1);
@@ -235,18 +245,24 @@ private:
     }
     /// Share of light that the dielectric's boundary reflects. e, w: of the tables; dielectric: its reflectance at the
     /// cosine.
-    Float boundary_albedo(Float cosine, Float e, Float w, Float more, const Spectrum& dielectric) const
+    Float boundary_albedo(const View& v, Float cosine, Float e, Float w, const Spectrum& dielectric) const
     {
-        const Float f0 = max_component(f0_), gain = fma(f0, more, Float(1));
+        const Float f0 = max_component(f0_);
         // The tables are of Schlick's law.
         if constexpr (passes)
             w = select(refracts_, clamp(fma(grazing(cosine) - schlick_weight(cosine), e, w), Float(0), e), w);
         Float albedo = fma(f0, e - w, l_.specular * w);
-        // Facets that refract lose less than those that only reflect.
-        if constexpr (passes) albedo = select(refracts_, albedo / e, albedo);
         if (l_.has(LayersRecord::with_thin_film))
             albedo = fma(film(), fma(max_component(dielectric), e, -albedo), albedo);
-        return albedo * gain;
+        return albedo * boundary_gain(v, f0);
+    }
+    /// Compensation of the dielectric's reflection, f0 at normal incidence. What facets scatter more than once mostly
+    /// ends up below the boundary: in the diffuse body, which gets what is not reflected, or refracted.
+    Float boundary_gain(const View& v, Float f0) const
+    {
+        const Float opaque = fma(f0, v.more, Float(1));
+        if constexpr (!passes) return opaque;
+        return fma(v.refracting, v.refracted_gain - opaque, opaque);
     }
     /// Chances in the proportions of the lobes' albedos, of which the boundary's has a least one: it is narrow, and
     /// what is met there may be bright.
@@ -351,7 +367,7 @@ private:
         const Float lambert = share * cosine;
         BsdfEval r;
         for (int k = 0; k < channels; ++k) {
-            const Float white = fma(body.c[k], lambert, dielectric.c[k] * fma(f0_.c[k], v.more, Float(1)) * specular);
+            const Float white = fma(body.c[k], lambert, dielectric.c[k] * boundary_gain(v, f0_.c[k]) * specular);
             const Float shiny = metal.c[k] * fma(color_.c[k], v.more, Float(1)) * specular;
             r.f_cos.c[k] = fma(metallic_, shiny - white, white) * v.coat_left.c[k] * sheen_left;
         }
@@ -386,7 +402,7 @@ private:
         reflectance(clamp(oh, Float(0), Float(1)), dielectric, metal);
         const Float normals = ggx_.d(h), d = normals / wo.z, denominator = ih + oh / eta_;
         const Float jacobian = abs(ih) * oh / max(denominator * denominator, Float(1e-20f));
-        const Float gain = select(thin_, Float(0.25f) * (Float(1) + v.more), jacobian / (eta_ * eta_));
+        const Float gain = v.refracted_gain * select(thin_, Float(0.25f), jacobian / (eta_ * eta_));
         const Float f = select(valid & !(without_mirrors & mirrors_),
                                ggx_.value(h, normals) / wo.z * ggx_.g2(o, i) * gain * l_.transmission, Float(0));
         const Float pdf = select(valid, d * ggx_.g1(o) * select(thin_, Float(0.25f), jacobian), Float(0));
