@@ -229,6 +229,10 @@ struct Material {
     bool emission_two_sided = false;     ///< else only on the side of the geometric normal
     int normal_texture = -1;
     float normal_scale = 1;
+    /// The tangents that normal, coat normal and anisotropy maps refer to are those of the map's own texture
+    /// coordinates (its set and transform), as in glTF; else those of the mesh's first set. Tangents that a mesh brings
+    /// come first.
+    bool map_tangents = true;
     /// Height above the surface, in units of the world, by whose slope the shading normal is bent (Blinn 1978), before
     /// normal_texture bends it. Only a texture has a slope.
     FloatInput bump{0, -1, 0};

@@ -172,6 +172,15 @@ bool is_pane(const Material& m, const MaterialRecord& t)
            t.normal_texture == no_index && !(t.flags & MaterialRecord::bumped);
 }
 
+/// Whether the tangents of a map's texture coordinates may point elsewhere than those of the mesh's first set.
+bool has_other_tangents(const Compiler& c, int texture)
+{
+    if (texture < 0) return false;
+    const TextureRecord& t = c.tables.textures[std::size_t(texture)];
+    const bool keeps_directions = t.uv_map[1] == 0 && t.uv_map[3] == 0 && t.uv_map[0] > 0 && t.uv_map[4] > 0;
+    return TextureMapping(t.mapping) == TextureMapping::uv && (t.uv_set != 0 || !keeps_directions);
+}
+
 MaterialRecord compile_material(Compiler& c, const Material& m)
 {
     MaterialRecord t;
@@ -244,6 +253,10 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
             t.flags |= MaterialRecord::wants_tangent;
         if (features & LayersRecord::textured) t.flags |= MaterialRecord::wants_uv;
     }
+    if (m.map_tangents && (t.flags & MaterialRecord::wants_tangent) != 0 &&
+        (has_other_tangents(c, m.normal_texture) || has_other_tangents(c, m.coat_normal_texture) ||
+         has_other_tangents(c, m.anisotropy_texture)))
+        t.flags |= MaterialRecord::map_tangents;
     if (m.kind == MaterialKind::disney) {
         t.disney = std::uint32_t(c.tables.disney.size());
         c.tables.disney.push_back(compile_disney(m));

@@ -379,7 +379,7 @@ private:
         const Mask would_light = has(flags, MaterialRecord::unlit) & has(state, PathPool::scattered);
         const Mask two_sided = has(flags, MaterialRecord::two_sided_emission);
         const Mask shows = m & (two_sided | (dot(hit.d, s.ng) < Float(0))) & !would_light;
-        const Spectrum emitted = materials_.emission(s, m);
+        const Spectrum emitted = materials_.emission(s, flags, m);
         const Mask specular = has(state, PathPool::specular);
         Float weight(1.f);
         if (lights_are_sampled_) {

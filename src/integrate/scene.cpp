@@ -140,7 +140,7 @@ void LaneScene::read_shapes()
 {
     kinds = 0;
     refracts = has_fibres = wants_tangents = single_sided = has_absorption = scatters_inside = textured_media =
-        has_mixtures = black_behind = has_bumps = false;
+        has_mixtures = black_behind = has_bumps = has_map_tangents = wants_uv_slopes = false;
     material_bucket.clear();
     for (const MaterialRecord& material : tables.materials)
         material_bucket.push_back(std::uint32_t(material.closure) << kind_shift |
@@ -173,6 +173,8 @@ void LaneScene::read_material(const MaterialRecord& material)
     single_sided |= (material.flags & MaterialRecord::single_sided) != 0;
     wants_tangents |= (material.flags & MaterialRecord::wants_tangent) != 0;
     has_bumps |= (material.flags & MaterialRecord::bumped) != 0;
+    has_map_tangents |= (material.flags & MaterialRecord::map_tangents) != 0;
+    wants_uv_slopes |= has_bumps || has_map_tangents;
     for (const std::uint32_t number : {material.medium, material.subsurface_medium}) {
         const MediumRecord& medium = tables.media[number];
         for (float sigma : medium.extinction) has_absorption |= sigma > 0;

@@ -42,6 +42,8 @@ struct LaneScene final : KernelScene {
     bool has_way_out = false;       ///< lights were seen from elsewhere than where rays begin: PathPool::way_out
     bool wants_tangents = false;    ///< tangents of surfaces matter somewhere
     bool has_bumps = false;         ///< some material bends normals by the slope of a texture
+    bool has_map_tangents = false;  ///< some material has MaterialRecord::map_tangents
+    bool wants_uv_slopes = false;   ///< either of both: Surface::ways are known
     bool varied_lights = false;     ///< some are not alike all over, see LightRecord::material
     bool moving_lights = false;     ///< some are elsewhere at other times, see LightRecord::motion
     bool curve_lights = false;      ///< some are segments of curves

@@ -256,6 +256,10 @@ const P parameters[] = {
      .member = MaterialReference<Material>{&Material::material_b},
      .meaning = "material of the other side",
      .required = true},
+    {"map_tangents", scattering & ~kind_bits(hair), &Material::map_tangents,
+     "whether tangents, where the mesh brings none, are those of each map's own texture coordinates and transform; "
+     "else of "
+     "the mesh's first texture coordinates"},
     {"normal_scale", scattering & ~kind_bits(hair), &Material::normal_scale, "multiplies x and y of the normal map"},
     {"bump", scattering & ~kind_bits(hair), &Material::bump,
      "height above the surface, metres, by whose slope normals are bent, before normal_map bends them"},

@@ -161,7 +161,8 @@ struct MaterialRecord {
         wants_uv =
             131072,  ///< of the surface, beside what is textured: for fibres and textures of what records have beside
         open_boundary = 262144,  ///< of a solid of index 1, at which nothing happens to light but that it is inside
-        pane = 524288            ///< a sheet of smooth glass: shadow rays pass it, too
+        pane = 524288,           ///< a sheet of smooth glass: shadow rays pass it, too
+        map_tangents = 1048576   ///< tangents follow the coordinates of each map, which are not the mesh's own
     };
     // What shading reads of each vertex: see hot_words.
     std::uint32_t flags = 0;

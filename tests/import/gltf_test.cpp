@@ -307,6 +307,24 @@ TEST_F(Gltf, CamerasLightsAndTransforms)
     expect_near(scene.nodes[2].parent_from_node.point({1, 1, 1}), {8, 9, 10});
 }
 
+/// Physically, light has no range: that it is left out is said once.
+TEST_F(Gltf, RangeOfLightsIsReported)
+{
+    const auto file = [](const char* first, const char* second) {
+        return fmt::format(R"({{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0, 1]}}],
+            "extensionsUsed": ["KHR_lights_punctual"],
+            "extensions": {{"KHR_lights_punctual": {{"lights": [{}, {}]}}}},
+            "nodes": [{{"extensions": {{"KHR_lights_punctual": {{"light": 0}}}}}},
+                      {{"extensions": {{"KHR_lights_punctual": {{"light": 1}}}}}}]}})",
+                           first, second);
+    };
+    load("a.gltf", file(R"({"type": "point"})", R"({"type": "directional", "range": 3})"));
+    EXPECT_EQ(warnings_with("range"), 0u);
+    load("b.gltf", file(R"({"type": "point", "range": 2})", R"({"type": "spot", "range": 3, "spot": {}})"));
+    EXPECT_EQ(warnings_with("range"), 2u);
+    EXPECT_EQ(warnings_.counts().size(), 1u);
+}
+
 /// Numbers that are all different: nothing is transposed, swapped or taken from its neighbour.
 TEST_F(Gltf, OddTransforms)
 {

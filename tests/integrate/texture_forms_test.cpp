@@ -250,6 +250,25 @@ TEST(VertexForms, ColoursAreMixedByPlace)
         }
     }
 }
+/// Unlit surfaces show their color times the color of the vertices.
+TEST(VertexForms, ColorsOfUnlitSurfaces)
+{
+    for (const bool used : {true, false}) {
+        View v;
+        Mesh mesh;
+        mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+        mesh.colors.assign(4, {0.5f, 0.25f, 0.125f, 1});
+        mesh.indices = {0, 1, 2, 0, 2, 3};
+        v.scene.meshes.push_back(mesh);
+        Material m;
+        m.kind = MaterialKind::unlit;
+        m.base_color.value = {1, 0.5f, 0.25f};
+        m.use_vertex_color = used;
+        v.add(MeshInstance{0}, v.material(m));
+        const Color c = v.at(0.1, 0.2);
+        EXPECT_EQ(c, used ? (Color{0.5f, 0.125f, 0.03125f}) : m.base_color.value);
+    }
+}
 
 /// A normal map of one normal, lit by the sun from several sides: the cosine of that normal, in the frame of what it is
 /// on. Red points along growing u, green up in the picture.
@@ -303,6 +322,105 @@ TEST_F(TextureForms, NormalMaps)
                 expect_mean(render_film(v.scene, small_picture(4, 4), 4),
                             2 / std::numbers::pi * std::max(0.0, dot(n, to_sun)), 1e-3);
             }
+}
+
+/// The square that the camera sees, with texture coordinates that are skewed, and in the second set what a texture of
+/// the first one finds after its transform.
+Mesh skewed_square(const Texture& transform)
+{
+    Mesh mesh;
+    mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    mesh.indices = {0, 1, 2, 0, 2, 3};
+    for (const Vec3f& p : mesh.positions) {
+        const double u = 0.5 * p.x + 0.2 * p.y, v = 0.1 * p.x - 0.4 * p.y;
+        const double c = std::cos(double(transform.uv_rotation)), s = std::sin(double(transform.uv_rotation));
+        const double scaled_u = transform.uv_scale.x * u, scaled_v = transform.uv_scale.y * v;
+        mesh.uvs[0].push_back({float(u), float(v)});
+        mesh.uvs[1].push_back({float(c * scaled_u + s * scaled_v), float(-s * scaled_u + c * scaled_v)});
+    }
+    return mesh;
+}
+/// Transforms of textures by which the tangents turn, or are mirrored.
+std::vector<Texture> turning_transforms()
+{
+    std::vector<Texture> all(4);
+    all[0].uv_rotation = 0.7f;
+    all[1].uv_scale = {-1, 1};
+    all[2].uv_scale = {2, -0.5f}, all[2].uv_rotation = -2;
+    all[3].uv_scale = {0.5f, 3}, all[3].uv_rotation = 1;
+    return all;
+}
+
+/// Tangents without a mesh's own: red of a normal map points to where the u of the map's own coordinates grows, which
+/// are the inverse of the affine map from places to them.
+TEST_F(TextureForms, NormalMapsFollowTheirOwnCoordinates)
+{
+    for (const Texture& transform : turning_transforms())
+        for (const bool baked : {false, true})
+            for (const bool by_map : {true, false}) {
+                View v;
+                Texture t = picture(v.scene, 1, 1, [](int, int) { return std::array{0.75f, 0.65f, 0.9f, 1.f}; });
+                const Mesh mesh = skewed_square(transform);
+                t.uv_set = baked;
+                if (!baked) t.uv_scale = transform.uv_scale, t.uv_rotation = transform.uv_rotation;
+                Material m;
+                m.base_color.value = {1, 1, 1};
+                m.normal_texture = v.texture(t);
+                m.map_tangents = by_map;
+                v.scene.meshes.push_back(mesh);
+                v.add(MeshInstance{0}, v.material(m));
+                Light sun;
+                sun.kind = LightKind::directional;
+                v.light(sun, Transform::rotate({0, 1, 0}, 0.9));
+                // The direction along which u' grows and v' does not: perpendicular to the gradient of v'.
+                const std::vector<Vec2f>& uv = mesh.uvs[by_map ? 1 : 0];
+                const double v_by_x = (uv[1].y - uv[0].y) / 2, v_by_y = (uv[3].y - uv[0].y) / 2,
+                             u_by_x = (uv[1].x - uv[0].x) / 2, u_by_y = (uv[3].x - uv[0].x) / 2;
+                Vec3d along = normalize(Vec3d{v_by_y, -v_by_x, 0});
+                if (u_by_x * along.x + u_by_y * along.y < 0) along = along * -1.0;
+                // Green points to where v' shrinks.
+                const Vec3d up = normalize(Vec3d{-v_by_x, -v_by_y, 0});
+                const Vec3d n = normalize(along * 0.5 + up * 0.3 + Vec3d{0, 0, 0.8});
+                const double expected = (n.x * std::sin(0.9) + n.z * std::cos(0.9)) / std::numbers::pi;
+                EXPECT_NEAR(v.at(0.3, 0.1).g, std::max(expected, 0.0), 1e-4)
+                    << transform.uv_rotation << " " << baked << by_map;
+            }
+}
+
+/// Coat normal maps and directions of anisotropy: one picture, whether the transform is the texture's or the mesh's.
+TEST_F(TextureForms, CoatsAndAnisotropyFollowTheirMaps)
+{
+    for (const Texture& transform : turning_transforms())
+        for (const bool coat : {false, true}) {
+            std::vector<float> pixels[3];
+            for (const int which : {0, 1, 2}) {
+                View v;
+                Texture t = picture(v.scene, 1, 1, [](int, int) { return std::array{0.75f, 0.6f, 0.9f, 1.f}; });
+                t.uv_set = which == 1;
+                if (which == 0) t.uv_scale = transform.uv_scale, t.uv_rotation = transform.uv_rotation;
+                Material m;
+                m.kind = MaterialKind::principled;
+                m.base_color.value = {0.5f, 0.5f, 0.5f};
+                m.roughness.value = 0.5f;
+                if (coat) {
+                    m.coat.value = 1, m.coat_roughness.value = 0.5f, m.coat_normal_texture = v.texture(t);
+                } else {
+                    m.metallic.value = 1, m.anisotropy.value = 0.9f, m.anisotropy_texture = v.texture(t);
+                }
+                v.scene.meshes.push_back(skewed_square(transform));
+                v.add(MeshInstance{0}, v.material(m));
+                Light sun;
+                sun.kind = LightKind::directional;
+                v.light(sun, Transform::rotate({0, 1, 0}, 0.7));
+                pixels[which] = v.pixels();
+            }
+            double unlike = 0;
+            for (std::size_t i = 0; i < pixels[0].size(); ++i) {
+                EXPECT_NEAR(pixels[0][i], pixels[1][i], 1e-4f + 1e-3f * pixels[1][i]);
+                unlike += std::abs(double(pixels[0][i]) - pixels[2][i]) / double(pixels[2][i]);
+            }
+            EXPECT_GT(unlike / double(pixels[0].size()), 0.01) << transform.uv_rotation << coat;
+        }
 }
 
 /// Where alpha lets a share of the rays through, so much of the light passes, too; where it cuts, at and above the

@@ -132,6 +132,8 @@ int GltfReader::light(const JsonValue& index)
               light.outer_angle <= std::numbers::pi / 2 + 1e-6))
             spot->fail("0 <= innerConeAngle <= outerConeAngle <= pi/2 does not hold");
     }
+    if (light.kind != LightKind::directional && v.has("range"))
+        file_.warn("'range' of lights is ignored: their light falls off with the square of the distance without end");
     scene_.lights.push_back(std::move(light));
     return found->second;
 }

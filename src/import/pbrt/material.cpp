@@ -156,6 +156,7 @@ void Reader::set_bumps(const Parameters& m, Material& out)
         map.image = found->second;
         map.color_space = ColorSpace::linear;
         out.normal_texture = add_texture(map);
+        out.map_tangents = false;
     }
 }
 

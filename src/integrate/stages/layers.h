@@ -79,10 +79,11 @@ private:
             const Texel t = evaluate_textures(t_, texture, s_.at, has);
             x = select(has, fma(t.c[0], Float(2), Float(-1)), x), y = select(has, fma(t.c[1], Float(2), Float(-1)), y);
         }
+        const TangentFrame frame = any(has & s_.has_map_tangents) ? TangentFrame::of_map(t_, s_, texture, has) : frame_;
         const Float cosine = inputs_.get(&LayersRecord::anisotropy_cos),
                     sine = inputs_.get(&LayersRecord::anisotropy_sin);
         const Float along = fma(x, cosine, -(y * sine)), across = fma(x, sine, y * cosine);
-        p.tangent = fma(frame_.tangent, along, frame_.bitangent * across);
+        p.tangent = fma(frame.tangent, along, frame.bitangent * across);
     }
     void read_coat(LayersPoint& p) const
     {
@@ -97,7 +98,8 @@ private:
         const UInt texture = inputs_.get(&LayersRecord::coat_normal_texture);
         const Mask has = m_ & (texture != UInt(no_index));
         p.coat_normal =
-            frame_.bend(evaluate_textures(t_, texture, s_.at, has), inputs_.get(&LayersRecord::coat_normal_scale), has);
+            TangentFrame::of_map(t_, s_, texture, has)
+                .bend(evaluate_textures(t_, texture, s_.at, has), inputs_.get(&LayersRecord::coat_normal_scale), has);
     }
 
     const SceneTables& t_;

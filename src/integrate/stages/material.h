@@ -23,9 +23,15 @@ public:
         return gather(t_.materials, member, material, m);
     }
 
-    Spectrum emission(const Surface& s, Mask m) const
+    /// Radiance that surfaces emit, or, if unlit, show. flags: those of MaterialRecord.
+    Spectrum emission(const Surface& s, UInt flags, Mask m) const
     {
         Spectrum e = get(&MaterialRecord::emission, s.material, m);
+        // Vertex colors multiply the base color, which unlit materials show.
+        constexpr std::uint32_t colored_base = MaterialRecord::unlit | MaterialRecord::vertex_colored;
+        const Mask colored = m & ((flags & UInt(colored_base)) == UInt(colored_base));
+        if (any(colored))
+            for (int c = 0; c < channels; ++c) e.c[c] = select(colored, e.c[c] * s.at.vertex_color[c], e.c[c]);
         if (!scene_.textured) return e;
         const UInt texture = get(&MaterialRecord::emission_texture, s.material, m);
         const Texel t = evaluate_textures(t_, texture, s.at, m);
@@ -65,6 +71,10 @@ public:
         if (any(textured)) apply_textures(s, row.get(&MaterialRecord::base_texture), textured, p);
         const Mask absorbing = m & ((flags & UInt(MaterialRecord::absorption)) != UInt(0));
         if (any(absorbing)) p.base_color = select(absorbing, hair_color(p.base_color, p.metallic), p.base_color);
+        if (scene_.has_map_tangents) {
+            const Mask own = m & ((flags & UInt(MaterialRecord::map_tangents)) != UInt(0)) & !s.has_mesh_tangent;
+            if (any(own)) use_map_tangents(row.get(&MaterialRecord::normal_texture), own, s);
+        }
         if constexpr (std::is_same_v<Point, LayeredMaterialPoint>)
             LayersReader(t_, s, row.get(&MaterialRecord::layers), m).read(p.layers);
         if constexpr (std::is_same_v<Point, DisneyMaterialPoint>)
@@ -75,11 +85,22 @@ public:
         if (any(bent)) {
             const UInt texture = row.get(&MaterialRecord::normal_texture);
             const Float scale = row.get(&MaterialRecord::normal_scale);
-            s.ns = TangentFrame(s).bend(evaluate_textures(t_, texture, s.at, bent), scale, bent);
+            s.ns = TangentFrame::of_map(t_, s, texture, bent)
+                       .bend(evaluate_textures(t_, texture, s.at, bent), scale, bent);
         }
     }
 
 private:
+    /// What has no map of its own, such as anisotropy, refers to the tangents of the normal map.
+    [[gnu::noinline]] void use_map_tangents(UInt normal_texture, Mask own, Surface& s) const
+    {
+        s.has_map_tangents = own;
+        const Mask mapped = own & (normal_texture != UInt(no_index));
+        const TangentFrame frame = TangentFrame::of_map(t_, s, normal_texture, mapped);
+        s.tangent = select(mapped, frame.tangent, s.tangent);
+        const Float side = dot(cross(s.ns, frame.tangent), frame.bitangent);
+        s.bitangent_sign = select(mapped, copysign(Float(1), side), s.bitangent_sign);
+    }
     void apply_textures(const Surface& s, UInt base_texture, Mask m, MaterialPoint& p) const
     {
         const Texel base = evaluate_textures(t_, base_texture, s.at, m);

@@ -62,11 +62,12 @@ public:
         s.shape = shape_of(hit.primitive, hit.instance, m);
         s.tangent = Vec3(Float(0), Float(0), Float(0));
         s.bitangent_sign = Float(1);
+        s.has_mesh_tangent = s.has_map_tangents = Mask(false);
         s.offset = s.radius = Float(0);
         for (Float& c : s.at.vertex_color) c = Float(1);
         for (int i = 0; i < 2; ++i) s.at.u[i] = hit.u, s.at.v[i] = hit.v;
         s.ng = Vec3(Float(0), Float(0), Float(1));
-        if (scene_.has_bumps) s.ways.clear();
+        if (scene_.wants_uv_slopes) s.ways.clear();
 
         const RecordRow<ShapeRecord, 2> shape(t_.shapes, s.shape, m);
         s.material = shape.get(&ShapeRecord::material);
@@ -174,7 +175,7 @@ private:
         const TrianglePlace place{{vertex[0], vertex[1], vertex[2]}, hit.u, hit.v};
         place.read_uv(t_.uv0, has(ShapeRecord::has_uv0), s.at.u[0], s.at.v[0]);
         place.read_uv(t_.uv1, has(ShapeRecord::has_uv1), s.at.u[1], s.at.v[1]);
-        if (scene_.has_bumps) {
+        if (scene_.wants_uv_slopes) {
             s.ways.set_edges(e1, e2, m);
             s.ways.read_uv(t_.uv0, vertex, 0, has(ShapeRecord::has_uv0));
             s.ways.read_uv(t_.uv1, vertex, 1, has(ShapeRecord::has_uv1));
@@ -185,6 +186,7 @@ private:
             const auto* table = reinterpret_cast<const float*>(t_.tangents.data());
             const auto at = [&](int k) { return gather_vector(table, vertex[k] << 2, given); };
             tangent = select(given, interpolate(at(0), at(1), at(2)), tangent);
+            s.has_mesh_tangent = s.has_mesh_tangent | given;
             s.bitangent_sign = select(given, gather(table + 3, vertex[0] << 2, given), s.bitangent_sign);
         }
         if (const Mask colored = has(ShapeRecord::has_colors); any(colored)) {
@@ -242,7 +244,7 @@ private:
         s.ng = select(m, ng, s.ng);
         s.ns = select(m, normal(s.ns), s.ns);
         s.tangent = select(m, to_render.vector(s.tangent), s.tangent);
-        if (scene_.has_bumps)
+        if (scene_.wants_uv_slopes)
             for (Vec3& way : s.ways.way) way = select(m, to_render.vector(way), way);
         s.bitangent_sign = select(m, flip_sign(s.bitangent_sign, to_object.determinant()), s.bitangent_sign);
     }
@@ -270,7 +272,7 @@ private:
             s.at.v[i] = select(m, Float(1) - vv, s.at.v[i]);
         }
         s.tangent = select(m, u, s.tangent);
-        if (scene_.has_bumps) s.ways.set(u, -v, m);
+        if (scene_.wants_uv_slopes) s.ways.set(u, -v, m);
     }
 
     /// The axes of the nodes of round shapes, by which their uv go.
@@ -328,7 +330,7 @@ private:
             s.at.v[i] = select(m, fma(dot(r, frame.t), -scale, Float(0.5f)), s.at.v[i]);
         }
         s.tangent = select(m, axes.from_node(frame.s), s.tangent);
-        if (scene_.has_bumps) {
+        if (scene_.wants_uv_slopes) {
             const Float width = radius + radius;
             s.ways.set(axes.from_node(frame.s) * width, axes.from_node(frame.t) * -width, m);
         }
@@ -364,7 +366,7 @@ private:
             s.at.v[i] = select(m, v, s.at.v[i]);
         }
         s.tangent = select(m, axes.from_node({to.z, Float(0), -to.x}), s.tangent);
-        if (scene_.has_bumps) {
+        if (scene_.wants_uv_slopes) {
             const Float half_turn = abs(radius) * Float(float(pi));
             // Poles have no direction in which u grows.
             const Float from_axis = max(sqrt(fma(to.x, to.x, to.z * to.z)), Float(1e-4f)), slant = to.y / from_axis;

@@ -23,7 +23,9 @@ struct Surface {
     Mask is_curve, is_ribbon;
     Float radius;  ///< of curves, else 0
     TexturePoint at;
-    SurfaceWays ways;  ///< where some material of the scene is bumped
+    SurfaceWays ways;       ///< where LaneScene::wants_uv_slopes
+    Mask has_mesh_tangent;  ///< the mesh brings the tangent
+    Mask has_map_tangents;  ///< tangents are those of each map's texture coordinates: see TangentFrame::of_map
     UInt shape, material;
 };
 

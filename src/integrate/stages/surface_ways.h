@@ -9,6 +9,23 @@ struct SurfaceWays {
     Vec3 way[2];               ///< 0 where they are not known
     Float du[2][2], dv[2][2];  ///< by way and uv set
 
+    /// Directions on the surface in which the u and v of a texture grow, of any length; both 0 where they are not
+    /// known.
+    ///
+    /// uv_map: rows of the affine map from the coordinates of the set to those of the texture
+    void gradients(std::size_t set, const std::array<float, 6>& uv_map, Vec3& along_u, Vec3& along_v) const
+    {
+        Float u[2], v[2];
+        for (std::size_t k = 0; k < 2; ++k) {
+            u[k] = fma(du[k][set], Float(uv_map[0]), dv[k][set] * Float(uv_map[1]));
+            v[k] = fma(du[k][set], Float(uv_map[3]), dv[k][set] * Float(uv_map[4]));
+        }
+        const Float det = fma(u[0], v[1], -(u[1] * v[0]));
+        const Mask known = det != Float(0);
+        const Vec3 none(Float(0), Float(0), Float(0));
+        along_u = select(known, flip_sign(way[0] * v[1] - way[1] * v[0], det), none);
+        along_v = select(known, flip_sign(way[1] * u[0] - way[0] * u[1], det), none);
+    }
     void clear()
     {
         for (int k = 0; k < 2; ++k) {
