@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "session/ground.h"
+#include "session/refracted_lamps.h"
 
 namespace fathom {
 
@@ -128,15 +129,10 @@ void put_on_ground(SceneEdit& edit, LitScene& result, const std::optional<Ground
 
 }  // namespace
 
-LitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
-                     Warnings& warnings, TreeBuild build, const std::optional<Ground>& ground)
-{
-    SceneEdit edit(std::move(scene), camera, build);
-    return compile_lit(edit, light, aspect, warnings, ground);
-}
+namespace {
 
-LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
-                     const std::optional<Ground>& ground)
+LitScene compile_with_light(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
+                            const std::optional<Ground>& ground)
 {
     const SceneDescription& scene = edit.description();
     // Less light than this on what is seen, and exposing for it would show a lamp and its surroundings.
@@ -187,6 +183,23 @@ LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings
     result.exposure_ev = stops;
     result.added.push_back(fmt::format("an exposure of {:+} stops for its light (--exposure 0: leave it out)", stops));
     return result;
+}
+
+}  // namespace
+
+LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
+                     const std::optional<Ground>& ground)
+{
+    LitScene result = compile_with_light(edit, light, aspect, warnings, ground);
+    warn_of_refracted_lamps(result.scene, edit.description(), warnings);
+    return result;
+}
+
+LitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
+                     Warnings& warnings, TreeBuild build, const std::optional<Ground>& ground)
+{
+    SceneEdit edit(std::move(scene), camera, build);
+    return compile_lit(edit, light, aspect, warnings, ground);
 }
 
 }  // namespace fathom
