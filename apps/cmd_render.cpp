@@ -81,7 +81,7 @@ double planned_samples(const RenderOptions& o, const RenderPlan& plan)
     double per_pixel = double(plan.samples.value_or(default_samples)) * double(std::max<std::uint64_t>(1, o.turntable));
     if (o.part) per_pixel /= double(o.part->count);
     if (o.range) per_pixel = double(o.range->second - o.range->first);
-    const Crop crop = plan.settings.crop.value_or(Crop{0, 0, plan.settings.width, plan.settings.height});
+    const Crop crop = plan.settings.rendered_pixels();
     return per_pixel * double(crop.x1 - crop.x0) * double(crop.y1 - crop.y0);
 }
 

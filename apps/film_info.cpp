@@ -42,10 +42,15 @@ ordered_json layers_json(const std::vector<std::string>& channels)
 FilmNoise noise_of(const Film& film)
 {
     const Image image = film.image(false, true);
+    const std::vector<float>&radiance = image.layers[0].pixels, &variance = image.find("variance")->pixels;
+    const Crop inside = film.key().settings.rendered_pixels();
     double sum = 0, squares = 0;
-    for (const float v : image.layers[0].pixels) sum += v;
-    for (const float v : image.find("variance")->pixels) squares += v;
-    const auto count = double(image.layers[0].pixels.size());
+    for (int y = inside.y0; y < inside.y1; ++y) {
+        const std::size_t row = std::size_t(y) * std::size_t(film.width());
+        for (std::size_t i = 3 * (row + std::size_t(inside.x0)); i < 3 * (row + std::size_t(inside.x1)); ++i)
+            sum += double(radiance[i]), squares += double(variance[i]);
+    }
+    const double count = 3.0 * (inside.x1 - inside.x0) * (inside.y1 - inside.y0);
     return {std::sqrt(squares / count), sum / count};
 }
 

@@ -216,7 +216,7 @@ std::string text_of(const std::vector<SampleRange>& samples)
 
 Image::Layer sample_count_layer(const Film& film)
 {
-    const Crop inside = film.key().settings.crop.value_or(Crop{0, 0, film.width(), film.height()});
+    const Crop inside = film.key().settings.rendered_pixels();
     Image::Layer layer{"samples", {"Y"}, std::vector<float>(std::size_t(film.width()) * std::size_t(film.height()))};
     for (int y = inside.y0; y < inside.y1; ++y) {
         const auto row = layer.pixels.begin() + std::ptrdiff_t(y) * film.width();

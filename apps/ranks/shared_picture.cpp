@@ -36,7 +36,7 @@ SharedPicture::SharedPicture(const RenderOptions& o, const RenderPlan& plan, con
       start_s_(seconds_since_start())
 {
     const RenderSettings& settings = job.settings();
-    const Crop crop = settings.crop.value_or(Crop{0, 0, settings.width, settings.height});
+    const Crop crop = settings.rendered_pixels();
     pixels_ = std::uint64_t(crop.x1 - crop.x0) * std::uint64_t(crop.y1 - crop.y0);
 }
 

@@ -61,6 +61,9 @@ struct RenderSettings {
     /// compute the same estimator.
     bool general_loop = false;
     bool measure = false;  ///< Progress::costs tells what the stages of rendering take
+
+    /// The pixels that are rendered: the crop, or the whole picture.
+    Crop rendered_pixels() const { return crop.value_or(Crop{0, 0, width, height}); }
 };
 
 struct SceneStatistics {

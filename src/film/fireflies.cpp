@@ -80,7 +80,7 @@ class Pixels {
 public:
     explicit Pixels(const Film& film)
     {
-        const Crop inside = film.key().settings.crop.value_or(Crop{0, 0, film.width(), film.height()});
+        const Crop inside = film.key().settings.rendered_pixels();
         width_ = inside.x1 - inside.x0, height_ = inside.y1 - inside.y0;
         const double n = double(film.samples_per_pixel());
         for (int y = inside.y0; y < inside.y1; ++y)

@@ -179,7 +179,7 @@ public:
           film_(film),
           kernel_(kernel_settings(job.settings(), film.layout)),
           camera_(job.data().camera_record),
-          crop_(job.settings().crop.value_or(Crop{0, 0, job.settings().width, job.settings().height})),
+          crop_(job.settings().rendered_pixels()),
           threads_(job.settings().threads > 0 ? job.settings().threads : available_threads()),
           limit_(tbb::global_control::max_allowed_parallelism,
                  std::size_t(std::max(threads_, tbb::this_task_arena::max_concurrency()))),
@@ -376,7 +376,7 @@ try {
         return true;
     }
     const RenderSettings& settings = job.settings();
-    const Crop crop = settings.crop.value_or(Crop{0, 0, settings.width, settings.height});
+    const Crop crop = settings.rendered_pixels();
     passes.for_ranges(std::size_t(crop.y1 - crop.y0), [&](std::size_t first, std::size_t last) {
         for (std::size_t row = first; row < last; ++row) {
             const std::size_t begin = (std::size_t(crop.y0) + row) * std::size_t(data.width);

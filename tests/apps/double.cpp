@@ -144,6 +144,8 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
     warnings.add(fmt::format("camera '{}' at {},{},{} to {},{},{} up {},{},{} fov {:.4g} aspect {}", c.name,
                              c.position.x, c.position.y, c.position.z, c.look_at.x, c.look_at.y, c.look_at.z, c.up.x,
                              c.up.y, c.up.z, c.fov_y * 180 / M_PI, c.aspect));
+    if (c.shutter_close > c.shutter_open)
+        warnings.add(fmt::format("shutter from {:g} to {:g}", c.shutter_open, c.shutter_close));
     if (const Environment& e = description.environment; e.kind == EnvironmentKind::image) {
         const Vec3d middle = e.world_from_environment.vector({1, 0, 0});
         warnings.add(fmt::format("environment {} towards {:.3f},{:.3f},{:.3f} times {:g}",

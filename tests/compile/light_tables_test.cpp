@@ -95,7 +95,7 @@ TEST(LightTable, TheSunOfASky)
     d.nodes[0].shapes.push_back({Sphere{{0, 0, -4}, 1, {}}, -1, ""});
     d.environment.kind = EnvironmentKind::sky;
     d.environment.to_sun = {2, 1, 0};
-    d.environment.color = {3, 3, 3};
+    d.environment.color = {2, 3, 5};
     for (const double turn_deg : {0., 90.}) {
         d.environment.world_from_environment = Transform::rotate({0, 1, 0}, turn_deg * std::numbers::pi / 180);
         const Scene scene = compiled(d);
@@ -108,8 +108,11 @@ TEST(LightTable, TheSunOfASky)
         EXPECT_NEAR(sun.edge_u[1], -up, 1e-6);
         EXPECT_NEAR(sun.edge_u[2], turn_deg == 0 ? 0 : side, 1e-6);
         // A disk of 0.00935 radians gives its radiance times pi sin^2 of half of that.
-        const double s = std::sin(0.00935 / 2), irradiance = double(sun.radiance[1]) * std::numbers::pi * s * s;
-        EXPECT_NEAR(irradiance / (3 * double(Sky::sun_irradiance({2, 1, 0}).g)), 1, 1e-5);
+        const double s = std::sin(0.00935 / 2), solid_angle = std::numbers::pi * s * s;
+        const Color arrives = Sky::sun_irradiance({2, 1, 0});
+        EXPECT_NEAR(double(sun.radiance[0]) * solid_angle / (2 * double(arrives.r)), 1, 1e-5);
+        EXPECT_NEAR(double(sun.radiance[1]) * solid_angle / (3 * double(arrives.g)), 1, 1e-5);
+        EXPECT_NEAR(double(sun.radiance[2]) * solid_angle / (5 * double(arrives.b)), 1, 1e-5);
         // And the sky is seen where it is: its middle column looks along its +x, which is the sun's side.
         const EnvironmentRecord& e = t.environment;
         const auto at = [&](int x, int y) { return double(e.texels[std::size_t(4 * (y * e.width + x) + 1)]); };

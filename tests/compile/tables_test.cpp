@@ -74,6 +74,31 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     EXPECT_TRUE(t.lights.empty());
 }
 
+/// Any texture of a subsurface makes its medium one that paths bring along: of its color, its radius or the scale of
+/// that.
+TEST(MaterialTable, SubsurfacesOfAnyTexture)
+{
+    SceneDescription d = empty_scene();
+    d.nodes[0].shapes.push_back({Sphere{{0, 0, -40}, 10, {}}, 0, ""});
+    d.textures.emplace_back();
+    d.textures[0].kind = TextureKind::checker;
+    Material m;
+    m.kind = MaterialKind::principled;
+    m.subsurface.value = 1;
+    d.materials = {m, m, m, m, m};
+    d.materials[1].subsurface_color.texture = 0;
+    d.materials[2].subsurface_radius.texture = 0;
+    d.materials[3].subsurface_radius_scale.texture = 0;
+    d.materials[4].subsurface.texture = 0;
+    const Scene scene = compiled(d);
+    const SceneTables& t = *scene.data().tables;
+    for (std::size_t i = 0; i < 5; ++i) {
+        ASSERT_NE(t.materials[i].subsurface_medium, 0u) << i;
+        // Where light enters it is the surface's own matter.
+        EXPECT_EQ(t.media[t.materials[i].subsurface_medium].is_textured != 0, i >= 1 && i <= 3) << i;
+    }
+}
+
 /// A principled material becomes the simplest closure that does what it asks for.
 TEST(MaterialTable, LayersAsNeeded)
 {

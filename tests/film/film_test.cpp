@@ -129,7 +129,7 @@ TEST(FilmMerge, AddsSumsAndKeepsIdsOfTheFirstSample)
             ids[0] = first ? (p % 2 ? 1 : 4) : 3;
             ids[1] = ids[2] = (first ? 100 : 200) + std::uint32_t(p);
         }
-    b.data().dropped = 3;
+    a.data().dropped = 2, b.data().dropped = 3;
     a.merge(b);
     for (std::size_t p = 0; p < 4; ++p) {
         const std::uint32_t* words = a.data().pixel(p);
@@ -143,7 +143,7 @@ TEST(FilmMerge, AddsSumsAndKeepsIdsOfTheFirstSample)
         EXPECT_EQ(words[ids], p % 2 ? 1u : 3u);
         EXPECT_EQ(words[ids + 1], (p % 2 ? 100u : 200u) + p);
     }
-    EXPECT_EQ(a.dropped_samples(), 3u);
+    EXPECT_EQ(a.dropped_samples(), 5u);
     EXPECT_EQ(a.samples(), (std::vector<SampleRange>{{0, 5}}));
 }
 

@@ -93,6 +93,36 @@ TEST(Fireflies, AreNotAtEdges)
     EXPECT_LT(p.found().noise, 0.001);
 }
 
+/// Of a crop, only what it shows counts: shares of samples and of noise are those of a film of its own size.
+TEST(Fireflies, OfACropAreThoseOfItsPixels)
+{
+    constexpr Crop inside{8, 24, 40, 48};
+    const auto fireflies_of = [&](RenderSettings settings, int left, int top) {
+        Film film = test::made_film(settings);
+        film.data().add_range({0, samples});
+        Picture p = noisy();
+        for (int k = 0; k < 3; ++k) p.sample(20, 30, 9 * k) = 500;
+        for (int y = inside.y0; y < inside.y1; ++y)
+            for (int x = inside.x0; x < inside.x1; ++x)
+                for (int k = 0; k < samples; ++k) {
+                    const auto at = std::size_t(y - top) * std::size_t(settings.width) + std::size_t(x - left);
+                    std::uint32_t* const pixel = film.data().pixel(at);
+                    for (int c = 0; c < 3; ++c) {
+                        ExactSum::add_number(radiance_sum(pixel, c), p.sample(x, y, k));
+                        ExactSquareSum::add_number(square_sum(pixel, c), p.sample(x, y, k) * p.sample(x, y, k));
+                    }
+                }
+        return film.fireflies();
+    };
+    RenderSettings whole, alone;
+    whole.width = whole.height = side, whole.crop = inside;
+    alone.width = inside.x1 - inside.x0, alone.height = inside.y1 - inside.y0;
+    const Film::Fireflies cropped = fireflies_of(whole, 0, 0), expected = fireflies_of(alone, inside.x0, inside.y0);
+    EXPECT_NEAR(cropped.samples, 3.0 / (samples * alone.width * alone.height), 0.1 * cropped.samples);
+    EXPECT_EQ(cropped.samples, expected.samples);
+    EXPECT_EQ(cropped.noise, expected.noise);
+}
+
 TEST(Fireflies, NeedSamplesToBeTold)
 {
     Picture p = noisy();

@@ -133,6 +133,31 @@ TEST(FilmFile, PartsAddUp)
     }
 }
 
+/// Files that are read are closed again, those too that turn out to be none: a merge of thousands must not run out of
+/// descriptors.
+TEST(FilmFile, LeavesNoFileOpen)
+{
+    const auto open_files = [] {
+        return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
+    };
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "a.exr", other = folder.path() / "b.exr", none = folder.path() / "c.exr";
+    write(file, some_film(0, 3));
+    write(other, some_film(3, 4));
+    write_image(none, test::made_image(4, 4), {});
+    const auto before = open_files();
+    for (int i = 0; i < 3; ++i) {
+        Film film = FilmFile(file).read();
+        FilmFile(other).add_to(film);
+        EXPECT_THROW(FilmFile(other).add_to(film), Error);
+        EXPECT_THROW(FilmFile f(none), Error);
+        EXPECT_THROW(FilmFile f(folder.path()), Error);
+        write(folder.path() / "merged.exr", film);
+        read_image(none);
+    }
+    EXPECT_EQ(open_files(), before);
+}
+
 TEST(FilmFile, IsAddedToNothingThatItDoesNotBelongTo)
 {
     const TemporaryFolder folder;

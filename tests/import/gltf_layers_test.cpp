@@ -65,7 +65,8 @@ TEST_F(GltfLayers, Clearcoat)
         "clearcoatNormalTexture": {"index": 0, "scale": 2}})");
     expect(m.coat, 0.75f, 0, "coat");
     expect(m.coat_roughness, 0.125f, 1, "roughness");
-    EXPECT_GE(m.coat_normal_texture, 0);
+    ASSERT_GE(m.coat_normal_texture, 0);
+    EXPECT_EQ(scene_.textures[std::size_t(m.coat_normal_texture)].color_space, ColorSpace::linear);
     EXPECT_EQ(m.coat_normal_scale, 2);
     EXPECT_EQ(m.normal_texture, -1);
     EXPECT_EQ(m.coat_darkening, 0);

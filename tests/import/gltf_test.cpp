@@ -252,6 +252,8 @@ TEST_F(Gltf, MaterialsAndTextures)
     EXPECT_EQ(color.wrap_v, Wrap::mirror);
     EXPECT_TRUE(color.nearest);
     EXPECT_EQ(scene.textures[full.normal_texture].color_space, ColorSpace::linear);
+    ASSERT_GE(full.emission.texture, 0);
+    EXPECT_EQ(scene.textures[full.emission.texture].color_space, ColorSpace::srgb);
     EXPECT_EQ(scene.textures[full.metallic.texture].color_space, ColorSpace::linear);
     EXPECT_EQ(scene.textures[full.metallic.texture].wrap_u, Wrap::repeat);
     EXPECT_EQ(scene.images[color.image].path, folder_ / "my wood.png");

@@ -158,6 +158,10 @@ TEST_F(Pbrt, CamerasHaveLensesAndWindows)
     EXPECT_EQ(lens.aperture, 0.5);
     EXPECT_EQ(lens.focus_distance, 3);
     EXPECT_EQ(lens.shutter_close, 2);
+    // The camera's space is scaled against the world's: lengths of the lens are in its own.
+    const Camera small = camera(R"(Scale 4 4 4 Camera "perspective" "float lensradius" 0.25 "float focaldistance" 3)");
+    EXPECT_NEAR(small.aperture, 0.5 / 4, 1e-9);
+    EXPECT_NEAR(small.focus_distance, 3.0 / 4, 1e-9);
     const Camera window = camera(R"(Camera "perspective" "float fov" 90 "float screenwindow" [ -1 1 -0.5 0.5 ])");
     EXPECT_NEAR(window.fov_y, 2 * std::atan(0.5), 1e-9);
     const Camera flat = camera(R"(Camera "orthographic" "float screenwindow" [ -6 6 -3 3 ])");

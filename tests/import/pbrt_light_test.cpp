@@ -23,6 +23,10 @@ TEST_F(Pbrt, LightsHaveTheirUnits)
     EXPECT_NEAR(scene.lights.at(0).outer_angle, 40 * degree, 1e-9);
     EXPECT_NEAR(scene.lights.at(0).inner_angle, 30 * degree, 1e-9);
     EXPECT_EQ(scene.lights.at(0).falloff, SpotFalloff::smooth);
+    // By default the cone is of 30 degrees, of which the last 5 fade.
+    scene = world("LightSource \"spot\"");
+    EXPECT_NEAR(scene.lights.at(0).outer_angle, 30 * degree, 1e-9);
+    EXPECT_NEAR(scene.lights.at(0).inner_angle, 25 * degree, 1e-9);
 }
 
 /// pbrt's own directions of pictures: of a projection along +z, x to the right and y up; the map of a goniometric light

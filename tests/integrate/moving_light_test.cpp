@@ -362,5 +362,41 @@ TEST(MovingLights, PointsSpotsProjectorsAndBeams)
         }
 }
 
+/// A spot that shines up at first, and onto the floor in the end, beside a lamp that is always seen: the choice between
+/// both knows that each may shine.
+TEST(MovingLights, SpotsTurnTowardsTheFloor)
+{
+    const Way way{"turns over", {0, 2, 0}, 2.8, {1, 0, 0}};
+    const Transform rest = Transform::translate({0.2, 1, 0}) * shining({0, 1, 0});
+    Floor floor;
+    floor.samples = 1024;
+    floor.shutter_close = 1;
+    floor.furnish = [&](SceneBuilder& b) {
+        b.add(Sphere{{1, 1, 0}, 0.2, {}}, b.diffuse(0, {1, 1, 1}));
+        Light light;
+        light.kind = LightKind::spot;
+        light.intensity = {2, 2, 2};
+        light.inner_angle = 0.2, light.outer_angle = 0.6;
+        b.light(light, rest);
+        Node arm;
+        arm.motion = way.keys();
+        arm.children = {b.scene.roots.back()};
+        b.scene.roots.back() = int(b.scene.nodes.size());
+        b.scene.nodes.push_back(arm);
+    };
+    constexpr int times = 4000;
+    const double by_ball = irradiance(ball_cells({1, 1, 0}, 0.2), {}, false, floor_point);
+    double by_spot = 0;
+    for (int i = 0; i < times; ++i) {
+        const Transform now = way.at((i + 0.5) / times) * rest;
+        const Vec3d to = now.point({0, 0, 0}) - floor_point;
+        const double c = -dot(normalize(now.vector({0, 0, -1})), normalize(to));
+        const double x = std::clamp((c - std::cos(0.6)) / (std::cos(0.2) - std::cos(0.6)), 0.0, 1.0);
+        by_spot += 2 * x * x * to.y / std::pow(length(to), 3) / times;
+    }
+    EXPECT_GT(by_spot, 0.2 * by_ball);
+    floor.expect(floor_point.x, floor_point.z, by_ball + by_spot, 4e-3);
+}
+
 }  // namespace
 }  // namespace fathom

@@ -451,5 +451,64 @@ TEST(AlphaForms, ShadowsAndCutoff)
         }
 }
 
+/// Pictures of alpha cut surfaces where they lie on them, in all of a rectangle or a pair of triangles, to the camera
+/// and to shadow rays.
+TEST_F(TextureForms, AlphaLiesWhereThePictureDoes)
+{
+    // Cells of a picture that is the same neither turned nor mirrored.
+    const auto stands = [](int x, int y) { return ((x * 3 + y * y + (x == 0 ? y : 0)) % 4) < 2; };
+    for (const bool tree : {false, true})
+        for (const bool shadow : {false, true})
+            for (int kind = 0; kind < 3; ++kind) {
+                View v;
+                const Texture t = picture(v.scene, 4, 4, [&](int x, int y) {
+                    const float a = stands(x, y) ? 1.f : 0.f;
+                    return std::array{a, a, a, 1.f};
+                });
+                Material cut, floor;
+                cut.kind = shadow ? MaterialKind::none : MaterialKind::unlit;
+                cut.base_color.value = {1, 0, 0};
+                cut.alpha = {1, v.texture(t), 0};
+                cut.alpha_mode = AlphaMode::mask;
+                floor.base_color.value = {1, 1, 1};
+                // Before the sun, not before the camera, whose picture lies behind it.
+                const double z = shadow ? 8 : 0;
+                const int material = v.material(cut);
+                if (kind == 0) v.add(Rectangle{{-1, -1, z}, {2, 0, 0}, {0, 2, 0}}, material);
+                if (kind == 1) v.add(Box{{-1, -1, z - 1e-3}, {1, 1, z}}, material);
+                if (kind == 2) {
+                    Mesh mesh;
+                    const float at = float(z);
+                    mesh.positions = {{-1, -1, at}, {1, -1, at}, {1, 1, at}, {-1, 1, at}};
+                    mesh.uvs[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+                    mesh.indices = {0, 1, 2, 0, 2, 3};
+                    v.scene.meshes.push_back(mesh);
+                    v.add(MeshInstance{0}, material);
+                }
+                for (int i = 0; i < (tree ? 100 : 0); ++i) v.add(Sphere{{8 + 0.1 * i, 0, -9}, 0.01, {}}, material);
+                if (shadow) {
+                    v.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, v.material(floor));
+                    Light sun;
+                    sun.kind = LightKind::directional;
+                    v.light(sun, {});
+                } else {
+                    v.scene.environment.kind = EnvironmentKind::constant;
+                    v.scene.environment.color = {0, 0, 1};
+                }
+                const std::vector<float> pixels = v.pixels();
+                for (int y = 0; y < 4; ++y)
+                    for (int x = 0; x < 4; ++x) {
+                        // The box has its other face behind, whose picture is mirrored.
+                        const bool seen = stands(x, y) || (kind == 1 && stands(3 - x, y));
+                        const float* p = &pixels[std::size_t(3 * ((4 * y + 2) * View::side + 4 * x + 2))];
+                        SCOPED_TRACE(testing::Message() << kind << tree << shadow << " cell " << x << " " << y);
+                        if (shadow)
+                            EXPECT_NEAR(p[0], seen ? 0 : 1 / std::numbers::pi, 1e-5);
+                        else
+                            EXPECT_EQ((Color{p[0], p[1], p[2]}), seen ? (Color{1, 0, 0}) : (Color{0, 0, 1}));
+                    }
+            }
+}
+
 }  // namespace
 }  // namespace fathom

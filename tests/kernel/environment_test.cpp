@@ -255,5 +255,29 @@ TEST(Environment, GuidesFindWhatASearchFinds)
     }
 }
 
+/// Products with a guide's size may be rounded up to it: a number of 1, or just below, is in the last interval of its
+/// own table, not in what lies beyond.
+TEST(Environment, GuidesEndWhereTheirTableEnds)
+{
+    for (const int n : {1, 2, 4, 5, 64, 1000, 3000}) {
+        LargeVector<float> tables;
+        for (int table = 0; table < 2; ++table)
+            for (int i = 0; i <= n; ++i) tables.push_back(float(i) / float(n));
+        const auto guides = make_guides(tables, n);
+        for (const float x : {1.f, std::nextafter(1.f, 0.f)}) {
+            EXPECT_EQ(first(guide_entry(n, Float(x))), guide_size(n) - 1) << n;
+            const GuidedInterval found = find_guided(tables, guides, n, UInt(0u), Float(x));
+            EXPECT_EQ(first(found.number), std::uint32_t(n) - 1) << n;
+            EXPECT_EQ(first(found.end), 1) << n;
+            EXPECT_EQ(first(find_interval(tables.data(), UInt(0u), n, Float(x))), std::uint32_t(n) - 1) << n;
+        }
+        // Entries are neither skipped nor shared: each begins where the one before ends.
+        for (std::uint32_t k = 0; k < guide_size(n); ++k) {
+            const float middle = (float(k) + 0.5f) / float(guide_size(n));
+            EXPECT_EQ(first(guide_entry(n, Float(middle))), k) << n;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace fathom

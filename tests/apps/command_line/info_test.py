@@ -99,6 +99,21 @@ class Info(CommandLine):
             for file in files:
                 self.assertRegex(text, rf" kB  {file}\n")
 
+    def test_noise_of_a_crop(self):
+        """Mean and error are of the pixels that were rendered: those outside a crop are black, and have none."""
+        self.put("even.json", json.dumps({
+            "fathom": 1, "camera": {"position": [0, 0, 3], "look_at": [0, 0, 0]}, "environment": {"kind": "constant", "color": [0.5, 0.5, 0.5]},
+            "materials": {"m": {"kind": "diffuse", "color": [0.5, 0.5, 0.5]}}, "scene": [{"sphere": {"center": [0, 0, 0], "radius": 1}, "material": "m"}]}))
+        def noise(*words):
+            self.ok("render", "even.json", "--size", "20x20", "--spp", "16", "--mergeable", "-q", "-o", "film.exr", *words, program=PROGRAM)
+            return self.info("film.exr")["noise"]
+        for crop in ("0,0,3,3", "16,2,20,9"):
+            self.assertAlmostEqual(noise("--crop", crop)["mean"], 0.5, places=6)
+        whole, middle, all_of_it = noise(), noise("--crop", "5,5,15,15"), noise("--crop", "0,0,20,20")
+        self.assertEqual(all_of_it, whole)
+        # The ball is noisier than the picture around it, which is even.
+        self.assertGreater(middle["standard_error"], whole["standard_error"])
+
     def test_sizes(self):
         self.assertEqual(self.info("a.ply")["bounds"], {"min": [0, 0, 0], "max": [2, 3, 0], "size": [2, 3, 0]})
         self.assertRegex(self.ok("info", "a.ply", program=PROGRAM).stdout, r"bounds +\(0, 0, 0\) to \(2, 3, 0\): 2 x 3 x 0 m\n")

@@ -48,6 +48,27 @@ class Picture(CommandLine):
         for word in (b"variance.R", b"samples.Y", b"fathom.seed", b"fathom.render_s"):
             self.assertIn(word, data)
 
+    def test_quality(self):
+        """Lossy files are smaller the lower their quality, by the option too; where the option says nothing it is 95."""
+        if not PROGRAM:
+            self.skipTest("no program given")
+        # The noise of one sample is detail.
+        self.scene("detail.json", json.dumps({
+            "fathom": 1, "camera": {"position": [0, 0, 3], "look_at": [0, 0, 0]},
+            "environment": {"kind": "gradient", "bottom": [0, 0, 0]}, "materials": {"m": {"kind": "diffuse"}},
+            "scene": [{"sphere": {"center": [0, 0, 0], "radius": 1.2}, "material": "m"}]}))
+        for ending in ("jpg", "webp", "avif"):
+            sizes = {}
+            for quality in ("15", "60", "95", None):
+                name = f"{quality}.{ending}"
+                self.ok("render", "detail.json", "--spp", "1", "--size", "96x96", "-o", name,
+                        *(["--quality", quality] if quality else []), program=PROGRAM)
+                sizes[quality] = os.path.getsize(self.path(name))
+            self.assertLess(1.2 * sizes["15"], sizes["60"], (ending, sizes))
+            self.assertLess(1.2 * sizes["60"], sizes["95"], (ending, sizes))
+            # WebP is without loss by default.
+            (self.assertGreater if ending == "webp" else self.assertEqual)(sizes[None], sizes["95"], (ending, sizes))
+
     def test_primaries(self):
         self.ok("render", "box.json", "--spp", "1", "--size", "4x4", "-o", "a.exr", "--exr-primaries", "acescg")
         self.ok("render", "box.json", "--spp", "1", "--size", "4x4", "-o", "b.exr", "--exr-primaries", "rec709")

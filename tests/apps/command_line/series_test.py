@@ -85,6 +85,10 @@ class Series(CommandLine):
                          {"a.008.png", "a.010.png", "a.012.png", "b8.png", "b10.png", "b12.png"})
         for x in ("1", "1.25", "1.5"):
             self.assertEqual(words.count(f"camera 'main' at {x},0,0"), 1, words)
+        # The shutter is open for a share of a frame, not of a second.
+        for words, seconds in ((["--frames", "3", "--fps", "8"], "0.0625"), (["--at", "1"], "0.0208333"), (["--at", "1", "--fps", "4"], "0.125")):
+            self.assertIn(f"shutter from 0 to {seconds}", self.ok("render", "walk.json", "--spp", "1", "--shutter", "0.5", *words).stderr)
+        self.assertNotIn("shutter", self.ok("render", "walk.json", "--spp", "1", "--at", "1").stderr)
         # What the options make of a camera goes with it.
         words = self.ok("render", "walk.json", "--spp", "1", "--frames", "0:1", "--fps", "2", "--fov", "30", "-o",
                         "c.#.png").stderr

@@ -5,7 +5,35 @@ import os
 import re
 import subprocess
 
-from harness import CommandLine, run_tests
+from harness import PROGRAM, CommandLine, run_tests
+
+# A value of each option of `fathom submit` that says what the picture is, by who gets it: the tasks that render parts of
+# it, or the one that merges them. None: an option without a value.
+OF_TASKS = {
+    "--scene": "s", "--variant": "v", "--up-axis": "y", "--define": "a=b", "--confine": None, "--memory": "2G", "--nice": "3",
+    "--animation": "all", "--at": "1", "--size": "40x30", "--camera": "side", "--look-from": "1,2,3", "--look-at": "4,5,6",
+    "--up": "0,0,1", "--fov": "30", "--orbit": "10,20", "--view": "front", "--env": "sky.hdr", "--env-rotate": "15",
+    "--env-strength": "2", "--light": "file", "--sun-elevation": "30", "--sun-azimuth": "40", "--sun-direction": "1,2,3",
+    "--sun-place": "50,8", "--sun-date": "2026-06-21T12:00Z", "--ground": "none", "--build": "high", "--crop": "1,2,3,4",
+    "--aov": "depth", "--seed": "7", "--threads": "2", "--filter": "box", "--filter-radius": "2", "--max-depth": "9",
+    "--roulette-depth": "8", "--light-sampling": "off", "--light-selection": "power", "--clamp-indirect": "3",
+    "--guiding": "on", "--loop": "general", "--background": "white", "--every": "10s",
+}
+OF_MERGE = {
+    "--exposure": "2", "--white-balance": "3000", "--tonemap": "agx", "--ocio": "ocio://default", "--ocio-display": "d",
+    "--ocio-view": "v", "--ocio-look": "l", "--ocio-input": "i", "--png-bits": "16", "--quality": "80", "--exr": "half",
+    "--exr-primaries": "acescg",
+}
+# Flags that may have a word: each form, and what the merge is told.
+WORDS_OF_FLAGS = {"--denoise": ("--denoise", "--denoise=auto")}
+OWN = {"--help", "--output", "--spp", "--slurm", "--parts", "--partition", "--time", "--account", "--cpus-per-task", "--sbatch",
+       "--fix", "--dry-run", "--unchecked", "--quiet"}
+# Options that another one needs, or that contradict what the others say.
+TOGETHER = {"--ocio-display": ["--ocio", "ocio://default"], "--ocio-view": ["--ocio", "ocio://default"],
+            "--ocio-look": ["--ocio", "ocio://default"], "--ocio-input": ["--ocio", "ocio://default"],
+            "--sun-elevation": ["--light", "sun"], "--sun-azimuth": ["--light", "sun"], "--sun-direction": ["--light", "sun"],
+            "--sun-place": ["--light", "sun", "--sun-date", "2026-06-21T12:00Z"],
+            "--sun-date": ["--light", "sun", "--sun-place", "50,8"], "--animation": ["--at", "1"]}
 
 
 class Submit(CommandLine):
@@ -40,6 +68,31 @@ class Submit(CommandLine):
         self.assertEqual([os.path.basename(name) for name in outputs], ["out.exr", "out.png"])
         self.assertTrue(all(os.path.isabs(name) for name in outputs))
         self.assertFalse({"--seed", "--size", "--spp"} & set(words))
+
+    def test_every_option_reaches_its_command(self):
+        help_text = self.ok("submit", "--help").stdout
+        offered = set(re.findall(r"^  (?:-\w,)?(--[a-z-]+)", help_text, flags=re.M))
+        self.assertEqual(offered, OF_TASKS.keys() | OF_MERGE.keys() | WORDS_OF_FLAGS.keys() | OWN)
+        self.scene("box.json", "camera main camera side moves stride")
+        with open(self.path("sky.hdr"), "wb") as file:
+            file.write(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x81")
+        for options, command, other in ((OF_TASKS, " render ", " merge "), (OF_MERGE, " merge ", " render ")):
+            for option, value in options.items():
+                given = [option] if value is None else [option, value]
+                scripts = dict(zip((" render ", " merge "), self.scripts(*given, *TOGETHER.get(option, []))))
+                words = self.words_of(scripts[command], command)
+                self.assertIn(option, words)
+                if option == "--env":
+                    value = self.path(value)
+                if value is not None:
+                    self.assertEqual(os.path.realpath(words[words.index(option) + 1]) if option == "--env" else words[words.index(option) + 1],
+                                     os.path.realpath(value) if option == "--env" else value)
+                self.assertNotIn(option, self.words_of(scripts[other], other))
+        for forms in WORDS_OF_FLAGS.values():
+            for form in forms:
+                task, merge = self.scripts(form)
+                self.assertIn(form, self.words_of(merge, " merge "))
+                self.assertNotIn(form, self.words_of(task, " render "))
 
     def test_denoised_parts_have_what_helps(self):
         task, merge = self.scripts("--denoise", "--aov", "depth")
@@ -93,6 +146,30 @@ class Submit(CommandLine):
         self.refused(1, "submit", "box.json", "--slurm", "-o", "missing/out.exr", "--parts", "2", words=["missing"])
         self.refused(1, "submit", "box.json", "--slurm", "-o", "out.exr", "--parts", "2", words=["sbatch", "--dry-run"],
                      env={**os.environ, "PATH": "/nowhere"})
+
+    def test_noise_of_parts_together(self):
+        """Errors of independent means: each part's, weighted by its share of the samples, adds by its square."""
+        if not PROGRAM:
+            self.skipTest("no program given")
+        real = lambda *words: self.ok(*words, program=PROGRAM)
+        self.scene("lit.json", json.dumps({
+            "fathom": 1, "camera": {"position": [0, 0, 3], "look_at": [0, 0, 0]},
+            "environment": {"kind": "gradient", "bottom": [0, 0, 0]}, "materials": {"m": {"kind": "diffuse"}},
+            "scene": [{"sphere": {"center": [0, 0, 0], "radius": 1}, "material": "m"}]}))
+        os.mkdir(self.path("out.exr.parts"))
+        plan = {"version": 1, "program": PROGRAM, "scene": self.path("lit.json"), "render_options": [], "picture_options": [],
+                "outputs": [self.path("out.exr")], "parts": 2, "samples": 48, "scheduler_options": [], "submissions": []}
+        self.scene("out.exr.parts/plan.json", json.dumps(plan))
+        noise = []
+        for number, samples in ((1, "0:24"), (2, "24:32")):
+            name = f"out.exr.parts/part-000{number}.exr"
+            real("render", "lit.json", "--size", "24x24", "--samples", samples, "-o", name, "-q")
+            told = json.loads(real("info", name, "--json").stdout)["noise"]
+            noise.append(told["standard_error"] / told["mean"])
+        status = json.loads(real("status", "out.exr", "--json").stdout)
+        self.assertEqual([part["samples"] for part in status["parts"]], [24, 8])
+        expected = ((24 / 32 * noise[0]) ** 2 + (8 / 32 * noise[1]) ** 2) ** 0.5
+        self.assertAlmostEqual(status["noise"] / expected, 1, places=3)
 
     def test_plans(self):
         self.refused(1, "status", "out.exr", words=["submit it first"])
