@@ -4,7 +4,7 @@ import shutil
 import subprocess
 import sys
 
-from harness import FARM, ROOT, SAMPLES, Films, needs, needs_command
+from harness import FARM, ROOT, SAMPLES, Films, needs, needs_command, waiting
 
 TEMPLATE = FARM / "openjd" / "fathom.yaml"
 
@@ -65,7 +65,6 @@ class Dask(Films):
 
     @needs("distributed", "dask[distributed]")
     def test_a_part_that_fails_is_told(self):
-        result = subprocess.run([sys.executable, FARM / "dask" / "render.py", "none.json", ".", "--parts", "1"], cwd=self.films, capture_output=True, text=True,
-                                env=self.environment(), timeout=120)
+        result = waiting.run([sys.executable, FARM / "dask" / "render.py", "none.json", ".", "--parts", "1"], cwd=self.films, env=self.environment())
         self.assertEqual(result.returncode, 1)
         self.assertIn("part 1: fathom: ", result.stderr)
