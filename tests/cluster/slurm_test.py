@@ -101,9 +101,7 @@ class Parts(unittest.TestCase):
             for part, process in self.running().items():
                 if part in held or part in known:
                     continue
-                try:
-                    os.kill(process, signal.SIGSTOP)
-                except ProcessLookupError:
+                if not waiting.stop(process):
                     continue
                 if os.path.exists(self.film(part)):
                     self.go_on(process)
@@ -215,7 +213,7 @@ class Parts(unittest.TestCase):
         self.submit(*options, "--spp", str(samples), "--parts", "2")
         process = self.wait_for_samples(1)
         # Held, it can't have ended by itself before the task's script tells it to.
-        os.kill(process, signal.SIGSTOP)
+        self.assertTrue(waiting.stop(process))
         self.cluster.run("scancel", "--batch", "--signal=USR1", f"{self.array()}_1")
         self.cluster.wait_for("the script to end its render", lambda: waiting.has_signal(process, "ShdPnd", signal.SIGTERM), seen=self.status)
         self.go_on(process)

@@ -126,10 +126,25 @@ def has_signal(pid, kind, number):
         return False
 
 
-def is_running(pid):
-    """Whether a process, be it another's child, is there and has not ended (one that nobody waits for stays as 'Z')."""
+def state_of(pid):
+    """The letter of /proc/PID/stat: R, S, T (stopped), Z (ended, but nobody has waited for it); X where there is no such process."""
     try:
         with open(f"/proc/{pid}/stat") as file:
-            return file.read().rpartition(")")[2].split()[0] not in "ZX"
+            return file.read().rpartition(")")[2].split()[0]
     except OSError:
+        return "X"
+
+
+def is_running(pid):
+    """Whether a process, be it another's child, is there and has not ended."""
+    return state_of(pid) not in "ZX"
+
+
+def stop(pid):
+    """Holds a process until it gets SIGCONT; false if it has ended. Before it is seen to stand it may handle other signals."""
+    try:
+        os.kill(pid, signal.SIGSTOP)
+    except ProcessLookupError:
         return False
+    wait_for("the process to stop", lambda: state_of(pid) in "TZX", pause_s=0.01)
+    return is_running(pid)
