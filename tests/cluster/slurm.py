@@ -153,12 +153,12 @@ class Slurm:
         result = waiting.run(words, env=self.environment)
         return result.stdout if result.returncode == 0 else ""
 
-    def wait_for(self, what, is_so, seen=None):
+    def wait_for(self, what, is_so, seen=None, stop=None):
         def state():
             with open(os.path.join(self.folder, "log/slurmctld.log"), errors="replace") as file:
                 return (f"{seen() if seen else ''}\nthe queue:\n{self.ask('squeue', '-o', '%i %T %r %S')}"
                         f"the controller's last lines:\n{file.read()[-2000:]}")
-        return waiting.wait_for(what, is_so, seen=state, pause_s=0.3)
+        return waiting.wait_for(what, is_so, seen=state, stop=stop, pause_s=0.3)
 
     def wait_until_saved(self, job):
         """Until the controller has saved all that it knows of jobs: a killed one forgets what it was told later. A mark on a job that

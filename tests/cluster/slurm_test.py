@@ -118,7 +118,7 @@ class Parts(unittest.TestCase):
             return process if process and waiting.has_signal(process, "SigCgt", signal.SIGUSR1) else None
         process = self.cluster.wait_for(f"part {part} to run", handles_signals, seen=self.status)
         os.kill(process, signal.SIGUSR1)  # the film is written after this pass
-        self.cluster.wait_for(f"samples of part {part}", lambda: os.path.exists(self.film(part)), seen=self.status)
+        self.cluster.wait_for(f"samples of part {part}", lambda: os.path.exists(self.film(part)), seen=self.status, stop=self.gone(process))
         return process
 
     def running(self):
@@ -133,6 +133,10 @@ class Parts(unittest.TestCase):
             if words[0] == PROGRAM and "--part" in words and any(self.folder in word for word in words):
                 found[int(words[words.index("--part") + 1].split("/")[0])] = int(name)
         return found
+
+    def gone(self, process):
+        """For `stop` of wait_for."""
+        return lambda: not waiting.is_running(process) and f"process {process} has ended"
 
     def go_on(self, process):
         """Lets a process that was held go on, if it is still there."""
@@ -215,7 +219,8 @@ class Parts(unittest.TestCase):
         # Held, it can't have ended by itself before the task's script tells it to.
         self.assertTrue(waiting.stop(process))
         self.cluster.run("scancel", "--batch", "--signal=USR1", f"{self.array()}_1")
-        self.cluster.wait_for("the script to end its render", lambda: waiting.has_signal(process, "ShdPnd", signal.SIGTERM), seen=self.status)
+        self.cluster.wait_for("the script to end its render", lambda: waiting.has_signal(process, "ShdPnd", signal.SIGTERM),
+                              seen=self.status, stop=self.gone(process))
         self.go_on(process)
         self.wait_until_ended()
         self.assertEqual([part["state"] for part in self.status()["parts"]], ["done"] * 2, self.logs())
@@ -228,7 +233,7 @@ class Parts(unittest.TestCase):
         kept = self.status()["samples_done"]
         for process in processes:  # some passes
             enough = waiting.processor_seconds(process) + 4
-            self.cluster.wait_for("more samples", lambda: waiting.processor_seconds(process) >= enough)
+            self.cluster.wait_for("more samples", lambda: waiting.processor_seconds(process) >= enough, stop=self.gone(process))
         self.cluster.run("scancel", self.array())
         self.wait_until_ended()
         self.assertEqual(self.running(), {})
