@@ -58,7 +58,7 @@ def rank_of(process):
 class Ranks(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        """A picture that takes sixteen seconds of processor time, as one process makes it, and how slow this machine is now."""
+        """A picture that takes sixteen seconds of processor time, as one process makes it."""
         cls.common = tempfile.mkdtemp(prefix="fathom-mpi-")
         cls.addClassCleanup(shutil.rmtree, cls.common, ignore_errors=True)
         film = os.path.join(cls.common, "second.exr")
@@ -68,11 +68,6 @@ class Ranks(unittest.TestCase):
         cls.spp = str(int(16 * 128 / (waiting.processor_seconds_of_children() - before)))
         cls.whole = os.path.join(cls.common, "whole.exr")
         waiting.run([*render, "--spp", cls.spp, "-o", cls.whole], check=True)
-        # How long mpirun waits before it ends ranks, and then before it kills them. It always waits all of that, so it can't just
-        # be long: it is several times what a short run of as many ranks takes, with all that else goes on here.
-        begin = time.monotonic()
-        waiting.run(["mpirun", "-n", "3", *render, "--spp", "6", "--mergeable", "-o", film], env=MPI, check=True)
-        cls.time_to_keep = {"OMPI_MCA_odls_base_sigkill_timeout": str(math.ceil(1 + 4 * (time.monotonic() - begin)))}
 
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="fathom-mpi-")
@@ -95,12 +90,19 @@ class Ranks(unittest.TestCase):
     def ranks(self, count, *words, **options):
         return self.run_words("mpirun", "-n", str(count), PROGRAM, "render", SCENE, *words, **options)
 
+    def time_to_keep(self):
+        """How long mpirun waits before it ends ranks, and then before it kills them. It always waits all of that, so it can't just be
+        long: it is several times what a short run of as many ranks takes at the moment, with all that else goes on here."""
+        begin = time.monotonic()
+        self.ranks(3, *SIZE, "--spp", "6", "--mergeable", "-q", "-o", os.path.join(self.common, "few.exr"))
+        return {"OMPI_MCA_odls_base_sigkill_timeout": str(math.ceil(1 + 4 * (time.monotonic() - begin)))}
+
     def start(self, count, *words):
         """Ranks at work, as those who started them see them, and their processes by rank."""
         log = open(self.path("log"), "w")
         self.addCleanup(log.close)
         mpirun = subprocess.Popen(["mpirun", "-n", str(count), PROGRAM, "render", SCENE, *words],
-                                  env={**MPI, **self.time_to_keep}, cwd=self.folder, stderr=log, stdout=log)
+                                  env={**MPI, **self.time_to_keep()}, cwd=self.folder, stderr=log, stdout=log)
         self.addCleanup(mpirun.wait)
         self.addCleanup(lambda: mpirun.poll() is None and mpirun.kill())
 
