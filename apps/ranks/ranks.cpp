@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <new>
+#include <set>
 
 #include "../commands.h"
 #include "../interrupt.h"
@@ -328,6 +329,15 @@ int Ranks::finish(int code)
     return code;
 }
 
+/// True once a rank has failed, or each other rank has sent something that shows that it has not.
+bool Ranks::all_have_spoken() const
+{
+    const std::lock_guard lock(mutex_);
+    std::set<int> ranks;
+    for (const Message& message : inbox_) ranks.insert(message.from);
+    return !loss_.empty() || int(ranks.size()) == count_ - 1;
+}
+
 /// Ends the run of all after an error; rank 0 tells it.
 int Ranks::end_with(int code, const std::string& error, bool is_own, Reporter& reporter)
 {
@@ -335,7 +345,9 @@ int Ranks::end_with(int code, const std::string& error, bool is_own, Reporter& r
         std::string words = error;
         // What is wrong at all ranks is told without a name.
         if (is_own) {
-            for (int i = 0; i < 50 && loss().empty(); ++i) sleep_s(0.01);
+            constexpr double longest_s = 5;
+            const double start_s = seconds_since_start();
+            while (!all_have_spoken() && seconds_since_start() - start_s < longest_s) sleep_s(0.01);
             const std::string& other = loss();
             const bool same = other.size() > error.size() && other.ends_with(": " + error);
             if (!same) words = fmt::format("{}: {}", name(0), error);

@@ -93,6 +93,7 @@ private:
     void take(Message message);
     void watch(double now_s);
     void lose(const std::string& why);
+    bool all_have_spoken() const;
     void link();
     int finish(int code);
     /// is_own  what is wrong is wrong here, and perhaps at other ranks too

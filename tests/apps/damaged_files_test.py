@@ -12,6 +12,9 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+import waiting  # noqa: E402
+
 PROGRAM, SCENES = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
 TIMES = int(sys.argv[3]) if len(sys.argv) > 3 else 50
 SEED = int(sys.argv[4]) if len(sys.argv) > 4 else 1
@@ -141,10 +144,10 @@ def good_files():
 def check(file, scene, what):
     """Renders; returns the exit code, or says what is wrong."""
     try:
-        result = subprocess.run([PROGRAM, "render", scene, "--size", "16x12", "--spp", "1", "-q", "-o", "out.png"],
-                                capture_output=True, timeout=30)
-    except subprocess.TimeoutExpired:
-        raise SystemExit(f"{file}, {what}: still running after 30 s")
+        result = waiting.run([PROGRAM, "render", scene, "--size", "16x12", "--spp", "1", "-q", "-o", "out.png"], processor_s=60,
+                             text=False)
+    except AssertionError as error:
+        raise SystemExit(f"{file}, {what}: {error}")
     said = result.stderr.decode(errors="replace")
     lines = [line for line in said.splitlines() if not line.startswith("fathom: warning: ")]
     picture = os.path.exists("out.png")

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
+#include <sys/prctl.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <thread>
 
@@ -16,13 +18,33 @@
 // A library for tests of the command line: a scene file is words, and a sample is worth a number that its index
 // decides.
 //   camera NAME, aspect A, size WxH, spp N, slow MS (a pass), warn TEXT, nan, hint-filter NAME, hint-build NAME,
-//   triangles N, texture NAME, file NAME, slow-load MS, scene NAME, variant NAME, moves NAME (the last node), empty
+//   triangles N, texture NAME, file NAME, scene NAME, variant NAME, moves NAME (the last node), empty,
+//   gate FILE and load-gate FILE: each sample, or loading, waits until the file holds a number larger than its own
+//   (loading has 0); meanwhile FILE.waits holds that number. So a test decides how far the program gets, however slow
+//   the machine is.
 namespace fathom {
 
 namespace {
 
 int slow_ms = 0;
 std::uint64_t dropped_per_render = 0;
+std::filesystem::path pass_gate;
+
+void wait_at(const std::filesystem::path& gate, std::uint64_t step)
+{
+    const auto is_open = [&] {
+        std::uint64_t allowed = 0;
+        std::ifstream(gate) >> allowed;
+        return allowed > step;
+    };
+    if (is_open()) return;
+    // A test that was killed opens no gate any more.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    const std::string waits = gate.string() + ".waits", part = waits + ".part";
+    std::ofstream(part) << step << std::flush;
+    std::filesystem::rename(part, waits);
+    while (!is_open()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+}
 
 }  // namespace
 
@@ -62,10 +84,12 @@ SceneFile load_scene_file(const std::filesystem::path& file, const LoadOptions& 
         } else if (word == "file") {
             in >> word;
             scene.files.push_back(file.parent_path() / word);
-        } else if (word == "slow-load") {
-            int ms = 0;
-            in >> ms;
-            std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+        } else if (word == "gate") {
+            in >> pass_gate;
+        } else if (word == "load-gate") {
+            std::filesystem::path gate;
+            in >> gate;
+            wait_at(gate, 0);
         } else if (word == "triangles") {
             std::size_t triangles = 0;
             in >> triangles;
@@ -242,6 +266,7 @@ bool render(const RenderJob& job, SampleRange range, Film& film, const std::atom
     for (std::uint64_t s = range.first; s < range.second; ++s) {
         if (cancel && *cancel) return false;
         std::this_thread::sleep_for(std::chrono::milliseconds(slow_ms));
+        if (!pass_gate.empty()) wait_at(pass_gate, s);
         for (std::size_t i = 0; i < pixels; ++i) {
             const double value = double(s * 7 % 16) / 16;
             for (int c = 0; c < 3; ++c) {

@@ -1,16 +1,20 @@
 """A real Slurm on this one machine, of several nodes with a processor each: sbatch, arrays, requeue, lost nodes.
 
-All that it writes is in a folder of its own; it needs no root, no systemd and no name of the machine. Short times are
-set, so that tests need not wait for what takes minutes elsewhere.
+All that it writes is in a folder of its own; it needs no root, no systemd and no name of the machine. Short intervals are
+set, so that tests need not wait for what takes minutes elsewhere; limits on what daemons and tasks may take are long, since a
+busy machine must look like an idle one.
 """
 import getpass
 import os
 import shutil
 import signal
 import socket
-import subprocess
+import sys
 import tempfile
 import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+import waiting  # noqa: E402
 
 SBIN = os.pathsep.join(["/usr/local/sbin", "/usr/sbin", "/sbin"])
 DAEMONS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scontrol", "srun", "scancel")
@@ -28,20 +32,11 @@ def why_none_comes_up():
         cluster = Slurm(folder, nodes=1)
         try:
             cluster.start()
-        except (RuntimeError, subprocess.TimeoutExpired) as error:
+        except (RuntimeError, AssertionError) as error:
             return str(error).replace("\n", " ")
         finally:
             cluster.stop()
     return None
-
-
-def is_running(pid):
-    """Whether a process, be it another's child, is there and has not ended (one that nobody waits for stays as 'Z')."""
-    try:
-        with open(f"/proc/{pid}/stat") as file:
-            return file.read().rpartition(")")[2].split()[0] not in "ZX"
-    except OSError:
-        return False
 
 
 def free_ports(count):
@@ -62,8 +57,18 @@ class Slurm:
         for name in ("log", "state", "spool", "munge"):
             os.makedirs(os.path.join(folder, name), mode=0o700)
         self.conf = os.path.join(folder, "slurm.conf")
-        self.environment = {**os.environ, "SLURM_CONF": self.conf, "PATH": os.environ["PATH"] + os.pathsep + SBIN}
+        path = os.environ["PATH"] + os.pathsep + SBIN
+        self.environment = {**os.environ, "SLURM_CONF": self.conf, "PATH": os.path.join(folder, "bin") + os.pathsep + path}
         self.write_settings(max_array_size)
+        self.write_patient_srun(shutil.which("srun", path=path))
+
+    def write_patient_srun(self, srun):
+        """Fathom asks for a node at once, and goes on without where there is none. Here it is to have one, however long that takes."""
+        os.mkdir(os.path.join(self.folder, "bin"))
+        wrapper = os.path.join(self.folder, "bin", "srun")
+        with open(wrapper, "w") as file:
+            file.write(f'#!/bin/bash\nexec {srun} "${{@/#--immediate=*/--immediate=3600}}"\n')
+        os.chmod(wrapper, 0o755)
 
     def write_settings(self, max_array_size):
         me, f = getpass.getuser(), self.folder
@@ -73,12 +78,15 @@ class Slurm:
             "SlurmUser": me, "SlurmdUser": me, "StateSaveLocation": f"{f}/state", "SlurmdSpoolDir": f"{f}/spool/%n",
             "TmpFS": f"{f}/spool/%n", "SlurmctldPidFile": f"{f}/slurmctld.pid", "SlurmdPidFile": f"{f}/slurmd-%n.pid",
             "SlurmctldLogFile": f"{f}/log/slurmctld.log", "SlurmdLogFile": f"{f}/log/slurmd-%n.log",
-            # A task that was requeued waits as long as credentials live.
-            "AuthInfo": f"socket={f}/munge/socket,cred_expire=5",
+            # A task that was requeued waits as long as credentials live; one that starts more slowly than that fails.
+            "AuthInfo": f"socket={f}/munge/socket,cred_expire=30",
             "ProctrackType": "proctrack/linuxproc", "TaskPlugin": "task/none", "JobAcctGatherType": "jobacct_gather/none",
             "AccountingStorageType": "accounting_storage/none", "JobCompType": "jobcomp/none", "MailProg": "/bin/true",
             "SelectType": "select/cons_tres", "SelectTypeParameters": "CR_Core", "SlurmdParameters": "config_overrides",
-            "JobRequeue": 1, "KillWait": 5, "MinJobAge": 10, "SlurmdTimeout": 20, "ReturnToService": 1,
+            "JobRequeue": 1, "MinJobAge": 10, "ReturnToService": 1,
+            # Nothing waits for these where all goes well: what a task has to end, to start, and a daemon to answer.
+            "KillWait": 300, "BatchStartTimeout": 600, "SlurmdTimeout": 3600, "SlurmctldTimeout": 3600, "MessageTimeout": 30,
+            "TCPTimeout": 30, "UnkillableStepTimeout": 600, "PropagateResourceLimits": "NONE",
             "MaxArraySize": max_array_size, "SchedulerParameters": "sched_interval=2,bf_interval=2,batch_sched_delay=0",
         }
         with open(self.conf, "w") as file:
@@ -116,10 +124,11 @@ class Slurm:
 
     def stop(self):
         """Ends all jobs and daemons."""
-        subprocess.run(["scancel", "--user", getpass.getuser()], env=self.environment, capture_output=True, timeout=60)
+        self.ask("scancel", "--user", getpass.getuser())
         pids = {"munge/munged.pid": signal.SIGTERM, "slurmctld.pid": signal.SIGKILL}
         pids.update({f"slurmd-n{number}.pid": signal.SIGKILL for number in range(1, self.nodes + 1)})
-        time.sleep(1)
+        # No answer is an empty queue, too.
+        waiting.wait_for("the queue to be empty", lambda: not self.ask("squeue", "-h"), pause_s=0.5)
         told = []
         for name, how in pids.items():
             try:
@@ -130,27 +139,34 @@ class Slurm:
             except (OSError, ValueError):
                 pass
         # munged writes its seed as it ends: whoever removes the folder must not meet it there.
-        end = time.monotonic() + 10
-        while any(map(is_running, told)) and time.monotonic() < end:
-            time.sleep(0.05)
+        waiting.wait_for("the daemons to end", lambda: not any(map(waiting.is_running, told)))
 
     def run(self, *words):
-        result = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=60)
+        # Daemons keep the limits of whoever starts them.
+        result = waiting.run(words, env=self.environment, processor_s=None)
         if result.returncode != 0:
             raise RuntimeError(f"{words[0]}: {result.stderr.strip()}")
         return result.stdout
 
     def ask(self, *words):
         """What a command of Slurm's says; nothing while nobody answers."""
-        result = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=60)
+        result = waiting.run(words, env=self.environment)
         return result.stdout if result.returncode == 0 else ""
 
-    def wait_for(self, what, is_so, most_s=120):
-        end = time.monotonic() + most_s
-        while not is_so():
-            if time.monotonic() > end:
-                queue = self.ask("squeue", "-o", "%i %T %r %S")
-                with open(os.path.join(self.folder, "log/slurmctld.log"), errors="replace") as file:
-                    raise RuntimeError(f"waited {most_s} s for {what}; the queue:\n{queue}the controller's last lines:\n"
-                                       f"{file.read()[-2000:]}")
-            time.sleep(0.3)
+    def wait_for(self, what, is_so, seen=None, stop=None):
+        def state():
+            with open(os.path.join(self.folder, "log/slurmctld.log"), errors="replace") as file:
+                return (f"{seen() if seen else ''}\nthe queue:\n{self.ask('squeue', '-o', '%i %T %r %S')}"
+                        f"the controller's last lines:\n{file.read()[-2000:]}")
+        return waiting.wait_for(what, is_so, seen=state, stop=stop, pause_s=0.3)
+
+    def wait_until_saved(self, job):
+        """Until the controller has saved all that it knows of jobs: a killed one forgets what it was told later. A mark on a job that
+        waits shows what was saved."""
+        mark = f"saved-{time.time_ns()}"
+        self.run("scontrol", "update", f"JobId={job}", f"Comment={mark}")
+
+        def is_saved():
+            with open(os.path.join(self.folder, "state/job_state"), "rb") as file:
+                return mark.encode() in file.read()
+        self.wait_for("the controller to save its jobs", is_saved)

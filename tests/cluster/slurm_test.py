@@ -13,10 +13,10 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 import slurm
+from slurm import waiting
 
 PROGRAM, HASH, SCENE = (os.path.abspath(path) for path in sys.argv[1:4])
 LONG = "long" in sys.argv[4:]
@@ -43,8 +43,7 @@ class Parts(unittest.TestCase):
         self.picture = os.path.join(self.folder, "out.exr")
 
     def fathom(self, *words, code=0):
-        result = subprocess.run([PROGRAM, *words], env=self.cluster.environment, cwd=self.folder, capture_output=True,
-                                text=True, timeout=600)
+        result = waiting.run([PROGRAM, *words], env=self.cluster.environment, cwd=self.folder)
         self.assertEqual(result.returncode, code, f"{words}: {result.stdout}{result.stderr}")
         return result.stdout + result.stderr
 
@@ -55,7 +54,7 @@ class Parts(unittest.TestCase):
         return json.loads(self.fathom("status", self.picture, "--json"))
 
     def hash_of(self, picture):
-        return subprocess.run([HASH, picture], check=True, capture_output=True, text=True).stdout.split()[0]
+        return waiting.run([HASH, picture], check=True).stdout.split()[0]
 
     def assert_same_as_one_run(self, samples, *options):
         whole = os.path.join(self.folder, "whole.exr")
@@ -63,16 +62,22 @@ class Parts(unittest.TestCase):
         self.assertEqual(self.hash_of(self.picture), self.hash_of(whole))
 
     def samples_in(self, seconds, *options):
-        """As many as one thread renders in about this time."""
-        start = time.monotonic()
-        self.fathom("render", SCENE, *options, "--spp", "256", "--threads", "1", "-q", "-o", os.path.join(self.folder, "few.png"))
-        return int(256 * seconds / (time.monotonic() - start))
+        """As many as one thread renders in about this much processor time."""
+        before = waiting.processor_seconds_of_children()
+        self.fathom("render", SCENE, *options, "--spp", "64", "--threads", "1", "-q", "-o", os.path.join(self.folder, "few.png"))
+        return int(64 * seconds / (waiting.processor_seconds_of_children() - before))
+
+    def submission(self):
+        with open(os.path.join(self.picture + ".parts", "plan.json")) as file:
+            return json.load(file)["submissions"][-1]
 
     def array(self):
-        with open(os.path.join(self.picture + ".parts", "plan.json")) as file:
-            return json.load(file)["submissions"][-1]["array"]
+        return self.submission()["array"]
 
-    def wait_until_ended(self, most_s=300):
+    def film(self, part):
+        return os.path.join(self.picture + ".parts", f"part-{part:04}.exr")
+
+    def wait_until_ended(self):
         """Nothing waits or runs any more, the merge neither."""
         def ended():
             status = self.status()
@@ -85,10 +90,36 @@ class Parts(unittest.TestCase):
                     self.cluster.ask("scontrol", "release", line.split()[0])
             return status["scheduler_answers"] and not status["merge_waits"] and not any(
                 part["state"] in ("running", "waiting") for part in status["parts"])
-        self.cluster.wait_for("all tasks to end", ended, most_s)
+        self.cluster.wait_for("all tasks to end", ended, seen=self.status)
 
-    def wait_until_running(self, count):
-        self.cluster.wait_for(f"{count} parts to run", lambda: len(self.running()) >= count)
+    def hold(self, count, known=()):
+        """The processes of so many parts that run at the same time, and are not known: stopped, so that none ends while others are
+        waited for. Each has yet to keep its first samples."""
+        held = {}
+
+        def are_held():
+            for part, process in self.running().items():
+                if part in held or part in known:
+                    continue
+                if not waiting.stop(process):
+                    continue
+                if os.path.exists(self.film(part)):
+                    self.go_on(process)
+                else:
+                    held[part] = process
+            return len(held) >= count
+        self.cluster.wait_for(f"{count} parts to run", are_held, seen=lambda: f"held: {held}")
+        return held
+
+    def wait_for_samples(self, part):
+        """The process of a part once its film has samples."""
+        def handles_signals():
+            process = self.running().get(part)
+            return process if process and waiting.has_signal(process, "SigCgt", signal.SIGUSR1) else None
+        process = self.cluster.wait_for(f"part {part} to run", handles_signals, seen=self.status)
+        os.kill(process, signal.SIGUSR1)  # the film is written after this pass
+        self.cluster.wait_for(f"samples of part {part}", lambda: os.path.exists(self.film(part)), seen=self.status, stop=self.gone(process))
+        return process
 
     def running(self):
         """The processes that render parts of this test's picture, by part."""
@@ -102,6 +133,17 @@ class Parts(unittest.TestCase):
             if words[0] == PROGRAM and "--part" in words and any(self.folder in word for word in words):
                 found[int(words[words.index("--part") + 1].split("/")[0])] = int(name)
         return found
+
+    def gone(self, process):
+        """For `stop` of wait_for."""
+        return lambda: not waiting.is_running(process) and f"process {process} has ended"
+
+    def go_on(self, process):
+        """Lets a process that was held go on, if it is still there."""
+        try:
+            os.kill(process, signal.SIGCONT)
+        except ProcessLookupError:
+            pass
 
     def logs(self):
         folder = self.picture + ".parts"
@@ -133,27 +175,31 @@ class Parts(unittest.TestCase):
         samples = parts * 48
         options = ("--size", "800x600")  # some seconds a part
         self.submit(*options, "--spp", str(samples), "--parts", str(parts))
-        self.wait_until_running(4)
+        held = self.hold(4)
         self.assertIn("under way", self.submit(*options, "--spp", str(samples), "--parts", str(parts)))
         self.cluster.run("scontrol", "update", "NodeName=n2", "State=DRAIN", "Reason=test")
         killed, requeued = set(), set()
         while len(killed) < faults or len(requeued) < faults:
-            self.wait_until_running(1)
-            for part, process in self.running().items():
-                if part in killed or part in requeued:
-                    continue
+            for part in sorted(held.keys() - killed - requeued):
                 if len(killed) < faults and len(killed) <= len(requeued):
                     killed.add(part)
-                    os.kill(process, signal.SIGKILL)
+                    os.kill(held[part], signal.SIGKILL)
                 elif len(requeued) < faults:
                     requeued.add(part)
-                    self.cluster.ask("scontrol", "requeue", f"{self.array()}_{part}")
-        time.sleep(8)  # what it was told in the last seconds a killed controller forgets
+                    self.cluster.run("scontrol", "requeue", f"{self.array()}_{part}")
+                    self.go_on(held[part])
+            if len(killed) < faults or len(requeued) < faults:
+                held.update(self.hold(1, known=held.keys()))
+        self.cluster.wait_for("Slurm to notice what was killed", lambda: killed <= {
+            part["part"] for part in self.status()["parts"] if part["state"] not in ("running", "waiting")}, seen=self.status)
+        self.cluster.wait_until_saved(self.submission()["merge"])
         self.cluster.kill_controller()
         self.assertIn("doesn't answer", self.fathom("status", self.picture))
+        for process in held.values():
+            self.go_on(process)
         self.cluster.start_controller()
         self.cluster.wait_for("the controller", lambda: self.cluster.ask("sinfo", "-h"))
-        self.wait_until_ended(300)
+        self.wait_until_ended()
         # A controller that comes back drains nodes on which something ended meanwhile. Whoever runs the cluster sees to it.
         for node in range(1, 5):
             self.cluster.ask("scontrol", "update", f"NodeName=n{node}", "State=RESUME")
@@ -161,17 +207,21 @@ class Parts(unittest.TestCase):
         self.assertLessEqual(killed, {part["part"] for part in status["parts"] if part["state"] != "done"}, self.logs())
         self.assertIn("submit --fix", self.fathom("status", self.picture))
         self.fathom("submit", "--fix", self.picture)
-        self.wait_until_ended(600)
+        self.wait_until_ended()
         self.assertEqual({part["state"] for part in self.status()["parts"]}, {"done"}, self.logs())
         self.assert_same_as_one_run(samples, *options)
 
     def test_warned_tasks_go_on_in_another_turn(self):
         options = ("--size", "400x300")
-        samples = 2 * self.samples_in(10, *options)
+        samples = 2 * self.samples_in(12, *options)
         self.submit(*options, "--spp", str(samples), "--parts", "2")
-        self.wait_until_running(2)
-        time.sleep(3)
+        process = self.wait_for_samples(1)
+        # Held, it can't have ended by itself before the task's script tells it to.
+        self.assertTrue(waiting.stop(process))
         self.cluster.run("scancel", "--batch", "--signal=USR1", f"{self.array()}_1")
+        self.cluster.wait_for("the script to end its render", lambda: waiting.has_signal(process, "ShdPnd", signal.SIGTERM),
+                              seen=self.status, stop=self.gone(process))
+        self.go_on(process)
         self.wait_until_ended()
         self.assertEqual([part["state"] for part in self.status()["parts"]], ["done"] * 2, self.logs())
         self.assertEqual(self.logs().count("going on from"), 1, self.logs())
@@ -179,14 +229,18 @@ class Parts(unittest.TestCase):
 
     def test_cancelled_stays_cancelled(self):
         self.submit("--size", "400x300", "--spp", "20000", "--parts", "2")
-        self.wait_until_running(2)
-        time.sleep(4)
+        processes = [self.wait_for_samples(part) for part in (1, 2)]
+        kept = self.status()["samples_done"]
+        for process in processes:  # some passes
+            enough = waiting.processor_seconds(process) + 4
+            self.cluster.wait_for("more samples", lambda: waiting.processor_seconds(process) >= enough, stop=self.gone(process))
         self.cluster.run("scancel", self.array())
         self.wait_until_ended()
         self.assertEqual(self.running(), {})
         self.assertEqual(len([p for p in self.status()["parts"] if p["state"] == "missing"]), 2)
         self.assertLess(self.status()["samples_done"], 20000)
-        self.assertGreater(self.status()["samples_done"], 0)
+        self.assertGreater(kept, 0)
+        self.assertGreater(self.status()["samples_done"], kept, "what was rendered at the end is kept")
         self.assertTrue(self.status()["merged"], "what was there at the end is merged: " + self.logs())
 
     @unittest.skipUnless(LONG, "takes minutes: Slurm looks at limits every half minute")
@@ -195,7 +249,7 @@ class Parts(unittest.TestCase):
         size = ("--size", "800x600")
         samples = self.samples_in(150, *size)  # where one minute is given
         self.submit(*size, "--spp", str(samples), "--parts", "1", "--time", "1")
-        self.wait_until_ended(1200)
+        self.wait_until_ended()
         self.assertEqual(self.status()["samples_done"], samples, self.logs())
         self.assertGreaterEqual(self.logs().count("going on"), 1, self.logs())
         self.assert_same_as_one_run(samples, *size)

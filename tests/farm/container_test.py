@@ -59,7 +59,10 @@ class Container(unittest.TestCase):
             self.assertEqual(code, 0, text)
             self.assertEqual((root / "work" / "a.exr").stat().st_uid, USER)
             if shutil.which("busybox"):
-                code, text = run("/bin/sh", "-c", "cd /work && fathom render scene.json --spp 2000000 --checkpoint f.exr -q & "
-                                 "sleep 3; kill -TERM $!; wait $!; echo code $?")
+                # Ended once it has reported progress, which follows the first samples.
+                code, text = run("/bin/sh", "-c", "cd /work && : >log && "
+                                 "{ fathom render scene.json --spp 2000000 --checkpoint f.exr --progress json 2>log & } && "
+                                 "until while read -r line; do case $line in *progress*) seen=1;; esac; done <log; [ \"$seen\" ]; do sleep 1; done; "
+                                 "kill -TERM $!; wait $!; echo code $?")
                 self.assertIn("code 130", text)
                 self.assertTrue((root / "work" / "f.exr").exists())

@@ -11,6 +11,9 @@ import tempfile
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import waiting  # noqa: E402
+
 PROGRAM, PICTURE_HASH, BUILD = (Path(argument).resolve() for argument in sys.argv[1:4])
 ROOT = Path(__file__).resolve().parents[2]
 FARM = ROOT / "farm"
@@ -69,8 +72,7 @@ class Films(unittest.TestCase):
         return {**os.environ, "PATH": f"{self.folder / 'bin'}:{Path(sys.executable).parent}:{os.environ['PATH']}", **more}
 
     def run_it(self, *words, **environment):
-        result = subprocess.run([str(word) for word in words], cwd=self.films, capture_output=True, text=True, timeout=300,
-                                env=self.environment(**environment))
+        result = waiting.run(words, cwd=self.films, env=self.environment(**environment))
         self.assertEqual(result.returncode, 0, f"{words}\n{result.stdout[-2000:]}{result.stderr[-2000:]}")
         return result
 

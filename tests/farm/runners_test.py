@@ -4,7 +4,7 @@ import shutil
 import subprocess
 import sys
 
-from harness import FARM, ROOT, SAMPLES, Films, needs, needs_command
+from harness import FARM, ROOT, SAMPLES, Films, needs, needs_command, waiting
 
 TEMPLATE = FARM / "openjd" / "fathom.yaml"
 
@@ -58,14 +58,17 @@ class Parallel(Films):
 
 
 class Dask(Films):
+    # On a busy machine workers start and answer slowly.
+    PATIENT = {f"DASK_DISTRIBUTED__{name}": "3600s" for name in ("COMM__TIMEOUTS__CONNECT", "COMM__TIMEOUTS__TCP", "SCHEDULER__WORKER_TTL")}
+
     @needs("distributed", "dask[distributed]")
     def test_workers_render_the_picture(self):
-        self.run_it(sys.executable, FARM / "dask" / "render.py", "scene.json", ".", "--parts", "3", "--spp", str(SAMPLES))
+        self.run_it(sys.executable, FARM / "dask" / "render.py", "scene.json", ".", "--parts", "3", "--spp", str(SAMPLES), **self.PATIENT)
         self.check_picture()
 
     @needs("distributed", "dask[distributed]")
     def test_a_part_that_fails_is_told(self):
-        result = subprocess.run([sys.executable, FARM / "dask" / "render.py", "none.json", ".", "--parts", "1"], cwd=self.films, capture_output=True, text=True,
-                                env=self.environment(), timeout=120)
+        result = waiting.run([sys.executable, FARM / "dask" / "render.py", "none.json", ".", "--parts", "1"], cwd=self.films,
+                             env=self.environment(**self.PATIENT))
         self.assertEqual(result.returncode, 1)
         self.assertIn("part 1: fathom: ", result.stderr)

@@ -3,6 +3,7 @@
 //   fuzz_driver TARGET RUNS           runs 0 to RUNS - 1; one that crashes or takes too long is named
 //   fuzz_driver TARGET RUNS ONLY      that run alone, its file as fuzz-TARGET-ONLY.bin in this folder
 //   fuzz_driver TARGET seeds FOLDER   what libFuzzer may begin with
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -22,7 +23,8 @@ namespace fathom::fuzz {
 
 namespace {
 
-constexpr unsigned longest_run_s = 20;
+constexpr unsigned longest_run_s = 20;     // of processor time, which others don't use up
+constexpr unsigned longest_wait_s = 3600;  // ends a run that waits for something
 
 using Random = std::mt19937_64;
 
@@ -121,7 +123,9 @@ void run_once(const Target& target, const std::vector<std::string>& seeds, std::
 {
     std::snprintf(place, sizeof place, "%s: run %llu crashes or takes too long\n", std::string(target.name).c_str(),
                   static_cast<unsigned long long>(run));
-    alarm(longest_run_s);
+    const itimerval limit{{0, 0}, {longest_run_s, 0}};
+    setitimer(ITIMER_PROF, &limit, nullptr);
+    alarm(longest_wait_s);
     target.run(mutated(seeds, run));
 }
 
@@ -159,7 +163,7 @@ int run(int argc, char** argv)
         return 0;
     }
     const test::MemoryLimit memory(rlim_t(4) << 30);
-    for (int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGALRM}) std::signal(signal, on_signal);
+    for (int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGALRM, SIGPROF}) std::signal(signal, on_signal);
     // What is not damaged is read without a word.
     for (const std::string& seed : seeds) target->run(seed);
     const std::uint64_t runs = std::strtoull(argv[2], nullptr, 10);

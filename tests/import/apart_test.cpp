@@ -12,12 +12,14 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <thread>
+
+#include "../waiting.h"
 
 namespace fathom {
 namespace {
 
 constexpr std::size_t memory = std::size_t(256) << 20;
+constexpr unsigned long_s = 600;  // for work that is to end by itself, on a busy machine too
 
 double seconds_of(const std::function<void()>& action)
 {
@@ -34,14 +36,14 @@ void sleep_for_ever()
 TEST(RunApart, ReturnsWhatTheWorkReturns)
 {
     const std::string large(5'000'000, 'x');
-    const ApartResult result = run_apart([&] { return large; }, 10, memory);
+    const ApartResult result = run_apart([&] { return large; }, long_s, memory);
     EXPECT_EQ(result.failure, "");
     EXPECT_EQ(result.bytes, large);
 }
 
 TEST(RunApart, EndsWorkThatCrashes)
 {
-    EXPECT_EQ(run_apart([]() -> std::string { std::abort(); }, 10, memory).failure, "it crashed");
+    EXPECT_EQ(run_apart([]() -> std::string { std::abort(); }, long_s, memory).failure, "it crashed");
 }
 
 TEST(RunApart, EndsWorkThatTakesTooMuch)
@@ -49,7 +51,7 @@ TEST(RunApart, EndsWorkThatTakesTooMuch)
 #ifdef FATHOM_ADDRESS_SANITIZER
     GTEST_SKIP() << "the address sanitizer ends a program that is out of memory, where new would throw";
 #endif
-    EXPECT_EQ(run_apart([] { return std::string(2 * memory, 'x'); }, 10, memory).failure, "it ran out of memory");
+    EXPECT_EQ(run_apart([] { return std::string(2 * memory, 'x'); }, long_s, memory).failure, "it ran out of memory");
 }
 
 TEST(RunApart, EndsWorkThatOnlyWaits)
@@ -64,7 +66,7 @@ TEST(RunApart, EndsWorkThatOnlyWaits)
             0, memory);
     });
     EXPECT_EQ(result.failure, "it took too long or too much memory");
-    EXPECT_LT(seconds, 20);
+    EXPECT_GE(seconds, 2) << "processor time is no measure of work that waits";
 }
 
 TEST(RunApart, EndsWithTheProgram)
@@ -90,12 +92,7 @@ TEST(RunApart, EndsWithTheProgram)
     kill(program, SIGKILL);
     waitpid(program, nullptr, 0);
     fcntl(ends[0], F_SETFL, O_NONBLOCK);
-    bool is_gone = false;
-    for (int i = 0; i < 100 && !is_gone; ++i) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(50));
-        is_gone = read(ends[0], &byte, 1) == 0;
-    }
-    EXPECT_TRUE(is_gone);
+    EXPECT_TRUE(test::wait_for([&] { return read(ends[0], &byte, 1) == 0; }));
     close(ends[0]);
 }
 
@@ -121,7 +118,7 @@ TEST(RunApart, MayReadAndNothingElse)
             if (kill(getppid(), 0) == 0) did += "harmed ";
             return did;
         },
-        10, memory);
+        long_s, memory);
     EXPECT_EQ(result.failure, "");
     EXPECT_EQ(result.bytes, "read ");
     std::string bytes;

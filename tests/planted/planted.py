@@ -21,6 +21,7 @@ import os
 import pathlib
 import random
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -29,8 +30,8 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PLACE = ROOT / "build" / "planted"
-COPIED = ["CMakeLists.txt", "CMakePresets.json", "LICENSE", "apps", "bench", "cmake", "docs", "examples", "include", "scenes",
-          "scripts", "src", "tests", "tools"]
+# What a test may take: processor time of each of its processes, which load doesn't use up; and what ends one that hangs.
+PROCESSOR_S, PATIENCE_S, LONGEST_S = 1800, 300, 7200
 REQUIRED = {"id", "bug", "files", "find", "replace", "targets"}
 OPTIONAL = {"count": 1, "tests": "", "gtest": "", "isa": "base"}
 
@@ -96,9 +97,14 @@ def write_if_changed(path, data):
     path.write_bytes(data)
 
 
+def parts_of_the_project():
+    """All that tests may read: whatever stands in the root, but builds and what is hidden."""
+    return sorted(path.name for path in ROOT.iterdir() if path.name != "build" and not path.name.startswith("."))
+
+
 def copy_tree(to):
-    wanted = set()
-    for name in COPIED:
+    wanted, names = set(), parts_of_the_project()
+    for name in names:
         source = ROOT / name
         for path in [source] if source.is_file() else source.rglob("*"):
             if path.is_file() and "__pycache__" not in path.parts:
@@ -106,9 +112,14 @@ def copy_tree(to):
                 wanted.add(to / relative)
                 write_if_changed(to / relative, path.read_bytes())
                 shutil.copymode(path, to / relative)
-    for name in COPIED:
+    for name in names:
         for path in [p for p in (to / name).rglob("*") if p.is_file() and p not in wanted]:
             path.unlink()
+
+
+def failed_tests(text):
+    """Their names, as ctest lists them at its end."""
+    return re.findall(r"^\s+\d+ - (\S+) \((?!Skipped)", text, re.M)
 
 
 class Workshop:
@@ -124,11 +135,11 @@ class Workshop:
                   "-DFATHOM_TESTS=ON", "-DFATHOM_WERROR=ON", "-DFATHOM_VIEW=OFF", f"-DFATHOM_ISAS={isas}",
                   f"-DFATHOM_SHARED_SCENES={ROOT.parent / 'shared' / 'scenes'}"], "configure.log", must=True)
 
-    def run(self, command, log, must=False, **more):
+    def run(self, command, log, must=False, limit=None, **more):
         # In a group of its own, so that whoever ends this also ends the compilers that it has started.
         with open(PLACE / f"{self.build.name}.{log}", "w") as out, \
                 subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, env={**self.environment, **more},
-                                 start_new_session=True) as process:
+                                 start_new_session=True, preexec_fn=limit) as process:
             try:
                 code = process.wait()
             except BaseException:
@@ -142,20 +153,41 @@ class Workshop:
         code, log = self.run(["cmake", "--build", str(self.build), f"-j{self.jobs}", "--target", *targets], "build.log")
         return code == 0, log
 
-    def test(self, rule):
-        """The names of the tests that failed. Raises RuleError if none ran."""
+    def ctest(self, arguments, log, gtest=""):
+        """What ctest prints. Its own limit of time would count what other programs use, too."""
+        more = {"FATHOM_TEST_PATIENCE": str(PATIENCE_S), **({"GTEST_FILTER": gtest} if gtest else {})}
+        _, log = self.run(["ctest", "--test-dir", str(self.build), *arguments, f"-j{self.jobs}", "--timeout", str(LONGEST_S)], log,
+                          limit=lambda: resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_S, PROCESSOR_S + 10)), **more)
+        return pathlib.Path(log).read_text(), log
+
+    def chosen(self, rule):
         names = ["-R", rule["tests"]] if rule["tests"] else ["-L", "quick|full"]
         # These two look at the sources themselves, and would see any change.
-        names += ["-E", "^(planted_rules|format)$"]
-        _, log = self.run(["ctest", "--test-dir", str(self.build), *names, f"-j{self.jobs}", "--timeout", "300"], "test.log",
-                          **({"GTEST_FILTER": rule["gtest"]} if rule["gtest"] else {}))
-        text = pathlib.Path(log).read_text()
+        return names + ["-E", "^(planted_rules|format)$"]
+
+    def tests_of(self, rule):
+        """The tests of a rule, by number."""
+        text, _ = self.ctest(["-N", *self.chosen(rule)], "list.log")
+        return {int(number): name for number, name in re.findall(r"^\s*Test\s+#(\d+): (\S+)", text, re.M)}
+
+    def test(self, rule):
+        """The names of the tests that failed. Raises RuleError if none ran."""
+        text, log = self.ctest(self.chosen(rule), "test.log", rule["gtest"])
         count = re.search(r"tests failed out of (\d+)|tests passed.*out of (\d+)", text)
         if not count or "No tests were found" in text:
             raise RuleError(f"no test is named like '{rule['tests']}'; see {log}")
         if "Not Run" in text:
             raise RuleError(f"a test was not built; see {log}")
-        return re.findall(r"^\s+\d+ - (\S+) \((?!Skipped)", text, re.M)
+        return failed_tests(text)
+
+    def test_numbers(self, numbers, gtest):
+        """The names of those that failed, or were not built, of tests by number."""
+        place = PLACE / f"{self.build.name}.numbers"
+        place.write_text("0,0,0," + ",".join(map(str, sorted(numbers))) + "\n")  # ctest drops the last character
+        text, log = self.ctest(["-I", str(place)], "clean.log", gtest)
+        if "No tests were found" in text or "tests" not in text:
+            sys.exit(f"no test ran; see {log}")
+        return failed_tests(text)
 
 
 def try_rule(rule, workshop):
@@ -186,14 +218,30 @@ def fails_without_a_bug(rules, workshop):
     built, log = workshop.compile(sorted({target for rule in rules for target in rule["targets"]}))
     if not built:
         sys.exit(f"the sources do not build without a bug; see {log}")
-    failing, known = set(), {}
+    tests, known = {}, {}
     for rule in rules:
-        key = (rule["tests"], rule["gtest"])
-        if key not in known:
-            known[key] = workshop.test(rule)
-        if known[key]:
-            failing.add(rule["id"])
-    return failing
+        if rule["tests"] not in known:
+            known[rule["tests"]] = workshop.tests_of(rule)
+        tests[rule["id"]] = known[rule["tests"]]
+    failed = set()
+    for gtest, numbers in clean_runs(rules, tests).items():
+        failed.update(workshop.test_numbers(numbers, gtest))
+    # Of a test that runs many at once, those of a rule may all have passed.
+    return {rule["id"] for rule in rules
+            if failed & set(tests[rule["id"]].values()) and (not rule["gtest"] or workshop.test(rule))}
+
+
+def clean_runs(rules, tests):
+    """Each test once, however many rules name it: the numbers of tests by the GTEST_FILTER that they run with, which takes in what
+    all of their rules ask for."""
+    filters = {}
+    for rule in rules:
+        for number in tests[rule["id"]]:
+            filters.setdefault(number, set()).add(rule["gtest"] or "*")
+    runs = {}
+    for number, wanted in filters.items():
+        runs.setdefault("" if "*" in wanted else ":".join(sorted(wanted)), set()).add(number)
+    return runs
 
 
 def head_seed():

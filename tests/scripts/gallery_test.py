@@ -5,12 +5,14 @@ gallery_test.py ROOT PROGRAM
 """
 import os
 import re
-import subprocess
 import sys
 import tempfile
 import unittest
 import urllib.parse
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import waiting  # noqa: E402
 
 ROOT, PROGRAM = (os.path.abspath(path) for path in sys.argv[1:3])
 
@@ -22,8 +24,8 @@ class Gallery(unittest.TestCase):
         self.folder = Path(folder.name)
 
     def run_gallery(self, *arguments):
-        return subprocess.run([ROOT + "/scripts/gallery.sh", *arguments], cwd=self.folder, capture_output=True, text=True,
-                              timeout=120, env={**os.environ, "FATHOM": PROGRAM, "FATHOM_OIDN": "/nowhere"})
+        return waiting.run([ROOT + "/scripts/gallery.sh", *arguments], cwd=self.folder,
+                           env={**os.environ, "FATHOM": PROGRAM, "FATHOM_OIDN": "/nowhere"})
 
     def test_a_page_of_all_models(self):
         models = self.folder / "my models"

@@ -12,24 +12,14 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+import waiting  # noqa: E402
 
 PROGRAM = SCENES = FAKE_OIDN = None
 NEEDED = ("Xvfb", "xdotool", "import")
 DISPLAY = None
-PATIENCE = 30  # seconds: the machine may be busy
-
-
-def wait_for(what, condition):
-    """The first true value of condition()."""
-    end = time.time() + PATIENCE
-    while time.time() < end:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.05)
-    raise AssertionError(f"waited {PATIENCE} s in vain for {what}")
 
 
 def environment():
@@ -37,13 +27,12 @@ def environment():
 
 
 def xdotool(*arguments):
-    return subprocess.run(["xdotool", *map(str, arguments)], env=environment(), capture_output=True, text=True).stdout
+    return waiting.run(["xdotool", *map(str, arguments)], env=environment()).stdout
 
 
 class Screenshot:
     def __init__(self, window):
-        data = subprocess.run(["import", "-window", str(window), "-depth", "8", "ppm:-"], env=environment(),
-                              capture_output=True, check=True).stdout
+        data = waiting.run(["import", "-window", str(window), "-depth", "8", "ppm:-"], env=environment(), check=True, text=False).stdout
         head = re.match(rb"P6\s+(\d+)\s+(\d+)\s+255\s", data)
         self.width, self.height = int(head[1]), int(head[2])
         self.pixels = data[head.end():]
@@ -80,10 +69,30 @@ class Window(unittest.TestCase):
                                         env={**environment(), "FATHOM_OIDN": oidn}, stdout=self.output,
                                         stderr=self.errors)
         self.addCleanup(self.stop)
-        self.window = wait_for("the window", lambda: xdotool("search", "--name", scene).split()[:1])[0]
+        self.window = None
+        self.window = self.wait_for("the window", lambda: xdotool("search", "--name", scene).split()[:1])[0]
         # Without a window manager, keys go to the window below the pointer.
         xdotool("mousemove", "--window", self.window, 400, 300)
-        wait_for("samples", lambda: self.samples() >= 4)
+        self.wait_for("samples", lambda: self.samples() >= 4)
+
+    def wait_for(self, what, condition, seen=lambda: ""):
+        """The first true value of condition(), while the window is there."""
+        def state():
+            title = repr(self.title()) if self.window else "no window"
+            return f"{title}, printed {self.text(self.errors)!r} {seen()}"
+        return waiting.wait_for(what, condition, seen=state, stop=waiting.ended(self.process))
+
+    def wait_for_screen(self, what, place, condition, size=9):
+        """The mean colour at a place once condition(colour) is true. A title may be there before its picture."""
+        self.wait_for(what, lambda: condition(self.screen().mean(*place, size)), seen=lambda: f"colour {self.screen().mean(*place, size)}")
+        return self.screen().mean(*place, size)
+
+    def wait_for_near(self, what, place, colour, within):
+        self.wait_for_screen(what, place, lambda seen: all(abs(a - b) <= within for a, b in zip(seen, colour)))
+
+    def wait_for_exit(self):
+        self.wait_for("the program to end", lambda: self.process.poll() is not None)
+        return self.process.returncode
 
     def stop(self):
         if self.process.poll() is None:
@@ -111,14 +120,13 @@ class Window(unittest.TestCase):
         """The camera, as the window prints it."""
         lines = len(self.text(self.output).splitlines())
         self.key("p")
-        wait_for("the camera", lambda: len(self.text(self.output).splitlines()) > lines)
+        self.wait_for("the camera", lambda: len(self.text(self.output).splitlines()) > lines)
         return json.loads("{" + self.text(self.output).splitlines()[-1] + "}")["camera"]
 
     def drag(self, button, right, down):
         xdotool("mousemove", "--window", self.window, 400, 300, "mousedown", button)
         for step in range(1, 6):
             xdotool("mousemove", "--window", self.window, 400 + right * step // 5, 300 + down * step // 5)
-            time.sleep(0.02)
         xdotool("mouseup", button)
 
     def assert_near(self, a, b, within):
@@ -127,33 +135,37 @@ class Window(unittest.TestCase):
 
     # ------------------------------------------------------------------------------------------------ the picture
 
-    def assert_shows_the_box(self, screen):
-        left, right, back = screen.mean(0.22, 0.5), screen.mean(0.78, 0.5), screen.mean(0.55, 0.3)
-        self.assertGreater(left[1], 1.5 * left[0], left)
-        self.assertGreater(right[0], 2 * right[1], right)
-        self.assertGreater(min(back), 60, back)
-        self.assertLess(max(back) - min(back), 60, back)
-        self.assertEqual(screen.mean(0.03, 0.05), [0, 0, 0])
+    def wait_for_the_box(self):
+        def colours():
+            screen = self.screen()
+            return [screen.mean(*place) for place in ((0.22, 0.5), (0.78, 0.5), (0.55, 0.3), (0.03, 0.05))]
+
+        def is_shown():
+            left, right, back, outside = colours()
+            return (left[1] > 1.5 * left[0] and right[0] > 2 * right[1] and min(back) > 60 and max(back) - min(back) < 60
+                    and outside == [0, 0, 0])
+
+        self.wait_for("the box", is_shown, seen=colours)
 
     def test_shows_the_picture_and_becomes_clear(self):
         self.start("--spp", "64")
         screen = self.screen()
         self.assertEqual((screen.width, screen.height), (800, 600))
-        self.assert_shows_the_box(screen)
-        wait_for("the last sample", lambda: self.samples() == 64)
+        self.wait_for_the_box()
+        self.wait_for("the last sample", lambda: self.samples() == 64)
         self.assertRegex(self.title(), r"^cornell-box.json - 64 of 64 samples, 100 % - [\d.]+ M samples/s$")
         self.key("Escape")
-        self.assertEqual(self.process.wait(PATIENCE), 0)
+        self.assertEqual(self.wait_for_exit(), 0)
         self.assertEqual(self.text(self.errors), "")
         self.assertEqual(self.text(self.output), "")
 
     def test_has_the_bits_of_render(self):
         self.start("--spp", "13", "--exposure", "1")
-        wait_for("the last sample", lambda: self.samples() == 13)
+        self.wait_for("the last sample", lambda: self.samples() == 13)
         self.key("F2")
-        wait_for("the picture", lambda: "saved" in self.text(self.errors))
-        subprocess.run([PROGRAM, "render", os.path.join(SCENES, "cornell-box.json"), "--spp", "13", "--exposure", "1",
-                        "--quiet", "-o", "render.png"], cwd=self.folder, check=True)
+        self.wait_for("the picture", lambda: "saved" in self.text(self.errors))
+        waiting.run([PROGRAM, "render", os.path.join(SCENES, "cornell-box.json"), "--spp", "13", "--exposure", "1",
+                     "--quiet", "-o", "render.png"], cwd=self.folder, check=True)
         with open(os.path.join(self.folder, "cornell-box-0001.png"), "rb") as a:
             with open(os.path.join(self.folder, "render.png"), "rb") as b:
                 self.assertEqual(a.read(), b.read())
@@ -162,16 +174,13 @@ class Window(unittest.TestCase):
         self.start("--size", "500x300")
         self.assertEqual(self.screen().width, 500)
         xdotool("windowsize", self.window, 640, 560)
-        wait_for("the new size", lambda: self.screen().width == 640)
-        time.sleep(0.5)
-        wait_for("samples", lambda: self.samples() >= 2)
+        self.wait_for("the new size", lambda: self.screen().width == 640)
         # The height of the view stays; the width follows the window.
-        screen = self.screen()
-        self.assertGreater(screen.mean(0.15, 0.5)[1], 1.5 * screen.mean(0.15, 0.5)[0])
-        self.assertEqual(screen.mean(0.02, 0.02), [0, 0, 0])
+        self.wait_for_screen("the left wall", (0.15, 0.5), lambda colour: colour[1] > 1.5 * colour[0])
+        self.wait_for_near("what is beside the box", (0.02, 0.02), (0, 0, 0), 0)
         self.key("F2")
-        png = wait_for("the picture", lambda: [f for f in os.listdir(self.folder) if f.endswith(".exr")])
-        self.assertEqual(png, ["cornell-box-0001.exr"])
+        self.wait_for("the picture", lambda: "saved" in self.text(self.errors))
+        self.assertEqual([f for f in os.listdir(self.folder) if f.endswith(".exr")], ["cornell-box-0001.exr"])
         with open(os.path.join(self.folder, "cornell-box-0001.png"), "rb") as file:
             head = file.read(24)
         self.assertEqual(head[16:24], (640).to_bytes(4, "big") + (560).to_bytes(4, "big"))
@@ -181,17 +190,17 @@ class Window(unittest.TestCase):
         self.assertIn("exposure +0.5", self.title())
         # A title may be there before its picture.
         colour = lambda: self.screen().mean(0.55, 0.3)
-        before = colour()
+        before = self.wait_for_screen("a picture", (0.55, 0.3), lambda colour: min(colour) > 30)
         self.key("plus", "plus")
-        wait_for("the title", lambda: "exposure +1.5" in self.title())
-        wait_for("a brighter picture", lambda: colour()[0] > before[0] + 30)
+        self.wait_for("the title", lambda: "exposure +1.5" in self.title())
+        self.wait_for("a brighter picture", lambda: colour()[0] > before[0] + 30)
         self.key("minus", "minus", "minus")
-        wait_for("the title", lambda: "exposure" not in self.title())
-        wait_for("a darker picture", lambda: colour()[0] < before[0] - 10)
-        wait_for("all samples", lambda: self.samples() >= 4)
+        self.wait_for("the title", lambda: "exposure" not in self.title())
+        self.wait_for("a darker picture", lambda: colour()[0] < before[0] - 10)
+        self.wait_for("all samples", lambda: self.samples() >= 4)
         plain = colour()
         self.key("t")
-        wait_for("another tone map", lambda: max(abs(x - y) for x, y in zip(colour(), plain)) > 3)
+        self.wait_for("another tone map", lambda: max(abs(x - y) for x, y in zip(colour(), plain)) > 3)
         self.assertEqual(self.text(self.errors), "")
 
     def test_help(self):
@@ -199,67 +208,65 @@ class Window(unittest.TestCase):
         corner = (0, 0, 116, 380)
         self.assertEqual(self.screen().whites(*corner), 0)
         self.key("h")
-        wait_for("help", lambda: self.screen().whites(*corner) > 500)
+        self.wait_for("help", lambda: self.screen().whites(*corner) > 500)
         self.key("F1")
-        wait_for("no help", lambda: self.screen().whites(*corner) == 0)
+        self.wait_for("no help", lambda: self.screen().whites(*corner) == 0)
 
     def test_other_views(self):
         self.start()
         self.key("2")
-        wait_for("albedo", lambda: "[albedo]" in self.title() and self.samples() >= 2)
+        self.wait_for("albedo", lambda: "[albedo]" in self.title() and self.samples() >= 2)
         # sRGB of (.12, .45, .15) and (.65, .05, .05)
-        self.assert_near(self.screen().mean(0.22, 0.5), (97, 179, 108), 3)
-        self.assert_near(self.screen().mean(0.78, 0.5), (210, 63, 63), 3)
+        self.wait_for_near("the left wall", (0.22, 0.5), (97, 179, 108), 3)
+        self.wait_for_near("the right wall", (0.78, 0.5), (210, 63, 63), 3)
         self.key("3")
-        wait_for("normal", lambda: "[normal]" in self.title() and self.samples() >= 2)
+        self.wait_for("normal", lambda: "[normal]" in self.title() and self.samples() >= 2)
         # The wall at the left, which is at x = 555, looks along -x; the back wall along -z.
-        self.assert_near(self.screen().mean(0.22, 0.5), (0, 128, 128), 3)
-        self.assert_near(self.screen().mean(0.55, 0.3), (128, 128, 0), 3)
+        self.wait_for_near("the left wall", (0.22, 0.5), (0, 128, 128), 3)
+        self.wait_for_near("the back wall", (0.55, 0.3), (128, 128, 0), 3)
         self.key("Tab")
-        wait_for("depth", lambda: "[depth]" in self.title() and self.samples() >= 2)
+        self.wait_for("depth", lambda: "[depth]" in self.title() and self.samples() >= 2)
         # Back wall at 1355, focus at 800.
-        self.assert_near(self.screen().mean(0.55, 0.3), [255 * 800 / (800 + 1355)] * 3, 3)
+        self.wait_for_near("the back wall", (0.55, 0.3), [255 * 800 / (800 + 1355)] * 3, 3)
         self.key("shift+Tab", "7")
-        wait_for("material", lambda: "[material]" in self.title() and self.samples() >= 2)
-        self.assertNotEqual(self.screen().mean(0.22, 0.5), self.screen().mean(0.78, 0.5))
-        self.assertEqual(self.screen().mean(0.03, 0.05), [0, 0, 0])
+        self.wait_for("material", lambda: "[material]" in self.title() and self.samples() >= 2)
+        right = self.screen().mean(0.78, 0.5)
+        self.wait_for_screen("another colour than the right wall's", (0.22, 0.5), lambda colour: colour != right)
+        self.wait_for_near("what is beside the box", (0.03, 0.05), (0, 0, 0), 0)
         self.key("8")
-        wait_for("noise", lambda: "[noise]" in self.title() and self.samples() >= 2)
+        self.wait_for("noise", lambda: "[noise]" in self.title() and self.samples() >= 2)
         self.key("1")
-        wait_for("the picture", lambda: "[" not in self.title() and self.samples() >= 2)
-        self.assert_shows_the_box(self.screen())
+        self.wait_for("the picture", lambda: "[" not in self.title() and self.samples() >= 2)
+        self.wait_for_the_box()
 
     def test_noise_is_taken_away(self):
         self.start("--spp", "16", "--tonemap", "srgb", oidn=FAKE_OIDN)
-        wait_for("all samples", lambda: self.samples() == 16)
+        self.wait_for("all samples", lambda: self.samples() == 16)
         noisy = self.screen().mean(0.55, 0.3)
         # What stands for the denoiser adds 5 albedos and 500 normals: the back wall, which looks along -z, has no blue left.
         self.key("n")
-        wait_for("the denoised picture", lambda: self.title().endswith("denoised"))
-        wait_for("its colours", lambda: self.screen().mean(0.55, 0.3)[2] == 0)
-        self.assertGreater(self.screen().mean(0.55, 0.3)[0], 200)
+        self.wait_for("the denoised picture", lambda: self.title().endswith("denoised"))
+        self.wait_for_screen("its colours", (0.55, 0.3), lambda colour: colour[2] == 0 and colour[0] > 200)
         self.key("F2")
-        wait_for("the pictures", lambda: "saved" in self.text(self.errors))
+        self.wait_for("the pictures", lambda: "saved" in self.text(self.errors))
         with open(os.path.join(self.folder, "cornell-box-0001.exr"), "rb") as file:
             self.assertIn(b"denoised.R", file.read(4096))
         # From another place it is another picture, without its noise too.
         upper = lambda: self.screen().pixels[:800 * 300 * 3]  # without what is said
         before = upper()
         self.drag(1, 20, 0)
-        wait_for("a denoised picture", lambda: self.samples() == 16 and self.title().endswith("denoised"))
-        time.sleep(0.5)
-        self.assertEqual(self.screen().mean(0.55, 0.3)[2], 0)
-        self.assertTrue(upper() != before)
+        self.wait_for("another denoised picture", lambda: self.samples() == 16 and self.title().endswith("denoised") and upper() != before
+                      and self.screen().mean(0.55, 0.3)[2] == 0, seen=lambda: self.screen().mean(0.55, 0.3))
         self.key("r", "n")
-        wait_for("the picture as it is", lambda: self.samples() == 16 and not self.title().endswith("denoised"))
-        wait_for("its colours", lambda: max(abs(a - b) for a, b in zip(self.screen().mean(0.55, 0.3), noisy)) < 1)
+        self.wait_for("the picture as it is", lambda: self.samples() == 16 and not self.title().endswith("denoised"))
+        self.wait_for_near("its colours", (0.55, 0.3), noisy, 1)
         self.assertIn("denoised by Open Image Denoise 2.98.76", self.text(self.errors))
 
     def test_noise_stays_without_a_denoiser(self):
         self.start("--spp", "8")
         self.key("n")
-        wait_for("the reason", lambda: "FATHOM_OIDN: there is no such library" in self.text(self.errors))
-        wait_for("all samples", lambda: self.samples() == 8)
+        self.wait_for("the reason", lambda: "FATHOM_OIDN: there is no such library" in self.text(self.errors))
+        self.wait_for("all samples", lambda: self.samples() == 8)
         self.assertNotIn("denoised", self.title())
 
     # ------------------------------------------------------------------------------------------------ the camera
@@ -277,8 +284,8 @@ class Window(unittest.TestCase):
         self.assertGreater(orbited["position"][1], 300)
         self.assertAlmostEqual(math.dist(orbited["position"], pivot), 800, delta=1e-3)
         self.assert_near(orbited["look_at"], pivot, 1e-3)
-        wait_for("samples", lambda: self.samples() >= 2)
-        self.assertNotAlmostEqual(self.screen().mean(0.22, 0.5)[1], 0, delta=1)
+        self.wait_for("samples", lambda: self.samples() >= 2)
+        self.wait_for_screen("the box", (0.22, 0.5), lambda colour: colour[1] > 1)
 
         self.key("r")
         self.assertEqual(self.camera(), first)
@@ -299,10 +306,11 @@ class Window(unittest.TestCase):
         self.key("r")
         for key, axis, sign in (("w", 2, 1), ("s", 2, -1), ("d", 0, -1), ("a", 0, 1), ("e", 1, 1), ("q", 1, -1)):
             before = self.camera()["position"]
+            moved = lambda: [a - b for a, b in zip(self.camera()["position"], before)]
             xdotool("keydown", key)
-            time.sleep(0.2)
+            self.wait_for(f"a move by {key}", lambda: moved()[axis] * sign > 10, seen=moved)
             xdotool("keyup", key)
-            moved = [a - b for a, b in zip(self.camera()["position"], before)]
+            moved = moved()
             self.assertGreater(moved[axis] * sign, 10, (key, moved))
             self.assertAlmostEqual(moved[(axis + 1) % 3], 0, delta=1e-3)
         self.key("r", "Left")
@@ -316,20 +324,26 @@ class Window(unittest.TestCase):
         scene["camera"] = looked
         with open(os.path.join(self.folder, "printed.json"), "w") as file:
             json.dump(scene, file)
-        subprocess.run([PROGRAM, "info", os.path.join(self.folder, "printed.json")], check=True, capture_output=True)
+        waiting.run([PROGRAM, "info", os.path.join(self.folder, "printed.json")], check=True)
+
+    def wait_for_answer(self):
+        """Until the window knows what a click hit: what is asked for first is answered before a picture is saved."""
+        saved = self.text(self.errors).count("saved")
+        self.key("F2")
+        self.wait_for("a picture", lambda: self.text(self.errors).count("saved") > saved)
 
     def test_a_click_focuses(self):
         self.start()
         first = self.camera()
         # The front of the short box, at z = 65.
         xdotool("mousemove", "--window", self.window, 445, 480, "click", 1)
-        time.sleep(0.5)
-        focused = wait_for("the focus", lambda: self.camera() != first and self.camera())
+        self.wait_for_answer()
+        focused = self.camera()
         self.assertEqual(focused["position"], first["position"])
         self.assert_near(focused["look_at"], (280, 280, 65), 0.5)
         # Nothing is there, and nothing changes.
         xdotool("mousemove", "--window", self.window, 20, 20, "click", 1)
-        time.sleep(0.5)
+        self.wait_for_answer()
         self.assertEqual(self.camera(), focused)
         # Orbits now turn about the point clicked on.
         self.drag(1, 50, 0)
@@ -342,8 +356,8 @@ class Window(unittest.TestCase):
         self.start(scene="depth-of-field.json")
         before = self.camera()
         xdotool("mousemove", "--window", self.window, 400, 500, "click", 1)
-        wait_for("another focus", lambda: self.camera()["focus_distance"] != before["focus_distance"])
-        wait_for("samples", lambda: self.samples() >= 1)
+        self.wait_for("another focus", lambda: self.camera()["focus_distance"] != before["focus_distance"])
+        self.wait_for("samples", lambda: self.samples() >= 1)
 
     # ------------------------------------------------------------------------------------------------ the rest
 
@@ -352,17 +366,17 @@ class Window(unittest.TestCase):
         with open(os.path.join(self.folder, "cornell-box-0002.exr"), "w"):
             pass
         self.key("ctrl+s")
-        wait_for("a picture", lambda: "saved cornell-box-0001.png" in self.text(self.errors))
+        self.wait_for("a picture", lambda: "saved cornell-box-0001.png" in self.text(self.errors))
         # While another view is shown too, at once after a move, and with what was looked at as layers.
         self.key("3", "w", "F2")
-        wait_for("another picture", lambda: "saved cornell-box-0003.png" in self.text(self.errors))
+        self.wait_for("another picture", lambda: "saved cornell-box-0003.png" in self.text(self.errors))
         self.assertEqual(sorted(f for f in os.listdir(self.folder) if f.startswith("cornell")),
                          ["cornell-box-0001.exr", "cornell-box-0001.png", "cornell-box-0002.exr",
                           "cornell-box-0003.exr", "cornell-box-0003.png"])
         with open(os.path.join(self.folder, "cornell-box-0001.png"), "rb") as file:
             self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
         self.key("ctrl+q")
-        self.assertEqual(self.process.wait(PATIENCE), 0)
+        self.assertEqual(self.wait_for_exit(), 0)
 
     def test_options_mean_what_they_mean_for_render(self):
         scene = os.path.join(SCENES, "report-spheres.json")
@@ -370,11 +384,11 @@ class Window(unittest.TestCase):
                    "--light-sampling", "off", "--seed", "7", "--background", "1,0.25,0.5", "--orbit", "20,30", "--fov", "30",
                    "--exposure", "-1", "--tonemap", "filmic"]
         self.start(*options, scene="report-spheres.json")
-        wait_for("all samples", lambda: self.samples() == 4)
+        self.wait_for("all samples", lambda: self.samples() == 4)
         self.key("ctrl+s")
-        wait_for("a picture", lambda: "saved report-spheres-0001.png" in self.text(self.errors))
+        self.wait_for("a picture", lambda: "saved report-spheres-0001.png" in self.text(self.errors))
         expected = os.path.join(self.folder, "expected.png")
-        subprocess.run([PROGRAM, "render", scene, *options, "-o", expected], check=True, capture_output=True)
+        waiting.run([PROGRAM, "render", scene, *options, "-o", expected], check=True)
         with open(expected, "rb") as a, open(os.path.join(self.folder, "report-spheres-0001.png"), "rb") as b:
             self.assertEqual(a.read(), b.read())
 
@@ -382,23 +396,23 @@ class Window(unittest.TestCase):
         self.start()
         shutil.rmtree(self.folder)
         self.key("F2")
-        wait_for("a message", lambda: "cornell-box-0001" in self.text(self.errors))
+        self.wait_for("a message", lambda: "cornell-box-0001" in self.text(self.errors))
         self.assertNotIn("saved", self.text(self.errors))
         os.mkdir(self.folder)  # for the cleanup
         # And it goes on.
         self.key("plus")
-        wait_for("the title", lambda: "exposure +0.5" in self.title())
+        self.wait_for("the title", lambda: "exposure +0.5" in self.title())
         self.assertIsNone(self.process.poll())
 
     def test_interrupt_and_closing(self):
         self.start()
         self.process.send_signal(signal.SIGINT)
-        self.assertEqual(self.process.wait(PATIENCE), 0)
+        self.assertEqual(self.wait_for_exit(), 0)
 
     def test_latency_log(self):
         log = os.path.join(self.folder, "latency.csv")
-        result = subprocess.run([PROGRAM, "view", os.path.join(SCENES, "cornell-box.json"), "--script-moves", "9",
-                                 "--log-latency", log], env=environment(), capture_output=True, text=True, timeout=60)
+        result = waiting.run([PROGRAM, "view", os.path.join(SCENES, "cornell-box.json"), "--script-moves", "9",
+                              "--log-latency", log], env=environment())
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         self.assertRegex(result.stdout, r"^9 moves: first frame median [\d.]+ ms, 95 % [\d.]+ ms; full size median ")
         with open(log) as file:
@@ -417,8 +431,7 @@ class Window(unittest.TestCase):
             env.pop(name, None)
             if value is not None:
                 env[name] = value
-        result = subprocess.run([program or PROGRAM, "view", os.path.join(SCENES, "cornell-box.json"), *arguments],
-                                env=env, capture_output=True, text=True, timeout=60)
+        result = waiting.run([program or PROGRAM, "view", os.path.join(SCENES, "cornell-box.json"), *arguments], env=env)
         self.assertEqual((result.returncode, result.stdout), (1, ""), result.stderr)
         self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
         self.assertIn(words, result.stderr)

@@ -5,10 +5,9 @@ import os
 import resource
 import signal
 import subprocess
-import time
 from pathlib import Path
 
-from harness import CommandLine, DOUBLE, PROGRAM, run_tests
+from harness import CommandLine, DOUBLE, PROGRAM, Gate, run_tests, waiting
 
 
 class Checkpoints(CommandLine):
@@ -18,16 +17,6 @@ class Checkpoints(CommandLine):
     def sums(self, name):
         info = json.loads(self.ok("info", name, "--json").stdout)
         return info["samples"], info["noise"], info["dropped_samples"], info["settings"]
-
-    def start(self, scene, *arguments, **options):
-        """A slow render of which a line of progress was seen."""
-        self.scene("slow.json", scene)
-        process = subprocess.Popen([DOUBLE, "render", "slow.json", "--size", "9x7", "--progress", "json", *arguments],
-                                   cwd=self.folder, stderr=subprocess.PIPE, text=True, **options)
-        for line in process.stderr:
-            if '"progress"' in line:
-                return process
-        self.fail("no progress")
 
     def test_goes_on_by_itself_with_the_same_bits(self):
         self.ok(*self.render("--spp", "16", "-o", "whole.exr", "--mergeable"))
@@ -155,21 +144,36 @@ class Checkpoints(CommandLine):
             self.assertIn(words, result.stderr)
 
     def test_interrupted_and_killed_renders_go_on(self):
-        self.scene("slow.json", "camera a slow 20")
-        self.ok("render", "slow.json", "--size", "9x7", "--spp", "60", "-o", "whole.png")
-        arguments = ["--spp", "60", "--checkpoint", "c.exr", "--every", "0.05s", "-o", "a.png"]
-        for number, code in (signal.SIGTERM, 130), (signal.SIGKILL, -9):
-            process = self.start("camera a slow 20", *arguments)
-            time.sleep(0.3)
-            process.send_signal(number)
-            text = process.communicate(timeout=20)[1]
-            self.assertEqual(process.returncode, code, text)
-            # Killed while the two generations change places, it leaves the newer one under the name of the other.
-            samples = max(self.sums(file)[0][0][1] for file in ("c.exr", "c.previous.exr") if os.path.exists(self.path(file)))
-            self.assertGreater(samples, 5)
-            self.assertLess(samples, 60)
-        text = self.ok("render", "slow.json", "--size", "9x7", *arguments).stderr
-        self.assertIn(f"going on from {samples} of 60", text)
+        self.ok(*self.render("--spp", "1000", "-o", "whole.png"))
+        arguments = ["--size", "9x7", "--spp", "1000", "--checkpoint", "c.exr", "--every", "0.01s", "-o", "a.png"]
+        process, gate = self.start_at_gate(3, *arguments)
+        process.send_signal(signal.SIGTERM)
+        self.read_until(process, "interrupted")
+        gate.allow(4)
+        text = waiting.finish(process)[1]
+        self.assertEqual(process.returncode, 130, text)
+        self.assertEqual(self.sums("c.exr")[0], [[0, 4]])
+
+        # Killed while the two generations change places, it leaves the newer one under the name of the other.
+        def kept():
+            """While the program runs, either may be on its way to the other's name."""
+            found = [self.run_program("info", file, "--json") for file in ("c.exr", "c.previous.exr")]
+            return max((json.loads(result.stdout)["samples"][0][1] for result in found if result.returncode == 0), default=0)
+
+        process, gate = self.start_at_gate(5, *arguments)
+        allowed = 5
+        while kept() <= 5 and allowed < 990:
+            allowed += 1
+            gate.allow(allowed)
+            gate.wait(process, allowed)
+        process.kill()
+        text = waiting.finish(process)[1]
+        self.assertEqual(process.returncode, -9, text)
+        samples = max(self.sums(file)[0][0][1] for file in ("c.exr", "c.previous.exr") if os.path.exists(self.path(file)))
+        self.assertGreater(samples, 5, "no checkpoint was written meanwhile")
+        self.assertLessEqual(samples, allowed)
+        text = self.ok("render", "box.json", *arguments).stderr
+        self.assertIn(f"going on from {samples} of 1000", text)
         self.assertEqual(self.read("a.png"), self.read("whole.png"))
 
     def test_time_is_that_of_this_run(self):
@@ -185,10 +189,9 @@ class Checkpoints(CommandLine):
     def test_a_checkpoint_that_can_t_be_written_stops_nothing(self):
         # A limit on the size of files stands for a full disk; the picture is small enough.
         limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (800, 800))
-        process = self.start("camera a slow 20", "--spp", "30", "--checkpoint", "c.exr", "--every", "0.1", "-o", "a.png",
-                             preexec_fn=limit)
-        text = process.communicate(timeout=20)[1]
-        self.assertEqual(process.returncode, 0, text)
+        self.scene("slow.json", "camera a slow 20")
+        text = self.ok("render", "slow.json", "--size", "9x7", "--spp", "30", "--checkpoint", "c.exr", "--every", "0.1", "-o", "a.png",
+                       preexec_fn=limit).stderr
         self.assertEqual(text.count("c.exr: can't write"), 1, text)
         self.assertIn("the render goes on, and tries again", text)
         self.assertTrue(os.path.exists(self.path("a.png")))
@@ -197,61 +200,54 @@ class Checkpoints(CommandLine):
     def test_a_picture_that_can_t_be_written_is_written_elsewhere(self):
         for folder in "out", "work", "tmp":
             os.mkdir(self.path(folder))
-        self.scene("slow.json", "camera a slow 300")
-        process = subprocess.Popen([DOUBLE, "render", "../slow.json", "--size", "9x7", "--spp", "4", "-o", "../out/a.png"],
-                                   cwd=self.path("work"), stderr=subprocess.PIPE, text=True,
-                                   env={**os.environ, "TMPDIR": self.path("tmp")})
-        time.sleep(0.6)
+        process, gate = self.start_at_gate(1, "--size", "9x7", "-o", "../out/a.png", cwd=self.path("work"),
+                                           env={**os.environ, "TMPDIR": self.path("tmp")})
         os.rmdir(self.path("out"))
-        text = process.communicate(timeout=20)[1]
+        gate.allow()
+        text = waiting.finish(process)[1]
         self.assertEqual(process.returncode, 1)
         self.assertIn("out/a.png: can't write", text)
         self.assertIn("wrote " + os.path.realpath(self.path("work")) + "/a.png", text)
         self.assertEqual(os.listdir(self.path("work")), ["a.png"])
 
     def test_a_signal_asks_for_the_picture(self):
-        process = self.start("camera a slow 100", "--spp", "1000", "--checkpoint", "c.exr", "--every", "1h", "-o", "a.png")
+        process, gate = self.start_at_gate(2, "--size", "9x7", "--checkpoint", "c.exr", "--every", "1h", "-o", "a.png")
         process.send_signal(signal.SIGUSR1)
+        gate.allow(3)
         for name in "a.png", "c.exr":
-            for _ in range(100):
-                if os.path.exists(self.path(name)):
-                    break
-                time.sleep(0.05)
-            else:
-                self.fail(f"no {name}")
-        self.assertIsNone(process.poll())
+            waiting.wait_for(name, lambda: os.path.exists(self.path(name)), stop=waiting.ended(process))
+        gate.wait(process, 3)
+        self.assertEqual(self.sums("c.exr")[0], [[0, 3]])
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=20)
+        self.read_until(process, "interrupted")
+        gate.allow()
+        waiting.finish(process)
         self.assertEqual(process.returncode, 130)
 
     def test_an_interrupt_while_loading_ends_at_once(self):
-        self.scene("slow.json", "camera a slow-load 60000")
+        """The gate never opens: whoever waited for the file to be loaded would wait for ever."""
         for number in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
+            gate = Gate(self)
+            self.scene("slow.json", f"camera a load-gate {gate.path}")
             process = subprocess.Popen([DOUBLE, "render", "slow.json", "-o", "a.png"], cwd=self.folder,
                                        stderr=subprocess.PIPE, text=True)
-            time.sleep(0.5)
-            start = time.monotonic()
+            gate.wait(process, 0)
             process.send_signal(number)
-            text = process.communicate(timeout=20)[1]
-            self.assertLess(time.monotonic() - start, 2)
+            text = waiting.finish(process)[1]
             self.assertEqual(process.returncode, 130)
             self.assertIn("interrupted before anything was rendered", text)
 
-    def processor_seconds(self, process):
-        words = Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()
-        return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
-
     def interrupt(self, process):
-        """Processor seconds from an interrupt to the end of the process. Unlike a clock's, they are the same on a machine
-        that others use too."""
-        before = self.processor_seconds(process)
+        """Processor seconds from an interrupt to the end of the process, and what it printed meanwhile. Unlike a clock's, they are
+        the same on a machine that others use too."""
+        before = waiting.processor_seconds(process.pid)
         process.send_signal(signal.SIGTERM)
-        process.stderr.read()
+        said = process.stderr.read()
         process.stderr.close()
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
         self.assertEqual(process.returncode, 130)
-        return usage.ru_utime + usage.ru_stime - before
+        return usage.ru_utime + usage.ru_stime - before, said
 
     def test_an_interrupt_does_not_wait_for_a_long_pass(self):
         """In the second of samples that take seconds each, and while it is learnt where light comes from."""
@@ -268,20 +264,28 @@ class Checkpoints(CommandLine):
                                      "--spp", "1000", "--threads", "1", "--guiding", guiding, "--progress", "json",
                                      "--checkpoint", f"{guiding}.exr", "-o", "a.png"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
 
-        process = start("off")
-        for line in process.stderr:
-            if '"progress"' in line:
-                break
-        one_pass = self.processor_seconds(process)
-        # What is written at the end is a part of it.
-        self.assertLess(self.interrupt(process), one_pass / 2)
-        self.assertEqual(json.loads(self.ok("info", "off.exr", "--json").stdout)["samples"], [[0, 1]])
+        def passes(said):
+            events = [json.loads(line) for line in said.splitlines()]
+            return max((event["samples_done"] for event in events if event["event"] == "progress"), default=0) // (1920 * 1080)
 
-        process = start("on")
-        while self.processor_seconds(process) < one_pass / 10:
-            self.assertIsNone(process.poll())
-            time.sleep(0.01)
-        self.assertLess(self.interrupt(process), one_pass / 4)
+        process = start("off")
+        said = self.read_until(process, '"progress"')
+        one_pass = waiting.processor_seconds(process.pid)
+        seconds, rest = self.interrupt(process)
+        # What is written at the end is a part of it.
+        self.assertLess(seconds, one_pass / 2)
+        # One pass is kept, or more where the signal was late.
+        self.assertEqual(json.loads(self.ok("info", "off.exr", "--json").stdout)["samples"], [[0, passes(said + rest)]])
+
+        for _ in range(10):
+            process = start("on")
+            waiting.wait_for("the program to learn", lambda: waiting.processor_seconds(process.pid) >= one_pass / 10,
+                             stop=waiting.ended(process), pause_s=0.01)
+            seconds, said = self.interrupt(process)
+            if passes(said) == 0:
+                break
+            os.remove(self.path("on.exr"))  # on a machine that was busy elsewhere for as long as a pass takes
+        self.assertLess(seconds, one_pass / 4)
         self.assertFalse(os.path.exists(self.path("on.exr")))
 
     def test_parts(self):

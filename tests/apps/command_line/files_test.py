@@ -4,9 +4,8 @@ import os
 import resource
 import shutil
 import subprocess
-import time
 
-from harness import CommandLine, DOUBLE, is_sanitized, png_size, run_tests
+from harness import CommandLine, DOUBLE, is_sanitized, png_size, run_tests, waiting
 
 
 class Files(CommandLine):
@@ -75,29 +74,29 @@ class Files(CommandLine):
 
     def test_the_picture_is_kept_when_nobody_listens(self):
         for close in (lambda: os.close(2), lambda: os.dup2(os.open("/dev/full", os.O_WRONLY), 2)):
-            process = subprocess.run([DOUBLE, "render", "box.json", "--spp", "1", "-o", "a.png"], cwd=self.folder,
-                                     stdout=subprocess.PIPE, preexec_fn=close, timeout=60)
+            process = waiting.run([DOUBLE, "render", "box.json", "--spp", "1", "-o", "a.png"], cwd=self.folder, stderr=None,
+                                  preexec_fn=close)
             self.assertEqual(process.returncode, 1)
             self.assertEqual(png_size(self.path("a.png"))[:2], (800, 600))
             os.remove(self.path("a.png"))
         # A reader that goes away, as `| head -1` does, while progress is told.
-        self.scene("slow.json", "camera a slow 30")
-        process = subprocess.Popen([DOUBLE, "render", "slow.json", "--spp", "50", "--progress", "json", "-o", "a.png"],
-                                   cwd=self.folder, stderr=subprocess.PIPE)
+        process, gate = self.start_at_gate(2, "--spp", "20", "--progress", "json", "-o", "a.png")
         process.stderr.readline()
         process.stderr.close()
-        self.assertEqual(process.wait(timeout=60), 1)
+        process.stderr = None
+        gate.allow()
+        waiting.finish(process)
+        self.assertEqual(process.returncode, 1)
         self.assertEqual(png_size(self.path("a.png"))[:2], (800, 600))
         # Where there is nothing to be said nothing is lost.
-        process = subprocess.run([DOUBLE, "version"], stdout=subprocess.PIPE, preexec_fn=lambda: os.close(2), timeout=60)
+        process = waiting.run([DOUBLE, "version"], stderr=None, preexec_fn=lambda: os.close(2))
         self.assertEqual(process.returncode, 0)
 
     def test_output_that_can_t_be_printed(self):
         for arguments in (["version"], ["--version"], ["--help"], ["info", "box.json"], ["info", "box.json", "--json"],
                           ["render", "box.json", "-q", "--only-sample", "1,2,3"]):
             with open("/dev/full", "w") as full:
-                result = subprocess.run([DOUBLE, *arguments], cwd=self.folder, stdout=full, stderr=subprocess.PIPE,
-                                        text=True, timeout=60)
+                result = waiting.run([DOUBLE, *arguments], cwd=self.folder, stdout=full)
             self.assertEqual(result.returncode, 1, arguments)
             lines = [line for line in result.stderr.splitlines() if "warning" not in line]
             self.assertEqual(len(lines), 1, result.stderr)
@@ -111,15 +110,15 @@ class Files(CommandLine):
         command = ["unshare", *rights, "--mount", "sh", "-c", script, "sh"]
         if not shutil.which("unshare") or subprocess.run([*command, "true"], capture_output=True).returncode != 0:
             self.skipTest("nothing can be mounted here")
-        result = subprocess.run([*command, DOUBLE, "render", "box.json", "--spp", "1", "-o", "a.exr", "-o", "a.png"],
-                                cwd=self.folder, capture_output=True, text=True, timeout=60)
+        result = waiting.run([*command, DOUBLE, "render", "box.json", "--spp", "1", "-o", "a.exr", "-o", "a.png"],
+                             cwd=self.folder)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(sorted(os.listdir(self.folder)), ["a.exr", "a.png", "box.json"])
 
     def test_too_large_is_refused_before_it_is_tried(self):
-        start = time.monotonic()
+        before = waiting.processor_seconds_of_children()
         self.refused(1, "render", "box.json", "--size", "16000000x16000000", "-o", "a.exr", words=["GB"])
-        self.assertLess(time.monotonic() - start, 5)
+        self.assertLess(waiting.processor_seconds_of_children() - before, 5)
 
     def test_full_disk_leaves_the_earlier_file(self):
         def limit():

@@ -10,6 +10,10 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import waiting  # noqa: E402
 
 DOUBLE, PROGRAM, FAKE_OIDN = ([os.path.abspath(path) for path in sys.argv[1:4]] + [None] * 3)[:3]
 # The leak check of a sanitized build needs a thread of its own; where a test takes that away, it can't run.
@@ -42,6 +46,33 @@ def png_size(path):
     return struct.unpack(">II", head[16:24]) + (head[24], head[25])
 
 
+class Gate:
+    """At which samples of a scene with the word `gate` wait, or loading with `load-gate` (double.cpp)."""
+
+    def __init__(self, test):
+        # A folder of its own: tests look at all files of theirs.
+        folder = tempfile.TemporaryDirectory()
+        test.addCleanup(folder.cleanup)
+        self.path = os.path.join(folder.name, "gate")
+
+    def allow(self, count=10**9):
+        """So many samples from the first one on; for loading, 1 is enough."""
+        with open(self.path + ".part", "w") as file:
+            file.write(str(count))
+        os.replace(self.path + ".part", self.path)
+
+    def step(self):
+        """The number of the sample that waits, or None."""
+        try:
+            with open(self.path + ".waits") as file:
+                return int(file.read())
+        except FileNotFoundError:
+            return None
+
+    def wait(self, process, step):
+        waiting.wait_for(f"the gate of sample {step}", lambda: self.step() == step, seen=self.step, stop=waiting.ended(process))
+
+
 class CommandLine(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -61,8 +92,37 @@ class CommandLine(unittest.TestCase):
             return file.read()
 
     def run_program(self, *arguments, program=None, **options):
-        return subprocess.run([program or DOUBLE, *arguments], cwd=self.folder, capture_output=True, text=True,
-                              timeout=60, **options)
+        return waiting.run([program or DOUBLE, *arguments], cwd=self.folder, **options)
+
+    def start_at_gate(self, samples, *arguments, words="", **options):
+        """A render, of 1,000 samples by default, that waits in the pass after so many, and its gate."""
+        gate = Gate(self)
+        gate.allow(samples)
+        self.scene("gated.json", f"camera a gate {gate.path} {words}")
+        options = {"cwd": self.folder, "stderr": subprocess.PIPE, "text": True, **options}
+        spp = [] if "--spp" in arguments else ["--spp", "1000"]
+        process = subprocess.Popen([DOUBLE, "render", self.path("gated.json"), *spp, *arguments], **options)
+        self.end_at_the_end(process)
+        gate.wait(process, samples)
+        return process, gate
+
+    def end_at_the_end(self, process):
+        def end():
+            if process.poll() is None:
+                process.kill()
+            process.wait()
+            if process.stderr:
+                process.stderr.close()
+        self.addCleanup(end)
+
+    def read_until(self, process, word):
+        """What a process prints to standard error up to the line with this word, which is to come."""
+        text = ""
+        for line in process.stderr:
+            text += line
+            if word in line:
+                return text
+        self.fail(f"no '{word}': {text}")
 
     def ok(self, *arguments, **options):
         result = self.run_program(*arguments, **options)

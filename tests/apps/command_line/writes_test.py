@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import unittest
 
-from harness import DOUBLE, CommandLine, run_tests
+from harness import DOUBLE, CommandLine, run_tests, waiting
 
 CALLS = "open,openat,openat2,creat,truncate,rename,renameat,renameat2,link,linkat,symlink,symlinkat,mkdir,mkdirat,unlink,unlinkat,rmdir"
 # Of the system, nobody's file, or the thread sanitizer's.
@@ -23,8 +23,8 @@ class Writes(CommandLine):
         """Every path that was opened to write, made, renamed or removed, as the real one."""
         log = self.path("strace.log")
         environment = {**os.environ, "ASAN_OPTIONS": "detect_leaks=0"}
-        subprocess.run(["strace", "-f", "-qq", "-s", "4096", "-o", log, "-e", "trace=" + CALLS, DOUBLE, *words], cwd=self.folder, check=True,
-                       capture_output=True, timeout=60, env=environment)
+        waiting.run(["strace", "-f", "-qq", "-s", "4096", "-o", log, "-e", "trace=" + CALLS, DOUBLE, *words], cwd=self.folder, check=True,
+                    env=environment)
         paths = set()
         with open(log) as lines:
             for line in lines:
