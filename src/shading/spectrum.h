@@ -69,6 +69,12 @@ template <class Record, class Member>
     gather_row(base, at, m, s.c);
     return s;
 }
+inline Float min_component(const Spectrum& a)
+{
+    Float m = a.c[0];
+    for (int i = 1; i < channels; ++i) m = min(m, a.c[i]);
+    return m;
+}
 inline Float max_component(const Spectrum& a)
 {
     Float m = a.c[0];

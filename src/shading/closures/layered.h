@@ -91,14 +91,23 @@ public:
         };
         Mask refracted(false), goes_beyond(false), total(false), below(false);
         const Vec3 h = turned(ggx_.sample(turned(wo, 1), u), -1);
-        wi = select(chosen(v.p_specular), reflect(wo, h), wi);
+        const Float p_boundary = v.p_specular + v.p_refracted;
+        const Mask at_boundary = chosen(p_boundary);
+        Mask reflected = at_boundary;
+        if constexpr (passes) {
+            if (any(refracts_)) {
+                const Float o = clamp(dot(wo, h), Float(0), Float(1));
+                reflected = at_boundary & (u1 < p_boundary * reflected_chance(o));
+            }
+        }
+        wi = select(reflected, reflect(wo, h), wi);
         if (l_.has(LayersRecord::with_coat)) {
             const Mask m = chosen(v.p_coat);
             if (any(m)) wi = select(m, CoatLobe(l_).sample(wo, u), wi);
         }
         if (l_.has(LayersRecord::with_sheen)) wi = select(chosen(v.p_sheen), SheenLobe::sample(u), wi);
         if constexpr (passes) {
-            const Mask through = chosen(v.p_refracted);
+            const Mask through = at_boundary & !reflected;
             if (any(through)) {
                 const Float o = clamp(dot(wo, h), Float(0), Float(1));
                 Float cos_t;
@@ -140,7 +149,8 @@ private:
         Float refracting;      ///< share of the boundary's light that is refracted or reflected, not diffused below it
         Float refracted_gain;  ///< compensation of a boundary that refracts, for both sides
         Float boundary_left;   ///< what the dielectric's boundary leaves to what is diffuse
-        /// Chances of the lobes; what is left goes to the diffuse reflection.
+        /// Chances of the lobes; what is left goes to the diffuse reflection. Which of specular and refracted it is of
+        /// both together, the facet decides: see reflected_chance.
         Float p_specular, p_coat, p_sheen, p_refracted, p_diffuse_beyond, p_below, p_diffuse;
     };
 
@@ -204,6 +214,23 @@ private:
                 metal.c[i] = fma(share, by_film.c[i] - metal.c[i], metal.c[i]);
             }
         }
+    }
+    /// Of paths at facets that refract, the share that is reflected: by what each way brings, so that weights are even.
+    /// 1 where nothing is refracted.
+    Float reflected_chance(const Spectrum& dielectric, const Spectrum& metal) const
+    {
+        const Float boundary = max_component(dielectric);
+        const Float reflected = fma(metallic_, max_component(metal) - boundary, boundary);
+        const Float refracted = (Float(1) - metallic_) * l_.transmission * max_component(tint_) *
+                                max(Float(1) - min_component(dielectric), Float(0));
+        const Float all = reflected + refracted;
+        return select(refracts_ & (all > Float(0)), reflected / max(all, Float(1e-20f)), Float(1));
+    }
+    Float reflected_chance(Float cosine) const
+    {
+        Spectrum dielectric, metal;
+        reflectance(cosine, dielectric, metal);
+        return reflected_chance(dielectric, metal);
     }
     View look(Vec3 wo) const
     {
@@ -371,7 +398,9 @@ private:
             const Float shiny = metal.c[k] * fma(color_.c[k], v.more, Float(1)) * specular;
             r.f_cos.c[k] = fma(metallic_, shiny - white, white) * v.coat_left.c[k] * sheen_left;
         }
-        r.pdf = fma(v.p_specular, d * ggx_.g1(o), v.p_diffuse * cosine);
+        Float p_specular = v.p_specular;
+        if constexpr (passes) p_specular = (p_specular + v.p_refracted) * reflected_chance(dielectric, metal);
+        r.pdf = fma(p_specular, d * ggx_.g1(o), v.p_diffuse * cosine);
         if (l_.has(LayersRecord::with_coat)) {
             Float f_cos, pdf;
             CoatLobe(l_).eval(wo, wi, f_cos, pdf);
@@ -414,7 +443,8 @@ private:
             const Float straight = (Float(1) - dielectric.c[k]) * tint_.c[k] * f;
             r.f_cos.c[k] = fma(l_.diffuse_transmission_color.c[k], diffuse, straight) * body * v.coat_left.c[k];
         }
-        r.pdf = fma(v.p_refracted, pdf, v.p_diffuse_beyond * cosine);
+        const Float p_refracted = (v.p_specular + v.p_refracted) * (Float(1) - reflected_chance(dielectric, metal));
+        r.pdf = fma(p_refracted, pdf, v.p_diffuse_beyond * cosine);
         return r;
     }
 
