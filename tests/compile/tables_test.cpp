@@ -81,7 +81,7 @@ TEST(MaterialTable, SubsurfacesOfAnyTexture)
     SceneDescription d = empty_scene();
     d.nodes[0].shapes.push_back({Sphere{{0, 0, -40}, 10, {}}, 0, ""});
     d.textures.emplace_back();
-    d.textures[0].kind = TextureKind::checker;
+    d.textures[0].kind = TextureKind::checker_uv;
     Material m;
     m.kind = MaterialKind::principled;
     m.subsurface.value = 1;

@@ -23,7 +23,7 @@ SceneDescription ball_of(MaterialKind kind)
     d.environment.kind = EnvironmentKind::gradient;
     d.environment.bottom = {0.2f, 0.1f, 0}, d.environment.top = {1, 2, 3};
     Texture even;
-    even.kind = TextureKind::checker;
+    even.kind = TextureKind::checker_uv;
     even.color_a.value = even.color_b.value = {texture_value, texture_value, texture_value};
     d.textures.push_back(even);
     Material m;
