@@ -288,7 +288,7 @@ private:
         int material = part.material;
         if (!mesh.colors.empty()) material = with_vertex_colors(material);
         part = {};
-        clean_mesh(mesh, name_, warnings_);
+        clean_mesh(mesh, name_, context_.mesh_faults);
         if (mesh.indices.empty()) return;
         Node node;
         node.name = mesh.name;

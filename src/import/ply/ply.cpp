@@ -386,7 +386,7 @@ SceneDescription read_ply(const std::filesystem::path& file, InputFile& input, L
     context.warnings.add(name + ": faces with fewer than three corners are left out", data.bad_faces);
     mesh.name = file.stem().string();
     if (mesh.colors.empty() && !data.face_colors.empty()) color_faces(mesh, data.face_colors);
-    clean_mesh(mesh, name, context.warnings);
+    clean_mesh(mesh, name, context.mesh_faults);
 
     SceneDescription scene;
     scene.file = name;

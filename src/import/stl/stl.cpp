@@ -147,7 +147,7 @@ SceneDescription read_stl(const std::filesystem::path& file, const std::string& 
     Mesh mesh = StlReader(name, context.warnings).read(bytes);
     if (mesh.indices.empty()) throw Error(name, "", "there are no triangles in it");
     mesh.name = file.stem().string();
-    clean_mesh(mesh, name, context.warnings);
+    clean_mesh(mesh, name, context.mesh_faults);
     SceneDescription scene;
     scene.file = name;
     Node node;
