@@ -231,7 +231,7 @@ TEST(Layers, OfPlanesAndTheirEdge)
     SceneBuilder b;
     const int near = b.diffuse(0.5f), far = b.diffuse(0.25f);
     b.add(Rectangle{{-9, -9, 0}, {9.03, 0, 0}, {0, 12, 0}}, near);
-    b.add(Rectangle{{-30, -30, -4}, {60, 0, 0}, {0, 32, 0}}, far);
+    b.add(Rectangle{{-30, -30, -4}, {60, 0, 0}, {0, 32.1, 0}}, far);
     b.camera({0, 0, 4}, {0, 0, 0}, 90);
     RenderSettings settings = small_picture(32, 32);
     settings.filter = Filter::box;
@@ -249,8 +249,12 @@ TEST(Layers, OfPlanesAndTheirEdge)
     const float id = value("instance", 1, 16, 20);
     EXPECT_TRUE(id == 0 || id == 1);
     EXPECT_EQ(value("material", 1, 16, 20), id == 0 ? near : far);
-    // The far plane ends 2 m above the axis, four rows above the middle at 0.5 m a pixel; above it is the sky.
-    EXPECT_NEAR(value("depth", 1, 25, 13), 8, 1e-4);
+    // The far plane ends 2.1 m above the axis: at 0.5 m a pixel a fifth of the fifth row above the middle.
+    EXPECT_NEAR(value("depth", 1, 25, 11), 8, 1e-4) << "what sees the sky does not count";
+    EXPECT_NEAR(value("albedo", 3, 25, 11), 0.2 * 0.25, 0.01);
+    EXPECT_NEAR(value("normal", 3, 25, 11), 0, 1e-6);
+    EXPECT_NEAR(image.find("normal")->pixels[3 * (32 * 11 + 25) + 2], 0.2, 0.04);
+    EXPECT_EQ(value("instance", 1, 25, 11), 1) << "the sky has no id";
     EXPECT_TRUE(std::isinf(value("depth", 1, 25, 10)));
     EXPECT_EQ(value("albedo", 3, 25, 10), 0);
     EXPECT_EQ(value("instance", 1, 25, 10), 0);
