@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "commands.h"
 #include "fathom/error.h"
@@ -101,7 +102,8 @@ void add_picture_options(Command& command, PictureOptions& options)
     command.add_value("--quality", "1..100",
                       "of JPEG and AVIF (default 95; 100 is AVIF without loss), and of WebP (default: without loss)",
                       [&](const std::string& text) { options.quality = int(parse_integer(text, 1, 100)); });
-    command.add_value("--exr", "half|float", "numbers of EXR (default float)",
+    command.add_value("--exr", "half|float",
+                      "numbers of EXR (default float); half: of colors up to 65504, all else stays float",
                       [&](const std::string& text) { options.exr_half = parse_word(text, {"half", "float"}) == 0; });
     command.add_value(
         "--exr-primaries", "rec709|acescg",
@@ -179,6 +181,25 @@ std::optional<fs::path> write_elsewhere(const fs::path& file, const Write& write
     return {};
 }
 
+/// Tells which layers of colors an EXR of halves has as floats, since half ends at 65504.
+void tell_floats(const fs::path& file, const Image& image, Reporter& reporter)
+{
+    constexpr float max_half = 65504;
+    std::vector<std::string> names;
+    for (const Image::Layer& layer : image.layers) {
+        const bool is_color = layer.name != "variance" &&
+                              std::all_of(layer.channels.begin(), layer.channels.end(), [](const std::string& c) {
+                                  return c == "R" || c == "G" || c == "B" || c == "A";
+                              });
+        const bool is_large = std::any_of(layer.pixels.begin(), layer.pixels.end(),
+                                          [](float v) { return std::abs(v) > max_half && !std::isinf(v); });
+        if (is_color && is_large) names.push_back(layer.name.empty() ? "the image" : "the layer " + layer.name);
+    }
+    if (!names.empty())
+        reporter.note(fmt::format("{}: {} has values above 65504, which half can't hold: written as float",
+                                  file.string(), fmt::join(names, " and ")));
+}
+
 }  // namespace
 
 bool write_pictures(const PictureOptions& options, const Image& image, const Film* sums, const WriteOptions& write,
@@ -196,6 +217,7 @@ bool write_pictures(const PictureOptions& options, const Image& image, const Fil
         try {
             write_to(file);
             reporter.written(file.string());
+            if (write.exr_half && is_exr(file)) tell_floats(file, image, reporter);
         } catch (const Error& error) {
             // Hours may have gone into it.
             reporter.error(error.what());

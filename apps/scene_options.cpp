@@ -247,7 +247,7 @@ void add_scene_options(Command& command, SceneOptions& options)
         "the default for files without a camera)",
         [&](const std::string& text) { options.orbit_deg = views[parse_word(text, view_names)]; });
     command.add_value("--env", "FILE",
-                      "light the scene by this equirectangular picture (HDR, EXR, ...); its middle looks along +x",
+                      "light the scene by this equirectangular picture (HDR, EXR, PFM, ...); its middle looks along +x",
                       [&](const std::string& text) { options.environment = text; });
     command.add_value("--env-rotate", "DEGREES",
                       "turn the environment about the vertical axis, counter-clockwise seen from above",

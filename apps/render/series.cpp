@@ -1,6 +1,11 @@
 #include "series.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
+#include <climits>
+
+#include "checkpoint.h"
+#include "fathom/error.h"
 
 namespace fathom::cli {
 
@@ -17,6 +22,21 @@ fs::path output_of(const fs::path& pattern, std::uint64_t frame)
     const std::size_t before = name.find_last_not_of('#', last), first = before == std::string::npos ? 0 : before + 1;
     name.replace(first, last + 1 - first, fmt::format("{:0{}}", frame, last + 1 - first));
     return pattern.parent_path() / name;
+}
+
+/// The state before the last has a longer name than the checkpoint. Nothing is made under that name, where a link of
+/// somebody else may wait.
+void check_previous(const fs::path& checkpoint)
+{
+    const fs::path previous = previous_of(checkpoint), folder = previous.parent_path();
+    const long found = pathconf(folder.empty() ? "." : folder.c_str(), _PC_NAME_MAX);
+    const std::size_t size = previous.filename().string().size(), max_size = found > 0 ? std::size_t(found) : NAME_MAX;
+    if (size > max_size)
+        throw Error(
+            checkpoint.string(), "",
+            fmt::format("can't write: the state before it is kept as NAME.previous.exr, a name of {} bytes, and "
+                        "this folder takes {}",
+                        size, max_size));
 }
 
 }  // namespace
@@ -57,10 +77,20 @@ std::vector<fs::path> files_that_are_there(const RenderOptions& o)
 
 void check_outputs(const RenderOptions& o, int width, int height)
 {
-    if (!o.checkpoint.empty()) check_output(o.checkpoint, width, height);
+    if (!o.checkpoint.empty()) {
+        check_output(o.checkpoint, width, height);
+        check_previous(o.checkpoint);
+    }
     if (!o.writes_pictures) return;
-    for (const fs::path& file : o.picture.outputs)
-        check_output(o.frames.empty() ? file : output_of(file, o.frames[0]), width, height);
+    for (const fs::path& file : o.picture.outputs) {
+        if (o.frames.empty()) {
+            check_output(file, width, height);
+            continue;
+        }
+        // The last frame may have more digits, and so a longer name.
+        check_output(output_of(file, o.frames.front()), width, height);
+        check_output(output_of(file, o.frames.back()), width, height);
+    }
 }
 
 }  // namespace fathom::cli

@@ -32,8 +32,8 @@ struct Image {
         std::vector<std::uint32_t> values;  ///< width * height
     };
     int width = 0, height = 0;
-    bool is_linear = false;  ///< of a picture that was read: its values are radiance (EXR, HDR), not encoded
-    /// Of an EXR that was read and says so; else its colours are of Rec.709.
+    bool is_linear = false;  ///< of a picture that was read: its values are radiance (EXR, HDR, PFM), not encoded
+    /// Of an EXR or HDR that was read and says so; else its colors are of Rec.709.
     std::optional<Chromaticities> chromaticities;
     std::vector<Layer> layers;
     std::vector<UintChannel> uint_channels;
@@ -97,10 +97,10 @@ FATHOM_API void write_image(const std::filesystem::path& file, const Image& imag
 FATHOM_API std::vector<unsigned char> to_display(const Image::Layer& layer, int width, int height,
                                                  const DisplayTransform& display);
 
-/// Reads EXR, PNG, JPEG, WebP, AVIF, HDR and what stb_image knows, told by content; 8- to 16-bit values become 0 to 1
-/// and stay encoded as they are. Layers have the channels R G B A, R G B, Y A or Y (grey); those of EXR whatever the
-/// file has. Throws Error if the file is missing, damaged, cut short, or larger than the memory at hand or the limit,
-/// which is for those who read several at once.
+/// Reads EXR, PNG, JPEG, WebP, AVIF, HDR, PFM and what stb_image knows, told by content; 8- to 16-bit values become 0
+/// to 1 and stay encoded. Layers have the channels R G B A, R G B, Y A or Y (gray); an EXR's are those of the file, the
+/// image first, in its display window. Throws Error if the file is missing, damaged, cut short, or larger than the
+/// memory at hand or the limit, which is for those who read several at once.
 FATHOM_API Image read_image(const std::filesystem::path& file, std::uint64_t memory_limit = ~std::uint64_t(0));
 /// The same for a file in memory; `name` is for messages.
 FATHOM_API Image read_image(const std::string& name, const void* bytes, std::size_t size,

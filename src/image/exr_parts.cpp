@@ -3,12 +3,14 @@
 #include <ImfChannelList.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
+#include <ImfThreading.h>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "fathom/error.h"
 #include "image/primaries.h"
+#include "scene/machine.h"
 
 namespace fathom {
 
@@ -140,16 +142,37 @@ void ExrMemoryInput::seekg(std::uint64_t position)
     position_ = std::min<std::uint64_t>(position, file_.size);
 }
 
-Imf::Header read_exr_header(const EncodedImage& file)
+std::vector<Imf::Header> read_exr_headers(const EncodedImage& file)
 {
     ExrMemoryInput stream(file);
     char start[8];  // the magic number, then the version and flags, lowest byte first
     stream.read(start, sizeof start);
     int version = 0;
     for (int i = 7; i >= 4; --i) version = version << 8 | static_cast<unsigned char>(start[i]);
-    Imf::Header header;
-    header.readFrom(stream, version);
-    return header;
+    const bool has_parts = version & 0x1000;
+    std::vector<Imf::Header> headers;
+    do {
+        headers.emplace_back().readFrom(stream, version);
+        // Files of several parts end their headers with an empty one.
+    } while (has_parts && stream.tellg() < file.size && file.bytes[stream.tellg()] != 0);
+    return headers;
+}
+
+Imf::Header read_exr_header(const EncodedImage& file)
+{
+    return read_exr_headers(file).front();
+}
+
+int exr_threads()
+{
+    // OpenEXR's pool is the process's; a program that has set it up keeps its choice. Once: pictures are read by
+    // several threads, and the pool must not change under one of them.
+    static const int threads = [] {
+        if (Imf::globalThreadCount() == 0)
+            Imf::setGlobalThreadCount(startable_threads(1 + std::min(usable_cores("/"), 4)) - 1);
+        return Imf::globalThreadCount();
+    }();
+    return threads;
 }
 
 ExrChannels::ExrChannels(const Image& image, const WriteOptions& options) : header(image.width, image.height)

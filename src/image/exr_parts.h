@@ -35,8 +35,12 @@ private:
 /// What a layer's channel is called in files.
 std::string full_name(const std::string& layer, const std::string& channel);
 
-/// The first header. Throws Error if it is none.
+/// The headers of all parts, at least one. Throws Error if there is none.
+std::vector<Imf::Header> read_exr_headers(const EncodedImage& file);
 Imf::Header read_exr_header(const EncodedImage& file);
+
+/// How many threads of OpenEXR's pool read or write a picture.
+int exr_threads();
 
 /// A picture as an EXR has it: a header with its attributes and channels, and where these stand in memory: in the
 /// picture, which must stay, or in here.

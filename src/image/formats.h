@@ -32,6 +32,10 @@ bool is_avif(const EncodedImage& file);
 /// The first picture of the file, turned and cut as it says.
 Picture read_avif(const EncodedImage& file);
 Image read_hdr(const EncodedImage& file);
+/// Whether the file says that it is a portable float map.
+bool is_pfm(const EncodedImage& file);
+/// Color, gray, and color with alpha (PF4).
+Image read_pfm(const EncodedImage& file);
 /// A picture packed by Basis Universal, as ETC1S or UASTC: its largest level.
 ByteImage read_ktx2(const EncodedImage& file);
 /// BMP, TGA, GIF, PSD, PIC, PNM.

@@ -2,9 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
-#include "fathom/error.h"
 #include "image/formats.h"
 
 // Radiance's RGBE: G. Ward, Real Pixels, Graphics Gems II, 1991; the run lengths as in Radiance's
@@ -59,107 +57,7 @@ void append_runs(std::vector<unsigned char>& out, const std::vector<Rgbe>& row, 
     }
 }
 
-/// The bytes of a file, one after the other; asking for more than there are throws.
-class Bytes {
-public:
-    explicit Bytes(const EncodedImage& file) : file_(file) {}
-
-    int next()
-    {
-        if (position_ >= file_.size) throw Error(file_.name, "", "damaged HDR: the file is cut short");
-        return file_.bytes[position_++];
-    }
-    std::string line()
-    {
-        std::string text;
-        for (int c = next(); c != '\n'; c = next()) text += char(c);
-        return text;
-    }
-
-private:
-    const EncodedImage& file_;
-    std::size_t position_ = 0;
-};
-
-Rgbe next_code(Bytes& bytes)
-{
-    Rgbe code;
-    for (unsigned char& part : code) part = static_cast<unsigned char>(bytes.next());
-    return code;
-}
-
-void read_runs(const EncodedImage& file, Bytes& bytes, std::vector<Rgbe>& row)
-{
-    for (int component = 0; component < 4; ++component)
-        for (std::size_t x = 0; x < row.size();) {
-            const int lead = bytes.next();
-            const std::size_t count = std::size_t(lead > 128 ? lead - 128 : lead);
-            if (count == 0 || count > row.size() - x) throw Error(file.name, "", "damaged HDR: a run leaves its row");
-            const int repeated = lead > 128 ? bytes.next() : 0;
-            for (const std::size_t end = x + count; x < end; ++x)
-                row[x][component] = static_cast<unsigned char>(lead > 128 ? repeated : bytes.next());
-        }
-}
-
-/// Rows without runs by component: codes, where (1, 1, 1, n) repeats the one before; repeats that follow each other
-/// count 256 times as much each.
-void read_codes(const EncodedImage& file, Bytes& bytes, Rgbe first, std::vector<Rgbe>& row)
-{
-    int shift = 0;
-    Rgbe code = first;
-    for (std::size_t x = 0; x < row.size();) {
-        if (code[0] == 1 && code[1] == 1 && code[2] == 1) {
-            const std::size_t count = shift > 24 ? 0 : std::size_t(code[3]) << shift;
-            if (x == 0 || count == 0 || count > row.size() - x)
-                throw Error(file.name, "", "damaged HDR: a run leaves its row");
-            std::fill_n(row.begin() + std::ptrdiff_t(x), count, row[x - 1]);
-            x += count;
-            shift += 8;
-        } else {
-            row[x++] = code;
-            shift = 0;
-        }
-        if (x < row.size()) code = next_code(bytes);
-    }
-}
-
 }  // namespace
-
-Image read_hdr(const EncodedImage& file)
-{
-    Bytes bytes(file);
-    for (std::string line = bytes.line(); !line.empty(); line = bytes.line())
-        if (line.rfind("FORMAT=", 0) == 0 && line != "FORMAT=32-bit_rle_rgbe")
-            throw Error(file.name, line, "only 32-bit_rle_rgbe can be read");
-    const std::string resolution = bytes.line();
-    long long width = 0, height = 0;
-    if (std::sscanf(resolution.c_str(), "-Y %9lld +X %9lld", &height, &width) != 2 || width <= 0 || height <= 0)
-        throw Error(
-            file.name, "",
-            fmt::format("damaged HDR: expected a size as '-Y 600 +X 800', found '{}'", resolution.substr(0, 40)));
-    check_size(file, std::uint64_t(width), std::uint64_t(height), 3 * sizeof(float));
-    // A row has 4 components, each of runs of at most 127; older files repeat a row with 8 bytes or more.
-    if (double(height) * 4 > double(file.size)) throw Error(file.name, "", "damaged HDR: the file is cut short");
-
-    Image image = make_image(int(width), int(height), 3);
-    float* out = image.layers[0].pixels.data();
-    std::vector<Rgbe> row(static_cast<std::size_t>(width));
-    for (int y = 0; y < image.height; ++y) {
-        const Rgbe first = next_code(bytes);
-        const bool runs =
-            width >= 8 && width < 32768 && first[0] == 2 && first[1] == 2 && (first[2] << 8 | first[3]) == width;
-        if (runs)
-            read_runs(file, bytes, row);
-        else
-            read_codes(file, bytes, first, row);
-        for (const Rgbe& code : row) {
-            const float scale = code[3] ? std::ldexp(1.0f, code[3] - 136) : 0;
-            for (int c = 0; c < 3; ++c) *out++ = float(code[c]) * scale;
-        }
-    }
-    image.is_linear = true;
-    return image;
-}
 
 std::vector<unsigned char> encode_hdr(const Image& image)
 {

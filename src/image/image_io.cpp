@@ -92,6 +92,7 @@ Picture decode(const EncodedImage& file)
     if (begins_with(file, "RIFF", 4) && begins_with(file, "WEBP", 4, 8)) return read_webp(file);
     if (begins_with(file, "ftyp", 4, 4) && is_avif(file)) return read_avif(file);
     if (begins_with(file, "#?", 2)) return read_hdr(file);
+    if (is_pfm(file)) return read_pfm(file);
     if (begins_with(file, "\xabKTX 20\xbb", 8)) return read_ktx2(file);
     return read_stb(file);
 }

@@ -7,6 +7,7 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
+#include <climits>
 #include <optional>
 #include <system_error>
 #include <vector>
@@ -19,13 +20,37 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// How many bytes a name in this folder may have: most file systems take 255, encrypted ones fewer.
+std::size_t max_name_length(const fs::path& folder)
+{
+    const long length = pathconf(folder.c_str(), _PC_NAME_MAX);
+    return length > 0 ? std::size_t(length) : NAME_MAX;
+}
+
 /// A name beside the target that nobody can foresee: in a folder that others may write to, a link could wait there.
 fs::path temporary_name(const fs::path& folder, const fs::path& target)
 {
     std::uint64_t number = 0;
     if (getrandom(&number, sizeof number, 0) != ssize_t(sizeof number))
         throw Error(target.string(), "", "can't write: the system gives no random numbers");
-    return folder / fmt::format(".{}.{:016x}.part", target.filename().string().substr(0, 200), number);
+    const std::string end = fmt::format(".{:016x}.part", number);
+    const std::size_t room = max_name_length(folder);
+    return folder / ("." + target.filename().string().substr(0, room > end.size() ? room - end.size() - 1 : 0) + end);
+}
+
+/// Throws Error, naming the target, where a name or a whole path is longer than the system takes. A file is first
+/// written under the temporary name, whose path may be the longer one.
+void check_length(const std::string& target, const fs::path& path, const fs::path& temporary)
+{
+    const std::size_t name = path.filename().string().size(), max_name = max_name_length(temporary.parent_path());
+    if (name > max_name)
+        throw Error(target, "",
+                    fmt::format("can't write: the name has {} bytes, and this folder takes {}", name, max_name));
+    const std::size_t longest = std::max(path.string().size(), temporary.string().size());
+    if (longest >= PATH_MAX)
+        throw Error(target, "",
+                    fmt::format("can't write: with its folder the name has {} bytes, and the system takes {}",
+                                path.string().size(), PATH_MAX - 1 - (longest - path.string().size())));
 }
 
 /// Whether somebody else may have put a link there to have us write elsewhere: as Linux' protected_symlinks has it, but
@@ -83,6 +108,9 @@ OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_
 {
     // Renaming over a symbolic link would replace the link, not what it points to.
     if (const auto real = followed(target)) target_ = *real;
+    folder_ = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+    temporary_ = temporary_name(folder_, target_);
+    check_length(name_, target_, temporary_);
     std::error_code error;
     const fs::file_status status = fs::status(target_, error);
     if (fs::is_directory(status)) throw Error(name_, "", "can't write: this is a folder");
@@ -90,11 +118,9 @@ OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_
     if (fs::exists(status) && !fs::is_regular_file(status))
         throw Error(name_, "", "can't write: this is a device or a pipe, not a file");
     if (fs::exists(status) && access(target_.c_str(), W_OK) != 0) fail("can't write", errno);
-    folder_ = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
     if (!fs::exists(folder_, error))
         throw Error(name_, "", fmt::format("can't write: there is no folder '{}'", folder_.string()));
 
-    temporary_ = temporary_name(folder_, target_);
     int descriptor = -1;
 #ifdef O_TMPFILE
     // Its name comes by way of /proc, which a chroot may lack.

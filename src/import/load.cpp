@@ -113,6 +113,7 @@ SceneFile load_scene_file(const std::filesystem::path& file, const LoadOptions& 
         for (ImageFile& image : scene.images)
             if (!image.path.empty()) image.path = context.locate(image.path);
         scene.files = context.files();
+        context.mesh_faults.tell(file.string(), warnings);
         check_scene(scene);
         SceneFile result = std::move(context.offered);
         result.scene = std::move(scene);

@@ -117,12 +117,64 @@ TEST_F(Obj, LinesThatGoOnAndOtherHabits)
     EXPECT_EQ(warnings_with("not understood"), 1u);
 }
 
+/// Encoded as sRGB, as Blender, Godot and MeshLab have them: 0.5 is 0.2140 by the standard's formula.
 TEST_F(Obj, VertexColours)
 {
-    const SceneDescription scene = load("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n");
-    ASSERT_EQ(scene.meshes.at(0).colors.size(), 3u);
-    EXPECT_EQ(scene.meshes[0].colors[1].y, 1);
+    const SceneDescription scene = load("a.obj", "v 0 0 0 1 0 0.5\nv 1 0 0 0 1 0.02\nv 0 1 0\nf 1 2 3\n");
+    const std::vector<Vec4f>& colors = scene.meshes.at(0).colors;
+    ASSERT_EQ(colors.size(), 3u);
+    EXPECT_EQ(colors[0].x, 1);
+    EXPECT_EQ(colors[0].y, 0);
+    EXPECT_NEAR(colors[0].z, 0.21404114, 1e-6);
+    EXPECT_NEAR(colors[1].z, 0.02 / 12.92, 1e-7);
+    for (const float x : {colors[2].x, colors[2].y, colors[2].z, colors[2].w}) EXPECT_EQ(x, 1) << "has no color";
     EXPECT_TRUE(scene.materials.at(scene.nodes.at(0).shapes.at(0).material).use_vertex_color);
+}
+
+/// Some programs write them as bytes: a file has one range, which its largest number tells, wherever it stands.
+TEST_F(Obj, VertexColoursOfBytes)
+{
+    const SceneDescription scene =
+        load("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 128 51 0\nv 0 1 0 255 254 0\nv 1 1 0\nf 1 2 3 4\n");
+    const std::vector<Vec4f>& colors = scene.meshes.at(0).colors;
+    ASSERT_EQ(colors.size(), 4u);
+    EXPECT_NEAR(colors[0].x, 1 / 255.0 / 12.92, 1e-7);
+    EXPECT_NEAR(colors[1].x, 0.21586050, 1e-6);
+    EXPECT_NEAR(colors[1].y, 0.03310477, 1e-6);
+    EXPECT_EQ(colors[2].x, 1);
+    EXPECT_EQ(colors[3].x, 1) << "has no color";
+    // What rounding takes above 1 is no byte.
+    const SceneDescription rounded = load("b.obj", "v 0 0 0 1.0001 0 0\nv 1 0 0 0.5 0 0\nv 0 1 0 0 0 -1e-9\nf 1 2 3\n");
+    EXPECT_NEAR(rounded.meshes.at(0).colors.at(1).x, 0.21404114, 1e-6);
+    EXPECT_EQ(rounded.meshes[0].colors[2].z, 0);
+}
+
+/// `d` counts, wherever it stands; programs that write both mean the same by them or nothing.
+TEST_F(Obj, OpacityAndTransparency)
+{
+    const auto alpha = [&](const std::string& lines) {
+        warnings_ = {};
+        write("a.mtl", "newmtl m\nKd 0.5 0.5 0.5\n" + lines);
+        return load("a.obj", std::string("mtllib a.mtl\nusemtl m\n") + square + "f 1 2 3\n")
+            .materials.at(0)
+            .alpha.value;
+    };
+    const auto contradictions = [&] { return warnings_with("'d' and 'Tr' contradict each other"); };
+    for (const char* lines : {"d 1\nTr 1\n", "Tr 1\nd 1\n", "d 1.0\nTr 0.25\n"}) {
+        EXPECT_EQ(alpha(lines), 1) << lines;
+        EXPECT_EQ(contradictions(), 1u) << lines;
+    }
+    EXPECT_EQ(alpha("Tr 1\nd 0.25\n"), 0.25f);
+    EXPECT_EQ(contradictions(), 1u);
+    EXPECT_EQ(alpha("d 0\nTr 0\n"), 0);
+    EXPECT_EQ(contradictions(), 1u);
+    for (const char* lines :
+         {"d 0.25\nTr 0.75\n", "Tr 0.75\nd 0.25\n", "Tr 0.75\n", "d 0.25\n", "d -halo 0.25\n", "tr 0.7499\nD 0.25\n"}) {
+        EXPECT_EQ(alpha(lines), 0.25f) << lines;
+        EXPECT_EQ(contradictions(), 0u) << lines;
+    }
+    EXPECT_EQ(alpha("d 1\nTr 0\n"), 1);
+    EXPECT_TRUE(warnings_.empty());
 }
 
 TEST_F(Obj, ObjectsAndMaterials)

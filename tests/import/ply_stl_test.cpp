@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "import_test_helpers.h"
+#include "mesh_fault_counts.h"
 
 namespace fathom::test {
 namespace {
@@ -167,6 +168,115 @@ TEST_F(Ply, TheFastWayGivesWhatTheSlowOneDoes)
     EXPECT_EQ(warnings_with("fewer than three corners"), 2u);
 }
 
+/// Elements may stand in any order: a square and a triangle with colors of faces, a face of two corners between them.
+TEST_F(Ply, FacesBeforeVertices)
+{
+    const std::string faces = "element face 3\nproperty uchar red\n" + indices, vertices = "element vertex 5\n" + xyz;
+    const std::vector<std::vector<int>> corners = {{0, 1, 2, 3}, {0, 1}, {1, 4, 2}};
+    const std::vector<float> places = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 2, 0, 0};
+    for (const char* const format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+        std::string bytes = fmt::format("ply\nformat {} 1.0\n{}{}end_header\n", format, faces, vertices);
+        const bool big = format == std::string("binary_big_endian"), ascii = format == std::string("ascii");
+        const auto put = [&](auto value) {
+            if (ascii)
+                bytes += fmt::format("{} ", int(value));
+            else
+                append(bytes, value, big);
+        };
+        for (std::size_t face = 0; face < corners.size(); ++face) {
+            put(std::uint8_t(face == 0 ? 0 : 255));
+            put(std::uint8_t(corners[face].size()));
+            for (const int i : corners[face]) put(i);
+        }
+        for (const float x : places) put(x);
+        const Mesh mesh = load("a.ply", bytes).meshes.at(0);
+        ASSERT_EQ(mesh.indices.size(), 9u) << format;
+        const float x_of[] = {0, 1, 1, 0, 1, 0, 1, 2, 1};
+        for (std::size_t k = 0; k < 9; ++k) {
+            EXPECT_EQ(mesh.positions[mesh.indices[k]].x, x_of[k]) << format << k;
+            EXPECT_EQ(mesh.colors.at(mesh.indices[k]).x, k < 6 ? 0 : 1) << format << k;
+        }
+        for (std::size_t size = bytes.find("end_header"); size + 1 < bytes.size(); ++size)
+            EXPECT_NE(error_of("b.ply", bytes.substr(0, size)), "loaded") << format << size;
+    }
+    EXPECT_EQ(warnings_with("fewer than three corners"), 3u);
+}
+
+/// Faces of the usual kind alone, strips, and corners that no vertex has.
+TEST_F(Ply, OtherElementsBeforeVertices)
+{
+    std::string usual = "ply\nformat binary_little_endian 1.0\nelement face 1\n" + indices + "element vertex 3\n" +
+                        xyz + "end_header\n\3";
+    for (const int i : {2, 0, 1}) append(usual, i, false);
+    for (const float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) append(usual, x, false);
+    EXPECT_EQ(load("a.ply", usual).meshes.at(0).indices, (std::vector<std::uint32_t>{2, 0, 1}));
+    const auto ascii = [&](const std::string& element, const std::string& row) {
+        return "ply\nformat ascii 1.0\n" + element + "element vertex 4\n" + xyz + "end_header\n" + row +
+               "0 0 0\n1 0 0\n0 1 0\n1 1 0\n";
+    };
+    const std::string strips = "element tristrips 1\nproperty list int int vertex_indices\n";
+    EXPECT_EQ(load("a.ply", ascii(strips, "8 0 1 2 3 -1 0 1 3\n")).meshes.at(0).indices,
+              (std::vector<std::uint32_t>{0, 1, 2, 2, 1, 3, 0, 1, 3}));
+    EXPECT_EQ(error_of("a.ply", ascii("element face 2\n" + indices, "3 0 1 2\n3 0 1 4\n")),
+              "face 1: vertex 4 is out of range: there are 4");
+    EXPECT_EQ(error_of("a.ply", ascii("element curve 1\nproperty uint vertices\n", "5\n")),
+              "curve 0: 5 vertices, of 4 that there are");
+    EXPECT_EQ(error_of("a.ply", "ply\nformat ascii 1.0\nelement face 1\n" + indices + "end_header\n3 0 1 2\n"),
+              "face 0: vertex 0 is out of range: there are 0");
+}
+
+/// The same colors as bytes, shorts and floats by each of the names that programs give them: 128 of 255 is 0.21586 by
+/// the formula of sRGB; floats are linear.
+TEST_F(Ply, NamesAndTypesOfColors)
+{
+    const auto color_of = [&](const std::string& prefix, const std::string& names, const std::string& type,
+                              const std::string& row) {
+        std::string properties = xyz + "property float ambient_red\n";
+        for (std::size_t at = 0; at < names.size();) {
+            const std::size_t end = names.find(' ', at);
+            properties += "property " + type + " " + prefix + names.substr(at, end - at) + "\n";
+            at = end == std::string::npos ? names.size() : end + 1;
+        }
+        std::string body;
+        for (const char* place : {"0 0 0", "1 0 0", "0 1 0"}) body += std::string(place) + " 9 " + row + "\n";
+        const Mesh mesh = load("a.ply", header("ascii", properties, indices, 3, 1) + body + "3 0 1 2\n").meshes.at(0);
+        EXPECT_EQ(mesh.colors.size(), 3u) << prefix << names << type;
+        return mesh.colors.empty() ? Vec4f{} : mesh.colors[1];
+    };
+    for (const std::string prefix : {"", "diffuse_"})
+        for (const std::string names : {"red green blue alpha", "r g b a"})
+            for (const auto& [type, row] :
+                 {std::pair{"uchar", "255 128 0 51"}, std::pair{"ushort", "65535 32896 0 13107"},
+                  std::pair{"float", "1 0.21586050 0 0.2"}}) {
+                const Vec4f c = color_of(prefix, names, type, row);
+                EXPECT_EQ(c.x, 1) << prefix << names << type;
+                EXPECT_NEAR(c.y, 0.21586050, 1e-6) << prefix << names << type;
+                EXPECT_EQ(c.z, 0) << prefix << names << type;
+                EXPECT_NEAR(c.w, 0.2, 1e-6) << prefix << names << type;
+            }
+    // The plain names count where a file has both.
+    EXPECT_EQ(color_of("", "red green blue diffuse_red diffuse_green diffuse_blue", "uchar", "0 255 0 255 0 255").x, 0);
+}
+
+/// The first byte of a binary body may look like a part of the line's end before it.
+TEST_F(Ply, EndsOfTheLinesOfABinaryHeader)
+{
+    for (const std::string end : {"\n", "\r\n", "\r"}) {
+        std::string bytes = header("binary_little_endian", "property uchar first\n" + xyz, indices, 3, 1);
+        for (std::size_t at = bytes.find('\n'); at != std::string::npos; at = bytes.find('\n', at + end.size()))
+            bytes.replace(at, 1, end);
+        for (int i = 0; i < 3; ++i) {
+            bytes += '\n';
+            for (const int k : {1, 2, 3}) append(bytes, float(k == i + 1), false);
+        }
+        bytes += char(3);
+        for (const int i : {0, 1, 2}) append(bytes, i, false);
+        const Mesh mesh = load("a.ply", bytes).meshes.at(0);
+        EXPECT_EQ(mesh.positions.at(2).z, 1);
+        EXPECT_EQ(mesh.indices.size(), 3u);
+    }
+}
+
 TEST_F(Ply, Strips)
 {
     const SceneDescription scene =
@@ -245,7 +355,7 @@ TEST_F(Ply, KitchenOfAMillionTriangles)
     if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file;
     const SceneDescription scene = load_scene(file, {}, warnings_);
     EXPECT_EQ(scene.meshes.at(0).positions.size(), 517503u);
-    EXPECT_EQ(scene.meshes[0].indices.size() / 3 + warnings_with("without area"), 1021815u);
+    EXPECT_EQ(scene.meshes[0].indices.size() / 3 + count_in_all(warnings_, "degenerate triangles"), 1021815u);
 }
 
 std::string binary_stl(const std::vector<Vec3f>& corners, std::string start = "")
@@ -279,6 +389,62 @@ TEST_F(Stl, BinaryAndAsciiAreTheSame)
         EXPECT_EQ(mesh.positions.size(), 4u);
         EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
     }
+}
+
+std::string ascii_stl(const std::string& name)
+{
+    return "solid" + name +
+           "\nfacet normal 0 0 nan\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 2\nendloop\nendfacet\n"
+           "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 1 2\nvertex 0 1 -0\nendloop\nendfacet\nendsolid" +
+           name + "\n";
+}
+
+/// What programs write around the triangles, in text and in binary files.
+TEST_F(Stl, OddBeginningsAndEnds)
+{
+    std::string upper = ascii_stl(" QUAD"), one_line = ascii_stl("");
+    for (char& c : upper) c = char(std::toupper(c));
+    for (char& c : one_line) c = c == '\n' ? ' ' : c;
+    one_line.replace(0, 5, "solid\n");
+    const std::string tail = "made by hand", zeros(64, '\0');
+    const std::pair<const char*, std::string> files[] = {
+        {"blank", "  \t" + ascii_stl(" a")},
+        {"empty lines", "\r\n\n" + ascii_stl(" a")},
+        {"mark", "\xef\xbb\xbf" + ascii_stl(" a")},
+        {"mark and blank", "\xef\xbb\xbf \n" + ascii_stl(" a")},
+        {"upper case", upper},
+        {"one line", one_line},
+        {"no name", ascii_stl("")},
+        {"a long name", ascii_stl(" " + std::string(5000, 'x'))},
+        {"a name of other words", ascii_stl(" facet vertex 9 9 9 endsolid")},
+        {"a name in Latin-1", ascii_stl(" fa\xe7"
+                                        "ade \xe9")},
+        {"an end as of DOS", ascii_stl(" a") + '\x1a'},
+        {"binary", binary_stl(two_triangles)},
+        {"binary with a tail", binary_stl(two_triangles) + tail},
+        {"binary solid", binary_stl(two_triangles, "solid facet normal")},
+        {"binary solid with a tail", binary_stl(two_triangles, "solid facet normal") + tail},
+        {"binary SOLID with a tail", binary_stl(two_triangles, "  SOLID") + zeros},
+        {"binary with a mark", binary_stl(two_triangles, "\xef\xbb\xbfsolid") + tail},
+        {"binary with the other mark", binary_stl(two_triangles, "\xff\xfes") + tail},
+        {"binary of zeros", binary_stl(two_triangles, "a" + zeros) + tail},
+    };
+    for (const auto& [what, content] : files) {
+        const SceneDescription scene = load("a.stl", content);
+        const Mesh& mesh = scene.meshes.at(0);
+        EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3})) << what;
+        EXPECT_EQ(mesh.positions.at(2).z, 2) << what;
+    }
+    EXPECT_TRUE(warnings_.empty()) << warnings_.counts().begin()->first;
+    const std::string two = ascii_stl(" a") + "\n" + ascii_stl(" b");
+    EXPECT_EQ(load("b.stl", two).meshes.at(0).indices.size(), 12u);
+    // The last number may be cut without a sign of it.
+    const std::string whole = ascii_stl(" a");
+    load("c.stl", whole.substr(0, whole.rfind("endsolid")));
+    EXPECT_EQ(warnings_with("without 'endsolid'"), 1u);
+    EXPECT_EQ(error_of("d.stl", binary_stl(two_triangles, "solid").substr(0, 140)),
+              "the file ends too early: 2 triangles are promised, there are 1");
+    EXPECT_EQ(error_of("d.stl", ""), "the file is empty");
 }
 
 TEST_F(Stl, UpIsZUnlessSaidOtherwise)

@@ -3,6 +3,7 @@
 
 #include "../waiting.h"
 #include "import_test_helpers.h"
+#include "mesh_fault_counts.h"
 
 namespace fathom::test {
 namespace {
@@ -18,14 +19,6 @@ std::size_t triangles_below(const SceneDescription& scene, int index)
             triangles += scene.meshes[mesh->mesh].indices.size() / 3;
     for (int child : node.children) triangles += triangles_below(scene, child);
     return triangles;
-}
-
-std::size_t times(const Warnings& warnings, const std::string& words)
-{
-    std::size_t count = 0;
-    for (const auto& [message, n] : warnings.counts())
-        if (message.find(words) != std::string::npos) count += n;
-    return count;
 }
 
 struct Model {
@@ -52,7 +45,7 @@ TEST_P(SharedGltf, HasWhatItShouldHave)
 {
     const Model& model = GetParam();
     const SceneDescription scene = load_scene(shared / "gltf" / model.file, {}, warnings_);
-    std::size_t triangles = times(warnings_, "triangles without area");
+    std::size_t triangles = count_in_all(warnings_, "degenerate triangles");
     for (int root : scene.roots) triangles += triangles_below(scene, root);
     EXPECT_EQ(triangles, model.triangles);
     EXPECT_EQ(scene.materials.size(), model.materials);

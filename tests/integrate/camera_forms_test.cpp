@@ -224,6 +224,42 @@ TEST(Layers, OfASphere)
     }
 }
 
+/// Planes at 4 and at 8 m, whose edge cuts a column of pixels: depth is along the axis, and the mean of the samples
+/// that hit. Albedo and normals are means of all samples, the sky's included; ids are those of one sample.
+TEST(Layers, OfPlanesAndTheirEdge)
+{
+    SceneBuilder b;
+    const int near = b.diffuse(0.5f), far = b.diffuse(0.25f);
+    b.add(Rectangle{{-9, -9, 0}, {9.03, 0, 0}, {0, 12, 0}}, near);
+    b.add(Rectangle{{-30, -30, -4}, {60, 0, 0}, {0, 32.1, 0}}, far);
+    b.camera({0, 0, 4}, {0, 0, 0}, 90);
+    RenderSettings settings = small_picture(32, 32);
+    settings.filter = Filter::box;
+    settings.aovs = {Aov::albedo, Aov::normal, Aov::depth, Aov::instance_id, Aov::material_id};
+    const Image image = render_film(b.scene, settings, 64).image(false, false);
+    const auto value = [&](const char* name, std::size_t stride, int x, int y) {
+        return image.find(name)->pixels[stride * std::size_t(32 * y + x)];
+    };
+    // A pixel is 0.25 m wide at 4 m: the near plane ends at 0.03 m, 12 % of the column right of the middle.
+    for (const int x : {0, 9, 15}) EXPECT_NEAR(value("depth", 1, x, 20), 4, 1e-4) << x;
+    for (const int x : {17, 25, 31}) EXPECT_NEAR(value("depth", 1, x, 20), 8, 1e-4) << x;
+    const float depth = value("depth", 1, 16, 20), share = (8 - depth) / 4;
+    EXPECT_NEAR(share, 0.12, 0.03);
+    EXPECT_NEAR(value("albedo", 3, 16, 20), share * 0.5f + (1 - share) * 0.25f, 1e-4);
+    const float id = value("instance", 1, 16, 20);
+    EXPECT_TRUE(id == 0 || id == 1);
+    EXPECT_EQ(value("material", 1, 16, 20), id == 0 ? near : far);
+    // The far plane ends 2.1 m above the axis: at 0.5 m a pixel a fifth of the fifth row above the middle.
+    EXPECT_NEAR(value("depth", 1, 25, 11), 8, 1e-4) << "what sees the sky does not count";
+    EXPECT_NEAR(value("albedo", 3, 25, 11), 0.2 * 0.25, 0.01);
+    EXPECT_NEAR(value("normal", 3, 25, 11), 0, 1e-6);
+    EXPECT_NEAR(image.find("normal")->pixels[3 * (32 * 11 + 25) + 2], 0.2, 0.04);
+    EXPECT_EQ(value("instance", 1, 25, 11), 1) << "the sky has no id";
+    EXPECT_TRUE(std::isinf(value("depth", 1, 25, 10)));
+    EXPECT_EQ(value("albedo", 3, 25, 10), 0);
+    EXPECT_EQ(value("instance", 1, 25, 10), 0);
+}
+
 /// What is placed several times has an id for each place, and the material that is told there.
 TEST(Layers, IdsOfInstances)
 {

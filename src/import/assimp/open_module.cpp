@@ -86,7 +86,7 @@ SceneDescription read_with_assimp(const std::filesystem::path& file, const LoadO
     for (Mesh& mesh : answer.scene.meshes) {
         for (std::uint32_t index : mesh.indices)
             if (index >= mesh.positions.size()) throw Error(name, printable(mesh.name), "a corner refers to no vertex");
-        clean_mesh(mesh, name, context.warnings);
+        clean_mesh(mesh, name, context.mesh_faults);
     }
     for (const std::filesystem::path& opened : answer.scene.files) context.add_file(opened);
     answer.scene.files.clear();

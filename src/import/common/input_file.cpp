@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "fathom/error.h"
+#include "import/common/text_encoding.h"
 
 namespace fathom {
 
@@ -79,7 +80,8 @@ InputFile::InputFile(InputFile&& other) noexcept
       descriptor_(std::exchange(other.descriptor_, -1)),
       size_(other.size_),
       start_(std::move(other.start_)),
-      at_(other.at_)
+      at_(other.at_),
+      mark_(other.mark_)
 {
 }
 
@@ -126,11 +128,19 @@ void InputFile::read_to_the_end(bool has_size)
     close(std::exchange(descriptor_, -1));
 }
 
+void InputFile::skip_byte_order_mark()
+{
+    const std::size_t before = start_.size();
+    start_.erase(0, before - utf8_text(name_, start_).size());
+    mark_ += before - start_.size();
+    size_ -= before - start_.size();
+}
+
 const std::string& InputFile::bytes()
 {
     if (descriptor_ >= 0) {
         // Pieces that were read are not kept.
-        if (at_ > start_.size() && lseek(descriptor_, off_t(start_.size()), SEEK_SET) < 0) fail(name_, errno);
+        if (at_ > start_.size() && lseek(descriptor_, off_t(mark_ + start_.size()), SEEK_SET) < 0) fail(name_, errno);
         read_to_the_end(true);
     }
     return start_;

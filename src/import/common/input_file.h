@@ -21,11 +21,13 @@ public:
     ~InputFile();
 
     const std::string& name() const { return name_; }
-    /// How long it was when it was opened.
+    /// How long it was when it was opened, without a byte order mark that was skipped.
     std::uint64_t size() const { return size_; }
 
     /// What it begins with: 4 KB, or all there is. Wherever it has been read to.
     std::string_view head() const { return std::string_view(start_).substr(0, 4096); }
+    /// Of text of which nothing was read: leaves out the byte order mark of UTF-8. Throws Error for other encodings.
+    void skip_byte_order_mark();
     /// All of it. Afterwards pieces come from there. Throws Error if it does not fit into memory.
     const std::string& bytes();
     /// All of it, to be kept: nothing is left here.
@@ -42,6 +44,7 @@ private:
     std::uint64_t size_ = 0;  ///< in bytes
     std::string start_;       ///< what was read to know what it is, or everything
     std::uint64_t at_ = 0;    ///< where the next piece begins
+    std::size_t mark_ = 0;    ///< bytes of the byte order mark, which start_ lacks
 };
 
 }  // namespace fathom

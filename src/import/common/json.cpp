@@ -7,6 +7,7 @@
 
 #include "fathom/error.h"
 #include "import/common/read_file.h"
+#include "import/common/text_encoding.h"
 
 namespace fathom {
 
@@ -127,6 +128,7 @@ std::string place_of_second(std::string_view text, const std::string& key)
 
 Json parse_json(const std::string& file, std::string_view text, DuplicateKeys duplicates)
 {
+    text = utf8_text(file, text);
     JsonBuilder builder;
     try {
         Json::sax_parse(text, &builder);

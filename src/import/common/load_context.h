@@ -6,6 +6,7 @@
 
 #include "fathom/scene_file.h"
 #include "import/common/input_file.h"
+#include "import/common/mesh_faults.h"
 
 namespace fathom {
 
@@ -16,6 +17,8 @@ public:
     LoadContext(const std::filesystem::path& file, bool confine, Warnings& warnings);
 
     Warnings& warnings;
+    /// Of all meshes that are read; load_scene_file makes warnings of them.
+    MeshFaults mesh_faults;
     /// What the scene's own file has beside the scene; the reader of a file with choices fills it.
     SceneFile offered;
     std::string format;                             ///< of the scene's own file

@@ -1,6 +1,5 @@
 #include "import/common/mesh_cleanup.h"
 
-#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
@@ -105,16 +104,14 @@ std::size_t zero_unless_finite(std::vector<T>& values)
 
 }  // namespace
 
-void clean_mesh(Mesh& mesh, const std::string& file, Warnings& warnings)
+void clean_mesh(Mesh& mesh, const std::string& file, MeshFaults& faults)
 {
-    warnings.add(fmt::format("{}: triangles without area are left out", file), remove_degenerate(mesh));
-    warnings.add(fmt::format("{}: normals without direction are replaced by those of the faces around", file),
-                 replace_normals(mesh));
+    faults.add(MeshFaults::degenerate_triangles, file, remove_degenerate(mesh));
+    faults.add(MeshFaults::normals_without_direction, file, replace_normals(mesh));
     std::size_t bad =
         zero_unless_finite(mesh.uvs[0]) + zero_unless_finite(mesh.uvs[1]) + zero_unless_finite(mesh.colors);
     bad += zero_unless_finite(mesh.tangents);
-    warnings.add(fmt::format("{}: texture coordinates, tangents or colours that are not finite are taken as 0", file),
-                 bad);
+    faults.add(MeshFaults::values_not_finite, file, bad);
 }
 
 }  // namespace fathom

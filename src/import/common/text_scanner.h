@@ -12,11 +12,13 @@
 
 namespace fathom {
 
-/// Walks through the words of a text and knows in which line it is. Numbers must be finite.
+/// Walks through the words of a text and knows in which line it is. Numbers must be finite. Lines end with LF, CR LF or
+/// CR alone.
 class TextScanner {
 public:
-    TextScanner(const std::string& file, std::string_view text, std::size_t first_line = 1)
-        : file_(&file), at_(text.data()), end_(text.data() + text.size()), line_(first_line)
+    /// comment  a character that ends the words of a line, wherever it stands; 0: none
+    TextScanner(const std::string& file, std::string_view text, std::size_t first_line = 1, char comment = '\0')
+        : file_(&file), at_(text.data()), end_(text.data() + text.size()), line_(first_line), comment_(comment)
     {
     }
 
@@ -24,55 +26,52 @@ public:
     std::size_t line() const { return line_; }
     const char* position() const { return at_; }
 
-    /// The next word of this line; empty at its end. A backslash before the line's end joins it with the next.
+    /// The next word of this line; empty at its end and at a comment. A backslash before the line's end joins it with
+    /// the next.
     std::string_view word()
     {
         skip_blanks();
         const char* start = at_;
-        while (at_ != end_ && !is_space(*at_) && !(*at_ == '\\' && continues())) ++at_;
+        while (at_ != end_ && !is_space(*at_) && !at_comment() && !(*at_ == '\\' && continues())) ++at_;
         return {start, std::size_t(at_ - start)};
     }
     /// The next word of any line; empty at the end of the text.
     std::string_view word_of_any_line()
     {
         while (at_ != end_ && is_space(*at_)) {
-            if (*at_ == '\n') ++line_;
+            // A CR that ends the text may be half of a CR LF.
+            if (*at_ == '\n' || (*at_ == '\r' && at_ + 1 != end_ && at_[1] != '\n')) ++line_;
             ++at_;
         }
         const char* start = at_;
         while (at_ != end_ && !is_space(*at_)) ++at_;
         return {start, std::size_t(at_ - start)};
     }
-    /// What is left of this line, without blanks around it.
+    /// What is left of this line, comments included, without blanks around it.
     std::string_view rest()
     {
         skip_blanks();
         const char* start = at_;
-        while (at_ != end_ && *at_ != '\n') ++at_;
+        while (!at_line_end()) ++at_;
         const char* stop = at_;
         while (stop != start && is_space(stop[-1])) --stop;
         return {start, std::size_t(stop - start)};
     }
-    /// To the end of a comment: a backslash there joins nothing.
-    void skip_comment()
-    {
-        while (at_ != end_ && *at_ != '\n') ++at_;
-    }
-    /// To the beginning of the next line.
+    /// To the beginning of the next line. A backslash that ends a comment joins nothing.
     void next_line()
     {
-        while (at_ != end_ && *at_ != '\n') {
+        while (!at_line_end() && !at_comment()) {
             if (*at_ == '\\' && continues())
-                skip_continuation();
+                pass_line_end();
             else
                 ++at_;
         }
-        if (at_ != end_) ++at_, ++line_;
+        pass_line_end();
     }
     bool line_has_more()
     {
         skip_blanks();
-        return at_ != end_ && *at_ != '\n';
+        return !at_line_end() && !at_comment();
     }
 
     float number() { return to_number(word()); }
@@ -110,22 +109,23 @@ public:
 
 private:
     static bool is_space(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
-    bool continues() const
+    bool at_comment() const { return comment_ != '\0' && at_ != end_ && *at_ == comment_; }
+    /// A CR before LF is a blank.
+    bool at_line_end() const
     {
-        const char* next = at_ + 1;
-        if (next != end_ && *next == '\r') ++next;
-        return next == end_ || *next == '\n';
+        return at_ == end_ || *at_ == '\n' || (*at_ == '\r' && (at_ + 1 == end_ || at_[1] != '\n'));
     }
-    void skip_continuation()
+    bool continues() const { return at_ + 1 == end_ || at_[1] == '\n' || at_[1] == '\r'; }
+    void pass_line_end()
     {
-        while (at_ != end_ && *at_ != '\n') ++at_;
+        while (!at_line_end()) ++at_;
         if (at_ != end_) ++at_, ++line_;
     }
     void skip_blanks()
     {
-        while (at_ != end_ && *at_ != '\n') {
+        while (!at_line_end()) {
             if (*at_ == '\\' && continues())
-                skip_continuation();
+                pass_line_end();
             else if (is_space(*at_))
                 ++at_;
             else
@@ -137,6 +137,7 @@ private:
     const char* at_;
     const char* end_;
     std::size_t line_;
+    char comment_;
 };
 
 }  // namespace fathom

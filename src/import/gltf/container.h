@@ -47,6 +47,7 @@ public:
     /// the same bytes many times.
     void check_memory(const JsonValue& v, double bytes) const;
     Warnings& warnings() { return context_.warnings; }
+    MeshFaults& mesh_faults() { return context_.mesh_faults; }
     const std::filesystem::path& path() const { return file_; }
     const std::string& name() const { return name_; }
 

@@ -42,7 +42,7 @@ std::vector<T> read_vectors(const Accessor& accessor, std::size_t first, std::si
 /// All triangles stay: one without area may have some in another pose.
 void clean_rest(Mesh& mesh)
 {
-    Warnings told_already;
+    MeshFaults told_already;
     std::vector<std::uint32_t> indices = mesh.indices;
     clean_mesh(mesh, "", told_already);
     mesh.indices = std::move(indices);
@@ -256,7 +256,7 @@ void GltfReader::read_primitive(const JsonValue& primitive, const std::string& n
         part.shape.material = material(primitive, false);
         return add_points_or_lines(mesh, mode, std::move(part), parts);
     }
-    clean_mesh(mesh, file_.name(), file_.warnings());
+    clean_mesh(mesh, file_.name(), file_.mesh_faults());
     if (moves) clean_rest(part.rest);
     if (mesh.indices.empty() && !moves) return;
 

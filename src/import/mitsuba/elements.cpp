@@ -10,6 +10,7 @@
 #include "fathom/error.h"
 #include "import/common/read_file.h"
 #include "import/common/suggest.h"
+#include "import/common/text_encoding.h"
 #include "import/mitsuba/old_names.h"
 
 namespace fathom::mitsuba {
@@ -67,10 +68,11 @@ private:
     void read_file_into(Element& parent, const std::filesystem::path& file, const std::string& bytes, int depth)
     {
         Source source{&document_.files.emplace_back(file.string()), {0}, false};
-        for (std::size_t i = 0; i < bytes.size(); ++i)
-            if (bytes[i] == '\n') source.lines.push_back(i + 1);
+        const std::string_view text = utf8_text(*source.file, bytes);
+        for (std::size_t i = 0; i < text.size(); ++i)
+            if (text[i] == '\n') source.lines.push_back(i + 1);
         pugi::xml_document xml;
-        const pugi::xml_parse_result result = xml.load_buffer(bytes.data(), bytes.size());
+        const pugi::xml_parse_result result = xml.load_buffer(text.data(), text.size());
         if (!result) {
             const Place place = source.place(result.offset);
             throw Error(*source.file, fmt::format("line {}, column {}", place.line, place.column),

@@ -1,5 +1,6 @@
 #pragma once
 #include "import/common/importer.h"
+#include "import/common/text_encoding.h"
 
 namespace fathom {
 
@@ -8,7 +9,9 @@ namespace fathom {
 SceneDescription read_mitsuba(const SourceFile& file, LoadContext& context);
 
 inline constexpr Importer mitsuba_importer{
-    [](const SourceFile& f) { return f.extension == ".xml" && f.bytes().find("<scene") != std::string::npos; },
+    [](const SourceFile& f) {
+        return f.extension == ".xml" && (is_wide_text(f.head()) || f.bytes().find("<scene") != std::string::npos);
+    },
     [](const SourceFile& f, LoadContext& context) { return read_mitsuba(f, context); }, false, false, "Mitsuba 3"};
 
 }  // namespace fathom

@@ -222,7 +222,7 @@ Mesh Reader::ply_mesh(Object& shape, const std::string& file, const std::string&
     if (!attribute.empty() && mesh.colors.empty())
         tell(shape.element(), fmt::format("the mesh has no '{}': it is white", printable(attribute)));
     mesh.name = std::filesystem::path(file).stem().string();
-    clean_mesh(mesh, file, context_.warnings);
+    clean_mesh(mesh, file, context_.mesh_faults);
     return mesh;
 }
 
@@ -256,7 +256,7 @@ std::optional<Shape> Reader::serialized(Object& shape)
             shape.element().fail(
                 fmt::format("there is no mesh {} in '{}': it has {}", index, file, found->second.count()));
         Mesh mesh = finished(found->second.mesh(std::size_t(index)), shape, flip_v);
-        clean_mesh(mesh, file, context_.warnings);
+        clean_mesh(mesh, file, context_.mesh_faults);
         meshes_[key] = int(scene_.meshes.size());
         return add_mesh(std::move(mesh));
     } catch (const Error& error) {
@@ -275,7 +275,7 @@ std::optional<Shape> Reader::sdf_grid(Object& shape)
     try {
         Mesh mesh = sdf_mesh(file, context_.read(file), normals == "smooth");
         mesh.name = shape.text("filename", "");
-        clean_mesh(mesh, file, context_.warnings);
+        clean_mesh(mesh, file, context_.mesh_faults);
         meshes_[key] = int(scene_.meshes.size());
         return add_mesh(std::move(mesh));
     } catch (const Error& error) {

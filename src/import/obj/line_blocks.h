@@ -6,7 +6,8 @@
 
 namespace fathom {
 
-/// A text file by blocks of whole lines; lines that a backslash joins are one.
+/// A text file by blocks of whole lines; lines that a backslash joins are one. A CR that no LF follows ends a line, as
+/// in files of old Macintosh programs; it becomes LF.
 class LineBlocks {
 public:
     static constexpr std::size_t usual_size = 512 << 10;
@@ -25,6 +26,7 @@ public:
             const std::size_t got = input_.read(text.data() + had, more);
             text.resize(had + got);
             is_at_end_ = got < more;
+            end_lines_at_lone_cr(text, had > 0 ? had - 1 : 0);
             if (is_at_end_) break;
             if (const std::size_t end = last_line_end(text)) {
                 rest_.assign(text, end);
@@ -38,6 +40,14 @@ public:
     }
 
 private:
+    /// The last CR before the file's end waits for what follows it.
+    void end_lines_at_lone_cr(std::string& text, std::size_t from) const
+    {
+        for (std::size_t at = text.find('\r', from); at != std::string::npos; at = text.find('\r', at + 1)) {
+            const bool is_last = at + 1 == text.size();
+            if (is_last ? is_at_end_ : text[at + 1] != '\n') text[at] = '\n';
+        }
+    }
     /// Behind the last line that is whole; 0 if there is none.
     static std::size_t last_line_end(std::string_view text)
     {

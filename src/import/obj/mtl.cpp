@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "import/common/phong.h"
+#include "import/common/text_encoding.h"
 #include "import/common/text_scanner.h"
 #include "import/obj/obj.h"
 
@@ -14,6 +15,7 @@ namespace {
 struct Entry {
     std::string name;
     Phong phong;
+    std::optional<float> opacity, transparency;  ///< `d` and `Tr`, of which one should do
     int illum = 2;
     std::optional<float> roughness, metallic, sheen, coat, coat_roughness, anisotropy, anisotropy_turn;
     Color emission{0, 0, 0};
@@ -31,7 +33,12 @@ class MtlReader {
 public:
     MtlReader(const std::filesystem::path& file, std::string_view text, SceneDescription& scene,
               std::map<std::string, int, std::less<>>& by_name, Warnings& warnings)
-        : file_(file), name_(file.string()), scan_(name_, text), scene_(scene), by_name_(by_name), warnings_(warnings)
+        : file_(file),
+          name_(file.string()),
+          scan_(name_, utf8_text(name_, text), 1, '#'),
+          scene_(scene),
+          by_name_(by_name),
+          warnings_(warnings)
     {
     }
 
@@ -40,12 +47,11 @@ public:
         std::optional<Entry> entry;
         for (; !scan_.at_end(); scan_.next_line()) {
             const std::string_view key = scan_.word();
-            if (key.starts_with('#')) scan_.skip_comment();
             if (key == "newmtl") {
                 if (entry) add(*entry);
                 entry.emplace();
                 entry->name = scan_.rest();
-            } else if (entry && !key.empty() && key[0] != '#') {
+            } else if (entry && !key.empty()) {
                 read_line(key, *entry);
             }
         }
@@ -84,9 +90,9 @@ private:
         else if (lower == "ni")
             e.phong.ior = scan_.number();
         else if (lower == "d")
-            e.phong.opacity = opacity();
+            e.opacity = opacity();
         else if (lower == "tr")
-            e.phong.opacity = 1 - scan_.number();
+            e.transparency = scan_.number();
         else if (lower == "illum")
             e.illum = int(std::clamp(scan_.number(), 0.0f, 10.0f));
         else if (lower == "pr")
@@ -218,6 +224,7 @@ private:
                 break;
             rest = words.rest();
         }
+        rest = file_name(rest);
         if (rest.empty()) {
             warnings_.add(name_ + ": a texture without a file is left out");
             return -1;
@@ -228,6 +235,13 @@ private:
         texture.image = image(rest);
         scene_.textures.push_back(texture);
         return int(scene_.textures.size()) - 1;
+    }
+
+    /// Without a comment: a '#' belongs to the name unless what stands before it has an extension already.
+    static std::string_view file_name(std::string_view rest)
+    {
+        const std::string_view name = before_comment(rest);
+        return name.empty() || name.find('.') != std::string_view::npos ? name : rest;
     }
 
     int image(std::string_view name)
@@ -267,6 +281,7 @@ private:
     {
         Material m;
         m.name = printable(e.name);
+        set_opacity(e);
         // Some programs give black together with a picture and mean the picture alone.
         const auto is_black = [](Color c) { return c.r == 0 && c.g == 0 && c.b == 0; };
         if (e.map_diffuse >= 0 && is_black(e.phong.diffuse)) e.phong.diffuse = {1, 1, 1};
@@ -290,7 +305,16 @@ private:
             m.alpha_mode = AlphaMode::blend;
         }
         by_name_[e.name] = int(scene_.materials.size());
+        by_name_.try_emplace(std::string(before_comment(e.name)), int(scene_.materials.size()));
         scene_.materials.push_back(std::move(m));
+    }
+
+    /// `d` is what the format defines; `Tr` came later, and some programs write the same number for both.
+    void set_opacity(Entry& e)
+    {
+        if (e.opacity && e.transparency && std::abs(*e.opacity + *e.transparency - 1) > 0.01f)
+            warnings_.add(name_ + ": materials whose 'd' and 'Tr' contradict each other: 'd' counts");
+        if (e.opacity || e.transparency) e.phong.opacity = e.opacity ? *e.opacity : 1 - *e.transparency;
     }
     int texture_image(int texture) const { return scene_.textures[std::size_t(texture)].image; }
 
@@ -305,6 +329,15 @@ private:
 };
 
 }  // namespace
+
+std::string_view before_comment(std::string_view name)
+{
+    std::size_t end = 0;
+    for (; end < name.size(); ++end)
+        if (name[end] == '#' && (end == 0 || name[end - 1] == ' ' || name[end - 1] == '\t')) break;
+    while (end > 0 && (name[end - 1] == ' ' || name[end - 1] == '\t')) --end;
+    return name.substr(0, end);
+}
 
 void read_mtl(const std::filesystem::path& file, std::string_view text, SceneDescription& scene,
               std::map<std::string, int, std::less<>>& by_name, Warnings& warnings)

@@ -13,6 +13,7 @@
 #include "import/common/mesh_cleanup.h"
 #include "import/common/point_cloud.h"
 #include "import/common/polygon.h"
+#include "import/common/srgb.h"
 #include "import/obj/line_blocks.h"
 #include "import/obj/obj_piece.h"
 #include "import/obj/vertex_join.h"
@@ -31,6 +32,7 @@ public:
 
     SceneDescription read()
     {
+        input_.skip_byte_order_mark();
         read_pieces();
         if (positions_.empty()) throw Error(name_, "", "there are no vertices in it: is it an OBJ file?");
         join_ = {};
@@ -121,10 +123,11 @@ private:
             throw Error(name_, "", "there are more than two billion vertices in it");
         if (!piece.colors.empty()) {
             if (colors_.empty()) first_color_ = before + piece.first_color;
-            colors_.resize(before + piece.first_color, {1, 1, 1, 1});
+            colors_.resize(before + piece.first_color, ObjPiece::no_color);
             colors_.append(piece.colors);
+            for (const Vec4f& c : piece.colors) max_color_ = std::max({max_color_, c.x, c.y, c.z});
         } else if (!colors_.empty()) {
-            colors_.resize(positions_.size(), {1, 1, 1, 1});
+            colors_.resize(positions_.size(), ObjPiece::no_color);
         }
     }
 
@@ -152,8 +155,8 @@ private:
         const char* const begin = rest.data();
         line += std::size_t(std::count(at, begin, '\n'));
         at = begin;
-        TextScanner scan(name_, rest, line);
-        for (std::string_view word = scan.word(); !word.empty() && word[0] != '#'; word = scan.word())
+        TextScanner scan(name_, rest, line, '#');
+        for (std::string_view word = scan.word(); !word.empty(); word = scan.word())
             cloud_.push_back(positions_[index(scan, word, so_far_.positions, "vertex")]);
     }
 
@@ -218,13 +221,12 @@ private:
     /// Finds the line of the face again, to tell what is wrong with it.
     [[noreturn]] void fail_at(const ObjPiece& piece, std::size_t face) const
     {
-        TextScanner scan(name_, piece.text, line_);
+        TextScanner scan(name_, piece.text, line_, '#');
         for (;; scan.next_line()) {
             const std::string_view key = scan.word();
-            if (key.starts_with('#')) scan.skip_comment();
             if ((key == "f" || key == "fo") && face-- == 0) break;
         }
-        for (std::string_view word = scan.word(); !word.empty() && word[0] != '#'; word = scan.word()) {
+        for (std::string_view word = scan.word(); !word.empty(); word = scan.word()) {
             index(scan, word.substr(0, word.find('/')), so_far_.positions, "vertex");
             word.remove_prefix(std::min(word.size(), word.find('/')));
             if (word.size() > 1 && word[1] != '/')
@@ -251,7 +253,8 @@ private:
     void use_material(std::string_view name)
     {
         part_ = nullptr;
-        const auto found = materials_.find(name);
+        auto found = materials_.find(name);
+        if (found == materials_.end()) found = materials_.find(before_comment(name));
         material_ = found == materials_.end() ? -1 : found->second;
         if (material_ < 0)
             warnings_.add(fmt::format("{}: there is no material named '{}': grey is used", name_, printable(name)));
@@ -271,6 +274,8 @@ private:
     void read_library(std::string_view rest)
     {
         if (read_library_file(rest)) return;
+        rest = before_comment(rest);
+        if (read_library_file(rest)) return;
         TextScanner names(name_, rest);
         for (std::string_view name = names.word(); !name.empty(); name = names.word())
             if (!read_library_file(name))
@@ -283,7 +288,7 @@ private:
         int material = part.material;
         if (!mesh.colors.empty()) material = with_vertex_colors(material);
         part = {};
-        clean_mesh(mesh, name_, warnings_);
+        clean_mesh(mesh, name_, context_.mesh_faults);
         if (mesh.indices.empty()) return;
         Node node;
         node.name = mesh.name;
@@ -311,8 +316,16 @@ private:
             });
         if (part.has_uvs)
             fill(mesh.uvs[0], [&](const ObjVertex& v) { return v.uv == ObjVertex::none ? Vec2f{0, 0} : uvs_[v.uv]; });
-        if (part.has_colors) fill(mesh.colors, [&](const ObjVertex& v) { return colors_[v.position]; });
+        if (part.has_colors) fill(mesh.colors, [&](const ObjVertex& v) { return linear_color(colors_[v.position]); });
         return mesh;
+    }
+    /// Colors are encoded as sRGB, from 0 to 1 or, as some programs write them, from 0 to 255: then one is above 2.
+    Vec4f linear_color(Vec4f c) const
+    {
+        if (c.w == ObjPiece::no_color.w) return {1, 1, 1, 1};
+        const double scale = max_color_ > 2 ? 255 : 1;
+        const auto channel = [&](float x) { return linear_from_srgb(std::max(0.0, double(x) / scale)); };
+        return {channel(c.x), channel(c.y), channel(c.z), 1};
     }
 
     int with_vertex_colors(int material)
@@ -335,7 +348,8 @@ private:
 
     ChunkedArray<Vec3f> positions_, normals_;
     ChunkedArray<Vec2f> uvs_;
-    ChunkedArray<Vec4f> colors_;  ///< empty, or of all positions
+    ChunkedArray<Vec4f> colors_;  ///< empty, or of all positions; as written
+    float max_color_ = 0;
     std::size_t first_color_ = std::size_t(-1);
     std::map<std::string, int, std::less<>> materials_;
     std::set<std::filesystem::path> libraries_;  ///< that were read

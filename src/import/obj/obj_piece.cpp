@@ -126,7 +126,7 @@ private:
 
     void read_any_line()
     {
-        TextScanner scan(file_, std::string_view(at_, std::size_t(end_ - at_)), line_);
+        TextScanner scan(file_, std::string_view(at_, std::size_t(end_ - at_)), line_, '#');
         read_line(scan);
         scan.next_line();
         at_ = scan.position();
@@ -137,7 +137,6 @@ private:
     {
         const std::string_view key = scan.word();
         if (key.empty()) return;
-        if (key[0] == '#') return scan.skip_comment();
         if (key == "v")
             read_position(scan);
         else if (key == "vt")
@@ -179,7 +178,7 @@ private:
             if (piece_.colors.empty()) piece_.first_color = piece_.positions.size() - 1;
             piece_.colors.push_back({n[3], n[4], n[5], 1});
         } else if (!piece_.colors.empty()) {
-            piece_.colors.push_back({1, 1, 1, 1});
+            piece_.colors.push_back(ObjPiece::no_color);
         }
     }
     void read_uv(TextScanner& scan)
@@ -189,18 +188,10 @@ private:
         piece_.uvs.push_back({u, 1 - v});
     }
 
-    /// Up to the line's end or a comment.
-    template <class Use>
-    static void for_each_word(TextScanner& scan, const Use& use)
-    {
-        for (std::string_view word = scan.word(); !word.empty(); word = scan.word()) {
-            if (word[0] == '#') return scan.skip_comment();
-            use(word);
-        }
-    }
     void read_face(TextScanner& scan)
     {
-        for_each_word(scan, [&](std::string_view word) { piece_.corners.push_back(read_obj_corner(scan, word)); });
+        for (std::string_view word = scan.word(); !word.empty(); word = scan.word())
+            piece_.corners.push_back(read_obj_corner(scan, word));
         end_face();
     }
     void end_face()
@@ -214,11 +205,12 @@ private:
     {
         piece_.events.push_back({kind, piece_.face_ends.size(), piece_.counts(), rest});
     }
-    /// With the lines that it goes on in.
+    /// With the lines that it goes on in, without a comment.
     static std::string_view rest_of_any_lines(TextScanner& scan)
     {
         const char* const start = scan.position();
-        for_each_word(scan, [](std::string_view) {});
+        while (!scan.word().empty()) {
+        }
         return {start, std::size_t(scan.position() - start)};
     }
 

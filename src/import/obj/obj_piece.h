@@ -31,6 +31,8 @@ struct ObjPiece {
 
     std::vector<Vec3f> positions, normals;
     std::vector<Vec2f> uvs;
+    /// Stands for the color of a vertex without one, in a piece that has some.
+    static constexpr Vec4f no_color{1, 1, 1, 0};
     std::vector<Vec4f> colors;  ///< empty, or up to the last position from the first that has one on
     std::size_t first_color = 0;
 

@@ -9,6 +9,7 @@
 #include "import/common/gunzip.h"
 #include "import/common/read_file.h"
 #include "import/common/suggest.h"
+#include "import/common/text_encoding.h"
 #include "import/pbrt/pbrt.h"
 #include "import/pbrt/reader.h"
 #include "scene/texture_table.h"
@@ -139,8 +140,9 @@ std::filesystem::path Reader::locate(const Parameters& plugin, const std::string
 
 void Reader::read_file(const std::filesystem::path& file, const std::string& bytes)
 {
-    const std::string text = is_gzip(bytes) ? gunzip(file.string(), bytes) : std::string();
-    Scanner scanner(std::make_shared<const std::string>(file.string()), text.empty() ? bytes : text);
+    const std::string unpacked = is_gzip(bytes) ? gunzip(file.string(), bytes) : std::string();
+    const std::string_view text = utf8_text(file.string(), unpacked.empty() ? bytes : unpacked);
+    Scanner scanner(std::make_shared<const std::string>(file.string()), text);
     while (scanner.peek().kind != Token::Kind::end) read_directive(scanner);
 }
 

@@ -41,7 +41,7 @@ std::optional<Shape> Reader::sphere(const Parameters& shape, bool has_textures)
         const double theta = low + (high - low) * i / rows, s = std::sin(theta), c = std::cos(theta);
         profile.push_back({radius * s, radius * c, s, c, 1 - double(i) / rows});
     }
-    return add_mesh(turned(profile, phi_max, sides_of(phi_max)), shape.title());
+    return add_mesh(turned(profile, phi_max, sides_of(phi_max)), *shape.place().file);
 }
 
 std::optional<Shape> Reader::disk(const Parameters& shape, bool has_textures)
@@ -53,7 +53,7 @@ std::optional<Shape> Reader::disk(const Parameters& shape, bool has_textures)
         return Shape{Disk{{0, 0, height}, {0, 0, state_.reverse ? -1.0 : 1.0}, radius}, -1, {}};
     // pbrt's v is 0 at the rim, and upside down.
     const std::vector<ProfilePoint> profile = {{radius, height, 0, 1, 1}, {std::max(0.0, inner), height, 0, 1, 0}};
-    return add_mesh(turned(profile, phi_max, sides_of(phi_max)), shape.title());
+    return add_mesh(turned(profile, phi_max, sides_of(phi_max)), *shape.place().file);
 }
 
 std::optional<Shape> Reader::cylinder(const Parameters& shape)
@@ -63,7 +63,7 @@ std::optional<Shape> Reader::cylinder(const Parameters& shape)
     if (!(radius > 0) || z_min == z_max) shape.fail("a cylinder has a radius and a height above 0");
     const std::vector<ProfilePoint> profile = {{radius, std::min(z_min, z_max), 1, 0, 1},
                                                {radius, std::max(z_min, z_max), 1, 0, 0}};
-    return add_mesh(turned(profile, phi_max, sides_of(phi_max)), shape.title());
+    return add_mesh(turned(profile, phi_max, sides_of(phi_max)), *shape.place().file);
 }
 
 }  // namespace fathom::pbrt

@@ -58,8 +58,8 @@ void Scanner::skip_blanks()
 {
     for (; at_ != end_; ++at_) {
         if (*at_ == '#')
-            while (at_ + 1 != end_ && at_[1] != '\n') ++at_;
-        else if (*at_ == '\n')
+            while (at_ + 1 != end_ && at_[1] != '\n' && at_[1] != '\r') ++at_;
+        else if (*at_ == '\n' || (*at_ == '\r' && (at_ + 1 == end_ || at_[1] != '\n')))
             ++line_, line_start_ = at_ + 1;
         else if (!is_blank(*at_))
             return;

@@ -108,7 +108,7 @@ Shape Reader::add_mesh(Mesh mesh, const std::string& file)
 {
     turn_to_normals(mesh);
     if (state_.reverse) flip(mesh);
-    clean_mesh(mesh, file, context_.warnings);
+    clean_mesh(mesh, file, context_.mesh_faults);
     scene_.meshes.push_back(std::move(mesh));
     return {MeshInstance{int(scene_.meshes.size()) - 1}, -1, {}};
 }
@@ -120,7 +120,7 @@ std::optional<Shape> Reader::triangle_mesh(const Parameters& shape)
     turn_v_over(mesh);
     // Tangents follow from texture coordinates here.
     shape.ignore({"S", "faceIndices"});
-    return add_mesh(std::move(mesh), shape.title());
+    return add_mesh(std::move(mesh), *shape.place().file);
 }
 
 std::optional<Shape> Reader::ply_mesh(const Parameters& shape, Surface& surface)
@@ -186,7 +186,7 @@ std::optional<Shape> Reader::bilinear_mesh(const Parameters& shape)
                 for (std::uint32_t corner : {a, a + 1, b + 1, a, b + 1, b}) mesh.indices.push_back(corner);
             }
     }
-    return add_mesh(std::move(mesh), shape.title());
+    return add_mesh(std::move(mesh), *shape.place().file);
 }
 
 std::optional<Shape> Reader::loop_mesh(const Parameters& shape)
@@ -199,7 +199,7 @@ std::optional<Shape> Reader::loop_mesh(const Parameters& shape)
     shape.ignore({"scheme"});
     Mesh mesh = loop_subdivided(base.positions, indices, levels);
     add_smooth_normals(mesh);
-    return add_mesh(std::move(mesh), shape.title());
+    return add_mesh(std::move(mesh), *shape.place().file);
 }
 
 namespace {

@@ -9,6 +9,7 @@
 #include "fathom/error.h"
 #include "import/common/read_file.h"
 #include "import/common/suggest.h"
+#include "import/common/text_encoding.h"
 #include "import/common/text_scanner.h"
 #include "import/pbrt/named_spectra.h"
 #include "import/pbrt/reader.h"
@@ -84,9 +85,9 @@ std::vector<SpectrumPoint> spectrum_points(const Parameter& parameter, const std
 std::vector<float> numbers_of_file(const std::string& file, const std::string& text)
 {
     std::vector<float> numbers;
-    TextScanner scan(file, text);
+    TextScanner scan(file, utf8_text(file, text), 1, '#');
     for (; !scan.at_end(); scan.next_line())
-        for (std::string_view word = scan.word(); !word.empty() && word[0] != '#'; word = scan.word())
+        for (std::string_view word = scan.word(); !word.empty(); word = scan.word())
             numbers.push_back(scan.to_number(word));
     return numbers;
 }

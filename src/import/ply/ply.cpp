@@ -9,19 +9,15 @@
 #include "import/common/large_pages.h"
 #include "import/common/mesh_cleanup.h"
 #include "import/common/point_cloud.h"
-#include "import/common/polygon.h"
+#include "import/common/srgb.h"
 #include "import/ply/ply_body.h"
 #include "import/ply/ply_colors.h"
+#include "import/ply/ply_faces.h"
 #include "import/ply/ply_header.h"
 
 namespace fathom {
 
 namespace {
-
-float linear_from_srgb(double c)
-{
-    return float(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-}
 
 /// Colours are bytes in sRGB, or floats that are linear.
 float color_channel(double value, PlyType type, bool is_alpha)
@@ -63,6 +59,8 @@ public:
                 for (std::size_t i = 0; i < element.count; ++i)
                     for (const PlyProperty& property : element.properties) body_.skip(property);
         }
+        faces_.vertices_are_there();
+        check_curves();
         if (!data_.face_colors.empty()) data_.face_colors.resize(mesh_.indices.size() / 3, white);
         return std::move(data_);
     }
@@ -144,6 +142,7 @@ private:
         if (mesh_.positions.empty()) body_.fail("the vertices have no x, y and z");
         read_rows(element, targets);
         spread_number(mesh_.colors, channels);
+        faces_.vertices_are_there();
     }
 
     void read_rows(const PlyElement& element, const std::vector<Target>& targets)
@@ -225,27 +224,25 @@ private:
         reserve_large(mesh_.indices, mesh_.indices.size() + 3 * element.count);
         if (element.properties.size() == 1 && is_indices(element.properties[0]) && body_.is_native() &&
             element.properties[0].count_type == PlyType::u8 && size_of(element.properties[0].type) == 4 &&
-            element.properties[0].type != PlyType::f32)
+            element.properties[0].type != PlyType::f32 && !faces_.is_waiting())
             return read_native_faces(element);
         const std::vector<PlyChannel> channels = channels_of(element, colors_.name);
         const bool has_colors =
             std::any_of(channels.begin(), channels.end(), [](PlyChannel c) { return c.index >= 0; });
-        std::vector<Vec4f>& colors = data_.face_colors;
-        if (has_colors) colors.resize(mesh_.indices.size() / 3, white);
         std::vector<Vec4f> color(1, white);
         for (std::size_t i = 0; i < element.count; ++i) {
+            bool has_corners = false;
             for (std::size_t k = 0; k < channels.size(); ++k) {
                 const PlyProperty& property = element.properties[k];
                 if (is_indices(property))
-                    read_corners(property), add_polygon(i);
+                    read_corners(property), has_corners = true;
                 else if (channels[k].index >= 0)
                     store(target_in(color, 1, channels[k]), 0, body_.number(property.type), property.type);
                 else
                     body_.skip(property);
             }
-            if (!has_colors) continue;
-            spread_number(color, channels);
-            colors.resize(mesh_.indices.size() / 3, color[0]);
+            if (has_colors) spread_number(color, channels);
+            if (has_corners) faces_.add_polygon(corners_, i, has_colors ? &color[0] : nullptr);
         }
     }
 
@@ -275,7 +272,7 @@ private:
                 corner = index;
                 data += 4;
             }
-            add_polygon(i++);
+            faces_.add_polygon(corners_, i++, nullptr);
         }
     }
 
@@ -294,31 +291,10 @@ private:
             largest = std::max({largest, triangle[0], triangle[1], triangle[2]});
         }
         if (count > 0 && largest >= mesh_.positions.size())
-            for (std::size_t k = 0; k < 3 * count; ++k) check_index(std::int32_t(corners[k]), face + k / 3);
+            for (std::size_t k = 0; k < 3 * count; ++k) faces_.check_index(std::int32_t(corners[k]), face + k / 3);
         mesh_.indices.insert(mesh_.indices.end(), corners, corners + 3 * count);
         body_.take(row * count);
         return count;
-    }
-
-    void check_index(std::int64_t index, std::size_t face) const
-    {
-        if (index < 0 || std::size_t(index) >= mesh_.positions.size())
-            throw Error(file_, fmt::format("face {}", face),
-                        fmt::format("vertex {} is out of range: there are {}", index, mesh_.positions.size()));
-    }
-
-    void add_polygon(std::size_t face)
-    {
-        for (std::int64_t index : corners_) check_index(index, face);
-        if (corners_.size() < 3) {
-            ++data_.bad_faces;
-            return;
-        }
-        points_.clear();
-        for (std::int64_t index : corners_) points_.push_back(mesh_.positions[std::size_t(index)]);
-        triangles_.clear();
-        triangulate(points_, triangles_);
-        for (std::uint32_t k : triangles_) mesh_.indices.push_back(std::uint32_t(corners_[k]));
     }
 
     void read_curves(const PlyElement& element)
@@ -334,35 +310,29 @@ private:
     std::uint32_t read_count(const PlyProperty& property, std::size_t curve)
     {
         const double count = body_.number(property.type);
-        if (count < 0 || count > double(mesh_.positions.size()))
-            throw Error(file_, fmt::format("curve {}", curve),
-                        fmt::format("{} vertices, of {} that there are", count, mesh_.positions.size()));
+        if (!(count >= 0 && count <= double(std::numeric_limits<std::uint32_t>::max()))) fail_curve(curve, count);
         return std::uint32_t(count);
     }
+    void check_curves() const
+    {
+        for (std::size_t i = 0; i < data_.curve_counts.size(); ++i)
+            if (data_.curve_counts[i] > mesh_.positions.size()) fail_curve(i, data_.curve_counts[i]);
+    }
+    [[noreturn]] void fail_curve(std::size_t curve, double count) const
+    {
+        throw Error(file_, fmt::format("curve {}", curve),
+                    fmt::format("{} vertices, of {} that there are", count, mesh_.positions.size()));
+    }
 
-    /// Stanford's strips: -1 begins a new one.
+    /// Stanford's strips.
     void read_strips(const PlyElement& element)
     {
         for (std::size_t i = 0; i < element.count; ++i)
             for (const PlyProperty& property : element.properties) {
-                if (!property.is_list || property.name != "vertex_indices") {
+                if (property.is_list && property.name == "vertex_indices")
+                    read_corners(property), faces_.add_strip(corners_, i);
+                else
                     body_.skip(property);
-                    continue;
-                }
-                read_corners(property);
-                std::size_t start = 0;
-                for (std::size_t k = 0; k < corners_.size(); ++k) {
-                    if (corners_[k] == -1) {
-                        start = k + 1;
-                        continue;
-                    }
-                    check_index(corners_[k], i);
-                    if (k < start + 2) continue;
-                    std::uint32_t a = std::uint32_t(corners_[k - 2]), b = std::uint32_t(corners_[k - 1]);
-                    if ((k - start) % 2 == 1) std::swap(a, b);
-                    const std::uint32_t c = std::uint32_t(corners_[k]);
-                    if (a != b && b != c && c != a) mesh_.indices.insert(mesh_.indices.end(), {a, b, c});
-                }
             }
     }
 
@@ -375,9 +345,8 @@ private:
     PlyBody body_;
     PlyData data_;
     Mesh& mesh_ = data_.mesh;
-    std::vector<std::int64_t> corners_;
-    std::vector<Vec3f> points_;
-    std::vector<std::uint32_t> triangles_;
+    PlyFaces faces_{file_, data_};
+    PlyFaces::Corners corners_;
 };
 
 SceneDescription point_cloud(PlyData points, const std::filesystem::path& file, LoadContext& context)
@@ -402,6 +371,7 @@ SceneDescription point_cloud(PlyData points, const std::filesystem::path& file, 
 
 PlyData read_ply_data(InputFile& input, const PlyAttribute& colors)
 {
+    input.skip_byte_order_mark();
     return PlyReader(input, colors).read();
 }
 
@@ -416,7 +386,7 @@ SceneDescription read_ply(const std::filesystem::path& file, InputFile& input, L
     context.warnings.add(name + ": faces with fewer than three corners are left out", data.bad_faces);
     mesh.name = file.stem().string();
     if (mesh.colors.empty() && !data.face_colors.empty()) color_faces(mesh, data.face_colors);
-    clean_mesh(mesh, name, context.warnings);
+    clean_mesh(mesh, name, context.mesh_faults);
 
     SceneDescription scene;
     scene.file = name;

@@ -1,5 +1,7 @@
 #include "import/ply/ply_colors.h"
 
+#include <algorithm>
+
 namespace fathom {
 
 namespace {
@@ -21,6 +23,13 @@ char letter_after(std::string_view name, std::string_view prefix, std::string_vi
     return has_prefix && letters.find(name.back()) != std::string_view::npos ? name.back() : '\0';
 }
 
+/// What the channels of `color` are called: `red`, or `diffuse_red` where there is no such.
+std::string_view color_prefix(const PlyElement& element)
+{
+    const auto is_color = [](const PlyProperty& p) { return !p.is_list && rgba_channel(p.name) >= 0; };
+    return std::any_of(element.properties.begin(), element.properties.end(), is_color) ? "" : "diffuse_";
+}
+
 }  // namespace
 
 std::vector<PlyChannel> channels_of(const PlyElement& element, std::string_view attribute)
@@ -28,12 +37,15 @@ std::vector<PlyChannel> channels_of(const PlyElement& element, std::string_view 
     constexpr std::string_view color_end = "_color";
     const std::string_view of_letters =
         attribute.ends_with(color_end) ? attribute.substr(0, attribute.size() - color_end.size()) : std::string_view();
+    const std::string_view prefix = color_prefix(element);
     std::vector<PlyChannel> channels;
     int next = 0;  // whether numbers begin with 0 or with 1
     for (const PlyProperty& p : element.properties) {
         PlyChannel& channel = channels.emplace_back();
         if (p.is_list) continue;
-        if (attribute == "color") channel = {rgba_channel(p.name), true};
+        const std::string_view name = p.name;
+        if (attribute == "color" && name.starts_with(prefix))
+            channel = {rgba_channel(name.substr(prefix.size())), true};
         if (channel.index >= 0) continue;
         if (letter_after(p.name, attribute, "xyzw01234"))
             channel = {next < 4 ? next++ : -1, false};

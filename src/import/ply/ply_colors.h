@@ -9,7 +9,8 @@ namespace fathom {
 
 /// What stands for the colours of a mesh: of vertices (or of faces), an attribute of a name as Mitsuba has them. It is
 /// made of properties name_0, name_1, name_2 or name_x, ... (name_1 to name_3, too), or of one such, a number; one that
-/// ends with `_color` may be of name_r, name_g, name_b less that end, and `color` itself of red, green, blue and alpha.
+/// ends with `_color` may be of name_r, name_g, name_b less that end, and `color` itself of red, green, blue and alpha,
+/// r, g, b and a, or diffuse_red, ...
 struct PlyAttribute {
     std::string name = "color";
     bool of_faces = false;

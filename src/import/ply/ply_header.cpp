@@ -1,5 +1,7 @@
 #include "import/ply/ply_header.h"
 
+#include <algorithm>
+
 #include "import/common/text_scanner.h"
 
 namespace fathom {
@@ -44,15 +46,21 @@ PlyFormat read_format(TextScanner& scan)
     scan.fail(fmt::format("'{}' is no format of PLY", printable(word)));
 }
 
+/// Whether lines of the header end with CR alone. Then an LF behind the last of them is the first byte of the body.
+bool ends_lines_with_cr(std::string_view text)
+{
+    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+    return end + 1 < text.size() && text[end] == '\r' && text[end + 1] != '\n';
+}
+
 /// Where the line `end_header` ends; 0 if it is not in the text, or not whole.
 std::size_t header_end(const std::string& file, std::string_view text)
 {
     TextScanner scan(file, text);
     while (!scan.at_end() && scan.word() != "end_header") scan.next_line();
-    const char* const word = scan.position();
-    scan.next_line();
-    const auto size = std::size_t(scan.position() - text.data());
-    return word != scan.position() && text[size - 1] == '\n' ? size : 0;
+    if (scan.at_end()) return 0;
+    const auto word = std::size_t(scan.position() - text.data());
+    return text.find(ends_lines_with_cr(text) ? '\r' : '\n', word) + 1;
 }
 
 /// Enough of the file to hold its header; all of it if there is no end to that.
@@ -125,9 +133,9 @@ PlyHeader read_ply_header(const std::string& file, InputWindow& window)
         }
     }
     if (!has_format) scan.fail("the header does not say the format");
-    scan.next_line();
-    header.lines = scan.line() - 1;
-    window.pass(std::size_t(scan.position() - bytes.data()));
+    header.lines = scan.line();
+    const std::size_t size = header_end(file, bytes);
+    window.pass(size > 0 ? size : bytes.size());
     return header;
 }
 

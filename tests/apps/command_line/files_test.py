@@ -33,6 +33,26 @@ class Files(CommandLine):
         self.refused(1, "render", "box.json", "-o", "folder.png", words=["folder.png"])
         self.refused(1, "render", "box.json", "--size", "70000x10", "-o", "a.jpg", words=["a.jpg", "70000x10"])
 
+    def test_names_that_are_too_long(self):
+        """Refused before anything is rendered: by themselves, with what is added to them, or with their folders."""
+        limit = os.pathconf(self.folder, "PC_NAME_MAX")
+        longest = "x" * (limit - 4)
+        before = sorted(os.listdir(self.folder))
+        long_name = ["can't write: the name has ", f" bytes, and this folder takes {limit}"]
+        self.refused(1, "render", "box.json", "-o", longest + "x.exr", words=long_name)
+        self.refused(1, "render", "box.json", "-o", "a.png", "-o", "x" * 300 + ".exr", words=long_name)
+        self.refused(1, "render", "box.json", "--checkpoint", longest + "x.exr", words=long_name)
+        self.refused(1, "render", "box.json", "--checkpoint", "x" * (limit - 12) + ".exr", words=["NAME.previous.exr", str(limit + 1)])
+        # The last frame has a digit more than the first.
+        self.refused(1, "render", "box.json", "--frames", "9:10", "-o", "x" * (limit - 5) + "#.exr", words=long_name)
+        self.refused(1, "render", "box.json", "--turntable", "11", "-o", "x" * (limit - 5) + "#.exr", words=long_name)
+        folder = "/".join(["y" * 200] * 20)
+        self.refused(1, "render", "box.json", "-o", folder + "/a.exr", words=["can't write"])
+        self.refused(1, "render", "box.json", "-o", "/" + "y/" * 2040 + "a" * 30 + ".exr", words=["with its folder the name has 4115 bytes"])
+        self.assertEqual(sorted(os.listdir(self.folder)), before)
+        self.ok("render", "box.json", "-q", "--spp", "1", "-o", longest + ".png", "--checkpoint", "x" * (limit - 13) + ".exr")
+        self.assertIn(longest + ".png", os.listdir(self.folder))
+
     def test_no_input_is_overwritten(self):
         self.scene("box.png", "a texture")
         self.scene("box.bin", "vertices")

@@ -10,6 +10,26 @@ from harness import CommandLine, FAKE_OIDN, PROGRAM, png_size, run_tests
 
 
 class Picture(CommandLine):
+    def test_half_says_what_stays_float(self):
+        """65504 is the largest half: one value above it keeps its layer in float, and a line says so."""
+        if not PROGRAM:
+            self.skipTest("the program itself is not given")
+        for value in (65504, 70000):
+            self.scene("sky.json", json.dumps({"fathom": 1, "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
+                                               "environment": {"kind": "constant", "color": [value, 1, 1]},
+                                               "nodes": {"ball": {"sphere": {"radius": 1}}}}))
+            options = ("render", "sky.json", "--spp", "1", "--size", "8x8", "--light", "file", "--aov", "depth,albedo")
+            halves = self.ok(*options, "--exr", "half", "-o", "a.exr", "-o", "a.png", program=PROGRAM).stderr
+            line = "a.exr: the image has values above 65504, which half can't hold: written as float\n"
+            self.assertEqual(halves.count("65504"), 1 if value > 65504 else 0, halves)
+            self.assertEqual(line in halves, value > 65504, halves)
+            # The type of the channel R in the list of channels: 1 is half, 2 is float.
+            channels = self.read("a.exr")
+            self.assertEqual(channels[channels.index(b"\0R\0") + 3], 2 if value > 65504 else 1)
+            self.assertEqual(channels[channels.index(b"albedo.R\0") + 9], 1)
+            self.assertEqual(channels[channels.index(b"depth.Z\0") + 8], 2)
+            self.assertNotIn("65504", self.ok(*options, "-o", "a.exr", program=PROGRAM).stderr)
+
     def test_defaults(self):
         result = self.ok("render", "box.json")
         self.assertEqual(png_size(self.path("box.png")), (800, 600, 8, 2))

@@ -1,0 +1,13 @@
+#pragma once
+#include <string>
+#include <string_view>
+
+namespace fathom {
+
+/// Whether a text is UTF-16 or UTF-32: by its byte order mark, or by the zero byte beside its first character.
+bool is_wide_text(std::string_view text);
+
+/// The text without the byte order mark of UTF-8 that some programs begin it with. Throws Error for UTF-16 and UTF-32.
+std::string_view utf8_text(const std::string& file, std::string_view text);
+
+}  // namespace fathom
