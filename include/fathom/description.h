@@ -39,7 +39,10 @@ struct ColorInput {
     Color value{1, 1, 1};
     int texture = -1;
 };
-/// value, multiplied by one channel (0 red to 3 alpha) of the texture if there is one.
+/// The channel of a texture that is its luminance, beside 0 red to 3 alpha.
+inline constexpr int luminance_channel = 4;
+
+/// value, multiplied by one channel (0 red to 3 alpha, luminance_channel) of the texture if there is one.
 struct FloatInput {
     float value = 1;
     int texture = -1;
