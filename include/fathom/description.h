@@ -179,8 +179,10 @@ struct Material {
     float subsurface_scatter_anisotropy = 0;  ///< mean cosine
     FloatInput diffuse_roughness{0, -1, 0};
     FloatInput specular{1, -1, 3};  ///< strength of the dielectric's reflection
-    ColorInput specular_color;      ///< its tint at normal incidence; may be above 1, the reflectance may not
-    ColorInput edge_color;          ///< metal: at 82 degrees, what is left of Schlick's reflectance
+    /// Its tint at normal incidence; may be above 1, the reflectance may not. Of glass and plastic: multiplies what the
+    /// boundary reflects at all angles.
+    ColorInput specular_color;
+    ColorInput edge_color;  ///< metal: at 82 degrees, what is left of Schlick's reflectance
     /// Metal: complex index of refraction. Where k is above 0 what is reflected at each angle is what Fresnel's
     /// equations say of it; base_color and edge_color are those of the same metal then.
     Color conductor_eta{0, 0, 0}, conductor_k{0, 0, 0};

@@ -172,6 +172,24 @@ bool is_pane(const Material& m, const MaterialRecord& t)
            t.normal_texture == no_index && !(t.flags & MaterialRecord::bumped);
 }
 
+/// Of what glass and plastic reflect.
+void set_tint(const ColorInput& color, MaterialRecord& t)
+{
+    if (color.texture < 0 && color.value == Color{1, 1, 1}) return;
+    t.flags |= MaterialRecord::tinted;
+    if (color.texture >= 0) t.flags |= MaterialRecord::wants_uv;
+    t.specular_tint = spectrum(color.value);
+    t.specular_tint_texture = texture_id(color.texture);
+}
+
+void make_invisible(MaterialRecord& t)
+{
+    t.flags |= MaterialRecord::invisible_light;
+    t.alpha_mode = std::uint32_t(AlphaMode::blend);
+    t.alpha = 0;
+    t.alpha_texture = no_index;
+}
+
 MaterialRecord compile_material(Compiler& c, const Material& m)
 {
     MaterialRecord t;
@@ -182,6 +200,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
         t.base_color = spectrum(m.transmission_color.value);
         t.base_texture = texture_id(m.transmission_color.texture);
     }
+    if (m.kind == MaterialKind::glass || m.kind == MaterialKind::plastic) set_tint(m.specular_color, t);
     if (m.thin) t.flags |= MaterialRecord::thin;
     if (m.thin && m.kind == MaterialKind::glass) t.flags |= MaterialRecord::sheet;
     t.emission = spectrum(m.emission.value);

@@ -29,6 +29,7 @@ public:
         : roughness_(sampled_roughness(m)),
           ggx_({max(sampled_alpha(m), Float(min_alpha))}, m.beckmann, m.separable),
           color_(m.base_color),
+          reflected_(m.specular_tint),
           is_thin_(m.thin),
           is_sheet_(m.sheet),
           is_compensated_(m.thin & m.compensated)
@@ -100,11 +101,11 @@ private:
         if (none(scaled)) return Float(1);
         return select(scaled, Float(1) / ggx_albedo(wo.z, roughness_), Float(1));
     }
-    Spectrum tint(Mask reflects) const { return select(reflects, Spectrum(Float(1)), color_); }
+    Spectrum tint(Mask reflects) const { return select(reflects, reflected_, color_); }
 
     Float roughness_;
     Facets<Ggx> ggx_;
-    Spectrum color_;
+    Spectrum color_, reflected_;  ///< of what passes, and of what is reflected
     Float eta_;
     Mask is_thin_, is_sheet_, is_compensated_, is_smooth_;
 };
