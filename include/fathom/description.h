@@ -471,7 +471,11 @@ struct Camera {
     Vec3d position{0, 0, 0}, look_at{0, 0, -1}, up{0, 1, 0};
     double fov_y = 0.6981317007977318;  ///< perspective: full vertical angle
     double height = 2;                  ///< orthographic: metres from the bottom to the top of the picture
-    double aspect = 0;                  ///< width / height; 0: as the picture
+    /// Above 0: fov_y and height are those of a picture of this width / height; one of another shape keeps the angle,
+    /// or the length, across fov_axis.
+    double fov_aspect = 0;
+    FovAxis fov_axis = FovAxis::height;
+    double aspect = 0;  ///< width / height; 0: as the picture
     /// What is seen is moved by so many of its widths to the right and of its heights up, without turning the camera: a
     /// lens that is shifted, or a part of a larger picture.
     double shift_x = 0, shift_y = 0;

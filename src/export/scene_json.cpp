@@ -216,6 +216,10 @@ private:
         put(json, "up", vector_json(camera.up), vector_json(usual.up));
         put(json, "aspect", number_json(camera.aspect), 0);
         if (camera.shift_x != 0 || camera.shift_y != 0)
+        if (camera.fov_aspect > 0) {
+            json["fov_axis"] = words::fov_axes[int(camera.fov_axis)];
+            json["fov_aspect"] = number_json(camera.fov_aspect);
+        }
             json["shift"] = {number_json(camera.shift_x), number_json(camera.shift_y)};
         if (camera.shutter_open != 0 || camera.shutter_close != 0)
             json["shutter"] = {number_json(camera.shutter_open), number_json(camera.shutter_close)};

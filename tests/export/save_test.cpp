@@ -485,7 +485,22 @@ TEST_F(Save, HintsForRendering)
     EXPECT_EQ(std::tie(r.width, r.height, r.samples, r.max_depth, r.roulette_depth, r.filter, r.light_sampling,
                        r.exposure, r.tonemap, r.build, r.white_balance, r.filter_radius),
               std::tie(h.width, h.height, h.samples, h.max_depth, h.roulette_depth, h.filter, h.light_sampling,
-                       h.exposure, h.tonemap, h.build, h.white_balance, h.filter_radius));
+                       h.exposure, h.tonemap, h.build, h.white_balance, h.filter_radius, h.background));
+}
+
+TEST_F(Save, AxesOfCameras)
+{
+    for (const CameraKind kind : {CameraKind::perspective, CameraKind::orthographic}) {
+        SceneDescription scene;
+        Camera camera;
+        camera.kind = kind, camera.fov_axis = FovAxis::diagonal, camera.fov_aspect = 1.5;
+        scene.cameras = {camera};
+        scene.nodes.emplace_back().camera = 0;
+        scene.roots = {0};
+        const Camera read = saved(scene).cameras.at(0);
+        EXPECT_EQ(read.fov_axis, FovAxis::diagonal);
+        EXPECT_EQ(read.fov_aspect, 1.5);
+    }
 }
 
 // ------------------------------------------------------------------------------------------- what can't be written

@@ -186,6 +186,22 @@ TEST_F(Mitsuba, Crop)
 <integer name="width" value="40"/><integer name="crop_offset_x" value="33"/><integer name="crop_width" value="8"/></film></sensor></scene>)")
                   .find("the crop of 8x576 from 33, 0 on is not within the film of 40x576"),
               std::string::npos);
+/// What keeps its angle where the picture gets another shape, and the shape that fov_y is for.
+TEST_F(Mitsuba, AxesOfFieldsOfView)
+{
+    const auto camera = [&](const std::string& said) { return sensor(wide_film + said); };
+    const std::string fov = R"(<float name="fov" value="40"/><string name="fov_axis" value=")";
+    EXPECT_EQ(camera(fov + "x\"/>").fov_axis, FovAxis::width);
+    EXPECT_EQ(camera(fov + "y\"/>").fov_axis, FovAxis::height);
+    EXPECT_EQ(camera(fov + "diagonal\"/>").fov_axis, FovAxis::diagonal);
+    EXPECT_EQ(camera(fov + "smaller\"/>").fov_axis, FovAxis::smaller);
+    EXPECT_EQ(camera(fov + "larger\"/>").fov_axis, FovAxis::larger);
+    EXPECT_EQ(camera("").fov_axis, FovAxis::diagonal);
+    EXPECT_EQ(camera("").fov_aspect, 2);
+    EXPECT_EQ(camera_of(read(std::string("<sensor type=\"orthographic\">") + wide_film + "</sensor>")).fov_axis,
+              FovAxis::width);
+}
+
 }
 
 /// Those that measure another's picture stand around it.

@@ -41,6 +41,11 @@ Camera FathomJsonReader::read_camera(const JsonValue& v, const std::string& name
     o.read("look_at", camera.look_at);
     o.read("up", camera.up);
     o.read("aspect", camera.aspect);
+    if (o.get("fov_axis")) {
+        o.read_word("fov_axis", words::fov_axes, camera.fov_axis);
+        o.read("fov_aspect", camera.fov_aspect);
+        if (!(camera.fov_aspect > 0)) v["fov_axis"].fail("needs a 'fov_aspect' above 0");
+    }
     if (auto shift = o.get("shift")) {
         shift->array_of(2);
         camera.shift_x = (*shift)[0].number();

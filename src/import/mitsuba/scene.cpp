@@ -137,6 +137,7 @@ void Reader::look_at_crop(Object& sensor, Camera& camera) const
     camera.shift_x = (crop_middle_[0] + (offset("principal_point_offset_x") - 0.5) * film_width_) / width;
     camera.shift_y = ((0.5 - offset("principal_point_offset_y")) * film_height_ - crop_middle_[1]) / height;
 }
+    camera.fov_aspect = width / height;
 
 Reader::FieldOfView Reader::field_of_view(Object& object)
 {
@@ -200,8 +201,10 @@ void Reader::read_sensor(const Element& element)
     if (type == "thinlens") camera.aperture = 2 * sensor.number("aperture_radius", 0);
     camera.focus_distance = type == "thinlens" ? sensor.number("focus_distance", 1) : 0;
     camera.shutter_open = sensor.number("shutter_open", 0);
+        camera.fov_axis = FovAxis::width;
     camera.shutter_close = std::max(camera.shutter_open, sensor.number("shutter_close", 0));
     look_at_crop(sensor, camera);
+        camera.fov_axis = field_of_view(sensor).axis;
     sensor.ignore({"near_clip", "far_clip", "fov", "fov_axis", "focus_distance", "aperture_radius", "srf"});
     sensor.finish(context_.warnings);
     scene_.cameras.push_back(camera);
