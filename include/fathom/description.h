@@ -245,8 +245,11 @@ struct Material {
     AlphaMode alpha_mode = AlphaMode::opaque;
     FloatInput alpha{1, -1, 3};
     float alpha_cutoff = 0.5f;
-    bool black_behind = false;      ///< of what doesn't transmit: reflects nothing on its back
-    bool single_sided = false;      ///< cameras look through it from behind; other light does not pass
+    bool black_behind = false;        ///< of what doesn't transmit: reflects nothing on its back
+    bool single_sided = false;        ///< cameras look through it from behind; other light does not pass
+    bool hidden_from_camera = false;  ///< cameras look through it; other rays, as those of mirrors, meet it
+    /// No ray meets the surface, whatever its alpha, but its whole emission lights what it would if it were there.
+    bool invisible_light = false;
     bool use_vertex_color = false;  ///< base_color (and alpha) times the mesh's vertex colours
 };
 
@@ -518,7 +521,8 @@ struct RenderHints {
     std::optional<bool> light_sampling;
     std::optional<double> exposure;       ///< stops (ev)
     std::optional<double> white_balance;  ///< kelvin: light of this temperature is shown as white
-    bool own_light = false;               ///< the file's light is meant as it is, however dim: none is added
+    std::optional<Color> background;  ///< what the camera sees instead of the environment, which lights all the same
+    bool own_light = false;           ///< the file's light is meant as it is, however dim: none is added
     std::optional<std::string> tonemap;
     std::optional<std::string> build;  ///< fast, default, high: work for the tree, see tree_build.h
 };

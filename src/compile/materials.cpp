@@ -242,6 +242,8 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
         t.medium = only_subsurface ? t.subsurface_medium : volume_medium(c, m, is_open);
     }
     if (m.single_sided && !is_solid(m, t.closure)) t.flags |= MaterialRecord::single_sided;
+    if (m.hidden_from_camera) t.flags |= MaterialRecord::hidden_from_camera;
+    if (m.invisible_light) make_invisible(t);
     if (m.black_behind && t.closure != ClosureKind::none && !t.has_inside()) t.flags |= MaterialRecord::black_behind;
     if (m.beckmann) t.flags |= MaterialRecord::beckmann;
     if (m.separable) t.flags |= MaterialRecord::separable;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "compile/fingerprint.h"
@@ -14,7 +15,6 @@ void put(float* to, Vec3d v)
     to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z);
 }
 
-}  // namespace
 /// How long a side of a picture is whose height is 1.
 double side_of(FovAxis axis, double aspect)
 {
@@ -40,6 +40,7 @@ double height_factor(const Camera& camera, double aspect)
     return side_of(camera.fov_axis, camera.fov_aspect) / side_of(camera.fov_axis, aspect);
 }
 
+}  // namespace
 
 Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings,
                      TreeBuild build)

@@ -283,6 +283,10 @@ const P parameters[] = {
     {"alpha_cutoff", all, &Material::alpha_cutoff, "mask: visible from this alpha on"},
     {"black_behind", reflecting, &Material::black_behind, "reflects nothing on its back; for what does not transmit"},
     {"single_sided", all, &Material::single_sided, "cameras look through it from behind; to other light it is there"},
+    {"hidden_from_camera", all, &Material::hidden_from_camera,
+     "cameras look through it; to other light, and in mirrors, it is there"},
+    {"invisible_light", all & ~kind_bits(unlit), &Material::invisible_light,
+     "no ray meets the surface, whatever its alpha, but its emission lights as if it were there"},
     {"use_vertex_color", all, &Material::use_vertex_color, "multiply colour and alpha with the mesh's vertex colours"},
 };
 

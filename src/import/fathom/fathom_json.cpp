@@ -169,6 +169,7 @@ void FathomJsonReader::read_render(const JsonValue& v)
         if (!(*hints.white_balance >= least_white_kelvin && *hints.white_balance <= most_white_kelvin))
             value->fail(fmt::format("light has a temperature of {} to {} K", least_white_kelvin, most_white_kelvin));
     }
+    if (auto value = o.get("background")) hints.background = value->color();
     if (auto value = o.get("own_light")) hints.own_light = value->boolean();
     o.done("in render settings");
 }
