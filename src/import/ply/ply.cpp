@@ -318,6 +318,7 @@ private:
         for (std::int64_t index : corners_) points_.push_back(mesh_.positions[std::size_t(index)]);
         triangles_.clear();
         triangulate(points_, triangles_);
+        if (corners_.size() == 4) data_.quads.push_back(std::uint32_t(mesh_.indices.size() / 3));
         for (std::uint32_t k : triangles_) mesh_.indices.push_back(std::uint32_t(corners_[k]));
     }
 
