@@ -59,8 +59,8 @@ template <class Light>
         s.is_delta |= mine & point.is_delta;
     });
     const Mask shines = (s.cosine > Float(0)) | light.has(LightRecord::two_sided);
-    return {s.wi, s.distance, select(shines, s.inverse_pdf, Float(0)), light.radiance() * s.strength,
-            s.is_delta | light.has(LightRecord::unseen)};
+    s.is_delta |= light.has(LightRecord::unseen);
+    return {s.wi, s.distance, select(shines, s.inverse_pdf, Float(0)), light.radiance() * s.strength, s.is_delta};
 }
 
 /// Samples a point of the light as seen from p, at shutter time `time`. What other lanes than the active ones get is of
