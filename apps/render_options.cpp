@@ -80,7 +80,7 @@ RenderSettings settings_of(const SettingsOptions& o, const RenderHints& hints, c
     settings.light_selection = o.light_selection;
     settings.guiding = o.guiding.value_or(false);
     settings.general_loop = o.general_loop;
-    settings.background = o.background;
+    settings.background = o.background ? o.background : hints.background;
     settings.alpha = o.transparent;
     if (o.clamp_indirect) settings.clamp_indirect = float(*o.clamp_indirect);
     settings.seed = o.seed;

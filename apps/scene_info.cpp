@@ -127,6 +127,8 @@ std::vector<std::string> uses_of(const Material& m)
     add(m.alpha_mode == AlphaMode::mask, "alpha mask");
     add(m.alpha_mode == AlphaMode::blend, "alpha");
     add(m.single_sided, "single-sided");
+    add(m.hidden_from_camera, "hidden from the camera");
+    add(m.invisible_light, "invisible light");
     return uses;
 }
 
@@ -228,6 +230,7 @@ ordered_json settings_of(const RenderHints& hints)
     add("light_sampling", hints.light_sampling);
     add("exposure", hints.exposure);
     add("white_balance", hints.white_balance);
+    if (hints.background) result["background"] = {hints.background->r, hints.background->g, hints.background->b};
     add("tonemap", hints.tonemap);
     return result;
 }

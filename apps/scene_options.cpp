@@ -150,6 +150,7 @@ Camera moved_camera(const SceneDescription& scene, const std::string& name, cons
     if (options.fov_deg) {
         camera.kind = CameraKind::perspective;
         camera.fov_y = *options.fov_deg * std::numbers::pi / 180;
+        camera.fov_aspect = 0;
     }
     const Vec3d forward = camera.look_at - camera.position;
     if (!(length(forward) > 0)) throw UsageError("--look-from, --look-at: the camera looks at where it stands");

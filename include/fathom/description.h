@@ -39,7 +39,10 @@ struct ColorInput {
     Color value{1, 1, 1};
     int texture = -1;
 };
-/// value, multiplied by one channel (0 red to 3 alpha) of the texture if there is one.
+/// The channel of a texture that is its luminance, beside 0 red to 3 alpha.
+inline constexpr int luminance_channel = 4;
+
+/// value, multiplied by one channel (0 red to 3 alpha, luminance_channel) of the texture if there is one.
 struct FloatInput {
     float value = 1;
     int texture = -1;
@@ -176,8 +179,10 @@ struct Material {
     float subsurface_scatter_anisotropy = 0;  ///< mean cosine
     FloatInput diffuse_roughness{0, -1, 0};
     FloatInput specular{1, -1, 3};  ///< strength of the dielectric's reflection
-    ColorInput specular_color;      ///< its tint at normal incidence; may be above 1, the reflectance may not
-    ColorInput edge_color;          ///< metal: at 82 degrees, what is left of Schlick's reflectance
+    /// Its tint at normal incidence; may be above 1, the reflectance may not. Of glass and plastic: multiplies what the
+    /// boundary reflects at all angles.
+    ColorInput specular_color;
+    ColorInput edge_color;  ///< metal: at 82 degrees, what is left of Schlick's reflectance
     /// Metal: complex index of refraction. Where k is above 0 what is reflected at each angle is what Fresnel's
     /// equations say of it; base_color and edge_color are those of the same metal then.
     Color conductor_eta{0, 0, 0}, conductor_k{0, 0, 0};
@@ -244,8 +249,11 @@ struct Material {
     AlphaMode alpha_mode = AlphaMode::opaque;
     FloatInput alpha{1, -1, 3};
     float alpha_cutoff = 0.5f;
-    bool black_behind = false;      ///< of what doesn't transmit: reflects nothing on its back
-    bool single_sided = false;      ///< cameras look through it from behind; other light does not pass
+    bool black_behind = false;        ///< of what doesn't transmit: reflects nothing on its back
+    bool single_sided = false;        ///< cameras look through it from behind; other light does not pass
+    bool hidden_from_camera = false;  ///< cameras look through it; other rays, as those of mirrors, meet it
+    /// No ray meets the surface, whatever its alpha, but its whole emission lights what it would if it were there.
+    bool invisible_light = false;
     bool use_vertex_color = false;  ///< base_color (and alpha) times the mesh's vertex colours
 };
 
@@ -470,7 +478,11 @@ struct Camera {
     Vec3d position{0, 0, 0}, look_at{0, 0, -1}, up{0, 1, 0};
     double fov_y = 0.6981317007977318;  ///< perspective: full vertical angle
     double height = 2;                  ///< orthographic: metres from the bottom to the top of the picture
-    double aspect = 0;                  ///< width / height; 0: as the picture
+    /// Above 0: fov_y and height are those of a picture of this width / height; one of another shape keeps the angle,
+    /// or the length, across fov_axis.
+    double fov_aspect = 0;
+    FovAxis fov_axis = FovAxis::height;
+    double aspect = 0;  ///< width / height; 0: as the picture
     /// What is seen is moved by so many of its widths to the right and of its heights up, without turning the camera: a
     /// lens that is shifted, or a part of a larger picture.
     double shift_x = 0, shift_y = 0;
@@ -513,7 +525,8 @@ struct RenderHints {
     std::optional<bool> light_sampling;
     std::optional<double> exposure;       ///< stops (ev)
     std::optional<double> white_balance;  ///< kelvin: light of this temperature is shown as white
-    bool own_light = false;               ///< the file's light is meant as it is, however dim: none is added
+    std::optional<Color> background;  ///< what the camera sees instead of the environment, which lights all the same
+    bool own_light = false;           ///< the file's light is meant as it is, however dim: none is added
     std::optional<std::string> tonemap;
     std::optional<std::string> build;  ///< fast, default, high: work for the tree, see tree_build.h
 };

@@ -131,7 +131,7 @@ void put_emission(Item& item, const LightRecord& l, double power)
     item.shines_back = false;
     switch (LightRecordKind(l.kind)) {
         case LightRecordKind::sphere:
-            item.intensity = power / (l.two_sided ? 8 * pi : 4 * pi);
+            item.intensity = power / (l.flags & LightRecord::two_sided ? 8 * pi : 4 * pi);
             return;
         case LightRecordKind::point:
         case LightRecordKind::curve:
@@ -161,8 +161,8 @@ void put_emission(Item& item, const LightRecord& l, double power)
         default:
             item.axis = to_vector(l.normal);
             item.cos_normals = 1;
-            item.shines_back = l.two_sided != 0;
-            item.intensity = power / (l.two_sided ? 2 * pi : pi);
+            item.shines_back = (l.flags & LightRecord::two_sided) != 0;
+            item.intensity = power / (l.flags & LightRecord::two_sided ? 2 * pi : pi);
     }
     // What has no area has no normal.
     if (!std::isfinite(dot(item.axis, item.axis))) item.axis = {}, item.cos_normals = -1;

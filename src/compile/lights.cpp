@@ -102,7 +102,9 @@ private:
     {
         const MaterialRecord& material = t_.materials[shape.material];
         const bool flipped = to_render.determinant() < 0 || (shape.flags & ShapeRecord::flipped);
-        const bool varied = material.emission_texture != no_index || (shape.flags & ShapeRecord::alpha_tested);
+        const bool is_masked =
+            (shape.flags & ShapeRecord::alpha_tested) && !(material.flags & MaterialRecord::invisible_light);
+        const bool varied = material.emission_texture != no_index || is_masked;
         shape.light_base = std::uint32_t(t_.lights.size());
         const std::uint32_t same = first < t_.primitive_count() ? t_.shape_of_primitive[first] : no_index;
         for (std::uint32_t p = first; p < t_.primitive_count() && t_.shape_of_primitive[p] == same; ++p) {
@@ -110,7 +112,8 @@ private:
             light.primitive = p;
             light.instance = instance;
             light.material = varied ? shape.material : no_index;
-            light.two_sided = (material.flags & MaterialRecord::two_sided_emission) != 0;
+            if (material.flags & MaterialRecord::two_sided_emission) light.flags |= LightRecord::two_sided;
+            if (material.flags & MaterialRecord::invisible_light) light.flags |= LightRecord::unseen;
             std::copy(material.emission.begin(), material.emission.end(), light.radiance);
             // Power; a texture is taken for half as bright as its factor, a curve shines to its outside only.
             const bool is_curve = light.kind == std::uint32_t(LightRecordKind::curve);
@@ -118,7 +121,7 @@ private:
             const double area = is_curve ? add_curve_extent(p, shape, to_render, path)
                                 : moves  ? set_motion(light, {p, shape.moving_vertices, flipped, to_render, path})
                                          : double(light.area);
-            const int sides = light.two_sided && !is_curve ? 2 : 1;
+            const int sides = light.flags & LightRecord::two_sided && !is_curve ? 2 : 1;
             add(light, luminance(light.radiance) * area * std::numbers::pi * sides);
         }
     }
@@ -338,7 +341,7 @@ private:
     {
         const Light& l = *occurrence.light;
         LightRecord light;
-        light.two_sided = 1;
+        light.flags = LightRecord::two_sided;
         const Rgb intensity = spectrum(l.intensity);
         std::copy(intensity.begin(), intensity.end(), light.radiance);
         put(light.position, occurrence.render_from_node.point({0, 0, 0}));
@@ -442,7 +445,7 @@ private:
         t.light = std::uint32_t(t_.lights.size());
         LightRecord light;
         light.kind = std::uint32_t(LightRecordKind::environment);
-        light.two_sided = 1;
+        light.flags = LightRecord::two_sided;
         add(light, t.mean_luminance * std::numbers::pi * 4 * std::numbers::pi * scene_radius_ * scene_radius_ / 4);
     }
 

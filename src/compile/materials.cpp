@@ -181,6 +181,24 @@ bool has_other_tangents(const Compiler& c, int texture)
     return TextureMapping(t.mapping) == TextureMapping::uv && (t.uv_set != 0 || !keeps_directions);
 }
 
+/// Of what glass and plastic reflect.
+void set_tint(const ColorInput& color, MaterialRecord& t)
+{
+    if (color.texture < 0 && color.value == Color{1, 1, 1}) return;
+    t.flags |= MaterialRecord::tinted;
+    if (color.texture >= 0) t.flags |= MaterialRecord::wants_uv;
+    t.specular_tint = spectrum(color.value);
+    t.specular_tint_texture = texture_id(color.texture);
+}
+
+void make_invisible(MaterialRecord& t)
+{
+    t.flags |= MaterialRecord::invisible_light;
+    t.alpha_mode = std::uint32_t(AlphaMode::blend);
+    t.alpha = 0;
+    t.alpha_texture = no_index;
+}
+
 MaterialRecord compile_material(Compiler& c, const Material& m)
 {
     MaterialRecord t;
@@ -191,6 +209,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
         t.base_color = spectrum(m.transmission_color.value);
         t.base_texture = texture_id(m.transmission_color.texture);
     }
+    if (m.kind == MaterialKind::glass || m.kind == MaterialKind::plastic) set_tint(m.specular_color, t);
     if (m.thin) t.flags |= MaterialRecord::thin;
     if (m.thin && m.kind == MaterialKind::glass) t.flags |= MaterialRecord::sheet;
     t.emission = spectrum(m.emission.value);
@@ -232,6 +251,8 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
         t.medium = only_subsurface ? t.subsurface_medium : volume_medium(c, m, is_open);
     }
     if (m.single_sided && !is_solid(m, t.closure)) t.flags |= MaterialRecord::single_sided;
+    if (m.hidden_from_camera) t.flags |= MaterialRecord::hidden_from_camera;
+    if (m.invisible_light) make_invisible(t);
     if (m.black_behind && t.closure != ClosureKind::none && !t.has_inside()) t.flags |= MaterialRecord::black_behind;
     if (m.beckmann) t.flags |= MaterialRecord::beckmann;
     if (m.separable) t.flags |= MaterialRecord::separable;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "compile/fingerprint.h"
@@ -12,6 +13,31 @@ namespace {
 void put(float* to, Vec3d v)
 {
     to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z);
+}
+
+/// How long a side of a picture is whose height is 1.
+double side_of(FovAxis axis, double aspect)
+{
+    switch (axis) {
+        case FovAxis::width:
+            return aspect;
+        case FovAxis::diagonal:
+            return std::hypot(1, aspect);
+        case FovAxis::smaller:
+            return std::min(1.0, aspect);
+        case FovAxis::larger:
+            return std::max(1.0, aspect);
+        case FovAxis::height:
+            break;
+    }
+    return 1;
+}
+
+/// By how much a picture of another shape than the camera's own is higher.
+double height_factor(const Camera& camera, double aspect)
+{
+    if (!(camera.fov_aspect > 0)) return 1;
+    return side_of(camera.fov_axis, camera.fov_aspect) / side_of(camera.fov_axis, aspect);
 }
 
 }  // namespace
@@ -52,7 +78,8 @@ CameraRecord Scene::Data::camera_record(const Camera& seen_by, int width, int he
     t.orthographic = seen_by.kind == CameraKind::orthographic;
     t.equal_area = seen_by.kind == CameraKind::equal_area;
     t.spherical = t.equal_area || seen_by.kind == CameraKind::spherical;
-    const double half_height = t.orthographic ? seen_by.height / 2 * scale : std::tan(seen_by.fov_y / 2);
+    const double own_half_height = t.orthographic ? seen_by.height / 2 * scale : std::tan(seen_by.fov_y / 2);
+    const double half_height = own_half_height * height_factor(seen_by, double(width) / height);
     t.half_height = float(half_height);
     t.half_width = float(half_height * width / height);
     t.shift_right = float(2 * seen_by.shift_x * half_height * width / height);

@@ -76,7 +76,7 @@ private:
         const auto* member = std::get_if<FloatInput Owner::*>(&p.member);
         const bool is_usual = v.channel == (Owner{}.*(*member)).channel;
         return input(number_json(float(inside(p, v.value))), v.texture,
-                     is_usual ? Json() : Json(words::channels[v.channel & 3]));
+                     is_usual ? Json() : Json(words::channels[std::size_t(v.channel)]));
     }
     Json value(const P& p, const std::vector<RampStop>& stops) const
     {

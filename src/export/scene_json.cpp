@@ -196,6 +196,7 @@ private:
         add_hint("light_sampling", hints.light_sampling);
         add_hint("exposure", hints.exposure);
         add_hint("white_balance", hints.white_balance);
+        if (hints.background) json["background"] = color_json(*hints.background);
         add_hint("tonemap", hints.tonemap);
         if (!hints.own_light) json["own_light"] = false;
         return json;
@@ -215,6 +216,10 @@ private:
         put(json, "look_at", vector_json(camera.look_at), vector_json(usual.look_at));
         put(json, "up", vector_json(camera.up), vector_json(usual.up));
         put(json, "aspect", number_json(camera.aspect), 0);
+        if (camera.fov_aspect > 0) {
+            json["fov_axis"] = words::fov_axes[int(camera.fov_axis)];
+            json["fov_aspect"] = number_json(camera.fov_aspect);
+        }
         if (camera.shift_x != 0 || camera.shift_y != 0)
             json["shift"] = {number_json(camera.shift_x), number_json(camera.shift_y)};
         if (camera.shutter_open != 0 || camera.shutter_close != 0)

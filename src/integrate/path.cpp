@@ -49,7 +49,7 @@ public:
           sums_(sums),
           counters_(counters),
           clock_(counters, settings.measure),
-          single_sided_(scene, counters),
+          see_through_(scene, counters),
           mixtures_(scene),
           walk_(scene, settings, counters, clock_),
           recorder_(job.records, camera_paths_.total()),
@@ -67,7 +67,7 @@ public:
             if (active == 0) break;
             clock_.enter(RenderStage::trace);
             trace(fresh, active);
-            if (scene_.single_sided) single_sided_.look_through(*paths_, hits_, fresh, active);
+            if (scene_.looks_through) see_through_.look_through(*paths_, hits_, fresh, active);
             clock_.enter(RenderStage::arrival);
             if (recorder_.is_on()) recorder_.arrive(*paths_, active);
             active = arrive(active);
@@ -457,7 +457,7 @@ private:
     PathPool pools_[2];
     PathPool *paths_ = &pools_[0], *spare_ = &pools_[1];
     HitColumns hits_, packed_hits_;
-    SingleSided single_sided_;
+    CameraSeesThrough see_through_;
     MixtureStage mixtures_;
     WalkStage walk_;
     PathRecorder recorder_;

@@ -139,7 +139,7 @@ void LaneScene::read_tables()
 void LaneScene::read_shapes()
 {
     kinds = 0;
-    refracts = has_fibres = wants_tangents = single_sided = has_absorption = scatters_inside = textured_media =
+    refracts = has_fibres = wants_tangents = looks_through = has_absorption = scatters_inside = textured_media =
         has_mixtures = black_behind = has_bumps = has_map_tangents = wants_uv_slopes = false;
     material_bucket.clear();
     for (const MaterialRecord& material : tables.materials)
@@ -160,6 +160,8 @@ void LaneScene::read_shapes()
 /// What the scene has by one of its materials.
 void LaneScene::read_material(const MaterialRecord& material)
 {
+    looks_through |= (material.flags & (MaterialRecord::single_sided | MaterialRecord::hidden_from_camera)) != 0;
+    only_quads &= !looks_through;
     if (material.mixture != no_index) {
         has_mixtures = true;
         only_quads = false;
@@ -170,7 +172,6 @@ void LaneScene::read_material(const MaterialRecord& material)
     }
     refracts |= Closures::transmits(material.closure);
     has_fibres |= material.closure == ClosureKind::hair;
-    single_sided |= (material.flags & MaterialRecord::single_sided) != 0;
     wants_tangents |= (material.flags & MaterialRecord::wants_tangent) != 0;
     has_bumps |= (material.flags & MaterialRecord::bumped) != 0;
     has_map_tangents |= (material.flags & MaterialRecord::map_tangents) != 0;
@@ -184,8 +185,8 @@ void LaneScene::read_material(const MaterialRecord& material)
     const bool scatters = material.closure != ClosureKind::none;
     if (scatters) kinds |= 1u << std::uint32_t(material.closure);
     black_behind |= (material.flags & MaterialRecord::black_behind) != 0;
-    only_quads &= !single_sided && !black_behind && material.emission_texture == no_index &&
-                  (!scatters || Closures::is_small(material.closure));
+    only_quads &=
+        !black_behind && material.emission_texture == no_index && (!scatters || Closures::is_small(material.closure));
     only_plain_quads &= QuadColumns::is_plain(material);
 }
 

@@ -50,7 +50,7 @@ struct LaneScene final : KernelScene {
     bool pictured_lights = false;   ///< some are LightRecordKind::pictured
     bool refracts = false;          ///< some material lets light pass
     bool black_behind = false;      ///< some surfaces reflect nothing on their back
-    bool single_sided = false;      ///< cameras look through some surfaces from behind
+    bool looks_through = false;     ///< cameras look through some surfaces, or through their backs
     bool has_absorption = false;    ///< some medium absorbs or scatters
     bool scatters_inside = false;   ///< some medium scatters
     bool textured_media = false;    ///< as textures say, which paths bring along

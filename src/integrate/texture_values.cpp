@@ -19,7 +19,7 @@ void look_up_texture(const ShadingTables& tables, std::uint32_t texture, std::ui
         const Vec4f& color = point.vertex_color;
         at.vertex_color[0] = color.x, at.vertex_color[1] = color.y;
         at.vertex_color[2] = color.z, at.vertex_color[3] = color.w;
-        values[i] = graph.evaluate(tables.textures[texture], at, true).c[channel];
+        values[i] = graph.evaluate(tables.textures[texture], at, true).common_channel(channel);
     }
 }
 

@@ -58,7 +58,8 @@ template <class Light>
         s.strength = select(mine, point.strength, s.strength);
         s.is_delta |= mine & point.is_delta;
     });
-    const Mask shines = (s.cosine > Float(0)) | (light.two_sided() != UInt(0));
+    const Mask shines = (s.cosine > Float(0)) | light.has(LightRecord::two_sided);
+    s.is_delta |= light.has(LightRecord::unseen);
     return {s.wi, s.distance, select(shines, s.inverse_pdf, Float(0)), light.radiance() * s.strength, s.is_delta};
 }
 
@@ -71,8 +72,9 @@ template <class Light>
     if (!all(is_kind(light.kind(), LightRecordKind::rectangle)))
         return sample_any_light(light, p, time, random, active);
     const auto point = RectangleLight::sample(light, p, time, random, active);
-    const Mask shines = (point.cosine > Float(0)) | (light.two_sided() != UInt(0));
-    return {point.wi, point.distance, select(shines, point.inverse_pdf, Float(0)), light.radiance(), Mask(false)};
+    const Mask shines = (point.cosine > Float(0)) | light.has(LightRecord::two_sided);
+    return {point.wi, point.distance, select(shines, point.inverse_pdf, Float(0)), light.radiance(),
+            light.has(LightRecord::unseen)};
 }
 
 namespace detail {

@@ -47,6 +47,10 @@ static_assert(sizeof(LightPictureRecord) == 8 * sizeof(float));
 
 /// One light, or one emissive primitive. Read by lanes as an array of 32 floats.
 struct LightRecord {
+    enum Flags : std::uint32_t {
+        two_sided = 1,
+        unseen = 2,  ///< no ray meets it: its samples count in full
+    };
     enum Motion : std::uint32_t {
         vertices_move = 1,  ///< a triangle whose corners are where they then are
         placed = 2,         ///< the numbers are those of the instance's own space, which moves, or whose vertices do
@@ -66,7 +70,7 @@ struct LightRecord {
     float radiance[channels] = {};  ///< or intensity, or irradiance
     float outer = 0;                ///< spot, pictured: 1 - cos of the half angle beyond which nothing arrives
     float falloff = 0;              ///< from there inwards, in the same measure, the light grows to its full intensity
-    std::uint32_t two_sided = 0;
+    std::uint32_t flags = 0;        ///< some of Flags
     std::uint32_t material = no_index;    ///< whose emission texture or alpha scales radiance, if it has one
     std::uint32_t primitive = no_index;   ///< pictured: the number of its picture
     std::uint32_t instance = no_index;    ///< that places the primitive, if one does; with has_poses, those poses

@@ -171,6 +171,8 @@ std::string scene_parts(const SceneDescription& scene)
         text.value("place", words.of(camera.position) + words.of(camera.look_at) + words.of(camera.up));
         text.value("lens", fmt::format("{} {} {} {} {}", int(camera.kind), camera.fov_y, camera.height, camera.aperture,
                                        camera.focus_distance));
+        if (camera.fov_aspect > 0)
+            text.value("fov axis", fmt::format("{} {}", int(camera.fov_axis), camera.fov_aspect));
         text.value("shift", fmt::format("{} {}", camera.shift_x, camera.shift_y));
         text.value("shutter", fmt::format("{} {}", camera.shutter_open, camera.shutter_close));
     }

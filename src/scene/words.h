@@ -15,7 +15,7 @@ inline constexpr const char* environment_kinds[] = {"none", "constant", "gradien
                                                     "sky",  "cube",     "equal-area", "hosek-wilkie"};
 inline constexpr const char* curve_bases[] = {"linear", "bezier", "bspline", "catmull-rom"};
 inline constexpr const char* curve_styles[] = {"round", "ribbon"};
-inline constexpr const char* channels[] = {"r", "g", "b", "a"};
+inline constexpr const char* channels[] = {"r", "g", "b", "a", "luminance"};
 inline constexpr const char* filters[] = {"box", "gaussian", "blackman-harris", "tent"};
 inline constexpr auto& tonemaps = tonemap_names;
 inline constexpr const char* builds[] = {"fast", "standard", "high", "compact"};

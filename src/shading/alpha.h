@@ -16,7 +16,7 @@ inline Float alpha_share(const ShadingTables& tables, UInt material, const Textu
         if (record.flags & MaterialRecord::vertex_colored) alpha = alpha * at.vertex_color[3];
         if (record.alpha_texture != no_index) {
             const Texel texel = TextureGraph(tables).evaluate(tables.textures[record.alpha_texture], at, same);
-            alpha = alpha * texel.c[record.alpha_channel];
+            alpha = alpha * texel.common_channel(record.alpha_channel);
         }
         if (record.alpha_mode == std::uint32_t(AlphaMode::mask))
             alpha = select(alpha >= Float(record.alpha_cutoff), Float(1), Float(0));

@@ -162,7 +162,10 @@ struct MaterialRecord {
             131072,  ///< of the surface, beside what is textured: for fibres and textures of what records have beside
         open_boundary = 262144,  ///< of a solid of index 1, at which nothing happens to light but that it is inside
         pane = 524288,           ///< a sheet of smooth glass: shadow rays pass it, too
-        map_tangents = 1048576   ///< tangents follow the coordinates of each map, which are not the mesh's own
+        hidden_from_camera = 1048576,
+        invisible_light = 2097152,  ///< emits, but no ray meets it
+        tinted = 4194304,           ///< glass, plastic: specular_tint is not white
+        map_tangents = 8388608      ///< tangents follow the coordinates of each map, which are not the mesh's own
     };
     // What shading reads of each vertex: see hot_words.
     std::uint32_t flags = 0;
@@ -180,6 +183,8 @@ struct MaterialRecord {
     std::uint32_t measured = no_index;  ///< in ShadingTables
     std::uint32_t mixture = no_index;   ///< in ShadingTables; what is here beside emission and alpha is of both then
     Rgb emission{};
+    Rgb specular_tint{1, 1, 1};
+    std::uint32_t specular_tint_texture = no_index;
     float alpha = 1, alpha_cutoff = 0;
     std::uint32_t medium = 0;  ///< in MediaTables: what a solid of it is filled with; 0: it is no solid
     /// The same for what goes in by the subsurface, which may be another one than for what is refracted; 0: none.

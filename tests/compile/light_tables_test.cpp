@@ -46,8 +46,8 @@ TEST(LightTable, ProbabilitiesGoWithPower)
     }
     EXPECT_EQ(t.light_cdf.front(), 0);
     EXPECT_NEAR(t.light_cdf.back(), 1, 1e-6);
-    EXPECT_TRUE(t.lights[1].two_sided);
-    EXPECT_FALSE(t.lights[0].two_sided);
+    EXPECT_EQ(t.lights[1].flags, LightRecord::two_sided);
+    EXPECT_EQ(t.lights[0].flags, 0u);
 }
 
 /// Shapes know their lights, lights their primitives, in render space.

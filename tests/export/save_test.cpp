@@ -480,12 +480,27 @@ TEST_F(Save, HintsForRendering)
     RenderHints& h = scene.hints;
     h.width = 7, h.height = 9, h.samples = 3, h.max_depth = -1, h.roulette_depth = 2, h.filter = "box",
     h.light_sampling = false, h.exposure = -1.1, h.tonemap = "filmic", h.build = "high", h.white_balance = 2856,
-    h.filter_radius = 1.25;
+    h.filter_radius = 1.25, h.background = Color{0.25f, 0.5f, 0};
     const RenderHints r = saved(scene).hints;
     EXPECT_EQ(std::tie(r.width, r.height, r.samples, r.max_depth, r.roulette_depth, r.filter, r.light_sampling,
-                       r.exposure, r.tonemap, r.build, r.white_balance, r.filter_radius),
+                       r.exposure, r.tonemap, r.build, r.white_balance, r.filter_radius, r.background),
               std::tie(h.width, h.height, h.samples, h.max_depth, h.roulette_depth, h.filter, h.light_sampling,
-                       h.exposure, h.tonemap, h.build, h.white_balance, h.filter_radius));
+                       h.exposure, h.tonemap, h.build, h.white_balance, h.filter_radius, h.background));
+}
+
+TEST_F(Save, AxesOfCameras)
+{
+    for (const CameraKind kind : {CameraKind::perspective, CameraKind::orthographic}) {
+        SceneDescription scene;
+        Camera camera;
+        camera.kind = kind, camera.fov_axis = FovAxis::diagonal, camera.fov_aspect = 1.5;
+        scene.cameras = {camera};
+        scene.nodes.emplace_back().camera = 0;
+        scene.roots = {0};
+        const Camera read = saved(scene).cameras.at(0);
+        EXPECT_EQ(read.fov_axis, FovAxis::diagonal);
+        EXPECT_EQ(read.fov_aspect, 1.5);
+    }
 }
 
 // ------------------------------------------------------------------------------------------- what can't be written

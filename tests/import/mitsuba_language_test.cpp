@@ -49,6 +49,42 @@ TEST_F(Mitsuba, IncludesAndReferences)
               "line 2, column 28: the id 'a' is taken already: " + (folder_ / "a.xml").string().substr(0, 2));
 }
 
+/// Files that are included are looked for beside the file that includes them, then beside those that include that, in
+/// the folders of <path>, the last one first, and beside the scene.
+TEST_F(Mitsuba, IncludesWithinIncludes)
+{
+    const auto material = [&](const std::string& file, const char* color) {
+        write(file,
+              fmt::format(R"(<scene version="3.0.0"><bsdf type="diffuse" id="m"><rgb name="reflectance" value="{}"/>
+</bsdf></scene>)",
+                          color));
+    };
+    for (const char* folder : {"parts/sub", "assets", "more"}) std::filesystem::create_directories(folder_ / folder);
+    const std::string shape = R"(<shape type="sphere"><ref id="m"/></shape>)";
+    write("parts/a.xml", R"(<scene version="3.0.0"><include filename="sub/b.xml"/></scene>)");
+    write("parts/sub/b.xml", R"(<scene version="3.0.0"><include filename="m.xml"/></scene>)");
+    const std::string text = R"(<include filename="parts/a.xml"/>)" + shape;
+    const auto found = [&](const std::string& scene) { return material_of(read(scene)).base_color.value; };
+    material("m.xml", "0.1");
+    expect_color(found(text), 0.1, 0.1, 0.1);
+    material("parts/m.xml", "0.2");
+    expect_color(found(text), 0.2, 0.2, 0.2);
+    material("parts/sub/m.xml", "0.3");
+    expect_color(found(text), 0.3, 0.3, 0.3);
+    // Of the scene itself.
+    material("assets/n.xml", "0.4");
+    const std::string paths = R"(<path value="assets"/><path value="more"/><include filename="n.xml"/>)" + shape;
+    expect_color(found(paths), 0.4, 0.4, 0.4);
+    material("more/n.xml", "0.5");
+    expect_color(found(paths), 0.5, 0.5, 0.5);
+    // An object by itself, which the include may give a name.
+    write("texture.xml", R"(<texture version="3.0.0" type="checkerboard" name="other"/>)");
+    const SceneDescription scene = read(R"(<shape type="sphere"><bsdf type="diffuse">
+<include filename="texture.xml" name="reflectance"/></bsdf></shape>)");
+    EXPECT_GE(material_of(scene).base_color.texture, 0);
+    EXPECT_TRUE(warnings_.empty());
+}
+
 TEST_F(Mitsuba, CyclesAndDamage)
 {
     EXPECT_NE(error(R"(<include filename="a.xml"/>)").find("files include each other more than 15 deep"),
@@ -150,6 +186,22 @@ std::array<double, 2> seen_at(const SceneDescription& scene, const Camera& c, do
 }
 
 /// A part of the film is a picture of its own that shows what was there, of every kind of camera.
+/// What keeps its angle where the picture gets another shape, and the shape that fov_y is for.
+TEST_F(Mitsuba, AxesOfFieldsOfView)
+{
+    const auto camera = [&](const std::string& said) { return sensor(wide_film + said); };
+    const std::string fov = R"(<float name="fov" value="40"/><string name="fov_axis" value=")";
+    EXPECT_EQ(camera(fov + "x\"/>").fov_axis, FovAxis::width);
+    EXPECT_EQ(camera(fov + "y\"/>").fov_axis, FovAxis::height);
+    EXPECT_EQ(camera(fov + "diagonal\"/>").fov_axis, FovAxis::diagonal);
+    EXPECT_EQ(camera(fov + "smaller\"/>").fov_axis, FovAxis::smaller);
+    EXPECT_EQ(camera(fov + "larger\"/>").fov_axis, FovAxis::larger);
+    EXPECT_EQ(camera("").fov_axis, FovAxis::diagonal);
+    EXPECT_EQ(camera("").fov_aspect, 2);
+    EXPECT_EQ(camera_of(read(std::string("<sensor type=\"orthographic\">") + wide_film + "</sensor>")).fov_axis,
+              FovAxis::width);
+}
+
 TEST_F(Mitsuba, Crop)
 {
     for (const char* type : {"perspective", "orthographic"}) {

@@ -74,6 +74,63 @@ TEST_F(Mitsuba, NormalsOfMeshes)
     EXPECT_EQ(flipped.indices[1], smooth.indices[2]);
 }
 
+/// Which side shines and reflects, as Mitsuba 3.9.1 shows it: of meshes with normals of their own that of the normals,
+/// of others, in the world, the one from which corners go round to the left; mirrored spheres are inside out.
+TEST_F(Mitsuba, FrontsOfMirroredShapes)
+{
+    const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    write("plain.obj", corners + "f 1 2 3\n");
+    write("up.obj", corners + "vn 0 0 1\nf 1//1 2//1 3//1\n");
+    write("down.obj", corners + "vn 0 0 -1\nf 1//1 2//1 3//1\n");
+    const std::string
+        ply_head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n",
+        face = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    write("plain.ply", ply_head + face + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    write("up.ply", ply_head + "property float nx\nproperty float ny\nproperty float nz\n" + face +
+                        "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n");
+    // Here a front stays that of the shape's own space, however its node mirrors.
+    const auto front = [&](const std::string& file, const std::string& said) {
+        const Mesh mesh = read("<shape type=\"" + file.substr(file.size() - 3) +
+                               R"("><string name="filename" value=")" + file + "\"/>" + said + "</shape>")
+                              .meshes.at(0);
+        const Vec3f a = mesh.positions[mesh.indices[0]], b = mesh.positions[mesh.indices[1]],
+                    c = mesh.positions[mesh.indices[2]];
+        const float z = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+        if (!mesh.normals.empty()) EXPECT_GT(z * mesh.normals[0].z, 0) << file << said;
+        return z > 0 ? 1 : -1;
+    };
+    const std::string mirrored = R"(<transform name="to_world"><scale x="-1"/></transform>)",
+                      turned = R"(<transform name="to_world"><rotate x="1" angle="180"/></transform>)",
+                      flipped = R"(<boolean name="flip_normals" value="true"/>)",
+                      faceted = R"(<boolean name="face_normals" value="true"/>)";
+    for (const std::string type : {"obj", "ply"}) {
+        for (const std::string& said : {std::string(), faceted, turned}) {
+            EXPECT_EQ(front("plain." + type, said), 1) << type << said;
+            EXPECT_EQ(front("plain." + type, said + flipped), -1) << type << said;
+        }
+        for (const std::string& said : {mirrored, mirrored + faceted}) {
+            EXPECT_EQ(front("plain." + type, said), -1) << type << said;
+            EXPECT_EQ(front("plain." + type, said + flipped), 1) << type << said;
+        }
+        EXPECT_EQ(front("up." + type, mirrored), 1);
+        EXPECT_EQ(front("up." + type, mirrored + flipped), -1);
+        EXPECT_EQ(front("up." + type, mirrored + faceted), -1);
+        EXPECT_EQ(front("up." + type, mirrored + faceted + flipped), 1);
+    }
+    EXPECT_EQ(front("down.obj", ""), -1);
+    EXPECT_EQ(front("down.obj", faceted), 1);
+    // The same file twice, once mirrored.
+    const std::string plain = R"(<shape type="ply"><string name="filename" value="plain.ply"/>)";
+    EXPECT_EQ(read(plain + "</shape>" + plain + mirrored + "</shape>").meshes.size(), 2u);
+    const auto radius = [&](const std::string& said) {
+        return std::get<Sphere>(read("<shape type=\"sphere\">" + said + "</shape>").nodes.at(0).shapes.at(0).geometry)
+            .radius;
+    };
+    EXPECT_EQ(radius(turned), 1);
+    EXPECT_EQ(radius(mirrored), -1);
+    EXPECT_EQ(radius(mirrored + flipped), 1);
+}
+
 /// Attributes of vertices and of faces by their names, as numbers and as colours.
 TEST_F(Mitsuba, AttributesOfMeshes)
 {
@@ -140,6 +197,32 @@ TEST_F(Mitsuba, Cylinders)
     for (const Vec3f& p : scene.meshes.at(0).positions)
         EXPECT_NEAR(std::hypot(t.point({p.x, p.y, p.z}).x - 1, t.point({p.x, p.y, p.z}).z - 3), 2, 1e-6);
     EXPECT_GT(t.determinant(), 0);
+}
+
+/// Places of u = 0 and u = 1/4 as Mitsuba 3.9.1 tells them, for axes in all directions.
+TEST_F(Mitsuba, CylindersBeginWhereMitsubasDo)
+{
+    const struct {
+        Vec3d axis, begin, quarter;
+    } cases[] = {{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}},
+                 {{0, 0, -1}, {1, 0, 0}, {0, -1, 0}},
+                 {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}},
+                 {{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}},
+                 {{0, 1, 0}, {1, 0, 0}, {0, 0, -1}},
+                 {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}},
+                 {{0.6, 0, 0.8}, {0.8, 0, -0.6}, {0, 1, 0}},
+                 {{-0.48, 0.6, -0.64}, {0.859512, 0.17561, -0.48}, {-0.17561, -0.780488, -0.6}},
+                 {{2, 3, -6}, {0.956044, -0.0659341, 0.285714}, {0.065934, -0.901099, -0.428571}}};
+    for (const auto& c : cases) {
+        const SceneDescription scene = read(fmt::format(
+            R"(<shape type="cylinder"><point name="p1" value="{} {} {}"/></shape>)", c.axis.x, c.axis.y, c.axis.z));
+        const Transform& t = scene.nodes.at(0).parent_from_node;
+        expect_near(t.point({1, 0, 0}), c.begin, 1e-5);
+        expect_near(t.point({0, 1, 0}), c.quarter, 1e-5);
+        const Mesh& mesh = scene.meshes.at(0);
+        EXPECT_EQ(mesh.uvs[0].at(0).x, 0);
+        EXPECT_NEAR(mesh.positions.at(0).x, 1, 1e-6);
+    }
 }
 
 TEST_F(Mitsuba, Curves)

@@ -341,9 +341,6 @@ TEST_F(Mitsuba, BumpsAreHeights)
     EXPECT_EQ(m.bump.value, 0.25f);
     EXPECT_LT(m.normal_texture, 0);
     EXPECT_TRUE(warnings_.counts().empty());
-    bsdf(map + R"(<bsdf type="blendbsdf"><float name="weight" value="0.5"/>
-<bsdf type="diffuse"/><bsdf type="conductor"/></bsdf></bsdf>)");
-    EXPECT_FALSE(warnings_.counts().empty());
 }
 
 // ---------------------------------------------------------------------------------------------------- files by others

@@ -93,6 +93,28 @@ Shape "sphere")");
     EXPECT_NEAR(given.emission.value.g, 100 / (4 * std::numbers::pi * std::numbers::pi), 1e-4);
 }
 
+/// A lamp whose alpha is the number 0 lights in pbrt without being seen (DiffuseAreaLight, DeltaPosition).
+TEST_F(Pbrt, InvisibleLamps)
+{
+    const std::string lamp = "AreaLightSource \"diffuse\" \"rgb L\" [ 1 2 3 ] ";
+    const auto shape = [&](const std::string& text) { return material_of(world(text)); };
+    EXPECT_TRUE(shape(lamp + "Shape \"sphere\" \"float alpha\" 0").invisible_light);
+    expect_color(shape(lamp + "Shape \"sphere\" \"float alpha\" 0").emission.value, 1, 2, 3);
+    EXPECT_TRUE(shape("Texture \"no\" \"float\" \"constant\" \"float value\" 0 " + lamp +
+                      "Shape \"sphere\" \"texture alpha\" \"no\"")
+                    .invisible_light);
+    // What has some alpha, by a number or a picture, shines as much as it is there.
+    const Material half = shape(lamp + "Shape \"sphere\" \"float alpha\" 0.5");
+    EXPECT_FALSE(half.invisible_light);
+    EXPECT_EQ(half.alpha.value, 0.5f);
+    expect_color(half.emission.value, 1, 2, 3);
+    EXPECT_FALSE(shape("Texture \"t\" \"float\" \"checkerboard\" " + lamp + "Shape \"sphere\" \"texture alpha\" \"t\"")
+                     .invisible_light);
+    const Material nothing = shape("Shape \"sphere\" \"float alpha\" 0");
+    EXPECT_FALSE(nothing.invisible_light);
+    EXPECT_EQ(nothing.alpha.value, 0);
+}
+
 TEST_F(Pbrt, EnvironmentsAreConstantOrPictures)
 {
     SceneDescription scene =

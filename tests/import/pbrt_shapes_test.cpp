@@ -291,6 +291,68 @@ TEST_F(Pbrt, RoundShapes)
     EXPECT_NEAR(area("\"bilinearmesh\" \"point3 P\" [ 0 0 0 2 0 0 0 3 0 2 3 0 ]"), 6, 1e-6);
 }
 
+/// pbrt's defaults (Triangle and BilinearPatch): (0, 0), (1, 0), (1, 1) at the corners of each triangle, the unit
+/// square at those of faces of four. Here v grows downwards.
+TEST_F(Pbrt, DefaultTextureCoordinates)
+{
+    const std::string textured =
+        R"(Texture "t" "spectrum" "checkerboard" Material "diffuse" "texture reflectance" "t" )";
+    const auto expect_corners = [](const Mesh& mesh, const std::vector<std::pair<Vec3f, Vec2f>>& expected) {
+        ASSERT_EQ(mesh.indices.size(), expected.size());
+        ASSERT_EQ(mesh.uvs[0].size(), mesh.positions.size());
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+            const auto& [p, uv] = expected[i];
+            const Vec3f& at = mesh.positions[mesh.indices[i]];
+            EXPECT_NEAR(std::hypot(at.x - p.x, at.y - p.y, at.z - p.z), 0, 1e-6) << i;
+            EXPECT_EQ(mesh.uvs[0][mesh.indices[i]].x, uv.x) << i;
+            EXPECT_EQ(mesh.uvs[0][mesh.indices[i]].y, uv.y) << i;
+        }
+    };
+    const Vec3f a{0, 0, 0}, b{1, 0, 0}, c{1, 1, 0}, d{0, 1, 0};
+    const std::string corners = R"( "point3 P" [ 0 0 0 1 0 0 1 1 0 0 1 0 ] "integer indices" [ 0 1 2 0 2 3 ] )";
+    const Vec2f first{0, 1}, second{1, 1}, third{1, 0}, fourth{0, 0};
+    expect_corners(mesh_of(world(textured + R"(Shape "trianglemesh")" + corners)),
+                   {{a, first}, {b, second}, {c, third}, {a, first}, {c, second}, {d, third}});
+    // Corners keep theirs where the triangle is turned.
+    expect_corners(mesh_of(world(textured + R"(ReverseOrientation Shape "trianglemesh")" + corners)),
+                   {{a, first}, {c, third}, {b, second}, {a, first}, {d, third}, {c, second}});
+    EXPECT_EQ(mesh_of(world(textured + R"(Shape "loopsubdiv" "integer levels" 1)" + corners)).uvs[0].size(), 24u);
+    // Without a texture vertices stay shared.
+    EXPECT_EQ(mesh_of(world(R"(Shape "trianglemesh")" + corners)).positions.size(), 4u);
+    EXPECT_TRUE(mesh_of(world(R"(Shape "trianglemesh")" + corners)).uvs[0].empty());
+    const std::string header =
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
+    const std::string points = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+    const auto ply = [&](const std::string& count, const std::string& faces) {
+        write("a.ply", header + "element face " + count + "\nproperty list uchar int vertex_indices\nend_header\n" +
+                           points + faces);
+        return mesh_of(world(textured + R"(Shape "plymesh" "string filename" "a.ply")"));
+    };
+    expect_corners(ply("2", "3 0 1 2\n3 0 2 3\n"),
+                   {{a, first}, {b, second}, {c, third}, {a, first}, {c, second}, {d, third}});
+    expect_corners(ply("1", "4 0 1 2 3\n"), {{a, first}, {b, second}, {c, third}, {a, first}, {c, third}, {d, fourth}});
+    expect_corners(ply("2", "3 3 0 1\n4 0 1 2 3\n"), {{d, first},
+                                                      {a, second},
+                                                      {b, third},
+                                                      {a, first},
+                                                      {b, second},
+                                                      {c, third},
+                                                      {a, first},
+                                                      {c, third},
+                                                      {d, fourth}});
+    // The same file without a texture is another mesh.
+    const SceneDescription both = world(R"(Shape "plymesh" "string filename" "a.ply" )" + textured +
+                                        R"(Shape "plymesh" "string filename" "a.ply")");
+    ASSERT_EQ(both.meshes.size(), 2u);
+    EXPECT_TRUE(both.meshes[0].uvs[0].empty());
+    EXPECT_FALSE(both.meshes[1].uvs[0].empty());
+    // Alpha by a texture looks them up, too.
+    EXPECT_FALSE(
+        mesh_of(world(R"(Texture "t" "float" "checkerboard" Shape "trianglemesh" "texture alpha" "t")" + corners))
+            .uvs[0]
+            .empty());
+}
+
 TEST_F(Pbrt, CurvesAndSubdivision)
 {
     const SceneDescription scene = world(

@@ -48,6 +48,43 @@ TEST(CameraForms, FieldOfViewAspectAndHeight)
         }
 }
 
+/// A camera of 40 degrees for pictures of 2 : 1, seen in pictures of other shapes: by hand, what the side of a picture
+/// is that keeps its angle, and from it the height.
+TEST(CameraForms, WhatKeepsItsAngle)
+{
+    const double own = 3 * std::tan(20 * std::numbers::pi / 180);  // half of the height of 2 : 1, at a distance of 3
+    struct Case {
+        FovAxis axis;
+        int width, height;
+        double half_height;
+    };
+    const double diagonal = own * std::sqrt(5.0);
+    const Case cases[] = {{FovAxis::height, 24, 24, own},
+                          {FovAxis::width, 24, 24, 2 * own},
+                          {FovAxis::width, 24, 48, 4 * own},
+                          {FovAxis::width, 48, 24, own},
+                          {FovAxis::smaller, 24, 24, own},
+                          {FovAxis::smaller, 24, 48, 2 * own},
+                          {FovAxis::larger, 24, 48, 2 * own},
+                          {FovAxis::larger, 24, 24, 2 * own},
+                          {FovAxis::diagonal, 24, 24, diagonal / std::sqrt(2.0)},
+                          {FovAxis::diagonal, 24, 48, diagonal / std::sqrt(1.25)}};
+    for (const Case& c : cases)
+        for (const bool is_orthographic : {false, true}) {
+            Whites s;
+            s.camera({0, 0, 3}, {0, 0, 0}, 40);
+            const double side = own / 2;
+            s.add(Rectangle{{-side / 2, -side / 2, 0}, {side, 0, 0}, {0, side, 0}}, s.white());
+            Camera& camera = s.scene.cameras[0];
+            camera.fov_axis = c.axis, camera.fov_aspect = 2;
+            if (is_orthographic) camera.kind = CameraKind::orthographic, camera.height = 2 * own;
+            const double half_width = c.half_height * c.width / c.height;
+            EXPECT_NEAR(mean_of(render_film(s.scene, small_picture(c.width, c.height), 256)).value[0],
+                        side * side / (4 * c.half_height * half_width), 1e-3)
+                << int(c.axis) << ' ' << c.width << ' ' << c.height << ' ' << is_orthographic;
+        }
+}
+
 /// Which way is up, and which is right: two lamps of different colour.
 TEST(CameraForms, PlaceDirectionAndRoll)
 {

@@ -28,7 +28,7 @@ LightRecord rectangle_light(Vec3d corner, Vec3d u, Vec3d v)
     l.area = l.length_u * l.length_v;
     put(l.motion_or_center, corner + (u + v) * 0.5);
     l.radius = float(length(u + v));
-    l.two_sided = 1;
+    l.flags = 1;
     for (float& r : l.radiance) r = 1;
     return l;
 }
@@ -283,7 +283,7 @@ TEST(FlatLights, AreSampledUniformlyByArea)
          {LightRecordKind::parallelogram, LightRecordKind::triangle, LightRecordKind::disk}) {
         LightRecord table;
         table.kind = std::uint32_t(kind);
-        table.two_sided = 1;
+        table.flags = 1;
         put(table.position, corner), put(table.edge_u, u), put(table.edge_v, v), put(table.normal, normalize(n));
         table.radius = 0.75f;
         const double area = kind == LightRecordKind::disk       ? std::numbers::pi * 0.75 * 0.75
@@ -332,7 +332,7 @@ TEST(FlatLights, ShineToTheSideOfTheirNormal)
                 LightRecord table = rectangle_light({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
                 table.kind = std::uint32_t(kind);
                 if (kind == LightRecordKind::disk) put(table.position, {0, 0, 0}), table.radius = 1;
-                table.two_sided = two_sided;
+                table.flags = two_sided;
                 for (const double side : {1.0, -1.0})
                     for_samples(table, {0.1, 0.2, side * far}, 0, 16, [&](Vec3d w, double, double inverse, double) {
                         EXPECT_LT(w.z * side, 0);
@@ -351,7 +351,7 @@ TEST(PointLight, FallsOffWithTheSquareOfTheDistance)
 {
     LightRecord table;
     table.kind = std::uint32_t(LightRecordKind::point);
-    table.two_sided = 1;
+    table.flags = 1;
     put(table.position, {1, 2, 3});
     for (int c = 0; c < channels; ++c) table.radiance[c] = float(c + 2);
     for (const Vec3d& from : {Vec3d{1, 2, 0}, {4, -2, 3}, {-7, 2.5, 9}}) {
@@ -373,7 +373,7 @@ TEST(SpotLight, FallsOffBetweenItsCones)
     const double inner = 0.4, outer = 0.9;
     LightRecord table;
     table.kind = std::uint32_t(LightRecordKind::spot);
-    table.two_sided = 1;
+    table.flags = 1;
     const Vec3d axis = normalize(Vec3d{1, -2, 0.5});
     put(table.edge_u, axis);
     table.outer = float(1 - std::cos(outer)), table.falloff = float(std::cos(inner) - std::cos(outer));
@@ -393,7 +393,7 @@ TEST(BeamLight, ShinesAlongItsNormalOnly)
 {
     LightRecord table;
     table.kind = std::uint32_t(LightRecordKind::beam);
-    table.two_sided = 1;
+    table.flags = 1;
     put(table.position, {1, 2, 3});
     put(table.edge_u, {2, 0, 0}), put(table.edge_v, {1, 1, 0}), put(table.normal, {0, 0, -1});
     for (float& r : table.radiance) r = 7;
@@ -419,7 +419,7 @@ TEST(DirectionalLight, ComesFromOneDirectionOrADisk)
     const Vec3d travels = normalize(Vec3d{1, -2, 0.5});
     LightRecord table;
     table.kind = std::uint32_t(LightRecordKind::directional);
-    table.two_sided = 1;
+    table.flags = 1;
     put(table.edge_u, travels);
     for (float& r : table.radiance) r = 7;
     for (const Vec3d& from : {Vec3d{0, 0, 0}, {100, 5, -3}}) {

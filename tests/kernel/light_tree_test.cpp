@@ -45,7 +45,7 @@ LightRecord random_light(Chance& chance, double room, double size, double& power
     LightRecord l;
     const auto kind = LightRecordKind(std::uint32_t(chance(0, 7)));
     l.kind = std::uint32_t(kind);
-    l.two_sided = chance.flip();
+    l.flags = chance.flip();
     for (float& r : l.radiance) r = float(chance(0.5, 2));
     put(l.position, chance.point(room));
     const Vec3d n = chance.direction(), u = normalize(cross(n, chance.direction())), v = cross(n, u);
@@ -64,7 +64,7 @@ LightRecord random_light(Chance& chance, double room, double size, double& power
             l.area = float(kind == LightRecordKind::triangle ? a * b / 2 : a * b);
             break;
         case LightRecordKind::sphere:
-            l.radius = float(l.two_sided || chance.flip() ? a : -a);
+            l.radius = float(l.flags || chance.flip() ? a : -a);
             l.area = float(4 * pi * a * a);
             put(l.motion_or_center, chance.flip() ? chance.direction() * size * 4 : Vec3d{});
             break;
@@ -72,7 +72,7 @@ LightRecord random_light(Chance& chance, double room, double size, double& power
             l.radius = float(a), l.area = float(pi * a * a);
             break;
         default: {
-            l.two_sided = 1;
+            l.flags = 1;
             put(l.edge_u, n);
             const double outer = chance(0.05, 2.5);
             l.outer = float(1 - std::cos(outer));
@@ -81,7 +81,7 @@ LightRecord random_light(Chance& chance, double room, double size, double& power
             return l;
         }
     }
-    power = double(l.radiance[0]) * double(l.area) * pi * (l.two_sided ? 2 : 1);
+    power = double(l.radiance[0]) * double(l.area) * pi * (l.flags ? 2 : 1);
     return l;
 }
 

@@ -299,7 +299,7 @@ private:
         if (scene_.environment.kind != EnvironmentKind::none) warn("the environment is left out: glTF has none");
         const RenderHints& h = scene_.hints;
         if (h.width || h.height || h.samples || h.max_depth || h.roulette_depth || h.filter || h.light_sampling ||
-            h.exposure || h.white_balance || h.tonemap || h.build)
+            h.exposure || h.white_balance || h.background || h.tonemap || h.build)
             warn("how it is to be rendered (size, samples, exposure and such) is left out: glTF has no place for it");
     }
 

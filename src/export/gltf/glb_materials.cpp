@@ -94,7 +94,9 @@ void GlbMaterials::put_factor(Json& json, const char* key, const FloatInput& inp
             tell(fmt::format("'{}' by another channel of its picture", key));
     } else if (input.texture >= 0) {
         const Color mean = mean_of(input.texture);
-        value *= input.channel == alpha ? 1 : input.channel == red ? mean.r : input.channel == green ? mean.g : mean.b;
+        const float channels[] = {mean.r, mean.g, mean.b, 1, 0.2126f * mean.r + 0.7152f * mean.g + 0.0722f * mean.b};
+        static_assert(std::size(channels) == luminance_channel + 1);
+        value *= channels[input.channel];
         texture_info(input.texture, ColorSpace::linear);  // which tells
     }
     if (value != usual) json[key] = number_json(value);

@@ -41,6 +41,11 @@ Camera FathomJsonReader::read_camera(const JsonValue& v, const std::string& name
     o.read("look_at", camera.look_at);
     o.read("up", camera.up);
     o.read("aspect", camera.aspect);
+    if (o.get("fov_axis")) {
+        o.read_word("fov_axis", words::fov_axes, camera.fov_axis);
+        o.read("fov_aspect", camera.fov_aspect);
+        if (!(camera.fov_aspect > 0)) v["fov_axis"].fail("needs a 'fov_aspect' above 0");
+    }
     if (auto shift = o.get("shift")) {
         shift->array_of(2);
         camera.shift_x = (*shift)[0].number();
@@ -164,6 +169,7 @@ void FathomJsonReader::read_render(const JsonValue& v)
         if (!(*hints.white_balance >= least_white_kelvin && *hints.white_balance <= most_white_kelvin))
             value->fail(fmt::format("light has a temperature of {} to {} K", least_white_kelvin, most_white_kelvin));
     }
+    if (auto value = o.get("background")) hints.background = value->color();
     if (auto value = o.get("own_light")) hints.own_light = value->boolean();
     o.done("in render settings");
 }

@@ -14,11 +14,13 @@ namespace {
 
 constexpr double circle = 2 * std::numbers::pi;
 
-/// From (0, 0, 0) to (0, 0, 1), and a unit across, to a tube between two points.
+/// From (0, 0, 0) to (0, 0, 1), and a unit across, to a tube between two points. The axes across are those of Mitsuba,
+/// from which u counts (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 Transform between(Vec3d a, Vec3d b, double radius)
 {
     const Vec3d along = b - a, w = normalize(along);
-    const Vec3d u = normalize(cross(std::abs(w.x) > 0.5 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, w)), v = cross(w, u);
+    const double sign = std::copysign(1.0, w.z), scale = -1 / (sign + w.z), mixed = w.x * w.y * scale;
+    const Vec3d u{1 + sign * w.x * w.x * scale, sign * mixed, -sign * w.x}, v{mixed, sign + w.y * w.y * scale, -w.y};
     Transform t;
     const Vec3d columns[] = {u * radius, v * radius, along, a};
     for (std::size_t c = 0; c < 4; ++c) t.m[0][c] = columns[c].x, t.m[1][c] = columns[c].y, t.m[2][c] = columns[c].z;
@@ -31,6 +33,11 @@ void flip(Mesh& mesh)
 {
     for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
     for (Vec3f& n : mesh.normals) n = {-n.x, -n.y, -n.z};
+}
+
+bool mirrors(Object& shape)
+{
+    return shape.transform("to_world").determinant() < 0;
 }
 
 bool Reader::wants_uv(Object& shape)
@@ -55,7 +62,8 @@ Shape Reader::rectangle(Object& shape)
 
 Shape Reader::sphere(Object& shape, Node& node)
 {
-    const bool flipped = shape.boolean("flip_normals", false);
+    // A mirrored sphere is inside out, unlike other shapes.
+    const bool flipped = shape.boolean("flip_normals", false) != mirrors(shape);
     const double radius = shape.number("radius", 1);
     const Vec3d center = shape.vector("center").value_or(Vec3d{});
     if (!wants_uv(shape)) return Shape{Sphere{center, flipped ? -radius : radius, {}}, -1, {}};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 #include <pugixml.hpp>
 #include <set>
 
@@ -23,6 +24,18 @@ constexpr int deepest_element = 100, deepest_include = 15;
 constexpr std::size_t most_elements = 50'000'000;
 
 const std::string none;
+
+/// The first of the files of a name that is there.
+std::optional<std::filesystem::path> first_existing(const std::vector<std::filesystem::path>& folders,
+                                                    const std::string& name, LoadContext& context)
+{
+    for (const std::filesystem::path& folder : folders) {
+        std::filesystem::path found = context.locate(folder / name);
+        std::error_code error;
+        if (std::filesystem::exists(found, error)) return found;
+    }
+    return std::nullopt;
+}
 
 class DocumentReader {
 public:
@@ -56,6 +69,9 @@ private:
         const std::string* file;
         std::vector<std::size_t> lines;  ///< where each begins
         bool old_names = false;
+        std::string name;  ///< that an <include> gives to the object in it
+        /// Where the files are looked for that it includes: beside itself, then beside those that include it.
+        std::vector<std::filesystem::path> folders;
 
         Place place(std::ptrdiff_t offset) const
         {
@@ -65,9 +81,11 @@ private:
         }
     };
 
-    void read_file_into(Element& parent, const std::filesystem::path& file, const std::string& bytes, int depth)
+    void read_file_into(Element& parent, const std::filesystem::path& file, const std::string& bytes, int depth,
+                        const Source* includer = nullptr, const std::string& name = "")
     {
-        Source source{&document_.files.emplace_back(file.string()), {0}, false};
+        Source source{&document_.files.emplace_back(file.string()), {0}, false, "", {file.parent_path()}};
+        if (includer) source.folders.insert(source.folders.end(), includer->folders.begin(), includer->folders.end());
         const std::string_view text = utf8_text(*source.file, bytes);
         for (std::size_t i = 0; i < text.size(); ++i)
             if (text[i] == '\n') source.lines.push_back(i + 1);
@@ -79,11 +97,16 @@ private:
                         fmt::format("no XML: {}", result.description()));
         }
         const pugi::xml_node root = xml.document_element();
-        if (std::string_view(root.name()) != "scene" || !root.attribute("version"))
+        const bool is_scene = std::string_view(root.name()) == "scene";
+        if (!(is_scene || (depth > 0 && is_object(root.name()))) || !root.attribute("version"))
             throw Error(
                 *source.file, fmt::format("line {}", source.place(root.offset_debug()).line),
                 fmt::format("a Mitsuba scene begins with <scene version=\"...\">, found <{}>", printable(root.name())));
         source.old_names = root.attribute("version").as_int() < 2;
+        if (!is_scene) {
+            source.name = name;
+            return read_node(parent, root, source, 1, depth);
+        }
         if (depth == 0) parent.tag = "scene", parent.place = source.place(root.offset_debug());
         for (const pugi::xml_node node : root.children()) read_node(parent, node, source, 1, depth);
     }
@@ -107,9 +130,10 @@ private:
             element->fail(fmt::format("elements are nested more than {} deep", deepest_element));
         for (const pugi::xml_attribute attribute : node.attributes())
             element->attributes[attribute.name()] = substituted(attribute.value(), *element);
+        if (depth == 1 && !source.name.empty()) element->attributes["name"] = source.name;
         if (element->tag == "default") return set_default(*element);
-        if (element->tag == "path") return add_folder(*element);
-        if (element->tag == "include") return include(parent, *element, includes);
+        if (element->tag == "path") return add_folder(*element, source);
+        if (element->tag == "include") return include(parent, *element, source, includes);
         for (const pugi::xml_node child : node.children()) read_node(*element, child, source, depth + 1, includes);
         if (source.old_names) upgrade(*element);
         if (element->tag == "alias") aliases_.emplace_back(element->attribute("as"), element.get());
@@ -151,25 +175,42 @@ private:
         parameters_.emplace(element.name(), element.attribute("value"));
     }
 
-    void add_folder(const Element& element)
+    /// A folder is searched before those that stand above it, and before the scene's own.
+    void add_folder(const Element& element, const Source& source)
     {
-        const std::filesystem::path folder = element.attribute("value");
-        document_.folders.push_back(document_.folders.front() / folder);
+        const std::string& value = element.attribute("value");
+        std::filesystem::path folder = context_.locate(source.folders.front() / value);
+        std::error_code error;
+        if (!std::filesystem::exists(folder, error)) folder = document_.locate(value, context_);
+        document_.folders.insert(document_.folders.begin(), std::move(folder));
     }
 
-    void include(Element& parent, const Element& element, int depth)
+    std::filesystem::path file_to_include(const std::string& name, const Source& source)
+    {
+        const auto found = first_existing(source.folders, name, context_);
+        return found ? *found : document_.locate(name, context_);
+    }
+
+    static bool is_object(std::string_view tag)
+    {
+        constexpr std::string_view tags[] = {"shape",  "bsdf", "emitter", "texture",    "medium",  "sensor",  "phase",
+                                             "volume", "film", "sampler", "integrator", "rfilter", "spectrum"};
+        return std::ranges::find(tags, tag) != std::end(tags);
+    }
+
+    void include(Element& parent, const Element& element, const Source& source, int depth)
     {
         if (!element.has("filename")) element.fail("<include> needs a filename");
         if (depth >= deepest_include)
             element.fail(fmt::format("files include each other more than {} deep", deepest_include));
-        const std::filesystem::path file = document_.locate(element.attribute("filename"), context_);
+        const std::filesystem::path file = file_to_include(element.attribute("filename"), source);
         std::string bytes;
         try {
             bytes = context_.read(file);
         } catch (const Error& error) {
             element.fail(error.what());
         }
-        read_file_into(parent, file, bytes, depth + 1);
+        read_file_into(parent, file, bytes, depth + 1, &source, element.name());
     }
 
     void register_ids(const Element& element)
@@ -220,12 +261,7 @@ const Element& Document::find(const Element& reference) const
 
 std::filesystem::path Document::locate(const std::string& path, LoadContext& context) const
 {
-    for (const std::filesystem::path& folder : folders) {
-        const std::filesystem::path found = context.locate(folder / path);
-        std::error_code error;
-        if (std::filesystem::exists(found, error)) return found;
-    }
-    return folders.front() / path;
+    return first_existing(folders, path, context).value_or(folders.back() / path);
 }
 
 Document read_document(const std::filesystem::path& file, const std::string& bytes,

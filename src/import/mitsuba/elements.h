@@ -41,7 +41,7 @@ struct Document {
     std::unique_ptr<Element> root;
     /// By id, aliases too.
     std::map<std::string, const Element*, std::less<>> by_id;
-    std::vector<std::filesystem::path> folders;  ///< in which paths are looked for, the scene's own first
+    std::vector<std::filesystem::path> folders;  ///< in which paths are looked for, the scene's own last
 
     /// What a `ref` means. Throws Error.
     const Element& find(const Element& reference) const;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "import/common/blend_nothing.h"
 #include "import/common/medium.h"
 #include "import/common/power.h"
 #include "import/common/read_file.h"
@@ -249,18 +250,26 @@ Material Reader::dielectric(Object& bsdf)
             tell(bsdf.element(), "glass is as rough along u as it is along v, or as in its smoother direction");
         m.two_roughnesses = false, m.anisotropy = {0, -1, 0};
     }
-    const Color through = plain_color(bsdf, "specular_transmittance", {1, 1, 1});
-    m.transmission_color = {times(through, through), -1};
-    if (const Color c = plain_color(bsdf, "specular_reflectance", {1, 1, 1}); !(c == Color{1, 1, 1}))
-        tell(bsdf.element(), "'specular_reflectance' of glass is left out: it reflects what Fresnel's law says");
+    // Each time that light passes the boundary; here it is a color of the way in and out.
+    m.transmission_color = squared(color(bsdf, "specular_transmittance", {1, 1, 1}));
+    m.specular_color = color(bsdf, "specular_reflectance", {1, 1, 1});
     return m;
+}
+
+ColorInput Reader::squared(const ColorInput& color)
+{
+    if (color.texture < 0) return {times(color.value, color.value), -1};
+    Texture square;
+    square.kind = TextureKind::scale;
+    square.color_a = square.color_b = color;
+    return {{1, 1, 1}, add_texture(scene_, std::move(square))};
 }
 
 Material Reader::thin_dielectric(Object& bsdf)
 {
     Material m = dielectric(bsdf);
     m.thin = true;
-    m.transmission_color = {plain_color(bsdf, "specular_transmittance", {1, 1, 1}), -1};
+    m.transmission_color = color(bsdf, "specular_transmittance", {1, 1, 1});
     return m;
 }
 
@@ -280,9 +289,7 @@ Material Reader::plastic(Object& bsdf)
         }
     }
     m.two_roughnesses = false, m.anisotropy = {0, -1, 0};
-    if (const ColorInput c = color(bsdf, "specular_reflectance", {1, 1, 1});
-        c.texture >= 0 || !(c.value == Color{1, 1, 1}))
-        tell(bsdf.element(), "'specular_reflectance' is left out: it reflects what Fresnel's law says");
+    m.specular_color = color(bsdf, "specular_reflectance", {1, 1, 1});
     return m;
 }
 
@@ -357,33 +364,10 @@ Material Reader::measured(Object& bsdf)
 Material Reader::mask(Object& bsdf)
 {
     Material m = read_nested(bsdf);
+    const FloatInput opacity = number_or_texture(bsdf, "opacity", 0.5f);
+    if (is_nothing(m)) return m;
+    m.alpha = m.alpha_mode == AlphaMode::opaque ? opacity : product(scene_, m.alpha, opacity);
     m.alpha_mode = AlphaMode::blend;
-    m.alpha = number_or_texture(bsdf, "opacity", 0.5f);
-    return m;
-}
-
-Material Reader::bumps(Object& bsdf)
-{
-    Material m = read_nested(bsdf);
-    const std::vector<const Element*> maps = bsdf.children("texture");
-    if (maps.empty()) bsdf.element().fail(fmt::format("{} needs a texture", bsdf.title()));
-    const float scale = float(bsdf.number("scale", 1));
-    if (m.kind == MaterialKind::mix || m.kind == MaterialKind::two_sided) {
-        tell(bsdf.element(), "around a bsdf of two others it bends nothing");
-        return m;
-    }
-    if (bsdf.type() == "bumpmap") {
-        m.bump = {scale, texture(*maps[0], true), 0};
-        return m;
-    }
-    Texture map = scene_.textures[std::size_t(texture(*maps[0], true))];
-    if (map.kind != TextureKind::image) {
-        tell(bsdf.element(), "a map that is no bitmap is left out");
-        return m;
-    }
-    map.color_space = ColorSpace::linear;
-    m.normal_texture = int(scene_.textures.size());
-    scene_.textures.push_back(map);
     return m;
 }
 
@@ -405,11 +389,7 @@ void Reader::read_interior(const Element& element, Material& m)
     medium.ignore({"sample_emitters", "has_spectral_extinction"});
     medium.finish(context_.warnings);
     if (!(scale > 0)) return;
-    if (m.kind == MaterialKind::none && m.alpha.value == 0) {
-        const ColorInput emission = m.emission;
-        m = open_boundary();
-        m.emission = emission;
-    }
+    if (is_nothing(m)) m = open_boundary();
     if (m.kind != MaterialKind::glass) return tell(element, "is not rendered in what is not glass");
     m.transmission_scatter_bounces = true;
     const auto absorbed = [&](float t, float a) { return float(double(t) * scale * (1 - a)); };
@@ -446,16 +426,18 @@ int Reader::material_of_shape(Object& shape)
     m.base_color = {{grey, grey, grey}, -1};
     m.black_behind = true;
     if (bsdf) m = scene_.materials[std::size_t(material(*bsdf))];
+    if (medium) read_interior(*medium, m);
     if (emitter && emitter->type() != "directionalarea") {
         Object area(*emitter, document_);
         if (area.type() != "area")
             tell(*emitter, fmt::format("the emitter '{}' of a shape is taken as 'area'", printable(area.type())));
-        m.emission = color(area, "radiance", {1, 1, 1});
+        m = with_emission(std::move(m), color(area, "radiance", {1, 1, 1}));
         area.ignore({"sampling_weight"});
         area.finish(context_.warnings);
     }
-    if (medium) read_interior(*medium, m);
-    return found->second = add_material(std::move(m));
+    found->second = add_material(std::move(m));
+    if (emitter) lamps_.push_back(found->second);
+    return found->second;
 }
 
 }  // namespace fathom::mitsuba

@@ -11,11 +11,15 @@ namespace fathom::mitsuba {
 
 namespace {
 
-/// Two of these are one of the mean colour.
 bool is_plain(const Material& m)
 {
-    return m.kind == MaterialKind::diffuse && m.normal_texture < 0 && m.bump.texture < 0 &&
+    return m.kind == MaterialKind::diffuse && m.normal_texture < 0 && m.bump.texture < 0 && m.roughness.value == 0 &&
            m.alpha_mode == AlphaMode::opaque;
+}
+/// Two of these are one of the mean color.
+bool are_plain(const Material& a, const Material& b)
+{
+    return is_plain(a) && is_plain(b) && a.black_behind == b.black_behind;
 }
 
 }  // namespace
@@ -54,7 +58,7 @@ Material Reader::blend(Object& bsdf)
     if (weight.texture < 0 && (weight.value <= 0 || weight.value >= 1)) return weight.value >= 1 ? b : a;
     if (is_nothing(b)) return blend_with_nothing(scene_, a, weight, true);
     if (is_nothing(a)) return blend_with_nothing(scene_, b, weight, false);
-    if (is_plain(a) && is_plain(b)) {
+    if (are_plain(a, b)) {
         Material out = a;
         Texture mix;
         mix.kind = TextureKind::mix;
@@ -63,9 +67,8 @@ Material Reader::blend(Object& bsdf)
         scene_.textures.push_back(mix);
         return out;
     }
-    if (a.alpha_mode != AlphaMode::opaque || b.alpha_mode != AlphaMode::opaque)
-        tell(bsdf.element(), "what lets light pass in one of two blended bsdfs is left out");
-    return mixture;
+    const bool is_opaque = a.alpha_mode == AlphaMode::opaque && b.alpha_mode == AlphaMode::opaque;
+    return is_opaque ? mixture : blend_by_alpha(std::move(mixture));
 }
 
 }  // namespace fathom::mitsuba

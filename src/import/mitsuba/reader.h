@@ -15,10 +15,12 @@
 
 namespace fathom::mitsuba {
 
-/// A Mitsuba document into a scene.
 /// Turns a mesh's other side to the front.
 void flip(Mesh& mesh);
+/// Whether a shape's own transform does.
+bool mirrors(Object& shape);
 
+/// A Mitsuba document into a scene.
 class Reader {
 public:
     Reader(const Document& document, LoadContext& context) : document_(document), context_(context) {}
@@ -42,6 +44,7 @@ private:
     void read_crop(Object& film);
     void look_at_crop(Object& sensor, Camera& camera) const;
     void read_integrator(const Element& element);
+    void hide_emitters();
     // emitter.cpp
     void read_emitter(const Element& element);
     std::optional<LightPicture> light_picture(const Element& texture);
@@ -54,6 +57,7 @@ private:
 
     // texture.cpp: colours and what stands for them. Reflectances are at most 1.
     ColorInput color(Object& of, std::string_view name, Color otherwise);
+    /// Of a colored picture the luminance counts.
     FloatInput number_or_texture(Object& of, std::string_view name, float otherwise);
     /// One colour; of a texture, which is told, grey.
     Color plain_color(Object& of, std::string_view name, Color otherwise);
@@ -61,7 +65,7 @@ private:
     Color spectrum(const Element& element);
     /// data  numbers, not colours
     int texture(const Element& element, bool data);
-    int bitmap(Object& texture, bool data);
+    int bitmap(Object& texture);
     int checkerboard(Object& texture, bool data);
     int mesh_attribute(Object& texture);
 
@@ -78,7 +82,13 @@ private:
     Material principled(Object& bsdf);
     Material measured(Object& bsdf);
     Material mask(Object& bsdf);
+    // bumps.cpp
     Material bumps(Object& bsdf);
+    Material bumped(Material m, const FloatInput& height);
+    Material normal_mapped(Material m, int map);
+    /// The same of both materials of a mixture, which are copied.
+    template <class Bend>
+    Material bend_parts(Material mixture, const Bend& bend);
     Material two_sided(Object& bsdf);
     Material blend(Object& bsdf);
     // old_materials.cpp: of Mitsuba 0.6
@@ -86,6 +96,7 @@ private:
     Material rough_diffuse(Object& bsdf);
     Material diffuse_transmitter(Object& bsdf);
     Material mixture(Object& bsdf);
+    ColorInput squared(const ColorInput& color);
     ColorInput scaled_input(const ColorInput& color, float by);
     int add_material(Material material);
     /// Metal that reflects all.
@@ -96,6 +107,10 @@ private:
     /// Of one side against the other.
     double relative_ior(Object& bsdf, double inside, double outside);
     double ior(Object& bsdf, std::string_view name, double otherwise);
+    // opacity.cpp
+    Material blend_by_alpha(Material mixture);
+    Material mixed_with_nothing(Material m);
+    Material with_emission(Material m, ColorInput emission);
     /// With what fills the shape, and with what it emits.
     int material_of_shape(Object& shape);
     void read_interior(const Element& medium, Material& material);
@@ -141,6 +156,8 @@ private:
     /// By bsdf, emitter and medium.
     std::map<std::array<const Element*, 3>, int> shape_materials_;
     const Element* camera_medium_ = nullptr;
+    bool hides_emitters_ = false;  ///< known when all of the scene's own elements were read
+    std::vector<int> lamps_;       ///< materials of shapes that shine
     MediaOfShapes<Element> media_of_shapes_;
     std::map<Key, int> meshes_;
     std::map<std::string, SerializedFile> serialized_;

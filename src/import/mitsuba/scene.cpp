@@ -15,7 +15,6 @@ namespace mitsuba {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
-
 }  // namespace
 
 void Reader::tell(const Element& element, const std::string& message)
@@ -35,6 +34,8 @@ SceneDescription Reader::read()
     for (const auto& child : document_.root->children)
         if (child->tag == "sensor") read_sensor(*child);
     for (const auto& child : document_.root->children) read_root(*child);
+    if (hides_emitters_)
+        for (const int lamp : lamps_) scene_.materials[std::size_t(lamp)].hidden_from_camera = true;
     finish_media();
     return std::move(scene_);
 }
@@ -73,9 +74,16 @@ void Reader::read_integrator(const Element& element)
     const int depth = direct ? 2 : integrator.integer("max_depth", -1);
     if (depth >= 0) scene_.hints.max_depth = std::max(0, depth - 1);
     scene_.hints.roulette_depth = direct ? 5 : integrator.integer("rr_depth", 5);
-    if (integrator.boolean("hide_emitters", false)) tell(element, "the camera sees lights: 'hide_emitters' is ignored");
+    if (integrator.boolean("hide_emitters", false)) hide_emitters();
     // What only other methods have makes no difference here.
     if (type == "path") integrator.finish(context_.warnings);
+}
+
+/// The camera looks through shapes that shine, and sees nothing where the environment is.
+void Reader::hide_emitters()
+{
+    scene_.hints.background = Color{0, 0, 0};
+    hides_emitters_ = true;
 }
 
 void Reader::read_film(const Element& element)
@@ -129,6 +137,7 @@ void Reader::read_crop(Object& film)
 void Reader::look_at_crop(Object& sensor, Camera& camera) const
 {
     const double width = scene_.hints.width.value_or(film_width_), height = scene_.hints.height.value_or(film_height_);
+    camera.fov_aspect = width / height;
     camera.height *= height / film_height_;
     if (height != film_height_) camera.fov_y = 2 * std::atan(std::tan(camera.fov_y / 2) * height / film_height_);
     const auto offset = [&](const char* name) {
@@ -192,8 +201,10 @@ void Reader::read_sensor(const Element& element)
     if (type == "orthographic") {
         camera.kind = CameraKind::orthographic;
         camera.height = 2 * length(world.vector({1, 0, 0})) / aspect;
+        camera.fov_axis = FovAxis::width;
     } else {
         camera.fov_y = vertical_fov(sensor, aspect);
+        camera.fov_axis = field_of_view(sensor).axis;
     }
     // Of several cameras the first is rendered from.
     if (const Element* medium = sensor.child("medium"); medium && scene_.cameras.empty()) camera_medium_ = medium;

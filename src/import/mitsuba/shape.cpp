@@ -7,6 +7,7 @@
 
 #include "import/common/face_colors.h"
 #include "import/common/mesh_cleanup.h"
+#include "import/common/mesh_sides.h"
 #include "import/common/read_file.h"
 #include "import/common/text_scanner.h"
 #include "import/common/textured.h"
@@ -147,11 +148,16 @@ Mesh Reader::finished(Mesh mesh, Object& shape, bool flip_v)
 {
     if (flip_v)
         for (Vec2f& uv : mesh.uvs[0]) uv.y = 1 - uv.y;
-    if (shape.boolean("face_normals", false))
+    const bool is_faceted = shape.boolean("face_normals", false), has_normals = !is_faceted && !mesh.normals.empty();
+    if (is_faceted)
         mesh.normals.clear();
-    else if (mesh.normals.empty())
+    else if (has_normals)
+        turn_to_normals(mesh);
+    else
         add_smooth_normals(mesh);
-    if (shape.boolean("flip_normals", false)) flip(mesh);
+    // Without normals of its own a mesh has its front where its corners go round to the left in the world.
+    const bool is_turned = !has_normals && mirrors(shape);
+    if (shape.boolean("flip_normals", false) != is_turned) flip(mesh);
     return mesh;
 }
 
@@ -160,8 +166,8 @@ namespace {
 /// What makes another mesh of the same file.
 std::string variant_of(Object& shape, bool flip_v)
 {
-    return fmt::format("{}{}{}", int(flip_v), int(shape.boolean("face_normals", false)),
-                       int(shape.boolean("flip_normals", false)));
+    return fmt::format("{}{}{}{}", int(flip_v), int(shape.boolean("face_normals", false)),
+                       int(shape.boolean("flip_normals", false)), int(mirrors(shape)));
 }
 
 }  // namespace

@@ -56,6 +56,12 @@ bool is_light(const Element& element)
     return element.name() == "radiance" || element.name() == "intensity" || element.name() == "irradiance";
 }
 
+/// The number that Mitsuba makes of a constant color; pictures become their luminance instead.
+float mean_of(const Color& c)
+{
+    return (c.r + c.g + c.b) / 3;
+}
+
 Color limited(Color c)
 {
     const auto limit = [](float x) { return std::clamp(x, 0.f, 1.f); };
@@ -139,8 +145,8 @@ FloatInput Reader::number_or_texture(Object& of, std::string_view name, float ot
 {
     const Element* const found = of.child(name);
     if (!found) return {otherwise, -1, 0};
-    if (const auto c = color_of(*found)) return {(c->r + c->g + c->b) / 3, -1, 0};
-    return {1, texture(*found, true), 0};
+    if (const auto c = color_of(*found)) return {mean_of(*c), -1, 0};
+    return {1, texture(*found, true), luminance_channel};
 }
 
 Color Reader::plain_color(Object& of, std::string_view name, Color otherwise)
@@ -161,7 +167,7 @@ int Reader::texture(const Element& element, bool data)
     Object object(element, document_);
     int index = -1;
     if (object.type() == "bitmap") {
-        index = bitmap(object, data);
+        index = bitmap(object);
     } else if (object.type() == "checkerboard") {
         index = checkerboard(object, data);
     } else if (object.type() == "mesh_attribute") {
@@ -198,7 +204,7 @@ bool set_uv_map(const Transform& t, Texture& texture)
 
 }  // namespace
 
-int Reader::bitmap(Object& object, bool data)
+int Reader::bitmap(Object& object)
 {
     Texture result;
     const std::string filename = object.text("filename", "");
@@ -208,7 +214,8 @@ int Reader::bitmap(Object& object, bool data)
     if (is_new) scene_.images.push_back({filename, file, {}});
     result.name = filename;
     result.image = image->second;
-    result.color_space = object.boolean("raw", data) || data ? ColorSpace::linear : ColorSpace::srgb;
+    // Pictures for numbers are decoded from sRGB as well, unless they are raw.
+    result.color_space = object.boolean("raw", false) ? ColorSpace::linear : ColorSpace::srgb;
     const std::string wrap = object.text("wrap_mode", "repeat"), filter = object.text("filter_type", "bilinear");
     result.wrap_u = result.wrap_v = wrap == "clamp" ? Wrap::clamp : wrap == "mirror" ? Wrap::mirror : Wrap::repeat;
     result.nearest = filter == "nearest";
@@ -243,7 +250,9 @@ int Reader::checkerboard(Object& object, bool data)
     const auto value = [&](const char* name, Color otherwise) {
         const Element* const found = data ? object.child(name) : nullptr;
         const std::optional<Color> number = found ? color_of(*found) : std::nullopt;
-        return number ? ColorInput{*number, -1} : color(object, name, otherwise);
+        if (!number) return color(object, name, otherwise);
+        const float mean = mean_of(*number);
+        return ColorInput{{mean, mean, mean}, -1};
     };
     result.color_a = value("color0", {0.4f, 0.4f, 0.4f});
     result.color_b = value("color1", {0.2f, 0.2f, 0.2f});

@@ -152,10 +152,12 @@ private:
     // shape.cpp, round_shapes.cpp
     void read_shape(const Parameters& shape);
     std::optional<Shape> geometry(const Parameters& shape, Surface& surface);
-    std::optional<Shape> triangle_mesh(const Parameters& shape);
+    std::optional<Shape> triangle_mesh(const Parameters& shape, const Surface& surface);
     std::optional<Shape> ply_mesh(const Parameters& shape, Surface& surface);
     std::optional<Shape> bilinear_mesh(const Parameters& shape);
-    std::optional<Shape> loop_mesh(const Parameters& shape);
+    std::optional<Shape> loop_mesh(const Parameters& shape, const Surface& surface);
+    /// Whether something looks up a texture by the texture coordinates of its shapes.
+    bool wants_uv(const Surface& surface);
     std::optional<Shape> curve(const Parameters& shape);
     std::optional<Shape> sphere(const Parameters& shape, bool has_textures);
     std::optional<Shape> disk(const Parameters& shape, bool has_textures);

@@ -8,8 +8,10 @@
 #include "fathom/error.h"
 #include "import/common/gunzip.h"
 #include "import/common/mesh_cleanup.h"
+#include "import/common/mesh_sides.h"
 #include "import/common/read_file.h"
 #include "import/common/textured.h"
+#include "import/pbrt/default_uvs.h"
 #include "import/pbrt/loop_subdivision.h"
 #include "import/pbrt/reader.h"
 #include "import/ply/ply.h"
@@ -34,19 +36,6 @@ void add_smooth_normals(Mesh& mesh)
     for (std::size_t i = 0; i < sums.size(); ++i) {
         const Vec3d n = normalize(sums[i]);
         mesh.normals[i] = length(n) > 0.5 ? to_float(n) : Vec3f{0, 0, 1};
-    }
-}
-
-/// In pbrt a triangle's normal lies on the side of those at its corners, whichever way round it goes.
-void turn_to_normals(Mesh& mesh)
-{
-    if (mesh.normals.size() != mesh.positions.size()) return;
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-        const std::uint32_t* const t = &mesh.indices[i];
-        const Vec3d p[3] = {to_double(mesh.positions[t[0]]), to_double(mesh.positions[t[1]]),
-                            to_double(mesh.positions[t[2]])};
-        const Vec3d sum = to_double(mesh.normals[t[0]]) + to_double(mesh.normals[t[1]]) + to_double(mesh.normals[t[2]]);
-        if (dot(cross(p[1] - p[0], p[2] - p[0]), sum) < 0) std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
     }
 }
 
@@ -106,6 +95,7 @@ PlyData ply_data_of(InputFile file)
 
 Shape Reader::add_mesh(Mesh mesh, const std::string& file)
 {
+    // In pbrt a triangle's normal lies on the side of those at its corners, whichever way round it goes.
     turn_to_normals(mesh);
     if (state_.reverse) flip(mesh);
     clean_mesh(mesh, file, context_.mesh_faults);
@@ -113,11 +103,18 @@ Shape Reader::add_mesh(Mesh mesh, const std::string& file)
     return {MeshInstance{int(scene_.meshes.size()) - 1}, -1, {}};
 }
 
-std::optional<Shape> Reader::triangle_mesh(const Parameters& shape)
+bool Reader::wants_uv(const Surface& surface)
+{
+    return reaches_uv(scene_, material(surface.material)) || !surface.alpha.empty() || !surface.displacement.empty() ||
+           (surface.light && surface.light->has("filename"));
+}
+
+std::optional<Shape> Reader::triangle_mesh(const Parameters& shape, const Surface& surface)
 {
     Mesh mesh = vertices_of(shape);
     mesh.indices = indices_of(shape, mesh.positions.size(), 3);
     turn_v_over(mesh);
+    if (mesh.uvs[0].empty() && wants_uv(surface)) add_default_uvs(mesh, {});
     // Tangents follow from texture coordinates here.
     shape.ignore({"S", "faceIndices"});
     return add_mesh(std::move(mesh), *shape.place().file);
@@ -133,12 +130,14 @@ std::optional<Shape> Reader::ply_mesh(const Parameters& shape, Surface& surface)
     }
     shape.ignore({"edgelength"});
     const std::filesystem::path path = locate(shape, filename);
-    const std::string key = fmt::format("{}\n{}", path.string(), state_.reverse);
+    const bool has_uv = wants_uv(surface);
+    const std::string key = fmt::format("{}\n{}{}", path.string(), int(state_.reverse), int(has_uv));
     if (const auto known = models_.find(key); known != models_.end()) return Shape{MeshInstance{known->second}, -1, {}};
     try {
         PlyData data = ply_data_of(context_.open(path));
         if (data.mesh.indices.empty()) throw Error(path.string(), "", "there are no faces in it");
         data.mesh.colors.clear();
+        if (data.mesh.uvs[0].empty() && has_uv) add_default_uvs(data.mesh, data.quads);
         Shape result = add_mesh(std::move(data.mesh), path.string());
         models_[key] = std::get<MeshInstance>(result.geometry).mesh;
         return result;
@@ -189,7 +188,7 @@ std::optional<Shape> Reader::bilinear_mesh(const Parameters& shape)
     return add_mesh(std::move(mesh), *shape.place().file);
 }
 
-std::optional<Shape> Reader::loop_mesh(const Parameters& shape)
+std::optional<Shape> Reader::loop_mesh(const Parameters& shape, const Surface& surface)
 {
     const Mesh base = vertices_of(shape);
     const std::vector<std::uint32_t> indices = indices_of(shape, base.positions.size(), 3);
@@ -199,6 +198,7 @@ std::optional<Shape> Reader::loop_mesh(const Parameters& shape)
     shape.ignore({"scheme"});
     Mesh mesh = loop_subdivided(base.positions, indices, levels);
     add_smooth_normals(mesh);
+    if (wants_uv(surface)) add_default_uvs(mesh, {});
     return add_mesh(std::move(mesh), *shape.place().file);
 }
 
@@ -283,13 +283,12 @@ std::optional<Shape> Reader::curve(const Parameters& shape)
 std::optional<Shape> Reader::geometry(const Parameters& shape, Surface& surface)
 {
     const std::string& type = shape.plugin();
-    if (type == "trianglemesh") return triangle_mesh(shape);
+    if (type == "trianglemesh") return triangle_mesh(shape, surface);
     if (type == "plymesh") return ply_mesh(shape, surface);
     if (type == "bilinearmesh") return bilinear_mesh(shape);
-    if (type == "loopsubdiv") return loop_mesh(shape);
+    if (type == "loopsubdiv") return loop_mesh(shape, surface);
     if (type == "curve") return curve(shape);
-    const bool has_textures = reaches_uv(scene_, material(surface.material)) || !surface.alpha.empty() ||
-                              (surface.light && surface.light->has("filename"));
+    const bool has_textures = wants_uv(surface);
     if (type == "sphere") return sphere(shape, has_textures);
     if (type == "disk") return disk(shape, has_textures);
     if (type == "cylinder") return cylinder(shape);
@@ -375,7 +374,11 @@ void Reader::read_shape(const Parameters& shape)
     const bool is_new = !surfaces_.contains(surface);
     found->material = surface_material(surface);
     Material& material = scene_.materials[std::size_t(found->material)];
-    if (is_new && !surface.alpha.empty() && (alpha.texture >= 0 || alpha.value < 1)) {
+    const bool is_unseen = alpha.texture < 0 && alpha.value == 0;
+    if (is_new && surface.light && is_unseen) {
+        // Such a lamp lights in pbrt, but no ray meets it.
+        material.invisible_light = true;
+    } else if (is_new && !surface.alpha.empty() && (alpha.texture >= 0 || alpha.value < 1)) {
         material.alpha_mode = AlphaMode::blend;
         material.alpha = alpha;
     }

@@ -165,6 +165,8 @@ void Reader::read_camera(const Parameters& of)
     const double width = window[1] - window[0], height = window[3] - window[2];
     const double half_height = height / 2, scale = std::cbrt(std::abs(determinant));
     Camera camera;
+    // By default the screen grows along the longer side; a window that is given stays as high as it is.
+    if (!of.has("screenwindow")) camera.fov_axis = FovAxis::smaller, camera.fov_aspect = width / height;
     camera.shift_x = (window[0] + window[1]) / 2 / width, camera.shift_y = (window[2] + window[3]) / 2 / height;
     camera.position = world.point({0, 0, 0});
     camera.look_at = world.point({0, 0, 1});

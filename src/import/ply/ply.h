@@ -13,6 +13,7 @@ struct PlyData {
     std::vector<float> radii;                 ///< of vertices, or empty
     std::vector<Vec4f> face_colors;           ///< of triangles, or empty
     std::vector<std::uint32_t> curve_counts;  ///< how many vertices each curve has, where there are curves
+    std::vector<std::uint32_t> quads;         ///< the first triangle of each face of four corners
     std::size_t bad_faces = 0;                ///< with fewer than three corners, which are not there
 };
 /// colors  what becomes colours of vertices or faces; of faces those of the same name are read in any case

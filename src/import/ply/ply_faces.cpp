@@ -43,6 +43,7 @@ void PlyFaces::triangulate_polygon(const Corners& corners, std::size_t face)
     for (const std::int64_t index : corners) points_.push_back(mesh.positions[std::size_t(index)]);
     triangles_.clear();
     triangulate(points_, triangles_);
+    if (corners.size() == 4) data_.quads.push_back(std::uint32_t(mesh.indices.size() / 3));
     for (const std::uint32_t k : triangles_) mesh.indices.push_back(std::uint32_t(corners[k]));
 }
 

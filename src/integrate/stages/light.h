@@ -201,7 +201,9 @@ private:
         Spectrum factor;
         // Round primitives are opaque.
         const Mask flat = m & less(hit.primitive, UInt(tables_.first_sphere()));
-        const Float stopped = alpha_share(tables_, material, surface.at, flat);
+        // Lights that no ray meets are not dimmed by their alpha, which is 0.
+        const Mask masked = flat & !light.has(LightRecord::unseen);
+        const Float stopped = alpha_share(tables_, material, surface.at, masked);
         for (int c = 0; c < channels; ++c) factor.c[c] = select(m, t.c[c] * stopped, Float(1));
         return factor;
     }

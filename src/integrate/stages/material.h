@@ -69,6 +69,8 @@ public:
             p.base_color.c[c] = select(colored, p.base_color.c[c] * s.at.vertex_color[c], p.base_color.c[c]);
         const Mask textured = m & ((flags & UInt(MaterialRecord::textured)) != UInt(0));
         if (any(textured)) apply_textures(s, row.get(&MaterialRecord::base_texture), textured, p);
+        const Mask tinted = m & ((flags & UInt(MaterialRecord::tinted)) != UInt(0));
+        if (any(tinted)) p.specular_tint = specular_tint(s, tinted);
         const Mask absorbing = m & ((flags & UInt(MaterialRecord::absorption)) != UInt(0));
         if (any(absorbing)) p.base_color = select(absorbing, hair_color(p.base_color, p.metallic), p.base_color);
         if (scene_.has_map_tangents) {
@@ -100,6 +102,14 @@ private:
         s.tangent = select(mapped, frame.tangent, s.tangent);
         const Float side = dot(cross(s.ns, frame.tangent), frame.bitangent);
         s.bitangent_sign = select(mapped, copysign(Float(1), side), s.bitangent_sign);
+    }
+    /// White for other lanes than those of m.
+    [[gnu::noinline]] Spectrum specular_tint(const Surface& s, Mask m) const
+    {
+        Spectrum tint = get(&MaterialRecord::specular_tint, s.material, m);
+        const Texel t = evaluate_textures(t_, get(&MaterialRecord::specular_tint_texture, s.material, m), s.at, m);
+        for (int c = 0; c < channels; ++c) tint.c[c] = select(m, tint.c[c] * t.c[c], Float(1));
+        return tint;
     }
     void apply_textures(const Surface& s, UInt base_texture, Mask m, MaterialPoint& p) const
     {

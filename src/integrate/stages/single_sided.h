@@ -6,20 +6,21 @@
 namespace fathom::inline FATHOM_LANES {
 
 /// Cameras look through the backs of single-sided surfaces, as renderers do that cull them: into a room through its
-/// wall. To all other light the surface is there, so that no two ways of finding a light disagree on it.
-class SingleSided {
+/// wall. They look through surfaces that are hidden from them from both sides. To all other light the surface is there,
+/// so that no two ways of finding a light disagree on it.
+class CameraSeesThrough {
 public:
-    SingleSided(const LaneScene& scene, KernelCounters& counters)
+    CameraSeesThrough(const LaneScene& scene, KernelCounters& counters)
         : scene_(scene), surfaces_(scene), materials_(scene), counters_(counters)
     {
     }
-    /// Finds anew what the camera's paths [begin, end) meet, where that was a back; distances stay those from their
-    /// origins.
+    /// Finds anew what the camera's paths [begin, end) meet, where they look through what they met; distances stay
+    /// those from their origins.
     void look_through(const PathPool& p, HitColumns& hits, std::size_t begin, std::size_t end)
     {
-        // More backs than this one behind the other are no picture.
+        // More of these one behind the other are no picture.
         for (int i = 0; i < 256; ++i) {
-            const std::size_t size = list_backs(p, hits, begin, end);
+            const std::size_t size = list_passed(p, hits, begin, end);
             if (size == 0) return;
             counters_.count_rays(RayKind::camera, size);
             trace(size);
@@ -34,8 +35,8 @@ public:
     }
 
 private:
-    /// Makes rays from behind the backs; returns how many there are.
-    std::size_t list_backs(const PathPool& p, const HitColumns& hits, std::size_t begin, std::size_t end)
+    /// Makes rays from behind what is looked through; returns how many there are.
+    std::size_t list_passed(const PathPool& p, const HitColumns& hits, std::size_t begin, std::size_t end)
     {
         std::size_t size = 0;
         for (std::size_t i = begin; i < end; i += lanes) {
@@ -45,21 +46,22 @@ private:
             const UInt instance = scene_.is_flat ? UInt(no_index) : hits.instance.load(i);
             const UInt material = surfaces_.material_of(surfaces_.shape_of(primitive, instance, hit), hit);
             const UInt flags = materials_.get(&MaterialRecord::flags, material, hit);
-            const Mask single = hit & ((flags & UInt(MaterialRecord::single_sided)) != UInt(0u));
+            const Mask hidden = hit & ((flags & UInt(MaterialRecord::hidden_from_camera)) != UInt(0u));
+            const Mask single = hidden | (hit & ((flags & UInt(MaterialRecord::single_sided)) != UInt(0u)));
             if (none(single)) continue;
             const Vec3 o = p.origin.load(i), d = p.direction.load(i);
             const Float time = scene_.tables.moving ? p.time.load(i) : Float(0);
             const Surface s = surfaces_.read(
                 {o, d, hits.t.load(i), hits.u.load(i), hits.v.load(i), time, primitive, instance}, single);
-            const Mask back = single & (dot(d, s.ng) > Float(0));
-            if (none(back)) continue;
-            const Vec3 start = fma(s.ng, s.offset, s.p);
-            origin_.append(size, start, back);
-            direction_.append(size, d, back);
-            time_.append(size, time, back);
-            way_.append(size, dot(start - o, d), back);
-            paths_.append(size, iota() + UInt(std::uint32_t(i)), back);
-            size += std::size_t(count(back));
+            const Mask passed = hidden | (single & (dot(d, s.ng) > Float(0)));
+            if (none(passed)) continue;
+            const Vec3 start = fma(flip_sign(s.ng, dot(d, s.ng)), s.offset, s.p);
+            origin_.append(size, start, passed);
+            direction_.append(size, d, passed);
+            time_.append(size, time, passed);
+            way_.append(size, dot(start - o, d), passed);
+            paths_.append(size, iota() + UInt(std::uint32_t(i)), passed);
+            size += std::size_t(count(passed));
         }
         return size;
     }

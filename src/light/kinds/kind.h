@@ -40,7 +40,7 @@ public:
     Float radius() const { return value(&LightRecord::radius); }
     Float outer() const { return value(&LightRecord::outer); }
     Float falloff() const { return value(&LightRecord::falloff); }
-    UInt two_sided() const { return integer(&LightRecord::two_sided); }
+    Mask has(LightRecord::Flags flag) const { return (integer(&LightRecord::flags) & UInt(flag)) != UInt(0); }
     UInt material() const { return integer(&LightRecord::material); }
     UInt primitive() const { return integer(&LightRecord::primitive); }
     UInt tree_place() const { return integer(&LightRecord::tree_place); }

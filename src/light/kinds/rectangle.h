@@ -48,7 +48,7 @@ struct RectangleLight {
         const Vec3 corner = light.position() - p;
         // Those behind a light that shines to one side need no good sample.
         const Mask large =
-            active & sees_rectangle_large(light, p) & ((light.two_sided() != UInt(0)) | (dot(corner, n) < Float(0)));
+            active & sees_rectangle_large(light, p) & (light.has(LightRecord::two_sided) | (dot(corner, n) < Float(0)));
         if (any(large)) return detail::sample_large_rectangle(light, corner, random, large);
         const Vec3 to =
             fma(light.edge_u(), random.x * light.length_u(), fma(light.edge_v(), random.y * light.length_v(), corner));

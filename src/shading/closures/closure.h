@@ -99,14 +99,15 @@ struct MeasuredPoint {
 struct MaterialPoint {
     Spectrum base_color;
     Float roughness, metallic, ior, fuzz;
-    Mask entering;          ///< the path comes from the side of the geometric normal
-    Mask thin;              ///< without thickness
-    Mask sheet;             ///< thin: of two boundaries, between which light goes to and fro
-    Mask beckmann{false};   ///< facets are Beckmann's
-    Mask separable{false};  ///< what hides facets from one direction says nothing of the other
-    Mask compensated;       ///< scaled for what facets scatter more than once
-    Mask nonlinear{true};   ///< plastic: light below the boundary is coloured each time
-    Float across{0};        ///< hair: where the path met the fibre across its width, -1 to 1 along the frame's y
+    Mask entering;                     ///< the path comes from the side of the geometric normal
+    Mask thin;                         ///< without thickness
+    Mask sheet;                        ///< thin: of two boundaries, between which light goes to and fro
+    Mask beckmann{false};              ///< facets are Beckmann's
+    Mask separable{false};             ///< what hides facets from one direction says nothing of the other
+    Mask compensated;                  ///< scaled for what facets scatter more than once
+    Mask nonlinear{true};              ///< plastic: light below the boundary is coloured each time
+    Spectrum specular_tint{Float(1)};  ///< glass, plastic: multiplies what the boundary reflects
+    Float across{0};  ///< hair: where the path met the fibre across its width, -1 to 1 along the frame's y
 };
 /// Of a surface of layers. Apart, since it is fifty times the registers that others need.
 struct LayeredMaterialPoint : MaterialPoint {

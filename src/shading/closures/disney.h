@@ -9,7 +9,8 @@ namespace fathom::inline FATHOM_LANES {
 /// that there may be a little more light than came. Facets are GGX's with separable shadowing, drawn out along the
 /// tangent.
 ///
-/// A solid has its diffuse lobe, coat and sheen on its outside, and facets that reflect and refract on both; what is
+/// A solid has its diffuse lobe, coat and sheen on its outside, and facets that reflect and refract on both; a surface
+/// that passes no light encloses no solid, and its back reflects as its front. What is
 /// thin has no metal and no coat, reflects and passes light straight on, and passes it diffusely.
 ///
 /// passes: whether any light gets to the other side
@@ -28,7 +29,7 @@ public:
           color_(m.base_color),
           roughness_(m.roughness),
           metallic_(select(m.thin, Float(0), m.metallic)),
-          eta_(select(m.entering | m.thin, m.ior, Float(1) / m.ior)),
+          eta_(passes ? select(m.entering | m.thin, m.ior, Float(1) / m.ior) : m.ior),
           thin_(m.thin),
           within_(passes ? !m.entering & !m.thin : Mask(false)),
           coat_(m.disney.coat_gloss),

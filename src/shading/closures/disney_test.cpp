@@ -125,6 +125,19 @@ TEST(Disney, OpaqueOnesAreTheSame)
     }
 }
 
+/// What passes no light is no solid, whose boundary would reflect totally from within: Mitsuba's `twosided`.
+TEST(Disney, BacksOfOpaqueOnesAreAsFronts)
+{
+    for (const Name name : {plain, metal, coat, sheen, tint, flat})
+        for (const double degrees : {10.0, 60.0, 80.0}) {
+            const DisneyBsdf<false> front(point(surfaces[name])), back(point(surfaces[name], false));
+            const Vec3 wo = outgoing(degrees), wi = outgoing(-40);
+            const BsdfEval a = front.eval(wo, wi), b = back.eval(wo, wi);
+            EXPECT_EQ(first(a.f_cos.c[0]), first(b.f_cos.c[0])) << names[name] << ' ' << degrees;
+            EXPECT_EQ(first(a.pdf), first(b.pdf)) << names[name] << ' ' << degrees;
+        }
+}
+
 TEST(Disney, Sampling)
 {
     for (const double degrees : {10.0, 60.0})

@@ -32,6 +32,7 @@ public:
         : roughness_(sampled_roughness(m)),
           ggx_({max(sampled_alpha(m), Float(min_alpha))}, m.beckmann, m.separable),
           color_(m.base_color),
+          reflected_(m.specular_tint),
           is_thin_(m.thin),
           is_sheet_(m.sheet),
           is_compensated_(m.compensated)
@@ -104,11 +105,11 @@ private:
         const Float albedo = select(is_thin_, ggx_albedo(wo.z, roughness_), dielectric_albedo(wo.z, roughness_, eta_));
         return select(scaled, Float(1) / albedo, Float(1));
     }
-    Spectrum tint(Mask reflects) const { return select(reflects, Spectrum(Float(1)), color_); }
+    Spectrum tint(Mask reflects) const { return select(reflects, reflected_, color_); }
 
     Float roughness_;
     Facets<Ggx> ggx_;
-    Spectrum color_;
+    Spectrum color_, reflected_;  ///< of what passes, and of what is reflected
     Float eta_;
     Mask is_thin_, is_sheet_, is_compensated_, is_smooth_;
 };

@@ -47,6 +47,23 @@ TEST(Glass, ColourIsWhatASolidLeavesOfLightThatWentInAndOut)
     }
 }
 
+/// A tint takes from what is reflected, and from nothing that passes.
+TEST(Glass, TintOfReflections)
+{
+    for (const float roughness : {0.f, 0.5f}) {
+        MaterialPoint white = material(1, roughness), tinted = white;
+        tinted.specular_tint = Spectrum(Float(0.25f));
+        for (const float u1 : {0.001f, 0.999f}) {
+            const Sample2 u{Float(0.3f), Float(0.6f)};
+            const BsdfSample a = GlassBsdf(white).sample(outgoing(40), u, Float(u1)),
+                             b = GlassBsdf(tinted).sample(outgoing(40), u, Float(u1));
+            const double factor = first(a.wi.z) > 0 ? 0.25 : 1;
+            EXPECT_EQ(first(a.wi.z) > 0, u1 < 0.5f);
+            EXPECT_NEAR(first(b.weight.c[0]), factor * first(a.weight.c[0]), 1e-6) << roughness << ' ' << u1;
+        }
+    }
+}
+
 MaterialPoint sheet(float color, float roughness)
 {
     MaterialPoint m = material(color, roughness);

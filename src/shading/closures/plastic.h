@@ -32,6 +32,7 @@ public:
           mirrors_(is_mirror(m.roughness)),
           facets_(select(m.compensated, UInt(compensated),
                          select(m.beckmann, UInt(beckmann), select(m.separable, UInt(separable), UInt(correlated))))),
+          tint_(m.specular_tint),
           ior_(clamp(m.ior, Float(1), Float(3))),
           thickness_(m.fuzz)
     {
@@ -64,7 +65,8 @@ public:
         const Float passes_out = passes(wo.z), cosine = wi.z * Float(inv_pi);
         const Float body = passes_out * passes(wi.z) * absorbed_less(wo.z, wi.z) * cosine;
         BsdfEval r;
-        for (int i = 0; i < channels; ++i) r.f_cos.c[i] = select(valid, fma(body_.c[i], body, boundary), Float(0));
+        for (int i = 0; i < channels; ++i)
+            r.f_cos.c[i] = select(valid, fma(body_.c[i], body, tint_.c[i] * boundary), Float(0));
         const Float p = boundary_probability(passes_out);
         r.pdf = select(valid, fma(p, ggx_.g1(wo) * d * scale, (Float(1) - p) * cosine), Float(0));
         return r;
@@ -132,7 +134,8 @@ private:
     Float roughness_;
     Facets<Ggx> ggx_;
     Mask mirrors_;
-    UInt facets_;  ///< which part of the tables
+    UInt facets_;    ///< which part of the tables
+    Spectrum tint_;  ///< of what the boundary reflects
     Float ior_, thickness_, most_body_;
     Spectrum body_;  ///< but for what passes the boundary, and 1 / pi
 };

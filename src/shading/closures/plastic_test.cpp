@@ -36,6 +36,17 @@ TEST(Plastic, WhiteFurnace)
                     << degrees << " " << roughness << " " << ior;
 }
 
+/// A tint takes from what the boundary reflects, and from nothing else.
+TEST(Plastic, TintOfTheBoundary)
+{
+    MaterialPoint black = plastic(0, 0.4f), white = plastic(1, 0.4f), tinted = white;
+    tinted.specular_tint = Spectrum(Float(0.25f));
+    const Vec3 wo = outgoing(30), wi = outgoing(-50);
+    const auto value = [&](const MaterialPoint& m) { return double(first(PlasticBsdf(m).eval(wo, wi).f_cos.c[0])); };
+    EXPECT_NEAR(value(tinted), value(white) - 0.75 * value(black), 1e-6);
+    EXPECT_GT(value(black), 0.01);
+}
+
 /// Swapped directions give the same.
 TEST(Plastic, IsReciprocal)
 {

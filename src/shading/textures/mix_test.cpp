@@ -41,5 +41,20 @@ TEST(MixTexture, MixesTexturesByAChannelOfAThird)
     }
 }
 
+/// By the weights of Rec. 709, for all lanes alike and for each its own.
+TEST(MixTexture, FactorsByLuminance)
+{
+    TextureFixture f;
+    TextureRecord mix = TextureFixture::of(TextureKind::mix);
+    mix.color_a = {0, 0, 0, 1}, mix.color_b = {1, 1, 1, 1};
+    mix.factor_texture = f.add_color(0.5f, 0.25f, 0.75f, 0.1f);
+    mix.factor = 1;
+    mix.factor_channel = luminance_channel;
+    EXPECT_NEAR(f.at(f.add(mix))[0], 0.33925, 1e-6);
+    const Texel texel{{Float(0.5f), Float(0.25f), Float(0.75f), Float(0.1f)}};
+    EXPECT_NEAR(first(texel.channel(UInt(std::uint32_t(luminance_channel)))), 0.33925, 1e-6);
+    EXPECT_EQ(first(texel.channel(UInt(3u))), 0.1f);
+}
+
 }  // namespace
 }  // namespace fathom::test

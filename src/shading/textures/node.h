@@ -13,11 +13,16 @@ namespace fathom::inline FATHOM_LANES {
 struct Texel {
     Float c[4];
 
-    /// 0 red to 3 alpha, for each lane its own.
+    /// Luminance by the weights of Rec. 709.
+    Float luminance() const { return fma(c[0], Float(0.2126f), fma(c[1], Float(0.7152f), c[2] * Float(0.0722f))); }
+    /// 0 red to 3 alpha, 4 luminance, for each lane its own.
     Float channel(UInt i) const
     {
-        return select(i == UInt(0), c[0], select(i == UInt(1), c[1], select(i == UInt(2), c[2], c[3])));
+        const Float plain = select(i == UInt(0), c[0], select(i == UInt(1), c[1], select(i == UInt(2), c[2], c[3])));
+        return select(i == UInt(std::uint32_t(luminance_channel)), luminance(), plain);
     }
+    /// Channel i of all lanes.
+    Float common_channel(std::uint32_t i) const { return i == std::uint32_t(luminance_channel) ? luminance() : c[i]; }
 };
 
 /// Where a texture is looked up.
@@ -47,7 +52,7 @@ public:
     Float factor(const TextureRecord& t, const TexturePoint& at, Mask m) const
     {
         if (t.factor_texture == no_index) return Float(t.factor);
-        return evaluate(tables.textures[t.factor_texture], at, m).c[t.factor_channel] * Float(t.factor);
+        return evaluate(tables.textures[t.factor_texture], at, m).common_channel(t.factor_channel) * Float(t.factor);
     }
     /// From color_a (0) to color_b (1).
     Texel mix(const TextureRecord& t, Float amount, const TexturePoint& at, Mask m) const

@@ -1,0 +1,232 @@
+// Mitsuba: opacity, blends and emission together, two-sided bsdfs, and pictures that stand for numbers.
+#include <fmt/format.h>
+
+#include "mitsuba_fixture.h"
+
+namespace fathom::test {
+namespace {
+
+constexpr const char* red = R"(<bsdf type="diffuse"><rgb name="reflectance" value="1 0 0"/></bsdf>)";
+constexpr const char* lamp = R"(<emitter type="area"><rgb name="radiance" value="2 1 0.5"/></emitter>)";
+
+std::string masked(const std::string& opacity, const std::string& bsdf)
+{
+    return fmt::format(R"(<bsdf type="mask"><float name="opacity" value="{}"/>{}</bsdf>)", opacity, bsdf);
+}
+std::string picture(const std::string& name, const std::string& more = "")
+{
+    return fmt::format(R"(<texture type="bitmap" name="{}"><string name="filename" value="p.png"/>{}</texture>)", name,
+                       more);
+}
+constexpr const char* raw = R"(<boolean name="raw" value="true"/>)";
+
+class MitsubaOpacity : public Mitsuba {
+protected:
+    SceneDescription plate(const std::string& inside)
+    {
+        return read("<shape type=\"rectangle\">" + inside + "</shape>");
+    }
+    const Material& part(const SceneDescription& scene, int index) { return scene.materials.at(std::size_t(index)); }
+};
+
+/// Mitsuba adds the whole radiance at each hit, and only what is scattered goes by opacity.
+TEST_F(MitsubaOpacity, EmissionIsNotScaled)
+{
+    const auto shown = [](const Material& m) {
+        return m.alpha_mode == AlphaMode::opaque ? m.emission.value.r : m.emission.value.r * m.alpha.value;
+    };
+    for (const char* opacity : {"0.5", "0.25", "1"}) {
+        const Material m = material_of(plate(masked(opacity, red) + lamp));
+        EXPECT_NEAR(shown(m), 2, 1e-6) << opacity;
+        EXPECT_FALSE(m.emission_two_sided);
+    }
+    // Where nothing, or hardly anything, is there to be hit: a sheet that shines and lets all pass.
+    const Material nothing = material_of(plate(std::string(R"(<bsdf type="null"/>)") + lamp));
+    EXPECT_EQ(nothing.kind, MaterialKind::glass);
+    EXPECT_TRUE(nothing.thin);
+    EXPECT_EQ(nothing.ior, 1);
+    EXPECT_EQ(nothing.alpha_mode, AlphaMode::opaque);
+    expect_color(nothing.emission.value, 2, 1, 0.5);
+    for (const std::string& bsdf :
+         {masked("0.01", red), masked("0", red), "<bsdf type=\"mask\">" + picture("opacity") + red + "</bsdf>"}) {
+        const SceneDescription scene = plate(bsdf + lamp);
+        const Material& m = material_of(scene);
+        ASSERT_EQ(m.kind, MaterialKind::mix) << bsdf;
+        EXPECT_EQ(m.alpha_mode, AlphaMode::opaque);
+        expect_color(m.emission.value, 2, 1, 0.5);
+        EXPECT_EQ(part(scene, m.material_a).ior, 1);
+        EXPECT_EQ(part(scene, m.material_b).kind, MaterialKind::diffuse);
+        EXPECT_EQ(part(scene, m.material_b).alpha_mode, AlphaMode::opaque);
+    }
+}
+
+TEST_F(MitsubaOpacity, MasksMultiply)
+{
+    EXPECT_NEAR(bsdf(masked("0.5", masked("0.6", red))).alpha.value, 0.3, 1e-6);
+    EXPECT_EQ(bsdf(masked("0.5", R"(<bsdf type="null"/>)")).alpha.value, 0) << "half of nothing is nothing";
+    const SceneDescription scene = plate("<bsdf type=\"mask\">" + picture("opacity") + "<bsdf type=\"mask\">" +
+                                         picture("opacity", raw) + red + "</bsdf></bsdf>");
+    const FloatInput& alpha = material_of(scene).alpha;
+    ASSERT_GE(alpha.texture, 0);
+    EXPECT_EQ(scene.textures.at(std::size_t(alpha.texture)).kind, TextureKind::scale);
+    EXPECT_NEAR(
+        bsdf(fmt::format(R"(<bsdf type="blendbsdf"><float name="weight" value="0.25"/>{}<bsdf type="null"/></bsdf>)",
+                         masked("0.4", red)))
+            .alpha.value,
+        0.3, 1e-6);
+}
+
+/// By hand: of 0.4 and 0.6 parts, whose opacities are 0.5 and 1, 0.8 are met, three quarters of which are the second.
+TEST_F(MitsubaOpacity, BlendsOfMasks)
+{
+    const std::string open = R"(<bsdf type="blendbsdf"><float name="weight" value="0.6"/>)";
+    const Material m = bsdf(open + masked("0.5", red) + "<bsdf type=\"conductor\"/></bsdf>");
+    EXPECT_NEAR(m.alpha.value, 0.8, 1e-6);
+    EXPECT_NEAR(m.factor.value, 0.75, 1e-6);
+    const Material alike = bsdf(open + masked("0.5", red) + masked("0.5", R"(<bsdf type="plastic"/>)") + "</bsdf>");
+    EXPECT_EQ(alike.alpha.value, 0.5f);
+    EXPECT_EQ(alike.factor.value, 0.6f);
+    const SceneDescription scene =
+        plate(open + "<bsdf type=\"mask\">" + picture("opacity") + red + "</bsdf><bsdf type=\"conductor\"/></bsdf>");
+    const Material& textured = material_of(scene);
+    EXPECT_EQ(textured.alpha_mode, AlphaMode::opaque);
+    const Material& first = part(scene, textured.material_a);
+    ASSERT_EQ(first.kind, MaterialKind::mix);
+    EXPECT_EQ(part(scene, first.material_a).ior, 1) << "light goes straight on";
+    EXPECT_TRUE(warnings_.empty());
+}
+
+/// Two plain bsdfs become one, unless only one of them reflects on its back.
+TEST_F(MitsubaOpacity, BlendsOfSides)
+{
+    const auto blend = [&](const char* second) {
+        return bsdf(
+            fmt::format(R"(<bsdf type="blendbsdf"><float name="weight" value="0.3"/>{}{}</bsdf>)", red, second));
+    };
+    EXPECT_EQ(blend(R"(<bsdf type="diffuse"/>)").kind, MaterialKind::diffuse);
+    EXPECT_EQ(blend(R"(<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>)").kind, MaterialKind::mix);
+}
+
+/// Both parts of a mixture are bent, in copies: the bsdfs themselves may stand elsewhere, too.
+TEST_F(MitsubaOpacity, BumpsOfMixtures)
+{
+    const std::string map = R"(<bsdf type="bumpmap"><texture type="checkerboard"/>)";
+    for (const std::string& two :
+         {fmt::format(R"(<bsdf type="blendbsdf"><float name="weight" value="0.5"/>{}{}</bsdf>)", red,
+                      R"(<bsdf type="conductor"/>)"),
+          fmt::format(R"(<bsdf type="twosided">{}<bsdf type="plastic"/></bsdf>)", red)}) {
+        const SceneDescription scene = plate(map + two + "</bsdf>");
+        const Material& m = material_of(scene);
+        for (const int index : {m.material_a, m.material_b}) EXPECT_GE(part(scene, index).bump.texture, 0) << two;
+        const auto plain = std::count_if(scene.materials.begin(), scene.materials.end(), [](const Material& other) {
+            return other.kind != MaterialKind::mix && other.kind != MaterialKind::two_sided && other.bump.texture < 0;
+        });
+        EXPECT_EQ(plain, 2);
+    }
+    EXPECT_TRUE(warnings_.empty());
+}
+
+/// As Mitsuba 3.9.1 has them: 8- and 16-bit pictures are decoded unless they are raw; of colors the luminance counts.
+TEST_F(MitsubaOpacity, PicturesForNumbers)
+{
+    const auto input = [&](const std::string& bsdf, FloatInput Material::* member, ColorSpace space) {
+        const SceneDescription scene = plate(bsdf);
+        const Material& m = material_of(scene);
+        FloatInput found = m.*member;
+        ASSERT_GE(found.texture, 0) << bsdf;
+        if (scene.textures[std::size_t(found.texture)].kind == TextureKind::ramp)
+            found = scene.textures[std::size_t(found.texture)].factor;
+        EXPECT_EQ(found.channel, luminance_channel) << bsdf;
+        EXPECT_EQ(scene.textures.at(std::size_t(found.texture)).color_space, space) << bsdf;
+    };
+    for (const bool is_raw : {false, true}) {
+        const ColorSpace space = is_raw ? ColorSpace::linear : ColorSpace::srgb;
+        const auto with = [&](const char* type, const char* name, const char* inside = "") {
+            return fmt::format(R"(<bsdf type="{}">{}{}</bsdf>)", type, picture(name, is_raw ? raw : ""), inside);
+        };
+        input(with("roughconductor", "alpha"), &Material::roughness, space);
+        input(with("roughplastic", "alpha"), &Material::roughness, space);
+        input(with("mask", "opacity", red), &Material::alpha, space);
+        input(with("bumpmap", "map", red), &Material::bump, space);
+        const std::pair<const char*, FloatInput Material::*> principled[] = {{"roughness", &Material::roughness},
+                                                                             {"metallic", &Material::metallic},
+                                                                             {"anisotropic", &Material::anisotropy},
+                                                                             {"spec_trans", &Material::transmission},
+                                                                             {"clearcoat", &Material::coat},
+                                                                             {"clearcoat_gloss", &Material::coat_gloss},
+                                                                             {"sheen", &Material::sheen},
+                                                                             {"sheen_tint", &Material::sheen_tint},
+                                                                             {"flatness", &Material::flatness},
+                                                                             {"spec_tint", &Material::specular_tint}};
+        for (const auto& [name, member] : principled) input(with("principled", name), member, space);
+        input(with("principledthin", "diff_trans"), &Material::diffuse_transmission, space);
+        input(with("blendbsdf", "weight", R"(<bsdf type="conductor"/><bsdf type="plastic"/>)"), &Material::factor,
+              space);
+    }
+    EXPECT_TRUE(warnings_.empty());
+    // A constant color is the mean of its three numbers instead.
+    EXPECT_NEAR(bsdf(R"(<bsdf type="principled"><rgb name="roughness" value="0.2 0.5 0.8"/></bsdf>)").roughness.value,
+                0.5, 1e-6);
+}
+
+/// Normals that are not raw are decoded as well, which is seldom meant.
+TEST_F(MitsubaOpacity, NormalMapsAreDecoded)
+{
+    const auto space = [&](const std::string& more) {
+        const SceneDescription scene =
+            plate("<bsdf type=\"normalmap\">" + picture("normalmap", more) + red + "</bsdf>");
+        return scene.textures.at(std::size_t(material_of(scene).normal_texture)).color_space;
+    };
+    EXPECT_EQ(space(raw), ColorSpace::linear);
+    EXPECT_TRUE(warnings_.empty());
+    EXPECT_EQ(space(""), ColorSpace::srgb);
+    EXPECT_TRUE(is_told("most files mean 'raw' to be true"));
+}
+
+/// What boundaries reflect and let pass is multiplied by colors, which may be pictures.
+TEST_F(MitsubaOpacity, SpecularColors)
+{
+    const std::string colors =
+        R"(<rgb name="specular_reflectance" value="0.8 0.4 0.1"/><rgb name="specular_transmittance" value="0.2 0.5 1"/>)";
+    for (const char* type : {"dielectric", "roughdielectric", "thindielectric"}) {
+        const Material m = bsdf(fmt::format(R"(<bsdf type="{}">{}</bsdf>)", type, colors));
+        expect_color(m.specular_color.value, 0.8, 0.4, 0.1);
+        if (m.thin)
+            expect_color(m.transmission_color.value, 0.2, 0.5, 1);
+        else
+            expect_color(m.transmission_color.value, 0.04, 0.25, 1);
+    }
+    for (const char* type : {"plastic", "roughplastic"})
+        expect_color(
+            bsdf(fmt::format(R"(<bsdf type="{}"><rgb name="specular_reflectance" value="0.8 0.4 0.1"/></bsdf>)", type))
+                .specular_color.value,
+            0.8, 0.4, 0.1);
+    const SceneDescription scene = plate("<bsdf type=\"dielectric\">" + picture("specular_transmittance") +
+                                         picture("specular_reflectance") + "</bsdf>");
+    const Material& m = material_of(scene);
+    EXPECT_GE(m.specular_color.texture, 0);
+    const Texture& square = scene.textures.at(std::size_t(m.transmission_color.texture));
+    EXPECT_EQ(square.kind, TextureKind::scale);
+    EXPECT_EQ(square.color_a.texture, square.color_b.texture);
+    EXPECT_TRUE(warnings_.empty());
+}
+
+/// The camera looks through what shines, wherever the integrator stands, and sees nothing of the environment.
+TEST_F(MitsubaOpacity, HiddenEmitters)
+{
+    const std::string shapes = std::string("<emitter type=\"constant\"/><shape type=\"sphere\">") + lamp +
+                               "</shape><shape type=\"sphere\">" + red + "</shape>";
+    const std::string integrator =
+        R"(<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>)";
+    for (const std::string& text : {integrator + shapes, shapes + integrator}) {
+        const SceneDescription scene = read(text);
+        ASSERT_TRUE(scene.hints.background);
+        expect_color(*scene.hints.background, 0, 0, 0);
+        for (const Material& m : scene.materials) EXPECT_EQ(m.hidden_from_camera, m.emission.value.r > 0);
+    }
+    EXPECT_TRUE(warnings_.empty());
+    EXPECT_FALSE(read(shapes).hints.background);
+}
+
+}  // namespace
+}  // namespace fathom::test
