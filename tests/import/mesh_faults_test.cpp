@@ -70,6 +70,25 @@ TEST_F(MeshFaultsTest, OneLineForAKindAndAFile)
               "b.pbrt: 1 mesh contains degenerate triangles, 1 in all; ignored\n");
 }
 
+/// Materials that are not there, and elements with what is not supported: one line for a kind, too.
+TEST_F(MeshFaultsTest, OneLineForAKindOfMaterial)
+{
+    const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl x\nf 1 2 3\n";
+    EXPECT_EQ(warnings_of(write("a.obj", triangle + triangle)),
+              "a.obj: there is no material named 'x': gray is used\n");
+    EXPECT_EQ(warnings_of(write("b.obj", triangle + "usemtl y\nf 1 2 3\nusemtl z\nf 1 2 3\nusemtl y\nf 1 2 3\n")),
+              "b.obj: 3 materials are not defined, the first is 'x': gray is used\n");
+    std::string xml = "<scene version=\"3.0.0\">";
+    for (const char* const id : {"one", "two", "three"})
+        xml += std::string("<shape type=\"ellipsoids\" id=\"") + id + "\"/>";
+    warnings_ = {};
+    load_scene(write("a.xml", xml + "</scene>"), {}, warnings_);
+    ASSERT_EQ(warnings_.counts().size(), 1u);
+    EXPECT_EQ(warnings_.counts().begin()->second, 3u);
+    EXPECT_NE(warnings_.counts().begin()->first.find("shape 'ellipsoids' ('one' and 2 more): "), std::string::npos)
+        << warnings_.counts().begin()->first;
+}
+
 /// What Fathom makes triangles of has none without area, whatever the file makes of it.
 TEST_F(MeshFaultsTest, NoneOfQuadricsThatAreTessellated)
 {

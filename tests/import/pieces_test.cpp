@@ -166,6 +166,21 @@ TEST_F(Pieces, EndWhereLinesEnd)
     }
 }
 
+/// CR alone becomes LF, wherever the file is cut; that of CR LF stays.
+TEST_F(Pieces, EndWhereLinesEndWithCr)
+{
+    const std::string text = "v 1 2\rvt \\\r 4\r\n\r\rlast one\r";
+    for (std::size_t size = 1; size < text.size() + 3; ++size) {
+        InputFile input("a.obj", text);
+        LineBlocks blocks(input, size);
+        std::string all;
+        int count = 0;
+        for (std::string block; blocks.next(block); all += block, ++count) EXPECT_TRUE(block.ends_with('\n')) << size;
+        EXPECT_EQ(all, "v 1 2\nvt \\\n 4\r\n\n\nlast one\n") << size;
+        if (size == 1) EXPECT_GT(count, 1);
+    }
+}
+
 /// Lines of the usual kind are read by a shorter way.
 TEST_F(Pieces, UsualLinesAndOthersSayTheSame)
 {

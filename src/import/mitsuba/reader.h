@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -139,11 +140,19 @@ private:
     /// Their mesh as a shape's options have it.
     Mesh finished(Mesh mesh, Object& shape, bool flip_v);
 
+    /// Warns of an element: one line for each kind of element and message, with the id of the first one.
     void tell(const Element& element, const std::string& message);
+    void add_told_warnings();
     int add_node(Node node);
 
     const Document& document_;
     LoadContext& context_;
+    struct Told {
+        std::size_t times = 0;
+        std::string first_id;
+        std::set<std::string> ids;
+    };
+    std::map<std::pair<std::string, std::string>, Told> told_;  ///< by what an element is and the message
     SceneDescription scene_;
     int film_width_ = 768, film_height_ = 576;
     std::array<double, 2> crop_middle_{384, 288};  ///< of the part of the film that is the picture, in pixels

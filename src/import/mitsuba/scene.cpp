@@ -20,9 +20,24 @@ constexpr double degree = std::numbers::pi / 180;
 void Reader::tell(const Element& element, const std::string& message)
 {
     const std::string& id = element.attribute("id");
-    context_.warnings.add(fmt::format("{}: {} '{}'{}: {}", element.place.file ? *element.place.file : "",
-                                      printable(element.tag), printable(element.type()),
-                                      id.empty() ? "" : fmt::format(" ('{}')", printable(id)), message));
+    const std::string what = fmt::format("{}: {} '{}'", element.place.file ? *element.place.file : "",
+                                         printable(element.tag), printable(element.type()));
+    Told& told = told_[{what, message}];
+    ++told.times;
+    if (id.empty()) return;
+    if (told.ids.empty()) told.first_id = id;
+    told.ids.insert(id);
+}
+
+void Reader::add_told_warnings()
+{
+    for (const auto& [key, told] : told_) {
+        const std::size_t others = told.ids.empty() ? 0 : told.ids.size() - 1;
+        const std::string ids = told.ids.empty() ? ""
+                                : others == 0    ? fmt::format(" ('{}')", printable(told.first_id))
+                                                 : fmt::format(" ('{}' and {} more)", printable(told.first_id), others);
+        context_.warnings.add(fmt::format("{}{}: {}", key.first, ids, key.second), told.times);
+    }
 }
 
 SceneDescription Reader::read()
@@ -37,6 +52,7 @@ SceneDescription Reader::read()
     if (hides_emitters_)
         for (const int lamp : lamps_) scene_.materials[std::size_t(lamp)].hidden_from_camera = true;
     finish_media();
+    add_told_warnings();
     return std::move(scene_);
 }
 

@@ -34,6 +34,7 @@ public:
     {
         input_.skip_byte_order_mark();
         read_pieces();
+        warn_of_unknown_materials();
         if (positions_.empty()) throw Error(name_, "", "there are no vertices in it: is it an OBJ file?");
         join_ = {};
         scene_.file = name_;
@@ -256,8 +257,17 @@ private:
         auto found = materials_.find(name);
         if (found == materials_.end()) found = materials_.find(before_comment(name));
         material_ = found == materials_.end() ? -1 : found->second;
-        if (material_ < 0)
-            warnings_.add(fmt::format("{}: there is no material named '{}': grey is used", name_, printable(name)));
+        if (material_ < 0 && unknown_materials_.insert(std::string(name)).second && unknown_materials_.size() == 1)
+            first_unknown_material_ = name;
+    }
+    void warn_of_unknown_materials()
+    {
+        if (unknown_materials_.empty()) return;
+        const std::string first = printable(first_unknown_material_);
+        warnings_.add(unknown_materials_.size() == 1
+                          ? fmt::format("{}: there is no material named '{}': gray is used", name_, first)
+                          : fmt::format("{}: {} materials are not defined, the first is '{}': gray is used", name_,
+                                        with_commas(unknown_materials_.size()), first));
     }
 
     bool read_library_file(std::string_view name)
@@ -354,6 +364,8 @@ private:
     std::map<std::string, int, std::less<>> materials_;
     std::set<std::filesystem::path> libraries_;  ///< that were read
     std::map<int, int> colored_;
+    std::set<std::string> unknown_materials_;
+    std::string first_unknown_material_;
 
     std::string object_;
     int material_ = -1;
