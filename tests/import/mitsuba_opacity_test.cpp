@@ -175,6 +175,8 @@ TEST_F(MitsubaOpacity, NormalMapsAreDecoded)
     const auto space = [&](const std::string& more) {
         const SceneDescription scene =
             plate("<bsdf type=\"normalmap\">" + picture("normalmap", more) + red + "</bsdf>");
+        // Whatever the map's coordinates, its normals refer to the surface's own.
+        EXPECT_FALSE(material_of(scene).map_tangents);
         return scene.textures.at(std::size_t(material_of(scene).normal_texture)).color_space;
     };
     EXPECT_EQ(space(raw), ColorSpace::linear);

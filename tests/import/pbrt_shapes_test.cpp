@@ -221,6 +221,7 @@ TEST_F(Pbrt, HeightsBendNormals)
                                    "\"string normalmap\" \"n.png\"");
     EXPECT_LT(both.bump.texture, 0);
     EXPECT_GE(both.normal_texture, 0);
+    EXPECT_FALSE(both.map_tangents);
 }
 
 TEST_F(Pbrt, AlphaMakesHoles)

@@ -29,6 +29,7 @@ Material Reader::normal_mapped(Material m, int map)
     if (m.kind == MaterialKind::mix || m.kind == MaterialKind::two_sided)
         return bend_parts(std::move(m), [&](const Material& part) { return normal_mapped(part, map); });
     m.normal_texture = map;
+    m.map_tangents = false;
     return m;
 }
 
