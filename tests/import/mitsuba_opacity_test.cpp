@@ -185,6 +185,53 @@ TEST_F(MitsubaOpacity, NormalMapsAreDecoded)
     EXPECT_TRUE(is_told("most files mean 'raw' to be true"));
 }
 
+/// Within 'twosided' normals are mirrored behind a surface, around it they are turned round.
+TEST_F(MitsubaOpacity, BumpsBehindSurfaces)
+{
+    const std::string map = R"(<bsdf type="bumpmap"><texture type="checkerboard"/><float name="scale" value="0.25"/>)",
+                      two = "<bsdf type=\"twosided\">", end = "</bsdf>";
+    const SceneDescription within = plate(two + map + red + end + end);
+    const Material& m = material_of(within);
+    ASSERT_EQ(m.kind, MaterialKind::two_sided);
+    EXPECT_EQ(part(within, m.material_a).bump.value, 0.25f);
+    EXPECT_EQ(part(within, m.material_b).bump.value, -0.25f);
+    const SceneDescription around = plate(map + two + red + end + end);
+    EXPECT_EQ(material_of(around).bump.value, 0.25f);
+    EXPECT_NE(material_of(around).kind, MaterialKind::two_sided);
+    const SceneDescription other =
+        plate(two + red + "<bsdf type=\"normalmap\">" + picture("normalmap", raw) + red + end + end);
+    EXPECT_EQ(part(other, material_of(other).material_b).normal_scale, -1);
+    EXPECT_EQ(part(other, material_of(other).material_a).normal_texture, -1);
+    const SceneDescription masked_one = plate(two + "<bsdf type=\"mask\">" + map + red + end + end + end);
+    EXPECT_EQ(material_of(masked_one).alpha.value, 0.5f);
+    EXPECT_EQ(part(masked_one, material_of(masked_one).material_a).alpha_mode, AlphaMode::opaque);
+}
+
+/// Mitsuba's frame of a normal map is made of the direction of u and the normal, though rectangles show pictures
+/// upside down.
+TEST_F(MitsubaOpacity, FramesOfNormalMaps)
+{
+    const std::string map = "<bsdf type=\"normalmap\">" + picture("normalmap", raw) + red + "</bsdf>";
+    for (const char* said : {"", R"(<boolean name="flip_normals" value="true"/>)"}) {
+        const Mesh mesh = plate(said + map).meshes.at(0);
+        ASSERT_EQ(mesh.tangents.size(), 4u);
+        for (const Vec4f& t : mesh.tangents) {
+            EXPECT_NEAR(t.x, 1, 1e-6);
+            EXPECT_EQ(t.w, 1);
+        }
+    }
+    const std::string two = "<bsdf type=\"twosided\">" + map + red + "</bsdf>";
+    EXPECT_FALSE(plate(two).meshes.at(0).tangents.empty());
+    EXPECT_TRUE(plate("<bsdf type=\"diffuse\">" + picture("reflectance") + "</bsdf>").meshes.at(0).tangents.empty());
+    // Of a sphere, by hand: at the equator u goes round z, from +x to +y.
+    const Mesh ball = read("<shape type=\"sphere\">" + map + "</shape>").meshes.at(0);
+    for (std::size_t i = 0; i < ball.positions.size(); ++i)
+        if (std::abs(ball.positions[i].z) < 1e-3f) {
+            EXPECT_NEAR(ball.tangents[i].x, -ball.positions[i].y, 0.02);
+            EXPECT_NEAR(ball.tangents[i].y, ball.positions[i].x, 0.02);
+        }
+}
+
 /// What boundaries reflect and let pass is multiplied by colors, which may be pictures.
 TEST_F(MitsubaOpacity, SpecularColors)
 {

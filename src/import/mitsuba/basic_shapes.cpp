@@ -27,6 +27,36 @@ Transform between(Vec3d a, Vec3d b, double radius)
     return t;
 }
 
+bool has_normal_map(const SceneDescription& scene, const Material& m)
+{
+    if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided) return m.normal_texture >= 0;
+    return has_normal_map(scene, scene.materials[std::size_t(m.material_a)]) ||
+           has_normal_map(scene, scene.materials[std::size_t(m.material_b)]);
+}
+
+/// Tangents along growing u, with a bitangent of cross(normal, tangent) wherever v grows: Mitsuba's frame, whose second
+/// axis is not the picture's own on shapes that show it mirrored.
+void add_tangents(Mesh& mesh)
+{
+    std::vector<Vec3d> sums(mesh.positions.size()), normals(mesh.positions.size());
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        const std::uint32_t* const t = &mesh.indices[i];
+        const auto p = [&](std::size_t k) { return to_double(mesh.positions[t[k]]); };
+        const Vec3d a = p(1) - p(0), b = p(2) - p(0);
+        const Vec2f o = mesh.uvs[0][t[0]], u = mesh.uvs[0][t[1]], v = mesh.uvs[0][t[2]];
+        const double area = double((u.x - o.x) * (v.y - o.y) - (v.x - o.x) * (u.y - o.y));
+        const Vec3d along = (a * double(v.y - o.y) - b * double(u.y - o.y)) * (area < 0 ? -1 : 1);
+        for (std::size_t k = 0; k < 3; ++k) {
+            sums[t[k]] = sums[t[k]] + normalize(along);
+            normals[t[k]] = mesh.normals.empty() ? cross(a, b) : to_double(mesh.normals[t[k]]);
+        }
+    }
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        const Vec3d n = normalize(normals[i]), t = normalize(sums[i] - n * dot(n, sums[i]));
+        mesh.tangents.push_back({float(t.x), float(t.y), float(t.z), 1});
+    }
+}
+
 }  // namespace
 
 void flip(Mesh& mesh)
@@ -45,6 +75,12 @@ bool Reader::wants_uv(Object& shape)
     return reaches_uv(scene_, scene_.materials[std::size_t(material_of_shape(shape))]);
 }
 
+Shape Reader::add_textured(Mesh mesh, Object& shape)
+{
+    if (has_normal_map(scene_, scene_.materials[std::size_t(material_of_shape(shape))])) add_tangents(mesh);
+    return add_mesh(std::move(mesh));
+}
+
 Shape Reader::rectangle(Object& shape)
 {
     const bool flipped = shape.boolean("flip_normals", false);
@@ -57,7 +93,7 @@ Shape Reader::rectangle(Object& shape)
     mesh.uvs[0] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     mesh.indices = {0, 1, 2, 0, 2, 3};
     if (flipped) flip(mesh);
-    return add_mesh(std::move(mesh));
+    return add_textured(std::move(mesh), shape);
 }
 
 Shape Reader::sphere(Object& shape, Node& node)
@@ -77,7 +113,7 @@ Shape Reader::sphere(Object& shape, Node& node)
     Mesh mesh = turned(profile, circle, sides_of_circle);
     if (flipped) flip(mesh);
     node.parent_from_node = node.parent_from_node * Transform::translate(center);
-    return add_mesh(std::move(mesh));
+    return add_textured(std::move(mesh), shape);
 }
 
 Shape Reader::disk(Object& shape)
@@ -88,7 +124,7 @@ Shape Reader::disk(Object& shape)
     Mesh mesh = turned({{1, 0, 0, 1, 1}, {0, 0, 0, 1, 0}}, circle, sides_of_circle);
     for (Vec2f& uv : mesh.uvs[0]) std::swap(uv.x, uv.y);
     if (flipped) flip(mesh);
-    return add_mesh(std::move(mesh));
+    return add_textured(std::move(mesh), shape);
 }
 
 Shape Reader::cube(Object& shape)
@@ -108,7 +144,7 @@ Shape Reader::cube(Object& shape)
         for (const std::uint32_t corner : {0u, 1u, 2u, 3u, 0u, 2u}) mesh.indices.push_back(first + corner);
     }
     if (flipped) flip(mesh);
-    return add_mesh(std::move(mesh));
+    return add_textured(std::move(mesh), shape);
 }
 
 Shape Reader::cylinder(Object& shape, Node& node)
@@ -119,7 +155,7 @@ Shape Reader::cylinder(Object& shape, Node& node)
     node.parent_from_node = node.parent_from_node * between(a, b, radius);
     Mesh mesh = turned({{1, 0, 1, 0, 0}, {1, 1, 1, 0, 1}}, circle, sides_of_circle);
     if (shape.boolean("flip_normals", false)) flip(mesh);
-    return add_mesh(std::move(mesh));
+    return add_textured(std::move(mesh), shape);
 }
 
 }  // namespace fathom::mitsuba

@@ -33,6 +33,24 @@ Material Reader::normal_mapped(Material m, int map)
     return m;
 }
 
+bool Reader::is_bent(const Material& m) const
+{
+    if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided)
+        return m.normal_texture >= 0 || m.bump.texture >= 0;
+    return is_bent(scene_.materials[std::size_t(m.material_a)]) || is_bent(scene_.materials[std::size_t(m.material_b)]);
+}
+
+/// Behind a surface 'twosided' mirrors directions at it, and so the normals within it; here they are turned round,
+/// which leaves what is across the surface the other way round.
+Material Reader::bent_from_behind(Material m)
+{
+    if (m.kind == MaterialKind::mix || m.kind == MaterialKind::two_sided)
+        return bend_parts(std::move(m), [&](const Material& part) { return bent_from_behind(part); });
+    m.normal_scale = -m.normal_scale;
+    m.bump.value = -m.bump.value;
+    return m;
+}
+
 Material Reader::bumps(Object& bsdf)
 {
     const Material nested = read_nested(bsdf);

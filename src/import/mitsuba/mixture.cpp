@@ -35,10 +35,18 @@ Material Reader::two_sided(Object& bsdf)
 {
     const bool outer = std::exchange(two_sided_, true);
     Material m = read_nested(bsdf);
-    if (const std::vector<const Element*> nested = bsdf.children("bsdf"); nested.size() > 1) {
-        m = Material();
-        m.kind = MaterialKind::two_sided;
-        m.material_a = material(*nested[0]), m.material_b = material(*nested[1]);
+    const std::vector<const Element*> nested = bsdf.children("bsdf");
+    if (nested.size() > 1 || is_bent(m)) {
+        Material both;
+        both.kind = MaterialKind::two_sided;
+        if (nested.size() == 1) {
+            both.alpha_mode = std::exchange(m.alpha_mode, AlphaMode::opaque);
+            both.alpha = std::exchange(m.alpha, FloatInput{1, -1, 3});
+        }
+        both.material_a = nested.size() > 1 ? material(*nested[0]) : add_material(m);
+        if (nested.size() > 1) m = scene_.materials[std::size_t(material(*nested[1]))];
+        both.material_b = is_bent(m) || nested.size() == 1 ? add_material(bent_from_behind(m)) : material(*nested[1]);
+        m = both;
     }
     two_sided_ = outer;
     return m;

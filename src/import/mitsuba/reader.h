@@ -87,6 +87,8 @@ private:
     Material bumps(Object& bsdf);
     Material bumped(Material m, const FloatInput& height);
     Material normal_mapped(Material m, int map);
+    bool is_bent(const Material& m) const;
+    Material bent_from_behind(Material m);
     /// The same of both materials of a mixture, which are copied.
     template <class Bend>
     Material bend_parts(Material mixture, const Bend& bend);
@@ -129,6 +131,7 @@ private:
     std::optional<Shape> serialized(Object& shape);
     std::optional<Shape> sdf_grid(Object& shape);
     bool wants_uv(Object& shape);
+    Shape add_textured(Mesh mesh, Object& shape);
     Shape rectangle(Object& shape);
     Shape cylinder(Object& shape, Node& node);
     Shape sphere(Object& shape, Node& node);
