@@ -48,14 +48,11 @@ INSTANTIATE_TEST_SUITE_P(
         Case{R"({"materials": {"a/b~c": {"kind": "mirror"}}})",
              "/materials/a~1b~0c/kind: unknown value 'mirror'; known here: diffuse, metal, fuzz_metal, glass, "
              "plastic, hair, principled, disney, measured, unlit, none, mix, two_sided"},
-        Case{
-            R"({"materials": {"m": {"kind": "glass", "fuzz": 1}}})",
-            "/materials/m/fuzz: unknown key 'fuzz' in a material of kind 'glass'; known here: kind, color, beckmann, "
-            "separable_shadowing, thin, roughness, ior, attenuation_color, attenuation_distance, transmission_scatter, "
-            "transmission_scatter_anisotropy, transmission_scatter_bounces, priority, emission, emission_two_sided, "
-            "normal_map, normal_scale, "
-            "bump, displacement, displacement_midlevel, displacement_edge_length, "
-            "alpha, alpha_mode, alpha_cutoff, single_sided, use_vertex_color, emission_unit"},
+        Case{R"({"materials": {"m": {"kind": "fuzz_metal", "ior": 1}}})",
+             "/materials/m/ior: unknown key 'ior' in a material of kind 'fuzz_metal'; known here: kind, color, fuzz, "
+             "emission, emission_two_sided, normal_map, map_tangents, normal_scale, bump, displacement, "
+             "displacement_midlevel, displacement_edge_length, alpha, alpha_mode, alpha_cutoff, black_behind, "
+             "single_sided, hidden_from_camera, invisible_light, use_vertex_color, emission_unit"},
         Case{R"({"materials": {"m": {"kind": "metal", "conductor": "gild"}}})",
              "/materials/m/conductor: unknown value 'gild'; did you mean 'gold'?"},
         Case{R"({"materials": {"m": {"kind": "principled", "conductor": "gold", "metallic": 1}}})",
