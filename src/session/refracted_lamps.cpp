@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "compile/scene_data.h"
-#include "shading/records.h"
 
 namespace fathom {
 

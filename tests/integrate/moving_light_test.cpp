@@ -367,7 +367,8 @@ TEST(MovingLights, PointsSpotsProjectorsAndBeams)
 TEST(MovingLights, SpotsTurnTowardsTheFloor)
 {
     const Way way{"turns over", {0, 2, 0}, 2.8, {1, 0, 0}};
-    const Transform rest = Transform::translate({0.2, 1, 0}) * shining({0, 1, 0});
+    const Vec3d start{0.2, 1, 0}, in_the_end = floor_point - way.at(1).point(start);
+    const Transform rest = Transform::translate(start) * shining(Transform::rotate({1, 0, 0}, -2.8).vector(in_the_end));
     Floor floor;
     floor.samples = 1024;
     floor.shutter_close = 1;
