@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -10,8 +11,6 @@
 namespace fathom::cli {
 
 namespace {
-
-constexpr const char* file_type = "FILE";
 
 constexpr std::uint64_t largest_side = 1 << 24;
 
@@ -254,10 +253,10 @@ void Command::add_flag(const std::string& name, bool& flag, const std::string& h
 void Command::add_files(const std::string& name, std::vector<std::filesystem::path>& files, const std::string& help)
 {
     const auto take = [&files](const std::vector<std::string>& names) { files.assign(names.begin(), names.end()); };
-    app_.add_option_function<std::vector<std::string>>(name, take, help)
-        ->type_name(file_type)
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    file_lists_.push_back(app_.add_option_function<std::vector<std::string>>(name, take, help)
+                              ->type_name("FILE")
+                              ->expected(1)
+                              ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll));
 }
 
 void Command::add_positional(const std::string& name, std::filesystem::path& file, const std::string& help)
@@ -284,7 +283,8 @@ std::vector<std::string> Command::given(std::size_t first, std::size_t last) con
     const std::vector<CLI::Option*> options = app_.get_options();
     for (std::size_t i = first; i < last; ++i) {
         const CLI::Option& option = *options[i];
-        if (option.get_positional() || option.get_type_name() == file_type) continue;
+        const bool is_file_list = std::find(file_lists_.begin(), file_lists_.end(), &option) != file_lists_.end();
+        if (option.get_positional() || is_file_list) continue;
         const bool is_flag = option.get_expected_min() == 0;
         for (const std::string& value : option.results()) {
             words.push_back(option.get_name());

@@ -75,6 +75,7 @@ public:
 
 private:
     CLI::App& app_;
+    std::vector<const CLI::Option*> file_lists_;  ///< what add_files made
 };
 
 }  // namespace fathom::cli

@@ -103,7 +103,7 @@ class Info(CommandLine):
         """Mean and error are of the pixels that were rendered: those outside a crop are black, and have none."""
         self.put("even.json", json.dumps({
             "fathom": 1, "camera": {"position": [0, 0, 3], "look_at": [0, 0, 0]}, "environment": {"kind": "constant", "color": [0.5, 0.5, 0.5]},
-            "materials": {"m": {"kind": "diffuse", "color": [0.5, 0.5, 0.5]}}, "scene": [{"sphere": {"center": [0, 0, 0], "radius": 1}, "material": "m"}]}))
+            "materials": {"m": {"kind": "diffuse", "color": [0.5, 0.5, 0.5]}}, "scene": [{"sphere": {"center": [0, 0, 0], "radius": 0.5}, "material": "m"}]}))
         def noise(*words):
             self.ok("render", "even.json", "--size", "20x20", "--spp", "16", "--mergeable", "-q", "-o", "film.exr", *words, program=PROGRAM)
             return self.info("film.exr")["noise"]
