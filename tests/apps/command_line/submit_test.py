@@ -33,7 +33,8 @@ TOGETHER = {"--ocio-display": ["--ocio", "ocio://default"], "--ocio-view": ["--o
             "--ocio-look": ["--ocio", "ocio://default"], "--ocio-input": ["--ocio", "ocio://default"],
             "--sun-elevation": ["--light", "sun"], "--sun-azimuth": ["--light", "sun"], "--sun-direction": ["--light", "sun"],
             "--sun-place": ["--light", "sun", "--sun-date", "2026-06-21T12:00Z"],
-            "--sun-date": ["--light", "sun", "--sun-place", "50,8"], "--animation": ["--at", "1"]}
+            "--sun-date": ["--light", "sun", "--sun-place", "50,8"], "--animation": ["--at", "1"],
+            "--env-rotate": ["--env", "sky.hdr"], "--env-strength": ["--env", "sky.hdr"]}
 
 
 class Submit(CommandLine):
