@@ -67,6 +67,10 @@ TEST_F(RefractedLampsTest, SpotsShineIntoTheirCone)
     add_lamp(LightKind::spot);
     add_ball({0, 0, 4}, 1);
     EXPECT_EQ(warning(), "");
+    // A cone so wide that the look goes all around.
+    d.lights.back().outer_angle = 1.4;
+    EXPECT_EQ(warning(), "");
+    d.lights.back().outer_angle = 0.3;
     add_ball({0, 0, -4}, 2);
     expect_hidden("in front of it");
 }
