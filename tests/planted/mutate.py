@@ -124,7 +124,8 @@ class Tests:
     def programs(self, target):
         build = self.workshop.build / "bin"
         if target == "command line":
-            double, program, oidn = (str(build / name) for name in ("fathom_double", "fathom", "libfake_oidn.so"))
+            double, program = (str(build / name) for name in ("fathom_double", "fathom"))
+            oidn = str(self.workshop.build / "lib" / "libfake_oidn.so")
             for test in sorted((self.workshop.tree / "tests/apps/command_line").glob("*_test.py")):
                 yield test.stem, [sys.executable, str(test), double, program, oidn]
         elif target.endswith("_tests") or "_tests_" in target:
