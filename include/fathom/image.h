@@ -33,7 +33,7 @@ struct Image {
     };
     int width = 0, height = 0;
     bool is_linear = false;  ///< of a picture that was read: its values are radiance (EXR, HDR, PFM), not encoded
-    /// Of an EXR or HDR that was read and says so; else its colors are of Rec.709.
+    /// Primaries that an EXR or HDR file states for its colors; without them the colors are Rec.709.
     std::optional<Chromaticities> chromaticities;
     std::vector<Layer> layers;
     std::vector<UintChannel> uint_channels;

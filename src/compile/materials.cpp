@@ -181,7 +181,7 @@ bool has_other_tangents(const Compiler& c, int texture)
     return TextureMapping(t.mapping) == TextureMapping::uv && (t.uv_set != 0 || !keeps_directions);
 }
 
-/// Of what glass and plastic reflect.
+/// Sets the color that multiplies reflections of glass and plastic.
 void set_tint(const ColorInput& color, MaterialRecord& t)
 {
     if (color.texture < 0 && color.value == Color{1, 1, 1}) return;

@@ -72,7 +72,7 @@ int picture_rank(const std::string& layer, const std::vector<std::string>& chann
     return by_channels + by_name;
 }
 
-/// Of the best layer of a part; nothing where OpenEXR does not read it as a picture.
+/// The rank of a part by its best layer, lower is better; nothing where OpenEXR does not read the part as an image.
 std::optional<int> part_rank(const Imf::Header& header)
 {
     if (header.hasType() && header.type() != Imf::SCANLINEIMAGE && header.type() != Imf::TILEDIMAGE) return {};
@@ -128,7 +128,7 @@ void check_sizes(const EncodedImage& file, const std::vector<Imf::Header>& heade
     }
 }
 
-/// What the file says of its colours; those that nothing can be computed from are damage.
+/// Returns the primaries that the file states. Throws Error where no conversion follows from them.
 std::optional<Chromaticities> read_chromaticities(const EncodedImage& file, const Imf::Header& header)
 {
     if (!Imf::hasChromaticities(header)) return {};

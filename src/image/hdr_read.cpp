@@ -82,7 +82,7 @@ void read_codes(const EncodedImage& file, Bytes& bytes, Rgbe first, std::vector<
     }
 }
 
-/// What the lines of the header say of the values.
+/// The factors and primaries that the header states for the pixel values.
 struct HdrHeader {
     std::array<double, 3> divisor{1, 1, 1};  ///< exposure and color correction, which were multiplied onto the values
     std::optional<Chromaticities> chromaticities;

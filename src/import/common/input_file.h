@@ -26,7 +26,7 @@ public:
 
     /// What it begins with: 4 KB, or all there is. Wherever it has been read to.
     std::string_view head() const { return std::string_view(start_).substr(0, 4096); }
-    /// Of text of which nothing was read: leaves out the byte order mark of UTF-8. Throws Error for other encodings.
+    /// Skips the byte order mark of UTF-8; call it before reading. Throws Error if the text is in UTF-16 or UTF-32.
     void skip_byte_order_mark();
     /// All of it. Afterwards pieces come from there. Throws Error if it does not fit into memory.
     const std::string& bytes();

@@ -17,7 +17,7 @@ public:
     LoadContext(const std::filesystem::path& file, bool confine, Warnings& warnings);
 
     Warnings& warnings;
-    /// Of all meshes that are read; load_scene_file makes warnings of them.
+    /// Faults of all meshes read so far; load_scene_file turns them into warnings.
     MeshFaults mesh_faults;
     /// What the scene's own file has beside the scene; the reader of a file with choices fills it.
     SceneFile offered;

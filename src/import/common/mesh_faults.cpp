@@ -6,7 +6,7 @@ namespace fathom {
 
 namespace {
 
-/// What is wrong, and what becomes of it.
+/// The two halves of a warning: the fault, and how it is treated.
 struct Text {
     const char *fault, *outcome;
 };

@@ -47,7 +47,7 @@ public:
         while (at_ != end_ && !is_space(*at_)) ++at_;
         return {start, std::size_t(at_ - start)};
     }
-    /// What is left of this line, comments included, without blanks around it.
+    /// The rest of this line, comments included, without surrounding blanks.
     std::string_view rest()
     {
         skip_blanks();

@@ -58,7 +58,7 @@ private:
 
     // texture.cpp: colours and what stands for them. Reflectances are at most 1.
     ColorInput color(Object& of, std::string_view name, Color otherwise);
-    /// Of a colored picture the luminance counts.
+    /// A color texture is read by its luminance.
     FloatInput number_or_texture(Object& of, std::string_view name, float otherwise);
     /// One colour; of a texture, which is told, grey.
     Color plain_color(Object& of, std::string_view name, Color otherwise);
@@ -89,7 +89,7 @@ private:
     Material normal_mapped(Material m, int map);
     bool is_bent(const Material& m) const;
     Material bent_from_behind(Material m);
-    /// The same of both materials of a mixture, which are copied.
+    /// Applies a bump or normal map to copies of both materials of a mixture.
     template <class Bend>
     Material bend_parts(Material mixture, const Bend& bend);
     Material two_sided(Object& bsdf);

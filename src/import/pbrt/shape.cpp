@@ -376,7 +376,7 @@ void Reader::read_shape(const Parameters& shape)
     Material& material = scene_.materials[std::size_t(found->material)];
     const bool is_unseen = alpha.texture < 0 && alpha.value == 0;
     if (is_new && surface.light && is_unseen) {
-        // Such a lamp lights in pbrt, but no ray meets it.
+        // An emissive shape of alpha 0 illuminates the scene in pbrt, but no ray hits it.
         material.invisible_light = true;
     } else if (is_new && !surface.alpha.empty() && (alpha.texture >= 0 || alpha.value < 1)) {
         material.alpha_mode = AlphaMode::blend;
