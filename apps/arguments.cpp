@@ -163,7 +163,7 @@ SampleRange parse_sample_range(const std::string& text)
     return range;
 }
 
-Color parse_colour(const std::string& text)
+Color parse_color(const std::string& text)
 {
     if (text == "black") return {0, 0, 0};
     if (text == "white") return {1, 1, 1};

@@ -37,7 +37,7 @@ Crop parse_crop(const std::string& text);
 /// `A:B`, A < B
 SampleRange parse_sample_range(const std::string& text);
 /// Linear colour of `#rrggbb` (sRGB), `r,g,b` or one number for grey (both linear), `black`, `white`.
-Color parse_colour(const std::string& text);
+Color parse_color(const std::string& text);
 /// Position of `text` in `words`.
 int parse_word(const std::string& text, const std::vector<std::string>& words);
 std::vector<std::string> split(const std::string& text, char separator);

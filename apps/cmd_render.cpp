@@ -24,7 +24,7 @@ namespace fathom::cli {
 namespace {
 
 /// What film and pictures take.
-std::vector<MemoryNeed> film_needs_of(const RenderOptions& o, const RenderSettings& settings)
+std::vector<MemoryEstimate> film_needs_of(const RenderOptions& o, const RenderSettings& settings)
 {
     FilmUse use;
     use.is_kept = !o.checkpoint.empty();
@@ -34,12 +34,12 @@ std::vector<MemoryNeed> film_needs_of(const RenderOptions& o, const RenderSettin
 }
 
 /// What scene and film take if the tree is built so.
-std::vector<MemoryNeed> needs_of(const RenderOptions& o, const LoadedScene& loaded, const RenderSettings& settings,
-                                 TreeBuild level)
+std::vector<MemoryEstimate> needs_of(const RenderOptions& o, const LoadedScene& loaded, const RenderSettings& settings,
+                                     TreeBuild level)
 {
-    std::vector<MemoryNeed> needs = memory_needs(loaded.description, level);
+    std::vector<MemoryEstimate> needs = estimate_memory(loaded.description, level);
     if (!o.only_sample)
-        for (MemoryNeed& need : film_needs_of(o, settings)) needs.push_back(std::move(need));
+        for (MemoryEstimate& need : film_needs_of(o, settings)) needs.push_back(std::move(need));
     return needs;
 }
 
@@ -52,24 +52,24 @@ LoadedScene load(const RenderOptions& o, Reporter& reporter, Warnings& warnings)
 /// Whether it is worth the time to learn where light comes from. Parts of one picture must agree on it.
 bool guiding_pays(const RenderOptions& o, const RenderPlan& plan)
 {
-    constexpr double least_in_all = 1 << 22, least_a_pixel = 8, least_s = 10;
+    constexpr double min_in_all = 1 << 22, min_a_pixel = 8, min_s = 10;
     if (o.mergeable || o.range || o.part || !o.checkpoint.empty()) return true;
-    if (o.time_s) return *o.time_s >= least_s;
+    if (o.time_s) return *o.time_s >= min_s;
     const double samples = double(plan.samples.value_or(default_samples));
-    return samples >= least_a_pixel && samples * plan.settings.width * plan.settings.height >= least_in_all;
+    return samples >= min_a_pixel && samples * plan.settings.width * plan.settings.height >= min_in_all;
 }
 
 /// The build that has the picture done soonest. A tree of high quality takes some 1.5 us more to build for each
 /// triangle, and saves some 5 % of a sample's microsecond (docs/performance.md).
 TreeBuild build_for(const SceneDescription& scene, double samples)
 {
-    constexpr double least_a_triangle = 32;
+    constexpr double min_a_triangle = 32;
     // How many triangles displacement makes is not known yet.
     for (const Material& material : scene.materials)
         if (material.displacement.value != 0) return TreeBuild::standard;
     double triangles = 0;
     for (const Mesh& mesh : scene.meshes) triangles += double(mesh.indices.size()) / 3;
-    return triangles > 0 && samples >= least_a_triangle * triangles ? TreeBuild::high : TreeBuild::standard;
+    return triangles > 0 && samples >= min_a_triangle * triangles ? TreeBuild::high : TreeBuild::standard;
 }
 
 /// Of all pictures of one tree, roughly; what an animation moves is built anew.
@@ -90,7 +90,7 @@ TreeBuild build_that_pays(const RenderOptions& o, const LoadedScene& loaded, con
 {
     const TreeBuild level = build_for(loaded.description, planned_samples(o, plan));
     double bytes = 0;
-    for (const MemoryNeed& need : needs_of(o, loaded, plan.settings, level)) bytes += need.bytes;
+    for (const MemoryEstimate& need : needs_of(o, loaded, plan.settings, level)) bytes += need.bytes;
     return bytes <= double(available_memory_bytes()) ? level : TreeBuild::standard;
 }
 
@@ -123,10 +123,10 @@ RenderPlan plan_for(const RenderOptions& o, const LoadedScene& loaded, std::opti
 /// The scene, compiled and lit; the plan then has what goes with its light.
 ///
 /// edit  kept only where further frames need it
-LitScene build(const RenderOptions& o, LoadedScene& loaded, RenderPlan& plan, std::optional<SceneEdit>& edit,
-               Reporter& reporter, Warnings& warnings)
+AutoLitScene build(const RenderOptions& o, LoadedScene& loaded, RenderPlan& plan, std::optional<SceneEdit>& edit,
+                   Reporter& reporter, Warnings& warnings)
 {
-    LitScene lit = [&] {
+    AutoLitScene lit = [&] {
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
         return compile_loaded(edit.emplace(take_edit(loaded, o.scene)), loaded, o.scene, plan.settings, warnings);
     }();
@@ -163,7 +163,7 @@ void tell_before(const RenderOptions& o, RenderPlan& plan, Reporter& reporter)
 SampleRange wanted_samples(const RenderOptions& o, const RenderPlan& plan)
 {
     if (o.range) return *o.range;
-    if (!o.part) return {0, plan.samples.value_or(most_samples)};
+    if (!o.part) return {0, plan.samples.value_or(max_samples)};
     if (o.part->count > *plan.samples)
         throw UsageError(fmt::format("--part: {} samples can't be cut in {} parts", *plan.samples, o.part->count));
     return samples_of_part(*o.part, *plan.samples);
@@ -185,7 +185,7 @@ int render_scene(RenderOptions& o, Ranks* ranks, Reporter& reporter)
     summary.load_s = seconds_since_start();
 
     std::optional<SceneEdit> edit;
-    LitScene lit = build(o, loaded, plan, edit, reporter, warnings);
+    AutoLitScene lit = build(o, loaded, plan, edit, reporter, warnings);
     summary.build_s = seconds_since_start() - summary.load_s;
     reporter.warnings(warnings);
     if (o.only_sample) return print_sample(*o.only_sample, RenderJob(lit.scene, plan.settings));

@@ -36,8 +36,8 @@ struct ViewOptions {
 /// A film, one more for passes that can be dropped, and what is shown of them.
 void check_memory_of(const ViewOptions& o, const LoadedScene& loaded, const RenderSettings& settings)
 {
-    std::vector<MemoryNeed> needs = memory_needs(loaded.description, loaded.build.value_or(TreeBuild::standard));
-    for (MemoryNeed& need : film_needs(settings, {.is_kept = true}, o.picture)) needs.push_back(std::move(need));
+    std::vector<MemoryEstimate> needs = estimate_memory(loaded.description, loaded.build.value_or(TreeBuild::standard));
+    for (MemoryEstimate& need : film_needs(settings, {.is_kept = true}, o.picture)) needs.push_back(std::move(need));
     check_memory(o.scene.file.string(), std::move(needs));
 }
 
@@ -70,7 +70,7 @@ int run_view(ViewOptions& o)
 
     check_memory_of(o, loaded, settings);
     const Bounds bounds = world_bounds(loaded.description);
-    LitScene lit = [&] {
+    AutoLitScene lit = [&] {
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
         SceneEdit edit = take_edit(loaded, o.scene);
         return compile_loaded(edit, loaded, o.scene, settings, warnings);
@@ -102,7 +102,7 @@ void add_view(CLI::App& program, Run& run)
     add_scene_options(command, options->scene);
     command.add_value(
         "--spp", "N", "samples a pixel at which to rest (default: the scene's, else 4096)",
-        [o = options.get()](const std::string& text) { o->samples = parse_integer(text, 1, most_samples); });
+        [o = options.get()](const std::string& text) { o->samples = parse_integer(text, 1, max_samples); });
     add_settings_options(command, options->settings);
     add_display_options(command, options->picture);
     command.add_value("--log-latency", "FILE", "write how long each camera move takes to be seen, milliseconds, as CSV",

@@ -13,7 +13,7 @@ constexpr double encoding = 28;         // or looking for fireflies, whichever t
 constexpr double encoding_modern = 56;  // WebP, AVIF
 constexpr double of_denoiser = 84;      // planes that Open Image Denoise is given, and that it gives
 /// What it works with besides, up to what it then cuts the picture in tiles for.
-constexpr double within_denoiser = 264, most_within_denoiser = 3e9;
+constexpr double within_denoiser = 264, max_within_denoiser = 3e9;
 /// A film in a file is packed, but how well is not known before.
 constexpr double of_copy = 17.0 / 16;
 
@@ -32,7 +32,8 @@ double encoding_bytes(const PictureOptions& pictures)
 
 }  // namespace
 
-std::vector<MemoryNeed> film_needs(const RenderSettings& settings, const FilmUse& use, const PictureOptions& pictures)
+std::vector<MemoryEstimate> film_needs(const RenderSettings& settings, const FilmUse& use,
+                                       const PictureOptions& pictures)
 {
     const double pixels = double(settings.width) * settings.height;
     const auto film = double(Film::bytes_per_pixel(settings));
@@ -46,7 +47,7 @@ std::vector<MemoryNeed> film_needs(const RenderSettings& settings, const FilmUse
         {"checkpoint", use.is_kept ? pixels * copy : 0},
         {"sums to be written", use.is_mergeable ? pixels * copy : 0},
         {"pictures", pixels * picture},
-        {"denoising", denoised ? pixels * of_denoiser + std::min(pixels * within_denoiser, most_within_denoiser) : 0}};
+        {"denoising", denoised ? pixels * of_denoiser + std::min(pixels * within_denoiser, max_within_denoiser) : 0}};
 }
 
 }  // namespace fathom::cli

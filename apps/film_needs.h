@@ -16,6 +16,7 @@ struct FilmUse {
 
 /// What a film, its copies and its pictures take at the most. More, for passes that can be dropped, is only taken where
 /// there is more.
-std::vector<MemoryNeed> film_needs(const RenderSettings& settings, const FilmUse& use, const PictureOptions& pictures);
+std::vector<MemoryEstimate> film_needs(const RenderSettings& settings, const FilmUse& use,
+                                       const PictureOptions& pictures);
 
 }  // namespace fathom::cli

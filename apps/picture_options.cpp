@@ -73,7 +73,7 @@ void add_display_options(Command& command, PictureOptions& options)
         "light of this temperature is white in PNG, JPEG, WebP, AVIF and window: 2700 for lamps, 6504 for "
         "daylight, which is as it is (default)",
         [&](const std::string& text) {
-            options.white_kelvin = parse_number(text, least_white_kelvin, most_white_kelvin);
+            options.white_kelvin = parse_number(text, min_white_kelvin, max_white_kelvin);
         });
     command.add_value(
         "--tonemap", "NAME",
@@ -135,8 +135,8 @@ WriteOptions write_options(const PictureOptions& options, const RenderHints& hin
     return write;
 }
 
-void use_light(const LitScene& lit, const PictureOptions& options, RenderSettings& settings, DisplayTransform& display,
-               Reporter& reporter)
+void use_light(const AutoLitScene& lit, const PictureOptions& options, RenderSettings& settings,
+               DisplayTransform& display, Reporter& reporter)
 {
     if (!lit.added.empty()) reporter.note(fmt::format("light: added {}", fmt::join(lit.added, ", ")));
     if (lit.exposure_ev && !options.exposure_ev) display.exposure_ev = *lit.exposure_ev;

@@ -40,8 +40,8 @@ bool writes_exr(const PictureOptions& options);
 WriteOptions write_options(const PictureOptions& options, const RenderHints& hints, Reporter& reporter);
 
 /// Tells which light was added, and takes what goes with it: its exposure and a backdrop, where no option says another.
-void use_light(const LitScene& lit, const PictureOptions& options, RenderSettings& settings, DisplayTransform& display,
-               Reporter& reporter);
+void use_light(const AutoLitScene& lit, const PictureOptions& options, RenderSettings& settings,
+               DisplayTransform& display, Reporter& reporter);
 
 /// "0:16,32:48"
 std::string text_of(const std::vector<SampleRange>& samples);

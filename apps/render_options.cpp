@@ -11,7 +11,7 @@ const std::vector<std::string> filter_names = {"box", "gaussian", "blackman-harr
 
 void add_settings_options(Command& command, SettingsOptions& o)
 {
-    constexpr std::uint64_t most_int = 1u << 30;
+    constexpr std::uint64_t max_int = 1u << 30;
     command.add_value("--seed", "N", "another seed, other noise (default 0)",
                       [&](const std::string& text) { o.seed = std::uint32_t(parse_integer(text, 0, 0xffffffffu)); });
     command.add_value("--threads", "N",
@@ -23,12 +23,12 @@ void add_settings_options(Command& command, SettingsOptions& o)
         "--filter-radius", "PIXELS",
         "how far the filter reaches (default: box 0.5, gaussian 2, four times its deviation, blackman-harris 1.65, "
         "tent 1)",
-        [&](const std::string& text) { o.filter_radius = parse_number(text, 0.01, most_filter_radius); });
+        [&](const std::string& text) { o.filter_radius = parse_number(text, 0.01, max_filter_radius); });
     command.add_value(
         "--max-depth", "N|none", "longest path in bounces (default none: a limit makes the picture darker)",
-        [&](const std::string& text) { o.max_depth = text == "none" ? -1 : int(parse_integer(text, 0, most_int)); });
+        [&](const std::string& text) { o.max_depth = text == "none" ? -1 : int(parse_integer(text, 0, max_int)); });
     command.add_value("--roulette-depth", "N", "bounces before Russian roulette (default 5)",
-                      [&](const std::string& text) { o.roulette_depth = int(parse_integer(text, 0, most_int)); });
+                      [&](const std::string& text) { o.roulette_depth = int(parse_integer(text, 0, max_int)); });
     command.add_value("--light-sampling", "on|off", "off: lights are only found by chance (default on)",
                       [&](const std::string& text) { o.light_sampling = parse_word(text, {"off", "on"}) == 1; });
     command.add_value("--light-selection", "tree|power|uniform",
@@ -57,7 +57,7 @@ void add_settings_options(Command& command, SettingsOptions& o)
                       "transparent (alpha in EXR and PNG; black in a window)",
                       [&](const std::string& text) {
                           o.transparent = text == "transparent";
-                          o.background = o.transparent ? Color{0, 0, 0} : parse_colour(text);
+                          o.background = o.transparent ? Color{0, 0, 0} : parse_color(text);
                       });
 }
 

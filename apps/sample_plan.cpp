@@ -36,7 +36,7 @@ std::uint64_t planned_number(const std::map<std::string, std::string>& attribute
     const std::string& text = found->second;
     std::uint64_t number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    return error == std::errc() && end == text.data() + text.size() && number <= most_samples ? number : 0;
+    return error == std::errc() && end == text.data() + text.size() && number <= max_samples ? number : 0;
 }
 
 std::uint64_t count_of(const std::vector<SampleRange>& ranges)

@@ -14,7 +14,7 @@ namespace {
 using nlohmann::ordered_json;
 
 /// So many rows of a table are read by people; --json has all.
-constexpr std::size_t most_rows = 30;
+constexpr std::size_t max_rows = 30;
 
 void line(const std::string& name, const std::string& value)
 {
@@ -41,17 +41,17 @@ std::string join(const ordered_json& values, const char* key)
         const std::string number = values.size() > 1 ? fmt::format("{}: ", texts.size()) : "";
         texts.push_back(fmt::format("{}{} ({})", number, name_of(value), std::string(value[key])));
     }
-    if (texts.size() > most_rows)
-        texts.back() = fmt::format("and {} more", texts.size() - most_rows),
-        texts.erase(texts.begin() + most_rows, texts.end() - 1);
+    if (texts.size() > max_rows)
+        texts.back() = fmt::format("and {} more", texts.size() - max_rows),
+        texts.erase(texts.begin() + max_rows, texts.end() - 1);
     return texts.empty() ? "none" : fmt::format("{}", fmt::join(texts, ", "));
 }
 
 /// Rows under a name, which the first of them has before it.
 void table(const std::string& name, const std::vector<std::string>& rows)
 {
-    for (std::size_t i = 0; i < rows.size() && i < most_rows; ++i) line(i == 0 ? name : "", rows[i]);
-    if (rows.size() > most_rows) line("", fmt::format("and {} more, which --json has", rows.size() - most_rows));
+    for (std::size_t i = 0; i < rows.size() && i < max_rows; ++i) line(i == 0 ? name : "", rows[i]);
+    if (rows.size() > max_rows) line("", fmt::format("and {} more, which --json has", rows.size() - max_rows));
 }
 
 void print_files(const ordered_json& info)

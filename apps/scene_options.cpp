@@ -273,7 +273,7 @@ void add_scene_options(Command& command, SceneOptions& options)
                           options.ground = text == "none"     ? GroundChoice::none
                                            : text == "shadow" ? GroundChoice::shadow
                                                               : GroundChoice::color;
-                          if (options.ground == GroundChoice::color) options.ground_color = parse_colour(text);
+                          if (options.ground == GroundChoice::color) options.ground_color = parse_color(text);
                       });
     command.add_value(
         "--build", "fast|standard|high|compact",
@@ -409,8 +409,8 @@ std::optional<Ground> ground_for(const SceneDescription& scene, const LoadedScen
 
 }  // namespace
 
-LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options,
-                        const RenderSettings& settings, Warnings& warnings)
+AutoLitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options,
+                            const RenderSettings& settings, Warnings& warnings)
 {
     if (options.light == LightChoice::studio && !options.environment.empty())
         throw UsageError("--light studio, --env: one of both lights the scene");

@@ -68,8 +68,8 @@ SceneEdit take_edit(LoadedScene& loaded, const SceneOptions& options);
 /// Compiles it, with light.
 ///
 /// settings  what is behind the scene: the ground goes over into it
-LitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options,
-                        const RenderSettings& settings, Warnings& warnings);
+AutoLitScene compile_loaded(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options,
+                            const RenderSettings& settings, Warnings& warnings);
 /// Brings it to another time.
 void set_time(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s);
 /// The camera after this share of a turn of a turntable: counter-clockwise, seen from above.

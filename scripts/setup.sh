@@ -96,7 +96,7 @@ install_missing() {
 }
 
 # group_folders ROOT: a line `limit-file folder` for each control group of memory that this process is in, and for all
-# above it: a limit of any of them holds. As src/scene/machine.cpp does it.
+# above it: a limit of any of them holds. As src/base/machine.cpp does it.
 group_folders() {
     local mounts=$1/sys/fs/cgroup line controllers group base file
     {

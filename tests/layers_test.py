@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""No floor of src/ includes one above it: reads every include and compares it with the table of docs/architecture.md.
+"""Checks every include of src/ against the table of docs/architecture.md: which folder may include which.
+
+A folder of src/ is a noun; some nouns have stations that stand above others, such as the compile station. The longest
+prefix of a path in `allowed` names its layer.
 
 usage: layers_test.py ROOT
 """
@@ -9,66 +12,99 @@ import sys
 
 root = pathlib.Path(sys.argv[1])
 
-# What each folder of src/ may include beside itself and the public headers. The public headers include nothing below.
+# Lane code: everything that is compiled once per instruction set.
+primitives = {"base", "math"}
+lanes = primitives | {"sampling", "geometry", "textures", "materials", "media", "lights", "guiding", "film", "kernel"}
+# The compile stations of all nouns; they run on the host and share compile/compiler.h.
+stations = {"compile", "textures/compile", "materials/compile", "media/compile", "geometry/compile", "geometry/displacement",
+            "lights/compile", "lights/sky", "lights/ies", "lights/tree/build_tree", "lights/environment/compile_environment",
+            "lights/environment/studio"}
+host = {"base", "scene", "image"}
+
+# What each layer may include beside itself and the public headers. Public headers include nothing below.
 allowed = {
-    "math": set(),
+    "base": set(),
+    "math": {"base"},
     "sampling": {"math"},
-    "geometry": {"math"},
-    "shading": {"math", "sampling"},
-    "media": {"math", "sampling", "shading"},
-    "guiding": {"math", "sampling"},
-    "light": {"math", "sampling", "geometry", "shading"},
-    "integrate": {"math", "sampling", "geometry", "shading", "media", "light", "guiding", "film"},
-    "scene": set(),
-    "image": {"scene"},
-    "denoise": {"scene"},
-    "film": {"scene", "math"},
-    "film_file": {"film", "image", "scene", "math"},
-    "import": {"scene"},
-    "export": {"scene", "image", "import"},
-    "compile": {"scene", "image", "math", "geometry", "shading", "media", "light", "integrate"},
-    "session": {"compile", "film", "guiding", "integrate", "scene"},
+    "geometry": primitives,
+    "textures": primitives | {"materials"},
+    "materials": primitives | {"sampling", "textures"},
+    "media": {"math", "sampling"},
+    "lights": primitives | {"sampling", "geometry", "textures"},
+    "guiding": primitives | {"sampling"},
+    "kernel": lanes,
+    "geometry/surface": lanes,
+    "materials/read": lanes | {"geometry/surface"},
+    "lights/sample": lanes | {"materials/read"},
+    "integrate": lanes | {"geometry/surface", "materials/read", "lights/sample"},
+    "scene": {"base"},
+    "image": {"base", "scene"},
+    "denoise": {"base", "scene"},
+    "film": {"base", "scene"},
+    "film/file": {"base", "film", "image"},
+    "formats": {"base", "scene", "image"},
+    "presentation": {"scene", "compile", "lights/environment/studio"},
+    "session": {"compile", "film", "guiding", "kernel"},
 }
-# The one header of film that the kernel knows, and the ones of the kernel that its hosts know.
+for station in stations:
+    allowed[station] = stations | host | lanes
+# Headers that a layer may know of another, where it may not know all.
 only = {
+    ("kernel", "film"): {"film/tile_sums.h", "film/exact_sum.h"},
     ("integrate", "film"): {"film/tile_sums.h", "film/exact_sum.h"},
-    ("compile", "integrate"): {"integrate/kernel.h", "integrate/tables.h", "integrate/camera_record.h"},
-    ("film", "math"): {"math/memory.h"},
-    ("film_file", "math"): {"math/memory.h"},
-    ("film_file", "image"): {"image/exr_parts.h", "image/output_file.h"},
-    ("export", "image"): {"image/output_file.h"},
-    ("export", "import"): {"import/common/json.h", "import/common/read_file.h", "import/common/units.h"},
+    ("textures", "materials"): {"materials/records.h"},
+    ("session", "kernel"): {"kernel/kernel.h"},
     ("session", "guiding"): {"guiding/records.h"},
-    ("session", "integrate"): {"integrate/kernel.h"},
+    ("film/file", "image"): {"image/codecs/exr_parts.h"},
 }
+# Host code knows records, tables and the kernel's interface, but no lane code.
+for station in stations:
+    only[station, "kernel"] = {"kernel/kernel.h", "kernel/tables.h", "kernel/camera_record.h"}
+    only[station, "materials"] = {"materials/records.h", "materials/closures/measured_tables.h"}
+    only[station, "geometry"] = {"geometry/records.h", "geometry/shapes/curve.h"}
+    only[station, "lights"] = {"lights/records.h"}
+    only[station, "media"] = {"media/records.h"}
+
+
+def layer(name):
+    """The layer of a file or include, by the longest prefix; None where it is in no folder of the table."""
+    parts = re.sub(r"\.\w+$", "", name).split("/")
+    for n in range(len(parts), 0, -1):
+        prefix = "/".join(parts[:n])
+        if prefix in allowed:
+            return prefix
+    return None
+
+
+def includes(path):
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        match = re.match(r'\s*#include "([^"]+)"', line)
+        if match:
+            yield number, match[1]
 
 
 def findings():
     for path in sorted(root.glob("src/**/*.[hc]*")):
-        if path.suffix not in (".h", ".cpp") or path.name.endswith("_test.cpp"):
+        if path.suffix not in (".h", ".cpp"):
             continue
         name = path.relative_to(root / "src").as_posix()
-        floor = name.split("/")[0]
-        for number, line in enumerate(path.read_text().splitlines(), 1):
-            match = re.match(r'\s*#include "([^"]+)"', line)
-            if not match:
-                continue
-            target = match[1]
-            other = target.split("/")[0]
+        mine = layer(name)
+        if mine is None:
+            yield f"src/{name}: its folder is not in the table of this test"
+            continue
+        for number, target in includes(path):
+            other = layer(target)
             where = f"src/{name}:{number}"
-            if other in ("fathom", floor):
+            if target.startswith("fathom/") or other == mine:
                 continue
-            if floor not in allowed:
-                yield f"{where}: the folder src/{floor} is not in the table of this test"
-            elif other not in allowed[floor]:
-                yield f"{where}: src/{floor} must not know {target}"
-            elif target not in only.get((floor, other), {target}):
-                yield f"{where}: of src/{other}, src/{floor} may know only {', '.join(sorted(only[floor, other]))}"
+            if other not in allowed[mine]:
+                yield f"{where}: {mine} must not include {target}"
+            elif target not in only.get((mine, other), {target}):
+                yield f"{where}: of {other}, {mine} may include only {', '.join(sorted(only[mine, other]))}"
     for path in sorted(root.glob("include/**/*.h")) + sorted(root.glob("apps/**/*.[hc]*")):
-        for number, line in enumerate(path.read_text().splitlines(), 1):
-            match = re.match(r'\s*#include "([^"]+)"', line)
-            if match and match[1].split("/")[0] in allowed and not (path.parent / match[1]).exists():
-                yield f"{path.relative_to(root)}:{number}: only public headers may be included here, not {match[1]}"
+        for number, target in includes(path):
+            if layer(target) and not (path.parent / target).exists() and not (root / "apps" / target).exists():
+                yield f"{path.relative_to(root)}:{number}: only public headers may be included here, not {target}"
 
 
 found = list(findings())

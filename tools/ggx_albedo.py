@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Writes the directional albedos of GGX facets in one scattering event, as means of G2 / G1 over visible normals (Heitz 2018)
 with the height-correlated Smith term:
-  src/shading/ggx_albedo_table.h         of perfect mirrors, by cosine and roughness; and the same weighted by Schlick's
+  src/materials/microfacet/ggx_albedo_table.h         of perfect mirrors, by cosine and roughness; and the same weighted by Schlick's
                                          (1 - cos)^5, from which the albedo for any reflectance at normal incidence follows
-  src/shading/dielectric_albedo_table.h  of a dielectric boundary, reflection and refraction together, by cosine, roughness
+  src/materials/microfacet/dielectric_albedo_table.h  of a dielectric boundary, reflection and refraction together, by cosine, roughness
                                          and relative index of refraction"""
 import numpy as np
 
@@ -88,7 +88,7 @@ def write_dielectric_table():
     n = DIELECTRIC_SIZE
     rows = [[dielectric_albedo(max(i / (n - 1), 0.004), max(j / (n - 1), 0.02) ** 2, index_of_axis(t)) for i in range(n)]
             for t in np.linspace(-DIELECTRIC_MAX_INDEX_AXIS, DIELECTRIC_MAX_INDEX_AXIS, DIELECTRIC_INDICES) for j in range(n)]
-    with open("src/shading/dielectric_albedo_table.h", "w") as file:
+    with open("src/materials/microfacet/dielectric_albedo_table.h", "w") as file:
         file.write(HEADER + "/// Made by tools/ggx_albedo.py: blocks by index axis, rows by roughness (root of alpha) 0 to 1, columns by\n"
                    "/// cosine 0 to 1. The index axis is the signed root of (eta - 1) / (eta + 1), from -max to max.\n"
                    f"inline constexpr int dielectric_albedo_size = {n}, dielectric_albedo_indices = {DIELECTRIC_INDICES};\n"
@@ -101,7 +101,7 @@ def write_dielectric_table():
 
 def write_mirror_tables():
     pairs = [[albedo(max(i / (SIZE - 1), 0.004), max(j / (SIZE - 1), 0.02) ** 2) for i in range(SIZE)] for j in range(SIZE)]
-    with open("src/shading/ggx_albedo_table.h", "w") as file:
+    with open("src/materials/microfacet/ggx_albedo_table.h", "w") as file:
         file.write(HEADER + "/// Made by tools/ggx_albedo.py: rows by roughness (alpha's root) 0 to 1, columns by cosine 0 to 1.\n"
                    f"inline constexpr int ggx_albedo_size = {SIZE};\n"
                    "/// The share that perfectly reflecting facets give back in one bounce.\n"

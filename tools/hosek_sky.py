@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes src/compile/hosek_sky_table.h: coefficients of the sky of L. Hosek and A. Wilkie (An Analytic Model for Full Spectral Sky-Dome
+"""Writes src/lights/sky/hosek_sky_table.h: coefficients of the sky of L. Hosek and A. Wilkie (An Analytic Model for Full Spectral Sky-Dome
 Radiance, 2012), by turbidity, albedo of the ground and colour, as polynomials of the height of the sun.
 
 usage: python3 tools/hosek_sky.py      with Mitsuba 3 and numpy; some minutes
@@ -153,7 +153,7 @@ def write(tables):
                 rows += ["{" + ", ".join(f"{x:.6g}f" if "." in f"{x:.6g}" or "e" in f"{x:.6g}" else f"{x:.6g}.0f" for x in row) + "}"
                          for row in tables[t, a, c]]
     group = lambda items, n: ["{" + ",\n".join(items[i:i + n]) + "}" for i in range(0, len(items), n)]
-    with open("src/compile/hosek_sky_table.h", "w") as file:
+    with open("src/lights/sky/hosek_sky_table.h", "w") as file:
         file.write("#pragma once\n\nnamespace fathom {\n\n"
                    "/// Made by tools/hosek_sky.py. By turbidity from 1 on, the ground's albedo 0 and 1, red, green and blue, and coefficient: six\n"
                    "/// numbers of a polynomial in Bernstein's form. clang-format leaves it as it is.\n// clang-format off\n"

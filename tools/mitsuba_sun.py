@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes src/import/mitsuba/sun_table.h: what the sun of Mitsuba's `sunsky` gives a surface that faces it, by turbidity and height.
+"""Writes src/formats/mitsuba/sun_table.h: what the sun of Mitsuba's `sunsky` gives a surface that faces it, by turbidity and height.
 
-    tools/mitsuba_sun.py > src/import/mitsuba/sun_table.h
+    tools/mitsuba_sun.py > src/formats/mitsuba/sun_table.h
 
 Measured: its radiance in many directions of the disk. Between the heights it is linear there, below the
 first it stays as it is. Wants mitsuba.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes src/shading/plastic_tables.h: what a rough boundary of index 1.5 lets through, by cosine and roughness, as
+"""Writes src/materials/closures/plastic_tables.h: what a rough boundary of index 1.5 lets through, by cosine and roughness, as
 closures/plastic.h takes it. Facets as in ggx_albedo.py, with Fresnel's equations."""
 import numpy as np
 
@@ -113,8 +113,8 @@ def main():
         bend = np.clip((ratio - smooth_ratio) / (normal_ratio - smooth_ratio), 0, 1)
         means.append([reflected, bend, *of_facets])
     polynomial = ", ".join(f"{c:.7f}f" for c in smooth_polynomial())
-    with open("src/shading/plastic_tables.h", "w") as file:
-        file.write("#pragma once\n// A row of a table is a line here.\n// clang-format off\n#include \"shading/ggx_albedo_table.h\"\n\n"
+    with open("src/materials/closures/plastic_tables.h", "w") as file:
+        file.write("#pragma once\n// A row of a table is a line here.\n// clang-format off\n#include \"materials/microfacet/ggx_albedo_table.h\"\n\n"
                    "namespace fathom {\n\n"
                    "/// Made by tools/plastic_tables.py, of facets of a boundary of index 1.5. Rows by roughness (alpha's root) 0 to 1, columns\n"
                    "/// by cosine 0 to 1; first what mirrors would reflect by one facet, then what passes of what is not reflected: of\n"

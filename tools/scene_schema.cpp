@@ -6,7 +6,7 @@
 #include <iterator>
 #include <string>
 
-#include "export/parameters_json.h"
+#include "formats/fathom/parameters_json.h"
 #include "scene/conductors.h"
 #include "scene/material_table.h"
 #include "scene/texture_table.h"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes src/shading/sheen_albedo_table.h: the share of light that a white sheen lobe reflects, by cosine and roughness: the
+"""Writes src/materials/lobes/sheen_albedo_table.h: the share of light that a white sheen lobe reflects, by cosine and roughness: the
 distribution of Estevez and Kulla 2017 ("Charlie"), with the visibility term of Ashikhmin and Premoze 2007."""
 import numpy as np
 
@@ -25,8 +25,8 @@ def albedo(cosine, roughness):
 def main():
     rows = [[albedo(max(i / (SIZE - 1), 1e-3), max(j / (SIZE - 1), 0.07)) for i in range(SIZE)] for j in range(SIZE)]
     lines = ["    " + ", ".join(f"{v:.5f}f" for v in row) + "," for row in rows]
-    with open("src/shading/sheen_albedo_table.h", "w") as file:
-        file.write('#pragma once\n// A row of the table is a line here.\n// clang-format off\n#include "shading/ggx_albedo_table.h"\n\n'
+    with open("src/materials/lobes/sheen_albedo_table.h", "w") as file:
+        file.write('#pragma once\n// A row of the table is a line here.\n// clang-format off\n#include "materials/microfacet/ggx_albedo_table.h"\n\n'
                    "namespace fathom {\n\n"
                    "/// Made by tools/sheen_albedo.py: the share of light that a white sheen reflects, in rows by roughness (from 0.07), columns by\n"
                    "/// cosine, of the size of ggx_albedo_table.\n"

@@ -67,7 +67,7 @@ JobPlan plan_of(const ordered_json& json)
     for (const Submission& s : plan.submissions)
         if (!is_number(s.array) || !is_number(s.merge))
             throw Error("", "submissions", "has what is no number of a job");
-    if (plan.outputs.empty() || plan.parts < 1 || plan.samples < plan.parts || plan.samples > most_samples)
+    if (plan.outputs.empty() || plan.parts < 1 || plan.samples < plan.parts || plan.samples > max_samples)
         throw Error("", "", "its numbers make no sense");
     return plan;
 }

@@ -51,16 +51,16 @@ void leave_the_word_to_rank_0()
 std::string cores_of(int process)
 {
     // More than cpu_set_t has room for: the kernel fails where it needs more.
-    constexpr std::size_t most_cores = 1 << 16, word_bits = 8 * sizeof(unsigned long);
-    std::vector<unsigned long> words(most_cores / word_bits);
+    constexpr std::size_t max_cores = 1 << 16, word_bits = 8 * sizeof(unsigned long);
+    std::vector<unsigned long> words(max_cores / word_bits);
     const std::size_t bytes = words.size() * sizeof(unsigned long);
     auto* const set = reinterpret_cast<cpu_set_t*>(words.data());
     if (sched_getaffinity(process, bytes, set) != 0) return "";
     std::string text;
-    for (std::size_t core = 0; core < most_cores; ++core) {
+    for (std::size_t core = 0; core < max_cores; ++core) {
         if (!CPU_ISSET_S(core, bytes, set)) continue;
         const std::size_t first = core;
-        while (core + 1 < most_cores && CPU_ISSET_S(core + 1, bytes, set)) ++core;
+        while (core + 1 < max_cores && CPU_ISSET_S(core + 1, bytes, set)) ++core;
         text += fmt::format("{}{}", text.empty() ? "" : ",", first);
         if (core > first) text += fmt::format("-{}", core);
     }

@@ -126,7 +126,7 @@ void Ranks::handle(const std::string& kind, Handler handler)
         handlers_.erase(kind);
 }
 
-std::optional<Ranks::Message> Ranks::take(const std::vector<std::string>& kinds, double most_s)
+std::optional<Ranks::Message> Ranks::take(const std::vector<std::string>& kinds, double max_s)
 {
     std::unique_lock lock(mutex_);
     std::optional<Message> found;
@@ -141,10 +141,10 @@ std::optional<Ranks::Message> Ranks::take(const std::vector<std::string>& kinds,
         if (!loss_.empty()) throw Lost();
         return false;
     };
-    if (look() || most_s <= 0) return found;
+    if (look() || max_s <= 0) return found;
     waits_ = true;
     try {
-        arrived_.wait_for(lock, std::chrono::duration<double>(most_s), look);
+        arrived_.wait_for(lock, std::chrono::duration<double>(max_s), look);
     } catch (...) {
         waits_ = false;
         throw;

@@ -60,7 +60,7 @@ public:
     using Handler = std::function<void(int from, const std::string& body)>;
     void handle(const std::string& kind, Handler handler);
     /// The first message of one of these kinds, if it comes within some seconds. Throws what wait() throws.
-    std::optional<Message> take(const std::vector<std::string>& kinds, double most_s);
+    std::optional<Message> take(const std::vector<std::string>& kinds, double max_s);
     /// Waits for it. Throws Lost where it can't come any more.
     Message wait(const std::vector<std::string>& kinds);
     /// Of rank 0: a message of each other rank, by rank; its own place is empty. Throws Other with the words of the one

@@ -161,7 +161,7 @@ Film Checkpoint::open(const RenderJob& job, SampleRange wanted, const std::strin
     for (const fs::path& file : rank_files_) add_rank_file(file, film, wanted, parts);
     const std::uint64_t samples = film.samples_per_pixel();
     if (samples == 0) return film;
-    const std::string total = wanted.second < most_samples ? fmt::format(" of {}", wanted.second - wanted.first) : "";
+    const std::string total = wanted.second < max_samples ? fmt::format(" of {}", wanted.second - wanted.first) : "";
     const std::string beside = samples > own ? fmt::format(" and what {} rank{} left beside it", rank_files_.size(),
                                                            rank_files_.size() > 1 ? "s" : "")
                                              : "";

@@ -45,7 +45,7 @@ void check_checkpoint(const RenderOptions& o)
 void add_sample_options(Command& command, RenderOptions& o)
 {
     command.add_value("--spp", "N", "samples a pixel (default: the scene's, else 256)",
-                      [&](const std::string& text) { o.samples = parse_integer(text, 1, most_samples); });
+                      [&](const std::string& text) { o.samples = parse_integer(text, 1, max_samples); });
 }
 
 void add_pixel_options(Command& command, RenderOptions& o)
@@ -102,10 +102,10 @@ void add_render_options(Command& command, RenderOptions& o)
                       [&](const std::string& text) {
                           const std::vector<std::string> parts = split(text, ',');
                           if (parts.size() != 3) throw UsageError(fmt::format("expected X,Y,S, found '{}'", text));
-                          constexpr std::uint64_t most_int = 1u << 30;
-                          o.only_sample = {int(parse_integer(parts[0], 0, most_int)),
-                                           int(parse_integer(parts[1], 0, most_int)),
-                                           parse_integer(parts[2], 0, most_samples - 1)};
+                          constexpr std::uint64_t max_int = 1u << 30;
+                          o.only_sample = {int(parse_integer(parts[0], 0, max_int)),
+                                           int(parse_integer(parts[1], 0, max_int)),
+                                           parse_integer(parts[2], 0, max_samples - 1)};
                       });
     command.add_value("--mpi", "auto|off",
                       "off: started by mpirun, each process renders for itself (default auto: they render one picture)",

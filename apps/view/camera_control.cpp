@@ -11,7 +11,7 @@ namespace {
 /// A notch of the wheel.
 constexpr double zoom_step = 0.88;
 /// How near the view may come to the axis of orbits.
-constexpr double least_angle = std::numbers::pi / 180;
+constexpr double min_angle = std::numbers::pi / 180;
 
 Vec3d turned(Vec3d v, Vec3d axis, double angle)
 {
@@ -85,7 +85,7 @@ void CameraControl::orbit(double right, double down)
     const Frame f = frame();
     // The angle between the axis and the way back from the pivot: going up makes it smaller.
     const double angle = std::acos(std::clamp(-dot(f.forward, axis_), -1.0, 1.0));
-    const double wanted = std::clamp(angle - down, least_angle, std::numbers::pi - least_angle);
+    const double wanted = std::clamp(angle - down, min_angle, std::numbers::pi - min_angle);
     const double rise = down == 0 ? 0 : angle - wanted;
     const auto turn = [&](Vec3d v) { return turned(turned(v, f.right, -rise), axis_, -right); };
     place(pivot_ + turn(camera_.position - pivot_), turn(f.forward));
@@ -95,7 +95,7 @@ void CameraControl::look(double right, double up)
 {
     const Frame f = frame();
     const double angle = std::acos(std::clamp(dot(f.forward, axis_), -1.0, 1.0));
-    const double wanted = std::clamp(angle - up, least_angle, std::numbers::pi - least_angle);
+    const double wanted = std::clamp(angle - up, min_angle, std::numbers::pi - min_angle);
     const double rise = up == 0 ? 0 : angle - wanted;
     const auto turn = [&](Vec3d v) { return turned(turned(v, f.right, rise), axis_, -right); };
     pivot_ = camera_.position + turn(pivot_ - camera_.position);

@@ -8,7 +8,7 @@ namespace fathom::view {
 namespace {
 
 /// Albedo and normal are clear enough to help long before the picture is.
-constexpr std::uint64_t most_aid_samples = 16;
+constexpr std::uint64_t max_aid_samples = 16;
 
 }  // namespace
 
@@ -41,7 +41,7 @@ bool DenoisedPicture::update(const RenderJob& job, const Film& film, double rend
 {
     const auto start = std::chrono::steady_clock::now();
     const std::uint64_t samples = film.samples_per_pixel();
-    if (!render_aids(job, std::min(samples, most_aid_samples), cancel)) return false;
+    if (!render_aids(job, std::min(samples, max_aid_samples), cancel)) return false;
     Image image = film.image(false, false);
     append_aids(image);
     std::optional<Image::Layer> layer = denoiser_->denoise_quickly(image, cancel);

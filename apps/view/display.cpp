@@ -117,8 +117,8 @@ std::vector<unsigned char> display_pixels(View view, const Image::Layer& layer, 
             });
         case View::depth:
             return fill(layer, width, height, [&](const float* z) {
-                const unsigned char grey = code(scale.distance / (scale.distance + z[0]));
-                return Codes{grey, grey, grey};
+                const unsigned char gray = code(scale.distance / (scale.distance + z[0]));
+                return Codes{gray, gray, gray};
             });
         case View::position:
             return fill(layer, width, height, [&](const float* p) {

@@ -14,7 +14,7 @@ namespace {
 constexpr int preview_width = 400, preview_height = 300;
 /// Passes grow until they last about this long: the picture is seen to become clear, and saving doesn't wait long.
 constexpr double longest_pass_s = 0.25;
-constexpr std::uint64_t most_pass_samples = 1024;
+constexpr std::uint64_t max_pass_samples = 1024;
 /// Averages of first hits are clear long before the picture is.
 constexpr std::uint64_t aov_samples = 64;
 
@@ -241,8 +241,8 @@ std::optional<Renderer::Pass> Renderer::full_pass(View film)
     if (done > 0 && (!shown_ || denoising_is_due(t))) return Pass{&t, job, {done, done}, true};
     if (done >= end) return {};
     const double fit = pass_s_ > 0 ? longest_pass_s / pass_s_ : 1;
-    std::uint64_t count = std::clamp<std::uint64_t>(done, 1, most_pass_samples);
-    count = std::min(count, std::uint64_t(std::clamp(fit, 1.0, double(most_pass_samples))));
+    std::uint64_t count = std::clamp<std::uint64_t>(done, 1, max_pass_samples);
+    count = std::min(count, std::uint64_t(std::clamp(fit, 1.0, double(max_pass_samples))));
     return Pass{&t, job, {done, std::min(done + count, end)}, true};
 }
 

@@ -249,7 +249,7 @@ struct Material {
     AlphaMode alpha_mode = AlphaMode::opaque;
     FloatInput alpha{1, -1, 3};
     float alpha_cutoff = 0.5f;
-    bool black_behind = false;        ///< of what doesn't transmit: reflects nothing on its back
+    bool one_sided = false;           ///< of what doesn't transmit: reflects nothing on its back
     bool single_sided = false;        ///< cameras look through it from behind; other light does not pass
     bool hidden_from_camera = false;  ///< cameras look through it; other rays, as those of mirrors, meet it
     /// No ray meets the surface, whatever its alpha, but its whole emission lights what it would if it were there.
@@ -515,7 +515,7 @@ struct Node {
 };
 
 /// Temperatures of light that can be told to be white.
-inline constexpr double least_white_kelvin = 1000, most_white_kelvin = 25000;
+inline constexpr double min_white_kelvin = 1000, max_white_kelvin = 25000;
 
 /// Render settings that a scene file may give; an option of the command line overrides them.
 struct RenderHints {

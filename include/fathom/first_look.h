@@ -43,7 +43,7 @@ struct Ground {
     std::optional<Bounds> bounds;  ///< of what is shown in all pictures; else the scene as it is
 };
 
-struct LitScene {
+struct AutoLitScene {
     Scene scene;
     std::vector<std::string> added;  ///< in words: "a studio light, since ...", "an exposure of +2 stops for its light"
     std::optional<double> exposure_ev;  ///< found for the light of the file; else its own, or none
@@ -54,12 +54,12 @@ struct LitScene {
 
 /// Compiles a scene so that there is light to see it by: for models, whose files often have none, or none that reaches
 /// what they show.
-FATHOM_API LitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
-                                Warnings& warnings, TreeBuild build = TreeBuild::standard,
-                                const std::optional<Ground>& ground = {});
+FATHOM_API AutoLitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
+                                    Warnings& warnings, TreeBuild build = TreeBuild::standard,
+                                    const std::optional<Ground>& ground = {});
 
 /// The same for a scene that goes on to change: it keeps the light that is found now.
-FATHOM_API LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
-                                const std::optional<Ground>& ground = {});
+FATHOM_API AutoLitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
+                                    const std::optional<Ground>& ground = {});
 
 }  // namespace fathom

@@ -22,16 +22,16 @@ FATHOM_API std::string available_memory_text();
 FATHOM_API void limit_memory(std::uint64_t bytes, std::string said_by);
 
 /// Something that is going to take memory.
-struct MemoryNeed {
+struct MemoryEstimate {
     std::string what;
     double bytes = 0;
 };
 /// What compiling a scene takes at its peak and what the scene then is, by a look at the description and at the heads
 /// of the picture files. Rather too much than too little; not counted is what displacement adds. The scene must be one
 /// that Scene::compile accepts.
-FATHOM_API std::vector<MemoryNeed> memory_needs(const SceneDescription& scene, TreeBuild build);
+FATHOM_API std::vector<MemoryEstimate> estimate_memory(const SceneDescription& scene, TreeBuild build);
 /// Throws Error, naming `file` and the largest takers, if there is less memory than all of that needs.
-FATHOM_API void check_memory(const std::string& file, std::vector<MemoryNeed> needs);
+FATHOM_API void check_memory(const std::string& file, std::vector<MemoryEstimate> needs);
 
 /// `1.5 GB`, `512 MB`: powers of 1000, as options and messages have them.
 FATHOM_API std::string memory_text(double bytes);

@@ -20,7 +20,7 @@ namespace fathom {
 enum class Filter { box, gaussian, blackman_harris, tent };
 /// How far each reaches from the middle, in pixels.
 inline constexpr double filter_radii[] = {0.5, 2, 1.65, 1};
-inline constexpr double most_filter_radius = 64;
+inline constexpr double max_filter_radius = 64;
 
 /// How the light is chosen that a surface samples: by power, each as often as any other, or by what it may bring there,
 /// which a tree over all lights tells.
@@ -127,8 +127,8 @@ private:
     std::shared_ptr<const Data> data_;
 };
 
-using SampleRange = std::pair<std::uint64_t, std::uint64_t>;           ///< first, and one past the last
-inline constexpr std::uint64_t most_samples = std::uint64_t(1) << 32;  ///< where sample indices end
+using SampleRange = std::pair<std::uint64_t, std::uint64_t>;          ///< first, and one past the last
+inline constexpr std::uint64_t max_samples = std::uint64_t(1) << 32;  ///< where sample indices end
 
 /// Exact sums of samples: the same whatever the order, the threads, or the parts they came in.
 class FATHOM_API Film {

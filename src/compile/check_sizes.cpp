@@ -69,7 +69,7 @@ class PlacedChecker {
 public:
     explicit PlacedChecker(const Compiler& c) : c_(c), boxes_(c) {}
 
-    void check(const ShapeOccurrence& p, const Occurrences& occurrences)
+    void check(const FlattenedShape& p, const FlattenedScene& occurrences)
     {
         const Bounds& box = boxes_.of(*p.shape);
         if (box.empty) {
@@ -90,19 +90,19 @@ public:
     }
 
 private:
-    [[noreturn]] void refuse(const ShapeOccurrence& p, const std::string& what) const
+    [[noreturn]] void refuse(const FlattenedShape& p, const std::string& what) const
     {
         const std::string& name = c_.scene.nodes[std::size_t(p.node)].name;
         throw Error(c_.scene.file, fmt::format("nodes[{}]{}", p.node, name.empty() ? "" : " '" + name + "'"), what);
     }
 
-    void check_box(const ShapeOccurrence& p, const Transform& t, const Bounds& box) const
+    void check_box(const FlattenedShape& p, const Transform& t, const Bounds& box) const
     {
         for (int i = 0; i < 8; ++i)
             check_point(p, t.point({i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y,
                                     i & 4 ? box.max.z : box.min.z}));
     }
-    void check_point(const ShapeOccurrence& p, Vec3d render) const
+    void check_point(const FlattenedShape& p, Vec3d render) const
     {
         const double metres = largest(render) / c_.space.scale;
         if (!is_finite(render)) refuse(p, "puts its shape farther away than a number can say");
@@ -156,10 +156,10 @@ void check_camera(const SceneDescription& scene, const Camera& camera, const Ren
     if (camera.kind == CameraKind::orthographic) check(camera.height, "the height");
 }
 
-void check_occurrences(const Compiler& c, const std::vector<ShapeOccurrence>& shapes, const Occurrences& all)
+void check_flattened(const Compiler& c, const std::vector<FlattenedShape>& shapes, const FlattenedScene& all)
 {
     PlacedChecker checker(c);
-    for (const ShapeOccurrence& p : shapes) checker.check(p, all);
+    for (const FlattenedShape& p : shapes) checker.check(p, all);
 }
 
 bool vanishes(const Transform& render_from_node)

@@ -13,7 +13,7 @@ void check_camera(const SceneDescription& scene, const Camera& camera, const Ren
 /// Throws Error that names the node.
 ///
 /// shapes  those to be checked; all: where their motions are
-void check_occurrences(const Compiler& c, const std::vector<ShapeOccurrence>& shapes, const Occurrences& all);
+void check_flattened(const Compiler& c, const std::vector<FlattenedShape>& shapes, const FlattenedScene& all);
 
 /// Whether a transform makes so little of what it places that the way back to it is lost.
 bool vanishes(const Transform& render_from_node);

@@ -3,17 +3,17 @@
 #include <string>
 #include <vector>
 
-#include "compile/displacement/displaced_shapes.h"
-#include "compile/light_pictures.h"
 #include "compile/render_space.h"
 #include "fathom/load.h"
 #include "fathom/render.h"
-#include "integrate/tables.h"
+#include "geometry/displacement/displaced_shapes.h"
+#include "kernel/tables.h"
+#include "lights/compile/light_pictures.h"
 
 namespace fathom {
 
 /// A shape where a node puts it.
-struct ShapeOccurrence {
+struct FlattenedShape {
     const Shape* shape;
     Transform render_from_node;  ///< when the shutter opens
     std::uint32_t object_id;
@@ -23,15 +23,15 @@ struct ShapeOccurrence {
     bool instanced = false;  ///< placed by an instance, once compile_geometry has decided
 };
 /// A light of a node.
-struct LightOccurrence {
+struct FlattenedLight {
     const Light* light;
     Transform render_from_node;
     int motion = -1;  ///< as of a shape
 };
-struct Occurrences {
-    std::vector<ShapeOccurrence> shapes;
-    std::vector<LightOccurrence> lights;
-    std::vector<std::vector<NodeKey>> motions;  ///< poses of render_from_node, see compile/poses.h
+struct FlattenedScene {
+    std::vector<FlattenedShape> shapes;
+    std::vector<FlattenedLight> lights;
+    std::vector<std::vector<NodeKey>> motions;  ///< poses of render_from_node, see geometry/compile/poses.h
 };
 
 /// What all steps of compiling share.
@@ -57,30 +57,30 @@ inline constexpr const char alpha_is_lost[] =
     "{}: alpha of curves, of points, and of spheres and disks that move is not supported; they are opaque";
 
 /// Walks the nodes; what a node reached twice has occurs twice.
-Occurrences find_occurrences(const Compiler& c);
+FlattenedScene flatten_scene(const Compiler& c);
 /// Reads and decodes pictures, and fills textures, materials and media.
 void compile_materials(Compiler& c);
 /// The part of it that looks at materials only: fills them, and media, instead of those that were there.
 void compile_material_records(Compiler& c);
 
 /// What instances place: shapes in spaces of their own.
-struct PlacedContents {
+struct InstancedGeometry {
     std::map<const void*, std::uint32_t> shapes;  ///< by content_of
     std::size_t shapes_end = 0;                   ///< behind it come the shapes of instances
     bool moving = false;                          ///< something moves otherwise than by an instance's poses
     bool fixed_motion = false;                    ///< something that is not movable is elsewhere at other times
 };
 /// Fills vertices, triangles, quads, spheres, disks and shapes, and decides what is instanced. Materials must be there.
-PlacedContents compile_geometry(Compiler& c, Occurrences& occurrences);
+InstancedGeometry compile_geometry(Compiler& c, FlattenedScene& occurrences);
 /// Fills instances, their shapes and poses, instead of those that were there.
-void compile_instances(Compiler& c, const Occurrences& occurrences, const PlacedContents& contents);
+void compile_instances(Compiler& c, const FlattenedScene& occurrences, const InstancedGeometry& contents);
 /// Puts a mesh's vertices and normals over those of the shape that holds it in a space of its own. False, and nothing
 /// is done, if there isn't room for as many.
-bool replace_vertices(Compiler& c, const PlacedContents& contents, const Mesh& mesh);
+bool replace_vertices(Compiler& c, const InstancedGeometry& contents, const Mesh& mesh);
 /// Fills the environment's record, and makes the distribution of its picture. Materials must be there.
 void compile_environment(Compiler& c);
 /// Fills the lights: emissive primitives, lights of nodes, the environment, instead of those that were there. Geometry,
 /// instances with their poses, and the environment must be there.
-void compile_lights(Compiler& c, const Occurrences& occurrences);
+void compile_lights(Compiler& c, const FlattenedScene& occurrences);
 
 }  // namespace fathom

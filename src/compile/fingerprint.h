@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "integrate/tables.h"
+#include "kernel/tables.h"
 
 namespace fathom {
 

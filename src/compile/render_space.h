@@ -3,7 +3,7 @@
 
 namespace fathom {
 
-/// The map from world space to render space (see integrate/tables.h), in double.
+/// The map from world space to render space (see kernel/tables.h), in double.
 struct RenderSpace {
     Vec3d origin;
     double scale = 1;   ///< a power of two

@@ -10,7 +10,7 @@ namespace fathom {
 
 namespace {
 
-void put(float* to, Vec3d v)
+void store(float* to, Vec3d v)
 {
     to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z);
 }
@@ -73,8 +73,8 @@ CameraRecord Scene::Data::camera_record(const Camera& seen_by, int width, int he
     if (length(right) < 1e-9 * length(seen_by.up))
         right = cross(forward, std::abs(forward.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1});
     right = normalize(right);
-    put(t.position, (seen_by.position - tables->origin) * scale);
-    put(t.right, right), put(t.up, cross(right, forward)), put(t.forward, forward);
+    store(t.position, (seen_by.position - tables->origin) * scale);
+    store(t.right, right), store(t.up, cross(right, forward)), store(t.forward, forward);
     t.orthographic = seen_by.kind == CameraKind::orthographic;
     t.equal_area = seen_by.kind == CameraKind::equal_area;
     t.spherical = t.equal_area || seen_by.kind == CameraKind::spherical;

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "compile/check_sizes.h"
-#include "compile/instancing.h"
-#include "compile/memory_needs.h"
+#include "compile/memory_estimate.h"
 #include "fathom/memory.h"
+#include "geometry/compile/instancing.h"
 
 namespace fathom {
 
@@ -64,10 +64,10 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
 }
 
 /// Refuses a scene whose compiled form can't fit, before it is tried; pictures are there already.
-void check_memory(const Compiler& c, const Occurrences& occurrences, TreeBuild build)
+void check_memory(const Compiler& c, const FlattenedScene& occurrences, TreeBuild build)
 {
     ShapeNeeds shapes(c.scene, build);
-    for (const ShapeOccurrence& p : occurrences.shapes) {
+    for (const FlattenedShape& p : occurrences.shapes) {
         const MaterialRecord& material = c.tables.materials[material_index(c.tables, *p.shape)];
         const bool is_light = (material.flags & MaterialRecord::emits) && !(material.flags & MaterialRecord::unlit);
         shapes.add(*p.shape, c.mesh_of(*p.shape), 1, is_light);
@@ -107,12 +107,12 @@ std::shared_ptr<Scene::Data> SceneCompiler::compile(Warnings& warnings)
     set_shutter(*tables_, data->camera);
     Compiler c = compiler(warnings);
     compile_materials(c);
-    occurrences_ = find_occurrences(c);
+    occurrences_ = flatten_scene(c);
     displaced_.make(scene_, *tables_, occurrences_.shapes, warnings);
-    check_occurrences(c, occurrences_.shapes, occurrences_);
+    check_flattened(c, occurrences_.shapes, occurrences_);
     check_memory(c, occurrences_, build_);
     tables_->editable = std::any_of(occurrences_.shapes.begin(), occurrences_.shapes.end(),
-                                    [](const ShapeOccurrence& p) { return p.movable; });
+                                    [](const FlattenedShape& p) { return p.movable; });
     contents_ = compile_geometry(c, occurrences_);
     displaced_.drop_meshes();
     triangles_ = count_triangles(*tables_);
@@ -143,7 +143,7 @@ bool SceneCompiler::update(Scene::Data& data, const SceneChanges& changes, Warni
     if (!keeps_displaced(changes, other_times)) return false;
     set_shutter(*tables_, data.camera);
     Compiler c = compiler(warnings);
-    Occurrences now = find_occurrences(c);
+    FlattenedScene now = flatten_scene(c);
     if (!keeps_places(now)) return false;
     for (std::size_t i = 0; i < now.shapes.size(); ++i) now.shapes[i].instanced = occurrences_.shapes[i].instanced;
     const std::vector<int> meshes = other_times ? with_moving(changes.parts.meshes) : changes.parts.meshes;
@@ -187,14 +187,14 @@ bool SceneCompiler::keeps_displaced(const SceneChanges& changes, bool other_time
 }
 
 /// Whether all that can't move is where it was.
-bool SceneCompiler::keeps_places(const Occurrences& now) const
+bool SceneCompiler::keeps_places(const FlattenedScene& now) const
 {
     const auto same_poses = [](const std::vector<NodeKey>& a, const std::vector<NodeKey>& b) {
         return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const NodeKey& x, const NodeKey& y) {
             return x.time == y.time && x.parent_from_node.m == y.parent_from_node.m;
         });
     };
-    const auto same = [&](const ShapeOccurrence& a, const ShapeOccurrence& b) {
+    const auto same = [&](const FlattenedShape& a, const FlattenedShape& b) {
         if (a.shape != b.shape || a.movable != b.movable) return false;
         if (a.movable) return true;
         if (a.render_from_node.m != b.render_from_node.m || (a.motion < 0) != (b.motion < 0)) return false;
@@ -206,17 +206,17 @@ bool SceneCompiler::keeps_places(const Occurrences& now) const
 }
 
 /// As compile() checks all.
-void SceneCompiler::check_moved(const Compiler& c, const Occurrences& now, const std::vector<int>& meshes) const
+void SceneCompiler::check_moved(const Compiler& c, const FlattenedScene& now, const std::vector<int>& meshes) const
 {
-    std::vector<ShapeOccurrence> moved;
+    std::vector<FlattenedShape> moved;
     for (std::size_t i = 0; i < now.shapes.size(); ++i) {
-        const ShapeOccurrence& p = now.shapes[i];
+        const FlattenedShape& p = now.shapes[i];
         const auto* mesh = std::get_if<MeshInstance>(&p.shape->geometry);
         const bool other_shape = mesh && std::find(meshes.begin(), meshes.end(), mesh->mesh) != meshes.end();
         if (other_shape || p.motion >= 0 || p.render_from_node.m != occurrences_.shapes[i].render_from_node.m)
             moved.push_back(p);
     }
-    check_occurrences(c, moved, now);
+    check_flattened(c, moved, now);
 }
 
 /// The meshes, and those whose vertices move: at other times they are elsewhere.

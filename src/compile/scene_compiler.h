@@ -36,8 +36,8 @@ public:
 private:
     Compiler compiler(Warnings& warnings) { return {scene_, space_, *tables_, warnings, displaced_, light_images_}; }
     bool keeps_displaced(const SceneChanges& changes, bool other_times) const;
-    bool keeps_places(const Occurrences& now) const;
-    void check_moved(const Compiler& c, const Occurrences& now, const std::vector<int>& meshes) const;
+    bool keeps_places(const FlattenedScene& now) const;
+    void check_moved(const Compiler& c, const FlattenedScene& now, const std::vector<int>& meshes) const;
     std::vector<int> with_moving(std::vector<int> meshes) const;
     bool update_vertices(Compiler& c, const std::vector<int>& meshes, bool other_times);
     bool update_materials(Compiler& c);
@@ -48,10 +48,10 @@ private:
     const TreeBuild build_;
     RenderSpace space_;
     std::shared_ptr<SceneTables> tables_;
-    Occurrences occurrences_;
+    FlattenedScene occurrences_;
     DisplacedShapes displaced_;
     LightImages light_images_;
-    PlacedContents contents_;
+    InstancedGeometry contents_;
     std::vector<std::size_t> triangles_;  ///< of shapes that instances place, by shape
     Fingerprints fingerprints_;
 };

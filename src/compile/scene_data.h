@@ -3,7 +3,7 @@
 #include <string>
 
 #include "fathom/render.h"
-#include "integrate/kernel.h"
+#include "kernel/kernel.h"
 
 namespace fathom {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "base/dynamic_library.h"
 #include "fathom/error.h"
-#include "scene/shared_library.h"
 
 namespace fathom {
 
@@ -62,24 +62,24 @@ Oidn functions_of(void* library, const fs::path& file)
 {
     Oidn oidn{};
     oidn.file = file;
-    const auto take = [&](auto& function, const char* name) {
+    const auto load_symbol = [&](auto& function, const char* name) {
         take_function(library, file.string(), "Open Image Denoise 2", name, function);
     };
-    take(oidn.oidnNewDevice, "oidnNewDevice");
-    take(oidn.oidnReleaseDevice, "oidnReleaseDevice");
-    take(oidn.oidnSetDeviceInt, "oidnSetDeviceInt");
-    take(oidn.oidnSetDeviceBool, "oidnSetDeviceBool");
-    take(oidn.oidnGetDeviceInt, "oidnGetDeviceInt");
-    take(oidn.oidnCommitDevice, "oidnCommitDevice");
-    take(oidn.oidnGetDeviceError, "oidnGetDeviceError");
-    take(oidn.oidnNewFilter, "oidnNewFilter");
-    take(oidn.oidnReleaseFilter, "oidnReleaseFilter");
-    take(oidn.oidnSetSharedFilterImage, "oidnSetSharedFilterImage");
-    take(oidn.oidnSetFilterBool, "oidnSetFilterBool");
-    take(oidn.oidnSetFilterInt, "oidnSetFilterInt");
-    take(oidn.oidnSetFilterProgressMonitorFunction, "oidnSetFilterProgressMonitorFunction");
-    take(oidn.oidnCommitFilter, "oidnCommitFilter");
-    take(oidn.oidnExecuteFilter, "oidnExecuteFilter");
+    load_symbol(oidn.oidnNewDevice, "oidnNewDevice");
+    load_symbol(oidn.oidnReleaseDevice, "oidnReleaseDevice");
+    load_symbol(oidn.oidnSetDeviceInt, "oidnSetDeviceInt");
+    load_symbol(oidn.oidnSetDeviceBool, "oidnSetDeviceBool");
+    load_symbol(oidn.oidnGetDeviceInt, "oidnGetDeviceInt");
+    load_symbol(oidn.oidnCommitDevice, "oidnCommitDevice");
+    load_symbol(oidn.oidnGetDeviceError, "oidnGetDeviceError");
+    load_symbol(oidn.oidnNewFilter, "oidnNewFilter");
+    load_symbol(oidn.oidnReleaseFilter, "oidnReleaseFilter");
+    load_symbol(oidn.oidnSetSharedFilterImage, "oidnSetSharedFilterImage");
+    load_symbol(oidn.oidnSetFilterBool, "oidnSetFilterBool");
+    load_symbol(oidn.oidnSetFilterInt, "oidnSetFilterInt");
+    load_symbol(oidn.oidnSetFilterProgressMonitorFunction, "oidnSetFilterProgressMonitorFunction");
+    load_symbol(oidn.oidnCommitFilter, "oidnCommitFilter");
+    load_symbol(oidn.oidnExecuteFilter, "oidnExecuteFilter");
     return oidn;
 }
 

@@ -297,7 +297,7 @@ Film Film::from_sums(const Sums& sums)
                     fmt::format("its sums have {} words a pixel, {} were expected", sums.words_per_pixel, words));
     Film film(std::move(key));
     for (const SampleRange& range : sums.samples) {
-        if (range.first >= range.second || range.second > most_samples)
+        if (range.first >= range.second || range.second > max_samples)
             throw Error("", "", fmt::format("there is no range of samples {}:{}", range.first, range.second));
         film.data_->add_range(range);
     }

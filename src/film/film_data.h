@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "base/large_memory.h"
 #include "fathom/render.h"
 #include "film/tile_sums.h"
-#include "math/memory.h"
 
 namespace fathom {
 

@@ -112,8 +112,8 @@ void check_settings(const RenderSettings& s)
     if (s.crop && (s.crop->x0 < 0 || s.crop->y0 < 0 || s.crop->x1 > s.width || s.crop->y1 > s.height ||
                    s.crop->x0 >= s.crop->x1 || s.crop->y0 >= s.crop->y1))
         throw Error("", "", "the crop is empty or not inside the picture");
-    if (!(s.filter_radius >= 0 && s.filter_radius <= most_filter_radius))
-        throw Error("", "", fmt::format("a filter reaches up to {} pixels", most_filter_radius));
+    if (!(s.filter_radius >= 0 && s.filter_radius <= max_filter_radius))
+        throw Error("", "", fmt::format("a filter reaches up to {} pixels", max_filter_radius));
 }
 
 std::string FilmKey::text() const
@@ -141,7 +141,7 @@ std::string FilmKey::difference(const FilmKey& other) const
 
 FilmKey FilmKey::parse(const std::string& text)
 {
-    constexpr double most_int = 2147483647;
+    constexpr double max_int = 2147483647;
     KeyParser parser(text);
     FilmKey key;
     RenderSettings& s = key.settings;
@@ -153,8 +153,8 @@ FilmKey FilmKey::parse(const std::string& text)
     }
     s.alpha = parser.number<int>("alpha", 0, 1) == 1;
     s.seed = parser.number<std::uint32_t>("seed", 0, 4294967295.0);
-    s.max_depth = parser.number<int>("max_depth", -1, most_int);
-    s.roulette_depth = parser.number<int>("roulette_depth", 0, most_int);
+    s.max_depth = parser.number<int>("max_depth", -1, max_int);
+    s.roulette_depth = parser.number<int>("roulette_depth", 0, max_int);
     s.light_sampling = parser.number<int>("light_sampling", 0, 1) == 1;
     s.light_selection = LightSelection(parser.number<int>("light_selection", 0, 2));
     s.guiding = parser.number<int>("guiding", 0, 1) == 1;
@@ -163,7 +163,7 @@ FilmKey FilmKey::parse(const std::string& text)
     s.filter = Filter(KeyParser::numbers<int, 1>("filter", kind, ',', 0, 3)[0]);
     if (kind.size() < filter.size())
         s.filter_radius =
-            KeyParser::numbers<double, 1>("filter", filter.substr(kind.size() + 1), ',', 1e-300, most_filter_radius)[0];
+            KeyParser::numbers<double, 1>("filter", filter.substr(kind.size() + 1), ',', 1e-300, max_filter_radius)[0];
     if (const std::string_view crop = parser.field("crop"); crop != "none") {
         const auto c = KeyParser::numbers<int, 4>("crop", crop, ',', 0, 65535);
         s.crop = Crop{c[0], c[1], c[2], c[3]};

@@ -93,7 +93,7 @@ public:
     const std::vector<Moments>& all() const { return all_; }
     const Moments& at(int x, int y) const { return all_[std::size_t(y) * std::size_t(width_) + std::size_t(x)]; }
     /// The brightest mean, squared, of the eight pixels around one.
-    double brightest_neighbour(int x, int y) const
+    double brightest_neighbor(int x, int y) const
     {
         double most = 0;
         for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height_ - 1); ++v)
@@ -152,7 +152,7 @@ Film::Fireflies Film::fireflies() const
             if (!(double(m.variance) > far_beyond * double(usual.variance))) continue;
             const Outliers outliers(m, usual, n);
             if (outliers.count > std::max(1.0, few * n)) continue;
-            if (outliers.height2 < much_brighter * much_brighter * pixels.brightest_neighbour(x, y)) continue;
+            if (outliers.height2 < much_brighter * much_brighter * pixels.brightest_neighbor(x, y)) continue;
             found.noise += (double(m.variance) - double(usual.variance)) / noise;
             found.samples += outliers.count;
         }

@@ -6,7 +6,8 @@
 #include "math/gather_member.h"
 #include "math/vec3.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// The last of the times that is not after `time`, and how far it is from there to the next, in [0, 1].
 struct KeyTime {
@@ -154,4 +155,5 @@ inline Affine object_from_render(const GeometryTables& tables, UInt instance, Fl
     return a;
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -2,7 +2,8 @@
 #include "geometry/records.h"
 #include "math/vec3.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// N rays: points o + t d, 0 < t < t_max. Directions are unit.
 struct Ray {
@@ -45,4 +46,5 @@ inline Float rounding_along(const Vec3& n, const Vec3& p, const Vec3& way)
 /// What comes on top where the test shears coordinates (TriangleRay), which mixes them.
 inline constexpr float rounding_of_shear = 0x1p-23f;
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -12,9 +12,9 @@
 #include <limits>
 #include <vector>
 
+#include "base/large_memory.h"
+#include "base/no_index.h"
 #include "fathom/vector.h"
-#include "math/memory.h"
-#include "math/no_index.h"
 
 namespace fathom {
 
@@ -52,7 +52,7 @@ struct ShapeRecord {
         linear_curves = 256,   ///< segments are lines: two points each, not four
         ribbons = 512,         ///< curves are flat and turned towards each ray, not round
         solid_curves = 1024,   ///< rays meet them from inside, too
-        fibres = 2048,         ///< round curves that rays leave from within without meeting them
+        fibers = 2048,         ///< round curves that rays leave from within without meeting them
         only_instanced = 128,  ///< its primitives stand where instances put them, and nowhere else
     };
     std::uint32_t material = 0;
@@ -74,7 +74,7 @@ struct InstanceRecord {
     std::uint32_t object_id = 0;                 ///< instead of the shape's
     std::uint32_t poses = 0;                     ///< if it moves: how many in the low byte, above it the first of them
 
-    static constexpr std::uint32_t most_poses = 255, most_first_pose = (1u << 24) - 1;
+    static constexpr std::uint32_t max_poses = 255, max_first_pose = (1u << 24) - 1;
     std::uint32_t pose_count() const { return poses & 255; }
     std::uint32_t first_pose() const { return poses >> 8; }
 };

@@ -5,7 +5,8 @@
 #include "sampling/inversion.h"
 #include "sampling/sobol.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// The side that a normal faces: 0 to 5 for +x, -x, +y, -y, +z, -z.
 inline UInt guiding_side(const Vec3& n)
@@ -68,7 +69,7 @@ inline UInt guiding_cube(const GuidingTables& tables, const Vec3& p, const Vec3&
 inline Float light_chance(const GuidingTables& tables, UInt cube, Float throughput, Mask m)
 {
     constexpr float least = 1.f / 8;
-    return clamp(gather(tables.light_needs.data(), select(m, cube, UInt(0u)), m) * throughput, Float(least), Float(1));
+    return clamp(gather(tables.nee_factors.data(), select(m, cube, UInt(0u)), m) * throughput, Float(least), Float(1));
 }
 
 /// What is known about where light comes from at some surfaces, to sample directions by it.
@@ -86,7 +87,7 @@ public:
         const UInt region = gather(tables.regions.data(), cube_ * UInt(guiding_sides) + side_, m);
         known_ = m & (region != UInt(no_index));
         region_ = select(known_, region, UInt(0u));
-        share_ = select(known_, weight * Float(most_share), Float(0));
+        share_ = select(known_, weight * Float(max_share), Float(0));
     }
 
     bool is_on() const { return tables_ != nullptr; }
@@ -95,14 +96,14 @@ public:
     /// Of the directions that are to be sampled by sample().
     Float share() const { return share_; }
     /// The chance with which a path goes on, over its throughput times the surface's colour.
-    Float path_need() const { return gather(tables_->path_needs.data(), region_, known_); }
+    Float survival_factor() const { return gather(tables_->survival_factors.data(), region_, known_); }
 
     /// The chance with which the shadow ray of a light sample is traced that brings so much if it arrives.
     Float shadow_chance(Float brings, Mask m) const
     {
         constexpr float least = 0.1f;
-        if (tables_->shadow_needs.empty()) return Float(1);
-        return clamp(gather(tables_->shadow_needs.data(), cube_, m) * brings, Float(least), Float(1));
+        if (tables_->shadow_ray_factors.empty()) return Float(1);
+        return clamp(gather(tables_->shadow_ray_factors.data(), cube_, m) * brings, Float(least), Float(1));
     }
 
     /// A direction by the histogram.
@@ -134,7 +135,7 @@ private:
     static constexpr int band_shift = 4;
     static_assert(guiding_sectors == 1u << band_shift);
     /// The closure keeps a third: it knows what the histogram does not, and bounds the noise where that is wrong.
-    static constexpr float most_share = 0.65f;
+    static constexpr float max_share = 0.65f;
 
     const GuidingTables* tables_ = nullptr;
     UInt cube_, side_, region_;
@@ -142,4 +143,5 @@ private:
     Float share_;
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

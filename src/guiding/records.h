@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "math/memory.h"
-#include "math/no_index.h"
+#include "base/large_memory.h"
+#include "base/no_index.h"
 
 namespace fathom {
 
@@ -28,14 +28,14 @@ struct GuidingTables {
     std::uint32_t cells[3] = {};
     LargeVector<std::uint32_t> regions;  ///< by (cube, x first) * guiding_sides + side: its number, or no_index
     LargeVector<float> histograms;       ///< guiding_stride values a region
-    double most_value = 0;               ///< what a record's value counted at most
+    double max_value = 0;                ///< what a record's value counted at most
     /// By region: with what chance a path goes on from there, over its throughput times the surface's colour; see
-    /// session/needs.h.
-    LargeVector<float> path_needs;
+    /// session/efficiency_roulette.h.
+    LargeVector<float> survival_factors;
     /// By cube: with what chance a path samples a light there, over its throughput; the same. Empty: all do.
-    LargeVector<float> light_needs;
+    LargeVector<float> nee_factors;
     /// By cube: with what chance the shadow ray of a light sample is traced, over what the sample brings if it arrives.
-    LargeVector<float> shadow_needs;
+    LargeVector<float> shadow_ray_factors;
 };
 
 /// The number of the cube that a place is in.

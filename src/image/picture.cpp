@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstddef>
 
-#include "image/formats.h"
+#include "image/codecs/codecs.h"
 
 namespace fathom {
 

@@ -4,12 +4,11 @@
 
 #include <bit>
 
-#include "integrate/tables.h"
-#include "integrate/vertex_attributes.h"
-#include "shading/alpha.h"
+#include "geometry/surface/vertex_attributes.h"
+#include "kernel/tables.h"
+#include "materials/opacity.h"
 
 namespace fathom {
-
 inline namespace FATHOM_LANES {
 
 namespace {
@@ -60,7 +59,7 @@ bool alpha_passes(const void* context, const AlphaCandidate& candidate)
 {
     const auto& tables = *static_cast<const SceneTables*>(context);
     const ShapeRecord& shape = tables.shapes[shape_of(tables, candidate)];
-    const Float share = alpha_share(tables, shape.material, read_place(tables, shape, candidate), true);
+    const Float share = opacity(tables, shape.material, read_place(tables, shape, candidate), true);
     return share >= 1 || random_number(candidate) < share;
 }
 

@@ -9,16 +9,15 @@
 #include <algorithm>
 
 #include "integrate/fast/quads/quad_path.h"
-#include "integrate/pool.h"
 #include "integrate/stages/camera_media.h"
 #include "integrate/stages/indirect_clamp.h"
-#include "integrate/stages/mixture.h"
 #include "integrate/stages/shade.h"
 #include "integrate/stages/single_sided.h"
 #include "integrate/stages/walk.h"
+#include "kernel/pool.h"
+#include "materials/read/mixture.h"
 
 namespace fathom {
-
 inline namespace FATHOM_LANES {
 
 namespace {
@@ -38,11 +37,11 @@ public:
                   .eta_scale = scene.refracts,
                   .media = scene.tracks_media,
                   .clamp = settings.clamp_indirect > 0,
-                  .light_chance = settings.leaves_lights_to_chance(),
+                  .light_chance = settings.skips_light_samples(),
                   .number = job.records != nullptr,
                   .walks = scene.scatters_inside || scene.open_media,
                   .walk_textures = scene.textured_media,
-                  .sees_through = scene.sees_through},
+                  .transmissive_shadows = scene.transmissive_shadows},
           camera_media_(scene.tracks_media ? media_at(scene, camera) : MediumStack()),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
@@ -69,13 +68,13 @@ public:
             trace(fresh, active);
             if (scene_.looks_through) see_through_.look_through(*paths_, hits_, fresh, active);
             clock_.enter(RenderStage::arrival);
-            if (recorder_.is_on()) recorder_.arrive(*paths_, active);
+            if (recorder_.is_on()) recorder_.record_light_samples(*paths_, active);
             active = arrive(active);
             std::swap(paths_, spare_);
-            if (recorder_.is_on()) recorder_.meet(*paths_, packed_hits_, kind_end_[closure_kind_count - 1]);
+            if (recorder_.is_on()) recorder_.record_surfaces(*paths_, packed_hits_, kind_end_[closure_kind_count - 1]);
             shade_.run(*paths_, packed_hits_, kind_end_);
             clock_.enter(RenderStage::film);
-            active = bury(active);
+            active = retire_paths(active);
         }
         recorder_.finish();
     }
@@ -105,7 +104,7 @@ private:
         p.reversed_index.store(to, path.key.reversed_index);
         p.state.store(to, UInt(PathPool::specular) | path.pixel << PathPool::pixel_shift);
         p.bsdf_pdf.store(to, Float(0));
-        p.way_out.store(to, Float(0));
+        p.exit_offset.store(to, Float(0));
         p.eta_scale.store(to, Float(1));
         p.time.store(to, path.ray.time);
         p.media.store(to, camera_media_);
@@ -204,9 +203,9 @@ private:
             for (std::size_t k = 0; k < walking; ++k) to[packed + k] = from[walking_[k]];
         };
         if (walking > 0) {
-            PathPool::for_travelling(*paths_, *spare_, extras_, append);
+            PathPool::for_each_live_column(*paths_, *spare_, extras_, append);
             append(paths_->bsdf_pdf, spare_->bsdf_pdf);
-            append(paths_->way_out, spare_->way_out);
+            append(paths_->exit_offset, spare_->exit_offset);
         }
         return packed + walking;
     }
@@ -246,7 +245,7 @@ private:
                     const Mask m = (buckets_.load(i) & UInt(mask)) == UInt(wanted);
                     if (none(m)) continue;
                     const auto append = [&](const auto& from, auto& to) { to.append(packed, from.load(i), m); };
-                    PathPool::for_travelling(*paths_, *spare_, extras_, append);
+                    PathPool::for_each_live_column(*paths_, *spare_, extras_, append);
                     HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, scene_.has_mixtures, append);
                     packed += std::size_t(count(m));
                 }
@@ -286,7 +285,7 @@ private:
         const auto permute = [&](const auto& from, auto& to) {
             for (std::size_t i = 0; i < packed; ++i) to[i] = from[order_[i]];
         };
-        PathPool::for_travelling(*paths_, *spare_, extras_, permute);
+        PathPool::for_each_live_column(*paths_, *spare_, extras_, permute);
         HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, scene_.has_mixtures, permute);
         return packed;
     }
@@ -301,14 +300,14 @@ private:
     void finish(std::size_t i)
     {
         const PathPool& p = *paths_;
-        if (recorder_.is_on()) recorder_.end(p, i);
+        if (recorder_.is_on()) recorder_.end_path(p, i);
         sums_.add(PathPool::pixel_of(p.state[i]), reversed_scalar(p.reversed_index[i]), p.radiance.c[0][i],
                   p.radiance.c[1][i], p.radiance.c[2][i]);
     }
 
     /// Ends the paths that are dead after shading, before they are traced once more; the last ones take their places.
     /// Returns how many are left.
-    std::size_t bury(std::size_t active)
+    std::size_t retire_paths(std::size_t active)
     {
         PathPool& p = *paths_;
         std::size_t dead = 0;
@@ -320,9 +319,9 @@ private:
             finish(i);
             --active;
             if (i == active) continue;
-            PathPool::for_travelling(p, p, extras_, [&](auto& column, auto&) { column[i] = column[active]; });
+            PathPool::for_each_live_column(p, p, extras_, [&](auto& column, auto&) { column[i] = column[active]; });
             p.bsdf_pdf[i] = p.bsdf_pdf[active];
-            p.way_out[i] = p.way_out[active];
+            p.exit_offset[i] = p.exit_offset[active];
         }
         return active;
     }
@@ -387,10 +386,10 @@ private:
             if (const Mask shared = shows & (light != UInt(no_index)) & !specular; any(shared)) {
                 const UInt number = select(shared, light, UInt(0u));
                 const Float pdf = p.bsdf_pdf.gather(index, m);
-                const Float way_out = scene_.has_way_out ? p.way_out.gather(index, m) : Float(0);
+                const Float exit_offset = scene_.has_way_out ? p.exit_offset.gather(index, m) : Float(0);
                 weight = select(shared,
-                                lights_.emission_weight_of(number, fma(hit.d, -way_out, hit.o), hit.time, hit.d,
-                                                           hit.t + way_out, hit.u, pdf, shared),
+                                lights_.emission_weight_of(number, fma(hit.d, -exit_offset, hit.o), hit.time, hit.d,
+                                                           hit.t + exit_offset, hit.u, pdf, shared),
                                 weight);
             }
         }
@@ -422,7 +421,7 @@ private:
             const Mask valid = first_lanes(active - i);
             if (scene_.open_media)
                 first_hits_.add_scattered(PathPool::pixel_of(state),
-                                          valid & (hits_.t.load(i) == Float(WalkStage::scattered_first)));
+                                          valid & (hits_.t.load(i) == Float(MediumStage::scattered_first)));
             const Mask m = valid & ((state & UInt(PathPool::bounce_mask)) == UInt(0u));
             const Mask hits = m & (hits_.primitive.load(i) != UInt(no_index));
             if (none(hits)) continue;
@@ -430,7 +429,7 @@ private:
             if (scene_.has_mixtures) hit.material = hits_.material.load(i);
             if (scene_.open_media) {
                 // The camera is before all boundaries on the way.
-                const Float way = p.way_out.load(i);
+                const Float way = p.exit_offset.load(i);
                 hit.o = fma(hit.d, -way, hit.o), hit.t = hit.t + way;
             }
             first_hits_.add(hit, p.media.load(i), PathPool::pixel_of(state), p.reversed_index.load(i), hits);
@@ -459,7 +458,7 @@ private:
     HitColumns hits_, packed_hits_;
     CameraSeesThrough see_through_;
     MixtureStage mixtures_;
-    WalkStage walk_;
+    MediumStage walk_;
     PathRecorder recorder_;
     ShadeStage shade_;
     Column<std::uint32_t> buckets_, order_;

@@ -1,14 +1,15 @@
 #include "integrate/shadow_trial.h"
 
-#include "integrate/camera_paths.h"
-#include "integrate/stages/light.h"
+#include "kernel/camera_paths.h"
+#include "lights/sample/light_stage.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 namespace {
 
 /// More tell no more: few of them come to nodes far down, which matter little.
-constexpr std::size_t most_rays = 2048;
+constexpr std::size_t max_rays = 2048;
 
 /// Rays with room behind for whole registers, and what they hit.
 struct Rays {
@@ -18,8 +19,8 @@ struct Rays {
 
     Rays()
     {
-        for (std::vector<float>& c : column) c.resize(most_rays + 64);
-        primitive.resize(most_rays + 64), instance.resize(most_rays + 64);
+        for (std::vector<float>& c : column) c.resize(max_rays + 64);
+        primitive.resize(max_rays + 64), instance.resize(max_rays + 64);
     }
     float* at(int k, std::size_t i) { return &column[k][i]; }
     Vec3 origin(std::size_t i) { return load_vec3(at(0, i), at(1, i), at(2, i)); }
@@ -63,7 +64,7 @@ Rays from_triangles(const GeometryTables& tables)
 {
     Rays rays;
     const UInt last(tables.world_triangles - 1);
-    for (std::size_t i = 0; i < most_rays; i += lanes) {
+    for (std::size_t i = 0; i < max_rays; i += lanes) {
         const Numbers numbers(i, 0);
         const UInt any = to_uint(numbers.pair(0).x * Float(float(tables.world_triangles)));
         // Rounding may go past the last one.
@@ -137,4 +138,5 @@ void try_shadow_rays(LaneScene& scene)
     scene.bvh.expect(shadows.arrays(true));
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

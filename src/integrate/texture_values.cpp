@@ -1,7 +1,7 @@
 /// Compiled for one lane (FATHOM_ONE_LANE): whoever compiles a scene asks for textures by the very code by which
 /// shading looks them up, and gets the same bits from each kernel.
-#include "integrate/kernel.h"
-#include "shading/textures/textures.h"
+#include "kernel/kernel.h"
+#include "textures/textures.h"
 
 namespace fathom {
 

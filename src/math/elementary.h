@@ -4,7 +4,8 @@
 
 #include "math/lanes.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 inline constexpr float pi = std::numbers::pi_v<float>;
 inline constexpr float inv_pi = std::numbers::inv_pi_v<float>;
@@ -96,4 +97,5 @@ inline Float log(Float x) { return log2(x) * Float(std::numbers::ln2_v<float>); 
 /// x^y for x >= 0; 0 for x = 0.
 inline Float pow(Float x, Float y) { return select(x > Float(0), exp2(y * log2(x)), Float(0)); }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

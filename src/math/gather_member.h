@@ -6,10 +6,11 @@
 #include <type_traits>
 #include <vector>
 
-#include "math/memory.h"
+#include "base/large_memory.h"
 #include "math/vec3.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 namespace detail {
 
@@ -98,4 +99,5 @@ template <class Record, class Member, class Part>
     return gather_vector(reinterpret_cast<const float*>(vectors.data()), index * UInt(3), m);
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -3,12 +3,12 @@
 /// Empirical Distribution").
 #include <cstdint>
 
-#include "math/memory.h"
+#include "base/large_memory.h"
 
 namespace fathom {
 
 /// A guide's entry is of 32 bits, with the numbers of two intervals of the table.
-inline constexpr std::uint32_t most_guided_intervals = 1u << 16;
+inline constexpr std::uint32_t max_guided_intervals = 1u << 16;
 
 /// Entries of the guide to a table of n intervals.
 inline std::uint32_t guide_size(int n) { return (std::uint32_t(n) + 3) / 4; }

@@ -3,7 +3,8 @@
 
 #include "math/lanes.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// reverse_bits of one number.
 inline std::uint32_t reversed_scalar(std::uint32_t x)
@@ -25,4 +26,5 @@ U hash(U x)
     return x ^ (x >> 16);
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -38,7 +38,8 @@
 #include "math/lanes_pair.h"
 #else
 // By name, since an argument of type float (the base build) finds no namespace by itself.
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 using native::any;
 using native::bits_float;
 using native::compress_store;
@@ -53,7 +54,6 @@ using native::iota;
 using native::lanes;
 using native::lanes_name;
 using native::least;
-using native::least_each;
 using native::less;
 using native::load;
 using native::lookup;
@@ -62,6 +62,7 @@ using native::mask_bits;
 using native::mask_from_bits;
 using native::max;
 using native::min;
+using native::min_each;
 using native::none;
 using native::reverse_bits;
 using native::rotate16;
@@ -71,10 +72,12 @@ using native::store;
 using native::to_float;
 using native::to_uint;
 using native::UInt;
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom
 #endif
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// The most entries of a table that lookup() reads from registers; so many must be readable from the table's start on.
 inline constexpr int lookup_size = 32;
@@ -175,4 +178,5 @@ void for_each_unique(Mask m, UInt ids, F&& f)
     }
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

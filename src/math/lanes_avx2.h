@@ -212,7 +212,7 @@ inline float least(Float a)
     return _mm_cvtss_f32(_mm_min_ss(x, _mm_movehdup_ps(x)));
 }
 /// The least of the lanes of each.
-inline void least_each(const Float (&x)[16], float (&out)[16])
+inline void min_each(const Float (&x)[16], float (&out)[16])
 {
     // From (a, b) the lesser of their lanes in turns, a b a b ...; so on to a b c d in each half.
     const auto singles = [](__m256 a, __m256 b) {

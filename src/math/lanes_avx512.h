@@ -169,7 +169,7 @@ inline UInt lookup(const std::uint32_t* table, int n, UInt index)
 /// The least of the lanes.
 inline float least(Float a) { return _mm512_reduce_min_ps(a.v); }
 /// The least of the lanes of each.
-inline void least_each(const Float (&x)[16], float (&out)[16])
+inline void min_each(const Float (&x)[16], float (&out)[16])
 {
     // From (a, b) the lesser of their lanes in turns, a b a b ...; so on to a b c d in each quarter.
     const auto singles = [](__m512 a, __m512 b) {

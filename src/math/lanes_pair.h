@@ -3,7 +3,8 @@
 /// single chain of them would leave the processor waiting. Included by math/lanes.h after a lanes_*.h with `native`.
 #include <bit>
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 inline constexpr int lanes = 2 * native::lanes;
 inline constexpr const char* lanes_name = native::lanes_name;
@@ -126,12 +127,13 @@ inline UInt lookup(const std::uint32_t* t, int n, UInt i)
     return {native::lookup(t, n, i.a), native::lookup(t, n, i.b)};
 }
 inline float least(Float x) { return native::least(native::min(x.a, x.b)); }
-inline void least_each(const Float (&x)[16], float (&out)[16])
+inline void min_each(const Float (&x)[16], float (&out)[16])
 {
     native::Float lesser[16];
     for (int i = 0; i < 16; ++i) lesser[i] = native::min(x[i].a, x[i].b);
-    native::least_each(lesser, out);
+    native::min_each(lesser, out);
 }
 inline UInt rotate16(UInt x) { return {native::rotate16(x.a), native::rotate16(x.b)}; }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

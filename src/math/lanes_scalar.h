@@ -73,7 +73,7 @@ inline UInt lookup(const std::uint32_t* table, int, UInt index) { return table[i
 /// The least of the lanes.
 inline float least(Float a) { return a; }
 /// The least of the lanes of each.
-inline void least_each(const Float (&x)[16], float (&out)[16])
+inline void min_each(const Float (&x)[16], float (&out)[16])
 {
     for (int i = 0; i < 16; ++i) out[i] = x[i];
 }

@@ -2,7 +2,8 @@
 #include "fathom/vector.h"
 #include "math/lanes.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// N vectors, one per lane. Where a name has no suffix the space is render space (src/geometry/records.h).
 struct Vec3 {
@@ -51,4 +52,5 @@ struct Frame {
 
 inline Vec3 load_vec3(const float* x, const float* y, const float* z) { return {load(x), load(y), load(z)}; }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,7 +1,8 @@
 #pragma once
-#include "shading/spectrum.h"
+#include "math/spectrum.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// The same as single_scattering_albedo of scene/scattering.h, in lanes: of a medium of which a half-space gives back
 /// `color` of light from everywhere.
@@ -18,4 +19,5 @@ inline Spectrum scattering_albedo(const Spectrum& color, Float anisotropy)
     return albedo;
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -2,9 +2,10 @@
 #include <limits>
 
 #include "math/elementary.h"
-#include "shading/spectrum.h"
+#include "math/spectrum.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// What a way of this length leaves of the light, unscattered; lengths may be infinite.
 inline Spectrum transmittance(const Spectrum& extinction, Float length)
@@ -70,4 +71,5 @@ private:
     Float distance_;
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,7 +1,8 @@
 #pragma once
 #include "sampling/warp.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Direction about +z, which is the way on, with the density of Henyey and Greenstein 1941, (1 - g^2) / (4 pi (1 + g^2
 /// - 2 g cos)^1.5). anisotropy: g, the mean cosine, in [-0.99, 0.99].
@@ -26,4 +27,5 @@ inline Float phase_pdf(Float anisotropy, Float cosine)
     return Float(0.25f * inv_pi) * (Float(1) - g2) / (way2 * sqrt(way2));
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

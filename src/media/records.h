@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "shading/rgb.h"
+#include "math/rgb.h"
 
 namespace fathom {
 
@@ -32,7 +32,7 @@ constexpr float shortest_free_path = 1.0f / 512;
 struct MediaTables {
     /// The first is empty space, which is everywhere, with a priority below all others.
     std::vector<MediumRecord> media = std::vector<MediumRecord>(1);
-    static constexpr std::size_t most_media = 1u << 16;
+    static constexpr std::size_t max_media = 1u << 16;
 };
 
 }  // namespace fathom

@@ -2,7 +2,8 @@
 #include "media/distance.h"
 #include "media/records.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// The media that a path is in: Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images".
 ///
@@ -100,4 +101,5 @@ struct MediumBoundary {
     }
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

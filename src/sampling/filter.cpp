@@ -4,7 +4,8 @@
 #include <numbers>
 #include <vector>
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 namespace {
 
@@ -47,4 +48,5 @@ void FilterTable::make_tent()
     invert(inverse, size, 1, [](double x) { return 1 + x; });
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -3,7 +3,8 @@
 
 #include "math/lanes.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Sampling of a pixel filter by its inverse cumulative distribution: every sample then has the same weight, and a
 /// pixel owns its samples (Ernst, Stamminger, Greiner 2006, "Filter Importance Sampling"). The filters are separable,
@@ -31,4 +32,5 @@ struct FilterTable {
     }
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -2,7 +2,8 @@
 #include "math/guide.h"
 #include "math/lanes.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// The interval of a cumulative table of n + 1 ascending values, from table[first] on, that holds x: its number below
 /// n.
@@ -50,4 +51,5 @@ inline GuidedInterval find_guided(const LargeVector<float>& tables, const LargeV
     return {lo, gather(tables.data(), first + lo), gather(tables.data() + 1, first + lo)};
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -7,7 +7,8 @@
 #include "math/hash.h"
 #include "math/lanes.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 struct Sample2 {
     Float x, y;  ///< each in [0, 1)
@@ -87,4 +88,5 @@ inline Float sample_hash(const SampleKey& key, UInt seed)
     return unit_float(x ^ (x >> 16));
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

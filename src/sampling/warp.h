@@ -3,7 +3,8 @@
 #include "math/vec3.h"
 #include "sampling/sobol.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Direction about +z with density cos / pi per solid angle.
 inline Vec3 sample_cosine_hemisphere(Sample2 u)
@@ -46,4 +47,5 @@ inline Float mis_weight(Float pdf, Float other)
     return reciprocal(fma(r, r, Float(1)));
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -259,9 +259,9 @@ public:
         std::sort(times_.begin(), times_.end());
         times_.erase(std::unique(times_.begin(), times_.end()), times_.end());
         // Of many, some that are spread evenly, the first and the last among them.
-        if (const std::size_t all = times_.size(); all > most_times) {
-            for (std::size_t i = 0; i < most_times; ++i) times_[i] = times_[i * (all - 1) / (most_times - 1)];
-            times_.resize(most_times);
+        if (const std::size_t all = times_.size(); all > max_times) {
+            for (std::size_t i = 0; i < max_times; ++i) times_[i] = times_[i * (all - 1) / (max_times - 1)];
+            times_.resize(max_times);
         }
     }
 
@@ -272,7 +272,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t most_times = 9;
+    static constexpr std::size_t max_times = 9;
 
     /// time  null where nothing above moves
     void add_node(const Transform& parent, int index, const double* time, int depth)

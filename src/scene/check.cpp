@@ -17,7 +17,7 @@ namespace fathom {
 namespace {
 
 constexpr int deepest_node = 256;
-constexpr double most_places = 1e8;
+constexpr double max_places = 1e8;
 constexpr float brightest = 1e20f;
 constexpr const char* too_many_places = "instances make more than 100 million nodes and shapes of it";
 
@@ -422,7 +422,7 @@ private:
                 }
                 if (depths[i] >= deepest_node)
                     fail(element("nodes", i), "nodes are nested more than " + std::to_string(deepest_node) + " deep");
-                if (places[i] > most_places) fail(element("nodes", i), too_many_places);
+                if (places[i] > max_places) fail(element("nodes", i), too_many_places);
                 states[i] = State::done;
                 stack.pop_back();
             }
@@ -432,7 +432,7 @@ private:
             all_places += places[std::size_t(root)];
             all_shapes += shapes[std::size_t(root)];
         }
-        if (all_places > most_places) fail("roots", too_many_places);
+        if (all_places > max_places) fail("roots", too_many_places);
         // What is small is not worth asking.
         const double bytes = all_shapes * bytes_per_occurrence;
         if (bytes > 1e6 && bytes > double(available_memory_bytes()))

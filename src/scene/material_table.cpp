@@ -285,7 +285,7 @@ const P parameters[] = {
      .words = alpha_modes,
      .default_by_use = true},
     {"alpha_cutoff", all, &Material::alpha_cutoff, "mask: visible from this alpha on"},
-    {"black_behind", reflecting, &Material::black_behind, "reflects nothing on its back; for what does not transmit"},
+    {"black_behind", reflecting, &Material::one_sided, "reflects nothing on its back; for what does not transmit"},
     {"single_sided", all, &Material::single_sided, "cameras look through it from behind; to other light it is there"},
     {"hidden_from_camera", all, &Material::hidden_from_camera,
      "cameras look through it; to other light, and in mirrors, it is there"},

@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "scene/words.h"
+#include "scene/enum_names.h"
 
 namespace fathom {
 

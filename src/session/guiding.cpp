@@ -6,9 +6,9 @@
 #include <tbb/parallel_for.h>
 
 #include "film/film_data.h"
+#include "session/efficiency_roulette.h"
 #include "session/guiding_tables.h"
-#include "session/needs.h"
-#include "session/path_noise.h"
+#include "session/variance_estimate.h"
 
 namespace fathom {
 
@@ -16,10 +16,10 @@ namespace {
 
 /// So many paths are learnt from: half as many as the picture has pixels, but not fewer or more than these. With fewer
 /// much is missed indoors; a million take some 100 MB for a while.
-constexpr std::size_t least_paths = std::size_t(1) << 18, most_paths = std::size_t(1) << 20;
+constexpr std::size_t min_paths = std::size_t(1) << 18, max_paths = std::size_t(1) << 20;
 /// Each pixel that is looked at has sets of so many samples: each spread evenly, with random numbers of its own, so
 /// that it is known how much noise is left. Where pixels are few there are more sets, and then more samples.
-constexpr std::size_t least_samples = 8, least_sets = 2, most_sets = 256;
+constexpr std::size_t min_samples = 8, min_sets = 2, max_sets = 256;
 constexpr std::size_t paths_per_job = 4096;
 /// Guided paths are tried in every so manieth of these pixels.
 constexpr std::size_t trial_step = 2;
@@ -28,10 +28,10 @@ constexpr std::size_t trial_step = 2;
 constexpr double guidance_cost = 0.08, guidance_cost_without_tree = 0.22;
 /// With less gain the plain paths are kept: it is not known exactly, and the more samples a pixel has, the more plain
 /// ones win by their even spread, of which the few of the trial show only some.
-constexpr double least_gain = 1.05;
+constexpr double min_gain = 1.05;
 /// Where paths would sample lights at more surfaces than this share of all, they do so at every one: choosing takes
 /// time.
-constexpr double most_light_samples = 0.5;
+constexpr double max_light_samples = 0.5;
 
 /// Pixels far apart, in rows and columns of equal distances, about `count` of them or all that there are.
 std::vector<std::uint32_t> spread_pixels(int width, int height, std::size_t count)
@@ -154,11 +154,11 @@ std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, con
                                                    const KernelSettings& settings, const std::atomic<bool>* cancel)
 {
     const std::size_t picture = std::size_t(settings.width) * std::size_t(settings.height);
-    const std::size_t paths = std::clamp(picture / 2, least_paths, most_paths);
+    const std::size_t paths = std::clamp(picture / 2, min_paths, max_paths);
     const std::vector<std::uint32_t> pixels =
-        spread_pixels(settings.width, settings.height, paths / (least_sets * least_samples));
-    const std::size_t sets = std::clamp(paths / (least_samples * pixels.size()), least_sets, most_sets);
-    const std::size_t samples = std::max(least_samples, paths / (sets * pixels.size()));
+        spread_pixels(settings.width, settings.height, paths / (min_sets * min_samples));
+    const std::size_t sets = std::clamp(paths / (min_samples * pixels.size()), min_sets, max_sets);
+    const std::size_t samples = std::max(min_samples, paths / (sets * pixels.size()));
     const Pass plain = trace(scene, camera, settings, pixels, sets, samples, 0x9e3779b9u, cancel);
     std::vector<const GuidingRecords*> parts;
     plain.append_to(parts);
@@ -166,23 +166,23 @@ std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, con
     if (!first) return nullptr;
     const std::vector<double> squares = brightness_squares(plain.spreads), tried_squares = thinned(squares, trial_step);
     const PathsMet met = paths_met(plain, squares);
-    if (plain.light_samples > 0) set_light_needs(met, *first);
-    set_path_needs(met, *first);
+    if (plain.light_samples > 0) set_nee_factors(met, *first);
+    set_survival_factors(met, *first);
     KernelSettings with_first = settings;
     with_first.guiding = first.get();
     Pass guided = trace(scene, camera, with_first, thinned(pixels, trial_step), sets, samples, 0x85ebca6bu, cancel);
-    const bool samples_all = double(guided.light_samples) > most_light_samples * double(guided.vertices);
+    const bool samples_all = double(guided.light_samples) > max_light_samples * double(guided.vertices);
     if (samples_all) guided.light_samples = guided.vertices;
-    if (gain(plain, guided, scene.has_tree() ? guidance_cost : guidance_cost_without_tree) < least_gain) return nullptr;
+    if (gain(plain, guided, scene.has_tree() ? guidance_cost : guidance_cost_without_tree) < min_gain) return nullptr;
     guided.append_to(parts);
     const std::shared_ptr<GuidingTables> tables = make_guiding(parts);
     if (!tables) return nullptr;
-    if (plain.light_samples > 0 && !samples_all) set_light_needs(met, *tables);
+    if (plain.light_samples > 0 && !samples_all) set_nee_factors(met, *tables);
     // From here on paths are guided: what they take and bring is known by those of the trial.
     PathsMet met_by_all = paths_met(guided, tried_squares);
     met_by_all.parts.insert(met_by_all.parts.begin(), met.parts.begin(), met.parts.end());
-    set_path_needs(met_by_all, *tables);
-    if (plain.light_samples > 0) set_shadow_needs(met_by_all, *tables);
+    set_survival_factors(met_by_all, *tables);
+    if (plain.light_samples > 0) set_shadow_ray_factors(met_by_all, *tables);
     return tables;
 }
 

@@ -2,7 +2,7 @@
 #include <atomic>
 #include <memory>
 
-#include "integrate/kernel.h"
+#include "kernel/kernel.h"
 
 namespace fathom {
 

@@ -2,8 +2,8 @@
 #include <array>
 #include <cmath>
 
+#include "session/deterministic_reduce.h"
 #include "session/guiding_tables.h"
-#include "session/sum_of_groups.h"
 
 namespace fathom {
 
@@ -12,11 +12,11 @@ namespace {
 /// Cubes are so fine that regions have so many records each, about. Finer ones were too noisy, larger ones too blunt.
 constexpr double records_per_region = 2500;
 /// Nothing is known of regions with less.
-constexpr std::uint32_t least_records = 64;
+constexpr std::uint32_t min_records = 64;
 /// Every so manieth record tells where they are and how fine the cubes may be.
 constexpr std::uint32_t thinning = 16;
 /// A record's value counts up to so many times the mean of all.
-constexpr double most_of_mean = 200;
+constexpr double max_of_mean = 200;
 /// What a bin gives to each of its neighbours.
 constexpr double blur = 0.1;
 /// What regions know is so much that of all eight cubes around them.
@@ -88,7 +88,7 @@ void choose_cubes(const std::vector<GuidingRecord>& few, GuidingTables& t)
         std::vector<std::uint32_t> count(t.regions.size());
         for (const GuidingRecord& r : few) ++count[place_of(r, t)];
         const auto known =
-            std::count_if(count.begin(), count.end(), [](std::uint32_t n) { return n >= least_records / thinning; });
+            std::count_if(count.begin(), count.end(), [](std::uint32_t n) { return n >= min_records / thinning; });
         if (double(few.size()) < records_per_region / thinning * double(known)) break;
     }
 }
@@ -106,13 +106,13 @@ struct PlaceCounts {
 };
 PlaceCounts count_by_place(const Parts& parts, const GuidingTables& t)
 {
-    return sum_of_groups(parts.size(), PlaceCounts{std::vector<std::uint32_t>(t.regions.size()), 0, 0},
-                         [&](std::size_t part, PlaceCounts& sums) {
-                             for_directions(*parts[part], [&](const GuidingRecord& r) {
-                                 ++sums.count[place_of(r, t)];
-                                 sums.records += 1, sums.values += double(r.value);
-                             });
-                         });
+    return deterministic_reduce(parts.size(), PlaceCounts{std::vector<std::uint32_t>(t.regions.size()), 0, 0},
+                                [&](std::size_t part, PlaceCounts& sums) {
+                                    for_directions(*parts[part], [&](const GuidingRecord& r) {
+                                        ++sums.count[place_of(r, t)];
+                                        sums.records += 1, sums.values += double(r.value);
+                                    });
+                                });
 }
 
 /// Numbers the regions that have enough records; returns how many records each of these has.
@@ -120,7 +120,7 @@ std::vector<std::uint32_t> number_regions(const std::vector<std::uint32_t>& coun
 {
     std::vector<std::uint32_t> known;
     for (std::size_t i = 0; i < count.size(); ++i)
-        if (count[i] >= least_records) {
+        if (count[i] >= min_records) {
             t.regions[i] = std::uint32_t(known.size());
             known.push_back(count[i]);
         }
@@ -138,12 +138,12 @@ struct BinSums {
 };
 BinSums sum_by_bin(const Parts& parts, const GuidingTables& t, std::size_t regions)
 {
-    return sum_of_groups(
+    return deterministic_reduce(
         parts.size(), BinSums{std::vector<double>(regions * guiding_bins)}, [&](std::size_t part, BinSums& sums) {
             for_directions(*parts[part], [&](const GuidingRecord& r) {
                 const std::uint32_t region = t.regions[place_of(r, t)];
                 if (region == no_index) return;
-                sums.bins[std::size_t(region) * guiding_bins + r.bin] += std::min(double(r.value), t.most_value);
+                sums.bins[std::size_t(region) * guiding_bins + r.bin] += std::min(double(r.value), t.max_value);
             });
         });
 }
@@ -173,8 +173,8 @@ void write_histogram(const double* sums, float* to)
 
 }  // namespace
 
-void share_with_neighbours(const GuidingTables& t, const std::vector<std::uint32_t>& counts, std::size_t stride,
-                           std::vector<double>& sums)
+void share_with_neighbors(const GuidingTables& t, const std::vector<std::uint32_t>& counts, std::size_t stride,
+                          std::vector<double>& sums)
 {
     const auto half = [&](std::size_t axis) { return std::size_t(t.cells[axis] + 1) / 2; };
     const std::size_t blocks = half(0) * half(1) * half(2) * guiding_sides;
@@ -202,16 +202,16 @@ void share_with_neighbours(const GuidingTables& t, const std::vector<std::uint32
 std::shared_ptr<GuidingTables> make_guiding(const std::vector<const GuidingRecords*>& parts)
 {
     const std::vector<GuidingRecord> few = thin_out(parts);
-    if (few.size() < least_records / thinning) return nullptr;
+    if (few.size() < min_records / thinning) return nullptr;
     auto tables = std::make_shared<GuidingTables>();
     GuidingTables& t = *tables;
     choose_cubes(few, t);
     const PlaceCounts by_place = count_by_place(parts, t);
     const std::vector<std::uint32_t> counts = number_regions(by_place.count, t);
     if (counts.empty()) return nullptr;
-    t.most_value = most_of_mean * by_place.values / by_place.records;
+    t.max_value = max_of_mean * by_place.values / by_place.records;
     std::vector<double> bins = sum_by_bin(parts, t, counts.size()).bins;
-    share_with_neighbours(t, counts, guiding_bins, bins);
+    share_with_neighbors(t, counts, guiding_bins, bins);
     t.histograms.resize(counts.size() * guiding_stride);
     for (std::size_t i = 0; i < counts.size(); ++i)
         write_histogram(&bins[i * guiding_bins], &t.histograms[i * guiding_stride]);

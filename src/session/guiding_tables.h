@@ -19,7 +19,7 @@ inline std::size_t place_of(const GuidingRecord& r, const GuidingTables& t)
 /// records decide what a region knows by itself.
 ///
 /// sums: of each region `stride` sums, of counts[region] records.
-void share_with_neighbours(const GuidingTables& t, const std::vector<std::uint32_t>& counts, std::size_t stride,
-                           std::vector<double>& sums);
+void share_with_neighbors(const GuidingTables& t, const std::vector<std::uint32_t>& counts, std::size_t stride,
+                          std::vector<double>& sums);
 
 }  // namespace fathom

@@ -14,7 +14,7 @@
 #include "fathom/memory.h"
 #include "fathom/threads.h"
 #include "film/film_data.h"
-#include "integrate/kernel.h"
+#include "kernel/kernel.h"
 #include "session/guiding.h"
 #include "session/job.h"
 
@@ -30,7 +30,7 @@ constexpr double pass_s = 0.4;
 /// obeyed within two seconds.
 constexpr double longest_pass_s = 0.8;
 /// What a job of the smallest tile can hold.
-constexpr std::uint64_t most_pass_samples = 1024;
+constexpr std::uint64_t max_pass_samples = 1024;
 
 KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout)
 {
@@ -168,7 +168,7 @@ void add_to_words(const Worker& worker, const Film::Data& film, std::uint32_t* w
 
 void check_range(SampleRange range)
 {
-    if (range.second > most_samples) throw Error("", "", fmt::format("sample indices end at {}", most_samples - 1));
+    if (range.second > max_samples) throw Error("", "", fmt::format("sample indices end at {}", max_samples - 1));
 }
 
 /// What one call renders with, and how it renders the tiles of a pass.
@@ -321,7 +321,7 @@ try {
     while (next < range.second) {
         if (cancel && *cancel) return false;
         const auto start = std::chrono::steady_clock::now();
-        const std::uint64_t end = std::min(range.second, next + std::min(pass, most_pass_samples));
+        const std::uint64_t end = std::min(range.second, next + std::min(pass, max_pass_samples));
         if (!render_into(film, job, passes, {next, end}, cancel)) return false;
         progress.costs = passes.finish({next, end});
         progress.samples_done += passes.pixels() * (end - next);
@@ -341,8 +341,8 @@ try {
 bool render_pass(const RenderJob& job, SampleRange range, Film& film, const std::atomic<bool>& cancel)
 try {
     check_range(range);
-    if (range.first >= range.second || range.second - range.first > most_pass_samples)
-        throw Error("", "", fmt::format("a pass has 1 to {} samples", most_pass_samples));
+    if (range.first >= range.second || range.second - range.first > max_pass_samples)
+        throw Error("", "", fmt::format("a pass has 1 to {} samples", max_pass_samples));
     Film::Data& data = film.data();
     Passes passes(job, data, &cancel);
     for (const SampleRange& r : data.samples)

@@ -146,7 +146,7 @@ std::size_t find_animation(const SceneFile& file, const std::string& wanted)
 }
 
 /// 300 MB for each texture.
-std::vector<MemoryNeed> memory_needs(const SceneDescription& scene, TreeBuild)
+std::vector<MemoryEstimate> estimate_memory(const SceneDescription& scene, TreeBuild)
 {
     return {{"textures", 3e8 * double(scene.images.size())}, {"triangles", 1000}};
 }
@@ -214,8 +214,8 @@ Scene SceneEdit::compile_exactly(Warnings& warnings)
 }
 
 /// A scene of the name `dark` gets a studio and an exposure.
-LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
-                     const std::optional<Ground>& ground)
+AutoLitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
+                         const std::optional<Ground>& ground)
 {
     const SceneDescription& scene = edit.description();
     const char* const choices[] = {"auto", "file", "studio"};  // by LightChoice
@@ -224,7 +224,7 @@ LitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings
     if (ground)
         warnings.add(fmt::format("ground {}of {:g}", ground->only_where_it_fits ? "where it fits " : "",
                                  ground->color.value_or(ground->backdrop).g));
-    LitScene lit;
+    AutoLitScene lit;
     lit.scene = edit.compile_exactly(warnings);
     if (scene.file.find("dark") == std::string::npos) return lit;
     lit.added = {"a lamp", "an exposure"};

@@ -98,7 +98,7 @@ TEST(Dispatcher, DoesNotWaitForASlowRank)
 TEST(Dispatcher, EndsInTime)
 {
     const std::vector<double> sample_s = {0.3, 0.11, 0.7};
-    Dispatcher dispatcher({{0, most_samples}}, 3, 60.0, true);
+    Dispatcher dispatcher({{0, max_samples}}, 3, 60.0, true);
     const Simulation run(dispatcher, sample_s, 5);
     ASSERT_EQ(run.joined().size(), 1u) << "without gaps";
     EXPECT_EQ(run.joined()[0].first, 0u);
@@ -110,10 +110,10 @@ TEST(Dispatcher, EndsInTime)
 
 TEST(Dispatcher, HandsOutOneSampleHoweverLate)
 {
-    Dispatcher late({{0, most_samples}}, 2, 1.0, true);
+    Dispatcher late({{0, max_samples}}, 2, 1.0, true);
     EXPECT_EQ(late.next(1, 0, 3.0), (SampleRange{0, 1}));
     EXPECT_EQ(late.next(0, 0, 3.0), std::nullopt);
-    Dispatcher enough({{8, most_samples}}, 2, 1.0, false);
+    Dispatcher enough({{8, max_samples}}, 2, 1.0, false);
     EXPECT_EQ(enough.next(0, 0, 3.0), std::nullopt);
     Dispatcher nothing({}, 2, {}, true);
     EXPECT_EQ(nothing.next(0, 0, 3.0), std::nullopt);

@@ -1,7 +1,7 @@
 #pragma once
 // Descriptions whose tables are looked at, and their tables.
-#include "../placed_light.h"
 #include "compile/scene_data.h"
+#include "support/placed_light.h"
 
 namespace fathom {
 

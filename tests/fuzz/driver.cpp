@@ -16,7 +16,7 @@
 #include <random>
 #include <string>
 
-#include "../memory_limit.h"
+#include "support/memory_limit.h"
 #include "targets.h"
 
 namespace fathom::fuzz {

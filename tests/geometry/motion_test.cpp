@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "compare_with_force.h"
+#include "geometry/bvh/compare_with_force.h"
 
 namespace fathom {
 namespace {

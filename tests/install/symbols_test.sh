@@ -20,7 +20,7 @@ complain "$library exports what is not of namespace fathom:" \
     "$(exported "$library" | grep -v -E '^((typeinfo|typeinfo name|vtable) for )?fathom::' || true)"
 for kernel in "$@"; do
     symbols=$(exported "$kernel")
-    complain "$kernel exports more than integrate/kernel.h offers:" \
+    complain "$kernel exports more than kernel/kernel.h offers:" \
         "$(grep -v -E '^fathom::(make_kernel_scene|render_job|look_up_texture|kernel_lanes|kernel_name)\(' <<<"$symbols" || true)"
     [ "$(wc -l <<<"$symbols")" -eq 5 ] || complain "$kernel should export five functions:" "$symbols"
 done

@@ -217,11 +217,11 @@ TEST(Lights, ALimitOfDepth)
             Mean mean[2];
             for (bool light_sampling : {true, false}) {
                 SceneBuilder b;
-                const int grey = b.diffuse(0.5f);
-                b.add(Rectangle{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}}, grey);
-                b.add(Rectangle{{-2, 0, -2}, {4, 0, 0}, {0, 4, 0}}, grey);
+                const int gray = b.diffuse(0.5f);
+                b.add(Rectangle{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}}, gray);
+                b.add(Rectangle{{-2, 0, -2}, {4, 0, 0}, {0, 4, 0}}, gray);
                 b.add(Rectangle{{-1, 3, -1}, {2, 0, 0}, {0, 0, 2}}, b.diffuse(0, {5, 5, 5}));
-                if (!quads) b.add(Sphere{{1, 1, 0}, 0.5, {}}, grey);
+                if (!quads) b.add(Sphere{{1, 1, 0}, 0.5, {}}, gray);
                 b.camera({0, 2, 6}, {0, 2, 0}, 50);
                 RenderSettings settings = small_picture();
                 settings.light_sampling = light_sampling;

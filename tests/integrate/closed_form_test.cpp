@@ -1,5 +1,5 @@
 /// Lights, lenses and textures against formulas, one thing at a time: a factor of two anywhere shows.
-#include "../image/pictures.h"
+#include "image/pictures.h"
 #include "picture_helpers.h"
 
 namespace fathom {

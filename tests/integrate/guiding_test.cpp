@@ -32,7 +32,7 @@ SceneDescription next_door(const Material& material, const Material& walls, doub
     return b.scene;
 }
 
-Material grey(float albedo)
+Material gray(float albedo)
 {
     Material m;
     m.base_color.value = {albedo, albedo, albedo};
@@ -41,7 +41,7 @@ Material grey(float albedo)
 
 Material of_kind(MaterialKind kind, float roughness, float metallic = 0)
 {
-    Material m = grey(0.8f);
+    Material m = gray(0.8f);
     m.kind = kind;
     m.roughness.value = roughness;
     m.metallic.value = metallic;
@@ -97,13 +97,13 @@ TEST(Guiding, ChangesTheNoiseOnly)
         const char* what;
         Material material;
     };
-    for (const Case& c : {Case{"diffuse", grey(0.8f)},
+    for (const Case& c : {Case{"diffuse", gray(0.8f)},
                           {"glossy", of_kind(MaterialKind::principled, 0.2f)},
                           {"rough metal", of_kind(MaterialKind::principled, 0.5f, 1)},
                           {"layers", coated},
                           {"glass", of_kind(MaterialKind::glass, 0)},
                           {"mirror", of_kind(MaterialKind::metal, 0)}}) {
-        const SceneDescription scene = next_door(c.material, grey(0.7f), 1);
+        const SceneDescription scene = next_door(c.material, gray(0.7f), 1);
         expect_in_use(scene, guided(), c.what);
         expect_same_mean(render_film(scene, guided(), 1024), render_film(scene, small_picture(), 2048), c.what);
     }
@@ -111,7 +111,7 @@ TEST(Guiding, ChangesTheNoiseOnly)
 
 TEST(Guiding, ChangesTheNoiseOnlyWhereLightsAreFoundByChance)
 {
-    const SceneDescription scene = next_door(grey(0.8f), grey(0.7f), 2);
+    const SceneDescription scene = next_door(gray(0.8f), gray(0.7f), 2);
     RenderSettings settings = small_picture();
     settings.light_sampling = false;
     expect_in_use(scene, guided(settings), "by chance");
@@ -122,7 +122,7 @@ TEST(Guiding, ChangesTheNoiseOnlyWhereLightsAreFoundByChance)
 /// Glossy walls are guided less, and roulette goes by what they reflect.
 TEST(Guiding, ChangesTheNoiseOnlyBetweenGlossyWalls)
 {
-    const SceneDescription scene = next_door(grey(0.8f), of_kind(MaterialKind::principled, 0.4f, 0.25f), 1);
+    const SceneDescription scene = next_door(gray(0.8f), of_kind(MaterialKind::principled, 0.4f, 0.25f), 1);
     expect_in_use(scene, guided(), "glossy walls");
     expect_same_mean(render_film(scene, guided(), 2048), render_film(scene, small_picture(), 4096), "glossy walls");
 }
@@ -147,7 +147,7 @@ SceneBuilder upstairs(const Material& walls, double hole, double lamp)
 /// Samples of lights that are left out are made up for by those that are taken, and by directions that find lamps.
 TEST(Guiding, SamplesLightsByChanceWhereTheyRarelyArrive)
 {
-    const SceneDescription scene = upstairs(grey(0.8f), 0.3, 1.8).scene;
+    const SceneDescription scene = upstairs(gray(0.8f), 0.3, 1.8).scene;
     EXPECT_LT(light_share(scene, guided()), 0.45);
     EXPECT_EQ(light_share(scene, small_picture()), 1);
     expect_same_mean(render_film(scene, guided(), 4096), render_film(scene, small_picture(), 4096), "upstairs");
@@ -156,7 +156,7 @@ TEST(Guiding, SamplesLightsByChanceWhereTheyRarelyArrive)
 /// The same where shadow rays pass a pane and fog, in which lights are sampled, too.
 TEST(Guiding, SamplesLightsByChanceInFog)
 {
-    SceneBuilder b = upstairs(grey(0.85f), 1, 1);
+    SceneBuilder b = upstairs(gray(0.85f), 1, 1);
     Material pane, fog;
     pane.kind = fog.kind = MaterialKind::glass;
     pane.thin = true;
@@ -173,7 +173,7 @@ TEST(Guiding, SamplesLightsByChanceInFog)
 /// Where the trial needed most of them, lights are sampled at every surface.
 TEST(Guiding, SamplesLightsEverywhereWhereTheyArrive)
 {
-    const SceneDescription scene = upstairs(grey(0.7f), 2, 2).scene;
+    const SceneDescription scene = upstairs(gray(0.7f), 2, 2).scene;
     expect_in_use(scene, guided(), "wide hole");
     EXPECT_EQ(light_share(scene, guided()), 1);
 }
@@ -188,7 +188,7 @@ double shadow_share(const SceneDescription& description, const RenderSettings& s
 /// Far from a lamp it brings little; rays that are left out are made up for by those that are traced.
 TEST(Guiding, TracesShadowRaysThatAreWorthIt)
 {
-    const SceneDescription scene = upstairs(grey(0.7f), 2, 2).scene;
+    const SceneDescription scene = upstairs(gray(0.7f), 2, 2).scene;
     EXPECT_LT(shadow_share(scene, guided()), 0.88 * shadow_share(scene, small_picture()));
     expect_same_mean(render_film(scene, guided(), 2048), render_film(scene, small_picture(), 4096), "lamp");
 }
@@ -197,7 +197,7 @@ TEST(Guiding, TracesShadowRaysThatAreWorthIt)
 TEST(Guiding, ChangesTheNoiseOnlyBelowASky)
 {
     SceneBuilder b;
-    const int wall = b.material(grey(0.8f));
+    const int wall = b.material(gray(0.8f));
     b.add(Rectangle{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}}, wall);
     b.add(Rectangle{{-2, 3, -2}, {4, 0, 0}, {0, 0, 4}}, wall);
     b.add(Rectangle{{-2, 0, -2}, {4, 0, 0}, {0, 3, 0}}, wall);
@@ -215,7 +215,7 @@ TEST(Guiding, ChangesTheNoiseOnlyBelowASky)
 TEST(Guiding, KeepsTheRadianceOfAClosedRoom)
 {
     SceneBuilder b;
-    Material glowing = grey(0.5f);
+    Material glowing = gray(0.5f);
     glowing.emission.value = {1, 1, 1};
     glowing.emission_two_sided = true;
     add_room(b, b.material(glowing));
@@ -233,7 +233,7 @@ double mean_variance(const Film& film)
 
 TEST(Guiding, MakesLessNoiseNextDoor)
 {
-    const SceneDescription scene = next_door(grey(0.8f), grey(0.7f));
+    const SceneDescription scene = next_door(gray(0.8f), gray(0.7f));
     EXPECT_LT(mean_variance(render_film(scene, guided(), 512)),
               0.4 * mean_variance(render_film(scene, small_picture(), 512)));
 }
@@ -241,7 +241,7 @@ TEST(Guiding, MakesLessNoiseNextDoor)
 /// Roulette needs no depth to begin at where it is known what a path may bring.
 TEST(Guiding, EndsPathsThatBringLittle)
 {
-    const SceneDescription scene = next_door(grey(0.8f), grey(0.7f));
+    const SceneDescription scene = next_door(gray(0.8f), gray(0.7f));
     const auto vertices = [&](const RenderSettings& s) { return double(costs_of(scene, s, 64).vertices); };
     RenderSettings patient = small_picture();
     patient.roulette_depth = 40;
@@ -251,7 +251,7 @@ TEST(Guiding, EndsPathsThatBringLittle)
 /// And where surfaces are dark, few paths leave them.
 TEST(Guiding, EndsPathsOnDarkSurfaces)
 {
-    const SceneDescription scene = next_door(grey(0.3f), grey(0.3f));
+    const SceneDescription scene = next_door(gray(0.3f), gray(0.3f));
     const auto vertices = [&](const RenderSettings& s) { return double(costs_of(scene, s, 64).vertices); };
     expect_in_use(scene, guided(), "dark");
     EXPECT_LT(vertices(guided()), 0.55 * vertices(small_picture()));
@@ -260,7 +260,7 @@ TEST(Guiding, EndsPathsOnDarkSurfaces)
 TEST(Guiding, HasTheSameBitsForAnyThreadsPassesAndCrop)
 {
     Warnings warnings;
-    const Scene scene = Scene::compile(next_door(of_kind(MaterialKind::principled, 0.4f), grey(0.7f)), "", warnings);
+    const Scene scene = Scene::compile(next_door(of_kind(MaterialKind::principled, 0.4f), gray(0.7f)), "", warnings);
     const auto words = [&](RenderSettings settings, const std::vector<SampleRange>& ranges) {
         const RenderJob job(scene, settings);
         Film film(job);
@@ -284,7 +284,7 @@ TEST(Guiding, HasTheSameBitsForAnyThreadsPassesAndCrop)
 TEST(Guiding, ReplaysASample)
 {
     Warnings warnings;
-    const Scene scene = Scene::compile(next_door(grey(0.8f), grey(0.7f)), "", warnings);
+    const Scene scene = Scene::compile(next_door(gray(0.8f), gray(0.7f)), "", warnings);
     const RenderJob job(scene, guided());
     Film film(job);
     render(job, {7, 8}, film);
@@ -323,7 +323,7 @@ TEST(Guiding, TellsTheTimeThatWasSpentOnLearning)
         return costs_of(scene, settings, 1).seconds[std::size_t(RenderStage::learn)];
     };
     // A quarter of a million paths: no machine takes less.
-    EXPECT_GT(learning_s(next_door(grey(0.8f), grey(0.7f)), guided()), 0.001);
+    EXPECT_GT(learning_s(next_door(gray(0.8f), gray(0.7f)), guided()), 0.001);
     EXPECT_GT(learning_s(lamp_above(), guided()), 0.001);
     EXPECT_EQ(learning_s(lamp_above(), small_picture()), 0);
 }

@@ -35,8 +35,8 @@ SceneBuilder room_with_glass()
 SceneBuilder room_with_a_tree()
 {
     SceneBuilder b = room_with_glass();
-    const int grey = b.diffuse(0.5f);
-    for (int i = 0; i < 100; ++i) b.add(Sphere{{-0.9 + 0.018 * i, -0.95, 0.5}, 0.03, {}}, grey);
+    const int gray = b.diffuse(0.5f);
+    for (int i = 0; i < 100; ++i) b.add(Sphere{{-0.9 + 0.018 * i, -0.95, 0.5}, 0.03, {}}, gray);
     return b;
 }
 

@@ -9,15 +9,15 @@ using namespace test;
 SceneDescription corner(double s, Vec3d shift)
 {
     SceneBuilder b;
-    const int grey = b.diffuse(0.7f);
-    b.add(Rectangle{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}}, grey);
-    b.add(Rectangle{{-2, 0, -2}, {4, 0, 0}, {0, 4, 0}}, grey);
-    b.add(Sphere{{0.5, 0.5, 0}, 0.5, {}}, grey);
+    const int gray = b.diffuse(0.7f);
+    b.add(Rectangle{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}}, gray);
+    b.add(Rectangle{{-2, 0, -2}, {4, 0, 0}, {0, 4, 0}}, gray);
+    b.add(Sphere{{0.5, 0.5, 0}, 0.5, {}}, gray);
     Mesh mesh;
     mesh.positions = {{-1.5f, 0, 0}, {-0.5f, 0, 0}, {-1, 1, 0}, {-1, 0, -1}};
     mesh.indices = {0, 1, 2, 1, 3, 2, 3, 0, 2};
     b.scene.meshes.push_back(mesh);
-    b.add(MeshInstance{0}, grey);
+    b.add(MeshInstance{0}, gray);
     b.add(Rectangle{{-1, 3.5, 1}, {0, 0, -2}, {2, 0, 0}}, b.diffuse(0, {5, 5, 5}));
     b.camera({0.5, 2, 5}, {0, 0.8, 0}, 40);
     b.scene.nodes[0].parent_from_node = Transform::translate(shift) * Transform::scale({s, s, s});
@@ -59,7 +59,7 @@ TEST(Triangles, APairIsThePictureOfItsParallelogram)
 {
     const auto scene = [](bool as_mesh) {
         SceneBuilder b;
-        const int grey = b.diffuse(0.6f), lamp = b.diffuse(0, {4, 4, 4});
+        const int gray = b.diffuse(0.6f), lamp = b.diffuse(0, {4, 4, 4});
         const auto quad = [&](Vec3d corner, Vec3d u, Vec3d v, int material) {
             if (!as_mesh) return b.add(Rectangle{corner, u, v}, material);
             Mesh mesh;
@@ -69,8 +69,8 @@ TEST(Triangles, APairIsThePictureOfItsParallelogram)
             b.scene.meshes.push_back(mesh);
             b.add(MeshInstance{int(b.scene.meshes.size()) - 1}, material);
         };
-        quad({-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, grey);
-        quad({-2, 0, -2}, {4, 0, 1}, {0.5, 4, 0}, grey);
+        quad({-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, gray);
+        quad({-2, 0, -2}, {4, 0, 1}, {0.5, 4, 0}, gray);
         quad({-1, 3, 1}, {0, 0, -2}, {2, 0, 0}, lamp);
         b.camera({0.5, 2, 5}, {0, 0.8, 0});
         return b.scene;

@@ -369,16 +369,16 @@ protected:
 
     /// Black but one texel, whose channels are 1, 2 and 3 times `bright`; on top of `grey` everywhere. first: values
     /// that come first instead.
-    void write(int x, int y, float bright, float grey, const std::vector<float>& first = {})
+    void write(int x, int y, float bright, float gray, const std::vector<float>& first = {})
     {
         Image image;
         image.width = width, image.height = height;
-        image.layers.push_back({"", {"R", "G", "B"}, std::vector<float>(std::size_t(width * height * 3), grey)});
+        image.layers.push_back({"", {"R", "G", "B"}, std::vector<float>(std::size_t(width * height * 3), gray)});
         for (int c = 0; c < 3; ++c)
             image.layers[0].pixels[std::size_t(3 * (y * width + x) + c)] += bright * float(c + 1);
         std::copy(first.begin(), first.end(), image.layers[0].pixels.begin());
         write_image(file_, image, {});
-        x_ = x, y_ = y, bright_ = double(bright), grey_ = double(grey);
+        x_ = x, y_ = y, bright_ = double(bright), grey_ = double(gray);
     }
     /// The image between its texels: of the bright one a tent that ends at its neighbours' middles. Rows above the
     /// first and below the last repeat them.

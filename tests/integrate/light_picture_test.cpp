@@ -72,7 +72,7 @@ struct Case {
     }
 };
 
-const std::vector<int> colours = {255, 10, 40, 90, 200, 30, 20, 60, 250, 130, 120, 0, 5, 255, 99, 240, 240, 240};
+const std::vector<int> colors = {255, 10, 40, 90, 200, 30, 20, 60, 250, 130, 120, 0, 5, 255, 99, 240, 240, 240};
 
 /// Right at +x, top at +y of a node that shines along -z; 3 by 2 pixels through tangents of tx, ty.
 std::function<double(const Vec3d&, int)> through_window(double tx, double ty, bool nearest, bool flat_field)
@@ -81,7 +81,7 @@ std::function<double(const Vec3d&, int)> through_window(double tx, double ty, bo
         if (d.z >= 0) return 0.0;
         const double u = 0.5 + 0.5 * d.x / -d.z / tx, v = 0.5 - 0.5 * d.y / -d.z / ty;
         if (u < 0 || u > 1 || v < 0 || v > 1) return 0.0;
-        return 5 * looked_up(3, 2, colours, nearest, u, v, channel) * (flat_field ? std::pow(-d.z, -3.0) : 1);
+        return 5 * looked_up(3, 2, colors, nearest, u, v, channel) * (flat_field ? std::pow(-d.z, -3.0) : 1);
     };
 }
 
@@ -95,7 +95,7 @@ Case projector(bool nearest, bool flat_field)
     c.light.picture = {0, ColorSpace::linear, nearest};
     c.light.flat_field = flat_field;
     c.light.fov = 0.9;
-    c.image = picture_of(3, 2, colours);
+    c.image = picture_of(3, 2, colors);
     c.place = Transform::translate({0.1, 1.4, 0.05}) * shining({0.1, -1, 0.05}) * Transform::rotate({0, 0, 1}, 0.3);
     c.intensity = through_window(std::tan(0.45) * 1.5, std::tan(0.45), nearest, flat_field);
     return c;
@@ -179,9 +179,9 @@ TEST(LightPictures, ProjectorsWithoutAPicture)
 TEST(LightPictures, FluxIsSharedAmongAllDirections)
 {
     const double half = 0.45, t = std::tan(half);
-    for (const int grey : {255, 20}) {
+    for (const int gray : {255, 20}) {
         Case c = projector(false, false);
-        c.image = picture_of(1, 1, {grey, grey, grey});
+        c.image = picture_of(1, 1, {gray, gray, gray});
         c.light.intensity_is_flux = true;
         const double solid_angle = 4 * std::asin(std::sin(half) * std::sin(half));
         c.intensity = [&](const Vec3d& d, int) {
@@ -344,7 +344,7 @@ TEST(LightPictures, SelectionOnlyChangesTheNoise)
     b.add(Sphere{{0, 0.4, 0}, 0.4, {}}, b.diffuse(0.5f, {0.2f, 0.2f, 0.2f}));
     std::vector<int> sparse(3 * 64);
     for (int i = 0; i < 60; ++i) sparse[std::size_t(chance(40, 191))] = 255;
-    b.scene.images = {picture_of(8, 8, sparse), picture_of(3, 2, colours),
+    b.scene.images = {picture_of(8, 8, sparse), picture_of(3, 2, colors),
                       profile_of("1 1 1 3 1 1 1 0 0 0 1 1 1  0 20 80  0  9 3 0")};
     for (int i = 0; i < 40; ++i) {
         Light light;
@@ -429,7 +429,7 @@ TEST(LightPictures, WhatCannotBeShown)
     Light light;
     light.kind = LightKind::goniometric;
     light.picture.image = 0;
-    EXPECT_EQ(error_of(light, picture_of(3, 2, colours)),
+    EXPECT_EQ(error_of(light, picture_of(3, 2, colors)),
               "picture.ppm: the picture of a goniometric light is a square: this one has 3 by 2 pixels");
     EXPECT_EQ(error_of(light, profile_of("1 1 1 2 1 1 1 0 0 0 1 1 1 0 90 0 5 -1")),
               "lamp.ies: IES: the candela value 2 of 2 is negative");
@@ -438,11 +438,11 @@ TEST(LightPictures, WhatCannotBeShown)
     EXPECT_EQ(error_of(light, profile_of("1 1 1 2 1 1 1 0 0 0 1 1 1 0 90 0 5 1")),
               "lamp.ies: an IES file is for goniometric lights");
     light.fov = 0;
-    EXPECT_NE(error_of(light, picture_of(3, 2, colours)).find("fov"), std::string::npos);
+    EXPECT_NE(error_of(light, picture_of(3, 2, colors)).find("fov"), std::string::npos);
     light.fov = 1, light.picture.image = 3;
-    EXPECT_NE(error_of(light, picture_of(3, 2, colours)).find("there is no image 3"), std::string::npos);
+    EXPECT_NE(error_of(light, picture_of(3, 2, colors)).find("there is no image 3"), std::string::npos);
     light.kind = LightKind::goniometric, light.picture.image = -1;
-    EXPECT_NE(error_of(light, picture_of(3, 2, colours)).find("needs a picture"), std::string::npos);
+    EXPECT_NE(error_of(light, picture_of(3, 2, colors)).find("needs a picture"), std::string::npos);
 }
 
 }  // namespace

@@ -177,7 +177,7 @@ TEST(Mixture, BlackBehindReflectsNothingThere)
     for (const bool behind : {false, true})
         for (Material m : {diffuse({0.5f, 0.5f, 0.5f}), mirror({0.5f, 0.5f, 0.5f})}) {
             Square square(behind);
-            m.black_behind = true;
+            m.one_sided = true;
             square.expect(square.material(m), behind ? Color{0, 0, 0} : Color{0.5f, 0.5f, 0.5f});
         }
 }

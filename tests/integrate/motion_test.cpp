@@ -274,7 +274,7 @@ TEST(MotionPicture, normals_turn)
         s.light(sun, Transform::translate({0, 0, 5}));
         Mesh mesh = bar_mesh();
         Node node;
-        const int grey = s.diffuse(1);
+        const int gray = s.diffuse(1);
         if (kind == 0) node.motion = {{0, {}}, {1, Transform::rotate({0, 1, 0}, 1)}};
         if (kind > 0) {
             mesh.motion = {{0, mesh.positions, {}}, {1, mesh.positions, {}}};
@@ -288,7 +288,7 @@ TEST(MotionPicture, normals_turn)
             }
         }
         s.scene.meshes.push_back(mesh);
-        node.shapes.push_back({MeshInstance{0}, grey, ""});
+        node.shapes.push_back({MeshInstance{0}, gray, ""});
         s.scene.roots.push_back(int(s.scene.nodes.size()));
         s.scene.nodes.push_back(node);
         // The mean of the cosine over pi. Normals are unit at the keys, and on the straight line between them in

@@ -287,8 +287,8 @@ ImageFile rising_picture()
 {
     ImageFile file{"rising.ppm", {}, {}};
     for (const char c : std::string("P6\n2 2\n255\n")) file.bytes.push_back(std::byte(c));
-    for (const int grey : {100, 250, 0, 150})
-        for (int c = 0; c < 3; ++c) file.bytes.push_back(std::byte(grey));
+    for (const int gray : {100, 250, 0, 150})
+        for (int c = 0; c < 3; ++c) file.bytes.push_back(std::byte(gray));
     return file;
 }
 /// Its value, from -1 to 1 to the right and up.

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "../placed_light.h"
 #include "fathom/render.h"
+#include "support/placed_light.h"
 
 namespace fathom::test {
 

@@ -46,15 +46,15 @@ TEST(RayOffset, ShadowsOfSmallThingsOnAHugeGround)
                 // Where triangles are tested the 10 km are added up with the millimetre.
                 if ((in_tree || mesh) && radius < 1e-2) continue;
                 SceneBuilder b;
-                const int grey = b.diffuse(0.5f);
+                const int gray = b.diffuse(0.5f);
                 if (mesh) {
                     Mesh ground;
                     ground.positions = {{-5000, 0, -5000}, {5000, 0, -5000}, {-4000, 0, 5000}, {5000, 0, 5000}};
                     ground.indices = {0, 2, 1, 1, 2, 3};
                     b.scene.meshes.push_back(ground);
-                    b.add(MeshInstance{0}, grey);
+                    b.add(MeshInstance{0}, gray);
                 } else {
-                    b.add(Rectangle{{-5000, 0, 5000}, {10000, 0, 0}, {0, 0, -10000}}, grey);
+                    b.add(Rectangle{{-5000, 0, 5000}, {10000, 0, 0}, {0, 0, -10000}}, gray);
                 }
                 Material black;
                 black.kind = MaterialKind::none;
@@ -131,8 +131,8 @@ TEST(RayOffset, NothingConvexShadowsItself)
                                     Transform::translate({0.2 * size, 0, 0}) * Transform::rotate({0, 1, 0}, 0.3);
                                 node.motion = {{0, node.parent_from_node}, {1, moved * node.parent_from_node}};
                             }
-                            const int grey = b.diffuse(0.5f);
-                            node.shapes.push_back({shape, grey, ""});
+                            const int gray = b.diffuse(0.5f);
+                            node.shapes.push_back({shape, gray, ""});
                             b.scene.nodes.push_back(node);
                             b.scene.roots.push_back(1);
                             if (shape.index() == 0 && std::get<MeshInstance>(shape).mesh == 1) {

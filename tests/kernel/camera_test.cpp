@@ -1,13 +1,13 @@
-#include "integrate/camera.h"
+#include "kernel/camera.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "chi_square.h"
-#include "integrate/camera_paths.h"
-#include "lane_helpers.h"
+#include "kernel/camera_paths.h"
+#include "support/chi_square.h"
+#include "support/lane_helpers.h"
 
 namespace fathom {
 namespace {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What scripts/setup.sh takes for free memory, in folders that stand for the root of a file system; the same cases as
-# tests/scene/machine_test.cpp.  setup_memory_test.sh ROOT_OF_THE_PROJECT
+# tests/base/machine_test.cpp.  setup_memory_test.sh ROOT_OF_THE_PROJECT
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$1/scripts/setup.sh"

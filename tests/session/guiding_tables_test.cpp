@@ -48,7 +48,7 @@ TEST(GuidingTables, RegionsShareWithTheirBlock)
     EXPECT_NEAR(share_of(*t, 2, usual_bin), kept + even, 1e-4f);
     EXPECT_NEAR(share_of(*t, 2, other_bin), even, 1e-4f);
     // 200 times the mean.
-    EXPECT_DOUBLE_EQ(t->most_value, 200);
+    EXPECT_DOUBLE_EQ(t->max_value, 200);
 }
 
 /// Where next to nothing is known, there are no tables.

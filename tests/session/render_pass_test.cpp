@@ -2,9 +2,9 @@
 
 #include <limits>
 
-#include "../waiting.h"
 #include "fathom/error.h"
 #include "fathom/render.h"
+#include "support/waiting.h"
 
 namespace fathom {
 namespace {
@@ -287,7 +287,7 @@ TEST(Film, RefusesSumsThatAreNone)
     refused([](Film::Sums& s) { s.words_per_pixel = 18; });
     refused([](Film::Sums& s) { s.samples = {{2, 2}}; });
     refused([](Film::Sums& s) { s.samples = {{0, 5}, {4, 8}}; });
-    refused([](Film::Sums& s) { s.samples = {{0, most_samples + 1}}; });
+    refused([](Film::Sums& s) { s.samples = {{0, max_samples + 1}}; });
     refused([](Film::Sums& s) { s.key.clear(); });
 }
 

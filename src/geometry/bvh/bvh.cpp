@@ -6,9 +6,9 @@
 #include <cstring>
 #include <optional>
 
-#include "geometry/bvh/build/builder.h"
-#include "geometry/bvh/build/stops.h"
-#include "geometry/bvh/traverse/neighbours.h"
+#include "geometry/bvh/builder/builder.h"
+#include "geometry/bvh/builder/occlusion.h"
+#include "geometry/bvh/traversal/short_rays.h"
 
 namespace fathom {
 
@@ -42,7 +42,7 @@ void Bvh::update(const std::vector<std::uint32_t>& changed)
 
 void Bvh::expect(const RayArrays& shadow_rays)
 {
-    if (!data_->empty && !data_->moving && !data_->builder) bvh::order_by_stops(*data_, shadow_rays);
+    if (!data_->empty && !data_->moving && !data_->builder) bvh::order_by_occlusion(*data_, shadow_rays);
 }
 
 void Bvh::set_alpha_test(AlphaTest test, const void* context)
@@ -100,8 +100,8 @@ struct PutHits {
     {
         for (int i = 0; i < n; i += lanes) {
             const UInt what = load(hits.what + i);
-            const Mask none = what == UInt(no_index), is_place = ((what & UInt(hit_is_place)) != UInt(0u)) & !none;
-            const UInt key = select(is_place, gather(bvh.keys.data(), what & UInt(~hit_is_place), is_place), what);
+            const Mask none = what == UInt(no_index), is_place = ((what & UInt(hit_is_index)) != UInt(0u)) & !none;
+            const UInt key = select(is_place, gather(bvh.keys.data(), what & UInt(~hit_is_index), is_place), what);
             const Mask second = (key & UInt(1u)) != UInt(0u);
             const Float along = load(hits.u + i), across = load(hits.v + i);
             store(t + i, load(hits.t + i));
@@ -114,7 +114,7 @@ struct PutHits {
 };
 
 /// Too few rays that are alike are not worth a walk of their own.
-constexpr int least_packet = 8;
+constexpr int min_packet = 8;
 
 template <bool any_hit, bool moving>
 void start_at_root(RayMask rays, Stream<any_hit, moving>& stream)
@@ -130,7 +130,7 @@ void trace_alike(const BvhData& bvh, RayMask rest, StreamMemory& memory, Stream<
     while (rest) {
         const RayMask rays = alike(memory.world, rest);
         rest &= ~rays;
-        if (std::popcount(rays) >= least_packet)
+        if (std::popcount(rays) >= min_packet)
             PacketTraversal<any_hit, moving>(bvh, memory, stream, rays, {bvh.root, no_index, bvh.radius}).run();
         else
             start_at_root(rays, stream);
@@ -147,9 +147,9 @@ void trace(const BvhData& bvh, int n, bool coherent, StreamMemory& memory)
     if constexpr (lanes > 1) {
         if (coherent) return trace_alike(bvh, all, memory, stream);
         if constexpr (any_hit && !moving) {
-            NeighbourTraversal neighbours(bvh, memory, stream, all);
-            if (neighbours.fits()) {
-                neighbours.run();
+            ShortRayPacketTraversal neighbors(bvh, memory, stream, all);
+            if (neighbors.fits()) {
+                neighbors.run();
                 return stream.run();
             }
         }

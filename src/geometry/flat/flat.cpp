@@ -1,9 +1,10 @@
-#include "geometry/flat/turned_boxes.h"
+#include "geometry/flat/oriented_boxes.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 namespace {
 
@@ -195,13 +196,13 @@ void FlatScene::build(const GeometryTables& tables, const ShadowTargets& targets
     BoxFinder finder(tables, float(tolerance));
     all = {};
     all.boxes = finder.find();
-    all.turned_boxes = find_turned_boxes(tables, finder.used, tolerance);
+    all.oriented_boxes = find_oriented_boxes(tables, finder.used, tolerance);
     face_primitives.clear();
     const auto add_faces = [&](const Box& box) {
         face_primitives.insert(face_primitives.end(), box.faces, box.faces + codes_per_box);
     };
     for (const Box& box : all.boxes) add_faces(box);
-    for (const TurnedBox& box : all.turned_boxes) add_faces(box.unit);
+    for (const OrientedBox& box : all.oriented_boxes) add_faces(box.unit);
     face_primitives.resize(face_primitives.size() + lookup_size, no_index);
     for (std::uint32_t i = 0; i < tables.quads.size(); ++i) {
         if (finder.used[i]) continue;
@@ -221,7 +222,7 @@ void FlatScene::build(const GeometryTables& tables, const ShadowTargets& targets
 
     find_occluders(tables, targets, points, tolerance);
     for (List* list : {&all, &occluders})
-        list->only_boxes = list->turned_boxes.empty() && list->quads.empty() && list->triangles.empty() &&
+        list->only_boxes = list->oriented_boxes.empty() && list->quads.empty() && list->triangles.empty() &&
                            list->spheres.empty() && list->disks.empty();
 }
 
@@ -243,7 +244,7 @@ void FlatScene::find_occluders(const GeometryTables& tables, const ShadowTargets
         });
     };
     std::erase_if(occluders.boxes, stops_nothing);
-    std::erase_if(occluders.turned_boxes, [&](const TurnedBox& box) { return stops_nothing(box.unit); });
+    std::erase_if(occluders.oriented_boxes, [&](const OrientedBox& box) { return stops_nothing(box.unit); });
     std::erase_if(occluders.quads,
                   [&](const Quad& q) { return q.primitive == only_light || quad_on_hull(q.primitive); });
     std::erase_if(occluders.triangles, [&](const Triangle& t) {
@@ -252,4 +253,5 @@ void FlatScene::find_occluders(const GeometryTables& tables, const ShadowTargets
     });
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

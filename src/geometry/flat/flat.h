@@ -9,7 +9,8 @@
 #include "geometry/ray.h"
 #include "geometry/shapes/shapes.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Where shadow rays may end, which tells what can never come in their way.
 struct ShadowTargets {
@@ -33,7 +34,7 @@ struct FlatScene {
     };
     /// One that is turned, or a slanted one: its corner, and what tells how far along its edges a point is, which is
     /// from 0 to 1 within it: dot(p - origin, along[axis]).
-    struct TurnedBox {
+    struct OrientedBox {
         Vec3f origin, along[3];
         Box unit;  ///< in its own coordinates
     };
@@ -50,7 +51,7 @@ struct FlatScene {
     };
     struct List {
         std::vector<Box> boxes;
-        std::vector<TurnedBox> turned_boxes;
+        std::vector<OrientedBox> oriented_boxes;
         std::vector<Quad> quads;
         std::vector<Triangle> triangles;
         std::vector<Round> spheres, disks;
@@ -65,7 +66,7 @@ struct FlatScene {
     std::vector<std::uint32_t> face_primitives;
     UInt primitive_of_code(UInt code) const
     {
-        const int n = int(codes_per_box * (all.boxes.size() + all.turned_boxes.size()));
+        const int n = int(codes_per_box * (all.boxes.size() + all.oriented_boxes.size()));
         return lookup_or_gather(face_primitives.data(), n, code);
     }
 
@@ -82,7 +83,7 @@ private:
                         double tolerance);
     // Arguments by value: nothing of the caller's has to live in memory for their sake.
     Hit closest_other(const GeometryTables& tables, Ray ray, Hit hit) const;
-    void closest_turned_box(const Ray& ray, Hit& hit) const;
+    void closest_oriented_box(const Ray& ray, Hit& hit) const;
     Mask occluded_by_other(const GeometryTables& tables, Ray ray) const;
 };
 
@@ -170,7 +171,7 @@ struct SlabRay {
 }
 
 /// The ray in a box's own coordinates, in which its direction has another length: distances are the same.
-[[gnu::always_inline]] inline Ray seen_from(const FlatScene::TurnedBox& box, const Ray& ray)
+[[gnu::always_inline]] inline Ray seen_from(const FlatScene::OrientedBox& box, const Ray& ray)
 {
     const Vec3 o = ray.o - Vec3(box.origin);
     const auto along = [&](const Vec3& v) {
@@ -179,7 +180,7 @@ struct SlabRay {
     return {along(o), along(ray.d), ray.t_max, ray.time};
 }
 
-[[gnu::always_inline]] inline Mask meet_quad(const FlatScene::Quad& quad, const Ray& ray, Float t_max, Float& t)
+[[gnu::always_inline]] inline Mask intersect_quad(const FlatScene::Quad& quad, const Ray& ray, Float t_max, Float& t)
 {
     const Vec3 n(quad.normal);
     t = dot(n, Vec3(quad.corner) - ray.o) / dot(n, ray.d);
@@ -219,11 +220,11 @@ struct SlabRay {
     return blocked & active;
 }
 
-inline void FlatScene::closest_turned_box(const Ray& ray, Hit& hit) const
+inline void FlatScene::closest_oriented_box(const Ray& ray, Hit& hit) const
 {
     UInt code(no_face);
     auto first = std::uint32_t(codes_per_box * all.boxes.size());
-    for (const TurnedBox& box : all.turned_boxes) {
+    for (const OrientedBox& box : all.oriented_boxes) {
         flat::closest_box(box.unit, first, flat::SlabRay(flat::seen_from(box, ray)), hit.t, code);
         first += codes_per_box;
     }
@@ -233,10 +234,10 @@ inline void FlatScene::closest_turned_box(const Ray& ray, Hit& hit) const
 /// The nearest of a hit and those of what is not in axis-aligned boxes.
 [[gnu::noinline]] inline Hit FlatScene::closest_other(const GeometryTables& tables, Ray ray, Hit hit) const
 {
-    if (!all.turned_boxes.empty()) closest_turned_box(ray, hit);
+    if (!all.oriented_boxes.empty()) closest_oriented_box(ray, hit);
     for (const Quad& quad : all.quads) {
         Float t;
-        const Mask m = flat::meet_quad(quad, ray, hit.t, t);
+        const Mask m = flat::intersect_quad(quad, ray, hit.t, t);
         hit.t = select(m, t, hit.t);
         hit.primitive = select(m, UInt(quad.primitive), hit.primitive);
     }
@@ -253,11 +254,11 @@ inline void FlatScene::closest_turned_box(const Ray& ray, Hit& hit) const
 [[gnu::noinline]] inline Mask FlatScene::occluded_by_other(const GeometryTables& tables, Ray ray) const
 {
     Mask blocked = Mask(false);
-    for (const TurnedBox& box : occluders.turned_boxes)
+    for (const OrientedBox& box : occluders.oriented_boxes)
         blocked |= flat::occluded_box(box.unit, flat::SlabRay(flat::seen_from(box, ray)), ray.t_max);
     for (const Quad& quad : occluders.quads) {
         Float t;
-        blocked |= flat::meet_quad(quad, ray, ray.t_max, t);
+        blocked |= flat::intersect_quad(quad, ray, ray.t_max, t);
     }
     if (!occluders.triangles.empty() || !occluders.spheres.empty() || !occluders.disks.empty()) {
         Hit hit{ray.t_max, UInt(no_index), UInt(no_index), Float(0), Float(0)};
@@ -272,4 +273,5 @@ inline void FlatScene::closest_turned_box(const Ray& ray, Hit& hit) const
     return blocked;
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

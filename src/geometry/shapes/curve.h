@@ -97,7 +97,8 @@ struct RoundSide {
 };
 
 /// Lanes whose ray (of unit direction) enters the piece from outside at 0 < t <= t_max; w: where along it, in [0, 1].
-inline Mask meet_round_piece(const CurvePiece& piece, const Vec3& o, const Vec3& d, Float t_max, Float& t, Float& w)
+inline Mask intersect_round_piece(const CurvePiece& piece, const Vec3& o, const Vec3& d, Float t_max, Float& t,
+                                  Float& w)
 {
     const RoundSide side(piece, o, d);
     const Float side_t = side.entry(), side_w = side.place(side_t);
@@ -125,7 +126,7 @@ struct RoundSpan {
     Float t_in, w_in, t_out, w_out;
 };
 
-/// As meet_round_piece, but both sides, wherever the ray begins.
+/// As intersect_round_piece, but both sides, wherever the ray begins.
 inline RoundSpan span_of_round_piece(const CurvePiece& piece, const Vec3& o, const Vec3& d)
 {
     const RoundSide round(piece, o, d);
@@ -173,8 +174,8 @@ inline Mask is_within_round_piece(const CurvePiece& piece, const Vec3& p)
 /// Seen along the ray: whether the ray passes between the lines through the ends that are perpendicular to the curve
 /// there (start, end: its tangents; neighbours share them, so nothing gapes), and how far from the axis. Nakamaru, Ohno
 /// 2002, "Ray Tracing for Curves Primitive"; Pharr, Jakob, Humphreys 2023, "Physically Based Rendering", 6.7.
-inline Mask meet_ribbon_piece(const CurvePiece& piece, const Vec3& start, const Vec3& end, const Vec3& o, const Vec3& d,
-                              Float t_max, Float& t, Float& w)
+inline Mask intersect_ribbon_piece(const CurvePiece& piece, const Vec3& start, const Vec3& end, const Vec3& o,
+                                   const Vec3& d, Float t_max, Float& t, Float& w)
 {
     const Frame frame(d);
     const auto x = [&](const Vec3& v) { return dot(v, frame.s); };
@@ -190,5 +191,4 @@ inline Mask meet_ribbon_piece(const CurvePiece& piece, const Vec3& start, const 
 }
 
 }  // namespace FATHOM_LANES
-
 }  // namespace fathom

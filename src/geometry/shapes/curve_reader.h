@@ -2,7 +2,8 @@
 #include "geometry/motion.h"
 #include "geometry/shapes/curve.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 inline CurvePoint<Float> mix(const CurvePoint<Float>& a, const CurvePoint<Float>& b, Float fraction)
 {
@@ -104,4 +105,5 @@ private:
     Float fraction_;
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -3,7 +3,8 @@
 /// number.
 #include "geometry/ray.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// What the watertight triangle test needs of a ray: Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection".
 /// The axes are permuted so that z is the largest of |d|, then sheared so that the ray runs along z.
@@ -154,7 +155,7 @@ inline void closest_triangle(const TriangleRay& ray, Vec3 a, Vec3 b, Vec3 c, UIn
 ///
 /// The quadratic is solved about the point of the ray that is nearest to the centre, which keeps its precision for
 /// small and far spheres: Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection".
-inline Mask meet_sphere(const Vec3& center, Float radius, const Vec3& o, const Vec3& d, Float t_max, Float& t)
+inline Mask intersect_sphere(const Vec3& center, Float radius, const Vec3& o, const Vec3& d, Float t_max, Float& t)
 {
     const Vec3 f = o - center;
     const Float b = -dot(f, d);
@@ -173,7 +174,7 @@ inline void closest_sphere(const SphereRecord& sphere, std::uint32_t primitive, 
 {
     const Vec3 center = fma(Vec3(sphere.motion), ray.time, Vec3(sphere.center));
     Float t;
-    Mask m = meet_sphere(center, Float(sphere.radius), ray.o, ray.d, hit.t, t);
+    Mask m = intersect_sphere(center, Float(sphere.radius), ray.o, ray.d, hit.t, t);
     m &= (t < hit.t) | less(UInt(primitive), hit.primitive);
     hit.t = select(m, t, hit.t);
     hit.primitive = select(m, UInt(primitive), hit.primitive);
@@ -181,8 +182,8 @@ inline void closest_sphere(const SphereRecord& sphere, std::uint32_t primitive, 
 }
 
 /// Lanes whose ray meets the disk at 0 < t <= t_max.
-inline Mask meet_disk(const Vec3& center, const Vec3& n, Float radius, const Vec3& o, const Vec3& d, Float t_max,
-                      Float& t)
+inline Mask intersect_disk(const Vec3& center, const Vec3& n, Float radius, const Vec3& o, const Vec3& d, Float t_max,
+                           Float& t)
 {
     t = dot(n, center - o) / dot(n, d);
     const Vec3 p = fma(d, t, o - center);
@@ -192,11 +193,12 @@ inline Mask meet_disk(const Vec3& center, const Vec3& n, Float radius, const Vec
 inline void closest_disk(const DiskRecord& disk, std::uint32_t primitive, const Ray& ray, Hit& hit)
 {
     Float t;
-    Mask m = meet_disk(Vec3(disk.center), Vec3(disk.normal), Float(disk.radius), ray.o, ray.d, hit.t, t);
+    Mask m = intersect_disk(Vec3(disk.center), Vec3(disk.normal), Float(disk.radius), ray.o, ray.d, hit.t, t);
     m &= (t < hit.t) | less(UInt(primitive), hit.primitive);
     hit.t = select(m, t, hit.t);
     hit.primitive = select(m, UInt(primitive), hit.primitive);
     hit.instance = select(m, UInt(no_index), hit.instance);
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

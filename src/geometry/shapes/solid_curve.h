@@ -1,7 +1,8 @@
 #pragma once
 #include "geometry/shapes/curve_reader.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Pieces of solid curves, one per lane: what a ray meets is where it enters or leaves all that its curve is, and not
 /// what of a piece lies within the pieces before and behind it.
@@ -9,8 +10,8 @@ class SolidPieces {
 public:
     /// segment: in tables.curves. number: of the piece in it. time: as vertex_key finds it.
     SolidPieces(const GeometryTables& tables, UInt segment, Float number, const KeyTime& time, Mask m)
-        : before_(neighbour(tables, segment, number, time, false, m)),
-          behind_(neighbour(tables, segment, number, time, true, m))
+        : before_(neighbor(tables, segment, number, time, false, m)),
+          behind_(neighbor(tables, segment, number, time, true, m))
     {
     }
 
@@ -31,15 +32,15 @@ public:
     }
 
 private:
-    struct Neighbour {
+    struct Neighbor {
         CurvePiece piece;
         Mask is_there;
     };
-    static Mask within(const Neighbour& n, const Vec3& p) { return n.is_there & is_within_round_piece(n.piece, p); }
+    static Mask within(const Neighbor& n, const Vec3& p) { return n.is_there & is_within_round_piece(n.piece, p); }
 
     /// The piece behind or before, in the next segment where a curve goes on there: then these share a point.
-    static Neighbour neighbour(const GeometryTables& tables, UInt segment, Float number, const KeyTime& time, bool next,
-                               Mask m)
+    static Neighbor neighbor(const GeometryTables& tables, UInt segment, Float number, const KeyTime& time, bool next,
+                             Mask m)
     {
         const UInt count(std::uint32_t(tables.curves.size()));
         const Float pieces = to_float(gather(tables.curves, &CurveRecord::pieces, segment, m));
@@ -60,7 +61,8 @@ private:
         return {{{a.x, a.y, a.z}, {b.x, b.y, b.z}, a.r, b.r}, is_there};
     }
 
-    Neighbour before_, behind_;
+    Neighbor before_, behind_;
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,9 +1,10 @@
 #pragma once
-#include "integrate/camera_record.h"
-#include "integrate/stages/material.h"
+#include "kernel/camera_record.h"
+#include "materials/read/material.h"
 #include "media/stack.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 namespace detail {
 
@@ -43,10 +44,10 @@ inline SurfaceHit nearest_hit(const LaneScene& scene, const Vec3& o, const Vec3&
     const Vec3 d = normalize(Vec3(Float(0.31f), Float(0.87f), Float(0.42f)));
     Vec3 o = vector(camera.position);
     MediumStack entered;
-    constexpr int most_hits = 256, most_left = 4;
-    UInt left[most_left];
+    constexpr int max_hits = 256, max_left = 4;
+    UInt left[max_left];
     int count = 0;
-    for (int i = 0; i < most_hits && count < most_left; ++i) {
+    for (int i = 0; i < max_hits && count < max_left; ++i) {
         const SurfaceHit hit = detail::nearest_hit(scene, o, d, Float(camera.shutter_open));
         if (none(one & (hit.primitive != UInt(no_index)))) break;
         const Surface s = surfaces.read(hit, one);
@@ -69,4 +70,5 @@ inline SurfaceHit nearest_hit(const LaneScene& scene, const Vec3& o, const Vec3&
     return {UInt(low[0]), UInt(high[0])};
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

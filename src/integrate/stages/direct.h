@@ -1,9 +1,10 @@
 #pragma once
 #include "guiding/guidance.h"
-#include "integrate/stages/light.h"
 #include "integrate/stages/shading_point.h"
+#include "lights/sample/light_stage.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Closures whose narrowest facets stand for mirrors show no lights without extent in those.
 template <class Closure>
@@ -24,9 +25,9 @@ template <class Closure>
                                                     const Spectrum& throughput, Mask& lit)
 {
     const Vec3 wi = at.frame.to_local(s.wi);
-    lit &= closure.has_smooth() & equal(wi.z > Float(0), dot(s.wi, at.ng) > Float(0));
+    lit &= closure.has_non_delta() & equal(wi.z > Float(0), dot(s.wi, at.ng) > Float(0));
     if (!Closure::transmits) lit &= wi.z > Float(0);
-    if (Closure::transmits) lit &= !at.passes_on;
+    if (Closure::transmits) lit &= !at.skips_interface;
     const BsdfEval e = eval_for_light(closure, at.wo, wi, s.is_delta);
     const Float bsdf_pdf = guidance.is_on() ? guidance.pdf(s.wi, e.pdf) : e.pdf;
     return throughput * e.f_cos * s.radiance * light_weight(s, bsdf_pdf);
@@ -43,4 +44,5 @@ template <class Closure>
     return {o, s.wi, distance * Float(1 - 0x1p-16f), time};
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,8 +1,9 @@
 #pragma once
-#include "integrate/camera_paths.h"
-#include "shading/closures/closure.h"
+#include "kernel/camera_paths.h"
+#include "materials/closures/closure.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Where a surface refracts each colour its own way, a path follows one: red, green or blue by chance, which then
 /// carries three times as much, or the one that it has followed so far. The index is the channel's, at the wavelengths
@@ -31,4 +32,5 @@ inline void choose_channel(const SampleKey& key, UInt seed, LayeredMaterialPoint
     material.ior = select(splits, max(fma(channel - Float(1), spread, material.ior), Float(1)), material.ior);
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,8 +1,9 @@
 #pragma once
-#include "integrate/kernel.h"
 #include "integrate/stages/solid_boundary.h"
+#include "kernel/kernel.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Albedo, normal, depth and the like of the first hits of camera paths.
 class FirstHits {
@@ -23,8 +24,8 @@ public:
         Surface s = surfaces_.read(hit, hits);
         if (scene_.open_media) {
             const Mask inside = dot(hit.d, s.ng) >= Float(0);
-            const Mask passes_on = solid_boundary(materials_, s.material, media, inside, hits).passes_on;
-            hits &= !seen_through(scene_, materials_, s.material, passes_on, hits).open;
+            const Mask skips_interface = solid_boundary(materials_, s.material, media, inside, hits).skips_interface;
+            hits &= !seen_through(scene_, materials_, s.material, skips_interface, hits).open;
             if (none(hits)) return;
         }
         const Spectrum albedo = albedo_of(s, hits);
@@ -106,4 +107,5 @@ private:
     TileSums& sums_;
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,7 +1,8 @@
 #pragma once
-#include "integrate/pool.h"
+#include "kernel/pool.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// What KernelSettings::clamp_indirect leaves of light that a path is to bring: of what came by two surfaces or more,
 /// so much that the largest channel of all of it stays within the limit. 1, exactly, for all else.
@@ -33,4 +34,5 @@ inline float indirect_scale(PathPool& paths, std::size_t path, std::uint32_t sur
     return load(scales);
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,9 +1,10 @@
 #pragma once
 #include <algorithm>
 
-#include "integrate/camera_paths.h"
+#include "kernel/camera_paths.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Bounces are counted in 15 bits: a path that got there is one in a number too large to be met.
 inline constexpr std::uint32_t max_bounces = 0x7ff0;
@@ -26,7 +27,7 @@ struct Roulette {
     Float survival;
 };
 
-inline Float most_survival(UInt bounce)
+inline Float max_survival(UInt bounce)
 {
     return select(less(bounce, UInt(sure_bounces)), Float(1), Float(0.95f));
 }
@@ -38,17 +39,17 @@ inline Float most_survival(UInt bounce)
                                                               Float eta_scale, const Spectrum& throughput)
 {
     return {!less(bounce + UInt(1u), UInt(std::uint32_t(settings.roulette_depth))),
-            clamp(max_component(throughput) * eta_scale, Float(1e-3f), most_survival(bounce))};
+            clamp(max_component(throughput) * eta_scale, Float(1e-3f), max_survival(bounce))};
 }
 
-/// Where it is known what paths bring from there on, and what that takes (session/needs.h): with the chance that is
-/// worth it. otherwise: in other lanes.
+/// Where it is known what paths bring from there on, and what that takes (session/efficiency_roulette.h): with the
+/// chance that is worth it. otherwise: in other lanes.
 [[gnu::always_inline]] inline Roulette roulette_by_need(Mask known, Float chance, UInt bounce,
                                                         const Roulette& otherwise)
 {
     constexpr float least = 0.1f;
     return {Mask(known | otherwise.plays),
-            select(known, clamp(chance, Float(least), most_survival(bounce)), otherwise.survival)};
+            select(known, clamp(chance, Float(least), max_survival(bounce)), otherwise.survival)};
 }
 
 /// Lanes whose path ends after this bounce: nothing is left, or it has lost. Those that survive carry more.
@@ -62,4 +63,5 @@ inline Float most_survival(UInt bounce)
     return ends;
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,9 +1,10 @@
 #pragma once
-#include "integrate/pool.h"
-#include "integrate/scene.h"
+#include "kernel/lane_scene.h"
+#include "kernel/pool.h"
 #include "media/distance.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Of the lanes of m, those that are in a medium with textures and came in by a surface that has them; a path that
 /// began inside did not.
@@ -37,4 +38,5 @@ inline void forget_medium(PathPool& p, std::size_t i)
     p.walk_albedo.store(i, Spectrum(Float(0)));
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

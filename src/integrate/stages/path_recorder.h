@@ -3,9 +3,10 @@
 #include <vector>
 
 #include "guiding/guidance.h"
-#include "integrate/pool.h"
+#include "kernel/pool.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Notes where paths are scattered, what light samples bring them there, which directions they take, and what comes
 /// back along these.
@@ -16,17 +17,17 @@ public:
     PathRecorder(GuidingRecords* to, std::size_t paths) : to_(to)
     {
         if (!to_) return;
-        vertices_.resize(paths * most_vertices);
+        vertices_.resize(paths * max_vertices);
         to_->radiance.resize(paths);
     }
     bool is_on() const { return to_ != nullptr; }
 
     /// The first `active` paths of the pool have met surfaces that are going to scatter them.
-    void meet(const PathPool& paths, const HitColumns& hits, std::size_t active)
+    void record_surfaces(const PathPool& paths, const HitColumns& hits, std::size_t active)
     {
         for (std::size_t i = 0; i < active; ++i) {
             const std::uint32_t bounce = paths.state[i] & PathPool::bounce_mask;
-            if (bounce >= most_vertices) continue;
+            if (bounce >= max_vertices) continue;
             const auto along = [&](const Column<float>& o, const Column<float>& d) { return o[i] + hits.t[i] * d[i]; };
             Vertex v;
             v.position[0] = along(paths.origin.x, paths.direction.x);
@@ -40,14 +41,14 @@ public:
     /// Paths that have met `bounce` surfaces before leave one whose normal is n along wi.
     ///
     /// number: of each path. throughput: from there on. pdf: of having sampled wi.
-    void turn(UInt number, UInt bounce, const Vec3& n, const Vec3& wi, Float pdf, const Spectrum& throughput, Mask m)
+    void record_directions(UInt number, UInt bounce, const Vec3& n, const Vec3& wi, Float pdf, const Spectrum& throughput, Mask m)
     {
         const Float factor = abs(dot(n, wi)) / (pdf * mean(throughput));
-        m &= less(bounce, UInt(most_vertices)) & (factor > Float(0)) & (factor < Float(1e30f));
+        m &= less(bounce, UInt(max_vertices)) & (factor > Float(0)) & (factor < Float(1e30f));
         const UInt side = guiding_side(n);
         float factors[lanes];
         std::uint32_t at[lanes], sides[lanes], bins[lanes];
-        store(factors, factor), store(at, number * UInt(most_vertices) + bounce);
+        store(factors, factor), store(at, number * UInt(max_vertices) + bounce);
         store(sides, side), store(bins, guiding_bin(side, wi));
         for_each_active(m, [&](int i) {
             Vertex& v = vertices_[at[i]];
@@ -55,12 +56,12 @@ public:
         });
     }
     /// Notes what light samples have brought the pool's paths, before these see what lies along their last directions.
-    void arrive(const PathPool& paths, std::size_t active)
+    void record_light_samples(const PathPool& paths, std::size_t active)
     {
         for (std::size_t i = 0; i < active; ++i) note_light(paths, i);
     }
     /// A path has ended.
-    void end(const PathPool& paths, std::size_t i)
+    void end_path(const PathPool& paths, std::size_t i)
     {
         // By its surface, where it came by its light sample, or by what it met after that, which came before.
         if (paths.state[i] & PathPool::dead) note_light(paths, i);
@@ -75,14 +76,14 @@ public:
         to_->counts.reserve(to_->radiance.size());
         for (std::size_t path = 0; path < to_->radiance.size(); ++path) {
             const std::size_t before = to_->surfaces.size();
-            for (std::size_t i = path * most_vertices; i < (path + 1) * most_vertices; ++i)
+            for (std::size_t i = path * max_vertices; i < (path + 1) * max_vertices; ++i)
                 if (is_there(vertices_[i])) to_->surfaces.push_back(record(vertices_[i], to_->radiance[path]));
             to_->counts.push_back(std::uint8_t(to_->surfaces.size() - before));
         }
     }
 
 private:
-    static constexpr std::uint32_t most_vertices = 8;
+    static constexpr std::uint32_t max_vertices = 8;
     struct Vertex {
         float position[3];
         std::uint16_t side = 0, bin = GuidingRecord::no_bin;
@@ -95,7 +96,7 @@ private:
     void note_light(const PathPool& paths, std::size_t i)
     {
         const std::uint32_t bounce = paths.state[i] & PathPool::bounce_mask;
-        if (bounce > 0 && bounce <= most_vertices)
+        if (bounce > 0 && bounce <= max_vertices)
             vertices_[first_vertex(paths, i) + bounce - 1].lit = mean_of(paths.radiance, i);
     }
     /// all: radiance of the path at its end.
@@ -108,7 +109,7 @@ private:
     }
     static std::size_t first_vertex(const PathPool& paths, std::size_t i)
     {
-        return std::size_t(paths.number[i]) * most_vertices;
+        return std::size_t(paths.number[i]) * max_vertices;
     }
     static float mean_of(const SpectrumColumn& column, std::size_t i)
     {
@@ -121,4 +122,5 @@ private:
     std::vector<Vertex> vertices_;
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,10 +1,11 @@
 #pragma once
 #include "guiding/guidance.h"
-#include "integrate/camera_paths.h"
 #include "integrate/stages/path_end.h"
 #include "integrate/stages/shading_point.h"
+#include "kernel/camera_paths.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Where a path goes from a surface.
 struct Scattered {
@@ -53,13 +54,14 @@ template <class Closure>
     // A shading normal must not send light through the surface, nor keep it from passing.
     const Float side = dot(s.wi, at.ng);
     s.throughput = select(equal(side > Float(0), next.wi.z > Float(0)), s.throughput, Spectrum(Float(0)));
-    if (Closure::transmits && any(at.passes_on)) {
-        s.wi = select(at.passes_on, at.d, s.wi);
-        s.throughput = select(at.passes_on, throughput, s.throughput);
-        s.is_delta |= at.passes_on;
-        s.eta = select(at.passes_on, Float(1), s.eta);
+    if (Closure::transmits && any(at.skips_interface)) {
+        s.wi = select(at.skips_interface, at.d, s.wi);
+        s.throughput = select(at.skips_interface, throughput, s.throughput);
+        s.is_delta |= at.skips_interface;
+        s.eta = select(at.skips_interface, Float(1), s.eta);
     }
     return s;
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

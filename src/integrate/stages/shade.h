@@ -1,16 +1,17 @@
 #pragma once
-#include "integrate/kernel.h"
 #include "integrate/stages/direct.h"
 #include "integrate/stages/dispersion.h"
-#include "integrate/stages/light.h"
 #include "integrate/stages/path_medium.h"
 #include "integrate/stages/path_recorder.h"
 #include "integrate/stages/scatter.h"
 #include "integrate/stages/shadow.h"
 #include "integrate/stages/walk.h"
+#include "kernel/kernel.h"
+#include "lights/sample/light_stage.h"
 #include "media/albedo.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// What happens to paths where they meet a surface that scatters: each has a light sampled and gets its next direction.
 class ShadeStage {
@@ -27,7 +28,7 @@ public:
           clock_(clock),
           recorder_(recorder),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
-          has_light_chance_(settings.leaves_lights_to_chance()),
+          has_light_chance_(settings.skips_light_samples()),
           has_time_(scene.tables.moving)
     {
     }
@@ -104,7 +105,7 @@ private:
         ShadingPoint<Closure> at = read_shading_point<Closure>(surfaces_, materials_, hit,
                                                                scene_.tracks_media ? &media : nullptr, valid, clock_);
         Spectrum throughput = p.throughput.load(i);
-        if (scene_.black_behind && !Closure::transmits) throughput = lit_side(at, throughput, valid);
+        if (scene_.one_sided && !Closure::transmits) throughput = lit_side(at, throughput, valid);
         if constexpr (is_layered<Closure> && Closure::transmits) choose_channel(key, seed, at.material, throughput);
         const Closure closure(at.material);
         clock_.enter(RenderStage::light);
@@ -121,7 +122,7 @@ private:
         UInt next_state = (state & UInt(~PathPool::specular)) + UInt(1u);
         next_state = next_state | select(next.is_delta, UInt(PathPool::specular), UInt(PathPool::scattered));
         Mask straight(false), no_bounce(false);
-        if (Closure::kind == ClosureKind::glass && scene_.sees_through)
+        if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows)
             go_straight(i, at, next.wi, valid & (hit.material == UInt(no_index)), state, next_state, straight,
                         no_bounce);
         Float eta_scale(1.f);
@@ -139,31 +140,31 @@ private:
         if (scene_.scatters_inside && !scene_.open_media) p.walk_steps.store(i, UInt(0u), valid);
         Roulette roulette = roulette_by_throughput(settings_, bounce, eta_scale, next.throughput);
         if (guidance.is_on()) {
-            const Float chance = mean(throughput * at.material.base_color) * guidance.path_need();
+            const Float chance = mean(throughput * at.material.base_color) * guidance.survival_factor();
             roulette = roulette_by_need(guidance.known(), chance, bounce, roulette);
         }
         roulette.plays &= !no_bounce;
         Mask ends = play(roulette, key, seed, next.throughput);
         // Whoever only might have gone on without a bounce, and did not, had none left.
-        if (Closure::kind == ClosureKind::glass && scene_.sees_through)
+        if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows)
             ends |= !no_bounce & !may_scatter(settings_, bounce);
         next_state = select(ends, next_state | UInt(PathPool::dead), next_state);
-        Float way_out = at.way_out(next.wi);
+        Float exit_offset = at.exit_offset(next.wi);
         // The density that lights are weighted against, over the chance that one is sampled at all.
         Float weighed_pdf = next.pdf;
         if (has_light_chance_) weighed_pdf = weighed_pdf / abs(p.light_chance.load(i));
-        if (Closure::kind == ClosureKind::glass && scene_.sees_through) {
+        if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows) {
             weighed_pdf = select(straight, p.bsdf_pdf.load(i), weighed_pdf);
-            way_out = select(straight, p.way_out.load(i) + dot(at.start(next.wi) - hit.o, hit.d), way_out);
+            exit_offset = select(straight, p.exit_offset.load(i) + dot(at.start(next.wi) - hit.o, hit.d), exit_offset);
         }
         if (Closure::is_guided && recorder_.is_on())
-            recorder_.turn(p.number.load(i), bounce, at.frame.n, next.wi, next.pdf, next.throughput,
+            recorder_.record_directions(p.number.load(i), bounce, at.frame.n, next.wi, next.pdf, next.throughput,
                            valid & !ends & !next.is_delta);
         p.origin.store(i, at.start(next.wi), valid);
         p.direction.store(i, next.wi, valid);
         p.throughput.store(i, next.throughput, valid);
         p.bsdf_pdf.store(i, weighed_pdf, valid);
-        if (scene_.has_way_out) p.way_out.store(i, way_out, valid);
+        if (scene_.has_way_out) p.exit_offset.store(i, exit_offset, valid);
         p.state.store(i, next_state, valid);
     }
 
@@ -174,7 +175,7 @@ private:
     [[gnu::noinline]] void go_straight(std::size_t i, const ShadingPoint<Closure>& at, const Vec3& wi, Mask m,
                                        UInt state, UInt& next_state, Mask& straight, Mask& no_bounce)
     {
-        const SeenThrough there = seen_through(scene_, materials_, at.material_index, at.passes_on, m);
+        const SeenThrough there = seen_through(scene_, materials_, at.material_index, at.skips_interface, m);
         straight = (there.pane & (dot(wi, at.ng) < Float(0))) | there.open;
         no_bounce = there.no_bounce & straight;
         next_state = select(straight, state + UInt(1u), next_state);
@@ -182,7 +183,7 @@ private:
         // But it is a step, from which other numbers come.
         const UInt step = paths_->walk_steps.load(i) + UInt(1u);
         paths_->walk_steps.store(i, step, no_bounce);
-        const UInt over = select(less(step, UInt(WalkStage::most_steps)), UInt(0u), UInt(PathPool::dead));
+        const UInt over = select(less(step, UInt(MediumStage::max_steps)), UInt(0u), UInt(PathPool::dead));
         next_state = select(no_bounce, state | over, next_state);
     }
 
@@ -191,7 +192,7 @@ private:
     Spectrum lit_side(const ShadingPoint<Closure>& at, const Spectrum& throughput, Mask valid) const
     {
         const UInt flags = materials_.get(&MaterialRecord::flags, at.material_index, valid & at.inside);
-        const Mask black = at.inside & ((flags & UInt(MaterialRecord::black_behind)) != UInt(0u));
+        const Mask black = at.inside & ((flags & UInt(MaterialRecord::one_sided)) != UInt(0u));
         return select(black, Spectrum(Float(0)), throughput);
     }
 
@@ -243,16 +244,16 @@ private:
             const Mask beyond = Closure::transmits ? dot(s.wi, at.ng) < Float(0) : Mask(false);
             media = select(beyond, at.media_beyond, at.media);
         }
-        if (scene_.has_absorption && !scene_.sees_through)
+        if (scene_.has_absorption && !scene_.transmissive_shadows)
             add = add * transmittance(extinction_of(scene_, *paths_, i, media.current(), lit), s.distance);
         lit &= any_positive(add);
-        if (guidance.is_on()) leave_to_chance(guidance, mean(add) * s.likely, key, seed, add, lit);
+        if (guidance.is_on()) roulette_shadow_ray(guidance, mean(add) * s.likely, key, seed, add, lit);
         if (none(lit)) return;
         counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
         const Ray ray = shadow_ray(at, eye, s, time);
         if (!scene_.is_flat) {
             const UInt path = iota() + UInt(std::uint32_t(i));
-            if (scene_.sees_through)
+            if (scene_.transmissive_shadows)
                 shadows_.push(ray, add, media, path, s.sees_environment, lit);
             else
                 shadows_.push(ray, add, path, s.sees_environment, lit);
@@ -268,8 +269,8 @@ private:
 
     /// Traces shadow rays with the chance that they are worth: of the lanes of lit those stay that are to be traced,
     /// which bring as much more. brings: how much they do if they arrive, about.
-    static void leave_to_chance(const Guidance& guidance, Float brings, const SampleKey& key, UInt seed,
-                                Spectrum& light, Mask& lit)
+    static void roulette_shadow_ray(const Guidance& guidance, Float brings, const SampleKey& key, UInt seed,
+                                    Spectrum& light, Mask& lit)
     {
         const Float chance = guidance.shadow_chance(brings, lit);
         lit &= sample_hash(key, pair_seed(seed, pair_shadow_chance)) < chance;
@@ -302,4 +303,5 @@ private:
     ShadowQueue shadows_;
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

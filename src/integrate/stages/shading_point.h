@@ -1,10 +1,11 @@
 #pragma once
-#include "integrate/stage_clock.h"
-#include "integrate/stages/material.h"
 #include "integrate/stages/solid_boundary.h"
+#include "kernel/stage_clock.h"
+#include "materials/read/material.h"
 #include "media/stack.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Where a path meets a surface: place and frame turned to the side that the path is on, and the material there.
 template <class Closure>
@@ -20,7 +21,7 @@ struct ShadingPoint {
     /// What the path is in, and what it comes to if it passes, where that is kept track of.
     MediumStack media, media_beyond;
     MediumStack media_below;  ///< what it comes to if it enters the subsurface
-    Mask passes_on;           ///< nothing is there, see SolidBoundary
+    Mask skips_interface;     ///< nothing is there, see SolidBoundary
     /// Of fibres: whether they are flat curves, how wide these are, and how far from the axis the path met them, in
     /// that.
     Mask is_ribbon;
@@ -30,9 +31,9 @@ struct ShadingPoint {
     [[gnu::always_inline]] Vec3 eye() const { return fma(ng, offset, p); }
     /// How far from there a ray begins that leaves a ribbon of hair along wi: past its axis, where it would be met
     /// again, since it is turned towards each ray. Else 0.
-    [[gnu::always_inline]] Float way_out(const Vec3& wi) const
+    [[gnu::always_inline]] Float exit_offset(const Vec3& wi) const
     {
-        if constexpr (Closure::is_fibre) {
+        if constexpr (Closure::is_fiber) {
             const Float along = dot(wi, frame.s);
             // Almost along the fibre the way would be longer than the fibre is straight.
             const Float across2 = max(fma(-along, along, Float(1)), Float(1e-3f));
@@ -45,7 +46,7 @@ struct ShadingPoint {
     /// Where a ray begins that leaves along wi.
     [[gnu::always_inline]] Vec3 start(const Vec3& wi) const
     {
-        if constexpr (Closure::is_fibre) return fma(wi, way_out(wi), fma(flip_sign(ng, dot(wi, ng)), offset, p));
+        if constexpr (Closure::is_fiber) return fma(wi, exit_offset(wi), fma(flip_sign(ng, dot(wi, ng)), offset, p));
         const Vec3 side = Closure::transmits ? flip_sign(ng, dot(wi, ng)) : ng;
         return fma(side, offset, p);
     }
@@ -101,7 +102,7 @@ inline void find_media(const MaterialReader& materials, Mask m, ShadingPoint<Clo
     const SolidBoundary boundary = solid_boundary(materials, at.material_index, at.media, at.inside, m);
     if (none(boundary.solid)) return;
     at.media_beyond = select(boundary.solid, boundary.media.beyond, at.media);
-    at.passes_on = boundary.passes_on;
+    at.skips_interface = boundary.skips_interface;
     if constexpr (is_layered<Closure>) {
         const UInt subsurface = materials.get(&MaterialRecord::subsurface_medium, at.material_index, boundary.solid);
         at.material.layers.in_subsurface = boundary.below & boundary.media.is_there;
@@ -138,7 +139,7 @@ inline Vec3 upper(Vec3 w)
 /// The frame of a fibre, whose x is along it, and where across it the path is. Off curves its tangent is that of u, and
 /// v says where across.
 template <class Closure>
-inline void turn_to_fibre(const Surface& s, Float facing, ShadingPoint<Closure>& at)
+inline void turn_to_fiber(const Surface& s, Float facing, ShadingPoint<Closure>& at)
 {
     const Frame any(at.ng);
     const Float length2 = dot(s.tangent, s.tangent);
@@ -181,12 +182,12 @@ template <class Closure>
     at.p = s.p, at.offset = s.offset;
     at.ng = flip_sign(s.ng, facing);
     Vec3 ns = flip_sign(s.ns, facing);
-    at.passes_on = Mask(false);
+    at.skips_interface = Mask(false);
     if (media) at.media = at.media_beyond = *media;
     if constexpr (Closure::transmits)
         if (media) detail::find_media(materials, m, at);
-    if constexpr (Closure::is_fibre) {
-        detail::turn_to_fibre(s, facing, at);
+    if constexpr (Closure::is_fiber) {
+        detail::turn_to_fiber(s, facing, at);
         return at;
     }
     if constexpr (Closure::is_glossy) {
@@ -208,4 +209,5 @@ template <class Closure>
     return at;
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

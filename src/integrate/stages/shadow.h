@@ -1,13 +1,14 @@
 #pragma once
-#include "integrate/pool.h"
-#include "integrate/scene.h"
 #include "integrate/stages/indirect_clamp.h"
 #include "integrate/stages/path_end.h"
 #include "integrate/stages/shading_point.h"
-#include "light/environment.h"
+#include "kernel/lane_scene.h"
+#include "kernel/pool.h"
+#include "lights/environment/environment.h"
 #include "media/distance.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// The shadow rays of a pool's paths, at most one a path, and what each brings if nothing blocks it. The tree traces
 /// many rays at once faster than one after the other.
@@ -33,7 +34,7 @@ public:
     {
         if (size_ == 0) return 0;
         const bool clamp = settings.clamp_indirect > 0;
-        if (scene.sees_through) return trace_through(scene, paths, settings, clock);
+        if (scene.transmissive_shadows) return trace_through(scene, paths, settings, clock);
         scene.bvh.occluded(rays(scene, size_), blocked_.data, false);
         if (scene.tables.environment.light != no_index) see_environment_unless_blocked(scene);
         std::size_t clear = 0;
@@ -47,7 +48,7 @@ public:
 
 private:
     /// A ray that has passed so many surfaces goes round and round in what rounding leaves of a solid.
-    static constexpr int most_passed = 1024;
+    static constexpr int max_passed = 1024;
     /// On the number of a path whose ray sees the environment if nothing blocks it.
     static constexpr std::uint32_t environment_mark = 1u << 31;
 
@@ -113,7 +114,7 @@ private:
                                                 StageClock& clock)
     {
         std::size_t clear = 0;
-        for (int passed = 0; size_ > 0 && passed < most_passed; ++passed) {
+        for (int passed = 0; size_ > 0 && passed < max_passed; ++passed) {
             clock.enter(RenderStage::shadow);
             scene.bvh.closest(rays(scene, size_),
                               {hits_.t.data, hits_.u.data, hits_.v.data, hits_.primitive.data, hits_.instance.data},
@@ -156,7 +157,7 @@ private:
         const MediumStack media = media_.load(i);
         const ShadingPoint<GlassBsdf> at = read_shading_point<GlassBsdf>(
             SurfaceReader(scene), materials, hit, scene.tracks_media ? &media : nullptr, m, clock);
-        const SeenThrough there = seen_through(scene, materials, at.material_index, at.passes_on, m);
+        const SeenThrough there = seen_through(scene, materials, at.material_index, at.skips_interface, m);
         const UInt path = path_.load(i), bounces = bounces_.load(i);
         const UInt number = path & UInt(~environment_mark);
         const UInt bounce = (paths.state.gather(number, m) & UInt(PathPool::bounce_mask)) + bounces;
@@ -194,4 +195,5 @@ private:
     HitColumns hits_;
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

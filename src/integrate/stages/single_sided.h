@@ -1,9 +1,10 @@
 #pragma once
-#include "integrate/kernel.h"
-#include "integrate/pool.h"
-#include "integrate/stages/material.h"
+#include "kernel/kernel.h"
+#include "kernel/pool.h"
+#include "materials/read/material.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Cameras look through the backs of single-sided surfaces, as renderers do that cull them: into a room through its
 /// wall. They look through surfaces that are hidden from them from both sides. To all other light the surface is there,
@@ -99,4 +100,5 @@ private:
     HitColumns found_;
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

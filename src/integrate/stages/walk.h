@@ -1,25 +1,26 @@
 #pragma once
 #include <algorithm>
 
-#include "integrate/camera_paths.h"
-#include "integrate/stage_clock.h"
-#include "integrate/stages/light.h"
 #include "integrate/stages/path_end.h"
 #include "integrate/stages/path_medium.h"
 #include "integrate/stages/shadow.h"
+#include "kernel/camera_paths.h"
+#include "kernel/stage_clock.h"
+#include "lights/sample/light_stage.h"
 #include "media/phase.h"
 #include "media/stack.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Ways through what fills solids: what they leave of the light, and in a medium that scatters, where a path turns.
 ///
 /// A path that is scattered before it gets to what it was about to hit is put there and goes on along another
 /// direction: a step of a random walk, in which it is not shaded. It has a light sampled only in open media: into
 /// others no light gets but through a surface that scatters it.
-class WalkStage {
+class MediumStage {
 public:
-    WalkStage(const LaneScene& scene, const KernelSettings& settings, KernelCounters& counters, StageClock& clock)
+    MediumStage(const LaneScene& scene, const KernelSettings& settings, KernelCounters& counters, StageClock& clock)
         : scene_(scene),
           tables_(scene.tables),
           settings_(settings),
@@ -35,7 +36,7 @@ public:
     static constexpr float scattered_before = -1, scattered_first = -2;
     /// So many steps, and the path ends: a number too large to be met but where next to nothing is absorbed in a solid
     /// of some hundred mean free paths.
-    static constexpr std::uint32_t most_steps = 0x7fff;
+    static constexpr std::uint32_t max_steps = 0x7fff;
 
     void run(PathPool& p, HitColumns& hits, std::size_t active)
     {
@@ -98,7 +99,7 @@ private:
             counts |= turns & (gather(tables_.media, &MediumRecord::counts, medium, m) != UInt(0u));
         const Spectrum scattered = next;
         const Mask ends = end_by_chance(turns, key, seed, bounce + step, p.eta_scale.load(i), next) |
-                          (turns & !less(step, UInt(most_steps))) | (counts & !may_scatter(settings_, bounce));
+                          (turns & !less(step, UInt(max_steps))) | (counts & !may_scatter(settings_, bounce));
         p.throughput.store(i, next, m);
         if (none(turns)) return;
 
@@ -113,7 +114,7 @@ private:
         p.direction.store(i, normalize(Frame(d).to_world(turned)), turns);
         p.walk_steps.store(i, step, turns);
         p.bsdf_pdf.store(i, select(open, phase_pdf(g, turned.z), Float(0)), turns);
-        if (scene_.has_way_out) p.way_out.store(i, Float(0), turns);
+        if (scene_.has_way_out) p.exit_offset.store(i, Float(0), turns);
         // A camera in a medium sees no first hit through it: the path has left the camera.
         const Mask from_camera = bounce == UInt(0u);
         const UInt left = select(counts | from_camera, UInt(1u), UInt(0u));
@@ -171,4 +172,5 @@ private:
     ShadowQueue shadows_;
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

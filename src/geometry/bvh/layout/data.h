@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/large_memory.h"
 #include "geometry/bvh/bvh.h"
 #include "geometry/records.h"
-#include "math/memory.h"
 
 namespace fathom {
 

@@ -3,10 +3,11 @@
 ///
 /// However many triangles share it, a vertex is put where it is at the ray's time, moved and sheared once, and what the
 /// triangles see of it is then taken from registers.
-#include "geometry/bvh/traverse/hits.h"
-#include "geometry/bvh/traverse/triangles.h"
+#include "geometry/bvh/traversal/hits.h"
+#include "geometry/bvh/traversal/triangles.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 #if defined(__AVX2__)
 
@@ -170,9 +171,9 @@ struct PacketTimes {
 };
 
 template <class F, bool moving>
-[[gnu::always_inline]] inline WeighedTriangles weigh_triangles(const IndexedLeaf& leaf,
-                                                               const LeafVertices<moving, F>& vertices, int at,
-                                                               const PreparedRay& r)
+[[gnu::always_inline]] inline TriangleIntersections intersect_triangles(const IndexedLeaf& leaf,
+                                                                        const LeafVertices<moving, F>& vertices, int at,
+                                                                        const PreparedRay& r)
 {
     const CornerNumbers<F> corner[] = {{leaf, 0, at}, {leaf, 1, at}, {leaf, 2, at}};
     const std::ptrdiff_t axis = r.integer(PreparedRays::axis), ix = r.integer(PreparedRays::row_x),
@@ -195,12 +196,14 @@ template <class F, bool moving>
 /// The ray with a leaf's triangles from `at` on, as many as there are lanes at most; key and fraction: as in
 /// LeafVertices.
 template <bool moving>
-[[gnu::always_inline]] inline WeighedTriangles weigh_triangles(const IndexedLeaf& leaf, std::uint32_t key,
-                                                               float fraction, int at, const PreparedRay& r)
+[[gnu::always_inline]] inline TriangleIntersections intersect_triangles(const IndexedLeaf& leaf, std::uint32_t key,
+                                                                        float fraction, int at, const PreparedRay& r)
 {
     if (FATHOM_LANE_PAIRS && leaf.count() <= native::lanes && leaf.vertices() <= native::lanes)
-        return weigh_triangles(leaf, LeafVertices<moving, native::Float>(leaf, key, native::Float(fraction)), at, r);
-    return weigh_triangles(leaf, LeafVertices<moving, Float>(leaf, key, Float(fraction)), at, r);
+        return intersect_triangles(leaf, LeafVertices<moving, native::Float>(leaf, key, native::Float(fraction)), at,
+                                   r);
+    return intersect_triangles(leaf, LeafVertices<moving, Float>(leaf, key, Float(fraction)), at, r);
 }
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

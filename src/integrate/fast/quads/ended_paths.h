@@ -1,8 +1,9 @@
 #pragma once
 #include "film/tile_sums.h"
-#include "integrate/pool.h"
+#include "kernel/pool.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Notes the radiance of paths that have ended, and hands many at a time to the film.
 class EndedPaths {
@@ -46,4 +47,5 @@ private:
     SpectrumColumn radiance_;
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

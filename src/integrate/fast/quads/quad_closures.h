@@ -4,7 +4,8 @@
 #include "integrate/stages/direct.h"
 #include "integrate/stages/scatter.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Where the paths of a gang are.
 struct QuadPlace {
@@ -52,7 +53,7 @@ private:
         ShadingPoint<Closure> at = read_shading_point<Closure>(surfaces_, materials_, hit, nullptr, m, clock_);
         at.offset = place.offset;
         const Closure closure(at.material);
-        const Mask smooth = m & closure.has_smooth();
+        const Mask smooth = m & closure.has_non_delta();
         if (lights_are_sampled && any(smooth)) {
             clock_.enter(RenderStage::light);
             const LightSample light = sample(smooth);
@@ -71,4 +72,5 @@ private:
     StageClock& clock_;
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

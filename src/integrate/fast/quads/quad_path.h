@@ -15,7 +15,8 @@
 #include "integrate/fast/quads/quad_pool.h"
 #include "integrate/stages/first_hits.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// all_plain: whether all quads are plain.
 template <bool all_plain>
@@ -344,4 +345,5 @@ private:
     OtherQuadPool others_[all_plain ? 1 : closure_kind_count];
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

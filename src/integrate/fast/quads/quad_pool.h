@@ -1,8 +1,9 @@
 #pragma once
-#include "integrate/camera_paths.h"
-#include "integrate/pool.h"
+#include "kernel/camera_paths.h"
+#include "kernel/pool.h"
 
-namespace fathom::inline FATHOM_LANES {
+namespace fathom {
+inline namespace FATHOM_LANES {
 
 /// Paths that wait on a quad each.
 struct QuadPool {
@@ -39,4 +40,5 @@ struct OtherQuadPool : QuadPool {
     Column<float> offset;    ///< of the eye from the quad
 };
 
-}  // namespace fathom::inline FATHOM_LANES
+}  // namespace FATHOM_LANES
+}  // namespace fathom

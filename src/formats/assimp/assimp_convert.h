@@ -1,0 +1,43 @@
+#pragma once
+#include <assimp/material.h>
+#include <assimp/scene.h>
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "formats/assimp/module.h"
+
+namespace fathom {
+
+/// Turns what Assimp read into a SceneDescription.
+class AssimpConverter {
+public:
+    AssimpConverter(const aiScene& from, const std::filesystem::path& file, AssimpAnswer& answer)
+        : from_(from), file_(file), answer_(answer), to_(answer.scene)
+    {
+    }
+    /// world_from_file  put above the root
+    void convert(const Transform& world_from_file);
+
+private:
+    void add_mesh(const aiMesh& mesh);
+    void add_material(const aiMaterial& material);
+    void add_layers(const aiMaterial& material, Color diffuse, Material& m);
+    void add_camera(const aiCamera& camera);
+    void add_light(const aiLight& light);
+    int add_node(const aiNode& node, int depth);
+    int texture(const aiMaterial& material, aiTextureType type, ColorSpace color_space, unsigned index = 0);
+    int image(const std::string& path);
+    bool read_embedded(const aiTexture& texture, ImageFile& image);
+    void warn(std::string message) { answer_.warnings.push_back(std::move(message)); }
+
+    const aiScene& from_;
+    const std::filesystem::path& file_;
+    AssimpAnswer& answer_;
+    SceneDescription& to_;
+    std::map<std::string, int> images_, cameras_, lights_;  ///< cameras and lights by the name of their node
+    std::map<int, int> colored_;  ///< materials and their copies for meshes with vertex colours
+};
+
+}  // namespace fathom

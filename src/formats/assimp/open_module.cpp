@@ -1,0 +1,97 @@
+#include "formats/assimp/open_module.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "fathom/error.h"
+#include "formats/assimp/ipc.h"
+#include "formats/assimp/module.h"
+#include "formats/assimp/subprocess.h"
+#include "formats/io/read_file.h"
+#include "formats/mesh/mesh_cleanup.h"
+
+namespace fathom {
+
+namespace {
+
+/// The folder of the library (or program) that this function is part of.
+std::filesystem::path own_folder()
+{
+    Dl_info info;
+    std::error_code error;
+    if (dladdr(reinterpret_cast<const void*>(&own_folder), &info) != 0 && std::strchr(info.dli_fname, '/'))
+        return std::filesystem::absolute(info.dli_fname, error).parent_path();
+    // A program that was found through PATH is named without its folder.
+    return std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+}
+
+/// Opened once, and kept: Assimp does not like to be unloaded. Null if it isn't there; `why` then says more.
+void* open_module(std::string& why)
+{
+    static std::string reason;
+    static void* const handle = [] {
+        const std::filesystem::path folder = own_folder();
+        for (const std::filesystem::path& place : {folder, folder / ".." / "lib"}) {
+            const std::filesystem::path module = place / assimp_module_file;
+            std::error_code error;
+            if (!std::filesystem::exists(module, error)) continue;
+            void* opened = dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
+            if (!opened) {
+                reason = dlerror();
+                continue;
+            }
+            const auto* version = static_cast<const char*>(dlsym(opened, assimp_version_symbol));
+            if (version && std::strcmp(version, FATHOM_VERSION) == 0) return opened;
+            reason = "it belongs to another version of Fathom";
+        }
+        return static_cast<void*>(nullptr);
+    }();
+    why = reason;
+    return handle;
+}
+
+}  // namespace
+
+SceneDescription read_with_assimp(const std::filesystem::path& file, const LoadOptions& options, LoadContext& context)
+{
+    const std::string name = file.string();
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error))
+        throw Error(name, "", "what it is can't be told from the content: give a file whose name has an extension");
+    std::string why;
+    void* const module = open_module(why);
+    const auto read = module ? reinterpret_cast<AssimpRead>(dlsym(module, assimp_read_symbol)) : nullptr;
+    if (!read)
+        throw Error(
+            name, "",
+            fmt::format("Fathom has no reader of its own for '{}', and the module {} that reads further formats {}",
+                        file.extension().string(), assimp_module_file,
+                        why.empty() ? "is not there" : "can't be used: " + printable(why)));
+    // Assimp stops the program where a file breaks its assertions, and some files make it worse: it works apart.
+    const std::size_t megabytes = std::size_t(std::filesystem::file_size(file) >> 20) + 1;
+    const SubprocessResult result = run_in_subprocess(
+        [&] {
+            AssimpAnswer answer;
+            read({file, options.up_axis == 0, context.folder()}, answer);
+            return to_bytes(answer);
+        },
+        unsigned(30 + 10 * megabytes), (std::size_t(2) << 30) + megabytes * (std::size_t(200) << 20));
+    AssimpAnswer answer;
+    if (!result.failure.empty()) throw Error(name, "", fmt::format("Assimp can't read the file: {}", result.failure));
+    if (!from_bytes(result.bytes, answer)) throw Error(name, "", "Assimp's answer is cut short");
+    if (!answer.error.empty()) throw Error(name, "", printable(answer.error));
+    for (const std::string& warning : answer.warnings) context.warnings.add(fmt::format("{}: {}", name, warning));
+    for (Mesh& mesh : answer.scene.meshes) {
+        for (std::uint32_t index : mesh.indices)
+            if (index >= mesh.positions.size()) throw Error(name, printable(mesh.name), "a corner refers to no vertex");
+        clean_mesh(mesh, name, context.mesh_faults);
+    }
+    for (const std::filesystem::path& opened : answer.scene.files) context.add_file(opened);
+    answer.scene.files.clear();
+    answer.scene.file = name;
+    return std::move(answer.scene);
+}
+
+}  // namespace fathom

@@ -1,0 +1,51 @@
+#pragma once
+#include "fathom/description.h"
+
+namespace fathom {
+
+/// What rays pass as if it were not there.
+inline bool is_nothing(const Material& m)
+{
+    return m.kind == MaterialKind::none && m.alpha.value == 0;
+}
+
+inline int add_texture(SceneDescription& scene, Texture texture)
+{
+    scene.textures.push_back(std::move(texture));
+    return int(scene.textures.size()) - 1;
+}
+
+/// A texture that goes from a gray of `at_zero` where the number is 0 to a gray of `at_one` where it is 1.
+inline int gray_texture(SceneDescription& scene, const FloatInput& input, float at_zero = 0, float at_one = 1)
+{
+    Texture gray;
+    gray.kind = TextureKind::mix;
+    gray.color_a = {{at_zero, at_zero, at_zero}, -1}, gray.color_b = {{at_one, at_one, at_one}, -1};
+    gray.factor = input;
+    return add_texture(scene, std::move(gray));
+}
+
+inline FloatInput product(SceneDescription& scene, const FloatInput& a, const FloatInput& b)
+{
+    if (a.texture < 0 || b.texture < 0) {
+        FloatInput result = a.texture >= 0 ? a : b;
+        result.value = a.value * b.value;
+        return result;
+    }
+    Texture both;
+    both.kind = TextureKind::scale;
+    both.color_a = {{1, 1, 1}, gray_texture(scene, a)}, both.color_b = {{1, 1, 1}, gray_texture(scene, b)};
+    return {1, add_texture(scene, std::move(both)), 0};
+}
+
+/// The material as often as the weight says, or (of_nothing) as it doesn't, and else nothing.
+inline Material blend_with_transparent(SceneDescription& scene, Material m, FloatInput weight, bool of_nothing)
+{
+    if (of_nothing && weight.texture < 0) weight.value = 1 - weight.value;
+    if (of_nothing && weight.texture >= 0) weight = {1, gray_texture(scene, weight, 1, 0), 1};
+    m.alpha = m.alpha_mode == AlphaMode::opaque ? weight : product(scene, m.alpha, weight);
+    m.alpha_mode = AlphaMode::blend;
+    return m;
+}
+
+}  // namespace fathom

@@ -1,0 +1,155 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "formats/common/load_context.h"
+#include "formats/common/measured_file.h"
+#include "formats/json/json_object.h"
+#include "formats/ply/ply.h"
+#include "scene/append.h"
+#include "scene/parameters.h"
+
+namespace fathom {
+
+/// {"axis": [x, y, z], "angle_deg": a}: right-handed.
+Transform read_rotation(const JsonValue& v);
+
+/// The time of a key of motion, which must be later than those before it.
+template <class Key>
+double read_key_time(JsonObject& key, const std::vector<Key>& earlier)
+{
+    const JsonValue value = key.require("time");
+    const double time = value.number();
+    if (!earlier.empty() && !(earlier.back().time < time)) value.fail("times must ascend");
+    return time;
+}
+
+/// The reader of Fathom's own scene file, while it works. Names become indices here: whatever is referred to by name is
+/// read when it is first asked for.
+class FathomJsonReader {
+public:
+    FathomJsonReader(std::filesystem::path file, const JsonValue& root, LoadContext& context)
+        : file_(std::move(file)), root_(root), context_(context)
+    {
+    }
+    SceneDescription read();
+
+private:
+    /// What a texture is looked up for decides how an 8-bit image is decoded where the file doesn't say it.
+    enum class Use { color, data };
+    enum class State { unread, reading, read };
+    struct Named {
+        State state = State::unread;
+        int index = -1;
+    };
+    /// A camera or a light, and where it is in the space of its node.
+    struct Placed {
+        int index = -1;
+        Transform place;
+        bool is_placed = false;  ///< some node refers to it
+    };
+
+    // fathom_json.cpp
+    Camera read_camera(const JsonValue& v, const std::string& name);
+    void read_cameras(JsonObject& scene);
+    void read_environment(const JsonValue& v);
+    void read_render(const JsonValue& v);
+    void keep_own_light();
+    void place_unplaced();
+    /// Reads what nobody refers to, so that mistakes in it show before it is used.
+    void read_unused();
+
+    // fathom_json_material.cpp
+    int image(const JsonValue& path);
+    int measured(const JsonValue& path);
+    /// All named ones that are decoded in one way, in the file's order.
+    void read_textures();
+    /// Whether a picture in it doesn't say its colour space, so that what it is looked up for decides.
+    bool is_decoded_by_use(const JsonValue& v);
+    int texture(const JsonValue& v, Use use);
+    int add_texture(const JsonValue& v, const std::string& name, Use use);
+    Texture read_texture(const JsonValue& v, const std::string& name, Use use);
+    /// The parameters that a kind of Owner has. use: of what their textures are looked up for; if not given, of a
+    /// colour for colours, else of data.
+    template <class Owner>
+    void read_parameters(JsonObject& o, std::span<const Parameter<Owner>> parameters, std::uint32_t kind,
+                         std::optional<Use> use, Owner& owner);
+    void read_color(const JsonValue& v, Use use, ColorInput& out);
+    void read_float(const JsonValue& v, Use use, FloatInput& out);
+    static std::vector<RampStop> read_stops(const JsonValue& v);
+    int material(const JsonValue& v);
+    int add_material(const JsonValue& v, const std::string& name);
+    Material read_material(const JsonValue& v, const std::string& name);
+    /// All named ones, in the file's order.
+    void read_materials();
+    void read_emission_unit(JsonObject& o, Material& material);
+    static void read_conductor(JsonObject& o, Material& material);
+
+    // fathom_json_light.cpp
+    bool read_picture(JsonObject& o, Light& light);
+    Placed add_light(const JsonValue& v, const std::string& name);
+    void read_light(const JsonValue& v, Node& node);
+
+    // fathom_json_shape.cpp
+    /// depth  of arrays around it
+    Transform transform(const JsonValue& v, int depth = 0);
+    std::optional<Shape> read_shape(JsonObject& o);
+    /// What has no name stands where it is used.
+    using Add = int (FathomJsonReader::*)(const JsonValue&, const std::string&);
+    int data(const JsonValue& v, const std::map<std::string, int>& named, const char* table, const char* what, Add add);
+    int add_mesh(const JsonValue& v, const std::string& name);
+    int add_curves(const JsonValue& v, const std::string& name);
+    int add_points(const JsonValue& v, const std::string& name);
+    void read_mesh_motion(const JsonValue& v, Mesh& mesh);
+    void read_curves_motion(const JsonValue& v, Curves& curves);
+    /// The PLY file that holds the numbers, as fathom::save_scene writes it; nothing if they stand in this file.
+    std::optional<PlyData> read_data_file(JsonObject& o);
+
+    // fathom_json_node.cpp
+    int node(const JsonValue& v, int depth);
+    int add_node(const JsonValue& v, const std::string& name, int depth);
+    int named_node(const JsonValue& v, int depth);
+    void read_motion(const JsonValue& v, Node& node);
+    void read_model(JsonObject& o, const JsonValue& path, Node& node);
+    /// Throws Error if there is no memory for a copy of so many nodes.
+    void check_copy(const JsonValue& v, std::size_t nodes) const;
+    void override_materials(JsonObject& o, const Appended& model);
+
+    /// The entry of a top-level table that `v`, a string, names. Throws Error with a suggestion if there is none.
+    JsonValue find(const char* table, const char* what, const JsonValue& v);
+    /// A top-level object of named things; nullptr if the file has none of that name.
+    const JsonValue* table(const char* key);
+    /// Calls use(name, value) for each thing of a top-level object, in the file's order.
+    template <class Use>
+    void for_each_named(const char* key, const Use& use)
+    {
+        const JsonValue* all = table(key);
+        if (!all) return;
+        for (const auto& [name, json] : all->json().items()) use(name, (*all)[name]);
+    }
+    /// The camera or light of that name, which now has its place.
+    Placed place(IndexedMap<std::string, Placed>& all, const char* table, const char* what, const JsonValue& v);
+
+    std::filesystem::path file_;
+    const JsonValue& root_;
+    LoadContext& context_;
+    SceneDescription scene_;
+    std::map<std::string, JsonValue> tables_;
+
+    std::map<std::string, int> images_;
+    MeasuredFiles measured_{context_, scene_};
+    std::map<std::pair<std::string, Use>, int> textures_;
+    std::set<std::string> open_textures_;  ///< named ones that are being read
+    std::map<std::string, bool> decoded_by_use_;
+    std::map<std::string, int> materials_, meshes_, curves_, points_;
+    IndexedMap<std::string, Placed> cameras_, lights_;
+    std::map<std::string, Named> nodes_;
+    std::vector<std::string> reading_nodes_;  ///< names on the way to here, for the message about a cycle
+    std::map<std::string, Appended> models_;  ///< by path and options: read once, then instanced
+};
+
+}  // namespace fathom

@@ -1,0 +1,376 @@
+#include "formats/gltf/glb_materials.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "formats/io/read_file.h"
+#include "scene/measured.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr int red = 0, green = 1, blue = 2, alpha = 3;
+
+Json color_factor(Color c)
+{
+    return {number_json(c.r), number_json(c.g), number_json(c.b)};
+}
+
+bool is_gray(Color c, float value)
+{
+    return c.r == value && c.g == value && c.b == value;
+}
+
+}  // namespace
+
+GlbMaterials::GlbMaterials(const SceneDescription& scene, GlbBuffer& buffer, const std::string& file,
+                           Warnings& warnings)
+    : scene_(scene), buffer_(buffer), file_(file), warnings_(warnings)
+{
+}
+
+int GlbMaterials::index(int material)
+{
+    const auto [found, is_new] = indices_.try_emplace(material, int(materials_.size()));
+    if (is_new) materials_.push_back(material_json(material < 0 ? Material() : greater_part(material)));
+    return found->second;
+}
+
+Material GlbMaterials::greater_part(int material)
+{
+    const Material& m = scene_.materials[std::size_t(material)];
+    if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided) return m;
+    const float factor =
+        m.kind == MaterialKind::mix ? (m.factor.texture < 0 ? 1 : mean_of(m.factor.texture).g) * m.factor.value : 0;
+    Material part = greater_part(factor > 0.5f ? m.material_b : m.material_a);
+    current_ = &m;
+    report(m.kind == MaterialKind::mix ? "a mix of materials: the one that has more of it is taken"
+                                       : "another material on the back: it is like the front");
+    part.name = m.name;
+    part.emission = m.emission, part.emission_two_sided = m.emission_two_sided;
+    part.alpha_mode = m.alpha_mode, part.alpha = m.alpha, part.alpha_cutoff = m.alpha_cutoff;
+    return part;
+}
+
+void GlbMaterials::put_into(Json& gltf) const
+{
+    const auto put = [&](const char* key, const Json& list) {
+        if (!list.empty()) gltf[key] = list;
+    };
+    put("materials", materials_);
+    put("textures", texture_list_);
+    put("images", image_list_);
+    put("samplers", sampler_list_);
+}
+
+void GlbMaterials::report(const std::string& what)
+{
+    const std::string& name = current_->name;
+    warnings_.add(fmt::format("{}: {}: glTF can't say {}", file_,
+                              name.empty() ? "a material" : fmt::format("material '{}'", printable(name)), what));
+}
+
+Json& GlbMaterials::extension(Json& json, const char* name)
+{
+    extensions_.insert(name);
+    Json& made = json["extensions"][name];
+    if (made.is_null()) made = Json::object();
+    return made;
+}
+
+void GlbMaterials::put_factor(Json& json, const char* key, const FloatInput& input, float usual,
+                              const char* texture_key, int channel)
+{
+    float value = input.value;
+    Json info;
+    if (input.texture >= 0 && is_picture(input.texture)) {
+        if (input.channel == channel)
+            info = texture_info(input.texture, ColorSpace::linear);
+        else
+            report(fmt::format("'{}' by another channel of its picture", key));
+    } else if (input.texture >= 0) {
+        const Color mean = mean_of(input.texture);
+        const float channels[] = {mean.r, mean.g, mean.b, 1, 0.2126f * mean.r + 0.7152f * mean.g + 0.0722f * mean.b};
+        static_assert(std::size(channels) == luminance_channel + 1);
+        value *= channels[input.channel];
+        texture_info(input.texture, ColorSpace::linear);  // which tells
+    }
+    if (value != usual) json[key] = number_json(value);
+    if (!info.is_null()) json[texture_key] = std::move(info);
+}
+
+void GlbMaterials::put_color(Json& json, const char* key, const ColorInput& input, Color usual, const char* texture_key)
+{
+    Color value = input.value;
+    Json info = texture_info(input.texture, ColorSpace::srgb);
+    if (info.is_null()) {
+        const Color mean = mean_of(input.texture);
+        value = {value.r * mean.r, value.g * mean.g, value.b * mean.b};
+    }
+    if (value != usual) json[key] = color_factor(value);
+    if (!info.is_null()) json[texture_key] = std::move(info);
+}
+
+Json GlbMaterials::base_json(const Material& m)
+{
+    const bool is_metal = m.kind == MaterialKind::metal || m.kind == MaterialKind::fuzz_metal;
+    const bool has_facets = is_metal || m.kind == MaterialKind::glass || m.kind == MaterialKind::plastic ||
+                            m.kind == MaterialKind::principled;
+    ColorInput color = m.base_color;
+    if (m.kind == MaterialKind::none) color = {{0, 0, 0}, -1};
+    const bool is_clear = m.kind == MaterialKind::glass || (m.transmission.value > 0 && m.metallic.value == 0);
+    if (is_clear) color = m.transmission_color;
+    Json json = Json::object();
+    put_color(json, "baseColorFactor", color, {1, 1, 1}, "baseColorTexture");
+    if (json.contains("baseColorFactor"))
+        for (Json& channel : json["baseColorFactor"])
+            if (channel.get<float>() > 1) channel = 1, report("a colour brighter than white");
+    if (m.alpha_mode != AlphaMode::opaque) {
+        if (m.alpha.value != 1) {
+            if (!json.contains("baseColorFactor")) json["baseColorFactor"] = color_factor({1, 1, 1});
+            json["baseColorFactor"].push_back(number_json(m.alpha.value));
+        }
+        if (m.alpha.texture >= 0 && (m.alpha.texture != color.texture || m.alpha.channel != alpha))
+            report("an alpha that is not the base colour's");
+    }
+    if (json.contains("baseColorFactor") && json["baseColorFactor"].size() == 3) json["baseColorFactor"].push_back(1);
+
+    const FloatInput metallic =
+        m.kind == MaterialKind::principled ? m.metallic : FloatInput{is_metal ? 1.f : 0.f, -1, blue};
+    FloatInput roughness = has_facets ? m.roughness : FloatInput{1, -1, green};
+    if (m.kind == MaterialKind::fuzz_metal) {
+        roughness = {std::sqrt(m.fuzz), -1, green};
+        if (m.fuzz > 0) report("fuzz: it is rough instead");
+    }
+    if (m.kind == MaterialKind::hair) report("how hair scatters: it is diffuse instead");
+    if (m.beckmann && has_facets) {
+        roughness.value *= 0.83666f;
+        if (roughness.value > 0) report("facets of Beckmann's: those of GGX that are most like them are taken");
+    }
+    if (m.kind == MaterialKind::plastic) report("what goes to and fro below the boundary of plastic");
+    put_factor(json, "metallicFactor", metallic, 1, "metallicRoughnessTexture", blue);
+    Json of_metal = json.contains("metallicRoughnessTexture") ? json["metallicRoughnessTexture"] : Json();
+    put_factor(json, "roughnessFactor", roughness, 1, "metallicRoughnessTexture", green);
+    const bool has_both = json.contains("metallicRoughnessTexture") && roughness.texture == metallic.texture;
+    const bool other_is_nothing = roughness.texture >= 0 ? metallic.value == 0 : roughness.value == 0;
+    if (json.contains("metallicRoughnessTexture") && !has_both && !other_is_nothing)
+        report("metalness and roughness of which not both are in one picture");
+    return json;
+}
+
+void GlbMaterials::add_transmission(const Material& m, Json& json)
+{
+    const bool is_glass = m.kind == MaterialKind::glass;
+    const FloatInput transmission = is_glass ? FloatInput{1, -1, red} : m.transmission;
+    if (transmission.value > 0)
+        put_factor(extension(json, "KHR_materials_transmission"), "transmissionFactor", transmission, 0,
+                   "transmissionTexture", red);
+    if (m.diffuse_transmission.value > 0) {
+        if (m.diffuse_transmission_added) report("light that passes diffusely beside what is reflected");
+        Json& passing = extension(json, "KHR_materials_diffuse_transmission");
+        put_factor(passing, "diffuseTransmissionFactor", m.diffuse_transmission, 0, "diffuseTransmissionTexture",
+                   alpha);
+        put_color(passing, "diffuseTransmissionColorFactor", m.diffuse_transmission_color, {1, 1, 1},
+                  "diffuseTransmissionColorTexture");
+    }
+    if (transmission.value <= 0 && m.diffuse_transmission.value <= 0) return;
+    if (m.dispersion > 0) extension(json, "KHR_materials_dispersion")["dispersion"] = number_json(m.dispersion);
+    if (m.thin) {
+        if (is_glass && m.attenuation_distance > 0) report("what sheets of glass enclose");
+        return;
+    }
+    // Of any thickness: rays know their way through, and rasterisers guess.
+    Json& volume = extension(json, "KHR_materials_volume");
+    volume["thicknessFactor"] = 1;
+    if (m.attenuation_distance > 0) {
+        volume["attenuationDistance"] = number_json(m.attenuation_distance);
+        volume["attenuationColor"] = color_factor(m.attenuation_color);
+    }
+}
+
+/// Thickness from `least` to `most` by a picture is a mix of two greys by it, as reading makes it.
+Json GlbMaterials::thickness_info(const Material& m, Json& layer)
+{
+    const FloatInput& input = m.thin_film_thickness;
+    const Texture* mix = input.texture >= 0 ? &scene_.textures[std::size_t(input.texture)] : nullptr;
+    if (mix && mix->kind == TextureKind::mix && mix->color_a.texture < 0 && mix->color_b.texture < 0 &&
+        mix->factor.texture >= 0 && mix->factor.value == 1 && mix->factor.channel == green) {
+        layer["iridescenceThicknessMinimum"] = number_json(mix->color_a.value.g * input.value);
+        layer["iridescenceThicknessMaximum"] = number_json(mix->color_b.value.g * input.value);
+        return texture_info(mix->factor.texture, ColorSpace::linear);
+    }
+    float value = input.value;
+    if (input.texture >= 0) {
+        report("a thickness of the film by this texture: its mean is taken");
+        value *= mean_of(input.texture).g;
+    }
+    layer["iridescenceThicknessMaximum"] = number_json(value);
+    return {};
+}
+
+void GlbMaterials::add_layers(const Material& m, Json& json)
+{
+    if (m.specular.value != 1 || m.specular.texture >= 0 || !is_gray(m.specular_color.value, 1) ||
+        m.specular_color.texture >= 0) {
+        Json& specular = extension(json, "KHR_materials_specular");
+        put_factor(specular, "specularFactor", m.specular, 1, "specularTexture", alpha);
+        put_color(specular, "specularColorFactor", m.specular_color, {1, 1, 1}, "specularColorTexture");
+    }
+    // One of the index of air only colours what passes.
+    if (m.coat.value > 0 && m.coat_ior > 1) {
+        Json& coat = extension(json, "KHR_materials_clearcoat");
+        put_factor(coat, "clearcoatFactor", m.coat, 0, "clearcoatTexture", red);
+        put_factor(coat, "clearcoatRoughnessFactor", m.coat_roughness, 0, "clearcoatRoughnessTexture", green);
+        if (Json info = texture_info(m.coat_normal_texture, ColorSpace::linear); !info.is_null()) {
+            if (m.coat_normal_scale != 1) info["scale"] = number_json(m.coat_normal_scale);
+            coat["clearcoatNormalTexture"] = std::move(info);
+        }
+    }
+    if (m.thin_film.value > 0) {
+        Json& film = extension(json, "KHR_materials_iridescence");
+        put_factor(film, "iridescenceFactor", m.thin_film, 0, "iridescenceTexture", red);
+        film["iridescenceIor"] = number_json(m.thin_film_ior);
+        if (Json info = thickness_info(m, film); !info.is_null()) film["iridescenceThicknessTexture"] = std::move(info);
+    }
+    if (m.anisotropy.value > 0) {
+        Json& anisotropy = extension(json, "KHR_materials_anisotropy");
+        put_factor(anisotropy, "anisotropyStrength", m.anisotropy, 0, "anisotropyTexture", blue);
+        if (m.anisotropy_rotation != 0) anisotropy["anisotropyRotation"] = number_json(m.anisotropy_rotation);
+        if (m.anisotropy_texture != m.anisotropy.texture)
+            report("directions of facets by another picture than how far they are drawn out");
+    }
+    if (!is_gray(m.sheen_color.value, 0)) {
+        Json& sheen = extension(json, "KHR_materials_sheen");
+        put_color(sheen, "sheenColorFactor", m.sheen_color, {0, 0, 0}, "sheenColorTexture");
+        put_factor(sheen, "sheenRoughnessFactor", m.sheen_roughness, 0, "sheenRoughnessTexture", alpha);
+    }
+}
+
+void GlbMaterials::report_losses(const Material& m)
+{
+    if (m.one_sided) report("a back that is black: it is like the front");
+    const auto lost = [&](bool has, const char* what) {
+        if (has) report(what);
+    };
+    lost(m.displacement.value != 0, "displacement");
+    lost(m.bump.texture >= 0 && m.bump.value != 0, "bumps");
+    lost(m.separable && !m.beckmann && m.roughness.value > 0, "shadowing of facets by each direction alone");
+    lost(m.priority != 0, "which of overlapping solids is there");
+    if (m.kind == MaterialKind::diffuse) lost(m.roughness.value > 0, "a diffuse surface's roughness");
+    if (m.kind != MaterialKind::principled) return;
+    lost(m.subsurface.value > 0, "subsurface scattering");
+    lost(!is_gray(m.transmission_scatter, 0), "scattering within a solid");
+    lost(m.diffuse_roughness.value > 0, "a diffuse surface's roughness");
+    lost(m.metallic.value > 0 && (!is_gray(m.edge_color.value, 1) || m.edge_color.texture >= 0),
+         "a metal's colour at its edge");
+    lost(m.coat.value > 0 && (!is_gray(m.coat_color.value, 1) || m.coat_color.texture >= 0), "a coat's colour");
+    lost(m.coat.value > 0 && m.coat_ior > 1 && m.coat_ior != 1.5f, "a coat's index of refraction");
+    const bool is_partly_clear = m.transmission.value > 0 && (m.metallic.value > 0 || m.transmission.value < 1);
+    lost(is_partly_clear &&
+             (m.transmission_color.value != m.base_color.value || m.transmission_color.texture != m.base_color.texture),
+         "one colour for what is reflected and another for what passes");
+}
+
+namespace {
+
+/// Two roughnesses as the smaller one and how far facets are drawn out along the other. False if these are textures:
+/// that across the tangent stays.
+bool join_roughnesses(Material& m)
+{
+    const FloatInput along = m.anisotropy;
+    const bool is_plain = along.texture < 0 && m.roughness.texture < 0;
+    m.two_roughnesses = false;
+    m.anisotropy = {0, -1, 2};
+    if (!is_plain) return false;
+    const double u = double(along.value) * double(along.value),
+                 v = double(m.roughness.value) * double(m.roughness.value);
+    const double narrow = std::min(u, v), wide = std::max(u, v);
+    m.roughness.value = float(std::sqrt(narrow));
+    if (wide > narrow) m.anisotropy.value = float(std::sqrt((wide - narrow) / (1 - narrow)));
+    if (v > u) m.anisotropy_rotation += std::numbers::pi / 2;
+    return true;
+}
+
+/// The layers that are most like Disney's.
+Material as_layers(Material m)
+{
+    m.kind = MaterialKind::principled;
+    m.transmission_color = m.base_color;
+    m.diffuse_transmission_color = m.base_color;
+    if (m.anisotropy.value > 0) {
+        // Disney's aspect: alphas are roughness^2 over and times the root of 1 - 0.9 anisotropy.
+        const double aspect = std::sqrt(1 - 0.9 * double(m.anisotropy.value));
+        const double square = double(m.roughness.value) * double(m.roughness.value);
+        m.anisotropy.value = float(std::sqrt(std::min(1.0, square / aspect)));
+        m.roughness.value = float(std::sqrt(square * aspect));
+        m.two_roughnesses = true;
+    }
+    // A quarter of a boundary of index 1.5, of an alpha from 0.1 to 0.001.
+    m.coat.value *= 0.25f;
+    m.coat_roughness = {std::sqrt(0.1f + m.coat_gloss.value * (0.001f - 0.1f)), -1, green};
+    const float sheen = m.sheen.value;
+    m.sheen_color = {{sheen, sheen, sheen}, m.sheen.texture};
+    return m;
+}
+
+}  // namespace
+
+Json GlbMaterials::material_json(const Material& given)
+{
+    Material m = given;
+    current_ = &given;
+    if (m.kind == MaterialKind::measured) {
+        report("what was measured of a surface: it is diffuse instead");
+        m.base_color = {reflectance_of(scene_.measured[std::size_t(m.measured)]), -1};
+        m.kind = MaterialKind::diffuse;
+    }
+    if (m.kind == MaterialKind::disney) {
+        report("how Disney's lobes are added: they are layers");
+        m = as_layers(m);
+    }
+    if (m.two_roughnesses && !join_roughnesses(m))
+        report("textures of two roughnesses: that along the tangent is left out");
+    Json json = Json::object();
+    if (!m.name.empty()) json["name"] = m.name;
+    Json base = base_json(m);
+    if (!base.empty()) json["pbrMetallicRoughness"] = std::move(base);
+    if (Json info = texture_info(m.normal_texture, ColorSpace::linear); !info.is_null()) {
+        if (m.normal_scale != 1) info["scale"] = number_json(m.normal_scale);
+        json["normalTexture"] = std::move(info);
+    }
+    bool is_double_sided = !m.single_sided;
+    const Color e = m.emission.value;
+    if (const float most = std::max({e.r, e.g, e.b}); most > 0) {
+        const float strength = std::max(most, 1.f);
+        put_color(json, "emissiveFactor", {{e.r / strength, e.g / strength, e.b / strength}, m.emission.texture},
+                  {0, 0, 0}, "emissiveTexture");
+        if (strength > 1)
+            extension(json, "KHR_materials_emissive_strength")["emissiveStrength"] = number_json(strength);
+        // Light counts more than what the back looks like.
+        if (m.emission_two_sided == m.single_sided)
+            report(m.single_sided ? "light of both sides of what is seen from one: it is seen from both"
+                                  : "light of one side of what is seen from both: cameras look through it from behind");
+        is_double_sided = m.emission_two_sided;
+    }
+    if (m.alpha_mode != AlphaMode::opaque) json["alphaMode"] = m.alpha_mode == AlphaMode::mask ? "MASK" : "BLEND";
+    if (m.alpha_mode == AlphaMode::mask && m.alpha_cutoff != 0.5f) json["alphaCutoff"] = number_json(m.alpha_cutoff);
+    if (is_double_sided) json["doubleSided"] = true;
+
+    if (m.kind == MaterialKind::unlit) extension(json, "KHR_materials_unlit");
+    // Without a boundary that reflects.
+    if (m.kind == MaterialKind::diffuse || m.kind == MaterialKind::none)
+        extension(json, "KHR_materials_specular")["specularFactor"] = 0;
+    if (m.kind == MaterialKind::glass || m.kind == MaterialKind::principled) {
+        if (m.ior != 1.5f) extension(json, "KHR_materials_ior")["ior"] = number_json(m.ior < 10000 ? m.ior : 0);
+        add_transmission(m, json);
+    }
+    if (m.kind == MaterialKind::principled) add_layers(m, json);
+    report_losses(m);
+    return json;
+}
+
+}  // namespace fathom

@@ -1,0 +1,121 @@
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/gltf/accessors.h"
+#include "formats/gltf/container.h"
+
+namespace fathom {
+
+/// Turns a glTF file into a SceneDescription. Node i of the file is node i of the scene; images, textures, materials
+/// and meshes come in as they are referred to.
+class GltfReader {
+public:
+    /// offered  gets what the file has to choose from
+    GltfReader(GltfFile& file, const LoadOptions& options, SceneFile& offered)
+        : file_(file), options_(options), offered_(offered)
+    {
+    }
+    SceneDescription read();
+
+private:
+    /// One primitive of a mesh, as a shape; and what moves with skins and morph targets.
+    struct Part {
+        Shape shape;
+        std::vector<std::uint16_t> joints;  ///< as many for each vertex, if it has a skin
+        std::vector<float> weights;
+        // Where the file has animations:
+        Mesh rest;  ///< neither morphed nor bent
+        std::vector<MorphTarget> targets;
+        std::vector<float> target_weights;
+    };
+
+    // gltf_texture.cpp
+    int image(const JsonValue& index);
+    std::optional<int> texture_image(const JsonValue& texture);
+    int texture(const JsonValue& info, ColorSpace color_space);
+
+    // gltf_material.cpp
+    int material(const JsonValue& primitive, bool has_colors);
+    Material read_material(const JsonValue& v);
+    void read_metallic_roughness(const JsonValue& v, Material& m);
+
+    // gltf_layers.cpp
+    void read_layers(const JsonValue& extensions, Material& m);
+    void read_specular_glossiness(const JsonValue& v, Material& m);
+    void read_transmission(const JsonValue& extensions, Material& m);
+    void read_specular(const JsonValue& v, Material& m);
+    void read_coat(const JsonValue& v, Material& m);
+    void read_iridescence(const JsonValue& v, Material& m);
+    void read_anisotropy(const JsonValue& v, Material& m);
+    /// A number, or colour, with the texture that it is multiplied with.
+    FloatInput factor(const JsonValue& v, const char* factor, float otherwise, const char* texture_key, int channel);
+    ColorInput color(const JsonValue& v, const char* factor, Color otherwise, const char* texture_key);
+    /// A texture that goes from a to b.
+    int add_mix(Color a, Color b, FloatInput by);
+    static constexpr float mirror_ior = 10000;
+
+    std::optional<std::size_t> material_index(const JsonValue& primitive);
+
+    // gltf_mesh.cpp
+    /// weights  of morph targets, if the node has its own
+    const std::vector<Part>& mesh(const JsonValue& index, const std::optional<JsonValue>& weights, std::size_t node);
+    void read_primitive(const JsonValue& primitive, const std::string& name, const std::optional<JsonValue>& weights,
+                        std::vector<Part>& parts);
+    std::vector<std::uint32_t> read_corners(const JsonValue& primitive, std::size_t vertices, int mode);
+    void add_points_or_lines(const Mesh& mesh, int mode, Part part, std::vector<Part>& parts);
+    void read_attributes(const JsonValue& attributes, std::size_t first, Mesh& mesh, Part& part);
+    MorphTarget read_morph_target(const JsonValue& target, std::size_t first, const Mesh& mesh);
+    void add_morphs(const JsonValue& primitive, const std::optional<JsonValue>& weights, std::size_t first, Mesh& mesh,
+                    Part& part);
+
+    // gltf_scene.cpp
+    void read_place(const JsonValue& v, std::size_t index);
+    void read_contents(const JsonValue& v, std::size_t index);
+    void read_roots();
+    void choose_variant();
+    void remove_unused_meshes();
+    int camera(const JsonValue& index);
+    int light(const JsonValue& index);
+    void read_environment(const JsonValue& reference);
+    void add_instances(const JsonValue& instancing, std::size_t node);
+
+    // gltf_skin.cpp
+    void add_skinned(const JsonValue& skin_index, std::size_t node, const std::vector<Part>& parts);
+    Skin read_skin(const JsonValue& skin) const;
+    Transform world_from_node(const JsonValue& v, std::size_t node) const;
+
+    // gltf_animation.cpp
+    void read_animations();
+    Animation read_animation(const JsonValue& v);
+    std::optional<AnimationChannel> read_channel(const JsonValue& channel, const JsonValue& samplers);
+    AnimationChannel follow_path(const JsonValue& target, const std::string& path) const;
+    std::optional<AnimationChannel> follow_pointer(const JsonValue& pointer);
+    void multiply_by_rest(const std::string& pointer, AnimationChannel& channel) const;
+    void find_targets();
+    void add_deformed(const Part& part, int mesh, std::size_t node, int skin);
+    void hide_nodes();
+
+    GltfFile& file_;
+    const LoadOptions& options_;
+    SceneFile& offered_;
+    SceneDescription scene_;
+    std::optional<std::size_t> variant_;  ///< of materials
+
+    std::map<std::size_t, int> images_, cameras_, lights_;
+    std::map<std::string, int> textures_;
+    std::map<std::pair<int, bool>, int> materials_;  ///< by index (-1: none) and whether there are vertex colours
+    std::map<std::pair<std::size_t, std::size_t>, std::vector<Part>>
+        meshes_;                   ///< by index and node with weights of its own
+    std::vector<int> parents_;     ///< of each node, -1 for none
+    std::vector<bool> invisible_;  ///< by node
+
+    AnimationRig rig_;
+    std::vector<bool> is_morphed_, may_hide_;         ///< nodes whose weights or visibility are animated
+    std::vector<std::pair<int, int>> skinned_nodes_;  ///< that stand for the skin of a node, and that one
+};
+
+}  // namespace fathom

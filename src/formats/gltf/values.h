@@ -1,0 +1,26 @@
+#pragma once
+/// Numbers of glTF's materials.
+#include <algorithm>
+
+#include "formats/json/json.h"
+
+namespace fathom {
+
+inline float float_or(const JsonValue& v, const char* key, float otherwise)
+{
+    return v.has(key) ? v[key].single() : otherwise;
+}
+
+/// A factor that the format bounds by 0 and 1.
+inline float factor_or(const JsonValue& v, const char* key, float otherwise)
+{
+    return std::clamp(float_or(v, key, otherwise), 0.0f, 1.0f);
+}
+
+inline Color clamped(const JsonValue& v, std::size_t i0 = 0)
+{
+    const auto channel = [&](std::size_t i) { return std::clamp(v[i].single(), 0.0f, 1.0f); };
+    return {channel(i0), channel(i0 + 1), channel(i0 + 2)};
+}
+
+}  // namespace fathom

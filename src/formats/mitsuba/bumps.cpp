@@ -1,0 +1,74 @@
+/// Bsdfs whose normals a texture bends.
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "fathom/error.h"
+#include "formats/mitsuba/reader.h"
+
+namespace fathom::mitsuba {
+
+template <class Bend>
+Material Reader::bend_parts(Material mixture, const Bend& bend)
+{
+    for (int* part : {&mixture.material_a, &mixture.material_b})
+        *part = add_material(bend(scene_.materials[std::size_t(*part)]));
+    return mixture;
+}
+
+Material Reader::bumped(Material m, const FloatInput& height)
+{
+    if (m.kind == MaterialKind::mix || m.kind == MaterialKind::two_sided)
+        return bend_parts(std::move(m), [&](const Material& part) { return bumped(part, height); });
+    m.bump = height;
+    return m;
+}
+
+Material Reader::normal_mapped(Material m, int map)
+{
+    if (m.kind == MaterialKind::mix || m.kind == MaterialKind::two_sided)
+        return bend_parts(std::move(m), [&](const Material& part) { return normal_mapped(part, map); });
+    m.normal_texture = map;
+    m.map_tangents = false;
+    return m;
+}
+
+bool Reader::is_bent(const Material& m) const
+{
+    if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided)
+        return m.normal_texture >= 0 || m.bump.texture >= 0;
+    return is_bent(scene_.materials[std::size_t(m.material_a)]) || is_bent(scene_.materials[std::size_t(m.material_b)]);
+}
+
+/// Behind a surface 'twosided' mirrors directions at it, and so the normals within it; here they are turned round,
+/// which leaves what is across the surface the other way round.
+Material Reader::bent_from_behind(Material m)
+{
+    if (m.kind == MaterialKind::mix || m.kind == MaterialKind::two_sided)
+        return bend_parts(std::move(m), [&](const Material& part) { return bent_from_behind(part); });
+    m.normal_scale = -m.normal_scale;
+    m.bump.value = -m.bump.value;
+    return m;
+}
+
+Material Reader::bumps(Object& bsdf)
+{
+    const Material nested = read_nested(bsdf);
+    const std::vector<const Element*> maps = bsdf.children("texture");
+    if (maps.empty()) bsdf.element().fail(fmt::format("{} needs a texture", bsdf.title()));
+    const float scale = float(bsdf.number("scale", 1));
+    const int map = texture(*maps[0], true);
+    if (bsdf.type() == "bumpmap") return bumped(nested, {scale, map, luminance_channel});
+    const Texture& picture = scene_.textures[std::size_t(map)];
+    if (picture.kind != TextureKind::image) {
+        report(bsdf.element(), "a map that is no bitmap is left out");
+        return nested;
+    }
+    if (picture.color_space == ColorSpace::srgb)
+        report(*maps[0],
+               "8- and 16-bit normals are decoded from sRGB, as in Mitsuba: most files mean 'raw' to be true");
+    bsdf.ignore({"flip_invalid_normals", "use_shadowing_function"});
+    return normal_mapped(nested, map);
+}
+
+}  // namespace fathom::mitsuba

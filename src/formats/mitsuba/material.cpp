@@ -1,0 +1,444 @@
+// Surfaces, and what fills solids. docs/formats.md says how each plugin is meant.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "formats/common/alpha_blend.h"
+#include "formats/common/medium.h"
+#include "formats/common/power.h"
+#include "formats/common/suggest.h"
+#include "formats/io/read_file.h"
+#include "formats/mitsuba/metals.h"
+#include "formats/mitsuba/reader.h"
+#include "formats/mitsuba/rough_boundary.h"
+
+namespace fathom::mitsuba {
+
+namespace {
+
+constexpr double bk7 = 1.5046, air = 1.000277, polypropylene = 1.49, amber = 1.55;
+
+struct NamedIor {
+    const char* name;
+    double ior;
+};
+/// As Mitsuba's documentation lists them ("Interior and exterior IOR").
+constexpr NamedIor named_iors[] = {{"vacuum", 1},        {"helium", 1.000036},        {"hydrogen", 1.000132},
+                                   {"air", air},         {"carbon dioxide", 1.00045}, {"water", 1.3330},
+                                   {"acetone", 1.36},    {"ethanol", 1.361},          {"carbon tetrachloride", 1.461},
+                                   {"glycerol", 1.4729}, {"benzene", 1.501},          {"silicone oil", 1.52045},
+                                   {"bromine", 1.661},   {"water ice", 1.31},         {"fused quartz", 1.458},
+                                   {"pyrex", 1.470},     {"acrylic glass", 1.49},     {"polypropylene", polypropylene},
+                                   {"bk7", bk7},         {"sodium chloride", 1.544},  {"amber", amber},
+                                   {"pet", 1.5750},      {"diamond", 2.419}};
+
+Color times(Color a, Color b)
+{
+    return {a.r * b.r, a.g * b.g, a.b * b.b};
+}
+
+float square_root(float x)
+{
+    return std::sqrt(std::max(0.f, x));
+}
+
+bool reflects_only(const Material& m)
+{
+    switch (m.kind) {
+        case MaterialKind::diffuse:
+        case MaterialKind::metal:
+        case MaterialKind::plastic:
+        case MaterialKind::measured:
+            return true;
+        case MaterialKind::disney:
+        case MaterialKind::principled:
+            return m.transmission.value == 0 && m.diffuse_transmission.value == 0;
+        default:
+            return false;
+    }
+}
+
+}  // namespace
+
+int Reader::material(const Element& bsdf)
+{
+    auto& known = two_sided_ ? two_sided_materials_ : materials_;
+    if (const auto found = known.find(&bsdf); found != known.end()) {
+        if (found->second < 0) bsdf.fail("a bsdf can't contain itself");
+        return found->second;
+    }
+    known[&bsdf] = -1;
+    Material read = read_bsdf(bsdf);
+    if (read.name.empty()) read.name = bsdf.attribute("id");
+    return known[&bsdf] = add_material(std::move(read));
+}
+
+int Reader::add_material(Material material)
+{
+    scene_.materials.push_back(std::move(material));
+    return int(scene_.materials.size()) - 1;
+}
+
+Material Reader::read_bsdf(const Element& element)
+{
+    Object bsdf(element, document_);
+    const std::string& type = bsdf.type();
+    using Read = Material (Reader::*)(Object&);
+    static const std::map<std::string, Read, std::less<>> readers = {{"diffuse", &Reader::diffuse},
+                                                                     {"conductor", &Reader::conductor},
+                                                                     {"roughconductor", &Reader::conductor},
+                                                                     {"dielectric", &Reader::dielectric},
+                                                                     {"roughdielectric", &Reader::dielectric},
+                                                                     {"thindielectric", &Reader::thin_dielectric},
+                                                                     {"plastic", &Reader::plastic},
+                                                                     {"roughplastic", &Reader::plastic},
+                                                                     {"pplastic", &Reader::plastic},
+                                                                     {"hair", &Reader::hair},
+                                                                     {"principled", &Reader::principled},
+                                                                     {"principledthin", &Reader::principled},
+                                                                     {"measured", &Reader::measured},
+                                                                     {"mask", &Reader::mask},
+                                                                     {"bumpmap", &Reader::bumps},
+                                                                     {"normalmap", &Reader::bumps},
+                                                                     {"blendbsdf", &Reader::blend},
+                                                                     {"mixturebsdf", &Reader::mixture},
+                                                                     {"phong", &Reader::phong},
+                                                                     {"ward", &Reader::phong},
+                                                                     {"roughdiffuse", &Reader::rough_diffuse},
+                                                                     {"difftrans", &Reader::diffuse_transmitter},
+                                                                     {"twosided", &Reader::two_sided}};
+    Material result;
+    if (type == "null") {
+        result.kind = MaterialKind::none;
+        result.alpha_mode = AlphaMode::blend;
+        result.alpha.value = 0;
+    } else if (const auto found = readers.find(type); found != readers.end()) {
+        result = (this->*found->second)(bsdf);
+    } else if (!bsdf.children("bsdf").empty()) {
+        report(element, "is not known: what is in it is taken alone");
+        return read_nested(bsdf);
+    } else {
+        report(element, fmt::format("is not known: grey diffuse instead{}", suggestion_of(type, readers)));
+        result.base_color = {{0.5f, 0.5f, 0.5f}, -1};
+        return result;
+    }
+    if (!two_sided_ && bsdf.children("bsdf").empty()) result.one_sided = reflects_only(result);
+    bsdf.ignore({"sample_visible", "specular_sampling_weight", "diffuse_reflectance_sampling_rate",
+                 "main_specular_sampling_rate", "clearcoat_sampling_rate", "diff_trans_sampling_rate",
+                 "specular_reflectance_sampling_rate"});
+    bsdf.finish(context_.warnings);
+    return result;
+}
+
+Material Reader::diffuse(Object& bsdf)
+{
+    Material m;
+    m.base_color = color(bsdf, "reflectance", {0.5f, 0.5f, 0.5f});
+    return m;
+}
+
+void Reader::read_roughness(Object& bsdf, Material& m)
+{
+    m.beckmann = bsdf.text("distribution", "beckmann") == "beckmann";
+    // alpha = roughness^2 here.
+    const auto alpha = [&](std::string_view name, float otherwise) {
+        return to_power(scene_, number_or_texture(bsdf, name, otherwise), 0.5);
+    };
+    m.energy_compensation = false;
+    m.separable = true;
+    if (bsdf.has("alpha_u") || bsdf.has("alpha_v")) {
+        const FloatInput u = alpha("alpha_u", 0.1f), v = alpha("alpha_v", 0.1f);
+        if (u.texture >= 0 || v.texture >= 0) {
+            m.two_roughnesses = true;
+            m.anisotropy = u, m.roughness = v;
+            return;
+        }
+        const FloatInput& narrow = u.value < v.value ? u : v;
+        const FloatInput& wide = u.value < v.value ? v : u;
+        const float narrow_alpha = narrow.value * narrow.value, wide_alpha = wide.value * wide.value;
+        m.roughness = narrow;
+        if (wide_alpha > narrow_alpha)
+            m.anisotropy = {square_root((wide_alpha - narrow_alpha) / (1 - narrow_alpha)), -1, 0};
+        if (u.value < v.value) m.anisotropy_rotation = 1.5707963267948966;
+        return;
+    }
+    m.roughness = alpha("alpha", 0.1f);
+}
+
+Material Reader::mirror()
+{
+    Material m;
+    m.kind = MaterialKind::principled;
+    m.metallic = {1, -1, 0};
+    m.energy_compensation = false;
+    m.roughness = {0, -1, 0};
+    m.base_color = m.edge_color = {{1, 1, 1}, -1};
+    return m;
+}
+
+void Reader::tint(Material& mirror, const ColorInput& color)
+{
+    // What a coat leaves that is no boundary.
+    mirror.coat = {1, -1, 0};
+    mirror.coat_ior = 1;
+    mirror.coat_darkening = 0;
+    mirror.coat_color = color;
+}
+
+Material Reader::conductor(Object& bsdf)
+{
+    Material m = mirror();
+    ConductorColors colors{{1, 1, 1}, {1, 1, 1}};
+    const auto take = [&](const Conductor& conductor) {
+        colors = colors_of(conductor);
+        m.conductor_eta = conductor.eta, m.conductor_k = conductor.k;
+    };
+    const std::string name = bsdf.text("material", "none");
+    if (bsdf.has("eta") || bsdf.has("k")) {
+        const Conductor conductor{"", plain_color(bsdf, "eta", {0, 0, 0}), plain_color(bsdf, "k", {1, 1, 1})};
+        take(within(conductor, float(ior(bsdf, "ext_eta", 1))));
+    } else if (name != "none") {
+        const auto metal =
+            std::find_if(std::begin(metals), std::end(metals), [&](const Conductor& c) { return name == c.name; });
+        if (metal != std::end(metals))
+            take(*metal);
+        else
+            report(bsdf.element(),
+                   fmt::format("the metal '{}' is not known: a perfect mirror instead", printable(name)));
+    }
+    m.base_color = {colors.base, -1}, m.edge_color = {colors.edge, -1};
+    if (bsdf.has("specular_reflectance")) tint(m, color(bsdf, "specular_reflectance", {1, 1, 1}));
+    if (bsdf.type() == "roughconductor") read_roughness(bsdf, m);
+    return m;
+}
+
+double Reader::ior(Object& bsdf, std::string_view name, double otherwise)
+{
+    const Element* const found = bsdf.child(name);
+    if (!found) return otherwise;
+    if (found->tag != "string") return bsdf.number(name, otherwise);
+    const std::string text = bsdf.text(name, "");
+    std::vector<std::string> names;
+    for (const NamedIor& n : named_iors) {
+        if (text == n.name) return n.ior;
+        names.emplace_back(n.name);
+    }
+    found->fail(
+        fmt::format("the index of refraction of '{}' is not known{}", printable(text), suggestion(text, names)));
+}
+
+double Reader::relative_ior(Object& bsdf, double inside, double outside)
+{
+    const double relative = ior(bsdf, "int_ior", inside) / ior(bsdf, "ext_ior", outside);
+    if (!(relative > 0) || !std::isfinite(relative)) bsdf.element().fail("indices of refraction must be above 0");
+    return relative;
+}
+
+Material Reader::dielectric(Object& bsdf)
+{
+    Material m;
+    m.kind = MaterialKind::glass;
+    m.ior = float(relative_ior(bsdf, bk7, air));
+    m.roughness = {0, -1, 0};
+    m.base_color = {{1, 1, 1}, -1};
+    m.energy_compensation = false;
+    if (bsdf.type() == "roughdielectric") {
+        read_roughness(bsdf, m);
+        if (m.two_roughnesses || m.anisotropy.value > 0)
+            report(bsdf.element(), "glass is as rough along u as it is along v, or as in its smoother direction");
+        m.two_roughnesses = false, m.anisotropy = {0, -1, 0};
+    }
+    // Each time that light passes the boundary; here it is a color of the way in and out.
+    m.transmission_color = squared(color(bsdf, "specular_transmittance", {1, 1, 1}));
+    m.specular_color = color(bsdf, "specular_reflectance", {1, 1, 1});
+    return m;
+}
+
+ColorInput Reader::squared(const ColorInput& color)
+{
+    if (color.texture < 0) return {times(color.value, color.value), -1};
+    Texture square;
+    square.kind = TextureKind::scale;
+    square.color_a = square.color_b = color;
+    return {{1, 1, 1}, add_texture(scene_, std::move(square))};
+}
+
+Material Reader::thin_dielectric(Object& bsdf)
+{
+    Material m = dielectric(bsdf);
+    m.thin = true;
+    m.transmission_color = color(bsdf, "specular_transmittance", {1, 1, 1});
+    return m;
+}
+
+Material Reader::plastic(Object& bsdf)
+{
+    Material m;
+    m.kind = MaterialKind::plastic;
+    m.base_color = color(bsdf, "diffuse_reflectance", {0.5f, 0.5f, 0.5f});
+    m.ior = float(relative_ior(bsdf, polypropylene, air));
+    m.nonlinear = bsdf.boolean("nonlinear", false);
+    m.roughness = {0, -1, 0};
+    if (bsdf.type() == "roughplastic") {
+        read_roughness(bsdf, m);
+        if (m.roughness.texture < 0) {
+            const double alpha = std::max(1e-4, double(m.roughness.value) * double(m.roughness.value));
+            m.inner_reflectance = float(std::min(0.9999, inner_reflectance(alpha, m.beckmann, double(m.ior))));
+        }
+    }
+    m.two_roughnesses = false, m.anisotropy = {0, -1, 0};
+    m.specular_color = color(bsdf, "specular_reflectance", {1, 1, 1});
+    return m;
+}
+
+Material Reader::hair(Object& bsdf)
+{
+    Material m;
+    m.kind = MaterialKind::hair;
+    m.beta_m = {float(bsdf.number("longitudinal_roughness", 0.3)), -1, 1};
+    m.beta_n = {float(bsdf.number("azimuthal_roughness", 0.3)), -1, 1};
+    m.scale_tilt = bsdf.number("scale_tilt", 2) * (std::numbers::pi / 180);
+    m.hair_ior = float(std::clamp(relative_ior(bsdf, amber, air), 1.0, 3.0));
+    // Without any absorption it is white.
+    m.base_color = {{1, 1, 1}, -1};
+    if (bsdf.has("sigma_a")) {
+        const float scale = float(bsdf.number("scale", 1));
+        const std::optional<Color> plain = color_of(*bsdf.child("sigma_a"));  // above 1, too
+        m.absorption = plain ? ColorInput{*plain, -1} : color(bsdf, "sigma_a", {0, 0, 0});
+        for (float* c : {&m.absorption.value.r, &m.absorption.value.g, &m.absorption.value.b}) *c *= scale;
+    } else {
+        m.eumelanin = float(bsdf.number("eumelanin", 1.3));
+        m.pheomelanin = float(bsdf.number("pheomelanin", 0.2));
+    }
+    bsdf.ignore({"scale", "eumelanin", "pheomelanin"});
+    return m;
+}
+
+Material Reader::principled(Object& bsdf)
+{
+    Material m;
+    m.kind = MaterialKind::disney;
+    m.thin = bsdf.type() == "principledthin";
+    m.base_color = color(bsdf, "base_color", {0.5f, 0.5f, 0.5f});
+    m.roughness = number_or_texture(bsdf, "roughness", 0.5f);
+    m.metallic = number_or_texture(bsdf, "metallic", 0);
+    m.transmission = number_or_texture(bsdf, "spec_trans", 0);
+    double ior = 1.5;
+    if (bsdf.has("eta")) {
+        const FloatInput eta = number_or_texture(bsdf, "eta", 1.5f);
+        if (eta.texture >= 0)
+            report(bsdf.element(), "a texture as 'eta' is taken as 1.5");
+        else
+            ior = double(eta.value);
+    } else {
+        // Reflectance at normal incidence is 0.08 times it.
+        const double root = std::sqrt(std::clamp(0.08 * bsdf.number("specular", 0.5), 0.0, 0.99));
+        ior = (1 + root) / (1 - root);
+    }
+    m.ior = float(ior);
+    m.anisotropy = number_or_texture(bsdf, "anisotropic", 0);
+    m.coat = number_or_texture(bsdf, "clearcoat", 0);
+    m.coat_gloss = number_or_texture(bsdf, "clearcoat_gloss", 0);
+    m.sheen = number_or_texture(bsdf, "sheen", 0);
+    m.sheen_tint = number_or_texture(bsdf, "sheen_tint", 0);
+    m.flatness = number_or_texture(bsdf, "flatness", 0);
+    m.specular_tint = number_or_texture(bsdf, "spec_tint", 0);
+    m.diffuse_transmission = number_or_texture(bsdf, "diff_trans", 0);
+    m.diffuse_transmission.value *= 0.5f;
+    bsdf.ignore({"specular"});
+    return m;
+}
+
+Material Reader::measured(Object& bsdf)
+{
+    const std::string filename = bsdf.text("filename", "");
+    if (filename.empty()) bsdf.element().fail(fmt::format("{} needs a 'filename'", bsdf.title()));
+    Material m;
+    m.kind = MaterialKind::measured;
+    m.measured = measured_files_.index_of(document_.locate(filename, context_));
+    return m;
+}
+
+Material Reader::mask(Object& bsdf)
+{
+    Material m = read_nested(bsdf);
+    const FloatInput opacity = number_or_texture(bsdf, "opacity", 0.5f);
+    if (is_nothing(m)) return m;
+    m.alpha = m.alpha_mode == AlphaMode::opaque ? opacity : product(scene_, m.alpha, opacity);
+    m.alpha_mode = AlphaMode::blend;
+    return m;
+}
+
+void Reader::read_interior(const Element& element, Material& m)
+{
+    Object medium(element, document_);
+    if (medium.type() != "homogeneous") {
+        report(element, fmt::format("the medium '{}' is not rendered yet: nothing is there", printable(medium.type())));
+        return;
+    }
+    const double scale = medium.number("scale", 1);
+    const Color extinction = plain_color(medium, "sigma_t", {1, 1, 1}),
+                albedo = plain_color(medium, "albedo", {0.75f, 0.75f, 0.75f});
+    for (const Element* phase_element : medium.children("phase")) {
+        Object phase(*phase_element, document_);
+        if (phase.type() == "hg") m.transmission_scatter_anisotropy = float(phase.number("g", 0.8));
+        phase.finish(context_.warnings);
+    }
+    medium.ignore({"sample_emitters", "has_spectral_extinction"});
+    medium.finish(context_.warnings);
+    if (!(scale > 0)) return;
+    if (is_nothing(m)) m = open_boundary();
+    if (m.kind != MaterialKind::glass) return report(element, "is not rendered in what is not glass");
+    m.transmission_scatter_bounces = true;
+    const auto absorbed = [&](float t, float a) { return float(double(t) * scale * (1 - a)); };
+    const auto scattered = [&](float t, float a) { return float(double(t) * scale * a); };
+    fill_solid(
+        m, {absorbed(extinction.r, albedo.r), absorbed(extinction.g, albedo.g), absorbed(extinction.b, albedo.b)},
+        {scattered(extinction.r, albedo.r), scattered(extinction.g, albedo.g), scattered(extinction.b, albedo.b)},
+        m.transmission_scatter_anisotropy);
+}
+
+/// Of what the camera is in, all is full that is in nothing else.
+void Reader::finish_media()
+{
+    for (const Element* medium : media_of_shapes_.nowhere(camera_medium_)) report(*medium, medium_is_nowhere);
+    if (!camera_medium_) return;
+    Material m = open_boundary();
+    read_interior(*camera_medium_, m);
+    if (!(m.attenuation_distance > 0)) return;
+    if (const std::string told = surround(scene_, std::move(m)); !told.empty()) report(*camera_medium_, told);
+}
+
+int Reader::material_of_shape(Object& shape)
+{
+    const std::vector<const Element*> bsdfs = shape.children("bsdf"), emitters = shape.children("emitter");
+    const Element* const medium = shape.child("interior");
+    media_of_shapes_.add(medium, shape.child("exterior"));
+    const Element* const bsdf = bsdfs.empty() ? nullptr : bsdfs.back();
+    const Element* const emitter = emitters.empty() ? nullptr : emitters.front();
+    if (bsdf && !emitter && !medium) return material(*bsdf);
+    const auto [found, is_new] = shape_materials_.emplace(std::array<const Element*, 3>{bsdf, emitter, medium}, 0);
+    if (!is_new) return found->second;
+    Material m;
+    const float gray = emitter ? 0.f : 0.5f;
+    m.base_color = {{gray, gray, gray}, -1};
+    m.one_sided = true;
+    if (bsdf) m = scene_.materials[std::size_t(material(*bsdf))];
+    if (medium) read_interior(*medium, m);
+    if (emitter && emitter->type() != "directionalarea") {
+        Object area(*emitter, document_);
+        if (area.type() != "area")
+            report(*emitter, fmt::format("the emitter '{}' of a shape is taken as 'area'", printable(area.type())));
+        m = with_emission(std::move(m), color(area, "radiance", {1, 1, 1}));
+        area.ignore({"sampling_weight"});
+        area.finish(context_.warnings);
+    }
+    found->second = add_material(std::move(m));
+    if (emitter) lamps_.push_back(found->second);
+    return found->second;
+}
+
+}  // namespace fathom::mitsuba

@@ -1,0 +1,82 @@
+/// Bsdfs made of two others.
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "fathom/error.h"
+#include "formats/common/alpha_blend.h"
+#include "formats/mitsuba/reader.h"
+
+namespace fathom::mitsuba {
+
+namespace {
+
+bool is_plain(const Material& m)
+{
+    return m.kind == MaterialKind::diffuse && m.normal_texture < 0 && m.bump.texture < 0 && m.roughness.value == 0 &&
+           m.alpha_mode == AlphaMode::opaque;
+}
+/// Two of these are one of the mean color.
+bool are_plain(const Material& a, const Material& b)
+{
+    return is_plain(a) && is_plain(b) && a.one_sided == b.one_sided;
+}
+
+}  // namespace
+
+Material Reader::read_nested(Object& bsdf)
+{
+    const std::vector<const Element*> nested = bsdf.children("bsdf");
+    if (nested.empty()) bsdf.element().fail(fmt::format("{} needs a bsdf in it", bsdf.title()));
+    return scene_.materials[std::size_t(material(*nested[0]))];
+}
+
+Material Reader::two_sided(Object& bsdf)
+{
+    const bool outer = std::exchange(two_sided_, true);
+    Material m = read_nested(bsdf);
+    const std::vector<const Element*> nested = bsdf.children("bsdf");
+    if (nested.size() > 1 || is_bent(m)) {
+        Material both;
+        both.kind = MaterialKind::two_sided;
+        if (nested.size() == 1) {
+            both.alpha_mode = std::exchange(m.alpha_mode, AlphaMode::opaque);
+            both.alpha = std::exchange(m.alpha, FloatInput{1, -1, 3});
+        }
+        both.material_a = nested.size() > 1 ? material(*nested[0]) : add_material(m);
+        if (nested.size() > 1) m = scene_.materials[std::size_t(material(*nested[1]))];
+        both.material_b = is_bent(m) || nested.size() == 1 ? add_material(bent_from_behind(m)) : material(*nested[1]);
+        m = both;
+    }
+    two_sided_ = outer;
+    return m;
+}
+
+Material Reader::blend(Object& bsdf)
+{
+    const std::vector<const Element*> nested = bsdf.children("bsdf");
+    if (nested.size() != 2) bsdf.element().fail("a 'blendbsdf' has two bsdfs in it");
+    const FloatInput weight = number_or_texture(bsdf, "weight", 0.5f);
+    Material mixture;
+    mixture.kind = MaterialKind::mix;
+    mixture.factor = weight;
+    mixture.material_a = material(*nested[0]), mixture.material_b = material(*nested[1]);
+    const Material& a = scene_.materials[std::size_t(mixture.material_a)];
+    const Material& b = scene_.materials[std::size_t(mixture.material_b)];
+    if (weight.texture < 0 && (weight.value <= 0 || weight.value >= 1)) return weight.value >= 1 ? b : a;
+    if (is_nothing(b)) return blend_with_transparent(scene_, a, weight, true);
+    if (is_nothing(a)) return blend_with_transparent(scene_, b, weight, false);
+    if (are_plain(a, b)) {
+        Material out = a;
+        Texture mix;
+        mix.kind = TextureKind::mix;
+        mix.color_a = a.base_color, mix.color_b = b.base_color, mix.factor = weight;
+        out.base_color = {{1, 1, 1}, int(scene_.textures.size())};
+        scene_.textures.push_back(mix);
+        return out;
+    }
+    const bool is_opaque = a.alpha_mode == AlphaMode::opaque && b.alpha_mode == AlphaMode::opaque;
+    return is_opaque ? mixture : blend_by_alpha(std::move(mixture));
+}
+
+}  // namespace fathom::mitsuba

@@ -1,0 +1,87 @@
+/// How opacity, blends and emission of surfaces act together. An emitter of Mitsuba sends its whole radiance from its
+/// front, however opaque the bsdf is around it: opacity is a matter of what is scattered.
+#include <utility>
+
+#include "formats/common/alpha_blend.h"
+#include "formats/mitsuba/reader.h"
+
+namespace fathom::mitsuba {
+
+namespace {
+
+/// A sheet that light passes unchanged, but which is there: it can emit.
+Material clear_sheet()
+{
+    Material m;
+    m.kind = MaterialKind::glass;
+    m.thin = true;
+    m.ior = 1;
+    m.roughness = {0, -1, 0};
+    m.base_color = {{1, 1, 1}, -1};
+    m.energy_compensation = false;
+    return m;
+}
+
+bool is_opaque(const Material& m)
+{
+    return m.alpha_mode == AlphaMode::opaque;
+}
+
+}  // namespace
+
+/// The material as often as its alpha says, and else a clear sheet: what it emits is then not multiplied by alpha.
+Material Reader::mixed_with_transparent(Material m)
+{
+    Material mixture;
+    mixture.kind = MaterialKind::mix;
+    mixture.factor = m.alpha;
+    mixture.material_a = add_material(clear_sheet());
+    m.alpha = {1, -1, 3}, m.alpha_mode = AlphaMode::opaque;
+    mixture.material_b = add_material(std::move(m));
+    return mixture;
+}
+
+Material Reader::with_emission(Material m, ColorInput emission)
+{
+    // Where alpha is small few rays would find what shines the brighter.
+    constexpr float min_alpha = 0.1f;
+    if (is_nothing(m)) {
+        m = clear_sheet();
+    } else if (!is_opaque(m) && m.alpha.texture < 0 && m.alpha.value >= min_alpha) {
+        const float by = 1 / std::min(m.alpha.value, 1.f);
+        emission.value = {emission.value.r * by, emission.value.g * by, emission.value.b * by};
+    } else if (!is_opaque(m)) {
+        m = mixed_with_transparent(std::move(m));
+    }
+    m.emission = emission;
+    return m;
+}
+
+/// A mixture of two materials, of which light passes at least one.
+Material Reader::blend_by_alpha(Material mixture)
+{
+    Material &a = scene_.materials[std::size_t(mixture.material_a)],
+             &b = scene_.materials[std::size_t(mixture.material_b)];
+    const auto alpha_of = [](const Material& m) { return is_opaque(m) ? FloatInput{1, -1, 0} : m.alpha; };
+    const FloatInput alpha_a = alpha_of(a), alpha_b = alpha_of(b);
+    const bool is_alike = alpha_a.texture == alpha_b.texture && alpha_a.value == alpha_b.value &&
+                          (alpha_a.texture < 0 || alpha_a.channel == alpha_b.channel);
+    mixture.alpha_mode = AlphaMode::blend;
+    if (is_alike) {
+        mixture.alpha = alpha_a;
+        return mixture;
+    }
+    if (alpha_a.texture < 0 && alpha_b.texture < 0 && mixture.factor.texture < 0) {
+        const float weight = mixture.factor.value, of_b = weight * alpha_b.value;
+        mixture.alpha = {(1 - weight) * alpha_a.value + of_b, -1, 0};
+        mixture.factor.value = mixture.alpha.value > 0 ? of_b / mixture.alpha.value : weight;
+        return mixture;
+    }
+    mixture.alpha_mode = AlphaMode::opaque;
+    for (int* part : {&mixture.material_a, &mixture.material_b})
+        if (const Material m = scene_.materials[std::size_t(*part)]; !is_opaque(m))
+            *part = add_material(mixed_with_transparent(m));
+    return mixture;
+}
+
+}  // namespace fathom::mitsuba

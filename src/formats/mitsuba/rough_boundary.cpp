@@ -1,0 +1,65 @@
+#include "formats/mitsuba/rough_boundary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace fathom::mitsuba {
+
+namespace {
+
+/// Of light within that meets the boundary.
+double fresnel_within(double cosine, double ior)
+{
+    const double sine2 = (1 - cosine * cosine) * ior * ior;
+    if (sine2 >= 1) return 1;
+    const double t = std::sqrt(1 - sine2);
+    const double s = (cosine - ior * t) / (cosine + ior * t), p = (ior * cosine - t) / (ior * cosine + t);
+    return (s * s + p * p) / 2;
+}
+
+/// What is not hidden of facets, by Smith's terms of Walter et al. 2007.
+double seen(double cosine, double alpha, bool beckmann)
+{
+    const double tangent = std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine;
+    if (!beckmann) return 2 / (1 + std::sqrt(1 + alpha * alpha * tangent * tangent));
+    const double a = 1 / std::max(1e-9, alpha * tangent);
+    return a < 1.6 ? (3.535 * a + 2.181 * a * a) / (1 + 2.276 * a + 2.577 * a * a) : 1;
+}
+
+/// What facets reflect of light from a direction.
+double reflected(double cosine, double alpha, bool beckmann, double ior)
+{
+    constexpr int slopes = 48, turns = 48;
+    const double sine = std::sqrt(1 - cosine * cosine);
+    double sum = 0;
+    for (int i = 0; i < slopes; ++i) {
+        // Normals as they lie on the surface: by areas, the steep ones more closely, which are seen by more than those.
+        const double w = (i + 0.5) / slopes, area = 2 * w / slopes;
+        const double slope = alpha * std::sqrt(beckmann ? -2 * std::log(w) : 1 / (w * w) - 1);
+        const double z = 1 / std::sqrt(1 + slope * slope), across = slope * z;
+        for (int k = 0; k < turns; ++k) {
+            const double x = across * std::cos(std::numbers::pi * (k + 0.5) / turns);
+            const double towards = sine * x + cosine * z, up = 2 * towards * z - cosine;
+            if (towards > 0 && up > 0)
+                sum += fresnel_within(std::min(1.0, towards), ior) * seen(up, alpha, beckmann) * towards / z * area /
+                       turns;
+        }
+    }
+    return seen(cosine, alpha, beckmann) / cosine * sum;
+}
+
+}  // namespace
+
+double inner_reflectance(double alpha, bool beckmann, double ior)
+{
+    constexpr int cosines = 64;
+    double sum = 0;
+    for (int i = 0; i < cosines; ++i) {
+        const double cosine = std::max(1e-6, double(i) / (cosines - 1));
+        sum += 2 * cosine * reflected(cosine, alpha, beckmann, ior) / cosines;
+    }
+    return sum;
+}
+
+}  // namespace fathom::mitsuba

@@ -1,0 +1,249 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "formats/io/read_file.h"
+#include "formats/mitsuba/mitsuba.h"
+#include "formats/mitsuba/reader.h"
+
+namespace fathom {
+
+namespace mitsuba {
+
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+}  // namespace
+
+void Reader::report(const Element& element, const std::string& message)
+{
+    const std::string& id = element.attribute("id");
+    const std::string what = fmt::format("{}: {} '{}'", element.place.file ? *element.place.file : "",
+                                         printable(element.tag), printable(element.type()));
+    Told& told = told_[{what, message}];
+    ++told.times;
+    if (id.empty()) return;
+    if (told.ids.empty()) told.first_id = id;
+    told.ids.insert(id);
+}
+
+void Reader::add_reported_warnings()
+{
+    for (const auto& [key, told] : told_) {
+        const std::size_t others = told.ids.empty() ? 0 : told.ids.size() - 1;
+        const std::string ids = told.ids.empty() ? ""
+                                : others == 0    ? fmt::format(" ('{}')", printable(told.first_id))
+                                                 : fmt::format(" ('{}' and {} more)", printable(told.first_id), others);
+        context_.warnings.add(fmt::format("{}{}: {}", key.first, ids, key.second), told.times);
+    }
+}
+
+SceneDescription Reader::read()
+{
+    scene_.file = document_.files.front();
+    // It lights itself, or is meant to be dark.
+    scene_.hints.own_light = true;
+    // The camera first: what is asked of a picture's shape needs it.
+    for (const auto& child : document_.root->children)
+        if (child->tag == "sensor") read_sensor(*child);
+    for (const auto& child : document_.root->children) read_root(*child);
+    if (hides_emitters_)
+        for (const int lamp : lamps_) scene_.materials[std::size_t(lamp)].hidden_from_camera = true;
+    finish_media();
+    add_reported_warnings();
+    return std::move(scene_);
+}
+
+void Reader::read_root(const Element& element)
+{
+    const std::string& tag = element.tag;
+    if (tag == "shape") return read_shape(element, scene_.roots);
+    if (tag == "emitter") return read_emitter(element);
+    if (tag == "integrator") return read_integrator(element);
+    if (tag == "ref") {
+        const Element& meant = document_.find(element);
+        if (meant.tag == "shape" || meant.tag == "emitter") read_root(meant);
+        return;
+    }
+    // Those are read where something refers to them.
+    for (const char* known :
+         {"sensor", "bsdf", "texture", "medium", "alias", "spectrum", "rgb", "float", "string", "integer", "boolean"})
+        if (tag == known) return;
+    report(element, "is ignored");
+}
+
+void Reader::read_integrator(const Element& element)
+{
+    Object integrator(element, document_);
+    // Those that add layers or statistics to another's picture.
+    if (const std::vector<const Element*> nested = integrator.children("integrator"); !nested.empty()) {
+        report(element, "the picture is that of the integrator in it");
+        return read_integrator(*nested[0]);
+    }
+    const std::string& type = integrator.type();
+    const bool direct = type == "direct";
+    if (type != "path" && type != "volpath" && type != "volpathmis" && !direct)
+        report(element, "paths are traced instead");
+    // Mitsuba counts the ways between surfaces, of which the last leads to the light; here surfaces that scatter.
+    const int depth = direct ? 2 : integrator.integer("max_depth", -1);
+    if (depth >= 0) scene_.hints.max_depth = std::max(0, depth - 1);
+    scene_.hints.roulette_depth = direct ? 5 : integrator.integer("rr_depth", 5);
+    if (integrator.boolean("hide_emitters", false)) hide_emitters();
+    // What only other methods have makes no difference here.
+    if (type == "path") integrator.finish(context_.warnings);
+}
+
+/// The camera looks through shapes that shine, and sees nothing where the environment is.
+void Reader::hide_emitters()
+{
+    scene_.hints.background = Color{0, 0, 0};
+    hides_emitters_ = true;
+}
+
+void Reader::read_film(const Element& element)
+{
+    Object film(element, document_);
+    scene_.hints.width = film.integer("width", 768);
+    scene_.hints.height = film.integer("height", 576);
+    if (*scene_.hints.width < 1 || *scene_.hints.height < 1 || *scene_.hints.width > 1 << 20 ||
+        *scene_.hints.height > 1 << 20)
+        element.fail("a film's size must be from 1 to 1048576");
+    read_crop(film);
+    film.ignore({"file_format", "pixel_format", "component_format", "sample_border", "compensate", "banner", "gamma",
+                 "variant", "high_quality_edges", "attach_log"});
+    scene_.hints.filter = "gaussian";
+    for (const Element* filter : film.children("rfilter")) {
+        Object of(*filter, document_);
+        const std::string& type = filter->type();
+        const bool is_own = type == "box" || type == "tent" || type == "gaussian";
+        scene_.hints.filter = is_own ? type : "blackman-harris";
+        scene_.hints.filter_radius.reset();
+        if (!is_own) {
+            report(*filter, "the filter is 'blackman-harris' here: none has negative parts");
+            of.ignore({"B", "C", "lobes"});
+        }
+        // A Gaussian ends at four deviations there and here.
+        const double radius = type == "gaussian" ? 4 * of.number("stddev", 0.5)
+                              : type == "box"    ? of.number("radius", 0.5)
+                                                 : of.number("radius", 1);
+        if (!(radius > 0 && radius <= 64)) filter->fail("a filter reaches up to 64 pixels");
+        if (is_own && radius != (type == "gaussian" ? 2 : type == "box" ? 0.5 : 1)) scene_.hints.filter_radius = radius;
+        of.finish(context_.warnings);
+    }
+    film.finish(context_.warnings);
+}
+
+/// The part of the film that is the picture.
+void Reader::read_crop(Object& film)
+{
+    film_width_ = scene_.hints.width.value(), film_height_ = scene_.hints.height.value();
+    const int x = film.integer("crop_offset_x", 0), y = film.integer("crop_offset_y", 0),
+              width = film.integer("crop_width", film_width_ - x),
+              height = film.integer("crop_height", film_height_ - y);
+    if (x < 0 || y < 0 || width < 1 || height < 1 || width > film_width_ - x || height > film_height_ - y)
+        film.element().fail(fmt::format("the crop of {}x{} from {}, {} on is not within the film of {}x{}", width,
+                                        height, x, y, film_width_, film_height_));
+    scene_.hints.width = width, scene_.hints.height = height;
+    crop_middle_ = {x + width / 2.0, y + height / 2.0};
+}
+
+/// The camera of the whole film becomes that of the crop, whose middle is elsewhere.
+void Reader::look_at_crop(Object& sensor, Camera& camera) const
+{
+    const double width = scene_.hints.width.value_or(film_width_), height = scene_.hints.height.value_or(film_height_);
+    camera.fov_aspect = width / height;
+    camera.height *= height / film_height_;
+    if (height != film_height_) camera.fov_y = 2 * std::atan(std::tan(camera.fov_y / 2) * height / film_height_);
+    const auto offset = [&](const char* name) {
+        return camera.kind == CameraKind::perspective ? sensor.number(name, 0) : 0;
+    };
+    camera.shift_x = (crop_middle_[0] + (offset("principal_point_offset_x") - 0.5) * film_width_) / width;
+    camera.shift_y = ((0.5 - offset("principal_point_offset_y")) * film_height_ - crop_middle_[1]) / height;
+}
+
+Reader::FieldOfView Reader::field_of_view(Object& object)
+{
+    if (object.has("fov")) {
+        const double fov = object.number("fov", 0);
+        if (!(fov > 0 && fov < 180)) object.element().fail("'fov' must be above 0 and below 180 degrees");
+        const std::string axis = object.text("fov_axis", "x");
+        return {fov * degree, axis == "y"          ? FovAxis::height
+                              : axis == "diagonal" ? FovAxis::diagonal
+                              : axis == "smaller"  ? FovAxis::smaller
+                              : axis == "larger"   ? FovAxis::larger
+                                                   : FovAxis::width};
+    }
+    // Of a picture of 36 by 24 mm, by its diagonal.
+    std::string text = object.text("focal_length", "50mm");
+    if (text.ends_with("mm")) text.resize(text.size() - 2);
+    const std::vector<double> f = numbers_of(object.element(), text);
+    if (f.size() != 1 || !(f[0] > 0)) object.element().fail("'focal_length' is a length in mm, as in 50mm");
+    return {2 * std::atan(std::hypot(36, 24) / 2 / f[0]), FovAxis::diagonal};
+}
+
+double Reader::vertical_fov(Object& sensor, double aspect)
+{
+    const auto [angle, axis] = field_of_view(sensor);
+    const double half = std::tan(angle / 2);
+    if (axis == FovAxis::height || axis == (aspect >= 1 ? FovAxis::smaller : FovAxis::larger)) return angle;
+    if (axis == FovAxis::diagonal) return 2 * std::atan(half / std::hypot(1, aspect));
+    return 2 * std::atan(half / aspect);
+}
+
+void Reader::read_sensor(const Element& element)
+{
+    Object sensor(element, document_);
+    for (const Element* film : sensor.children("film"))
+        if (!scene_.hints.width) read_film(*film);
+    for (const Element* sampler : sensor.children("sampler")) {
+        Object object(*sampler, document_);
+        if (!scene_.hints.samples) scene_.hints.samples = std::max(1, object.integer("sample_count", 4));
+    }
+    const std::string& type = sensor.type();
+    if (type != "perspective" && type != "thinlens" && type != "orthographic") {
+        report(element, "is not known: it is left out");
+        return;
+    }
+    const double aspect = double(film_width_) / film_height_;
+    const Transform world = sensor.transform("to_world");
+    Camera camera;
+    camera.name = element.attribute("id");
+    camera.position = world.point({0, 0, 0});
+    camera.look_at = world.point({0, 0, 1});
+    camera.up = normalize(world.vector({0, 1, 0}));
+    if (world.determinant() < 0) report(element, "a camera that mirrors is taken as one that does not");
+    if (type == "orthographic") {
+        camera.kind = CameraKind::orthographic;
+        camera.height = 2 * length(world.vector({1, 0, 0})) / aspect;
+        camera.fov_axis = FovAxis::width;
+    } else {
+        camera.fov_y = vertical_fov(sensor, aspect);
+        camera.fov_axis = field_of_view(sensor).axis;
+    }
+    // Of several cameras the first is rendered from.
+    if (const Element* medium = sensor.child("medium"); medium && scene_.cameras.empty()) camera_medium_ = medium;
+    if (type == "thinlens") camera.aperture = 2 * sensor.number("aperture_radius", 0);
+    camera.focus_distance = type == "thinlens" ? sensor.number("focus_distance", 1) : 0;
+    camera.shutter_open = sensor.number("shutter_open", 0);
+    camera.shutter_close = std::max(camera.shutter_open, sensor.number("shutter_close", 0));
+    look_at_crop(sensor, camera);
+    sensor.ignore({"near_clip", "far_clip", "fov", "fov_axis", "focus_distance", "aperture_radius", "srf"});
+    sensor.finish(context_.warnings);
+    scene_.cameras.push_back(camera);
+    Node node;
+    node.camera = int(scene_.cameras.size()) - 1;
+    scene_.roots.push_back(add_node(std::move(node)));
+}
+
+}  // namespace mitsuba
+
+SceneDescription read_mitsuba(const SourceFile& file, LoadContext& context)
+{
+    const mitsuba::Document document =
+        mitsuba::read_document(file.path, file.bytes(), file.options.definitions, context);
+    return mitsuba::Reader(document, context).read();
+}
+
+}  // namespace fathom

@@ -1,0 +1,266 @@
+#include "formats/obj/obj_piece.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace fathom {
+
+namespace {
+
+bool is_blank(char c)
+{
+    return c == ' ' || c == '\t';
+}
+bool ends_word(char c)
+{
+    return is_blank(c) || c == '\n' || c == '\r';
+}
+
+class PieceReader {
+public:
+    PieceReader(ObjPiece& piece, const std::string& file, std::size_t first_line)
+        : piece_(piece), file_(file), at_(piece.text.data()), end_(at_ + piece.text.size()), line_(first_line)
+    {
+    }
+
+    void read()
+    {
+        const std::size_t first_line = line_;
+        while (at_ != end_)
+            if (!read_usual_line()) read_any_line();
+        piece_.lines = line_ - first_line;
+    }
+
+private:
+    /// Most lines are positions, normals, texture coordinates and faces, on one line, without a comment. Returns false,
+    /// having done nothing, for others, and for those that are wrong.
+    bool read_usual_line()
+    {
+        // The text ends with a line's end: the first of these that is one stops.
+        if (at_[0] == 'f' && is_blank(at_[1])) return read_usual_face(at_ + 2);
+        if (at_[0] != 'v') return false;
+        float n[7];
+        if (is_blank(at_[1])) {
+            const int count = numbers(at_ + 2, n, 7);
+            if (count < 3) return false;
+            add_position(n, count);
+        } else if (at_[1] == 't' && is_blank(at_[2])) {
+            const int count = numbers(at_ + 3, n, 3);
+            if (count < 1) return false;
+            piece_.uvs.push_back({n[0], 1 - (count > 1 ? n[1] : 0)});
+        } else if (at_[1] == 'n' && is_blank(at_[2])) {
+            if (numbers(at_ + 3, n, 3) != 3) return false;
+            piece_.normals.push_back({n[0], n[1], n[2]});
+        } else {
+            return false;
+        }
+        go_on();
+        return true;
+    }
+
+    /// Up to `most` numbers up to the line's end, which next_ then is behind; -1 where there is something else.
+    int numbers(const char* p, float* to, int most)
+    {
+        for (int count = 0;; ++count) {
+            while (is_blank(*p)) ++p;
+            if (is_line_end(p)) return count;
+            if (count == most) return -1;
+            double value = 0;
+            const auto [after, error] = std::from_chars(p, end_, value);
+            if (error != std::errc() || !ends_word(*after) ||
+                !(std::abs(value) <= double(std::numeric_limits<float>::max())))
+                return -1;
+            to[count] = float(value);
+            p = after;
+        }
+    }
+    bool is_line_end(const char* p)
+    {
+        if (*p == '\r') ++p;
+        next_ = p + 1;
+        return *p == '\n';
+    }
+    void go_on()
+    {
+        at_ = next_;
+        ++line_;
+    }
+
+    bool read_usual_face(const char* p)
+    {
+        const std::size_t before = piece_.corners.size();
+        for (;;) {
+            while (is_blank(*p)) ++p;
+            if (is_line_end(p)) break;
+            ObjCorner corner;
+            if (!read_usual_corner(p, corner)) {
+                piece_.corners.resize(before);
+                return false;
+            }
+            piece_.corners.push_back(corner);
+        }
+        end_face();
+        go_on();
+        return true;
+    }
+    bool read_usual_corner(const char*& p, ObjCorner& corner) const
+    {
+        if (!integer(p, corner.position)) return false;
+        if (*p == '/') {
+            ++p;
+            if (*p != '/' && !ends_word(*p) && !integer(p, corner.uv)) return false;
+            if (*p == '/') {
+                ++p;
+                if (!ends_word(*p) && !integer(p, corner.normal)) return false;
+            }
+        }
+        return ends_word(*p);
+    }
+    bool integer(const char*& p, std::int32_t& value) const
+    {
+        const auto [after, error] = std::from_chars(p, end_, value);
+        p = after;
+        return error == std::errc() && value != ObjCorner::absent;
+    }
+
+    void read_any_line()
+    {
+        TextScanner scan(file_, std::string_view(at_, std::size_t(end_ - at_)), line_, '#');
+        read_line(scan);
+        scan.next_line();
+        at_ = scan.position();
+        line_ = scan.line();
+    }
+
+    void read_line(TextScanner& scan)
+    {
+        const std::string_view key = scan.word();
+        if (key.empty()) return;
+        if (key == "v")
+            read_position(scan);
+        else if (key == "vt")
+            read_uv(scan);
+        else if (key == "vn")
+            piece_.normals.push_back({scan.number(), scan.number(), scan.number()});
+        else if (key == "f" || key == "fo")
+            read_face(scan);
+        else if (key == "usemtl")
+            add_event(ObjPiece::Event::material, scan.rest());
+        else if (key == "mtllib")
+            add_event(ObjPiece::Event::library, scan.rest());
+        else if (key == "o")
+            add_event(ObjPiece::Event::object, scan.rest());
+        else if (key == "p")
+            add_event(ObjPiece::Event::points, rest_of_any_lines(scan));
+        else if (key == "l")
+            ++piece_.drawn_lines;
+        else if (key == "vp" || key == "curv" || key == "curv2" || key == "surf" || key == "cstype")
+            ++piece_.free_forms;
+        else if (key != "g" && key != "s" && key != "mg" && key != "lod" && key != "usemap" && key != "maplib" &&
+                 key != "deg" && key != "end" && key != "parm" && key != "bevel" && key != "c_interp" &&
+                 key != "d_interp" && key != "shadow_obj" && key != "trace_obj" && key != "call")
+            ++piece_.unknown_lines;
+    }
+
+    void read_position(TextScanner& scan)
+    {
+        float n[7] = {scan.number(), scan.number(), scan.number()};
+        int count = 3;
+        for (; count < 7 && scan.line_has_more(); ++count) n[count] = scan.number();
+        add_position(n, count);
+    }
+    /// Behind the position: a weight that polygons don't need, or a colour, as many programs write it.
+    void add_position(const float* n, int count)
+    {
+        piece_.positions.push_back({n[0], n[1], n[2]});
+        if (count >= 6) {
+            if (piece_.colors.empty()) piece_.first_color = piece_.positions.size() - 1;
+            piece_.colors.push_back({n[3], n[4], n[5], 1});
+        } else if (!piece_.colors.empty()) {
+            piece_.colors.push_back(ObjPiece::no_color);
+        }
+    }
+    void read_uv(TextScanner& scan)
+    {
+        const float u = scan.number();
+        const float v = scan.line_has_more() ? scan.number() : 0;
+        piece_.uvs.push_back({u, 1 - v});
+    }
+
+    void read_face(TextScanner& scan)
+    {
+        for (std::string_view word = scan.word(); !word.empty(); word = scan.word())
+            piece_.corners.push_back(read_obj_corner(scan, word));
+        end_face();
+    }
+    void end_face()
+    {
+        if (piece_.runs.empty() || piece_.runs.back().counts != piece_.counts())
+            piece_.runs.push_back({piece_.face_ends.size(), piece_.counts()});
+        piece_.face_ends.push_back(std::uint32_t(piece_.corners.size()));
+    }
+
+    void add_event(ObjPiece::Event::Kind kind, std::string_view rest)
+    {
+        piece_.events.push_back({kind, piece_.face_ends.size(), piece_.counts(), rest});
+    }
+    /// With the lines that it goes on in, without a comment.
+    static std::string_view rest_of_any_lines(TextScanner& scan)
+    {
+        const char* const start = scan.position();
+        while (!scan.word().empty()) {
+        }
+        return {start, std::size_t(scan.position() - start)};
+    }
+
+    ObjPiece& piece_;
+    const std::string& file_;
+    const char* at_;  ///< a line's beginning
+    const char* end_;
+    const char* next_ = nullptr;  ///< behind the line's end that is_line_end found
+    std::size_t line_;
+};
+
+}  // namespace
+
+void ObjPiece::clear()
+{
+    lines = 0;
+    positions.clear(), normals.clear(), uvs.clear(), colors.clear();
+    corners.clear(), face_ends.clear(), runs.clear(), events.clear();
+    drawn_lines = free_forms = unknown_lines = 0;
+    is_damaged = false;
+}
+
+void read_obj_piece(ObjPiece& piece, const std::string& file, std::size_t first_line)
+{
+    piece.clear();
+    PieceReader(piece, file, first_line).read();
+}
+
+long long read_obj_index(const TextScanner& scan, std::string_view word)
+{
+    return scan.to_integer<long long>(word);
+}
+
+ObjCorner read_obj_corner(const TextScanner& scan, std::string_view word)
+{
+    const auto cut = [&](std::string_view digits) {
+        constexpr long long most = ObjCorner::most;
+        return std::int32_t(std::clamp(read_obj_index(scan, digits), -most, most));
+    };
+    ObjCorner corner;
+    const std::size_t slash = word.find('/');
+    corner.position = cut(word.substr(0, slash));
+    if (slash == std::string_view::npos) return corner;
+    word.remove_prefix(slash + 1);
+    const std::size_t second = word.find('/');
+    if (const auto uv = word.substr(0, second); !uv.empty()) corner.uv = cut(uv);
+    if (second == std::string_view::npos) return corner;
+    word.remove_prefix(second + 1);
+    if (!word.empty()) corner.normal = cut(word);
+    return corner;
+}
+
+}  // namespace fathom

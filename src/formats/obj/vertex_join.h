@@ -1,0 +1,106 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "formats/io/chunked_array.h"
+#include "formats/mesh/vertex_index.h"
+
+namespace fathom {
+
+/// What a corner refers to, by index.
+struct ObjVertex {
+    static constexpr std::uint32_t none = ~0u;
+    static constexpr std::uint32_t missing = ~0u - 1;  ///< a normal that is referred to and isn't there
+    std::uint32_t position, uv, normal;
+};
+
+/// A mesh that grows: all faces of one object with one material, those with normals apart from those without.
+struct ObjPart {
+    std::uint32_t number = 0;  ///< of this part
+    std::string name;
+    int material = -1;
+    bool has_normals = false, has_uvs = false, has_colors = false;
+    ChunkedArray<std::uint32_t> indices;
+
+    /// Vertices are numbered as they come.
+    std::size_t vertices() const { return positions_.size(); }
+    ObjVertex vertex(std::size_t i) const
+    {
+        if (i >= more_.size()) return {positions_[i], ObjVertex::none, ObjVertex::none};
+        return {positions_[i], more_[i].uv, more_[i].normal};
+    }
+
+private:
+    friend class VertexJoin;
+    struct More {
+        std::uint32_t uv = ObjVertex::none, normal = ObjVertex::none;
+        std::uint32_t next = ObjVertex::none;  ///< another vertex at this position
+    };
+
+    ChunkedArray<std::uint32_t> positions_;
+    ChunkedArray<More> more_;  ///< ends before the vertices that are only positions
+    VertexIndex others_;       ///< vertices that can't be found by their position alone
+    ChunkedArray<std::uint32_t> other_vertices_;
+};
+
+/// Joins corners that are alike. A position remembers the vertex that it first became, so that its neighbours in the
+/// file are neighbours in memory; only positions that several parts share, or many vertices, are looked up by a hash.
+class VertexJoin {
+public:
+    /// The number of the vertex in the part.
+    /// positions  how many there are so far
+    std::uint32_t operator()(ObjPart& part, ObjVertex v, std::size_t positions)
+    {
+        if (v.position >= first_.size()) first_.resize(positions, {});
+        First& first = first_[v.position];
+        if (first.vertex == ObjVertex::none) {
+            first = {part.number, add(part, v)};
+            return first.vertex;
+        }
+        if (first.part != part.number) return find_other(part, v);
+        std::uint32_t at = first.vertex;
+        for (int steps = 0; steps < max_steps; ++steps) {
+            const ObjVertex there = part.vertex(at);
+            if (there.uv == v.uv && there.normal == v.normal) return at;
+            // What differs has more than a position, and so has whatever came before it.
+            const std::uint32_t next = at < part.more_.size() ? part.more_[at].next : ObjVertex::none;
+            if (next == ObjVertex::none && steps + 1 < max_steps) {
+                const std::uint32_t added = add(part, v);
+                part.more_[at].next = added;
+                return added;
+            }
+            if (next == ObjVertex::none) break;
+            at = next;
+        }
+        return find_other(part, v);
+    }
+
+private:
+    struct First {
+        std::uint32_t part = ObjVertex::none, vertex = ObjVertex::none;
+    };
+    /// So many vertices of a position are looked through.
+    static constexpr int max_steps = 8;
+
+    static std::uint32_t add(ObjPart& part, ObjVertex v)
+    {
+        const std::size_t n = part.vertices();
+        part.positions_.push_back(v.position);
+        if (v.uv != ObjVertex::none || v.normal != ObjVertex::none) {
+            part.more_.resize(n, {});
+            part.more_.push_back({v.uv, v.normal, ObjVertex::none});
+        }
+        part.has_uvs |= v.uv != ObjVertex::none;
+        return std::uint32_t(n);
+    }
+    static std::uint32_t find_other(ObjPart& part, ObjVertex v)
+    {
+        const std::uint32_t key = part.others_({v.position, v.uv, v.normal});
+        if (key == part.other_vertices_.size()) part.other_vertices_.push_back(add(part, v));
+        return part.other_vertices_[key];
+    }
+
+    ChunkedArray<First> first_;  ///< by position
+};
+
+}  // namespace fathom

@@ -1,0 +1,46 @@
+#include "formats/pbrt/default_uvs.h"
+
+namespace fathom::pbrt {
+
+namespace {
+
+// Here v grows downwards.
+constexpr Vec2f square[] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+
+template <class T>
+void unshare(std::vector<T>& values, const std::vector<std::uint32_t>& indices)
+{
+    if (values.empty()) return;
+    std::vector<T> own;
+    own.reserve(indices.size());
+    for (const std::uint32_t i : indices) own.push_back(values[i]);
+    values = std::move(own);
+}
+
+/// Whether two triangles are a fan about their first corner, as those of convex faces are.
+bool is_fan(const std::uint32_t* corners)
+{
+    return corners[0] == corners[3] && corners[2] == corners[4];
+}
+
+}  // namespace
+
+void add_default_uvs(Mesh& mesh, const std::vector<std::uint32_t>& quads)
+{
+    const std::size_t count = mesh.indices.size();
+    std::vector<Vec2f> uvs;
+    uvs.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) uvs.push_back(square[i % 3]);
+    for (const std::uint32_t first : quads) {
+        const std::size_t second = 3 * (std::size_t(first) + 1);
+        if (second + 2 >= count || !is_fan(&mesh.indices[second - 3])) continue;
+        uvs[second + 1] = square[2], uvs[second + 2] = square[3];
+    }
+    unshare(mesh.positions, mesh.indices);
+    unshare(mesh.normals, mesh.indices);
+    unshare(mesh.colors, mesh.indices);
+    mesh.uvs[0] = std::move(uvs);
+    for (std::size_t i = 0; i < count; ++i) mesh.indices[i] = std::uint32_t(i);
+}
+
+}  // namespace fathom::pbrt

@@ -1,0 +1,178 @@
+// Light without a surface.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "formats/io/read_file.h"
+#include "formats/pbrt/reader.h"
+
+namespace fathom::pbrt {
+
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+Color scaled(Color c, double factor)
+{
+    const auto f = float(factor);
+    return {c.r * f, c.g * f, c.b * f};
+}
+
+/// Turns +z to a direction.
+Transform towards(Vec3d direction)
+{
+    const Vec3d w = normalize(direction);
+    const Vec3d u = normalize(cross(std::abs(w.y) > 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, w)), v = cross(w, u);
+    Transform t;
+    const Vec3d columns[] = {u, v, w};
+    for (std::size_t c = 0; c < 3; ++c) t.m[0][c] = columns[c].x, t.m[1][c] = columns[c].y, t.m[2][c] = columns[c].z;
+    return t;
+}
+
+Transform rotation_of(const Transform& t)
+{
+    Transform result;
+    const double scale = std::cbrt(std::abs(t.determinant()));
+    for (std::size_t row = 0; row < 3; ++row)
+        for (std::size_t column = 0; column < 3; ++column)
+            result.m[row][column] = t.m[row][column] / (scale > 0 ? scale : 1);
+    return result;
+}
+
+}  // namespace
+
+void Reader::add_light(Light light, const Transform& world_from_light)
+{
+    // Lights shine along -z here, along +z in the space that is given.
+    add_light_node(std::move(light), world_from_light * Transform::scale({-1, 1, -1}));
+}
+
+void Reader::add_light_node(Light light, const Transform& world_from_node)
+{
+    Node node;
+    node.parent_from_node = world_from_node;
+    node.light = int(scene_.lights.size());
+    scene_.lights.push_back(std::move(light));
+    scene_.roots.push_back(add_node(std::move(node)));
+}
+
+void Reader::read_light(const Parameters& of)
+{
+    if (state_.ctm[0].m != state_.ctm[1].m) report(of, "a light that moves stands where it is at first");
+    const std::string& type = of.plugin();
+    if (type == "infinite") return read_infinite(of);
+    const bool has_place = type != "goniometric" && type != "projection";
+    const Vec3d from = has_place ? of.vector("from").value_or(Vec3d{}) : Vec3d{},
+                to = has_place && type != "point" ? of.vector("to").value_or(Vec3d{0, 0, 1}) : Vec3d{0, 0, 1};
+    if (has_place && type != "point" && length(to - from) == 0) of.fail("'from' and 'to' are the same point");
+    const double power = of.number("power", -1);
+    const Transform& world = state_.ctm[0];
+    Light light;
+    if (type == "point" || (type == "goniometric" && !of.has("filename"))) {
+        light.intensity = light_color(of, "I");
+        if (power > 0) light.intensity = scaled(light.intensity, power / (4 * std::numbers::pi));
+        add_light(light, world * Transform::translate(from));
+    } else if (type == "goniometric") {
+        read_goniometric(of);
+    } else if (type == "projection") {
+        read_projection(of);
+    } else if (type == "spot") {
+        light.kind = LightKind::spot;
+        light.intensity = light_color(of, "I");
+        const double cone = of.number("coneangle", 30);
+        light.outer_angle = cone * degree;
+        light.falloff = SpotFalloff::smooth;
+        light.inner_angle = std::max(0.0, cone - of.number("conedeltaangle", 5)) * degree;
+        if (!(cone > 0 && cone < 180)) of.fail("the cone's angle must be above 0 and below 180 degrees");
+        const double inner = std::cos(light.inner_angle), outer = std::cos(light.outer_angle);
+        if (power > 0)
+            light.intensity =
+                scaled(light.intensity, power / (2 * std::numbers::pi * ((1 - inner) + (inner - outer) / 2)));
+        add_light(light, world * Transform::translate(from) * towards(to - from));
+    } else if (type == "distant") {
+        light.kind = LightKind::directional;
+        light.intensity = light_color(of, "L");
+        if (const double lux = of.number("illuminance", -1); lux > 0) light.intensity = scaled(light.intensity, lux);
+        add_light(light, rotation_of(world) * towards(to - from));
+    } else {
+        report(of, "is not known: it is left out");
+        return;
+    }
+    of.finish(teller_);
+}
+
+/// The picture's middle is at +y, its right at +x, its bottom at +z.
+void Reader::read_goniometric(const Parameters& of)
+{
+    Light light;
+    light.kind = LightKind::goniometric;
+    light.picture = {image(of), ColorSpace::srgb, true};
+    light.intensity = light_color(of, "I");
+    set_power(of, light);
+    Transform light_from_node;
+    light_from_node.m = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, -1, 0, 0}}};
+    add_light_node(light, state_.ctm[0] * light_from_node);
+}
+
+/// Along +z, the picture's right at +x, its top at +y.
+void Reader::read_projection(const Parameters& of)
+{
+    Light light;
+    light.kind = LightKind::projector;
+    light.picture = {image(of), ColorSpace::srgb, true};
+    const auto scale = float(of.number("scale", 1));
+    light.intensity = {scale, scale, scale};
+    set_power(of, light);
+    const double fov = of.number("fov", 90);
+    if (!(fov > 0 && fov < 180)) of.fail("'fov' must be above 0 and below 180 degrees");
+    light.fov = fov * degree;
+    add_light_node(light, state_.ctm[0] * Transform::scale({1, 1, -1}));
+}
+
+/// Of a light with a picture.
+void Reader::set_power(const Parameters& of, Light& light)
+{
+    const double power = of.number("power", -1);
+    if (!(power > 0)) return;
+    light.intensity = scaled(light.intensity, power);
+    light.intensity_is_flux = true;
+}
+
+void Reader::read_infinite(const Parameters& of)
+{
+    Environment& environment = scene_.environment;
+    const double lux = of.number("illuminance", -1);
+    if (of.has("portal")) {
+        report(of, "light of the environment is not sampled through its portal");
+        of.ignore({"portal"});
+    }
+    const bool is_first = environment.kind == EnvironmentKind::none;
+    if (of.has("filename")) {
+        if (of.has("L")) of.fail("it has either 'L' or a 'filename'");
+        if (!is_first) report(of, "only the last picture of the environment is seen");
+        environment.kind = EnvironmentKind::equal_area;
+        environment.image = image(of);
+        const auto scale = float(of.number("scale", 1));
+        environment.color = {scale, scale, scale};
+        // pbrt takes each pixel for half of the solid angle that it has: what it shows is twice as bright as it is
+        // told.
+        environment.illuminance = std::max(2 * lux, 0.0);
+        environment.world_from_environment = rotation_of(state_.ctm[0]);
+    } else {
+        Color color = light_color(of, "L");
+        if (lux > 0) color = scaled(color, lux / std::numbers::pi);
+        if (is_first || environment.kind == EnvironmentKind::constant) {
+            if (is_first) environment.color = {0, 0, 0};
+            environment.kind = EnvironmentKind::constant;
+            environment.color = {environment.color.r + color.r, environment.color.g + color.g,
+                                 environment.color.b + color.b};
+        } else {
+            report(of, "a constant environment beside a picture is left out");
+        }
+    }
+    of.finish(teller_);
+}
+
+}  // namespace fathom::pbrt

@@ -1,0 +1,432 @@
+// Surfaces, and what fills solids. docs/formats.md says how each plugin is meant.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "formats/common/alpha_blend.h"
+#include "formats/common/medium.h"
+#include "formats/common/power.h"
+#include "formats/common/suggest.h"
+#include "formats/io/read_file.h"
+#include "formats/pbrt/reader.h"
+
+namespace fathom::pbrt {
+
+namespace {
+
+Color scaled(Color c, double factor)
+{
+    const auto f = float(factor);
+    return {c.r * f, c.g * f, c.b * f};
+}
+
+float largest(const ColorInput& c)
+{
+    return std::max({c.value.r, c.value.g, c.value.b});
+}
+
+/// Whether two parts of light are more than all of it. Textures' values are not known here.
+bool is_above_1(const ColorInput& a, const ColorInput& b)
+{
+    constexpr float most = 1 + 1e-5f;
+    if (a.texture >= 0 || b.texture >= 0) return false;
+    return a.value.r + b.value.r > most || a.value.g + b.value.g > most || a.value.b + b.value.b > most;
+}
+
+}  // namespace
+
+Material Reader::material(const Parameters* plugin)
+{
+    if (!plugin) {
+        Material gray;
+        gray.base_color = {{0.5f, 0.5f, 0.5f}, -1};
+        return gray;
+    }
+    if (const auto found = materials_.find(plugin); found != materials_.end()) return found->second;
+    if (!open_materials_.insert(plugin).second) plugin->fail("a material can't contain itself");
+    Material read = read_material(*plugin);
+    open_materials_.erase(plugin);
+    return materials_[plugin] = std::move(read);
+}
+
+Material Reader::read_material(const Parameters& m)
+{
+    const std::string& type = m.plugin();
+    Material result;
+    if (type == "interface" || type.empty() || type == "none") {
+        result.kind = MaterialKind::none;
+        result.alpha_mode = AlphaMode::blend;
+        result.alpha.value = 0;
+        m.finish(teller_);
+        return result;
+    }
+    if (type == "diffuse")
+        result = diffuse(m);
+    else if (type == "coateddiffuse")
+        result = coated_diffuse(m);
+    else if (type == "conductor")
+        result = conductor(m, "", 1);
+    else if (type == "coatedconductor")
+        result = coated_conductor(m);
+    else if (type == "dielectric" || type == "thindielectric")
+        result = dielectric(m, 1.5f);
+    else if (type == "diffusetransmission")
+        result = diffuse_transmission(m);
+    else if (type == "subsurface")
+        result = subsurface(m);
+    else if (type == "hair")
+        result = hair(m);
+    else if (type == "measured")
+        result = measured(m);
+    else if (type == "mix")
+        result = mix(m);
+    else {
+        const std::vector<std::string> names = {"diffuse",
+                                                "coateddiffuse",
+                                                "conductor",
+                                                "coatedconductor",
+                                                "dielectric",
+                                                "thindielectric",
+                                                "diffusetransmission",
+                                                "subsurface",
+                                                "hair",
+                                                "mix",
+                                                "interface",
+                                                "measured"};
+        report(m, fmt::format("is not known: grey diffuse instead{}", suggestion(type, names)));
+        result.base_color = {{0.5f, 0.5f, 0.5f}, -1};
+        return result;
+    }
+    if (type != "mix") set_bumps(m, result);
+    m.ignore({"type"});
+    m.finish(teller_);
+    return result;
+}
+
+Material Reader::diffuse(const Parameters& m)
+{
+    Material out;
+    out.base_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
+    return out;
+}
+
+/// alpha = roughness^2 here; in pbrt alpha is the roughness, or its root where that is remapped.
+FloatInput Reader::roughness(const Parameters& m, const std::string& name, float otherwise, bool remap)
+{
+    return to_power(scene_, number_or_texture(m, name, otherwise), remap ? 0.25 : 0.5);
+}
+
+void Reader::set_roughness(const Parameters& m, const std::string& prefix, Material& out)
+{
+    const bool remap = m.boolean("remaproughness", true);
+    const FloatInput both = roughness(m, prefix + "roughness", 0, remap);
+    const auto of = [&](const std::string& name) { return m.has(name) ? roughness(m, name, 0, remap) : both; };
+    const FloatInput u = of(prefix + "uroughness"), v = of(prefix + "vroughness");
+    out.energy_compensation = false;
+    out.roughness = u;
+    if (u.texture >= 0 || v.texture >= 0) {
+        if (!m.has(prefix + "uroughness") && !m.has(prefix + "vroughness")) return;
+        out.two_roughnesses = true;
+        out.anisotropy = u, out.roughness = v;
+        return;
+    }
+    const float narrow = std::min(u.value, v.value), wide = std::max(u.value, v.value);
+    out.roughness.value = narrow;
+    const float narrow_alpha = narrow * narrow, wide_alpha = wide * wide;
+    if (wide_alpha > narrow_alpha)
+        out.anisotropy = {std::sqrt((wide_alpha - narrow_alpha) / (1 - narrow_alpha)), -1, 0};
+    if (u.value < v.value) out.anisotropy_rotation = 1.5707963267948966;
+}
+
+/// Normals, or else heights.
+void Reader::set_bumps(const Parameters& m, Material& out)
+{
+    const std::string file = m.text("normalmap", "");
+    Texture map;
+    if (file.empty()) {
+        if (m.has("displacement")) out.bump = number_or_texture(m, "displacement", 0);
+    } else {
+        m.ignore({"displacement"});
+        const std::filesystem::path path = locate(m, file);
+        const auto [found, is_new] = images_.emplace(path.string(), int(scene_.images.size()));
+        if (is_new) scene_.images.push_back({file, path, {}});
+        map.name = file;
+        map.image = found->second;
+        map.color_space = ColorSpace::linear;
+        out.normal_texture = add_texture(map);
+        out.map_tangents = false;
+    }
+}
+
+/// pbrt walks at random between the layers, and loses what facets send to the wrong side.
+Material Reader::coated_diffuse(const Parameters& m)
+{
+    Material out;
+    out.kind = MaterialKind::plastic;
+    out.base_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
+    set_roughness(m, "", out);
+    out.ior = ior(m, "eta", 1.5f);
+    if (out.anisotropy.value > 0) report(m, "the coat is as rough in all directions as in one");
+    out.two_roughnesses = false, out.anisotropy = {0, -1, 0};
+    out.optical_thickness = layer_thickness(m);
+    return out;
+}
+
+/// Of what is between the layers, whose coefficient is 1: it absorbs even where no albedo is given.
+float Reader::layer_thickness(const Parameters& m)
+{
+    const FloatInput thickness = number_or_texture(m, "thickness", 0.01f);
+    if (thickness.texture >= 0) report(m, "of a texture as 'thickness' only what it is scaled by is taken");
+    const float scattered = m.has("albedo") ? largest(color(m, "albedo", {0, 0, 0})) : 0;
+    if (scattered > 0) report(m, "nothing scatters between the layers: what would be is let through");
+    m.ignore({"maxdepth", "nsamples", "g", "albedo"});
+    return std::clamp(thickness.value * (1 - scattered), 0.f, 100.f);
+}
+
+Material Reader::dielectric(const Parameters& m, float usual_index)
+{
+    Material out;
+    out.kind = MaterialKind::glass;
+    out.base_color = {{1, 1, 1}, -1};
+    const GlassIndex glass = glass_index(m, "eta", usual_index);
+    out.ior = float(glass.middle);
+    out.thin = m.plugin() == "thindielectric";
+    out.roughness = {0, -1, 0};
+    out.energy_compensation = false;
+    // A pane shifts colours, which is not seen.
+    if (out.thin) return out;
+    if (glass.abbe > 0) {
+        // The same as glass, bit by bit, but that it spreads colours.
+        out.kind = MaterialKind::principled;
+        out.metallic = {0, -1, 0};
+        out.transmission = {1, -1, 0};
+        out.dispersion = float(std::min(20 / glass.abbe, 40.0));
+    }
+    set_roughness(m, "", out);
+    if (out.anisotropy.value > 0) report(m, "glass is as rough in all directions as in one");
+    out.two_roughnesses = false, out.anisotropy = {0, -1, 0};
+    return out;
+}
+
+Material Reader::diffuse_transmission(const Parameters& m)
+{
+    const double scale = m.number("scale", 1);
+    const auto limited = [&](ColorInput c) {
+        c.value = scaled(c.value, scale);
+        for (float* channel : {&c.value.r, &c.value.g, &c.value.b}) *channel = std::min(*channel, 1.f);
+        return c;
+    };
+    Material out;
+    out.kind = MaterialKind::principled;
+    out.metallic = {0, -1, 0};
+    out.specular = {0, -1, 0};
+    out.roughness = {1, -1, 0};
+    out.base_color = limited(color(m, "reflectance", {0.25f, 0.25f, 0.25f}));
+    out.diffuse_transmission = {1, -1, 0};
+    out.diffuse_transmission_color = limited(color(m, "transmittance", {0.25f, 0.25f, 0.25f}));
+    out.diffuse_transmission_added = true;
+    if (is_above_1(out.base_color, out.diffuse_transmission_color))
+        report(m, "reflects and transmits more than it gets, as pbrt has it too");
+    return out;
+}
+
+/// By a parameter that has its name; null where there is none.
+const MeasuredMedium* Reader::measured_medium(const Parameters& of, std::string_view parameter)
+{
+    const std::string name = of.text(parameter, "");
+    if (name.empty()) return nullptr;
+    const MeasuredMedium* const found = find_medium(name);
+    if (!found) of.fail(fmt::format("there is no medium '{}'{}", printable(name), suggestion(name, medium_names())));
+    return found;
+}
+
+Material Reader::subsurface(const Parameters& m)
+{
+    Material out = dielectric(m, 1.33f);
+    const double scale = m.number("scale", 1);
+    const auto g = float(m.number("g", 0));
+    if (m.has("reflectance")) {
+        out = Material();
+        out.kind = MaterialKind::principled;
+        out.ior = ior(m, "eta", 1.33f);
+        out.metallic = {0, -1, 0};
+        set_roughness(m, "", out);
+        out.subsurface = {1, -1, 0};
+        out.subsurface_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
+        const Color path = color_value(m, "mfp", {1, 1, 1}, true);
+        const float longest = std::max({path.r, path.g, path.b, 1e-6f});
+        out.subsurface_radius = {longest * float(scale), -1, 0};
+        out.subsurface_radius_scale = {scaled(path, 1 / longest), -1};
+        out.subsurface_scatter_anisotropy = g;
+        return out;
+    }
+    if (const MeasuredMedium* const known = measured_medium(m, "name")) {
+        m.ignore({"sigma_a", "sigma_s", "g"});
+        fill_solid(out, scaled(known->absorption, scale), scaled(known->scattering, scale), 0);
+        return out;
+    }
+    for (const char* texture : {"sigma_a", "sigma_s"})
+        if (m.has(texture) && m.find(texture)->type == "texture")
+            m.fail(fmt::format("a texture as '{}' is not rendered yet: give a colour", texture));
+    fill_solid(out, scaled(color_value(m, "sigma_a", {0.0011f, 0.0024f, 0.014f}, true), scale),
+               scaled(color_value(m, "sigma_s", {2.55f, 3.21f, 3.77f}, true), scale), g);
+    return out;
+}
+
+/// Of 'sigma_a', 'reflectance' (once 'color') and the melanins the first that is there counts.
+Material Reader::hair(const Parameters& m)
+{
+    Material out;
+    out.kind = MaterialKind::hair;
+    out.beta_m = number_or_texture(m, "beta_m", 0.3f);
+    out.beta_n = number_or_texture(m, "beta_n", 0.3f);
+    out.scale_tilt = number_or_texture(m, "alpha", 2).value * (std::numbers::pi / 180);
+    out.hair_ior = std::clamp(ior(m, "eta", 1.55f), 1.f, 3.f);
+    // Without any absorption it is white.
+    out.base_color = {{1, 1, 1}, -1};
+    if (m.has("sigma_a")) {
+        out.absorption = m.find("sigma_a")->type == "texture"
+                             ? color(m, "sigma_a", {0, 0, 0})
+                             : ColorInput{color_value(m, "sigma_a", {0, 0, 0}, true), -1};
+    } else if (m.has("reflectance") || m.has("color")) {
+        out.base_color = color(m, m.has("reflectance") ? "reflectance" : "color", {0.5f, 0.5f, 0.5f});
+    } else {
+        const bool is_said = m.has("eumelanin") || m.has("pheomelanin");
+        const FloatInput e = number_or_texture(m, "eumelanin", is_said ? 0 : 1.3f),
+                         p = number_or_texture(m, "pheomelanin", 0);
+        out.eumelanin = e.value, out.pheomelanin = p.value;
+        if (e.texture >= 0 || p.texture >= 0)
+            report(m, "of textures as melanins only what they are scaled by is taken");
+    }
+    m.ignore({"sigma_a", "reflectance", "color", "eumelanin", "pheomelanin"});
+    return out;
+}
+
+Material Reader::measured(const Parameters& m)
+{
+    const std::string file = m.text("filename", "");
+    if (file.empty()) m.fail("it needs a 'filename'");
+    Material out;
+    out.kind = MaterialKind::measured;
+    out.measured = measured_files_.index_of(locate(m, file));
+    return out;
+}
+
+Material Reader::mix(const Parameters& m)
+{
+    const std::vector<std::string> names = m.texts("materials");
+    if (names.size() != 2) m.fail("'materials' are the names of two");
+    Material both[2];
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto found = named_materials_.find(names[i]);
+        if (found == named_materials_.end()) m.fail(fmt::format("there is no material '{}'", printable(names[i])));
+        both[i] = material(found->second.get());
+    }
+    const FloatInput amount = number_or_texture(m, "amount", 0.5f);
+    if (amount.texture < 0 && (amount.value <= 0 || amount.value >= 1)) return both[amount.value >= 1 ? 1 : 0];
+    for (const bool second : {false, true})
+        if (is_nothing(both[second])) return blend_with_transparent(scene_, both[!second], amount, second);
+    const auto is_plain = [](const Material& part) {
+        return part.kind == MaterialKind::diffuse && part.alpha_mode == AlphaMode::opaque && part.normal_texture < 0 &&
+               part.bump.texture < 0;
+    };
+    if (is_plain(both[0]) && is_plain(both[1])) {
+        both[0].base_color = mixed(both[0].base_color, both[1].base_color, amount);
+        return both[0];
+    }
+    Material out;
+    out.kind = MaterialKind::mix;
+    out.factor = amount;
+    out.material_a = int(scene_.materials.size()), out.material_b = out.material_a + 1;
+    for (std::size_t i = 0; i < 2; ++i) {
+        if (both[i].alpha_mode != AlphaMode::opaque) report(m, "an 'interface' in a mix within a mix is black");
+        both[i].name = names[i];
+        scene_.materials.push_back(both[i]);
+    }
+    return out;
+}
+
+void Reader::set_medium(const Parameters& medium, Material& out)
+{
+    const std::string& type = medium.plugin();
+    if (type != "homogeneous") {
+        report(medium, "is not rendered yet: nothing is there");
+        return;
+    }
+    if (medium.has("Le")) report(medium, "media don't glow yet: 'Le' is left out");
+    const double scale = medium.number("scale", 1);
+    const MeasuredMedium* const known = measured_medium(medium, "preset");
+    // What pbrt takes where nothing is said; its manual has other numbers.
+    const Color absorption = known ? known->absorption : color_value(medium, "sigma_a", {1, 1, 1}, true),
+                scattering = known ? known->scattering : color_value(medium, "sigma_s", {1, 1, 1}, true);
+    if (known) medium.ignore({"sigma_a", "sigma_s"});
+    const auto g = float(medium.number("g", 0));
+    medium.ignore({"type", "Le", "Lescale"});
+    medium.finish(teller_);
+    if (out.kind == MaterialKind::none) out = open_boundary();
+    if (out.kind != MaterialKind::glass && !(out.kind == MaterialKind::principled && out.transmission.value == 1)) {
+        report(medium, "is not rendered in what is not glass");
+        return;
+    }
+    out.transmission_scatter_bounces = true;
+    fill_solid(out, scaled(absorption, scale), scaled(scattering, scale), g);
+}
+
+/// Of what the camera is in, all is full that is in nothing else.
+void Reader::finish_media()
+{
+    const Parameters* around = nullptr;
+    if (!camera_medium_.empty()) around = medium(camera_->place(), camera_medium_);
+    for (const Parameters* medium : media_of_shapes_.nowhere(around)) report(*medium, medium_is_nowhere);
+    if (!around) return;
+    Material m = open_boundary();
+    set_medium(*around, m);
+    if (!(m.attenuation_distance > 0)) return;
+    if (const std::string told = surround(scene_, std::move(m)); !told.empty()) report(*around, told);
+}
+
+void Reader::set_emission(const Surface& surface, Material& out)
+{
+    const Parameters& light = *surface.light;
+    if (light.plugin() != "diffuse") report(light, "is not known: 'diffuse' instead");
+    ColorInput emission{light_color(light, "L"), -1};
+    if (light.has("filename")) {
+        Texture picture;
+        picture.name = light.text("filename", "");
+        picture.image = image(light);
+        emission.texture = add_texture(picture);
+    }
+    emission.value = scaled(emission.value, surface.power_factor);
+    out.emission = emission;
+    out.emission_two_sided = light.boolean("twosided", false);
+    light.ignore({"power"});
+    light.finish(teller_);
+    if (out.kind == MaterialKind::none && out.alpha_mode == AlphaMode::blend && out.alpha.value == 0) {
+        out.alpha.value = 1;
+        out.alpha_mode = AlphaMode::opaque;
+    }
+}
+
+int Reader::surface_material(const Surface& surface)
+{
+    if (const auto found = surfaces_.find(surface); found != surfaces_.end()) return found->second;
+    Material m = material(surface.material);
+    if (surface.medium) set_medium(*surface.medium, m);
+    if (surface.is_hole && m.kind == MaterialKind::none) m = open_boundary();
+    if (surface.light) set_emission(surface, m);
+    scene_.materials.push_back(std::move(m));
+    return surfaces_[surface] = int(scene_.materials.size()) - 1;
+}
+
+const Parameters* Reader::state_material(const Place& place)
+{
+    if (state_.named_material.empty()) return state_.material.get();
+    const auto found = named_materials_.find(state_.named_material);
+    if (found != named_materials_.end()) return found->second.get();
+    place.fail(fmt::format("there is no material '{}'{}", printable(state_.named_material),
+                           suggestion_of(state_.named_material, named_materials_)));
+}
+
+}  // namespace fathom::pbrt

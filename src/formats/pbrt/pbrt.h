@@ -1,0 +1,16 @@
+#pragma once
+#include "formats/common/importer.h"
+
+namespace fathom {
+
+/// Reads scenes of pbrt-v4, plain or compressed by gzip: docs/formats.md has a row for each plugin. What has no
+/// counterpart is a counted warning, and so is every parameter that nothing reads.
+SceneDescription read_pbrt(const SourceFile& file, LoadContext& context);
+
+inline constexpr Importer pbrt_importer{
+    [](const SourceFile& f) {
+        return f.extension == ".pbrt" || (f.extension == ".gz" && f.path.stem().extension() == ".pbrt");
+    },
+    [](const SourceFile& f, LoadContext& context) { return read_pbrt(f, context); }};
+
+}  // namespace fathom

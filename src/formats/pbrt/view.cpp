@@ -1,0 +1,221 @@
+// What is seen, and from where; and what the file says of how it is to be rendered.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "formats/io/read_file.h"
+#include "formats/pbrt/reader.h"
+
+namespace fathom::pbrt {
+
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+constexpr int max_pixels = 1 << 20;
+
+/// What the film plane shows of the plane at distance 1, before the field of view: left, right, bottom, top.
+std::array<double, 4> screen(const Parameters& camera, double aspect)
+{
+    const std::vector<float> said = camera.numbers("screenwindow");
+    if (!said.empty()) {
+        if (said.size() != 4 || !(said[1] > said[0]) || !(said[3] > said[2]))
+            camera.fail("'screenwindow' is four numbers: left, right, bottom, top");
+        return {said[0], said[1], said[2], said[3]};
+    }
+    // The shorter side reaches from -1 to 1.
+    if (aspect > 1) return {-aspect, aspect, -1, 1};
+    return {-1, 1, -1 / aspect, 1 / aspect};
+}
+
+}  // namespace
+
+void Reader::read_film(const Parameters& film)
+{
+    const int width = film.integer("xresolution", 1280), height = film.integer("yresolution", 720);
+    if (width < 1 || height < 1 || width > max_pixels || height > max_pixels)
+        film.fail(fmt::format("a film's size must be from 1 to {}", max_pixels));
+    read_crop(film, width, height);
+    if (film.plugin() != "rgb") report(film, "the picture has red, green and blue");
+    film.ignore({"cropwindow", "pixelbounds", "filename", "savefp16", "diagonal"});
+    const std::string sensor = film.text("sensor", "cie1931");
+    const double iso = film.number("iso", 100);
+    if (!(iso > 0)) film.fail("'iso' must be above 0");
+    // Radiance is shown as it is where the exposure time is 1 s and ISO is 100.
+    const double open = camera_ ? camera_->number("shutteropen", 0) : 0,
+                 close = camera_ ? camera_->number("shutterclose", 1) : 1;
+    const double ratio = (close - open) * iso / 100;
+    if (ratio > 0 && ratio != 1) scene_.hints.exposure = std::log2(ratio);
+    // Of what is recorded, in the sensor's own light. It takes light away, which is asked for here, not done unasked.
+    const double most = film.number("maxcomponentvalue", std::numeric_limits<double>::infinity());
+    if (std::isfinite(most) && ratio > 0)
+        report(film,
+               fmt::format("'maxcomponentvalue' is left out, as it makes pictures darker: samples are as bright as "
+                           "they are; --clamp-indirect {:.4g} limits those of light by two surfaces or more",
+                           most / ratio));
+    if (sensor != "cie1931")
+        report(film, fmt::format("the sensor '{}' is taken as 'cie1931', without the colours of its filters",
+                                 printable(sensor)));
+    // Sensors whose colours are told for 6500 K by pbrt have the white that is here without any.
+    if (const double kelvin = film.number("whitebalance", 0); kelvin != 0) {
+        scene_.hints.white_balance = std::clamp(kelvin, min_white_kelvin, max_white_kelvin);
+        if (kelvin != *scene_.hints.white_balance)
+            report(film, fmt::format("'whitebalance' is taken as {} K", *scene_.hints.white_balance));
+    }
+    film.finish(teller_);
+}
+
+/// The part of the film that is the picture, as pixels; pbrt takes 'pixelbounds' where both are there.
+void Reader::read_crop(const Parameters& film, int width, int height)
+{
+    const std::vector<std::int32_t> bounds = film.integers("pixelbounds");
+    const std::vector<float> window = film.numbers("cropwindow");
+    std::array<int, 4> part = {0, width, 0, height};
+    if (!bounds.empty()) {
+        if (bounds.size() != 4) film.fail("'pixelbounds' is four numbers: x0, x1, y0, y1");
+        for (int i = 0; i < 4; ++i) part[i] = std::clamp(bounds[i], 0, i < 2 ? width : height);
+    } else if (!window.empty()) {
+        if (window.size() != 4) film.fail("'cropwindow' is four numbers from 0 to 1: x0, x1, y0, y1");
+        for (int i = 0; i < 4; ++i)
+            part[i] = int(std::ceil((i < 2 ? width : height) * std::clamp(window[i], 0.f, 1.f)));
+    }
+    if (part[0] >= part[1] || part[2] >= part[3]) film.fail("there is nothing in its crop");
+    scene_.hints.width = part[1] - part[0], scene_.hints.height = part[3] - part[2];
+    film_size_ = {width, height};
+    crop_ = part;
+}
+
+void Reader::read_filter(const Parameters& filter)
+{
+    const std::string& type = filter.plugin();
+    const bool is_triangle = type == "triangle", is_gaussian = type == "gaussian";
+    const bool is_own = type == "box" || is_triangle || is_gaussian;
+    scene_.hints.filter = is_triangle ? "tent" : is_own ? type : "blackman-harris";
+    scene_.hints.filter_radius.reset();
+    if (!is_own) {
+        report(filter, "the filter is 'blackman-harris' here: none has negative parts");
+        filter.ignore({"xradius", "yradius", "B", "C", "tau"});
+    } else {
+        const double usual = is_triangle   ? 2
+                             : is_gaussian ? 1.5
+                                           : 0.5,
+                     x = filter.number("xradius", usual), y = filter.number("yradius", usual);
+        if (x != y) report(filter, "the filter is as wide along y as along x");
+        // What pbrt's Gaussian has beyond its radius, which here is four deviations, is next to nothing.
+        const double radius = is_gaussian ? 4 * filter.number("sigma", 0.5) : x;
+        if (!(radius > 0 && radius <= 64)) filter.fail("a filter reaches up to 64 pixels");
+        if (radius != (is_gaussian ? 2 : is_triangle ? 1 : 0.5)) scene_.hints.filter_radius = radius;
+    }
+    filter.finish(teller_);
+}
+
+void Reader::read_sampler(const Parameters& sampler)
+{
+    const int samples = sampler.plugin() == "stratified"
+                            ? sampler.integer("xsamples", 4) * sampler.integer("ysamples", 4)
+                            : sampler.integer("pixelsamples", 16);
+    scene_.hints.samples = std::clamp(samples, 1, 1 << 24);
+    // How samples are spread is Fathom's own matter.
+    sampler.ignore({"randomization", "seed", "jitter", "pixelsamples", "xsamples", "ysamples"});
+    sampler.finish(teller_);
+}
+
+void Reader::read_integrator(const Parameters& integrator)
+{
+    const std::string& type = integrator.plugin();
+    if (type != "path" && type != "volpath") report(integrator, "paths are traced instead");
+    scene_.hints.max_depth = std::max(0, integrator.integer("maxdepth", 5));
+    // What only the ways have that light is sampled by, or other methods, makes no difference to the picture.
+    if (type == "path" || type == "volpath") {
+        integrator.ignore({"lightsampler"});
+        if (integrator.boolean("regularize", false)) report(integrator, "'regularize' is left out");
+        integrator.finish(teller_);
+    }
+}
+
+void Reader::finish_camera()
+{
+    if (!scene_.hints.filter) scene_.hints.filter = "gaussian";
+    if (film_) read_film(*film_);
+    if (camera_) read_camera(*camera_);
+}
+
+/// What the crop shows of what the whole film does.
+std::array<double, 4> Reader::cropped(const std::array<double, 4>& window) const
+{
+    const auto x = [&](int at) { return std::lerp(window[0], window[1], double(at) / film_size_[0]); };
+    const auto y = [&](int at) { return std::lerp(window[3], window[2], double(at) / film_size_[1]); };
+    return {x(crop_[0]), x(crop_[1]), y(crop_[3]), y(crop_[2])};
+}
+
+void Reader::read_camera(const Parameters& of)
+{
+    const std::string& type = of.plugin();
+    const Transform& world = world_from_camera_;
+    const double determinant = world.determinant();
+    if (!std::isnormal(determinant)) of.fail("its transform flattens everything");
+    // pbrt's cameras have x to the right, y up and z forward, which is left-handed.
+    // Pictures of all directions are as seen in a mirror.
+    mirrored_ = (determinant > 0) != (type == "spherical");
+    const double said = of.number("frameaspectratio", 0);
+    const double aspect = said > 0 ? said : double(film_size_[0]) / film_size_[1];
+    if (said > 0) report(of, "'frameaspectratio' is taken for the view alone: the picture has the film's size");
+    const std::array<double, 4> window = cropped(screen(of, aspect));
+    const double width = window[1] - window[0], height = window[3] - window[2];
+    const double half_height = height / 2, scale = std::cbrt(std::abs(determinant));
+    Camera camera;
+    // By default the screen grows along the longer side; a window that is given stays as high as it is.
+    if (!of.has("screenwindow")) camera.fov_axis = FovAxis::smaller, camera.fov_aspect = width / height;
+    camera.shift_x = (window[0] + window[1]) / 2 / width, camera.shift_y = (window[2] + window[3]) / 2 / height;
+    camera.position = world.point({0, 0, 0});
+    camera.look_at = world.point({0, 0, 1});
+    camera.up = normalize(world.vector({0, 1, 0}));
+    if (type == "orthographic") {
+        camera.kind = CameraKind::orthographic;
+        camera.height = 2 * half_height * length(world.vector({0, 1, 0}));
+    } else if (type == "spherical") {
+        const std::string mapping = of.text("mapping", "equalarea");
+        if (mapping != "equalarea" && mapping != "equirectangular")
+            of.fail(fmt::format("'mapping' is 'equalarea' or 'equirectangular', not '{}'", printable(mapping)));
+        const bool equal = mapping == "equalarea";
+        camera.kind = equal ? CameraKind::equal_area : CameraKind::spherical;
+        camera.look_at = world.point(equal ? Vec3d{0, 0, -1} : Vec3d{-1, 0, 0});
+        camera.shift_x = camera.shift_y = 0;
+        if (crop_ != std::array<int, 4>{0, film_size_[0], 0, film_size_[1]})
+            report(of, "a crop of all directions is left out: all are in the picture");
+    } else if (type == "realistic") {
+        report(of, "the lens is taken as a thin one, of a film 35 mm across");
+        const double focus = of.number("focusdistance", 10) * scale;
+        camera.aperture = of.number("aperturediameter", 1) * 1e-3 * scale;
+        camera.focus_distance = focus;
+        // A lens of 50 mm, as the file of the lens is not read.
+        const double film_height = 0.035 / std::hypot(1, aspect) * (crop_[3] - crop_[2]) / film_size_[1];
+        camera.fov_y = 2 * std::atan(film_height / 2 / 0.050);
+        of.ignore({"lensfile", "aperture"});
+    } else {
+        const double fov = of.number("fov", 90) * degree;
+        if (!(fov > 0) || !(fov < std::numbers::pi)) of.fail("'fov' must be above 0 and below 180 degrees");
+        camera.fov_y = 2 * std::atan(std::tan(fov / 2) * half_height);
+        if (type != "perspective") {
+            report(of, "is not known: a perspective one instead");
+        }
+    }
+    if (type == "perspective" || type == "orthographic") {
+        const double radius = of.number("lensradius", 0);
+        if (radius > 0 && type == "orthographic") report(of, "the lens of an orthographic camera is left out");
+        if (type == "perspective") camera.aperture = 2 * radius * scale;
+        const double focus = of.number("focaldistance", 1e6);
+        camera.focus_distance = radius > 0 ? focus * scale : 0;
+    }
+    camera.shutter_open = of.number("shutteropen", 0);
+    camera.shutter_close = std::max(camera.shutter_open, of.number("shutterclose", 1));
+    of.finish(teller_);
+    scene_.cameras.push_back(camera);
+    Node node;
+    node.camera = int(scene_.cameras.size()) - 1;
+    scene_.roots.push_back(add_node(std::move(node)));
+}
+
+}  // namespace fathom::pbrt

@@ -1,0 +1,138 @@
+#pragma once
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "formats/io/input_window.h"
+#include "formats/io/text_scanner.h"
+#include "formats/ply/ply_header.h"
+
+namespace fathom {
+
+static_assert(std::endian::native == std::endian::little);
+
+/// The numbers of the body one after the other, whatever they are written as.
+class PlyBody {
+public:
+    /// window  at the body's beginning
+    PlyBody(const std::string& file, InputWindow& window, PlyFormat format, std::size_t first_line)
+        : file_(file), window_(window), format_(format), scan_(file, {}, first_line)
+    {
+    }
+
+    double number(PlyType type)
+    {
+        if (format_ == PlyFormat::ascii) {
+            const std::string_view word = next_word();
+            // Exact for 32-bit integers, which float would not be.
+            if (type != PlyType::f32 && type != PlyType::f64) {
+                std::int64_t value = 0;
+                const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+                if (error == std::errc() && end == word.data() + word.size()) return double(value);
+            }
+            return scan_.to_number(word);
+        }
+        const char* p = take(size_of(type));
+        switch (type) {
+            case PlyType::i8:
+                return load<std::int8_t>(p);
+            case PlyType::u8:
+                return load<std::uint8_t>(p);
+            case PlyType::i16:
+                return load<std::int16_t>(p);
+            case PlyType::u16:
+                return load<std::uint16_t>(p);
+            case PlyType::i32:
+                return load<std::int32_t>(p);
+            case PlyType::u32:
+                return load<std::uint32_t>(p);
+            case PlyType::f32:
+                return load<float>(p);
+            default:
+                return load<double>(p);
+        }
+    }
+    std::size_t list_length(PlyType type)
+    {
+        const double length = number(type);
+        if (!(length >= 0)) fail(fmt::format("a list of {} elements", length));
+        if (length > double(bytes_left()) + 1)
+            fail(fmt::format("a list of {} elements does not fit into the file", length));
+        return std::size_t(length);
+    }
+    void skip(const PlyProperty& property)
+    {
+        const std::size_t count = property.is_list ? list_length(property.count_type) : 1;
+        if (format_ == PlyFormat::ascii)
+            for (std::size_t i = 0; i < count; ++i) next_word();
+        else
+            for (std::size_t i = 0; i < count; ++i) take(size_of(property.type));
+    }
+
+    /// Bytes of a binary body, for loops of their own: at least so many if there are.
+    std::string_view peek(std::size_t least) { return window_.peek(least); }
+    /// The next ones, in one piece.
+    const char* take(std::size_t size)
+    {
+        const char* const data = window_.take(size);
+        if (!data) fail("the file ends too early");
+        return data;
+    }
+    std::uint64_t bytes_left() const { return window_.bytes_left() + (text_.end() - scan_.position()); }
+    bool is_native() const { return format_ == PlyFormat::little_endian; }
+
+    [[noreturn]] void fail(const std::string& message) const
+    {
+        if (format_ == PlyFormat::ascii) scan_.fail(message);
+        throw Error(file_, "", message);
+    }
+
+private:
+    std::string_view next_word()
+    {
+        for (;;) {
+            const std::string_view word = scan_.word_of_any_line();
+            if (!word.empty()) return word;
+            next_text();
+        }
+    }
+    /// Up to a blank: words stay whole.
+    void next_text()
+    {
+        std::string_view text = window_.peek(1);
+        std::size_t size = blank_end(text);
+        while (size == 0 && !text.empty()) {
+            // A word that is longer than the window.
+            const std::size_t before = text.size();
+            text = window_.peek(2 * before < window_.bytes_left() ? 2 * before : std::size_t(window_.bytes_left()));
+            size = text.size() == before ? before : blank_end(text);
+        }
+        if (size == 0) scan_.fail("the file ends too early");
+        text_ = text.substr(0, size);
+        window_.pass(size);
+        scan_ = TextScanner(file_, text_, scan_.line());
+    }
+    static std::size_t blank_end(std::string_view text) { return text.find_last_of(" \n\t\r\v\f") + 1; }
+
+    template <class T>
+    T load(const char* p) const
+    {
+        char bytes[sizeof(T)];
+        std::memcpy(bytes, p, sizeof(T));
+        if (format_ == PlyFormat::big_endian) std::reverse(bytes, bytes + sizeof(T));
+        T value;
+        std::memcpy(&value, bytes, sizeof(T));
+        return value;
+    }
+
+    const std::string& file_;
+    InputWindow& window_;
+    PlyFormat format_;
+    std::string_view text_;  ///< what is being scanned
+    TextScanner scan_;
+};
+
+}  // namespace fathom

@@ -1,0 +1,58 @@
+#include "formats/ply/ply_colors.h"
+
+#include <algorithm>
+
+namespace fathom {
+
+namespace {
+
+/// 0 to 3 of "r" or "red", ...; -1 of other words.
+int rgba_channel(std::string_view word)
+{
+    constexpr std::string_view names[4][2] = {{"r", "red"}, {"g", "green"}, {"b", "blue"}, {"a", "alpha"}};
+    for (int c = 0; c < 4; ++c)
+        for (const std::string_view name : names[c])
+            if (word == name) return c;
+    return -1;
+}
+
+/// What follows "prefix_" if it is one of the letters; 0 of other names.
+char letter_after(std::string_view name, std::string_view prefix, std::string_view letters)
+{
+    const bool has_prefix = name.size() == prefix.size() + 2 && name.starts_with(prefix) && name[prefix.size()] == '_';
+    return has_prefix && letters.find(name.back()) != std::string_view::npos ? name.back() : '\0';
+}
+
+/// What the channels of `color` are called: `red`, or `diffuse_red` where there is no such.
+std::string_view color_prefix(const PlyElement& element)
+{
+    const auto is_color = [](const PlyProperty& p) { return !p.is_list && rgba_channel(p.name) >= 0; };
+    return std::any_of(element.properties.begin(), element.properties.end(), is_color) ? "" : "diffuse_";
+}
+
+}  // namespace
+
+std::vector<PlyChannel> channels_of(const PlyElement& element, std::string_view attribute)
+{
+    constexpr std::string_view color_end = "_color";
+    const std::string_view of_letters =
+        attribute.ends_with(color_end) ? attribute.substr(0, attribute.size() - color_end.size()) : std::string_view();
+    const std::string_view prefix = color_prefix(element);
+    std::vector<PlyChannel> channels;
+    int next = 0;  // whether numbers begin with 0 or with 1
+    for (const PlyProperty& p : element.properties) {
+        PlyChannel& channel = channels.emplace_back();
+        if (p.is_list) continue;
+        const std::string_view name = p.name;
+        if (attribute == "color" && name.starts_with(prefix))
+            channel = {rgba_channel(name.substr(prefix.size())), true};
+        if (channel.index >= 0) continue;
+        if (letter_after(p.name, attribute, "xyzw01234"))
+            channel = {next < 4 ? next++ : -1, false};
+        else if (const char letter = letter_after(p.name, of_letters, "rgba"); letter && !of_letters.empty())
+            channel = {rgba_channel({&letter, 1}), false};
+    }
+    return channels;
+}
+
+}  // namespace fathom

@@ -1,0 +1,50 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/ply/ply.h"
+
+namespace fathom {
+
+/// Makes triangles of the polygons and strips of a PLY file. Elements may stand in any order: those that come before
+/// the vertices are kept until the vertices are there.
+class PlyFaces {
+public:
+    using Corners = std::vector<std::int64_t>;
+
+    /// file  for messages
+    PlyFaces(const std::string& file, PlyData& data) : file_(file), data_(data) {}
+
+    /// face   its number among the faces, for messages
+    /// color  null: none is given
+    void add_polygon(const Corners& corners, std::size_t face, const Vec4f* color);
+    /// A strip of triangles; -1 begins a new one.
+    void add_strip(const Corners& corners, std::size_t strip);
+    /// To be called when the vertices have been read, and at the end of the file.
+    void vertices_are_there();
+    bool is_waiting() const { return is_waiting_; }
+
+    /// Throws Error unless there is a vertex of this number.
+    void check_index(std::int64_t index, std::size_t face) const;
+
+private:
+    struct Waiting {
+        std::size_t first_corner, face;
+        Vec4f color;
+        bool has_color, is_strip;
+    };
+
+    void wait(const Corners& corners, const Waiting& face);
+    void triangulate_polygon(const Corners& corners, std::size_t face);
+
+    const std::string& file_;
+    PlyData& data_;
+    bool is_waiting_ = true;
+    std::vector<Waiting> waiting_;
+    Corners waiting_corners_;
+    std::vector<Vec3f> points_;
+    std::vector<std::uint32_t> triangles_;
+};
+
+}  // namespace fathom

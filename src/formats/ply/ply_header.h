@@ -1,0 +1,42 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "formats/io/input_window.h"
+
+namespace fathom {
+
+enum class PlyType { i8, u8, i16, u16, i32, u32, f32, f64 };
+enum class PlyFormat { ascii, little_endian, big_endian };
+
+std::size_t size_of(PlyType type);
+
+struct PlyProperty {
+    std::string name;
+    PlyType type = PlyType::f32;
+    bool is_list = false;
+    PlyType count_type = PlyType::u8;
+};
+
+struct PlyElement {
+    std::string name;
+    std::size_t count = 0;
+    std::vector<PlyProperty> properties;
+
+    /// Bytes that one takes in a binary file at least: lists may be empty.
+    std::size_t min_size() const;
+    bool has_lists() const;
+};
+
+struct PlyHeader {
+    PlyFormat format = PlyFormat::ascii;
+    std::vector<PlyElement> elements;
+    std::size_t lines = 0;
+};
+
+/// Reads up to where the body begins. Throws Error that names the line.
+PlyHeader read_ply_header(const std::string& file, InputWindow& window);
+
+}  // namespace fathom

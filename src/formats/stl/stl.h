@@ -1,0 +1,17 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "formats/common/importer.h"
+
+namespace fathom {
+
+/// Reads STL, ASCII and binary. Corners at the same place become one vertex; the normals in the file are not used, as
+/// the order of the corners says the same.
+SceneDescription read_stl(const std::filesystem::path& file, const std::string& bytes, LoadContext& context);
+
+inline constexpr Importer stl_importer{
+    [](const SourceFile& f) { return f.extension == ".stl"; },
+    [](const SourceFile& f, LoadContext& context) { return read_stl(f.path, f.bytes(), context); }, false, true, "STL"};
+
+}  // namespace fathom

@@ -1,0 +1,66 @@
+#pragma once
+#include <algorithm>
+#include <vector>
+
+#include "geometry/bvh/builder/items.h"
+#include "geometry/bvh/layout/data.h"
+
+namespace fathom::bvh {
+
+/// The largest of what building took at its stages.
+struct Peak {
+    std::size_t bytes = 0;
+    void track_peak(std::size_t now) { bytes = std::max(bytes, now); }
+};
+
+/// Builds the tree of some tables, and later those parts of it again that have changed.
+class BvhBuilder {
+public:
+    BvhBuilder(const GeometryTables& tables, BvhData& tree, TreeBuild level)
+        : tables_(tables), tree_(tree), level_(level)
+    {
+    }
+
+    void build();
+    /// See Bvh::update. False if too much lies about in the tree that is no longer used: then it is to be built anew.
+    bool update(const std::vector<std::uint32_t>& changed);
+    TreeBuild level() const { return level_; }
+
+private:
+    /// A tree of its own within the arrays.
+    struct Part {
+        std::uint32_t root = 0;
+        MovingBox box;
+        int depth = 0;
+        bool empty = true;
+    };
+    struct Mesh {
+        std::size_t first_triangle = 0;
+        int depth = 0;
+    };
+    struct Place {
+        std::size_t node = 0, other = 0;
+    };
+
+    std::vector<std::uint32_t> find_meshes();
+    void add_mesh(std::uint32_t shape, TreeBuild level);
+    std::size_t max_triangles_in(std::uint32_t shape) const;
+    template <class MakeList>
+    Part add_part(const MakeList& make_list, TreeBuild level);
+    void add_movable();
+    Part join(const Part& a, const Part& b);
+    std::size_t leaves_bytes() const;
+
+    const GeometryTables& tables_;
+    BvhData& tree_;
+    const TreeBuild level_;
+    std::vector<Mesh> meshes_;  ///< by shape
+    std::vector<MovingBox> boxes_;
+    Part still_;              ///< what stands in the world and is not movable
+    Place begin_of_movable_;  ///< where what is behind the tree of it begins in the arrays
+    Place most_;              ///< how far that may be moved by meshes that are built again
+    std::size_t next_triangle_ = 0;
+    Peak peak_;
+};
+
+}  // namespace fathom::bvh

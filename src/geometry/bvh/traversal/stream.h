@@ -1,0 +1,583 @@
+#pragma once
+/// Some dozen rays at once through the tree, each on its own way.
+///
+/// A ray alone waits: for memory, for the long chain of instructions from a node to the next, for mispredicted
+/// branches. Here a wave takes each ray one node further, without a branch that depends on the ray; in large trees the
+/// next wave's nodes are fetched meanwhile. Rays that have come to a leaf wait for the wave of leaves. Each ray visits
+/// what it would visit alone in the same order.
+#include <array>
+#include <iterator>
+#include <utility>
+
+#include "geometry/bvh/builder/boxes.h"
+#include "geometry/bvh/layout/indexed.h"
+#include "geometry/bvh/traversal/hits.h"
+#include "geometry/bvh/traversal/leaves.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+/// moving  whether anything in the scene does; streams through others don't ask
+template <bool any_hit, bool moving>
+class Stream {
+public:
+    Stream(const BvhData& bvh, StreamMemory& memory)
+        : bvh_(bvh),
+          far_(bvh.far),
+          has_meshes_(!bvh.meshes.empty()),
+          memory_(memory),
+          stride_((std::size_t(bvh.stack_size) + line_words - 1) / line_words * line_words)
+    {
+        memory.packet_stack.resize(std::max(memory.packet_stack.size(), stride_));
+        memory.stacks.resize(std::max(memory.stacks.size(), stream_size * words_of_a_ray() + line_words));
+        const std::size_t past =
+            reinterpret_cast<std::uintptr_t>(memory.stacks.data()) / sizeof(std::uint32_t) % line_words;
+        stacks_ = memory.stacks.data() + (line_words - past) % line_words;
+    }
+
+    /// A ray of memory.world, from the root on.
+    void begin(int ray)
+    {
+        add(ray);
+        queue(ray, bvh_.root, next_.n);
+    }
+    /// Leaves a part of the tree for later, of whose box t is the distance; false if there is no more room.
+    bool defer(int ray, std::uint32_t reference, float t)
+    {
+        if (!is_known(ray)) add(ray);
+        if (size(ray) > bvh_deferred) return false;
+        push(ray, reference, t);
+        waiting_ |= RayMask(1) << ray;
+        return true;
+    }
+    /// The ray goes on in what an instance places, until it comes to the end put on its stack here.
+    void enter(int ray, std::uint32_t instance, const float* prepared_there)
+    {
+        if (!is_known(ray)) add(ray);
+        states_[ray].prepared = prepared_there;
+        states_[ray].instance = instance;
+        push(ray, end, -infinity);
+    }
+    /// Rays of which something was deferred since they were last started.
+    RayMask waiting() const { return waiting_; }
+    /// What was deferred and is not out of reach by now is to be visited, the last first.
+    void start(int ray)
+    {
+        waiting_ &= ~(RayMask(1) << ray);
+        if (!any_hit) remove_beyond(ray, memory_.hits.t[ray]);
+        pop(ray, next_.n);
+    }
+
+    /// Rays that have been traced may be deferred again, in the world.
+    void forget(RayMask rays) { known_ &= ~rays; }
+
+    /// Tests a leaf of triangles there and then; true if something in it is the nearest so far.
+    bool meet(int ray, std::uint32_t reference)
+    {
+        if (!is_known(ray)) add(ray);
+        states_[ray].reference = reference;
+        const int n = triangle_count(reference);
+        memory_.visits.primitives += std::uint64_t(n);
+        bool found = false;
+        for (int at = 0; at < n && !(any_hit && found); at += lanes) {
+            const TriangleIntersections triangles = weigh(ray, at);
+            if (any(triangles.weights.inside)) found |= take_triangles(ray, at, triangles);
+        }
+        return found;
+    }
+
+    /// Traces all that were started; memory.hits are set where something was hit.
+    void run()
+    {
+        while (next_.n > 0) {
+            sort();
+            visit_nodes();
+            if constexpr (lanes == bvh_width) {
+                for (int i = 0; i < std::min(leaf_wave, now_.n.leaves); ++i) fetch_leaf(now_.leaf[i]);
+                if (any_hit && !bvh_.has_alpha) {
+                    visit_leaves_for_any();
+                } else {
+                    for (int i = 0; i < now_.n.leaves; i += leaf_wave)
+                        visit_leaves(i, std::min(i + leaf_wave, now_.n.leaves));
+                }
+            } else {
+                for (int i = 0; i < now_.n.leaves; ++i) visit_leaf(int(now_.leaf[i]));
+            }
+            if (now_.n.others > 0) visit_others();
+        }
+    }
+
+private:
+    static constexpr std::uint32_t end = BvhReference::others(BvhReference::end, 0);
+    /// So many leaves are met at a time; also, how many leaves earlier one is fetched.
+    static constexpr int leaf_wave = 8;
+    /// How many rays earlier a node is fetched: later is too late, earlier crowds the queues of the processor.
+    static constexpr int ahead = 4;
+
+    /// Words of a cache line. Stacks begin with a line, so that few lines hold what is on them, and lie an odd number
+    /// of lines apart: at powers of two they would drive each other out of the cache.
+    static constexpr std::size_t line_words = 16;
+
+    struct Counts {
+        int nodes = 0, leaves = 0, others = 0;
+    };
+    /// Numbers of rays; writers may fill a register.
+    using RayList = std::uint32_t[stream_size + lanes];
+    struct Queues {
+        Counts n;
+        RayList node, leaf, other;
+    };
+    /// Rays that go on, and to what.
+    struct NextVisits {
+        int n = 0;
+        RayList ray, reference;
+    };
+
+    /// Sends the rays that go on to the queue of what they visit, many at a time.
+    void sort()
+    {
+        Counts n;
+        for (int i = 0; i < next_.n; i += lanes) {
+            const UInt ray = load(next_.ray + i), reference = load(next_.reference + i), kind = reference >> 29;
+            // Outside of instances the end of a ray's stack is its end.
+            const Mask goes_on = first_lanes(std::size_t(next_.n - i)) & (has_meshes_ | (reference != UInt(end)));
+            const Mask node = kind == UInt(0u), leaf = less(UInt(2u), kind), other = goes_on & !(node | leaf);
+            const auto put = [&](RayList& list, int& size, Mask m) {
+                compress_store(list + size, ray, m);
+                size += count(m);
+            };
+            put(now_.node, n.nodes, goes_on & node);
+            put(now_.leaf, n.leaves, goes_on & leaf);
+            if (any(other)) put(now_.other, n.others, other);
+        }
+        now_.n = n;
+        next_.n = 0;
+    }
+
+    /// Where a ray is.
+    struct State {
+        const float* prepared;  ///< of memory.world or, within an instance, of memory.object
+        std::uint32_t* top;     ///< of the references on its stack; their distances are stride_ further
+        std::uint32_t reference, instance;
+        std::uint32_t* bottom;
+    };
+
+    /// A ray that has nowhere to go yet.
+    void add(int ray)
+    {
+        std::uint32_t* const bottom = stacks_ + std::size_t(ray) * words_of_a_ray();
+        states_[ray] = {&memory_.world[ray / lanes].f[0][ray % lanes], bottom, end, no_index, bottom};
+        push(ray, end, -infinity);
+        known_ |= RayMask(1) << ray;
+        waiting_ &= ~(RayMask(1) << ray);
+    }
+    std::size_t words_of_a_ray() const { return 2 * stride_ + line_words; }
+    bool is_known(int ray) const { return known_ >> ray & 1; }
+
+    PreparedRay prepared(int ray) const { return {states_[ray].prepared}; }
+    BvhStack stack(int ray) const { return {states_[ray].bottom, distances(states_[ray].bottom)}; }
+    float* distances(std::uint32_t* references) const { return reinterpret_cast<float*>(references + stride_); }
+    int size(int ray) const { return int(states_[ray].top - states_[ray].bottom); }
+    void push(int ray, std::uint32_t reference, float t)
+    {
+        std::uint32_t* const top = states_[ray].top++;
+        *top = reference;
+        *distances(top) = t;
+    }
+    void remove_beyond(int ray, float t) { states_[ray].top = states_[ray].bottom + filter(stack(ray), size(ray), t); }
+
+    std::size_t node_of(int ray) const
+    {
+        return moving ? BvhReference::node(states_[ray].reference) : states_[ray].reference;
+    }
+
+    /// Brings what a ray is about to read into the cache.
+    [[gnu::always_inline]] void fetch_node(int ray) const
+    {
+        if (!far_) return;
+        const char* const p = reinterpret_cast<const char*>(&bvh_.nodes[node_of(ray)]);
+        for (int line = 0; line < 8; ++line) __builtin_prefetch(p + 64 * line);
+        if (moving && BvhReference::is_moving(states_[ray].reference))
+            for (int line = 8; line < 14; ++line) __builtin_prefetch(p + 64 * line);
+    }
+    [[gnu::always_inline]] void fetch_other(int ray) const
+    {
+        if (!far_) return;
+        const std::uint32_t reference = states_[ray].reference;
+        if (BvhReference::other_kind(reference) == BvhReference::end) return;
+        const bool placed = BvhReference::other_kind(reference) == BvhReference::instance;
+        const std::size_t place = BvhReference::place(reference);
+        const auto* const p = placed ? reinterpret_cast<const char*>(&bvh_.tables->instances[place])
+                                     : reinterpret_cast<const char*>(&bvh_.others[place * BvhLeaf::unit]);
+        for (int line = 0; line < (placed ? 1 : 10); ++line) __builtin_prefetch(p + 64 * line);
+    }
+    [[gnu::always_inline]] void fetch_leaf(int ray) const
+    {
+        if (!far_) return;
+        const std::uint32_t reference = states_[ray].reference;
+        const auto* const p = is_indexed(reference)
+                                  ? reinterpret_cast<const char*>(indexed_leaf(reference).words)
+                                  : reinterpret_cast<const char*>(
+                                        &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(reference))]);
+        for (int line = 0; line < 6; ++line) __builtin_prefetch(p + 64 * line);
+    }
+
+    /// Notes what a ray does next; without effect unless really is 1, to spare a branch.
+    [[gnu::always_inline]] void queue(int ray, std::uint32_t reference, int& n, int really = 1)
+    {
+        states_[ray].reference = reference;
+        next_.ray[n] = std::uint32_t(ray);
+        next_.reference[n] = reference;
+        n += really;
+    }
+
+    [[gnu::always_inline]] void pop(int ray, int& n, int really = 1)
+    {
+        queue(ray, *(states_[ray].top -= really), n, really);
+    }
+
+    void visit_nodes()
+    {
+        memory_.visits.nodes += std::uint64_t(now_.n.nodes);
+        for (int i = 0; i < now_.n.nodes; ++i) {
+            fetch_node(int(now_.node[std::min(i + ahead, now_.n.nodes - 1)]));
+            visit_node(int(now_.node[i]));
+        }
+        // Apart, as leaves are: what was just put on a stack is not to be had at once.
+        int n = next_.n;
+        for (int i = 0; i < now_.n.nodes; ++i) pop(int(now_.node[i]), n);
+        next_.n = n;
+    }
+
+    [[gnu::always_inline]] void visit_node(int ray)
+    {
+        const PreparedRay r = prepared(ray);
+        const BvhNode& node = bvh_.nodes[node_of(ray)];
+        if constexpr (moving)
+            if (BvhReference::is_moving(states_[ray].reference)) return visit_moving_node(ray, r, node);
+        const BoxDistances box = distances_to(node, r, Float(memory_.hits.t[ray]));
+        std::uint32_t*& top = states_[ray].top;
+        const BvhStack above{top, distances(top)};
+        top += any_hit ? push_any(above, 0, node, box)
+                       : push_in_order(above, 0, node.child, node.order[r.integer(PreparedRays::octant)], box);
+    }
+
+    /// The same for boxes that move.
+    [[gnu::noinline]] void visit_moving_node(int ray, const PreparedRay& r, const BvhNode& node)
+    {
+        const BoxDistances box =
+            distances_to_moving(node, r, Float(memory_.times.shutter[ray]), Float(memory_.hits.t[ray]));
+        std::uint32_t*& top = states_[ray].top;
+        const BvhStack above{top, distances(top)};
+        const std::uint32_t* order = node.order[r.integer(PreparedRays::octant)];
+        top += any_hit ? push_any(above, 0, node, box) : push_in_order(above, 0, node.child, order, box);
+    }
+
+    /// Leaves of triangles, of either kind.
+    static bool is_indexed(std::uint32_t leaf) { return BvhReference::is_indexed_triangles(leaf); }
+    IndexedLeaf indexed_leaf(std::uint32_t reference) const { return bvh_.indexed_leaf(reference); }
+    int triangle_count(std::uint32_t leaf) const { return bvh_.triangle_count(leaf); }
+    BvhKey triangle_key(std::uint32_t leaf, int i) const
+    {
+        return is_indexed(leaf) ? indexed_leaf(leaf).ids()[i]
+                                : bvh_.keys[BvhReference::first_triangle(leaf) + std::uint32_t(i)];
+    }
+    /// As in RayHits::what.
+    std::uint32_t name_of(std::uint32_t leaf, int i) const
+    {
+        return is_indexed(leaf) ? triangle_key(leaf, i)
+                                : hit_is_index | (BvhReference::first_triangle(leaf) + std::uint32_t(i));
+    }
+
+    [[gnu::always_inline]] TriangleIntersections weigh(int ray, int at) const
+    {
+        const std::uint32_t leaf = states_[ray].reference;
+        if (!is_indexed(leaf)) return intersect_triangles(bvh_, leaf, at, prepared(ray));
+        const std::uint32_t key = moving ? memory_.times.key[ray] : 0;
+        const float fraction = moving ? memory_.times.fraction[ray] : 0;
+        return intersect_triangles<moving>(indexed_leaf(leaf), key, fraction, at, prepared(ray));
+    }
+
+    /// What a ray meets can't be foreseen, so there is no branch on it. In steps: a ray's way through all of them
+    /// is long, as one waits for the other, and in each the processor has more rays at hand.
+    void visit_leaves(int first, int last)
+    {
+        TriangleDistances to[leaf_wave];
+        std::uint8_t found[leaf_wave];
+        int triangles = 0;
+        int n = next_.n;
+        for (int i = first; i < last; ++i) {
+            const int ray = int(now_.leaf[i]);
+            fetch_leaf(now_.leaf[std::min(i + leaf_wave, now_.n.leaves - 1)]);
+            triangles += triangle_count(states_[ray].reference);
+            to[i - first] = distances_to_triangles(ray, weigh(ray, 0));
+        }
+        // Half of the leaves have nothing for their ray: those that have are listed, since a branch would be foreseen
+        // badly.
+        std::uint32_t nearer[leaf_wave];
+        int nearer_count = 0;
+        for (int i = first; i < last; ++i) {
+            found[i - first] = note_nearest(int(now_.leaf[i]), to[i - first]);
+            nearer[nearer_count] = now_.leaf[i];
+            nearer_count += found[i - first];
+        }
+        if (!any_hit)
+            for (int i = 0; i < nearer_count; ++i) remove_beyond(int(nearer[i]), memory_.hits.t[nearer[i]]);
+        for (int i = first; i < last; ++i) pop(int(now_.leaf[i]), n, any_hit ? 1 - found[i - first] : 1);
+        memory_.visits.primitives += std::uint64_t(triangles);
+        next_.n = n;
+    }
+
+    /// The same where any hit will do, and all that is asked of a leaf is one bit: at once takes a fifth less time.
+    void visit_leaves_for_any()
+    {
+        std::uint8_t found[stream_size];
+        int triangles = 0;
+        int n = next_.n;
+        for (int i = 0; i < now_.n.leaves; ++i) {
+            const int ray = int(now_.leaf[i]);
+            fetch_leaf(now_.leaf[std::min(i + leaf_wave, now_.n.leaves - 1)]);
+            triangles += triangle_count(states_[ray].reference);
+            found[i] = any(blockers(ray, weigh(ray, 0)));
+        }
+        for (int i = 0; i < now_.n.leaves; ++i) {
+            const int ray = int(now_.leaf[i]);
+            memory_.hits.what[ray] = found[i] ? 0 : memory_.hits.what[ray];
+            pop(ray, n, 1 - found[i]);
+        }
+        memory_.visits.primitives += std::uint64_t(triangles);
+        next_.n = n;
+    }
+
+    struct TriangleDistances {
+        Float t, u, v;
+        Mask hit;
+    };
+    /// Of a ray to what it passes through.
+    [[gnu::always_inline]] TriangleDistances distances_to_triangles(int ray, const TriangleIntersections& weighed) const
+    {
+        const Float t_max(memory_.hits.t[ray]), shear_z(prepared(ray).number(PreparedRays::shear_z));
+        TriangleDistances to;
+        to.hit = triangle_distance(weighed.weights, shear_z, weighed.corners_z, t_max, to.t, to.u, to.v);
+        if (any_hit) to.hit &= to.t < t_max;
+        return to;
+    }
+
+    /// The triangles that stop a ray.
+    [[gnu::always_inline]] Mask blockers(int ray, const TriangleIntersections& weighed) const
+    {
+        const Float shear_z(prepared(ray).number(PreparedRays::shear_z));
+        return weighed.weights.inside &
+               UndividedHits(weighed.weights, shear_z, weighed.corners_z).before(Float(memory_.hits.t[ray]));
+    }
+
+    /// Notes the nearest hit on a leaf of as many triangles as there are lanes at most; whether there is one.
+    [[gnu::always_inline]] bool note_nearest(int ray, const TriangleDistances& to)
+    {
+        RayHits& hits = memory_.hits;
+        const std::uint32_t met = mask_bits(to.hit);
+        const float t = first_of(to.t, to.hit);
+        if (bvh_.has_alpha || (met & (met - 1)) != 0 || t == hits.t[ray]) return note_nearest_of_some(ray, to);
+        // What isn't there is noted where nobody looks.
+        const int at = met != 0 ? ray : RayHits::nowhere;
+        const int lane = std::countr_zero(met | 1u << (lanes - 1));
+        hits.set(at, t, first_of(to.u, to.hit), first_of(to.v, to.hit), name_of(states_[ray].reference, lane),
+                 states_[ray].instance);
+        return met != 0;
+    }
+
+    /// The same where several triangles are met, as the two sides of a thin thing, where there is a tie, or a hit is to
+    /// be asked for.
+    [[gnu::noinline]] bool note_nearest_of_some(int ray, TriangleDistances to)
+    {
+        const std::uint32_t leaf = states_[ray].reference, least = min_lanes(to.hit, to.t);
+        const Mask nearest = mask_from_bits(least);
+        const float t = first_of(to.t, nearest);
+        if (least == 0) return false;
+        if (bvh_.has_alpha || !std::has_single_bit(least) || t == memory_.hits.t[ray])
+            return take(ray, to.hit, to.t, to.u, to.v, [&](int lane) { return triangle_key(leaf, lane); });
+        memory_.hits.set(ray, t, first_of(to.u, nearest), first_of(to.v, nearest),
+                         name_of(leaf, std::countr_zero(least)), states_[ray].instance);
+        return true;
+    }
+
+    /// The same where lanes are few.
+    void visit_leaf(int ray) { go_on(ray, meet(ray, states_[ray].reference)); }
+
+    [[gnu::always_inline]] bool take_triangles(int ray, int at, const TriangleIntersections& weighed)
+    {
+        if (any_hit && !bvh_.has_alpha) {
+            if (none(blockers(ray, weighed))) return false;
+            memory_.hits.what[ray] = 0;
+            return true;
+        }
+        const auto [t, u, v, m] = distances_to_triangles(ray, weighed);
+        if (none(m)) return false;
+        return take(ray, m, t, u, v, [&](int lane) { return triangle_key(states_[ray].reference, at + lane); });
+    }
+
+    /// After a leaf: away with what lies beyond a new hit, and on.
+    void go_on(int ray, bool found)
+    {
+        if (found && any_hit) return;
+        if (found) remove_beyond(ray, memory_.hits.t[ray]);
+        pop(ray, next_.n);
+    }
+
+    /// The hits of some lanes, one by one; true if one of them is the nearest so far.
+    template <class Key>
+    bool take(int ray, Mask m, Float t, Float u, Float v, const Key& key_of)
+    {
+        alignas(64) float ts[lanes], us[lanes], vs[lanes];
+        store(ts, t), store(us, u), store(vs, v);
+        bool found = false;
+        RayHits& hits = memory_.hits;
+        for_each_active(m, [&](int lane) {
+            const BvhKey key = key_of(lane);
+            if (!hits.loses_to(bvh_, ray, ts[lane], us[lane], key, states_[ray].instance)) return;
+            if (bvh_.has_alpha &&
+                !passes_alpha(bvh_, memory_, ray, key, states_[ray].instance, ts[lane], us[lane], vs[lane]))
+                return;
+            hits.set(ray, ts[lane], us[lane], vs[lane], key, states_[ray].instance);
+            found = true;
+        });
+        return found;
+    }
+
+    [[gnu::noinline]] void visit_others()
+    {
+        for (int i = 0; i < std::min(ahead, now_.n.others); ++i) fetch_other(int(now_.other[i]));
+        RayList entering;
+        int n = 0;
+        for (int i = 0; i < now_.n.others; ++i) {
+            fetch_other(int(now_.other[std::min(i + ahead, now_.n.others - 1)]));
+            const int ray = int(now_.other[i]);
+            if (!moving || BvhReference::other_kind(states_[ray].reference) != BvhReference::instance) {
+                visit_other(ray);
+                continue;
+            }
+            entering[n++] = std::uint32_t(ray);
+            if (n == lanes) enter_instances(entering, std::exchange(n, 0));
+        }
+        if (n > 0) enter_instances(entering, n);
+    }
+
+    void visit_other(int ray)
+    {
+        const std::uint32_t reference = states_[ray].reference;
+        switch (BvhReference::other_kind(reference)) {
+            case BvhReference::instance:
+                return enter_instance(ray, BvhReference::place(reference));
+            case BvhReference::end:
+                if (states_[ray].instance != no_index) leave_instance(ray);
+                return;
+            default:
+                return go_on(ray, visit_other_leaf(ray, BvhReference::other_kind(reference)));
+        }
+    }
+
+    bool visit_other_leaf(int ray, BvhReference::Kind kind)
+    {
+        const BvhLeaf leaf{&bvh_.others[std::size_t(BvhReference::place(states_[ray].reference)) * BvhLeaf::unit]};
+        const GeometryTables& tables = *bvh_.tables;
+        memory_.visits.primitives += std::uint64_t(leaf.count());
+        /// Hits on primitives whose numbers are first + factor times those in the leaf.
+        const auto offer_keys = [&](std::uint32_t first, std::uint32_t factor) {
+            return [this, ray, leaf, first, factor](int at, Mask m, Float t, Float u, Float v) {
+                const Float nearest(memory_.hits.t[ray]);
+                m &= any_hit ? t < nearest : t <= nearest;
+                if (none(m)) return false;
+                return take(ray, m, t, u, v, [&](int lane) { return first + factor * leaf.ids()[at + lane]; });
+            };
+        };
+        LeafRay r(prepared(ray), states_[ray].instance != no_index);
+        if constexpr (moving) r.key = memory_.times.key[ray], r.fraction = memory_.times.fraction[ray];
+        switch (kind) {
+            case BvhReference::spheres:
+                return intersect_spheres<any_hit>(tables, leaf, r, offer_keys(2 * tables.first_sphere(), 2));
+            case BvhReference::disks:
+                return intersect_disks<any_hit>(tables, leaf, r, offer_keys(2 * tables.first_disk(), 2));
+            case BvhReference::curves:
+                return intersect_curves<any_hit, false, moving>(tables, leaf, r,
+                                                                offer_keys(2 * tables.first_curve(), 2));
+            case BvhReference::ribbons:
+                return intersect_curves<any_hit, true, moving>(tables, leaf, r,
+                                                               offer_keys(2 * tables.first_curve(), 2));
+            default:
+                return intersect_points<any_hit>(leaf, r, offer_keys(2 * tables.first_point(), 2));
+        }
+    }
+
+    /// The ray goes on in the mesh's space, until it comes to the end put on its stack here.
+    void enter_instance(int ray, std::uint32_t index)
+    {
+        const InstanceRecord& placed = bvh_.tables->instances[index];
+        const BvhData::Mesh& mesh = bvh_.meshes[placed.mesh_shape];
+        const PreparedRay r = prepared(ray);
+        const Affine to_object = object_from_render(*bvh_.tables, placed, Float(0.f));
+        const Vec3 o = to_object.point(r.vector(PreparedRays::origin_x));
+        const Vec3 d = to_object.vector(r.vector(PreparedRays::direction_x));
+        PreparedRays inner;
+        inner.prepare(o, d, Float(memory_.hits.t[ray]), Float(r.number(PreparedRays::time)), mesh.radius);
+        PreparedRays& object = memory_.object[ray / lanes];
+        for (int field = 0; field < PreparedRays::field_count; ++field)
+            object.f[field][ray % lanes] = inner.f[field][0];
+        enter(ray, index, &object.f[0][ray % lanes]);
+        queue(ray, mesh.root, next_.n);
+    }
+
+    /// The same where instances may move, which takes much work: as many rays at a time as there are lanes.
+    [[gnu::noinline]] void enter_instances(const std::uint32_t* rays, int count)
+    {
+        constexpr int copied[] = {PreparedRays::origin_x,    PreparedRays::origin_y,    PreparedRays::origin_z,
+                                  PreparedRays::direction_x, PreparedRays::direction_y, PreparedRays::direction_z,
+                                  PreparedRays::time};
+        alignas(64) float in[std::size(copied)][lanes] = {}, t_max[lanes] = {}, radius[lanes] = {};
+        alignas(64) std::uint32_t index[lanes] = {};
+        for (int i = 0; i < count; ++i) {
+            const PreparedRay r = prepared(rays[i]);
+            for (std::size_t k = 0; k < std::size(copied); ++k) in[k][i] = r.number(copied[k]);
+            t_max[i] = memory_.hits.t[rays[i]];
+            index[i] = BvhReference::place(states_[rays[i]].reference);
+            radius[i] = mesh_of(index[i]).radius;
+        }
+        const Float time = load(in[6]);
+        const Affine to_object = object_from_render(*bvh_.tables, load(index), time, first_lanes(std::size_t(count)));
+        PreparedRays inner;
+        inner.prepare(to_object.point(load_vec3(in[0], in[1], in[2])), to_object.vector(load_vec3(in[3], in[4], in[5])),
+                      load(t_max), time, load(radius));
+        for (int i = 0; i < count; ++i) {
+            const int ray = int(rays[i]);
+            PreparedRays& object = memory_.object[ray / lanes];
+            for (int field = 0; field < PreparedRays::field_count; ++field)
+                object.f[field][ray % lanes] = inner.f[field][i];
+            enter(ray, index[i], &object.f[0][ray % lanes]);
+            queue(ray, mesh_of(index[i]).root, next_.n);
+        }
+    }
+    const BvhData::Mesh& mesh_of(std::uint32_t instance) const
+    {
+        return bvh_.meshes[bvh_.tables->instances[instance].mesh_shape];
+    }
+
+    void leave_instance(int ray)
+    {
+        states_[ray].prepared = &memory_.world[ray / lanes].f[0][ray % lanes];
+        states_[ray].instance = no_index;
+        pop(ray, next_.n);
+    }
+
+    const BvhData& bvh_;
+    const bool far_;
+    const Mask has_meshes_;  ///< all lanes, or none
+    StreamMemory& memory_;
+    const std::size_t stride_;
+    std::uint32_t* stacks_;  ///< of memory.stacks, from the first whole cache line on
+    Queues now_;
+    NextVisits next_;
+    RayMask known_ = 0, waiting_ = 0;  ///< whose state is set; of which something was deferred
+    State states_[stream_size];
+};
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

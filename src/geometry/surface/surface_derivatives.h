@@ -1,0 +1,66 @@
+#pragma once
+#include "base/large_memory.h"
+#include "math/vec3.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+/// Two ways along a surface, and by how much texture coordinates grow on each: what slopes of textures are found by.
+struct SurfaceDerivatives {
+    Vec3 way[2];               ///< 0 where they are not known
+    Float du[2][2], dv[2][2];  ///< by way and uv set
+
+    /// Directions on the surface in which the u and v of a texture grow, of any length; both 0 where they are not
+    /// known.
+    ///
+    /// uv_map: rows of the affine map from the coordinates of the set to those of the texture
+    void gradients(std::size_t set, const std::array<float, 6>& uv_map, Vec3& along_u, Vec3& along_v) const
+    {
+        Float u[2], v[2];
+        for (std::size_t k = 0; k < 2; ++k) {
+            u[k] = fma(du[k][set], Float(uv_map[0]), dv[k][set] * Float(uv_map[1]));
+            v[k] = fma(du[k][set], Float(uv_map[3]), dv[k][set] * Float(uv_map[4]));
+        }
+        const Float det = fma(u[0], v[1], -(u[1] * v[0]));
+        const Mask known = det != Float(0);
+        const Vec3 none(Float(0), Float(0), Float(0));
+        along_u = select(known, flip_sign(way[0] * v[1] - way[1] * v[0], det), none);
+        along_v = select(known, flip_sign(way[1] * u[0] - way[0] * u[1], det), none);
+    }
+    void clear()
+    {
+        for (int k = 0; k < 2; ++k) {
+            way[k] = Vec3(Float(0), Float(0), Float(0));
+            for (int set = 0; set < 2; ++set) du[k][set] = dv[k][set] = Float(0);
+        }
+    }
+    /// Of what has both uv sets the same: where u and v grow by 1.
+    void set(const Vec3& along_u, const Vec3& along_v, Mask m)
+    {
+        set_edges(along_u, along_v, m);
+        for (int set = 0; set < 2; ++set) {
+            du[0][set] = select(m, Float(1), du[0][set]);
+            dv[1][set] = select(m, Float(1), dv[1][set]);
+        }
+    }
+    /// Of triangles: their first two edges, on which uv change by those of their corners.
+    void set_edges(const Vec3& a, const Vec3& b, Mask m)
+    {
+        way[0] = select(m, a, way[0]);
+        way[1] = select(m, b, way[1]);
+    }
+    void read_uv(const LargeVector<Vec2f>& table, const UInt* vertex, int set, Mask m)
+    {
+        if (none(m)) return;
+        const auto* base = reinterpret_cast<const float*>(table.data());
+        Float uv[3][2];
+        for (int k = 0; k < 3; ++k) gather_row(base, vertex[k] << 1, m, uv[k]);
+        for (int k = 0; k < 2; ++k) {
+            du[k][set] = select(m, uv[k + 1][0] - uv[0][0], du[k][set]);
+            dv[k][set] = select(m, uv[k + 1][1] - uv[0][1], dv[k][set]);
+        }
+    }
+};
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,0 +1,211 @@
+#include <fmt/format.h>
+#include <png.h>
+#include <algorithm>
+#include <csetjmp>
+#include <cstring>
+
+#include "fathom/error.h"
+#include "image/codecs/codecs.h"
+#include "image/codes.h"
+#include "image/color/tonemap.h"
+
+// libpng reports errors by longjmp. Functions that it may jump out of hold nothing that needs a destructor; what does
+// lives in their callers.
+namespace fathom {
+
+namespace {
+
+struct Source {
+    const unsigned char* bytes;
+    std::size_t size, position;
+};
+
+struct Failure {
+    char message[200];
+};
+
+void on_error(png_structp png, png_const_charp message)
+{
+    auto* failure = static_cast<Failure*>(png_get_error_ptr(png));
+    std::strncpy(failure->message, message, sizeof failure->message - 1);
+    png_longjmp(png, 1);
+}
+void on_warning(png_structp, png_const_charp) {}
+
+void on_read(png_structp png, png_bytep destination, std::size_t size)
+{
+    auto* source = static_cast<Source*>(png_get_io_ptr(png));
+    if (size > source->size - source->position) png_error(png, "the file is cut short");
+    std::memcpy(destination, source->bytes + source->position, size);
+    source->position += size;
+}
+
+void on_write(png_structp png, png_bytep bytes, std::size_t size)
+{
+    auto* encoded = static_cast<std::vector<unsigned char>*>(png_get_io_ptr(png));
+    bool fits = true;
+    try {
+        encoded->insert(encoded->end(), bytes, bytes + size);
+    } catch (...) {
+        fits = false;
+    }
+    if (!fits) png_error(png, "not enough memory");
+}
+void on_flush(png_structp) {}
+
+struct Reader {
+    png_structp png = nullptr;
+    png_infop info = nullptr;
+    Failure failure{};
+    std::size_t stored_row_bytes = 0;
+    int channels = 0;  ///< of the file, what is transparent counted
+
+    Reader()
+    {
+        png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &failure, on_error, on_warning);
+        if (png) info = png_create_info_struct(png);
+        if (!info) throw std::bad_alloc();
+    }
+    ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+bool read_header(Reader& reader, Source& source)
+{
+    if (setjmp(png_jmpbuf(reader.png))) return false;
+    png_set_read_fn(reader.png, &source, on_read);
+    png_read_info(reader.png, reader.info);
+    reader.stored_row_bytes = png_get_rowbytes(reader.png, reader.info);
+    // Palettes, 1 to 4 bits and transparent colours become channels of 8 bits, of which there are always four, as
+    // textures have them; 16 bits come in this machine's order.
+    const int type = png_get_color_type(reader.png, reader.info);
+    const bool is_colored = type & PNG_COLOR_MASK_COLOR;
+    const bool has_alpha = type & PNG_COLOR_MASK_ALPHA || png_get_valid(reader.png, reader.info, PNG_INFO_tRNS);
+    reader.channels = (is_colored ? 3 : 1) + (has_alpha ? 1 : 0);
+    png_set_expand(reader.png);
+    if (png_get_bit_depth(reader.png, reader.info) == 16) {
+        png_set_swap(reader.png);
+    } else {
+        png_set_gray_to_rgb(reader.png);
+        if (!has_alpha) png_set_filler(reader.png, 255, PNG_FILLER_AFTER);
+    }
+    png_set_interlace_handling(reader.png);
+    png_read_update_info(reader.png, reader.info);
+    return true;
+}
+
+bool read_rows(Reader& reader, png_bytepp rows)
+{
+    if (setjmp(png_jmpbuf(reader.png))) return false;
+    png_read_image(reader.png, rows);
+    png_read_end(reader.png, nullptr);
+    return true;
+}
+
+struct Writer {
+    png_structp png = nullptr;
+    png_infop info = nullptr;
+    Failure failure{};
+
+    Writer()
+    {
+        png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &failure, on_error, on_warning);
+        if (png) info = png_create_info_struct(png);
+        if (!info) throw std::bad_alloc();
+    }
+    ~Writer() { png_destroy_write_struct(&png, &info); }
+};
+
+bool write_rows(Writer& writer, std::vector<unsigned char>& encoded, const Image& image, int bits, bool alpha,
+                bool is_srgb, png_bytepp rows)
+{
+    if (setjmp(png_jmpbuf(writer.png))) return false;
+    png_set_write_fn(writer.png, &encoded, on_write, on_flush);
+    png_set_user_limits(writer.png, 0x7fffffff, 0x7fffffff);
+    // 800x600 of noise, ms and MB: level 1 45, 1.4; level 3 45, 1.4; level 6 with all filters 67, 1.4.
+    png_set_compression_level(writer.png, 3);
+    png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+    png_set_IHDR(writer.png, writer.info, png_uint_32(image.width), png_uint_32(image.height), bits,
+                 alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (is_srgb) png_set_sRGB(writer.png, writer.info, PNG_sRGB_INTENT_RELATIVE);
+    png_write_info(writer.png, writer.info);
+    if (bits == 16) png_set_swap(writer.png);
+    png_write_image(writer.png, rows);
+    png_write_end(writer.png, writer.info);
+    return true;
+}
+
+/// Codes of the first layer, R G B or R G B A, 16 bits in this machine's order.
+template <class Code, class Light, class Unit>
+void fill_straight(const Image::Layer& layer, bool alpha, Code* codes, Light light, Unit unit)
+{
+    const DisplayChannels channels = display_channels(layer);
+    fill_codes(layer, alpha ? 4 : 3, codes, [&](const float* pixel, Code* code) {
+        const float a = alpha ? pixel[channels.a] : 1;
+        const float straight = a > 0 ? 1 / a : 0;
+        const auto rgb =
+            light({pixel[channels.r] * straight, pixel[channels.g] * straight, pixel[channels.b] * straight});
+        std::copy(rgb.begin(), rgb.end(), code);
+        if (alpha) code[3] = unit(a);
+    });
+}
+
+}  // namespace
+
+Picture read_png(const EncodedImage& file)
+{
+    Reader reader;
+    Source source{file.bytes, file.size, 0};
+    if (!read_header(reader, source))
+        throw Error(file.name, "", fmt::format("damaged PNG: {}", reader.failure.message));
+    const std::size_t width = png_get_image_width(reader.png, reader.info);
+    const std::size_t height = png_get_image_height(reader.png, reader.info);
+    const bool wide = png_get_bit_depth(reader.png, reader.info) == 16;
+    const std::size_t row_bytes = png_get_rowbytes(reader.png, reader.info);
+    check_size(file, width, height, wide ? std::size_t(reader.channels) * (sizeof(float) + 2) : 4);
+    // Deflate makes at most 1032 bytes of one: a short file that claims a huge picture is not worth the memory.
+    if (double(reader.stored_row_bytes) * double(height) > 1032.0 * double(file.size))
+        throw Error(file.name, "",
+                    fmt::format("damaged PNG: {} bytes can't hold {}x{} pixels", file.size, width, height));
+    const auto read_into = [&](unsigned char* codes) {
+        std::vector<png_bytep> rows(height);
+        for (std::size_t y = 0; y < height; ++y) rows[y] = codes + y * row_bytes;
+        if (!read_rows(reader, rows.data()))
+            throw Error(file.name, "", fmt::format("damaged PNG: {}", reader.failure.message));
+    };
+    if (!wide) {
+        ByteImage image(int(width), int(height), reader.channels);
+        read_into(image.bytes());
+        return image;
+    }
+    std::vector<std::uint16_t> codes(row_bytes / 2 * height);
+    read_into(reinterpret_cast<unsigned char*>(codes.data()));
+    Image image = make_image(int(width), int(height), reader.channels);
+    std::transform(codes.begin(), codes.end(), image.layers[0].pixels.begin(),
+                   [](std::uint16_t code) { return float(code) / 65535; });
+    return image;
+}
+
+std::vector<unsigned char> encode_png(const Image& image, const WriteOptions& options)
+{
+    const DisplayMap map(options.display);
+    const bool alpha = display_channels(image.layers[0]).a >= 0, wide = options.png_bits == 16;
+    const std::size_t height = std::size_t(image.height);
+    const std::size_t row_bytes = std::size_t(image.width) * (alpha ? 4 : 3) * (wide ? 2 : 1);
+    std::vector<std::uint16_t> codes((row_bytes * height + 1) / 2);
+    auto* bytes = reinterpret_cast<unsigned char*>(codes.data());
+    if (wide)
+        fill_straight(image.layers[0], alpha, codes.data(), [&](const Color& c) { return map.codes16(c); }, unit16);
+    else
+        fill_straight(image.layers[0], alpha, bytes, [&](const Color& c) { return map.codes8(c); }, unit8);
+    std::vector<png_bytep> rows(height);
+    for (std::size_t y = 0; y < height; ++y) rows[y] = bytes + y * row_bytes;
+
+    Writer writer;
+    std::vector<unsigned char> encoded;
+    if (!write_rows(writer, encoded, image, wide ? 16 : 8, alpha, !options.display.ocio, rows.data()))
+        throw Error("", "", fmt::format("can't encode PNG: {}", writer.failure.message));
+    return encoded;
+}
+
+}  // namespace fathom

@@ -1,0 +1,84 @@
+#pragma once
+#include "kernel/camera.h"
+#include "kernel/lane_scene.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+/// Pairs of random dimensions of the camera (group 0) and of each bounce (group bounce + 1).
+enum CameraPair : std::uint32_t { pair_film, pair_lens, pair_time };
+enum BouncePair : std::uint32_t {
+    pair_light,
+    pair_bsdf,
+    pair_choice,
+    pair_roulette,
+    pair_channel,
+    pair_light_tree,
+    pair_guiding,
+    pair_mixture,
+    pair_light_chance,
+    pair_shadow_chance
+};
+
+/// The beginnings of a job's paths, numbered pixel by pixel.
+class CameraPaths {
+public:
+    CameraPaths(const LaneScene& scene, const CameraRecord& camera, const KernelSettings& settings,
+                const KernelJob& job)
+        : scene_(scene), camera_(camera), settings_(settings), job_(job), total_(job.pixel_count * job.samples)
+    {
+    }
+
+    struct Path {
+        UInt pixel;  ///< its place in the job
+        SampleKey key;
+        CameraRay ray;
+    };
+
+    std::uint32_t total() const { return total_; }
+
+    /// Paths number `first` and on; lanes past the last one repeat the first.
+    [[gnu::always_inline]] Path make(std::uint32_t first) const
+    {
+        UInt number = UInt(first) + iota();
+        number = select(less(number, UInt(total_)), number, UInt(first));
+        Path path;
+        // Exact, since a job has less than 2^20 samples.
+        path.pixel = to_uint((to_float(number) + Float(0.5f)) * Float(1.0f / float(job_.samples)));
+        const UInt sample = number - path.pixel * UInt(job_.samples) + UInt(job_.first_sample);
+        const UInt xy = gather(job_.pixels, path.pixel);
+        const UInt y = xy >> 16, x = xy & UInt(0xffffu);
+        path.key = {hash(x + hash(y + UInt(hash(settings_.seed)))), reverse_bits(sample)};
+        const UInt seed = group_seed(path.key, UInt(0u));
+        const Sample2 film = sample_2d(path.key, pair_seed(seed, pair_film));
+        Float dx = film.x, dy = film.y;
+        if (settings_.filter != 0) {
+            const FilterTable& filter = scene_.filters[settings_.filter - 1];
+            const Float stretch(settings_.filter_stretch);
+            dx = Float(0.5f) + filter.sample(film.x) * stretch;
+            dy = Float(0.5f) + filter.sample(film.y) * stretch;
+        } else if (settings_.filter_stretch != 1) {
+            const Float stretch(settings_.filter_stretch);
+            dx = Float(0.5f) + (film.x - Float(0.5f)) * stretch;
+            dy = Float(0.5f) + (film.y - Float(0.5f)) * stretch;
+        }
+        const Float film_x = (to_float(x) + dx) * Float(1.0f / float(settings_.width));
+        const Float film_y = (to_float(y) + dy) * Float(1.0f / float(settings_.height));
+        Sample2 lens{Float(0.5f), Float(0.5f)};
+        if (camera_.lens_radius > 0) lens = sample_2d(path.key, pair_seed(seed, pair_lens));
+        Float time(0.f);
+        if (scene_.tables.moving) time = sample_2d(path.key, pair_seed(seed, pair_time)).x;
+        path.ray = camera_ray(camera_, film_x, film_y, lens, time);
+        return path;
+    }
+
+private:
+    const LaneScene& scene_;
+    const CameraRecord& camera_;
+    const KernelSettings& settings_;
+    const KernelJob& job_;
+    std::uint32_t total_;
+};
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,0 +1,512 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "compile/compiler.h"
+#include "geometry/compile/instancing.h"
+#include "geometry/compile/poses.h"
+#include "geometry/shapes/curve.h"
+#include "lights/compile/motion_bounds.h"
+#include "lights/sky/sky.h"
+#include "lights/tree/build_tree.h"
+#include "materials/compile/layers.h"
+#include "math/luminance.h"
+
+namespace fathom {
+
+namespace {
+
+/// Without cancellation where the angle is small.
+double one_minus_cos(double angle)
+{
+    const double s = std::sin(angle / 2);
+    return 2 * s * s;
+}
+/// Directions in float don't tell the parts of a narrower disk apart.
+constexpr double min_angle = 1e-6;
+
+void store(float* to, Vec3d v)
+{
+    to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z);
+}
+
+class LightCompiler {
+public:
+    explicit LightCompiler(Compiler& c) : c_(c), t_(c.tables), scene_radius_(c.space.radius)
+    {
+        t_.lights.clear();
+        t_.light_cdf.clear();
+        t_.light_pictures.clear();
+    }
+
+    void run(const FlattenedScene& all)
+    {
+        const std::vector<FlattenedLight>& lights = all.lights;
+        motions_ = &all.motions;
+        for (ShapeRecord& shape : t_.shapes) add_emissive(shape);
+        for (std::uint32_t i = 0; i < t_.instances.size(); ++i) add_emissive_instance(i);
+        for (const FlattenedLight& light : lights)
+            if (light.light->kind != LightKind::directional) add_light(light);
+        t_.placed_lights = std::uint32_t(t_.lights.size());
+        for (const FlattenedLight& light : lights)
+            if (light.light->kind == LightKind::directional) add_light(light);
+        add_environment();
+        add_sun();
+        make_distribution();
+        build_light_tree(t_, powers_, double(t_.shutter_open), double(t_.shutter_close), extents_);
+    }
+
+private:
+    /// Whether its surfaces are lights.
+    bool is_sampled(const ShapeRecord& shape) const
+    {
+        const MaterialRecord& material = t_.materials[shape.material];
+        return (material.flags & MaterialRecord::emits) && !(material.flags & MaterialRecord::unlit);
+    }
+
+    /// Lights of what stands in the world itself.
+    void add_emissive(ShapeRecord& shape)
+    {
+        shape.light_base = no_index;
+        const std::uint32_t first = shape.first_primitive;
+        if ((shape.flags & ShapeRecord::only_instanced) || !is_sampled(shape)) return;
+        if (first < t_.primitive_count() && &t_.shapes[t_.shape_of_primitive[first]] != &shape) return;
+        add_primitives(shape, first, no_index, Transform(), nullptr);
+    }
+
+    /// Lights of what an instance places. It has a shape of its own, which says where they begin.
+    void add_emissive_instance(std::uint32_t index)
+    {
+        const InstanceRecord& instance = t_.instances[index];
+        ShapeRecord& shape = t_.shapes[instance.shape];
+        if (!is_sampled(shape)) return;
+        const bool is_round = shape.first_primitive >= t_.first_sphere();
+        const std::uint32_t first = t_.shapes[instance.mesh_shape].first_primitive;
+        if (instance.pose_count() > 0) {
+            const LightMotionBounds path(std::span(t_.poses).subspan(instance.first_pose(), instance.pose_count()));
+            if (!is_round || path.keeps_shape()) add_primitives(shape, first, index, Transform(), &path);
+            return;
+        }
+        Transform object_from_render;
+        for (std::size_t i = 0; i < 12; ++i)
+            object_from_render.m[i / 4][i % 4] = double(instance.object_from_render[i]);
+        const Transform render_from_object = object_from_render.inverse();
+        double factor;
+        if (is_round && !is_similarity(render_from_object, factor)) return;
+        add_primitives(shape, first, index, render_from_object, nullptr);
+    }
+
+    /// One light per primitive. path: of the instance, if it moves; to_render is of one that stands still.
+    void add_primitives(ShapeRecord& shape, std::uint32_t first, std::uint32_t instance, const Transform& to_render,
+                        const LightMotionBounds* path)
+    {
+        const MaterialRecord& material = t_.materials[shape.material];
+        const bool flipped = to_render.determinant() < 0 || (shape.flags & ShapeRecord::flipped);
+        const bool is_masked =
+            (shape.flags & ShapeRecord::alpha_tested) && !(material.flags & MaterialRecord::invisible_light);
+        const bool varied = material.emission_texture != no_index || is_masked;
+        shape.light_base = std::uint32_t(t_.lights.size());
+        const std::uint32_t same = first < t_.primitive_count() ? t_.shape_of_primitive[first] : no_index;
+        for (std::uint32_t p = first; p < t_.primitive_count() && t_.shape_of_primitive[p] == same; ++p) {
+            LightRecord light = primitive_light(p, flipped, to_render);
+            light.primitive = p;
+            light.instance = instance;
+            light.material = varied ? shape.material : no_index;
+            if (material.flags & MaterialRecord::two_sided_emission) light.flags |= LightRecord::two_sided;
+            if (material.flags & MaterialRecord::invisible_light) light.flags |= LightRecord::unseen;
+            std::copy(material.emission.begin(), material.emission.end(), light.radiance);
+            // Power; a texture is taken for half as bright as its factor, a curve shines to its outside only.
+            const bool is_curve = light.kind == std::uint32_t(LightRecordKind::curve);
+            const bool moves = path || shape.moving_vertices > 0;
+            const double area = is_curve ? add_curve_extent(p, shape, to_render, path)
+                                : moves  ? set_motion(light, {p, shape.moving_vertices, flipped, to_render, path})
+                                         : double(light.area);
+            const int sides = light.flags & LightRecord::two_sided && !is_curve ? 2 : 1;
+            add(light, luminance(light.radiance) * area * std::numbers::pi * sides);
+        }
+    }
+
+    /// What is looked at of a segment of a curve at one of the times at which it is given.
+    std::vector<CurvePoint<double>> piece_ends(std::uint32_t segment, const ShapeRecord& shape, std::size_t key) const
+    {
+        const CurveRecord& curve = t_.curves[segment];
+        const bool linear = shape.flags & ShapeRecord::linear_curves;
+        CurvePoint<double> points[4];
+        for (std::size_t i = 0; i < (linear ? 2 : 4); ++i) {
+            const Vec4f& v = t_.curve_points[curve.first_point + key * shape.moving_vertices + i];
+            points[i] = {double(v.x), double(v.y), double(v.z), double(v.w)};
+        }
+        std::vector<CurvePoint<double>> ends;
+        for (std::uint32_t k = 0; k <= curve.pieces; ++k) {
+            const double u = double(k) / curve.pieces;
+            ends.push_back(linear ? between(points[0], points[1], u) : bezier(points, u));
+        }
+        return ends;
+    }
+
+    /// Notes where a segment of a curve is; returns its mean area, as if it were round. to_render: a similarity.
+    double add_curve_extent(std::uint32_t p, const ShapeRecord& shape, const Transform& to_render,
+                            const LightMotionBounds* path)
+    {
+        const auto place = [](const CurvePoint<double>& q) { return Vec3d{q.x, q.y, q.z}; };
+        // Between keys all goes straight: what holds it at both holds it in between.
+        std::vector<std::vector<CurvePoint<double>>> keys;
+        const std::size_t times = shape.moving_vertices > 0 ? t_.vertex_times.size() : 1;
+        keys.reserve(times);
+        for (std::size_t k = 0; k < times; ++k) keys.push_back(piece_ends(p - t_.first_curve(), shape, k));
+        Vec3d center;
+        for (const auto& ends : keys)
+            center = center + (place(ends.front()) + place(ends.back())) * (0.5 / double(times));
+        double radius = 0, area = 0;
+        for (const auto& ends : keys)
+            for (std::size_t k = 0; k < ends.size(); ++k) {
+                radius = std::max(radius, length(place(ends[k]) - center) + ends[k].r);
+                if (k == 0) continue;
+                const double way = length(place(ends[k]) - place(ends[k - 1]));
+                area += std::numbers::pi * (ends[k - 1].r + ends[k].r) * way / double(times);
+            }
+        const double scale = scale_of(to_render);
+        LightExtent extent{std::uint32_t(t_.lights.size()), to_render.point(center), radius * scale, {}};
+        if (path) path->put_ball(center, radius, extent);
+        extents_.push_back(extent);
+        return area * (path ? path->mean_area_factor() : scale * scale);
+    }
+
+    struct Motion {
+        std::uint32_t primitive;
+        std::uint32_t vertices;  ///< of the mesh, if they move
+        bool flipped;
+        const Transform& to_render;
+        const LightMotionBounds* path;
+    };
+    /// What a light of a primitive that moves has besides, and its extent. Returns its mean area.
+    double set_motion(LightRecord& light, const Motion& m)
+    {
+        if (light.instance != no_index) light.motion |= LightRecord::placed;
+        // An instance's stretch may shear it.
+        if (m.path && !m.path->keeps_shape() && light.kind == std::uint32_t(LightRecordKind::rectangle))
+            unsquare(light);
+        LightExtent extent{std::uint32_t(t_.lights.size()), {}, 0, {}};
+        Ball ball = own_ball(light);
+        double area = double(light.area);
+        NormalCone normals{{double(light.normal[0]), double(light.normal[1]), double(light.normal[2])}, 1};
+        if (m.vertices > 0) {
+            light.motion |= LightRecord::vertices_move;
+            // Normals of what an instance places go by its map, which turns those that are against the edges.
+            if (m.flipped && light.instance == no_index) light.motion |= LightRecord::flipped;
+            ball = follow_vertices(m, normals, area);
+        }
+        extent.center = ball.center, extent.radius = ball.radius;
+        if (m.path) {
+            m.path->put_ball(ball.center, ball.radius, extent);
+            normals = m.vertices > 0 ? NormalCone() : m.path->cone(normals.axis);
+            area *= m.path->mean_area_factor();
+        }
+        extent.axis = normals.axis, extent.cos_turned = normals.cosine;
+        extents_.push_back(extent);
+        return area;
+    }
+
+    struct Ball {
+        Vec3d center;
+        double radius;
+    };
+    /// Of a light of an instance that moves, in its own space. A sphere's way there is part of it.
+    Ball own_ball(const LightRecord& l) const
+    {
+        const auto vector = [](const float* v) { return Vec3d{double(v[0]), double(v[1]), double(v[2])}; };
+        const Vec3d p = vector(l.position), u = vector(l.edge_u), v = vector(l.edge_v);
+        switch (LightRecordKind(l.kind)) {
+            case LightRecordKind::rectangle: {
+                const Vec3d a = u * double(l.length_u), b = v * double(l.length_v);
+                return {p + (a + b) * 0.5, length(a + b) / 2};
+            }
+            case LightRecordKind::parallelogram:
+                return {p + (u + v) * 0.5, std::max(length(u + v), length(u - v)) / 2};
+            case LightRecordKind::triangle: {
+                const Vec3d c = p + (u + v) * (1.0 / 3);
+                return {c, std::max({length(p - c), length(p + u - c), length(p + v - c)})};
+            }
+            case LightRecordKind::sphere: {
+                const Vec3d motion = vector(l.motion_or_center);
+                const double open = double(t_.shutter_open), close = double(t_.shutter_close);
+                return {p + motion * ((open + close) / 2),
+                        std::abs(double(l.radius)) + length(motion) * (close - open) / 2};
+            }
+            default:
+                return {p, double(l.radius)};
+        }
+    }
+    static void unsquare(LightRecord& l)
+    {
+        l.kind = std::uint32_t(LightRecordKind::parallelogram);
+        for (int i = 0; i < 3; ++i) l.edge_u[i] *= l.length_u, l.edge_v[i] *= l.length_v;
+    }
+
+    /// Around a triangle at all keys; between two its corners go straight, and its normal is a mean of three products
+    /// of edges.
+    Ball follow_vertices(const Motion& m, NormalCone& normals, double& mean_area) const
+    {
+        struct Corners {
+            Vec3d a, u, v;
+        };
+        const std::uint32_t* vertex = &t_.triangles[3 * std::size_t(m.primitive)];
+        std::vector<Corners> keys;
+        for (std::size_t k = 0; k < t_.vertex_times.size(); ++k) {
+            const auto at = [&](int i) {
+                return m.to_render.point(to_double(t_.positions[vertex[i] + k * m.vertices]));
+            };
+            const Vec3d a = at(0);
+            keys.push_back({a, at(1) - a, at(2) - a});
+        }
+        Vec3d center;
+        for (const Corners& c : keys) center = center + (c.a + (c.u + c.v) * (1.0 / 3)) * (1 / double(keys.size()));
+        double radius = 0;
+        mean_area = 0;
+        const double side = m.flipped ? -1 : 1;
+        std::vector<Vec3d> directions;
+        for (std::size_t k = 0; k < keys.size(); ++k) {
+            const Corners& c = keys[k];
+            for (const Vec3d& p : {c.a, c.a + c.u, c.a + c.v}) radius = std::max(radius, length(p - center));
+            mean_area += length(cross(c.u, c.v)) / 2 / double(keys.size());
+            directions.push_back(cross(c.u, c.v) * side);
+            if (k + 1 < keys.size())
+                directions.push_back((cross(c.u, keys[k + 1].v) + cross(keys[k + 1].u, c.v)) * side);
+        }
+        normals = cone_around(directions);
+        return {center, radius};
+    }
+
+    /// flipped: against the edges, as transformed. to_render: a similarity for what is round.
+    LightRecord primitive_light(std::uint32_t p, bool flipped, const Transform& to_render) const
+    {
+        LightRecord light;
+        const double side = flipped ? -1 : 1;
+        if (p < t_.first_quad()) {
+            const std::uint32_t* v = &t_.triangles[3 * std::size_t(p)];
+            const auto vertex = [&](int k) { return to_render.point(to_double(t_.positions[v[k]])); };
+            const Vec3d a = vertex(0), u = vertex(1) - a, w = vertex(2) - a;
+            const Vec3d n = cross(u, w);
+            light.kind = std::uint32_t(LightRecordKind::triangle);
+            store(light.position, a), store(light.edge_u, u), store(light.edge_v, w);
+            store(light.normal, normalize(n) * side);
+            light.area = float(length(n) / 2);
+        } else if (p < t_.first_sphere()) {
+            const QuadRecord& q = t_.quads[p - t_.first_quad()];
+            const Vec3d corner = to_render.point(to_double(q.corner));
+            const Vec3d u = to_render.vector(to_double(q.edge_u)), v = to_render.vector(to_double(q.edge_v)),
+                        n = cross(u, v);
+            const bool right_angle = std::abs(dot(u, v)) <= 1e-6 * length(u) * length(v);
+            light.kind = std::uint32_t(right_angle ? LightRecordKind::rectangle : LightRecordKind::parallelogram);
+            store(light.position, corner);
+            store(light.edge_u, right_angle ? normalize(u) : u), store(light.edge_v, right_angle ? normalize(v) : v);
+            store(light.normal, normalize(n) * side);
+            light.length_u = float(length(u)), light.length_v = float(length(v));
+            light.area = float(length(n));
+            store(light.motion_or_center, corner + (u + v) * 0.5);
+            light.radius = float(length(u + v));
+        } else if (p < t_.first_disk()) {
+            const SphereRecord& s = t_.spheres[p - t_.first_sphere()];
+            put_ball(light, to_double(s.center), double(s.radius), to_render);
+            store(light.motion_or_center, to_render.vector(to_double(s.motion)));
+        } else if (p >= t_.first_curve() && p < t_.first_point()) {
+            light.kind = std::uint32_t(LightRecordKind::curve);
+        } else if (p >= t_.first_point()) {
+            const Vec4f& point = t_.points[p - t_.first_point()];
+            put_ball(light, {double(point.x), double(point.y), double(point.z)}, double(point.w), to_render);
+        } else {
+            const DiskRecord& d = t_.disks[p - t_.first_disk()];
+            const double radius = double(d.radius) * scale_of(to_render);
+            light.kind = std::uint32_t(LightRecordKind::disk);
+            store(light.position, to_render.point(to_double(d.center)));
+            store(light.normal, normalize(to_render.vector(to_double(d.normal))));
+            light.radius = float(radius);
+            light.area = float(std::numbers::pi * radius * radius);
+        }
+        return light;
+    }
+
+    static void put_ball(LightRecord& light, const Vec3d& center, double own_radius, const Transform& to_render)
+    {
+        const double radius = own_radius * scale_of(to_render);
+        light.kind = std::uint32_t(LightRecordKind::sphere);
+        store(light.position, to_render.point(center));
+        light.radius = float(radius);
+        light.area = float(4 * std::numbers::pi * radius * radius);
+    }
+    /// Of a similarity.
+    static double scale_of(const Transform& t) { return length(t.vector({1, 0, 0})); }
+
+    void add_light(const FlattenedLight& occurrence)
+    {
+        const Light& l = *occurrence.light;
+        LightRecord light;
+        light.flags = LightRecord::two_sided;
+        const Rgb intensity = spectrum(l.intensity);
+        std::copy(intensity.begin(), intensity.end(), light.radiance);
+        store(light.position, occurrence.render_from_node.point({0, 0, 0}));
+        store(light.edge_u, normalize(occurrence.render_from_node.vector({0, 0, -1})));
+        if (l.kind == LightKind::directional) {
+            light.kind = std::uint32_t(LightRecordKind::directional);
+            store(light.position, {0, 0, 0});
+            if (l.angle > min_angle) {
+                // Irradiance E of a disk of half angle a at normal incidence is its radiance times pi sin^2 a.
+                const double half = std::min(l.angle / 2, std::numbers::pi / 2), s = std::sin(half);
+                light.radius = float(one_minus_cos(half));
+                for (float& r : light.radiance) r = float(r / (std::numbers::pi * s * s));
+            }
+            add(light, luminance(intensity.data()) * std::numbers::pi * scene_radius_ * scene_radius_);
+            return;
+        }
+        if (l.kind == LightKind::beam) return add_beam(light, occurrence);
+        // Intensity is per world unit squared of distance; render space is scaled.
+        for (float& r : light.radiance) r = float(r * c_.space.scale * c_.space.scale);
+        light.kind = std::uint32_t(l.kind == LightKind::spot ? LightRecordKind::spot : LightRecordKind::point);
+        const double outer = one_minus_cos(l.outer_angle);
+        light.outer = float(outer);
+        light.falloff = float(outer - one_minus_cos(std::min(l.inner_angle, l.outer_angle)));
+        if (l.kind == LightKind::spot) put_falloff(light, l);
+        double intensity_luminance = luminance(light.radiance);
+        if (is_pictured(l)) intensity_luminance = put_picture(light, occurrence);
+        if (occurrence.motion >= 0) set_poses(light, (*motions_)[std::size_t(occurrence.motion)]);
+        add(light, intensity_luminance * 4 * std::numbers::pi);
+    }
+
+    void add_beam(LightRecord& light, const FlattenedLight& occurrence)
+    {
+        const Light& l = *occurrence.light;
+        const Transform& t = occurrence.render_from_node;
+        const Vec3d u = t.vector({l.width / 2, 0, 0}), v = t.vector({0, l.height / 2, 0}), n = cross(u, v);
+        const double area = length(n) * (l.round ? std::numbers::pi : 4);
+        if (!(area > 0)) return;
+        light.kind = std::uint32_t(LightRecordKind::beam);
+        light.radius = l.round;
+        light.area = float(area);
+        store(light.edge_u, u), store(light.edge_v, v);
+        store(light.normal, normalize(dot(n, t.vector({0, 0, -1})) < 0 ? -n : n));
+        if (occurrence.motion >= 0) {
+            set_poses(light, (*motions_)[std::size_t(occurrence.motion)], std::hypot(l.width, l.height) / 2);
+            store(light.edge_u, {l.width / 2, 0, 0}), store(light.edge_v, {0, l.height / 2, 0});
+            store(light.normal, {0, 0, -1});
+        }
+        add(light, luminance(light.radiance) * area);
+    }
+
+    static void put_falloff(LightRecord& light, const Light& l)
+    {
+        // Without a way there is nothing to fall off on, and no angle to divide by.
+        const double way = l.outer_angle - l.inner_angle;
+        if (l.falloff == SpotFalloff::smooth) light.length_u = 1;
+        if (l.falloff == SpotFalloff::linear && way > 1e-6 * l.outer_angle)
+            light.radius = float(l.outer_angle), light.area = float(1 / way);
+    }
+
+    /// What a light with a picture has besides. Returns the luminance of its typical intensity, in render space.
+    double put_picture(LightRecord& light, const FlattenedLight& occurrence)
+    {
+        const PicturedIntensity pictured = add_light_picture(c_, *occurrence.light);
+        for (float& r : light.radiance) r = float(double(r) * pictured.factor);
+        light.kind = std::uint32_t(LightRecordKind::pictured);
+        light.primitive = pictured.picture;
+        if (occurrence.light->kind != LightKind::spot) light.outer = float(pictured.outer), light.falloff = 0;
+        // The picture's axes stay at right angles, however the node stretches, and as it mirrors.
+        const Transform& t = occurrence.render_from_node;
+        const Vec3d along = normalize(t.vector({0, 0, -1})), right = t.vector({1, 0, 0});
+        const Vec3d across = normalize(right - along * dot(right, along)), top = cross(across, along);
+        store(light.edge_v, across);
+        store(light.normal, dot(top, t.vector({0, 1, 0})) < 0 ? -top : top);
+        return pictured.typical * c_.space.scale * c_.space.scale;
+    }
+
+    /// Of a light other than a directional one that a node moves; radius: of the ball around it, in the node's measure.
+    void set_poses(LightRecord& light, const std::vector<NodeKey>& motion, double radius = 0)
+    {
+        const std::vector<PoseRecord> poses = pose_tables(motion);
+        light.motion = LightRecord::has_poses;
+        light.instance = append_poses(t_, poses, c_.scene.file);
+        t_.moving = true;
+        store(light.edge_u, {0, 0, -1});
+        if (light.kind == std::uint32_t(LightRecordKind::pictured))
+            store(light.edge_v, {1, 0, 0}), store(light.normal, {0, 1, 0});
+        const LightMotionBounds path(poses);
+        LightExtent extent{std::uint32_t(t_.lights.size()), {}, 0, {}};
+        path.put_ball({}, radius, extent);
+        const NormalCone directions = path.cone({0, 0, -1});
+        extent.axis = directions.axis, extent.cos_turned = directions.cosine;
+        extents_.push_back(extent);
+    }
+
+    void add_environment()
+    {
+        EnvironmentRecord& t = t_.environment;
+        t.light = no_index;
+        // A constant or a gradient is found well enough by the directions that surfaces choose.
+        if (t.mean_luminance <= 0) return;
+        t.light = std::uint32_t(t_.lights.size());
+        LightRecord light;
+        light.kind = std::uint32_t(LightRecordKind::environment);
+        light.flags = LightRecord::two_sided;
+        add(light, t.mean_luminance * std::numbers::pi * 4 * std::numbers::pi * scene_radius_ * scene_radius_ / 4);
+    }
+
+    /// That of a sky, above the horizon.
+    void add_sun()
+    {
+        const Environment& e = c_.scene.environment;
+        if (e.kind != EnvironmentKind::sky || !e.sun_disk || !(e.to_sun.y > 0)) return;
+        const Color irradiance = Sky::sun_irradiance(e.to_sun);
+        Light sun;
+        sun.kind = LightKind::directional;
+        sun.intensity = {irradiance.r * e.color.r, irradiance.g * e.color.g, irradiance.b * e.color.b};
+        sun.angle = Sky::sun_angle;
+        // A node whose z axis points at the sun.
+        const Vec3d z = normalize(e.world_from_environment.vector(e.to_sun));
+        const Vec3d x = normalize(cross(std::abs(z.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, z)), y = cross(z, x);
+        Transform render_from_node;
+        for (int row = 0; row < 3; ++row) {
+            const auto of = [&](const Vec3d& v) { return row == 0 ? v.x : row == 1 ? v.y : v.z; };
+            render_from_node.m[row][0] = of(x), render_from_node.m[row][1] = of(y), render_from_node.m[row][2] = of(z);
+        }
+        add_light({&sun, render_from_node});
+    }
+
+    void add(const LightRecord& light, double power)
+    {
+        t_.lights.push_back(light);
+        powers_.push_back(power);
+    }
+
+    /// Lights are chosen by power, but none with less than a hundredth of the mean.
+    void make_distribution()
+    {
+        double total = 0;
+        for (double p : powers_) total += p;
+        const double floor = total > 0 ? 0.01 * total / double(powers_.size()) : 1;
+        double sum = 0;
+        for (double& p : powers_) sum += p = std::max(p, floor);
+        t_.light_cdf.assign(1, 0);
+        double running = 0;
+        for (std::size_t i = 0; i < powers_.size(); ++i) {
+            running += powers_[i];
+            t_.light_cdf.push_back(float(running / sum));
+            // The probability that the float table gives, not the one that was meant.
+            t_.lights[i].pmf = t_.light_cdf[i + 1] - t_.light_cdf[i];
+        }
+    }
+
+    Compiler& c_;
+    SceneTables& t_;
+    std::vector<double> powers_;
+    std::vector<LightExtent> extents_;
+    const std::vector<std::vector<NodeKey>>* motions_ = nullptr;
+    const double scene_radius_;
+};
+
+}  // namespace
+
+void compile_lights(Compiler& c, const FlattenedScene& occurrences)
+{
+    LightCompiler(c).run(occurrences);
+}
+
+}  // namespace fathom

@@ -1,0 +1,35 @@
+#include "lights/environment/studio.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fathom {
+
+namespace {
+
+/// A soft light: a disk as seen from what it lights, whose edge is a third of its radius wide.
+struct Softbox {
+    Vec3d direction;
+    double angle, radiance;  ///< radius of the disk in radians; in its middle
+};
+
+/// Key, fill and rim as photographers place them: from above one side of the camera, dimmer from the other, and from
+/// behind. A white surface that faces the camera comes to a radiance of some 0.9.
+constexpr Softbox softboxes[] = {
+    {{-0.62, 0.62, 0.62}, 0.48, 4.2}, {{0.9, 0.2, 0.5}, 0.6, 0.7}, {{0.45, 0.5, -0.9}, 0.36, 3.0}};
+
+}  // namespace
+
+double studio_radiance(const Vec3d& d)
+{
+    // The room: dim below, so that forms show.
+    double sum = 0.26 + 0.1 * d.y;
+    for (const Softbox& box : softboxes) {
+        const double off = std::acos(std::clamp(dot(d, normalize(box.direction)), -1.0, 1.0)) / box.angle;
+        const double x = std::clamp((1 - off) * 3, 0.0, 1.0);
+        sum += box.radiance * x * x * (3 - 2 * x);
+    }
+    return sum;
+}
+
+}  // namespace fathom

@@ -1,0 +1,127 @@
+#pragma once
+/// The pictures of lights, by direction.
+#include "lights/records.h"
+#include "math/elementary.h"
+#include "math/gather_member.h"
+#include "math/spectrum.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+namespace detail {
+
+/// A place in a picture, in texels: whole numbers are their middles.
+struct PicturePoint {
+    Float x, y;
+    Mask is_inside;
+};
+
+using PictureRow = RecordRow<LightPictureRecord, 8>;
+
+/// right, up, along: of the direction, unit.
+inline PicturePoint plane_point(const PictureRow& t, Float right, Float up, Float along)
+{
+    const Mask ahead = along > Float(0);
+    const Float scale = Float(0.5f) / select(ahead, along, Float(1));
+    const Float u = fma(right * scale, t.get(&LightPictureRecord::scale_u), Float(0.5f)),
+                v = fma(-up * scale, t.get(&LightPictureRecord::scale_v), Float(0.5f));
+    const Mask inside = ahead & (u >= Float(0)) & (u <= Float(1)) & (v >= Float(0)) & (v <= Float(1));
+    return {fma(u, t.get(&LightPictureRecord::width), Float(-0.5f)),
+            fma(v, t.get(&LightPictureRecord::height), Float(-0.5f)), inside};
+}
+
+/// Clarberg 2008, "Fast Equal-Area Mapping of the (Hemi)Sphere using SIMD".
+inline PicturePoint equal_area_point(const PictureRow& t, Float right, Float up, Float along)
+{
+    // 1 - |along| without cancellation near the axis.
+    const Float r = sqrt(fma(right, right, up * up) / (Float(1) + abs(along)));
+    const Float turn = r * atan2(abs(up), abs(right)) * Float(2 * inv_pi);
+    const Mask behind = along < Float(0);
+    const Float u = select(behind, Float(1) - turn, r - turn), v = select(behind, Float(1) - (r - turn), turn);
+    const Float half_w = t.get(&LightPictureRecord::width) * Float(0.5f),
+                half_h = t.get(&LightPictureRecord::height) * Float(0.5f);
+    // The picture's bottom is down.
+    return {fma(flip_sign(u, right), half_w, half_w - Float(0.5f)),
+            fma(flip_sign(v, -up), half_h, half_h - Float(0.5f)), Mask(true)};
+}
+
+inline PicturePoint angles_point(const PictureRow& t, Float right, Float up, Float along)
+{
+    const Float polar = atan2(sqrt(fma(right, right, up * up)), along), azimuth = atan2(up, right);
+    const Float row = (polar - t.get(&LightPictureRecord::start)) * t.get(&LightPictureRecord::scale_v);
+    constexpr float slack = 1e-3f;  // more than the rounding of angles; the last row is itself part of it
+    const Float last = t.get(&LightPictureRecord::height) - Float(1);
+    const Mask inside = (row >= Float(-slack)) & (row <= last + Float(slack));
+    return {select(azimuth < Float(0), azimuth + Float(2 * pi), azimuth) * t.get(&LightPictureRecord::scale_u), row,
+            inside};
+}
+
+/// The number of a texel, which may lie beyond an edge.
+inline UInt picture_texel(const PictureRow& t, Float x, Float y, Mask equal_area, Mask angles)
+{
+    const Float w = t.get(&LightPictureRecord::width), h = t.get(&LightPictureRecord::height);
+    x = select(angles & (x >= w), x - w, x);
+    const Float last_x = w - Float(1), last_y = h - Float(1);
+    const Mask beside = equal_area & ((x < Float(0)) | (x > last_x));
+    x = clamp(x, Float(0), last_x);
+    // Over an edge an equal-area picture goes on at the same edge, mirrored at its middle.
+    y = select(beside, last_y - y, y);
+    const Mask above = equal_area & ((y < Float(0)) | (y > last_y));
+    y = clamp(y, Float(0), last_y);
+    x = select(above, last_x - x, x);
+    return t.get(&LightPictureRecord::first) + to_uint(y) * to_uint(w) + to_uint(x);
+}
+
+}  // namespace detail
+
+/// By what the intensity of lights is multiplied along a direction in which they shine, for the lanes of m; 0 outside
+/// of a picture.
+///
+/// right, up, along  the unit direction's share of the light's axes
+inline Spectrum light_picture(const LightTables& tables, UInt picture, Float right, Float up, Float along, Mask m)
+{
+    const detail::PictureRow t(tables.light_pictures, picture, m);
+    const auto is_map = [&](LightPictureMap map) {
+        return m & (t.get(&LightPictureRecord::map) == UInt(std::uint32_t(map)));
+    };
+    const auto has = [&](std::uint32_t flag) { return (t.get(&LightPictureRecord::flags) & UInt(flag)) != UInt(0u); };
+    const Mask equal_area = is_map(LightPictureMap::equal_area), angles = is_map(LightPictureMap::angles);
+    detail::PicturePoint at = detail::plane_point(t, right, up, along);
+    const auto take = [&](const detail::PicturePoint& other, Mask mine) {
+        at.x = select(mine, other.x, at.x);
+        at.y = select(mine, other.y, at.y);
+        at.is_inside = (mine & other.is_inside) | (at.is_inside & !mine);
+    };
+    if (any(equal_area)) take(detail::equal_area_point(t, right, up, along), equal_area);
+    if (any(angles)) take(detail::angles_point(t, right, up, along), angles);
+
+    const Mask inside = m & at.is_inside;
+    Spectrum factor(Float(0));
+    if (none(inside)) return factor;
+    const Float x = select(inside, at.x, Float(0)), y = select(inside, at.y, Float(0));
+    const Mask nearest = has(LightPictureRecord::nearest);
+    const Float x0 = select(nearest, floor(x + Float(0.5f)), floor(x)),
+                y0 = select(nearest, floor(y + Float(0.5f)), floor(y));
+    const Float fx = select(nearest, Float(0), x - x0), fy = select(nearest, Float(0), y - y0);
+    const auto texel = [&](Float column, Float row) {
+        // Texel numbers below 2^29, so that four floats each stay within 32 bits.
+        Float values[4];
+        gather_row(tables.picture_texels.data(), detail::picture_texel(t, column, row, equal_area, angles) << 2, inside,
+                   values);
+        Spectrum s;
+        for (int i = 0; i < channels; ++i) s.c[i] = values[i];
+        return s;
+    };
+    const Spectrum a = texel(x0, y0), b = texel(x0 + Float(1), y0), c = texel(x0, y0 + Float(1)),
+                   d = texel(x0 + Float(1), y0 + Float(1));
+    const Mask flat = inside & has(LightPictureRecord::flat_field) & (along > Float(0));
+    const Float oblique = select(flat, Float(1) / select(flat, along * along * along, Float(1)), Float(1));
+    for (int i = 0; i < channels; ++i) {
+        const Float top = fma(fx, b.c[i] - a.c[i], a.c[i]), bottom = fma(fx, d.c[i] - c.c[i], c.c[i]);
+        factor.c[i] = select(inside, fma(fy, bottom - top, top) * oblique, Float(0));
+    }
+    return factor;
+}
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,0 +1,20 @@
+#pragma once
+#include "lights/kinds/spot.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+/// A point light whose intensity is a picture, within a cone that has all of it or cuts it. The picture itself is
+/// looked up by light_picture().
+struct PicturedLight {
+    static constexpr LightRecordKind kind = LightRecordKind::pictured;
+
+    template <class Light>
+    static LightPoint sample(const Light& light, Vec3 p, Float time, Sample2 random, Mask active)
+    {
+        return SpotLight::sample(light, p, time, random, active);
+    }
+};
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,0 +1,57 @@
+#pragma once
+#include "lights/kinds/kind.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+/// 1 - cos of the half angle under which a sphere is seen: r^2 / d^2 = sin^2, kept exact for small ones.
+inline Float one_minus_cos_of(Float sin2)
+{
+    return sin2 / (Float(1) + sqrt(max(Float(1) - sin2, Float(0))));
+}
+
+/// Sampled by the solid angle of the cone that it fills; from inside, where it is all around, all directions alike.
+struct SphereLight {
+    static constexpr LightRecordKind kind = LightRecordKind::sphere;
+
+    template <class Light>
+    static LightPoint sample(const Light& light, Vec3 p, Float time, Sample2 random, Mask)
+    {
+        const Vec3 to_center = fma(light.motion(), time, light.position()) - p;
+        const Float r = abs(light.radius()), sin2 = r * r / dot(to_center, to_center);
+        const Mask outside = sin2 < Float(1);
+        const Float spread = cone(sin2);
+        const Vec3 wi = Frame(normalize(to_center)).to_world(sample_cone(random, spread));
+        // Distance to the sphere along wi.
+        const Float b = dot(to_center, wi);
+        const Vec3 foot = to_center - wi * b;
+        const Float root = sqrt(max(fma(r, r, -dot(foot, foot)), Float(0)));
+        // The normal points outwards for a positive radius: seen from outside, it faces the point.
+        const Float side = select(outside, Float(1), Float(-1));
+        return {wi,
+                select(outside, b - root, b + root),
+                Float(2 * pi) * spread,
+                flip_sign(side, light.radius()),
+                Float(1),
+                Mask(false)};
+    }
+    template <class Light>
+    static Mask by_angle(const Light&, Vec3)
+    {
+        return Mask(true);
+    }
+    template <class Light>
+    static Float pdf(const Light& light, Vec3 p, Float time, Float)
+    {
+        const Vec3 to_center = fma(light.motion(), time, light.position()) - p;
+        const Float r = light.radius();
+        return Float(0.5f * inv_pi) / cone(r * r / dot(to_center, to_center));
+    }
+
+private:
+    /// 1 - cos of the half angle of the directions that are sampled.
+    static Float cone(Float sin2) { return select(sin2 < Float(1), one_minus_cos_of(min(sin2, Float(1))), Float(2)); }
+};
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

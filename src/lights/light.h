@@ -1,0 +1,120 @@
+#pragma once
+/// Sampling of lights by lanes, and the density with which a light's point would have been sampled.
+#include "lights/kinds/beam.h"
+#include "lights/kinds/directional.h"
+#include "lights/kinds/flat.h"
+#include "lights/kinds/pictured.h"
+#include "lights/kinds/rectangle.h"
+#include "lights/kinds/sphere.h"
+#include "lights/kinds/spot.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+struct LightSample {
+    Vec3 wi;  ///< unit, from the point towards the light
+    Float distance;
+    Float inverse_pdf;  ///< of the direction, per solid angle, without the choice of the light; 1 for delta lights;
+                        ///< 0: nothing arrives
+    Spectrum radiance;  ///< that arrives if nothing blocks it (delta lights: irradiance at normal incidence)
+    Mask is_delta;      ///< no direction that a surface chooses meets it: the sample counts in full
+    /// radiance is to be multiplied by the environment's along wi, if nothing is in the way; see LightSampler.
+    Mask sees_environment = Mask(false);
+    Float likely = Float(1);  ///< by what that will be, about
+};
+
+inline Mask is_kind(UInt kind, LightRecordKind wanted)
+{
+    return kind == UInt(std::uint32_t(wanted));
+}
+
+/// Calls f.template operator()<Kind>() for each of the kinds.
+template <class... Kind>
+struct LightKindList {
+    template <class F>
+    [[gnu::always_inline]] static void for_each(F&& f)
+    {
+        (f.template operator()<Kind>(), ...);
+    }
+};
+
+/// All kinds but environments, which are sampled by their pictures (environment.h).
+using LightKinds = LightKindList<RectangleLight, ParallelogramLight, TriangleLight, DiskLight, SphereLight, PointLight,
+                                 SpotLight, DirectionalLight, PicturedLight, BeamLight>;
+
+/// sample_light for lights that are not all rectangles.
+template <class Light>
+[[gnu::noinline]] LightSample sample_any_light(const Light& light, Vec3 p, Float time, Sample2 random, Mask active)
+{
+    LightPoint s{{Float(0), Float(0), Float(1)}, Float(1), Float(1), Float(1), Float(1), Mask(false)};
+    const UInt kind = light.kind();
+    LightKinds::for_each([&]<class Kind>() {
+        const Mask mine = is_kind(kind, Kind::kind);
+        if (none(mine)) return;
+        const LightPoint point = Kind::sample(light, p, time, random, active & mine);
+        s.wi = select(mine, point.wi, s.wi);
+        s.distance = select(mine, point.distance, s.distance);
+        s.inverse_pdf = select(mine, point.inverse_pdf, s.inverse_pdf);
+        s.cosine = select(mine, point.cosine, s.cosine);
+        s.strength = select(mine, point.strength, s.strength);
+        s.is_delta |= mine & point.is_delta;
+    });
+    const Mask shines = (s.cosine > Float(0)) | light.has(LightRecord::two_sided);
+    s.is_delta |= light.has(LightRecord::unseen);
+    return {s.wi, s.distance, select(shines, s.inverse_pdf, Float(0)), light.radiance() * s.strength, s.is_delta};
+}
+
+/// Samples a point of the light as seen from p, at shutter time `time`. What other lanes than the active ones get is of
+/// no use.
+template <class Light>
+[[gnu::always_inline]] inline LightSample sample_light(const Light& light, Vec3 p, Float time, Sample2 random,
+                                                       Mask active)
+{
+    if (!all(is_kind(light.kind(), LightRecordKind::rectangle)))
+        return sample_any_light(light, p, time, random, active);
+    const auto point = RectangleLight::sample(light, p, time, random, active);
+    const Mask shines = (point.cosine > Float(0)) | light.has(LightRecord::two_sided);
+    return {point.wi, point.distance, select(shines, point.inverse_pdf, Float(0)), light.radiance(),
+            light.has(LightRecord::unseen)};
+}
+
+namespace detail {
+
+template <class Kind, class Light>
+concept HasAngularDensity = requires(const Light& light, Vec3 p) { Kind::by_angle(light, p); };
+
+/// The densities of those lanes whose lights are sampled otherwise than by area; of the others, `by_area`.
+template <class Light>
+[[gnu::noinline]] Float pdf_by_angle(const Light& light, Vec3 p, Float time, Float by_area, Mask by_angle)
+{
+    Float pdf = by_area;
+    LightKinds::for_each([&]<class Kind>() {
+        if constexpr (HasAngularDensity<Kind, Light>) {
+            const Mask mine = by_angle & is_kind(light.kind(), Kind::kind);
+            if (any(mine)) pdf = select(mine, Kind::pdf(light, p, time, by_area), pdf);
+        }
+    });
+    return pdf;
+}
+
+}  // namespace detail
+
+/// The density per solid angle, seen from p, with which sample_light would have found the point at p + distance * wi of
+/// an emissive surface; without the probability of choosing the light. For the active lanes.
+template <class Light>
+[[gnu::always_inline]] inline Float pdf_light(const Light& light, Vec3 p, Float time, Vec3 wi, Float distance,
+                                              Mask active)
+{
+    const UInt kind = light.kind();
+    const Float cosine = abs(dot(wi, light.normal()));
+    const Float by_area = distance * distance * reciprocal(max(cosine * light.area(), Float(1e-30f)));
+    Mask by_angle(false);
+    LightKinds::for_each([&]<class Kind>() {
+        if constexpr (detail::HasAngularDensity<Kind, Light>)
+            by_angle |= active & is_kind(kind, Kind::kind) & Kind::by_angle(light, p);
+    });
+    return any(by_angle) ? detail::pdf_by_angle(light, p, time, by_area, by_angle) : by_area;
+}
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

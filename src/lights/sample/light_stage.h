@@ -1,0 +1,222 @@
+#pragma once
+#include "kernel/camera_paths.h"
+#include "lights/environment/environment.h"
+#include "lights/kinds/curve_light.h"
+#include "lights/kinds/moving_light.h"
+#include "lights/kinds/picture.h"
+#include "lights/tree/selector.h"
+#include "materials/opacity.h"
+#include "materials/read/material.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+/// What a sample is divided by, with its weight against directions that something else might have sampled with a
+/// density of pdf.
+[[gnu::always_inline]] inline Float light_weight(const LightSample& s, Float pdf)
+{
+    const Float r = pdf * s.inverse_pdf;
+    return select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * s.inverse_pdf;
+}
+
+/// Light sampling: which light, then which point of it.
+class LightSampler {
+public:
+    /// leaves_environment: what the environment sends along a direction is left to whoever traces it, since within
+    /// rooms hardly any of these arrive.
+    LightSampler(const LaneScene& scene, LightSelection selection, bool leaves_environment)
+        : scene_(scene),
+          tables_(scene.tables),
+          surfaces_(scene),
+          materials_(scene),
+          selector_(scene.tables, selection),
+          leaves_environment_(leaves_environment)
+    {
+        is_alone_ = tables_.lights.size() == 1 && tables_.environment.light == no_index &&
+                    tables_.lights[0].material == no_index && !scene.moving_lights && !scene.curve_lights &&
+                    !scene.pictured_lights;
+    }
+
+    /// A point of the only light, or of one that is selected; then the sample's density is that of both choices.
+    ///
+    /// key, seed: of the bounce, for the choice. random: for the point.
+    [[gnu::always_inline]] LightSample sample(Mask valid, Vec3 eye, const SampleKey& key, UInt seed, Sample2 random,
+                                              Float time) const
+    {
+        if (is_alone_)
+            return sample_light(LightReader<true>(tables_.lights.data(), UInt(0u)), eye, time, random, valid);
+        return choose(valid, eye,
+                      selector_.select(eye, sample_2d(key, pair_seed(seed, pair_choice)).y,
+                                       sample_hash(key, pair_seed(seed, pair_light_tree)), valid),
+                      random, time);
+    }
+
+    /// What leaves the scene along d sees, for the lanes of m. specular: not weighted against light sampling;
+    /// pdf: of having sampled d.
+    Spectrum environment(const KernelBackground& background, bool lights_are_sampled, Vec3 d, Mask from_camera,
+                         Mask specular, Float pdf, Mask m) const
+    {
+        Spectrum radiance = environment_radiance(tables_, d, m);
+        if (background.given) radiance = select(from_camera, Spectrum(background.radiance), radiance);
+        if (lights_are_sampled && tables_.environment.light != no_index && any(m & !specular)) {
+            const Float pmf(selector_.pmf(tables_.environment.light));
+            radiance = radiance * select(specular, Float(1), mis_weight(pdf, pmf * environment_pdf(tables_, d)));
+        }
+        return radiance;
+    }
+
+    /// The weight of light that a surface sends along d, found there by a direction sampled with density pdf instead of
+    /// by sampling the light; for the lanes of m. o: where the direction began.
+    template <class Light>
+    [[gnu::always_inline]] Float emission_weight(const Light& light, const Vec3& o, Float time, const Vec3& d,
+                                                 Float distance, Float pdf, Mask m) const
+    {
+        return mis_weight(pdf, selector_.pmf(light, o, m) * pdf_light(light, o, time, d, distance, m));
+    }
+
+    /// The same of lights by their numbers, which may move or be curves. u: of the hit.
+    Float emission_weight_of(UInt light, const Vec3& o, Float time, const Vec3& d, Float distance, Float u, Float pdf,
+                             Mask m) const
+    {
+        const LightReader<false> record(tables_.lights.data(), light);
+        if (!any_moves(record, m) && none(curves(record, m)))
+            return emission_weight(record, o, time, d, distance, pdf, m);
+        return mis_weight(pdf, selector_.pmf(record, o, m) * pdf_special(record, o, time, d, distance, u, m));
+    }
+
+private:
+    bool any_moves(const LightReader<false>& light, Mask m) const
+    {
+        return scene_.moving_lights && any(m & (light.motion_flags() != UInt(0u)));
+    }
+    Mask curves(const LightReader<false>& light, Mask m) const
+    {
+        return scene_.curve_lights ? m & is_kind(light.kind(), LightRecordKind::curve) : Mask(false);
+    }
+    [[gnu::noinline]] Float pdf_special(const LightReader<false>& light, const Vec3& o, Float time, const Vec3& d,
+                                        Float distance, Float u, Mask m) const
+    {
+        const Float pdf = pdf_light(MovingLight(light, tables_, time, m), o, time, d, distance, m);
+        const Mask curve = curves(light, m);
+        if (none(curve)) return pdf;
+        const CurveLight segment(tables_, light.primitive(), light.instance(), time, curve);
+        return select(curve, segment.pdf(o, d, distance, u), pdf);
+    }
+
+    [[gnu::noinline]] LightSample choose(Mask valid, Vec3 eye, LightSelector::Choice choice, Sample2 random,
+                                         Float time) const
+    {
+        const LightReader<false> light(tables_.lights.data(), choice.light);
+        return any_moves(light, valid) ? sample_moving(light, valid, eye, choice, random, time)
+                                       : sample_chosen(light, valid, eye, choice, random, time);
+    }
+    [[gnu::noinline]] LightSample sample_moving(const LightReader<false>& light, Mask valid, Vec3 eye,
+                                                LightSelector::Choice choice, Sample2 random, Float time) const
+    {
+        return sample_chosen(MovingLight(light, tables_, time, valid), valid, eye, choice, random, time);
+    }
+    template <class Light>
+    LightSample sample_chosen(const Light& light, Mask valid, Vec3 eye, LightSelector::Choice choice, Sample2 random,
+                              Float time) const
+    {
+        const Mask environment = is_kind(light.kind(), LightRecordKind::environment);
+        const bool only_environment = none(valid & !environment);
+        LightSample s = only_environment ? LightSample{} : sample_light(light, eye, time, random, valid);
+        if (any(valid & environment)) {
+            const EnvironmentSample e = sample_environment(tables_, random);
+            s.wi = select(environment, e.wi, s.wi);
+            s.distance = select(environment, Float(infinity), s.distance);
+            s.inverse_pdf = select(environment, e.inverse_pdf, s.inverse_pdf);
+            const Spectrum radiance =
+                leaves_environment_ ? Spectrum(Float(1)) : environment_radiance(tables_, e, valid & environment);
+            s.radiance = select(environment, radiance, s.radiance);
+            s.is_delta = s.is_delta & !environment;
+            s.sees_environment = environment & Mask(leaves_environment_);
+            s.likely = select(s.sees_environment, e.likely, Float(1));
+        }
+        const Mask curve = curves(light, valid);
+        Float along(0.f);
+        if (any(curve)) along = sample_curves(light, eye, time, random, s, curve);
+        if (scene_.varied_lights) {
+            const UInt material = light.material();
+            const Mask varied = valid & (material != UInt(no_index));
+            if (any(varied)) s.radiance = s.radiance * factor_at(light, material, eye, s, time, {along, curve}, varied);
+        }
+        if (scene_.pictured_lights) {
+            const Mask pictured = valid & is_kind(light.kind(), LightRecordKind::pictured);
+            if (any(pictured)) s.radiance = s.radiance * picture_at(light, s.wi, pictured);
+        }
+        s.inverse_pdf = s.inverse_pdf / choice.pmf;
+        return s;
+    }
+
+    /// What the picture of a light leaves of what it sends against wi; 1 for other lanes.
+    template <class Light>
+    [[gnu::noinline]] Spectrum picture_at(const Light& light, const Vec3& wi, Mask m) const
+    {
+        const Spectrum factor = light_picture(tables_, light.primitive(), -dot(wi, light.edge_v()),
+                                              -dot(wi, light.normal()), -dot(wi, light.edge_u()), m);
+        return select(m, factor, Spectrum(Float(1)));
+    }
+
+    /// Samples the lights of some lanes that are curves; returns where along their segments.
+    [[gnu::noinline]] Float sample_curves(const LightReader<false>& light, const Vec3& eye, Float time, Sample2 random,
+                                          LightSample& s, Mask m) const
+    {
+        const CurveLight segment(tables_, light.primitive(), light.instance(), time, m);
+        const CurveLight::Sample c = segment.sample(eye, random);
+        s.wi = select(m, c.wi, s.wi);
+        s.distance = select(m, c.distance, s.distance);
+        s.inverse_pdf = select(m, c.inverse_pdf, s.inverse_pdf);
+        return c.u;
+    }
+
+    /// Where samples of curves are along their segments.
+    struct AlongCurves {
+        Float u;
+        Mask m;
+    };
+
+    /// What the emission texture and alpha leave of the radiance at the sampled point of a light.
+    template <class Light>
+    Spectrum factor_at(const Light& light, UInt material, Vec3 from, const LightSample& s, Float time,
+                       const AlongCurves& curves, Mask m) const
+    {
+        SurfaceHit hit;
+        hit.o = from;
+        hit.d = s.wi;
+        hit.t = s.distance;
+        hit.time = time;
+        hit.primitive = light.primitive();
+        hit.instance = light.instance();
+        // Barycentric weights of a triangle's point; other kinds find theirs from the position.
+        const Vec3 r = fma(s.wi, s.distance, from) - light.position();
+        const Vec3 u = light.edge_u(), v = light.edge_v();
+        const Vec3 n = cross(u, v);
+        const Float scale = Float(1) / max(dot(n, n), Float(1e-30f));
+        hit.u = select(curves.m, curves.u, dot(cross(r, v), n) * scale);
+        hit.v = dot(cross(u, r), n) * scale;
+        const Surface surface = surfaces_.read(hit, m);
+        const UInt texture = materials_.get(&MaterialRecord::emission_texture, material, m);
+        const Texel t = evaluate_textures(tables_, texture, surface.at, m);
+        Spectrum factor;
+        // Round primitives are opaque.
+        const Mask flat = m & less(hit.primitive, UInt(tables_.first_sphere()));
+        // Lights that no ray meets are not dimmed by their alpha, which is 0.
+        const Mask masked = flat & !light.has(LightRecord::unseen);
+        const Float stopped = opacity(tables_, material, surface.at, masked);
+        for (int c = 0; c < channels; ++c) factor.c[c] = select(m, t.c[c] * stopped, Float(1));
+        return factor;
+    }
+
+    const LaneScene& scene_;
+    const SceneTables& tables_;
+    const SurfaceReader surfaces_;
+    const MaterialReader materials_;
+    const LightSelector selector_;
+    const bool leaves_environment_;
+    bool is_alone_;  ///< there is one light, and its radiance is the same all over
+};
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,0 +1,63 @@
+#pragma once
+#include "materials/closures/closure.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+/// The metal of "Ray Tracing in One Weekend" and of the report: the mirror direction plus fuzz times a random point of
+/// the unit ball; what would go below the surface is absorbed.
+///
+/// The direction has a density in closed form: the share of the ball of radius fuzz around the mirror direction that
+/// lies on a ray, weighted by r^2. So lights can be sampled too, and the look is the original's exactly.
+class FuzzMetalBsdf {
+public:
+    static constexpr ClosureKind kind = ClosureKind::fuzz_metal;
+    static constexpr bool transmits = false;
+    static constexpr bool is_glossy = true;
+    using Point = MaterialPoint;
+    static constexpr bool is_guided = false;
+    static constexpr bool is_fiber = false;
+
+    explicit FuzzMetalBsdf(const MaterialPoint& m) : color_(m.base_color), fuzz_(clamp(m.fuzz, Float(0), Float(1)))
+    {
+        is_mirror_ = fuzz_ < Float(1e-3f);
+    }
+    Mask has_non_delta() const { return !is_mirror_; }
+    BsdfEval eval(Vec3 wo, Vec3 wi) const
+    {
+        const Float p = select((wi.z > Float(0)) & has_non_delta(), pdf(wo, wi), Float(0));
+        return {color_ * p, p};
+    }
+    BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
+    {
+        // A point of the unit ball; its distance from the centre is the cube root of a uniform number.
+        const Float z = fma(u.x, Float(-2), Float(1));
+        const Float s = sqrt(max(fma(-z, z, Float(1)), Float(0)));
+        const SinCos phi = sincos_2pi(u.y);
+        const Float r = select(is_mirror_, Float(0), fuzz_ * pow(u1, Float(1.0f / 3)));
+        const Vec3 mirror{-wo.x, -wo.y, wo.z};
+        const Vec3 wi = normalize(fma(Vec3{s * phi.cos, s * phi.sin, z}, r, mirror));
+        return {wi, color_ * select(wi.z > Float(0), Float(1), Float(0)), pdf(wo, wi), is_mirror_, Float(1)};
+    }
+
+private:
+    Float pdf(Vec3 wo, Vec3 wi) const
+    {
+        const Vec3 mirror{-wo.x, -wo.y, wo.z};
+        const Float b = dot(mirror, wi);
+        const Vec3 off = mirror - wi * b;
+        const Float root2 = fma(fuzz_, fuzz_, -dot(off, off));
+        const Float root = sqrt(max(root2, Float(0)));
+        const Float far = b + root, near = max(b - root, Float(0));
+        const Float f3 = max(fuzz_ * fuzz_ * fuzz_, Float(1e-12f));
+        const Float p = (far * far * far - near * near * near) / (Float(4 * pi) * f3);
+        return select((root2 > Float(0)) & (far > Float(0)), p, Float(0));
+    }
+
+    Spectrum color_;
+    Float fuzz_;
+    Mask is_mirror_;
+};
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

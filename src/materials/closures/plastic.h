@@ -1,0 +1,145 @@
+#pragma once
+#include "materials/closures/closure.h"
+#include "materials/closures/plastic_tables.h"
+#include "materials/microfacet/microfacet.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+/// A smooth or rough boundary of a dielectric over a diffuse body: facets reflect by Fresnel's equations (Walter et al.
+/// 2007); what they let in is scattered by the body, comes up to the boundary from within, is thrown back in part, and
+/// so on, until it gets out. Since the body forgets where light came from, that is a closed form of what the boundary
+/// lets through from either direction and of what it throws back in the mean:
+///
+///     color / pi * passes(wo) * passes(wi) / (ior^2 (1 - color * inner))
+///
+/// Of rough boundaries passes and inner are by tables. Where the material is compensated all that facets don't reflect
+/// at once is let in; else what they let through at once, as layers by random walks have it, and the rest is lost.
+///
+/// A grey layer between boundary and body (`fuzz`: its optical thickness) absorbs along the ways that a smooth boundary
+/// refracts to, and a part of what is thrown back (`metallic`). A `metallic` below 0 is inner itself, less than 0.
+class PlasticBsdf {
+public:
+    static constexpr ClosureKind kind = ClosureKind::plastic;
+    static constexpr bool transmits = false;
+    static constexpr bool is_glossy = true;
+    using Point = MaterialPoint;
+    static constexpr bool is_guided = true;
+    static constexpr bool is_fiber = false;
+
+    explicit PlasticBsdf(const MaterialPoint& m)
+        : roughness_(sampled_roughness(m)),
+          ggx_({max(sampled_alpha(m), Float(2 * min_alpha))}, m.beckmann, m.separable),
+          mirrors_(is_mirror(m.roughness)),
+          facets_(select(m.compensated, UInt(compensated),
+                         select(m.beckmann, UInt(beckmann), select(m.separable, UInt(separable), UInt(correlated))))),
+          tint_(m.specular_tint),
+          ior_(clamp(m.ior, Float(1), Float(3))),
+          thickness_(m.fuzz)
+    {
+        const UInt row_of_facets = UInt(passing) + (facets_ - UInt(1)) * UInt(2);
+        const Mask all_goes_in = facets_ == UInt(compensated);
+        const Float lets_in = select(all_goes_in, Float(1), mean_of(row_of_facets)) * (Float(1) - mean_reflected());
+        const Float lost = select(all_goes_in, Float(0), mean_of(row_of_facets + UInt(1)));
+        const Float out = lets_in / (ior_ * ior_),
+                    follows = clamp(Float(1) - out - lost, Float(0), Float(1)) * (Float(1) - m.metallic),
+                    inner = select(m.metallic < Float(0), -m.metallic, follows);
+        for (int i = 0; i < channels; ++i) {
+            const Float color = m.base_color.c[i];
+            // What is thrown back is white to Mitsuba's linear model.
+            const Float again = select(m.nonlinear, color, Float(1));
+            body_.c[i] = color / (ior_ * ior_ * max(fma(-again, inner, Float(1)), Float(1e-6f)));
+        }
+        max_body_ = max_component(body_) * lets_in;
+    }
+    Mask has_non_delta() const { return Mask(true); }
+    Float guided_weight() const { return Float(1); }
+    BsdfEval eval(Vec3 wo, Vec3 wi, Mask without_mirrors = Mask(false)) const
+    {
+        const Vec3 h = normalize(wo + wi + Vec3{Float(0), Float(0), Float(1e-20f)});
+        const Mask valid = wi.z > Float(0);
+        const Float d = ggx_.d(h), scale = Float(1) / (Float(4) * wo.z);
+        Float beyond;
+        const Float f = fresnel_dielectric(clamp(dot(wo, h), Float(0), Float(1)), ior_, beyond);
+        const Float boundary =
+            select(without_mirrors & mirrors_, Float(0), f * ggx_.value(h, d) * ggx_.g2(wo, wi) * scale);
+        const Float passes_out = passes(wo.z), cosine = wi.z * Float(inv_pi);
+        const Float body = passes_out * passes(wi.z) * absorbed_less(wo.z, wi.z) * cosine;
+        BsdfEval r;
+        for (int i = 0; i < channels; ++i)
+            r.f_cos.c[i] = select(valid, fma(body_.c[i], body, tint_.c[i] * boundary), Float(0));
+        const Float p = boundary_probability(passes_out);
+        r.pdf = select(valid, fma(p, ggx_.g1(wo) * d * scale, (Float(1) - p) * cosine), Float(0));
+        return r;
+    }
+    BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
+    {
+        const Mask specular = u1 < boundary_probability(passes(wo.z));
+        const Vec3 wi = select(specular, reflect(wo, ggx_.sample(wo, u)), sample_cosine_hemisphere(u));
+        const BsdfEval e = eval(wo, wi);
+        return {wi, e.f_cos * select(e.pdf > Float(0), Float(1) / max(e.pdf, Float(1e-30f)), Float(0)), e.pdf,
+                Mask(false), Float(1)};
+    }
+
+private:
+    /// Parts of plastic_share_table.
+    enum : std::uint32_t { compensated, correlated, separable, beckmann };
+    /// Rows of plastic_means_table: passing and what is lost within of each but the first of those.
+    enum : std::uint32_t { reflecting, bend, passing };
+
+    Float mean_of(UInt row) const
+    {
+        const Float y = clamp(roughness_, Float(0), Float(1)) * Float(ggx_albedo_size - 1);
+        const Float y0 = min(floor(y), Float(ggx_albedo_size - 2));
+        const UInt index = to_uint(y0) + row * UInt(ggx_albedo_size);
+        const Float a = gather(plastic_means_table, index), b = gather(plastic_means_table, index + UInt(1));
+        return fma(y - y0, b - a, a);
+    }
+    /// What the boundary reflects of light from everywhere. The table is of index 1.5.
+    Float mean_reflected() const
+    {
+        const Float r = (ior_ - Float(1)) / (ior_ + Float(1)), root = sqrt(r);
+        Float smooth(0);
+        for (int k = 6; k >= 0; --k) smooth = fma(smooth, root, Float(smooth_mean_polynomial[k]));
+        constexpr float smooth_of_table = 0.0917780f, normal_of_table = 0.04f;
+        const Float by_smooth = max(smooth * root, Float(0)) * Float(1 / smooth_of_table);
+        const Float by_normal = r * r * Float(1 / normal_of_table);
+        return mean_of(UInt(reflecting)) * fma(mean_of(UInt(bend)), by_normal - by_smooth, by_smooth);
+    }
+    /// The share of light from a direction, or to it, that passes the boundary.
+    Float passes(Float cosine) const
+    {
+        constexpr std::uint32_t size = ggx_albedo_size * ggx_albedo_size;
+        const Float share = albedo_lookup(plastic_share_table, cosine, roughness_, facets_ * UInt(size));
+        Float beyond;
+        const Float f = fresnel_dielectric(albedo_lookup(plastic_cosine_table, cosine, roughness_), ior_, beyond);
+        return fma(-f, share, select(facets_ == UInt(compensated), Float(1), share));
+    }
+    /// What the layer leaves of light on its ways in and out.
+    Float absorbed_less(Float cosine_in, Float cosine_out) const
+    {
+        if (none(thickness_ > Float(0))) return Float(1);
+        const Float inverse = Float(1) / (ior_ * ior_);
+        const auto way = [&](Float cosine) {
+            return inverse_sqrt(max(fma(fma(cosine, cosine, Float(-1)), inverse, Float(1)), Float(1e-6f)));
+        };
+        return exp(-(thickness_ * (way(cosine_in) + way(cosine_out))));
+    }
+    /// The chance to sample the boundary. passes_out: what gets through it towards the path.
+    Float boundary_probability(Float passes_out) const
+    {
+        const Float s = Float(1) - passes_out, b = passes_out * max_body_;
+        return select(b > Float(0), clamp(s / max(s + b, Float(1e-20f)), Float(0.1f), Float(0.9f)), Float(1));
+    }
+
+    Float roughness_;
+    Facets<Ggx> ggx_;
+    Mask mirrors_;
+    UInt facets_;    ///< which part of the tables
+    Spectrum tint_;  ///< of what the boundary reflects
+    Float ior_, thickness_, max_body_;
+    Spectrum body_;  ///< but for what passes the boundary, and 1 / pi
+};
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

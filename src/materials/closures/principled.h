@@ -1,0 +1,94 @@
+#pragma once
+#include "materials/closures/closure.h"
+#include "materials/microfacet/microfacet.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+/// The metallic-roughness model of glTF 2.0 (its appendix B): the mixture by `metallic` of a metal and of a dielectric,
+/// a diffuse base under a specular layer, both of the same GGX facets. Where the material asks for it each is scaled by
+/// itself for multiple scattering, which is no linear function of the reflectance, as the metal's; the base gets what
+/// the layer's directional albedo leaves (where glTF's own formula takes the half vector's reflectance, and makes
+/// energy at grazing angles).
+class PrincipledBsdf {
+public:
+    static constexpr ClosureKind kind = ClosureKind::principled;
+    static constexpr bool transmits = false;
+    static constexpr bool is_glossy = true;
+    using Point = MaterialPoint;
+    static constexpr bool is_guided = true;
+    static constexpr bool is_fiber = false;
+
+    explicit PrincipledBsdf(const MaterialPoint& m)
+        : roughness_(sampled_roughness(m)),
+          ggx_({max(sampled_alpha(m), Float(2 * min_alpha))}, m.beckmann, m.separable),
+          mirrors_(is_mirror(m.roughness)),
+          metallic_(m.metallic),
+          compensation_(select(m.compensated, Float(1), Float(0))),
+          color_(m.base_color)
+    {
+        const Float r = (m.ior - Float(1)) / (m.ior + Float(1));
+        dielectric_f0_ = r * r;
+        const Float most = max_component(color_);
+        max_f0_ = fma(metallic_, max(most, dielectric_f0_) - dielectric_f0_, dielectric_f0_);
+        max_diffuse_ = most * (Float(1) - metallic_);
+    }
+    Mask has_non_delta() const { return Mask(true); }
+    Float guided_weight() const { return fma(metallic_, min(Float(2) * roughness_, Float(1)) - Float(1), Float(1)); }
+    BsdfEval eval(Vec3 wo, Vec3 wi, Mask without_mirrors = Mask(false)) const
+    {
+        const Vec3 h = normalize(wo + wi + Vec3{Float(0), Float(0), Float(1e-20f)});
+        const Mask valid = wi.z > Float(0);
+        const Float d = ggx_.d(h);
+        const Float specular =
+            select(without_mirrors & mirrors_, Float(0), ggx_.value(h, d) * ggx_.g2(wo, wi) / (Float(4) * wo.z));
+        const Float w = schlick_weight(dot(wo, h));
+        const Float more = gain(ggx_albedo(wo.z, roughness_));
+        const auto reflected = [&](Float f0) { return fma(Float(1) - f0, w, f0) * fma(f0, more, Float(1)); };
+        const Float cosine = wi.z * Float(inv_pi);
+        const Float base = (Float(1) - layer_albedo(wo.z)) * cosine;
+        const Float layer = reflected(dielectric_f0_) * specular;
+        const Float p = specular_probability(wo);
+        BsdfEval r;
+        for (int i = 0; i < channels; ++i) {
+            const Float dielectric = fma(base, color_.c[i], layer), metal = reflected(color_.c[i]) * specular;
+            r.f_cos.c[i] = select(valid, fma(metallic_, metal - dielectric, dielectric), Float(0));
+        }
+        r.pdf = select(valid, fma(p, ggx_.g1(wo) * d / (Float(4) * wo.z), (Float(1) - p) * cosine), Float(0));
+        return r;
+    }
+    BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
+    {
+        const Mask specular = u1 < specular_probability(wo);
+        const Vec3 wi = select(specular, reflect(wo, ggx_.sample(wo, u)), sample_cosine_hemisphere(u));
+        const BsdfEval e = eval(wo, wi);
+        return {wi, e.f_cos * select(e.pdf > Float(0), Float(1) / max(e.pdf, Float(1e-30f)), Float(0)), e.pdf,
+                Mask(false), Float(1)};
+    }
+
+private:
+    /// What a white surface is scaled by beyond 1. e: the albedo of its facets alone.
+    Float gain(Float e) const { return compensation_ * (Float(1) - e) / e; }
+    /// Directional albedo of the specular layer, by the tables.
+    Float layer_albedo(Float cosine) const
+    {
+        const Float e = ggx_albedo(cosine, roughness_), w = albedo_lookup(ggx_schlick_table, cosine, roughness_);
+        const Float once = fma(dielectric_f0_, e - w, w);
+        return clamp(once * fma(dielectric_f0_, gain(e), Float(1)), Float(0), Float(1));
+    }
+    Float specular_probability(Vec3 wo) const
+    {
+        const Float s = fma(Float(1) - max_f0_, schlick_weight(wo.z), max_f0_);
+        const Float d = max_diffuse_ * (Float(1) - s);
+        return select(d > Float(0), clamp(s / (s + d), Float(0.1f), Float(0.9f)), Float(1));
+    }
+
+    Float roughness_;
+    Facets<Ggx> ggx_;
+    Mask mirrors_;
+    Float metallic_, compensation_, dielectric_f0_, max_f0_, max_diffuse_;
+    Spectrum color_;
+};
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

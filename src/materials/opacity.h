@@ -1,0 +1,30 @@
+#pragma once
+#include "textures/textures.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+/// The share of the rays to a place of a material that its alpha stops, 0 to 1.
+///
+/// material  of each lane
+inline Float opacity(const ShadingTables& tables, UInt material, const TexturePoint& at, Mask m)
+{
+    Float share(1.f);
+    for_each_unique(m, material, [&](std::uint32_t index, Mask same) {
+        const MaterialRecord& record = tables.materials[index];
+        if (record.alpha_mode == std::uint32_t(AlphaMode::opaque)) return;
+        Float alpha(record.alpha);
+        if (record.flags & MaterialRecord::vertex_colored) alpha = alpha * at.vertex_color[3];
+        if (record.alpha_texture != no_index) {
+            const Texel texel = TextureGraph(tables).evaluate(tables.textures[record.alpha_texture], at, same);
+            alpha = alpha * texel.common_channel(record.alpha_channel);
+        }
+        if (record.alpha_mode == std::uint32_t(AlphaMode::mask))
+            alpha = select(alpha >= Float(record.alpha_cutoff), Float(1), Float(0));
+        share = select(same, clamp(alpha, Float(0), Float(1)), share);
+    });
+    return share;
+}
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

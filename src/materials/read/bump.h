@@ -1,0 +1,57 @@
+#pragma once
+/// Normals bent by the slope of heights: Blinn 1978, "Simulation of Wrinkled Surfaces".
+#include "geometry/surface/surface_hit.h"
+#include "kernel/tables.h"
+#include "math/gather_member.h"
+#include "textures/textures.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+/// The place that is by a share of one of its ways further on a surface.
+inline TexturePoint moved_place(const SceneTables& tables, const Surface& s, int k, Float share)
+{
+    TexturePoint at = s.at;
+    at.p_world = fma(s.ways.way[k], share * Float(float(1 / tables.render_scale)), at.p_world);
+    for (int set = 0; set < 2; ++set) {
+        at.u[set] = fma(s.ways.du[k][set], share, at.u[set]);
+        at.v[set] = fma(s.ways.dv[k][set], share, at.v[set]);
+    }
+    return at;
+}
+
+/// Bends the shading normals of the lanes of m, whose materials are bumped. The surface's own curvature is left alone.
+[[gnu::noinline]] inline void bend_by_bump(const SceneTables& tables, Mask m, Surface& s)
+{
+    const auto get = [&](auto NumberRecord::* member) {
+        return gather(tables.materials, &MaterialRecord::bump, member, s.material, m);
+    };
+    const UInt texture = get(&NumberRecord::texture), channel = get(&NumberRecord::channel);
+    const Float scale = get(&NumberRecord::value);
+    const auto height = [&](const TexturePoint& at) {
+        return evaluate_textures(tables, texture, at, m).channel(channel) * scale;
+    };
+    // About a quarter of a pixel: the camera is near render space's origin. Far from the world's, floats say no more.
+    const Float step =
+        max(max(max_abs(s.p), max_abs(s.at.p_world) * Float(float(tables.render_scale * 0.25))), Float(1e-3f)) *
+        Float(0x1p-12f);
+    const Float here = height(s.at);
+    Vec3 bent[2];
+    Mask known = m;
+    for (int k = 0; k < 2; ++k) {
+        const Vec3& way = s.ways.way[k];
+        const Float length2 = dot(way, way);
+        known = known & (length2 > Float(0));
+        const Float share = step * inverse_sqrt(max(length2, Float(1e-30f)));
+        const Float slope = (height(moved_place(tables, s, k, share)) - here) / share;
+        // Along the surface that the shading normal belongs to.
+        bent[k] = fma(s.ns, slope - dot(way, s.ns), way);
+    }
+    const Vec3 n = cross(bent[0], bent[1]);
+    known = known & (dot(n, n) > Float(0));
+    const Float side = dot(cross(s.ways.way[0], s.ways.way[1]), s.ns);
+    s.ns = select(known, flip_sign(normalize(n), side), s.ns);
+}
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

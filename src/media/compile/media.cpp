@@ -1,0 +1,72 @@
+#include "media/compile/media.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fathom/error.h"
+#include "materials/compile/layers.h"
+#include "scene/scattering.h"
+
+namespace fathom {
+
+namespace {
+
+std::uint32_t number_of(Compiler& c, MediumRecord medium, const Material& m)
+{
+    medium.ior = medium.is_open ? 1 : m.ior;
+    medium.priority = std::uint32_t(std::clamp(m.priority, -1000, 1000) + 1001);
+    std::vector<MediumRecord>& media = c.tables.media;
+    const auto known = std::find(media.begin() + 1, media.end(), medium);
+    if (known == media.end() && media.size() == MediaTables::max_media)
+        throw Error(c.scene.file, "", fmt::format("more than {} different kinds of glass", media.size() - 1));
+    const auto number = std::uint32_t(known - media.begin());
+    if (known == media.end()) media.push_back(medium);
+    return number;
+}
+
+}  // namespace
+
+std::uint32_t volume_medium(Compiler& c, const Material& m, bool is_open)
+{
+    MediumRecord medium;
+    medium.is_open = is_open;
+    const Rgb color = spectrum(m.attenuation_color), scatter = spectrum(m.transmission_scatter);
+    if (m.attenuation_distance > 0) {
+        const double distance = m.attenuation_distance * c.space.scale;
+        double sigma_a[channels], least = 0;
+        for (std::size_t i = 0; i < channels; ++i) {
+            sigma_a[i] = -std::log(std::max(double(color[i]), 1e-6)) - double(scatter[i]);
+            least = std::min(least, sigma_a[i]);
+        }
+        // Where more is scattered than is lost, as much absorption is added to all channels: so says OpenPBR.
+        for (std::size_t i = 0; i < channels; ++i) {
+            medium.scattering[i] = float(double(scatter[i]) / distance);
+            medium.extinction[i] = float((sigma_a[i] - least + double(scatter[i])) / distance);
+        }
+        if (std::max({scatter[0], scatter[1], scatter[2]}) > 0) {
+            medium.anisotropy = m.transmission_scatter_anisotropy;
+            medium.counts = m.transmission_scatter_bounces && !is_open;
+        }
+    }
+    return number_of(c, medium, m);
+}
+
+std::uint32_t subsurface_medium(Compiler& c, const Material& m)
+{
+    MediumRecord medium;
+    medium.anisotropy = m.subsurface_scatter_anisotropy;
+    medium.is_textured =
+        m.subsurface_color.texture >= 0 || m.subsurface_radius.texture >= 0 || m.subsurface_radius_scale.texture >= 0;
+    const Rgb color = spectrum(m.subsurface_color.value), scale = spectrum(m.subsurface_radius_scale.value);
+    for (std::size_t i = 0; i < channels; ++i) {
+        const double free_path = double(m.subsurface_radius.value) * double(scale[i]) * c.space.scale;
+        medium.extinction[i] = float(1 / std::max(free_path, double(shortest_free_path)));
+        medium.scattering[i] =
+            float(double(medium.extinction[i]) * single_scattering_albedo(double(color[i]), double(medium.anisotropy)));
+    }
+    return number_of(c, medium, m);
+}
+
+}  // namespace fathom

@@ -1,0 +1,205 @@
+#include "fathom/first_look.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "presentation/ground.h"
+#include "presentation/refracted_lamps.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr int across = 64;
+constexpr std::uint64_t samples = 16;
+
+double luminance(const float* c)
+{
+    return 0.2126 * double(c[0]) + 0.7152 * double(c[1]) + 0.0722 * double(c[2]);
+}
+
+Image small_picture(const Scene& scene, double aspect, int max_depth)
+{
+    RenderSettings settings;
+    settings.width = across;
+    settings.height = std::clamp(int(std::lround(across / aspect)), 1, 4 * across);
+    settings.max_depth = max_depth;
+    settings.filter = Filter::box;
+    settings.background = Color{0, 0, 0};
+    settings.alpha = true;
+    const RenderJob job(scene, settings);
+    Film film(job);
+    render(job, {0, samples}, film);
+    return film.image(true, false);
+}
+
+double quantile(const std::vector<double>& sorted, double share)
+{
+    return sorted[std::min(sorted.size() - 1, std::size_t(share * double(sorted.size())))];
+}
+
+}  // namespace
+
+double FirstLook::exposure_ev() const
+{
+    constexpr double middling = 0.22, white = 1;
+    if (!(middle > 0) || !(bright > 0)) return 0;
+    return std::min(std::log2(middling / middle), std::log2(white / bright));
+}
+
+FirstLook first_look(const Scene& scene, double aspect)
+{
+    // With a few bounces, less what is seen of lamps themselves.
+    const Image all = small_picture(scene, aspect, 4), lamps = small_picture(scene, aspect, 0);
+    const std::vector<float>&shown = all.find("")->pixels, &own = lamps.find("")->pixels;
+    const std::size_t pixels = shown.size() / 4;
+    std::vector<double> light;
+    for (std::size_t i = 0; i < pixels; ++i)
+        if (shown[4 * i + 3] >= 0.5f) light.push_back(std::max(0.0, luminance(&shown[4 * i]) - luminance(&own[4 * i])));
+    FirstLook look;
+    look.covered = double(light.size()) / double(pixels);
+    if (light.empty()) return look;
+    std::sort(light.begin(), light.end());
+    look.bright = quantile(light, 0.95);
+    constexpr double dark = 0.02;
+    const auto first_lit = std::upper_bound(light.begin(), light.end(), dark * look.bright);
+    look.lit = double(light.end() - first_lit) / double(light.size());
+    light.erase(light.begin(), first_lit);
+    if (!light.empty()) look.middle = quantile(light, 0.5);
+    return look;
+}
+
+namespace {
+
+/// The studio turns with the camera.
+Environment studio_for(const Camera& camera)
+{
+    Environment studio;
+    studio.kind = EnvironmentKind::studio;
+    const Vec3d forward = camera.look_at - camera.position;
+    studio.world_from_environment = Transform::rotate({0, 1, 0}, std::atan2(-forward.x, -forward.z));
+    return studio;
+}
+
+void remove_lights(SceneDescription& scene)
+{
+    for (Node& node : scene.nodes) node.light = -1;
+}
+
+/// Light that is no surface's.
+bool has_lamps(const SceneDescription& scene)
+{
+    return scene.environment.kind != EnvironmentKind::none ||
+           std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& n) { return n.light >= 0; });
+}
+
+bool has_light(const SceneDescription& scene)
+{
+    return has_lamps(scene) || std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
+               return std::max({m.emission.value.r, m.emission.value.g, m.emission.value.b}) > 0;
+           });
+}
+
+/// What is meant as it is, and needs no look.
+bool is_unlit(const SceneDescription& scene)
+{
+    return !scene.materials.empty() && std::all_of(scene.materials.begin(), scene.materials.end(),
+                                                   [](const Material& m) { return m.kind == MaterialKind::unlit; });
+}
+
+/// The ground, if there is to be one: the scene is then made anew.
+///
+/// fits  whether a studio alone lights a model
+void put_on_ground(SceneEdit& edit, AutoLitScene& result, const std::optional<Ground>& ground, bool fits)
+{
+    if (!ground || (ground->only_where_it_fits && !fits)) return;
+    const SceneDescription& scene = edit.description();
+    const Bounds model = ground->bounds ? *ground->bounds : world_bounds(scene);
+    if (model.empty) return;
+    if (ground->only_where_it_fits && !ground_fits(model, world_camera(scene, edit.camera()))) return;
+    result.scene = {};
+    add_ground(edit.change(), *ground, model, result.studio);
+    result.ground = true;
+    if (ground->only_where_it_fits)
+        result.added.push_back("a ground that catches its shadow (--ground none: leave it out)");
+}
+
+}  // namespace
+
+namespace {
+
+AutoLitScene compile_with_light(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
+                                const std::optional<Ground>& ground)
+{
+    const SceneDescription& scene = edit.description();
+    // Less light than this on what is seen, and exposing for it would show a lamp and its surroundings.
+    constexpr double min_lit = 0.4;
+    // Surfaces that shine would be white themselves, and their labels unreadable, if they were exposed for as lamps.
+    constexpr double max_stops_for_surfaces = 2;
+    const bool lit = has_light(scene), own_light = scene.hints.own_light || light == LightChoice::file;
+    const bool lamps = has_lamps(scene);
+    const EnvironmentKind sky = scene.environment.kind;
+    const bool wants_exposure =
+        !scene.hints.exposure && lit && (sky == EnvironmentKind::none || sky == EnvironmentKind::sky);
+    AutoLitScene result;
+    if (light == LightChoice::studio) remove_lights(edit.change());
+    const bool needs_studio =
+        light == LightChoice::studio || (light == LightChoice::automatic && !lit && !is_unlit(scene));
+    if (needs_studio) edit.set_environment(studio_for(world_camera(scene, edit.camera())));
+    if (needs_studio || !wants_exposure || is_unlit(scene)) {
+        // A backdrop shows the outlines of what is unlit and dark.
+        result.backdrop = needs_studio || (light == LightChoice::automatic && is_unlit(scene) && !own_light);
+        result.studio = needs_studio;
+        if (needs_studio && light == LightChoice::automatic) result.added.push_back("a studio light");
+        put_on_ground(edit, result, ground, needs_studio && !scene.hints.own_light);
+        result.scene = edit.compile(warnings);
+        return result;
+    }
+    result.scene = edit.compile(warnings);
+    const FirstLook look = first_look(result.scene, aspect);
+    if (look.covered == 0) return result;
+    const bool is_decoration = !lamps && look.exposure_ev() > max_stops_for_surfaces;
+    if ((look.lit < min_lit || is_decoration) && !own_light) {
+        edit.set_environment(studio_for(result.scene.camera()));
+        result.scene = {};
+        result.studio = result.backdrop = true;
+        result.added.push_back(
+            is_decoration ? "a studio light, since what shines in it lights little (--light file: leave it out)"
+                          : fmt::format("a studio light, since its own reaches {:.0f} % of what is seen (--light file: "
+                                        "leave it out)",
+                                        100 * look.lit));
+        put_on_ground(edit, result, ground, !lamps);
+        result.scene = edit.compile(warnings);
+        return result;
+    }
+    put_on_ground(edit, result, ground, false);
+    if (result.ground) result.scene = edit.compile(warnings);
+    // Near enough counts as meant.
+    const double stops = std::round(2 * look.exposure_ev()) / 2;
+    if (std::abs(stops) < 1.5) return result;
+    result.exposure_ev = stops;
+    result.added.push_back(fmt::format("an exposure of {:+} stops for its light (--exposure 0: leave it out)", stops));
+    return result;
+}
+
+}  // namespace
+
+AutoLitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
+                         const std::optional<Ground>& ground)
+{
+    AutoLitScene result = compile_with_light(edit, light, aspect, warnings, ground);
+    warn_of_refracted_lamps(result.scene, edit.description(), warnings);
+    return result;
+}
+
+AutoLitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
+                         Warnings& warnings, TreeBuild build, const std::optional<Ground>& ground)
+{
+    SceneEdit edit(std::move(scene), camera, build);
+    return compile_lit(edit, light, aspect, warnings, ground);
+}
+
+}  // namespace fathom

@@ -1,0 +1,202 @@
+#include "presentation/refracted_lamps.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "compile/scene_data.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr int pixels_across = 64;
+
+/// A camera in the place of a lamp, and the lamp's cone of light.
+struct LampView {
+    Camera camera;
+    Vec3d axis;
+    double cos_cone = -1;  ///< directions further from the axis get no light; -1: all do
+};
+
+Vec3d vector_of(const float* v)
+{
+    return {double(v[0]), double(v[1]), double(v[2])};
+}
+
+Camera looking_along(Vec3d position, Vec3d direction)
+{
+    Camera camera;
+    camera.position = position;
+    camera.look_at = position + direction;
+    camera.up = std::abs(direction.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0};
+    return camera;
+}
+
+class LampViews {
+public:
+    LampViews(const SceneTables& tables, const std::function<Bounds()>& bounds) : t_(tables), bounds_(bounds) {}
+
+    /// Nothing for lights with a size.
+    std::optional<LampView> of(const LightRecord& light)
+    {
+        switch (LightRecordKind(light.kind)) {
+            case LightRecordKind::point:
+                return all_around(light);
+            case LightRecordKind::spot:
+            case LightRecordKind::pictured:
+                return cone(light);
+            case LightRecordKind::beam:
+                return beam(light);
+            case LightRecordKind::directional:
+                if (light.radius > 0) return {};
+                return direction(light);
+            default:
+                return {};
+        }
+    }
+
+private:
+    Vec3d world(const float* p) const { return vector_of(p) * (1 / t_.render_scale) + t_.origin; }
+
+    LampView all_around(const LightRecord& light) const
+    {
+        LampView view{looking_along(world(light.position), {0, 0, -1}), {0, 0, -1}};
+        view.camera.kind = CameraKind::equal_area;
+        return view;
+    }
+    LampView cone(const LightRecord& light) const
+    {
+        const Vec3d axis = normalize(vector_of(light.edge_u));
+        const double cos_cone = 1 - double(light.outer), angle = std::acos(std::clamp(cos_cone, -1.0, 1.0));
+        LampView view{looking_along(world(light.position), axis), axis, cos_cone};
+        if (angle > 1.2)
+            view.camera.kind = CameraKind::equal_area;
+        else
+            view.camera.fov_y = std::max(2 * angle, 1e-4);
+        return view;
+    }
+    LampView beam(const LightRecord& light) const
+    {
+        const Vec3d axis = normalize(vector_of(light.normal));
+        LampView view{looking_along(world(light.position), axis), axis};
+        view.camera.kind = CameraKind::orthographic;
+        const double reach = std::max(length(vector_of(light.edge_u)), length(vector_of(light.edge_v)));
+        view.camera.height = 2 * reach / t_.render_scale;
+        return view;
+    }
+    LampView direction(const LightRecord& light)
+    {
+        const Bounds all = bounds_();
+        const Vec3d axis = normalize(vector_of(light.edge_u)), middle = (all.min + all.max) * 0.5;
+        const double radius = std::max(length(all.max - all.min) / 2, 1e-6);
+        LampView view{looking_along(middle - axis * (2 * radius), axis), axis};
+        view.camera.kind = CameraKind::orthographic;
+        view.camera.height = 2 * radius;
+        return view;
+    }
+
+    const SceneTables& t_;
+    const std::function<Bounds()>& bounds_;
+};
+
+/// Whether shadow rays end at it though it lets light through, of which no part is scattered in other directions.
+bool refracts_smoothly(const ShadingTables& tables, const MaterialRecord& m)
+{
+    constexpr float rough = 0.0316228f;  // its square is the alpha below which facets are mirrors
+    if ((m.flags & (MaterialRecord::thin | MaterialRecord::open_boundary)) != 0) return false;
+    if (m.roughness_texture != no_index || m.roughness > rough) return false;
+    switch (m.closure) {
+        case ClosureKind::glass:
+        case ClosureKind::disney_transmitting:
+            return true;
+        case ClosureKind::layered_transmitting:
+            return m.layers != no_index && (tables.layers[m.layers].features & LayersRecord::with_transmission) != 0;
+        default:
+            return false;
+    }
+}
+
+struct Seen {
+    std::size_t glass = 0, all = 0;
+};
+
+Seen look_from(const Scene& scene, const LampView& view, const std::vector<bool>& is_glass)
+{
+    RenderSettings settings;
+    settings.width = settings.height = pixels_across;
+    settings.max_depth = 0;
+    settings.filter = Filter::box;
+    settings.aovs = {Aov::position, Aov::material_id, Aov::depth};
+    Camera camera = view.camera;
+    camera.shutter_open = scene.camera().shutter_open, camera.shutter_close = scene.camera().shutter_close;
+    const RenderJob job(scene, camera, settings);
+    Film film(job);
+    render(job, {0, 1}, film);
+    const Image image = film.image(false, false);
+    const std::vector<float>&places = image.find("position")->pixels, &materials = image.find("material")->pixels,
+          &depths = image.find("depth")->pixels;
+    Seen seen;
+    for (std::size_t i = 0; i < depths.size(); ++i) {
+        if (!std::isfinite(depths[i])) continue;
+        const Vec3d to = vector_of(&places[3 * i]) - view.camera.position;
+        if (view.cos_cone > -1 && dot(to, view.axis) < view.cos_cone * length(to)) continue;
+        ++seen.all;
+        const std::size_t material = std::size_t(materials[i]);
+        seen.glass += material < is_glass.size() && is_glass[material];
+    }
+    return seen;
+}
+
+}  // namespace
+
+RefractedLamps find_refracted_lamps(const Scene& scene, const std::function<Bounds()>& bounds)
+{
+    constexpr std::size_t max_lamps = 16;
+    constexpr double nearly_all = 0.98;
+    const SceneTables& tables = *scene.data().tables;
+    std::vector<bool> is_glass;
+    for (const MaterialRecord& m : tables.materials) is_glass.push_back(refracts_smoothly(tables, m));
+    RefractedLamps result;
+    if (std::find(is_glass.begin(), is_glass.end(), true) == is_glass.end()) return result;
+    LampViews views(tables, bounds);
+    double shares = 0;
+    std::size_t lit = 0;
+    for (const LightRecord& light : tables.lights) {
+        const std::optional<LampView> view = views.of(light);
+        if (!view) continue;
+        if (result.lamps == max_lamps) break;
+        ++result.lamps;
+        const Seen seen = look_from(scene, *view, is_glass);
+        if (seen.all == 0) continue;
+        const double share = double(seen.glass) / double(seen.all);
+        result.hidden += share > nearly_all;
+        shares += share, ++lit;
+    }
+    if (lit > 0) result.light_on_glass = shares / double(lit);
+    return result;
+}
+
+void warn_of_refracted_lamps(const Scene& scene, const SceneDescription& description, Warnings& warnings)
+{
+    constexpr double noticeable = 0.01;
+    const RefractedLamps found = find_refracted_lamps(scene, [&] { return world_bounds(description); });
+    if (found.light_on_glass < noticeable) return;
+    const std::string advice =
+        "; to render it, give the lamps a size (a surface that emits) or make the glass thin or rough";
+    if (found.hidden > 0)
+        warnings.add(
+            fmt::format("{}: {} of {} lamps without size can only be seen through glass: their light is missing, "
+                        "since no path finds such a lamp through a smooth refracting surface{}",
+                        description.file, found.hidden, found.lamps, advice));
+    else
+        warnings.add(
+            fmt::format("{}: {:.0f} % of the light of lamps without size falls on glass, and what the glass "
+                        "refracts is missing (caustics){}",
+                        description.file, std::max(1.0, 100 * found.light_on_glass), advice));
+}
+
+}  // namespace fathom

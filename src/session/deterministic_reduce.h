@@ -1,0 +1,27 @@
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+namespace fathom {
+
+/// Sums over parts that threads share: always the same number of groups, each from its first part on, then group by
+/// group, so that sums of floats have the same bits for any number of threads.
+///
+/// zero: has a method add(). add(part, sums): adds a part.
+template <class Sums, class Add>
+Sums deterministic_reduce(std::size_t parts, const Sums& zero, const Add& add)
+{
+    constexpr std::size_t groups = 8;
+    std::vector<Sums> sums(groups, zero);
+    tbb::parallel_for(std::size_t(0), groups, [&](std::size_t group) {
+        for (std::size_t part = group * parts / groups; part < (group + 1) * parts / groups; ++part)
+            add(part, sums[group]);
+    });
+    for (std::size_t group = 1; group < groups; ++group) sums[0].add(sums[group]);
+    return std::move(sums[0]);
+}
+
+}  // namespace fathom

@@ -1,0 +1,30 @@
+#pragma once
+#include "textures/improved_noise.h"
+#include "textures/mapping.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+/// Disks in texture coordinates, whose cells and places noise chooses, as pbrt does.
+struct DotsTexture {
+    static constexpr TextureKind kind = TextureKind::dots;
+
+    static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
+    {
+        constexpr float radius = 0.35f, farthest = 0.5f - radius;
+        const TextureUv uv(graph.tables, t, at);
+        const Float u = uv.u * Float(t.scale), v = uv.v * Float(t.scale);
+        // Cells lie about whole numbers.
+        const Float column = floor(u + Float(0.5f)), row = floor(v + Float(0.5f));
+        const auto noise = [&](float du, float dv) {
+            return improved_noise({column + Float(du), row + Float(dv), Float(0.5f)});
+        };
+        const Float x = u - fma(noise(1.5f, 2.8f), Float(farthest), column),
+                    y = v - fma(noise(4.5f, 9.8f), Float(farthest), row);
+        const Mask inside = (noise(0.5f, 0.5f) > Float(0)) & (fma(x, x, y * y) < Float(radius * radius));
+        return graph.mix(t, select(inside, Float(1), Float(0)), at, m);
+    }
+};
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

@@ -1,0 +1,19 @@
+#pragma once
+#include "textures/node.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+/// By how much a surface faces a direction or turns its back on it: snow on what lies flat.
+struct FacingTexture {
+    static constexpr TextureKind kind = TextureKind::facing;
+
+    static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
+    {
+        const Vec3 direction(Float(t.direction[0]), Float(t.direction[1]), Float(t.direction[2]));
+        return graph.mix(t, abs(dot(at.n_world, direction)), at, m);
+    }
+};
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

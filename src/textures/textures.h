@@ -1,0 +1,59 @@
+#pragma once
+/// All textures: the list that lookups are made from.
+#include "textures/checker.h"
+#include "textures/coordinates.h"
+#include "textures/dots.h"
+#include "textures/facing.h"
+#include "textures/fractal.h"
+#include "textures/image.h"
+#include "textures/limits.h"
+#include "textures/mix.h"
+#include "textures/noise.h"
+#include "textures/ramp.h"
+#include "textures/scale.h"
+#include "textures/uv_transform.h"
+#include "textures/vertex_color.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+template <class... Node>
+struct TextureList {
+    static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
+    {
+        Texel r;
+        const auto is_of = [&]<class One>(One) {
+            if (TextureKind(t.kind) != One::kind) return false;
+            r = One::evaluate(graph, t, at, m);
+            return true;
+        };
+        static_cast<void>((is_of(Node()) || ...));
+        return r;
+    }
+};
+
+using Textures = TextureList<ImageTexture, CheckerUvTexture, CheckerSpaceTexture, NoiseTexture, TurbulenceTexture,
+                             MarbleTexture, MixTexture, ScaleTexture, UvTransformTexture, RampTexture,
+                             VertexColorTexture, FbmTexture, WrinkledTexture, WindyTexture, VeinedMarbleTexture,
+                             DotsTexture, CoordinatesTexture, FacingTexture, InvertTexture, ClampTexture>;
+
+[[gnu::noinline]] inline Texel TextureGraph::evaluate(const TextureRecord& t, const TexturePoint& at, Mask m) const
+{
+    return Textures::evaluate(*this, t, at, m);
+}
+
+/// A texture of each lane's own; 1 where there is none.
+inline Texel evaluate_textures(const ShadingTables& tables, UInt texture, const TexturePoint& at, Mask m)
+{
+    const TextureGraph graph(tables);
+    Texel r;
+    for (Float& c : r.c) c = Float(1);
+    for_each_unique(m & (texture != UInt(no_index)), texture, [&](std::uint32_t index, Mask same) {
+        const Texel t = graph.evaluate(tables.textures[index], at, same);
+        for (int c = 0; c < 4; ++c) r.c[c] = select(same, t.c[c], r.c[c]);
+    });
+    return r;
+}
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom

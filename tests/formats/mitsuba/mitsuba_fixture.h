@@ -1,0 +1,51 @@
+#pragma once
+/// What the tests of Mitsuba's files share.
+#include <numbers>
+#include <string>
+
+#include "formats/import_test_helpers.h"
+
+namespace fathom::test {
+
+inline constexpr double degree = std::numbers::pi / 180;
+
+class Mitsuba : public ImportTest {
+protected:
+    static std::string scene_of(const std::string& inside)
+    {
+        return "<scene version=\"3.0.0\">\n" + inside + "\n</scene>";
+    }
+    SceneDescription read(const std::string& inside) { return load("a.xml", scene_of(inside)); }
+    std::string error(const std::string& inside) { return error_of("a.xml", scene_of(inside)); }
+    bool is_told(const std::string& words) const
+    {
+        for (const auto& [message, times] : warnings_.counts())
+            if (message.find(words) != std::string::npos) return true;
+        return false;
+    }
+    /// Of the only shape.
+    static const Material& material_of(const SceneDescription& scene)
+    {
+        for (const Node& node : scene.nodes)
+            for (const Shape& shape : node.shapes) return scene.materials.at(std::size_t(shape.material));
+        throw std::runtime_error("no shape");
+    }
+    Material bsdf(const std::string& xml) { return material_of(read("<shape type=\"sphere\">" + xml + "</shape>")); }
+    static const Camera& camera_of(const SceneDescription& scene) { return scene.cameras.at(0); }
+    Camera sensor(const std::string& inside)
+    {
+        return camera_of(read("<sensor type=\"perspective\">" + inside + "</sensor>"));
+    }
+};
+
+inline constexpr const char* wide_film =
+    R"(<film type="hdrfilm"><integer name="width" value="200"/><integer name="height" value="100"/></film>)";
+
+inline void expect_color(const Color& c, double r, double g, double b, double tolerance = 1e-6)
+{
+    EXPECT_NEAR(c.r, r, tolerance);
+    EXPECT_NEAR(c.g, g, tolerance);
+    EXPECT_NEAR(c.b, b, tolerance);
+}
+
+}  // namespace fathom::test

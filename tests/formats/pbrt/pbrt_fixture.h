@@ -1,0 +1,59 @@
+#pragma once
+/// What the tests of pbrt's files share.
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "formats/import_test_helpers.h"
+
+namespace fathom::test {
+
+inline constexpr double degree = std::numbers::pi / 180;
+
+class Pbrt : public ImportTest {
+protected:
+    /// What stands behind WorldBegin.
+    SceneDescription world(const std::string& inside) { return load("a.pbrt", "WorldBegin\n" + inside); }
+    std::string error(const std::string& inside) { return error_of("a.pbrt", "WorldBegin\n" + inside); }
+    bool is_told(const std::string& words) const
+    {
+        for (const auto& [message, times] : warnings_.counts())
+            if (message.find(words) != std::string::npos) return true;
+        return false;
+    }
+    static const Shape& shape_of(const SceneDescription& scene)
+    {
+        for (const Node& node : scene.nodes)
+            if (!node.shapes.empty()) return node.shapes[0];
+        throw std::runtime_error("no shape");
+    }
+    static const Material& material_of(const SceneDescription& scene)
+    {
+        return scene.materials.at(std::size_t(shape_of(scene).material));
+    }
+    static const Mesh& mesh_of(const SceneDescription& scene)
+    {
+        return scene.meshes.at(std::size_t(std::get<MeshInstance>(shape_of(scene).geometry).mesh));
+    }
+    Material material(const std::string& text) { return material_of(world(text + "\nShape \"sphere\"")); }
+    Camera camera(const std::string& text)
+    {
+        return load("a.pbrt", "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100\n" + text)
+            .cameras.at(0);
+    }
+    static Vec3d origin(const SceneDescription& scene, std::size_t node)
+    {
+        return scene.nodes.at(node).parent_from_node.point({0, 0, 0});
+    }
+};
+
+inline void expect_color(const Color& c, double r, double g, double b, double tolerance = 1e-6)
+{
+    EXPECT_NEAR(c.r, r, tolerance);
+    EXPECT_NEAR(c.g, g, tolerance);
+    EXPECT_NEAR(c.b, b, tolerance);
+}
+
+inline constexpr const char* triangle = R"("point3 P" [ 0 0 0 1 0 0 0 1 0 ] "integer indices" [ 0 1 2 ])";
+
+}  // namespace fathom::test

@@ -1,0 +1,336 @@
+/// Binary trees before they are collapsed: whether they stay trees, and get better.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "compare_with_force.h"
+#include "geometry/bvh/builder/child_order.h"
+#include "geometry/bvh/builder/collapse.h"
+#include "geometry/bvh/builder/reinsertion.h"
+
+namespace fathom {
+namespace {
+
+using bvh::BinaryNode;
+using bvh::BinaryTree;
+
+/// Many small triangles and a few large ones, for which splits find no good place.
+GeometryTables small_and_large(int small, int large)
+{
+    Random random(31);
+    GeometryTables tables = soup(small, 100, 1, 32);
+    for (int i = 0; i < large; ++i) add_triangle(tables, random.point(100), random.point(100), random.point(100));
+    tables.shape_of_primitive.clear();
+    finish(tables);
+    return tables;
+}
+
+BinaryTree split(const GeometryTables& tables, TreeBuild level, bool cut)
+{
+    BvhData bvh;
+    bvh.tables = &tables;
+    bvh::ItemList list = bvh::world_items(tables, bvh, {});
+    return bvh::split_items(tables, list, level, cut);
+}
+
+double sum_of_areas(const BinaryTree& tree)
+{
+    double sum = 0;
+    for (std::size_t i = 0; i < tree.nodes.size(); ++i)
+        if (!tree.nodes[i].leaf) sum += tree.nodes[i].box().half_area();
+    return sum;
+}
+
+bool contains(const BinaryNode& node, const BinaryNode& child)
+{
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(node.low[axis] <= child.low[axis] && node.minus_high[axis] <= child.minus_high[axis])) return false;
+    return true;
+}
+
+/// The ids of all leaves, sorted; each node is met once, by its parent, whose box holds it.
+std::vector<std::uint32_t> check(const BinaryTree& tree, std::size_t& deepest)
+{
+    std::vector<std::uint32_t> ids;
+    std::size_t met = 0;
+    std::vector<std::pair<std::uint32_t, std::size_t>> waiting{{0, 0}};
+    deepest = 0;
+    while (!waiting.empty()) {
+        const auto [i, depth] = waiting.back();
+        waiting.pop_back();
+        deepest = std::max(deepest, depth);
+        if (++met > tree.nodes.size()) {
+            ADD_FAILURE() << "no tree";
+            return ids;
+        }
+        const BinaryNode& node = tree.nodes[i];
+        if (node.leaf) {
+            ids.insert(ids.end(), &tree.ids[node.left], &tree.ids[node.left] + node.count);
+            continue;
+        }
+        for (std::uint32_t child : {node.left, node.right}) {
+            EXPECT_EQ(tree.nodes[child].parent, i);
+            EXPECT_TRUE(contains(node, tree.nodes[child]));
+            waiting.push_back({child, depth + 1});
+        }
+    }
+    EXPECT_EQ(met, tree.nodes.size());
+    std::sort(ids.begin(), ids.end());
+    return ids;
+}
+
+/// As 1 + the larger of both sides', from what is below.
+std::uint32_t true_height(const BinaryTree& tree, std::uint32_t i)
+{
+    const BinaryNode& node = tree.nodes[i];
+    return node.leaf ? 0 : 1 + std::max(true_height(tree, node.left), true_height(tree, node.right));
+}
+
+/// Triangles of which the first, and then every third, can't be hit.
+GeometryTables with_gaps(int triangles)
+{
+    GeometryTables tables = soup(triangles, 100, 1, 35);
+    for (std::size_t i = 0; i < tables.triangle_count(); i += 3) tables.triangles[3 * i + 1] = tables.triangles[3 * i];
+    return tables;
+}
+
+/// More than any part that one thread works on.
+TEST(BvhBuild, trees_hold_each_item_once_in_boxes_that_fit)
+{
+    const GeometryTables tables = with_gaps(150'000);
+    std::vector<std::uint32_t> keys;
+    for (std::uint32_t i = 0; i < tables.triangle_count(); ++i)
+        if (i % 3 != 0) keys.push_back(2 * i);
+    for (const TreeBuild level : {TreeBuild::fast, TreeBuild::standard}) {
+        SCOPED_TRACE(int(level));
+        const BinaryTree tree = split(tables, level, false);
+        std::size_t deepest = 0;
+        EXPECT_EQ(check(tree, deepest), keys);
+        EXPECT_EQ(tree.nodes[0].height(), deepest);
+        for (std::uint32_t i = 0; i < tree.nodes.size(); ++i) {
+            const BinaryNode& node = tree.nodes[i];
+            ASSERT_EQ(node.height(), true_height(tree, i));
+            bvh::Box box;
+            if (node.leaf) {
+                for (std::uint32_t k = 0; k < node.count; ++k) {
+                    Vec3f v[3];
+                    vertices_of(tables, tree.ids[node.left + k], v);
+                    for (const Vec3f& p : v) box.extend(bvh::V8{p.x, p.y, p.z, 0, -p.x, -p.y, -p.z, 0});
+                }
+            } else {
+                box = tree.nodes[node.left].box();
+                box.extend(tree.nodes[node.right].box());
+            }
+            for (int axis = 0; axis < 3; ++axis) {
+                ASSERT_EQ(box.low(axis), node.box().low(axis));
+                ASSERT_EQ(box.high(axis), node.box().high(axis));
+            }
+        }
+    }
+}
+
+/// At the top all threads part the items together, at the bottom each its own.
+TEST(BvhBuild, splits_are_the_same_for_any_number_of_threads)
+{
+    const GeometryTables tables = with_gaps(150'000);
+    for (const TreeBuild level : {TreeBuild::fast, TreeBuild::standard}) {
+        const auto build = [&](std::size_t threads) {
+            tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+            return split(tables, level, false);
+        };
+        const BinaryTree one = build(1);
+        for (const std::size_t threads : {2, 3}) {
+            const BinaryTree many = build(threads);
+            ASSERT_EQ(one.nodes.size(), many.nodes.size());
+            EXPECT_EQ(std::memcmp(one.nodes.data(), many.nodes.data(), one.nodes.bytes()), 0) << threads;
+            EXPECT_EQ(std::memcmp(one.ids.data(), many.ids.data(), one.ids.bytes()), 0) << threads;
+        }
+    }
+}
+
+/// The fast level's trees over clusters cost little more than those over items.
+TEST(BvhBuild, clusters_cost_little)
+{
+    const GeometryTables tables = soup(100'000, 100, 1, 36);
+    BinaryTree fast = split(tables, TreeBuild::fast, false), standard = split(tables, TreeBuild::standard, false);
+    EXPECT_LT(bvh::expected_cost(tables, fast), 1.25 * bvh::expected_cost(tables, standard));
+}
+
+/// Against sorting, with many equal distances: boxes are those of cells of a grid.
+TEST(BvhBuild, slots_are_ordered_by_distance_and_blocking)
+{
+    Random random(37);
+    const auto cell = [&] { return std::floor(random.uniform(-3, 3)); };
+    for (int round = 0; round < 500; ++round) {
+        const int count = 2 + round % 15;
+        bvh::Box boxes[bvh_width];
+        bvh::Subtree children[bvh_width];
+        for (int i = 0; i < count; ++i) {
+            const float x = cell(), y = cell(), z = cell();
+            boxes[i].extend(bvh::V8{x, y, z, 0, -x - 1, -y - 1, -z - 1, 0});
+            children[i] = {std::uint32_t(i), float(i % 3) / 3, 1 + float(i % 2)};
+        }
+        BvhNode node{};
+        bvh::finish_node(node, boxes, children, count);
+        int slots[bvh_width];
+        std::iota(slots, slots + count, 0);
+        std::sort(slots, slots + count, [&](int a, int b) {
+            const float gain_a = children[a].blocking / children[a].cost,
+                        gain_b = children[b].blocking / children[b].cost;
+            return gain_a != gain_b ? gain_a < gain_b : a < b;
+        });
+        for (int k = 0; k < count; ++k) EXPECT_EQ(node.child[k], children[slots[k]].reference);
+        for (int octant = 0; octant < 8; ++octant) {
+            // From far to near along the octant's diagonal; empty slots are last, or first where it is walked
+            // backwards.
+            const auto at = [&](int k) { return int(node.order[octant][k / 8] >> 4 * (k % 8) & 15); };
+            const auto along = [&](int slot) {
+                float sum = 0;
+                for (int axis = 0; axis < 3; ++axis) {
+                    const float c = node.bounds[axis][slot] + node.bounds[3 + axis][slot];
+                    sum += octant >> axis & 1 ? -c : c;
+                }
+                return sum;
+            };
+            std::uint32_t seen = 0;
+            float before = std::numeric_limits<float>::infinity();
+            for (int k = 0; k < bvh_width; ++k) {
+                seen |= 1u << at(k);
+                if (at(k) >= count) continue;
+                EXPECT_LE(along(at(k)), before);
+                before = along(at(k));
+            }
+            EXPECT_EQ(seen, 0xffffu);
+        }
+    }
+}
+
+/// Heights must be known anew where counts have been found in between, and children may stand before their parents.
+TEST(BvhBuild, heights_are_right_after_moves)
+{
+    const GeometryTables tables = small_and_large(20'000, 500);
+    BinaryTree tree = split(tables, TreeBuild::standard, false);
+    for (int round = 0; round < 2; ++round) {
+        bvh::reinsert(tree, {1, 0.5});
+        for (std::uint32_t i = 0; i < tree.nodes.size(); ++i) ASSERT_EQ(tree.nodes[i].height(), true_height(tree, i));
+        bvh::expected_cost(tables, tree);
+    }
+}
+
+TEST(BvhBuild, reinsertion_lowers_the_cost_of_the_same_leaves)
+{
+    const GeometryTables tables = small_and_large(50'000, 500);
+    for (const bool cut : {false, true}) {
+        SCOPED_TRACE(cut);
+        BinaryTree tree = split(tables, TreeBuild::high, cut);
+        std::size_t deepest = 0;
+        const auto ids = check(tree, deepest);
+        EXPECT_GE(ids.size(), tables.triangle_count());
+        double areas = sum_of_areas(tree);
+        const double first_areas = areas, first_cost = bvh::expected_cost(tables, tree);
+        for (int round = 0; round < 4; ++round) {
+            bvh::reinsert(tree, {1, round == 0 ? 0.02 : 1.0});
+            EXPECT_EQ(check(tree, deepest), ids);
+            const double now = sum_of_areas(tree);
+            EXPECT_LE(now, areas);
+            areas = now;
+        }
+        EXPECT_LT(areas, 0.9 * first_areas);
+        // Where triangles were cut already, inner boxes that wide nodes do without may gain at the others' cost: the
+        // high level looks at that, see below.
+        if (!cut) EXPECT_LT(bvh::expected_cost(tables, tree), 0.8 * first_cost);
+    }
+}
+
+TEST(BvhBuild, reinsertion_of_the_largest_finds_most)
+{
+    const GeometryTables tables = small_and_large(50'000, 500);
+    BinaryTree some = split(tables, TreeBuild::standard, false), all = split(tables, TreeBuild::standard, false);
+    const double before = sum_of_areas(some);
+    bvh::reinsert(some, {3, 0.02});
+    bvh::reinsert(all, {3, 1});
+    EXPECT_LT(sum_of_areas(all), before);
+    EXPECT_GT(before - sum_of_areas(some), 0.3 * (before - sum_of_areas(all)));
+}
+
+TEST(BvhBuild, reinsertion_is_the_same_for_any_number_of_threads)
+{
+    const GeometryTables tables = small_and_large(100'000, 1'000);
+    const auto build = [&](std::size_t threads) {
+        tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        BinaryTree tree = split(tables, TreeBuild::high, true);
+        bvh::reinsert(tree, {2, 0.1});
+        bvh::reinsert(tree, {2, 1});
+        return tree;
+    };
+    const BinaryTree one = build(1);
+    for (const std::size_t threads : {2, 3}) {
+        const BinaryTree many = build(threads);
+        ASSERT_EQ(one.nodes.size(), many.nodes.size());
+        EXPECT_EQ(std::memcmp(one.nodes.data(), many.nodes.data(), one.nodes.bytes()), 0) << threads;
+    }
+}
+
+/// Boxes in boxes want to become a list, which stacks have no room for.
+TEST(BvhBuild, reinsertion_makes_no_deep_trees)
+{
+    GeometryTables tables;
+    for (int i = 0; i < 20'000; ++i) {
+        const float r = 1 + 0.001f * float(i);
+        add_triangle(tables, {-r, -r, -r}, {r, r, -r}, {-r, r, r});
+    }
+    finish(tables);
+    BinaryTree tree = split(tables, TreeBuild::high, false);
+    std::size_t before = 0, after = 0;
+    check(tree, before);
+    bvh::reinsert(tree, {6, 1});
+    check(tree, after);
+    EXPECT_LE(after, std::max<std::size_t>(before, 96));
+}
+
+/// The goal for all levels, twice 64, where many triangles are cut.
+TEST(BvhBuild, peak_bytes_of_a_triangle)
+{
+    const GeometryTables tables = small_and_large(150'000, 10'000);
+    for (const TreeBuild level : {TreeBuild::fast, TreeBuild::standard, TreeBuild::high}) {
+        Bvh bvh;
+        bvh.build(tables, level);
+        const double triangles = double(tables.triangle_count());
+        EXPECT_LE(double(bvh.statistics().peak_bytes), 128 * triangles) << int(level);
+        // Nearly as much as was there at once: items, what sorts them, nodes; later leaves in their place.
+        EXPECT_GE(double(bvh.statistics().peak_bytes), (level == TreeBuild::fast ? 65 : 80) * triangles) << int(level);
+    }
+}
+
+/// Slanted triangles are best cut, axis-aligned ones left whole: the high level does what is better, and never worse
+/// than the default one.
+TEST(BvhBuild, the_high_level_does_what_is_best)
+{
+    for (const bool aslant : {false, true}) {
+        SCOPED_TRACE(aslant);
+        GeometryTables tables = soup(20'000, 100, 1, 33);
+        Random random(34);
+        for (int i = 0; i < 400; ++i) {
+            const Vec3f a = random.point(100);
+            const float z = aslant ? 50.f : 0.f;
+            add_triangle(tables, a, {a.x + 60, a.y, a.z + z}, {a.x, a.y + 60, a.z + z});
+        }
+        tables.shape_of_primitive.clear();
+        finish(tables);
+        Bvh standard, high;
+        standard.build(tables, TreeBuild::standard);
+        high.build(tables, TreeBuild::high);
+        EXPECT_LT(high.statistics().cost, (aslant ? 0.85 : 1.05) * standard.statistics().cost);
+        BinaryTree cut = split(tables, TreeBuild::high, true), whole = split(tables, TreeBuild::high, false);
+        bvh::reinsert(cut, {3, 0.02});
+        bvh::reinsert(whole, {3, 0.02});
+        const double best = std::min(bvh::expected_cost(tables, cut), bvh::expected_cost(tables, whole));
+        EXPECT_LE(high.statistics().cost, best * 1.0001);
+    }
+}
+
+}  // namespace
+}  // namespace fathom

@@ -1,0 +1,89 @@
+#pragma once
+/// What the tests of all closures check: sampling against its density, and energy.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "materials/closures/closure.h"
+#include "support/chi_square.h"
+#include "support/lane_helpers.h"
+
+namespace fathom::test {
+
+inline MaterialPoint material(float color, float roughness, float metallic = 0, float ior = 1.5f, float fuzz = 0)
+{
+    MaterialPoint m;
+    m.base_color = Spectrum(Float(color));
+    m.roughness = Float(roughness), m.metallic = Float(metallic), m.ior = Float(ior), m.fuzz = Float(fuzz);
+    m.entering = m.compensated = Mask(true), m.thin = m.sheet = Mask(false);
+    return m;
+}
+inline Vec3 lane_direction(Direction d)
+{
+    return {Float(float(d.x)), Float(float(d.y)), Float(float(d.z))};
+}
+inline Vec3 outgoing(double degrees)
+{
+    const double t = degrees * std::numbers::pi / 180;
+    return lane_direction({std::sin(t), 0, std::cos(t)});
+}
+
+struct Drawn {
+    std::vector<Direction> directions;
+    double albedo = 0;          ///< mean weight
+    double worst_mismatch = 0;  ///< of weight * pdf against f_cos, relative
+};
+
+template <class Bsdf>
+Drawn draw(const Bsdf& bsdf, Vec3 wo, int n, unsigned seed = 1)
+{
+    Drawn drawn;
+    Random random(seed);
+    int count = 0;
+    for (; count < n; count += lanes) {
+        const BsdfSample s = bsdf.sample(wo, random.next2(), random.next());
+        const BsdfEval e = bsdf.eval(wo, s.wi);
+        float x[3][lanes], weight[lanes], pdf[lanes], f[lanes], eval_pdf[lanes];
+        store(x[0], s.wi.x), store(x[1], s.wi.y), store(x[2], s.wi.z);
+        store(weight, s.weight.c[0]), store(pdf, s.pdf), store(f, e.f_cos.c[0]), store(eval_pdf, e.pdf);
+        for (int i = 0; i < lanes; ++i) {
+            EXPECT_TRUE(std::isfinite(weight[i]) && weight[i] >= 0);
+            drawn.albedo += weight[i];
+            if (weight[i] == 0) continue;
+            drawn.directions.push_back({x[0][i], x[1][i], x[2][i]});
+            if (mask_bits(s.is_delta) & 1) continue;
+            drawn.worst_mismatch = std::max({drawn.worst_mismatch,
+                                             std::abs(double(weight[i]) * pdf[i] - f[i]) / std::max(double(f[i]), 1e-6),
+                                             std::abs(double(eval_pdf[i]) - pdf[i]) / std::max(double(pdf[i]), 1e-6)});
+        }
+    }
+    drawn.albedo /= count;
+    return drawn;
+}
+
+template <class Bsdf>
+double pdf_at(const Bsdf& bsdf, Vec3 wo, Direction d)
+{
+    return first(bsdf.eval(wo, lane_direction(d)).pdf);
+}
+
+/// Sampling follows the density, and sample, eval and pdf agree.
+template <class Bsdf>
+void check_sampling(const Bsdf& bsdf, double degrees, const char* what)
+{
+    SCOPED_TRACE(std::string(what) + " at " + std::to_string(degrees));
+    const Vec3 wo = outgoing(degrees);
+    const Drawn drawn = draw(bsdf, wo, 200000);
+    EXPECT_LT(drawn.worst_mismatch, 2e-3);
+    // Samples that are absorbed (weight 0) are missing: the test is of those that go on.
+    const double total = integrate_sphere([&](Direction d) { return pdf_at(bsdf, wo, d); });
+    EXPECT_LE(total, 1.002);
+    const double kept = double(drawn.directions.size()) / 200000;
+    EXPECT_NEAR(total, kept, 0.01);
+    EXPECT_EQ(chi_square_directions(drawn.directions, [&](Direction d) { return pdf_at(bsdf, wo, d) / total; }), "");
+}
+
+}  // namespace fathom::test

@@ -1,0 +1,230 @@
+#include <random>
+
+#include "materials/closure_checks.h"
+#include "materials/closures/glass.h"
+#include "materials/closures/layered.h"
+#include "materials/closures/metal.h"
+#include "materials/closures/plastic.h"
+#include "materials/closures/principled.h"
+
+// Facets with a shadowing term of each direction by itself, and such that stand for mirrors, of every closure.
+namespace fathom::test {
+namespace {
+
+MaterialPoint separable(float color, float roughness, float metallic = 0)
+{
+    MaterialPoint m = material(color, roughness, metallic);
+    m.separable = Mask(true);
+    m.compensated = Mask(false);
+    return m;
+}
+
+LayeredMaterialPoint layered(float roughness, float coat_roughness)
+{
+    LayeredMaterialPoint m;
+    static_cast<MaterialPoint&>(m) = material(0.5f, roughness);
+    LayersPoint& l = m.layers;
+    l.features = LayersRecord::with_coat | LayersRecord::with_transmission;
+    l.transmission_color = l.diffuse_transmission_color = l.coat_color = Spectrum(Float(1));
+    l.tangent = Vec3(Float(1), Float(0), Float(0));
+    l.coat_normal = Vec3(Float(0), Float(0), Float(1));
+    l.coat = Float(1), l.coat_roughness = Float(coat_roughness), l.coat_f0 = Float(0.04f);
+    l.coat_inner = Float(0.6f), l.coat_darkening = Float(0);
+    return m;
+}
+
+struct V {
+    double x, y, z;
+};
+
+/// Walter et al. 2007, equations 27 and 34.
+double seen(double z, double alpha, bool is_beckmann)
+{
+    const double slope = std::sqrt(std::max(0.0, 1 - z * z)) / z;
+    if (!is_beckmann) return 2 / (1 + std::sqrt(1 + alpha * alpha * slope * slope));
+    const double a = 1 / (alpha * slope);
+    return a < 1.6 ? (3.535 * a + 2.181 * a * a) / (1 + 2.276 * a + 2.577 * a * a) : 1;
+}
+
+double fresnel(double cosine, double ior, double& beyond)
+{
+    beyond = std::sqrt(1 - (1 - cosine * cosine) / (ior * ior));
+    const double p = (ior * cosine - beyond) / (ior * cosine + beyond),
+                 s = (cosine - ior * beyond) / (cosine + ior * beyond);
+    return (p * p + s * s) / 2;
+}
+
+/// Of light from a direction, what one facet lets through: over all normals as they lie on the surface.
+double let_through(double z, double alpha, bool is_beckmann, double ior)
+{
+    constexpr int slopes = 400, turns = 200;
+    const double sine = std::sqrt(1 - z * z);
+    double sum = 0;
+    for (int i = 0; i < slopes; ++i) {
+        // Of equal areas the steep ones are divided.
+        const double w = (i + 0.5) / slopes, area = 2 * w / slopes;
+        const double slope = alpha * std::sqrt(is_beckmann ? -2 * std::log(w) : 1 / (w * w) - 1);
+        const double nz = 1 / std::sqrt(1 + slope * slope);
+        for (int k = 0; k < turns; ++k) {
+            const double nx = slope * nz * std::cos(std::numbers::pi * (k + 0.5) / turns), c = sine * nx + z * nz;
+            if (c <= 0) continue;
+            double t;
+            const double f = fresnel(c, ior, t), down = z / ior - (c / ior - t) * nz;
+            if (down > 0) sum += (1 - f) * seen(std::min(1.0, down), alpha, is_beckmann) * c / nz * area / turns;
+        }
+    }
+    return seen(z, alpha, is_beckmann) / z * sum;
+}
+
+TEST(SeparableShadowing, Sampling)
+{
+    for (double degrees : {0.0, 45.0, 75.0}) {
+        check_sampling(PlasticBsdf(separable(0.6f, 0.7f)), degrees, "plastic");
+        check_sampling(MetalBsdf(separable(0.6f, 0.7f)), degrees, "metal");
+        check_sampling(PrincipledBsdf(separable(0.6f, 0.7f, 0.5f)), degrees, "principled");
+        check_sampling(GlassBsdf(separable(0.6f, 0.7f)), degrees, "glass");
+    }
+}
+
+/// A plastic without a body is its boundary: F D G / 4, by the formulae in double. So is a white metal of layers.
+TEST(SeparableShadowing, IsTheFormula)
+{
+    std::mt19937_64 engine(7);
+    std::uniform_real_distribution<double> uniform;
+    const auto direction = [&] {
+        const double z = 0.05 + 0.95 * uniform(engine), phi = 2 * std::numbers::pi * uniform(engine),
+                     s = std::sqrt(1 - z * z);
+        return V{s * std::cos(phi), s * std::sin(phi), z};
+    };
+    for (int k = 0; k < 1000; ++k) {
+        const V o = direction(), i = direction();
+        const float roughness = float(0.3 + 0.6 * uniform(engine));
+        const double alpha = double(roughness) * double(roughness);
+        V h{o.x + i.x, o.y + i.y, o.z + i.z};
+        const double length = std::sqrt(h.x * h.x + h.y * h.y + h.z * h.z);
+        h = {h.x / length, h.y / length, h.z / length};
+        double t;
+        const double f = fresnel(o.x * h.x + o.y * h.y + o.z * h.z, 1.5, t);
+        const double e = 1 + h.z * h.z * (alpha * alpha - 1), d = alpha * alpha / (std::numbers::pi * e * e);
+        const double facets = d * seen(o.z, alpha, false) * seen(i.z, alpha, false) / (4 * o.z);
+        const Vec3 wo = lane_direction({o.x, o.y, o.z}), wi = lane_direction({i.x, i.y, i.z});
+        EXPECT_NEAR(first(PlasticBsdf(separable(0, roughness)).eval(wo, wi).f_cos.c[0]), f * facets,
+                    3e-4 * f * facets + 1e-6);
+        LayeredMaterialPoint metal = layered(roughness, 0.5f);
+        static_cast<MaterialPoint&>(metal) = separable(1, roughness, 1);
+        metal.layers.features = 0, metal.layers.compensation = Float(0);
+        EXPECT_NEAR(first(LayeredBsdf<false>(metal).eval(wo, wi).f_cos.c[0]), facets, 3e-4 * facets + 1e-6);
+    }
+}
+
+/// What a body under facets shows: color / pi (1 - color inner) / ior^2 of what one facet lets through on either way.
+TEST(SeparableShadowing, OfWhatPassesABoundary)
+{
+    constexpr double inner = 0.4;
+    for (const bool is_beckmann : {false, true})
+        for (const double alpha : {0.1, 0.36, 0.8})
+            for (const double degrees : {5.0, 50.0, 75.0}) {
+                MaterialPoint body = separable(0.5f, float(std::sqrt(alpha)), float(-inner));
+                body.beckmann = Mask(is_beckmann);
+                MaterialPoint none = body;
+                none.base_color = Spectrum(Float(0));
+                const Vec3 wo = outgoing(degrees), wi = outgoing(-20);
+                const double found =
+                    first(PlasticBsdf(body).eval(wo, wi).f_cos.c[0]) - first(PlasticBsdf(none).eval(wo, wi).f_cos.c[0]);
+                const auto passes = [&](double angle) {
+                    return let_through(std::cos(angle * std::numbers::pi / 180), alpha, is_beckmann, 1.5);
+                };
+                const double expected =
+                    0.5 / std::numbers::pi / 2.25 / (1 - 0.5 * inner) * passes(degrees) * passes(20) * first(wi.z);
+                EXPECT_NEAR(found, expected, 0.004 * expected) << is_beckmann << ' ' << alpha << ' ' << degrees;
+            }
+}
+
+/// Of facets of each kind, what follows for light within leaves no more than there is: smooth ones lose nothing of a
+/// white body's light, rough ones the more the rougher they are.
+TEST(SeparableShadowing, LosesAndNeverGains)
+{
+    for (const bool is_beckmann : {false, true})
+        for (const double degrees : {5.0, 60.0}) {
+            double before = 1.005;
+            for (const float roughness : {0.05f, 0.45f, 0.7f, 0.95f}) {
+                MaterialPoint m = separable(1, roughness);
+                m.beckmann = Mask(is_beckmann);
+                const double albedo = draw(PlasticBsdf(m), outgoing(degrees), 200000).albedo;
+                EXPECT_LT(albedo, before) << roughness;
+                if (roughness < 0.1f) EXPECT_GT(albedo, 0.99);
+                before = albedo - 0.02;
+            }
+        }
+}
+
+/// Where facets stand for mirrors nothing of a light without extent is seen in them.
+TEST(Mirrors, ShowNoLightsWithoutExtent)
+{
+    const Vec3 wo = outgoing(40), mirrored = outgoing(-40);
+    const auto check = [&](const auto& smooth, const auto& black, const char* what) {
+        const double all = first(smooth.eval(wo, mirrored).f_cos.c[0]),
+                     body = first(smooth.eval(wo, mirrored, Mask(true)).f_cos.c[0]);
+        EXPECT_GT(all, 100) << what;
+        EXPECT_LT(body, 0.5 / std::numbers::pi) << what;
+        EXPECT_GT(body, 0.05) << what;
+        EXPECT_EQ(first(black.eval(wo, mirrored, Mask(true)).f_cos.c[0]), 0) << what;
+        EXPECT_GT(first(black.eval(wo, mirrored).f_cos.c[0]), 100) << what;
+    };
+    check(PlasticBsdf(material(0.5f, 0)), PlasticBsdf(material(0, 0)), "plastic");
+    check(PrincipledBsdf(material(0.5f, 0)), PrincipledBsdf(material(0.5f, 0, 1)), "principled");
+    LayeredMaterialPoint black = layered(0, 0);
+    black.metallic = Float(1);
+    check(LayeredBsdf<false>(layered(0, 0)), LayeredBsdf<false>(black), "layered");
+    // Rough facets do, each on its own.
+    const auto shown = [&](const auto& bsdf) { return first(bsdf.eval(wo, mirrored, Mask(true)).f_cos.c[0]); };
+    EXPECT_GT(shown(PlasticBsdf(material(0, 0.1f))), 1);
+    EXPECT_GT(shown(PrincipledBsdf(material(0, 0.1f))), 1);
+    EXPECT_GT(shown(LayeredBsdf<false>(layered(0.1f, 0))), 1);
+    EXPECT_GT(shown(LayeredBsdf<false>(layered(0, 0.1f))), 1);
+}
+
+/// Nor is it through them.
+TEST(Mirrors, LetNoLightsWithoutExtentThrough)
+{
+    LayeredMaterialPoint m = layered(0, 0.3f);
+    m.thin = Mask(true);
+    m.layers.transmission = Float(1);
+    const LayeredBsdf<true> pane(m);
+    const Vec3 wo = outgoing(40), beyond{-wo.x, -wo.y, -wo.z};
+    EXPECT_GT(first(pane.eval(wo, beyond).f_cos.c[0]), 100);
+    EXPECT_EQ(first(pane.eval(wo, beyond, Mask(true)).f_cos.c[0]), 0);
+}
+
+/// Roughnesses of two directions, the smaller one along the tangent too.
+TEST(TwoRoughnesses, AreThatAlongTheTangentAndThatAcross)
+{
+    for (const auto& [along, across] : {std::pair(0.3f, 0.6f), std::pair(0.7f, 0.4f)}) {
+        LayeredMaterialPoint m = layered(across, 0.5f);
+        m.metallic = Float(1), m.base_color = Spectrum(Float(1));
+        m.layers.features = LayersRecord::anisotropic;
+        m.layers.compensation = Float(0);
+        m.layers.anisotropy = Float(along), m.layers.two_roughnesses = Mask(true);
+        const LayeredBsdf<false> bsdf(m);
+        const Vec3 up = lane_direction({0, 0, 1});
+        const double alpha_x = double(along) * double(along), alpha_y = double(across) * double(across);
+        const double d = 1 / (std::numbers::pi * alpha_x * alpha_y);
+        EXPECT_NEAR(first(bsdf.eval(up, up).f_cos.c[0]), d / 4, 1e-3 * d);
+        // Down to where the normal leans by a slope along x; D is as above over the square of 1 + (slope / alpha)^2.
+        const double slope = 0.3, z = 1 / std::sqrt(1 + slope * slope);
+        const auto normals = [&](double x, double y) {
+            const Vec3 w = lane_direction({2 * z * z * x, 2 * z * z * y, 2 * z * z - 1});
+            return first(bsdf.eval(up, w).f_cos.c[0]);
+        };
+        const auto expected = [&](double alpha) {
+            const double e = 1 + slope * slope / (alpha * alpha), tangent = 2 * z * z * slope / (2 * z * z - 1);
+            const double lambda = (std::sqrt(1 + alpha * alpha * tangent * tangent) - 1) / 2;
+            return d / (e * e * z * z * z * z) / (1 + lambda) / 4;
+        };
+        EXPECT_NEAR(normals(slope, 0), expected(alpha_x), 2e-3 * expected(alpha_x));
+        EXPECT_NEAR(normals(0, slope), expected(alpha_y), 2e-3 * expected(alpha_y));
+    }
+}
+
+}  // namespace
+}  // namespace fathom::test

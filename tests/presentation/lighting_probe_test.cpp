@@ -1,0 +1,201 @@
+#include "fathom/first_look.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "seen_from.h"
+#include "support/placed_light.h"
+
+// Which light models get, and how they are exposed: by scenes whose light is known.
+namespace fathom {
+namespace {
+
+/// A camera at (0, 0, 6) that looks along -z at what is at the origin.
+class FirstLooks : public ::testing::Test {
+protected:
+    SceneDescription d = test::seen_from({0, 0, 6});
+    Warnings warnings;
+
+    FirstLooks()
+    {
+        d.materials[0].base_color.value = {0.5f, 0.5f, 0.5f};
+        d.nodes[0].shapes.push_back({Sphere{{0, 0, 0}, 1.5, {}}, 0, ""});
+    }
+    /// Shines along -z, as the camera looks.
+    void add_sun(float lux, const Transform& turn = {})
+    {
+        Light sun;
+        sun.kind = LightKind::directional;
+        sun.intensity = {lux, lux, lux};
+        test::add_light(d, sun, turn);
+    }
+    int add_lamp(Color radiance)
+    {
+        d.materials.emplace_back();
+        d.materials.back().kind = MaterialKind::none;
+        d.materials.back().emission.value = radiance;
+        return int(d.materials.size()) - 1;
+    }
+    FirstLook look() { return first_look(Scene::compile(d, "", warnings), 1); }
+    AutoLitScene lit(LightChoice choice = LightChoice::automatic) { return compile_lit(d, "", choice, 1, warnings); }
+};
+
+/// A low sun is exposed for, and gets no studio beside it.
+TEST_F(FirstLooks, AnEveningSkyIsExposedFor)
+{
+    d.environment.kind = EnvironmentKind::sky;
+    d.environment.to_sun = {-0.5, 0.05, 0.5};
+    const AutoLitScene evening = lit(LightChoice::file);
+    EXPECT_FALSE(evening.studio);
+    EXPECT_GT(evening.exposure_ev.value_or(0), 1);
+    d.environment.to_sun = {-0.5, 0.6, 0.5};
+    EXPECT_LT(lit(LightChoice::file).exposure_ev.value_or(0), 1);
+}
+
+/// A sphere lit from the camera shows albedo / pi * cosine of the sun's light; half of its disk has a cosine above the
+/// root of one half, one in twenty above the root of 0.95.
+TEST_F(FirstLooks, MeasuresASphereInTheSun)
+{
+    add_sun(10);
+    d.cameras[0].kind = CameraKind::orthographic;
+    d.cameras[0].height = 4;
+    const FirstLook seen = look();
+    const double most = 0.5 / std::acos(-1.0) * 10;
+    EXPECT_NEAR(seen.middle, most * std::sqrt(0.5), 0.04 * most);
+    EXPECT_NEAR(seen.bright, most * std::sqrt(0.95), 0.02 * most);
+    EXPECT_GT(seen.lit, 0.97);
+    EXPECT_NEAR(seen.covered, std::acos(-1.0) * 1.5 * 1.5 / 16, 0.03);
+}
+
+/// Lamps in view, what is unlit, and the background do not count.
+TEST_F(FirstLooks, LampsInViewDoNotCount)
+{
+    add_sun(10);
+    const FirstLook before = look();
+    const int lamp = add_lamp({30, 30, 30});
+    d.nodes[0].shapes.push_back({Rectangle{{1.9, 1.2, -3}, {1.2, 0, 0}, {0, 1.2, 0}}, lamp, ""});
+    d.environment.kind = EnvironmentKind::none;
+    const FirstLook after = look();
+    EXPECT_NEAR(after.middle, before.middle, 0.05 * before.middle);
+    EXPECT_NEAR(after.bright, before.bright, 0.2 * before.bright);
+    EXPECT_NEAR(after.exposure_ev(), before.exposure_ev(), 0.2);
+}
+
+TEST_F(FirstLooks, ExposesForTheLightOfTheFile)
+{
+    for (const double lux : {0.001, 3.0, 100000.0}) {
+        SceneDescription dark = d;
+        add_sun(float(lux));
+        const AutoLitScene scene = lit();
+        d = dark;
+        EXPECT_FALSE(scene.studio) << lux;
+        // 0.22 over the median, or 1 over the brightest: the former is less.
+        const double stops = std::log2(0.22 / (0.5 / std::acos(-1.0) * lux * std::sqrt(0.5)));
+        if (std::abs(stops) < 1.2)
+            EXPECT_FALSE(scene.exposure_ev.has_value()) << lux;
+        else
+            EXPECT_NEAR(scene.exposure_ev.value_or(0), stops, 0.5) << lux;
+    }
+    add_sun(100000);
+    d.hints.exposure = 0;
+    EXPECT_FALSE(lit().exposure_ev.has_value());
+}
+
+/// The light that was found stays when the scene goes on to change, and is that of a scene alone.
+TEST_F(FirstLooks, EditsKeepTheirLight)
+{
+    add_sun(100000);
+    for (const LightChoice choice : {LightChoice::automatic, LightChoice::studio}) {
+        SceneEdit edit(d);
+        AutoLitScene first = compile_lit(edit, choice, 1, warnings);
+        EXPECT_EQ(first.scene.fingerprint(), lit(choice).scene.fingerprint());
+        EXPECT_EQ(first.studio, choice == LightChoice::studio);
+        EXPECT_EQ(first.exposure_ev.has_value(), choice == LightChoice::automatic);
+        first.scene = {};
+        edit.set_transform(0, Transform::translate({0.1, 0, 0}));
+        const Scene moved = edit.compile_exactly(warnings);
+        EXPECT_EQ(edit.description().environment.kind == EnvironmentKind::studio, choice == LightChoice::studio);
+        EXPECT_EQ(moved.fingerprint(), Scene::compile(edit.description(), "", warnings).fingerprint());
+        // A sun that was put out stays so.
+        EXPECT_EQ(edit.description().nodes.back().light < 0, choice == LightChoice::studio);
+    }
+}
+
+TEST_F(FirstLooks, NoLightGetsAStudio)
+{
+    const AutoLitScene scene = lit();
+    EXPECT_TRUE(scene.studio);
+    ASSERT_EQ(scene.added.size(), 1u);
+    // A grey ball in it is neither dark nor white.
+    const FirstLook seen = first_look(scene.scene, 1);
+    EXPECT_GT(seen.lit, 0.99);
+    EXPECT_GT(seen.middle, 0.1);
+    EXPECT_LT(seen.bright, 1);
+    const AutoLitScene bare = lit(LightChoice::file);
+    EXPECT_FALSE(bare.studio);
+    EXPECT_EQ(first_look(bare.scene, 1).bright, 0);
+}
+
+/// A small emission, or a lamp behind what is seen, leaves it dark: the studio comes beside them.
+TEST_F(FirstLooks, LightThatReachesLittleGetsAStudioBesideIt)
+{
+    const SceneDescription dark = d;
+    const int led = add_lamp({2, 0, 0});
+    d.nodes[0].shapes.push_back({Sphere{{0.4, 0.4, 1.45}, 0.05, {}}, led, ""});
+    AutoLitScene scene = lit();
+    EXPECT_TRUE(scene.studio);
+    EXPECT_FALSE(scene.exposure_ev.has_value());
+    EXPECT_GT(scene.scene.statistics().lights, 1u);  // the sky's and the diode's
+
+    d = dark;
+    add_sun(5, Transform::rotate({0, 1, 0}, std::acos(-1.0)));
+    EXPECT_TRUE(lit().studio);
+    EXPECT_FALSE(lit(LightChoice::file).studio);
+    d.hints.own_light = true;
+    EXPECT_FALSE(lit().studio);
+}
+
+/// A wall that shines dimly on a model reaches all of it, but it is no lamp to expose for.
+TEST_F(FirstLooks, DimSurfacesAreDecoration)
+{
+    const int panel = add_lamp({0.05f, 0.05f, 0.05f});
+    d.nodes[0].shapes.push_back({Rectangle{{4, -4, 8}, {-8, 0, 0}, {0, 8, 0}}, panel, ""});
+    EXPECT_TRUE(lit().studio);
+    d.materials[std::size_t(panel)].emission.value = {3, 3, 3};
+    EXPECT_FALSE(lit().studio);
+}
+
+/// The key light comes from the left of the camera, wherever that stands.
+TEST_F(FirstLooks, TheStudioTurnsWithTheCamera)
+{
+    for (const double angle : {0.0, 1.0, 2.5, -1.5}) {
+        d.cameras[0].position = {6 * std::sin(angle), 0, 6 * std::cos(angle)};
+        RenderSettings settings;
+        settings.width = settings.height = 32;
+        settings.background = Color{0, 0, 0};
+        const RenderJob job(lit(LightChoice::studio).scene, settings);
+        Film film(job);
+        render(job, {0, 16}, film);
+        const Image image = film.image(false, false);
+        double left = 0, right = 0;
+        for (int y = 0; y < 32; ++y)
+            for (int x = 0; x < 32; ++x)
+                (x < 16 ? left : right) += double(image.layers[0].pixels[std::size_t(3 * (32 * y + x))]);
+        EXPECT_GT(left, 1.2 * right) << angle;
+    }
+}
+
+/// What is unlit is seen as it is.
+TEST_F(FirstLooks, UnlitModelsStayAsTheyAre)
+{
+    d.materials[0].kind = MaterialKind::unlit;
+    const AutoLitScene scene = lit();
+    EXPECT_FALSE(scene.studio);
+    EXPECT_FALSE(scene.exposure_ev.has_value());
+    EXPECT_TRUE(scene.backdrop);
+}
+
+}  // namespace
+}  // namespace fathom

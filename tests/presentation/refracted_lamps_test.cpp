@@ -1,0 +1,123 @@
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "fathom/first_look.h"
+#include "seen_from.h"
+#include "support/placed_light.h"
+
+// Whether the program says that light is missing: that of lamps without size behind smooth glass.
+namespace fathom {
+namespace {
+
+/// A lamp at the origin in a large hollow ball of plaster.
+class RefractedLampsTest : public ::testing::Test {
+protected:
+    SceneDescription d = test::seen_from({0, 0, 6});
+
+    RefractedLampsTest() { d.nodes[0].shapes.push_back({Sphere{{0, 0, 0}, -20, {}}, 0, ""}); }
+    void add_lamp(LightKind kind, const Transform& place = {})
+    {
+        Light lamp;
+        lamp.kind = kind;
+        lamp.inner_angle = 0.2, lamp.outer_angle = 0.3;
+        lamp.width = lamp.height = 0.1;
+        test::add_light(d, lamp, place);
+    }
+    Material& add_ball(Vec3d center, double radius)
+    {
+        d.nodes[0].shapes.push_back({Sphere{center, radius, {}}, int(d.materials.size()), ""});
+        d.materials.emplace_back();
+        d.materials.back().kind = MaterialKind::glass;
+        return d.materials.back();
+    }
+    std::string warning()
+    {
+        Warnings warnings;
+        compile_lit(d, "", LightChoice::file, 1, warnings);
+        EXPECT_LE(warnings.counts().size(), 1u);
+        return warnings.empty() ? "" : warnings.counts().begin()->first;
+    }
+    void expect_hidden(const char* what)
+    {
+        EXPECT_NE(warning().find("1 of 1 lamps without size can only be seen through glass"), std::string::npos)
+            << what << ": " << warning();
+    }
+};
+
+TEST_F(RefractedLampsTest, OfEveryKindWithinGlass)
+{
+    for (const LightKind kind : {LightKind::point, LightKind::spot, LightKind::beam}) {
+        d = test::seen_from({0, 0, 6});
+        d.nodes[0].shapes.push_back({Sphere{{0, 0, 0}, -20, {}}, 0, ""});
+        add_lamp(kind);
+        EXPECT_EQ(warning(), "");
+        add_ball({0, 0, 0}, 1);
+        expect_hidden("glass");
+        d.materials.back().kind = MaterialKind::principled;
+        d.materials.back().transmission.value = 1;
+        d.materials.back().base_color.value = {1, 0.9f, 0.8f};
+        expect_hidden("principled");
+    }
+}
+
+/// Only what the lamp shines at counts: behind a spot glass hides nothing.
+TEST_F(RefractedLampsTest, SpotsShineIntoTheirCone)
+{
+    add_lamp(LightKind::spot);
+    add_ball({0, 0, 4}, 1);
+    EXPECT_EQ(warning(), "");
+    // A cone so wide that the look goes all around.
+    d.lights.back().outer_angle = 1.4;
+    EXPECT_EQ(warning(), "");
+    d.lights.back().outer_angle = 0.3;
+    add_ball({0, 0, -4}, 2);
+    expect_hidden("in front of it");
+}
+
+/// A ball of radius 1 that is 2 away covers the share (1 - cos 30 degrees) / 2 of all directions.
+TEST_F(RefractedLampsTest, TellsTheShareOfTheLight)
+{
+    add_lamp(LightKind::point);
+    add_ball({2, 0, 0}, 1);
+    EXPECT_NE(warning().find("7 % of the light of lamps without size falls on glass"), std::string::npos) << warning();
+}
+
+TEST_F(RefractedLampsTest, DirectionsSeeTheWholeScene)
+{
+    d.nodes[0].shapes.clear();
+    d.nodes[0].shapes.push_back({Rectangle{{-4, -4, -3}, {8, 0, 0}, {0, 8, 0}}, 0, ""});
+    add_lamp(LightKind::directional);
+    EXPECT_EQ(warning(), "");
+    // A disk of radius 1 before a square of side 8: pi / 64.
+    add_ball({0, 0, 0}, 1);
+    EXPECT_NE(warning().find("5 % of the light"), std::string::npos) << warning();
+}
+
+/// What lets light through in other ways, and lamps with a size, are found.
+TEST_F(RefractedLampsTest, NothingIsMissing)
+{
+    add_lamp(LightKind::point);
+    add_ball({0, 0, 0}, 1);
+    const auto with = [&](const auto& change) {
+        const SceneDescription before = d;
+        change(d.materials.back());
+        const std::string said = warning();
+        d = before;
+        return said;
+    };
+    EXPECT_EQ(with([](Material& m) { m.thin = true; }), "");
+    EXPECT_EQ(with([](Material& m) { m.roughness.value = 0.2f; }), "");
+    EXPECT_EQ(with([](Material& m) { m.ior = 1; }), "");
+    EXPECT_EQ(with([](Material& m) { m.kind = MaterialKind::metal; }), "");
+    d.roots.resize(1);
+    d.nodes.resize(1);
+    d.lights.clear();
+    d.nodes[0].shapes.push_back({Sphere{{0, 0, 0}, 0.1, {}}, int(d.materials.size()), ""});
+    d.materials.emplace_back();
+    d.materials.back().emission.value = {9, 9, 9};
+    EXPECT_EQ(warning(), "");
+}
+
+}  // namespace
+}  // namespace fathom

@@ -1,0 +1,210 @@
+#include "session/efficiency_roulette.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace fathom {
+namespace {
+
+/// Cubes of edge 1 along x.
+GuidingTables row_of_cubes(std::uint32_t count)
+{
+    GuidingTables t;
+    t.cells[0] = count, t.cells[1] = t.cells[2] = 1;
+    t.inverse_cell = 1;
+    return t;
+}
+
+GuidingRecord surface(float x, float light)
+{
+    GuidingRecord r{{x, 0.5f, 0.5f}, 0, GuidingRecord::no_bin, 0, 0};
+    r.light = light;
+    return r;
+}
+
+/// Paths each with its surfaces.
+GuidingRecords part_of(const std::vector<std::vector<GuidingRecord>>& paths)
+{
+    GuidingRecords part;
+    for (const std::vector<GuidingRecord>& path : paths) {
+        part.surfaces.insert(part.surfaces.end(), path.begin(), path.end());
+        part.counts.push_back(std::uint8_t(path.size()));
+    }
+    return part;
+}
+
+/// What the paths of one part met.
+PathsMet met_of(const GuidingRecords& part, const double* squares, std::size_t samples, double vertices,
+                double variance)
+{
+    PathsMet met;
+    met.parts = {{&part, squares}};
+    met.samples = samples;
+    met.vertices = vertices, met.variance = variance;
+    return met;
+}
+
+/// Two paths for each of two pixels, the second of which is a quarter as bright.
+TEST(LightNeeds, GoByWhatSamplesBringBesideTheirPixels)
+{
+    const GuidingRecords first = part_of({{surface(0.5f, 2), surface(1.5f, 0)}, {surface(0.2f, 4)}, {}}),
+                         second = part_of({{surface(1.9f, 1)}});
+    const double squares[] = {4, 0.25};
+    PathsMet met;
+    met.parts = {{&first, &squares[0]}, {&second, &squares[1]}};
+    met.samples = 2;
+    met.vertices = 3, met.variance = 2;
+    GuidingTables t = row_of_cubes(3);
+    set_nee_factors(met, t);
+    // Squares beside the brightness: 4 / 4 + 16 / 4 = 5 in the first cube, 1 / 0.25 = 4 in the second, two samples
+    // each; 9 / 4 in the mean, which counts as 32 samples. A light sample takes a quarter of a vertex: 3 / (2 * 0.25)
+    // = 6.
+    ASSERT_EQ(t.nee_factors.size(), 3u);
+    EXPECT_FLOAT_EQ(t.nee_factors[0], float(1.5 * std::sqrt((5 + 72) / 34.0 * 6)));
+    EXPECT_FLOAT_EQ(t.nee_factors[1], float(1.5 * std::sqrt((4 + 72) / 34.0 * 6)));
+    EXPECT_FLOAT_EQ(t.nee_factors[2], float(1.5 * std::sqrt(2.25 * 6)));
+}
+
+/// With many samples the cube alone decides: the root of what a sample brings, squared, over the paths' noise.
+TEST(LightNeeds, AreThoseOfTheirCube)
+{
+    const std::size_t paths = 200'000;
+    std::vector<std::vector<GuidingRecord>> bright(paths, {surface(0.5f, 0.4f)}), dark(paths, {surface(1.5f, 0.01f)});
+    const GuidingRecords first = part_of(bright), second = part_of(dark);
+    const std::vector<double> squares(paths / 4, 1);
+    PathsMet met;
+    met.parts = {{&first, squares.data()}, {&second, squares.data()}};
+    met.samples = 4;
+    met.vertices = 4, met.variance = 16;
+    GuidingTables t = row_of_cubes(2);
+    set_nee_factors(met, t);
+    EXPECT_NEAR(t.nee_factors[0], 1.5 * 0.4, 1e-3);
+    EXPECT_NEAR(t.nee_factors[1], 1.5 * 0.01, 2e-3);
+}
+
+/// Many parts are shared among threads; each path stays beside its own pixel.
+TEST(LightNeeds, KeepPathsBesideTheirPixels)
+{
+    std::vector<GuidingRecords> parts(37);
+    std::vector<double> squares(parts.size());
+    PathsMet met;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        // As bright as what its samples bring: all are alike.
+        const float light = float(1 + i);
+        parts[i] = part_of({{surface(0.5f, light)}, {}, {surface(0.5f, light), surface(0.5f, light)}});
+        squares[i] = double(light) * double(light);
+        met.parts.push_back({&parts[i], &squares[i]});
+    }
+    met.samples = 3;
+    met.vertices = 1, met.variance = 4;
+    GuidingTables t = row_of_cubes(1);
+    set_nee_factors(met, t);
+    EXPECT_FLOAT_EQ(t.nee_factors[0], 1.5f);
+}
+
+/// What tells nothing gives no number that is none.
+TEST(LightNeeds, AreFinite)
+{
+    const GuidingRecords some = part_of({{surface(0.5f, 1)}}), none = part_of({{}});
+    const auto need = [](const GuidingRecords& part, double square, double variance) {
+        GuidingTables t = row_of_cubes(1);
+        set_nee_factors(met_of(part, &square, 1, 1, variance), t);
+        return t.nee_factors[0];
+    };
+    EXPECT_FLOAT_EQ(need(some, 1, 4), 1.5f);
+    EXPECT_EQ(need(none, 1, 4), 0);
+    EXPECT_EQ(need(some, 0, 4), 0);
+    EXPECT_EQ(need(some, 1, 0), 0);
+    EXPECT_FLOAT_EQ(need(some, 1e-300, 1e-6), 1e30f);
+}
+
+/// Over what a sample brings: by how bright the pixels are that see the cube.
+TEST(ShadowNeeds, GoByTheBrightnessOfThePixels)
+{
+    const GuidingRecords part = part_of({{surface(0.5f, 2), surface(1.5f, 0)}, {surface(0.2f, 4), surface(0.1f, 0)}});
+    const double squares[] = {4, 0.25};
+    GuidingTables t = row_of_cubes(3);
+    set_shadow_ray_factors(met_of(part, squares, 1, 3, 2), t);
+    // 1 / 4 + 2 * 4 in the first cube, 1 / 4 in the second; 8.5 / 4 in the mean, which counts as 32 samples. A shadow
+    // ray takes a fifth of a vertex, and a quarter are taken to arrive: 0.25 * 3 / (2 * 0.2) = 1.875.
+    ASSERT_EQ(t.shadow_ray_factors.size(), 3u);
+    EXPECT_FLOAT_EQ(t.shadow_ray_factors[0], float(std::sqrt((8.25 + 68) / 35.0 * 1.875)));
+    EXPECT_FLOAT_EQ(t.shadow_ray_factors[1], float(std::sqrt((0.25 + 68) / 33.0 * 1.875)));
+    EXPECT_FLOAT_EQ(t.shadow_ray_factors[2], float(std::sqrt(8.5 / 4 * 1.875)));
+}
+
+/// A surface from which a path went on.
+GuidingRecord passed(float x, std::uint16_t side, float value)
+{
+    return {{x, 0.5f, 0.5f}, side, 0, value, 0};
+}
+
+/// The region of side 0 of each cube, if it is to be known.
+GuidingTables row_of_regions(std::uint32_t count)
+{
+    GuidingTables t = row_of_cubes(count);
+    t.regions.assign(std::size_t(count) * guiding_sides, no_index);
+    for (std::uint32_t i = 0; i < count; ++i) t.regions[std::size_t(i) * guiding_sides] = i;
+    t.histograms.resize(std::size_t(count) * guiding_stride);
+    t.max_value = 1e30;
+    return t;
+}
+
+/// Values are radiance times pi; what paths bring counts beside their pixels and for the vertices that come after it.
+TEST(PathNeeds, GoByWhatPathsBringForWhatTheyTake)
+{
+    constexpr float pi = 3.14159265f;
+    // The last surfaces of two paths go nowhere; other sides, and cubes of which nothing is known, don't count.
+    const GuidingRecords part = part_of({{passed(0.5f, 0, 2 * pi), surface(2.5f, 9), surface(2.5f, 9)},
+                                         {passed(0.5f, 0, 6 * pi)},
+                                         {passed(0.5f, 3, 50 * pi), passed(2.5f, 0, 1 * pi), surface(0.5f, 9)}});
+    const double squares[] = {4, 9, 0.25};
+    GuidingTables t = row_of_regions(4);
+    set_survival_factors(met_of(part, squares, 1, 3.5, 8), t);
+    ASSERT_EQ(t.survival_factors.size(), 4u);
+    // Squares beside the brightness: 4 / 4 + 36 / 9 = 5, for 2.5 + 0.5 vertices; a whole path takes 3.5 + 0.5.
+    EXPECT_FLOAT_EQ(t.survival_factors[0], float(0.7 * std::sqrt(5 / 3.0 * 4 / 8)));
+    // 1 / 0.25 for 1 + 0.5.
+    EXPECT_FLOAT_EQ(t.survival_factors[2], float(0.7 * std::sqrt(4 / 1.5 * 4 / 8)));
+    // Of the fourth cube, which is in a block with the third, nothing was met: go on.
+    EXPECT_GE(t.survival_factors[3], 1e10f);
+}
+
+/// Cubes of a block share half of what they know, record by record.
+TEST(PathNeeds, AreShared)
+{
+    constexpr float pi = 3.14159265f;
+    const GuidingRecords part = part_of(
+        {{passed(0.5f, 0, 2 * pi)}, {passed(0.5f, 0, 2 * pi)}, {passed(0.5f, 0, 2 * pi)}, {passed(1.5f, 0, 0)}});
+    const double squares[] = {1};
+    GuidingTables t = row_of_regions(2);
+    set_survival_factors(met_of(part, squares, 4, 0.5, 1), t);
+    // All four together bring 3 in the mean of squares, each for half a vertex, while a path takes one.
+    EXPECT_FLOAT_EQ(t.survival_factors[0], float(0.7 * std::sqrt((0.5 * 4 + 0.5 * 3) / 0.5)));
+    EXPECT_FLOAT_EQ(t.survival_factors[1], float(0.7 * std::sqrt(0.5 * 3 / 0.5)));
+}
+
+/// Single values above the most that one counts don't decide, and what tells nothing gives no number that is none.
+TEST(PathNeeds, AreFinite)
+{
+    constexpr float pi = 3.14159265f;
+    std::vector<std::vector<GuidingRecord>> paths(999, {passed(0.5f, 0, pi)});
+    paths.push_back({passed(0.5f, 0, 1e8f * pi)});
+    const GuidingRecords bright = part_of(paths), dark = part_of({{passed(0.5f, 0, 0)}});
+    const double most = 200 * (999 + 1e8) / 1000;
+    const auto need = [&](const GuidingRecords& part, double square, double variance) {
+        GuidingTables t = row_of_regions(1);
+        t.max_value = most * pi;
+        set_survival_factors(met_of(part, &square, part.counts.size(), 0.5, variance), t);
+        return t.survival_factors[0];
+    };
+    EXPECT_NEAR(need(bright, 1, 1) / (0.7 * std::sqrt((999 + most * most) / 500)), 1, 1e-4);
+    EXPECT_EQ(need(dark, 1, 1), 0);
+    EXPECT_EQ(need(bright, 0, 1), 0);
+    EXPECT_EQ(need(bright, 1, 0), 0);
+    EXPECT_FLOAT_EQ(need(bright, 1e-300, 1), 1e30f);
+}
+
+}  // namespace
+}  // namespace fathom
