@@ -50,7 +50,7 @@ void repair_normals(const std::vector<Vec3f>& positions, const std::vector<std::
 Mesh unshared(const Mesh& mesh)
 {
     Mesh out;
-    const auto take = [&](const auto& from, auto& to) {
+    const auto reindex = [&](const auto& from, auto& to) {
         if (from.empty()) return;
         to.reserve(mesh.indices.size());
         for (const std::uint32_t i : mesh.indices) to.push_back(from[i]);
