@@ -22,7 +22,7 @@ while [ $# -gt 0 ]; do
         --threads | --build) options+=("$1" "$2"); shift ;;
         --motion | --instances | --trees) mode=$1; options+=("$1") ;;
         --not-robust) options+=("$1") ;;
-        *) sed -n '2,10p' "$0" >&2; exit 2 ;;
+        *) sed -n '1d; /^# SPDX/d; /^#/!q; s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
     esac
     shift
 done

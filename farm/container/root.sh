@@ -4,7 +4,7 @@
 #   farm/container/root.sh BUILD_FOLDER ROOT
 set -euo pipefail
 if [ $# -ne 2 ]; then
-    sed -n '2,4s/^# \{0,1\}//p' "$0" >&2
+    sed -n '1d; /^# SPDX/d; /^#/!q; s/^# \{0,1\}//p' "$0" >&2
     exit 2
 fi
 build=$1 root=$2
