@@ -13,7 +13,7 @@ packages_to_build=(
 # OpenColorIO is optional: a program that is linked with it starts some 2 ms later.
 packages_to_test=(
     clang-format-19 libgtest-dev libbenchmark-dev libembree-dev libopencolorio-dev
-    python3 python3-jsonschema xvfb xdotool imagemagick slurm-wlm munge openmpi-bin libopenmpi-dev
+    git python3 python3-jsonschema python3-yaml xvfb xdotool imagemagick slurm-wlm munge openmpi-bin libopenmpi-dev
 )
 
 say() { printf 'fathom: %s\n' "$*" >&2; }
