@@ -35,7 +35,7 @@ run_damaged() {
 
 # Three minutes of libFuzzer for each reader, under the sanitizers; what is found stays in build/fuzz.
 run_fuzz() {
-    local targets=(fathom-json gltf obj mtl ply stl image film) target found=0
+    local targets=(fathom-json gltf obj mtl ply stl mitsuba pbrt serialized image ies measured film) target found=0
     build_preset fuzz fuzz_driver "${targets[@]/#/fuzz_}" || return
     for target in "${targets[@]}"; do
         mkdir -p "build/fuzz/corpus/$target"
