@@ -12,13 +12,20 @@ place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
 export GIT_CONFIG_GLOBAL=/dev/null GIT_CONFIG_NOSYSTEM=1
 export GIT_AUTHOR_NAME=tester GIT_AUTHOR_EMAIL=tester@example.com GIT_COMMITTER_NAME=tester GIT_COMMITTER_EMAIL=tester@example.com
+# Nothing here has to survive a power failure.
+export GIT_CONFIG_COUNT=1 GIT_CONFIG_KEY_0=core.fsync GIT_CONFIG_VALUE_0=none
 unset GIT_DIR GIT_WORK_TREE GIT_INDEX_FILE
 repository=$place/repository log=$place/log
 failures=0
 
-# make_repository: a clean one, ready for the release of 1.2.3.
+# make_repository: a clean one, ready for the release of 1.2.3. Copied, since git takes long to make one.
 make_repository() {
     rm -rf "$repository"
+    cp -r "$place/template" "$repository"
+    cd "$repository"
+}
+make_template() {
+    repository=$place/template
     mkdir -p "$repository/scripts" "$repository/docs" "$repository/program"
     cd "$repository"
     git init --quiet --initial-branch=main
@@ -47,6 +54,7 @@ SETUP
     mkdir build
     chmod +x scripts/release.sh test.sh program/fathom
     commit
+    repository=$place/repository
 }
 commit() { git add --all && git commit --quiet --message "$(date +%N)"; }
 state() { git rev-parse HEAD && git status --porcelain && git tag; }
@@ -83,6 +91,7 @@ refused() {
     if [ -e build/tested ]; then fail_case "$case: tests ran before all cheap checks were done" <"$log"; fi
 }
 
+make_template
 make_repository
 before=$(state)
 expect 0 "dry run" --dry-run 1.2.3
