@@ -1,5 +1,5 @@
 /// What displacing a mesh costs: a square moved by a picture of so many texels a side, beside the same triangles as a
-/// mesh of the scene. The program for "Displacement" in docs/performance.md.
+/// mesh of the scene. The program for "Displacement" in docs/measurements/scene-changes.md.
 ///
 ///     displacement [texels] [displaced | mesh]
 #include <sys/resource.h>

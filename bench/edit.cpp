@@ -1,5 +1,5 @@
-/// What a change costs in a scene of many objects, beside compiling the whole scene: the program for "Changing a scene"
-/// in docs/performance.md.
+/// What a change costs in a scene of many objects, beside compiling the whole scene: the program for "Scene edits" in
+/// docs/measurements/scene-changes.md.
 ///
 ///     edit [objects] [triangles of each]
 #include <algorithm>
