@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # install_test.sh BUILD SOURCE COMPILER GENERATOR [SANITIZERS]: installs, moves the installed tree elsewhere, and uses it from
-# there: the program, and examples/first_picture built with find_package(fathom), and with the library's sanitizers.
+# there: the program, and each folder of examples built with find_package(fathom), and with the library's sanitizers.
 set -euo pipefail
 build=$1 source=$2 compiler=$3 generator=$4 sanitizers=${5:-}
 place=$(mktemp -d)
@@ -41,10 +41,26 @@ for module in assimp view mpi; do
     fi
 done
 
-# TBB, OpenEXR and the others are no business of who uses the library: none is looked for here.
-cmake -G "$generator" -S "$source/examples/first_picture" -B example -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release \
-    -DCMAKE_CXX_FLAGS="${sanitizers:+-fsanitize=$sanitizers}" -DCMAKE_PREFIX_PATH="$prefix" >configure.log || { cat configure.log && exit 1; }
-cmake --build example >build.log || { cat build.log && exit 1; }
-expect "the example renders" ./example/first_picture picture.png
-expect "the example wrote a picture" is_png picture.png
+# A program that uses the library needs neither TBB nor OpenEXR nor any other dependency of it: none is looked for here.
+build_example() {
+    cmake -G "$generator" -S "$source/examples/$1" -B "$1" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release \
+        -DCMAKE_CXX_FLAGS="${sanitizers:+-fsanitize=$sanitizers}" -DCMAKE_PREFIX_PATH="$prefix" >configure.log || { cat configure.log && exit 1; }
+    cmake --build "$1" >build.log || { cat build.log && exit 1; }
+}
+examples=(animation first_image merge_films scene_from_arrays)
+expect "this test runs each folder of examples" \
+    test "$(cd "$source/examples" && printf '%s ' */)" = "$(printf '%s/ ' "${examples[@]}")"
+for example in "${examples[@]}"; do build_example "$example"; done
+
+expect "first_image runs" ./first_image/first_image first.png
+expect "first_image writes an image" is_png first.png
+expect "scene_from_arrays runs" ./scene_from_arrays/scene_from_arrays arrays.png
+expect "scene_from_arrays writes an image" is_png arrays.png
+expect "animation runs" ./animation/animation 2 frame- >animation.log
+expect "animation writes each frame" is_png frame-00.png
+expect "animation writes each frame" is_png frame-01.png
+expect "animation compiles the whole scene for its first frame only" test "$(grep -c 'whole scene' animation.log)" = 1
+expect "the frames differ" test "$(cksum <frame-00.png)" != "$(cksum <frame-01.png)"
+expect "merge_films makes the bits of one run" ./merge_films/merge_films "$source/scenes/cornell-box.json" .
+expect "merge_films writes an image" is_png merged.png
 echo "installed, moved, used"

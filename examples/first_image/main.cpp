@@ -1,4 +1,6 @@
-/// A picture from code: a glass ball and a golden one on a floor, under a sky.
+/// A first image: a glass ball and a gold ball on a floor under a gradient sky, written to a file.
+///
+///     first_image [FILE]      FILE: .png, .jpg, .webp, .avif, .hdr or .exr (default first-image.png)
 #include <fathom/error.h>
 #include <fathom/render.h>
 
@@ -6,6 +8,7 @@
 
 int main(int argc, char** argv)
 try {
+    // Materials, shapes, nodes and cameras are entries of vectors and refer to each other by index.
     fathom::SceneDescription scene;
     fathom::Material floor, glass, gold;
     floor.base_color.value = {0.5f, 0.5f, 0.5f};
@@ -18,7 +21,7 @@ try {
     fathom::Node node;
     node.shapes.push_back({fathom::Disk{{0, 0, 0}, {0, 1, 0}, 20}, 0, "floor"});
     node.shapes.push_back({fathom::Sphere{{-1.1, 1, 0}, 1, {}}, 1, "glass ball"});
-    node.shapes.push_back({fathom::Sphere{{1.1, 1, 0}, 1, {}}, 2, "golden ball"});
+    node.shapes.push_back({fathom::Sphere{{1.1, 1, 0}, 1, {}}, 2, "gold ball"});
     node.camera = 0;
     scene.nodes.push_back(node);
     scene.roots = {0};
@@ -26,16 +29,19 @@ try {
     scene.cameras[0].look_at = {0, 1, 0};
     scene.environment.kind = fathom::EnvironmentKind::gradient;
 
+    // Compiling builds the acceleration structures. The compiled scene never changes.
     fathom::Warnings warnings;
     const fathom::Scene compiled = fathom::Scene::compile(scene, "", warnings);
+
     fathom::RenderSettings settings;
     settings.width = 400, settings.height = 300;
     const fathom::RenderJob job(compiled, settings);
     fathom::Film film(job);
     fathom::render(job, {0, 64}, film);
-    const char* file = argc > 1 ? argv[1] : "first-picture.png";
+
+    const char* file = argc > 1 ? argv[1] : "first-image.png";
     fathom::write_image(file, film.image(false, false), {});
-    std::printf("%s: 64 samples a pixel, %d lanes\n", file, fathom::simd_width());
+    std::printf("%s: 64 samples per pixel, %s\n", file, fathom::simd_name());
 } catch (const fathom::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

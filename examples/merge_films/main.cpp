@@ -1,0 +1,77 @@
+/// Merging films: two halves of a render, as two machines would make them, go through files and add up to the bits of
+/// one run. Exits with 1 if a single bit differs.
+///
+///     merge_films SCENE [FOLDER]      SCENE: any scene or model file; FOLDER: where the films go (default: this one)
+#include <fathom/error.h>
+#include <fathom/film_file.h>
+#include <fathom/first_look.h>
+#include <fathom/load.h>
+#include <fathom/render.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+namespace {
+
+constexpr std::uint64_t samples = 32;
+
+fathom::RenderSettings settings()
+{
+    fathom::RenderSettings settings;
+    settings.width = 160, settings.height = 120;
+    settings.aovs = {fathom::Aov::albedo, fathom::Aov::normal};
+    settings.guiding = true;  // part of the key of a film: all parts must agree on it
+    return settings;
+}
+
+/// A camera where the file has none, and a studio's light where it is dark.
+fathom::Scene load(const std::filesystem::path& file)
+{
+    fathom::Warnings warnings;
+    fathom::SceneDescription scene = fathom::load_scene(file, {}, warnings);
+    fathom::CompleteOptions options;
+    options.aspect = double(settings().width) / settings().height;
+    fathom::complete_scene(scene, options);
+    return fathom::compile_lit(std::move(scene), "", fathom::LightChoice::automatic, options.aspect, warnings).scene;
+}
+
+/// What one machine does: load the scene, render some of the samples, write an EXR that holds their exact sums.
+void render_part(const std::filesystem::path& scene, fathom::SampleRange range, const std::filesystem::path& file)
+{
+    const fathom::RenderJob job(load(scene), settings());
+    fathom::Film film(job);
+    fathom::render(job, range, film);
+    fathom::write_film(file, film, film.image(false, false), {});
+}
+
+}  // namespace
+
+int main(int argc, char** argv)
+try {
+    if (argc < 2) {
+        std::fprintf(stderr, "usage: merge_films SCENE [FOLDER]\n");
+        return 2;
+    }
+    const std::filesystem::path scene = argv[1], folder = argc > 2 ? argv[2] : ".";
+    const std::filesystem::path first = folder / "half-1.exr", second = folder / "half-2.exr";
+    render_part(scene, {0, samples / 2}, first);
+    render_part(scene, {samples / 2, samples}, second);
+
+    // Order does not matter. Films of another scene or other settings are refused, and so are samples that overlap.
+    fathom::Film merged = fathom::FilmFile(second).read();
+    fathom::FilmFile(first).add_to(merged);
+    fathom::write_image(folder / "merged.png", merged.image(false, false), {});
+
+    const fathom::RenderJob job(load(scene), settings());
+    fathom::Film whole(job);
+    fathom::render(job, {0, samples}, whole);
+    const bool identical = merged.sums().words == whole.sums().words && merged.samples() == whole.samples();
+    std::printf("merged.png: %llu samples per pixel, %s\n", static_cast<unsigned long long>(merged.samples_per_pixel()),
+                identical ? "identical to one run" : "DIFFERENT from one run");
+    return identical ? 0 : 1;
+} catch (const fathom::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+}
