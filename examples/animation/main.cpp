@@ -64,7 +64,7 @@ try {
         lamp.emission.value.b = float(20 - 15 * share);
         edit.set_material(lamp_material, lamp);
 
-        // The job and its scene end with this iteration. While one of them lives, compile() builds the whole scene anew.
+        // Job and scene end with this iteration. While one of them lives, compile() builds the whole scene anew.
         const fathom::RenderJob job(edit.compile(warnings), settings);
         fathom::Film film(job);
         fathom::render(job, {0, 32}, film);
