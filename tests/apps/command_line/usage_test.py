@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""The command line: what is refused, help, and that the pages tell every option."""
-import os
+"""The command line: what is refused, and help."""
 import re
 
 from harness import CommandLine, PROGRAM, run_tests
@@ -82,17 +81,6 @@ class Usage(CommandLine):
         self.assertEqual(options("view") - options("render"), {"--log-latency", "--script-moves"})
         self.assertIn("--scene", options("info"))
         self.refused(2, "view", "box.json", "--filter", "bix", words=["--filter", "box or gaussian"])
-
-    def test_the_readme_has_every_option(self):
-        with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "README.md")) as file:
-            table = "".join(line for line in file if line.startswith("|"))
-        help_text = self.ok("render", "--help").stdout
-        options = set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", help_text, re.MULTILINE)) - {"--help", "--output"}
-        self.assertGreater(len(options), 25)
-        for option in options:
-            self.assertIn(f"`{option}", table)
-        for option in re.findall(r"`(--[a-z-]+)", table):
-            self.assertIn(option, options)
 
     def test_the_program_itself(self):
         if not PROGRAM:

@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""What documents quote is there: messages of docs/troubleshooting.md in the sources, names of docs/library.md in the public headers.
+
+usage: names_test.py ROOT
+
+A message is a line in a block that is marked `text`, or a code span of several words in the first column of a table. Its names and numbers are an example's,
+so it counts as there if most pairs of neighboring words stand in string literals of the sources.
+"""
+import pathlib
+import re
+import sys
+import unittest
+
+ROOT = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2]).resolve()
+ENOUGH = 0.6
+LITERAL = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
+# What stands between two literals that the compiler joins.
+JOINED = re.compile(r'"\s*"')
+
+
+def string_literals():
+    """Of src and apps, one behind the other; neighboring ones joined, as the compiler does."""
+    found = []
+    for folder in "src", "apps":
+        for file in sorted((ROOT / folder).rglob("*")):
+            if file.suffix in (".cpp", ".h"):
+                code = re.sub(r"^\s*(//|#include).*$", "", file.read_text(encoding="utf-8"), flags=re.MULTILINE)
+                found += LITERAL.findall(JOINED.sub("", code))
+    return "\n".join(found).replace('\\"', '"')
+
+
+def messages(text):
+    for block in re.findall(r"^ *```text\n(.*?)^ *```$", text, re.MULTILINE | re.DOTALL):
+        yield from (line.strip() for line in block.splitlines() if line.strip())
+    for cell in re.findall(r"^\| (`[^|]*`) \|", text, re.MULTILINE):
+        yield from (span for span in re.findall(r"`([^`]+)`", cell) if span.count(" ") >= 2 and not span.startswith(("-", "fathom ")))
+
+
+def share_found(message, literals):
+    """Of pairs of neighboring words without digits and without what is a name of the example."""
+    words = message.removeprefix("fathom: ").removeprefix("warning: ").split()
+    pairs = [f"{a} {b}" for a, b in zip(words, words[1:]) if re.fullmatch(r"[^\d']+[^\d':]", a) and re.fullmatch(r"[^\d']+", b)]
+    return sum(pair.rstrip(".,;:)") in literals for pair in pairs) / max(1, len(pairs))
+
+
+class Names(unittest.TestCase):
+    def test_messages_of_troubleshooting(self):
+        literals = string_literals()
+        quoted = list(messages((ROOT / "docs" / "troubleshooting.md").read_text(encoding="utf-8")))
+        self.assertGreater(len(quoted), 20)
+        for message in quoted:
+            with self.subTest(message=message):
+                self.assertGreaterEqual(share_found(message, literals), ENOUGH, "the program prints no such message")
+        self.assertLess(share_found("fathom: this message is nowhere in the sources of Fathom", literals), ENOUGH)
+
+    def test_names_of_the_library_guide(self):
+        headers = "\n".join(header.read_text(encoding="utf-8") for header in sorted((ROOT / "include" / "fathom").rglob("*.h")))
+        guide = (ROOT / "docs" / "library.md").read_text(encoding="utf-8")
+        for header in sorted(set(re.findall(r"fathom/[\w/]+\.h", guide))):
+            with self.subTest(header=header):
+                self.assertTrue((ROOT / "include" / header).exists(), "no such header")
+        spans = re.findall(r"`([A-Za-z_][\w:]*)(?:\(\))?`", guide) + re.findall(r"fathom::(\w+(?:::\w+)*)", guide)
+        names = sorted({part for span in spans for part in span.split("::")} - {"fathom", "libfathom", "std", "vector", "what", "denoised", "roots"})
+        self.assertGreater(len(names), 40)
+        for name in names:
+            with self.subTest(name=name):
+                self.assertRegex(headers, rf"\b{name}\b", "no public header has it")
+
+
+if __name__ == "__main__":
+    unittest.main()
