@@ -8,7 +8,7 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 source "$here/scripts/setup.sh"
 
 install_missing "${packages_to_build[@]}"
-(cd "$here" && build_preset release)
+(cd "$here" && build_preset release program)
 if [ $# -eq 0 ]; then
     set -- "$here/scenes/cornell-box.json" --spp 64 -o cornell-box.png
 fi

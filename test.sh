@@ -21,7 +21,7 @@ summary() {
 
 install_missing "${packages_to_build[@]}" "${packages_to_test[@]}"
 build_preset test
-log=build/test/ctest.log
+log=build/release/ctest.log
 result=0
 LC_ALL=C ctest --preset test --no-tests=error --parallel "$(nproc)" "$@" 2>&1 | tee "$log" || result=$?
 summary "$log"

@@ -98,6 +98,6 @@ else
 fi
 if [[ $commands == *tests* ]]; then
     timed "test.sh as a user with sudo" inside user ./test.sh
-    inside user tail -n 5 build/test/ctest.log
+    inside user tail -n 5 build/release/ctest.log
 fi
 echo "bare machine: passed"

@@ -169,22 +169,28 @@ check_ccache() {
     rm -r "$folder"
 }
 
-# build_preset NAME [TARGET...]: configures and builds build/NAME, in the current folder: all of it, or these targets.
+# build_preset NAME [TARGET...]: configures and builds a preset in the current folder: all of it, or these targets.
 build_preset() {
-    local preset=$1 jobs
+    local preset=$1 jobs folder
     shift
-    if [ -e "build/$preset" ] && [ ! -w "build/$preset" ]; then
-        fail "$PWD/build/$preset belongs to another user; remove it, or run this command as that user"
+    # `test` adds to the build of `release`, so the library is compiled once for both.
+    folder=build/$preset
+    [ "$preset" != test ] || folder=build/release
+    if [ -e "$folder" ] && [ ! -w "$folder" ]; then
+        fail "$PWD/$folder belongs to another user; remove it, or run this command as that user"
     fi
     check_ccache
     # Another clone of the same files finds what this one compiled.
     export CCACHE_BASEDIR=$PWD
     jobs=${FATHOM_JOBS:-$(build_jobs)}
-    if [ ! -f "build/$preset/build.ninja" ] || [ CMakePresets.json -nt "build/$preset/build.ninja" ]; then
-        say "configuring build/$preset"
-        cmake --preset "$preset" >&2 || fail "CMake could not configure build/$preset (see above)"
+    # ccache can't know that precompiled headers are made of the headers that it hashes; see cmake/precompile.cmake.
+    export CCACHE_SLOPPINESS=pch_defines,time_macros
+    if [ ! -f "$folder/build.ninja" ] || [ CMakePresets.json -nt "$folder/build.ninja" ] ||
+        { [ "$preset" = test ] && ! grep -q '^FATHOM_TESTS:BOOL=ON' "$folder/CMakeCache.txt"; }; then
+        say "configuring $folder"
+        cmake --preset "$preset" ${CI:+-DFATHOM_WERROR=ON} >&2 || fail "CMake could not configure $folder (see above)"
     fi
-    say "building build/$preset, $jobs at a time"
+    say "building $folder, $jobs at a time"
     # In C, as in tests/planted: ccache keeps what compilers say in each language apart.
     LC_ALL=C cmake --build --preset "$preset" --parallel "$jobs" ${1:+--target "$@"} >&2 || fail "the build failed (see above)"
 }

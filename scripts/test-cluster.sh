@@ -9,6 +9,6 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/setup.sh
 install_missing "${packages_to_build[@]}" "${packages_to_test[@]}"
 build_preset test
-programs=(build/test/bin/fathom build/test/bin/picture_hash scenes/cornell-box.json)
+programs=(build/release/bin/fathom build/release/bin/picture_hash scenes/cornell-box.json)
 python3 tests/cluster/mpi_test.py "${programs[@]}"
 exec python3 tests/cluster/slurm_test.py "${programs[@]}" "$@"

@@ -13,4 +13,4 @@ fi
 build/farm/bin/python -m pip install --quiet pyyaml==6.* kubernetes-validate==1.37.* openjd-cli==0.8.* botocore==1.44.* \
     opencue-pyoutline==1.37.* 'dask[distributed]==2026.8.*'
 build_preset test
-exec python3 tests/farm/farm_test.py build/test/bin/fathom build/test/bin/picture_hash build/test
+exec python3 tests/farm/farm_test.py build/release/bin/fathom build/release/bin/picture_hash build/release

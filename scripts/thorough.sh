@@ -30,7 +30,7 @@ run_tidy() {
 }
 
 run_damaged() {
-    build_preset test && tests/apps/damaged_files_test.py build/test/bin/fathom scenes 1000 2
+    build_preset test && tests/apps/damaged_files_test.py build/release/bin/fathom scenes 1000 2
 }
 
 # Three minutes of libFuzzer for each reader, under the sanitizers; what is found stays in build/fuzz.

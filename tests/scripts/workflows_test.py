@@ -87,7 +87,7 @@ class Workflow(unittest.TestCase):
     def test_the_log_is_kept_after_a_failure(self):
         upload = self.steps[self.place(uses="actions/upload-artifact")]
         self.assertEqual(upload["if"], "failure()")
-        self.assertIn("build/test/ctest.log", upload["with"]["path"])
+        self.assertIn("build/release/ctest.log", upload["with"]["path"])
 
 
 @unittest.skipUnless(yaml, "Python's yaml is not installed")

@@ -1,0 +1,21 @@
+# Precompiled headers: most files took longer to parse the same headers than for their own code. Every file includes what it uses
+# all the same; a build with FATHOM_PRECOMPILE=OFF (the preset `clang`) shows what is missing.
+option(FATHOM_PRECOMPILE "Parse common headers once for many files" ON)
+
+# Without it the precompiled header has a time in it, and ccache finds nothing.
+function(fathom_ignore_precompile_time target)
+  if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    target_compile_options(${target} PRIVATE "SHELL:-Xclang -fno-pch-timestamp")
+  endif()
+endfunction()
+
+# fathom_precompile(TARGET [HEADER...]): the common headers of the standard library and of Fathom, and these.
+function(fathom_precompile target)
+  if(NOT FATHOM_PRECOMPILE)
+    return()
+  endif()
+  target_precompile_headers(${target} PRIVATE
+    <algorithm> <array> <cmath> <cstdint> <cstring> <filesystem> <functional> <map> <memory> <optional> <span> <string> <variant>
+    <vector> <fmt/format.h> <fathom/description.h> <fathom/error.h> <fathom/load.h> ${ARGN})
+  fathom_ignore_precompile_time(${target})
+endfunction()
