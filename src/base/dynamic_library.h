@@ -5,17 +5,18 @@
 
 #include "fathom/error.h"
 
-/// Libraries that are opened at run time, since few need them.
+/// Loading of optional dependencies as shared libraries at run time (dlopen).
 namespace fathom {
 
-/// Why the last one could not be opened.
+/// The reason of the last failed dlopen or dlsym, as dlerror() reports it.
 inline std::string shared_library_trouble()
 {
     const char* reason = dlerror();
     return reason ? reason : "unknown reason";
 }
 
-/// Throws Error if the library has no function of that name; `what` it is not then.
+/// Looks up the symbol `name` with dlsym and stores it in `function`. Throws Error, naming `file`, if the library lacks
+/// it; `what` names the library that was expected.
 template <class Function>
 void take_function(void* library, const std::string& file, const char* what, const char* name, Function& function)
 {

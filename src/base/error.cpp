@@ -4,7 +4,7 @@ namespace fathom {
 
 namespace {
 
-/// Of a place that is nested hundreds deep, its beginning and its end.
+/// The place, with the middle left out if it is nested hundreds of levels deep.
 std::string shortened(const std::string& place)
 {
     constexpr std::size_t longest = 200, end = 80;

@@ -12,8 +12,10 @@
 
 namespace fathom {
 
-/// Memory on large pages where the system has them: a tree of hundreds of megabytes is read all over, and each small
-/// page costs a look-up; the sums of a film are touched for the first time all at once. To be freed by std::free.
+/// Allocates memory on large pages where the system has them; release it with std::free. Throws std::bad_alloc.
+///
+/// A BVH of hundreds of megabytes is accessed at random, and each small page costs a TLB miss. Large pages also make
+/// the first touch of a film's buffers cheaper.
 inline void* allocate_large(std::size_t bytes)
 {
     constexpr std::size_t large_page = std::size_t(2) << 20;
@@ -26,7 +28,7 @@ inline void* allocate_large(std::size_t bytes)
     return data;
 }
 
-/// For vectors of such memory.
+/// Allocator for std::vector that uses allocate_large().
 template <class T>
 struct LargeAllocator {
     using value_type = T;
@@ -40,11 +42,11 @@ struct LargeAllocator {
     bool operator==(const LargeAllocator&) const { return true; }
 };
 
-/// What is read all over: by whoever shades, at random.
+/// A vector on large pages, for tables that shading accesses at random.
 template <class T>
 using LargeVector = std::vector<T, LargeAllocator<T>>;
 
-/// The same, but what resize adds is not initialised: all threads may then write it for the first time.
+/// An allocator whose resize() leaves new elements uninitialized, so that many threads can touch the memory first.
 template <class T>
 struct UnsetAllocator : LargeAllocator<T> {
     template <class U>
@@ -68,7 +70,7 @@ struct UnsetAllocator : LargeAllocator<T> {
     }
 };
 
-/// An array of plain values that are not initialised, in such memory.
+/// A fixed-size array of trivial values on large pages; the values are not initialized.
 template <class T>
 class LargeArray {
 public:
@@ -97,7 +99,7 @@ public:
     const T& operator[](std::size_t i) const { return data_[i]; }
     std::size_t size() const { return size_; }
     std::size_t bytes() const { return size_ * sizeof(T); }
-    /// What is behind was never touched, and so takes no memory.
+    /// Reduces the size without moving data. Pages behind the new end that were never touched take no physical memory.
     void truncate(std::size_t size) { size_ = size; }
 
 private:

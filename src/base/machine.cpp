@@ -42,7 +42,7 @@ std::uint64_t difference(std::uint64_t limit, std::uint64_t used)
     return limit > used ? limit - used : 0;
 }
 
-/// A hierarchy of groups: where it is mounted, and the process's group in it.
+/// A cgroup hierarchy: its mount point and the group of this process in it.
 struct Hierarchy {
     bool is_v2;
     fs::path mount, group;
@@ -56,8 +56,8 @@ bool contains_word(const std::string& list, const std::string& word)
     return false;
 }
 
-/// That of a controller, from the lines `number:controllers:path` of /proc/self/cgroup; version 2 has no controllers
-/// there.
+/// Hierarchies that a controller belongs to, from the lines `number:controllers:path` of /proc/self/cgroup. Lines of
+/// version 2 list no controllers.
 std::vector<Hierarchy> hierarchies_of(const fs::path& root, const std::string& controller)
 {
     const fs::path mounts = root / "sys/fs/cgroup";
@@ -70,7 +70,7 @@ std::vector<Hierarchy> hierarchies_of(const fs::path& root, const std::string& c
         const std::string controllers = line.substr(first + 1, second - first - 1);
         const fs::path group = fs::path(line.substr(second + 1)).relative_path();
         if (controllers.empty()) {
-            // Beside hierarchies of version 1, that of version 2 has a folder of its own.
+            // In a hybrid setup (both versions mounted), version 2 has a folder of its own.
             const bool hybrid = fs::is_directory(mounts / "unified", error);
             found.push_back({true, hybrid ? mounts / "unified" : mounts, group});
         } else if (contains_word(controllers, controller)) {
@@ -78,13 +78,12 @@ std::vector<Hierarchy> hierarchies_of(const fs::path& root, const std::string& c
             found.push_back({false, fs::is_directory(together, error) ? together : mounts / controller, group});
         }
     }
-    // A container may see its group and not be told of it.
+    // A container may see its group in /sys although /proc/self/cgroup doesn't list it.
     if (found.empty()) found = {{true, mounts, {}}, {false, mounts / controller, {}}};
     return found;
 }
 
-/// Calls use(folder) for the group and all groups above it, as far as they can be seen from here: a limit of any of
-/// them holds.
+/// Calls use(folder) for the group and its visible ancestors: a limit of any of them applies.
 template <class Use>
 void for_groups(const Hierarchy& hierarchy, const Use& use)
 {
@@ -97,7 +96,7 @@ void for_groups(const Hierarchy& hierarchy, const Use& use)
     }
 }
 
-/// What the limit leaves. The cache of files that nobody uses gives way to whoever asks for memory.
+/// Bytes that the group's limit leaves. Inactive file cache counts as free: the kernel drops it when memory is needed.
 std::uint64_t left_in_group(const fs::path& group, bool is_v2)
 {
     const std::uint64_t limit = number_in(group / (is_v2 ? "memory.max" : "memory.limit_in_bytes"), "");
@@ -106,7 +105,7 @@ std::uint64_t left_in_group(const fs::path& group, bool is_v2)
     return difference(limit, cache == unknown || used == unknown ? used : difference(used, cache));
 }
 
-/// Cores' worth of time that the group may use; infinite without a limit.
+/// The CPU quota of the group in cores; infinite without a limit.
 double cores_of_group(const fs::path& group, bool is_v2)
 {
     double quota = -1, period = -1;
@@ -122,7 +121,7 @@ double cores_of_group(const fs::path& group, bool is_v2)
 int cores_of_process()
 {
 #ifdef __linux__
-    // Machines with more cores than a set of fixed size holds are refused by the call: then all are taken.
+    // sched_getaffinity fails on machines with more cores than cpu_set_t holds; all cores are used then.
     cpu_set_t set;
     CPU_ZERO(&set);
     if (sched_getaffinity(0, sizeof set, &set) == 0) return std::max(1, CPU_COUNT(&set));

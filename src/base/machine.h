@@ -2,19 +2,24 @@
 #include <cstdint>
 #include <filesystem>
 
-/// What the machine and the process's control groups (Linux, versions 1 and 2) leave to this process. `root` stands for
-/// the root of the file system: tests put another there.
+/// Limits of the machine and of the process's control groups (Linux cgroups, versions 1 and 2).
+///
+/// `root` is the root of the file system; tests pass a folder with made-up /proc and /sys files.
 namespace fathom {
 
+/// Bytes that the process can still allocate: the least of available physical memory, control group limits and the
+/// address space limit. The largest integer if nothing is known.
 std::uint64_t memory_left(const std::filesystem::path& root);
-/// What this process has of the machine's memory now; 0 if that can't be known.
+/// Resident memory of this process in bytes; 0 if it is unknown.
 std::uint64_t resident_memory(const std::filesystem::path& root);
 
-/// Cores that the process may run on, no more than the time that its groups may use of them; 1 at least.
+/// Number of cores that the process may use: its CPU affinity, capped by the CPU quotas of its control groups; at least
+/// 1.
 int usable_cores(const std::filesystem::path& root);
 
-/// How many threads can be there at once beside those that are, at most `wanted`; this one counts. Libraries end the
-/// program, or fail for good, when one of theirs can't be started: they must not try.
+/// The number of threads, the calling one included, that can exist at once beside the existing ones; at most `wanted`.
+///
+/// TBB and OIDN abort the program or fail for good when a thread can't be started, so limits are probed beforehand.
 int startable_threads(int wanted);
 
 }  // namespace fathom

@@ -15,7 +15,7 @@ namespace fathom {
 
 namespace {
 
-/// What limit_memory was told.
+/// The limit set by limit_memory().
 struct Limit {
     std::uint64_t bytes = std::numeric_limits<std::uint64_t>::max();
     std::string said_by;
@@ -31,7 +31,7 @@ Limit limit_now()
     return limit_of_process;
 }
 
-/// What the limit leaves.
+/// Bytes that the limit leaves; resident memory counts against it.
 std::uint64_t left_of(const Limit& limit)
 {
     if (!limit.is_set()) return limit.bytes;
@@ -39,7 +39,7 @@ std::uint64_t left_of(const Limit& limit)
     return limit.bytes > taken ? limit.bytes - taken : 0;
 }
 
-/// Memory that was freed is kept for later use; it would be counted as taken.
+/// Returns freed heap memory to the system: glibc keeps it, and it would count as resident.
 void give_back_freed()
 {
 #ifdef __GLIBC__
@@ -47,7 +47,7 @@ void give_back_freed()
 #endif
 }
 
-/// The largest of them in one unit, `textures 5.1, triangles 2.9`: what is less than a twentieth tells nothing.
+/// The largest estimates in one unit, such as `textures 5.1, triangles 2.9`. Shares below 5 % are left out.
 std::string takers_text(std::vector<MemoryEstimate> needs, double total, double unit)
 {
     constexpr std::size_t most = 4;
@@ -107,7 +107,7 @@ void check_memory(const std::string& file, std::vector<MemoryEstimate> needs)
 std::string memory_text(double bytes)
 {
     constexpr double giga = 1e9, mega = 1e6;
-    // 999.6 MB would be 1000 MB.
+    // Without the margin, 999.6 MB would be printed as 1000 MB.
     if (bytes < 0.9995 * giga) return fmt::format("{:.0f} MB", bytes / mega);
     const std::string number = fmt::format("{:.1f}", bytes / giga);
     return (number.ends_with(".0") ? number.substr(0, number.size() - 2) : number) + " GB";

@@ -3,7 +3,7 @@
 
 namespace fathom {
 
-/// What stands in the place of an index where there is nothing.
+/// Marks an absent index in compiled tables.
 inline constexpr std::uint32_t no_index = 0xffffffffu;
 
 }  // namespace fathom

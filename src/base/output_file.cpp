@@ -20,14 +20,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// How many bytes a name in this folder may have: most file systems take 255, encrypted ones fewer.
+/// Longest file name in bytes in this folder: 255 in most file systems, fewer in encrypted ones.
 std::size_t max_name_length(const fs::path& folder)
 {
     const long length = pathconf(folder.c_str(), _PC_NAME_MAX);
     return length > 0 ? std::size_t(length) : NAME_MAX;
 }
 
-/// A name beside the target that nobody can foresee: in a folder that others may write to, a link could wait there.
+/// An unpredictable name beside the target: in a folder that others can write to, a link could wait at a known name.
 fs::path temporary_name(const fs::path& folder, const fs::path& target)
 {
     std::uint64_t number = 0;
@@ -38,7 +38,7 @@ fs::path temporary_name(const fs::path& folder, const fs::path& target)
     return folder / ("." + target.filename().string().substr(0, room > end.size() ? room - end.size() - 1 : 0) + end);
 }
 
-/// Throws Error, naming the target, where a name or a whole path is longer than the system takes. A file is first
+/// Throws Error, naming the target, if a name or a whole path is longer than the system allows. The file is first
 /// written under the temporary name, whose path may be the longer one.
 void check_length(const std::string& target, const fs::path& path, const fs::path& temporary)
 {
@@ -53,8 +53,8 @@ void check_length(const std::string& target, const fs::path& path, const fs::pat
                                 path.string().size(), PATH_MAX - 1 - (longest - path.string().size())));
 }
 
-/// Whether somebody else may have put a link there to have us write elsewhere: as Linux' protected_symlinks has it, but
-/// for all folders that others may write to, not only sticky ones.
+/// Whether another user may have planted the link to redirect the output: the rule of Linux' protected_symlinks, for
+/// all folders that others can write to and not only for sticky ones.
 bool is_planted(const fs::path& link, const fs::path& folder)
 {
     struct stat its{}, of_folder{};
@@ -63,11 +63,11 @@ bool is_planted(const fs::path& link, const fs::path& folder)
     return others_may_write && its.st_uid != geteuid() && its.st_uid != of_folder.st_uid;
 }
 
-/// Where a path leads when all links on it are followed; nothing where there are none. Throws Error, naming the target,
-/// at a link that may be planted.
+/// The path with all symbolic links resolved; nothing if it has none. Throws Error, naming the target, at a link that
+/// may be planted.
 std::optional<fs::path> followed(const fs::path& target)
 {
-    constexpr int max_links = 40;  // as the system has it
+    constexpr int max_links = 40;  // as in the Linux kernel
     std::error_code error;
     const fs::path whole = fs::absolute(target, error);
     std::vector<fs::path> rest(whole.begin(), whole.end());
@@ -114,7 +114,7 @@ OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_
     std::error_code error;
     const fs::file_status status = fs::status(target_, error);
     if (fs::is_directory(status)) throw Error(name_, "", "can't write: this is a folder");
-    // Nor may a file take the place of a device, nor of what its owner protected.
+    // Devices, pipes and files without write permission must not be replaced.
     if (fs::exists(status) && !fs::is_regular_file(status))
         throw Error(name_, "", "can't write: this is a device or a pipe, not a file");
     if (fs::exists(status) && access(target_.c_str(), W_OK) != 0) fail("can't write", errno);
@@ -123,11 +123,11 @@ OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_
 
     int descriptor = -1;
 #ifdef O_TMPFILE
-    // Its name comes by way of /proc, which a chroot may lack.
+    // linkat() names a nameless file through /proc, which a chroot may lack.
     if (access("/proc/self/fd", F_OK) == 0) descriptor = open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
     nameless_ = descriptor >= 0;
 #endif
-    // Not every file system has nameless files.
+    // Some file systems don't support O_TMPFILE.
     if (descriptor < 0) descriptor = open(temporary_.c_str(), O_CREAT | O_EXCL | O_NOFOLLOW | O_RDWR | O_CLOEXEC, 0666);
     if (descriptor < 0) fail("can't write", errno);
     file_ = fdopen(descriptor, "w+b");
@@ -140,7 +140,8 @@ OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_
     keep_rights();
 }
 
-/// Who may read and write the earlier file may do so with the new one. Its owner is only root's to keep.
+/// Copies owner and permissions of the existing file. Only root can keep another owner, so failure of fchown is
+/// ignored.
 void OutputFile::keep_rights() const
 {
     struct stat before{};
@@ -173,13 +174,13 @@ void OutputFile::write_whole(const void* bytes, std::size_t size)
     for (std::size_t done = 0; done < size;) {
         std::size_t length = std::min(block, size - done);
         if (direct && length > sector) length -= length % sector;
-        // What is left is no whole sector, and some file systems take no such writes after all.
+        // The last part is no whole sector, and some file systems accept O_DIRECT but reject the writes.
         const auto write_cached = [&] { direct = fcntl(descriptor, F_SETFL, flags) != 0; };
         if (direct && length % sector != 0) write_cached();
         const ssize_t written = ::write(descriptor, begin + done, length);
         if (written > 0) {
             done += std::size_t(written);
-            // A disk that is nearly full may take part of a block.
+            // A nearly full disk may accept part of a block.
             if (direct && done % sector != 0) write_cached();
         } else if (written < 0 && errno == EINVAL && direct) {
             write_cached();
@@ -203,8 +204,8 @@ void OutputFile::seek(std::uint64_t position)
 
 void OutputFile::commit(const fs::path& previous)
 {
-    // The bytes must be on the disk before the name is: after a power cut the name then means a whole file.
-    // Some file systems can't sync; that is no failure of writing.
+    // The data must be on the disk before the name: after a power failure the name then refers to a complete file. Some
+    // file systems can't sync, which is no write error.
     if (std::fflush(file_) != 0) fail("can't write", errno);
     if (fsync(fileno(file_)) != 0 && errno != EINVAL && errno != ENOTSUP) fail("can't write", errno);
 #ifdef O_TMPFILE
@@ -228,22 +229,22 @@ void OutputFile::commit(const fs::path& previous)
 
 void OutputFile::rename_keeping_earlier(const fs::path& previous) const
 {
-    // The new file waits under the other name, so that no third one is left if the program is killed here.
+    // The new file takes the name of the previous one, so that no third file remains if the program is killed here.
     if (std::rename(temporary_.c_str(), previous.c_str()) != 0) fail("can't write", errno);
 #ifdef RENAME_EXCHANGE
     if (renameat2(AT_FDCWD, previous.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) return;
 #endif
-    // Not every file system can exchange two names; then there is a moment without the target.
+    // Some file systems can't exchange two names; the target is missing for a moment then.
     if (std::rename(target_.c_str(), temporary_.c_str()) != 0 || std::rename(previous.c_str(), target_.c_str()) != 0 ||
         std::rename(temporary_.c_str(), previous.c_str()) != 0)
         fail("can't write", errno);
 }
 
-/// Names are on the disk only when their folder is. Some file systems do that by themselves and refuse to be asked.
+/// Syncs the folder, which stores the file's name. Some file systems do this on their own and refuse the call.
 void OutputFile::sync_folder() const
 {
     const int folder = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (folder < 0) return;  // a folder that may be written to but not read
+    if (folder < 0) return;  // the folder is writable but not readable
     const bool failed = fsync(folder) != 0 && errno == EIO;
     close(folder);
     if (failed) fail("can't write", EIO);

@@ -7,11 +7,11 @@
 
 namespace fathom {
 
-/// A file in the making: nobody sees it until commit() puts it, whole and on the disk, in the place of `target`.
+/// A file that appears under its name only when it is complete: commit() renames a temporary file to `target`.
 ///
-/// Without commit() nothing remains and an earlier file stands. Links on the way to it are followed, but for those that
-/// another user put into a folder that others may write to, which are refused; what lies at the name of a temporary
-/// file or of the earlier one is never written through. Every function throws Error naming `target`.
+/// Without commit() nothing remains and an existing file stays as it was. Symbolic links in the path are followed,
+/// except links that another user put into a folder that others can write to: these are refused. The temporary name and
+/// the name of the previous file are never written through a link. Every function throws Error naming `target`.
 class OutputFile {
 public:
     explicit OutputFile(const std::filesystem::path& target);
@@ -21,13 +21,18 @@ public:
 
     void write(const void* bytes, std::size_t size);
     void write(const std::vector<unsigned char>& bytes) { write(bytes.data(), bytes.size()); }
-    /// Instead of write(): all that the file is to hold. Where the system lets it, the bytes go past its cache, which
-    /// has better uses and costs time. bytes  begin at a multiple of 4096
+    /// Writes the whole content at once, in place of write(). The page cache is bypassed (O_DIRECT) where the system
+    /// allows it.
+    ///
+    /// bytes  aligned to 4096 bytes
     void write_whole(const void* bytes, std::size_t size);
+    /// Current position in the file, in bytes from its start.
     std::uint64_t report();
     void seek(std::uint64_t position);
-    /// previous  where an earlier file is kept, if there is one, beside the target. At every moment there is a whole
-    ///           one; for a moment `previous` may be the newer of both
+    /// Flushes the file to the disk and renames it to the target.
+    ///
+    /// previous  name that an existing file is kept under, beside the target. A complete file exists at every moment;
+    ///           for a moment `previous` may be the newer of both
     void commit(const std::filesystem::path& previous = {});
 
 private:
@@ -36,11 +41,11 @@ private:
     void keep_rights() const;
     [[noreturn]] void fail(const std::string& what, int error) const;
 
-    std::string name_;              ///< as the user gave it
-    std::filesystem::path target_;  ///< symbolic links followed
+    std::string name_;              ///< path as the user gave it, for messages
+    std::filesystem::path target_;  ///< the path with symbolic links resolved
     std::filesystem::path folder_;
     std::filesystem::path temporary_;
-    bool nameless_ = false;  ///< has no name yet: vanishes by itself if the program is killed
+    bool nameless_ = false;  ///< opened with O_TMPFILE: has no name yet and vanishes if the program is killed
     std::FILE* file_ = nullptr;
 };
 

@@ -27,7 +27,7 @@ int startable_threads(int wanted)
                 changed.wait(lock, [&] { return all_tried; });
             });
     } catch (const std::system_error&) {
-        // As many as there are.
+        // The system's thread limit was reached; the threads started so far are counted.
     }
     {
         const std::lock_guard lock(mutex);
@@ -45,8 +45,8 @@ int available_threads()
 
 namespace {
 
-/// As many as can be started beside those of the program itself: one that shows progress, one that writes checkpoints.
-/// TBB starts its own when there is work, and it is an error where one can't be started then.
+/// The largest pool that can be started beside two other threads: progress display and checkpoint writer. TBB starts
+/// its workers lazily, and a failure to start one is fatal.
 int pool_threads(int wanted)
 {
     constexpr int others = 2;
