@@ -16,7 +16,7 @@ std::array<double, 4> unit(std::array<double, 4> q)
 {
     double square = 0;
     for (const double x : q) square += x * x;
-    // No rotation at all: what a transform of it would be, too.
+    // A zero quaternion stands for the identity, as its transform would.
     if (!(square > 0)) return {0, 0, 0, 1};
     for (double& x : q) x /= std::sqrt(square);
     return q;
@@ -27,7 +27,7 @@ std::array<double, 4> quaternion(const float* values)
     return unit({values[0], values[1], values[2], values[3]});
 }
 
-/// How many numbers a channel has; 0: any.
+/// Number of components of a channel's value; 0 if any number is valid.
 std::size_t expected_components(AnimatedValue value)
 {
     switch (value) {
@@ -82,7 +82,7 @@ std::string problem_of(const AnimationChannel& channel)
 std::vector<double> value_at(const AnimationChannel& channel, double time_s)
 {
     const std::size_t n = components(channel), parts = channel.interpolation == Interpolation::cubic ? 3 : 1;
-    /// part  of a cubic key: tangent in, value, tangent out
+    /// part  of a cubic key: 0 in-tangent, 1 value, 2 out-tangent
     const auto key = [&](std::size_t i, std::size_t part) {
         return channel.values.data() + (i * parts + (parts == 3 ? part : 0)) * n;
     };
@@ -133,7 +133,7 @@ void set_number(Material& m, AnimatedValue value, const std::array<float, 4>& v)
     switch (value) {
         case AnimatedValue::base_color:
             m.base_color.value = {share(v[0]), share(v[1]), share(v[2])};
-            // What passes has the colour of the base.
+            // The base color tints transmitted light.
             if (m.kind == MaterialKind::glass || m.transmission.value > 0)
                 m.transmission_color.value = m.base_color.value;
             if (m.alpha_mode != AlphaMode::opaque) m.alpha.value = share(v[3]);

@@ -8,29 +8,32 @@
 
 namespace fathom {
 
-/// How many numbers a key of it has.
+/// Number of components of a key's value.
 std::size_t components(const AnimationChannel& channel);
-/// What is wrong with its keys, in words; empty if nothing.
+/// Describes what is wrong with the channel's keys; empty if nothing is.
 std::string problem_of(const AnimationChannel& channel);
-/// A rotation is a unit quaternion.
+/// The channel's value at a time, interpolated between keys; a rotation is a unit quaternion.
 std::vector<double> value_at(const AnimationChannel& channel, double time_s);
 
+/// Whether the value is a translation, rotation or scale of a node.
 bool places_node(AnimatedValue value);
+/// Whether the value is a parameter of a material.
 bool is_of_material(AnimatedValue value);
+/// Whether the value is a parameter of a light.
 bool is_of_light(AnimatedValue value);
 
-/// Values outside what there can be are brought to the nearest.
+/// Sets an animated parameter; values outside its range are clamped.
 void set_number(Material& material, AnimatedValue value, const std::array<float, 4>& numbers);
 void set_number(Light& light, AnimatedValue value, const std::array<float, 4>& numbers);
 void set_number(Camera& camera, AnimatedValue value, const std::array<float, 4>& numbers);
 
-/// Of a node that may vanish: what it places, and what hangs below it.
+/// Whether two nodes have the same shapes, lights, camera and children.
 bool same_contents(const Node& a, const Node& b);
 void set_contents(Node& node, const Node& contents);
 
-/// Hides nodes: those that aren't visible, and the skins of what is below them.
+/// Contents of the rig's hiding nodes: empty where the node that owns them, or a node above it, is invisible.
 ///
-/// visible  by node
+/// visible  one entry per node of the rig
 std::vector<std::pair<int, Node>> contents_at(const AnimationRig& rig, const std::vector<bool>& visible);
 
 }  // namespace fathom

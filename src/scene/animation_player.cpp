@@ -29,10 +29,10 @@ Transform transform_of(const NodeRest& node)
            Transform::scale(node.scale);
 }
 
-/// As of the scene that passed check_scene, and of joints: their reader has looked.
+/// Depth limit of check_scene, which the scene has passed; the rig's reader checked that parents form a tree.
 constexpr int deepest = 256;
 
-/// A pose may bring normals and tangents to nothing; they then are as at rest.
+/// Skinning and morphing may collapse normals and tangents to zero; such vertices keep the directions of the rest pose.
 template <class Vector>
 void keep_directions(std::vector<Vector>& directions, const std::vector<Vector>& rest)
 {
@@ -43,7 +43,8 @@ void keep_directions(std::vector<Vector>& directions, const std::vector<Vector>&
     }
 }
 
-/// Whether it is elsewhere at one of the times, and at none flat or mirrored, which a motion can't pass through.
+/// Whether the keys' transforms differ and are all regular with one handedness: motion can't interpolate through a
+/// singular or mirrored transform.
 bool can_move(const std::vector<NodeKey>& keys)
 {
     const bool mirrors = keys[0].parent_from_node.determinant() < 0;
@@ -65,7 +66,7 @@ bool moves_at_all(const std::vector<MeshKey>& keys)
     return std::any_of(keys.begin(), keys.end(), differs);
 }
 
-/// Throws Error unless what the rig says of the scene is in range: what a pose then does needs no further looks.
+/// Throws Error unless all indices of the rig are in range for the scene. Posing then needs no further checks.
 void check_rig(const SceneDescription& scene, const AnimationRig& rig, const Animation& animation)
 {
     const auto fail = [&](const std::string& message) {
@@ -146,7 +147,7 @@ AnimationPlayer::AnimationPlayer(SceneDescription& scene, AnimationRig rig, std:
     }
 }
 
-/// Whether it moves itself, or with a node above.
+/// Whether the node or one of its ancestors is animated.
 bool AnimationPlayer::is_carried(int node) const
 {
     for (int depth = 0; node >= 0 && depth <= deepest; ++depth, node = rig_.parents[std::size_t(node)])
@@ -154,7 +155,9 @@ bool AnimationPlayer::is_carried(int node) const
     return false;
 }
 
-/// transforms  parent_from_node of the nodes
+/// World transforms of a skin's joints, times their inverse bind matrices.
+///
+/// transforms  parent_from_node of each node
 std::vector<Transform> AnimationPlayer::skin_transforms(const Skin& skin,
                                                         const std::vector<Transform>& transforms) const
 {
@@ -233,7 +236,8 @@ ScenePose AnimationPlayer::pose(double time_s, double shutter_s) const
 {
     ScenePose opening = still(time_s);
     if (!(shutter_s > 0)) return opening;
-    // Nodes turn steadily between keys, vertices go straight: four pieces are an arc to the eye.
+    // Between keys, node rotations are spherically interpolated but vertices move in straight lines: four segments
+    // approximate an arc well enough.
     constexpr int pieces = 4;
     for (int i = 0; i <= pieces; ++i) {
         const double after_s = shutter_s * i / pieces;
@@ -253,7 +257,7 @@ ScenePose AnimationPlayer::pose(double time_s, double shutter_s) const
 
 Bounds world_bounds(SceneDescription scene, const AnimationPlayer& player)
 {
-    // Where what moves is between two of them is near one.
+    // Bounds are sampled at 25 times: positions in between are close to a sampled one.
     constexpr int times = 25;
     Bounds all;
     for (int i = 0; i < times; ++i) {

@@ -79,7 +79,7 @@ Appended copy_nodes(SceneDescription& scene, const Appended& appended)
     Appended copy = appended;
     copy.first_node = int(scene.nodes.size());
     const int by = copy.first_node - appended.first_node;
-    // At least twice as many, or each copy would move all that are there.
+    // The capacity at least doubles: reserving the exact size would move all nodes for each copy.
     const std::size_t all = scene.nodes.size() + std::size_t(appended.node_end - appended.first_node);
     if (all > scene.nodes.capacity()) scene.nodes.reserve(std::max(all, 2 * scene.nodes.capacity()));
     for (int i = appended.first_node; i < appended.node_end; ++i) {

@@ -13,7 +13,7 @@ namespace fathom {
 
 namespace {
 
-/// A box around points.
+/// Accumulates a bounding box.
 struct BoxSink {
     Bounds bounds;
 
@@ -37,7 +37,7 @@ struct BoxSink {
     }
 };
 
-/// How far points reach along directions.
+/// Accumulates the support function: the largest dot product with each direction.
 struct SupportSink {
     std::span<const Vec3d> directions;
     std::vector<double> reach;
@@ -89,7 +89,7 @@ Bounds grown(const Bounds& box, double by)
     return {box.min - Vec3d{by, by, by}, box.max + Vec3d{by, by, by}, false};
 }
 
-/// A mesh's vertices in one pose, moved along their normals, or those of their faces.
+/// Adds a mesh's vertices in one pose, displaced along vertex normals, or along face normals if it has none.
 template <class Sink>
 void add_displaced(Sink& sink, const Transform& t, const Mesh& mesh, const std::vector<Vec3f>& positions,
                    const std::vector<Vec3f>& normals, const HeightRange& heights)
@@ -112,7 +112,7 @@ void add_displaced(Sink& sink, const Transform& t, const Mesh& mesh, const std::
     }
 }
 
-/// Of balls: as good as exact where there are many small ones.
+/// Bounding box of balls; nearly exact after a transform if the balls are many and small.
 Bounds box_of_balls(const std::vector<Vec3f>& centers, const std::vector<float>& radii)
 {
     BoxSink box;
@@ -148,7 +148,7 @@ Bounds box_of_mesh(const Mesh& mesh)
     return box.bounds;
 }
 
-/// What shapes refer to, its boxes found when they are first asked for.
+/// Bounds of meshes, curves and points, each computed on first use.
 class Contents {
 public:
     explicit Contents(const SceneDescription& scene) : scene_(scene) {}
@@ -163,7 +163,7 @@ public:
             return add_corners(sink, t,
                                grown(box(meshes_, scene_.meshes.size(), index, [&] { return box_of_mesh(mesh); }),
                                      std::max(std::abs(heights.least), std::abs(heights.most))));
-        // Exact for what a few instances show; the corners of the mesh's box for a forest.
+        // Bounds are exact until the vertex budget is used up; later instances use the corners of their mesh's box.
         budget_ -= points;
         const auto add = [&](const std::vector<Vec3f>& positions, const std::vector<Vec3f>& normals) {
             if (heights.moves()) return add_displaced(sink, t, mesh, positions, normals, heights);
@@ -172,7 +172,7 @@ public:
         for (const MeshKey& key : mesh.motion) add(key.positions, key.normals);
         if (mesh.motion.empty()) add(mesh.positions, mesh.normals);
     }
-    /// Of what its material displaces; as if its pictures had values from 0 to 1.
+    /// Range of displacement by the shape's material, for height textures with values in [0, 1].
     HeightRange heights_of(const Shape& shape) const
     {
         const bool has_material = shape.material >= 0 && shape.material < int(scene_.materials.size());
@@ -248,7 +248,7 @@ void add_shape(Sink& sink, Contents& contents, const Transform& t, const Shape& 
     }
 }
 
-/// Walks the nodes, what is below one that moves once for each of a few times.
+/// Traverses the nodes. Subtrees of a moving node are added once for each of a few times.
 template <class Sink>
 class Walk {
 public:
@@ -258,7 +258,7 @@ public:
             for (const NodeKey& key : node.motion) times_.push_back(key.time);
         std::sort(times_.begin(), times_.end());
         times_.erase(std::unique(times_.begin(), times_.end()), times_.end());
-        // Of many, some that are spread evenly, the first and the last among them.
+        // More than max_times key times are thinned out evenly; the first and the last are kept.
         if (const std::size_t all = times_.size(); all > max_times) {
             for (std::size_t i = 0; i < max_times; ++i) times_[i] = times_[i * (all - 1) / (max_times - 1)];
             times_.resize(max_times);
@@ -274,7 +274,7 @@ public:
 private:
     static constexpr std::size_t max_times = 9;
 
-    /// time  null where nothing above moves
+    /// time  of the pose; null if no ancestor moves
     void add_node(const Transform& parent, int index, const double* time, int depth)
     {
         if (index < 0 || index >= int(scene_.nodes.size()) || depth > 256) return;
@@ -285,7 +285,7 @@ private:
         };
         if (node.motion.empty()) return add_at(parent * node.parent_from_node, time);
         if (time) return add_at(parent * transform_at(node, *time), time);
-        // Between the times a node may swing out a little further: that does no harm here.
+        // Between the sampled times a node may move slightly outside the bounds, which their users tolerate.
         for (const double& at : times_) add_at(parent * transform_at(node, at), &at);
     }
 

@@ -6,11 +6,11 @@
 
 namespace fathom {
 
-/// Of a shape in its node's space, over all of its own motion.
+/// Bounds of a shape in its node's space, over all of its motion. Displacement is bounded by HeightRange.
 Bounds shape_bounds(const SceneDescription& scene, const Shape& shape);
 
-/// The largest dot(p, direction) over all points p of the scene's geometry in world space, for each direction; empty if
-/// there is no geometry. As exact as world_bounds.
+/// Support function of the scene: the largest dot(p, direction) over all points p of its geometry in world space, for
+/// each direction. Empty if there is no geometry. The same approximations apply as in world_bounds.
 std::vector<double> world_reach(const SceneDescription& scene, std::span<const Vec3d> directions);
 
 }  // namespace fathom

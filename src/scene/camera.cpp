@@ -9,7 +9,7 @@ namespace fathom {
 
 namespace {
 
-/// World transform of the first node, depth first, that carries the camera.
+/// World transform, at shutter opening, of the first node in depth-first order that carries the camera.
 std::optional<Transform> find_camera(const SceneDescription& scene, int camera_index)
 {
     const double open = scene.cameras[std::size_t(camera_index)].shutter_open;
@@ -19,7 +19,7 @@ std::optional<Transform> find_camera(const SceneDescription& scene, int camera_i
     };
     std::vector<Visit> stack;
     for (auto root = scene.roots.rbegin(); root != scene.roots.rend(); ++root) stack.push_back({*root, {}});
-    // A node without the camera below it stays one, whichever way it is reached: shared nodes are looked at once.
+    // A subtree without the camera has none however it is reached, so shared nodes are visited once.
     std::vector<bool> seen(scene.nodes.size());
     while (!stack.empty()) {
         const Visit visit = stack.back();

@@ -122,7 +122,7 @@ private:
         if (i != -1) required(i, size, place, what);
     }
 
-    /// Sums over a scene must still be floats.
+    /// Emission is limited so that sums over a scene don't overflow float.
     void check_brightness(const Color& c, const std::string& place) const
     {
         for (const float x : {c.r, c.g, c.b})
@@ -150,12 +150,12 @@ private:
         return m.kind == MaterialKind::mix || m.kind == MaterialKind::two_sided;
     }
 
-    /// Materials may be mixed of others, but not of themselves.
+    /// Throws Error if a mixture contains itself or mixtures are nested too deeply.
     void check_mixtures() const
     {
         constexpr int deepest = 16;
         std::vector<int> depth(scene_.materials.size(), 0);
-        // As for textures.
+        // Depths grow until they are stable, as in check_texture_graph().
         for (bool grown = true; grown;) {
             grown = false;
             for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
@@ -223,12 +223,13 @@ private:
                 p.member);
     }
 
-    /// Textures may refer to textures, but not to themselves.
+    /// Throws Error if a texture refers to itself, directly or indirectly, or references are nested too deeply.
     void check_texture_graph() const
     {
         constexpr int deepest = 16;
         std::vector<int> depth(scene_.textures.size(), 0);
-        // Longer and longer ways, until none has grown: a circle never stops.
+        // Depths of the reference graph grow until they are stable; with a cycle they never are, so the limit is
+        // exceeded.
         for (;;) {
             bool grown = false;
             for (std::size_t i = 0; i < scene_.textures.size(); ++i)
@@ -381,7 +382,7 @@ private:
         index(node.camera, scene_.cameras.size(), place + ".camera", "camera");
     }
 
-    /// Depth of the tree below each node, and nodes and shapes in it, each node visited once: instances make the tree
+    /// Checks depth, nodes and shapes of the tree below each node. Each node is visited once: instances make the tree
     /// exponentially larger than the file.
     void check_graph() const
     {
@@ -433,7 +434,7 @@ private:
             all_shapes += shapes[std::size_t(root)];
         }
         if (all_places > max_places) fail("roots", too_many_places);
-        // What is small is not worth asking.
+        // Small scenes skip the query of available memory.
         const double bytes = all_shapes * bytes_per_occurrence;
         if (bytes > 1e6 && bytes > double(available_memory_bytes()))
             fail("", fmt::format("its instances make {:.0f} shapes, which need about {:.1f} GB of memory; {}",

@@ -3,29 +3,29 @@
 
 #include "fathom/vector.h"
 
-/// Metals by what was measured of them.
+/// Metals by their measured complex index of refraction.
 namespace fathom {
 
-/// Complex index of refraction, eta + i k, of red, green and blue.
+/// Complex index of refraction, eta + i k, for red, green and blue.
 struct Conductor {
     const char* name;
     Color eta, k;
 };
 
-/// Known ones, by name: from refractiveindex.info (Polyanskiy 2024), at 650, 550 and 450 nm.
+/// Known metals by name; data from refractiveindex.info (Polyanskiy 2024) at 650, 550 and 450 nm.
 std::span<const Conductor> conductors();
 
-/// As it is met from a medium of this index.
+/// The conductor's index relative to an adjacent medium with index of refraction `outside`.
 Conductor within(Conductor conductor, float outside);
 
-/// As the materials have it: the reflectance at normal incidence, and what is left at 82 degrees of what Schlick's law
-/// makes of that (Hoffman 2019, "Fresnel Equations Considered Harmful").
+/// Parameters of the materials' Fresnel model: `base` is the reflectance at normal incidence, `edge` the ratio of the
+/// true reflectance to Schlick's at 82 degrees (Hoffman 2019, "Fresnel Equations Considered Harmful").
 struct ConductorColors {
     Color base, edge;
 };
 ConductorColors colors_of(const Conductor& conductor);
 
-/// Fresnel's reflectance of unpolarised light, at an angle of this cosine.
+/// Fresnel reflectance of a conductor for unpolarized light; `cosine` is that of the angle of incidence.
 double conductor_reflectance(double cosine, double eta, double k);
 
 }  // namespace fathom

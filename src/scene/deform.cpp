@@ -20,7 +20,8 @@ void add(Transform& sum, const Transform& t, double weight)
         for (std::size_t j = 0; j < 4; ++j) sum.m[i][j] += weight * t.m[i][j];
 }
 
-/// Normals go with the cofactors of the map, which need no inverse: they stay right where it flattens or mirrors.
+/// Transforms a normal by the cofactor matrix, which needs no inverse and stays valid for singular or mirroring
+/// transforms.
 Vec3d map_normal(const Transform& t, Vec3d n)
 {
     const auto column = [&](std::size_t j) { return Vec3d{t.m[0][j], t.m[1][j], t.m[2][j]}; };
@@ -28,7 +29,7 @@ Vec3d map_normal(const Transform& t, Vec3d n)
     return cross(y, z) * n.x + cross(z, x) * n.y + cross(x, y) * n.z;
 }
 
-/// The first `components` numbers of each.
+/// Adds weighted offsets to the first `components` components of each vector.
 template <class To, class Offset>
 void add_offsets(std::vector<To>& to, const std::vector<Offset>& offsets, float weight, std::size_t components)
 {

@@ -7,14 +7,15 @@
 
 namespace fathom {
 
-/// Adds offsets, each times its weight, to the vertices that the mesh has; weights beyond the targets don't count.
+/// Adds the weighted offsets of morph targets to the vertex attributes that the mesh has. Weights beyond the targets
+/// are ignored.
 void morph(Mesh& mesh, const std::vector<MorphTarget>& targets, std::span<const float> weights);
 
-/// Moves each vertex with its joints, by their weights, which are brought to a sum of 1; one without stays where it is.
-/// Normals and tangents become unit.
+/// Linear blend skinning: moves each vertex by the weighted mean of its joints' transforms. Weights are normalized to a
+/// sum of 1; vertices without weights stay in place. Normals and tangents become unit.
 ///
-/// joints      as many for each vertex, numbers of world_from_mesh
-/// weights     as many
+/// joints   indices into world_from_mesh, the same number for each vertex
+/// weights  one for each entry of joints
 void bend(Mesh& mesh, std::span<const std::uint16_t> joints, std::span<const float> weights,
           const std::vector<Transform>& world_from_mesh);
 

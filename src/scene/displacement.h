@@ -5,7 +5,7 @@
 
 namespace fathom {
 
-/// Whether a material can displace it: curves, points, and spheres that move of themselves it can't.
+/// Whether a material can displace the shape: curves, points and spheres with a motion of their own can't be displaced.
 inline bool can_be_displaced(const Shape& shape)
 {
     if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) return !sphere->center_end;
@@ -13,8 +13,8 @@ inline bool can_be_displaced(const Shape& shape)
            !std::holds_alternative<PointsInstance>(shape.geometry);
 }
 
-/// Between which heights a material moves surfaces, if its texture has values from 0 to 1: pictures of 8 and 16 bits
-/// have.
+/// Range of displacement along the normal in scene units, for a height texture with values in [0, 1] (as images of 8
+/// and 16 bits have).
 struct HeightRange {
     double least = 0, most = 0;
 

@@ -1,7 +1,7 @@
 #pragma once
 #include "fathom/image.h"
 
-/// What scene files call the values of enumerations, in the order of these: for reading and for writing.
+/// Names of enumerators in scene files, in the order of the enumerators; used for reading and writing.
 
 namespace fathom::words {
 

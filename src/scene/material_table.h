@@ -3,9 +3,9 @@
 
 namespace fathom {
 
-/// Every kind of material, as a reader would list them.
+/// Every kind of material, in the order in which documents list them.
 std::span<const KindName<MaterialKind>> material_kinds();
-/// Every parameter of materials. A key may stand there several times, for different kinds.
+/// Every parameter of materials. A key may appear several times, for different kinds.
 std::span<const Parameter<Material>> material_parameters();
 
 }  // namespace fathom

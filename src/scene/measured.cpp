@@ -10,7 +10,7 @@ namespace fathom {
 
 namespace {
 
-/// Products of a few are still floats.
+/// Products of a few values of this size don't overflow float.
 constexpr float largest_value = 1e10f;
 constexpr int widest = 1 << 12;
 
@@ -24,7 +24,10 @@ std::string problem_of_angles(const char* name, const std::vector<float>& angles
     return {};
 }
 
-/// count: of tables
+/// Checks a table's size and values.
+///
+/// count  number of slices
+/// least  smallest valid value
 std::string problem_of_table(const char* name, const MeasuredTable& table, double count, float least)
 {
     if (table.width < 2 || table.height < 2 || table.width > widest || table.height > widest)
@@ -52,7 +55,7 @@ std::string problem_of(const MeasuredBrdf& brdf)
         double count;
         float least;
     };
-    // A colour that no screen shows is below 0 in a channel.
+    // Colors outside the sRGB gamut have negative channels.
     for (const Part& part :
          {Part{"ndf", brdf.ndf, 1, 0}, Part{"sigma", brdf.sigma, 1, 0}, Part{"vndf", brdf.vndf, slices, 0},
           Part{"luminance", brdf.luminance, slices, 0}, Part{"rgb", brdf.color, 3 * slices, -largest_value}})
@@ -63,8 +66,8 @@ std::string problem_of(const MeasuredBrdf& brdf)
 
 Color reflectance_of(const MeasuredBrdf& brdf)
 {
-    // Over the square that vndf makes even, what is reflected is even where facets don't hide each other: so its mean
-    // is that of the colours there.
+    // Samples that are uniform in the unit square of the vndf warp have uniform reflected density where masking is
+    // absent, so the mean of the colors over the square approximates the reflectance.
     const auto distance = [](float theta) { return std::abs(theta - float(std::numbers::pi / 4)); };
     const auto nearest = std::min_element(brdf.theta.begin(), brdf.theta.end(),
                                           [&](float a, float b) { return distance(a) < distance(b); });

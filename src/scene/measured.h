@@ -5,10 +5,10 @@
 
 namespace fathom {
 
-/// What of a measured surface can't be rendered: `'vndf': ...`. Empty if nothing is wrong.
+/// Describes the part of a measured BRDF that can't be rendered, such as `'vndf': ...`; empty if nothing is wrong.
 std::string problem_of(const MeasuredBrdf& brdf);
 
-/// About what it reflects of light from everywhere, seen at 45 degrees.
+/// Approximate reflectance for an outgoing direction at 45 degrees under uniform illumination.
 Color reflectance_of(const MeasuredBrdf& brdf);
 
 }  // namespace fathom

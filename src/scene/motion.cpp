@@ -33,7 +33,7 @@ double norm(const Matrix& m)
     return std::sqrt(sum);
 }
 
-/// The rotation, perhaps with a mirroring, that is nearest to m.
+/// The orthogonal matrix (a rotation or a rotary reflection) nearest to m.
 Matrix nearest_orthogonal(Matrix m)
 {
     const double size = norm(m);
@@ -42,7 +42,7 @@ Matrix nearest_orthogonal(Matrix m)
     for (int i = 0; i < 100; ++i) {
         const Transform inverse = transform_of(m).inverse();
         const Matrix inverse_part = linear_part(inverse);
-        // Scaled so that it converges in a few steps whatever the stretch.
+        // Scaling by Higham's factor makes the iteration converge in a few steps for any stretch.
         const double scale = std::sqrt(norm(inverse_part) / norm(m));
         double change = 0;
         Matrix next;
@@ -57,7 +57,8 @@ Matrix nearest_orthogonal(Matrix m)
     return m;
 }
 
-/// Shepperd 1978, "Quaternion from Rotation Matrix": from the largest of the four.
+/// Quaternion of a rotation matrix, from its largest component for numerical stability (Shepperd 1978, "Quaternion from
+/// Rotation Matrix").
 std::array<double, 4> quaternion_of(const Matrix& m)
 {
     const double trace = m[0][0] + m[1][1] + m[2][2];
@@ -88,7 +89,8 @@ std::size_t last_before(const std::vector<Key>& keys, double time)
     return i;
 }
 
-/// How far time is on the way from key i to the next; 0 before the first and after the last.
+/// Fraction of the interval from key i to the next that has passed at `time`; 0 before the first and after the last
+/// key.
 template <class Key>
 double fraction_after(const std::vector<Key>& keys, std::size_t i, double time)
 {
@@ -210,7 +212,9 @@ bool moves(const Curves& curves, double open, double close)
 
 namespace {
 
-/// The key at a time: one that is there, or mixed of the two around it. mix_keys: of two, with the second's share
+/// The key at a time: an existing one, or an interpolation of its neighbors.
+///
+/// mix_keys  interpolates two keys, given the fraction of the second
 template <class Key, class Mix>
 Key key_at(const std::vector<Key>& keys, double time, Mix mix_keys)
 {

@@ -5,8 +5,8 @@
 
 namespace fathom {
 
-/// An affine map as a translation after a rotation after a stretch along perpendicular axes: the polar decomposition of
-/// its linear part. A map that mirrors has a stretch that does, so that what rotates is always a rotation.
+/// An affine transform as stretch, then rotation, then translation: the polar decomposition of its linear part. If the
+/// transform mirrors, the stretch does, so that the rotation is always proper.
 struct Pose {
     Vec3d translation;
     std::array<double, 4> rotation{0, 0, 0, 1};       ///< unit quaternion x, y, z, w
@@ -15,28 +15,29 @@ struct Pose {
     Transform transform() const;
 };
 
-/// Higham 1986, "Computing the Polar Decomposition, with Applications": Newton's iteration. The map must not be
-/// singular.
+/// Decomposes an affine transform by Newton's iteration (Higham 1986, "Computing the Polar Decomposition, with
+/// Applications"). The transform must not be singular.
 Pose pose_of(const Transform& t);
 
-/// From one unit quaternion (0) to another (1), steadily and the shorter way round (Shoemake 1985, "Animating Rotation
-/// with Quaternion Curves").
+/// Spherical linear interpolation of unit quaternions by the shorter way, from a (fraction 0) to b (1); Shoemake 1985,
+/// "Animating Rotation with Quaternion Curves".
 std::array<double, 4> turn(const std::array<double, 4>& a, const std::array<double, 4>& b, double fraction);
 
-/// From a (0) to b (1): translation and stretch linearly, the rotation by turn().
+/// Interpolates from a (fraction 0) to b (1): translation and stretch linearly, the rotation by turn().
 Pose interpolate(const Pose& a, const Pose& b, double fraction);
 
-/// parent_from_node at a time.
+/// The node's parent_from_node at a time, interpolated between its motion keys.
 Transform transform_at(const Node& node, double time);
 
-/// Whether the node is elsewhere at some time from open to close than when it opens.
+/// Whether the node's transform changes in the shutter interval [open, close].
 bool moves(const Node& node, double open, double close);
+/// Whether vertices change in the shutter interval [open, close].
 bool moves(const Mesh& mesh, double open, double close);
 bool moves(const Curves& curves, double open, double close);
 
-/// A mesh's vertices at a time; normals are those of the keys, interpolated, not unit. The mesh must have keys.
+/// A mesh's vertices at a time; normals are interpolated between keys and not unit. The mesh must have keys.
 MeshKey vertices_at(const Mesh& mesh, double time);
-/// The same of curves.
+/// The control points of curves at a time. The curves must have keys.
 CurvesKey points_at(const Curves& curves, double time);
 
 }  // namespace fathom

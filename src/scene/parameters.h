@@ -1,6 +1,6 @@
 #pragma once
-/// Parameters of materials and textures, listed once: reading and checking files, their schema, joining scenes and
-/// compiling follow from the lists (material_table.h, texture_table.h).
+/// Tables of the parameters of materials and textures. Reading, checking and writing of files, their schema, appending
+/// of scenes and compiling are derived from these tables (material_table.h, texture_table.h).
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -11,30 +11,33 @@
 
 namespace fathom {
 
-/// A reference by index, which is -1 where there is none.
+/// A parameter that refers to a texture by index; -1 refers to none.
 template <class Owner>
 struct TextureReference {
     int Owner::* index;
     bool operator==(const TextureReference&) const = default;
 };
+/// A parameter that refers to an image by index; -1 refers to none.
 template <class Owner>
 struct ImageReference {
     int Owner::* index;
     bool operator==(const ImageReference&) const = default;
 };
+/// A parameter that refers to a material by index; -1 refers to none.
 template <class Owner>
 struct MaterialReference {
     int Owner::* index;
     bool operator==(const MaterialReference&) const = default;
 };
 
+/// A parameter that refers to a measured BRDF by index; -1 refers to none.
 template <class Owner>
 struct MeasuredReference {
     int Owner::* index;
     bool operator==(const MeasuredReference&) const = default;
 };
 
-/// A parameter that some kinds of Owner have.
+/// A parameter of materials or textures (Owner) that some of their kinds have.
 template <class Owner>
 struct Parameter {
     using Member = std::variant<ColorInput Owner::*, FloatInput Owner::*, Color Owner::*, float Owner::*,
@@ -44,20 +47,20 @@ struct Parameter {
                                 ImageReference<Owner>, MaterialReference<Owner>, MeasuredReference<Owner>>;
     static constexpr double unbounded = std::numeric_limits<double>::infinity();
 
-    const char* key;      ///< in files
-    std::uint32_t kinds;  ///< bit per kind that has it
+    const char* key;      ///< key in scene files
+    std::uint32_t kinds;  ///< one bit for each kind that has the parameter
     Member member;
     const char* meaning;                            ///< one line, with the unit where there is one
-    double least = -unbounded, most = unbounded;    ///< of the number, or of each channel
-    double unit = 1;                                ///< of the file, in that of the description
-    std::span<const char* const> words = {};        ///< for enumerators and choices: as files call them, in order
-    const char* excess = nullptr;                   ///< why more than `most` is wrong, for the message
+    double least = -unbounded, most = unbounded;    ///< range of the number, or of each channel
+    double unit = 1;                                ///< unit of the file, in units of the description
+    std::span<const char* const> words = {};        ///< names of enumerators or choices in scene files, in order
+    const char* excess = nullptr;                   ///< why a value above `most` is wrong, for the message
     bool required = false, default_by_use = false;  ///< default_by_use: the default depends on where it is used
 
     bool is_of(std::uint32_t kind) const { return kinds >> kind & 1; }
 };
 
-/// A kind of Owner, as files call it.
+/// A kind of material or texture with its name in scene files.
 template <class Kind>
 struct KindName {
     Kind kind;
@@ -65,14 +68,14 @@ struct KindName {
     const char* meaning;
 };
 
-/// The bits of some kinds.
+/// Bit set of some kinds, for Parameter::kinds.
 template <class... Kind>
 constexpr std::uint32_t kind_bits(Kind... kinds)
 {
     return ((1u << std::uint32_t(kinds)) | ... | 0u);
 }
 
-/// The same with the parameters that its kind has, and the defaults of the others: what a file can say of it.
+/// A copy of the owner in which parameters that its kind lacks have their defaults: the part that a file can express.
 template <class Owner>
 Owner own_parameters(const Owner& owner, std::span<const Parameter<Owner>> parameters)
 {
@@ -98,7 +101,7 @@ void for_each_texture(Owner& owner, std::span<const Parameter<std::remove_const_
 {
     using Plain = std::remove_const_t<Owner>;
     for (const Parameter<Plain>& p : parameters) {
-        // Kinds may list the same member apart, by other words.
+        // Kinds may list the same member separately under different names.
         const auto is_same = [&](const Parameter<Plain>& q) { return q.member == p.member; };
         if (std::any_of(parameters.data(), &p, is_same)) continue;
         if (const auto* color = std::get_if<ColorInput Plain::*>(&p.member))

@@ -4,12 +4,14 @@
 
 namespace fathom {
 
-/// The single-scattering albedo of a medium of which a half-space gives back `color` of light from everywhere: the
-/// inverse of van de Hulst's color = (1 - s) (1 - 0.139 s) / (1 + 1.17 s), where s^2 = (1 - albedo) / (1 - anisotropy
-/// albedo) (1980, "Multiple Light Scattering", volume 2). OpenPBR and glTF have it, its numbers rounded, after Kulla
-/// and Conty 2017, "Revisiting Physically Based Shading at Imageworks".
+/// Single-scattering albedo of a medium whose half-space reflects the fraction `color` under uniform illumination.
 ///
-/// color: in [0, 1]; anisotropy: mean cosine of scattering, in (-1, 1)
+/// Inverts van de Hulst's color = (1 - s) (1 - 0.139 s) / (1 + 1.17 s), where s^2 = (1 - albedo) / (1 - anisotropy
+/// albedo) (1980, "Multiple Light Scattering", volume 2). OpenPBR and glTF use the formula with rounded constants,
+/// after Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks".
+///
+/// color       in [0, 1]
+/// anisotropy  mean cosine of the phase function, in (-1, 1)
 inline double single_scattering_albedo(double color, double anisotropy)
 {
     if (color <= 0) return 0;

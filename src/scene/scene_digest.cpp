@@ -12,7 +12,8 @@ namespace fathom {
 
 namespace {
 
-/// FNV-1a: what differs by chance is told by the fingerprint of the whole scene.
+/// FNV-1a hash of 32 bits. A collision only hides a change from the text: the fingerprint of the whole scene detects
+/// it.
 std::uint32_t digest(const std::string& text)
 {
     std::uint32_t hash = 2166136261u;
@@ -20,14 +21,14 @@ std::uint32_t digest(const std::string& text)
     return hash;
 }
 
-/// Names stand between quotes in messages and between tabs in the text.
+/// Replaces control characters, since names stand between quotes in messages and between tabs in the digest.
 std::string one_line(std::string name)
 {
     std::replace_if(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
     return name;
 }
 
-/// Values as words, that is without what memory has between them. Textures go by their names: indices shift.
+/// Formats values as text, independent of padding in memory. Textures are identified by name, because indices shift.
 class Words {
 public:
     explicit Words(const SceneDescription& scene) : scene_(scene) {}
@@ -131,7 +132,7 @@ void add(PartsText& text, const char* kind, const Owner& owner, std::span<const 
     }
 }
 
-/// Values by key of each part.
+/// Digests by key, for each part.
 using Parts = std::map<std::string, std::map<std::string, std::string>>;
 
 Parts parse(const std::string& text)

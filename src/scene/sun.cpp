@@ -10,7 +10,7 @@ namespace {
 constexpr double degree = std::numbers::pi / 180;
 constexpr double julian_day_1970 = 2440587.5;
 
-/// Of the calendar's date, from 1970 on: H. Hinnant, chrono-Compatible Low-Level Date Algorithms.
+/// Days from 1970-01-01 to a date of the Gregorian calendar: H. Hinnant, "chrono-Compatible Low-Level Date Algorithms".
 long days_since_1970(long year, long month, long day)
 {
     year -= month <= 2;
@@ -29,7 +29,7 @@ double julian_day(int year, int month, int day, double seconds)
 std::pair<double, double> sun_position(double latitude_deg, double longitude_deg, double julian_day)
 {
     const double days = julian_day - 2451545, t = days / 36525;
-    // Equations 25.2 to 25.4, and the apparent longitude.
+    // Meeus 1998 (see fathom/sun.h), equations 25.2 to 25.4, and the apparent longitude.
     const double mean_longitude = 280.46646 + t * (36000.76983 + t * 0.0003032);
     const double anomaly = (357.52911 + t * (35999.05029 - t * 0.0001537)) * degree;
     const double centre = (1.914602 - t * (0.004817 + t * 0.000014)) * std::sin(anomaly) +
@@ -39,7 +39,7 @@ std::pair<double, double> sun_position(double latitude_deg, double longitude_deg
     const double obliquity = (23.4392911 - 0.0130042 * t + 0.00256 * std::cos(node)) * degree;
     const double declination = std::asin(std::sin(obliquity) * std::sin(longitude));
     const double right_ascension = std::atan2(std::cos(obliquity) * std::sin(longitude), std::cos(longitude));
-    // Equations 12.4, 13.5 and 13.6.
+    // Meeus 1998, equations 12.4, 13.5 and 13.6.
     const double sidereal = 280.46061837 + 360.98564736629 * days + 0.000387933 * t * t;
     const double hour = (std::fmod(sidereal, 360) + longitude_deg) * degree - right_ascension;
     const double latitude = latitude_deg * degree;

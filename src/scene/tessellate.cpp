@@ -15,7 +15,7 @@ Mesh sphere_mesh(const Sphere& sphere)
     for (int j = 0; j <= from_pole_to_pole; ++j)
         for (int i = 0; i <= around; ++i) {
             const double u = double(i) / around, v = double(j) / from_pole_to_pole;
-            // The seam is one place on both sides, and a pole all around: what is displaced would gape else.
+            // Vertices at the seam and at the poles must coincide exactly: otherwise displacement would open cracks.
             const double phi = 2 * std::numbers::pi * (i % around) / around, theta = std::numbers::pi * v;
             const double sine = j % from_pole_to_pole == 0 ? 0 : std::sin(theta);
             const Vec3d n{sine * std::cos(phi), std::cos(theta), -sine * std::sin(phi)};
@@ -40,7 +40,7 @@ Mesh disk_mesh(const Disk& disk)
 {
     Mesh mesh;
     const Vec3d n = normalize(disk.normal);
-    // As Frame does, along whose axes uv go on a disk that is no mesh.
+    // The axes of Frame, along which uv run on an analytic disk.
     const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
     const Vec3d s{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, t{b, sign + n.y * n.y * a, -n.y};
     mesh.positions.push_back(to_float(disk.center));
@@ -54,7 +54,7 @@ Mesh disk_mesh(const Disk& disk)
     return mesh;
 }
 
-/// Images hang upright: edge_v points up, v grows downwards.
+/// Adds a rectangle whose images are upright: edge_v points up, v grows downward.
 void add_rectangle(Mesh& mesh, const Rectangle& r)
 {
     const auto first = std::uint32_t(mesh.positions.size());
@@ -64,7 +64,7 @@ void add_rectangle(Mesh& mesh, const Rectangle& r)
     for (const std::uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.indices.push_back(first + i);
 }
 
-/// The faces in the order and with the edges of a box that is not tessellated.
+/// A box whose faces have the order and the edges of the analytic box.
 Mesh box_mesh(const Box& box)
 {
     const Vec3d d = box.max - box.min, x{d.x, 0, 0}, y{0, d.y, 0}, z{0, 0, d.z};

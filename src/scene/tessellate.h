@@ -3,9 +3,10 @@
 
 namespace fathom {
 
-/// A sphere, disk, rectangle or box as triangles with uv, round ones with normals: for transforms that make an
-/// ellipsoid or an ellipse of it, and for displacement. A moving sphere stands at its first place. Other shapes give an
-/// empty mesh.
+/// Triangle mesh of a sphere, disk, rectangle or box, with uv; spheres and disks have normals. Empty for other shapes.
+///
+/// Used for transforms that turn a sphere or disk into an ellipsoid or ellipse, and for displacement. A moving sphere
+/// is tessellated at its first position.
 Mesh tessellate(const decltype(Shape::geometry)& geometry);
 
 }  // namespace fathom

@@ -5,10 +5,11 @@ namespace fathom {
 
 /// Every kind of texture, in the order of TextureKind.
 std::span<const KindName<TextureKind>> texture_kinds();
-/// Every parameter of textures. A key may stand there several times, for different kinds.
+/// Every parameter of textures. A key may appear several times, for different kinds.
 std::span<const Parameter<Texture>> texture_parameters();
-/// Whether it looks at the texture coordinates of the surface, or at the place in Texture::world_from_texture's space.
+/// Whether the texture reads the surface's uv coordinates.
 bool looks_at_uv(const Texture& texture);
+/// Whether the texture reads the position in Texture::world_from_texture's space.
 bool looks_at_space(const Texture& texture);
 
 }  // namespace fathom

@@ -27,7 +27,7 @@ Transform Transform::inverse() const
     const double s = d != 0 ? 1 / d : 0;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
-            // Cofactor of (j, i): rows and columns that follow cyclically carry their sign with them.
+            // Cofactor (j, i): with cyclic indices of rows and columns no explicit sign is needed.
             const int a = (j + 1) % 3, b = (j + 2) % 3, c = (i + 1) % 3, e = (i + 2) % 3;
             r.m[i][j] = (m[a][c] * m[b][e] - m[a][e] * m[b][c]) * s;
         }
