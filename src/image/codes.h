@@ -7,9 +7,9 @@
 
 namespace fathom {
 
-/// Calls `write(pixel of the layer, where its first code goes)` for every pixel, on all threads.
+/// Calls `write(layer pixel, first code of the pixel)` for every pixel, on all threads.
 ///
-/// codes  `channels` for each pixel
+/// codes  output, `channels` codes for each pixel
 template <class Code, class Write>
 void fill_codes(const Image::Layer& layer, int channels, Code* codes, Write write)
 {

@@ -7,7 +7,7 @@
 
 namespace fathom {
 
-// Bytes of a file become words as they stand.
+// Texels take the bytes of a file in memory order.
 static_assert(std::endian::native == std::endian::little);
 
 ByteImage::ByteImage(int w, int h, int c)

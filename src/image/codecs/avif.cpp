@@ -13,14 +13,14 @@ namespace {
 
 using Decoder = std::unique_ptr<avifDecoder, decltype(&avifDecoderDestroy)>;
 
-/// Pixels of four channels, lowest first: bytes in 32 bits, else 64.
+/// Pixels of four channels, the first in the lowest bits: 8 bits each in 32, or 16 each in 64.
 template <class Texel>
 struct Raster {
     int width, height;
     std::vector<Texel> texels;
 };
 
-/// `texel_at(x, y)` for each place of a picture of this size.
+/// An image of this size whose pixels are `texel_at(x, y)`.
 template <class Texel, class TexelAt>
 Raster<Texel> rearranged(int width, int height, TexelAt texel_at)
 {
@@ -31,7 +31,7 @@ Raster<Texel> rearranged(int width, int height, TexelAt texel_at)
     return to;
 }
 
-/// Cut, turned and mirrored, in this order, as the file asks for (ISO/IEC 23000-22, 7.3.6.7).
+/// Applies clean aperture, rotation and mirroring, in this order, as the file demands (ISO/IEC 23000-22, 7.3.6.7).
 template <class Texel>
 Raster<Texel> transformed(Raster<Texel> raster, const EncodedImage& file, const avifImage& image)
 {
@@ -48,11 +48,12 @@ Raster<Texel> transformed(Raster<Texel> raster, const EncodedImage& file, const 
                                    [&](int x, int y) { return from(x + int(cut.x), y + int(cut.y)); });
     }
     const int quarters = image.transformFlags & AVIF_TRANSFORM_IROT ? image.irot.angle & 3 : 0;
-    for (int i = 0; i < quarters; ++i)  // counter-clockwise: what was at the right is on top
+    for (int i = 0; i < quarters; ++i)  // a quarter turn counterclockwise: the right side becomes the top
         raster =
             rearranged<Texel>(raster.height, raster.width, [&](int x, int y) { return from(raster.width - 1 - y, x); });
     if (image.transformFlags & AVIF_TRANSFORM_IMIR) {
-        // Versions of libavif call the only member `mode` or `axis`; 0 exchanges top and bottom for all.
+        // The only member is called `mode` or `axis`, depending on the version of libavif; 0 exchanges top and bottom
+        // in all.
         const auto [sides] = image.imir;
         raster = rearranged<Texel>(raster.width, raster.height, [&](int x, int y) {
             return sides ? from(raster.width - 1 - x, y) : from(x, raster.height - 1 - y);
@@ -61,7 +62,7 @@ Raster<Texel> transformed(Raster<Texel> raster, const EncodedImage& file, const 
     return raster;
 }
 
-/// Encoded colours and straight alpha, in as many bits as the file has.
+/// Encoded colors and straight alpha, in the bit depth of the file.
 template <class Texel>
 Raster<Texel> decoded(const EncodedImage& file, const avifImage& image)
 {
@@ -70,7 +71,7 @@ Raster<Texel> decoded(const EncodedImage& file, const avifImage& image)
     avifRGBImage rgb;
     avif_library().avifRGBImageSetDefaults(&rgb, &image);
     rgb.chromaUpsampling = AVIF_CHROMA_UPSAMPLING_BILINEAR;
-    rgb.avoidLibYUV = AVIF_TRUE;  // its results may differ between machines
+    rgb.avoidLibYUV = AVIF_TRUE;  // libyuv's results may differ between machines
     rgb.pixels = reinterpret_cast<std::uint8_t*>(raster.texels.data());
     rgb.rowBytes = image.width * std::uint32_t(sizeof(Texel));
     const avifResult result = avif_library().avifImageYUVToRGB(&image, &rgb);
@@ -101,7 +102,7 @@ void check(const EncodedImage& file, const Decoder& decoder, avifResult result)
                             detail.empty() ? "" : ": ", detail));
 }
 
-/// Reads the header, which gives the size, and then the picture; of several the first.
+/// Reads the header, which gives the size, and then the first image.
 void read_into(const Decoder& decoder, const EncodedImage& file)
 {
     decoder->ignoreExif = decoder->ignoreXMP = AVIF_TRUE;
@@ -109,9 +110,9 @@ void read_into(const Decoder& decoder, const EncodedImage& file)
     check(file, decoder, avif_library().avifDecoderParse(decoder.get()));
     const avifImage& image = *decoder->image;
     const std::uint64_t bytes_while_read =
-        image.depth > 8 ? 32 : 16;  // planes, pixels, and these once more when turned
+        image.depth > 8 ? 32 : 16;  // planes, pixels, and another copy while rotating
     check_size(file, image.width, image.height, bytes_while_read);
-    // The stream inside may say another size.
+    // The coded stream may claim another size than the header.
     const std::uint64_t memory = std::min(available_memory_bytes(), file.memory_limit);
     decoder->imageSizeLimit =
         std::uint32_t(std::clamp<std::uint64_t>(memory / bytes_while_read, 1, AVIF_DEFAULT_IMAGE_SIZE_LIMIT));
@@ -152,11 +153,11 @@ std::vector<unsigned char> encode_avif(const Image& image, const WriteOptions& o
     const std::unique_ptr<avifImage, decltype(&avifImageDestroy)> planes(
         avif.avifImageCreate(std::uint32_t(image.width), std::uint32_t(image.height), 8, AVIF_PIXEL_FORMAT_YUV444),
         avif.avifImageDestroy);
-    if (!options.display.ocio) {  // whose displays are of any kind
+    if (!options.display.ocio) {  // the encoding of OpenColorIO's displays is unknown
         planes->colorPrimaries = AVIF_COLOR_PRIMARIES_BT709;
         planes->transferCharacteristics = AVIF_TRANSFER_CHARACTERISTICS_SRGB;
     }
-    // Without loss the planes are green, blue and red themselves.
+    // Lossless encoding stores green, blue and red in the planes directly.
     const bool lossless = options.avif_quality == 100;
     planes->matrixCoefficients = lossless ? AVIF_MATRIX_COEFFICIENTS_IDENTITY : AVIF_MATRIX_COEFFICIENTS_BT601;
     avifRGBImage rgb;
@@ -170,7 +171,7 @@ std::vector<unsigned char> encode_avif(const Image& image, const WriteOptions& o
     const std::unique_ptr<avifEncoder, decltype(&avifEncoderDestroy)> encoder(avif.avifEncoderCreate(),
                                                                               avif.avifEncoderDestroy);
     encoder->speed = 8;
-    // As libavif 1.0 takes a quality: 100 is the quantizer 0, 0 is 63. Alpha always is without loss.
+    // libavif 1.0's mapping of quality: 100 is quantizer 0, and 0 is 63. Alpha is always lossless.
     encoder->minQuantizer = encoder->maxQuantizer = ((100 - options.avif_quality) * 63 + 50) / 100;
     encoder->minQuantizerAlpha = encoder->maxQuantizerAlpha = AVIF_QUANTIZER_LOSSLESS;
     avifRWData encoded = AVIF_DATA_EMPTY;

@@ -11,7 +11,7 @@ namespace fathom {
 
 namespace {
 
-/// That of the headers that this is built with: 0.11, or any 1.x.
+/// The soname that belongs to the headers of this build: version 0.11, or any 1.x.
 constexpr const char* soname = AVIF_VERSION_MAJOR == 0 ? "libavif.so.15" : "libavif.so.16";
 
 AvifLibrary open_library()

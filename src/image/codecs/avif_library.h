@@ -3,8 +3,8 @@
 
 namespace fathom {
 
-/// The functions of libavif. It is opened when a picture asks for it: with all its coders, merely linking it would make
-/// every start of the program slower by some 4 ms.
+/// Functions of libavif, which is loaded when the first AVIF image is read or written: linking it with all its codecs
+/// would slow down every start of the program by about 4 ms.
 struct AvifLibrary {
     decltype(::avifCropRectConvertCleanApertureBox)* avifCropRectConvertCleanApertureBox;
     decltype(::avifDecoderCreate)* avifDecoderCreate;
@@ -25,7 +25,7 @@ struct AvifLibrary {
     decltype(::avifResultToString)* avifResultToString;
 };
 
-/// Opened once, and kept. Throws Error where it isn't there.
+/// Loads libavif on first use and keeps it. Throws Error if it is missing.
 const AvifLibrary& avif_library();
 
 }  // namespace fathom

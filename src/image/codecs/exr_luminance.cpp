@@ -24,7 +24,7 @@ bool has(const Image::Layer& layer, const char* channel)
     return place_of(layer, channel) < layer.channels.size();
 }
 
-/// The layer with other channels in the place of Y, RY and BY; `color` gives the three of a pixel, by its number.
+/// Replaces channels Y, RY and BY of a layer by R, G and B; `color(pixel index)` gives the three values.
 template <class Color>
 void replace_luminance(Image::Layer& layer, const Color& color)
 {
@@ -54,7 +54,7 @@ std::array<float, 3> rgb_of(float y, float ry, float by, const Imath::V3f& weigh
     return {r, (y - r * weights.x - b * weights.z) / weights.y, b};
 }
 
-/// Chroma at half resolution, by the filter of OpenEXR, which undoes the one that such files are written with.
+/// Reads chroma at half resolution with OpenEXR's reconstruction filter, which matches the filter of its writer.
 void add_half_chroma(Image::Layer& layer, const EncodedImage& file, int threads)
 {
     ExrMemoryInput stream(file);

@@ -8,12 +8,13 @@
 
 namespace fathom {
 
-/// Whether a channel is one of the two of chroma, RY = (R - Y) / Y and BY = (B - Y) / Y, at half the resolution.
+/// Whether a channel is a chroma channel, RY = (R - Y) / Y or BY = (B - Y) / Y, at half resolution.
 bool is_half_chroma(const std::string& channel, const Imf::Channel& format);
 
-/// Makes R, G and B of layers with luminance and chroma. The weights of luminance are those of the file's primaries.
-/// image   as its part is read, without chroma at half resolution, which is read here by OpenEXR's own filter
-/// is_later_part  whether it is not the first part, of which alone OpenEXR reads such chroma
+/// Converts layers of luminance and chroma to R, G and B. The luminance weights follow from the file's primaries.
+///
+/// image          the part as read, without chroma at half resolution, which is read here with OpenEXR's own filter
+/// is_later_part  whether the part is not the first one: OpenEXR reads such chroma from the first part only
 void add_chroma(Image& image, const EncodedImage& file, const Imf::Header& header, bool is_later_part, int threads);
 
 }  // namespace fathom

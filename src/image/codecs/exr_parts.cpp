@@ -16,8 +16,8 @@ namespace fathom {
 
 namespace {
 
-/// Colours in half's range may be halves. Ids, distances and variances would suffer: half has 11 bits, and nothing
-/// below 6e-8.
+/// Whether a layer may be stored as half floats: only colors within half's range. Ids, distances and variances would
+/// lose precision: half has 11 significant bits and nothing below 6e-8.
 bool fits_half(const Image::Layer& layer)
 {
     constexpr float largest_half = 65504;
@@ -28,7 +28,7 @@ bool fits_half(const Image::Layer& layer)
                         [](float v) { return std::abs(v) > largest_half && !std::isinf(v); });
 }
 
-/// What OpenEXR reads of an attribute, whatever its length is said to be; 0: as much as is said.
+/// Bytes that OpenEXR reads of an attribute of this type, whatever its stated length; 0 if it reads the stated length.
 std::size_t fixed_size(std::string_view type)
 {
     constexpr std::pair<std::string_view, std::size_t> sizes[] = {{"box2f", 16},
@@ -60,7 +60,7 @@ std::size_t fixed_size(std::string_view type)
     return 0;
 }
 
-/// Whether these bytes are a list of channels, which an empty name ends, and nothing else.
+/// Whether these bytes are exactly a channel list, which ends with an empty name.
 bool is_channel_list(std::string_view bytes)
 {
     constexpr std::size_t after_name = 16;
@@ -72,7 +72,8 @@ bool is_channel_list(std::string_view bytes)
     return bytes.size() == 1;
 }
 
-/// The layers in other primaries. Variances stay: those of a mixture of channels don't follow from the channels'.
+/// Layers converted to other primaries. Variances are kept: variances of mixed channels don't follow from those of the
+/// channels.
 std::vector<Image::Layer> converted_layers(const Image& image, const Chromaticities& primaries)
 {
     const ColorMatrix matrix = conversion(rec709_chromaticities, primaries);
@@ -99,7 +100,7 @@ std::optional<std::size_t> exr_headers_end(const unsigned char* bytes, std::size
 {
     const char* const characters = reinterpret_cast<const char*>(bytes);
     std::size_t at = 8;
-    // The end of the word there, and one further.
+    // Moves behind the terminating zero of the string at this position.
     const auto skip_word = [&] {
         const auto* end = at < size ? std::memchr(bytes + at, 0, size - at) : nullptr;
         if (end) at = std::size_t(static_cast<const unsigned char*>(end) - bytes) + 1;
@@ -109,7 +110,7 @@ std::optional<std::size_t> exr_headers_end(const unsigned char* bytes, std::size
     const bool has_parts = bytes[5] & 0x10;
     do {
         while (at < size && bytes[at] != 0) {
-            if (!skip_word()) return {};  // name
+            if (!skip_word()) return {};  // attribute name
             const std::size_t type_at = at;
             if (!skip_word()) return {};
             const std::string_view type(characters + type_at, at - type_at - 1);
@@ -123,7 +124,7 @@ std::optional<std::size_t> exr_headers_end(const unsigned char* bytes, std::size
             at += length;
         }
         if (++at >= size) return {};
-        // Files of several parts end their headers with an empty one.
+        // The header list of multi-part files ends with an empty header.
     } while (has_parts && bytes[at] != 0);
     return at;
 }
@@ -145,7 +146,7 @@ void ExrMemoryInput::seekg(std::uint64_t position)
 std::vector<Imf::Header> read_exr_headers(const EncodedImage& file)
 {
     ExrMemoryInput stream(file);
-    char start[8];  // the magic number, then the version and flags, lowest byte first
+    char start[8];  // magic number, then version and flags, little-endian
     stream.read(start, sizeof start);
     int version = 0;
     for (int i = 7; i >= 4; --i) version = version << 8 | static_cast<unsigned char>(start[i]);
@@ -153,7 +154,7 @@ std::vector<Imf::Header> read_exr_headers(const EncodedImage& file)
     std::vector<Imf::Header> headers;
     do {
         headers.emplace_back().readFrom(stream, version);
-        // Files of several parts end their headers with an empty one.
+        // The header list of multi-part files ends with an empty header.
     } while (has_parts && stream.tellg() < file.size && file.bytes[stream.tellg()] != 0);
     return headers;
 }
@@ -165,8 +166,8 @@ Imf::Header read_exr_header(const EncodedImage& file)
 
 int exr_threads()
 {
-    // OpenEXR's pool is the process's; a program that has set it up keeps its choice. Once: pictures are read by
-    // several threads, and the pool must not change under one of them.
+    // OpenEXR's thread pool belongs to the process: a host program that has set it up keeps its choice. The pool is set
+    // once, because several threads read images and it must not change while one of them uses it.
     static const int threads = [] {
         if (Imf::globalThreadCount() == 0)
             Imf::setGlobalThreadCount(startable_threads(1 + std::min(usable_cores("/"), 4)) - 1);
@@ -178,7 +179,8 @@ int exr_threads()
 ExrChannels::ExrChannels(const Image& image, const WriteOptions& options) : header(image.width, image.height)
 {
     for (const auto& [name, value] : image.attributes) header.insert(name, Imf::StringAttribute(value));
-    const bool is_converted = options.exr_primaries != Primaries::rec709;  // which is what no attribute stands for
+    const bool is_converted = options.exr_primaries != Primaries::rec709;  // files without the attribute have Rec.709
+                                                                           // primaries
     if (is_converted) {
         const Chromaticities primaries = chromaticities_of(options.exr_primaries);
         converted_ = converted_layers(image, primaries);

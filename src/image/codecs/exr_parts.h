@@ -11,14 +11,14 @@
 
 #include "image/codecs/codecs.h"
 
-/// What OpenEXR is asked with: of pictures (exr.cpp) and of film files.
+/// Parts shared by the OpenEXR code of images (exr.cpp) and of film files.
 namespace fathom {
 
-/// Where the headers of an EXR end that these bytes begin; nothing where they are cut short, or lengths in them are
-/// not sound. OpenEXR believes an attribute's length and asks for as much memory.
+/// Offset of the end of the EXR headers in these bytes; nothing if they are cut short or contain inconsistent lengths.
+/// OpenEXR would allocate as much memory as an attribute's length claims.
 std::optional<std::size_t> exr_headers_end(const unsigned char* bytes, std::size_t size);
 
-/// A file in memory, for OpenEXR.
+/// An input stream of OpenEXR over a file in memory.
 class ExrMemoryInput : public Imf::IStream {
 public:
     explicit ExrMemoryInput(const EncodedImage& file) : Imf::IStream(file.name.c_str()), file_(file) {}
@@ -32,18 +32,19 @@ private:
     std::size_t position_ = 0;
 };
 
-/// What a layer's channel is called in files.
+/// The name of a layer's channel in files, such as `albedo.R`.
 std::string full_name(const std::string& layer, const std::string& channel);
 
-/// The headers of all parts, at least one. Throws Error if there is none.
+/// Headers of all parts. Throws Error if there is none.
 std::vector<Imf::Header> read_exr_headers(const EncodedImage& file);
+/// Header of the first part.
 Imf::Header read_exr_header(const EncodedImage& file);
 
-/// How many threads of OpenEXR's pool read or write a picture.
+/// Number of threads of OpenEXR's pool that read or write an image.
 int exr_threads();
 
-/// A picture as an EXR has it: a header with its attributes and channels, and where these stand in memory: in the
-/// picture, which must stay, or in here.
+/// An image prepared for OpenEXR: the header with attributes and channels, and pointers to the channels' values. They
+/// point into the image, which must outlive this object, or into converted copies that this object owns.
 class ExrChannels {
 public:
     ExrChannels(const Image& image, const WriteOptions& options);
@@ -53,8 +54,8 @@ public:
     struct Channel {
         std::string name;
         Imf::PixelType type;
-        const char* first;   ///< its value in the first pixel
-        std::size_t stride;  ///< from there to the next one's, in bytes
+        const char* first;   ///< value of the first pixel
+        std::size_t stride;  ///< bytes between the values of adjacent pixels
     };
     Imf::Header header;
     std::vector<Channel> channels;

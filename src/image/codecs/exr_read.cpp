@@ -23,7 +23,7 @@ namespace fathom {
 
 namespace {
 
-/// R G B A X Y Z before all others, which are sorted by name.
+/// Sort key of channels: R G B A X Y Z first, then all others by name.
 int channel_rank(const std::string& channel)
 {
     static const std::string order = "RGBAXYZ";
@@ -38,7 +38,7 @@ std::pair<std::string, std::string> layer_and_channel(const std::string& name)
                                     : std::pair(name.substr(0, dot), name.substr(dot + 1));
 }
 
-/// Colors are numbers whatever their type; other integers are ids, which floats would round.
+/// Color channels are read as float for any pixel type; other integer channels are ids, which floats would round.
 bool is_color(const std::string& channel)
 {
     constexpr std::string_view colors[] = {"R", "G", "B", "A", "Y", "RY", "BY"};
@@ -59,7 +59,7 @@ Image::Layer& layer_named(Image& image, const std::string& name)
     return image.layers.emplace_back(Image::Layer{name, {}, {}});
 }
 
-/// How well these channels do as the picture itself: less is better.
+/// Rank of a layer as the main image, from its name and channels; lower is better.
 int picture_rank(const std::string& layer, const std::vector<std::string>& channels)
 {
     constexpr std::string_view usual_names[] = {"beauty", "color", "colour", "combined",
@@ -89,7 +89,7 @@ std::optional<int> part_rank(const Imf::Header& header)
     return best;
 }
 
-/// The part that has the picture, of files of several.
+/// Index of the part of a multi-part file that contains the main image.
 std::size_t picture_part(const EncodedImage& file, const std::vector<Imf::Header>& headers)
 {
     std::optional<std::size_t> found;
@@ -112,7 +112,7 @@ std::array<std::uint64_t, 2> size_of(const Imath::Box2i& window)
     return {side(window.min.x, window.max.x), side(window.min.y, window.max.y)};
 }
 
-/// Sizes are looked at before OpenEXR makes tables of them. What is returned has the display window's size.
+/// Checks sizes before OpenEXR allocates tables from them. The returned image has the size of the display window.
 void check_sizes(const EncodedImage& file, const std::vector<Imf::Header>& headers, const Imf::Header& picture)
 {
     std::uint64_t channels = 0;
@@ -122,13 +122,13 @@ void check_sizes(const EncodedImage& file, const std::vector<Imf::Header>& heade
     for (const Imf::Header& header : headers) {
         const auto data = size_of(header.dataWindow());
         check_size(file, data[0], data[1], channels * sizeof(float) + 1);
-        // Each chunk of a file has a place of 8 bytes in a table.
+        // The offset table has 8 bytes for each chunk of the file.
         if (header.hasChunkCount() && (header.chunkCount() < 0 || std::size_t(header.chunkCount()) > file.size / 8))
             throw Error(file.name, "", "the file is cut short or damaged");
     }
 }
 
-/// Returns the primaries that the file states. Throws Error where no conversion follows from them.
+/// Returns the primaries that the file states. Throws Error if they allow no conversion.
 std::optional<Chromaticities> read_chromaticities(const EncodedImage& file, const Imf::Header& header)
 {
     if (!Imf::hasChromaticities(header)) return {};
@@ -143,7 +143,7 @@ std::optional<Chromaticities> read_chromaticities(const EncodedImage& file, cons
     return chromaticities;
 }
 
-/// The channels of the data window, by layers. Those of chroma at half resolution are left to add_chroma().
+/// Reads the channels of the data window, grouped by layers. Chroma at half resolution is left to add_chroma().
 template <class Input>
 class PartReader {
 public:
@@ -223,7 +223,7 @@ Image read_part(const EncodedImage& file, bool has_parts, std::size_t part, int 
     return PartReader(file, input).read();
 }
 
-/// The values of the data window where the display window shows them; 0 around them.
+/// Crops or pads values from the data window to the display window; padding is 0.
 template <class T>
 std::vector<T> placed(const std::vector<T>& values, std::size_t channels, const Imath::Box2i& data,
                       const Imath::Box2i& display)
@@ -241,7 +241,7 @@ std::vector<T> placed(const std::vector<T>& values, std::size_t channels, const 
     return result;
 }
 
-/// The data window may be larger than the picture (overscan, which is cut), or smaller: the rest is black and clear.
+/// Crops overscan beyond the display window and pads areas outside the data window with transparent black.
 void place_in_display(Image& image, const Imath::Box2i& data, const Imath::Box2i& display)
 {
     if (data == display) return;
@@ -251,7 +251,7 @@ void place_in_display(Image& image, const Imath::Box2i& data, const Imath::Box2i
     image.width = int(size[0]), image.height = int(size[1]);
 }
 
-/// The first layer is the picture; of files whose layers all have names the likeliest one.
+/// Moves the main image to the front; if all layers have names, the likeliest one by picture_rank() is taken.
 void put_picture_first(std::vector<Image::Layer>& layers)
 {
     const auto rank = [](const Image::Layer& layer) { return picture_rank(layer.name, layer.channels); };
@@ -270,7 +270,7 @@ Image read_exr(const EncodedImage& file)
     const Imf::Header& header = headers[part];
     check_sizes(file, headers, header);
     const auto size = size_of(header.dataWindow());
-    // Threads take longer to wake up than such a picture takes to read.
+    // For small images, waking threads takes longer than reading.
     const int threads = size[0] * size[1] < 1 << 16 ? 0 : exr_threads();
     Image image = read_part(file, headers.size() > 1, part, threads);
     add_chroma(image, file, header, part > 0, threads);

@@ -5,7 +5,7 @@
 
 #include "image/codecs/codecs.h"
 
-// Radiance's RGBE: G. Ward, Real Pixels, Graphics Gems II, 1991; the run lengths as in Radiance's
+// Radiance's RGBE encoding: G. Ward, "Real Pixels", Graphics Gems II, 1991. Run lengths follow Radiance's
 // ray/src/common/color.c.
 namespace fathom {
 
@@ -15,16 +15,16 @@ using Rgbe = std::array<unsigned char, 4>;
 
 Rgbe rgbe_from(const float* pixel, const DisplayChannels& channels)
 {
-    // The largest value that the shared exponent can say.
+    // The largest value of the shared-exponent encoding.
     constexpr float largest = 0x1.fep126f;
     std::array<float, 3> rgb = {pixel[channels.r], pixel[channels.g], pixel[channels.b]};
-    // NaN and what is negative have no code.
+    // NaN and negative values can't be encoded.
     for (float& v : rgb) v = v > 0 ? std::min(v, largest) : 0;
     const float top = std::max({rgb[0], rgb[1], rgb[2]});
     if (top < 1e-32f) return {0, 0, 0, 0};
     int exponent = 0;
     std::frexp(top, &exponent);
-    // Rounded to nearest; what rounds up to 256 takes the next exponent.
+    // Mantissas are rounded to nearest; a mantissa that rounds up to 256 needs the next exponent.
     if (std::lround(std::ldexp(top, 8 - exponent)) > 255) ++exponent;
     Rgbe code;
     for (int c = 0; c < 3; ++c) code[c] = static_cast<unsigned char>(std::lround(std::ldexp(rgb[c], 8 - exponent)));
@@ -32,7 +32,7 @@ Rgbe rgbe_from(const float* pixel, const DisplayChannels& channels)
     return code;
 }
 
-/// One component of a row as runs (128 + length, value) of at least 4 and literals (length, values).
+/// Appends one component of a row as runs (128 + length, value) of at least 4 and literals (length, values).
 void append_runs(std::vector<unsigned char>& out, const std::vector<Rgbe>& row, int component)
 {
     const std::size_t width = row.size();
@@ -67,7 +67,7 @@ std::vector<unsigned char> encode_hdr(const Image& image)
         fmt::format("#?RADIANCE\nSOFTWARE=Fathom\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", image.height, image.width);
     std::vector<unsigned char> out(header.begin(), header.end());
     const std::size_t width = std::size_t(image.width);
-    // The code of a compressed row has 15 bits for the width, and readers take rows below 8 as uncompressed.
+    // Compressed rows store the width in 15 bits, and readers take rows below 8 pixels as uncompressed.
     const bool runs = width >= 8 && width < 32768;
     std::vector<Rgbe> row(width);
     const float* pixel = layer.pixels.data();

@@ -9,15 +9,15 @@
 #include "image/codecs/codecs.h"
 #include "image/color/primaries.h"
 
-// Radiance's RGBE, as hdr.cpp writes it. The header and the orientations: G. Ward, "The RADIANCE picture file format"
-// (ray/doc/filefmts.pdf, "Picture Files"); the run lengths: ray/src/common/color.c.
+// Radiance's RGBE encoding, the counterpart of hdr.cpp. Header and orientations: G. Ward, "The RADIANCE picture file
+// format" (ray/doc/filefmts.pdf, "Picture Files"). Run lengths: ray/src/common/color.c.
 namespace fathom {
 
 namespace {
 
 using Rgbe = std::array<unsigned char, 4>;
 
-/// The bytes of a file, one after the other; asking for more than there are throws.
+/// Reads a file's bytes in sequence; throws Error at the end of the file.
 class Bytes {
 public:
     explicit Bytes(const EncodedImage& file) : file_(file) {}
@@ -60,8 +60,8 @@ void read_runs(const EncodedImage& file, Bytes& bytes, std::vector<Rgbe>& row)
         }
 }
 
-/// Rows without runs by component: codes, where (1, 1, 1, n) repeats the one before; repeats that follow each other
-/// count 256 times as much each.
+/// Reads a row that is not compressed by component: (1, 1, 1, n) repeats the previous code n times, and each directly
+/// following repeat counts 256 times as much.
 void read_codes(const EncodedImage& file, Bytes& bytes, Rgbe first, std::vector<Rgbe>& row)
 {
     int shift = 0;
@@ -84,7 +84,8 @@ void read_codes(const EncodedImage& file, Bytes& bytes, Rgbe first, std::vector<
 
 /// The factors and primaries that the header states for the pixel values.
 struct HdrHeader {
-    std::array<double, 3> divisor{1, 1, 1};  ///< exposure and color correction, which were multiplied onto the values
+    std::array<double, 3> divisor{1, 1, 1};  ///< exposure and color correction that the stored values were multiplied
+                                             ///< by
     std::optional<Chromaticities> chromaticities;
 };
 
@@ -95,7 +96,7 @@ void divide_by(HdrHeader& header, const std::array<double, 3>& factors)
     for (std::size_t c = 0; c < 3; ++c) header.divisor[c] *= factors[c];
 }
 
-/// Throws Error where nothing can be computed from them.
+/// Returns the chromaticities. Throws Error if no conversion can be computed from them.
 Chromaticities checked(const EncodedImage& file, const Chromaticities& chromaticities)
 {
     try {
@@ -120,12 +121,12 @@ void read_header_line(const EncodedImage& file, const std::string& line, HdrHead
         header.chromaticities = checked(file, c);
 }
 
-/// Where the codes of a file go. They come in runs ("scanlines") along one axis, run by run along the other; '-Y' and
-/// '+X' are the directions of rows from the top and of pixels from the left.
+/// Scan order of a file: runs ("scanlines") along one axis, ordered along the other. '-Y' is top to bottom and '+X' is
+/// left to right.
 struct Orientation {
-    int runs = 0, length = 0;  ///< how many runs, and pixels in each
+    int runs = 0, length = 0;  ///< number of scanlines, and pixels in each
     bool runs_are_columns = false;
-    bool runs_flipped = false, pixels_flipped = false;  ///< from the right or from below
+    bool runs_flipped = false, pixels_flipped = false;  ///< scanned from the right or from the bottom
 
     int width() const { return runs_are_columns ? runs : length; }
     int height() const { return runs_are_columns ? length : runs; }
@@ -149,7 +150,7 @@ Orientation read_orientation(const EncodedImage& file, const std::string& line)
     if (!is_good)
         throw Error(file.name, "",
                     fmt::format("damaged HDR: expected a size as '-Y 600 +X 800', found '{}'", line.substr(0, 40)));
-    // X grows to the right, Y upwards.
+    // In resolution strings X grows to the right and Y upward.
     const auto is_flipped = [&](int i) { return sign[i] == (axis[i] == 'X' ? '-' : '+'); };
     return {int(size[0]), int(size[1]), axis[0] == 'X', is_flipped(0), is_flipped(1)};
 }
@@ -175,7 +176,7 @@ Image read_hdr(const EncodedImage& file)
     for (std::string line = bytes.line(); !line.empty(); line = bytes.line()) read_header_line(file, line, header);
     const Orientation orientation = read_orientation(file, bytes.line());
     check_size(file, std::uint64_t(orientation.width()), std::uint64_t(orientation.height()), 3 * sizeof(float));
-    // A run has 4 components, each of runs of at most 127; older files repeat a run with 8 bytes or more.
+    // Each scanline takes at least 4 bytes: four components in runs of at most 127, or repeats of 8 bytes in old files.
     if (double(orientation.runs) * 4 > double(file.size))
         throw Error(file.name, "", "damaged HDR: the file is cut short");
 

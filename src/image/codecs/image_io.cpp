@@ -37,7 +37,7 @@ Format output_format(const fs::path& file)
                             extension.empty() ? "a picture without an extension" : "'" + extension + "'"));
 }
 
-/// The widest and highest picture that the format (or its library) takes.
+/// The largest width and height that the format or its library supports.
 int largest_side(Format format)
 {
     switch (format) {
@@ -46,7 +46,7 @@ int largest_side(Format format)
         case Format::webp:
             return 16383;
         case Format::avif:
-            return 16384;  // more pixels than its square are not read by libavif
+            return 16384;  // libavif refuses to read images of more pixels than the square of this
         case Format::png:
             return 1000000;
         default:
@@ -97,7 +97,7 @@ Picture decode(const EncodedImage& file)
     return read_stb(file);
 }
 
-/// What `read` returns; all that it throws becomes an Error.
+/// Returns read(); converts every exception to Error.
 template <class Read>
 auto reading(const std::string& name, Read read)
 {
@@ -157,7 +157,7 @@ void check_output(const fs::path& file, int width, int height)
     const Format format = output_format(file);
     check_format_size(file, format, width, height);
     if (format == Format::avif) avif_library();
-    // Trying is the only sure way to know: rights, read-only file systems and quotas all have their say.
+    // Only an attempt shows whether the file can be written: permissions, read-only file systems and quotas all matter.
     OutputFile attempt(file);
 }
 
@@ -236,14 +236,14 @@ std::optional<PictureSize> measure_picture(const std::string& name, const void* 
     } catch (const Measured&) {
         return measured;
     } catch (const std::exception&) {
-        // Whoever reads it says what is wrong.
+        // A reader of the whole file reports the error.
     }
     return {};
 }
 
 std::optional<PictureSize> measure_picture(const fs::path& file)
 {
-    // Most formats tell their size in the first bytes; a folder of textures far away is not to be read twice.
+    // Most formats have the size in their first bytes. Reading whole files twice would be slow on network file systems.
     constexpr std::uintmax_t head = 1 << 16;
     std::error_code error;
     if (!fs::is_regular_file(file, error)) return {};

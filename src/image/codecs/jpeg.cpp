@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 
-// Each needs those before it.
+// jpeglib.h must follow the headers above, which it needs but doesn't include.
 #include <jpeglib.h>
 
 #include <jerror.h>
@@ -15,7 +15,8 @@
 #include "image/codes.h"
 #include "image/color/tonemap.h"
 
-// libjpeg leaves by longjmp, as libpng does: what needs a destructor lives in the callers of what it may jump out of.
+// libjpeg reports errors by longjmp, as libpng does: functions that it may jump out of hold no objects with
+// destructors; their callers hold them.
 namespace fathom {
 
 namespace {
@@ -36,8 +37,8 @@ struct ErrorManager {
 void on_message(j_common_ptr jpeg, int level)
 {
     if (level >= 0) return;
-    // Bytes between segments and odd markers leave the picture whole; what else libjpeg would paint over in grey is
-    // damage.
+    // Stray bytes between segments and unknown markers leave the image intact. Other warnings mean damage, which
+    // libjpeg would fill with gray.
     switch (jpeg->err->msg_code) {
         case JWRN_ADOBE_XFORM:
         case JWRN_BOGUS_ICC:
@@ -77,13 +78,13 @@ bool read_header(Decompressor& d, const EncodedImage& file)
     jpeg_mem_src(&d.jpeg, file.bytes, static_cast<unsigned long>(file.size));
     jpeg_read_header(&d.jpeg, TRUE);
     const bool has_black = d.jpeg.jpeg_color_space == JCS_CMYK || d.jpeg.jpeg_color_space == JCS_YCCK;
-    // Four channels in any case, as textures have them; libjpeg-turbo makes alpha whole.
+    // Four channels, as textures have; libjpeg-turbo sets alpha to opaque.
     d.jpeg.out_color_space = has_black ? JCS_CMYK : JCS_EXT_RGBA;
     jpeg_calc_output_dimensions(&d.jpeg);
     return true;
 }
 
-/// Fills `codes`, all channels of a pixel beside each other.
+/// Decodes into `codes`, with interleaved channels. False after an error.
 bool read_rows(Decompressor& d, unsigned char* codes)
 {
     if (setjmp(d.manager.jump)) return false;
@@ -123,7 +124,7 @@ bool write_rows(Compressor& c, const Image& image, int quality, unsigned char* c
     c.jpeg.in_color_space = JCS_RGB;
     jpeg_set_defaults(&c.jpeg);
     jpeg_set_quality(&c.jpeg, quality, TRUE);
-    // Noise and edges keep their colour: chroma at full resolution.
+    // Chroma is stored at full resolution, so that noise and edges keep their color.
     c.jpeg.comp_info[0].h_samp_factor = c.jpeg.comp_info[0].v_samp_factor = 1;
     jpeg_start_compress(&c.jpeg, TRUE);
     while (c.jpeg.next_scanline < c.jpeg.image_height) {
@@ -134,7 +135,7 @@ bool write_rows(Compressor& c, const Image& image, int quality, unsigned char* c
     return true;
 }
 
-/// Adobe's CMYK, which is what such files have, is stored inverted: each value is the light that the ink leaves.
+/// Converts Adobe's inverted CMYK, the usual kind in JPEG: each value is the fraction of light that the ink transmits.
 Image rgb_from_cmyk(const ByteImage& cmyk)
 {
     Image image = make_image(cmyk.width, cmyk.height, 3);

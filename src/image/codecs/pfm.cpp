@@ -10,8 +10,8 @@
 #include "fathom/error.h"
 #include "image/codecs/codecs.h"
 
-// Portable float maps: P. Debevec, "PFM Portable FloatMap Image Format". Rows come from below; the sign of the scale is
-// the order of bytes, its size a factor of all values.
+// Portable float maps: P. Debevec, "PFM Portable FloatMap Image Format". Rows are stored bottom to top. The sign of the
+// scale gives the byte order, and its magnitude multiplies all values.
 namespace fathom {
 
 namespace {
@@ -38,10 +38,10 @@ public:
     int channels = 0;
     int width = 0, height = 0;
     double scale = 0;
-    std::size_t end = 0;  ///< where values begin
+    std::size_t end = 0;  ///< offset of the pixel values
 
 private:
-    /// Blanks and comments, which go to their line's end, stand between words.
+    /// Reads the next word of the header. Words are separated by whitespace and by comments up to the end of the line.
     std::string_view word()
     {
         while (end < text_.size() && (is_blank(text_[end]) || text_[end] == '#'))
@@ -70,7 +70,8 @@ private:
         if (!is_whole || value == 0 || !std::isfinite(value)) fail("a scale other than 0", digits);
         return value;
     }
-    /// One blank, or what ends lines on Windows: a value may begin with the byte of a blank.
+    /// Skips the single whitespace, or CR LF, before the values. No more may be skipped: the first value may begin with
+    /// the byte of a whitespace.
     void end_line()
     {
         const std::size_t values = 4 * std::size_t(channels) * std::size_t(width) * std::size_t(height);

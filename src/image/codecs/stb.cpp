@@ -6,7 +6,7 @@
 #include "fathom/error.h"
 #include "image/codecs/codecs.h"
 
-// These have readers of their own. stb_image's HDR never ends on some files that are cut short.
+// Formats with readers of their own are disabled. stb_image's HDR reader loops forever on some truncated files.
 #define STBI_NO_HDR
 #define STBI_NO_JPEG
 #define STBI_NO_PNG
@@ -26,7 +26,7 @@ namespace fathom {
 
 namespace {
 
-/// Feeds stb_image, which takes what is beyond the end of a file as zeros, and notes that it asked for it.
+/// Input callbacks for stb_image that detect truncated files: stb_image itself reads zeros beyond the end.
 class Feed {
 public:
     explicit Feed(const EncodedImage& file) : file_(file) {}
@@ -34,8 +34,8 @@ public:
     static int read(void* user, char* destination, int size)
     {
         auto* feed = static_cast<Feed*>(user);
-        // stb_image fills its own small buffer in advance, and the first call is for that; a short answer to that is no
-        // sign. Anywhere else it asks for exactly what it needs.
+        // Reads into stb_image's internal buffer are read-ahead, for which a short read is no error. All other reads
+        // ask for exactly the bytes that are needed.
         if (!feed->buffer_) feed->buffer_ = destination;
         const bool ahead = destination == feed->buffer_;
         const std::size_t count = std::min(std::size_t(size), feed->file_.size - feed->position_);
@@ -87,7 +87,7 @@ Image take_values(const EncodedImage& file, const Feed& feed, Value* values, int
     return image;
 }
 
-/// stb_image before 2.28 takes the 16-bit values of PNM in the machine's byte order; the file has the high byte first.
+/// Whether stb_image reads 16-bit PNM values in machine byte order, as before version 2.28; the file is big-endian.
 bool pnm_is_swapped()
 {
     static const unsigned char picture[] = "P5 1 1 65535\n\x01\x02";
@@ -97,7 +97,7 @@ bool pnm_is_swapped()
     return value && *value == 0x0201;
 }
 
-/// stb_image before 2.28 lets the numbers of a PNM header wrap around.
+/// Rejects numbers in PNM headers that overflow: stb_image before 2.28 lets them wrap around.
 void check_pnm_header(const EncodedImage& file)
 {
     if (file.size < 2 || file.bytes[0] != 'P' || (file.bytes[1] != '5' && file.bytes[1] != '6')) return;
@@ -128,7 +128,7 @@ Image read_stb(const EncodedImage& file)
         throw Error(file.name, "",
                     "this is not a picture in a format that can be read (EXR, PNG, JPEG, WebP, AVIF, HDR, BMP, "
                     "TGA, GIF, PSD, PNM)");
-    // Twice over: stb_image makes copies while it converts.
+    // The factor 2 covers copies that stb_image makes during conversion.
     check_size(file, std::uint64_t(width), std::uint64_t(height), std::uint64_t(channels) * 2 * sizeof(float));
 
     Feed wide(file), feed(file);

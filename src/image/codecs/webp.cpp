@@ -50,7 +50,7 @@ std::vector<unsigned char> encode_webp(const Image& image, const WriteOptions& o
     const std::vector<unsigned char> codes = to_display(image.layers[0], image.width, image.height, options.display);
     Encoder e;
     e.config.lossless = !options.webp_quality;
-    e.config.exact = 1;  // colours where alpha is 0, too
+    e.config.exact = 1;  // keeps colors of fully transparent pixels
     if (options.webp_quality) e.config.quality = float(*options.webp_quality);
     e.picture.use_argb = e.config.lossless;
     e.picture.width = image.width;

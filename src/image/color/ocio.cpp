@@ -22,7 +22,8 @@ namespace ocio = OCIO_NAMESPACE;
 
 namespace {
 
-/// What configurations call linear Rec.709: those of ACES (names, and aliases since 2), Blender's, and the tools' own.
+/// Names of linear Rec.709 in common configurations: those of ACES (and aliases since version 2), of Blender, and of
+/// OpenColorIO's own tools.
 constexpr const char* usual_inputs[] = {"lin_rec709",
                                         "lin_rec709_scene",
                                         "lin_srgb",
@@ -34,12 +35,12 @@ constexpr const char* usual_inputs[] = {"lin_rec709",
                                         "Utility - Linear - sRGB",
                                         "Utility - Linear - Rec.709"};
 
-/// Of ACES2065-1: AP0 (SMPTE ST 2065-1).
+/// Primaries of ACES2065-1: AP0 (SMPTE ST 2065-1).
 constexpr Chromaticities aces_chromaticities{{0.7347f, 0.2653f}, {0, 1}, {0.0001f, -0.077f}, {0.32168f, 0.33767f}};
 
 using Names = std::vector<std::string>;
 
-/// The name, if it is among those that there are; else an error that lists them.
+/// Returns the name if it is among `names`. Throws an Error that lists them otherwise.
 std::string chosen(const std::string& file, const char* what, const std::string& name, const Names& names)
 {
     if (std::find(names.begin(), names.end(), name) != names.end()) return name;
@@ -59,10 +60,10 @@ Names color_spaces(const ocio::Config& config)
     return names_of(config.getNumColorSpaces(), [&](int i) { return config.getColorSpaceNameByIndex(i); });
 }
 
-/// Where the configuration takes colours in, and what makes those of them that it takes.
+/// The configuration's input color space, and the transform to it from linear Rec.709.
 struct Input {
     std::string space;
-    ocio::TransformRcPtr transform;  ///< none: linear Rec.709 itself
+    ocio::TransformRcPtr transform;  ///< none if the space is linear Rec.709
 };
 
 ocio::TransformRcPtr aces_from_rec709()
@@ -134,7 +135,7 @@ std::shared_ptr<const OcioView> open_view(const OcioChoice& choice, const std::s
     transform->setView(view.c_str());
     transform->setLooksBypass(!choice.look.empty());
     group->appendTransform(transform);
-    // Faster ones approximate powers.
+    // Lossless optimization: the other levels approximate powers.
     const auto processor = config->getProcessor(group)->getOptimizedCPUProcessor(ocio::OPTIMIZATION_LOSSLESS);
     std::string text = fmt::format("{}: display '{}', view '{}'", file, display, view);
     if (!choice.look.empty()) text += fmt::format(", look '{}'", choice.look);

@@ -5,15 +5,16 @@
 
 namespace fathom {
 
+/// A display transform by OpenColorIO: a view of a display in a configuration.
 class OcioView {
 public:
     OcioView() = default;
     OcioView(const OcioView&) = delete;
     virtual ~OcioView() = default;
 
-    /// Linear Rec.709 becomes what the display is sent, 0 to 1. From any thread.
+    /// Transforms linear Rec.709 to encoded display values in [0, 1], in place. Thread-safe.
     virtual void apply(float rgb[3]) const = 0;
-    /// Names of what was chosen, in a line.
+    /// Names of configuration, display, view and look in one line, for messages.
     virtual std::string text() const = 0;
 };
 

@@ -42,14 +42,14 @@ ColorMatrix inverse(const ColorMatrix& m)
     return cofactors;
 }
 
-/// Of luminance 1.
+/// XYZ of a chromaticity at luminance 1.
 Column xyz(Vec2f at)
 {
     if (!(at.y > 0)) throw Error("", "chromaticities", "white is black");
     return {double(at.x) / double(at.y), 1, (1 - double(at.x) - double(at.y)) / double(at.y)};
 }
 
-/// SMPTE RP 177: primaries are as bright as makes white of luminance 1.
+/// Matrix from RGB to XYZ, with primaries scaled so that their sum is the white of luminance 1: SMPTE RP 177.
 ColorMatrix xyz_from_rgb(const Chromaticities& c)
 {
     ColorMatrix m{};
@@ -64,7 +64,7 @@ ColorMatrix xyz_from_rgb(const Chromaticities& c)
     return m;
 }
 
-/// K. M. Lam, "Metamerism and colour constancy", 1985; ICC.1:2022, annex E.
+/// Bradford's cone response matrix: K. M. Lam, "Metamerism and colour constancy", 1985; ICC.1:2022, annex E.
 constexpr ColorMatrix bradford{{{0.8951, 0.2664, -0.1614}, {-0.7502, 1.7135, 0.0367}, {0.0389, -0.0685, 1.0296}}};
 
 ColorMatrix adaptation(Vec2f from_white, Vec2f to_white)
@@ -98,7 +98,8 @@ Vec2f white_of(double kelvin)
 {
     const double t = kelvin;
     if (t < 4000) {
-        // M. Krystek, "An algorithm to calculate correlated colour temperature", 1985: u and v of CIE 1960, to 1e-4.
+        // Planckian locus in u, v of CIE 1960, to 1e-4: M. Krystek, "An algorithm to calculate correlated colour
+        // temperature", 1985.
         const double u = (0.860117757 + 1.54118254e-4 * t + 1.28641212e-7 * t * t) /
                          (1 + 8.42420235e-4 * t + 7.08145163e-7 * t * t),
                      v = (0.317398726 + 4.22806245e-5 * t + 4.20481691e-8 * t * t) /

@@ -26,8 +26,8 @@ Color clamp_unit(const Color& c)
     return each(c, [](float x) { return std::clamp(x, 0.0f, 1.0f); });
 }
 
-/// S. Hill's fit of the reference rendering and output transforms of ACES (BakingLab, ACES.hlsl), as viewers of glTF
-/// use it: brighter by 1 / 0.6, so that middle grey stays where it is.
+/// S. Hill's fit of the reference rendering and output transforms of ACES (BakingLab, ACES.hlsl). Exposure is raised by
+/// 1 / 0.6, as in glTF viewers, which keeps middle gray in place.
 Color aces(const Color& radiance)
 {
     constexpr Matrix ap1_from_rec709 = {
@@ -41,8 +41,8 @@ Color aces(const Color& radiance)
     return clamp_unit(rec709_from_ap1 * each(ap1_from_rec709 * exposed, curve));
 }
 
-/// T. Sobotka's AgX with the primaries of Rec.2020, as Blender 4, Filament and three.js have it: B. Wrensch's
-/// polynomial (Minimal AgX Implementation, 2023) for the curve between 10 stops below and 6.5 above middle grey.
+/// T. Sobotka's AgX in Rec.2020 primaries, as in Blender 4, Filament and three.js. The curve, from 10 stops below to
+/// 6.5 above middle gray, is B. Wrensch's polynomial ("Minimal AgX Implementation", 2023).
 Color agx(const Color& radiance)
 {
     constexpr Matrix rec2020_from_rec709 = {
@@ -67,9 +67,9 @@ Color agx(const Color& radiance)
     return clamp_unit(rec709_from_rec2020 * each(encoded, decode));
 }
 
-/// The PBR Neutral Tone Mapper of the Khronos Group (2024): what a dielectric adds to a colour by its reflection, 4 %,
-/// is taken away again, so that a base colour up to 0.8 under white light is shown as it is; what is brighter is
-/// compressed towards white along its own hue.
+/// The PBR Neutral Tone Mapper of the Khronos Group (2024). It subtracts the 4 % that a dielectric reflects, so that a
+/// base color up to 0.8 under white light is displayed unchanged. Brighter values are compressed toward white at
+/// constant hue.
 Color khronos_neutral(const Color& radiance)
 {
     constexpr float reflection = 0.04f, start = 0.8f - reflection, desaturation = 0.15f, room = 1 - start;

@@ -4,11 +4,11 @@
 
 namespace fathom {
 
-/// What the display shows, 0 to 1 and linear Rec.709, of exposed radiance that is finite and not negative.
+/// Applies a tone map: exposed radiance, finite and non-negative, to linear Rec.709 in [0, 1] for the display.
 Color tone_map(Tonemap tonemap, const Color& radiance);
 
-/// Narkowicz's fit of the ACES curve: 0 to 0, 1 to 0.80, infinity to 1.
-/// K. Narkowicz: ACES Filmic Tone Mapping Curve, 2016.
+/// Narkowicz's fit of the ACES curve: maps 0 to 0, 1 to 0.80 and infinity to 1 (K. Narkowicz, "ACES Filmic Tone Mapping
+/// Curve", 2016).
 float filmic_curve(float x);
 
 }  // namespace fathom

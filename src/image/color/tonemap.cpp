@@ -15,9 +15,10 @@ namespace fathom {
 
 namespace {
 
-/// The nearest 8-bit sRGB code of linear light, exactly as by the formula, without its power: the upper bits of the
-/// float choose a bucket, and within a bucket there is at most one step to the next code. A window does this for each
+/// Nearest 8-bit sRGB code of linear light without evaluating a power, exact as the formula; viewers convert every
 /// frame.
+///
+/// The upper bits of the float select a bucket; within a bucket at most one threshold to the next code lies.
 class SrgbTable {
 public:
     SrgbTable()
@@ -35,7 +36,8 @@ public:
 
     unsigned char code(float linear) const
     {
-        // Without branches: on noise they would be guessed wrong. The order of operands makes NaN the smallest.
+        // The code is free of branches, which noise would make unpredictable. The operand order turns NaN into the
+        // smallest value.
         linear = linear > smallest ? linear : smallest;
         linear = linear < largest ? linear : largest;
         const unsigned code = first_code_[(std::bit_cast<std::uint32_t>(linear) >> shift) - first_bucket];
@@ -43,7 +45,7 @@ public:
     }
 
 private:
-    static constexpr int shift = 16;                  // 7 bits of mantissa: 128 buckets an octave
+    static constexpr int shift = 16;                  // keeps 7 bits of mantissa: 128 buckets per octave
     static constexpr float smallest = 0x1p-13f;       // code 1 begins at 0.5 / 255 / 12.92 = 1.5e-4
     static constexpr float largest = 0x1.fffffep-1f;  // code 255 begins at 0.9955
     static constexpr std::uint32_t first_bucket = std::bit_cast<std::uint32_t>(smallest) >> shift;
@@ -57,7 +59,7 @@ const SrgbTable& srgb_table()
     return table;
 }
 
-/// NaN becomes 0.
+/// Clamps to [0, 1]; NaN becomes 0.
 float clamp_unit(float x)
 {
     return x > 0 ? std::min(x, 1.0f) : 0.0f;
@@ -87,7 +89,7 @@ DisplayMap::DisplayMap(const DisplayTransform& display)
 
 Color DisplayMap::exposed(const Color& radiance) const
 {
-    // Beyond this the squares of curves overflow, which have long reached 1.
+    // Tone curves have reached 1 long before this limit; beyond it their squares would overflow.
     constexpr float most = 1e6f;
     const auto limited = [&](float x) { return x > 0 ? std::min(x, most) : 0.0f; };
     const Color c = {limited(radiance.r * scale_), limited(radiance.g * scale_), limited(radiance.b * scale_)};
@@ -99,7 +101,7 @@ Color DisplayMap::exposed(const Color& radiance) const
     return {row(0), row(1), row(2)};
 }
 
-/// By OpenColorIO: encoded already.
+/// OpenColorIO's display values, which are encoded already.
 Color DisplayMap::sent(const Color& radiance) const
 {
     const Color c = exposed(radiance);

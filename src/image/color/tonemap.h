@@ -9,16 +9,17 @@
 
 namespace fathom {
 
-/// Encoded value, 0 to 1, of linear light, 0 to 1: IEC 61966-2-1.
+/// Encodes linear light in [0, 1] as sRGB in [0, 1]: IEC 61966-2-1.
 double srgb_from_linear(double linear);
+/// Inverse of srgb_from_linear().
 double linear_from_srgb(double encoded);
 
-/// The display transform, colour by colour. What is no number, or negative, counts as 0.
+/// The display transform of single colors. NaN and negative values count as 0.
 class DisplayMap {
 public:
     explicit DisplayMap(const DisplayTransform& display);
 
-    /// The nearest codes of linear radiance. Where OpenColorIO makes them, what a display is to be sent.
+    /// Nearest display codes of linear radiance, or OpenColorIO's display values if it is used.
     std::array<unsigned char, 3> codes8(const Color& radiance) const;
     std::array<std::uint16_t, 3> codes16(const Color& radiance) const;
 
@@ -32,7 +33,7 @@ private:
     std::shared_ptr<const OcioView> ocio_;
 };
 
-/// Nearest code of a value of 0 to 1 that is not light: alpha.
+/// Nearest code of a value in [0, 1] that is stored linearly, such as alpha.
 unsigned char unit8(float value);
 std::uint16_t unit16(float value);
 

@@ -12,16 +12,16 @@ namespace fathom {
 
 namespace {
 
-/// Each pixel is the mean of so many by so many places in it.
+/// Each output pixel is the mean of `places` by `places` samples.
 constexpr int places = 4;
 
-/// Where a ray from the middle meets the cube: the face, and from its upper left corner, 0 to 1.
+/// A point on the cube: its face, and the position from the face's upper left corner, in [0, 1].
 struct FacePoint {
     std::size_t face;
     double s, t;
 };
 
-/// OpenGL 4.6, table 8.19.
+/// The face and position that a direction points at: OpenGL 4.6, table 8.19.
 FacePoint face_point(const Vec3d& d)
 {
     const double x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
@@ -41,7 +41,7 @@ const float* texel_at(const std::array<CubeFace, 6>& faces, const Vec3d& directi
     return &face.texels[4 * (place(at.t, face.height) * std::size_t(face.width) + place(at.s, face.width))];
 }
 
-/// Sines and cosines of `count` angles, in the middles of as many parts from `from` to `to`.
+/// Sines and cosines of the centers of `count` equal parts of the interval [from, to].
 std::vector<std::array<double, 2>> angles(int count, double from, double to)
 {
     std::vector<std::array<double, 2>> list;
@@ -64,7 +64,7 @@ int equirectangular_width(const std::array<CubeFace, 6>& faces)
 LargeVector<float> equirectangular(const std::array<CubeFace, 6>& faces)
 {
     const int width = equirectangular_width(faces), height = width / 2;
-    // The middle looks along +x, the right half towards +z.
+    // The image's center is the direction +x, and its right half faces +z.
     const auto columns = angles(width * places, -std::numbers::pi, std::numbers::pi);
     const auto rows = angles(height * places, 0, std::numbers::pi);
     constexpr double min_alpha = 1.0 / 255;

@@ -6,17 +6,18 @@
 
 namespace fathom {
 
-/// A linear picture of red, green, blue and alpha.
+/// A linear RGBA image: a face of a cube map, or a whole map in one square.
 struct CubeFace {
     int width = 0, height = 0;
     LargeVector<float> texels;
 };
 
-/// The width of the equirectangular picture that keeps what these faces show.
+/// Width of the equirectangular image that keeps the resolution of these faces.
 int equirectangular_width(const std::array<CubeFace, 6>& faces);
 
-/// That picture, half as high as wide, of red, green, blue and 1. Faces are in the order and turned as OpenGL has
-/// them; where they have alpha their colours are divided by it, which is RGBD.
+/// Resamples a cube map to an equirectangular image, half as high as wide, of R, G, B and 1.
+///
+/// Faces have OpenGL's order and orientation. Colors of faces with alpha are divided by it (RGBD encoding).
 LargeVector<float> equirectangular(const std::array<CubeFace, 6>& faces);
 
 }  // namespace fathom

@@ -12,7 +12,7 @@ namespace fathom {
 
 namespace {
 
-/// Each pixel is the mean of so many by so many places in it.
+/// Each output pixel is the mean of `places` by `places` samples.
 constexpr int places = 3;
 
 struct SquarePoint {
@@ -21,7 +21,7 @@ struct SquarePoint {
 
 SquarePoint square_point(const Vec3d& d)
 {
-    // The distance from the pole, and how far round of an eighth of a turn.
+    // Here r is the distance from the pole in the square; the azimuth divides it between u and v.
     const double x = std::abs(d.x), y = std::abs(d.y), r = std::sqrt(std::max(0.0, 1 - std::abs(d.z)));
     double v = r * std::atan2(y, x) * 2 / std::numbers::pi, u = r - v;
     if (d.z < 0) {
@@ -31,7 +31,7 @@ SquarePoint square_point(const Vec3d& d)
     return {(std::copysign(u, d.x) + 1) / 2, (std::copysign(v, d.y) + 1) / 2};
 }
 
-/// Over an edge the picture goes on at the same edge, mirrored at its middle.
+/// A texel, with coordinates beyond an edge wrapped: the map continues at the same edge, mirrored about its midpoint.
 const float* texel(const CubeFace& square, int x, int y)
 {
     const int w = square.width, h = square.height;

@@ -3,9 +3,10 @@
 
 namespace fathom {
 
-/// The equirectangular picture, twice as wide as high, of red, green, blue and 1, of a square picture in which all
-/// parts of the sphere have their share (P. Clarberg: Fast Equal-Area Mapping of the (Hemi)Sphere using SIMD, 2008):
-/// +z is in its middle, +x to the right, +y downwards, and -z in its corners.
+/// Resamples an equal-area map to an equirectangular image, twice as wide as high, of R, G, B and 1.
+///
+/// The square maps the sphere with constant area density (P. Clarberg, "Fast Equal-Area Mapping of the (Hemi)Sphere
+/// using SIMD", 2008): +z is at its center, +x to the right, +y downward, and -z in its corners.
 LargeVector<float> equirectangular_from_equal_area(const CubeFace& square);
 inline int equirectangular_width(const CubeFace& square)
 {
