@@ -79,7 +79,7 @@ void AssimpConverter::add_camera(const aiCamera& from)
         warn("a camera without direction is left out");
         return;
     }
-    // Assimp's angle is horizontal; in some formats from the middle to the side, which can't be told apart.
+    // Assimp's angle is horizontal. In some formats it spans only half of the image, which can't be detected.
     const double aspect = from.mAspect > 0 ? from.mAspect : 4.0 / 3;
     if (from.mHorizontalFOV > 0.01f && from.mHorizontalFOV < 3.1f)
         camera.fov_y = 2 * std::atan(std::tan(double(from.mHorizontalFOV) / 2) / aspect);
@@ -147,7 +147,7 @@ int AssimpConverter::add_node(const aiNode& from, int depth)
     }
     if (const auto found = cameras_.find(node.name); found != cameras_.end()) node.camera = found->second;
     if (const auto found = lights_.find(node.name); found != lights_.end()) {
-        // Lights of ours shine from their node's origin along its -z.
+        // Fathom's lights shine from their node's origin along its -z.
         for (unsigned i = 0; i < from_.mNumLights; ++i) {
             const aiLight& light = *from_.mLights[i];
             if (node.name != light.mName.C_Str()) continue;

@@ -10,14 +10,14 @@
 
 namespace fathom {
 
-/// Turns what Assimp read into a SceneDescription.
+/// Converts an Assimp scene to a SceneDescription.
 class AssimpConverter {
 public:
     AssimpConverter(const aiScene& from, const std::filesystem::path& file, AssimpAnswer& answer)
         : from_(from), file_(file), answer_(answer), to_(answer.scene)
     {
     }
-    /// world_from_file  put above the root
+    /// world_from_file  transform applied above the root node
     void convert(const Transform& world_from_file);
 
 private:
@@ -36,8 +36,8 @@ private:
     const std::filesystem::path& file_;
     AssimpAnswer& answer_;
     SceneDescription& to_;
-    std::map<std::string, int> images_, cameras_, lights_;  ///< cameras and lights by the name of their node
-    std::map<int, int> colored_;  ///< materials and their copies for meshes with vertex colours
+    std::map<std::string, int> images_, cameras_, lights_;  ///< cameras and lights are keyed by the name of their node
+    std::map<int, int> colored_;  ///< copies of materials for meshes with vertex colors, by material
 };
 
 }  // namespace fathom

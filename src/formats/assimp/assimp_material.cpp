@@ -31,7 +31,7 @@ Wrap to_wrap(int mode)
     return mode == aiTextureMapMode_Mirror ? Wrap::mirror : Wrap::repeat;
 }
 
-/// Whether a picture has an alpha channel can't be told from here; these formats have none.
+/// Whether an image may have an alpha channel, judged by its extension alone.
 bool may_have_alpha(const std::string& path)
 {
     std::string lower = path;
@@ -47,12 +47,13 @@ bool AssimpConverter::read_embedded(const aiTexture& from, ImageFile& image)
         const auto* bytes = static_cast<const std::byte*>(data);
         image.bytes.insert(image.bytes.end(), bytes, bytes + size);
     };
-    if (from.mHeight == 0) {  // an encoded file of mWidth bytes
+    if (from.mHeight == 0) {  // mWidth bytes of an encoded image file
         append(from.pcData, from.mWidth);
         return !image.bytes.empty();
     }
     if (from.mWidth > 65535 || from.mHeight > 65535) return false;
-    // Plain BGRA: as a TGA, which is those bytes behind a header; 0x28: from the top, 8 bits of alpha.
+    // Uncompressed BGRA becomes a TGA file, which has these bytes behind a header; 0x28 means rows from the top and 8
+    // bits of alpha.
     const auto low = [](unsigned x) { return static_cast<unsigned char>(x & 255); };
     const unsigned w = from.mWidth, h = from.mHeight;
     const unsigned char header[18] = {0, 0, 2, 0,      0,           0,      0,           0,  0,
@@ -78,7 +79,8 @@ int AssimpConverter::image(const std::string& path)
         std::replace(clean.begin(), clean.end(), '\\', '/');
         const std::filesystem::path folder = file_.parent_path();
         image.path = folder / clean;
-        // Absolute paths of the machine where the file was made: what lies beside the file is meant.
+        // Absolute paths often refer to the machine that exported the file; the image is then looked for beside the
+        // file.
         std::error_code error;
         if (!std::filesystem::exists(image.path, error)) {
             const std::filesystem::path beside = folder / std::filesystem::path(clean).filename();
@@ -111,8 +113,8 @@ int AssimpConverter::texture(const aiMaterial& material, aiTextureType type, Col
     return int(to_.textures.size()) - 1;
 }
 
-/// What physically based materials say, over the older keys: those that Assimp names in its own way whatever the
-/// format.
+/// Reads the keys of physically based materials, which override the older keys. Assimp names them uniformly for all
+/// formats.
 void AssimpConverter::add_layers(const aiMaterial& from, Color diffuse, Material& m)
 {
     const auto share = [&](const char* key, unsigned type, unsigned index, float otherwise) {
@@ -129,7 +131,7 @@ void AssimpConverter::add_layers(const aiMaterial& from, Color diffuse, Material
     if (!has_metal && !(coat > 0) && !(transmission > 0) && !(anisotropy > 0) && sheen == Color{0, 0, 0}) return;
     m.kind = MaterialKind::principled;
     m.base_color.value = bounded(color_or(from, AI_MATKEY_BASE_COLOR, diffuse));
-    // What is one picture in many formats has roughness in green and metallic in blue.
+    // By convention of many formats, a packed texture has roughness in green and metallic in blue.
     const bool packed = roughness_map >= 0 && metallic_map >= 0 &&
                         to_.textures[std::size_t(roughness_map)].image == to_.textures[std::size_t(metallic_map)].image;
     if (has_metal) {
@@ -161,7 +163,7 @@ void AssimpConverter::add_material(const aiMaterial& from)
     phong.shininess = number(from, AI_MATKEY_SHININESS).value_or(0);
     phong.opacity = number(from, AI_MATKEY_OPACITY).value_or(1);
     phong.ior = number(from, AI_MATKEY_REFRACTI).value_or(1.5f);
-    // An opacity of 0 is mostly a file that means the opposite: nobody models what can't be seen.
+    // An opacity of 0 usually means that the exporter wrote transparency instead, so the material counts as opaque.
     if (phong.opacity == 0) phong.opacity = 1;
     m.base_color.texture = texture(from, aiTextureType_BASE_COLOR, ColorSpace::srgb);
     if (m.base_color.texture < 0) m.base_color.texture = texture(from, aiTextureType_DIFFUSE, ColorSpace::srgb);
@@ -176,13 +178,13 @@ void AssimpConverter::add_material(const aiMaterial& from)
     for (float* c : {&m.emission.value.r, &m.emission.value.g, &m.emission.value.b}) *c *= intensity;
     m.emission_two_sided = true;
     m.normal_texture = texture(from, aiTextureType_NORMALS, ColorSpace::linear);
-    // Assimp's other type for heights stands for bump maps. The factor is FBX's, without a name in Assimp's headers.
+    // Assimp's type HEIGHT stands for bump maps. The scale is FBX's, which has no name in Assimp's headers.
     if (const int heights = texture(from, aiTextureType_DISPLACEMENT, ColorSpace::linear); heights >= 0)
         m.displacement = {number(from, "$mat.displacementscaling", 0, 0).value_or(1), heights, 0};
     if (const int opacity = texture(from, aiTextureType_OPACITY, ColorSpace::linear); opacity >= 0) {
         const auto image_of = [&](int t) { return t >= 0 ? to_.textures[std::size_t(t)].image : -1; };
         const bool same = image_of(opacity) == image_of(m.base_color.texture);
-        // The picture of the colour given once more: its alpha is meant.
+        // If the opacity map is the color image, its alpha channel is meant.
         if (!same || may_have_alpha(to_.textures[std::size_t(opacity)].name)) {
             m.alpha.texture = opacity;
             m.alpha.channel = same ? 3 : 0;

@@ -13,8 +13,8 @@ namespace fathom {
 
 namespace {
 
-/// The map from the file's axes and unit to y up and metres; FBX writes them down, Assimp leaves them to us. (Collada
-/// and 3DS come turned already.)
+/// Transform from the file's axes and unit to y up and meters. Assimp applies the axes of Collada and 3DS, but leaves
+/// those of FBX to its users.
 Transform file_to_world(const aiScene& scene, bool turn_up)
 {
     Transform t;
@@ -38,7 +38,7 @@ Transform file_to_world(const aiScene& scene, bool turn_up)
             t.m[2][z] = sign("FrontAxisSign");
         }
     }
-    // Centimetres a unit.
+    // UnitScaleFactor is in centimeters per unit.
     double unit = 100;
     float unit_float = 100;
     if (!scene.mMetaData->Get("UnitScaleFactor", unit) && scene.mMetaData->Get("UnitScaleFactor", unit_float))
@@ -49,7 +49,7 @@ Transform file_to_world(const aiScene& scene, bool turn_up)
     return t;
 }
 
-/// What Assimp opens: regular files, and where that is asked for only those of one folder.
+/// Assimp's file access: regular files only, and only files of one folder if the request says so.
 class Files : public Assimp::DefaultIOSystem {
 public:
     Files(const AssimpRequest& request, std::vector<std::filesystem::path>& opened) : request_(request), opened_(opened)
@@ -59,7 +59,7 @@ public:
     bool Exists(const char* file) const override { return may_open(file) && DefaultIOSystem::Exists(file); }
     Assimp::IOStream* Open(const char* file, const char* mode) override
     {
-        // Nothing is written, and a pipe might never be filled.
+        // Writing is refused, and so are pipes, which might block.
         if (mode[0] != 'r' || !may_open(file)) return nullptr;
         Assimp::IOStream* const stream = DefaultIOSystem::Open(file, mode);
         if (stream) opened_.emplace_back(file);
@@ -85,12 +85,12 @@ void read(const AssimpRequest& request, AssimpAnswer& answer)
 {
     const std::filesystem::path& file = request.file;
     Assimp::Importer importer;
-    importer.SetIOHandler(new Files(request, answer.scene.files));  // which the importer owns
+    importer.SetIOHandler(new Files(request, answer.scene.files));  // the importer takes ownership
     if (!importer.IsExtensionSupported(file.extension().string())) {
         answer.error = "no reader knows this format";
         return;
     }
-    // Polygons are cut by ourselves, and the other steps cost time or memory for nothing that we need.
+    // Fathom triangulates polygons itself, and other postprocessing costs time or memory without use.
     const aiScene* scene = importer.ReadFile(
         file.string(), aiProcess_JoinIdenticalVertices | aiProcess_GenUVCoords | aiProcess_TransformUVCoords);
     if (!scene) {

@@ -85,7 +85,7 @@ private:
     std::size_t left_;
 };
 
-/// The members of each type, once for both directions.
+/// Lists the members of each type once for both serialization and deserialization.
 template <class Archive, class T>
 void members(Archive& a, T& x)
 {

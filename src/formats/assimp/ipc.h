@@ -5,9 +5,9 @@
 
 namespace fathom {
 
-/// An answer as bytes that another process of the same program understands, and back.
+/// Serializes an answer for another process of the same program.
 std::string to_bytes(const AssimpAnswer& answer);
-/// False if the bytes are cut short.
+/// Deserializes an answer. False if the bytes are truncated.
 bool from_bytes(const std::string& bytes, AssimpAnswer& answer);
 
 }  // namespace fathom

@@ -7,26 +7,27 @@
 
 namespace fathom {
 
-/// What the module libfathom_assimp.so answers. It is a library of its own, opened when a file asks for it, because
-/// merely linking Assimp makes every start of the program slower. No exception crosses its border.
+/// The result of the module libfathom_assimp.so. Assimp is in a module that is loaded on demand, because linking it
+/// would slow down every start of the program. No exception crosses the module's boundary.
 struct AssimpAnswer {
     SceneDescription scene;
-    std::string error;  ///< empty if the scene could be read
+    std::string error;  ///< empty on success
     std::vector<std::string> warnings;
 };
 
+/// What the module is to read.
 struct AssimpRequest {
     std::filesystem::path file;
-    bool turn_up = true;           ///< whether to follow what the file says of its axes
-    std::filesystem::path folder;  ///< only files in here are opened; empty: all
+    bool turn_up = true;           ///< whether to apply the axes that the file specifies
+    std::filesystem::path folder;  ///< only files in this folder may be opened; empty: no restriction
 };
 
-/// Files beside the one that was asked for are listed in answer.scene.files.
+/// The module's entry point. Other files that it read are listed in answer.scene.files.
 using AssimpRead = void (*)(const AssimpRequest& request, AssimpAnswer& answer);
 
 constexpr const char* assimp_module_file = "libfathom_assimp.so";
 constexpr const char* assimp_read_symbol = "fathom_assimp_read";
-/// A string that must be the same in library and module: types cross between them.
+/// Version string that must match between library and module, because C++ types cross the boundary.
 constexpr const char* assimp_version_symbol = "fathom_assimp_version";
 
 }  // namespace fathom

@@ -16,18 +16,19 @@ namespace fathom {
 
 namespace {
 
-/// The folder of the library (or program) that this function is part of.
+/// The folder of the library or program that contains this code.
 std::filesystem::path own_folder()
 {
     Dl_info info;
     std::error_code error;
     if (dladdr(reinterpret_cast<const void*>(&own_folder), &info) != 0 && std::strchr(info.dli_fname, '/'))
         return std::filesystem::absolute(info.dli_fname, error).parent_path();
-    // A program that was found through PATH is named without its folder.
+    // For a program found through PATH, dli_fname has no folder.
     return std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
 }
 
-/// Opened once, and kept: Assimp does not like to be unloaded. Null if it isn't there; `why` then says more.
+/// Opens the module once and keeps it, since Assimp doesn't support unloading. Null if it is missing; `why` then has
+/// the reason.
 void* open_module(std::string& why)
 {
     static std::string reason;
@@ -69,7 +70,7 @@ SceneDescription read_with_assimp(const std::filesystem::path& file, const LoadO
             fmt::format("Fathom has no reader of its own for '{}', and the module {} that reads further formats {}",
                         file.extension().string(), assimp_module_file,
                         why.empty() ? "is not there" : "can't be used: " + printable(why)));
-    // Assimp stops the program where a file breaks its assertions, and some files make it worse: it works apart.
+    // Assimp aborts on files that violate its assertions and crashes on others, so it runs in a process of its own.
     const std::size_t megabytes = std::size_t(std::filesystem::file_size(file) >> 20) + 1;
     const SubprocessResult result = run_in_subprocess(
         [&] {

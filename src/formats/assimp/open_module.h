@@ -5,11 +5,11 @@
 
 namespace fathom {
 
-/// Reads FBX, Collada, 3DS and whatever else Assimp knows, through the module beside this library. Throws Error if the
-/// module isn't there or can't read the file.
+/// Reads FBX, Collada, 3DS and other formats of Assimp through the module beside this library. Throws Error if the
+/// module is missing or can't read the file.
 SceneDescription read_with_assimp(const std::filesystem::path& file, const LoadOptions& options, LoadContext& context);
 
-/// Takes whatever no other importer knows.
+/// The fallback for files that no other importer recognizes.
 inline constexpr Importer assimp_importer{
     [](const SourceFile&) { return true; },
     [](const SourceFile& f, LoadContext& context) { return read_with_assimp(f.path, f.options, context); }};

@@ -26,7 +26,7 @@ constexpr std::uint32_t architecture = AUDIT_ARCH_X86_64;
 constexpr std::uint32_t architecture = AUDIT_ARCH_AARCH64;
 #endif
 
-/// Calls that change something outside the process. Old names of some are not on every architecture.
+/// System calls that affect anything outside the process. Some legacy calls exist only on x86-64.
 constexpr int refused_calls[] = {
 #ifdef __x86_64__
     SYS_creat,          SYS_unlink,       SYS_rename,       SYS_mkdir,
@@ -55,12 +55,12 @@ sock_filter answer(std::uint32_t code)
     return BPF_STMT(BPF_RET | BPF_K, code);
 }
 
-/// Refuses the call `number` if its argument has one of the bits.
+/// Refuses the call `number` if one of the bits is set in its argument.
 void refuse_with_bits(std::vector<sock_filter>& program, int number, std::size_t argument, std::uint32_t bits)
 {
     const std::size_t place = offsetof(seccomp_data, args) + argument * sizeof(seccomp_data::args[0]);
     program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, std::uint32_t(number), 0, 4));
-    program.push_back(load(place));  // the low half: little-endian
+    program.push_back(load(place));  // the low 32 bits on little-endian machines
     program.push_back(BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, bits, 0, 1));
     program.push_back(answer(SECCOMP_RET_ERRNO | EACCES));
     program.push_back(answer(SECCOMP_RET_ALLOW));
@@ -74,7 +74,7 @@ void enter_sandbox()
     std::vector<sock_filter> program{
         load(offsetof(seccomp_data, arch)), BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, architecture, 1, 0),
         answer(SECCOMP_RET_ERRNO | EPERM), load(offsetof(seccomp_data, nr)),
-        // Numbers above are those of another way of calling the same kernel.
+        // Higher numbers belong to the x32 ABI.
         BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, 0x40000000, 0, 1), answer(SECCOMP_RET_ERRNO | EPERM)};
     for (const int call : refused_calls) {
         program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, std::uint32_t(call), 0, 1));
@@ -86,7 +86,7 @@ void enter_sandbox()
 #endif
     program.push_back(answer(SECCOMP_RET_ALLOW));
     const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
-    // Kernels without it go on without it.
+    // Kernels without seccomp continue unprotected.
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0) prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter);
 }
 

@@ -2,9 +2,8 @@
 
 namespace fathom {
 
-/// Leaves this process the right to compute and to read files, and takes it all others, for good, as far as the kernel
-/// can do that: nothing is written, created or removed, no program started, no connection made, no other process
-/// harmed.
+/// Irrevocably restricts this process to computing and reading files, as far as the kernel supports it: it can't write,
+/// create or remove files, start programs, open connections or signal other processes.
 void enter_sandbox();
 
 }  // namespace fathom

@@ -32,7 +32,7 @@ void limit(unsigned seconds, std::size_t memory_bytes)
     const rlimit no_core{0, 0}, time{seconds, seconds + 1};
     setrlimit(RLIMIT_CORE, &no_core);
     setrlimit(RLIMIT_CPU, &time);
-    // More than is in use: a sanitizer's shadow alone is larger than any limit.
+    // The limit is relative to the memory in use: a sanitizer's shadow memory alone exceeds any absolute limit.
     const rlimit memory{memory_in_use() + memory_bytes, RLIM_INFINITY};
     setrlimit(RLIMIT_AS, &memory);
 }
@@ -51,11 +51,11 @@ void write_all(int fd, const std::string& bytes)
                             std::size_t memory_bytes)
 {
 #ifdef PR_SET_PDEATHSIG
-    // Nobody waits for it once the program has gone, which it may have by now.
+    // The child is killed when the parent dies, which may have happened before this call.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(1);
 #endif
-    // Handlers of the program, as for Ctrl-C, must not run twice.
+    // Signal handlers of the parent, such as for Ctrl-C, must not run in the child.
     for (int signal : {SIGINT, SIGTERM, SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGXCPU})
         std::signal(signal, SIG_DFL);
     if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) {
@@ -69,7 +69,7 @@ void write_all(int fd, const std::string& bytes)
     } catch (...) {
         _exit(2);
     }
-    // No destructors, no exit handlers: they belong to the parent.
+    // Destructors and exit handlers belong to the parent.
     _exit(0);
 }
 
@@ -81,7 +81,7 @@ std::string reason(int status)
     return WEXITSTATUS(status) == 2 ? "it ran out of memory" : "it failed";
 }
 
-/// False if none came, nor the end, until then.
+/// Waits for data or its end; false if the deadline passes first.
 bool wait_for_bytes(int fd, std::chrono::steady_clock::time_point deadline)
 {
     for (;;) {
@@ -115,7 +115,7 @@ SubprocessResult run_in_subprocess(const std::function<std::string()>& work, uns
         result.failure = std::strerror(error);
         return result;
     }
-    // Work that waits uses no processor time.
+    // RLIMIT_CPU doesn't stop work that blocks.
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(2 + 3 * std::uint64_t(seconds));
     std::size_t size = 0;
     result.bytes.resize(1 << 16);

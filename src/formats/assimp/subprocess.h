@@ -4,15 +4,17 @@
 
 namespace fathom {
 
-/// What came of work in a process of its own.
+/// The result of work in a child process.
 struct SubprocessResult {
-    std::string bytes;    ///< what the work returned
-    std::string failure;  ///< why there is none: the process crashed, took too long, or could not be started
+    std::string bytes;    ///< return value of the work
+    std::string failure;  ///< the reason if there is no result: the process crashed, exceeded a limit or could not be
+                          ///< started
 };
 
-/// Does the work in a child process, so that whatever happens to it happens there. The child has `seconds` of processor
-/// time, somewhat more than three times that to end, and `memory_bytes` beyond what the program holds already; it may
-/// read files, and change nothing (enter_sandbox); it ends with the program. What it prints is not seen.
+/// Runs `work` in a sandboxed child process (see enter_sandbox), so that crashes and damage stay there.
+///
+/// The child may use `seconds` of CPU time, slightly more than three times that of wall time, and `memory_bytes` beyond
+/// the memory of the parent. It is killed when the parent exits, and its output is discarded.
 SubprocessResult run_in_subprocess(const std::function<std::string()>& work, unsigned seconds,
                                    std::size_t memory_bytes);
 

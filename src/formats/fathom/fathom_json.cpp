@@ -213,7 +213,7 @@ void FathomJsonReader::read_unused()
     });
 }
 
-/// What has a name and that no node refers to stands at the root of the scene.
+/// Adds named cameras and lights that no node refers to as root nodes.
 void FathomJsonReader::place_unplaced()
 {
     const auto add = [&](const std::string& name, int Node::* member, Placed& placed) {
@@ -242,8 +242,8 @@ SceneDescription FathomJsonReader::read()
 
     read_cameras(o);
     for_each_named("lights", [&](const std::string& name, const JsonValue& v) { lights_[name] = add_light(v, name); });
-    // In the file's order, which ids in pictures follow, and what is written of a scene; the rest when it is referred
-    // to.
+    // Reading in the order of the file makes ids in images and the order of a saved scene follow it. Other things are
+    // read when they are referred to.
     read_textures();
     read_materials();
     for_each_named("meshes", [&](const std::string& name, const JsonValue& v) { meshes_[name] = add_mesh(v, name); });
@@ -266,8 +266,8 @@ SceneDescription FathomJsonReader::read()
     return std::move(scene_);
 }
 
-/// A scene of this format looks as it says: only lamps in real units, of which there is nothing to see, are exposed
-/// for.
+/// Fathom's own scenes are not exposed automatically: their exposure stays 0 if they emit or have an environment.
+/// Scenes with only lamps in physical units keep automatic exposure.
 void FathomJsonReader::keep_own_light()
 {
     const bool emits = std::any_of(scene_.materials.begin(), scene_.materials.end(), [](const Material& m) {

@@ -6,12 +6,12 @@
 
 namespace fathom {
 
-/// Reads Fathom's own scene file: docs/scene-format.md says what may stand in it.
+/// Reads Fathom's own scene format, which docs/scene-format.md specifies.
 ///
-/// text  the file's content
+/// text  content of the file
 SceneDescription read_fathom_json(const std::filesystem::path& file, std::string_view text, LoadContext& context);
 
-/// As JSON does whose file has no name, as /dev/stdin.
+/// Whether the text begins with an object, which identifies JSON in files without a name such as /dev/stdin.
 bool begins_as_object(std::string_view text);
 
 inline constexpr Importer fathom_json_importer{

@@ -13,7 +13,7 @@ namespace {
 
 using Units = std::vector<std::pair<std::string, double>>;
 
-/// Maps -z, along which lights shine, to the direction; +y to what is up, if that is given.
+/// A rotation that maps -z, the direction of lights, to `direction`, and +y toward `up` if it is given.
 Transform shining_along(Vec3d direction, const std::optional<Vec3d>& up)
 {
     const Vec3d z = -normalize(direction);
@@ -27,14 +27,14 @@ Transform shining_along(Vec3d direction, const std::optional<Vec3d>& up)
 double read_angle(const JsonValue& v, double max_deg)
 {
     const double deg = v.number();
-    // Rounded to floats, as in other formats, a right angle may be more than that.
+    // Angles converted from floats may exceed the limit by rounding.
     if (deg < 0 || deg > max_deg * (1 + 1e-6)) v.fail(fmt::format("must be between 0 and {}, found {}", max_deg, deg));
     return deg * radians_per_degree;
 }
 
 }  // namespace
 
-/// Of a spot, a projector or a goniometric light; false if it can't have one, or has none and needs none.
+/// Reads the image of a spot, projector or goniometric light. False if the light has none and needs none.
 bool FathomJsonReader::read_picture(JsonObject& o, Light& light)
 {
     if (light.kind == LightKind::point || light.kind == LightKind::directional || light.kind == LightKind::beam)
@@ -67,13 +67,13 @@ FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const s
     if (is_parallel) {
         o.read_enum("unit", Units{{"lx", 1}, {"W/m2", lumens_per_watt}}, unit);
     } else {
-        // Power is what the bulb sends into the whole sphere; a spot's shade only takes away.
+        // Power refers to the whole sphere, also for spots: the cone only blocks light.
         const bool may_be_flux = light.kind == LightKind::projector || light.kind == LightKind::goniometric;
         const double sphere = may_be_flux ? 1 : 4 * std::numbers::pi;
         o.read_enum("unit",
                     Units{{"cd", 1}, {"lm", 1 / sphere}, {"W/sr", lumens_per_watt}, {"W", lumens_per_watt / sphere}},
                     unit);
-        // A picture says how much of it goes where, so there it is all that is sent.
+        // With an image, the light's distribution is normalized to the given flux.
         if (may_be_flux && v.has("unit"))
             light.intensity_is_flux = v["unit"].string() == "lm" || v["unit"].string() == "W";
     }

@@ -19,7 +19,7 @@ void check_range(const JsonValue& v, double value, double least, double most)
     if (value < least || value > most) v.fail(fmt::format("must be between {} and {}, found {}", least, most, value));
 }
 
-/// The words of a list of kinds.
+/// Pairs of the name and the enumerator of each kind.
 template <class Kind>
 std::vector<std::pair<std::string, Kind>> words_of(std::span<const KindName<Kind>> kinds)
 {
@@ -34,7 +34,7 @@ void check_most(const JsonValue& v, const Color& color, double most, const char*
         v.fail(excess ? excess : fmt::format("must not be above {}", most));
 }
 
-/// A number between what the parameter allows.
+/// Reads a number and checks it against the parameter's range.
 template <class P>
 double read_number(const JsonValue& v, const P& p)
 {
@@ -66,7 +66,7 @@ bool FathomJsonReader::is_decoded_by_use(const JsonValue& v)
     if (v.is_string()) {
         const JsonValue* named = table("textures");
         if (!named || !named->has(v.string())) return false;
-        // One that contains itself is an error, which is found when it is read.
+        // The entry starts as false, which ends cycles; they are reported when the texture is read.
         const auto [found, is_new] = decoded_by_use_.try_emplace(v.string(), false);
         return is_new ? decoded_by_use_[v.string()] = is_decoded_by_use((*named)[v.string()]) : found->second;
     }
@@ -85,7 +85,7 @@ void FathomJsonReader::read_textures()
         textures_[{name, Use::color}] = int(scene_.textures.size() + names.size());
         names.push_back(name);
     });
-    // They may refer to each other: all have their numbers before one is read.
+    // Textures may refer to each other, so all get their indices before any is read.
     scene_.textures.resize(names.size());
     for (std::size_t i = 0; i < names.size(); ++i) {
         open_textures_.insert(names[i]);
@@ -181,7 +181,7 @@ void FathomJsonReader::read_parameters(JsonObject& o, std::span<const Parameter<
                     out = v->integer();
                     check_range(*v, out, p.least, p.most);
                 } else {
-                    if constexpr (std::is_same_v<T, float>) v->single();  // within a float's range
+                    if constexpr (std::is_same_v<T, float>) v->single();  // checks the range of float
                     out = T(read_number(*v, p));
                 }
             }
@@ -248,7 +248,7 @@ void FathomJsonReader::read_emission_unit(JsonObject& o, Material& material)
     value = {float(value.r * nits), float(value.g * nits), float(value.b * nits)};
 }
 
-/// A metal by name or by its index of refraction, which stand for its colours.
+/// Reads a metal by name or by its complex index of refraction, which determine its colors.
 void FathomJsonReader::read_conductor(JsonObject& o, Material& material)
 {
     const auto v = o.get("conductor");
@@ -289,7 +289,7 @@ void FathomJsonReader::read_materials()
         materials_[name] = int(names.size());
         names.push_back(name);
     });
-    // They may refer to each other: all have their numbers before one is read.
+    // Materials may refer to each other, so all get their indices before any is read.
     scene_.materials.resize(names.size());
     for (std::size_t i = 0; i < names.size(); ++i) {
         Material material = read_material((*table("materials"))[names[i]], names[i]);
@@ -310,7 +310,7 @@ Material FathomJsonReader::read_material(const JsonValue& v, const std::string& 
     m.name = name;
     JsonObject o(v);
     o.read_enum("kind", words_of(material_kinds()), m.kind);
-    // Whoever gives an alpha wants to see it.
+    // A material with alpha is blended unless alpha_mode says otherwise.
     if (v.has("alpha")) m.alpha_mode = AlphaMode::blend;
     read_parameters(o, material_parameters(), std::uint32_t(m.kind), {}, m);
     if (m.kind != MaterialKind::unlit) read_emission_unit(o, m);

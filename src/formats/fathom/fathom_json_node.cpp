@@ -10,7 +10,7 @@ namespace fathom {
 
 namespace {
 
-/// More than any real scene nests; less than a stack holds.
+/// Deeper than real scenes, and shallow enough for the recursion's stack use.
 constexpr int deepest_node = 200;
 
 }  // namespace
@@ -141,7 +141,8 @@ void FathomJsonReader::read_model(JsonObject& o, const JsonValue& path, Node& no
 
 void FathomJsonReader::check_copy(const JsonValue& v, std::size_t nodes) const
 {
-    // A copy for each node that asks for one: a short file can ask for many. Those that are there move when they grow.
+    // Each node that overrides materials copies the model, so a short file can demand much memory. Growing the vector
+    // moves the existing nodes.
     const std::size_t all = scene_.nodes.size() + nodes;
     double bytes = double(nodes) * double(sizeof(Node) + sizeof(Shape));
     if (all > scene_.nodes.capacity()) bytes += 2 * double(all) * double(sizeof(Node));

@@ -15,10 +15,10 @@
 
 namespace fathom {
 
-/// {"axis": [x, y, z], "angle_deg": a}: right-handed.
+/// Reads {"axis": [x, y, z], "angle_deg": a} as a right-handed rotation.
 Transform read_rotation(const JsonValue& v);
 
-/// The time of a key of motion, which must be later than those before it.
+/// Reads the time of a motion key, which must be later than those of the earlier keys.
 template <class Key>
 double read_key_time(JsonObject& key, const std::vector<Key>& earlier)
 {
@@ -28,8 +28,8 @@ double read_key_time(JsonObject& key, const std::vector<Key>& earlier)
     return time;
 }
 
-/// The reader of Fathom's own scene file, while it works. Names become indices here: whatever is referred to by name is
-/// read when it is first asked for.
+/// The reader of Fathom's own scene format. Names are resolved to indices, and things referred to by name are read on
+/// first reference.
 class FathomJsonReader {
 public:
     FathomJsonReader(std::filesystem::path file, const JsonValue& root, LoadContext& context)
@@ -39,18 +39,18 @@ public:
     SceneDescription read();
 
 private:
-    /// What a texture is looked up for decides how an 8-bit image is decoded where the file doesn't say it.
+    /// The purpose of a texture decides how an 8-bit image is decoded if the file doesn't specify its color space.
     enum class Use { color, data };
     enum class State { unread, reading, read };
     struct Named {
         State state = State::unread;
         int index = -1;
     };
-    /// A camera or a light, and where it is in the space of its node.
+    /// A camera or a light, with its transform in the space of its node.
     struct Placed {
         int index = -1;
         Transform place;
-        bool is_placed = false;  ///< some node refers to it
+        bool is_placed = false;  ///< whether a node refers to it
     };
 
     // fathom_json.cpp
@@ -60,21 +60,22 @@ private:
     void read_render(const JsonValue& v);
     void keep_own_light();
     void place_unplaced();
-    /// Reads what nobody refers to, so that mistakes in it show before it is used.
+    /// Reads things that nothing refers to, so that errors in them are reported.
     void read_unused();
 
     // fathom_json_material.cpp
     int image(const JsonValue& path);
     int measured(const JsonValue& path);
-    /// All named ones that are decoded in one way, in the file's order.
+    /// Reads all named textures whose decoding doesn't depend on their use, in the order of the file.
     void read_textures();
-    /// Whether a picture in it doesn't say its colour space, so that what it is looked up for decides.
+    /// Whether the texture contains an image without a color space, so that its use decides the decoding.
     bool is_decoded_by_use(const JsonValue& v);
     int texture(const JsonValue& v, Use use);
     int add_texture(const JsonValue& v, const std::string& name, Use use);
     Texture read_texture(const JsonValue& v, const std::string& name, Use use);
-    /// The parameters that a kind of Owner has. use: of what their textures are looked up for; if not given, of a
-    /// colour for colours, else of data.
+    /// Reads the parameters that a kind of Owner has.
+    ///
+    /// use  purpose of their textures; if absent, `color` for color parameters and `data` for others
     template <class Owner>
     void read_parameters(JsonObject& o, std::span<const Parameter<Owner>> parameters, std::uint32_t kind,
                          std::optional<Use> use, Owner& owner);
@@ -84,7 +85,7 @@ private:
     int material(const JsonValue& v);
     int add_material(const JsonValue& v, const std::string& name);
     Material read_material(const JsonValue& v, const std::string& name);
-    /// All named ones, in the file's order.
+    /// Reads all named materials, in the order of the file.
     void read_materials();
     void read_emission_unit(JsonObject& o, Material& material);
     static void read_conductor(JsonObject& o, Material& material);
@@ -95,10 +96,10 @@ private:
     void read_light(const JsonValue& v, Node& node);
 
     // fathom_json_shape.cpp
-    /// depth  of arrays around it
+    /// depth  number of enclosing arrays
     Transform transform(const JsonValue& v, int depth = 0);
     std::optional<Shape> read_shape(JsonObject& o);
-    /// What has no name stands where it is used.
+    /// Index of a mesh, of curves or of points; unnamed ones are defined in place.
     using Add = int (FathomJsonReader::*)(const JsonValue&, const std::string&);
     int data(const JsonValue& v, const std::map<std::string, int>& named, const char* table, const char* what, Add add);
     int add_mesh(const JsonValue& v, const std::string& name);
@@ -106,7 +107,8 @@ private:
     int add_points(const JsonValue& v, const std::string& name);
     void read_mesh_motion(const JsonValue& v, Mesh& mesh);
     void read_curves_motion(const JsonValue& v, Curves& curves);
-    /// The PLY file that holds the numbers, as fathom::save_scene writes it; nothing if they stand in this file.
+    /// Reads the PLY file that holds the vertex data, as fathom::save_scene writes it; nothing if the data is in this
+    /// file.
     std::optional<PlyData> read_data_file(JsonObject& o);
 
     // fathom_json_node.cpp
@@ -115,15 +117,15 @@ private:
     int named_node(const JsonValue& v, int depth);
     void read_motion(const JsonValue& v, Node& node);
     void read_model(JsonObject& o, const JsonValue& path, Node& node);
-    /// Throws Error if there is no memory for a copy of so many nodes.
+    /// Throws Error if memory doesn't suffice for a copy of `nodes` nodes.
     void check_copy(const JsonValue& v, std::size_t nodes) const;
     void override_materials(JsonObject& o, const Appended& model);
 
-    /// The entry of a top-level table that `v`, a string, names. Throws Error with a suggestion if there is none.
+    /// The entry of a top-level table that the string `v` names. Throws Error with a suggestion if there is none.
     JsonValue find(const char* table, const char* what, const JsonValue& v);
-    /// A top-level object of named things; nullptr if the file has none of that name.
+    /// A top-level object of named things; nullptr if the file lacks it.
     const JsonValue* table(const char* key);
-    /// Calls use(name, value) for each thing of a top-level object, in the file's order.
+    /// Calls use(name, value) for each entry of a top-level object, in the order of the file.
     template <class Use>
     void for_each_named(const char* key, const Use& use)
     {
@@ -131,7 +133,7 @@ private:
         if (!all) return;
         for (const auto& [name, json] : all->json().items()) use(name, (*all)[name]);
     }
-    /// The camera or light of that name, which now has its place.
+    /// The camera or light of that name, which is marked as placed.
     Placed place(IndexedMap<std::string, Placed>& all, const char* table, const char* what, const JsonValue& v);
 
     std::filesystem::path file_;
@@ -143,13 +145,13 @@ private:
     std::map<std::string, int> images_;
     MeasuredFiles measured_{context_, scene_};
     std::map<std::pair<std::string, Use>, int> textures_;
-    std::set<std::string> open_textures_;  ///< named ones that are being read
+    std::set<std::string> open_textures_;  ///< named textures being read; detects cycles
     std::map<std::string, bool> decoded_by_use_;
     std::map<std::string, int> materials_, meshes_, curves_, points_;
     IndexedMap<std::string, Placed> cameras_, lights_;
     std::map<std::string, Named> nodes_;
-    std::vector<std::string> reading_nodes_;  ///< names on the way to here, for the message about a cycle
-    std::map<std::string, Appended> models_;  ///< by path and options: read once, then instanced
+    std::vector<std::string> reading_nodes_;  ///< names of the enclosing nodes, for the message about a cycle
+    std::map<std::string, Appended> models_;  ///< models by path and options: read once, then instanced
 };
 
 }  // namespace fathom

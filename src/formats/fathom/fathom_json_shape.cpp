@@ -180,7 +180,7 @@ void FathomJsonReader::read_mesh_motion(const JsonValue& v, Mesh& mesh)
 
 namespace {
 
-/// [x, y, z, radius], or [x, y, z] with the radius of all.
+/// Reads [x, y, z, radius], or [x, y, z] with the default radius.
 void read_ball(const JsonValue& v, float radius, std::vector<Vec3f>& centers, std::vector<float>& radii)
 {
     if (v.array(3).size() == 3) {
@@ -217,8 +217,8 @@ void read_curves(JsonObject& o, Curves& curves)
     }
 }
 
-/// Points of a key; one that tells no radius has that which it has in the curves themselves. A file may give fewer of
-/// those than points, which is told later.
+/// Reads the points of a motion key. A point without a radius has the radius of the curves; if the file has fewer radii
+/// than points, an error is reported later.
 void read_curves_of_key(const JsonValue& all, const Curves& curves, CurvesKey& key)
 {
     const auto radius_of = [&](std::size_t point) { return point < curves.radii.size() ? curves.radii[point] : 0; };

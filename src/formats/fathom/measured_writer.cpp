@@ -45,7 +45,7 @@ std::string measured_file(const MeasuredBrdf& brdf)
 {
     constexpr std::uint8_t uint8 = 1;
     const std::size_t phis = brdf.phi.size(), thetas = brdf.theta.size();
-    // Which readers ask for; the surface's own would change whenever it is read again from here.
+    // Readers require a description. A constant keeps the file unchanged when it is read and written again.
     const std::string name = "a measured surface";
     const Field fields[] = {floats("phi_i", {phis}, brdf.phi),
                             floats("theta_i", {thetas}, brdf.theta),
@@ -72,7 +72,7 @@ std::string measured_file(const MeasuredBrdf& brdf)
         }
         return text;
     };
-    // As long with any offsets.
+    // The header's length doesn't depend on the offsets in it.
     offset = header().size();
     std::string bytes = header();
     for (const Field& field : fields) bytes += field.bytes;

@@ -5,8 +5,8 @@
 
 namespace fathom {
 
-/// A measured surface as a file of the RGL's format, with colours: what formats/common/measured_file.h reads, bit for
-/// bit.
+/// Writes a measured BRDF in the RGL's format with colors in place of spectra. The reader in
+/// formats/common/measured_file.h restores it bit for bit.
 std::string measured_file(const MeasuredBrdf& brdf);
 
 }  // namespace fathom

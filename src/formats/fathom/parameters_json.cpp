@@ -14,7 +14,7 @@ namespace fathom {
 
 namespace {
 
-/// Writes the parameters of a material or texture as their table says: what reading makes of a file, the other way.
+/// Writes the parameters of a material or texture from their table: the inverse of reading.
 template <class Owner>
 class ParameterWriter {
 public:
@@ -90,7 +90,7 @@ private:
         return all;
     }
 
-    /// A value, the name of a texture, or both.
+    /// A value, the name of a texture, or an object with both.
     Json input(Json value, int texture, Json channel) const
     {
         if (texture < 0 && channel.is_null()) return value;
@@ -102,7 +102,7 @@ private:
         return both;
     }
 
-    /// What a file may say that is nearest to it.
+    /// The value clamped to the range that files allow, with a warning if it changes.
     double inside(const P& p, double v) const
     {
         const double limited = std::clamp(v, p.least, p.most);
@@ -165,7 +165,7 @@ Json material_json(const Material& material, const ParameterNames& names)
     Json json = Json::object();
     json["kind"] = word_of(material_kinds(), material.kind);
     ParameterWriter<Material>(material, names).write(material_parameters(), std::uint32_t(material.kind), json);
-    // Where no alpha is given it goes without saying.
+    // Without alpha, the mode `opaque` is the default.
     if (!json.contains("alpha") && material.alpha_mode == AlphaMode::opaque) json.erase("alpha_mode");
     return json;
 }

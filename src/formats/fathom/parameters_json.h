@@ -7,7 +7,7 @@
 
 namespace fathom {
 
-/// What materials and textures are written with: how others are called, and where warnings go.
+/// Names of the things that materials and textures refer to, and the destination of warnings.
 struct ParameterNames {
     const std::string& file;                    ///< for warnings
     const std::vector<std::string>& textures;   ///< by index
@@ -20,10 +20,11 @@ struct ParameterNames {
 Json color_json(Color color);
 Json vector_json(const Vec3d& v);
 Json matrix_json(const Transform& t);
-/// Nothing for the identity.
+/// An empty value for the identity.
 Json transform_json(const Transform& t);
-/// What differs from the default.
+/// The parameters that differ from their defaults.
 Json material_json(const Material& material, const ParameterNames& names);
+/// The parameters that differ from their defaults.
 Json texture_json(const Texture& texture, const ParameterNames& names);
 
 }  // namespace fathom

@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// With U+FFFD for what is none.
+/// The text with invalid UTF-8 replaced by U+FFFD.
 std::string utf8(const std::string& text)
 {
     return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
@@ -57,7 +57,7 @@ std::string SaveFiles::add(const std::string& name, const std::string& extension
 
 std::string SaveFiles::refer(const fs::path& file) const
 {
-    // The file itself may be a link, whose name says more than where it leads.
+    // Only the folder is resolved: if the file itself is a link, its own name is kept.
     std::error_code error;
     const fs::path real = fs::weakly_canonical(folder_of(file), error) / file.filename();
     const fs::path from = error ? fs::path() : fs::weakly_canonical(folder_of(target_), error);

@@ -9,28 +9,29 @@
 
 namespace fathom {
 
-/// Names of which no two are equal.
+/// Generates unique names.
 class UniqueNames {
 public:
-    /// `wanted`, made UTF-8, or `other` where it is empty; with a number behind it where that is taken.
+    /// Returns `wanted` in valid UTF-8, or `other` if it is empty, with a number appended if the name is taken.
     std::string add(const std::string& wanted, const std::string& other);
 
 private:
-    std::map<std::string, int> used_;  ///< and the last number that was put behind
+    std::map<std::string, int> used_;  ///< names, with the last number that was appended
 };
 
-/// The files beside a scene's own that saving it writes, in a folder named after it.
+/// The files that saving a scene writes beside the scene file, in a folder named after it.
 class SaveFiles {
 public:
     SaveFiles(const SceneDescription& scene, const std::filesystem::path& target);
 
     using Write = std::function<void(const std::filesystem::path&)>;
-    /// A file of that name, of which letters, digits, dots and dashes are kept; returns its path as the scene has it.
+    /// Registers a file and returns its path relative to the scene file. Only letters, digits, dots and dashes of
+    /// `name` are kept.
     std::string add(const std::string& name, const std::string& extension, Write write);
-    /// A path to an earlier file as the scene has it: relative if it can be; empty if no text in UTF-8 can say it.
+    /// The path to an existing file for the scene file: relative if possible; empty if it can't be expressed in UTF-8.
     std::string refer(const std::filesystem::path& file) const;
 
-    /// Writes them all. Throws Error before it begins if one, or the target, is a file that the scene was read from.
+    /// Writes all files. Throws Error, before writing any, if a file or the target is one that the scene was read from.
     void write() const;
 
 private:

@@ -18,13 +18,13 @@ namespace fathom {
 
 namespace {
 
-/// Sets a key unless the value is the one that goes without saying.
+/// Sets a key unless the value is the default `usual`.
 void put_unless_default(Json& json, const char* key, Json value, const Json& usual = {})
 {
     if (value != usual) json[key] = std::move(value);
 }
 
-/// By what its first bytes say.
+/// Extension of an image file, from its signature.
 std::string extension_of(const ImageFile& image)
 {
     const std::string_view bytes(reinterpret_cast<const char*>(image.bytes.data()), image.bytes.size());
@@ -39,8 +39,8 @@ std::string extension_of(const ImageFile& image)
     return std::filesystem::path(image.name).extension().string();
 }
 
-/// One way from the description to the file; each kind of thing has a table, in the description's order, and is
-/// referred to by name.
+/// Writes a scene description as JSON. Each kind of thing has a table in the order of the description and is referred
+/// to by name.
 class SceneWriter {
 public:
     SceneWriter(const SceneDescription& scene, const std::string& file, SaveFiles& files, Warnings& warnings)
@@ -90,7 +90,7 @@ private:
         for (const T& thing : things) names.push_back(unique.add(thing.name, other));
     }
 
-    /// A table of what `make` makes; nothing where that is null.
+    /// Adds a table with make() of each thing; null results are omitted.
     template <class T>
     void add(Json& json, const char* key, const std::vector<T>& things, const std::vector<std::string>& names,
              Json (SceneWriter::*make)(const T&, std::size_t))
@@ -148,7 +148,7 @@ private:
         out.commit();
     }
 
-    /// How often nodes, cameras and lights are referred to, and whether a reader would follow nodes so deep.
+    /// Counts references to nodes, cameras and lights. Throws Error if nodes are nested deeper than the reader allows.
     void count_uses()
     {
         uses_.resize(scene_.nodes.size());
@@ -367,7 +367,7 @@ private:
         return {{"file", add_ply(fmt::format("points-{}-{}", i, points_[i]), std::move(file))}};
     }
 
-    /// What one thing alone refers to stands where it does so.
+    /// Nodes with a single reference are written in place.
     bool is_inline(std::size_t node) const { return uses_[node] == 1; }
     Json reference(int index)
     {
@@ -379,7 +379,7 @@ private:
         return is_inline(i) ? Json() : node_json(node, nodes_[i]);
     }
 
-    /// name  what the node is called if it doesn't say so
+    /// name  the node's name if it has none of its own
     Json node_json(const Node& node, const std::string& name)
     {
         Json json = Json::object();
@@ -440,7 +440,7 @@ private:
     Warnings& warnings_;
     std::vector<std::string> cameras_, lights_, textures_, materials_, measured_, meshes_, curves_, points_, nodes_;
     std::vector<std::string> images_;  ///< paths
-    std::vector<int> uses_, heights_;  ///< of nodes
+    std::vector<int> uses_, heights_;  ///< by node
     std::vector<bool> has_camera_, has_light_;
 };
 

@@ -7,7 +7,7 @@
 
 namespace fathom {
 
-/// The scene as its file says it; what stands in files beside it is added to `files`.
+/// The scene in Fathom's scene format; data for separate files is added to `files`.
 Json scene_json(const SceneDescription& scene, const std::string& file, SaveFiles& files, Warnings& warnings);
 
 }  // namespace fathom

@@ -12,7 +12,7 @@ namespace fathom {
 
 namespace {
 
-/// An accessor without bytes is all zeros: the file does not bound its size, so this does.
+/// Limit of accessors without data, which are all zeros and whose count the file's size doesn't bound.
 constexpr std::size_t max_zeros = 100'000'000;
 
 enum ComponentType { s8 = 5120, u8 = 5121, s16 = 5122, u16 = 5123, u32 = 5125, f32 = 5126 };
@@ -49,7 +49,7 @@ T load(const char* p)
     return value;
 }
 
-/// The loop over elements, free of branches on the type.
+/// Converts elements; the type is a template parameter to keep the loop free of branches.
 template <class T, bool normalized>
 void convert_elements(const char* data, std::size_t stride, std::size_t count, int columns, int rows,
                       std::size_t column_stride, int to_components, float fill, float* out)
@@ -66,7 +66,7 @@ void convert_elements(const char* data, std::size_t stride, std::size_t count, i
     }
 }
 
-/// As above for vectors, whose components stand side by side: the common case, unrolled.
+/// Specialization for vectors, whose components are adjacent: the common case, unrolled.
 template <class T, bool normalized, int have>
 void convert_vectors(const char* data, std::size_t stride, std::size_t count, int to_components, float fill, float* out)
 {
@@ -102,7 +102,7 @@ Accessor::Accessor(GltfFile& file, const JsonValue& index)
     if (shape == std::end(shapes)) type.fail("must be SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4");
     columns_ = shape->columns;
     rows_ = shape->rows;
-    // Columns of matrices begin at multiples of 4 bytes.
+    // Matrix columns are aligned to 4 bytes.
     column_stride_ = std::size_t(rows_) * size;
     if (columns_ > 1) column_stride_ = (column_stride_ + 3) / 4 * 4;
     element_size_ = std::size_t(columns_ - 1) * column_stride_ + std::size_t(rows_) * size;
@@ -143,7 +143,7 @@ void Accessor::check_range(const JsonValue& v, GltfFile::View view, std::size_t 
     const std::size_t bytes = view.bytes.size();
     if (view.stride != 0 && view.stride < size)
         v.fail(fmt::format("elements of {} bytes overlap: the view's stride is {}", size, view.stride));
-    // Written so that nothing overflows, whatever the numbers.
+    // The comparison is arranged so that it can't overflow.
     if (offset > bytes || size > bytes - offset || (count - 1) > (bytes - offset - size) / stride)
         v.fail(fmt::format("{} elements of {} bytes from byte {} on do not fit into the view's {} bytes", count, size,
                            offset, bytes));

@@ -6,27 +6,27 @@
 
 namespace fathom {
 
-/// One accessor of a glTF file, all its ranges checked: what reads elements after that cannot leave the buffer.
+/// An accessor of a glTF file. The constructor checks all its ranges, so that reading elements can't leave the buffer.
 class Accessor {
 public:
-    /// index  the number in the file that refers to the accessor
+    /// index  the value in the file that refers to the accessor
     Accessor(GltfFile& file, const JsonValue& index);
 
     std::size_t count() const { return count_; }
     int components() const { return columns_ * rows_; }
 
-    /// Elements [first, first + count) as `to_components` floats each; those that the accessor lacks are `fill`, those
-    /// that it has beyond are left out. Normalised integers become 0 to 1 or -1 to 1.
+    /// Reads elements [first, first + count) as `to_components` floats each. Missing components become `fill`, and
+    /// excess components are dropped. Normalized integers become [0, 1] or [-1, 1].
     void read(std::size_t first, std::size_t count, int to_components, float fill, float* out) const;
-    /// All elements, each cut to one unsigned integer. Throws Error if they are of another type.
+    /// Reads all elements as unsigned integers. Throws Error if they have another type.
     std::vector<std::uint32_t> read_indices() const;
 
-    /// Throws Error that names the accessor.
+    /// Throws Error naming the accessor.
     [[noreturn]] void fail(const std::string& message) const;
 
 private:
     struct Source {
-        const char* data = nullptr;  ///< null: zeros
+        const char* data = nullptr;  ///< null: all zeros
         std::size_t stride = 0;
     };
     void use(const DecodedAccessor& decoded, const JsonValue& v);

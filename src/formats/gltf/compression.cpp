@@ -102,7 +102,7 @@ std::map<std::size_t, DecodedAccessor> decode_draco(GltfFile& file, const JsonVa
     for (const char* key : {"bufferView", "attributes"})
         if (!v.has(key)) v.fail(fmt::format("key '{}' is missing", key));
     const std::span<const char> bytes = file.buffer_view(v["bufferView"]).bytes;
-    // What the file promises is asked for before anything is unpacked: a few bytes can ask for much.
+    // Memory for the promised counts is checked before decompression, because a few bytes can demand much.
     const JsonValue attributes = primitive["attributes"];
     double most = 0;
     for (const auto& [name, number] : attributes.json().items()) {

@@ -11,13 +11,14 @@ namespace fathom {
 
 class GltfFile;
 
-/// The bytes of a view that EXT_meshopt_compression holds, by the library that the extension is the format of. Throws
-/// Error naming `v` if they are damaged or more than there is memory for.
+/// Decompresses a buffer view of EXT_meshopt_compression with the meshoptimizer library. Throws Error naming `v` if the
+/// data is damaged or memory doesn't suffice.
 ///
-/// v  the extension's object; data: the compressed bytes
+/// v     the extension's object
+/// data  the compressed bytes
 std::string decode_meshopt(const GltfFile& file, const JsonValue& v, std::span<const char> data);
 
-/// What takes the place of an accessor's bytes: floats, or indices.
+/// Decompressed contents of an accessor: floats or indices.
 struct DecodedAccessor {
     std::size_t count = 0;
     int components = 0;
@@ -25,8 +26,8 @@ struct DecodedAccessor {
     std::vector<std::uint32_t> indices;
 };
 
-/// The accessors of a primitive whose bytes are KHR_draco_mesh_compression's, by number. Throws Error naming the
-/// primitive if they are damaged, or this program was built without the library.
+/// Decompresses a primitive of KHR_draco_mesh_compression; returns its accessors by index. Throws Error naming the
+/// primitive if the data is damaged, or if the program was built without Draco.
 std::map<std::size_t, DecodedAccessor> decode_draco(GltfFile& file, const JsonValue& primitive);
 
 }  // namespace fathom

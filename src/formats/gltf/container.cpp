@@ -15,7 +15,7 @@ namespace fathom {
 
 namespace {
 
-/// What this reader understands, wholly or as a near approximation.
+/// Extensions that this reader supports, at least approximately.
 constexpr std::string_view known_extensions[] = {"KHR_materials_anisotropy",
                                                  "KHR_materials_clearcoat",
                                                  "KHR_materials_diffuse_transmission",
@@ -44,7 +44,7 @@ constexpr std::string_view known_extensions[] = {"KHR_materials_anisotropy",
                                                  "KHR_meshopt_compression",
                                                  "KHR_draco_mesh_compression"};
 
-/// What changes nothing in a picture, or may leave out a texture, which is said where it happens.
+/// Extensions that don't affect images, or whose textures are reported individually if they can't be read.
 constexpr std::string_view harmless_extensions[] = {"KHR_texture_basisu", "KHR_xmp_json_ld", "KHR_xmp"};
 
 template <std::size_t n>
@@ -187,7 +187,7 @@ void GltfFile::load_buffer(const JsonValue& v, bool is_first, std::string& out, 
     view = view.first(length);
 }
 
-/// Of a view, or of the like of one in an extension.
+/// The bytes of a buffer view, or of an extension's object with the same keys.
 std::span<const char> GltfFile::bytes_of(const JsonValue& v)
 {
     if (!v.has("buffer")) v.fail("key 'buffer' is missing");
@@ -225,7 +225,7 @@ GltfFile::View GltfFile::buffer_view(const JsonValue& index)
 
 void GltfFile::check_memory(const JsonValue& v, double bytes) const
 {
-    // What is small is not worth asking.
+    // Small requests skip the query of available memory.
     if (bytes < 1e6) return;
     if (bytes > double(available_memory_bytes()))
         v.fail(fmt::format("needs {:.1f} GB of memory, {}", bytes / 1e9, available_memory_text()));

@@ -12,29 +12,29 @@
 
 namespace fathom {
 
-/// The JSON of a glTF file and the bytes that it refers to, every reference checked when it is followed.
+/// The JSON of a glTF file and its buffers. Every reference is checked when it is followed.
 class GltfFile {
 public:
-    /// Throws Error if the container is damaged, is no glTF 2, or requires an extension that isn't known. Warns of
-    /// extensions that are used and not known.
+    /// Throws Error if the container is damaged, is not glTF 2, or requires an unknown extension. Warns of extensions
+    /// that are used but unknown.
     ///
-    /// bytes  must outlive this
+    /// bytes  content of the file; must outlive this object
     GltfFile(std::filesystem::path file, const std::string& bytes, LoadContext& context);
     GltfFile(const GltfFile&) = delete;
     GltfFile& operator=(const GltfFile&) = delete;
 
     const JsonValue& root() const { return root_; }
-    /// One of the top-level arrays, as `accessors`; empty if the file has none.
+    /// One of the top-level arrays, such as `accessors`; empty if the file lacks it.
     const JsonValue& list(const std::string& name);
-    /// The element of a list that an index in the file refers to.
+    /// The element of a list that an index in the file refers to. Throws Error if it doesn't exist.
     JsonValue follow(const std::string& list_name, const JsonValue& index);
 
     struct View {
         std::span<const char> bytes;
-        std::size_t stride = 0;  ///< 0: elements stand side by side
+        std::size_t stride = 0;  ///< 0: elements are tightly packed
     };
     View buffer_view(const JsonValue& index);
-    /// Gives accessors bytes that they don't have: what a primitive's compressed ones are.
+    /// Replaces the contents of accessors by decompressed data.
     void add_decoded(std::map<std::size_t, DecodedAccessor> accessors) { decoded_.merge(accessors); }
     const DecodedAccessor* decoded(std::size_t accessor) const
     {
@@ -43,7 +43,7 @@ public:
     }
 
     void warn(const std::string& message, std::size_t times = 1);
-    /// Throws Error that names `v` if it needs more memory than there is: a short file can ask for much of it, by using
+    /// Throws Error naming `v` if it needs more memory than is available: a short file can demand much by referring to
     /// the same bytes many times.
     void check_memory(const JsonValue& v, double bytes) const;
     Warnings& warnings() { return context_.warnings; }
@@ -70,11 +70,11 @@ private:
     JsonValue root_;
     std::map<std::string, JsonValue> lists_;
     struct Buffer {
-        std::string bytes;  ///< empty if view is the binary chunk
+        std::string bytes;  ///< empty if `view` is the binary chunk
         std::span<const char> view;
     };
     std::map<std::size_t, Buffer> buffers_;
-    std::map<std::size_t, std::string> unpacked_;  ///< views that were compressed, by number
+    std::map<std::size_t, std::string> unpacked_;  ///< decompressed buffer views, by index
     std::map<std::size_t, DecodedAccessor> decoded_;
 };
 

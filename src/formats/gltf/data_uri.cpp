@@ -38,7 +38,7 @@ std::optional<std::string> decode_base64(std::string_view text)
             bytes += char(bits >> count & 0xff);
         }
     }
-    // One letter alone holds no byte.
+    // A single remaining character doesn't encode a whole byte.
     if (text.size() % 4 == 1) return std::nullopt;
     return bytes;
 }

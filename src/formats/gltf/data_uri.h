@@ -7,10 +7,10 @@ namespace fathom {
 
 bool is_data_uri(std::string_view uri);
 
-/// The bytes of `data:[type][;base64],...`; nothing if it is damaged.
+/// Decodes `data:[type][;base64],...`; nothing if it is malformed.
 std::optional<std::string> decode_data_uri(std::string_view uri);
 
-/// "a%20b" to "a b"; what is no valid escape stays as it is.
+/// Decodes percent escapes ("a%20b" to "a b"); invalid escapes are kept.
 std::string decode_percent(std::string_view text);
 
 }  // namespace fathom

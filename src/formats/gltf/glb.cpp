@@ -16,8 +16,8 @@ namespace fathom {
 
 namespace {
 
-/// One way from the description to the file. glTF's nodes have one parent: one of ours that has several is written for
-/// each of them, its meshes once.
+/// Writes a scene description as GLB. glTF nodes have one parent: a node with several parents is written for each of
+/// them, its meshes once.
 class GlbWriter {
 public:
     GlbWriter(const SceneDescription& scene, const std::string& file, Warnings& warnings)
@@ -120,7 +120,9 @@ private:
         return push_node(std::move(node));
     }
 
-    /// key: of meshes and materials; with none of other shapes a mesh is written once.
+    /// Index of a mesh of these primitives.
+    ///
+    /// key  indices of the primitives' meshes and materials; a mesh is shared only if the key covers all primitives
     int mesh_of(Json primitives, const std::vector<std::pair<int, int>>& key)
     {
         const bool is_known = key.size() == primitives.size();
@@ -163,7 +165,7 @@ private:
         }
     }
 
-    /// A unit sphere in its place, of whose triangles there is one set.
+    /// Adds a sphere as a transformed instance of a tessellated unit sphere.
     void add_sphere(const Sphere& sphere, int material, Json& children)
     {
         warn("spheres are made of triangles");
@@ -182,7 +184,7 @@ private:
             push_placed(Transform::translate(sphere.center) * Transform::scale({r, r, r}), "mesh", found->second));
     }
 
-    /// What a primitive has but for its material; with "colors" beside it if it has some.
+    /// A primitive without its material, and "colors" if the mesh has vertex colors.
     Json geometry_json(const Mesh& mesh)
     {
         if (!mesh.motion.empty()) warn("meshes that bend while the shutter is open stand still, in their first shape");
@@ -202,7 +204,7 @@ private:
         return json;
     }
 
-    /// glTF multiplies by the vertices' colours wherever there are some.
+    /// Whether to write vertex colors: glTF applies them always, Fathom only to materials that use them.
     bool wants_colors(int material) const
     {
         if (material < 0) return false;
@@ -242,7 +244,7 @@ private:
 
     Json camera_json(const Camera& c)
     {
-        // Rays begin at the eye; rasterisers need something.
+        // Rasterizers need clipping distances; ray tracers ignore them.
         constexpr double nearest = 0.01, farthest = 1e5;
         Json json = Json::object();
         if (!c.name.empty()) json["name"] = c.name;
@@ -283,7 +285,7 @@ private:
         if (l.kind == LightKind::directional && l.angle > 0)
             warn("lights far away are points: their angle is left out");
         if (l.kind == LightKind::spot)
-            // The inner one must be less.
+            // glTF requires the inner angle to be less than the outer one.
             json["spot"] = {{"innerConeAngle", number_json(std::min(l.inner_angle, l.outer_angle * (1 - 1e-6)))},
                             {"outerConeAngle", number_json(l.outer_angle)}};
         if (l.kind == LightKind::spot && l.falloff != SpotFalloff::square && l.inner_angle < l.outer_angle)
@@ -309,9 +311,9 @@ private:
     GlbBuffer buffer_;
     GlbMaterials materials_;
     Json nodes_ = Json::array(), meshes_ = Json::array(), cameras_ = Json::array(), lights_ = Json::array();
-    std::map<int, Json> geometry_;  ///< by mesh
+    std::map<int, Json> geometry_;  ///< by mesh index
     std::map<std::vector<std::pair<int, int>>, int> mesh_indices_;
-    Json unit_spheres_[2];  ///< the second turned inwards
+    Json unit_spheres_[2];  ///< facing outward and inward
     std::map<std::pair<int, int>, int> sphere_meshes_;
     std::map<int, int> camera_indices_, light_indices_;
 };

@@ -12,7 +12,7 @@ static_assert(std::endian::native == std::endian::little);
 namespace {
 
 constexpr int type_float = 5126, type_uint = 5125;
-/// Room for the JSON is left of the 4 GiB that a file can tell its length of.
+/// GLB files are limited to 4 GiB, of which 256 MiB are left for JSON.
 constexpr std::size_t largest = (std::size_t(1) << 32) - (std::size_t(1) << 28);
 
 }  // namespace

@@ -7,16 +7,17 @@
 
 namespace fathom {
 
-/// The binary chunk of a GLB file, with the views into it and the accessors to those, as glTF's JSON has them.
+/// The binary chunk of a GLB file with its buffer views and accessors as glTF JSON.
 class GlbBuffer {
 public:
-    /// What a view is for, by glTF's numbers.
+    /// The target of a buffer view, by glTF's codes.
     enum class Use { anything = 0, vertices = 34962, indices = 34963 };
 
-    /// Returns the view's index. Throws Error if the chunk would be too large for a GLB file.
+    /// Appends a buffer view and returns its index. Throws Error if the chunk exceeds the size limit of GLB.
     int add_view(const void* bytes, std::size_t size, Use use);
-    /// Columns of floats of vertices: 2 to 4 of each. with_bounds: as positions must have. Returns the accessor's
-    /// index.
+    /// Appends a vertex attribute of 2 to 4 floats per vertex and returns the accessor's index.
+    ///
+    /// with_bounds  whether to store min and max, which positions must have
     int add_vertices(const float* values, std::size_t count, int components, bool with_bounds = false);
     int add_indices(const std::vector<std::uint32_t>& indices);
 

@@ -97,7 +97,7 @@ void GlbMaterials::put_factor(Json& json, const char* key, const FloatInput& inp
         const float channels[] = {mean.r, mean.g, mean.b, 1, 0.2126f * mean.r + 0.7152f * mean.g + 0.0722f * mean.b};
         static_assert(std::size(channels) == luminance_channel + 1);
         value *= channels[input.channel];
-        texture_info(input.texture, ColorSpace::linear);  // which tells
+        texture_info(input.texture, ColorSpace::linear);  // reports the texture
     }
     if (value != usual) json[key] = number_json(value);
     if (!info.is_null()) json[texture_key] = std::move(info);
@@ -183,7 +183,7 @@ void GlbMaterials::add_transmission(const Material& m, Json& json)
         if (is_glass && m.attenuation_distance > 0) report("what sheets of glass enclose");
         return;
     }
-    // Of any thickness: rays know their way through, and rasterisers guess.
+    // Any thickness makes the material volumetric: ray tracers compute distances, and rasterizers approximate.
     Json& volume = extension(json, "KHR_materials_volume");
     volume["thicknessFactor"] = 1;
     if (m.attenuation_distance > 0) {
@@ -192,7 +192,8 @@ void GlbMaterials::add_transmission(const Material& m, Json& json)
     }
 }
 
-/// Thickness from `least` to `most` by a picture is a mix of two greys by it, as reading makes it.
+/// Writes the film's thickness. A texture is possible if it mixes two grays by an image, as the glTF reader generates
+/// it.
 Json GlbMaterials::thickness_info(const Material& m, Json& layer)
 {
     const FloatInput& input = m.thin_film_thickness;
@@ -220,7 +221,7 @@ void GlbMaterials::add_layers(const Material& m, Json& json)
         put_factor(specular, "specularFactor", m.specular, 1, "specularTexture", alpha);
         put_color(specular, "specularColorFactor", m.specular_color, {1, 1, 1}, "specularColorTexture");
     }
-    // One of the index of air only colours what passes.
+    // A coat with index 1 doesn't reflect and only tints the layers below.
     if (m.coat.value > 0 && m.coat_ior > 1) {
         Json& coat = extension(json, "KHR_materials_clearcoat");
         put_factor(coat, "clearcoatFactor", m.coat, 0, "clearcoatTexture", red);
@@ -277,8 +278,8 @@ void GlbMaterials::report_losses(const Material& m)
 
 namespace {
 
-/// Two roughnesses as the smaller one and how far facets are drawn out along the other. False if these are textures:
-/// that across the tangent stays.
+/// Converts two roughnesses to glTF's roughness and anisotropy. False if textures prevent it: the roughness across the
+/// tangent is kept then.
 bool join_roughnesses(Material& m)
 {
     const FloatInput along = m.anisotropy;
@@ -295,21 +296,21 @@ bool join_roughnesses(Material& m)
     return true;
 }
 
-/// The layers that are most like Disney's.
+/// The principled layers that come closest to a Disney material.
 Material as_layers(Material m)
 {
     m.kind = MaterialKind::principled;
     m.transmission_color = m.base_color;
     m.diffuse_transmission_color = m.base_color;
     if (m.anisotropy.value > 0) {
-        // Disney's aspect: alphas are roughness^2 over and times the root of 1 - 0.9 anisotropy.
+        // Disney's aspect: alpha is roughness^2 divided and multiplied by sqrt(1 - 0.9 anisotropy).
         const double aspect = std::sqrt(1 - 0.9 * double(m.anisotropy.value));
         const double square = double(m.roughness.value) * double(m.roughness.value);
         m.anisotropy.value = float(std::sqrt(std::min(1.0, square / aspect)));
         m.roughness.value = float(std::sqrt(square * aspect));
         m.two_roughnesses = true;
     }
-    // A quarter of a boundary of index 1.5, of an alpha from 0.1 to 0.001.
+    // Disney's clearcoat: a quarter of a boundary of index 1.5, with alpha from 0.1 to 0.001.
     m.coat.value *= 0.25f;
     m.coat_roughness = {std::sqrt(0.1f + m.coat_gloss.value * (0.001f - 0.1f)), -1, green};
     const float sheen = m.sheen.value;
@@ -350,7 +351,7 @@ Json GlbMaterials::material_json(const Material& given)
                   {0, 0, 0}, "emissiveTexture");
         if (strength > 1)
             extension(json, "KHR_materials_emissive_strength")["emissiveStrength"] = number_json(strength);
-        // Light counts more than what the back looks like.
+        // glTF has one flag for both; emission takes precedence over the visibility of the back.
         if (m.emission_two_sided == m.single_sided)
             report(m.single_sided ? "light of both sides of what is seen from one: it is seen from both"
                                   : "light of one side of what is seen from both: cameras look through it from behind");
@@ -361,7 +362,7 @@ Json GlbMaterials::material_json(const Material& given)
     if (is_double_sided) json["doubleSided"] = true;
 
     if (m.kind == MaterialKind::unlit) extension(json, "KHR_materials_unlit");
-    // Without a boundary that reflects.
+    // These kinds have no specular boundary.
     if (m.kind == MaterialKind::diffuse || m.kind == MaterialKind::none)
         extension(json, "KHR_materials_specular")["specularFactor"] = 0;
     if (m.kind == MaterialKind::glass || m.kind == MaterialKind::principled) {

@@ -11,7 +11,7 @@ namespace fathom {
 
 namespace {
 
-/// By what the first bytes say; nullptr for what glTF can't have.
+/// MIME type from the file's signature; nullptr for formats that glTF doesn't support.
 const char* mime_type(std::string_view bytes)
 {
     using namespace std::string_view_literals;
@@ -158,7 +158,7 @@ int GlbMaterials::texture_json(const Texture& t)
     return found->second;
 }
 
-/// -1 for a picture that glTF can't have.
+/// glTF index of an image; -1 if glTF doesn't support its format.
 int GlbMaterials::image(int index)
 {
     const auto [found, is_new] = images_.try_emplace(index, -1);

@@ -7,14 +7,14 @@
 
 namespace fathom {
 
-/// Reads glTF 2.0, as JSON or as GLB; which of them the bytes tell. What the format can say and Fathom can't show
-/// (unknown extensions, animation) is a warning; what the file calls required and isn't known is an Error.
+/// Reads glTF 2.0 as JSON or GLB, which is recognized by content. Parts that Fathom can't render (such as unknown
+/// extensions) are warnings; unknown extensions that the file requires are errors.
 ///
-/// bytes  the file's content
+/// bytes  content of the file
 SceneDescription read_gltf(const std::filesystem::path& file, const std::string& bytes, const LoadOptions& options,
                            LoadContext& context);
 
-/// A JSON file that is glTF has an "asset" with a version near its beginning or end; Fathom's scenes have none.
+/// Whether a JSON text is glTF: it has an "asset" with a version near its beginning or end, unlike Fathom's scenes.
 bool looks_like_gltf(std::string_view text);
 
 inline constexpr Importer gltf_importer{

@@ -14,12 +14,12 @@ namespace fathom {
 
 namespace {
 
-/// What KHR_animation_pointer may point at: `*` is the number of a target, and what a channel then drives.
+/// A JSON pointer of KHR_animation_pointer, where `*` is the target's index, and the value that it animates.
 struct Pointer {
     const char* pattern;
-    const char* list;  ///< of the file; null: KHR_lights_punctual's
+    const char* list;  ///< list of targets in the file; null: that of KHR_lights_punctual
     AnimatedValue value;
-    const char* factor = nullptr;  ///< a member beside it that is multiplied with it
+    const char* factor = nullptr;  ///< member of the same object that multiplies the value
     bool is_factor_colour = false;
 };
 constexpr Pointer pointers[] = {
@@ -44,7 +44,7 @@ constexpr Pointer pointers[] = {
     {"/cameras/*/perspective/yfov", "cameras", AnimatedValue::fov_y},
     {"/cameras/*/orthographic/ymag", "cameras", AnimatedValue::height}};
 
-/// The number that stands for `*`, if the text is of the pattern.
+/// The index in place of `*`, if the text matches the pattern.
 std::optional<int> match(std::string_view pattern, std::string_view text)
 {
     const std::size_t star = pattern.find('*');
@@ -57,7 +57,7 @@ std::optional<int> match(std::string_view pattern, std::string_view text)
     return number;
 }
 
-/// With `*` for numbers, so that it is told once for all of a kind.
+/// The pointer with indices replaced by `*`, so that each kind is reported once.
 std::string pattern_of(const std::string& pointer)
 {
     std::string pattern;
@@ -79,7 +79,7 @@ Interpolation interpolation_of(const JsonValue& sampler)
     v->fail(fmt::format("'{}' is none of LINEAR, STEP, CUBICSPLINE", printable(v->string())));
 }
 
-/// The object that a JSON pointer below another leads to, or null.
+/// The value at a JSON pointer below `json`, or null.
 const Json* below(const Json& json, const std::string& pointer)
 {
     const Json::json_pointer p(pointer);
@@ -95,7 +95,7 @@ std::vector<float> numbers_of(const Json& json)
     return numbers;
 }
 
-/// What a factor and a colour multiply to, key by key: one of both is animated, the other as the file has it.
+/// Multiplies animated values of each key with a constant factor or color of the file.
 void multiply(std::vector<float>& values, std::vector<float> rest, bool rest_is_colour)
 {
     const std::size_t wanted = rest_is_colour ? 3 : 1;
@@ -148,7 +148,8 @@ std::optional<AnimationChannel> GltfReader::follow_pointer(const JsonValue& poin
     return {};
 }
 
-/// An emission or a light's intensity, which files have as a factor and a colour.
+/// Emission and light intensity are products of a factor and a color in glTF; multiplies the animated one with the
+/// other's value at rest.
 void GltfReader::multiply_by_rest(const std::string& pointer, AnimationChannel& channel) const
 {
     for (const Pointer& p : pointers) {
@@ -156,7 +157,7 @@ void GltfReader::multiply_by_rest(const std::string& pointer, AnimationChannel& 
         const std::string member(p.pattern, std::string_view(p.pattern).find('*'));
         const Json* target = below(file_.root().json(), member + std::to_string(channel.target));
         const Json* rest = target ? below(*target, p.factor) : nullptr;
-        // Without a factor nothing shines; without another colour lights are white.
+        // Defaults: without an emissive factor nothing is emitted, and lights are white.
         const bool is_dark = !rest && std::string_view(p.factor) == "/emissiveFactor";
         multiply(channel.values,
                  is_dark ? std::vector<float>(3, 0.0f)
@@ -176,7 +177,7 @@ std::optional<AnimationChannel> GltfReader::read_channel(const JsonValue& v, con
     const auto extensions = target.get("extensions");
     const auto extension = extensions ? extensions->get("KHR_animation_pointer") : std::nullopt;
     const auto pointer = extension && path == "pointer" ? extension->get("pointer") : std::nullopt;
-    // A channel may be meant for an extension that this reader doesn't know.
+    // Channels without a node may belong to an extension that this reader doesn't know.
     if (!pointer && !target.has("node")) return {};
     std::optional<AnimationChannel> channel = pointer ? follow_pointer(*pointer) : follow_path(target, path);
     if (!channel) return {};
@@ -229,7 +230,7 @@ void GltfReader::read_animations()
     for (std::size_t i = 0; i < animations.size(); ++i) {
         const JsonValue v = animations[i];
         Animation animation;
-        // A picture of the pose at rest needs none of it.
+        // A still image doesn't need animations, so their errors are warnings.
         try {
             animation = read_animation(v);
         } catch (const Error& e) {
@@ -246,7 +247,7 @@ void GltfReader::read_animations()
     }
 }
 
-/// What channels name by the file's numbers, by those of the scene; what is not in it is left out.
+/// Replaces the file's indices of targets by those of the scene; channels of targets outside the scene are removed.
 void GltfReader::find_targets()
 {
     const std::vector<bool> reachable = reachable_nodes(scene_);
@@ -294,7 +295,7 @@ void GltfReader::add_deformed(const Part& part, int mesh, std::size_t node, int 
     rig_.meshes.push_back(std::move(d));
 }
 
-/// Notes what may vanish, and lets vanish what is not seen at rest.
+/// Registers the nodes whose visibility is animated, and hides those that are invisible at rest.
 void GltfReader::hide_nodes()
 {
     for (std::size_t i = 0; i < may_hide_.size(); ++i)

@@ -2,7 +2,7 @@
 #include "formats/gltf/values.h"
 #include "scene/scattering.h"
 
-/// The extensions that add layers to a material. The factor of each is multiplied with the texture's channel that its
+/// Extensions that add layers to a material. Each factor is multiplied with the texture channel that the extension's
 /// specification names.
 namespace fathom {
 
@@ -10,7 +10,7 @@ namespace {
 
 constexpr int red = 0, green = 1, blue = 2, alpha = 3;
 
-/// KHR_materials_volume_scatter: of what the volume takes away, which part is scattered.
+/// KHR_materials_volume_scatter: the scattered fraction of the volume's extinction.
 void read_scatter(const JsonValue& v, Material& m)
 {
     m.transmission_scatter_anisotropy = std::clamp(float_or(v, "scatterAnisotropy", 0), -0.99f, 0.99f);
@@ -55,8 +55,8 @@ int GltfReader::add_mix(Color a, Color b, FloatInput by)
     return int(scene_.textures.size()) - 1;
 }
 
-/// A boundary that reflects all that the specular colour lets it, over a diffuse body: what the extension's page gives
-/// as its counterpart.
+/// KHR_materials_pbrSpecularGlossiness: a specular boundary with the given color over a diffuse base, as the
+/// extension's specification converts it.
 void GltfReader::read_specular_glossiness(const JsonValue& v, Material& m)
 {
     m.metallic = {0, -1, blue};
@@ -84,7 +84,7 @@ void GltfReader::read_transmission(const JsonValue& extensions, Material& m)
     m.thin = !volume || float_or(*volume, "thicknessFactor", 0) <= 0;
     if (const auto v = extensions.get("KHR_materials_transmission")) {
         m.transmission = factor(*v, "transmissionFactor", 0, "transmissionTexture", red);
-        // What is reflected keeps its colour; base colour is for what passes.
+        // Reflection is untinted; the base color tints transmission.
         m.transmission_color = m.base_color;
     }
     if (const auto v = extensions.get("KHR_materials_dispersion"))
@@ -108,7 +108,7 @@ void GltfReader::read_specular(const JsonValue& v, Material& m)
 {
     m.specular = factor(v, "specularFactor", 1, "specularTexture", alpha);
     m.specular_color = color(v, "specularColorFactor", {1, 1, 1}, "specularColorTexture");
-    // The factor alone may be above 1.
+    // Only this factor may exceed 1.
     if (const auto tint = v.get("specularColorFactor")) {
         const auto channel = [&](std::size_t i) { return std::max((*tint)[i].single(), 0.0f); };
         m.specular_color.value = {channel(0), channel(1), channel(2)};
@@ -119,7 +119,7 @@ void GltfReader::read_coat(const JsonValue& v, Material& m)
 {
     m.coat = factor(v, "clearcoatFactor", 0, "clearcoatTexture", red);
     m.coat_roughness = factor(v, "clearcoatRoughnessFactor", 0, "clearcoatRoughnessTexture", green);
-    m.coat_darkening = 0;  // the extension knows none
+    m.coat_darkening = 0;  // KHR_materials_clearcoat doesn't darken the base
     if (const auto info = v.get("clearcoatNormalTexture")) {
         m.coat_normal_texture = texture(*info, ColorSpace::linear);
         m.coat_normal_scale = float_or(*info, "scale", 1);
@@ -155,7 +155,7 @@ void GltfReader::read_layers(const JsonValue& extensions, Material& m)
 {
     if (const auto v = extensions.get("KHR_materials_ior")) {
         const float index = float_or(*v, "ior", 1.5f);
-        // 0 stands for an index so high that all is reflected that other factors leave.
+        // In KHR_materials_ior, 0 stands for an infinite index: Fresnel reflectance is 1 at all angles.
         m.ior = index == 0 ? mirror_ior : std::clamp(index, 1.0f, mirror_ior);
     }
     read_transmission(extensions, m);

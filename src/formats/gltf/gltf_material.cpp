@@ -45,7 +45,7 @@ Material GltfReader::read_material(const JsonValue& v)
         m.emission.value = clamped(*factor);
     }
     if (const auto info = v.get("emissiveTexture")) m.emission.texture = texture(*info, ColorSpace::srgb);
-    // A single-sided surface is invisible from behind, and so is its light.
+    // A single-sided surface is invisible from behind and emits only to the front.
     if (const auto two_sided = v.get("doubleSided")) m.emission_two_sided = two_sided->boolean();
     m.single_sided = !m.emission_two_sided;
 
@@ -77,7 +77,7 @@ Material GltfReader::read_material(const JsonValue& v)
     return m;
 }
 
-/// That of the variant, if it has one for this primitive.
+/// Index of the primitive's material, or that of the selected variant if it has one.
 std::optional<std::size_t> GltfReader::material_index(const JsonValue& primitive)
 {
     const auto checked = [&](const JsonValue& index) {

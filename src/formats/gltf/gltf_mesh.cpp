@@ -16,7 +16,7 @@ namespace {
 
 enum Mode { points, lines, line_loop, line_strip, triangles, triangle_strip, triangle_fan };
 
-/// Strips and fans as triangles; those that join strips, with a corner twice, fall out.
+/// Converts strips and fans to triangles. Degenerate triangles, which join strips, are removed.
 std::vector<std::uint32_t> as_triangles(std::vector<std::uint32_t> corners, int mode)
 {
     if (mode == triangles) return corners;
@@ -39,7 +39,7 @@ std::vector<T> read_vectors(const Accessor& accessor, std::size_t first, std::si
     return result;
 }
 
-/// All triangles stay: one without area may have some in another pose.
+/// Cleans a rest mesh but keeps all triangles: a degenerate one may have an area in another pose.
 void clean_rest(Mesh& mesh)
 {
     MeshFaults told_already;
@@ -95,7 +95,7 @@ std::vector<std::uint32_t> GltfReader::read_corners(const JsonValue& primitive, 
     return mode < triangles ? corners : as_triangles(std::move(corners), mode);
 }
 
-/// mesh  whose indices are those of the points, or of the ends of lines
+/// mesh  its indices are those of the points, or of the ends of lines
 void GltfReader::add_points_or_lines(const Mesh& mesh, int mode, Part part, std::vector<Part>& parts)
 {
     if (!mesh.colors.empty()) file_.warn("points and lines have no colours of their own here");
@@ -141,7 +141,7 @@ void GltfReader::read_attributes(const JsonValue& attributes, std::size_t first,
     if (const auto a = open("TEXCOORD_0", 2, 2)) mesh.uvs[0] = read_vectors<Vec2f>(*a, first, vertices, 2, 0);
     if (const auto a = open("TEXCOORD_1", 2, 2)) mesh.uvs[1] = read_vectors<Vec2f>(*a, first, vertices, 2, 0);
     if (const auto a = open("COLOR_0", 3, 4)) mesh.colors = read_vectors<Vec4f>(*a, first, vertices, 4, 1);
-    // Each set has four more joints for each vertex.
+    // Each set adds four joints to each vertex.
     constexpr std::size_t max_sets = 8;
     std::size_t sets = 0;
     while (sets < max_sets && attributes.has(fmt::format("JOINTS_{}", sets)) &&
@@ -163,7 +163,7 @@ void GltfReader::read_attributes(const JsonValue& attributes, std::size_t first,
     }
 }
 
-/// mesh  whose vertices it moves
+/// mesh  the mesh whose vertices the target moves
 MorphTarget GltfReader::read_morph_target(const JsonValue& target, std::size_t first, const Mesh& mesh)
 {
     const std::size_t vertices = mesh.positions.size();
@@ -187,7 +187,7 @@ MorphTarget GltfReader::read_morph_target(const JsonValue& target, std::size_t f
     return result;
 }
 
-/// weights  at rest; without any all targets have none
+/// weights  at rest; default 0 for all targets
 void GltfReader::add_morphs(const JsonValue& primitive, const std::optional<JsonValue>& weights, std::size_t first,
                             Mesh& mesh, Part& part)
 {
@@ -201,7 +201,7 @@ void GltfReader::add_morphs(const JsonValue& primitive, const std::optional<Json
     }
     const bool plays = !rig_.animations.empty();
     file_.check_memory(primitive, 72.0 * double(plays ? targets->size() : 1) * double(mesh.positions.size()));
-    // One after the other, as only those that count now are kept for animations.
+    // Targets are read one by one, because only animated meshes keep those without weight.
     for (std::size_t i = 0; i < (plays ? targets->size() : count); ++i) {
         const float weight = i < count ? part.target_weights[i] : 0;
         if (weight == 0 && !plays) continue;
@@ -237,7 +237,7 @@ void GltfReader::read_primitive(const JsonValue& primitive, const std::string& n
     Mesh mesh;
     mesh.indices = read_corners(primitive, positions.count(), mode);
     if (mesh.indices.empty()) return;
-    // Many files hold all vertices in one accessor, of which each primitive uses a part: only that is read.
+    // Many files have one accessor for the vertices of all primitives; only the range that this primitive uses is read.
     const auto [least, most] = std::minmax_element(mesh.indices.begin(), mesh.indices.end());
     const std::size_t first = *least, vertices = *most - first + 1;
     if (first > 0)

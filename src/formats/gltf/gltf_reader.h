@@ -10,11 +10,11 @@
 
 namespace fathom {
 
-/// Turns a glTF file into a SceneDescription. Node i of the file is node i of the scene; images, textures, materials
-/// and meshes come in as they are referred to.
+/// Converts a glTF file to a SceneDescription. Node i of the file becomes node i of the scene; images, textures,
+/// materials and meshes are added when they are first referred to.
 class GltfReader {
 public:
-    /// offered  gets what the file has to choose from
+    /// offered  receives the scenes, variants and animations of the file
     GltfReader(GltfFile& file, const LoadOptions& options, SceneFile& offered)
         : file_(file), options_(options), offered_(offered)
     {
@@ -22,13 +22,13 @@ public:
     SceneDescription read();
 
 private:
-    /// One primitive of a mesh, as a shape; and what moves with skins and morph targets.
+    /// One primitive of a mesh as a shape, with its data for skinning and morph targets.
     struct Part {
         Shape shape;
-        std::vector<std::uint16_t> joints;  ///< as many for each vertex, if it has a skin
+        std::vector<std::uint16_t> joints;  ///< the same number for each vertex, if the mesh has a skin
         std::vector<float> weights;
-        // Where the file has animations:
-        Mesh rest;  ///< neither morphed nor bent
+        // Members below are set if the file has animations.
+        Mesh rest;  ///< the mesh without morphing and skinning
         std::vector<MorphTarget> targets;
         std::vector<float> target_weights;
     };
@@ -51,17 +51,17 @@ private:
     void read_coat(const JsonValue& v, Material& m);
     void read_iridescence(const JsonValue& v, Material& m);
     void read_anisotropy(const JsonValue& v, Material& m);
-    /// A number, or colour, with the texture that it is multiplied with.
+    /// A number or color factor, with the texture that it multiplies.
     FloatInput factor(const JsonValue& v, const char* factor, float otherwise, const char* texture_key, int channel);
     ColorInput color(const JsonValue& v, const char* factor, Color otherwise, const char* texture_key);
-    /// A texture that goes from a to b.
+    /// Index of a new texture that mixes a and b.
     int add_mix(Color a, Color b, FloatInput by);
     static constexpr float mirror_ior = 10000;
 
     std::optional<std::size_t> material_index(const JsonValue& primitive);
 
     // gltf_mesh.cpp
-    /// weights  of morph targets, if the node has its own
+    /// weights  of the morph targets, if the node has its own
     const std::vector<Part>& mesh(const JsonValue& index, const std::optional<JsonValue>& weights, std::size_t node);
     void read_primitive(const JsonValue& primitive, const std::string& name, const std::optional<JsonValue>& weights,
                         std::vector<Part>& parts);
@@ -103,19 +103,20 @@ private:
     const LoadOptions& options_;
     SceneFile& offered_;
     SceneDescription scene_;
-    std::optional<std::size_t> variant_;  ///< of materials
+    std::optional<std::size_t> variant_;  ///< material variant (KHR_materials_variants)
 
     std::map<std::size_t, int> images_, cameras_, lights_;
     std::map<std::string, int> textures_;
-    std::map<std::pair<int, bool>, int> materials_;  ///< by index (-1: none) and whether there are vertex colours
+    std::map<std::pair<int, bool>, int> materials_;  ///< by index (-1: none) and presence of vertex colors
     std::map<std::pair<std::size_t, std::size_t>, std::vector<Part>>
-        meshes_;                   ///< by index and node with weights of its own
-    std::vector<int> parents_;     ///< of each node, -1 for none
-    std::vector<bool> invisible_;  ///< by node
+        meshes_;                   ///< by mesh index and index of the node that has weights of its own
+    std::vector<int> parents_;     ///< parent of each node, -1 for roots
+    std::vector<bool> invisible_;  ///< for each node
 
     AnimationRig rig_;
-    std::vector<bool> is_morphed_, may_hide_;         ///< nodes whose weights or visibility are animated
-    std::vector<std::pair<int, int>> skinned_nodes_;  ///< that stand for the skin of a node, and that one
+    std::vector<bool> is_morphed_, may_hide_;         ///< nodes whose morph weights or visibility are animated
+    std::vector<std::pair<int, int>> skinned_nodes_;  ///< pairs of a node that holds a skinned mesh and the node that
+                                                      ///< it belongs to
 };
 
 }  // namespace fathom

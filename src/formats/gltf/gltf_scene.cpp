@@ -35,7 +35,7 @@ Transform read_transform(const JsonValue& v)
     return t;
 }
 
-/// Where it is at rest, for animations, which leave alone what they don't move.
+/// A node's rest pose, for animations that animate only some of its properties.
 NodeRest read_rest(const JsonValue& v)
 {
     NodeRest rest;
@@ -56,7 +56,7 @@ double positive(const JsonValue& v, const char* key)
     return value;
 }
 
-/// Of the objects of a list; numbers where they have none.
+/// Names of the objects of a list; their indices where they have none.
 std::vector<std::string> names_in(const JsonValue& list)
 {
     std::vector<std::string> names;
@@ -80,7 +80,8 @@ int GltfReader::camera(const JsonValue& index)
     if (const auto name = v.get("name")) camera.name = name->string();
     if (!v.has("type")) v.fail("key 'type' is missing");
     const std::string type = v["type"].string();
-    // The aspect of the file is that of the window it was made in. Ours is the picture's, which shows at least as much.
+    // The file's aspect ratio is that of the window it was made in. The render's own aspect ratio shows at least as
+    // much.
     if (type == "perspective" && v.has("perspective")) {
         const JsonValue perspective = v["perspective"];
         camera.fov_y = positive(perspective, "yfov");
@@ -138,7 +139,8 @@ int GltfReader::light(const JsonValue& index)
     return found->second;
 }
 
-/// The largest faces: what its smaller ones and coefficients blur beforehand, rendering does.
+/// EXT_lights_image_based: reads the largest cube map. Smaller mip levels and irradiance coefficients are prefiltered,
+/// which rendering makes unnecessary.
 void GltfReader::read_environment(const JsonValue& reference)
 {
     if (!reference.has("light")) reference.fail("key 'light' is missing");
@@ -219,12 +221,12 @@ void GltfReader::read_place(const JsonValue& v, std::size_t index)
             node.children.push_back(int(c));
         }
     }
-    // What is invisible is so with all that hangs below it.
+    // KHR_node_visibility hides a node with its descendants.
     if (const auto extensions = v.get("extensions"))
         if (const auto visibility = extensions->get("KHR_node_visibility"))
             if (visibility->has("visible") && !(*visibility)["visible"].boolean()) {
                 rig_.nodes[index].visible = false;
-                // One that animations show is read as others, and hidden then.
+                // A node whose visibility is animated is read normally and hidden afterward.
                 if (may_hide_[index]) return;
                 node.children.clear();
                 invisible_[index] = true;
@@ -305,7 +307,7 @@ void GltfReader::choose_variant()
     variant_ = found;
 }
 
-/// Meshes as they were before their skin bent them.
+/// Removes unskinned source meshes that no node refers to.
 void GltfReader::remove_unused_meshes()
 {
     std::vector<int> new_index(scene_.meshes.size(), -1);

@@ -52,7 +52,7 @@ void GltfReader::add_skinned(const JsonValue& skin_index, std::size_t node_index
     world_from_mesh.reserve(skin.joints.size());
     for (std::size_t i = 0; i < skin.joints.size(); ++i)
         world_from_mesh.push_back(world_from_node(v, std::size_t(skin.joints[i])) * skin.joint_from_mesh[i]);
-    // The joints say where the skin is; the transform of its own node does not count.
+    // Joints define the position of a skinned mesh; the transform of its own node is ignored, as glTF specifies.
     Node root;
     root.name = scene_.nodes[node_index].name;
     for (const Part& part : parts) {

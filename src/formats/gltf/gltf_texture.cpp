@@ -32,7 +32,7 @@ Wrap wrap(const JsonValue& sampler, const char* key)
     }
 }
 
-/// A member of "extensions", if the object has it.
+/// A member of "extensions", if it exists.
 std::optional<JsonValue> extension(const std::optional<JsonValue>& extensions, const char* name)
 {
     return extensions ? extensions->get(name) : std::nullopt;
@@ -71,7 +71,7 @@ int GltfReader::image(const JsonValue& index)
     return found->second;
 }
 
-/// The picture of the first form that this build reads.
+/// The image in the first encoding that this build supports.
 std::optional<int> GltfReader::texture_image(const JsonValue& texture)
 {
     const auto extensions = texture.get("extensions");

@@ -1,5 +1,5 @@
 #pragma once
-/// Numbers of glTF's materials.
+/// Access to the numbers of glTF's materials.
 #include <algorithm>
 
 #include "formats/json/json.h"
@@ -11,7 +11,7 @@ inline float float_or(const JsonValue& v, const char* key, float otherwise)
     return v.has(key) ? v[key].single() : otherwise;
 }
 
-/// A factor that the format bounds by 0 and 1.
+/// A factor clamped to [0, 1], which the format requires.
 inline float factor_or(const JsonValue& v, const char* key, float otherwise)
 {
     return std::clamp(float_or(v, key, otherwise), 0.0f, 1.0f);
