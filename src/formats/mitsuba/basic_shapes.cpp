@@ -1,4 +1,4 @@
-// Shapes that need no file. Those with pictures are meshes, with Mitsuba's texture coordinates.
+// Analytic shapes. Textured ones become meshes with Mitsuba's texture coordinates.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -14,8 +14,8 @@ namespace {
 
 constexpr double circle = 2 * std::numbers::pi;
 
-/// From (0, 0, 0) to (0, 0, 1), and a unit across, to a tube between two points. The axes across are those of Mitsuba,
-/// from which u counts (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
+/// Maps the unit cylinder from (0, 0, 0) to (0, 0, 1) to one between two points. The axes across, from which u is
+/// measured, are Mitsuba's (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 Transform between(Vec3d a, Vec3d b, double radius)
 {
     const Vec3d along = b - a, w = normalize(along);
@@ -34,8 +34,8 @@ bool has_normal_map(const SceneDescription& scene, const Material& m)
            has_normal_map(scene, scene.materials[std::size_t(m.material_b)]);
 }
 
-/// Tangents along growing u, with a bitangent of cross(normal, tangent) wherever v grows: Mitsuba's frame, whose second
-/// axis is not the picture's own on shapes that show it mirrored.
+/// Adds tangents along increasing u, with the bitangent cross(normal, tangent) even where uv is mirrored: Mitsuba's
+/// shading frame.
 void add_tangents(Mesh& mesh)
 {
     std::vector<Vec3d> sums(mesh.positions.size()), normals(mesh.positions.size());
@@ -87,7 +87,7 @@ Shape Reader::rectangle(Object& shape)
     if (!wants_uv(shape))
         return flipped ? Shape{Rectangle{{1, -1, 0}, {-2, 0, 0}, {0, 2, 0}}, -1, {}}
                        : Shape{Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, -1, {}};
-    // A picture's first row is at y = -1, unlike on rectangles here.
+    // The first image row is at y = -1, unlike on Fathom's rectangles.
     Mesh mesh;
     mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
     mesh.uvs[0] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
@@ -98,12 +98,12 @@ Shape Reader::rectangle(Object& shape)
 
 Shape Reader::sphere(Object& shape, Node& node)
 {
-    // A mirrored sphere is inside out, unlike other shapes.
+    // Only spheres are turned inside out by a mirroring transform.
     const bool flipped = shape.boolean("flip_normals", false) != mirrors(shape);
     const double radius = shape.number("radius", 1);
     const Vec3d center = shape.vector("center").value_or(Vec3d{});
     if (!wants_uv(shape)) return Shape{Sphere{center, flipped ? -radius : radius, {}}, -1, {}};
-    // u goes around z, v down from it.
+    // u is the azimuth about z; v runs from +z downward.
     constexpr int rows = sides_of_circle / 2;
     std::vector<ProfilePoint> profile;
     for (int i = rows; i >= 0; --i) {
@@ -120,7 +120,7 @@ Shape Reader::disk(Object& shape)
 {
     const bool flipped = shape.boolean("flip_normals", false);
     if (!wants_uv(shape)) return Shape{Disk{{0, 0, 0}, {0, 0, flipped ? -1.0 : 1.0}, 1}, -1, {}};
-    // u goes out, v around.
+    // u is the radius, v the azimuth.
     Mesh mesh = turned({{1, 0, 0, 1, 1}, {0, 0, 0, 1, 0}}, circle, sides_of_circle);
     for (Vec2f& uv : mesh.uvs[0]) std::swap(uv.x, uv.y);
     if (flipped) flip(mesh);
@@ -131,7 +131,7 @@ Shape Reader::cube(Object& shape)
 {
     const bool flipped = shape.boolean("flip_normals", false);
     if (!flipped && !wants_uv(shape)) return Shape{Box{{-1, -1, -1}, {1, 1, 1}}, -1, {}};
-    // Each face shows a whole picture: corners from where u is 0 and v is 1, against v.
+    // Each face shows the whole image; corners are listed from (u, v) = (0, 1), against the direction of v.
     constexpr Vec3f corners[6][4] = {
         {{1, -1, -1}, {1, -1, 1}, {-1, -1, 1}, {-1, -1, -1}}, {{1, 1, -1}, {-1, 1, -1}, {-1, 1, 1}, {1, 1, 1}},
         {{1, -1, -1}, {1, 1, -1}, {1, 1, 1}, {1, -1, 1}},     {{1, -1, 1}, {1, 1, 1}, {-1, 1, 1}, {-1, -1, 1}},

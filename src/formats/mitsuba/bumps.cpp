@@ -1,4 +1,4 @@
-/// Bsdfs whose normals a texture bends.
+/// Bump and normal maps.
 #include <fmt/format.h>
 
 #include <utility>
@@ -40,8 +40,8 @@ bool Reader::is_bent(const Material& m) const
     return is_bent(scene_.materials[std::size_t(m.material_a)]) || is_bent(scene_.materials[std::size_t(m.material_b)]);
 }
 
-/// Behind a surface 'twosided' mirrors directions at it, and so the normals within it; here they are turned round,
-/// which leaves what is across the surface the other way round.
+/// Adapts a bump or normal map to the back of a 'twosided' surface. Mitsuba mirrors directions at the surface, and with
+/// them the perturbed normals; Fathom flips normals, so the tangential part of the map changes sign.
 Material Reader::bent_from_behind(Material m)
 {
     if (m.kind == MaterialKind::mix || m.kind == MaterialKind::two_sided)

@@ -18,14 +18,14 @@ namespace fathom::mitsuba {
 
 namespace {
 
-/// More than any real scene nests; less than a stack holds.
+/// Deeper than real scenes, and shallow enough for the recursion's stack use.
 constexpr int deepest_element = 100, deepest_include = 15;
-/// A file may be included often, which makes a large scene of small files.
+/// Repeated includes can turn small files into huge scenes.
 constexpr std::size_t max_elements = 50'000'000;
 
 const std::string none;
 
-/// The first of the files of a name that is there.
+/// The file of this name in the first folder that has it.
 std::optional<std::filesystem::path> first_existing(const std::vector<std::filesystem::path>& folders,
                                                     const std::string& name, LoadContext& context)
 {
@@ -67,10 +67,10 @@ public:
 private:
     struct Source {
         const std::string* file;
-        std::vector<std::size_t> lines;  ///< where each begins
+        std::vector<std::size_t> lines;  ///< offset of each line's beginning
         bool old_names = false;
-        std::string name;  ///< that an <include> gives to the object in it
-        /// Where the files are looked for that it includes: beside itself, then beside those that include it.
+        std::string name;  ///< name that <include> gives to the object in the file
+        /// Search path for includes: the file's own folder, then those of the files that include it.
         std::vector<std::filesystem::path> folders;
 
         Place place(std::ptrdiff_t offset) const
@@ -140,7 +140,7 @@ private:
         parent.children.push_back(std::move(element));
     }
 
-    /// With what stands for `$name` and `${name}`.
+    /// Replaces `$name` and `${name}` by their values.
     std::string substituted(std::string_view text, const Element& element)
     {
         std::string result;
@@ -175,7 +175,7 @@ private:
         parameters_.emplace(element.name(), element.attribute("value"));
     }
 
-    /// A folder is searched before those that stand above it, and before the scene's own.
+    /// Adds a folder to the search path, before folders added earlier and before the scene's own.
     void add_folder(const Element& element, const Source& source)
     {
         const std::string& value = element.attribute("value");

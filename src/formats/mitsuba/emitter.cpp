@@ -1,4 +1,4 @@
-// Light without a surface.
+// Emitters without a surface.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,8 +22,8 @@ Color scaled(Color c, double factor)
     return {c.r * f, c.g * f, c.b * f};
 }
 
-/// From directions as environments have them here, whose picture has +x in its middle and +z to the right of it, to
-/// Mitsuba's, which has +z and -x there.
+/// Maps directions of Fathom's environments, whose image has +x at its center and +z to the right, to Mitsuba's, whose
+/// image has +z at its center and -x to the right.
 Transform mitsuba_from_environment()
 {
     Transform t;
@@ -37,7 +37,7 @@ Transform rotation_of(Transform t)
     return t;
 }
 
-/// Turns +z to a direction.
+/// A rotation that maps +z to a direction.
 Transform towards(Vec3d direction)
 {
     const Vec3d w = normalize(direction);
@@ -72,7 +72,7 @@ void Reader::add_light(Light light, const Transform& world_from_light)
 {
     Node node;
     node.name = light.name;
-    // Lights shine along -z here, along +z in Mitsuba.
+    // Fathom's lights shine along -z, Mitsuba's along +z.
     node.parent_from_node = world_from_light * Transform::scale({-1, 1, -1});
     node.light = int(scene_.lights.size());
     scene_.lights.push_back(std::move(light));
@@ -88,7 +88,7 @@ void Reader::add_beam(const Element& element, Object& shape, Node& node)
     Light light;
     light.name = element.attribute("id");
     light.kind = LightKind::beam;
-    // What is given per area goes all in one direction.
+    // A `directionalarea` emits into one direction, so its `radiance` is power per area.
     light.intensity = plain_color(emitter, "radiance", {1, 1, 1});
     light.width = light.height = 2;
     light.round = type == "disk";
@@ -106,7 +106,7 @@ void Reader::read_emitter(const Element& element)
     const std::string& type = emitter.type();
     Light light;
     light.name = element.attribute("id");
-    // What a light is in follows from the shapes around it.
+    // The medium around a light is derived from the enclosing shapes.
     emitter.child("medium");
     if (type == "constant") {
         scene_.environment.kind = EnvironmentKind::constant;
@@ -127,7 +127,8 @@ void Reader::read_emitter(const Element& element)
         light.outer_angle = cutoff * degree;
         light.inner_angle = emitter.number("beam_width", cutoff * 3 / 4) * degree;
         light.falloff = SpotFalloff::linear;
-        // Its picture's right is at +x and its bottom at +y: about the axis, half a turn from that of a projector.
+        // Mitsuba's spot texture has its right at +x and its bottom at +y: rotated by half a turn relative to a
+        // projector.
         Transform place = emitter.transform("to_world");
         if (const Element* const texture = emitter.child("texture")) {
             if (cutoff >= 90) element.fail("the cone of a spot with a texture must be below 90 degrees");
@@ -150,7 +151,7 @@ void Reader::read_emitter(const Element& element)
     emitter.finish(context_.warnings);
 }
 
-/// A bitmap; nothing, which is told, of another texture.
+/// The image of a bitmap; nothing for another texture, which is reported.
 std::optional<LightPicture> Reader::light_picture(const Element& texture)
 {
     Object object(texture, document_);
@@ -165,7 +166,8 @@ std::optional<LightPicture> Reader::light_picture(const Element& texture)
     return LightPicture{read.image, read.color_space, read.nearest};
 }
 
-/// What is given is the irradiance at a distance of 1, over pi: Mitsuba has it from the importance of cameras.
+/// Mitsuba's `irradiance` is the irradiance at distance 1 divided by pi, as it follows from the importance of its
+/// cameras.
 void Reader::read_projector(Object& emitter, Light& light)
 {
     light.kind = LightKind::projector;
@@ -200,17 +202,17 @@ void Reader::read_environment_map(Object& emitter)
 
 void Reader::read_sky(Object& emitter)
 {
-    // Up is +z in Mitsuba's sky.
+    // Mitsuba's sky has +z up.
     Transform y_up;
     y_up.m = {{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}}};
     const Transform world = rotation_of(emitter.transform("to_world")), world_from_sky = world * y_up.inverse();
     const auto said = emitter.vector("sun_direction");
     const SunAngles sun = sun_of_date(
         emitter.element(), [&](std::string_view name, double otherwise) { return emitter.number(name, otherwise); });
-    // +x is south there, and +y west.
+    // Mitsuba's sky has +x in the south and +y in the west.
     const double flat = std::cos(sun.elevation);
     const Vec3d of_date{-std::cos(sun.azimuth) * flat, -std::sin(sun.azimuth) * flat, std::sin(sun.elevation)};
-    // A direction that is said is one of the world, whichever way the sky is turned.
+    // An explicit sun direction is in world space, independent of the sky's transform.
     const Vec3d to_sun = normalize(said ? world.inverse().vector(*said) : of_date);
     const double turbidity = std::clamp(emitter.number("turbidity", 3), 1.0, 10.0),
                  elevation_deg = std::asin(std::clamp(to_sun.z, 0.0, 1.0)) / degree;

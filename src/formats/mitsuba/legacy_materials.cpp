@@ -1,4 +1,4 @@
-/// Bsdfs of Mitsuba 0.6 that later versions no longer have.
+/// BSDFs of Mitsuba 0.6 that later versions dropped.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,8 +28,8 @@ ColorInput Reader::scaled_input(const ColorInput& color, float by)
     return {{1, 1, 1}, int(scene_.textures.size()) - 1};
 }
 
-/// What is diffuse beside a lobe of the same strength from everywhere: a mixture of the two, in which each has its
-/// share. The lobe of 'phong' is that of Beckmann's facets which is as wide: cos(2x)^n is about exp(-2 n x^2).
+/// Converts 'phong' and 'ward' to a mixture of a diffuse and a glossy material, weighted by the specular reflectance.
+/// The lobe of 'phong' becomes a Beckmann distribution of equal width: cos(2x)^n is about exp(-2 n x^2).
 Material Reader::phong(Object& bsdf)
 {
     const ColorInput diffuse = color(bsdf, "diffuse_reflectance", {0.5f, 0.5f, 0.5f}),
@@ -71,14 +71,14 @@ Material Reader::phong(Object& bsdf)
 Material Reader::rough_diffuse(Object& bsdf)
 {
     Material m = diffuse(bsdf);
-    // Of slopes that deviate by alpha / sqrt(2), as there.
+    // Mitsuba's slopes have a standard deviation of alpha / sqrt(2).
     m.roughness = number_or_texture(bsdf, "alpha", 0.2f);
     m.roughness.value *= 0.70710678f;
     bsdf.ignore({"use_fast_approx"});
     return m;
 }
 
-/// Diffuse too, but on the other side.
+/// A purely transmissive diffuse material.
 Material Reader::diffuse_transmitter(Object& bsdf)
 {
     Material m;
@@ -92,7 +92,7 @@ Material Reader::diffuse_transmitter(Object& bsdf)
     return m;
 }
 
-/// Of any number of bsdfs: the first beside all others, and so on.
+/// Nests a mixture of any number of BSDFs as binary mixtures: the first BSDF against all others, and so on.
 Material Reader::mixture(Object& bsdf)
 {
     const std::vector<const Element*> nested = bsdf.children("bsdf");

@@ -22,7 +22,7 @@ bool is_upper(char c)
     return c >= 'A' && c <= 'Z';
 }
 
-/// "toWorld" is "to_world", "intIOR" is "int_ior".
+/// Converts names such as "toWorld" to "to_world" and "intIOR" to "int_ior".
 std::string snake_case(std::string_view name)
 {
     std::string result;
@@ -38,7 +38,7 @@ std::string snake_case(std::string_view name)
     return result;
 }
 
-/// The value of a parameter, which is taken away; empty if there is none.
+/// Removes a parameter and returns its value; empty if it is missing.
 std::string taken(Element& element, std::string_view name)
 {
     const auto is_named = [&](const std::unique_ptr<Element>& child) { return child->name() == name; };
@@ -49,7 +49,7 @@ std::string taken(Element& element, std::string_view name)
     return value;
 }
 
-/// A number that is taken away.
+/// Removes a parameter and returns its number.
 double taken_number(Element& element, std::string_view name, double otherwise)
 {
     const std::string value = taken(element, name);
@@ -68,7 +68,7 @@ Element& add(Element& to, std::string_view tag, std::map<std::string, std::strin
     return *to.children.emplace_back(std::move(child));
 }
 
-/// 'uscale', 'vscale', 'uoffset' and 'voffset' are a transform now, and a gamma of 1 is 'raw'.
+/// Replaces 'uscale', 'vscale', 'uoffset' and 'voffset' by a transform, and a gamma of 1 by 'raw'.
 void upgrade_texture(Element& texture)
 {
     const double scale_u = taken_number(texture, "uscale", 1), scale_v = taken_number(texture, "vscale", 1),
@@ -78,7 +78,7 @@ void upgrade_texture(Element& texture)
         add(transform, "scale", {{"x", fmt::to_string(scale_u)}, {"y", fmt::to_string(scale_v)}});
         add(transform, "translate", {{"x", fmt::to_string(offset_u)}, {"y", fmt::to_string(offset_v)}});
     }
-    // Below 0, which is the default, it is that of sRGB, and so is nearly what other files say.
+    // A negative gamma, the default, means sRGB; other values are close enough to be treated as sRGB.
     if (texture.type() == "bitmap" && taken_number(texture, "gamma", -1) == 1)
         add(texture, "boolean", {{"name", "raw"}, {"value", "true"}});
 }
@@ -93,13 +93,13 @@ void upgrade_sky(Element& sky)
     const SunAngles sun =
         sun_of_date(sky, [&](std::string_view name, double otherwise) { return taken_number(sky, name, otherwise); });
     if (named("sun_direction") == sky.children.end()) {
-        // +x is east, -z north.
+        // Mitsuba 0.6's sky has +x in the east and -z in the north.
         const double flat = std::cos(sun.elevation);
         const Vec3d d = transform_of(to_world).vector(
             {std::sin(sun.azimuth) * flat, std::sin(sun.elevation), -std::cos(sun.azimuth) * flat});
         add(sky, "vector", {{"name", "sun_direction"}, {"value", fmt::format("{} {} {}", d.x, d.y, d.z)}});
     }
-    // Up is +z today.
+    // Mitsuba 3's sky has +z up.
     add(to_world, "rotate", {{"x", "1"}, {"angle", "-90"}});
     std::ranges::rotate(to_world.children, to_world.children.end() - 1);
     if (const double scale = taken_number(sky, "sun_radius_scale", 1); scale != 1)

@@ -3,11 +3,12 @@
 
 namespace fathom::mitsuba {
 
-/// Makes an element of a file of Mitsuba 0.x, its children upgraded already, one that says the same today: tags, names,
-/// and parameters that are told otherwise now. `default` elements keep their names, since `$name` means those: they are
-/// no matter of this. Source: the manual of Mitsuba 0.6, and what Mitsuba 3.9.1 makes of the names. Where the two
-/// differ it is the former's picture: skies have +y up, a texture's offset is added after its scale, a spectrum of one
-/// number is white.
+/// Upgrades an element of Mitsuba 0.x to Mitsuba 3: tags, names, and parameters with other semantics. Its children must
+/// have been upgraded. `default` elements keep their names, because `$name` refers to them.
+///
+/// Sources: the manual of Mitsuba 0.6, and the names that Mitsuba 3.9.1 upgrades. Where they differ, Mitsuba 0.6's
+/// rendering is matched: skies have +y up, a texture's offset is added after scaling, and a spectrum of one number is
+/// white.
 void upgrade(Element& element);
 
 }  // namespace fathom::mitsuba

@@ -1,4 +1,4 @@
-// Surfaces, and what fills solids. docs/formats.md says how each plugin is meant.
+// BSDFs and participating media; docs/formats.md documents the conversion of each plugin.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ struct NamedIor {
     const char* name;
     double ior;
 };
-/// As Mitsuba's documentation lists them ("Interior and exterior IOR").
+/// Named indices from Mitsuba's documentation ("Interior and exterior IOR").
 constexpr NamedIor named_iors[] = {{"vacuum", 1},        {"helium", 1.000036},        {"hydrogen", 1.000132},
                                    {"air", air},         {"carbon dioxide", 1.00045}, {"water", 1.3330},
                                    {"acetone", 1.36},    {"ethanol", 1.361},          {"carbon tetrachloride", 1.461},
@@ -143,7 +143,7 @@ Material Reader::diffuse(Object& bsdf)
 void Reader::read_roughness(Object& bsdf, Material& m)
 {
     m.beckmann = bsdf.text("distribution", "beckmann") == "beckmann";
-    // alpha = roughness^2 here.
+    // Fathom's roughness is sqrt(alpha).
     const auto alpha = [&](std::string_view name, float otherwise) {
         return to_power(scene_, number_or_texture(bsdf, name, otherwise), 0.5);
     };
@@ -181,7 +181,7 @@ Material Reader::mirror()
 
 void Reader::tint(Material& mirror, const ColorInput& color)
 {
-    // What a coat leaves that is no boundary.
+    // A coat of index 1 doesn't reflect and only tints the layers below.
     mirror.coat = {1, -1, 0};
     mirror.coat_ior = 1;
     mirror.coat_darkening = 0;
@@ -251,7 +251,7 @@ Material Reader::dielectric(Object& bsdf)
             report(bsdf.element(), "glass is as rough along u as it is along v, or as in its smoother direction");
         m.two_roughnesses = false, m.anisotropy = {0, -1, 0};
     }
-    // Each time that light passes the boundary; here it is a color of the way in and out.
+    // Mitsuba applies the transmittance at each crossing of the boundary, Fathom's color to the pair of entry and exit.
     m.transmission_color = squared(color(bsdf, "specular_transmittance", {1, 1, 1}));
     m.specular_color = color(bsdf, "specular_reflectance", {1, 1, 1});
     return m;
@@ -302,11 +302,11 @@ Material Reader::hair(Object& bsdf)
     m.beta_n = {float(bsdf.number("azimuthal_roughness", 0.3)), -1, 1};
     m.scale_tilt = bsdf.number("scale_tilt", 2) * (std::numbers::pi / 180);
     m.hair_ior = float(std::clamp(relative_ior(bsdf, amber, air), 1.0, 3.0));
-    // Without any absorption it is white.
+    // With base color 1, only the absorption set below tints the hair.
     m.base_color = {{1, 1, 1}, -1};
     if (bsdf.has("sigma_a")) {
         const float scale = float(bsdf.number("scale", 1));
-        const std::optional<Color> plain = color_of(*bsdf.child("sigma_a"));  // above 1, too
+        const std::optional<Color> plain = color_of(*bsdf.child("sigma_a"));  // may exceed 1
         m.absorption = plain ? ColorInput{*plain, -1} : color(bsdf, "sigma_a", {0, 0, 0});
         for (float* c : {&m.absorption.value.r, &m.absorption.value.g, &m.absorption.value.b}) *c *= scale;
     } else {
@@ -334,7 +334,7 @@ Material Reader::principled(Object& bsdf)
         else
             ior = double(eta.value);
     } else {
-        // Reflectance at normal incidence is 0.08 times it.
+        // The principled BSDF's specular is the reflectance at normal incidence over 0.08.
         const double root = std::sqrt(std::clamp(0.08 * bsdf.number("specular", 0.5), 0.0, 0.99));
         ior = (1 + root) / (1 - root);
     }
@@ -401,7 +401,7 @@ void Reader::read_interior(const Element& element, Material& m)
         m.transmission_scatter_anisotropy);
 }
 
-/// Of what the camera is in, all is full that is in nothing else.
+/// Fills the space outside all shapes with the camera's medium, if it has one.
 void Reader::finish_media()
 {
     for (const Element* medium : media_of_shapes_.nowhere(camera_medium_)) report(*medium, medium_is_nowhere);

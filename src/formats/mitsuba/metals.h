@@ -3,8 +3,8 @@
 
 namespace fathom::mitsuba {
 
-/// Indices of refraction by name, as the variant `llvm_ad_rgb` of Mitsuba 3.9.1 has them: red, green and blue of what
-/// was measured by wavelength.
+/// Complex indices of refraction by material name: spectral measurements as red, green and blue, as the variant
+/// `llvm_ad_rgb` of Mitsuba 3.9.1 computes them.
 inline constexpr Conductor metals[] = {{"Ag", {0.1553f, 0.1167f, 0.1384f}, {4.828f, 3.122f, 2.147f}},
                                        {"Al", {1.658f, 0.8804f, 0.5212f}, {9.224f, 6.27f, 4.837f}},
                                        {"AlAs", {3.605f, 3.233f, 2.216f}, {0.0006794f, 0.0f, 0.007513f}},

@@ -4,8 +4,8 @@
 
 namespace fathom {
 
-/// Reads Mitsuba 3 scenes (XML), as its variant `llvm_ad_rgb` means them: docs/formats.md has a row for each plugin.
-/// What has no counterpart is a counted warning, and so is every parameter that nothing reads.
+/// Reads Mitsuba 3 scenes (XML) as its variant `llvm_ad_rgb` interprets them; docs/formats.md lists all plugins.
+/// Unsupported features and unread parameters are counted warnings.
 SceneDescription read_mitsuba(const SourceFile& file, LoadContext& context);
 
 inline constexpr Importer mitsuba_importer{

@@ -1,4 +1,4 @@
-/// Bsdfs made of two others.
+/// BSDFs that combine two others.
 #include <fmt/format.h>
 
 #include <utility>
@@ -16,7 +16,7 @@ bool is_plain(const Material& m)
     return m.kind == MaterialKind::diffuse && m.normal_texture < 0 && m.bump.texture < 0 && m.roughness.value == 0 &&
            m.alpha_mode == AlphaMode::opaque;
 }
-/// Two of these are one of the mean color.
+/// Whether both are Lambertian without other effects: their mixture is a single material of the mean color.
 bool are_plain(const Material& a, const Material& b)
 {
     return is_plain(a) && is_plain(b) && a.one_sided == b.one_sided;

@@ -24,7 +24,7 @@ double number_of(const Element& element, std::string_view text)
     return numbers[0];
 }
 
-/// x, y and z as attributes, or all as `value`.
+/// A vector from attributes x, y and z, or from `value`.
 Vec3d vector_of(const Element& element, double otherwise)
 {
     if (element.has("value")) {
@@ -46,7 +46,7 @@ Vec3d three_numbers(const Element& element, std::string_view name)
     return {v[0], v[1], v[2]};
 }
 
-/// Of a camera that looks along +z, with +x to its left.
+/// Transform of a camera that looks along +z with +x to its left.
 Transform look_at(const Element& element)
 {
     const Vec3d origin = three_numbers(element, "origin"), target = three_numbers(element, "target");
@@ -102,7 +102,7 @@ std::vector<double> numbers_of(const Element& element, std::string_view text)
         if (*at == '+') ++at;
         double value = 0;
         const auto [next, error] = std::from_chars(at, end, value);
-        // What is too small for a double is 0.
+        // Numbers too small for double become 0.
         const bool is_tiny = error == std::errc::result_out_of_range && value == 0;
         if ((error != std::errc() && !is_tiny) || (next != end && !is_blank(*next)) || !std::isfinite(value))
             element.fail(fmt::format("expected numbers, found '{}'", printable(text)));

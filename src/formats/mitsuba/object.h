@@ -10,10 +10,10 @@
 
 namespace fathom::mitsuba {
 
-/// Numbers of a text, separated by blanks and commas.
+/// The numbers in a text, separated by whitespace and commas.
 std::vector<double> numbers_of(const Element& element, std::string_view text);
 
-/// A plugin's element as its parameters, which are read by name; what nobody read is told at the end.
+/// The parameters of a plugin's element, read by name. finish() reports the parameters that were never read.
 class Object {
 public:
     Object(const Element& element, const Document& document) : element_(element), document_(document) {}
@@ -21,7 +21,7 @@ public:
     const Element& element() const { return element_; }
     const std::string& type() const { return element_.type(); }
 
-    /// Whether there is such a parameter, of whatever kind; references count under their name.
+    /// Whether the parameter exists, of any type; references count under their name.
     bool has(std::string_view name) const { return find(name) != nullptr; }
     double number(std::string_view name, double otherwise);
     int integer(std::string_view name, int otherwise);
@@ -29,13 +29,13 @@ public:
     std::string text(std::string_view name, std::string_view otherwise);
     std::optional<Vec3d> vector(std::string_view name);
     Transform transform(std::string_view name);
-    /// The element of a parameter, of references what they mean; null if there is none.
+    /// The element of a parameter, with references resolved; null if it is missing.
     const Element* child(std::string_view name);
-    /// The elements of a tag, in the order of the file, references to such among them.
+    /// The child elements of a tag in the order of the file, with references resolved.
     std::vector<const Element*> children(std::string_view tag);
-    /// Counts as read: what it says makes no difference here.
+    /// Marks parameters as read that have no effect in Fathom.
     void ignore(std::initializer_list<std::string_view> names);
-    /// Warns of all that nobody asked for.
+    /// Warns of all parameters that were never read.
     void finish(Warnings& warnings) const;
     /// "bsdf 'plastic'", for messages.
     std::string title() const;
@@ -49,7 +49,7 @@ private:
     std::set<const Element*> used_;
 };
 
-/// translate, rotate, scale, matrix, lookat, one after the other.
+/// The product of the element's translate, rotate, scale, matrix and lookat, in order.
 Transform transform_of(const Element& element);
 
 }  // namespace fathom::mitsuba

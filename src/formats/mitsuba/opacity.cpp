@@ -1,5 +1,5 @@
-/// How opacity, blends and emission of surfaces act together. An emitter of Mitsuba sends its whole radiance from its
-/// front, however opaque the bsdf is around it: opacity is a matter of what is scattered.
+/// Opacity, blends and emission. In Mitsuba, opacity affects scattering only: an emitter emits its full radiance to the
+/// front, however transparent its BSDF is.
 #include <utility>
 
 #include "formats/common/alpha_blend.h"
@@ -9,7 +9,7 @@ namespace fathom::mitsuba {
 
 namespace {
 
-/// A sheet that light passes unchanged, but which is there: it can emit.
+/// A thin sheet that transmits light unchanged but can emit.
 Material clear_sheet()
 {
     Material m;
@@ -29,7 +29,7 @@ bool is_opaque(const Material& m)
 
 }  // namespace
 
-/// The material as often as its alpha says, and else a clear sheet: what it emits is then not multiplied by alpha.
+/// Mixes the material with a clear sheet by its alpha, so that alpha doesn't scale its emission.
 Material Reader::mixed_with_transparent(Material m)
 {
     Material mixture;
@@ -43,7 +43,7 @@ Material Reader::mixed_with_transparent(Material m)
 
 Material Reader::with_emission(Material m, ColorInput emission)
 {
-    // Where alpha is small few rays would find what shines the brighter.
+    // For a small alpha, few rays would hit an emitter whose radiance is scaled up by 1 / alpha.
     constexpr float min_alpha = 0.1f;
     if (is_nothing(m)) {
         m = clear_sheet();
@@ -57,7 +57,7 @@ Material Reader::with_emission(Material m, ColorInput emission)
     return m;
 }
 
-/// A mixture of two materials, of which light passes at least one.
+/// Combines the opacities of a mixture's two materials, of which at least one is transparent.
 Material Reader::blend_by_alpha(Material mixture)
 {
     Material &a = scene_.materials[std::size_t(mixture.material_a)],

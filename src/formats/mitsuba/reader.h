@@ -16,12 +16,12 @@
 
 namespace fathom::mitsuba {
 
-/// Turns a mesh's other side to the front.
+/// Flips the orientation of a mesh.
 void flip(Mesh& mesh);
-/// Whether a shape's own transform does.
+/// Whether the shape's own transform mirrors.
 bool mirrors(Object& shape);
 
-/// A Mitsuba document into a scene.
+/// Converts a Mitsuba document to a scene.
 class Reader {
 public:
     Reader(const Document& document, LoadContext& context) : document_(document), context_(context) {}
@@ -31,14 +31,14 @@ public:
 private:
     using Key = std::pair<const Element*, std::string>;
 
-    // scene.cpp: what is seen, and from where
+    // scene.cpp: sensor, film and integrator
     void read_root(const Element& element);
     void read_sensor(const Element& element);
     struct FieldOfView {
         double angle;  ///< radians
-        FovAxis axis;  ///< of which side of the picture
+        FovAxis axis;  ///< side of the image that the angle spans
     };
-    /// Of cameras and projectors.
+    /// Field of view of cameras and projectors.
     static FieldOfView field_of_view(Object& object);
     static double vertical_fov(Object& sensor, double aspect);
     void read_film(const Element& element);
@@ -53,18 +53,20 @@ private:
     void read_environment_map(Object& emitter);
     void read_sky(Object& emitter);
     void add_light(Light light, const Transform& world_from_light);
-    /// Of a shape that shines along its normals only: a light in front of it.
+    /// Adds a collimated light in front of a shape whose emitter shines along the normal only.
     void add_beam(const Element& element, Object& shape, Node& node);
 
-    // texture.cpp: colours and what stands for them. Reflectances are at most 1.
+    // texture.cpp: colors and textures. Reflectances are clamped to at most 1.
     ColorInput color(Object& of, std::string_view name, Color otherwise);
-    /// A color texture is read by its luminance.
+    /// A number or texture. A color texture is read by its luminance.
     FloatInput number_or_texture(Object& of, std::string_view name, float otherwise);
-    /// One colour; of a texture, which is told, grey.
+    /// A constant color; a texture is replaced by gray, which is reported.
     Color plain_color(Object& of, std::string_view name, Color otherwise);
     std::optional<Color> color_of(const Element& element);
     Color spectrum(const Element& element);
-    /// data  numbers, not colours
+    /// Index of a texture.
+    ///
+    /// data  whether values are data rather than colors
     int texture(const Element& element, bool data);
     int bitmap(Object& texture);
     int checkerboard(Object& texture, bool data);
@@ -94,7 +96,7 @@ private:
     Material bend_parts(Material mixture, const Bend& bend);
     Material two_sided(Object& bsdf);
     Material blend(Object& bsdf);
-    // old_materials.cpp: of Mitsuba 0.6
+    // legacy_materials.cpp: plugins of Mitsuba 0.6
     Material phong(Object& bsdf);
     Material rough_diffuse(Object& bsdf);
     Material diffuse_transmitter(Object& bsdf);
@@ -102,19 +104,19 @@ private:
     ColorInput squared(const ColorInput& color);
     ColorInput scaled_input(const ColorInput& color, float by);
     int add_material(Material material);
-    /// Metal that reflects all.
+    /// A metal with reflectance 1.
     static Material mirror();
-    /// What a mirror reflects gets a colour, the same at all angles.
+    /// Tints a mirror's reflection with a color that is constant over all angles.
     static void tint(Material& mirror, const ColorInput& color);
     void read_roughness(Object& bsdf, Material& material);
-    /// Of one side against the other.
+    /// Index of refraction inside over outside.
     double relative_ior(Object& bsdf, double inside, double outside);
     double ior(Object& bsdf, std::string_view name, double otherwise);
     // opacity.cpp
     Material blend_by_alpha(Material mixture);
     Material mixed_with_transparent(Material m);
     Material with_emission(Material m, ColorInput emission);
-    /// With what fills the shape, and with what it emits.
+    /// Index of the shape's material, with its interior medium and emission.
     int material_of_shape(Object& shape);
     void read_interior(const Element& medium, Material& material);
     void finish_media();
@@ -126,7 +128,7 @@ private:
     std::optional<Shape> ply(Object& shape);
     Mesh ply_mesh(Object& shape, const std::string& file, const std::string& attribute);
     std::filesystem::path file_of(Object& shape);
-    /// The mesh attribute that the shape's material looks up: "vertex_color", "face_weight", ...; else empty.
+    /// The mesh attribute that the shape's material refers to ("vertex_color", "face_weight", ...); empty if none.
     std::string attribute_of(Object& shape);
     std::optional<Shape> serialized(Object& shape);
     std::optional<Shape> sdf_grid(Object& shape);
@@ -140,10 +142,10 @@ private:
     std::optional<Shape> curves(Object& shape);
     void read_group(Object& group, std::vector<int>& roots);
     Shape add_mesh(Mesh mesh);
-    /// Their mesh as a shape's options have it.
+    /// The mesh with the shape's options applied.
     Mesh finished(Mesh mesh, Object& shape, bool flip_v);
 
-    /// Warns of an element: one line for each kind of element and message, with the id of the first one.
+    /// Warns of an element: one line for each type of element and message, with the id of the first element.
     void report(const Element& element, const std::string& message);
     void add_reported_warnings();
     int add_node(Node node);
@@ -155,27 +157,27 @@ private:
         std::string first_id;
         std::set<std::string> ids;
     };
-    std::map<std::pair<std::string, std::string>, Told> told_;  ///< by what an element is and the message
+    std::map<std::pair<std::string, std::string>, Told> told_;  ///< by element type and message
     SceneDescription scene_;
     int film_width_ = 768, film_height_ = 576;
-    std::array<double, 2> crop_middle_{384, 288};  ///< of the part of the film that is the picture, in pixels
+    std::array<double, 2> crop_middle_{384, 288};  ///< center of the cropped part of the film, in pixels
     std::map<const Element*, int> textures_, materials_, two_sided_materials_;
-    bool two_sided_ = false;  ///< what is read is within a 'twosided' bsdf: it is not black behind
+    bool two_sided_ = false;  ///< inside a 'twosided' BSDF, whose back is not black
     std::map<const Element*, int> data_textures_;
-    std::map<int, std::string> attributes_;  ///< names of those that textures stand for
+    std::map<int, std::string> attributes_;  ///< names of the mesh attributes that textures refer to
     std::map<std::string, int> images_;
     MeasuredFiles measured_files_{context_, scene_};
-    /// By bsdf, emitter and medium.
+    /// Materials of shapes by BSDF, emitter and medium.
     std::map<std::array<const Element*, 3>, int> shape_materials_;
     const Element* camera_medium_ = nullptr;
-    bool hides_emitters_ = false;  ///< known when all of the scene's own elements were read
-    std::vector<int> lamps_;       ///< materials of shapes that shine
+    bool hides_emitters_ = false;  ///< known after all top-level elements are read
+    std::vector<int> lamps_;       ///< materials of emissive shapes
     MediaOfShapes<Element> media_of_shapes_;
     std::map<Key, int> meshes_;
     std::map<std::string, SerializedFile> serialized_;
     std::map<std::string, Appended> models_;  ///< by file and options
     std::map<const Element*, std::vector<int>> groups_;
-    std::set<const Element*> open_shapes_;  ///< being read now: finds cycles
+    std::set<const Element*> open_shapes_;  ///< shapes being read; detects cycles
 };
 
 }  // namespace fathom::mitsuba

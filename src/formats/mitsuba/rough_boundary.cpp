@@ -8,7 +8,7 @@ namespace fathom::mitsuba {
 
 namespace {
 
-/// Of light within that meets the boundary.
+/// Fresnel reflectance for light inside that reaches the boundary; `ior` is the inner index over the outer one.
 double fresnel_within(double cosine, double ior)
 {
     const double sine2 = (1 - cosine * cosine) * ior * ior;
@@ -18,7 +18,7 @@ double fresnel_within(double cosine, double ior)
     return (s * s + p * p) / 2;
 }
 
-/// What is not hidden of facets, by Smith's terms of Walter et al. 2007.
+/// Smith's masking term G1 for Beckmann or GGX (Walter et al. 2007).
 double seen(double cosine, double alpha, bool beckmann)
 {
     const double tangent = std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine;
@@ -27,14 +27,15 @@ double seen(double cosine, double alpha, bool beckmann)
     return a < 1.6 ? (3.535 * a + 2.181 * a * a) / (1 + 2.276 * a + 2.577 * a * a) : 1;
 }
 
-/// What facets reflect of light from a direction.
+/// Fraction of light from a direction inside that the facets reflect back inside, without interreflection.
 double reflected(double cosine, double alpha, bool beckmann, double ior)
 {
     constexpr int slopes = 48, turns = 48;
     const double sine = std::sqrt(1 - cosine * cosine);
     double sum = 0;
     for (int i = 0; i < slopes; ++i) {
-        // Normals as they lie on the surface: by areas, the steep ones more closely, which are seen by more than those.
+        // Facet normals follow the projected area of the distribution; sampling in w is denser at steep normals, which
+        // matter at grazing angles.
         const double w = (i + 0.5) / slopes, area = 2 * w / slopes;
         const double slope = alpha * std::sqrt(beckmann ? -2 * std::log(w) : 1 / (w * w) - 1);
         const double z = 1 / std::sqrt(1 + slope * slope), across = slope * z;

@@ -43,9 +43,9 @@ void Reader::add_reported_warnings()
 SceneDescription Reader::read()
 {
     scene_.file = document_.files.front();
-    // It lights itself, or is meant to be dark.
+    // A Mitsuba scene has its own light or is meant to be dark, so automatic lights are disabled.
     scene_.hints.own_light = true;
-    // The camera first: what is asked of a picture's shape needs it.
+    // The sensor is read first, because shapes and film depend on it.
     for (const auto& child : document_.root->children)
         if (child->tag == "sensor") read_sensor(*child);
     for (const auto& child : document_.root->children) read_root(*child);
@@ -67,7 +67,7 @@ void Reader::read_root(const Element& element)
         if (meant.tag == "shape" || meant.tag == "emitter") read_root(meant);
         return;
     }
-    // Those are read where something refers to them.
+    // These elements are read when something refers to them.
     for (const char* known :
          {"sensor", "bsdf", "texture", "medium", "alias", "spectrum", "rgb", "float", "string", "integer", "boolean"})
         if (tag == known) return;
@@ -77,7 +77,7 @@ void Reader::read_root(const Element& element)
 void Reader::read_integrator(const Element& element)
 {
     Object integrator(element, document_);
-    // Those that add layers or statistics to another's picture.
+    // Integrators such as `aov` or `moment` that wrap another one.
     if (const std::vector<const Element*> nested = integrator.children("integrator"); !nested.empty()) {
         report(element, "the picture is that of the integrator in it");
         return read_integrator(*nested[0]);
@@ -86,16 +86,16 @@ void Reader::read_integrator(const Element& element)
     const bool direct = type == "direct";
     if (type != "path" && type != "volpath" && type != "volpathmis" && !direct)
         report(element, "paths are traced instead");
-    // Mitsuba counts the ways between surfaces, of which the last leads to the light; here surfaces that scatter.
+    // Mitsuba's max_depth counts path segments including the one to the light; Fathom counts scattering vertices.
     const int depth = direct ? 2 : integrator.integer("max_depth", -1);
     if (depth >= 0) scene_.hints.max_depth = std::max(0, depth - 1);
     scene_.hints.roulette_depth = direct ? 5 : integrator.integer("rr_depth", 5);
     if (integrator.boolean("hide_emitters", false)) hide_emitters();
-    // What only other methods have makes no difference here.
+    // Parameters of other integrators don't affect the result.
     if (type == "path") integrator.finish(context_.warnings);
 }
 
-/// The camera looks through shapes that shine, and sees nothing where the environment is.
+/// Hides emissive shapes and the environment from camera rays.
 void Reader::hide_emitters()
 {
     scene_.hints.background = Color{0, 0, 0};
@@ -124,7 +124,7 @@ void Reader::read_film(const Element& element)
             report(*filter, "the filter is 'blackman-harris' here: none has negative parts");
             of.ignore({"B", "C", "lobes"});
         }
-        // A Gaussian ends at four deviations there and here.
+        // Both renderers truncate the Gaussian at four standard deviations.
         const double radius = type == "gaussian" ? 4 * of.number("stddev", 0.5)
                               : type == "box"    ? of.number("radius", 0.5)
                                                  : of.number("radius", 1);
@@ -135,7 +135,7 @@ void Reader::read_film(const Element& element)
     film.finish(context_.warnings);
 }
 
-/// The part of the film that is the picture.
+/// Reads the crop window: the part of the film that is rendered.
 void Reader::read_crop(Object& film)
 {
     film_width_ = scene_.hints.width.value(), film_height_ = scene_.hints.height.value();
@@ -149,7 +149,7 @@ void Reader::read_crop(Object& film)
     crop_middle_ = {x + width / 2.0, y + height / 2.0};
 }
 
-/// The camera of the whole film becomes that of the crop, whose middle is elsewhere.
+/// Converts the camera of the whole film to that of the crop window, by lens shift and field of view.
 void Reader::look_at_crop(Object& sensor, Camera& camera) const
 {
     const double width = scene_.hints.width.value_or(film_width_), height = scene_.hints.height.value_or(film_height_);
@@ -175,7 +175,7 @@ Reader::FieldOfView Reader::field_of_view(Object& object)
                               : axis == "larger"   ? FovAxis::larger
                                                    : FovAxis::width};
     }
-    // Of a picture of 36 by 24 mm, by its diagonal.
+    // Focal lengths refer to the diagonal of a 36 by 24 mm image.
     std::string text = object.text("focal_length", "50mm");
     if (text.ends_with("mm")) text.resize(text.size() - 2);
     const std::vector<double> f = numbers_of(object.element(), text);
@@ -222,7 +222,7 @@ void Reader::read_sensor(const Element& element)
         camera.fov_y = vertical_fov(sensor, aspect);
         camera.fov_axis = field_of_view(sensor).axis;
     }
-    // Of several cameras the first is rendered from.
+    // The first sensor is the one that is rendered.
     if (const Element* medium = sensor.child("medium"); medium && scene_.cameras.empty()) camera_medium_ = medium;
     if (type == "thinlens") camera.aperture = 2 * sensor.number("aperture_radius", 0);
     camera.focus_distance = type == "thinlens" ? sensor.number("focus_distance", 1) : 0;

@@ -47,7 +47,7 @@ public:
 
     int cells(std::size_t axis) const { return size_[axis] - 1; }
 
-    /// The numbers at a cell's corners; bits of their index are x, y, z.
+    /// Distances at a cell's corners; the bits of a corner's index are x, y, z.
     std::array<double, 8> corners(const Place& cell) const
     {
         std::array<double, 8> v;
@@ -55,7 +55,8 @@ public:
             v[i] = double(at(cell[0] + int(i & 1), cell[1] + int(i >> 1 & 1), cell[2] + int(i >> 2)));
         return v;
     }
-    /// How the linear law of a cell grows in the unit cube, at a place in units of cells, which may lie outside of it.
+    /// Gradient of a cell's trilinear interpolant in the unit cube, at a position in units of cells; the interpolant is
+    /// extrapolated outside of its cell.
     Vec3d gradient(const Place& cell, Vec3d p) const
     {
         const std::array<double, 8> c = corners(cell);
@@ -70,7 +71,7 @@ public:
             }
         return {g[0], g[1], g[2]};
     }
-    /// Of the eight cells around, each by its own law, mixed by how near their middles are.
+    /// Normal from the gradients of the eight surrounding cells, interpolated by the distance from their centers.
     Vec3d smooth_normal(Vec3d p) const
     {
         const double at[] = {p.x, p.y, p.z};
@@ -111,8 +112,8 @@ double mixed(const std::array<double, 8>& c, double x, double y, double z)
     return mix(mix(mix(c[0], c[1], x), mix(c[2], c[3], x), y), mix(mix(c[4], c[5], x), mix(c[6], c[7], x), y), z);
 }
 
-/// Marching tetrahedra: each piece of a cell is six of them about its diagonal, so that neighbours agree on their
-/// edges.
+/// Marching tetrahedra: each part of a cell is split into six tetrahedra about its diagonal, so that adjacent parts
+/// share edges.
 class Surface {
 public:
     Surface(const Grid& grid, int parts) : grid_(grid), parts_(parts)
@@ -129,12 +130,12 @@ public:
                 for (cell[0] = 0; cell[0] < grid_.cells(0); ++cell[0]) add_cell(cell);
         return std::move(mesh_);
     }
-    /// Of the vertices, in units of cells.
+    /// Positions of the vertices, in units of cells.
     const std::vector<Vec3d>& places() const { return places_; }
 
 private:
     struct Node {
-        Place place;  ///< in pieces of cells
+        Place place;  ///< in parts of cells
         double value;
     };
 
@@ -164,11 +165,11 @@ private:
             inside += nodes[i].value < 0;
         }
         if (inside == 0 || inside == 8) return;
-        // From corner 0 to 7, one axis after the other.
+        // Paths from corner 0 to corner 7 along one axis after another.
         constexpr std::size_t ways[6][2] = {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}};
         for (const auto& way : ways) add_tetrahedron({&nodes[0], &nodes[way[0]], &nodes[way[1]], &nodes[7]});
     }
-    /// Its corners in the order in which their places grow.
+    /// corners  ascending in every coordinate
     void add_tetrahedron(const std::array<const Node*, 4>& corners)
     {
         std::vector<std::size_t> in, out;
@@ -202,7 +203,9 @@ private:
         if (dot(normal, along) < 0) std::swap(b, c);
         mesh_.indices.insert(mesh_.indices.end(), {a, b, c});
     }
-    /// Where the surface cuts an edge. b: no coordinate is less than that of a.
+    /// The vertex where the surface intersects the edge from a to b.
+    ///
+    /// b  not less than a in any coordinate
     std::uint32_t vertex(const Node& a, const Node& b)
     {
         std::uint32_t direction = 0;
@@ -231,7 +234,7 @@ private:
 
     const Grid& grid_;
     const int parts_;
-    std::uint64_t nodes_[3];  ///< of the pieces, along each axis
+    std::uint64_t nodes_[3];  ///< number of nodes along each axis
     std::array<double, 8> corners_{};
     Place cell_{};
     VertexIndex vertices_;
@@ -244,14 +247,14 @@ private:
 Mesh sdf_mesh(const std::string& file, std::string_view bytes, bool smooth)
 {
     const Grid grid(file, bytes);
-    // As fine as pictures show: some hundred pieces along an axis.
+    // A resolution of about 256 parts along the longest axis is fine enough for images.
     const int most = std::max({grid.cells(0), grid.cells(1), grid.cells(2)});
     const int parts = std::clamp(256 / most, 1, 8);
     Surface surface(grid, parts);
     if (!surface.fits()) throw Error(file, "", "the grid is too large");
     Mesh mesh = surface.mesh();
     if (mesh.indices.empty()) throw Error(file, "", "there is no surface in it: no cell has distances of both signs");
-    // There is one place on pictures for all of it.
+    // The whole surface has one texture coordinate.
     mesh.uvs[0].assign(mesh.positions.size(), {0, 0});
     if (smooth)
         for (const Vec3d& p : surface.places()) mesh.normals.push_back(to_float(grid.smooth_normal(p)));

@@ -21,7 +21,7 @@ enum Flags : std::uint32_t {
 constexpr std::uint16_t sign = 0x041c;
 constexpr std::size_t header_bytes = 4;
 
-/// Deflated bytes as they come out, a piece at a time: what is asked of memory grows with what was there.
+/// Decompresses a deflate stream incrementally, so that memory grows with the data that actually exists.
 class Inflated {
 public:
     Inflated(const std::string& file, std::size_t index, const char* bytes, std::size_t size)
@@ -71,7 +71,7 @@ private:
     void read(void* to, std::size_t size)
     {
         stream_.next_out = static_cast<Bytef*>(to);
-        stream_.avail_out = uInt(size);  // of a piece: far below 4 GB
+        stream_.avail_out = uInt(size);  // size of one piece, far below 4 GB
         while (stream_.avail_out > 0) {
             if (stream_.avail_in == 0) feed();
             const int result = inflate(&stream_, Z_SYNC_FLUSH);

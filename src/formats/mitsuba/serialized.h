@@ -7,19 +7,19 @@
 
 namespace fathom::mitsuba {
 
-/// Mitsuba's own file of many meshes, each deflated by itself.
+/// Mitsuba's binary file of several meshes, each compressed with deflate.
 class SerializedFile {
 public:
-    /// Throws Error naming the file if it is none.
+    /// Throws Error naming the file if it has another format.
     SerializedFile(std::string file, std::string bytes);
 
     std::size_t count() const { return offsets_.size(); }
-    /// v of uv grows as in the file. Throws Error if the file is damaged there.
+    /// Decompresses a mesh; v of uv is as in the file. Throws Error if this mesh is damaged.
     Mesh mesh(std::size_t index) const;
 
 private:
     std::string file_, bytes_;
-    std::vector<std::uint64_t> offsets_;  ///< of the deflated data of each
+    std::vector<std::uint64_t> offsets_;  ///< offset of each mesh's compressed data
     std::vector<std::uint64_t> ends_;
     std::vector<int> versions_;
 };

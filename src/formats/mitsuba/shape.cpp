@@ -1,4 +1,4 @@
-// Shapes, groups and instances.
+// Meshes, groups and instances.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::size_t max_nodes = 20'000'000;
 
-/// Of the faces around each vertex, by their angles there (G. Thuermer, C. A. Wuethrich: Computing Vertex Normals from
-/// Polygonal Facets, 1998), which is what Mitsuba gives meshes without.
+/// Adds vertex normals weighted by the faces' angles (G. Thuermer, C. A. Wuethrich, "Computing Vertex Normals from
+/// Polygonal Facets", 1998), as Mitsuba does for meshes without normals.
 void add_smooth_normals(Mesh& mesh)
 {
     std::vector<Vec3d> sums(mesh.positions.size());
@@ -60,14 +60,14 @@ Shape Reader::add_mesh(Mesh mesh)
 void Reader::read_shape(const Element& element, std::vector<int>& roots)
 {
     Object shape(element, document_);
-    if (shape.type() == "shapegroup") return;  // only its instances are seen
+    if (shape.type() == "shapegroup") return;  // only instances of a group are visible
     if (!open_shapes_.insert(&element).second) element.fail("a shape can't contain itself");
     struct Close {
         std::set<const Element*>& open;
         const Element* element;
         ~Close() { open.erase(element); }
     } const close{open_shapes_, &element};
-    // A short file can ask for many by references to references.
+    // Nested references can turn a short file into many shapes.
     if (scene_.nodes.size() > max_nodes) element.fail(fmt::format("more than {} shapes", max_nodes));
     Node node;
     node.name = element.attribute("id");
@@ -155,7 +155,8 @@ Mesh Reader::finished(Mesh mesh, Object& shape, bool flip_v)
         turn_to_normals(mesh);
     else
         add_smooth_normals(mesh);
-    // Without normals of its own a mesh has its front where its corners go round to the left in the world.
+    // A mesh without normals faces the side from which its corners are counterclockwise in world space, whatever its
+    // transform.
     const bool is_turned = !has_normals && mirrors(shape);
     if (shape.boolean("flip_normals", false) != is_turned) flip(mesh);
     return mesh;
@@ -163,7 +164,7 @@ Mesh Reader::finished(Mesh mesh, Object& shape, bool flip_v)
 
 namespace {
 
-/// What makes another mesh of the same file.
+/// Key of the options that distinguish meshes of one file.
 std::string variant_of(Object& shape, bool flip_v)
 {
     return fmt::format("{}{}{}{}", int(flip_v), int(shape.boolean("face_normals", false)),
@@ -175,7 +176,7 @@ std::string variant_of(Object& shape, bool flip_v)
 std::optional<Shape> Reader::model(Object& shape, Node& node)
 {
     const std::filesystem::path file = file_of(shape);
-    // Our reader turns v over, as Mitsuba's does unless it is told otherwise.
+    // Fathom's reader flips v, as Mitsuba does by default.
     const bool flip_v = !shape.boolean("flip_tex_coords", true);
     const std::string key = file.string() + '\n' + variant_of(shape, flip_v);
     auto found = models_.find(key);
@@ -187,7 +188,7 @@ std::optional<Shape> Reader::model(Object& shape, Node& node)
             shape.element().fail(error.what());
         }
         for (Mesh& mesh : model.meshes) mesh = finished(std::move(mesh), shape, flip_v);
-        // Materials of its own are not what Mitsuba shows.
+        // Mitsuba ignores the materials of the file.
         model.materials.clear();
         for (Node& n : model.nodes)
             for (Shape& s : n.shapes) s.material = -1;
@@ -222,7 +223,7 @@ Mesh Reader::ply_mesh(Object& shape, const std::string& file, const std::string&
     PlyData data = read_ply_data(input, colors);
     if (data.mesh.indices.empty()) throw Error(file, "", "there are no triangles in it");
     context_.warnings.add(file + ": faces with fewer than three corners are left out", data.bad_faces);
-    // Our reader turns v over, unlike Mitsuba's.
+    // Fathom's reader flips v; Mitsuba doesn't by default.
     Mesh mesh = finished(std::move(data.mesh), shape, !shape.boolean("flip_tex_coords", false));
     if (colors.of_faces && !data.face_colors.empty()) color_faces(mesh, data.face_colors);
     if (!attribute.empty() && mesh.colors.empty())

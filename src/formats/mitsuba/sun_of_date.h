@@ -7,12 +7,13 @@
 namespace fathom::mitsuba {
 
 struct SunAngles {
-    double elevation, azimuth;  ///< radians, the latter clockwise from north
+    double elevation, azimuth;  ///< radians; azimuth is clockwise from north
 };
 
-/// Where the date and the place that a sky tells put the sun; Tokyo on an afternoon in July where it tells nothing.
-/// number  a parameter of the sky by its name, or what it is otherwise
-/// Throws Error of the sky if there is no such date.
+/// Direction of the sun from the date and place of a sky emitter, with Mitsuba's defaults: an afternoon in July in
+/// Tokyo. Throws Error naming the sky if the date is invalid.
+///
+/// number  returns a parameter of the sky by name, or the given default
 SunAngles sun_of_date(const Element& sky, const std::function<double(std::string_view, double)>& number);
 
 }  // namespace fathom::mitsuba

@@ -1,4 +1,4 @@
-// Colours, spectra and textures.
+// Colors, spectra and textures.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,13 +19,13 @@ Color three(const Element& element, const std::vector<double>& v)
     return {float(v[0]), float(v[1]), float(v[2])};
 }
 
-/// Of a value of sRGB from 0 to 1.
+/// Decodes an sRGB value in [0, 1].
 float linear_of(double c)
 {
     return float(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
 }
 
-/// "#rrggbb", of files for earlier versions.
+/// A color "#rrggbb", as in files for earlier versions.
 Color from_hex(const Element& element, const std::string& text)
 {
     int v[3] = {};
@@ -37,7 +37,7 @@ Color from_hex(const Element& element, const std::string& text)
     return {linear_of(v[0] / 255.0), linear_of(v[1] / 255.0), linear_of(v[2] / 255.0)};
 }
 
-/// "400:0.1, 500:0.5": by ascending wavelength.
+/// A spectrum such as "400:0.1, 500:0.5", with ascending wavelengths.
 std::vector<SpectrumPoint> points_of(const Element& element, std::string text)
 {
     std::replace(text.begin(), text.end(), ':', ' ');
@@ -56,7 +56,7 @@ bool is_light(const Element& element)
     return element.name() == "radiance" || element.name() == "intensity" || element.name() == "irradiance";
 }
 
-/// The number that Mitsuba makes of a constant color; pictures become their luminance instead.
+/// Mitsuba converts a constant color to a number by its mean, but a texture by its luminance.
 float mean_of(const Color& c)
 {
     return (c.r + c.g + c.b) / 3;
@@ -187,14 +187,14 @@ int Reader::texture(const Element& element, bool data)
 
 namespace {
 
-/// The map of texture coordinates, which here have a turn, a scale and an offset; false if it shears.
+/// Sets rotation, scale and offset of texture coordinates from a transform; false if it has shear.
 bool set_uv_map(const Transform& t, Texture& texture)
 {
     const double a = t.m[0][0], b = t.m[0][1], c = t.m[1][0], d = t.m[1][1];
     const double su = std::hypot(a, c), sv = (su > 0 ? (a * d - b * c) / su : d);
     if (std::abs(a * b + c * d) > 1e-6 * (su * std::hypot(b, d) + 1e-30)) return false;
     texture.uv_scale = {float(su), float(sv)};
-    // KHR_texture_transform turns clockwise: (cos, sin; -sin, cos).
+    // KHR_texture_transform's rotation is clockwise: (cos, sin; -sin, cos).
     texture.uv_rotation = float(std::atan2(-c, a));
     texture.uv_offset = {float(t.m[0][3]), float(t.m[1][3])};
     if (t.m[0][2] != 0 || t.m[1][2] != 0)
@@ -214,7 +214,7 @@ int Reader::bitmap(Object& object)
     if (is_new) scene_.images.push_back({filename, file, {}});
     result.name = filename;
     result.image = image->second;
-    // Pictures for numbers are decoded from sRGB as well, unless they are raw.
+    // Images for numbers are decoded from sRGB too, unless `raw` is set.
     result.color_space = object.boolean("raw", false) ? ColorSpace::linear : ColorSpace::srgb;
     const std::string wrap = object.text("wrap_mode", "repeat"), filter = object.text("filter_type", "bilinear");
     result.wrap_u = result.wrap_v = wrap == "clamp" ? Wrap::clamp : wrap == "mirror" ? Wrap::mirror : Wrap::repeat;
@@ -244,9 +244,9 @@ int Reader::checkerboard(Object& object, bool data)
 {
     Texture result;
     result.kind = TextureKind::checker_uv;
-    // Squares have half the width of uv's unit.
+    // Squares are half a unit of uv wide.
     result.scale = 2;
-    // Numbers may be above 1, reflectances not.
+    // Numbers may exceed 1, reflectances must not.
     const auto value = [&](const char* name, Color otherwise) {
         const Element* const found = data ? object.child(name) : nullptr;
         const std::optional<Color> number = found ? color_of(*found) : std::nullopt;
@@ -256,7 +256,7 @@ int Reader::checkerboard(Object& object, bool data)
     };
     result.color_a = value("color0", {0.4f, 0.4f, 0.4f});
     result.color_b = value("color1", {0.2f, 0.2f, 0.2f});
-    // Where numbers are looked up, Mitsuba (3.9.1) has the two the other way round.
+    // Mitsuba 3.9.1 exchanges the two colors when it evaluates a number.
     if (data) std::swap(result.color_a, result.color_b);
     if (!set_uv_map(object.transform("to_uv"), result))
         report(object.element(), "a shear of texture coordinates is left out");

@@ -4,7 +4,7 @@ namespace fathom::pbrt {
 
 namespace {
 
-// Here v grows downwards.
+// Fathom's v grows downward.
 constexpr Vec2f square[] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
 
 template <class T>
@@ -17,7 +17,7 @@ void unshare(std::vector<T>& values, const std::vector<std::uint32_t>& indices)
     values = std::move(own);
 }
 
-/// Whether two triangles are a fan about their first corner, as those of convex faces are.
+/// Whether two triangles form a fan about their first corner, as convex quadrilaterals are triangulated.
 bool is_fan(const std::uint32_t* corners)
 {
     return corners[0] == corners[3] && corners[2] == corners[4];

@@ -5,10 +5,10 @@
 
 namespace fathom::pbrt {
 
-/// Gives a mesh pbrt's default texture coordinates: (0, 0), (1, 0) and (1, 1) at the corners of each triangle, and
-/// those of the unit square at the corners of faces of four. Triangles then share no vertices.
+/// Sets pbrt's default texture coordinates: (0, 0), (1, 0) and (1, 1) at the corners of each triangle, and those of the
+/// unit square for quadrilaterals. Triangles share no vertices afterwards.
 ///
-/// quads  the first of the two triangles of each such face, ascending
+/// quads  index of the first of the two triangles of each quadrilateral, ascending
 void add_default_uvs(Mesh& mesh, const std::vector<std::uint32_t>& quads);
 
 }  // namespace fathom::pbrt

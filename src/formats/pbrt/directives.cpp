@@ -1,4 +1,4 @@
-// The language itself: what each directive does to the state.
+// Directives of the scene language and their effect on the graphics state.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t max_blocks = 100'000, max_nodes = 20'000'000;
 
-/// Sixteen numbers, a column of the matrix after the other.
+/// Reads 16 numbers of a matrix in column-major order.
 Transform matrix(Scanner& scanner)
 {
     if (scanner.peek().kind != Token::Kind::open) scanner.fail("expected [ and 16 numbers");
@@ -45,7 +45,7 @@ Vec3d vector(Scanner& scanner)
     return {x, y, scanner.number()};
 }
 
-/// From the world to a camera that looks along +z.
+/// Transform from world to a camera that looks along +z.
 Transform look_at(Scanner& scanner)
 {
     const Place place = scanner.place();
@@ -77,7 +77,7 @@ Reader::Reader(const std::filesystem::path& file, LoadContext& context)
     : context_(context), folder_(file.parent_path()), teller_(context.warnings)
 {
     scene_.file = file.string();
-    // It lights itself, or is meant to be dark.
+    // A pbrt scene has its own light or is meant to be dark, so automatic lights are disabled.
     scene_.hints.own_light = true;
 }
 
@@ -386,7 +386,7 @@ void Reader::read_directive(Scanner& scanner)
         state_.active[0] = state_.active[1] = true;
         systems_["world"] = {};
     } else if (word == "WorldEnd") {
-        // Of older versions; nothing is behind it.
+        // Directive of older versions without effect.
     } else if (word == "Shape") {
         read_shape(*plugin(scanner, "Shape", "shape"));
     } else if (word == "LightSource") {

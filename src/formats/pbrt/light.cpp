@@ -1,4 +1,4 @@
-// Light without a surface.
+// Lights without a surface.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ Color scaled(Color c, double factor)
     return {c.r * f, c.g * f, c.b * f};
 }
 
-/// Turns +z to a direction.
+/// A rotation that maps +z to a direction.
 Transform towards(Vec3d direction)
 {
     const Vec3d w = normalize(direction);
@@ -45,7 +45,7 @@ Transform rotation_of(const Transform& t)
 
 void Reader::add_light(Light light, const Transform& world_from_light)
 {
-    // Lights shine along -z here, along +z in the space that is given.
+    // Fathom's lights shine along -z, pbrt's along +z.
     add_light_node(std::move(light), world_from_light * Transform::scale({-1, 1, -1}));
 }
 
@@ -103,7 +103,7 @@ void Reader::read_light(const Parameters& of)
     of.finish(teller_);
 }
 
-/// The picture's middle is at +y, its right at +x, its bottom at +z.
+/// The image's center is the direction +y, its right is +x and its bottom is +z.
 void Reader::read_goniometric(const Parameters& of)
 {
     Light light;
@@ -116,7 +116,7 @@ void Reader::read_goniometric(const Parameters& of)
     add_light_node(light, state_.ctm[0] * light_from_node);
 }
 
-/// Along +z, the picture's right at +x, its top at +y.
+/// Projects along +z; the image's right is +x and its top is +y.
 void Reader::read_projection(const Parameters& of)
 {
     Light light;
@@ -131,7 +131,7 @@ void Reader::read_projection(const Parameters& of)
     add_light_node(light, state_.ctm[0] * Transform::scale({1, 1, -1}));
 }
 
-/// Of a light with a picture.
+/// Sets the power of a light with an image.
 void Reader::set_power(const Parameters& of, Light& light)
 {
     const double power = of.number("power", -1);
@@ -156,8 +156,8 @@ void Reader::read_infinite(const Parameters& of)
         environment.image = image(of);
         const auto scale = float(of.number("scale", 1));
         environment.color = {scale, scale, scale};
-        // pbrt takes each pixel for half of the solid angle that it has: what it shows is twice as bright as it is
-        // told.
+        // pbrt assumes half of each pixel's true solid angle when it normalizes to an illuminance, so its light is
+        // twice as bright as specified.
         environment.illuminance = std::max(2 * lux, 0.0);
         environment.world_from_environment = rotation_of(state_.ctm[0]);
     } else {

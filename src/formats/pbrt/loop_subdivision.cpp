@@ -27,10 +27,11 @@ Edge edge_of(std::uint32_t a, std::uint32_t b)
     return {std::min(a, b), std::max(a, b)};
 }
 
-/// What is around each vertex.
+/// Adjacency of vertices.
 struct Neighbors {
-    std::map<Edge, std::vector<std::uint32_t>> opposite;  ///< of an edge, the corners of its faces that are not on it
-    std::vector<Vec3f> ring_sum, rim_sum;                 ///< of the neighbours, and of those along the rim
+    std::map<Edge, std::vector<std::uint32_t>> opposite;  ///< for each edge, the opposite corners of its faces
+    std::vector<Vec3f> ring_sum, rim_sum;                 ///< sums of the positions of all neighbors, and of neighbors
+                                                          ///< along the boundary
     std::vector<int> valence, rim;
 
     Neighbors(const std::vector<Vec3f>& p, const std::vector<std::uint32_t>& indices)
@@ -51,7 +52,7 @@ struct Neighbors {
     }
 };
 
-/// A vertex among its neighbours, each of a weight.
+/// A vertex averaged with its neighbors, each with the given weight.
 Vec3f weighted(const Neighbors& n, const std::vector<Vec3f>& p, std::size_t i, double beta, double rim_beta)
 {
     if (n.rim[i] == 2) return p[i] * (1 - 2 * rim_beta) + n.rim_sum[i] * rim_beta;

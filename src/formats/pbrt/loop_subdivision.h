@@ -6,7 +6,8 @@
 
 namespace fathom::pbrt {
 
-/// Loop's subdivision (C. Loop: Smooth Subdivision Surfaces Based on Triangles, 1987), at last moved to the limit.
+/// Subdivides a mesh `levels` times and moves its vertices to the limit surface (C. Loop, "Smooth Subdivision Surfaces
+/// Based on Triangles", 1987).
 Mesh loop_subdivided(const std::vector<Vec3f>& positions, const std::vector<std::uint32_t>& indices, int levels);
 
 }  // namespace fathom::pbrt

@@ -1,4 +1,4 @@
-// Surfaces, and what fills solids. docs/formats.md says how each plugin is meant.
+// Materials and participating media; docs/formats.md documents the conversion of each plugin.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ float largest(const ColorInput& c)
     return std::max({c.value.r, c.value.g, c.value.b});
 }
 
-/// Whether two parts of light are more than all of it. Textures' values are not known here.
+/// Whether two reflectances sum to more than 1. Values of textures are unknown here.
 bool is_above_1(const ColorInput& a, const ColorInput& b)
 {
     constexpr float most = 1 + 1e-5f;
@@ -112,7 +112,7 @@ Material Reader::diffuse(const Parameters& m)
     return out;
 }
 
-/// alpha = roughness^2 here; in pbrt alpha is the roughness, or its root where that is remapped.
+/// Fathom's alpha is roughness^2. pbrt's alpha is the roughness, or its square root with remapping.
 FloatInput Reader::roughness(const Parameters& m, const std::string& name, float otherwise, bool remap)
 {
     return to_power(scene_, number_or_texture(m, name, otherwise), remap ? 0.25 : 0.5);
@@ -140,7 +140,7 @@ void Reader::set_roughness(const Parameters& m, const std::string& prefix, Mater
     if (u.value < v.value) out.anisotropy_rotation = 1.5707963267948966;
 }
 
-/// Normals, or else heights.
+/// Reads a normal map or, failing that, a bump map.
 void Reader::set_bumps(const Parameters& m, Material& out)
 {
     const std::string file = m.text("normalmap", "");
@@ -160,7 +160,7 @@ void Reader::set_bumps(const Parameters& m, Material& out)
     }
 }
 
-/// pbrt walks at random between the layers, and loses what facets send to the wrong side.
+/// Approximates pbrt's stochastic layering, which loses light that facets scatter to the wrong side.
 Material Reader::coated_diffuse(const Parameters& m)
 {
     Material out;
@@ -174,7 +174,7 @@ Material Reader::coated_diffuse(const Parameters& m)
     return out;
 }
 
-/// Of what is between the layers, whose coefficient is 1: it absorbs even where no albedo is given.
+/// Optical thickness between the layers; the coefficient is 1, so the layer absorbs even without an albedo.
 float Reader::layer_thickness(const Parameters& m)
 {
     const FloatInput thickness = number_or_texture(m, "thickness", 0.01f);
@@ -195,10 +195,10 @@ Material Reader::dielectric(const Parameters& m, float usual_index)
     out.thin = m.plugin() == "thindielectric";
     out.roughness = {0, -1, 0};
     out.energy_compensation = false;
-    // A pane shifts colours, which is not seen.
+    // Dispersion is invisible in thin panes.
     if (out.thin) return out;
     if (glass.abbe > 0) {
-        // The same as glass, bit by bit, but that it spreads colours.
+        // A principled material with these values equals glass bit for bit, apart from dispersion.
         out.kind = MaterialKind::principled;
         out.metallic = {0, -1, 0};
         out.transmission = {1, -1, 0};
@@ -232,7 +232,7 @@ Material Reader::diffuse_transmission(const Parameters& m)
     return out;
 }
 
-/// By a parameter that has its name; null where there is none.
+/// The measured medium named by a parameter; null if the parameter is missing.
 const MeasuredMedium* Reader::measured_medium(const Parameters& of, std::string_view parameter)
 {
     const std::string name = of.text(parameter, "");
@@ -275,7 +275,7 @@ Material Reader::subsurface(const Parameters& m)
     return out;
 }
 
-/// Of 'sigma_a', 'reflectance' (once 'color') and the melanins the first that is there counts.
+/// The first of 'sigma_a', 'reflectance' (formerly 'color') and the melanins that is present applies.
 Material Reader::hair(const Parameters& m)
 {
     Material out;
@@ -284,7 +284,7 @@ Material Reader::hair(const Parameters& m)
     out.beta_n = number_or_texture(m, "beta_n", 0.3f);
     out.scale_tilt = number_or_texture(m, "alpha", 2).value * (std::numbers::pi / 180);
     out.hair_ior = std::clamp(ior(m, "eta", 1.55f), 1.f, 3.f);
-    // Without any absorption it is white.
+    // With base color 1, only the absorption set below tints the hair.
     out.base_color = {{1, 1, 1}, -1};
     if (m.has("sigma_a")) {
         out.absorption = m.find("sigma_a")->type == "texture"
@@ -358,7 +358,7 @@ void Reader::set_medium(const Parameters& medium, Material& out)
     if (medium.has("Le")) report(medium, "media don't glow yet: 'Le' is left out");
     const double scale = medium.number("scale", 1);
     const MeasuredMedium* const known = measured_medium(medium, "preset");
-    // What pbrt takes where nothing is said; its manual has other numbers.
+    // Defaults of pbrt's code, which differ from its manual.
     const Color absorption = known ? known->absorption : color_value(medium, "sigma_a", {1, 1, 1}, true),
                 scattering = known ? known->scattering : color_value(medium, "sigma_s", {1, 1, 1}, true);
     if (known) medium.ignore({"sigma_a", "sigma_s"});
@@ -374,7 +374,7 @@ void Reader::set_medium(const Parameters& medium, Material& out)
     fill_solid(out, scaled(absorption, scale), scaled(scattering, scale), g);
 }
 
-/// Of what the camera is in, all is full that is in nothing else.
+/// Fills the space outside all shapes with the camera's medium, if it has one.
 void Reader::finish_media()
 {
     const Parameters* around = nullptr;

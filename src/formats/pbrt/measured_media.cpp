@@ -8,7 +8,7 @@ namespace {
 
 // clang-format off
 constexpr MeasuredMedium media[] = {
-    // H. W. Jensen et al.: A Practical Model for Subsurface Light Transport, 2001.
+    // H. W. Jensen et al., "A Practical Model for Subsurface Light Transport", 2001.
     {"Apple", {2.29f, 2.39f, 1.97f}, {0.0030f, 0.0034f, 0.046f}},
     {"Chicken1", {0.15f, 0.21f, 0.38f}, {0.015f, 0.077f, 0.19f}},
     {"Chicken2", {0.19f, 0.25f, 0.32f}, {0.018f, 0.088f, 0.20f}},
@@ -21,8 +21,8 @@ constexpr MeasuredMedium media[] = {
     {"Skin2", {1.09f, 1.59f, 1.79f}, {0.013f, 0.070f, 0.145f}},
     {"Spectralon", {11.6f, 20.4f, 14.9f}, {0, 0, 0}},
     {"Wholemilk", {2.55f, 3.21f, 3.77f}, {0.0011f, 0.0024f, 0.014f}},
-    // S. Narasimhan et al.: Acquiring Scattering Properties of Participating Media by Dilution, 2006: scattering times
-    // one less its mean cosine.
+    // S. Narasimhan et al., "Acquiring Scattering Properties of Participating Media by Dilution", 2006: reduced
+    // scattering coefficients, that is, scattering times (1 - mean cosine).
     {"Lowfat Milk", {0.89187f, 1.5136f, 2.532f}, {0.002875f, 0.00575f, 0.0115f}},
     {"Reduced Milk", {2.4858f, 3.1669f, 4.5214f}, {0.0025556f, 0.0051111f, 0.012778f}},
     {"Regular Milk", {4.5513f, 5.8294f, 7.136f}, {0.0015333f, 0.0046f, 0.019933f}},

@@ -6,13 +6,13 @@
 
 namespace fathom::pbrt {
 
-/// What light meets in stuff that was measured: coefficients of a millimetre, of scattering that goes evenly all round.
+/// A measured medium: coefficients per millimeter, with isotropic scattering.
 struct MeasuredMedium {
     const char* name;
     Color scattering, absorption;
 };
 
-/// By the names that pbrt-v4 has for them; null if there is none.
+/// Looks up a medium by its name in pbrt-v4; null if there is none.
 const MeasuredMedium* find_medium(const std::string& name);
 std::vector<std::string> medium_names();
 

@@ -1,4 +1,4 @@
-// Conductors: what their indices of refraction make of light.
+// Conductors: reflectance from indices of refraction.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace fathom::pbrt {
 
 namespace {
 
-/// Fresnel's reflectance over the wavelengths, as a colour in daylight.
+/// Color of the spectral Fresnel reflectance under D65.
 Color reflectance(const std::vector<SpectrumPoint>& eta, const std::vector<SpectrumPoint>& k, double outside,
                   double cosine)
 {
@@ -30,7 +30,7 @@ float edge_channel(float at_normal, float at_edge)
     return float(std::clamp(at_edge / schlick, 0.0, 1.0));
 }
 
-/// What pbrt makes of a reflectance at normal incidence in air: eta is 1, and k so large.
+/// pbrt's conductor for a given reflectance at normal incidence in air: eta is 1, and k follows from the reflectance.
 Conductor of_reflectance(const Color& color)
 {
     const auto k = [](float r) {
@@ -45,9 +45,13 @@ double inner_cosine(double cosine, double ior)
     return std::sqrt(std::max(1 - (1 - cosine * cosine) / (ior * ior), 0.0));
 }
 
-/// Of a metal below a smooth coat, the tint at 82 degrees by which our layers reflect most nearly what light does that
-/// goes up and down between the two: least squares over all directions of light from everywhere. Below the coat that
-/// comes at up to 42 degrees only, where metals reflect as at normal incidence. left: what our coat's colour leaves.
+/// The edge tint (the factor to Schlick's reflectance at 82 degrees) of a metal below a smooth coat. It is the
+/// least-squares fit of Fathom's layered model to the exact interreflection between coat and metal, over uniform
+/// illumination. Refraction limits angles below the coat to about 42 degrees, where metals reflect as at normal
+/// incidence.
+///
+/// base  the metal's reflectance at normal incidence
+/// left  factor by which Fathom's coat color attenuates
 float edge_in_coat(double base, double ior, double thickness, double left)
 {
     const double root = (ior - 1) / (ior + 1), f0 = root * root, f90 = std::min(50 * f0, 1.0);
@@ -67,8 +71,8 @@ float edge_in_coat(double base, double ior, double thickness, double left)
     return float(std::clamp(product / square, 0.0, 1.0));
 }
 
-/// Facets of the metal turn light by more where it leaves the coat, by ior, and those of the coat turn it twice, by
-/// ior - 1 of what they would turn a mirror image: variances are added.
+/// Roughness of a metal seen through a rough coat, by adding variances. The metal's deflections grow by the factor ior
+/// on leaving the coat. The coat's facets deflect light twice, each time by ior - 1 relative to a mirror.
 float roughness_through_coat(float base, float coat, float ior)
 {
     const float base_alpha = base * base * ior, coat_alpha = coat * coat * (ior - 1);
@@ -96,7 +100,7 @@ void Reader::set_metal_colors(const Parameters& m, const std::string& prefix, fl
         const Conductor plain{"", color_value(m, *eta, true), color_value(m, *k, true)};
         return set_metal(within(plain, outside), out);
     }
-    // Pairs of wavelength and value, here or in a file.
+    // Spectra are pairs of wavelength and value, inline or in a file.
     const auto is_spectrum = [&](const Parameter* p) {
         return p && (p->numbers.size() > 1 || (!name(p).empty() && !is_named_spectrum(name(p))));
     };
@@ -125,7 +129,7 @@ Material Reader::conductor(const Parameters& m, const std::string& prefix, float
     out.metallic = {1, -1, 0};
     if (m.has("reflectance")) {
         out.base_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
-        // Of a texture it is Schlick's law nearly.
+        // Textures keep Schlick's approximation.
         if (out.base_color.texture < 0) {
             set_metal(within(of_reflectance(out.base_color.value), outside), out);
         }
@@ -153,7 +157,7 @@ Material Reader::coated_conductor(const Parameters& m)
         const auto edge = [&](float base) { return edge_in_coat(base, coat_ior, thickness, left); };
         const Color& base = out.base_color.value;
         out.edge_color.value = {edge(base.r), edge(base.g), edge(base.b)};
-        // The colours know of the coat.
+        // base_color and edge_color account for the coat, and an exact index of refraction would override them.
         out.conductor_eta = out.conductor_k = {0, 0, 0};
     }
     if (out.roughness.texture < 0 && coat.roughness.texture < 0 && !out.two_roughnesses)

@@ -14,9 +14,9 @@ constexpr NamedLight lights[] = {
     {"stdillum-F10", 0.34609, 0.35986}, {"stdillum-F11", 0.38052, 0.37713}, {"stdillum-F12", 0.43695, 0.40441},
     {"illum-acesD60", 0.32168, 0.33767}};
 
-/// Fitted by what pbrt's curves reflect in daylight, at normal incidence and at 82 degrees, in air and in a coat of
-/// index 1.5: to 0.002, gold's red (which is 1 at most here, 1.02 there) to 0.005. Indices at three wavelengths would
-/// be off by up to 0.03.
+/// Indices fitted to the color under D65 that pbrt's spectra reflect at normal incidence and at 82 degrees, in air and
+/// in a coat of index 1.5. Errors are up to 0.002, and 0.005 for the red of gold (limited to 1 here, 1.02 in pbrt).
+/// Indices sampled at three wavelengths would be off by up to 0.03.
 constexpr Conductor metals[] = {{"Ag", {0.1291f, 0.1242f, 0.1511f}, {4.107f, 3.335f, 2.411f}},
                                 {"Al", {1.428f, 0.9292f, 0.5908f}, {7.737f, 6.605f, 5.361f}},
                                 {"Au", {0.7772f, 0.41f, 1.555f}, {30.49f, 2.359f, 1.711f}},
@@ -29,7 +29,7 @@ struct NamedGlass {
     const char* name;
     GlassIndex index;
 };
-/// Of Schott. pbrt has names without an S for three.
+/// Glasses of Schott. pbrt omits the S in three of the names.
 constexpr NamedGlass glasses[] = {{"glass-BK7", {1.5168, 64.17}},   {"glass-BAF10", {1.6700, 47.11}},
                                   {"glass-FK51A", {1.4866, 84.47}}, {"glass-LASF9", {1.8503, 32.17}},
                                   {"glass-F5", {1.6727, 32.21}},    {"glass-SF5", {1.6727, 32.21}},
@@ -81,7 +81,7 @@ double value_at(const std::vector<SpectrumPoint>& points, double nm)
 GlassIndex glass_of(const std::vector<SpectrumPoint>& points)
 {
     GlassIndex glass{value_at(points, 587.6)};
-    // No glass refracts red more than blue.
+    // Normal dispersion: the index grows toward blue.
     if (const double spread = value_at(points, 486.1) - value_at(points, 656.3); spread > 0)
         glass.abbe = (glass.middle - 1) / spread;
     return glass;

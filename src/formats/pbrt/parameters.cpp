@@ -13,7 +13,7 @@ namespace fathom::pbrt {
 
 namespace {
 
-/// Numbers that belong together; 0 where any count may stand.
+/// A parameter type with the number of values that form a group; 0 allows any count.
 struct Type {
     const char* name;
     enum Values { reals, integers, booleans, texts, spectrum } values;
@@ -36,7 +36,7 @@ const Type& type_of(const Scanner& scanner, const std::string& name)
     scanner.fail(fmt::format("'{}' is no type of parameter{}", printable(name), suggestion(name, names)));
 }
 
-/// `"float radius"` into its two words.
+/// Splits a declaration such as `"float radius"` into type and name.
 std::unique_ptr<Parameter> declared(const Token& token, const Scanner& scanner)
 {
     constexpr std::string_view blanks = " \t\r";
@@ -127,7 +127,7 @@ ParameterList read_parameters(Scanner& scanner)
 void Teller::report(const Place& place, const std::string& message)
 {
     const auto [found, is_new] = first_.emplace(message, "");
-    // A scene with millions of shapes must not make as many lines of one cause.
+    // Messages with the same cause are merged, since a scene may have millions of shapes.
     if (is_new) found->second = fmt::format("{}: {}", place.text(), message);
     warnings_.add(found->second);
 }

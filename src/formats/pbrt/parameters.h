@@ -13,21 +13,21 @@
 
 namespace fathom::pbrt {
 
-/// One parameter, `"float radius" [ 2 ]`, as it stands in the file.
+/// One parameter of a directive as written, such as `"float radius" [ 2 ]`.
 struct Parameter {
     std::string type, name;
     Place place;
-    std::vector<float> numbers;          ///< of all types of numbers but integers
-    std::vector<std::int32_t> integers;  ///< also of booleans, 0 or 1
-    std::vector<std::string> strings;    ///< also the names of textures and spectra
+    std::vector<float> numbers;          ///< of all numeric types except integers
+    std::vector<std::int32_t> integers;  ///< also of booleans, as 0 or 1
+    std::vector<std::string> strings;    ///< also names of textures and spectra
     mutable bool is_used = false;
 };
 using ParameterList = std::vector<std::shared_ptr<const Parameter>>;
 
-/// What stands behind a directive: parameters up to the first thing that is none.
+/// Reads the parameters that follow a directive, up to the first token of another kind.
 ParameterList read_parameters(Scanner& scanner);
 
-/// What leaves a picture: the first place of each, and how often it was so.
+/// Collects warnings about unsupported features: the first place of each message, and how often it occurred.
 class Teller {
 public:
     explicit Teller(Warnings& warnings) : warnings_(warnings) {}
@@ -35,17 +35,17 @@ public:
 
 private:
     Warnings& warnings_;
-    std::map<std::string, std::string> first_;  ///< the line that was given for a message
+    std::map<std::string, std::string> first_;  ///< the full text reported for each message
 };
 
-/// The colour spaces that colours may be given in.
+/// The color spaces of RGB parameters.
 enum class Space { srgb, dci_p3, rec2020, aces2065 };
 
-/// A plugin's parameters, which are read by name; what nobody read is told at the end.
+/// The parameters of a plugin, read by name. finish() reports the parameters that were never read.
 class Parameters {
 public:
-    /// kind   what it is, for messages: "Shape"
-    /// preset what `Attribute` gave it: less than the plugin's own
+    /// kind    type of the plugin, for messages: "Shape"
+    /// preset  parameters of the `Attribute` directive, which the plugin's own override
     Parameters(std::string kind, std::string plugin, Place place, ParameterList own, ParameterList preset = {});
 
     const std::string& plugin() const { return plugin_; }
@@ -54,7 +54,7 @@ public:
     void set_space(Space space) { space_ = space; }
     void set_plugin(std::string plugin) { plugin_ = std::move(plugin); }
 
-    /// Null if there is none; counts as read.
+    /// The parameter, which is marked as read; null if it is missing.
     const Parameter* find(std::string_view name) const;
     bool has(std::string_view name) const;
     double number(std::string_view name, double otherwise) const;
@@ -62,15 +62,15 @@ public:
     bool boolean(std::string_view name, bool otherwise) const;
     std::string text(std::string_view name, std::string_view otherwise) const;
     std::optional<Vec3d> vector(std::string_view name) const;
-    /// Empty if there is none.
+    /// Empty if the parameter is missing.
     std::vector<float> numbers(std::string_view name) const;
     std::vector<std::int32_t> integers(std::string_view name) const;
     std::vector<std::string> texts(std::string_view name) const;
     std::vector<Vec3f> vectors(std::string_view name) const;
     std::vector<Vec2f> points2(std::string_view name) const;
-    /// Counts as read: what it says makes no difference here.
+    /// Marks parameters as read that have no effect in Fathom.
     void ignore(std::initializer_list<std::string_view> names) const;
-    /// Warns of all that nobody asked for.
+    /// Warns of all parameters that were never read.
     void finish(Teller& reporter) const;
     /// "Shape 'sphere'", for messages.
     std::string title() const;

@@ -3,8 +3,8 @@
 
 namespace fathom {
 
-/// Reads scenes of pbrt-v4, plain or compressed by gzip: docs/formats.md has a row for each plugin. What has no
-/// counterpart is a counted warning, and so is every parameter that nothing reads.
+/// Reads scenes of pbrt-v4, plain or compressed by gzip; docs/formats.md lists all plugins. Unsupported features and
+/// unread parameters are counted warnings.
 SceneDescription read_pbrt(const SourceFile& file, LoadContext& context);
 
 inline constexpr Importer pbrt_importer{

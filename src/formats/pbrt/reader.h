@@ -20,42 +20,42 @@ namespace fathom::pbrt {
 
 using Plugin = std::shared_ptr<const Parameters>;
 
-/// What directives change and AttributeEnd brings back.
+/// The graphics state that directives change and AttributeEnd restores.
 struct State {
-    std::array<Transform, 2> ctm;  ///< when the shutter opens and when it closes
+    std::array<Transform, 2> ctm;  ///< at shutter opening and closing
     bool active[2] = {true, true};
-    Plugin material;  ///< null: the usual grey, or the named one
+    Plugin material;  ///< null: the default gray, or the named material
     std::string named_material;
     Plugin area_light;
     std::string inside, outside;  ///< media
     bool reverse = false;
     Space space = Space::srgb;
-    std::map<std::string, ParameterList> presets;  ///< by what they are for: "shape", "material", ...
+    std::map<std::string, ParameterList> presets;  ///< by plugin type: "shape", "material", ...
 };
 
-/// A texture that has a name.
+/// A texture with a name.
 struct NamedTexture {
     Plugin plugin;
     bool is_float = false;
     Transform world_from_texture;
-    std::optional<ColorInput> input;  ///< once somebody asked
-    bool is_open = false;             ///< being read now: finds cycles
+    std::optional<ColorInput> input;  ///< set after the first reference
+    bool is_open = false;             ///< being read; detects cycles
 };
 
-/// What a shape is made of; the same things make one material.
+/// The surface attributes of a shape; equal ones share a material.
 struct Surface {
     const Parameters* material = nullptr;
     const Parameters* light = nullptr;
     const Parameters* medium = nullptr;
-    bool is_hole = false;  ///< in what is around it, if nothing else is there
+    bool is_hole = false;  ///< the shape is a cavity in the surrounding medium, and its interior is vacuum
     std::string alpha;
-    float power_factor = 1;  ///< of lights whose power is given: what their area makes of it
+    float power_factor = 1;  ///< scale of lights whose power is given, from the shape's area
     float displacement_edge = 0;
     std::string displacement;
     friend auto operator<=>(const Surface&, const Surface&) = default;
 };
 
-/// A scene of pbrt-v4, directive by directive.
+/// Reads a scene of pbrt-v4 directive by directive.
 class Reader {
 public:
     Reader(const std::filesystem::path& file, LoadContext& context);
@@ -63,7 +63,7 @@ public:
     SceneDescription read(const std::string& bytes);
 
 private:
-    // directives.cpp: the language
+    // directives.cpp: directives
     void read_file(const std::filesystem::path& file, const std::string& bytes);
     void read_directive(Scanner& scanner);
     bool read_transform(Scanner& scanner, std::string_view word);
@@ -81,7 +81,7 @@ private:
     std::filesystem::path locate(const Place& place, const std::string& name);
     SceneDescription finished();
 
-    // view.cpp: what is seen, and from where
+    // view.cpp: camera, film and sampler
     void read_camera(const Parameters& camera);
     void finish_camera();
     void read_film(const Parameters& film);
@@ -91,17 +91,17 @@ private:
     void read_sampler(const Parameters& sampler);
     void read_integrator(const Parameters& integrator);
 
-    // spectra.cpp: colours
+    // spectra.cpp: colors
     std::vector<float> spectrum_file(const Parameter& parameter);
     Color color_value(const Parameters& of, const Parameter& parameter, bool of_light);
     Color color_value(const Parameters& of, std::string_view name, Color otherwise, bool of_light);
-    /// Of a light: a spectrum that is not rgb has a luminance of 1.
+    /// Color of a light; a spectrum that is not RGB is normalized to luminance 1.
     Color light_color(const Parameters& of, std::string_view name);
     ColorInput color(const Parameters& of, std::string_view name, Color otherwise);
     FloatInput number_or_texture(const Parameters& of, std::string_view name, float otherwise);
-    /// An index of refraction: a number, a glass by name, or a spectrum.
+    /// An index of refraction: a number, a named glass, or a spectrum.
     GlassIndex glass_index(const Parameters& of, std::string_view name, float otherwise);
-    /// Where all colours are refracted alike.
+    /// An index of refraction without dispersion.
     float ior(const Parameters& of, std::string_view name, float otherwise);
 
     // texture.cpp
@@ -156,7 +156,7 @@ private:
     std::optional<Shape> ply_mesh(const Parameters& shape, Surface& surface);
     std::optional<Shape> bilinear_mesh(const Parameters& shape);
     std::optional<Shape> loop_mesh(const Parameters& shape, const Surface& surface);
-    /// Whether something looks up a texture by the texture coordinates of its shapes.
+    /// Whether the surface refers to a texture that depends on the shape's texture coordinates.
     bool wants_uv(const Surface& surface);
     std::optional<Shape> curve(const Parameters& shape);
     std::optional<Shape> sphere(const Parameters& shape, bool has_textures);
@@ -168,7 +168,7 @@ private:
     double area_of(const Shape& shape, const Transform& world) const;
     void place(Node node);
 
-    // light.cpp: light without a surface
+    // light.cpp: lights without a surface
     void read_light(const Parameters& light);
     void read_infinite(const Parameters& light);
     void read_goniometric(const Parameters& of);
@@ -197,19 +197,20 @@ private:
     Plugin camera_, film_;
     std::string camera_medium_;
     MediaOfShapes<Parameters> media_of_shapes_;
-    std::array<int, 2> film_size_ = {1280, 720};   ///< of the whole film
-    std::array<int, 4> crop_ = {0, 1280, 0, 720};  ///< what of it is the picture: x0, x1, y0, y1
+    std::array<int, 2> film_size_ = {1280, 720};   ///< size of the whole film in pixels
+    std::array<int, 4> crop_ = {0, 1280, 0, 720};  ///< part of the film that is rendered: x0, x1, y0, y1
     Transform world_from_camera_;
-    bool mirrored_ = false;  ///< pbrt's world is left-handed where its camera does not mirror
+    bool mirrored_ = false;  ///< whether the scene is mirrored in x: pbrt's cameras are left-handed unless their
+                             ///< transform mirrors
     std::map<std::string, NamedTexture> float_textures_, color_textures_;
     std::map<std::string, Plugin> named_materials_, media_;
     std::map<const Parameters*, Material> materials_;
-    std::vector<Plugin> kept_;  ///< whose addresses are keys
+    std::vector<Plugin> kept_;  ///< plugins that are kept alive because their addresses are keys
     std::set<const Parameters*> open_materials_;
     std::map<Surface, int> surfaces_;
     std::map<std::string, int> images_;
     MeasuredFiles measured_files_{context_, scene_};
-    std::map<std::string, int> models_;  ///< meshes by file and side
+    std::map<std::string, int> models_;  ///< meshes by file and orientation
     std::map<std::string, std::vector<int>> objects_;
     std::vector<int>* current_object_ = nullptr;
 };

@@ -111,7 +111,7 @@ template <class Number>
 bool Scanner::try_number(Number& value)
 {
     if (peeked_) {
-        // Back to where it began: numbers have no line ends in them.
+        // Rewinds to the beginning of the token, which contains no line ends.
         if (peeked_->kind != Token::Kind::word) return false;
         at_ = peeked_->text.data();
         peeked_.reset();
@@ -123,7 +123,7 @@ bool Scanner::try_number(Number& value)
     const auto [stop, error] = std::from_chars(digits, end_, value);
     const bool is_whole = stop == end_ || ends_word(*stop);
     if (error == std::errc::result_out_of_range && is_whole) {
-        // Too small for the type is 0, too large is not finite.
+        // Numbers too small for the type become 0; numbers too large are errors.
         double wide = 0;
         const auto again = std::from_chars(digits, end_, wide);
         if (!std::is_integral_v<Number> && (again.ec == std::errc() ? std::abs(wide) < 1 : true) &&

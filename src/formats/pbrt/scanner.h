@@ -6,7 +6,7 @@
 
 namespace fathom::pbrt {
 
-/// Where something stands in a file.
+/// A position in a file.
 struct Place {
     std::shared_ptr<const std::string> file;
     std::size_t line = 1, column = 1;
@@ -16,26 +16,26 @@ struct Place {
     std::string text() const;
 };
 
-/// A word of the scene language: a directive, a number, a quoted string without its quotes, or a bracket.
+/// A token of the scene language: a directive, a number, a string without its quotes, or a bracket.
 struct Token {
     enum class Kind { end, word, string, open, close } kind = Kind::end;
     std::string_view text;
-    bool escaped = false;  ///< a string with backslashes in it
+    bool escaped = false;  ///< the string contains backslashes
 };
 
-/// Walks through a text that outlives it, and knows where it is.
+/// Tokenizes a text and keeps track of the position. The text must outlive this object.
 class Scanner {
 public:
     Scanner(std::shared_ptr<const std::string> file, std::string_view text);
 
-    /// What comes next, which stays there.
+    /// The next token, without consuming it.
     const Token& peek();
     Token next();
-    /// Where the token of the last next() or peek() begins.
+    /// Start of the token of the last next() or peek().
     Place place() const;
-    /// A number, where one must be.
+    /// Reads a number; throws Error if the next token is something else.
     double number();
-    /// Whether a number comes next; it is read straight, without a token of its own.
+    /// Reads a number if one follows, directly and without a token.
     template <class Number>
     bool try_number(Number& value);
 
@@ -52,7 +52,7 @@ private:
     std::optional<Token> peeked_;
 };
 
-/// A string with its backslashes resolved.
+/// The string with its escape sequences resolved.
 std::string unescaped(const Token& token);
 
 }  // namespace fathom::pbrt

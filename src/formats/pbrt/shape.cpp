@@ -1,4 +1,4 @@
-// Shapes, and where they stand.
+// Shapes and their transforms.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t max_subdivided = 12'000'000;
 
-/// Of the faces around each vertex, by their areas.
+/// Adds vertex normals weighted by the faces' areas.
 void add_smooth_normals(Mesh& mesh)
 {
     std::vector<Vec3d> sums(mesh.positions.size());
@@ -68,7 +68,7 @@ std::vector<std::uint32_t> indices_of(const Parameters& shape, std::size_t verti
     return indices;
 }
 
-/// Positions, normals and texture coordinates of a mesh, as the file has them.
+/// Positions, normals and texture coordinates of a mesh, as in the file.
 Mesh vertices_of(const Parameters& shape)
 {
     Mesh mesh;
@@ -95,7 +95,7 @@ PlyData ply_data_of(InputFile file)
 
 Shape Reader::add_mesh(Mesh mesh, const std::string& file)
 {
-    // In pbrt a triangle's normal lies on the side of those at its corners, whichever way round it goes.
+    // In pbrt a triangle faces the side of its vertex normals, independent of the order of its corners.
     turn_to_normals(mesh);
     if (state_.reverse) flip(mesh);
     clean_mesh(mesh, file, context_.mesh_faults);
@@ -115,7 +115,7 @@ std::optional<Shape> Reader::triangle_mesh(const Parameters& shape, const Surfac
     mesh.indices = indices_of(shape, mesh.positions.size(), 3);
     turn_v_over(mesh);
     if (mesh.uvs[0].empty() && wants_uv(surface)) add_default_uvs(mesh, {});
-    // Tangents follow from texture coordinates here.
+    // Fathom derives tangents from texture coordinates.
     shape.ignore({"S", "faceIndices"});
     return add_mesh(std::move(mesh), *shape.place().file);
 }
@@ -204,7 +204,7 @@ std::optional<Shape> Reader::loop_mesh(const Parameters& shape, const Surface& s
 
 namespace {
 
-/// Of a quadratic B-spline: its pieces meet in the middles of its polygon's sides.
+/// Converts a quadratic B-spline to Bezier segments, which join at the midpoints of the control polygon.
 std::vector<Vec3f> quadratic_bezier(const Parameters& shape, const std::vector<Vec3f>& points)
 {
     if (points.size() < 3) shape.fail("a quadratic 'bspline' has three points or more");
@@ -219,7 +219,7 @@ std::vector<Vec3f> quadratic_bezier(const Parameters& shape, const std::vector<V
     return result;
 }
 
-/// Of a cubic B-spline: its pieces.
+/// Converts a cubic B-spline to Bezier segments.
 std::vector<Vec3f> cubic_bezier(const Parameters& shape, const std::vector<Vec3f>& points)
 {
     if (points.size() < 4) shape.fail("a 'bspline' has four points or more");
@@ -245,12 +245,12 @@ std::optional<Shape> Reader::curve(const Parameters& shape)
     if (basis != "bezier" && basis != "bspline") shape.fail("'basis' is 'bezier' or 'bspline'");
     const double width = shape.number("width", 1), first = shape.number("width0", width),
                  last = shape.number("width1", width);
-    // Widths change evenly from end to end, which no points of a B-spline say where they change at all.
+    // Widths vary linearly along the curve, which B-spline control points can't express unless they are constant.
     const bool is_bezier = basis == "bezier" || degree == 2 || first != last;
     if (basis == "bspline" && is_bezier)
         curves.points = degree == 2 ? quadratic_bezier(shape, curves.points) : cubic_bezier(shape, curves.points);
     if (degree == 2) {
-        // The same curve as a cubic one.
+        // Degree elevation from quadratic to cubic.
         std::vector<Vec3f> cubic;
         for (std::size_t i = 0; i + 2 < curves.points.size(); i += 2) {
             const Vec3d a = to_double(curves.points[i]), b = to_double(curves.points[i + 1]),
@@ -323,7 +323,7 @@ const Parameters* Reader::medium(const Place& place, const std::string& name) co
     return found->second.get();
 }
 
-/// What is outside follows from what other shapes, and the camera, are in.
+/// Fathom derives the medium outside from the interiors of other shapes and the camera's medium.
 void Reader::set_media(const Place& place, Surface& surface)
 {
     const Parameters *const inside = medium(place, state_.inside), *const outside = medium(place, state_.outside);
@@ -333,7 +333,7 @@ void Reader::set_media(const Place& place, Surface& surface)
     surface.is_hole = !inside;
 }
 
-/// A node where the state puts it, among what is being read.
+/// Adds a node with the current transform to the current object or to the scene's roots.
 void Reader::place(Node node)
 {
     const auto& [start, end] = state_.ctm;

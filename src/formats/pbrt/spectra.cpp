@@ -1,4 +1,4 @@
-// Colours and spectra as linear Rec.709.
+// Conversion of colors and spectra to linear Rec.709.
 #include "formats/common/spectra.h"
 
 #include <fmt/format.h>
@@ -28,7 +28,7 @@ constexpr Matrix rec709_from_rec2020 = {
     {{1.6604910, -0.5876411, -0.0728499}, {-0.1245505, 1.1328999, -0.0083494}, {-0.0181508, -0.1005789, 1.1187297}}};
 constexpr Matrix rec709_from_p3 = {
     {{1.2249402, -0.2249402, 0}, {-0.0420570, 1.0420570, 0}, {-0.0196376, -0.0786361, 1.0982736}}};
-/// White stays white (Bradford): of surfaces, which are as white under any light.
+/// Bradford-adapted matrix that maps white to white: reflectances of 1 are white under any illuminant.
 constexpr Matrix rec709_from_aces_adapted = {
     {{2.5216, -1.1341, -0.3875}, {-0.2765, 1.3727, -0.0962}, {-0.0154, -0.1530, 1.1684}}};
 

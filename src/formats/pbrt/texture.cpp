@@ -1,4 +1,4 @@
-// Textures, which are read when something asks for them.
+// Textures, which are read when they are referred to.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ bool is_within_unit(Color c)
     return std::min({c.r, c.g, c.b}) >= 0 && std::max({c.r, c.g, c.b}) <= 1;
 }
 
-/// The exponent by which a picture's values become light; 0 of sRGB, which is no power.
+/// The decoding exponent of an image's encoding; 0 for sRGB, which is no power.
 double gamma_of(const Parameters& of, const std::string& encoding)
 {
     if (encoding == "sRGB") return 0;
@@ -50,7 +50,7 @@ double gamma_of(const Parameters& of, const std::string& encoding)
     return gamma;
 }
 
-/// How far a power is from the curve of sRGB at most.
+/// The largest difference between a power and the sRGB curve.
 double distance_to_srgb(double gamma)
 {
     double most = 0;
@@ -61,7 +61,7 @@ double distance_to_srgb(double gamma)
     return most;
 }
 
-/// Whether no colour of a texture can be below 0 or above 1.
+/// Whether all values of a texture are known to lie in [0, 1].
 bool is_within_unit(const SceneDescription& scene, const ColorInput& input)
 {
     if (!is_within_unit(input.value)) return false;
@@ -142,7 +142,7 @@ ColorInput Reader::mixed(const ColorInput& a, const ColorInput& b, const FloatIn
     return {{1, 1, 1}, add_texture(mix)};
 }
 
-/// As materials of pbrt have reflectances.
+/// Clamps reflectances to [0, 1], as pbrt's materials do.
 ColorInput Reader::limited(ColorInput input)
 {
     if (is_within_unit(scene_, input)) return input;
@@ -186,14 +186,14 @@ ColorInput Reader::dots(const NamedTexture& named)
     const Parameters& of = *named.plugin;
     Texture t;
     t.kind = TextureKind::dots;
-    // pbrt-v4 shows 'inside' between the dots, and 'outside' in them.
+    // pbrt-v4 uses 'inside' between the dots and 'outside' within them.
     t.color_a = texture_operand(of, "inside", named.is_float, 1);
     t.color_b = texture_operand(of, "outside", named.is_float, 0);
     set_mapping(named, t, false);
     return {{1, 1, 1}, add_texture(t)};
 }
 
-/// From corner to corner by s and t, as numbers that the mapping's coordinates are.
+/// Interpolates bilinearly by s and t, which a coordinates texture supplies.
 ColorInput Reader::bilerp(const NamedTexture& named)
 {
     const Parameters& of = *named.plugin;
@@ -241,8 +241,8 @@ Transform Reader::world_from_texture(const NamedTexture& named)
     return named.world_from_texture;
 }
 
-/// s and t of a mapping, which grows upwards in pictures there, as our u and v: a pattern looks at s and t themselves,
-/// of a picture the first row is at the top.
+/// Sets the mapping that defines s and t. In pbrt, t grows upward on images. Patterns use s and t as u and v; for
+/// images v is flipped, because Fathom's first row is at the top.
 void Reader::set_mapping(const NamedTexture& named, Texture& texture, bool is_picture)
 {
     const Parameters& of = *named.plugin;
@@ -255,7 +255,7 @@ void Reader::set_mapping(const NamedTexture& named, Texture& texture, bool is_pi
         if (mapping == "cylindrical") {
             texture.uv_scale.y = is_picture ? -1 : 1;
         } else {
-            // s is the angle from the axis, t that about it: our v and u.
+            // pbrt's s is the polar angle and t the azimuth: Fathom's v and u.
             texture.uv_rotation = float(std::numbers::pi / 2);
             texture.uv_scale.x = is_picture ? 1 : -1;
         }
@@ -266,12 +266,12 @@ void Reader::set_mapping(const NamedTexture& named, Texture& texture, bool is_pi
     of.ignore({"v1", "v2"});
     const auto su = float(of.number("uscale", 1)), sv = float(of.number("vscale", 1)),
                du = float(of.number("udelta", 0)), dv = float(of.number("vdelta", 0));
-    // v of meshes grows downwards here.
+    // Fathom's v of meshes grows downward.
     texture.uv_scale = {su, is_picture ? sv : -sv};
     texture.uv_offset = {du, is_picture ? 1 - sv - dv : sv + dv};
 }
 
-/// s and t are products with two vectors: the x and y of a space that has them so.
+/// Planar mapping: s and t are dot products with two vectors, which become the x and y coordinates of texture space.
 void Reader::set_plane(const Parameters& of, Texture& texture, bool is_picture)
 {
     const Vec3d s = of.vector("v1").value_or(Vec3d{1, 0, 0}), t = of.vector("v2").value_or(Vec3d{0, 1, 0}),
@@ -326,7 +326,7 @@ ColorInput Reader::image_map(const NamedTexture& named)
                       encoding = of.text("encoding", "sRGB");
     t.wrap_u = t.wrap_v = wrap_of(of, wrap);
     t.nearest = filter == "point";
-    // Only PNGs have an encoding in pbrt.
+    // In pbrt only PNG files have an encoding.
     if (t.name.ends_with(".png") || t.name.ends_with(".PNG")) {
         const double gamma = gamma_of(of, encoding);
         t.color_space = gamma == 1 ? ColorSpace::linear : ColorSpace::srgb;
@@ -335,7 +335,7 @@ ColorInput Reader::image_map(const NamedTexture& named)
                                    distance_to_srgb(gamma)));
     }
     set_mapping(named, t, true);
-    // At many samples what filters over a pixel's footprint makes no difference.
+    // Texture filtering makes no difference at many samples per pixel.
     of.ignore({"maxanisotropy"});
     const ColorInput input{gray(of.number("scale", 1)), add_texture(t)};
     if (!of.boolean("invert", false)) return input;

@@ -1,4 +1,4 @@
-// What is seen, and from where; and what the file says of how it is to be rendered.
+// Camera, film, filter, sampler and integrator.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +16,8 @@ namespace {
 constexpr double degree = std::numbers::pi / 180;
 constexpr int max_pixels = 1 << 20;
 
-/// What the film plane shows of the plane at distance 1, before the field of view: left, right, bottom, top.
+/// The part of the film plane at distance 1 that is visible, before the field of view is applied: left, right, bottom,
+/// top.
 std::array<double, 4> screen(const Parameters& camera, double aspect)
 {
     const std::vector<float> said = camera.numbers("screenwindow");
@@ -25,7 +26,7 @@ std::array<double, 4> screen(const Parameters& camera, double aspect)
             camera.fail("'screenwindow' is four numbers: left, right, bottom, top");
         return {said[0], said[1], said[2], said[3]};
     }
-    // The shorter side reaches from -1 to 1.
+    // The shorter side spans [-1, 1].
     if (aspect > 1) return {-aspect, aspect, -1, 1};
     return {-1, 1, -1 / aspect, 1 / aspect};
 }
@@ -43,12 +44,13 @@ void Reader::read_film(const Parameters& film)
     const std::string sensor = film.text("sensor", "cie1931");
     const double iso = film.number("iso", 100);
     if (!(iso > 0)) film.fail("'iso' must be above 0");
-    // Radiance is shown as it is where the exposure time is 1 s and ISO is 100.
+    // An exposure time of 1 s at ISO 100 leaves radiance unscaled.
     const double open = camera_ ? camera_->number("shutteropen", 0) : 0,
                  close = camera_ ? camera_->number("shutterclose", 1) : 1;
     const double ratio = (close - open) * iso / 100;
     if (ratio > 0 && ratio != 1) scene_.hints.exposure = std::log2(ratio);
-    // Of what is recorded, in the sensor's own light. It takes light away, which is asked for here, not done unasked.
+    // maxcomponentvalue refers to the sensor's values. It darkens images (a bias), so the warning suggests an option
+    // instead of applying it.
     const double most = film.number("maxcomponentvalue", std::numeric_limits<double>::infinity());
     if (std::isfinite(most) && ratio > 0)
         report(film,
@@ -58,7 +60,7 @@ void Reader::read_film(const Parameters& film)
     if (sensor != "cie1931")
         report(film, fmt::format("the sensor '{}' is taken as 'cie1931', without the colours of its filters",
                                  printable(sensor)));
-    // Sensors whose colours are told for 6500 K by pbrt have the white that is here without any.
+    // Fathom's default white corresponds to pbrt's white balance of 6500 K.
     if (const double kelvin = film.number("whitebalance", 0); kelvin != 0) {
         scene_.hints.white_balance = std::clamp(kelvin, min_white_kelvin, max_white_kelvin);
         if (kelvin != *scene_.hints.white_balance)
@@ -67,7 +69,7 @@ void Reader::read_film(const Parameters& film)
     film.finish(teller_);
 }
 
-/// The part of the film that is the picture, as pixels; pbrt takes 'pixelbounds' where both are there.
+/// Reads the crop window in pixels; 'pixelbounds' takes precedence over 'cropwindow', as in pbrt.
 void Reader::read_crop(const Parameters& film, int width, int height)
 {
     const std::vector<std::int32_t> bounds = film.integers("pixelbounds");
@@ -103,7 +105,7 @@ void Reader::read_filter(const Parameters& filter)
                                            : 0.5,
                      x = filter.number("xradius", usual), y = filter.number("yradius", usual);
         if (x != y) report(filter, "the filter is as wide along y as along x");
-        // What pbrt's Gaussian has beyond its radius, which here is four deviations, is next to nothing.
+        // Fathom's radius is four standard deviations; the weight of pbrt's Gaussian beyond them is negligible.
         const double radius = is_gaussian ? 4 * filter.number("sigma", 0.5) : x;
         if (!(radius > 0 && radius <= 64)) filter.fail("a filter reaches up to 64 pixels");
         if (radius != (is_gaussian ? 2 : is_triangle ? 1 : 0.5)) scene_.hints.filter_radius = radius;
@@ -117,7 +119,7 @@ void Reader::read_sampler(const Parameters& sampler)
                             ? sampler.integer("xsamples", 4) * sampler.integer("ysamples", 4)
                             : sampler.integer("pixelsamples", 16);
     scene_.hints.samples = std::clamp(samples, 1, 1 << 24);
-    // How samples are spread is Fathom's own matter.
+    // The sample distribution is Fathom's own.
     sampler.ignore({"randomization", "seed", "jitter", "pixelsamples", "xsamples", "ysamples"});
     sampler.finish(teller_);
 }
@@ -127,7 +129,7 @@ void Reader::read_integrator(const Parameters& integrator)
     const std::string& type = integrator.plugin();
     if (type != "path" && type != "volpath") report(integrator, "paths are traced instead");
     scene_.hints.max_depth = std::max(0, integrator.integer("maxdepth", 5));
-    // What only the ways have that light is sampled by, or other methods, makes no difference to the picture.
+    // Parameters of light sampling and of other integrators don't affect the expected image.
     if (type == "path" || type == "volpath") {
         integrator.ignore({"lightsampler"});
         if (integrator.boolean("regularize", false)) report(integrator, "'regularize' is left out");
@@ -142,7 +144,7 @@ void Reader::finish_camera()
     if (camera_) read_camera(*camera_);
 }
 
-/// What the crop shows of what the whole film does.
+/// The part of the screen window that the crop shows.
 std::array<double, 4> Reader::cropped(const std::array<double, 4>& window) const
 {
     const auto x = [&](int at) { return std::lerp(window[0], window[1], double(at) / film_size_[0]); };
@@ -156,8 +158,7 @@ void Reader::read_camera(const Parameters& of)
     const Transform& world = world_from_camera_;
     const double determinant = world.determinant();
     if (!std::isnormal(determinant)) of.fail("its transform flattens everything");
-    // pbrt's cameras have x to the right, y up and z forward, which is left-handed.
-    // Pictures of all directions are as seen in a mirror.
+    // pbrt's cameras are left-handed: x right, y up, z forward. Images of spherical cameras are mirrored.
     mirrored_ = (determinant > 0) != (type == "spherical");
     const double said = of.number("frameaspectratio", 0);
     const double aspect = said > 0 ? said : double(film_size_[0]) / film_size_[1];
@@ -166,7 +167,7 @@ void Reader::read_camera(const Parameters& of)
     const double width = window[1] - window[0], height = window[3] - window[2];
     const double half_height = height / 2, scale = std::cbrt(std::abs(determinant));
     Camera camera;
-    // By default the screen grows along the longer side; a window that is given stays as high as it is.
+    // By default the screen window grows along the longer side; an explicit window keeps its height.
     if (!of.has("screenwindow")) camera.fov_axis = FovAxis::smaller, camera.fov_aspect = width / height;
     camera.shift_x = (window[0] + window[1]) / 2 / width, camera.shift_y = (window[2] + window[3]) / 2 / height;
     camera.position = world.point({0, 0, 0});
@@ -190,7 +191,7 @@ void Reader::read_camera(const Parameters& of)
         const double focus = of.number("focusdistance", 10) * scale;
         camera.aperture = of.number("aperturediameter", 1) * 1e-3 * scale;
         camera.focus_distance = focus;
-        // A lens of 50 mm, as the file of the lens is not read.
+        // Lens files are not read; a 50 mm lens is assumed.
         const double film_height = 0.035 / std::hypot(1, aspect) * (crop_[3] - crop_[2]) / film_size_[1];
         camera.fov_y = 2 * std::atan(film_height / 2 / 0.050);
         of.ignore({"lensfile", "aperture"});
