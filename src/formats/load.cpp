@@ -32,7 +32,7 @@ std::string lower_extension(const std::filesystem::path& file)
     return extension;
 }
 
-/// Puts the scene under a node that turns z upwards.
+/// Moves the roots under a node that rotates +z to +y, the up axis of scenes.
 void turn_z_up(SceneDescription& scene)
 {
     Node turn;
@@ -47,7 +47,7 @@ void turn_z_up(SceneDescription& scene)
     scene.nodes.push_back(std::move(turn));
 }
 
-/// All of them; the first that recognizes a file reads it.
+/// All importers in order of precedence; the first one that recognizes a file reads it.
 constexpr const Importer* importers[] = {&gltf_importer, &ply_importer, &fathom_json_importer, &mitsuba_importer,
                                          &pbrt_importer, &obj_importer, &stl_importer,         &assimp_importer};
 
@@ -59,7 +59,7 @@ std::string format_name(const Importer& importer, const SourceFile& file)
     return &importer == &assimp_importer ? name + ", by Assimp" : name;
 }
 
-/// Keeps the list of open files right, whatever happens.
+/// Registers a file in LoadContext::open_files for its lifetime; throws Error if the file is open already.
 class OpenFile {
 public:
     OpenFile(LoadContext& context, const std::filesystem::path& file) : context_(context)

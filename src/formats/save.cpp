@@ -22,7 +22,7 @@ void save_glb(const SceneDescription& scene, const std::filesystem::path& file, 
 {
     check_scene(scene);
     const std::string bytes = glb_bytes(scene, file.string(), warnings);
-    SaveFiles(scene, file).write();  // nothing but its check of the name
+    SaveFiles(scene, file).write();  // GLB has no other files; write() only checks the target's name
     OutputFile out(file);
     out.write(bytes.data(), bytes.size());
     out.commit();

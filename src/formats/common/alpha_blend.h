@@ -3,7 +3,7 @@
 
 namespace fathom {
 
-/// What rays pass as if it were not there.
+/// Whether the material is a fully transparent interface that rays pass without any effect.
 inline bool is_nothing(const Material& m)
 {
     return m.kind == MaterialKind::none && m.alpha.value == 0;
@@ -15,7 +15,7 @@ inline int add_texture(SceneDescription& scene, Texture texture)
     return int(scene.textures.size()) - 1;
 }
 
-/// A texture that goes from a gray of `at_zero` where the number is 0 to a gray of `at_one` where it is 1.
+/// A mix texture that maps an input of 0 to the gray `at_zero` and an input of 1 to `at_one`.
 inline int gray_texture(SceneDescription& scene, const FloatInput& input, float at_zero = 0, float at_one = 1)
 {
     Texture gray;
@@ -25,6 +25,7 @@ inline int gray_texture(SceneDescription& scene, const FloatInput& input, float 
     return add_texture(scene, std::move(gray));
 }
 
+/// The product of two inputs; textures are multiplied by a scale texture.
 inline FloatInput product(SceneDescription& scene, const FloatInput& a, const FloatInput& b)
 {
     if (a.texture < 0 || b.texture < 0) {
@@ -38,7 +39,10 @@ inline FloatInput product(SceneDescription& scene, const FloatInput& a, const Fl
     return {1, add_texture(scene, std::move(both)), 0};
 }
 
-/// The material as often as the weight says, or (of_nothing) as it doesn't, and else nothing.
+/// Blends a material with full transparency by setting its alpha.
+///
+/// weight      fraction of the material
+/// of_nothing  whether `weight` is the fraction of transparency instead
 inline Material blend_with_transparent(SceneDescription& scene, Material m, FloatInput weight, bool of_nothing)
 {
     if (of_nothing && weight.texture < 0) weight.value = 1 - weight.value;

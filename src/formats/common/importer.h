@@ -8,26 +8,26 @@
 
 namespace fathom {
 
-/// A file that is to be read as a scene.
+/// A scene file to import.
 struct SourceFile {
     const std::filesystem::path& path;
     std::string extension;  ///< in lower case, with its dot
-    InputFile& input;       ///< not empty
+    InputFile& input;       ///< in lower case, with its dot
     const LoadOptions& options;
 
-    /// For readers that want all of it; the others read it by pieces.
+    /// The whole file, for readers that need it at once; other readers read `input` in pieces.
     const std::string& bytes() const { return input.bytes(); }
     std::string_view head() const { return input.head(); }
 };
 
-/// A format of scene files. Each folder has one, which load.cpp lists.
+/// A reader of one scene format. Each format folder defines one, and load.cpp lists them.
 struct Importer {
-    /// By content where a format has a sign of its own, else by extension.
+    /// Recognizes the format by its signature if it has one, else by the file's extension.
     bool (*recognizes)(const SourceFile& file);
     SceneDescription (*read)(const SourceFile& file, LoadContext& context);
-    bool has_choices = false;  ///< a file may hold several scenes and variants, of which LoadOptions chooses one
-    bool z_up = false;         ///< which axis points up is not said, and the programs that make such files have z there
-    const char* name = "";     ///< of the format, as people write it; empty: its extension
+    bool has_choices = false;  ///< a file may hold several scenes and variants, from which LoadOptions selects
+    bool z_up = false;         ///< the format doesn't specify the up axis, but the programs that write it use z
+    const char* name = "";     ///< name of the format for users; empty: use the extension
 };
 
 }  // namespace fathom

@@ -55,7 +55,7 @@ const LoadContext::Names& LoadContext::names_in(const fs::path& folder)
     for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
         const std::string name = at->path().filename().string();
         const auto [same, is_first] = found->second.emplace(lower(name), name);
-        // Which comes first in a folder is anyone's guess.
+        // Directory order is arbitrary, so the least name makes the result deterministic.
         if (!is_first) same->second = std::min(same->second, name);
     }
     return found->second;
@@ -63,7 +63,8 @@ const LoadContext::Names& LoadContext::names_in(const fs::path& folder)
 
 fs::path LoadContext::locate(const fs::path& file)
 {
-    // Before anything is looked for: whether there is such a file is not to be told either.
+    // Paths outside the folder are rejected before the existence of files is tested, which a scene must not be able to
+    // probe.
     check_inside(file);
     if (is_there(file)) return file;
     std::string text = file.string();
@@ -76,7 +77,7 @@ fs::path LoadContext::locate(const fs::path& file)
             found /= part;
             continue;
         }
-        // With backslashes for slashes the path may lead elsewhere.
+        // Replacing backslashes may have changed where the path leads.
         check_inside(folder);
         const Names& names = names_in(folder);
         const auto name = names.find(lower(part.string()));
@@ -89,7 +90,7 @@ fs::path LoadContext::locate(const fs::path& file)
 
 InputFile LoadContext::open(const fs::path& file)
 {
-    // The scene itself is what the user named, wherever a link of that name leads.
+    // The scene file itself is never confined: the user named it, and it may be a symbolic link.
     InputFile opened(files_.empty() ? file : locate(file));
     add_file(opened.name());
     return opened;

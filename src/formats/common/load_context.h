@@ -10,37 +10,38 @@
 
 namespace fathom {
 
-/// What is the same for a scene file and the files that it refers to: what was read, and what may be.
+/// State shared by a scene file and the files that it refers to: files read so far, access limits and diagnostics.
 class LoadContext {
 public:
-    /// file  the scene itself
+    /// file     the scene file
+    /// confine  whether all other files must lie in the scene's folder
     LoadContext(const std::filesystem::path& file, bool confine, Warnings& warnings);
 
     Warnings& warnings;
-    /// Faults of all meshes read so far; load_scene_file turns them into warnings.
+    /// Defects of all meshes read so far; load_scene_file turns them into warnings.
     MeshFaults mesh_faults;
-    /// What the scene's own file has beside the scene; the reader of a file with choices fills it.
+    /// The scenes, variants and animations that the main file offers; filled by readers of formats with choices.
     SceneFile offered;
-    std::string format;                             ///< of the scene's own file
-    std::vector<std::filesystem::path> open_files;  ///< being read now, the first asked for them all: finds cycles
+    std::string format;                             ///< of the main file
+    std::vector<std::filesystem::path> open_files;  ///< files being read, the main file first; detects include cycles
 
-    /// Where a file is that the scene refers to: the path itself if there is something, else what differs from it only
-    /// in upper and lower case or has folders where the path has backslashes, as on Windows; else the path. Throws
-    /// Error if that is outside the folder that the scene is confined to.
+    /// Resolves a path that the scene refers to. If it doesn't exist, a path that differs only in case, or by
+    /// backslashes as separators (Windows), is used if there is one; otherwise the path is returned as it is. Throws
+    /// Error if the result lies outside the folder that the scene is confined to.
     std::filesystem::path locate(const std::filesystem::path& file);
-    /// The bytes of such a file. Throws Error.
+    /// The contents of a file resolved by locate(). Throws Error.
     std::string read(const std::filesystem::path& file);
-    /// The same, for readers that read it by pieces.
+    /// Opens a file resolved by locate(), for readers that read in pieces. Throws Error.
     InputFile open(const std::filesystem::path& file);
-    /// Notes a file that something else has read.
+    /// Records a file that another component has read.
     void add_file(const std::filesystem::path& file) { files_.push_back(file); }
 
     const std::vector<std::filesystem::path>& files() const { return files_; }
-    /// Empty where the scene is not confined.
+    /// The folder that the scene is confined to; empty if it is not confined.
     const std::filesystem::path& folder() const { return folder_; }
 
 private:
-    using Names = std::map<std::string, std::string>;  ///< what a folder holds, by its name in lower case
+    using Names = std::map<std::string, std::string>;  ///< directory entries by their names in lower case
 
     void check_inside(const std::filesystem::path& file) const;
     const Names& names_in(const std::filesystem::path& folder);
@@ -50,7 +51,7 @@ private:
     std::map<std::filesystem::path, Names> names_;
 };
 
-/// load_scene for the scene itself and for the models in it.
+/// Loads a scene or a model in a scene; common part of load_scene for both.
 SceneDescription load_file(const std::filesystem::path& file, const LoadOptions& options, LoadContext& context);
 
 }  // namespace fathom

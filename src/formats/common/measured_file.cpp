@@ -12,7 +12,7 @@ namespace fathom {
 
 namespace {
 
-/// The last two dimensions are rows and columns, those before it must be `outer`.
+/// Reads an array whose last two dimensions are rows and columns, and whose other dimensions must equal `outer`.
 MeasuredTable read_table(const TensorFile& file, const char* name, const std::vector<std::uint64_t>& outer)
 {
     const TensorFile::Field& field = file.floats(name, outer.size() + 2);
@@ -26,7 +26,7 @@ MeasuredTable read_table(const TensorFile& file, const char* name, const std::ve
     return {int(width), int(height), TensorFile::values(field)};
 }
 
-/// What each wavelength counts for a colour in daylight, with values linear in between.
+/// The color that each wavelength contributes under D65, for spectra that are linear between wavelengths.
 std::vector<Color> weights_of(const TensorFile& file, const std::vector<float>& wavelengths)
 {
     for (std::size_t i = 0; i < wavelengths.size(); ++i)
@@ -46,7 +46,7 @@ std::vector<Color> weights_of(const TensorFile& file, const std::vector<float>& 
 MeasuredTable read_spectra(const TensorFile& file, std::uint64_t phis, std::uint64_t thetas)
 {
     const TensorFile::Field& field = file.floats("wavelengths", 1);
-    // Each costs an integral, and none has so many.
+    // Each wavelength costs an integral, and real files have far fewer.
     constexpr std::uint64_t most = 4096;
     if (field.shape[0] > most) file.fail("'wavelengths'", fmt::format("there are more than {}", most));
     const std::vector<Color> weights = weights_of(file, TensorFile::values(field));

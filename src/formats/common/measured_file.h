@@ -8,18 +8,18 @@
 
 namespace fathom {
 
-/// A measured surface from the bytes of a file of the RGL's database (.bsdf). Spectra become colours in daylight.
-/// Throws Error.
+/// Reads a measured BRDF from a file of the RGL material database (.bsdf). Spectra become colors under D65. Throws
+/// Error.
 ///
-/// file: for messages
+/// file  for messages
 MeasuredBrdf read_measured(const std::filesystem::path& file, std::string_view bytes);
 
-/// Those that a scene refers to, each read once.
+/// The measured BRDFs that a scene refers to; each file is read once.
 class MeasuredFiles {
 public:
     MeasuredFiles(LoadContext& context, SceneDescription& scene) : context_(context), scene_(scene) {}
 
-    /// The index into SceneDescription::measured of what is in a file. Throws Error.
+    /// Index into SceneDescription::measured of the BRDF in a file, which is read on first use. Throws Error.
     int index_of(const std::filesystem::path& file);
 
 private:

@@ -14,7 +14,7 @@ std::string surround(SceneDescription& scene, Material medium)
         box.max = {std::max(box.max.x, p.x), std::max(box.max.y, p.y), std::max(box.max.z, p.z)};
     }
     const double radius = length(box.max - box.min);
-    // The lowest that there is: whatever else a place is in counts before it.
+    // With the lowest priority, every other medium takes precedence.
     medium.priority = -1000;
     scene.materials.push_back(std::move(medium));
     Shape ball;

@@ -9,7 +9,7 @@
 
 namespace fathom {
 
-/// The boundary of a solid at which nothing happens but that a medium begins.
+/// An index-matched boundary: it neither reflects nor refracts, and only separates media.
 inline Material open_boundary()
 {
     Material m;
@@ -20,15 +20,16 @@ inline Material open_boundary()
     return m;
 }
 
-/// Fills a solid with what absorbs and scatters so much in a unit of length.
+/// Fills a solid with a homogeneous medium: absorption and scattering coefficients per unit of length, and the mean
+/// cosine of the phase function.
 inline void fill_solid(Material& solid, Color absorption, Color scattering, float mean_cosine)
 {
     const double most = std::max({double(absorption.r) + scattering.r, double(absorption.g) + scattering.g,
                                   double(absorption.b) + scattering.b});
     if (!(most > 0)) return;
-    // Over the distance in which the densest colour is halved, so that its colour is a number of moderate size.
+    // The distance at which the densest channel's transmittance is 1/2 keeps the attenuation color well scaled.
     const double distance = 0.6931471805599453 / most;
-    // Of the straight way both are taken.
+    // Transmittance of the reference distance; both coefficients attenuate.
     const auto left = [&](float a, float s) { return float(std::exp(-(double(a) + double(s)) * distance)); };
     const auto scattered = [&](float s) { return float(double(s) * distance); };
     solid.attenuation_distance = distance;
@@ -38,18 +39,19 @@ inline void fill_solid(Material& solid, Color absorption, Color scattering, floa
     solid.transmission_scatter_anisotropy = mean_cosine;
 }
 
-/// What shapes name as in and around them. What is around one follows from what others, and the camera, are in.
+/// Collects the media that a scene format names inside and outside of each shape. Fathom derives the outside medium
+/// from enclosing solids, so outside media that no shape or camera is inside of are reported or handled separately.
 template <class Medium>
 class MediaOfShapes {
 public:
-    /// Of one shape; null: nothing.
+    /// Registers the media of one shape; null for vacuum.
     void add(const Medium* inside, const Medium* outside)
     {
         if (inside) inside_.insert(inside);
         if (outside && std::find(outside_.begin(), outside_.end(), outside) == outside_.end())
             outside_.push_back(outside);
     }
-    /// Those around shapes that are neither in one nor around the camera, in the order in which they came.
+    /// Outside media that are neither inside a shape nor around the camera, in order of registration.
     std::vector<const Medium*> nowhere(const Medium* around_camera) const
     {
         std::vector<const Medium*> found;
@@ -65,8 +67,8 @@ private:
 inline constexpr const char* medium_is_nowhere =
     "is around shapes, but neither in one nor around the camera: nothing is there";
 
-/// Puts a ball of a medium, which is a solid of it, around all shapes and cameras: what is in nothing else is in it. It
-/// has twice the radius of what it surrounds. Returns what is to be said of that; empty: nothing.
+/// Adds a sphere filled with a medium around all shapes and cameras, with twice the radius of their bounds and the
+/// lowest priority: it applies wherever no other medium does. Returns a warning, or an empty string.
 std::string surround(SceneDescription& scene, Material medium);
 
 }  // namespace fathom

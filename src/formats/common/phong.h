@@ -6,19 +6,19 @@
 
 namespace fathom {
 
-/// What older formats say of a surface: a diffuse colour, a highlight, and how transparent it is.
+/// The surface parameters of older formats: a diffuse color, a Phong highlight and an opacity.
 struct Phong {
     Color diffuse{0.8f, 0.8f, 0.8f}, specular{0, 0, 0};
-    float shininess = 0;  ///< exponent of the highlight
+    float shininess = 0;  ///< Phong exponent
     float opacity = 1;
     float ior = 1.5f;
-    bool refracts = false;  ///< light is bent on its way through, as by glass
+    bool refracts = false;  ///< transmitted light is refracted, as by glass
 };
 
-/// The nearest that our materials have. Textures and emission are the caller's.
+/// Converts Phong parameters to the nearest Fathom material; the caller sets textures and emission.
 ///
-/// An exponent n makes a highlight about as wide as GGX of alpha = sqrt(2 / (n + 2)): Walter et al., Microfacet Models
-/// for Refraction through Rough Surfaces, 2007, section 5.2.
+/// A Phong exponent n is about as wide as GGX with alpha = sqrt(2 / (n + 2)): Walter et al., "Microfacet Models for
+/// Refraction through Rough Surfaces", 2007, section 5.2.
 inline void set_phong(Material& m, const Phong& phong)
 {
     const auto largest = [](Color c) { return std::max({c.r, c.g, c.b}); };
@@ -33,7 +33,7 @@ inline void set_phong(Material& m, const Phong& phong)
     if (phong.refracts) {
         m.kind = MaterialKind::glass;
         m.base_color.value = {1, 1, 1};
-        // Glass without a highlight of its own is meant smooth, not as rough as can be.
+        // Glass without a highlight means smooth glass, not glass of maximal roughness.
         if (phong.shininess <= 0 || phong.shininess >= 200) m.roughness.value = 0;
         return;
     }

@@ -6,9 +6,11 @@
 
 namespace fathom {
 
-/// A number from 0 to 1, or a texture of such, to a power of less than 1: what other formats call roughness is alpha,
-/// or another power of ours. Of textures it is a curve of straight pieces: above 0.05 roots are right to
-/// 0.9 %, above 0.01 to 1.8 %.
+/// Raises a number or texture in [0, 1] to a power below 1, to convert other formats' roughness (alpha, or another
+/// power of Fathom's roughness).
+///
+/// A texture is mapped by a piecewise linear curve: square roots are accurate to 0.9 % above 0.05 and to 1.8 % above
+/// 0.01.
 inline FloatInput to_power(SceneDescription& scene, FloatInput input, double power)
 {
     const auto raised = [&](double x) { return float(std::pow(std::clamp(x, 0.0, 1.0), power)); };
@@ -21,7 +23,7 @@ inline FloatInput to_power(SceneDescription& scene, FloatInput input, double pow
     curve.factor = input;
     constexpr int stops = 16;
     for (int i = 0; i < stops; ++i) {
-        // Closer near 0, where roots are steep.
+        // Stops are denser near 0, where roots are steep.
         const double x = std::pow(double(i) / (stops - 1), 4);
         curve.stops.push_back({float(x), {raised(x), raised(x), raised(x)}});
     }

@@ -38,7 +38,7 @@ double radiance_of_black_body(double nm, double temperature)
            (std::pow(m, 5) * std::expm1(planck * light_speed / (m * boltzmann * temperature)));
 }
 
-/// Of the daylight at 6504 K: relative, by a black body's with what the air takes away, in steps of 20 nm (CIE 15).
+/// Relative spectral power of D65, in steps of 20 nm from 360 nm (CIE 15).
 double daylight(double nm)
 {
     constexpr double first = 360, step = 20;
@@ -60,7 +60,7 @@ double value_at(const std::vector<SpectrumPoint>& points, double nm)
     return before.value + (nm - before.wavelength) / span * (after->value - before.value);
 }
 
-/// Over what `white` has, which becomes a luminance of 1.
+/// Integrates a spectrum against the color matching functions, normalized so that `white` has luminance 1.
 template <class Value, class White>
 Color integrated(const Value& value, const White& white)
 {

@@ -3,7 +3,7 @@
 
 namespace fathom {
 
-/// The linear value of one encoded as sRGB (IEC 61966-2-1).
+/// Decodes sRGB to a linear value (IEC 61966-2-1).
 inline float linear_from_srgb(double c)
 {
     return float(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));

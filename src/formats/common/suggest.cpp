@@ -17,7 +17,7 @@ char lower(char c)
     return char(std::tolower(static_cast<unsigned char>(c)));
 }
 
-/// Optimal string alignment distance, case ignored.
+/// Optimal string alignment distance, ignoring case.
 std::size_t edit_distance(std::string_view a, std::string_view b)
 {
     std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
@@ -40,10 +40,10 @@ std::size_t edit_distance(std::string_view a, std::string_view b)
 
 std::string suggest(std::string_view word, const std::vector<std::string>& candidates)
 {
-    // Names from damaged files may be megabytes long; nobody meant those.
+    // Damaged files may contain names of megabytes, for which no suggestion makes sense.
     if (word.size() > 64) return {};
     const std::string* best = nullptr;
-    // In a word of two letters one mistake makes any other; only its case may be wrong.
+    // In words of two letters a single mistake makes any other word, so only the case may differ.
     std::size_t best_distance = word.size() < 3 ? 1 : std::max<std::size_t>(1, word.size() / 3) + 1;
     for (const std::string& candidate : candidates) {
         if (candidate.size() > 64) continue;

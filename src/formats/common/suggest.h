@@ -7,14 +7,14 @@
 
 namespace fathom {
 
-/// The candidate that `word` was probably meant to be: the one with the fewest typing mistakes (letters added, left
-/// out, changed, or two swapped); empty if none is near.
+/// The candidate nearest to `word` in edit distance (insertion, deletion, substitution, transposition); empty if none
+/// is near.
 std::string suggest(std::string_view word, const std::vector<std::string>& candidates);
 
-/// "; did you mean 'color'?", or the candidates if few and none is near, or nothing.
+/// Text for messages: "; did you mean 'color'?", or the list of candidates if they are few and none is near, or empty.
 std::string suggestion(std::string_view word, const std::vector<std::string>& candidates);
 
-/// The same, among the names of a map.
+/// Text for messages as by suggestion(), with the keys of a map as candidates.
 template <class Map>
 std::string suggestion_of(std::string_view word, const Map& by_name)
 {
@@ -22,10 +22,10 @@ std::string suggestion_of(std::string_view word, const Map& by_name)
     return suggestion(word, std::vector<std::string>(names.begin(), names.end()));
 }
 
-/// Number of the one that is named or numbered so; nothing if there is none.
+/// Index of the choice with this name or number; nothing if there is none.
 std::optional<std::size_t> find_choice(std::string_view wanted, const std::vector<std::string>& names);
 
-/// " among 'a', 'b'; did you mean 'a'?": what to say of choices when none was found.
+/// Text for messages about a missing choice: " among 'a', 'b'; did you mean 'a'?".
 std::string choices(std::string_view wanted, const std::vector<std::string>& names);
 
 }  // namespace fathom

@@ -5,7 +5,7 @@
 
 namespace fathom {
 
-/// Calls visit(number) of a texture and of all that it is made of.
+/// Calls visit(index) for a texture and all textures that it refers to.
 template <class Visit>
 void for_each_reached_by_texture(const SceneDescription& scene, int texture, const Visit& visit)
 {
@@ -15,8 +15,8 @@ void for_each_reached_by_texture(const SceneDescription& scene, int texture, con
                      [&](int other, const char*) { for_each_reached_by_texture(scene, other, visit); });
 }
 
-/// The same of a material's textures, and of the materials that it is mixed of. m: may stand outside of the scene,
-/// whose materials it refers to.
+/// Calls visit(index) for all textures that a material and its mixed materials refer to. `m` need not be part of the
+/// scene whose materials and textures it refers to.
 template <class Visit>
 void for_each_reached(const SceneDescription& scene, const Material& m, const Visit& visit)
 {
@@ -26,8 +26,8 @@ void for_each_reached(const SceneDescription& scene, const Material& m, const Vi
         if (part >= 0) for_each_reached(scene, scene.materials[std::size_t(part)], visit);
 }
 
-/// Whether facets of a material, or of one that it is mixed of, are drawn out along texture coordinates, or were
-/// measured along them.
+/// Whether a material, or one that it mixes, is anisotropic along the texture coordinates: by its parameters or by
+/// measured data.
 inline bool has_anisotropy(const SceneDescription& scene, const Material& m)
 {
     bool found = m.anisotropy.value != 0;
@@ -37,7 +37,7 @@ inline bool has_anisotropy(const SceneDescription& scene, const Material& m)
     return found;
 }
 
-/// Whether a material looks at the texture coordinates of surfaces.
+/// Whether a material depends on the surface's texture coordinates.
 inline bool reaches_uv(const SceneDescription& scene, const Material& m)
 {
     bool found = has_anisotropy(scene, m);

@@ -3,11 +3,11 @@
 
 namespace fathom {
 
-/// The one rule of units: radiance 1 is 1 nit (candela per square metre), intensity 1 is 1 candela (nit times square
-/// metre), irradiance 1 is 1 lux (nit times steradian). Watts are radiant power and become lumens by the peak of
-/// luminous efficacy, in every channel alike: colour multiplies afterwards.
+/// Conversion of radiometric units: radiance 1 is 1 nit (cd/m2), intensity 1 is 1 candela and irradiance 1 is 1 lux.
+/// Watts are radiant power and become lumens by the maximal luminous efficacy, equally in all channels; color
+/// multiplies afterwards.
 constexpr double lumens_per_watt = 683;
-/// The one factor by which angles of files become radians: a writer looks for the number that gives the same bits.
+/// The only factor that converts degrees in files to radians: writers search for the number that gives the same bits.
 constexpr double radians_per_degree = std::numbers::pi / 180;
 
 }  // namespace fathom

@@ -10,7 +10,7 @@
 
 namespace fathom {
 
-/// Memory whose larger pieces go back to the system when they are freed.
+/// Allocator that maps large blocks directly, so that freeing them returns their memory to the system.
 template <class T>
 struct PageAllocator {
     using value_type = T;
@@ -39,7 +39,7 @@ private:
     static constexpr std::size_t least = 128 << 10;
 };
 
-/// An array that grows without moving: at no time it has room for twice what is in it.
+/// An array that grows without reallocation: unlike std::vector it never holds twice its size in memory.
 template <class T>
 class ChunkedArray {
 public:
@@ -68,7 +68,7 @@ public:
     {
         while (size_ < size) push_back(value);
     }
-    /// All of it in one piece; nothing is left here.
+    /// Moves the contents into one contiguous vector and leaves this array empty.
     std::vector<T> take()
     {
         std::vector<T> result;
@@ -90,11 +90,11 @@ private:
     void add_chunk()
     {
         chunks_.emplace_back();
-        // The first grows as it must: many arrays are short.
+        // The first chunk grows geometrically, because many arrays are short.
         if (chunks_.size() > 1) chunks_.back().reserve(chunk);
     }
 
-    std::vector<Chunk> chunks_;  ///< full but for the last
+    std::vector<Chunk> chunks_;  ///< all full except the last
     std::size_t size_ = 0;
 };
 

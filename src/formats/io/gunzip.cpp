@@ -28,7 +28,7 @@ std::string gunzip(const std::string& file, std::string_view bytes)
         }
         const auto limited = [](std::size_t n) { return uInt(std::min<std::size_t>(n, std::size_t(1) << 30)); };
         const uInt in = limited(bytes.size() - given), out = limited(text.size() - made);
-        // zlib reads what it is given, though its type does not say so.
+        // zlib doesn't write to its input, although the type is not const.
         stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data() + given));
         stream.avail_in = in;
         stream.next_out = reinterpret_cast<Bytef*>(text.data() + made);
@@ -38,7 +38,7 @@ std::string gunzip(const std::string& file, std::string_view bytes)
         made += out - stream.avail_out;
         if (status != Z_OK && status != Z_STREAM_END)
             throw Error(file, "", "the compressed data are damaged or end too early");
-        // Files may be several such streams one after the other.
+        // A gzip file may consist of several concatenated streams.
         if (status == Z_STREAM_END && is_gzip(bytes.substr(given)) && inflateReset(&stream) == Z_OK) status = Z_OK;
     }
     text.resize(made);

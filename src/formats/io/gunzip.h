@@ -9,7 +9,7 @@ inline bool is_gzip(std::string_view bytes)
     return bytes.starts_with("\x1f\x8b");
 }
 
-/// What a gzip file holds. Throws Error if it is damaged or ends early.
+/// Decompresses a gzip file. Throws Error, naming `file`, if it is damaged or truncated.
 std::string gunzip(const std::string& file, std::string_view bytes);
 
 }  // namespace fathom

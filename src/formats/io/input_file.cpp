@@ -28,15 +28,16 @@ namespace {
     throw Error(file, "", why);
 }
 
-/// Whether what it gives has an end that is known: pipes have none. Throws Error for what is no file at all.
+/// Whether the file has a known size, unlike a pipe. Throws Error if it is not a file.
 bool is_regular(const std::string& name, int descriptor, const struct stat& status)
 {
     if (S_ISDIR(status.st_mode)) fail(name, EISDIR);
-    // It may never end.
+    // Reading a device such as /dev/zero might never end.
     if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode)) throw Error(name, "", "is a device, not a file");
     if (S_ISSOCK(status.st_mode)) throw Error(name, "", "is a socket, not a file");
     if (S_ISFIFO(status.st_mode)) {
-        // Standard input is a pipe without a name: whoever started the program fills it.
+        // An anonymous pipe as standard input is accepted: it ends when its writer does. A named pipe might never get a
+        // writer.
         struct statfs system{};
         if (fstatfs(descriptor, &system) != 0 || system.f_type != PIPEFS_MAGIC)
             throw Error(name, "", "is a named pipe, not a file");
@@ -49,7 +50,7 @@ bool is_regular(const std::string& name, int descriptor, const struct stat& stat
 
 InputFile::InputFile(const std::filesystem::path& file) : name_(file.string())
 {
-    // A pipe that nobody writes to would not be opened for ever.
+    // Without O_NONBLOCK, opening a named pipe without a writer would block forever.
     descriptor_ = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor_ < 0) fail(name_, errno);
     try {
@@ -61,7 +62,7 @@ InputFile::InputFile(const std::filesystem::path& file) : name_(file.string())
             size_ = std::uint64_t(status.st_size);
             start_.resize(std::size_t(std::min<std::uint64_t>(size_ + 1, 4096)));
             start_.resize(read_some(start_.data(), start_.size()));
-            // Those of the system's own (/proc) say that they are empty.
+            // Files in /proc claim a size of 0.
             if (start_.size() > size_) read_to_the_end(true);
         }
     } catch (...) {
@@ -107,13 +108,13 @@ void InputFile::read_to_the_end(bool has_size)
 {
     try {
         std::size_t size = start_.size();
-        // One more than there should be: a file may have grown.
+        // One byte more than the size, because the file may have grown.
         start_.resize(std::max<std::size_t>(has_size ? std::size_t(size_) + 1 : 1 << 16, size + 4096));
         for (;;) {
             const std::size_t got = read_some(start_.data() + size, start_.size() - size);
             size += got;
             if (size < start_.size()) break;
-            // Nor may what fills a pipe ever end.
+            // Input from a pipe might never end.
             if (size > (std::size_t(1) << 32) && !has_size)
                 throw Error(name_, "", "gives more than 4 GB and is no regular file");
             start_.resize(2 * size);
@@ -139,7 +140,7 @@ void InputFile::skip_byte_order_mark()
 const std::string& InputFile::bytes()
 {
     if (descriptor_ >= 0) {
-        // Pieces that were read are not kept.
+        // Pieces read earlier were not kept, so reading restarts behind the head.
         if (at_ > start_.size() && lseek(descriptor_, off_t(mark_ + start_.size()), SEEK_SET) < 0) fail(name_, errno);
         read_to_the_end(true);
     }

@@ -6,14 +6,16 @@
 
 namespace fathom {
 
-/// A file that is read from its beginning to its end, by pieces or whole. Not mapped into memory: a map of a file that
-/// another program cuts short ends this one.
+/// A file read sequentially, in pieces or as a whole. It is not memory-mapped: the program would crash if another
+/// program truncated the file.
 class InputFile {
 public:
-    /// Opens it; what has no size, as a pipe without a name may be, is read at once. Throws Error that says why it
-    /// can't be read: missing, a directory, a device, no permission.
+    /// Opens the file; contents without a known size, such as a pipe's, are read at once. Throws Error with the reason
+    /// if it can't be read: missing, a directory, a device, no permission.
     explicit InputFile(const std::filesystem::path& file);
-    /// What is in memory already. name: for messages
+    /// Wraps contents that are in memory already.
+    ///
+    /// name  for messages
     InputFile(std::string name, std::string bytes);
     InputFile(InputFile&& other) noexcept;
     InputFile(const InputFile&) = delete;
@@ -21,18 +23,18 @@ public:
     ~InputFile();
 
     const std::string& name() const { return name_; }
-    /// How long it was when it was opened, without a byte order mark that was skipped.
+    /// Size in bytes when the file was opened, without a skipped byte order mark.
     std::uint64_t size() const { return size_; }
 
-    /// What it begins with: 4 KB, or all there is. Wherever it has been read to.
+    /// The first 4 KB, or all of a shorter file, independent of the read position.
     std::string_view head() const { return std::string_view(start_).substr(0, 4096); }
-    /// Skips the byte order mark of UTF-8; call it before reading. Throws Error if the text is in UTF-16 or UTF-32.
+    /// Skips the byte order mark of UTF-8; must be called before reading. Throws Error if the text is UTF-16 or UTF-32.
     void skip_byte_order_mark();
-    /// All of it. Afterwards pieces come from there. Throws Error if it does not fit into memory.
+    /// Reads the whole file; later reads come from memory. Throws Error if it doesn't fit into memory.
     const std::string& bytes();
-    /// All of it, to be kept: nothing is left here.
+    /// Moves the whole contents out of this object.
     std::string take() &&;
-    /// The next bytes, fewer than asked for only at the end. Throws Error if the system can't read them.
+    /// Reads the next `size` bytes, fewer only at the end of the file. Throws Error if reading fails.
     std::size_t read(char* to, std::size_t size);
 
 private:
@@ -40,11 +42,11 @@ private:
     std::size_t read_some(char* to, std::size_t size);
 
     std::string name_;
-    int descriptor_ = -1;     ///< -1: start_ is all there is
+    int descriptor_ = -1;     ///< -1 if start_ holds the whole file
     std::uint64_t size_ = 0;  ///< in bytes
-    std::string start_;       ///< what was read to know what it is, or everything
-    std::uint64_t at_ = 0;    ///< where the next piece begins
-    std::size_t mark_ = 0;    ///< bytes of the byte order mark, which start_ lacks
+    std::string start_;       ///< the beginning, read to recognize the format, or the whole file
+    std::uint64_t at_ = 0;    ///< position of the next read
+    std::size_t mark_ = 0;    ///< size of the skipped byte order mark, which start_ lacks
 };
 
 }  // namespace fathom

@@ -8,25 +8,25 @@
 
 namespace fathom {
 
-/// The part of a file that is being read: a few hundred kilobytes, which stay in the cache, unless more must be in one
-/// piece.
+/// A sliding window over a file: usually 256 KB, which stay in the cache, and larger if a longer contiguous piece is
+/// needed.
 class InputWindow {
 public:
     explicit InputWindow(InputFile& input) : input_(&input), buffer_(usual_size) {}
 
-    /// What is not taken yet.
+    /// Bytes of the file behind the read position.
     std::uint64_t bytes_left() const { return left_in_file() + (end_ - at_); }
 
-    /// What comes next: at least so many bytes if there are.
+    /// The following bytes without moving on: at least `least` if the file has them.
     std::string_view peek(std::size_t least)
     {
         if (end_ - at_ < least) fill(least);
         return {buffer_.data() + at_, end_ - at_};
     }
-    /// Goes on behind so many bytes of what peek gave.
+    /// Advances by `size` bytes of the last peek().
     void pass(std::size_t size) { at_ += size; }
 
-    /// The next bytes in one piece; null if there are fewer.
+    /// The next `size` bytes in one contiguous piece; null if fewer are left.
     const char* take(std::size_t size)
     {
         if (peek(size).size() < size) return nullptr;
@@ -52,8 +52,8 @@ private:
 
     InputFile* input_;
     std::vector<char> buffer_;
-    std::size_t at_ = 0, end_ = 0;  ///< what is in the buffer and not taken
-    std::uint64_t got_ = 0;         ///< from the file
+    std::size_t at_ = 0, end_ = 0;  ///< unread range of the buffer
+    std::uint64_t got_ = 0;         ///< bytes read from the file
     bool is_at_end_ = false;
 };
 

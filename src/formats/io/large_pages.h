@@ -7,8 +7,8 @@
 
 namespace fathom {
 
-/// vector::reserve, on large pages where the system has them: to touch a hundred megabytes for the first time by pages
-/// of 4 KB takes longer than to read them from a file.
+/// Reserves memory on large pages where the system has them: the page faults of 100 MB in pages of 4 KB take longer
+/// than reading the file.
 template <class T>
 void reserve_large(std::vector<T>& values, std::size_t count)
 {
@@ -16,7 +16,7 @@ void reserve_large(std::vector<T>& values, std::size_t count)
     void* begin = values.data();
     std::size_t bytes = count * sizeof(T);
     if (!std::align(std::size_t(sysconf(_SC_PAGESIZE)), std::size_t(4) << 20, begin, bytes)) return;
-    // Advice: whether it is taken does not matter.
+    // The kernel may ignore this advice, so the result is not checked.
     madvise(begin, bytes, MADV_HUGEPAGE);
 }
 

@@ -15,7 +15,7 @@ std::string printable(std::string_view text)
     std::string result;
     for (char c : text.substr(0, limit)) result += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
     if (text.size() > limit) {
-        // Not in the middle of a UTF-8 sequence.
+        // The text is not cut within a UTF-8 sequence.
         while (!result.empty() && (static_cast<unsigned char>(result.back()) & 0xc0) == 0x80) result.pop_back();
         if (!result.empty() && static_cast<unsigned char>(result.back()) >= 0xc0) result.pop_back();
         result += "...";

@@ -17,10 +17,10 @@ using namespace std::string_view_literals;
 constexpr std::string_view magic = "tensor_file\0"sv;
 constexpr std::uint16_t max_dimensions = 8;
 
-/// Bytes of a number of each type, by the files' numbers; 0 for what is none.
+/// Bytes per number for each type code; 0 for invalid codes.
 constexpr std::uint64_t type_bytes[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 2, 4, 8};
 
-/// Numbers of a header, least byte first, none of which lies behind the file's end.
+/// Reads little-endian numbers of the header; throws Error at the end of the file.
 class HeaderReader {
 public:
     HeaderReader(const TensorFile& file, std::string_view bytes) : file_(file), bytes_(bytes) {}
@@ -67,8 +67,8 @@ TensorFile::TensorFile(std::string name, std::string_view bytes) : name_(std::mo
             fail(place, fmt::format("has {} dimensions: up to {} are possible", dimensions, max_dimensions));
         if (field.type >= std::size(type_bytes) || type_bytes[field.type] == 0)
             fail(place, fmt::format("has numbers of an unknown type, {}", field.type));
-        // No product of sizes is more than the file has bytes, so none overflows. What has no numbers may have any
-        // other size.
+        // Sizes can't overflow, because no product may exceed the size of the file. Arrays with a dimension of 0 may
+        // have any other dimensions.
         std::uint64_t size = type_bytes[field.type];
         for (int d = 0; d < dimensions; ++d) {
             field.shape.push_back(header.number<std::uint64_t>());

@@ -7,22 +7,25 @@
 
 namespace fathom {
 
-/// A file of named arrays, as the RGL's database has them: a header of names, types and shapes, and numbers behind it.
+/// A file of named arrays in the format of the RGL material database: a header of names, types and shapes, then the
+/// numbers.
 class TensorFile {
 public:
-    /// Types by the files' numbers.
+    /// Element types by their codes in the file.
     enum class Type : std::uint8_t { uint8 = 1, float32 = 10 };
     struct Field {
         std::uint8_t type = 0;
         std::vector<std::uint64_t> shape;
-        std::string_view bytes;  ///< those of its numbers, within the file
+        std::string_view bytes;  ///< the numbers, a view into the file
     };
 
-    /// name: for messages. `bytes` must outlive it. Throws Error if it is no such file, or a part of one.
+    /// Parses the header. `bytes` must outlive this object. Throws Error if the file is damaged or truncated.
+    ///
+    /// name  for messages
     TensorFile(std::string name, std::string_view bytes);
 
     const Field* find(const std::string& name) const;
-    /// Throws Error if it isn't there, is empty, has other dimensions or other numbers than floats of 32 bits.
+    /// An array of 32-bit floats. Throws Error if it is missing, empty, or of another type or number of dimensions.
     const Field& floats(const std::string& name, std::size_t dimensions) const;
     static std::vector<float> values(const Field& field);
 

@@ -8,7 +8,7 @@ bool is_wide_text(std::string_view text)
 {
     if (text.size() < 2) return false;
     if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return true;
-    // UTF-32 with the high byte first begins with two zeros.
+    // Big-endian UTF-32 begins with two zero bytes.
     return (text[0] == '\0') != (text[1] == '\0') || text.starts_with(std::string_view("\0\0\xfe\xff", 4));
 }
 

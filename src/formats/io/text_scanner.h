@@ -12,11 +12,10 @@
 
 namespace fathom {
 
-/// Walks through the words of a text and knows in which line it is. Numbers must be finite. Lines end with LF, CR LF or
-/// CR alone.
+/// Splits a text into words and keeps track of the line number. Numbers must be finite. Lines end with LF, CR LF or CR.
 class TextScanner {
 public:
-    /// comment  a character that ends the words of a line, wherever it stands; 0: none
+    /// comment  character that starts a comment up to the end of the line; 0 if the format has none
     TextScanner(const std::string& file, std::string_view text, std::size_t first_line = 1, char comment = '\0')
         : file_(&file), at_(text.data()), end_(text.data() + text.size()), line_(first_line), comment_(comment)
     {
@@ -26,8 +25,8 @@ public:
     std::size_t line() const { return line_; }
     const char* position() const { return at_; }
 
-    /// The next word of this line; empty at its end and at a comment. A backslash before the line's end joins it with
-    /// the next.
+    /// The next word of this line; empty at the line's end and at a comment. A backslash before the end of a line
+    /// continues it.
     std::string_view word()
     {
         skip_blanks();
@@ -35,11 +34,11 @@ public:
         while (at_ != end_ && !is_space(*at_) && !at_comment() && !(*at_ == '\\' && continues())) ++at_;
         return {start, std::size_t(at_ - start)};
     }
-    /// The next word of any line; empty at the end of the text.
+    /// The next word on this or a later line; empty at the end of the text.
     std::string_view word_of_any_line()
     {
         while (at_ != end_ && is_space(*at_)) {
-            // A CR that ends the text may be half of a CR LF.
+            // A CR at the end of the text may be the first half of a CR LF.
             if (*at_ == '\n' || (*at_ == '\r' && at_ + 1 != end_ && at_[1] != '\n')) ++line_;
             ++at_;
         }
@@ -47,7 +46,7 @@ public:
         while (at_ != end_ && !is_space(*at_)) ++at_;
         return {start, std::size_t(at_ - start)};
     }
-    /// The rest of this line, comments included, without surrounding blanks.
+    /// The rest of the line, including comments, without surrounding whitespace.
     std::string_view rest()
     {
         skip_blanks();
@@ -57,7 +56,7 @@ public:
         while (stop != start && is_space(stop[-1])) --stop;
         return {start, std::size_t(stop - start)};
     }
-    /// To the beginning of the next line. A backslash that ends a comment joins nothing.
+    /// Moves to the next line. A backslash at the end of a comment doesn't continue the line.
     void next_line()
     {
         while (!at_line_end() && !at_comment()) {
@@ -78,11 +77,11 @@ public:
     float to_number(std::string_view word) const
     {
         double value = 0;
-        // A sign that from_chars does not know.
+        // std::from_chars rejects a leading plus sign.
         std::string_view digits = word;
         if (digits.size() > 1 && digits[0] == '+') digits.remove_prefix(1);
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        // Too small for double is 0, too large is not finite.
+        // Numbers too small for double become 0; numbers too large are errors.
         if (error == std::errc::invalid_argument || end != digits.data() + digits.size())
             fail(fmt::format("expected a number, found '{}'", printable(word)));
         if (error == std::errc::result_out_of_range && digits.find("e-") == std::string_view::npos &&
@@ -110,7 +109,7 @@ public:
 private:
     static bool is_space(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
     bool at_comment() const { return comment_ != '\0' && at_ != end_ && *at_ == comment_; }
-    /// A CR before LF is a blank.
+    /// A CR before LF counts as whitespace.
     bool at_line_end() const
     {
         return at_ == end_ || *at_ == '\n' || (*at_ == '\r' && (at_ + 1 == end_ || at_[1] != '\n'));

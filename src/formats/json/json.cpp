@@ -13,7 +13,7 @@ namespace fathom {
 
 namespace {
 
-/// Position in text as people count it: from 1.
+/// Line and column of a byte, counted from 1.
 std::string line_and_column(std::string_view text, std::size_t byte)
 {
     const std::string_view before = text.substr(0, byte);
@@ -23,7 +23,7 @@ std::string line_and_column(std::string_view text, std::size_t byte)
     return fmt::format("line {}, column {}", line, column);
 }
 
-/// The parser's own words without its codes: "unexpected ']'; expected ..."
+/// The parser's reason without its error codes, such as "unexpected ']'; expected ...".
 std::string plain_reason(std::string reason)
 {
     for (const char* start : {"syntax error while parsing ", "parse error", "] "})
@@ -36,19 +36,19 @@ std::string plain_reason(std::string reason)
     return reason;
 }
 
-/// Thrown out of the parser by what it meets.
+/// Thrown by the builder's parse_error() to leave the parser.
 struct SyntaxError {
-    std::size_t byte;  ///< after which the parser stopped
+    std::size_t byte;  ///< offset behind which the parser stopped
     std::string reason;
-    bool is_number;  ///< one that no double holds
+    bool is_number;  ///< a number beyond the range of double
 };
 
-/// Makes values of what the parser meets. The library's own ways of doing so let keys that stand twice go by, or take
-/// time with the square of an array's length.
+/// Builds values from the parser's events. The library's own builders accept duplicate keys or take quadratic time for
+/// long arrays.
 class JsonBuilder : public nlohmann::json_sax<Json> {
 public:
     Json root;
-    std::string duplicate;  ///< the first key that stands twice in one object
+    std::string duplicate;  ///< the first duplicate key
 
     bool null() override { return add(nullptr); }
     bool boolean(bool value) override { return add(value); }
@@ -56,7 +56,7 @@ public:
     bool number_unsigned(number_unsigned_t value) override { return add(value); }
     bool number_float(number_float_t value, const string_t&) override { return add(value); }
     bool string(string_t& value) override { return add(std::move(value)); }
-    bool binary(binary_t&) override { return false; }  // not in text
+    bool binary(binary_t&) override { return false; }  // JSON text has no binary values
     bool start_object(std::size_t) override { return open(Json::object()); }
     bool start_array(std::size_t) override { return open(Json::array()); }
     bool end_object() override { return close(); }
@@ -107,12 +107,12 @@ private:
         return &array.back();
     }
 
-    // A container grows only while nothing in it is open: the pointers hold.
+    // Pointers stay valid, because a container only grows while no value in it is open.
     std::vector<Json*> open_;
-    Json* member_ = nullptr;  ///< that of the last key
+    Json* member_ = nullptr;  ///< value of the last key
 };
 
-/// Where the key is written for the second time, if it can be told without parsing again.
+/// Line and column of the second occurrence of a key, if it can be found without parsing again.
 std::string place_of_second(std::string_view text, const std::string& key)
 {
     const std::string quoted = '"' + key + '"';
@@ -135,7 +135,7 @@ Json parse_json(const std::string& file, std::string_view text, DuplicateKeys du
     } catch (const SyntaxError& e) {
         std::string reason = plain_reason(e.reason);
         if (e.is_number) {
-            // A number like 1e999; the parser quotes it, but does not tell where it is.
+            // For a number like 1e999 the parser quotes the token but reports no position.
             const std::size_t quote = reason.find('\''), end = reason.rfind('\'');
             const std::size_t at = quote < end ? text.find(reason.substr(quote + 1, end - quote - 1)) : text.npos;
             throw Error(file, at != text.npos ? line_and_column(text, at) : "", "not JSON: " + printable(reason));

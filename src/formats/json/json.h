@@ -8,18 +8,18 @@
 
 namespace fathom {
 
-/// Keeps the order of keys, which is the order of cameras and materials.
+/// JSON values whose objects keep the order of their keys, which is the order of cameras and materials.
 using Json = nlohmann::basic_json<IndexedMap>;
 
 enum class DuplicateKeys { last_wins, error };
 
-/// Parses UTF-8 JSON. Throws Error with line and column for what is not JSON, and if asked for, for a key that stands
-/// twice in one object.
+/// Parses UTF-8 JSON. Throws Error with line and column for invalid JSON and, if requested, for duplicate keys in an
+/// object.
 ///
 /// file  for messages
 Json parse_json(const std::string& file, std::string_view text, DuplicateKeys duplicates);
 
-/// "a string", "an object", "null": for messages.
+/// Name of the value's type for messages: "a string", "an object", "null".
 const char* json_type(const Json& value);
 
 }  // namespace fathom

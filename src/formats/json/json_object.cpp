@@ -218,7 +218,7 @@ void JsonObject::done(const std::string& where)
 {
     for (const auto& [key, json] : value_.json().items()) {
         if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
-        // The always-allowed "comment" is not worth listing.
+        // "comment" is always allowed and not listed.
         const std::vector<std::string> candidates(known_.begin() + 1, known_.end());
         value_[key].fail(fmt::format("unknown key '{}'{}{}", printable(key), where.empty() ? "" : " " + where,
                                      suggestion(key, candidates)));

@@ -10,11 +10,11 @@
 
 namespace fathom {
 
-/// How places are written: `/accessors/7/count` or `accessors[7].count`.
+/// Notation of places in messages: `/accessors/7/count` (JSON pointer) or `accessors[7].count`.
 enum class PlaceStyle { pointer, path };
 
-/// A value of a JSON file together with the way that leads to it, so that every message can name its place. Refers to
-/// its parent and to the file: both must outlive it.
+/// A JSON value with the path that leads to it, so that every message can name its place. It refers to its parent and
+/// to the file: both must outlive it.
 class JsonValue {
 public:
     JsonValue(const std::string& file, const Json& root, PlaceStyle style = PlaceStyle::pointer)
@@ -22,10 +22,11 @@ public:
     {
     }
 
-    JsonValue operator[](std::string_view key) const;  ///< the key must be there
+    JsonValue operator[](std::string_view key) const;  ///< the key must exist
     JsonValue operator[](std::size_t index) const;     ///< the index must be in range
     bool has(std::string_view key) const { return json_->is_object() && json_->contains(key); }
-    std::optional<JsonValue> get(std::string_view key) const;  ///< nothing if this is no object, or lacks the key
+    std::optional<JsonValue> get(std::string_view key) const;  ///< nothing if the value is not an object or lacks the
+                                                               ///< key
 
     const Json& json() const { return *json_; }
     std::size_t size() const { return json_->size(); }
@@ -35,7 +36,7 @@ public:
     bool is_object() const { return json_->is_object(); }
     bool is_null() const { return json_->is_null(); }
 
-    /// Each throws Error if the value is something else, or not finite in the type asked for.
+    /// Typed access; each function throws Error if the value has another type or is not finite in the requested type.
     bool boolean() const;
     int integer() const;
     std::size_t count() const;  ///< a whole number from 0 to 2^53
@@ -46,14 +47,14 @@ public:
     Vec2f vec2f() const;
     Vec3f vec3f() const;
     Vec4f vec4f() const;
-    /// One number for grey, or three.
+    /// One number for gray, or three for RGB.
     Color color() const;
-    /// At least `least` elements; throws Error otherwise.
+    /// This value, if it is an array of at least `least` elements; throws Error otherwise.
     const JsonValue& array(std::size_t least = 0) const;
     const JsonValue& array_of(std::size_t elements) const;
     const JsonValue& object() const;
 
-    /// Throws Error with this value's place.
+    /// Throws Error with the place of this value.
     [[noreturn]] void fail(const std::string& message) const;
     [[noreturn]] void fail_type(const char* expected) const;
     std::string place() const;
@@ -68,11 +69,11 @@ private:
     std::size_t index_ = 0;
 };
 
-/// Reads the keys of one object and remembers which it was asked for; `done` then refuses the others.
+/// Reads the keys of one object and records which were requested; done() rejects the others.
 class JsonObject {
 public:
     explicit JsonObject(const JsonValue& value) : value_(value.object()) {}
-    // Values got from it point to it.
+    // Not copyable, because values returned by this object refer to it.
     JsonObject(const JsonObject&) = delete;
     JsonObject& operator=(const JsonObject&) = delete;
 
@@ -90,31 +91,31 @@ public:
     void read(const char* key, Vec2f& out);
     void read(const char* key, Color& out);
 
-    /// One of the words; out is left alone if the key isn't there.
+    /// Reads one of the given names; `out` is unchanged if the key is missing.
     template <class Enum>
     void read_enum(const char* key, const std::vector<std::pair<std::string, Enum>>& words, Enum& out)
     {
         if (auto v = get(key)) out = words[word_index(*v, words)].second;
     }
 
-    /// One of the words, by number: an enumerator, a choice between false and true, or an index. out is left alone if
-    /// the key isn't there.
+    /// Reads one of the given names by its index: an enumerator, a choice between false and true, or an index. `out` is
+    /// unchanged if the key is missing.
     template <class Choice>
     void read_word(const char* key, std::span<const char* const> words, Choice& out)
     {
         if (auto v = get(key)) out = Choice(find_word(*v, {words.begin(), words.end()}));
     }
-    /// The word itself.
+    /// Reads one of the given names as text; `out` is unchanged if the key is missing.
     void read_word(const char* key, std::span<const char* const> words, std::optional<std::string>& out);
 
-    /// Throws Error for the first key that nobody asked for. "comment" is always allowed.
+    /// Throws Error for the first key that was never requested. The key "comment" is always allowed.
     ///
-    /// where  added to the message: "in a material of kind 'glass'"; may be empty
+    /// where  appended to the message, such as "in a material of kind 'glass'"; may be empty
     void done(const std::string& where = {});
 
     const JsonValue& value() const { return value_; }
 
-    /// The number of the word that v is; throws Error with a suggestion if it is none of them.
+    /// Index of the name that `v` holds; throws Error with a suggestion if there is none.
     static std::size_t find_word(const JsonValue& v, const std::vector<std::string>& names);
 
 private:

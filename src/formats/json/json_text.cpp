@@ -16,7 +16,7 @@ std::string plain(const Json& json)
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// Appends json on one line; false, with something of it appended, where that gets longer than `most`.
+/// Appends JSON in one line. If it gets longer than `most`, returns false and leaves a partial result in `out`.
 bool append_line(const Json& json, std::size_t most, std::string& out)
 {
     if (!json.is_structured()) {
@@ -79,7 +79,7 @@ Json number_json(T value, double unit)
         std::from_chars(text.data(), text.data() + text.size(), number);
         if (T(number * unit) == value) return number_json(number);
     }
-    // The product jumps over it. Its neighbours are nearer than any float.
+    // No number has exactly this product. The quotient is nearer to it than the spacing of floats.
     return number_json(double(value) / unit);
 }
 template Json number_json(float, double);

@@ -5,14 +5,14 @@
 
 namespace fathom {
 
-/// A number by the fewest digits that give the same bits again, 0.8 and not 0.800000011920929; 1 and not 1.0.
+/// A number with the fewest digits that round-trip: 0.8 instead of 0.800000011920929, and 1 instead of 1.0.
 Json number_json(float value);
 Json number_json(double value);
-/// In a unit in which reading multiplies by `unit`: such digits that the product has the same bits, if there are some.
+/// A number in a unit that the reader multiplies by `unit`, with digits whose product round-trips, if there are any.
 template <class T>
 Json number_json(T value, double unit);
 
-/// Laid out for people: on one line what fits there. Text that is no UTF-8 has U+FFFD in its place.
+/// Formats JSON for readability: whatever fits into one line is written in one line. Invalid UTF-8 becomes U+FFFD.
 std::string json_text(const Json& json);
 
 }  // namespace fathom

@@ -23,7 +23,7 @@ void reindex(std::vector<T>& values, const std::vector<std::uint32_t>& from)
 void color_faces(Mesh& mesh, const std::vector<Vec4f>& colors)
 {
     VertexIndex tints, colors_of_tints, vertices;
-    std::vector<std::uint32_t> from;  // of each new vertex, the one that it is like
+    std::vector<std::uint32_t> from;  // for each new vertex, the vertex that it duplicates
     mesh.colors.clear();
     const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x); };
     for (std::size_t i = 0; i < mesh.indices.size(); ++i) {

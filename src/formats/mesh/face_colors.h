@@ -5,8 +5,9 @@
 
 namespace fathom {
 
-/// Gives each triangle a colour of its own: vertices between triangles of different ones are doubled.
-/// colors  as many as triangles
+/// Gives each triangle a color; vertices shared by triangles of different colors are duplicated.
+///
+/// colors  one for each triangle
 void color_faces(Mesh& mesh, const std::vector<Vec4f>& colors);
 
 }  // namespace fathom

@@ -10,8 +10,8 @@
 
 namespace fathom {
 
-/// nlohmann::ordered_map, which looks at all keys to find one, with a table of hashes where there are many: an object
-/// with a million keys is read as fast, key by key, as one with ten.
+/// nlohmann::ordered_map with a hash table for large objects: the original searches keys linearly, which makes reading
+/// an object quadratic in its number of keys.
 template <class Key, class T, class IgnoredLess = std::less<Key>,
           class Allocator = std::allocator<std::pair<const Key, T>>>
 class IndexedMap : public nlohmann::ordered_map<Key, T, IgnoredLess, Allocator> {
@@ -27,7 +27,7 @@ public:
     std::pair<iterator, bool> emplace(KeyType&& key, T&& value)
     {
         if (const iterator found = find(key); found != this->end()) return {found, false};
-        // Keys are put in one by one; whatever else changes the map leaves the table behind, and it is made anew.
+        // The table is updated on each insertion. After any other change the sizes disagree, and the table is rebuilt.
         const bool is_indexed = indexed_ == this->size();
         Base::Container::emplace_back(std::forward<KeyType>(key), std::move(value));
         if (this->size() > fewest)
@@ -89,8 +89,9 @@ private:
         for (size_type i = 0; i < this->size(); ++i) add(i);
     }
 
-    std::vector<std::uint32_t> slots_;  ///< positions, found by the hash of their key; a power of two of them
-    size_type indexed_ = 0;             ///< how many keys there were when the table was last right
+    std::vector<std::uint32_t> slots_;  ///< positions by the hash of their key (open addressing); the size is a power
+                                        ///< of two
+    size_type indexed_ = 0;             ///< number of keys when the table was last up to date
 };
 
 }  // namespace fathom

@@ -10,7 +10,8 @@ namespace fathom {
 
 namespace {
 
-/// Twice the area along the normal. In double the differences of floats are exact enough that 0 means 0.
+/// Twice the area times the unit normal. In double, differences of floats are exact enough that degenerate triangles
+/// give exactly 0.
 Vec3d area_vector(const Mesh& mesh, std::size_t i)
 {
     const Vec3d a = to_double(mesh.positions[mesh.indices[i]]);
@@ -19,8 +20,8 @@ Vec3d area_vector(const Mesh& mesh, std::size_t i)
     return cross(b - a, c - a);
 }
 
-/// Whether area_vector is not 0, NaN included: positions that are not finite are an error, found and named later. One
-/// component tells of most.
+/// Whether area_vector is not 0. NaN counts as area: positions that are not finite are reported later as an error.
+/// Usually the first component decides.
 bool has_area(const Mesh& mesh, std::size_t i)
 {
     const Vec3d a = to_double(mesh.positions[mesh.indices[i]]);
@@ -29,7 +30,7 @@ bool has_area(const Mesh& mesh, std::size_t i)
     return b.x * c.y - b.y * c.x != 0 || b.y * c.z - b.z * c.y != 0 || b.z * c.x - b.x * c.z != 0;
 }
 
-/// The numbers of triangles that have none, ascending.
+/// Indices of degenerate triangles, ascending.
 std::vector<std::size_t> without_area(const Mesh& mesh)
 {
     using Found = std::vector<std::size_t>;
@@ -40,7 +41,7 @@ std::vector<std::size_t> without_area(const Mesh& mesh)
                 if (!has_area(mesh, 3 * i)) found.push_back(i);
             return found;
         },
-        // In the order of the ranges.
+        // Ranges are joined in order.
         [](Found a, const Found& b) {
             a.insert(a.end(), b.begin(), b.end());
             return a;
@@ -84,7 +85,7 @@ std::size_t replace_normals(Mesh& mesh)
         if (is_good(mesh.normals[i])) continue;
         const Vec3d n = normalize(sums[i]);
         mesh.normals[i] = length(n) > 0.5 ? Vec3f{float(n.x), float(n.y), float(n.z)} : Vec3f{0, 0, 1};
-        // Vertices that no triangle uses matter to nobody.
+        // Normals of unused vertices are not counted.
         replaced += std::size_t(used[i]);
     }
     return replaced;

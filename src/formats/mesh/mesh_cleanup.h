@@ -6,9 +6,10 @@
 
 namespace fathom {
 
-/// Mends what files get wrong and a picture can do without, each counted as a fault: triangles without area are
-/// left out; normals that are not finite or have no length are replaced by those of the faces around; other per-vertex
-/// data that is not finite becomes zero. Indices must be in range.
+/// Repairs defects that don't prevent rendering, and counts each. Indices must be in range.
+/// - triangles without area are removed
+/// - normals that are not finite or have no length are replaced by the mean normal of adjacent faces
+/// - other per-vertex data that is not finite becomes zero
 void clean_mesh(Mesh& mesh, const std::string& file, MeshFaults& faults);
 
 }  // namespace fathom

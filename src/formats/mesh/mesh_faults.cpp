@@ -6,7 +6,7 @@ namespace fathom {
 
 namespace {
 
-/// The two halves of a warning: the fault, and how it is treated.
+/// The parts of a warning: the defect and its treatment.
 struct Text {
     const char *fault, *outcome;
 };

@@ -8,15 +8,15 @@
 
 namespace fathom {
 
-/// Counts what is wrong with the meshes of a scene and of the files it refers to. Each kind of fault is one warning:
-/// "scene.xml: 37 meshes of 12 files contain degenerate triangles, 1,204 in all; ignored".
+/// Counts the defects of a scene's meshes. Each kind of defect is reported in one warning, such as "scene.xml: 37
+/// meshes of 12 files contain degenerate triangles, 1,204 in all; ignored".
 class MeshFaults {
 public:
     enum Kind { degenerate_triangles, normals_without_direction, values_not_finite };
 
-    /// One mesh of a file has this fault so many times; 0: it has not.
+    /// Records that one mesh of a file has the defect `times` times; 0 is ignored.
     void add(Kind kind, const std::string& file, std::size_t times);
-    /// Adds the warnings; they name the scene, or the one file that all such meshes are from.
+    /// Adds the warnings, which name the scene, or the one file if all affected meshes come from the same file.
     void report(const std::string& scene, Warnings& warnings) const;
 
 private:
@@ -27,7 +27,7 @@ private:
     std::array<Count, 3> counts_;
 };
 
-/// A number as people write it: 1,204.
+/// Formats a number with thousands separators: 1,204.
 std::string with_commas(std::size_t number);
 
 }  // namespace fathom

@@ -3,7 +3,7 @@
 
 namespace fathom {
 
-/// Turns triangles whose front is not on the side of the normals at their corners.
+/// Flips triangles whose geometric normal points away from their vertex normals.
 void turn_to_normals(Mesh& mesh);
 
 }  // namespace fathom

@@ -12,7 +12,7 @@ float or_a_centimetre(double radius)
     return float(radius) > 0 ? float(radius) : 0.01f;
 }
 
-/// Of the box around them.
+/// Diagonal of the bounding box.
 double diagonal(const std::vector<Vec3f>& points)
 {
     Vec3d least{points[0].x, points[0].y, points[0].z}, most = least;

@@ -11,7 +11,7 @@ struct Point {
     double x, y;
 };
 
-/// Newell's normal: the sum over edges, right for concave and slightly bent polygons.
+/// Newell's normal: a sum over edges, valid for concave and slightly nonplanar polygons.
 Vec3d polygon_normal(std::span<const Vec3f> points)
 {
     Vec3d n;
@@ -24,7 +24,7 @@ Vec3d polygon_normal(std::span<const Vec3f> points)
     return n;
 }
 
-/// Along the largest component of the normal, so that the area stays positive.
+/// Projects along the largest component of the normal; the orientation is chosen so that the area is positive.
 Point project(Vec3f p, Vec3d n)
 {
     const double x = std::abs(n.x), y = std::abs(n.y), z = std::abs(n.z);
@@ -70,12 +70,12 @@ void triangulate(std::span<const Vec3f> points, std::vector<std::uint32_t>& corn
         return;
     }
     const Vec3d normal = polygon_normal(points);
-    // Most polygons have four corners, and files millions of them.
+    // Most polygons have four corners, and files contain millions, so small ones avoid allocation.
     std::array<Point, 8> few;
     std::vector<Point> many(n > few.size() ? n : 0);
     const std::span<Point> flat = n > few.size() ? std::span<Point>(many) : std::span<Point>(few).first(n);
     for (std::uint32_t i = 0; i < n; ++i) flat[i] = project(points[i], normal);
-    // Ears of n corners take n^3 steps at worst; nobody models polygons that large.
+    // Ear clipping takes O(n^3) steps; larger polygons are treated as convex.
     if (n > 500 || is_convex(flat)) {
         for (std::uint32_t i = 1; i + 1 < n; ++i) corners.insert(corners.end(), {0, i, i + 1});
         return;
@@ -89,7 +89,7 @@ void triangulate(std::span<const Vec3f> points, std::vector<std::uint32_t>& corn
     while (left.size() > 3) {
         std::size_t ear = 0;
         while (ear < left.size() && !is_ear(flat, left, ear)) ++ear;
-        // A polygon that crosses itself has none at some point.
+        // Self-intersecting polygons may have no ear.
         if (ear == left.size()) return fan();
         const std::size_t m = left.size();
         corners.insert(corners.end(), {left[(ear + m - 1) % m], left[ear], left[(ear + 1) % m]});

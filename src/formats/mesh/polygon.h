@@ -7,9 +7,8 @@
 
 namespace fathom {
 
-/// Cuts a polygon into triangles and appends the numbers of their corners, 0 to points.size() - 1. Convex ones become a
-/// fan; concave ones lose an ear at a time, as far as they are simple. Nearly flat polygons are projected along their
-/// normal.
+/// Triangulates a polygon and appends the corners' indices, 0 to points.size() - 1. Convex polygons become a fan.
+/// Concave simple polygons are cut by ear clipping. Nearly flat polygons are projected along their normal.
 void triangulate(std::span<const Vec3f> points, std::vector<std::uint32_t>& corners);
 
 }  // namespace fathom

@@ -12,7 +12,7 @@ Mesh turned(const std::vector<ProfilePoint>& profile, double phi_max, int sides)
     const auto rows = std::uint32_t(profile.size());
     double radius = 0;
     for (const ProfilePoint& p : profile) radius = std::max(radius, std::abs(p.radius));
-    // The sine of pi is not quite 0.
+    // The tolerance covers sin(pi), which is not exactly 0 in floating point.
     const auto is_pole = [&](const ProfilePoint& p) { return std::abs(p.radius) < 1e-12 * radius; };
     for (int i = 0; i <= sides; ++i) {
         const double phi = phi_max * i / sides, c = std::cos(phi), s = std::sin(phi);
@@ -25,7 +25,7 @@ Mesh turned(const std::vector<ProfilePoint>& profile, double phi_max, int sides)
     for (std::uint32_t i = 0; i < std::uint32_t(sides); ++i)
         for (std::uint32_t j = 0; j + 1 < rows; ++j) {
             const std::uint32_t a = i * rows + j, b = a + rows;
-            // At a pole one of the two triangles has no area.
+            // At a pole one of the two triangles is degenerate.
             if (!is_pole(profile[j])) mesh.indices.insert(mesh.indices.end(), {a, b, b + 1});
             if (!is_pole(profile[j + 1])) mesh.indices.insert(mesh.indices.end(), {a, b + 1, a + 1});
         }

@@ -5,8 +5,9 @@
 
 namespace fathom {
 
-/// Numbers distinct keys of three words in the order in which they come: what joins equal vertices. Open addressing;
-/// the keys lie outside, numbered, so that growing moves only the table.
+/// Assigns consecutive numbers to distinct keys of three words, to merge equal vertices.
+///
+/// A hash table with open addressing; keys are stored in a separate array, so that growing moves only the table.
 class VertexIndex {
 public:
     struct Key {
@@ -14,7 +15,7 @@ public:
         friend bool operator==(const Key&, const Key&) = default;
     };
 
-    /// The number of the key; a new one is the number of keys before.
+    /// The number of the key; a new key gets the next free number.
     std::uint32_t operator()(Key key)
     {
         if (2 * (keys_.size() + 1) > slots_.size()) grow();

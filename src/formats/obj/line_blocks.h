@@ -6,16 +6,16 @@
 
 namespace fathom {
 
-/// A text file by blocks of whole lines; lines that a backslash joins are one. A CR that no LF follows ends a line, as
-/// in files of old Macintosh programs; it becomes LF.
+/// Reads a text file in blocks of whole lines; lines continued by a backslash stay together. A lone CR, as in old
+/// Macintosh files, becomes LF.
 class LineBlocks {
 public:
     static constexpr std::size_t usual_size = 512 << 10;
 
-    /// size  of a block at least, but for the last
+    /// size  minimum size of a block, except the last
     explicit LineBlocks(InputFile& input, std::size_t size = usual_size) : input_(input), size_(size) {}
 
-    /// The next one, which ends with a line's end, the file's last line too. Returns false at the end.
+    /// Reads the next block, which ends with a line end even at the end of the file. False after the last block.
     bool next(std::string& text)
     {
         text = rest_;
@@ -40,7 +40,7 @@ public:
     }
 
 private:
-    /// The last CR before the file's end waits for what follows it.
+    /// A CR at the end of the buffer is left until the following byte is known.
     void end_lines_at_lone_cr(std::string& text, std::size_t from) const
     {
         for (std::size_t at = text.find('\r', from); at != std::string::npos; at = text.find('\r', at + 1)) {
@@ -48,7 +48,7 @@ private:
             if (is_last ? is_at_end_ : text[at + 1] != '\n') text[at] = '\n';
         }
     }
-    /// Behind the last line that is whole; 0 if there is none.
+    /// Offset behind the last complete line; 0 if there is none.
     static std::size_t last_line_end(std::string_view text)
     {
         for (std::size_t end = text.size(); end > 0;) {
@@ -63,7 +63,7 @@ private:
 
     InputFile& input_;
     std::size_t size_;
-    std::string rest_;  ///< the beginning of the next block
+    std::string rest_;  ///< beginning of the next block
     bool is_at_end_ = false;
 };
 

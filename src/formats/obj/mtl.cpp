@@ -11,11 +11,11 @@ namespace fathom {
 
 namespace {
 
-/// What an MTL file says of one material, before it is known as a whole.
+/// Values of one material in an MTL file, collected before the material is built.
 struct Entry {
     std::string name;
     Phong phong;
-    std::optional<float> opacity, transparency;  ///< `d` and `Tr`, of which one should do
+    std::optional<float> opacity, transparency;  ///< `d` and `Tr`, of which either defines the opacity
     int illum = 2;
     std::optional<float> roughness, metallic, sheen, coat, coat_roughness, anisotropy, anisotropy_turn;
     Color emission{0, 0, 0};
@@ -26,7 +26,7 @@ struct Entry {
     float displacement_midlevel = 0;
 };
 
-/// Widths of the picture, for -bm 1: the format leaves it to the program.
+/// Bump height in image widths for -bm 1, which the format leaves undefined.
 constexpr float height_of_white = 0.01f;
 
 class MtlReader {
@@ -68,7 +68,7 @@ private:
         }
         Color c;
         c.r = scan_.to_number(first);
-        // One number stands for all three.
+        // A single number stands for all three channels.
         c.g = scan_.line_has_more() ? scan_.number() : c.r;
         c.b = scan_.line_has_more() ? scan_.number() : c.g;
         return {std::max(c.r, 0.0f), std::max(c.g, 0.0f), std::max(c.b, 0.0f)};
@@ -147,7 +147,8 @@ private:
         return word == "-halo" ? scan_.number() : scan_.to_number(word);
     }
 
-    /// Heights, by the format; what programs write there is mostly a normal map, which only its name can tell.
+    /// Reads map_bump: a height map by the specification, but often a normal map in practice, which only the file name
+    /// reveals.
     void read_bump(Entry& e)
     {
         const int texture = map(ColorSpace::linear);
@@ -160,14 +161,14 @@ private:
                 e.normal_scale = bump_scale_;
                 return;
             }
-        // A normal map that the file has too says more.
+        // An explicit normal map takes precedence.
         if (e.map_normal >= 0) return;
         e.map_normal = texture;
         e.normal_scale = 1;
         scene_.textures[std::size_t(texture)].height_scale = bump_scale_ * height_of_white;
     }
 
-    /// Heights in units of the file, of which -mm makes base + gain times the picture.
+    /// Reads a displacement map with heights in units of the file; -mm gives base + gain * value.
     void read_displacement(Entry& e)
     {
         const int texture = map(ColorSpace::linear);
@@ -176,7 +177,7 @@ private:
         e.displacement_midlevel = -value_base_ / value_gain_;
     }
 
-    /// Options, then a file whose name may have spaces.
+    /// Reads a map's options and file name, which may contain spaces. Returns the texture's index, or -1.
     int map(ColorSpace color_space)
     {
         Texture texture;
@@ -197,7 +198,7 @@ private:
                           word[0] == '.') ||
                         (word.size() > 1 && std::isalpha(static_cast<unsigned char>(word[1]))))
                         break;
-                    // A name like 2k.png begins like a number.
+                    // File names such as 2k.png begin like numbers.
                     if (word.find_first_not_of("0123456789+-.eE") != std::string_view::npos) break;
                     const float value = words.to_number(words.word());
                     if (i == 0) out.x = value;
@@ -229,7 +230,7 @@ private:
             warnings_.add(name_ + ": a texture without a file is left out");
             return -1;
         }
-        // v grows upwards in OBJ; the reader has turned it around.
+        // OBJ's v grows upward; the reader flips it.
         texture.uv_scale = scale;
         texture.uv_offset = {offset.x, 1 - scale.y - offset.y};
         texture.image = image(rest);
@@ -237,7 +238,7 @@ private:
         return int(scene_.textures.size()) - 1;
     }
 
-    /// Without a comment: a '#' belongs to the name unless what stands before it has an extension already.
+    /// The file name without a comment: a '#' belongs to the name unless the part before it has an extension.
     static std::string_view file_name(std::string_view rest)
     {
         const std::string_view name = before_comment(rest);
@@ -253,7 +254,7 @@ private:
         return found->second;
     }
 
-    /// The keys of physically based materials, which several programs agree on, over the older ones.
+    /// Applies the keys of physically based materials, which override the older keys.
     static void set_layers(const Entry& e, Material& m)
     {
         const auto share = [](std::optional<float> value, int map) {
@@ -273,7 +274,7 @@ private:
         m.coat = {share(e.coat, e.map_coat), e.map_coat, 0};
         m.coat_roughness = {share(e.coat_roughness, e.map_coat_roughness), e.map_coat_roughness, 0};
         m.anisotropy = {std::clamp(e.anisotropy.value_or(0), 0.0f, 1.0f), -1, 0};
-        // In turns.
+        // The file's unit is turns.
         m.anisotropy_rotation = 2 * std::numbers::pi * double(e.anisotropy_turn.value_or(0));
     }
 
@@ -282,7 +283,7 @@ private:
         Material m;
         m.name = printable(e.name);
         set_opacity(e);
-        // Some programs give black together with a picture and mean the picture alone.
+        // Some programs write a black color together with a texture and mean the texture alone.
         const auto is_black = [](Color c) { return c.r == 0 && c.g == 0 && c.b == 0; };
         if (e.map_diffuse >= 0 && is_black(e.phong.diffuse)) e.phong.diffuse = {1, 1, 1};
         if (e.illum < 2) e.phong.specular = {0, 0, 0};
@@ -296,7 +297,7 @@ private:
         m.displacement_midlevel = e.displacement_midlevel;
         m.emission.value = e.map_emission >= 0 && is_black(e.emission) ? Color{1, 1, 1} : e.emission;
         m.emission.texture = e.map_emission;
-        // Which side is the front is anyone's guess in these files.
+        // OBJ files are unreliable about the front side, so both sides emit.
         m.emission_two_sided = true;
         if (e.map_opacity >= 0) {
             m.alpha.texture = e.map_opacity;
@@ -309,7 +310,7 @@ private:
         scene_.materials.push_back(std::move(m));
     }
 
-    /// `d` is what the format defines; `Tr` came later, and some programs write the same number for both.
+    /// The specification defines `d`; `Tr` was added later, and some programs write the same number for both.
     void set_opacity(Entry& e)
     {
         if (e.opacity && e.transparency && std::abs(*e.opacity + *e.transparency - 1) > 0.01f)
@@ -325,7 +326,7 @@ private:
     std::map<std::string, int, std::less<>>& by_name_;
     Warnings& warnings_;
     std::map<std::string, int> images_;
-    float bump_scale_ = 1, value_base_ = 0, value_gain_ = 1;  ///< of the last map
+    float bump_scale_ = 1, value_base_ = 0, value_gain_ = 1;  ///< options of the last map
 };
 
 }  // namespace

@@ -22,7 +22,7 @@ namespace fathom {
 
 namespace {
 
-/// Joins pieces of a file in their order: here is all that depends on what came before.
+/// Joins the pieces of a file in order, and handles everything that depends on earlier lines.
 class ObjReader {
 public:
     ObjReader(const std::filesystem::path& file, InputFile& input, LoadContext& context)
@@ -51,13 +51,14 @@ public:
 private:
     void warn(const char* message, std::size_t times = 1) { warnings_.add(name_ + ": " + message, times); }
 
-    /// Some pieces are read at a time, side by side, and joined one after the other.
+    /// Parses pieces in parallel and joins them in order.
     void read_pieces()
     {
         const std::size_t threads =
             std::min<std::size_t>(std::size_t(tbb::this_task_arena::max_concurrency()),
                                   tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
-        // One that is joined while others are read; a thread alone does one after the other in its cache.
+        // Twice the number of threads keeps all of them busy during joining. A single thread uses one piece, which
+        // stays in its cache.
         std::vector<ObjPiece> pieces(threads == 1 ? 1 : 2 * threads);
         LineBlocks blocks(input_);
         std::size_t count = 0;
@@ -77,7 +78,7 @@ private:
                                                                      [&](ObjPiece* piece) { join(*piece); }));
     }
 
-    /// What is wrong is told when what stands before it has been looked at.
+    /// Parses a piece up to the first error, which join() reports after all earlier lines.
     void read_as_far_as_it_goes(ObjPiece& piece) const
     {
         try {
@@ -101,7 +102,7 @@ private:
             join_face(piece, face);
         }
         for (; event != piece.events.end(); ++event) take(*event, before);
-        // Once more, to tell the line.
+        // Parsing again from the right line number throws the error with its line.
         if (piece.is_damaged) read_obj_piece(piece, name_, line_);
         line_ += piece.lines;
         warn("lines are not shown", piece.drawn_lines);
@@ -149,7 +150,7 @@ private:
         }
     }
 
-    /// Each word is a vertex.
+    /// Reads the vertices of a point element, one for each word.
     void read_points(std::string_view rest)
     {
         auto& [at, line] = event_line_;
@@ -161,7 +162,7 @@ private:
             cloud_.push_back(positions_[index(scan, word, so_far_.positions, "vertex")]);
     }
 
-    /// As written in the file; throws the Error that tells what is wrong with it.
+    /// Resolves an index as written in the file; throws Error if it is out of range.
     static std::uint32_t index(const TextScanner& scan, std::string_view word, std::size_t size, const char* what)
     {
         const long long i = read_obj_index(scan, word), from_zero = i > 0 ? i - 1 : i + (long long)size;
@@ -177,7 +178,7 @@ private:
         return i != 0 && at >= 0 && at < std::int64_t(size);
     }
 
-    /// Returns false if it refers to what isn't there. A normal may: the rest of the face is as it should be.
+    /// Resolves a face corner; false if an index is out of range. Missing normals are tolerated and reported.
     bool find(const ObjCorner& corner, ObjVertex& v)
     {
         v = {0, ObjVertex::none, ObjVertex::none};
@@ -219,7 +220,7 @@ private:
         part.indices.push_back(join_(part, corner, so_far_.positions));
     }
 
-    /// Finds the line of the face again, to tell what is wrong with it.
+    /// Finds the line of a face again to report what is wrong with it.
     [[noreturn]] void fail_at(const ObjPiece& piece, std::size_t face) const
     {
         TextScanner scan(name_, piece.text, line_, '#');
@@ -280,7 +281,7 @@ private:
         return true;
     }
 
-    /// One file, whose name may have spaces, or several.
+    /// Reads material libraries: one file whose name may contain spaces, or several.
     void read_library(std::string_view rest)
     {
         if (read_library_file(rest)) return;
@@ -329,7 +330,7 @@ private:
         if (part.has_colors) fill(mesh.colors, [&](const ObjVertex& v) { return linear_color(colors_[v.position]); });
         return mesh;
     }
-    /// Colors are encoded as sRGB, from 0 to 1 or, as some programs write them, from 0 to 255: then one is above 2.
+    /// Decodes sRGB colors, whose range is 0 to 1 or, by some programs, 0 to 255: then a value exceeds 2.
     Vec4f linear_color(Vec4f c) const
     {
         if (c.w == ObjPiece::no_color.w) return {1, 1, 1, 1};
@@ -358,11 +359,11 @@ private:
 
     ChunkedArray<Vec3f> positions_, normals_;
     ChunkedArray<Vec2f> uvs_;
-    ChunkedArray<Vec4f> colors_;  ///< empty, or of all positions; as written
+    ChunkedArray<Vec4f> colors_;  ///< as written; empty, or one for each position
     float max_color_ = 0;
     std::size_t first_color_ = std::size_t(-1);
     std::map<std::string, int, std::less<>> materials_;
-    std::set<std::filesystem::path> libraries_;  ///< that were read
+    std::set<std::filesystem::path> libraries_;  ///< libraries read so far
     std::map<int, int> colored_;
     std::set<std::string> unknown_materials_;
     std::string first_unknown_material_;
@@ -370,15 +371,15 @@ private:
     std::string object_;
     int material_ = -1;
     std::map<std::tuple<std::string, int, bool>, std::unique_ptr<ObjPart>> parts_;
-    ObjPart* part_ = nullptr;  ///< that of the last face, nullptr after a change of object or material
+    ObjPart* part_ = nullptr;  ///< part of the last face; nullptr after a change of object or material
     VertexJoin join_;
 
-    std::size_t line_ = 1;  ///< the first of the piece that is joined
-    ObjCounts so_far_;      ///< before the face that is joined
+    std::size_t line_ = 1;  ///< first line of the current piece
+    ObjCounts so_far_;      ///< elements defined before the current face
     std::pair<const char*, std::size_t> event_line_{nullptr, 1};
-    std::vector<Vec3f> cloud_;  ///< what `p` names
+    std::vector<Vec3f> cloud_;  ///< vertices that `p` refers to
     std::size_t corners_seen_ = 0;
-    std::vector<ObjVertex> corners_;  ///< of the face that is joined
+    std::vector<ObjVertex> corners_;  ///< corners of the current face
     std::vector<Vec3f> points_;
     std::vector<std::uint32_t> triangles_;
 };

@@ -33,11 +33,11 @@ public:
     }
 
 private:
-    /// Most lines are positions, normals, texture coordinates and faces, on one line, without a comment. Returns false,
-    /// having done nothing, for others, and for those that are wrong.
+    /// Fast path for positions, normals, texture coordinates and faces on one line without a comment. Returns false
+    /// without side effects for all other and for invalid lines.
     bool read_usual_line()
     {
-        // The text ends with a line's end: the first of these that is one stops.
+        // The text ends with a line end, which stops these comparisons in time.
         if (at_[0] == 'f' && is_blank(at_[1])) return read_usual_face(at_ + 2);
         if (at_[0] != 'v') return false;
         float n[7];
@@ -59,7 +59,7 @@ private:
         return true;
     }
 
-    /// Up to `most` numbers up to the line's end, which next_ then is behind; -1 where there is something else.
+    /// Parses up to `most` numbers up to the line end and sets next_ behind it; -1 if the line has anything else.
     int numbers(const char* p, float* to, int most)
     {
         for (int count = 0;; ++count) {
@@ -170,7 +170,7 @@ private:
         for (; count < 7 && scan.line_has_more(); ++count) n[count] = scan.number();
         add_position(n, count);
     }
-    /// Behind the position: a weight that polygons don't need, or a colour, as many programs write it.
+    /// The position may be followed by a weight, which is ignored, or by a color, a common extension.
     void add_position(const float* n, int count)
     {
         piece_.positions.push_back({n[0], n[1], n[2]});
@@ -205,7 +205,7 @@ private:
     {
         piece_.events.push_back({kind, piece_.face_ends.size(), piece_.counts(), rest});
     }
-    /// With the lines that it goes on in, without a comment.
+    /// The rest of a line with its continuation lines, without a comment.
     static std::string_view rest_of_any_lines(TextScanner& scan)
     {
         const char* const start = scan.position();
@@ -216,9 +216,9 @@ private:
 
     ObjPiece& piece_;
     const std::string& file_;
-    const char* at_;  ///< a line's beginning
+    const char* at_;  ///< beginning of the current line
     const char* end_;
-    const char* next_ = nullptr;  ///< behind the line's end that is_line_end found
+    const char* next_ = nullptr;  ///< behind the line end that is_line_end found
     std::size_t line_;
 };
 

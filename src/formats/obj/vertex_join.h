@@ -7,22 +7,22 @@
 
 namespace fathom {
 
-/// What a corner refers to, by index.
+/// Resolved indices of a face corner.
 struct ObjVertex {
     static constexpr std::uint32_t none = ~0u;
-    static constexpr std::uint32_t missing = ~0u - 1;  ///< a normal that is referred to and isn't there
+    static constexpr std::uint32_t missing = ~0u - 1;  ///< refers to a normal that doesn't exist
     std::uint32_t position, uv, normal;
 };
 
-/// A mesh that grows: all faces of one object with one material, those with normals apart from those without.
+/// A growing mesh: the faces of one object with one material. Faces with and without normals are separate parts.
 struct ObjPart {
-    std::uint32_t number = 0;  ///< of this part
+    std::uint32_t number = 0;  ///< number of this part
     std::string name;
     int material = -1;
     bool has_normals = false, has_uvs = false, has_colors = false;
     ChunkedArray<std::uint32_t> indices;
 
-    /// Vertices are numbered as they come.
+    /// Vertices are numbered in order of their first use.
     std::size_t vertices() const { return positions_.size(); }
     ObjVertex vertex(std::size_t i) const
     {
@@ -34,21 +34,22 @@ private:
     friend class VertexJoin;
     struct More {
         std::uint32_t uv = ObjVertex::none, normal = ObjVertex::none;
-        std::uint32_t next = ObjVertex::none;  ///< another vertex at this position
+        std::uint32_t next = ObjVertex::none;  ///< the next vertex with the same position
     };
 
     ChunkedArray<std::uint32_t> positions_;
-    ChunkedArray<More> more_;  ///< ends before the vertices that are only positions
-    VertexIndex others_;       ///< vertices that can't be found by their position alone
+    ChunkedArray<More> more_;  ///< shorter than positions_ if the last vertices have positions only
+    VertexIndex others_;       ///< vertices that a position alone doesn't identify
     ChunkedArray<std::uint32_t> other_vertices_;
 };
 
-/// Joins corners that are alike. A position remembers the vertex that it first became, so that its neighbours in the
-/// file are neighbours in memory; only positions that several parts share, or many vertices, are looked up by a hash.
+/// Merges equal vertices. Each position remembers its first vertex, which keeps vertices in the order of the file; a
+/// hash table is needed only for positions that are shared by several parts or have many vertices.
 class VertexJoin {
 public:
-    /// The number of the vertex in the part.
-    /// positions  how many there are so far
+    /// Number of the vertex within the part; new vertices are added.
+    ///
+    /// positions  number of positions defined so far
     std::uint32_t operator()(ObjPart& part, ObjVertex v, std::size_t positions)
     {
         if (v.position >= first_.size()) first_.resize(positions, {});
@@ -62,7 +63,8 @@ public:
         for (int steps = 0; steps < max_steps; ++steps) {
             const ObjVertex there = part.vertex(at);
             if (there.uv == v.uv && there.normal == v.normal) return at;
-            // What differs has more than a position, and so has whatever came before it.
+            // Vertex `at` differs from v, so one of them has a uv or a normal: more_ covers `at`, or add() extends it
+            // that far.
             const std::uint32_t next = at < part.more_.size() ? part.more_[at].next : ObjVertex::none;
             if (next == ObjVertex::none && steps + 1 < max_steps) {
                 const std::uint32_t added = add(part, v);
@@ -79,7 +81,7 @@ private:
     struct First {
         std::uint32_t part = ObjVertex::none, vertex = ObjVertex::none;
     };
-    /// So many vertices of a position are looked through.
+    /// Length limit of the linked list of vertices that share a position.
     static constexpr int max_steps = 8;
 
     static std::uint32_t add(ObjPart& part, ObjVertex v)
@@ -100,7 +102,7 @@ private:
         return part.other_vertices_[key];
     }
 
-    ChunkedArray<First> first_;  ///< by position
+    ChunkedArray<First> first_;  ///< first vertex of each position
 };
 
 }  // namespace fathom

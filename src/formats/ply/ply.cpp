@@ -19,7 +19,7 @@ namespace fathom {
 
 namespace {
 
-/// Colours are bytes in sRGB, or floats that are linear.
+/// Integers are sRGB codes, floats are linear.
 float color_channel(double value, PlyType type, bool is_alpha)
 {
     if (type == PlyType::f32 || type == PlyType::f64) return float(value);
@@ -41,7 +41,7 @@ public:
     PlyData read()
     {
         for (const PlyElement& element : header_.elements) {
-            // A count that cannot be is refused before memory is asked for; ASCII takes two bytes a number.
+            // Impossible counts are rejected before memory is allocated. In ASCII each number takes at least two bytes.
             const std::size_t least =
                 header_.format == PlyFormat::ascii ? 2 * element.properties.size() : element.min_size();
             if (least > 0 && element.count > (body_.bytes_left() + 1) / least)
@@ -66,7 +66,7 @@ public:
     }
 
 private:
-    /// Where a property of a vertex goes: an array of floats and a place in it; null: nowhere.
+    /// Destination of a vertex property: an array of floats and an offset in it; null to skip the property.
     struct Target {
         float* data = nullptr;
         std::size_t stride = 0;
@@ -95,7 +95,7 @@ private:
             t.kind = Target::flipped;
             return t;
         }
-        // As fathom::save_scene writes them: both sets, v growing downwards as in a scene, so that no bit is lost.
+        // Names that fathom::save_scene writes: v grows downward as in a scene, so that no bit is lost.
         if (is("u0", "v0")) return target(mesh_.uvs[0], count, name[0] == 'v');
         if (is("u1", "v1")) return target(mesh_.uvs[1], count, name[0] == 'v');
         if (is("tx", "ty", "tz")) return target(mesh_.tangents, count, std::size_t(name[1] - 'x'));
@@ -115,7 +115,7 @@ private:
         return t;
     }
 
-    /// Of an attribute that is a number, it as a grey.
+    /// Expands a single-number attribute to gray.
     static void spread_number(std::vector<Vec4f>& colors, const std::vector<PlyChannel>& channels)
     {
         int used = 0;
@@ -165,7 +165,8 @@ private:
                                    : float(value);
     }
 
-    /// Vertices of fixed size in our byte order: some rows that stay in the cache, of them a property at a time.
+    /// Reads fixed-size vertices in native byte order, in blocks of rows that fit into the cache, one property at a
+    /// time.
     void read_native_vertices(const PlyElement& element, const std::vector<Target>& targets)
     {
         const std::size_t stride = element.min_size(), most = std::max<std::size_t>(1, (128 << 10) / stride);
@@ -252,12 +253,13 @@ private:
         corners_.clear();
         for (std::size_t k = 0; k < count; ++k) {
             const double index = body_.number(property.type);
-            // Any number of a vertex that there is not stands for what no integer holds.
+            // Values beyond the range of integers map to an invalid index.
             corners_.push_back(std::abs(index) < 0x1p53 ? std::int64_t(index) : std::int64_t(1) << 53);
         }
     }
 
-    /// The usual body, a length byte and 32-bit corners: triangles by the thousand, without a branch on types.
+    /// Fast path for the usual layout, a length byte and 32-bit indices: reads runs of triangles without branches on
+    /// types.
     void read_native_faces(const PlyElement& element)
     {
         for (std::size_t i = 0; i < element.count;) {
@@ -276,7 +278,7 @@ private:
         }
     }
 
-    /// Those that come next in one piece. Returns how many.
+    /// Reads the following triangles that are in one piece and returns their number.
     std::size_t read_native_triangles(std::size_t face, std::size_t most)
     {
         constexpr std::size_t row = 13;
@@ -324,7 +326,7 @@ private:
                     fmt::format("{} vertices, of {} that there are", count, mesh_.positions.size()));
     }
 
-    /// Stanford's strips.
+    /// Reads triangle strips (`tristrips`), as Stanford's files have.
     void read_strips(const PlyElement& element)
     {
         for (std::size_t i = 0; i < element.count; ++i)

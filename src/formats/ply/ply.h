@@ -7,21 +7,26 @@
 
 namespace fathom {
 
-/// What a PLY file holds, as it is: without anything left out.
+/// The contents of a PLY file, complete.
 struct PlyData {
-    Mesh mesh;                                ///< without faces: points
-    std::vector<float> radii;                 ///< of vertices, or empty
-    std::vector<Vec4f> face_colors;           ///< of triangles, or empty
-    std::vector<std::uint32_t> curve_counts;  ///< how many vertices each curve has, where there are curves
-    std::vector<std::uint32_t> quads;         ///< the first triangle of each face of four corners
-    std::size_t bad_faces = 0;                ///< with fewer than three corners, which are not there
+    Mesh mesh;                                ///< a point cloud if it has no faces
+    std::vector<float> radii;                 ///< one for each vertex, or empty
+    std::vector<Vec4f> face_colors;           ///< one for each triangle, or empty
+    std::vector<std::uint32_t> curve_counts;  ///< number of vertices of each curve, if the file has curves
+    std::vector<std::uint32_t> quads;         ///< index of the first triangle of each quadrilateral
+    std::size_t bad_faces = 0;                ///< number of faces with fewer than three corners, which are dropped
 };
-/// colors  what becomes colours of vertices or faces; of faces those of the same name are read in any case
+/// Reads a PLY file. Throws Error.
+///
+/// colors  attribute to read as the color of vertices or faces; if vertices are selected, face colors of the same name
+/// are read too
 PlyData read_ply_data(InputFile& input, const PlyAttribute& colors = {});
 
-/// Reads PLY, ASCII and binary of both byte orders: positions, normals, texture coordinates, colours of vertices, or
-/// else those of faces; faces as polygons or triangle strips; without faces, vertices as points, of their radius or one
-/// that fits (add_point_cloud). Other elements and properties are skipped.
+/// Reads PLY in ASCII and in binary of both byte orders.
+/// - Vertices have positions, normals, texture coordinates and colors; without vertex colors, face colors are read.
+/// - Faces are polygons or triangle strips.
+/// - Without faces, vertices are points with their radius or one by fitting_points().
+/// - Other elements and properties are skipped.
 SceneDescription read_ply(const std::filesystem::path& file, InputFile& input, LoadContext& context);
 
 inline constexpr Importer ply_importer{

@@ -14,10 +14,10 @@ namespace fathom {
 
 static_assert(std::endian::native == std::endian::little);
 
-/// The numbers of the body one after the other, whatever they are written as.
+/// Reads the numbers of a PLY body in sequence, in any format and type.
 class PlyBody {
 public:
-    /// window  at the body's beginning
+    /// window  positioned at the beginning of the body
     PlyBody(const std::string& file, InputWindow& window, PlyFormat format, std::size_t first_line)
         : file_(file), window_(window), format_(format), scan_(file, {}, first_line)
     {
@@ -27,7 +27,7 @@ public:
     {
         if (format_ == PlyFormat::ascii) {
             const std::string_view word = next_word();
-            // Exact for 32-bit integers, which float would not be.
+            // Integers are parsed exactly: float would round 32-bit values.
             if (type != PlyType::f32 && type != PlyType::f64) {
                 std::int64_t value = 0;
                 const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -72,9 +72,10 @@ public:
             for (std::size_t i = 0; i < count; ++i) take(size_of(property.type));
     }
 
-    /// Bytes of a binary body, for loops of their own: at least so many if there are.
+    /// Following bytes of a binary body without moving on, for specialized loops: at least `least` if the file has
+    /// them.
     std::string_view peek(std::size_t least) { return window_.peek(least); }
-    /// The next ones, in one piece.
+    /// The next `size` bytes in one contiguous piece. Throws Error at the end of the file.
     const char* take(std::size_t size)
     {
         const char* const data = window_.take(size);
@@ -99,13 +100,13 @@ private:
             next_text();
         }
     }
-    /// Up to a blank: words stay whole.
+    /// Scans the next part of the window, up to whitespace, so that words stay whole.
     void next_text()
     {
         std::string_view text = window_.peek(1);
         std::size_t size = blank_end(text);
         while (size == 0 && !text.empty()) {
-            // A word that is longer than the window.
+            // The word is longer than the window.
             const std::size_t before = text.size();
             text = window_.peek(2 * before < window_.bytes_left() ? 2 * before : std::size_t(window_.bytes_left()));
             size = text.size() == before ? before : blank_end(text);
@@ -131,7 +132,7 @@ private:
     const std::string& file_;
     InputWindow& window_;
     PlyFormat format_;
-    std::string_view text_;  ///< what is being scanned
+    std::string_view text_;  ///< text being scanned
     TextScanner scan_;
 };
 

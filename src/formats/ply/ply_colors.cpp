@@ -6,7 +6,7 @@ namespace fathom {
 
 namespace {
 
-/// 0 to 3 of "r" or "red", ...; -1 of other words.
+/// Channel 0 to 3 of a name such as "r" or "red"; -1 for other names.
 int rgba_channel(std::string_view word)
 {
     constexpr std::string_view names[4][2] = {{"r", "red"}, {"g", "green"}, {"b", "blue"}, {"a", "alpha"}};
@@ -16,14 +16,14 @@ int rgba_channel(std::string_view word)
     return -1;
 }
 
-/// What follows "prefix_" if it is one of the letters; 0 of other names.
+/// The letter after "prefix_", if it is one of `letters`; 0 otherwise.
 char letter_after(std::string_view name, std::string_view prefix, std::string_view letters)
 {
     const bool has_prefix = name.size() == prefix.size() + 2 && name.starts_with(prefix) && name[prefix.size()] == '_';
     return has_prefix && letters.find(name.back()) != std::string_view::npos ? name.back() : '\0';
 }
 
-/// What the channels of `color` are called: `red`, or `diffuse_red` where there is no such.
+/// Prefix of the channels of the attribute `color`: empty, or `diffuse_` if plain names are missing.
 std::string_view color_prefix(const PlyElement& element)
 {
     const auto is_color = [](const PlyProperty& p) { return !p.is_list && rgba_channel(p.name) >= 0; };
@@ -39,7 +39,7 @@ std::vector<PlyChannel> channels_of(const PlyElement& element, std::string_view 
         attribute.ends_with(color_end) ? attribute.substr(0, attribute.size() - color_end.size()) : std::string_view();
     const std::string_view prefix = color_prefix(element);
     std::vector<PlyChannel> channels;
-    int next = 0;  // whether numbers begin with 0 or with 1
+    int next = 0;  // counts channels, since names may be numbered from 0 or from 1
     for (const PlyProperty& p : element.properties) {
         PlyChannel& channel = channels.emplace_back();
         if (p.is_list) continue;

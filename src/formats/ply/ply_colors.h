@@ -7,22 +7,23 @@
 
 namespace fathom {
 
-/// What stands for the colours of a mesh: of vertices (or of faces), an attribute of a name as Mitsuba has them. It is
-/// made of properties name_0, name_1, name_2 or name_x, ... (name_1 to name_3, too), or of one such, a number; one that
-/// ends with `_color` may be of name_r, name_g, name_b less that end, and `color` itself of red, green, blue and alpha,
-/// r, g, b and a, or diffuse_red, ...
+/// A color attribute of vertices or faces, named as in Mitsuba.
+///
+/// It consists of the properties name_0, name_1, name_2 or name_x, name_y, name_z (also name_1 to name_3), or of a
+/// single number. For a name that ends in `_color`, properties may also be the rest of the name with _r, _g and _b. The
+/// attribute `color` may also be red, green, blue and alpha; r, g, b and a; or diffuse_red, ...
 struct PlyAttribute {
     std::string name = "color";
     bool of_faces = false;
 };
 
-/// Where a property of an element goes in a colour.
+/// The color channel that a property supplies.
 struct PlyChannel {
-    int index = -1;           ///< 3: alpha; -1: no part of it
-    bool is_encoded = false;  ///< an integer stands for the colour of a display
+    int index = -1;           ///< 3 is alpha; -1: not part of the color
+    bool is_encoded = false;  ///< an integer that encodes a display color
 };
 
-/// Of each property of the element.
+/// The channel of each property of the element.
 std::vector<PlyChannel> channels_of(const PlyElement& element, std::string_view attribute);
 
 }  // namespace fathom

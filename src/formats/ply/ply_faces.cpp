@@ -25,7 +25,7 @@ void PlyFaces::add_polygon(const Corners& corners, std::size_t face, const Vec4f
 {
     if (is_waiting_) return wait(corners, {0, face, color ? *color : white, color != nullptr, false});
     const std::vector<std::uint32_t>& indices = data_.mesh.indices;
-    // Faces before the first one with a color have none.
+    // Faces before the first colored one become white.
     if (color) data_.face_colors.resize(indices.size() / 3, white);
     triangulate_polygon(corners, face);
     if (color) data_.face_colors.resize(indices.size() / 3, *color);

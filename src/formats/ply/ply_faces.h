@@ -7,8 +7,8 @@
 
 namespace fathom {
 
-/// Makes triangles of the polygons and strips of a PLY file. Elements may stand in any order: those that come before
-/// the vertices are kept until the vertices are there.
+/// Triangulates the polygons and strips of a PLY file. Elements may appear in any order: faces before the vertices are
+/// buffered.
 class PlyFaces {
 public:
     using Corners = std::vector<std::int64_t>;
@@ -16,16 +16,18 @@ public:
     /// file  for messages
     PlyFaces(const std::string& file, PlyData& data) : file_(file), data_(data) {}
 
-    /// face   its number among the faces, for messages
-    /// color  null: none is given
+    /// Adds a polygon.
+    ///
+    /// face   its index, for messages
+    /// color  null if it has none
     void add_polygon(const Corners& corners, std::size_t face, const Vec4f* color);
-    /// A strip of triangles; -1 begins a new one.
+    /// Adds a triangle strip; -1 restarts the strip.
     void add_strip(const Corners& corners, std::size_t strip);
-    /// To be called when the vertices have been read, and at the end of the file.
+    /// Must be called after the vertices have been read, and at the end of the file.
     void vertices_are_there();
     bool is_waiting() const { return is_waiting_; }
 
-    /// Throws Error unless there is a vertex of this number.
+    /// Throws Error unless a vertex with this index exists.
     void check_index(std::int64_t index, std::size_t face) const;
 
 private:

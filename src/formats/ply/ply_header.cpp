@@ -46,14 +46,14 @@ PlyFormat read_format(TextScanner& scan)
     scan.fail(fmt::format("'{}' is no format of PLY", printable(word)));
 }
 
-/// Whether lines of the header end with CR alone. Then an LF behind the last of them is the first byte of the body.
+/// Whether header lines end with CR alone. An LF after the last CR then is the first byte of the body.
 bool ends_lines_with_cr(std::string_view text)
 {
     const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
     return end + 1 < text.size() && text[end] == '\r' && text[end + 1] != '\n';
 }
 
-/// Where the line `end_header` ends; 0 if it is not in the text, or not whole.
+/// Offset behind the line `end_header`; 0 if it is missing or incomplete.
 std::size_t header_end(const std::string& file, std::string_view text)
 {
     TextScanner scan(file, text);
@@ -63,7 +63,7 @@ std::size_t header_end(const std::string& file, std::string_view text)
     return text.find(ends_lines_with_cr(text) ? '\r' : '\n', word) + 1;
 }
 
-/// Enough of the file to hold its header; all of it if there is no end to that.
+/// A part of the file that contains the header; the whole file if the header has no end.
 std::string_view header_text(const std::string& file, InputWindow& window)
 {
     for (std::size_t size = 4096;; size *= 2) {

@@ -25,7 +25,7 @@ struct PlyElement {
     std::size_t count = 0;
     std::vector<PlyProperty> properties;
 
-    /// Bytes that one takes in a binary file at least: lists may be empty.
+    /// Minimum size of an element in a binary file in bytes; lists may be empty.
     std::size_t min_size() const;
     bool has_lists() const;
 };
@@ -36,7 +36,7 @@ struct PlyHeader {
     std::size_t lines = 0;
 };
 
-/// Reads up to where the body begins. Throws Error that names the line.
+/// Reads the header up to the beginning of the body. Throws Error with the line number.
 PlyHeader read_ply_header(const std::string& file, InputWindow& window);
 
 }  // namespace fathom

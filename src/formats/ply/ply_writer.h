@@ -7,10 +7,11 @@
 
 namespace fathom {
 
-/// A binary PLY file of vertices, and of what they make. It refers to the vectors that it was given.
+/// Writes a binary PLY file of vertices with triangles or curves. It refers to the vectors given to it, which must
+/// outlive it.
 class PlyFile {
 public:
-    /// A column per name of one member each; an empty vector has none.
+    /// Adds one property for each name, from the components of the vectors; an empty vector adds none.
     void add_vertices(std::vector<const char*> names, const std::vector<Vec2f>& v) { add(std::move(names), v); }
     void add_vertices(std::vector<const char*> names, const std::vector<Vec3f>& v) { add(std::move(names), v); }
     void add_vertices(std::vector<const char*> names, const std::vector<Vec4f>& v) { add(std::move(names), v); }
@@ -18,7 +19,7 @@ public:
     void set_triangles(const std::vector<std::uint32_t>& indices) { triangles_ = &indices; }
     void set_curves(const std::vector<std::uint32_t>& counts) { curves_ = &counts; }
 
-    /// Throws Error.
+    /// Writes the file. Throws Error.
     void write(const std::filesystem::path& file) const;
 
 private:

@@ -22,7 +22,7 @@ bool equals(std::string_view word, std::string_view lower)
                       [](unsigned char a, char b) { return std::tolower(a) == b; });
 }
 
-/// The word that the file begins with, behind a byte order mark, blanks and empty lines.
+/// First word of the file, after a byte order mark and whitespace.
 std::string_view first_word(std::string_view bytes)
 {
     if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
@@ -30,7 +30,7 @@ std::string_view first_word(std::string_view bytes)
     return bytes.substr(0, bytes.find_first_of(" \t\r\n\v\f"));
 }
 
-/// Whether there are bytes that no text has, in its beginning. In a binary file numbers have them.
+/// Whether the beginning contains control characters, as binary files do.
 bool has_control_characters(std::string_view bytes)
 {
     const std::string_view start = bytes.substr(0, 4096);
@@ -38,7 +38,7 @@ bool has_control_characters(std::string_view bytes)
                        [](unsigned char c) { return c == 127 || (c < 32 && (c < '\t' || c > '\r')); });
 }
 
-/// Whether a text goes on with facets, or ends at once.
+/// Whether a text continues with facets or ends the solid.
 bool has_facets(std::string_view text)
 {
     std::string lower(text.substr(0, 4096));
@@ -66,8 +66,8 @@ private:
         if (bytes.size() >= header_size) std::memcpy(&promised, bytes.data() + 80, 4);
         return promised;
     }
-    /// Many binary files begin with "solid" too: their size gives them away or, where more follows the last triangle,
-    /// bytes that no text has.
+    /// Many binary files begin with "solid" too. They are recognized by their size or, if data follows the last
+    /// triangle, by control characters.
     bool is_binary(std::string_view bytes) const
     {
         const std::size_t body = triangle_size * promised_triangles(bytes);
@@ -99,8 +99,8 @@ private:
         }
     }
 
-    /// Keywords in upper or lower case, on lines of their own or not. The line of a solid's name is skipped: the name
-    /// may be anything.
+    /// Keywords may be in either case and share lines. The line of a solid's name is skipped, since names are
+    /// arbitrary.
     void read_ascii(const std::string& text)
     {
         TextScanner scan(name_, utf8_text(name_, text));
@@ -126,7 +126,7 @@ private:
 
     void add_corner(Vec3f p)
     {
-        // Both zeros are the same place.
+        // 0 and -0 are the same position.
         const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x == 0 ? 0.0f : x); };
         const std::uint32_t index = vertices_({bits(p.x), bits(p.y), bits(p.z)});
         if (index == mesh_.positions.size()) mesh_.positions.push_back(p);

@@ -6,8 +6,8 @@
 
 namespace fathom {
 
-/// Reads STL, ASCII and binary. Corners at the same place become one vertex; the normals in the file are not used, as
-/// the order of the corners says the same.
+/// Reads STL, ASCII and binary. Corners with equal positions become one vertex. The normals of the file are ignored,
+/// because the order of the corners implies them.
 SceneDescription read_stl(const std::filesystem::path& file, const std::string& bytes, LoadContext& context);
 
 inline constexpr Importer stl_importer{
