@@ -19,6 +19,7 @@ public:
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;
 
+    /// Appends bytes at the current position.
     void write(const void* bytes, std::size_t size);
     void write(const std::vector<unsigned char>& bytes) { write(bytes.data(), bytes.size()); }
     /// Writes the whole content at once, in place of write(). The page cache is bypassed (O_DIRECT) where the system
@@ -28,6 +29,7 @@ public:
     void write_whole(const void* bytes, std::size_t size);
     /// Current position in the file, in bytes from its start.
     std::uint64_t report();
+    /// Moves the position of the next write, in bytes from the file's start.
     void seek(std::uint64_t position);
     /// Flushes the file to the disk and renames it to the target.
     ///

@@ -16,7 +16,7 @@ std::array<double, 4> unit(std::array<double, 4> q)
 {
     double square = 0;
     for (const double x : q) square += x * x;
-    // A zero quaternion stands for the identity, as its transform would.
+    // A zero quaternion is treated as the identity.
     if (!(square > 0)) return {0, 0, 0, 1};
     for (double& x : q) x /= std::sqrt(square);
     return q;

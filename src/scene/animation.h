@@ -29,6 +29,7 @@ void set_number(Camera& camera, AnimatedValue value, const std::array<float, 4>&
 
 /// Whether two nodes have the same shapes, lights, camera and children.
 bool same_contents(const Node& a, const Node& b);
+/// Copies shapes, light, camera and children, but not the transform.
 void set_contents(Node& node, const Node& contents);
 
 /// Contents of the rig's hiding nodes: empty where the node that owns them, or a node above it, is invisible.

@@ -12,6 +12,7 @@ struct Pose {
     std::array<double, 4> rotation{0, 0, 0, 1};       ///< unit quaternion x, y, z, w
     std::array<double, 6> stretch{1, 0, 0, 1, 0, 1};  ///< xx, xy, xz, yy, yz, zz of a symmetric matrix
 
+    /// The affine transform of the pose.
     Transform transform() const;
 };
 

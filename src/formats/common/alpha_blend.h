@@ -9,6 +9,7 @@ inline bool is_nothing(const Material& m)
     return m.kind == MaterialKind::none && m.alpha.value == 0;
 }
 
+/// Appends a texture and returns its index.
 inline int add_texture(SceneDescription& scene, Texture texture)
 {
     scene.textures.push_back(std::move(texture));

@@ -65,11 +65,13 @@ private:
 
     // fathom_json_material.cpp
     int image(const JsonValue& path);
+    /// Index of the measured BRDF in a file, which is read on first use.
     int measured(const JsonValue& path);
     /// Reads all named textures whose decoding doesn't depend on their use, in the order of the file.
     void read_textures();
     /// Whether the texture contains an image without a color space, so that its use decides the decoding.
     bool is_decoded_by_use(const JsonValue& v);
+    /// Index of a texture given by name or in place.
     int texture(const JsonValue& v, Use use);
     int add_texture(const JsonValue& v, const std::string& name, Use use);
     Texture read_texture(const JsonValue& v, const std::string& name, Use use);
@@ -82,6 +84,7 @@ private:
     void read_color(const JsonValue& v, Use use, ColorInput& out);
     void read_float(const JsonValue& v, Use use, FloatInput& out);
     static std::vector<RampStop> read_stops(const JsonValue& v);
+    /// Index of a material given by name or in place.
     int material(const JsonValue& v);
     int add_material(const JsonValue& v, const std::string& name);
     Material read_material(const JsonValue& v, const std::string& name);
@@ -114,11 +117,14 @@ private:
     // fathom_json_node.cpp
     int node(const JsonValue& v, int depth);
     int add_node(const JsonValue& v, const std::string& name, int depth);
+    /// Index of a named node, which is read on first reference; throws Error at a cycle.
     int named_node(const JsonValue& v, int depth);
     void read_motion(const JsonValue& v, Node& node);
+    /// Instances another scene file below the node.
     void read_model(JsonObject& o, const JsonValue& path, Node& node);
     /// Throws Error if memory doesn't suffice for a copy of `nodes` nodes.
     void check_copy(const JsonValue& v, std::size_t nodes) const;
+    /// Replaces materials of a model's copy by those that the node names.
     void override_materials(JsonObject& o, const Appended& model);
 
     /// The entry of a top-level table that the string `v` names. Throws Error with a suggestion if there is none.

@@ -17,6 +17,7 @@ struct ParameterNames {
     Warnings& warnings;
 };
 
+/// A single number for gray, three numbers otherwise.
 Json color_json(Color color);
 Json vector_json(const Vec3d& v);
 Json matrix_json(const Transform& t);

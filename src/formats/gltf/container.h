@@ -33,6 +33,7 @@ public:
         std::span<const char> bytes;
         std::size_t stride = 0;  ///< 0: elements are tightly packed
     };
+    /// The bytes of a buffer view, decompressed if necessary. Throws Error if it is out of range.
     View buffer_view(const JsonValue& index);
     /// Replaces the contents of accessors by decompressed data.
     void add_decoded(std::map<std::size_t, DecodedAccessor> accessors) { decoded_.merge(accessors); }
@@ -42,6 +43,7 @@ public:
         return found == decoded_.end() ? nullptr : &found->second;
     }
 
+    /// Adds a warning that names the file.
     void warn(const std::string& message, std::size_t times = 1);
     /// Throws Error naming `v` if it needs more memory than is available: a short file can demand much by referring to
     /// the same bytes many times.

@@ -19,6 +19,7 @@ public:
     ///
     /// with_bounds  whether to store min and max, which positions must have
     int add_vertices(const float* values, std::size_t count, int components, bool with_bounds = false);
+    /// Appends triangle indices and returns the accessor's index.
     int add_indices(const std::vector<std::uint32_t>& indices);
 
     const std::string& bytes() const { return bytes_; }

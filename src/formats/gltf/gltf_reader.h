@@ -35,7 +35,9 @@ private:
 
     // gltf_texture.cpp
     int image(const JsonValue& index);
+    /// Index of the image of a texture; nothing if this build can't read any of its encodings.
     std::optional<int> texture_image(const JsonValue& texture);
+    /// Index of the texture that a texture info object refers to, with its uv transform; -1 if its image can't be read.
     int texture(const JsonValue& info, ColorSpace color_space);
 
     // gltf_material.cpp
@@ -65,25 +67,33 @@ private:
     const std::vector<Part>& mesh(const JsonValue& index, const std::optional<JsonValue>& weights, std::size_t node);
     void read_primitive(const JsonValue& primitive, const std::string& name, const std::optional<JsonValue>& weights,
                         std::vector<Part>& parts);
+    /// Vertex indices of a primitive as triangles, lines or points; consecutive ones if it has no indices.
     std::vector<std::uint32_t> read_corners(const JsonValue& primitive, std::size_t vertices, int mode);
     void add_points_or_lines(const Mesh& mesh, int mode, Part part, std::vector<Part>& parts);
     void read_attributes(const JsonValue& attributes, std::size_t first, Mesh& mesh, Part& part);
+    /// Reads the offsets of a morph target for the attributes that the mesh has.
     MorphTarget read_morph_target(const JsonValue& target, std::size_t first, const Mesh& mesh);
     void add_morphs(const JsonValue& primitive, const std::optional<JsonValue>& weights, std::size_t first, Mesh& mesh,
                     Part& part);
 
     // gltf_scene.cpp
+    /// Reads a node's name, transform, children and visibility.
     void read_place(const JsonValue& v, std::size_t index);
+    /// Reads a node's camera, light, mesh, skin and instances.
     void read_contents(const JsonValue& v, std::size_t index);
+    /// Sets the root nodes and the environment of the selected scene; without scenes, nodes without parents are roots.
     void read_roots();
+    /// Selects the material variant that LoadOptions names.
     void choose_variant();
     void remove_unused_meshes();
     int camera(const JsonValue& index);
     int light(const JsonValue& index);
     void read_environment(const JsonValue& reference);
+    /// EXT_mesh_gpu_instancing: adds one child per instance, with the node's shapes.
     void add_instances(const JsonValue& instancing, std::size_t node);
 
     // gltf_skin.cpp
+    /// Adds a skinned mesh, bent to its rest pose, as a root node; primitives without joints stay at the node.
     void add_skinned(const JsonValue& skin_index, std::size_t node, const std::vector<Part>& parts);
     Skin read_skin(const JsonValue& skin) const;
     Transform world_from_node(const JsonValue& v, std::size_t node) const;
@@ -91,11 +101,13 @@ private:
     // gltf_animation.cpp
     void read_animations();
     Animation read_animation(const JsonValue& v);
+    /// Reads a channel; nothing if its target is not supported, which is reported.
     std::optional<AnimationChannel> read_channel(const JsonValue& channel, const JsonValue& samplers);
     AnimationChannel follow_path(const JsonValue& target, const std::string& path) const;
     std::optional<AnimationChannel> follow_pointer(const JsonValue& pointer);
     void multiply_by_rest(const std::string& pointer, AnimationChannel& channel) const;
     void find_targets();
+    /// Registers a mesh that morph targets or a skin deform.
     void add_deformed(const Part& part, int mesh, std::size_t node, int skin);
     void hide_nodes();
 

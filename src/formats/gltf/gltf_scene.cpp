@@ -307,7 +307,7 @@ void GltfReader::choose_variant()
     variant_ = found;
 }
 
-/// Removes unskinned source meshes that no node refers to.
+/// Removes meshes that no node refers to: skinned nodes have bent copies of them.
 void GltfReader::remove_unused_meshes()
 {
     std::vector<int> new_index(scene_.meshes.size(), -1);

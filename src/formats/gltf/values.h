@@ -6,6 +6,7 @@
 
 namespace fathom {
 
+/// The number of an optional key, or the default.
 inline float float_or(const JsonValue& v, const char* key, float otherwise)
 {
     return v.has(key) ? v[key].single() : otherwise;
@@ -17,6 +18,7 @@ inline float factor_or(const JsonValue& v, const char* key, float otherwise)
     return std::clamp(float_or(v, key, otherwise), 0.0f, 1.0f);
 }
 
+/// A color from three array elements, clamped to [0, 1].
 inline Color clamped(const JsonValue& v, std::size_t i0 = 0)
 {
     const auto channel = [&](std::size_t i) { return std::clamp(v[i].single(), 0.0f, 1.0f); };

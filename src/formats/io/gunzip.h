@@ -4,6 +4,7 @@
 
 namespace fathom {
 
+/// Whether the bytes begin with gzip's signature.
 inline bool is_gzip(std::string_view bytes)
 {
     return bytes.starts_with("\x1f\x8b");

@@ -24,9 +24,11 @@ public:
     /// name  for messages
     TensorFile(std::string name, std::string_view bytes);
 
+    /// The array of that name; null if it is missing.
     const Field* find(const std::string& name) const;
     /// An array of 32-bit floats. Throws Error if it is missing, empty, or of another type or number of dimensions.
     const Field& floats(const std::string& name, std::size_t dimensions) const;
+    /// The numbers of an array of 32-bit floats.
     static std::vector<float> values(const Field& field);
 
     [[noreturn]] void fail(const std::string& place, const std::string& message) const;

@@ -23,11 +23,14 @@ public:
 
     /// Whether the parameter exists, of any type; references count under their name.
     bool has(std::string_view name) const { return find(name) != nullptr; }
+    /// Value of a parameter, or the default if it is missing; marks it as read. Throws Error if it has another type.
     double number(std::string_view name, double otherwise);
     int integer(std::string_view name, int otherwise);
     bool boolean(std::string_view name, bool otherwise);
     std::string text(std::string_view name, std::string_view otherwise);
+    /// A point or vector; nothing if it is missing.
     std::optional<Vec3d> vector(std::string_view name);
+    /// A transform; the identity if it is missing.
     Transform transform(std::string_view name);
     /// The element of a parameter, with references resolved; null if it is missing.
     const Element* child(std::string_view name);

@@ -62,6 +62,7 @@ private:
     FloatInput number_or_texture(Object& of, std::string_view name, float otherwise);
     /// A constant color; a texture is replaced by gray, which is reported.
     Color plain_color(Object& of, std::string_view name, Color otherwise);
+    /// A constant color or spectrum; nothing for a texture.
     std::optional<Color> color_of(const Element& element);
     Color spectrum(const Element& element);
     /// Index of a texture.
@@ -89,6 +90,7 @@ private:
     Material bumps(Object& bsdf);
     Material bumped(Material m, const FloatInput& height);
     Material normal_mapped(Material m, int map);
+    /// Whether the material, or one that it combines, has a normal or bump map.
     bool is_bent(const Material& m) const;
     Material bent_from_behind(Material m);
     /// Applies a bump or normal map to copies of both materials of a mixture.
@@ -115,6 +117,7 @@ private:
     // opacity.cpp
     Material blend_by_alpha(Material mixture);
     Material mixed_with_transparent(Material m);
+    /// Adds emission to a material so that its alpha doesn't scale the emission.
     Material with_emission(Material m, ColorInput emission);
     /// Index of the shape's material, with its interior medium and emission.
     int material_of_shape(Object& shape);
@@ -133,6 +136,7 @@ private:
     std::optional<Shape> serialized(Object& shape);
     std::optional<Shape> sdf_grid(Object& shape);
     bool wants_uv(Object& shape);
+    /// The mesh as a shape, with Mitsuba's tangents if its material has a normal map.
     Shape add_textured(Mesh mesh, Object& shape);
     Shape rectangle(Object& shape);
     Shape cylinder(Object& shape, Node& node);

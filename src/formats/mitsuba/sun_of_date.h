@@ -6,6 +6,7 @@
 
 namespace fathom::mitsuba {
 
+/// Direction of the sun.
 struct SunAngles {
     double elevation, azimuth;  ///< radians; azimuth is clockwise from north
 };

@@ -58,6 +58,7 @@ struct ObjPiece {
     bool is_damaged = false;  ///< parsing stopped at an invalid line
 
     ObjCounts counts() const { return {positions.size(), uvs.size(), normals.size()}; }
+    /// Empties the piece and keeps its allocated memory.
     void clear();
 };
 

@@ -15,6 +15,7 @@ struct NamedLight {
     const char* name;
     double x, y;
 };
+/// Looks up a standard illuminant by name; null if there is none.
 const NamedLight* find_light(const std::string& name);
 /// The conductor of a spectrum named "metal-Ag-eta" or "metal-Ag-k"; null if the spectrum is another one or unknown.
 const Conductor* find_metal(const std::string& spectrum);
@@ -27,6 +28,7 @@ struct GlassIndex {
 std::optional<GlassIndex> find_glass(const std::string& name);
 /// Index and Abbe number of a spectrum of indices of refraction.
 GlassIndex glass_of(const std::vector<SpectrumPoint>& points);
+/// Whether a name has the form of pbrt-v4's named spectra rather than of a file name.
 bool is_named_spectrum(const std::string& name);
 
 /// Pairs of wavelength and value. Throws Error.

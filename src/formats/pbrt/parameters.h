@@ -57,10 +57,12 @@ public:
     /// The parameter, which is marked as read; null if it is missing.
     const Parameter* find(std::string_view name) const;
     bool has(std::string_view name) const;
+    /// Value of a parameter, or the default if it is missing; marks it as read. Throws Error if it has another type.
     double number(std::string_view name, double otherwise) const;
     int integer(std::string_view name, int otherwise) const;
     bool boolean(std::string_view name, bool otherwise) const;
     std::string text(std::string_view name, std::string_view otherwise) const;
+    /// A point or vector; nothing if it is missing.
     std::optional<Vec3d> vector(std::string_view name) const;
     /// Empty if the parameter is missing.
     std::vector<float> numbers(std::string_view name) const;

@@ -51,7 +51,7 @@ std::optional<Shape> Reader::disk(const Parameters& shape, bool has_textures)
     if (!(radius > 0)) shape.fail("the radius must be above 0");
     if (inner <= 0 && phi_max >= 2 * std::numbers::pi * (1 - 1e-6) && !has_textures)
         return Shape{Disk{{0, 0, height}, {0, 0, state_.reverse ? -1.0 : 1.0}, radius}, -1, {}};
-    // pbrt's v is 0 at the rim, and Fathom's v is flipped.
+    // On disks pbrt's v is 0 at the rim; v is flipped here, because Fathom's v grows downward.
     const std::vector<ProfilePoint> profile = {{radius, height, 0, 1, 1}, {std::max(0.0, inner), height, 0, 1, 0}};
     return add_mesh(turned(profile, phi_max, sides_of(phi_max)), *shape.place().file);
 }

@@ -30,6 +30,7 @@ public:
 
     /// The next token, without consuming it.
     const Token& peek();
+    /// Consumes and returns the next token.
     Token next();
     /// Start of the token of the last next() or peek().
     Place place() const;

@@ -11,8 +11,10 @@ namespace fathom {
 enum class PlyType { i8, u8, i16, u16, i32, u32, f32, f64 };
 enum class PlyFormat { ascii, little_endian, big_endian };
 
+/// Size of a number in a binary file, in bytes.
 std::size_t size_of(PlyType type);
 
+/// A property of an element: a number or a list of numbers.
 struct PlyProperty {
     std::string name;
     PlyType type = PlyType::f32;
@@ -20,6 +22,7 @@ struct PlyProperty {
     PlyType count_type = PlyType::u8;
 };
 
+/// An element of a PLY file, such as `vertex` or `face`.
 struct PlyElement {
     std::string name;
     std::size_t count = 0;
@@ -30,6 +33,7 @@ struct PlyElement {
     bool has_lists() const;
 };
 
+/// The parsed header; `lines` counts its lines, for messages about an ASCII body.
 struct PlyHeader {
     PlyFormat format = PlyFormat::ascii;
     std::vector<PlyElement> elements;

@@ -62,6 +62,7 @@ Image make_image(int width, int height, int channels);
 struct DisplayChannels {
     int r = 0, g = 0, b = 0, a = -1;
 };
+/// Selects R, G, B and A by name, otherwise the first three channels, otherwise the first channel as gray.
 DisplayChannels display_channels(const Image::Layer& layer);
 
 }  // namespace fathom

@@ -11,6 +11,7 @@ inline constexpr Chromaticities rec709_chromaticities{{0.64f, 0.33f}, {0.3f, 0.6
 inline constexpr Chromaticities acescg_chromaticities{
     {0.713f, 0.293f}, {0.165f, 0.83f}, {0.128f, 0.044f}, {0.32168f, 0.33767f}};
 
+/// Chromaticities of named primaries.
 Chromaticities chromaticities_of(Primaries primaries);
 
 /// Whether two sets of chromaticities agree up to the rounding that files apply.
