@@ -7,7 +7,7 @@ namespace fathom {
 /// Watts are radiant power and become lumens by the maximal luminous efficacy, equally in all channels; color
 /// multiplies afterwards.
 constexpr double lumens_per_watt = 683;
-/// The only factor that converts degrees in files to radians: writers search for the number that gives the same bits.
+/// All readers convert degrees with this factor, so that writers can find a number that reads back to the same bits.
 constexpr double radians_per_degree = std::numbers::pi / 180;
 
 }  // namespace fathom

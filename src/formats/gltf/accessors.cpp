@@ -12,7 +12,7 @@ namespace fathom {
 
 namespace {
 
-/// Limit of accessors without data, which are all zeros and whose count the file's size doesn't bound.
+/// Limit on the count of accessors without data (all zeros), which the file's size doesn't bound.
 constexpr std::size_t max_zeros = 100'000'000;
 
 enum ComponentType { s8 = 5120, u8 = 5121, s16 = 5122, u16 = 5123, u32 = 5125, f32 = 5126 };

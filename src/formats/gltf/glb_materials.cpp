@@ -192,8 +192,8 @@ void GlbMaterials::add_transmission(const Material& m, Json& json)
     }
 }
 
-/// Writes the film's thickness. A texture is possible if it mixes two grays by an image, as the glTF reader generates
-/// it.
+/// Writes the thickness of the thin film. glTF's texture interpolates between two thicknesses, which the glTF reader
+/// turns into a mix of two grays by an image; only such textures can be written.
 Json GlbMaterials::thickness_info(const Material& m, Json& layer)
 {
     const FloatInput& input = m.thin_film_thickness;

@@ -10,7 +10,7 @@ namespace fathom {
 
 /// Reads Wavefront OBJ with its MTL files: polygons, normals, texture coordinates and vertex colors. Each combination
 /// of object and material becomes a mesh. Points (`p`, or all vertices of a file without faces) become spheres (see
-/// add_point_cloud). Curves and lines are a counted warning.
+/// fitting_points). Curves and lines are a counted warning.
 SceneDescription read_obj(const std::filesystem::path& file, InputFile& input, LoadContext& context);
 
 /// The name up to whitespace and '#'. The rest may be a comment or part of the name ("Material #25"), so callers look

@@ -95,7 +95,8 @@ private:
             t.kind = Target::flipped;
             return t;
         }
-        // Names that fathom::save_scene writes: v grows downward as in a scene, so that no bit is lost.
+        // fathom::save_scene writes u0 and v0 with v downward, as scenes store it: flipping v on each way could lose
+        // bits.
         if (is("u0", "v0")) return target(mesh_.uvs[0], count, name[0] == 'v');
         if (is("u1", "v1")) return target(mesh_.uvs[1], count, name[0] == 'v');
         if (is("tx", "ty", "tz")) return target(mesh_.tangents, count, std::size_t(name[1] - 'x'));
