@@ -266,8 +266,8 @@ SceneDescription FathomJsonReader::read()
     return std::move(scene_);
 }
 
-/// Fathom's own scenes are not exposed automatically: their exposure stays 0 if they emit or have an environment.
-/// Scenes with only lamps in physical units keep automatic exposure.
+/// Fixes the exposure of scenes with light of their own (`own_light`) at 0 if they have emission or an environment.
+/// Scenes with only lamps, which are in physical units, keep automatic exposure.
 void FathomJsonReader::keep_own_light()
 {
     const bool emits = std::any_of(scene_.materials.begin(), scene_.materials.end(), [](const Material& m) {

@@ -79,7 +79,7 @@ Json number_json(T value, double unit)
         std::from_chars(text.data(), text.data() + text.size(), number);
         if (T(number * unit) == value) return number_json(number);
     }
-    // No number has exactly this product. The quotient is nearer to it than the spacing of floats.
+    // No double times `unit` rounds to this value. The quotient's product misses it by less than the spacing of floats.
     return number_json(double(value) / unit);
 }
 template Json number_json(float, double);
