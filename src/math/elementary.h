@@ -1,5 +1,6 @@
 #pragma once
-/// Elementary functions of lanes. They are our own so that bits depend neither on a library's version nor on the width.
+/// Elementary functions of lanes, implemented here so that results depend neither on the version of a math library nor
+/// on the number of lanes.
 #include <numbers>
 
 #include "math/lanes.h"
@@ -10,13 +11,13 @@ inline namespace FATHOM_LANES {
 inline constexpr float pi = std::numbers::pi_v<float>;
 inline constexpr float inv_pi = std::numbers::inv_pi_v<float>;
 
+/// Sine and cosine of one angle.
 struct SinCos {
     Float sin, cos;
 };
 
-/// Sine and cosine of 2 pi x for |x| < 2^20; absolute error below 1.5e-7.
-///
-/// x is reduced exactly to a quarter turn, so there is no loss for large x. Minimax polynomials on [-1/8, 1/8].
+/// Sine and cosine of 2 pi x for |x| < 2^20; absolute error below 1.5e-7. x is reduced exactly to a quarter turn, so
+/// large arguments lose no accuracy. The polynomials are minimax on [-1/8, 1/8].
 inline SinCos sincos_2pi(Float x)
 {
     const Float quarter = floor(fma(x, Float(4), Float(0.5f)));
@@ -37,14 +38,14 @@ inline SinCos sincos_2pi(Float x)
             bits_float(float_bits(b) ^ (((q + UInt(1)) & UInt(2)) << 30))};
 }
 
-/// Angle of the point (x, y) in (-pi, pi]; absolute error below 4e-7; 0 at the origin.
+/// Angle of the point (x, y) in (-pi, pi]; absolute error below 4e-7. The angle of the origin is 0.
 inline Float atan2(Float y, Float x)
 {
     const Float ax = abs(x), ay = abs(y);
     const Float hi = max(ax, ay), lo = min(ax, ay);
     const Float a = select(hi > Float(0), lo / hi, Float(0));
     const Float s = a * a;
-    // atan(a) / a on [0, 1], minimax in a^2.
+    // The polynomial approximates atan(a) / a on [0, 1], minimax in a^2.
     Float r = fma(s, Float(0.00297459f), Float(-0.01658117f));
     r = fma(s, r, Float(0.04355352f));
     r = fma(s, r, Float(-0.07580576f));
@@ -58,9 +59,10 @@ inline Float atan2(Float y, Float x)
     return copysign(r, y);
 }
 
+/// Arc cosine in [0, pi]; |x| slightly above 1 through rounding is accepted.
 inline Float acos(Float x) { return atan2(sqrt(max(fma(-x, x, Float(1)), Float(0))), x); }
 
-/// 2^x; relative error below 2e-7. 0 below -126, infinity from 128 on.
+/// 2^x with relative error below 2e-7; 0 for x < -126, infinity for x >= 128.
 inline Float exp2(Float x)
 {
     const Float c = clamp(x, Float(-127), Float(128));
@@ -77,14 +79,14 @@ inline Float exp2(Float x)
 }
 inline Float exp(Float x) { return exp2(x * Float(std::numbers::log2e_v<float>)); }
 
-/// Logarithm to base 2 of a positive normal number; absolute error below 3e-7 near 1, relative elsewhere.
+/// Logarithm to base 2 of a positive normal number. The error is below 3e-7: absolute near x = 1, relative elsewhere.
 inline Float log2(Float x)
 {
     const UInt bits = float_bits(x);
     const UInt e = (bits - UInt(0x3f3504f3u)) & UInt(0xff800000u);
     const Float m = bits_float(bits - e);  // in [sqrt(1/2), sqrt(2))
     const Float n = to_float(e) * Float(1.0f / (1 << 23));
-    // log(m) = 2 atanh((m - 1) / (m + 1)).
+    // log(m) = 2 atanh((m - 1) / (m + 1)), expanded as a polynomial in f^2.
     const Float f = (m - Float(1)) / (m + Float(1));
     const Float f2 = f * f;
     Float p = fma(f2, Float(0.34146843f), Float(0.41163071f));

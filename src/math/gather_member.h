@@ -1,5 +1,5 @@
 #pragma once
-/// Members of records, gathered by their names: each lane has an index into one array of records.
+/// Gathers of record members by pointer to member: each lane has an index into one array of records.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -14,11 +14,11 @@ inline namespace FATHOM_LANES {
 
 namespace detail {
 
-/// Where a member stands in its record, in words of 32 bits.
+/// Offset of a member within its record, in 32-bit words.
 template <class Record, class Member>
 [[gnu::always_inline]] inline std::size_t word_of(Member Record::* member)
 {
-    // Room for a record, but none is made.
+    // The union provides storage for a record without constructing one.
     union Room {
         char nothing;
         Record record;
@@ -30,6 +30,7 @@ template <class Record, class Member>
 }
 
 template <class Record>
+/// Size of a record in 32-bit words.
 inline constexpr std::uint32_t record_words = [] {
     static_assert(std::is_standard_layout_v<Record> && sizeof(Record) % 4 == 0 && alignof(Record) <= 8);
     return std::uint32_t(sizeof(Record) / 4);
@@ -44,7 +45,7 @@ inline Vec3 gather_vector(const float* base, UInt at, Mask m)
     return {row[0], row[1], row[2]};
 }
 
-/// The first n words of each lane's record, for the lanes of m; others have the first one's, or 0.
+/// The first n words of each lane's record. Lanes outside the mask hold those of record 0, or 0 if the mask is empty.
 template <class Record, int n>
 struct RecordRow {
     [[gnu::always_inline]] RecordRow(const std::vector<Record>& records, UInt index, Mask m)
@@ -61,7 +62,7 @@ struct RecordRow {
     Float word[n];
 };
 
-/// The member of records[index] for the lanes of m; 0 in others.
+/// Gathers a member of records[index] for the lanes of m; 0 in other lanes.
 template <class Record>
 [[gnu::always_inline]] inline Float gather(const std::vector<Record>& records, float Record::* member, UInt index,
                                            Mask m)
@@ -83,7 +84,7 @@ template <class Record>
     const auto* base = reinterpret_cast<const float*>(records.data());
     return gather_vector(base + detail::word_of(member), index * UInt(detail::record_words<Record>), m);
 }
-/// A part of a member that is a record itself.
+/// Gathers a part of a member that is a record itself, for the lanes of m; 0 in other lanes.
 template <class Record, class Member, class Part>
     requires std::is_same_v<Part, float> || std::is_same_v<Part, std::uint32_t>
 [[gnu::always_inline]] inline auto gather(const std::vector<Record>& records, Member Record::* member,
@@ -93,7 +94,7 @@ template <class Record, class Member, class Part>
     return gather(base + detail::word_of(member) + detail::word_of(part), index * UInt(detail::record_words<Record>),
                   m);
 }
-/// A whole vector of each lane.
+/// Gathers vectors[index] for the lanes of m; 0 in other lanes.
 [[gnu::always_inline]] inline Vec3 gather(const LargeVector<Vec3f>& vectors, UInt index, Mask m)
 {
     return gather_vector(reinterpret_cast<const float*>(vectors.data()), index * UInt(3), m);

@@ -1,25 +1,27 @@
 #pragma once
-/// Guides to cumulative tables: where to look for a number (Chen and Asau 1974, "On Generating Random Variates from an
-/// Empirical Distribution").
+/// Guide tables that narrow the search in a cumulative distribution to a few intervals: Chen and Asau 1974, "On
+/// Generating Random Variates from an Empirical Distribution".
 #include <cstdint>
 
 #include "base/large_memory.h"
 
 namespace fathom {
 
-/// A guide's entry is of 32 bits, with the numbers of two intervals of the table.
+/// The largest number of intervals of a guided table: a guide entry holds two interval indices of 16 bits.
 inline constexpr std::uint32_t max_guided_intervals = 1u << 16;
 
-/// Entries of the guide to a table of n intervals.
+/// Number of guide entries of a table with n intervals.
 inline std::uint32_t guide_size(int n) { return (std::uint32_t(n) + 3) / 4; }
 
-/// Guides to tables of n + 1 values each, side by side, that ascend from 0 to 1. Entry k of a guide is for numbers of
-/// [k, k + 1) / size: the first and, in its upper half, the last of the intervals that may hold them.
+/// Builds guides for cumulative tables stored side by side, each of n + 1 values that ascend from 0 to 1. Entry k
+/// covers x in [k, k + 1) / size: its low 16 bits hold the first interval that may contain x, its high 16 bits the
+/// last.
 inline LargeVector<std::uint32_t> make_guides(const LargeVector<float>& tables, int n)
 {
     const std::uint32_t size = guide_size(n);
     const std::size_t count = tables.size() / (std::size_t(n) + 1);
-    // A float's product with `size` may be rounded up into the next entry.
+    // The product of a float with `size` may round up into the next entry; the margin keeps the right interval in
+    // reach.
     constexpr double rounding = 1e-6;
     LargeVector<std::uint32_t> guides(count * size);
     for (std::size_t t = 0; t < count; ++t) {

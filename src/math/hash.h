@@ -6,7 +6,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// reverse_bits of one number.
+/// Reverses the bits of one number: the scalar counterpart of reverse_bits().
 inline std::uint32_t reversed_scalar(std::uint32_t x)
 {
     x = (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
@@ -15,7 +15,7 @@ inline std::uint32_t reversed_scalar(std::uint32_t x)
     return __builtin_bswap32(x);
 }
 
-/// A 32-bit mix with full avalanche (Wellons's "lowbias32" constants).
+/// A 32-bit hash with full avalanche, using the constants of Wellons's "lowbias32". U: UInt or std::uint32_t.
 template <class U>
 U hash(U x)
 {

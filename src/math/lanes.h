@@ -1,17 +1,18 @@
 #pragma once
-/// Lanes: Float, UInt and Mask are N floats, 32-bit integers and booleans, N = `lanes` decided by the instruction set
-/// that the file is compiled for: 16 (AVX-512), 8 (AVX2) or 1 (plain types, runs anywhere).
+/// Lanes: Float, UInt and Mask hold N floats, 32-bit integers and booleans. N = `lanes` follows from the instruction
+/// set the file is compiled for: 16 (AVX-512), 8 (AVX2) or 1 (plain types, runs anywhere).
 ///
-/// Every operation gives the same bits at each width. Arithmetic takes no mask: idle lanes compute garbage that nobody
-/// reads. There are no estimates (rcp, rsqrt) and no sums across lanes. min(a, b) is a < b ? a : b and max(a, b) is
-/// a > b ? a : b, NaN included. UInt arithmetic wraps; its comparisons and conversions are signed, so compared values
-/// stay below 2^31. Intrinsics live in lanes_*.h and nowhere else, but in leaf functions of the BVH.
+/// Every operation gives bitwise equal results at each width. Arithmetic takes no mask: idle lanes compute values that
+/// are never read. There are no estimates (rcp, rsqrt) and no sums across lanes. min(a, b) is a < b ? a : b and max(a,
+/// b) is a > b ? a : b, NaN included. UInt arithmetic wraps; its comparisons and conversions are signed, so compared
+/// values stay below 2^31. Intrinsics appear only in lanes_*.h and in leaf functions of the BVH. lanes_scalar.h
+/// documents each operation.
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 
-/// FATHOM_ONE_LANE: one lane whatever the instruction set, for a file that is called for one thing at a time.
+/// FATHOM_ONE_LANE selects one lane on every instruction set, for files whose functions process a single item per call.
 #if FATHOM_ONE_LANE
 #undef FATHOM_LANE_PAIRS
 #define FATHOM_LANE_PAIRS 0
@@ -24,8 +25,8 @@
 #include "math/lanes_scalar.h"
 #endif
 
-/// Everything that is made of lanes lives in this inline namespace: two files of one library may use lanes of different
-/// number, and the linker must not take the code of one for the other.
+/// All code that depends on the number of lanes lives in this inline namespace. Two files of one library may use
+/// different numbers, and the linker must not merge their functions.
 #if FATHOM_ONE_LANE
 #define FATHOM_LANES one_lane
 #elif FATHOM_LANE_PAIRS
@@ -37,7 +38,7 @@
 #if FATHOM_LANE_PAIRS
 #include "math/lanes_pair.h"
 #else
-// By name, since an argument of type float (the base build) finds no namespace by itself.
+// Using declarations name each operation because arguments of type float (the base build) have no associated namespace.
 namespace fathom {
 inline namespace FATHOM_LANES {
 using native::any;
@@ -79,38 +80,40 @@ using native::UInt;
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The most entries of a table that lookup() reads from registers; so many must be readable from the table's start on.
+/// The largest table that lookup() can hold in registers. lookup() may read this many entries from the start of any
+/// table.
 inline constexpr int lookup_size = 32;
 
-/// Entries of a table with padding for lookup(), whatever its size; every index must be one of the table's `n`.
+/// Reads table[index] from a table padded for lookup(), of any size. Every index must be below n.
 inline UInt lookup_or_gather(const std::uint32_t* table, int n, UInt index)
 {
     return n <= lookup_size ? lookup(table, n, index) : gather(table, index);
 }
-/// For the lanes of m, whose indices alone must be the table's; 0 in others.
+/// Reads table[index] for the lanes of m, whose indices must be below n; 0 in other lanes, with any index.
 inline UInt lookup_or_gather(const std::uint32_t* table, int n, UInt index, Mask m)
 {
     return n <= lookup_size ? select(m, lookup(table, n, index), UInt(0u)) : gather(table, index, m);
 }
 
 inline Float abs(Float a) { return bits_float(float_bits(a) & UInt(0x7fffffffu)); }
-/// Magnitude of a, sign of b.
+/// Magnitude of a with the sign of b.
 inline Float copysign(Float a, Float b)
 {
     return bits_float((float_bits(a) & UInt(0x7fffffffu)) | (float_bits(b) & UInt(0x80000000u)));
 }
-/// a with its sign flipped where b is negative (or -0).
+/// a with its sign flipped where b is negative or -0.
 inline Float flip_sign(Float a, Float b) { return bits_float(float_bits(a) ^ (float_bits(b) & UInt(0x80000000u))); }
 inline Float clamp(Float a, Float lo, Float hi) { return min(max(a, lo), hi); }
 inline Mask equal(Mask a, Mask b) { return (a & b) | !(a | b); }
 inline bool all(Mask m) { return none(!m); }
 inline int count(Mask m) { return std::popcount(mask_bits(m)); }
 
-/// 1 / a to within 2 ulp, for normal a > 0 whose inverse is normal; by multiplications, several of which run at once
-/// where a division blocks. The guess is arithmetic, not the processor's estimate, which differs between makers.
+/// Reciprocal 1 / a to within 2 ulp, for normal a > 0 with a normal reciprocal. It consists of multiplications, which
+/// pipeline where a division stalls. The initial guess is integer arithmetic because the estimates of processors differ
+/// by vendor.
 inline Float reciprocal(Float a)
 {
-    // The exponent is mirrored, which leaves an error below 12 %; each step cubes it.
+    // Mirroring the exponent gives a guess with an error below 12 %; each step cubes the error.
     Float y = bits_float(UInt(0x7ef311c7u) - float_bits(a));
     for (int i = 0; i < 2; ++i) {
         const Float e = fma(-a, y, Float(1));
@@ -122,7 +125,7 @@ inline Float reciprocal(Float a)
 /// 1 / sqrt(a) to within 2 ulp for normal a > 0; finite and large for 0, so that a * inverse_sqrt(a) is 0 there.
 inline Float inverse_sqrt(Float a)
 {
-    // The guess is off by 3.5 %; a step of third order, then one of second.
+    // The initial guess is off by at most 3.5 %; a step of third order and one of second order refine it.
     Float y = bits_float(UInt(0x5f375a86u) - (float_bits(a) >> 1));
     Float e = fma(-(a * y), y, Float(1));
     y = fma(y * e, fma(e, Float(0.375f), Float(0.5f)), y);
@@ -130,7 +133,8 @@ inline Float inverse_sqrt(Float a)
     return fma(y * Float(0.5f), e, y);
 }
 
-/// The n numbers (2, 3, or a multiple of 4) that each lane of m has from base[index] on; base's, or 0, in others.
+/// Loads row[k] = base[index + k] for k < n in the lanes of m; n is 2, 3 or a multiple of 4. Other lanes get the row at
+/// `base`, or 0 if m is empty: they never read out of bounds.
 template <int n>
 [[gnu::always_inline]] inline void gather_row_or_first(const float* base, UInt index, Mask m, Float (&row)[n])
 {
@@ -138,7 +142,7 @@ template <int n>
         for (Float& x : row) x = Float(0);
         return;
     }
-    // Where a lane has a row there is a first one.
+    // Row 0 is readable whenever any lane has a row.
     const UInt at = select(m, index, UInt(0u));
     if constexpr (n < 4)
         gather_row(base, at, row);
@@ -149,7 +153,7 @@ template <int n>
             for (int i = 0; i < 4; ++i) row[k + i] = four[i];
         }
 }
-/// The same; 0 in others.
+/// Loads row[k] = base[index + k] for k < n in the lanes of m; 0 in other lanes. n is 2, 3 or a multiple of 4.
 template <int n>
 [[gnu::always_inline]] inline void gather_row(const float* base, UInt index, Mask m, Float (&row)[n])
 {
@@ -164,7 +168,7 @@ void for_each_active(Mask m, F&& f)
     for (std::uint32_t bits = mask_bits(m); bits; bits &= bits - 1) f(std::countr_zero(bits));
 }
 
-/// Calls f(id, lanes with that id) for each different id among the lanes of the mask.
+/// Calls f(id, mask of the lanes with that id) once for each distinct id among the lanes of the mask.
 template <class F>
 void for_each_unique(Mask m, UInt ids, F&& f)
 {

@@ -1,5 +1,5 @@
 #pragma once
-/// The AVX2 build of math/lanes.h: 8 lanes, masks as full vectors.
+/// AVX2 back end of math/lanes.h: 8 lanes; masks are full vectors. lanes_scalar.h documents the operations.
 #include <immintrin.h>
 
 #include <array>
@@ -122,12 +122,12 @@ inline void gather_row(const float* base, UInt index, Float (&row)[n])
     _mm256_store_si256(reinterpret_cast<__m256i*>(at), index.v);
     const auto read = [&](int lane) {
         const float* from = base + at[lane];
-        // Nothing is read behind a row that may be the last.
+        // The read must not extend past the row, which may be the last one of its array.
         if constexpr (n == 2) return _mm_castsi128_ps(_mm_loadu_si64(from));
         if constexpr (n == 3) return _mm_maskload_ps(from, _mm_setr_epi32(-1, -1, -1, 0));
         return _mm_loadu_ps(from);
     };
-    // Lanes k and k + 4, each with its numbers; then 4 by 4 numbers are transposed in either half.
+    // Each register holds the rows of lanes k and k + 4; then each half is transposed as a 4 by 4 matrix.
     __m256 r[4];
     for (int k = 0; k < 4; ++k) r[k] = _mm256_insertf128_ps(_mm256_castps128_ps256(read(k)), read(k + 4), 1);
     const __m256 low = _mm256_unpacklo_ps(r[0], r[1]), high = _mm256_unpackhi_ps(r[0], r[1]),
@@ -140,7 +140,7 @@ inline void gather_row(const float* base, UInt index, Float (&row)[n])
 
 namespace table {
 
-/// For each mask of 8 lanes: the positions of its lanes side by side, one byte each.
+/// For each mask of 8 lanes: the indices of its set lanes packed side by side, one byte each.
 inline constexpr auto compress_table = [] {
     std::array<std::uint64_t, 256> table{};
     for (unsigned mask = 0; mask < 256; ++mask)
@@ -176,7 +176,8 @@ inline std::uint32_t extract(UInt a, int lane)
 }
 inline UInt reverse_bits(UInt x)
 {
-    // Bytes swapped, then the nibbles of each by table, which also swaps them: the low one's table is shifted up.
+    // The bytes of each word are swapped, then a table reverses each nibble. The low nibble's table is shifted up,
+    // which swaps the nibbles.
     const __m256i bytes =
         _mm256_broadcastsi128_si256(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
     const __m256i high =
@@ -188,8 +189,8 @@ inline UInt reverse_bits(UInt x)
                            _mm256_shuffle_epi8(high, _mm256_and_si256(_mm256_srli_epi16(y, 4), mask)));
 }
 
-/// A table of 32 floats that is read by index, of which `n` are in use; any index is safe. Small ones are held in
-/// registers.
+/// Reads table[index] from 32 floats, of which the first n are in use; any index is safe. Tables of up to 16 entries
+/// are held in registers.
 inline Float lookup(const float* table, int n, UInt index)
 {
     const __m256 low = _mm256_permutevar8x32_ps(_mm256_loadu_ps(table), index.v);
@@ -204,17 +205,18 @@ inline UInt lookup(const std::uint32_t* table, int n, UInt index)
 {
     return _mm256_castps_si256(lookup(reinterpret_cast<const float*>(table), n, index).v);
 }
-/// The least of the lanes.
+/// The minimum over all lanes.
 inline float least(Float a)
 {
     __m128 x = _mm_min_ps(_mm256_castps256_ps128(a.v), _mm256_extractf128_ps(a.v, 1));
     x = _mm_min_ps(x, _mm_movehl_ps(x, x));
     return _mm_cvtss_f32(_mm_min_ss(x, _mm_movehdup_ps(x)));
 }
-/// The least of the lanes of each.
+/// out[i] = the minimum over the lanes of x[i].
 inline void min_each(const Float (&x)[16], float (&out)[16])
 {
-    // From (a, b) the lesser of their lanes in turns, a b a b ...; so on to a b c d in each half.
+    // singles(a, b) leaves partial minima of a and b in alternating lanes (a b a b ...); doubles extends that to a b c
+    // d in each half.
     const auto singles = [](__m256 a, __m256 b) {
         return _mm256_min_ps(_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
     };
@@ -229,13 +231,13 @@ inline void min_each(const Float (&x)[16], float (&out)[16])
                          _mm256_min_ps(_mm256_permute2f128_ps(a, b, 0x20), _mm256_permute2f128_ps(a, b, 0x31)));
     }
 }
-/// Each lane and all before it, added up.
+/// Inclusive prefix sums: lane i gets the sum of lanes 0 to i.
 inline UInt running_sums(UInt a)
 {
     __m256i x = a.v;
     x = _mm256_add_epi32(x, _mm256_slli_si256(x, 4));
     x = _mm256_add_epi32(x, _mm256_slli_si256(x, 8));
-    // The sum of the lower half, in all of the upper one.
+    // Broadcasts the sum of the lower half to all lanes of the upper half.
     const __m256i lower = _mm256_permutevar8x32_epi32(x, _mm256_set1_epi32(3));
     return _mm256_add_epi32(x, _mm256_blend_epi32(_mm256_setzero_si256(), lower, 0xf0));
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The AVX-512 build of math/lanes.h: 16 lanes, native masks.
+/// AVX-512 back end of math/lanes.h: 16 lanes, native mask registers. lanes_scalar.h documents the operations.
 #include <immintrin.h>
 
 #include <cstddef>
@@ -10,7 +10,8 @@ namespace fathom::avx512 {
 inline constexpr int lanes = 16;
 inline constexpr const char* lanes_name = "AVX-512";
 
-// As wide as a general register: compilers would keep a pair of smaller ones in one, and shift them to and fro.
+// The mask is as wide as a general register: compilers would pack a pair of narrower masks into one register and shift
+// them in and out.
 struct alignas(8) Mask {
     __mmask16 v;
     Mask() = default;
@@ -106,12 +107,13 @@ inline void gather_row(const float* base, UInt index, Float (&row)[n])
     _mm512_store_si512(at, index.v);
     const auto read = [&](int lane) {
         const float* from = base + at[lane];
-        // Nothing is read behind a row that may be the last.
+        // The read must not extend past the row, which may be the last one of its array.
         if constexpr (n == 2) return _mm_castsi128_ps(_mm_loadu_si64(from));
         if constexpr (n == 3) return _mm_maskz_loadu_ps(7, from);
         return _mm_loadu_ps(from);
     };
-    // Lanes k, k + 4, k + 8 and k + 12, each with its numbers; then 4 by 4 numbers are transposed in each quarter.
+    // Each register holds the rows of lanes k, k + 4, k + 8 and k + 12; then each quarter is transposed as a 4 by 4
+    // matrix.
     __m512 r[4];
     for (int k = 0; k < 4; ++k) {
         const __m256 first = _mm256_insertf128_ps(_mm256_castps128_ps256(read(k)), read(k + 4), 1),
@@ -125,7 +127,7 @@ inline void gather_row(const float* base, UInt index, Float (&row)[n])
     if constexpr (n > 2) row[2] = _mm512_shuffle_ps(high, high2, 0x44);
     if constexpr (n > 3) row[3] = _mm512_shuffle_ps(high, high2, 0xee);
 }
-// Compress into a register, then store: the store form is slow on Zen 4.
+// Compresses into a register and then stores: the memory form of the instruction is slow on Zen 4.
 inline void compress_store(float* p, Float a, Mask m) { _mm512_storeu_ps(p, _mm512_maskz_compress_ps(m.v, a.v)); }
 inline void compress_store(std::uint32_t* p, UInt a, Mask m)
 {
@@ -145,7 +147,8 @@ inline std::uint32_t extract(UInt a, int lane)
 }
 inline UInt reverse_bits(UInt x)
 {
-    // Bytes swapped, then the nibbles of each by table, which also swaps them: the low one's table is shifted up.
+    // The bytes of each word are swapped, then a table reverses each nibble. The low nibble's table is shifted up,
+    // which swaps the nibbles.
     const __m512i bytes = _mm512_broadcast_i32x4(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
     const __m512i high = _mm512_broadcast_i32x4(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
     const __m512i low = _mm512_slli_epi16(high, 4);
@@ -155,8 +158,8 @@ inline UInt reverse_bits(UInt x)
                            _mm512_shuffle_epi8(high, _mm512_and_si512(_mm512_srli_epi16(y, 4), mask)));
 }
 
-/// A table of 32 floats that is read by index, of which `n` are in use; any index is safe. Held in registers: no memory
-/// is gathered.
+/// Reads table[index] from 32 floats, of which the first n are in use; any index is safe. The table is held in
+/// registers, without gathers.
 inline Float lookup(const float* table, int n, UInt index)
 {
     if (n <= 16) return _mm512_permutexvar_ps(index.v, _mm512_loadu_ps(table));
@@ -166,12 +169,13 @@ inline UInt lookup(const std::uint32_t* table, int n, UInt index)
 {
     return _mm512_castps_si512(lookup(reinterpret_cast<const float*>(table), n, index).v);
 }
-/// The least of the lanes.
+/// The minimum over all lanes.
 inline float least(Float a) { return _mm512_reduce_min_ps(a.v); }
-/// The least of the lanes of each.
+/// out[i] = the minimum over the lanes of x[i].
 inline void min_each(const Float (&x)[16], float (&out)[16])
 {
-    // From (a, b) the lesser of their lanes in turns, a b a b ...; so on to a b c d in each quarter.
+    // singles(a, b) leaves partial minima of a and b in alternating lanes (a b a b ...); doubles extends that to a b c
+    // d in each quarter.
     const auto singles = [](__m512 a, __m512 b) {
         return _mm512_min_ps(_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
     };
@@ -186,7 +190,7 @@ inline void min_each(const Float (&x)[16], float (&out)[16])
     const __m512 low = quarters(four(x), four(x + 4)), high = quarters(four(x + 8), four(x + 12));
     _mm512_storeu_ps(out, _mm512_min_ps(_mm512_shuffle_f32x4(low, high, 0x88), _mm512_shuffle_f32x4(low, high, 0xdd)));
 }
-/// Each lane and all before it, added up.
+/// Inclusive prefix sums: lane i gets the sum of lanes 0 to i.
 inline UInt running_sums(UInt a)
 {
     const __m512i zero = _mm512_setzero_si512();

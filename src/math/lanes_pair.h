@@ -1,6 +1,6 @@
 #pragma once
-/// Lanes as pairs of registers: each operation is two independent instructions, which hide each other's latency where a
-/// single chain of them would leave the processor waiting. Included by math/lanes.h after a lanes_*.h with `native`.
+/// Lanes as pairs of registers: each operation is two independent instructions, which hide each other's latency.
+/// math/lanes.h includes this file after a lanes_*.h that defines `native`.
 #include <bit>
 
 namespace fathom {

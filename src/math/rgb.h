@@ -3,7 +3,7 @@
 
 namespace fathom {
 
-/// Channels of a transported Spectrum, and of colours in records and files: linear Rec.709.
+/// Number of channels of Spectrum, and of colors in records and files: linear Rec.709.
 inline constexpr int channels = 3;
 
 using Rgb = std::array<float, channels>;

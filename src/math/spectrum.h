@@ -5,7 +5,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Radiance or a factor of it in `channels` channels, per lane.
+/// Radiance, or a factor such as throughput, in `channels` channels per lane.
 struct Spectrum {
     Float c[channels];
 
@@ -36,7 +36,7 @@ inline Spectrum operator*(Spectrum a, Float s)
     for (Float& x : a.c) x = x * s;
     return a;
 }
-/// a * s + b, in one rounding.
+/// a * s + b with one rounding per channel.
 inline Spectrum fma(Spectrum a, Float s, const Spectrum& b)
 {
     for (int i = 0; i < channels; ++i) a.c[i] = fma(a.c[i], s, b.c[i]);
@@ -47,7 +47,7 @@ inline Spectrum select(Mask m, Spectrum a, const Spectrum& b)
     for (int i = 0; i < channels; ++i) a.c[i] = select(m, a.c[i], b.c[i]);
     return a;
 }
-/// A colour of records[index] for the lanes of m; 0 in others.
+/// Gathers a color of records[index] for the lanes of m; 0 in other lanes.
 template <class Record>
 [[gnu::always_inline]] inline Spectrum gather(const std::vector<Record>& records, Rgb Record::* member, UInt index,
                                               Mask m)
@@ -58,7 +58,7 @@ template <class Record>
     gather_row(base, at, m, s.c);
     return s;
 }
-/// The same of a member that is a record itself.
+/// Gathers a color that is part of a member record, for the lanes of m; 0 in other lanes.
 template <class Record, class Member>
 [[gnu::always_inline]] inline Spectrum gather(const std::vector<Record>& records, Member Record::* member,
                                               Rgb Member::* part, UInt index, Mask m)

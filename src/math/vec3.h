@@ -5,7 +5,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// N vectors, one per lane. Where a name has no suffix the space is render space (src/geometry/records.h).
+/// N vectors, one per lane. Vectors are in render space (src/geometry/records.h) unless the name has a suffix.
 struct Vec3 {
     Float x, y, z;
     Vec3() = default;
@@ -25,18 +25,18 @@ inline Vec3 cross(Vec3 a, Vec3 b)
     return {fma(a.y, b.z, -(a.z * b.y)), fma(a.z, b.x, -(a.x * b.z)), fma(a.x, b.y, -(a.y * b.x))};
 }
 inline Float length(Vec3 a) { return sqrt(dot(a, a)); }
-/// Unit vector along a; a must not be zero.
+/// Unit vector along a, which must not be zero.
 inline Vec3 normalize(Vec3 a) { return a * inverse_sqrt(dot(a, a)); }
 inline Vec3 flip_sign(Vec3 a, Float sign) { return {flip_sign(a.x, sign), flip_sign(a.y, sign), flip_sign(a.z, sign)}; }
 inline Vec3 abs(Vec3 a) { return {abs(a.x), abs(a.y), abs(a.z)}; }
 inline Float max_abs(Vec3 a) { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
 
-/// An orthonormal basis around a unit normal.
+/// Orthonormal basis around a unit normal; n is the local z axis.
 struct Frame {
     Vec3 s, t, n;
 
     Frame() = default;
-    /// Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
+    /// Builds tangents for a unit normal: Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
     explicit Frame(Vec3 normal) : n(normal)
     {
         const Float sign = copysign(Float(1), n.z);
