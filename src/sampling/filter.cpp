@@ -9,7 +9,7 @@ inline namespace FATHOM_LANES {
 
 namespace {
 
-/// Fills the table for a filter f, which is even and ends at the radius.
+/// Tabulates the inverse cumulative distribution of a filter f that is even and 0 beyond the radius.
 template <class F>
 void invert(float* inverse, int size, double radius, F f)
 {
@@ -35,7 +35,7 @@ void FilterTable::make_gaussian()
 
 void FilterTable::make_blackman_harris()
 {
-    // Harris 1978, the four-term window with side lobes at -92 dB.
+    // Four-term Blackman-Harris window with side lobes at -92 dB: Harris 1978.
     constexpr double radius = 1.65;
     invert(inverse, size, radius, [](double x) {
         const double t = std::numbers::pi * (x / radius + 1);

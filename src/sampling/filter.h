@@ -6,20 +6,20 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Sampling of a pixel filter by its inverse cumulative distribution: every sample then has the same weight, and a
-/// pixel owns its samples (Ernst, Stamminger, Greiner 2006, "Filter Importance Sampling"). The filters are separable,
-/// positive, and end two pixels from the centre (Gaussian, sigma 0.5), 1.65 (Blackman-Harris) or one (tent).
+/// Pixel filter sampled by its inverse cumulative distribution. All samples have equal weight, and a sample contributes
+/// to one pixel only (Ernst, Stamminger and Greiner 2006, "Filter Importance Sampling"). Filters are separable and
+/// nonnegative. Their radius in pixels is 2 (Gaussian, sigma 0.5), 1.65 (Blackman-Harris) or 1 (tent).
 struct FilterTable {
     static constexpr int size = 512;
-    /// The left half of the inverse, by the fourth root of the share: filters end softly, and there the inverse is
-    /// steep.
+    /// Left half of the inverse, tabulated over the fourth root of the probability: filters decay smoothly to 0, where
+    /// the inverse is steep.
     float inverse[size + 1];
 
     void make_gaussian();
     void make_blackman_harris();
     void make_tent();
 
-    /// Offset from the pixel's centre, for u in [0, 1).
+    /// Offset from the pixel's center, in pixels, for u in [0, 1).
     Float sample(Float u) const
     {
         const Mask right = u >= Float(0.5f);

@@ -5,14 +5,14 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The interval of a cumulative table of n + 1 ascending values, from table[first] on, that holds x: its number below
-/// n.
+/// Index below n of the interval that contains x, in a cumulative table of n + 1 ascending values that starts at
+/// table[first].
 inline UInt find_interval(const float* table, UInt first, int n, Float x)
 {
     UInt lo(0u), size(static_cast<std::uint32_t>(n));
     for (int left = n; left > 1; left = (left + 1) / 2) {
         const UInt half = (size + UInt(1)) >> 1;
-        // Halves by rounding up may overlap; never past the end.
+        // Halves of rounded-up size may overlap; the clamp keeps the index inside the table.
         const UInt middle = select(less(lo + half, UInt(static_cast<std::uint32_t>(n))), lo + half,
                                    UInt(static_cast<std::uint32_t>(n - 1)));
         const Mask right = gather(table, first + middle) <= x;
@@ -22,20 +22,21 @@ inline UInt find_interval(const float* table, UInt first, int n, Float x)
     return lo;
 }
 
-/// A guided table's interval: its number, and where it begins and ends.
+/// Interval of a guided cumulative table: its index and the values at its ends.
 struct GuidedInterval {
     UInt number;
     Float begin, end;
 };
 
-/// The entry for x of the guide to a table of n intervals.
+/// Guide entry for x, for a table of n intervals.
 inline UInt guide_entry(int n, Float x)
 {
     const UInt entry = to_uint(x * Float(float(guide_size(n)))), last(guide_size(n) - 1);
     return select(less(entry, last), entry, last);
 }
 
-/// The same for tables of n + 1 values side by side, with guides to them (make_guides): in the one numbered `table`.
+/// Finds the interval that contains x in table number `table` of several tables of n + 1 values, side by side, with
+/// guides from make_guides().
 inline GuidedInterval find_guided(const LargeVector<float>& tables, const LargeVector<std::uint32_t>& guides, int n,
                                   UInt table, Float x)
 {

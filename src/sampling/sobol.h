@@ -1,9 +1,10 @@
 #pragma once
-/// Owen-scrambled Sobol points: the random numbers of a path.
+/// Owen-scrambled Sobol points: the random numbers of a path. Every number is a function of (seed, pixel, sample index,
+/// dimension) alone.
 ///
-/// Every number is a function of (seed, pixel, sample index, dimension) alone. Dimensions come in pairs; each pair is
-/// the first two Sobol dimensions, shuffled and scrambled for itself ("padding"): Burley 2020, "Practical Hash-based
-/// Owen Scrambling". The hash is the improved Laine-Karras one of Vegdahl 2021.
+/// Dimensions come in pairs. Each pair is the first two Sobol dimensions, shuffled and scrambled independently
+/// ("padding"): Burley 2020, "Practical Hash-based Owen Scrambling". The hash is the improved Laine-Karras hash of
+/// Vegdahl 2021.
 #include "math/hash.h"
 #include "math/lanes.h"
 
@@ -14,13 +15,13 @@ struct Sample2 {
     Float x, y;  ///< each in [0, 1)
 };
 
-/// What distinguishes a path's random numbers: one per (seed, pixel), and the sample index with its bits reversed.
+/// Identifies the random numbers of a path: a hash of (seed, pixel), and the sample index with its bits reversed.
 struct SampleKey {
     UInt pixel_hash;
     UInt reversed_index;
 };
 
-/// Owen scrambling of a number whose bits are reversed: each bit is flipped by a hash of the bits below it.
+/// Owen scrambling of a number with reversed bits: each bit is flipped by a hash of the bits below it.
 inline UInt scramble_reversed(UInt x, UInt seed)
 {
     x ^= x * UInt(0x3d20adeau);
@@ -31,8 +32,8 @@ inline UInt scramble_reversed(UInt x, UInt seed)
     return x;
 }
 
-/// The second Sobol dimension of an index, with its bits reversed: the Pascal triangle modulo 2, of which bit (k, j) is
-/// set where k's bits are among j's, applied in five steps.
+/// Second Sobol dimension of an index, with its bits reversed. The generator matrix is the Pascal triangle modulo 2:
+/// bit (k, j) is set where the bits of k are a subset of those of j. Five steps apply it.
 inline UInt sobol1_reversed(UInt i)
 {
     i ^= (i >> 1) & UInt(0x55555555u);
@@ -43,31 +44,32 @@ inline UInt sobol1_reversed(UInt i)
     return i;
 }
 
-/// To [0, 1): 24 bits, so that 1 is never reached.
+/// Maps to [0, 1) with 24 bits, so that 1 is never reached.
 inline Float unit_float(UInt bits)
 {
     return to_float(bits >> 8) * Float(0x1p-24f);
 }
 
-/// The seed of a group of dimensions: one per bounce, and one for the camera.
+/// Seed of a group of dimensions: the camera is one group, and each bounce is one.
 inline UInt group_seed(const SampleKey& key, UInt group)
 {
     return hash(key.pixel_hash + group * UInt(0x9e3779b9u));
 }
-/// Seeds of the pairs of a group. Odd constants of full period; the scrambling hash mixes them on.
+/// Seed of a pair of dimensions within a group. The odd constants give a full period; the scrambling hash mixes
+/// further.
 inline UInt pair_seed(UInt group_seed, std::uint32_t pair)
 {
     return group_seed * UInt(0x8da6b343u + 0x3504f330u * pair);
 }
 
-/// The order in which a pair takes the points of the sequence. Two pairs whose numbers never enter one product may
-/// share it, their scramblings being independent: the sum of what they estimate has no covariance. Others may not.
+/// Index of the point of the sequence that a pair uses. Two pairs may share the index if their numbers never enter one
+/// product: independent scrambling leaves their estimates uncorrelated. Other pairs must not share it.
 inline UInt shuffled_index(const SampleKey& key, UInt seed)
 {
     return reverse_bits(scramble_reversed(key.reversed_index, seed));
 }
 
-/// The pair of dimensions that a seed stands for.
+/// Two-dimensional sample in [0, 1)^2 for a shuffled index and the seed of a pair.
 inline Sample2 sample_2d(UInt index, UInt seed)
 {
     const UInt x = reverse_bits(scramble_reversed(index, rotate16(seed)));
@@ -79,7 +81,7 @@ inline Sample2 sample_2d(const SampleKey& key, UInt seed)
     return sample_2d(shuffled_index(key, seed), seed);
 }
 
-/// A number without any structure, for decisions where none would help.
+/// Unstratified random number in [0, 1), for decisions that do not benefit from stratification.
 inline Float sample_hash(const SampleKey& key, UInt seed)
 {
     UInt x = (seed ^ key.reversed_index) * UInt(0x7feb352du);

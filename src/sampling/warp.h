@@ -6,7 +6,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Direction about +z with density cos / pi per solid angle.
+/// Direction about +z with density cos(theta) / pi with respect to solid angle.
 inline Vec3 sample_cosine_hemisphere(Sample2 u)
 {
     const Float r = sqrt(u.y);
@@ -14,7 +14,7 @@ inline Vec3 sample_cosine_hemisphere(Sample2 u)
     return {r * phi.cos, r * phi.sin, sqrt(Float(1) - u.y)};
 }
 
-/// Point of the unit disk, uniform by area; concentric (Shirley and Chiu 1997) so that strata keep their shape.
+/// Point of the unit disk, uniform by area. The concentric mapping (Shirley and Chiu 1997) preserves strata.
 struct DiskPoint {
     Float x, y;
 };
@@ -24,13 +24,13 @@ inline DiskPoint sample_disk(Sample2 u)
     const Mask first = abs(a) > abs(b);
     const Float r = select(first, a, b);
     const Float ratio = select(r != Float(0), select(first, b, a) / r, Float(0));
-    // Eighths of a turn: phi = ratio / 8, or 1/4 - ratio / 8.
+    // The angle is phi = ratio / 8 or 1/4 - ratio / 8, in turns.
     const SinCos phi = sincos_2pi(select(first, ratio * Float(0.125f), fma(ratio, Float(-0.125f), Float(0.25f))));
     return {r * phi.cos, r * phi.sin};
 }
 
-/// Direction about +z within a cone, uniform per solid angle: density 1 / (2 pi (1 - cos_max)). one_minus_cos_max is
-/// given instead of cos_max, since small cones would lose it to rounding.
+/// Direction about +z within a cone, uniform in solid angle: density 1 / (2 pi (1 - cos_max)). The argument is 1 -
+/// cos_max because cos_max alone loses small cones to rounding.
 inline Vec3 sample_cone(Sample2 u, Float one_minus_cos_max)
 {
     const Float one_minus_cos = u.x * one_minus_cos_max;
@@ -39,8 +39,8 @@ inline Vec3 sample_cone(Sample2 u, Float one_minus_cos_max)
     return {sin_theta * phi.cos, sin_theta * phi.sin, Float(1) - one_minus_cos};
 }
 
-/// Power heuristic for one sample of each of two strategies: Veach 1997, eq. 9.13 with beta = 2. Safe for huge
-/// densities.
+/// Weight of multiple importance sampling (MIS) by the power heuristic, for one sample of each of two strategies: Veach
+/// 1997, eq. 9.13 with beta = 2. Robust for very large densities.
 inline Float mis_weight(Float pdf, Float other)
 {
     const Float r = other * reciprocal(pdf);
