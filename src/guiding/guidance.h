@@ -8,7 +8,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The side that a normal faces: 0 to 5 for +x, -x, +y, -y, +z, -z.
+/// Index of the axis direction that a normal is closest to: 0 to 5 for +x, -x, +y, -y, +z, -z.
 inline UInt guiding_side(const Vec3& n)
 {
     const Float x = abs(n.x), y = abs(n.y), z = abs(n.z);
@@ -17,7 +17,7 @@ inline UInt guiding_side(const Vec3& n)
     return select(by_x, UInt(0u), select(by_y, UInt(2u), UInt(4u))) + select(along < Float(0), UInt(1u), UInt(0u));
 }
 
-/// d with the side's direction as z.
+/// Rotates d so that the direction of `side` becomes +z.
 inline Vec3 to_pole(UInt side, const Vec3& d)
 {
     const UInt axis = side >> 1;
@@ -26,7 +26,7 @@ inline Vec3 to_pole(UInt side, const Vec3& d)
     return {select(x, d.y, select(y, d.z, d.x)), select(x, d.z, select(y, d.x, d.y)),
             select((side & UInt(1u)) != UInt(0u), -z, z)};
 }
-/// The inverse of to_pole.
+/// Inverse of to_pole().
 inline Vec3 from_pole(UInt side, const Vec3& p)
 {
     const UInt axis = side >> 1;
@@ -35,7 +35,7 @@ inline Vec3 from_pole(UInt side, const Vec3& p)
     return {select(x, z, select(y, p.y, p.x)), select(x, p.x, select(y, z, p.y)), select(x, p.y, select(y, p.x, z))};
 }
 
-/// The bin of a histogram that d is in.
+/// Index of the histogram bin that contains the unit direction d.
 inline UInt guiding_bin(UInt side, const Vec3& d)
 {
     const auto whole = [](Float x, std::uint32_t n) {
@@ -47,14 +47,14 @@ inline UInt guiding_bin(UInt side, const Vec3& d)
     return whole(fma(p.z, Float(0.5f), Float(0.5f)), guiding_bands) * UInt(guiding_sectors) + sector;
 }
 
-/// Three numbers from one, all in [0, 1): by how much places are moved, so that the borders of cubes are not seen.
+/// Derives three numbers in [0, 1) from one. They jitter positions, which hides the borders of guiding cubes.
 inline Vec3 guiding_noise(Float x)
 {
     const Float y = x * Float(0x1p8f), z = x * Float(0x1p16f);
     return {x, y - floor(y), z - floor(z)};
 }
 
-/// The number of the cube that p is in, moved by up to half a cube. noise: see guiding_noise.
+/// Index of the cube that contains p, after jittering p by up to half a cube. noise: from guiding_noise().
 inline UInt guiding_cube(const GuidingTables& tables, const Vec3& p, const Vec3& noise)
 {
     const auto cell = [&](Float x, Float shift, int axis) {
@@ -65,20 +65,20 @@ inline UInt guiding_cube(const GuidingTables& tables, const Vec3& p, const Vec3&
     return (z * UInt(tables.cells[1]) + y) * UInt(tables.cells[0]) + x;
 }
 
-/// The chance with which paths of a throughput sample a light in their cubes.
+/// Probability with which paths of the given throughput sample a light in their cubes.
 inline Float light_chance(const GuidingTables& tables, UInt cube, Float throughput, Mask m)
 {
     constexpr float least = 1.f / 8;
     return clamp(gather(tables.nee_factors.data(), select(m, cube, UInt(0u)), m) * throughput, Float(least), Float(1));
 }
 
-/// What is known about where light comes from at some surfaces, to sample directions by it.
+/// Learned distribution of incident light at a gang of surface points; samples directions from it (path guiding).
 class Guidance {
 public:
-    /// Nothing is known.
+    /// Guiding is off.
     Guidance() = default;
-    /// At p, where the normal is n. noise: see guiding_noise. weight: how much directions by the histogram are worth
-    /// there, from 0 to 1.
+    /// Looks up the regions of the points p with shading normals n. noise: from guiding_noise(). weight: suitability of
+    /// the closure for guiding, from 0 to 1; it scales the share of guided directions.
     Guidance(const GuidingTables& tables, const Vec3& p, const Vec3& n, const Vec3& noise, Float weight, Mask m)
         : tables_(&tables)
     {
@@ -91,14 +91,15 @@ public:
     }
 
     bool is_on() const { return tables_ != nullptr; }
-    /// Lanes of which anything is known.
+    /// Lanes whose region has a learned distribution.
     Mask known() const { return known_; }
-    /// Of the directions that are to be sampled by sample().
+    /// Fraction of directions to take from sample(); 0 where nothing is known.
     Float share() const { return share_; }
-    /// The chance with which a path goes on, over its throughput times the surface's colour.
+    /// Survival probability divided by (throughput times surface color), for Russian roulette.
     Float survival_factor() const { return gather(tables_->survival_factors.data(), region_, known_); }
 
-    /// The chance with which the shadow ray of a light sample is traced that brings so much if it arrives.
+    /// Probability with which the shadow ray of a light sample is traced. brings: contribution of the sample if
+    /// unoccluded.
     Float shadow_chance(Float brings, Mask m) const
     {
         constexpr float least = 0.1f;
@@ -106,7 +107,7 @@ public:
         return clamp(gather(tables_->shadow_ray_factors.data(), cube_, m) * brings, Float(least), Float(1));
     }
 
-    /// A direction by the histogram.
+    /// Samples a unit direction from the histogram.
     Vec3 sample(Sample2 u) const
     {
         const float* values = tables_->histograms.data();
@@ -120,7 +121,7 @@ public:
         const Float r = sqrt(max(fma(-z, z, Float(1)), Float(0)));
         return from_pole(side_, {turn.cos * r, turn.sin * r, z});
     }
-    /// The density of sampling d by the histogram, by solid angle.
+    /// Density of sample() for the direction d, with respect to solid angle.
     Float histogram_pdf(const Vec3& d) const
     {
         const float* values = tables_->histograms.data();
@@ -128,13 +129,14 @@ public:
         const Float share = gather(values + 1, at) - gather(values, at);
         return share * Float(guiding_bins * inv_pi * 0.25f);
     }
-    /// The density of sampling d by one of both ways. bsdf_pdf: by the closure.
+    /// Density of the mixture of guided and BSDF sampling (one-sample MIS). bsdf_pdf: density of the closure for d.
     Float pdf(const Vec3& d, Float bsdf_pdf) const { return fma(share_, histogram_pdf(d) - bsdf_pdf, bsdf_pdf); }
 
 private:
     static constexpr int band_shift = 4;
     static_assert(guiding_sectors == 1u << band_shift);
-    /// The closure keeps a third: it knows what the histogram does not, and bounds the noise where that is wrong.
+    /// The closure keeps at least a third: it covers what the histogram misses and bounds the noise where that is
+    /// wrong.
     static constexpr float max_share = 0.65f;
 
     const GuidingTables* tables_ = nullptr;

@@ -1,10 +1,10 @@
 #pragma once
-/// Path guiding: what a first look at a scene tells about where light comes from, by place and by direction.
+/// Path guiding: what training passes record about incident light by position and direction.
 ///
-/// Space is cut into cubes, and each of them into six regions, by the side that surfaces face: along +x, -x, +y, -y, +z
-/// or -z. A region has a histogram over directions whose pole is that side's: bands of equal height, hence of equal
-/// solid angle, cut into sectors. See Mueller, Gross and Novak 2017, "Practical Path Guiding for Efficient
-/// Light-Transport Simulation", for what to learn and how to use it.
+/// Space is divided into cubes, and each cube into six regions by the axis direction that surfaces face: +x, -x, +y,
+/// -y, +z or -z. A region has a histogram over directions whose pole is that axis direction. Its bands have equal
+/// height, hence equal solid angle, and are divided into sectors. See Mueller, Gross and Novak 2017, "Practical Path
+/// Guiding for Efficient Light-Transport Simulation", for what to learn and how to use it.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -17,28 +17,30 @@ namespace fathom {
 
 inline constexpr std::uint32_t guiding_sides = 6;
 inline constexpr std::uint32_t guiding_bands = 8, guiding_sectors = 16, guiding_bins = guiding_bands * guiding_sectors;
-/// Values of a region's cumulative histogram, from 0 to 1.
+/// Number of values of a region's cumulative histogram, which ascend from 0 to 1.
 inline constexpr std::uint32_t guiding_stride = guiding_bins + 1;
 
-/// What has been learnt of a scene as a camera sees it.
+/// Learned tables for the scene as seen by a camera.
 struct GuidingTables {
     float lowest[3] = {};  ///< corner of the first cube, in render space
     float inverse_cell = 0;
-    /// Cubes along x, y and z; whatever lies beyond belongs to those at the border.
+    /// Number of cubes along x, y and z; points beyond the grid belong to the cubes at its border.
     std::uint32_t cells[3] = {};
-    LargeVector<std::uint32_t> regions;  ///< by (cube, x first) * guiding_sides + side: its number, or no_index
-    LargeVector<float> histograms;       ///< guiding_stride values a region
-    double max_value = 0;                ///< what a record's value counted at most
-    /// By region: with what chance a path goes on from there, over its throughput times the surface's colour; see
+    LargeVector<std::uint32_t> regions;  ///< region index by (cube, x fastest) * guiding_sides + side, or no_index
+    LargeVector<float> histograms;       ///< cumulative histograms, guiding_stride values per region
+    double max_value = 0;                ///< upper limit that was applied to record values
+    /// By region: survival probability of a path divided by (throughput times surface color); see
     /// session/efficiency_roulette.h.
     LargeVector<float> survival_factors;
-    /// By cube: with what chance a path samples a light there, over its throughput; the same. Empty: all do.
+    /// By cube: probability of sampling a light divided by the throughput; see session/efficiency_roulette.h. Empty:
+    /// always sample.
     LargeVector<float> nee_factors;
-    /// By cube: with what chance the shadow ray of a light sample is traced, over what the sample brings if it arrives.
+    /// By cube: probability of tracing a shadow ray divided by the contribution of its light sample if unoccluded.
+    /// Empty: always trace.
     LargeVector<float> shadow_ray_factors;
 };
 
-/// The number of the cube that a place is in.
+/// Index of the cube that contains a position.
 inline std::size_t guiding_cube(const GuidingTables& t, const float* position)
 {
     std::size_t at[3];
@@ -47,24 +49,24 @@ inline std::size_t guiding_cube(const GuidingTables& t, const float* position)
     return (at[2] * t.cells[1] + at[1]) * t.cells[0] + at[0];
 }
 
-/// What a path met at a surface that scatters it.
+/// Record of a path vertex on a surface that scattered the path.
 struct GuidingRecord {
     static constexpr std::uint16_t no_bin = 0xffff;
 
     float position[3];
-    std::uint16_t side = 0, bin = no_bin;  ///< of the direction that the path took from there, if any
-    /// Radiance that came back along it, times the cosine over the density with which it was sampled: the mean of the
+    std::uint16_t side = 0, bin = no_bin;  ///< histogram bin of the outgoing direction, or no_bin
+    /// Incident radiance along that direction, times its cosine, over the density it was sampled with; mean of the
     /// channels.
     float value = 0;
-    /// What a light sample brought there, over the path's throughput: the mean of the channels.
+    /// Contribution of the vertex's light sample, divided by the throughput of the path; mean of the channels.
     float light = 0;
 };
 
-/// What paths that are traced for learning met and brought, path by path.
+/// Records of training paths, path by path.
 struct GuidingRecords {
     std::vector<GuidingRecord> surfaces;
-    std::vector<std::uint8_t> counts;  ///< how many of these belong to each path
-    std::vector<float> radiance;       ///< of each path: the mean of the channels
+    std::vector<std::uint8_t> counts;  ///< number of surface records of each path
+    std::vector<float> radiance;       ///< radiance of each path; mean of the channels
 };
 
 }  // namespace fathom
