@@ -5,26 +5,28 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Camera rays in render space: origin, unit direction, and time within the shutter interval.
 struct CameraRay {
     Vec3 o, d;
     Float time;
 };
 
-/// Across, up and ahead: where the point (x, y) of a picture of all directions looks, y growing downwards.
+/// Direction of the point (x, y) of an equirectangular image; x and y in [0, 1], y downward. Components: right, up,
+/// forward.
 inline Vec3 spherical_direction(Float x, Float y)
 {
     const SinCos theta = sincos_2pi(Float(0.5f) * clamp(y, Float(0), Float(1))), phi = sincos_2pi(x - floor(x));
     return {-theta.sin * phi.sin, theta.cos, -theta.sin * phi.cos};
 }
 
-/// The same in a square where each direction has its share of the area: P. Clarberg: Fast Equal-Area Mapping of the
-/// (Hemi)Sphere using SIMD, 2008.
+/// Direction of the point (x, y) of a square equal-area image: Clarberg 2008, "Fast Equal-Area Mapping of the
+/// (Hemi)Sphere using SIMD". Arguments and components are those of spherical_direction().
 inline Vec3 equal_area_direction(Float x, Float y)
 {
     const Float u = fma(clamp(x, Float(0), Float(1)), Float(2), Float(-1)),
                 v = fma(clamp(y, Float(0), Float(1)), Float(2), Float(-1));
     const Float above = Float(1) - abs(u) - abs(v), r = Float(1) - abs(above);
-    // An eighth of a turn for each side of the diagonal.
+    // The azimuth in eighths of a turn, measured from the edge of a quadrant (0 to 2).
     const Float eighths = select(r > Float(0), (abs(v) - abs(u)) / max(r, Float(1e-30f)) + Float(1), Float(1));
     const SinCos phi = sincos_2pi(eighths * Float(0.125f));
     const Float across = r * sqrt(max(fma(-r, r, Float(2)), Float(0)));
@@ -32,7 +34,8 @@ inline Vec3 equal_area_direction(Float x, Float y)
     return {flip_sign(phi.cos * across, u), flip_sign(up, above), -flip_sign(phi.sin * across, v)};
 }
 
-/// The ray through the point (x, y) of the picture, from 0 to 1 and y downwards; lens and time are random.
+/// Camera ray through the point (x, y) of the image; x and y in [0, 1], y downward. lens: uniform sample for the
+/// aperture; time: uniform sample for the shutter interval.
 inline CameraRay camera_ray(const CameraRecord& camera, Float x, Float y, Sample2 lens, Float time)
 {
     const Float sx = fma(x, Float(2), Float(-1)) * Float(camera.half_width) + Float(camera.shift_right);
@@ -55,7 +58,7 @@ inline CameraRay camera_ray(const CameraRecord& camera, Float x, Float y, Sample
     if (camera.lens_radius > 0) {
         const DiskPoint p = sample_disk(lens);
         const Vec3 shift = fma(right, p.x * Float(camera.lens_radius), up * (p.y * Float(camera.lens_radius)));
-        // ray.d has length 1 along the view axis, so this is the point in focus.
+        // ray.d has length 1 along the view axis here, so this is the point in focus.
         const Vec3 focus = fma(ray.d, Float(camera.focus_distance), ray.o);
         ray.o = ray.o + shift;
         ray.d = focus - ray.o;

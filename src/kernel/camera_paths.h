@@ -5,7 +5,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Pairs of random dimensions of the camera (group 0) and of each bounce (group bounce + 1).
+/// Pairs of random dimensions: CameraPair in group 0 (the camera), BouncePair in group bounce + 1.
 enum CameraPair : std::uint32_t { pair_film, pair_lens, pair_time };
 enum BouncePair : std::uint32_t {
     pair_light,
@@ -20,7 +20,7 @@ enum BouncePair : std::uint32_t {
     pair_shadow_chance
 };
 
-/// The beginnings of a job's paths, numbered pixel by pixel.
+/// Generates the camera rays of a job. Paths are numbered pixel by pixel, then sample by sample.
 class CameraPaths {
 public:
     CameraPaths(const LaneScene& scene, const CameraRecord& camera, const KernelSettings& settings,
@@ -30,20 +30,21 @@ public:
     }
 
     struct Path {
-        UInt pixel;  ///< its place in the job
+        UInt pixel;  ///< position of the pixel in job.pixels
         SampleKey key;
         CameraRay ray;
     };
 
+    /// Number of paths of the job.
     std::uint32_t total() const { return total_; }
 
-    /// Paths number `first` and on; lanes past the last one repeat the first.
+    /// Generates `lanes` paths from number `first` on; lanes past the last path repeat path `first`.
     [[gnu::always_inline]] Path make(std::uint32_t first) const
     {
         UInt number = UInt(first) + iota();
         number = select(less(number, UInt(total_)), number, UInt(first));
         Path path;
-        // Exact, since a job has less than 2^20 samples.
+        // Rounding cannot change this quotient because a job has at most 2^20 samples.
         path.pixel = to_uint((to_float(number) + Float(0.5f)) * Float(1.0f / float(job_.samples)));
         const UInt sample = number - path.pixel * UInt(job_.samples) + UInt(job_.first_sample);
         const UInt xy = gather(job_.pixels, path.pixel);

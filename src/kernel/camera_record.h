@@ -3,16 +3,18 @@
 
 namespace fathom {
 
-/// The camera in render space.
+/// Camera parameters in render space.
 struct CameraRecord {
     std::uint32_t orthographic = 0;
-    std::uint32_t spherical = 0, equal_area = 0;  ///< all directions; the latter only of those
+    std::uint32_t spherical = 0, equal_area = 0;  ///< spherical: sees all directions; equal_area: by the equal-area
+                                                  ///< mapping
     float position[3] = {};
-    float right[3] = {}, up[3] = {}, forward[3] = {};  ///< unit
-    float half_width = 1, half_height = 1;  ///< at distance 1 (perspective), or in render space (orthographic)
+    float right[3] = {}, up[3] = {}, forward[3] = {};  ///< orthonormal axes
+    float half_width = 1, half_height = 1;  ///< half size of the image plane: at distance 1 (perspective), or in render
+                                            ///< space (orthographic)
     float lens_radius = 0, focus_distance = 1;
     float shutter_open = 0, shutter_close = 0;
-    float shift_right = 0, shift_up = 0;  ///< of the picture's middle, as half_width and half_height
+    float shift_right = 0, shift_up = 0;  ///< offset of the image center, in the units of half_width and half_height
 };
 
 }  // namespace fathom

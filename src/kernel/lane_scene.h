@@ -11,57 +11,57 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The kernel's scene: the tables, the acceleration structure, and what is worth precomputing.
+/// The kernel's scene: the compiled tables, the acceleration structure, and precomputed flags and columns.
 struct LaneScene final : KernelScene {
     std::shared_ptr<const SceneTables> tables_owner;
     const SceneTables& tables;
-    /// A scene of a few dozen primitives is traced as a flat list, a larger one by the tree.
+    /// Scenes of a few dozen primitives are traced as a flat list (`flat`), larger ones by the BVH (`bvh`).
     bool is_flat = false;
     FlatScene flat;
     Bvh bvh;
-    /// Per shape: the bucket of its material, and flags on top.
+    /// Per shape: the sort bucket of its material in the low bits, flags in the high bits.
     std::vector<std::uint32_t> shape_info;
     static constexpr std::uint32_t emits = 1u << 31, is_mixture = 1u << 30;
-    /// Shadow rays may pass, and paths as if nothing were there; and that is no bounce.
+    /// Shadow rays and paths may pass the surface undeflected (may_be_passed) without counting a bounce (is_no_bounce).
     static constexpr std::uint32_t may_be_passed = 1u << 29, is_no_bounce = 1u << 28;
-    /// Per material: its bucket; of use where a mixture has it.
+    /// Per material: its sort bucket, for the constituents of mixtures.
     std::vector<std::uint32_t> material_bucket;
-    /// Paths are sorted by bucket before they are shaded: first by ClosureKind, then by material (modulo 32).
+    /// Sort key of paths before shading: first the ClosureKind, then the material modulo 32.
     static constexpr std::uint32_t bucket_mask = 0x1ff, kind_shift = 5;
     static constexpr std::uint32_t buckets = std::uint32_t(closure_kind_count) << kind_shift;
     static_assert(buckets <= bucket_mask + 1);
-    static constexpr std::uint32_t samples_light =
-        bucket_mask + 1;  ///< the mark of buckets of paths that sample a light
-    /// Per primitive, if the scene is flat: shape_info of its shape; padded for lookup().
+    static constexpr std::uint32_t samples_light = bucket_mask + 1;  ///< bucket flag of paths that sample a light
+    /// Per primitive of a flat scene: the shape_info of its shape; padded for lookup().
     std::vector<std::uint32_t> primitive_info;
     QuadColumns quads;
     std::uint32_t kinds = 0;        ///< bit per ClosureKind that occurs and scatters
-    bool is_large = false;          ///< vertices are far more than caches hold near a core
-    bool textured = false;          ///< there are textures
-    bool has_fibers = false;        ///< some material is of fibres, to which uv say where across they are met
-    bool wants_uv = false;          ///< either of both, or tangents
-    bool has_way_out = false;       ///< lights were seen from elsewhere than where rays begin: PathPool::exit_offset
-    bool wants_tangents = false;    ///< tangents of surfaces matter somewhere
-    bool has_bumps = false;         ///< some material bends normals by the slope of a texture
+    bool is_large = false;          ///< vertices exceed the caches close to a core
+    bool textured = false;          ///< the scene has textures
+    bool has_fibers = false;        ///< some material is a hair closure, which needs the texture coordinate v as offset
+                                    ///< across the fiber
+    bool wants_uv = false;          ///< texture coordinates are needed: for textures, hair or tangents
+    bool has_way_out = false;       ///< light sampling points may differ from ray origins: see PathPool::exit_offset
+    bool wants_tangents = false;    ///< tangents of surfaces are needed
+    bool has_bumps = false;         ///< some material is bump-mapped
     bool has_map_tangents = false;  ///< some material has MaterialRecord::map_tangents
-    bool wants_uv_slopes = false;   ///< either of both: Surface::ways are known
-    bool varied_lights = false;     ///< some are not alike all over, see LightRecord::material
-    bool moving_lights = false;     ///< some are elsewhere at other times, see LightRecord::motion
-    bool curve_lights = false;      ///< some are segments of curves
-    bool pictured_lights = false;   ///< some are LightRecordKind::pictured
-    bool refracts = false;          ///< some material lets light pass
-    bool one_sided = false;         ///< some surfaces reflect nothing on their back
-    bool looks_through = false;     ///< cameras look through some surfaces, or through their backs
+    bool wants_uv_slopes = false;   ///< has_bumps or has_map_tangents: Surface::ways is filled in
+    bool varied_lights = false;     ///< some lights vary over their surface: see LightRecord::material
+    bool moving_lights = false;     ///< some lights move: see LightRecord::motion
+    bool curve_lights = false;      ///< some lights are curve segments
+    bool pictured_lights = false;   ///< some lights are LightRecordKind::pictured
+    bool refracts = false;          ///< some material transmits light
+    bool one_sided = false;         ///< some surfaces are black on their back
+    bool looks_through = false;     ///< camera rays pass some surfaces: see CameraSeesThrough
     bool has_absorption = false;    ///< some medium absorbs or scatters
     bool scatters_inside = false;   ///< some medium scatters
-    bool textured_media = false;    ///< as textures say, which paths bring along
-    bool open_media = false;        ///< some are open, or have boundaries that are: see MediumRecord
-    bool transmissive_shadows = false;  ///< shadow rays pass some surfaces: boundaries of those, and panes
-    bool tracks_media = false;          ///< paths must know what they are in: that, or solids may overlap
-    bool has_mixtures = false;          ///< some material is one of two
-    bool sees_environment = false;      ///< rays that leave the scene bring something
-    bool only_quads = false;            ///< flat, without motion and what is rare: QuadTracer renders it
-    bool only_plain_quads = false;      ///< the same, and all quads are plain: see QuadColumns
+    bool textured_media = false;    ///< some media have textured coefficients, which paths carry along
+    bool open_media = false;        ///< some media are index-matched (MediumRecord::is_open) or have open boundaries
+    bool transmissive_shadows = false;  ///< shadow rays pass some surfaces: open boundaries or panes
+    bool tracks_media = false;          ///< paths keep a stack of media: some absorb or are open, or solids may overlap
+    bool has_mixtures = false;          ///< some material is a mixture
+    bool sees_environment = false;      ///< rays that leave the scene see radiance
+    bool only_quads = false;            ///< flat, static, quads only, without rare features: QuadTracer renders it
+    bool only_plain_quads = false;      ///< only_quads, and all quads are plain: see QuadColumns
     FilterTable filters[3];             ///< Gaussian, Blackman-Harris, tent
 
     LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level);
@@ -71,7 +71,7 @@ struct LaneScene final : KernelScene {
 
     /// Whether some material of this ClosureKind scatters.
     bool has_closure(std::uint32_t kind) const { return kinds >> kind & 1; }
-    /// shape_info of what was hit; 0 outside the mask.
+    /// shape_info of the shape that was hit; 0 outside the mask.
     UInt info_of(UInt primitive, UInt instance, Mask m) const;
 
 private:

@@ -8,21 +8,21 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// So many paths are under way at once in a thread.
+/// Number of paths a thread keeps in flight.
 inline constexpr std::size_t pool_capacity = 2048;
-/// Columns have room behind for stores of whole registers.
+/// Length of columns in memory: padding allows stores of whole registers past the last path.
 inline constexpr std::size_t pool_padded = pool_capacity + 32;
 
-/// A number of many paths, path by path; loops run over it N lanes at a time. T: float or a 32-bit integer.
+/// One value per path, stored contiguously; loops run over it `lanes` paths at a time. T: float or std::uint32_t.
 template <class T>
 struct Column {
     using Lanes = decltype(fathom::load(static_cast<const T*>(nullptr)));
 
     Lanes load(std::size_t i) const { return fathom::load(&data[i]); }
     void store(std::size_t i, Lanes value) { fathom::store(&data[i], value); }
-    /// Only the lanes of the mask: what follows belongs to other paths.
+    /// Stores the lanes of the mask only; the other lanes belong to other paths.
     void store(std::size_t i, Lanes value, Mask m) { store(i, select(m, value, load(i))); }
-    /// The lanes of the mask, one behind the other.
+    /// Stores the lanes of the mask contiguously from index i on (stream compaction).
     void append(std::size_t i, Lanes value, Mask m) { compress_store(&data[i], value, m); }
     Lanes gather(UInt index, Mask m) const { return fathom::gather(data, index, m); }
     T& operator[](std::size_t i) { return data[i]; }
@@ -31,6 +31,7 @@ struct Column {
     alignas(64) T data[pool_padded];
 };
 
+/// One vector per path, as three columns.
 struct VectorColumn {
     Vec3 load(std::size_t i) const { return {x.load(i), y.load(i), z.load(i)}; }
     void store(std::size_t i, const Vec3& v) { x.store(i, v.x), y.store(i, v.y), z.store(i, v.z); }
@@ -41,6 +42,7 @@ struct VectorColumn {
     Column<float> x, y, z;
 };
 
+/// One spectrum per path, a column per channel.
 struct SpectrumColumn {
     Spectrum load(std::size_t i) const
     {
@@ -64,7 +66,7 @@ struct SpectrumColumn {
     Column<float> c[channels];
 };
 
-/// See MediumStack.
+/// One MediumStack per path, as two columns of words.
 struct MediaColumn {
     MediumStack load(std::size_t i) const { return {low.load(i), high.load(i)}; }
     void store(std::size_t i, const MediumStack& media) { low.store(i, media.low()), high.store(i, media.high()); }
@@ -76,7 +78,7 @@ struct MediaColumn {
     Column<std::uint32_t> low, high;
 };
 
-/// Calls f(column of a, the same of b) for each plain column of two columns of the same type.
+/// Calls f(column of a, column of b) for each plain column of two columns of equal type.
 template <class T, class F>
 void for_columns(Column<T>& a, Column<T>& b, F&& f)
 {
@@ -99,46 +101,48 @@ void for_columns(MediaColumn& a, MediaColumn& b, F&& f)
     f(a.low, b.low), f(a.high, b.high);
 }
 
-/// What a path carries that not every scene needs.
+/// Which optional state a path carries; each member says when it is needed.
 struct PathExtras {
     bool time = false;                  ///< something moves
-    bool eta_scale = false;             ///< something refracts
-    bool media = false;                 ///< what solids are filled with matters
-    bool clamp = false;                 ///< indirect light is limited
-    bool light_chance = false;          ///< a light is not sampled everywhere
-    bool number = false;                ///< paths are noted
-    bool walks = false;                 ///< and that scatters
-    bool walk_textures = false;         ///< in colours and distances of its own where the path came in
-    bool transmissive_shadows = false;  ///< surfaces may be passed as if they were not there
+    bool eta_scale = false;             ///< some material transmits
+    bool media = false;                 ///< paths keep a stack of media
+    bool clamp = false;                 ///< indirect light is clamped
+    bool light_chance = false;          ///< light sampling is skipped by chance
+    bool number = false;                ///< paths are recorded for guiding
+    bool walks = false;                 ///< some medium scatters
+    bool walk_textures = false;         ///< some medium has textured coefficients
+    bool transmissive_shadows = false;  ///< shadow rays pass some surfaces
 };
 
-/// Paths under way.
+/// State of the paths in flight, as a structure of arrays.
 struct PathPool {
     VectorColumn origin, direction;
     SpectrumColumn throughput, radiance;
     Column<std::uint32_t> pixel_hash, reversed_index;  ///< see SampleKey
-    /// The bounce in its low 15 bits, the pixel (its place in the job) from the 16th on, and:
+    /// Low 15 bits: number of bounces. From bit 16: position of the pixel in the job. Other bits: the flags below.
     Column<std::uint32_t> state;
     static constexpr std::uint32_t bounce_mask = 0x7fff;
-    static constexpr std::uint32_t scattered = 1u << 15;  ///< some direction came from other than delta lobes
+    static constexpr std::uint32_t scattered = 1u << 15;  ///< some scattering event was not a delta lobe
     static constexpr int pixel_shift = 16;
     static constexpr std::uint32_t max_pixels = 1u << 14;
-    static constexpr std::uint32_t specular = 1u << 31;  ///< the last direction came from a delta lobe, or the camera
-    static constexpr std::uint32_t dead = 1u << 30;      ///< throughput is 0, or roulette ended the path
-    Column<float> bsdf_pdf;  ///< of the last direction; whoever shades gives it anew, but at open boundaries
-    Column<float>
-        exit_offset;  ///< beside it, see LaneScene::has_way_out: so far before the origin lights were seen from
+    static constexpr std::uint32_t specular = 1u << 31;  ///< the last direction came from a delta lobe or the camera
+    static constexpr std::uint32_t dead = 1u << 30;  ///< the path has ended: throughput is 0, or by Russian roulette
+    Column<float> bsdf_pdf;     ///< MIS density (solid angle) of the last direction; kept when a path passes an open
+                                ///< boundary or pane
+    Column<float> exit_offset;  ///< distance along the ray from the point where lights were sampled to the ray origin;
+                                ///< see LaneScene::has_way_out
     Column<float> eta_scale, time;
-    Column<float> indirect_left;  ///< see IndirectClamp
-    /// Of sampling a light where the path is; below 0: it does not.
+    Column<float> indirect_left;  ///< remaining budget of indirect light: see integrate/stages/indirect_clamp.h
+    /// Probability with which this vertex samples a light; negative if this path does not sample one.
     Column<float> light_chance;
-    Column<std::uint32_t> number;  ///< in the job
+    Column<std::uint32_t> number;  ///< number of the path in the job
     MediaColumn media;
-    Column<std::uint32_t> walk_steps;  ///< within a medium, since the last surface
-    /// Of media with textures: extinction, and what is scattered of it; below 0: what the medium says.
+    Column<std::uint32_t> walk_steps;  ///< scattering events within a medium since the last surface
+    /// Extinction and single-scattering albedo of textured media, fixed on entry; negative extinction: use the
+    /// medium's.
     SpectrumColumn walk_extinction, walk_albedo;
 
-    /// Calls f(column of a, the same of b) for what a path takes with it to its next surface and on from there.
+    /// Calls f(column of a, column of b) for each column that lives on to the next surface and beyond.
     template <class F>
     static void for_each_live_column(PathPool& a, PathPool& b, PathExtras extras, F&& f)
     {
@@ -163,13 +167,13 @@ struct PathPool {
     }
 };
 
-/// What tracing the pool gave, one entry a path.
+/// Result of tracing the pool, one entry per path.
 struct HitColumns {
     Column<float> t, u, v;
     Column<std::uint32_t> primitive, instance;
     Column<std::uint32_t> material;  ///< see SurfaceHit
 
-    /// Calls f(column of a, the same of b) for each; instance and material only where there are any.
+    /// Calls f(column of a, column of b) for each column; instance and material only if used.
     template <class F>
     static void for_all(HitColumns& a, HitColumns& b, bool instances, bool materials, F&& f)
     {

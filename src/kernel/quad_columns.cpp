@@ -44,7 +44,7 @@ void QuadColumns::build(const SceneTables& tables, bool sheared)
         const std::uint32_t primitive = tables.first_quad() + std::uint32_t(q);
         const ShapeRecord& shape = tables.shapes[tables.shape_of_primitive[primitive]];
         const MaterialRecord& material = tables.materials[shape.material];
-        // Emission is on the side of the front as the scene says, which a mirroring transform swaps.
+        // Emission is on the front as the scene defines it; a mirroring transform swaps front and back.
         const bool flipped = (shape.flags & ShapeRecord::flipped) != 0;
         std::uint32_t flags = std::uint32_t(material.closure) << kind_shift;
         if (material.closure != ClosureKind::none) flags |= scatters;

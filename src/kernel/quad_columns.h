@@ -9,35 +9,34 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// What shading needs to know of each quad, column by column: small tables are read from registers (lookup), larger
-/// ones gathered. Any index may be asked for; what is not a quad's gives anything.
+/// Shading data of quads as columns: small tables are read from registers by lookup(), larger ones are gathered. Any
+/// index may be passed; the result is unspecified for an index that is not a quad.
 class QuadColumns {
 public:
-    /// front: the side of the normal.
+    /// front: the side of the quad's normal.
     enum Flags : std::uint32_t {
         scatters = 1,
         emits_front = 2,
         emits_back = 4,
-        unlit = 8 /* seen by the camera only */,
-        plain = 16 /* smooth, diffuse, of one colour; what does not scatter is plain, too */
+        unlit = 8 /* visible to the camera only, lights nothing */,
+        plain = 16 /* smooth and diffuse of one color, or not scattering at all */
     };
-    static constexpr int kind_shift = 8;  ///< above the flags: the ClosureKind
+    static constexpr int kind_shift = 8;  ///< bits above the flags hold the ClosureKind
 
+    /// Whether a material is plain: see Flags::plain.
     static bool is_plain(const MaterialRecord& material);
-    /// sheared: quads are met as triangles, by the test that shears coordinates.
+    /// Fills the columns. sheared: quads are intersected as triangles by the test that shears coordinates.
     void build(const SceneTables& tables, bool sheared);
 
-    Vec3 normal(UInt quad) const
-    {
-        return {number(0, quad), number(1, quad), number(2, quad)};
-    }  ///< unit, along cross(edge_u, edge_v)
-    Vec3 tangent(UInt quad) const
-    {
-        return {number(3, quad), number(4, quad), number(5, quad)};
-    }  ///< unit, in its plane
-    Float rounding(UInt quad) const { return number(6, quad); }  ///< by the size of it: see rounding_along
+    /// Unit normal along cross(edge_u, edge_v).
+    Vec3 normal(UInt quad) const { return {number(0, quad), number(1, quad), number(2, quad)}; }
+    /// Unit tangent in the plane of the quad.
+    Vec3 tangent(UInt quad) const { return {number(3, quad), number(4, quad), number(5, quad)}; }
+    /// Bound on intersection rounding from the quad's size: see rounding_along.
+    Float rounding(UInt quad) const { return number(6, quad); }
     UInt flags(UInt quad) const { return float_bits(number(7, quad)); }
-    UInt light(UInt quad) const { return float_bits(number(8, quad)); }  ///< or no_index
+    /// Light index of the quad, or no_index.
+    UInt light(UInt quad) const { return float_bits(number(8, quad)); }
     Spectrum color(UInt quad) const { return spectrum(9, quad); }
     Spectrum emission(UInt quad) const { return spectrum(9 + channels, quad); }
 
@@ -55,7 +54,7 @@ private:
     {
         const float* table = values_.data() + std::size_t(column) * stride_;
         if (size_ <= lookup_size) return lookup(table, size_, quad);
-        // For what is no quad stands the last entry: also for triangles, whose numbers lie before those of quads.
+        // The last entry stands for anything that is not a quad, such as triangles, which precede quads in numbering.
         const UInt last(static_cast<std::uint32_t>(size_));
         const Mask is_quad = less(quad, last) & !less(quad, UInt(0u));
         return gather(table, select(is_quad, quad, last));

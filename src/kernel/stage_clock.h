@@ -7,14 +7,14 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Counts a gang of paths that a surface scatters.
+/// Counts the paths of a gang (one per lane) that a surface scatters.
 [[gnu::always_inline]] inline void count_vertices(KernelCounters& counters, Mask valid)
 {
     counters.costs.vertices += std::uint64_t(count(valid));
     counters.costs.shaded_lanes += lanes;
 }
 
-/// Notes which stage the time goes into, from one lap to the next, where that is asked for; else it costs a branch.
+/// Measures the time spent in each render stage if enabled; if disabled it costs one branch per call.
 class StageClock {
 public:
     StageClock(KernelCounters& counters, bool on) : counters_(counters), on_(on), last_(on ? ticks() : 0) {}
@@ -22,7 +22,7 @@ public:
     StageClock& operator=(const StageClock&) = delete;
     ~StageClock() { enter(current_); }
 
-    /// What follows is of this stage.
+    /// Attributes the time from now on to `stage`.
     [[gnu::always_inline]] void enter(RenderStage stage)
     {
         if (!on_) [[likely]]
@@ -34,7 +34,7 @@ public:
     }
 
 private:
-    /// Of no unit: see KernelCounters::ticks.
+    /// Time stamp in arbitrary units: see KernelCounters::ticks.
     [[gnu::always_inline]] static std::uint64_t ticks()
     {
 #if defined(__x86_64__)

@@ -6,7 +6,7 @@
 
 namespace fathom {
 
-/// The scene as the kernel reads it: what each floor owns, in one place.
+/// The compiled scene as the kernel reads it: the tables of geometry, shading, media and lights.
 struct SceneTables : GeometryTables, ShadingTables, MediaTables, LightTables {};
 
 }  // namespace fathom
