@@ -1,5 +1,5 @@
-/// Compiled for one lane (FATHOM_ONE_LANE), since traversal asks for one candidate at a time: the very code by which
-/// shading looks textures up.
+/// Compiled for one lane (FATHOM_ONE_LANE), since traversal asks for one candidate at a time. It evaluates textures by
+/// the code that shading uses.
 #include "integrate/alpha.h"
 
 #include <bit>
@@ -20,7 +20,7 @@ std::uint32_t shape_of(const SceneTables& t, const AlphaCandidate& c)
     return c.instance == no_index ? t.shape_of_primitive[c.primitive] : t.instances[c.instance].shape;
 }
 
-/// Where the textures are looked up.
+/// Texture coordinates and vertex colors of the candidate hit.
 TexturePoint read_place(const SceneTables& t, const ShapeRecord& shape, const AlphaCandidate& c)
 {
     TexturePoint at;
@@ -29,7 +29,7 @@ TexturePoint read_place(const SceneTables& t, const ShapeRecord& shape, const Al
     at.p_world =
         fma(fma(d, c.t, o), Float(1 / t.render_scale), Vec3(Float(t.origin.x), Float(t.origin.y), Float(t.origin.z)));
     at.n_world = Vec3(0, 0, 0);
-    // A quad's images hang upright: edge_v points up, v grows downwards.
+    // Images on quads are upright: edge_v points up, while v grows downward.
     const bool is_triangle = c.primitive < t.first_quad();
     for (int i = 0; i < 2; ++i) at.u[i] = is_triangle ? 0 : c.u, at.v[i] = is_triangle ? 0 : 1 - c.v;
     if (!is_triangle) return at;
@@ -42,7 +42,7 @@ TexturePoint read_place(const SceneTables& t, const ShapeRecord& shape, const Al
     return at;
 }
 
-/// In [0, 1), hashed from what makes one decision different from another.
+/// Random number in [0, 1), hashed from everything that distinguishes one decision from another.
 Float random_number(const AlphaCandidate& c)
 {
     UInt h = hash(c.primitive + hash(c.instance));

@@ -3,11 +3,10 @@
 
 namespace fathom {
 
-/// The AlphaTest of all scenes: whether a hit counts on a shape whose material has an alpha.
+/// The AlphaTest of all scenes: whether a hit on an alpha-tested shape is opaque. context: the SceneTables.
 ///
-/// Where alpha blends, a number decides that is hashed from the ray, the primitive and the instance: a share of alpha
-/// of the rays is stopped, each layer decides for itself, and the answer for a ray is always the same. context: the
-/// SceneTables.
+/// Alpha blending is stochastic: a number hashed from the ray, the primitive and the instance is compared with alpha.
+/// Each layer decides independently, and the decision for a given ray never changes.
 bool alpha_passes(const void* context, const AlphaCandidate& candidate);
 
 }  // namespace fathom

@@ -25,16 +25,16 @@ ShadowTargets shadow_targets(const LightTables& tables)
                     };
                     targets.places.push_back({corner(0), corner(1), corner(2)});
                 }
-        // What moves is seen from anywhere: no surface is left out.
+        // Moving lights can be seen from anywhere, so no surface may be left out.
         targets.infinite |= light.kind == std::uint32_t(LightRecordKind::directional) || light.motion != 0;
     }
-    // Of a light with a picture the number is that of the picture.
+    // LightRecord::primitive of a pictured light is the index of its image.
     if (tables.lights.size() == 1 && tables.lights[0].kind != std::uint32_t(LightRecordKind::pictured))
         targets.only_primitive = tables.lights[0].primitive;
     return targets;
 }
 
-/// How many solids with an inside stand in the scene, as far as it matters.
+/// Number of solids that have a medium, counting instances.
 std::size_t count_solids(const SceneTables& tables)
 {
     const auto is_solid = [&](const ShapeRecord& shape) { return tables.materials[shape.material].medium != 0; };
@@ -45,7 +45,7 @@ std::size_t count_solids(const SceneTables& tables)
     return count;
 }
 
-/// Whether something stands in the scene whose material f says yes to; parts of mixtures don't.
+/// Whether some shape's material satisfies f. Constituents of mixtures are not tested.
 template <class F>
 bool has_material(const SceneTables& tables, F&& f)
 {
@@ -65,12 +65,12 @@ bool has_panes(const SceneTables& tables)
     return has_material(tables, [](const MaterialRecord& m) { return (m.flags & MaterialRecord::pane) != 0; });
 }
 
-/// How paths and shadow rays pass what is of a material, among the flags of shape_info.
+/// Flags of shape_info that tell how paths and shadow rays pass a material.
 std::uint32_t passing_info(const SceneTables& tables, const MaterialRecord& m)
 {
     if (m.flags & MaterialRecord::open_boundary) return LaneScene::may_be_passed | LaneScene::is_no_bounce;
     if (!(m.flags & MaterialRecord::pane)) return 0;
-    // Where light comes into something, what scatters it there is the bounce.
+    // A pane that bounds an index-matched medium counts no bounce: the scattering inside the medium does.
     return LaneScene::may_be_passed | (tables.media[m.medium].is_open ? LaneScene::is_no_bounce : 0);
 }
 
@@ -100,7 +100,7 @@ bool LaneScene::has_alpha() const
                        [](const ShapeRecord& s) { return s.flags & ShapeRecord::alpha_tested; });
 }
 
-/// Finds all but the tree.
+/// Sets everything except the BVH.
 void LaneScene::read_tables()
 {
     if (is_flat)
@@ -108,13 +108,13 @@ void LaneScene::read_tables()
     else
         bvh.set_alpha_test(has_alpha() ? &alpha_passes : nullptr, &tables);
     read_shapes();
-    // Edits may bring both; to shadow rays in a flat list they are like any surface.
+    // Edits may add open media and panes; the flat list treats them as ordinary surfaces.
     open_media = !is_flat && has_open_media(tables);
     transmissive_shadows = open_media || (!is_flat && has_panes(tables));
     tracks_media = has_absorption || open_media || count_solids(tables) > 1;
     has_way_out = has_fibers || transmissive_shadows;
     only_quads &= !tracks_media;
-    constexpr std::size_t much = 1 << 17;  // of vertices
+    constexpr std::size_t much = 1 << 17;  // vertices
     is_large = tables.positions.size() > much;
     textured = !tables.textures.empty();
     wants_uv = textured || has_fibers || wants_tangents;
@@ -156,7 +156,7 @@ void LaneScene::read_shapes()
     }
 }
 
-/// What the scene has by one of its materials.
+/// Sets the scene's flags that depend on one of its materials.
 void LaneScene::read_material(const MaterialRecord& material)
 {
     looks_through |= (material.flags & (MaterialRecord::single_sided | MaterialRecord::hidden_from_camera)) != 0;

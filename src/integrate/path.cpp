@@ -1,11 +1,10 @@
-/// The path loop: a pool of paths per thread, run through stages.
+/// The path loop: each thread runs a pool of paths through stages (wavefront path tracing).
 ///
-///     refill ─▶ trace ─▶ walk ─▶ arrive: emission, environment, film; sort, pack ─▶ shade, shadows ─▶ bury ─▶ refill
-///     ...
+///     refill ─▶ trace ─▶ walk ─▶ arrive (emission, film, sorting) ─▶ shade, shadows ─▶ retire ─▶ refill ...
 ///
-/// Each stage runs over the whole pool N lanes at a time. After the nearest hit the pool is packed once, sorted by kind
-/// of closure and by material, so that shading has full lanes that run the same code. What a path sums to depends on
-/// its own random numbers alone, never on its neighbours.
+/// Each stage runs over the whole pool, `lanes` paths at a time. After the nearest hit the pool is compacted once,
+/// sorted by closure kind and by material, so that shading runs the same code on full lanes. The radiance of a path
+/// depends on its own random numbers alone, never on other paths.
 #include <algorithm>
 
 #include "integrate/fast/quads/quad_path.h"
@@ -56,11 +55,12 @@ public:
     {
     }
 
+    /// Traces all paths of the job.
     void run()
     {
         std::size_t active = 0;
         for (;;) {
-            const std::size_t fresh = active;  // camera rays come behind the others
+            const std::size_t fresh = active;  // camera rays follow the others
             clock_.enter(RenderStage::camera);
             active = refill(active);
             if (active == 0) break;
@@ -91,7 +91,7 @@ private:
         return active + added;
     }
 
-    /// Paths number `first` and on of the job.
+    /// Generates `lanes` paths of the job from number `first` on.
     void generate(std::size_t to, std::uint32_t first)
     {
         const CameraPaths::Path path = camera_paths_.make(first);
@@ -157,8 +157,8 @@ private:
 
     // ------------------------------------------------------------------------------------------- arrive
 
-    /// Ends the paths that left the scene or met what doesn't scatter, and packs the others, sorted, into the spare
-    /// pool, behind them those that were scattered on their way. Returns how many go on.
+    /// Ends the paths that left the scene or hit a surface that does not scatter. Compacts the others, sorted, into the
+    /// spare pool, followed by those that a medium scattered. Returns the number of paths that continue.
     std::size_t arrive(std::size_t active)
     {
         if (scene_.has_absorption) walk_.run(*paths_, hits_, active);
@@ -197,7 +197,7 @@ private:
             finish(finished_[i]);
         }
         clock_.enter(RenderStage::sort);
-        // Where there are no textures, nothing is won by an order of the materials.
+        // Without textures, sorting by material gains nothing.
         const std::size_t packed = scene_.textured ? pack_by_material(active) : pack_by_kind(active);
         const auto append = [&](const auto& from, auto& to) {
             for (std::size_t k = 0; k < walking; ++k) to[packed + k] = from[walking_[k]];
@@ -210,8 +210,8 @@ private:
         return packed + walking;
     }
 
-    /// Decides which of the gang's paths, of those of m, sample a light where they are. Returns the mark of their
-    /// buckets: paths that do are shaded apart from those that don't.
+    /// Decides which paths of the gang, among the lanes of m, sample a light at their vertex. Returns the bucket flag
+    /// that shades these paths separately from the others.
     UInt choose_light_chance(std::size_t i, Mask m)
     {
         PathPool& p = *paths_;
@@ -227,7 +227,7 @@ private:
         return select(samples, UInt(LaneScene::samples_light), UInt(0u));
     }
 
-    /// Appends the numbers of the lanes, which begin at `first`, to a list.
+    /// Appends the numbers of the lanes of m, counted from `first`, to a list.
     static void list(Mask m, std::size_t first, Column<std::uint32_t>& numbers, std::size_t& size)
     {
         if (none(m)) return;
@@ -235,7 +235,7 @@ private:
         size += std::size_t(count(m));
     }
 
-    /// Packs the paths that go on into the spare pool, one kind of closure after the other; returns how many they are.
+    /// Compacts the paths that continue into the spare pool, one closure kind after another. Returns their number.
     std::size_t pack_by_kind(std::size_t active)
     {
         std::size_t packed = 0;
@@ -260,12 +260,12 @@ private:
         return packed;
     }
 
-    /// The same, and those of a kind in the order of their materials, by a counting sort over buckets.
+    /// pack_by_kind() with the paths of a kind sorted by material: a counting sort over buckets. Returns their number.
     std::size_t pack_by_material(std::size_t active)
     {
         std::uint32_t place[2 * LaneScene::samples_light] = {};
         for (std::size_t i = 0; i < active; ++i) ++place[buckets_[i]];
-        // Bucket 0, of those that don't go on, gets no place.
+        // Bucket 0 holds the paths that do not continue; it gets no place.
         std::uint32_t packed = 0;
         for (std::uint32_t kind = 0; kind < closure_kind_count; ++kind) {
             const auto give_places = [&](std::uint32_t mark) {
@@ -281,7 +281,7 @@ private:
         }
         for (std::size_t i = 0; i < active; ++i)
             if (buckets_[i] != 0) order_[place[buckets_[i]]++] = std::uint32_t(i);
-        // One by one: gathers take as long or longer, also where they are instructions.
+        // Scalar copies: SIMD gathers take as long or longer, even where the hardware has them.
         const auto permute = [&](const auto& from, auto& to) {
             for (std::size_t i = 0; i < packed; ++i) to[i] = from[order_[i]];
         };
@@ -292,11 +292,11 @@ private:
 
     // ------------------------------------------------------------------------------------------- end
 
-    /// So many paths earlier the film's sums are fetched.
+    /// Film sums are prefetched this many paths ahead.
     static constexpr std::size_t fetched_ahead = 8;
     void fetch_sums(std::size_t i) const { sums_.fetch(PathPool::pixel_of(paths_->state[i])); }
 
-    /// Hands a path's radiance to the film.
+    /// Adds a path's radiance to the film.
     void finish(std::size_t i)
     {
         const PathPool& p = *paths_;
@@ -305,8 +305,8 @@ private:
                   p.radiance.c[1][i], p.radiance.c[2][i]);
     }
 
-    /// Ends the paths that are dead after shading, before they are traced once more; the last ones take their places.
-    /// Returns how many are left.
+    /// Ends the paths that shading marked as dead, before they are traced again; the last paths of the pool fill their
+    /// places. Returns the number of paths left.
     std::size_t retire_paths(std::size_t active)
     {
         PathPool& p = *paths_;
@@ -328,7 +328,7 @@ private:
 
     // ------------------------------------------------------------------------------------------- emission
 
-    /// The hits of the listed paths.
+    /// Hits of the paths with these numbers.
     SurfaceHit gather_hit(UInt index, Mask m) const
     {
         const PathPool& p = *paths_;
@@ -338,7 +338,7 @@ private:
                 hits_.primitive.gather(index, m), scene_.is_flat ? UInt(no_index) : hits_.instance.gather(index, m)};
     }
 
-    /// Adds throughput * emitted * weight to the radiance of the paths that the list has at `at` and on.
+    /// Adds throughput * emitted * weight to the radiance of the paths listed from numbers[at] on.
     void add_radiance(const Column<std::uint32_t>& numbers, std::size_t at, const Spectrum& emitted, Float weight,
                       Mask m)
     {
@@ -354,7 +354,8 @@ private:
         }
     }
 
-    /// See integrate/stages/indirect_clamp.h. light: before the throughput.
+    /// Factor that clamps indirect light: see integrate/stages/indirect_clamp.h. light: before multiplication by
+    /// throughput.
     [[gnu::noinline]] Float indirect_scale(UInt path, Spectrum light, Mask m)
     {
         PathPool& p = *paths_;
@@ -364,7 +365,7 @@ private:
         return fathom::indirect_scale(p, path, surfaces, brought, m);
     }
 
-    /// What the surfaces hit by the listed paths emit towards them, weighted against light sampling.
+    /// Adds the emission of the surfaces that the listed paths hit, MIS-weighted against light sampling.
     void add_emission(std::size_t at, Mask m)
     {
         const PathPool& p = *paths_;
@@ -374,7 +375,7 @@ private:
         const UInt flags = materials_.get(&MaterialRecord::flags, s.material, m);
         const UInt state = p.state.gather(index, m);
         const auto has = [](UInt bits, std::uint32_t flag) { return (bits & UInt(flag)) != UInt(0u); };
-        // What is unlit is seen, in mirrors too, but lights nothing.
+        // Unlit materials are visible to camera and mirror rays but do not illuminate other surfaces.
         const Mask would_light = has(flags, MaterialRecord::unlit) & has(state, PathPool::scattered);
         const Mask two_sided = has(flags, MaterialRecord::two_sided_emission);
         const Mask shows = m & (two_sided | (dot(hit.d, s.ng) < Float(0))) & !would_light;
@@ -412,7 +413,7 @@ private:
 
     // ------------------------------------------------------------------------------------------- first hits
 
-    /// Albedo, normal, depth and the like of the paths that come straight from the camera.
+    /// Adds the auxiliary layers (albedo, normal, depth, ids) of paths that come straight from the camera.
     void add_first_hits(std::size_t active)
     {
         const PathPool& p = *paths_;
@@ -428,7 +429,7 @@ private:
             SurfaceHit hit = gather_hit(iota() + UInt(std::uint32_t(i)), hits);
             if (scene_.has_mixtures) hit.material = hits_.material.load(i);
             if (scene_.open_media) {
-                // The camera is before all boundaries on the way.
+                // Depth counts from the camera, which lies before all open boundaries that the ray has passed.
                 const Float way = p.exit_offset.load(i);
                 hit.o = fma(hit.d, -way, hit.o), hit.t = hit.t + way;
             }
@@ -451,7 +452,7 @@ private:
     KernelCounters& counters_;
     StageClock clock_;
     std::uint32_t next_ = 0;                         ///< number of the job's next path
-    std::size_t kind_end_[closure_kind_count] = {};  ///< in the packed pool, by ClosureKind
+    std::size_t kind_end_[closure_kind_count] = {};  ///< end of each ClosureKind in the compacted pool
 
     PathPool pools_[2];
     PathPool *paths_ = &pools_[0], *spare_ = &pools_[1];
@@ -473,7 +474,7 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
                 const KernelJob& job, TileSums& sums, KernelCounters& counters)
 {
     const auto& lane_scene = static_cast<const LaneScene&>(scene);
-    // On the heap, since they are too much for small stacks. Left uninitialised: every stage writes what the next one
+    // Tracers are too large for small stacks. They stay uninitialized because every stage writes what the next one
     // reads.
     const auto run = [&]<class Tracer>(std::type_identity<Tracer>) {
         const std::unique_ptr<Tracer> tracer(new Tracer(lane_scene, camera, settings, job, sums, counters));
@@ -481,7 +482,7 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
     };
     if (!lane_scene.only_quads || settings.general_loop || settings.clamp_indirect > 0)
         run(std::type_identity<PathTracer>());
-    // The loops for quads are faster than any guidance would make that one.
+    // The quad loops do not record paths: they are faster without guiding than the general loop is with it.
     else if (job.records)
         return;
     else if (lane_scene.only_plain_quads)

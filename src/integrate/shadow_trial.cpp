@@ -8,10 +8,10 @@ inline namespace FATHOM_LANES {
 
 namespace {
 
-/// More tell no more: few of them come to nodes far down, which matter little.
+/// More rays do not help: few of them reach the deep nodes, whose order matters little.
 constexpr std::size_t max_rays = 2048;
 
-/// Rays with room behind for whole registers, and what they hit.
+/// Rays and their hits in columns, padded for whole registers.
 struct Rays {
     std::vector<float> column[10];  ///< origin, direction, t_max; t, u, v of hits
     std::vector<std::uint32_t> primitive, instance;
@@ -43,7 +43,7 @@ struct Rays {
     }
 };
 
-/// The random numbers of ray i of a round.
+/// Random numbers of ray i (and the next lanes - 1) of a round.
 struct Numbers {
     SampleKey key;
     UInt seed;
@@ -59,7 +59,8 @@ Vec3 any_direction(Sample2 u)
     return sample_cone(u, Float(2));
 }
 
-/// From places on triangles, each as likely as another: where there are many there is much to be seen.
+/// Rays from random points of triangles in random directions. Triangles are equally likely: dense regions tend to be
+/// the visible ones.
 Rays from_triangles(const GeometryTables& tables)
 {
     Rays rays;
@@ -67,7 +68,7 @@ Rays from_triangles(const GeometryTables& tables)
     for (std::size_t i = 0; i < max_rays; i += lanes) {
         const Numbers numbers(i, 0);
         const UInt any = to_uint(numbers.pair(0).x * Float(float(tables.world_triangles)));
-        // Rounding may go past the last one.
+        // Rounding may reach the index past the last triangle.
         const UInt number = select(less(any, last), any, last);
         Vec3 corner[3];
         for (std::uint32_t k = 0; k < 3; ++k) {
@@ -82,7 +83,7 @@ Rays from_triangles(const GeometryTables& tables)
     return rays;
 }
 
-/// Short of what a ray met.
+/// A point just short of the hit of ray i.
 Vec3 place(Rays& rays, std::size_t i)
 {
     return fma(rays.direction(i), rays.hit_distance(i) * Float(1 - 0x1p-12f), rays.origin(i));
@@ -92,7 +93,7 @@ Mask have_met(const Rays& rays, std::size_t i)
     return first_lanes(rays.count - i) & (load(&rays.primitive[i]) != UInt(no_index));
 }
 
-/// Rays go on from what they met, on the side from which they came.
+/// Rays from the hits of other rays, on the side from which those came.
 Rays bounced(Rays& rays)
 {
     Rays next;
@@ -104,7 +105,7 @@ Rays bounced(Rays& rays)
     return next;
 }
 
-/// Shadow rays from what rays met.
+/// Shadow rays from hits to sampled lights.
 Rays to_lights(const LaneScene& scene, Rays& rays)
 {
     const LightSampler lights(scene, LightSelection::tree, true);
@@ -126,12 +127,12 @@ Rays to_lights(const LaneScene& scene, Rays& rays)
 void try_shadow_rays(LaneScene& scene)
 {
     const SceneTables& tables = scene.tables;
-    // Trees that move, or may be edited, would make no use of it.
+    // BVHs of scenes that move or may be edited ignore the result.
     if (scene.is_flat || tables.moving || tables.editable) return;
     if (tables.lights.empty() || tables.world_triangles == 0) return;
     Rays rays = from_triangles(tables);
     rays.trace(scene.bvh);
-    // What is met from there is where paths are, as places within closed things are not.
+    // Hits seen from triangles are where paths scatter; the triangles themselves may lie inside closed objects.
     rays = bounced(rays);
     rays.trace(scene.bvh);
     Rays shadows = to_lights(scene, rays);

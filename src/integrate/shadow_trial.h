@@ -4,8 +4,8 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Lets the tree try shadow rays like those of pictures: see Bvh::expect. They go from places on triangles to where
-/// lights are sampled.
+/// Traces trial shadow rays, from surfaces to sampled lights, and passes them to Bvh::expect, which orders the BVH for
+/// the shadow rays of rendering.
 void try_shadow_rays(LaneScene& scene);
 
 }  // namespace FATHOM_LANES

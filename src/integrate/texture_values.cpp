@@ -1,5 +1,5 @@
-/// Compiled for one lane (FATHOM_ONE_LANE): whoever compiles a scene asks for textures by the very code by which
-/// shading looks them up, and gets the same bits from each kernel.
+/// Compiled for one lane (FATHOM_ONE_LANE): scene compilation evaluates textures by the code that shading uses, and
+/// gets bitwise equal results from each kernel.
 #include "kernel/kernel.h"
 #include "textures/textures.h"
 

@@ -8,7 +8,7 @@ inline namespace FATHOM_LANES {
 
 namespace detail {
 
-/// The nearest hit of a ray, in the first lane.
+/// Nearest hit of one ray, in the first lane.
 inline SurfaceHit nearest_hit(const LaneScene& scene, const Vec3& o, const Vec3& d, Float time)
 {
     SurfaceHit hit{o, d, Float(infinity), Float(0), Float(0), time, UInt(no_index), UInt(no_index)};
@@ -32,15 +32,15 @@ inline SurfaceHit nearest_hit(const LaneScene& scene, const Vec3& o, const Vec3&
 
 }  // namespace detail
 
-/// The media that the camera's middle is in when the shutter opens: of the solids that a ray from there leaves without
-/// having entered them.
+/// Media that contain the camera's position when the shutter opens: those of the solids that a ray from there leaves
+/// without having entered them.
 [[gnu::noinline]] inline MediumStack media_at(const LaneScene& scene, const CameraRecord& camera)
 {
     const SurfaceReader surfaces(scene);
     const MaterialReader materials(scene);
     const auto vector = [](const float* v) { return Vec3(Float(v[0]), Float(v[1]), Float(v[2])); };
     const Mask one = first_lanes(1);
-    // Whatever the direction; not along an axis, where edges lie.
+    // The direction is arbitrary; it avoids the axes, along which edges often lie.
     const Vec3 d = normalize(Vec3(Float(0.31f), Float(0.87f), Float(0.42f)));
     Vec3 o = vector(camera.position);
     MediumStack entered;
@@ -62,7 +62,7 @@ inline SurfaceHit nearest_hit(const LaneScene& scene, const Vec3& o, const Vec3&
         entered = entered.left(medium);
         if (any(one & (before.low() == entered.low()) & (before.high() == entered.high()))) left[count++] = medium;
     }
-    // The outermost was left last.
+    // The outermost solid was left last, so it is entered first.
     MediumStack media;
     while (count > 0) media = media.entered(scene.tables, left[--count], one);
     std::uint32_t low[lanes], high[lanes];

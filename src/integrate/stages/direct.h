@@ -6,7 +6,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Closures whose narrowest facets stand for mirrors show no lights without extent in those.
+/// Evaluates a closure for sampled lights. Narrow lobes that stand in for mirrors reflect no delta lights.
 template <class Closure>
 inline BsdfEval eval_for_light(const Closure& closure, const Vec3& wo, const Vec3& wi, Mask has_no_extent)
 {
@@ -16,9 +16,9 @@ inline BsdfEval eval_for_light(const Closure& closure, const Vec3& wo, const Vec
         return closure.eval(wo, wi);
 }
 
-/// What a sampled light sends along a path of this throughput if nothing is in the way, weighted against what the
-/// closure, with the guidance, might have sampled; of use in the lanes of `lit`, of which those stay to which the light
-/// can be sent on.
+/// Next event estimation: contribution of a light sample to a path of this throughput if unoccluded, MIS-weighted
+/// against sampling by the closure and the guidance. Valid in the lanes of `lit`; clears lanes to which the closure
+/// cannot scatter the light.
 template <class Closure>
 [[gnu::always_inline]] inline Spectrum direct_light(const Closure& closure, const ShadingPoint<Closure>& at,
                                                     const Guidance& guidance, const LightSample& s,
@@ -33,13 +33,13 @@ template <class Closure>
     return throughput * e.f_cos * s.radiance * light_weight(s, bsdf_pdf);
 }
 
-/// The shadow ray of such a sample. eye: where the light was seen from.
+/// Shadow ray of a light sample. eye: the point from which the light was sampled; time: of the ray.
 template <class Closure>
 [[gnu::always_inline]] inline Ray shadow_ray(const ShadingPoint<Closure>& at, const Vec3& eye, const LightSample& s,
                                              Float time)
 {
     const Vec3 o = Closure::transmits ? at.start(s.wi) : eye;
-    // On the surface's other side the way is longer or shorter.
+    // On the other side of the surface, the distance to the light differs by the offset of the origin.
     const Float distance = Closure::transmits ? s.distance + dot(eye - o, s.wi) : s.distance;
     return {o, s.wi, distance * Float(1 - 0x1p-16f), time};
 }

@@ -5,16 +5,16 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Where a surface refracts each colour its own way, a path follows one: red, green or blue by chance, which then
-/// carries three times as much, or the one that it has followed so far. The index is the channel's, at the wavelengths
-/// between which KHR_materials_dispersion spreads it.
+/// Chooses the channel that a path follows at a dispersive surface. A path with several channels picks one at random,
+/// which is then weighted by `channels`; a path of a single channel keeps it. The channel selects the index of
+/// refraction, at the wavelengths between which KHR_materials_dispersion defines the spread.
 inline void choose_channel(const SampleKey& key, UInt seed, LayeredMaterialPoint& material, Spectrum& throughput)
 {
     const LayersPoint& layers = material.layers;
     if (!layers.has(LayersRecord::disperses)) return;
     const Mask splits = (layers.dispersion > Float(0)) & (layers.transmission > Float(0));
     const Float pick = sample_hash(key, pair_seed(seed, pair_channel)) * Float(float(channels));
-    // The channel that is there alone, or else the picked one.
+    // The only channel with positive throughput, or else the picked one.
     Float alive(0), alone(0);
     for (int c = 0; c < channels; ++c) {
         const Mask lives = throughput.c[c] > Float(0);

@@ -5,7 +5,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Albedo, normal, depth and the like of the first hits of camera paths.
+/// Auxiliary layers (albedo, normal, depth, position, ids, alpha) from the first hits of camera paths.
 class FirstHits {
 public:
     FirstHits(const LaneScene& scene, const CameraRecord& camera, const AovPlaces& places, TileSums& sums)
@@ -15,8 +15,8 @@ public:
 
     bool wanted() const { return places_.any(); }
 
-    /// Adds those of the lanes `hits` that are not passed like open boundaries. media: what the paths are in; pixel:
-    /// place in the job; reversed_index: of the sample, see SampleKey.
+    /// Adds the hits of the lanes `hits`, except open boundaries, which camera rays pass. media: stack of the paths;
+    /// pixel: position in the job; reversed_index: see SampleKey.
     [[gnu::noinline]] void add(const SurfaceHit& hit, const MediumStack& media, UInt pixel, UInt reversed_index,
                                Mask hits)
     {
@@ -47,7 +47,7 @@ public:
         put(values, pixel, hits, object, s.material, reversed_index);
     }
 
-    /// Pixels that see what scatters before any surface are covered by it.
+    /// Marks pixels as covered whose path was scattered by a medium before any surface.
     void add_scattered(UInt pixels, Mask m)
     {
         if (places_.alpha < 0 || none(m)) return;
@@ -57,7 +57,7 @@ public:
     }
 
 private:
-    /// The colour of the surface, of which the subsurface has its share.
+    /// Base color of the surface, blended with the subsurface color by its share.
     Spectrum albedo_of(Surface& s, Mask hits) const
     {
         MaterialPoint point;

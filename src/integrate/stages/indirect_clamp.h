@@ -4,10 +4,10 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// What KernelSettings::clamp_indirect leaves of light that a path is to bring: of what came by two surfaces or more,
-/// so much that the largest channel of all of it stays within the limit. 1, exactly, for all else.
+/// Scale that KernelSettings::clamp_indirect imposes on a contribution of a path. Contributions by two or more surfaces
+/// share a budget: the largest channel of their sum stays within the limit. Exactly 1 for all other light.
 ///
-/// surfaces: how many scattered the light on its way to the camera
+/// surfaces: number of surfaces that scattered the light on its way to the camera.
 inline float indirect_scale(PathPool& paths, std::size_t path, std::uint32_t surfaces, const float (&light)[channels])
 {
     if (surfaces < 2) return 1;
@@ -19,7 +19,7 @@ inline float indirect_scale(PathPool& paths, std::size_t path, std::uint32_t sur
     return scale;
 }
 
-/// The same for the paths of a mask's lanes. One by one: it runs only where it is asked for.
+/// Scale for the paths of the lanes of m, one by one: clamping is rare, so speed matters little.
 [[gnu::noinline]] inline Float indirect_scale(PathPool& paths, UInt path, UInt surfaces, Spectrum light, Mask m)
 {
     std::uint32_t paths_of[lanes], surfaces_of[lanes];

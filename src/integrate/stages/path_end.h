@@ -6,14 +6,14 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Bounces are counted in 15 bits: a path that got there is one in a number too large to be met.
+/// Bounces are counted in 15 bits; paths that long are too rare to matter.
 inline constexpr std::uint32_t max_bounces = 0x7ff0;
 
-/// Paths that lose nothing go on for sure up to this bounce: through stacks of glass, roulette would only add noise.
-/// From there on one in twenty ends, or in a closed white room none ever would.
+/// Up to this bounce, paths without loss of throughput always survive: through stacks of glass, roulette would only add
+/// noise. Beyond it, 5 % end at each bounce; otherwise paths in a closed white room would never end.
 inline constexpr std::uint32_t sure_bounces = 64;
 
-/// Lanes that may scatter where they are, `bounce` bounces from the camera: there they have a light sampled, too.
+/// Lanes that may scatter (and sample a light) at their vertex. bounce: number of bounces before it.
 [[gnu::always_inline]] inline Mask may_scatter(const KernelSettings& settings, UInt bounce)
 {
     const std::uint32_t limit =
@@ -21,7 +21,7 @@ inline constexpr std::uint32_t sure_bounces = 64;
     return less(bounce, UInt(limit));
 }
 
-/// Russian roulette: which paths play, and with what probability they go on.
+/// Russian roulette: which paths take part, and their survival probabilities.
 struct Roulette {
     Mask plays;
     Float survival;
@@ -32,9 +32,10 @@ inline Float max_survival(UInt bounce)
     return select(less(bounce, UInt(sure_bounces)), Float(1), Float(0.95f));
 }
 
-/// By the throughput, from a bounce on.
+/// Russian roulette by throughput, from bounce settings.roulette_depth on.
 ///
-/// bounce: how many came before this one. eta_scale: undoes refraction's scaling of radiance, which is no loss.
+/// bounce: number of bounces before this one. eta_scale: cancels the scaling of radiance by refraction, which is no
+/// loss.
 [[gnu::always_inline]] inline Roulette roulette_by_throughput(const KernelSettings& settings, UInt bounce,
                                                               Float eta_scale, const Spectrum& throughput)
 {
@@ -42,8 +43,8 @@ inline Float max_survival(UInt bounce)
             clamp(max_component(throughput) * eta_scale, Float(1e-3f), max_survival(bounce))};
 }
 
-/// Where it is known what paths bring from there on, and what that takes (session/efficiency_roulette.h): with the
-/// chance that is worth it. otherwise: in other lanes.
+/// Efficiency-aware roulette in the lanes of `known`, with the survival probability `chance` (see
+/// session/efficiency_roulette.h); `otherwise` in other lanes.
 [[gnu::always_inline]] inline Roulette roulette_by_need(Mask known, Float chance, UInt bounce,
                                                         const Roulette& otherwise)
 {
@@ -52,7 +53,8 @@ inline Float max_survival(UInt bounce)
             select(known, clamp(chance, Float(least), max_survival(bounce)), otherwise.survival)};
 }
 
-/// Lanes whose path ends after this bounce: nothing is left, or it has lost. Those that survive carry more.
+/// Plays Russian roulette. Returns the lanes whose path ends, by roulette or because its throughput is 0; scales up the
+/// throughput of the others.
 [[gnu::always_inline]] inline Mask play(const Roulette& roulette, const SampleKey& key, UInt seed, Spectrum& throughput)
 {
     Mask ends = !(max_component(throughput) > Float(0));

@@ -6,15 +6,15 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Of the lanes of m, those that are in a medium with textures and came in by a surface that has them; a path that
-/// began inside did not.
+/// Lanes of m whose coefficients come from textures: they are in a textured medium and entered it through a textured
+/// surface. A path that began inside did not.
 inline Mask has_own_medium(const LaneScene& scene, const PathPool& p, std::size_t i, UInt medium, Mask m)
 {
     return m & (p.walk_extinction.c[0].load(i) >= Float(0)) &
            (gather(scene.tables.media, &MediumRecord::is_textured, medium, m) != UInt(0u));
 }
 
-/// What is lost per unit of way in the medium, as the paths from number i on have come into it.
+/// Extinction coefficient of the medium per unit of distance, for the paths from number i on.
 inline Spectrum extinction_of(const LaneScene& scene, const PathPool& p, std::size_t i, UInt medium, Mask m)
 {
     const Spectrum extinction = gather(scene.tables.media, &MediumRecord::extinction, medium, m);
@@ -22,7 +22,7 @@ inline Spectrum extinction_of(const LaneScene& scene, const PathPool& p, std::si
     return select(has_own_medium(scene, p, i, medium, m), p.walk_extinction.load(i), extinction);
 }
 
-/// Of that, what is scattered.
+/// Scattering coefficient of the medium per unit of distance, for the paths from number i on.
 inline Spectrum scattering_of(const LaneScene& scene, const PathPool& p, std::size_t i, UInt medium, Mask m)
 {
     const Spectrum scattering = gather(scene.tables.media, &MediumRecord::scattering, medium, m);
@@ -31,7 +31,7 @@ inline Spectrum scattering_of(const LaneScene& scene, const PathPool& p, std::si
                   scattering);
 }
 
-/// Paths from number i on have come into nothing yet.
+/// Marks the paths from number i on as having no textured coefficients.
 inline void forget_medium(PathPool& p, std::size_t i)
 {
     p.walk_extinction.store(i, Spectrum(Float(-1)));

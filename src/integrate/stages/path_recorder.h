@@ -8,12 +8,12 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Notes where paths are scattered, what light samples bring them there, which directions they take, and what comes
-/// back along these.
+/// Records training data for path guiding: where paths scatter, the contributions of light samples there, the
+/// directions taken, and the radiance that arrives along them.
 class PathRecorder {
 public:
-    /// to: where records go when all paths have ended; nullptr: nothing is noted. paths: how many there will be,
-    /// numbered from 0 on.
+    /// to: receives the records after all paths have ended; nullptr disables recording. paths: number of paths,
+    /// numbered from 0.
     PathRecorder(GuidingRecords* to, std::size_t paths) : to_(to)
     {
         if (!to_) return;
@@ -22,7 +22,7 @@ public:
     }
     bool is_on() const { return to_ != nullptr; }
 
-    /// The first `active` paths of the pool have met surfaces that are going to scatter them.
+    /// Records the vertices of the pool's first `active` paths, which are about to be scattered by surfaces.
     void record_surfaces(const PathPool& paths, const HitColumns& hits, std::size_t active)
     {
         for (std::size_t i = 0; i < active; ++i) {
@@ -38,10 +38,11 @@ public:
             vertices_[first_vertex(paths, i) + bounce] = v;
         }
     }
-    /// Paths that have met `bounce` surfaces before leave one whose normal is n along wi.
+    /// Records the directions in which paths leave vertex number `bounce`, with shading normal n.
     ///
-    /// number: of each path. throughput: from there on. pdf: of having sampled wi.
-    void record_directions(UInt number, UInt bounce, const Vec3& n, const Vec3& wi, Float pdf, const Spectrum& throughput, Mask m)
+    /// number: of each path. throughput: after scattering. pdf: density of wi with respect to solid angle.
+    void record_directions(UInt number, UInt bounce, const Vec3& n, const Vec3& wi, Float pdf,
+                           const Spectrum& throughput, Mask m)
     {
         const Float factor = abs(dot(n, wi)) / (pdf * mean(throughput));
         m &= less(bounce, UInt(max_vertices)) & (factor > Float(0)) & (factor < Float(1e30f));
@@ -55,19 +56,21 @@ public:
             v.side = std::uint16_t(sides[i]), v.bin = std::uint16_t(bins[i]), v.factor = factors[i];
         });
     }
-    /// Notes what light samples have brought the pool's paths, before these see what lies along their last directions.
+    /// Records the contributions of light samples at the last vertices. Must run before emission along the new
+    /// directions is added.
     void record_light_samples(const PathPool& paths, std::size_t active)
     {
         for (std::size_t i = 0; i < active; ++i) note_light(paths, i);
     }
-    /// A path has ended.
+    /// Records the radiance of a path that has ended.
     void end_path(const PathPool& paths, std::size_t i)
     {
-        // By its surface, where it came by its light sample, or by what it met after that, which came before.
+        // A path that died while shading has only its light sample since the last call; other paths have added emission
+        // as well.
         if (paths.state[i] & PathPool::dead) note_light(paths, i);
         to_->radiance[paths.number[i]] = mean_of(paths.radiance, i);
     }
-    /// Hands all records over, path by path.
+    /// Writes all records, path by path.
     void finish()
     {
         if (!to_) return;
@@ -87,10 +90,10 @@ private:
     struct Vertex {
         float position[3];
         std::uint16_t side = 0, bin = GuidingRecord::no_bin;
-        float factor = 0;      ///< of radiance in the record's value
-        float throughput = 0;  ///< of the path when it came there; 0: there was no such vertex
-        float before = 0;      ///< radiance of the path by then
-        float lit = 0;         ///< the same with what the light sample brought
+        float factor = 0;      ///< cosine / (pdf * mean throughput): scales radiance to the record's value
+        float throughput = 0;  ///< of the path on arrival; 0: no such vertex
+        float before = 0;      ///< radiance of the path on arrival
+        float lit = 0;         ///< radiance of the path including the light sample of this vertex
     };
 
     void note_light(const PathPool& paths, std::size_t i)
@@ -99,7 +102,7 @@ private:
         if (bounce > 0 && bounce <= max_vertices)
             vertices_[first_vertex(paths, i) + bounce - 1].lit = mean_of(paths.radiance, i);
     }
-    /// all: radiance of the path at its end.
+    /// all: final radiance of the path.
     static GuidingRecord record(const Vertex& v, float all)
     {
         GuidingRecord r{{v.position[0], v.position[1], v.position[2]}, v.side, v.bin, 0, 0};

@@ -7,18 +7,18 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Where a path goes from a surface.
+/// Outcome of scattering at a surface.
 struct Scattered {
     Vec3 wi;
     Spectrum throughput;
     Float pdf;
     Mask is_delta;
     Float eta;               ///< see BsdfSample
-    Mask enters_subsurface;  ///< the same
+    Mask enters_subsurface;  ///< see BsdfSample
 };
 
-/// By the closure or by what is known about where light comes from, in shares; each such direction has the density of
-/// both ways together. choice: which of them, and then which lobe.
+/// One-sample MIS between the closure and the guiding distribution: each direction is weighted by the density of the
+/// mixture. choice: selects the strategy and then the lobe.
 template <class Closure>
 [[gnu::always_inline]] inline Scattered scatter_guided(const Closure& closure, const ShadingPoint<Closure>& at,
                                                        const Guidance& guidance, Float choice, Sample2 random,
@@ -38,7 +38,8 @@ template <class Closure>
             Mask(false)};
 }
 
-/// key, seed: of the path and its bounce. index: of the order in which this bounce's directions come.
+/// Samples the next direction of paths. key, seed: random numbers of the path and its bounce. index: shuffled index of
+/// the dimensions for directions.
 template <class Closure>
 [[gnu::always_inline]] inline Scattered scatter(const Closure& closure, const ShadingPoint<Closure>& at,
                                                 const Guidance& guidance, const SampleKey& key, UInt seed, UInt index,
@@ -51,7 +52,7 @@ template <class Closure>
     const BsdfSample next = closure.sample(at.wo, random, choice);
     Scattered s{at.frame.to_world(next.wi), throughput * next.weight, next.pdf, next.is_delta, next.eta,
                 next.enters_subsurface};
-    // A shading normal must not send light through the surface, nor keep it from passing.
+    // A shading normal must neither send light through an opaque surface nor keep it from passing a transmissive one.
     const Float side = dot(s.wi, at.ng);
     s.throughput = select(equal(side > Float(0), next.wi.z > Float(0)), s.throughput, Spectrum(Float(0)));
     if (Closure::transmits && any(at.skips_interface)) {

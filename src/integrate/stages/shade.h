@@ -13,7 +13,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// What happens to paths where they meet a surface that scatters: each has a light sampled and gets its next direction.
+/// Shading stage: at each surface vertex, next event estimation and sampling of the next direction.
 class ShadeStage {
 public:
     ShadeStage(const LaneScene& scene, const KernelSettings& settings, KernelCounters& counters, StageClock& clock,
@@ -33,7 +33,7 @@ public:
     {
     }
 
-    /// Shades paths that are sorted by kind. kind_end: where each ClosureKind ends in the pool.
+    /// Shades paths that are sorted by closure kind. kind_end: end of each ClosureKind in the pool.
     void run(PathPool& paths, const HitColumns& hits, const std::size_t* kind_end)
     {
         paths_ = &paths, hits_ = &hits;
@@ -58,18 +58,18 @@ public:
     }
 
 private:
-    /// Lanes that sample a light.
+    /// Lanes of m that sample a light at this vertex.
     Mask samples_light(std::size_t i, Mask m) const
     {
         return has_light_chance_ ? m & (paths_->light_chance.load(i) > Float(0)) : m;
     }
 
-    /// What decides the random numbers of a gang's next bounce.
+    /// Random numbers of a gang for its next bounce.
     struct Randomness {
         SampleKey key;
         UInt state, bounce, seed;
-        UInt index;  ///< of the order of samples. The light's point and the next direction are never multiplied with
-                     ///< each other, so one will do for both
+        UInt index;  ///< shuffled sample index; light samples and directions share it because they never enter one
+                     ///< product
         Randomness(const PathPool& p, std::size_t i, bool has_steps)
             : key{p.pixel_hash.load(i), p.reversed_index.load(i)},
               state(p.state.load(i)),
@@ -78,11 +78,11 @@ private:
               index(shuffled_index(key, seed))
         {
         }
-        /// Steps of walks have numbers of groups of their own.
+        /// Scattering events within media use groups of random dimensions of their own.
         static UInt after(UInt steps) { return select(steps == UInt(0u), UInt(0u), steps << 16 | UInt(1u << 31)); }
     };
 
-    /// Samples a light for each path of a gang, then its next direction.
+    /// Next event estimation for each path of a gang, then its next direction.
     template <class Closure>
     [[gnu::always_inline]] void shade(std::size_t i, Mask valid)
     {
@@ -145,12 +145,12 @@ private:
         }
         roulette.plays &= !no_bounce;
         Mask ends = play(roulette, key, seed, next.throughput);
-        // Whoever only might have gone on without a bounce, and did not, had none left.
+        // A path that could only continue through a null interface and did not is finished.
         if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows)
             ends |= !no_bounce & !may_scatter(settings_, bounce);
         next_state = select(ends, next_state | UInt(PathPool::dead), next_state);
         Float exit_offset = at.exit_offset(next.wi);
-        // The density that lights are weighted against, over the chance that one is sampled at all.
+        // Density for MIS against light sampling, divided by the probability that a light is sampled at all.
         Float weighed_pdf = next.pdf;
         if (has_light_chance_) weighed_pdf = weighed_pdf / abs(p.light_chance.load(i));
         if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows) {
@@ -159,7 +159,7 @@ private:
         }
         if (Closure::is_guided && recorder_.is_on())
             recorder_.record_directions(p.number.load(i), bounce, at.frame.n, next.wi, next.pdf, next.throughput,
-                           valid & !ends & !next.is_delta);
+                                        valid & !ends & !next.is_delta);
         p.origin.store(i, at.start(next.wi), valid);
         p.direction.store(i, next.wi, valid);
         p.throughput.store(i, next.throughput, valid);
@@ -168,9 +168,9 @@ private:
         p.state.store(i, next_state, valid);
     }
 
-    /// Which paths go on as if they had met nothing, as shadow rays do there, and for which of these that is no bounce;
-    /// and their next state: in what they were scattered by, nothing has changed. m: of those that don't meet what is
-    /// there by chance.
+    /// Determines the paths that continue undeflected through a pane or open boundary, as shadow rays do, and the next
+    /// state of those for which that is no bounce: their flags of previous scattering stay. m: lanes whose material was
+    /// not chosen by a mixture.
     template <class Closure>
     [[gnu::noinline]] void go_straight(std::size_t i, const ShadingPoint<Closure>& at, const Vec3& wi, Mask m,
                                        UInt state, UInt& next_state, Mask& straight, Mask& no_bounce)
@@ -180,14 +180,14 @@ private:
         no_bounce = there.no_bounce & straight;
         next_state = select(straight, state + UInt(1u), next_state);
         if (!scene_.open_media) return;
-        // But it is a step, from which other numbers come.
+        // Passing an open boundary counts as a step, so that the next vertex uses new random numbers.
         const UInt step = paths_->walk_steps.load(i) + UInt(1u);
         paths_->walk_steps.store(i, step, no_bounce);
         const UInt over = select(less(step, UInt(MediumStage::max_steps)), UInt(0u), UInt(PathPool::dead));
         next_state = select(no_bounce, state | over, next_state);
     }
 
-    /// Nothing, on the back of what is black there.
+    /// Throughput set to 0 on the back of one-sided surfaces.
     template <class Closure>
     Spectrum lit_side(const ShadingPoint<Closure>& at, const Spectrum& throughput, Mask valid) const
     {
@@ -196,7 +196,8 @@ private:
         return select(black, Spectrum(Float(0)), throughput);
     }
 
-    /// What paths that enter a subsurface are scattered by there: by the colour and the radius of where they enter.
+    /// Stores the coefficients of the subsurface medium that paths enter, from the color and radius textures at the
+    /// point of entry.
     template <class Closure>
     void keep_medium(std::size_t i, Mask enters, const ShadingPoint<Closure>& at)
     {
@@ -211,7 +212,7 @@ private:
         paths_->walk_extinction.store(i, extinction, enters);
     }
 
-    /// What is known about where light comes from, as far as it is of use to the closure.
+    /// Guiding distribution at the vertices; off if the closure cannot use it.
     template <class Closure>
     [[gnu::always_inline]] Guidance guide(const Closure& closure, const ShadingPoint<Closure>& at, const SampleKey& key,
                                           UInt seed, Mask valid) const
@@ -224,15 +225,15 @@ private:
         return {};
     }
 
-    /// Adds a light sample's contribution, or has its shadow ray queued.
+    /// Next event estimation: adds the light sample's contribution, or queues its shadow ray.
     template <class Closure>
     [[gnu::always_inline]] void sample_light(std::size_t i, Mask valid, const Closure& closure,
                                              const ShadingPoint<Closure>& at, const Guidance& guidance,
                                              const SampleKey& key, UInt seed, UInt index, const Spectrum& throughput,
                                              Float time)
     {
-        // Lights are seen from where the shadow ray starts: right at the surface a light that passes through it, or
-        // a distance that ends behind the light, would be one of rounding.
+        // Lights are sampled from the origin of the shadow ray. Sampled from the surface itself, a light that passes
+        // through the surface, or a distance that ends behind it, would depend on rounding.
         const Vec3 eye = at.eye();
         const Sample2 random = sample_2d(index, pair_seed(seed, pair_light));
         LightSample s = lights_.sample(valid, eye, key, seed, random, time);
@@ -267,8 +268,8 @@ private:
         p.radiance.store(i, p.radiance.load(i) + select(clear, add, Spectrum(Float(0))), valid);
     }
 
-    /// Traces shadow rays with the chance that they are worth: of the lanes of lit those stay that are to be traced,
-    /// which bring as much more. brings: how much they do if they arrive, about.
+    /// Russian roulette for shadow rays: keeps lanes of `lit` by chance and scales up their contributions. brings:
+    /// estimated contribution of the light sample if unoccluded.
     static void roulette_shadow_ray(const Guidance& guidance, Float brings, const SampleKey& key, UInt seed,
                                     Spectrum& light, Mask& lit)
     {
@@ -277,14 +278,14 @@ private:
         light = light * (Float(1) / chance);
     }
 
-    /// See indirect_clamp.h: light that reaches this surface straight, and has come by those before it too.
+    /// Applies the indirect clamp (indirect_clamp.h) to the contribution of a light sample.
     [[gnu::noinline]] Spectrum clamped(std::size_t i, Spectrum light, Mask m)
     {
         const UInt surfaces = (paths_->state.load(i) & UInt(PathPool::bounce_mask)) + UInt(1u);
         return light * indirect_scale(*paths_, iota() + UInt(std::uint32_t(i)), surfaces, light, m);
     }
 
-    /// How many paths earlier the vertices of a hit are fetched.
+    /// Vertices of hits are prefetched this many paths ahead.
     static constexpr std::size_t fetched_ahead = 32;
 
     const LaneScene& scene_;

@@ -7,35 +7,35 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Where a path meets a surface: place and frame turned to the side that the path is on, and the material there.
+/// Surface vertex of a path: position and frame on the side of the path, and the material.
 template <class Closure>
 struct ShadingPoint {
     Vec3 p, ng;
     Float offset;  ///< see Surface
     Frame frame;   ///< of the shading normal
-    Vec3 wo;       ///< to where the path came from, in the frame
+    Vec3 wo;       ///< toward the previous vertex, in `frame`
     UInt material_index;
     typename Closure::Point material;
-    Vec3 d;       ///< the path came along this
-    Mask inside;  ///< from behind the geometric normal
-    /// What the path is in, and what it comes to if it passes, where that is kept track of.
+    Vec3 d;       ///< direction along which the path arrived
+    Mask inside;  ///< hit from behind the geometric normal
+    /// Media before the surface, and beyond it if the path passes; valid if LaneScene::tracks_media.
     MediumStack media, media_beyond;
-    MediumStack media_below;  ///< what it comes to if it enters the subsurface
-    Mask skips_interface;     ///< nothing is there, see SolidBoundary
-    /// Of fibres: whether they are flat curves, how wide these are, and how far from the axis the path met them, in
-    /// that.
+    MediumStack media_below;  ///< media after entering the subsurface
+    Mask skips_interface;     ///< null interface: the path passes undeflected, see SolidBoundary
+    /// Hair: whether the fiber is a flat ribbon, its radius, and the offset of the hit from its axis in units of the
+    /// radius.
     Mask is_ribbon;
     Float radius, across;
 
-    /// From where lights are seen.
+    /// Point from which lights are sampled.
     [[gnu::always_inline]] Vec3 eye() const { return fma(ng, offset, p); }
-    /// How far from there a ray begins that leaves a ribbon of hair along wi: past its axis, where it would be met
-    /// again, since it is turned towards each ray. Else 0.
+    /// Distance from the eye at which a ray along wi starts. For ribbons it lies past the axis: a ribbon faces every
+    /// ray, so a ray that starts closer would hit it again. 0 for other surfaces.
     [[gnu::always_inline]] Float exit_offset(const Vec3& wi) const
     {
         if constexpr (Closure::is_fiber) {
             const Float along = dot(wi, frame.s);
-            // Almost along the fibre the way would be longer than the fibre is straight.
+            // Nearly along the fiber, the distance is limited: a fiber is not straight for that long.
             const Float across2 = max(fma(-along, along, Float(1)), Float(1e-3f));
             const Float way = fma(max(-(across * dot(wi, frame.t)), Float(0)) / across2, radius,
                                   radius * Float(0.125f) * inverse_sqrt(across2));
@@ -43,7 +43,7 @@ struct ShadingPoint {
         }
         return Float(0);
     }
-    /// Where a ray begins that leaves along wi.
+    /// Origin of a ray that leaves along wi.
     [[gnu::always_inline]] Vec3 start(const Vec3& wi) const
     {
         if constexpr (Closure::is_fiber) return fma(wi, exit_offset(wi), fma(flip_sign(ng, dot(wi, ng)), offset, p));
@@ -54,13 +54,13 @@ struct ShadingPoint {
 
 namespace detail {
 
-/// The shading normal, turned towards the geometric one as far as it takes for the mirror direction to leave the
-/// surface; wo is on the side of ng.
+/// Bends the shading normal toward the geometric normal as far as needed for the mirror direction to leave the surface.
+/// wo is on the side of ng.
 ///
 /// In the plane of both normals, at an angle x from ng, with a and b the components of wo across and along ng, the
-/// mirror direction rises by a sin 2x + b cos 2x = r cos(2x - p), where a = r sin p and b = r cos p. It shall rise by
-/// t, less than the b that x = 0 gives, so that normals which agree are left alone: so 2x = p + acos(t / r). With much
-/// less than b, rays that are mirrored again and again inside glass would end up creeping along its surface.
+/// mirror direction rises by a sin 2x + b cos 2x = r cos(2x - p), where a = r sin p and b = r cos p. It must rise by t,
+/// which is less than the b that x = 0 gives, so that normals which agree stay unchanged: 2x = p + acos(t / r). With t
+/// much below b, rays that are reflected repeatedly inside glass would end up creeping along its surface.
 inline Vec3 bend_to_mirror(const Vec3& wo, const Vec3& ng, const Vec3& ns)
 {
     const Float b = dot(wo, ng), cosine = dot(ns, ng);
@@ -77,11 +77,11 @@ inline Vec3 bend_to_mirror(const Vec3& wo, const Vec3& ng, const Vec3& ns)
     return select(below, fma(across, sin_x, ng * cos_x), ns);
 }
 
-/// Lanes where glass had better refract about its geometric normal: about ns light would stay on its side of the
-/// surface, or be reflected totally though about ng it is not. What is mirrored about normals that are not the
-/// surface's may come to be mirrored for ever, where light that came in through the surface itself would get out.
+/// Lanes where glass must refract about the geometric normal: about ns the light would stay on its side of the surface,
+/// or be reflected totally although it is not about ng. Paths reflected about shading normals could stay trapped
+/// inside, where light that entered through the actual surface would leave.
 ///
-/// eta: index beyond over index before
+/// eta: index of refraction beyond the surface over that before it.
 inline Mask refracts_about_ng(const Vec3& wo, const Vec3& ng, const Vec3& ns, Float eta)
 {
     const Float inverse = Float(1) / eta;
@@ -95,7 +95,8 @@ inline Mask refracts_about_ng(const Vec3& wo, const Vec3& ng, const Vec3& ns, Fl
     return (passes & back) | (!passes & (cos2_beyond(by_ng) > Float(0)));
 }
 
-/// What lies beyond the boundary of a solid, to whose index that of the solid is then relative.
+/// Finds the media on both sides of a solid's boundary and makes the solid's index of refraction relative to the
+/// outside.
 template <class Closure>
 inline void find_media(const MaterialReader& materials, Mask m, ShadingPoint<Closure>& at)
 {
@@ -111,7 +112,7 @@ inline void find_media(const MaterialReader& materials, Mask m, ShadingPoint<Clo
     at.material.ior = select(boundary.solid, at.material.ior / boundary.media.other_ior, at.material.ior);
 }
 
-/// The directions that a material has of its own, into the frame of the shading normal; wo is on the side of ng.
+/// Transforms the directions that a material stores into the frame of the shading normal. wo is on the side of ng.
 inline void turn(const Frame&, const Vec3&, const Vec3&, Float, MaterialPoint&) {}
 inline void turn(const Frame& frame, const Vec3&, const Vec3&, Float, DisneyMaterialPoint& material)
 {
@@ -130,14 +131,14 @@ inline void turn(const Frame& frame, const Vec3& wo, const Vec3& ng, Float facin
         layers.coat_normal = frame.to_local(bend_to_mirror(wo, ng, flip_sign(layers.coat_normal, facing)));
 }
 
-/// Directions that rounding put below the horizon come back above it.
+/// Lifts directions that rounding put below the horizon.
 inline Vec3 upper(Vec3 w)
 {
     return {w.x, w.y, max(w.z, Float(1e-4f))};
 }
 
-/// The frame of a fibre, whose x is along it, and where across it the path is. Off curves its tangent is that of u, and
-/// v says where across.
+/// Sets the frame of a fiber, whose x axis points along it, and the offset of the hit across it. On meshes the tangent
+/// of u points along the fiber and v runs across.
 template <class Closure>
 inline void turn_to_fiber(const Surface& s, Float facing, ShadingPoint<Closure>& at)
 {
@@ -145,7 +146,7 @@ inline void turn_to_fiber(const Surface& s, Float facing, ShadingPoint<Closure>&
     const Float length2 = dot(s.tangent, s.tangent);
     const Vec3 given = s.tangent * inverse_sqrt(max(length2, Float(1e-37f)));
     const Vec3 along = select(length2 > Float(1e-37f), given, any.s);
-    // Of a tapering fibre the normal leans.
+    // The normal of a tapering fiber is not perpendicular to its axis.
     const Vec3 n = fma(along, -dot(along, at.ng), at.ng);
     const Vec3 normal = normalize(select(dot(n, n) > Float(1e-6f), n, any.t));
     at.frame = Frame(along, cross(normal, along), normal);
@@ -155,7 +156,7 @@ inline void turn_to_fiber(const Surface& s, Float facing, ShadingPoint<Closure>&
     at.offset = select(s.is_ribbon, Float(0), s.offset);
     const Float v = s.at.v[0], repeated = select((v >= Float(0)) & (v <= Float(1)), v, v - floor(v));
     const Float across = fma(repeated, Float(2), Float(-1));
-    // Of curves v grows along y; else as the picture goes down, seen from in front.
+    // On curves v grows along the frame's y axis; on meshes it grows downward in the texture, as seen from the front.
     const Float down = -flip_sign(s.bitangent_sign, facing);
     at.across = select(s.is_curve, across, flip_sign(across, down));
     at.material.across = at.across;
@@ -164,7 +165,7 @@ inline void turn_to_fiber(const Surface& s, Float facing, ShadingPoint<Closure>&
 
 }  // namespace detail
 
-/// media: what the path is in; null where nobody keeps track of it.
+/// Reads surface and material at a hit and sets up the local frame. media: stack of the path, or null if not tracked.
 template <class Closure>
 [[gnu::always_inline]] inline ShadingPoint<Closure> read_shading_point(const SurfaceReader& surfaces,
                                                                        const MaterialReader& materials,
@@ -196,11 +197,12 @@ template <class Closure>
         if constexpr (Closure::transmits) {
             const Float eta = select(at.inside, Float(1) / at.material.ior, at.material.ior);
             ns = select(detail::refracts_about_ng(-hit.d, at.ng, ns, eta) & !at.material.thin, at.ng, ns);
-            // Light that comes out diffusely doesn't depend on where it came from.
+            // Diffuse light leaving the subsurface does not depend on the direction of arrival, so its shading normal
+            // is not bent.
             if constexpr (is_layered<Closure>) ns = select(at.material.layers.in_subsurface, own, ns);
         }
     } else {
-        // Seen from behind its shading normal, a surface shows its geometric one.
+        // A surface seen from behind its shading normal uses the geometric normal.
         ns = select(dot(hit.d, ns) < Float(-1e-4f), ns, at.ng);
     }
     at.frame = Frame(ns);

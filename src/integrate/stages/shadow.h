@@ -10,26 +10,26 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The shadow rays of a pool's paths, at most one a path, and what each brings if nothing blocks it. The tree traces
-/// many rays at once faster than one after the other.
+/// Queue of the shadow rays of a pool, at most one per path, with the contribution of each if unoccluded. Tracing many
+/// rays at once is faster than tracing each when it arises.
 class ShadowQueue {
 public:
     void clear() { size_ = 0; }
 
-    /// Appends the rays of the lanes of m. path: their number in the pool. sees_environment: light is to be multiplied
-    /// by what the environment sends along the ray.
+    /// Appends the rays of the lanes of m. path: index in the pool. sees_environment: the contribution must be
+    /// multiplied by the environment's radiance along the ray.
     [[gnu::always_inline]] void push(const Ray& ray, const Spectrum& light, UInt path, Mask sees_environment, Mask m)
     {
         append(ray, light, marked(path, sees_environment), m);
     }
-    /// The same in scenes that are seen through. media: where the rays begin.
+    /// push() for scenes with transmissive shadows. media: stack at the origin of the rays.
     void push(const Ray& ray, const Spectrum& light, const MediumStack& media, UInt path, Mask sees_environment, Mask m)
     {
         push_on(ray, light, media, marked(path, sees_environment), UInt(0u), m);
     }
 
-    /// Traces all, and adds what those that nothing blocks bring to the radiance of their paths, whose bounces count
-    /// the surface that the rays left. Returns how many these are.
+    /// Traces all rays and adds the contributions of unoccluded ones to their paths, whose bounce counts already
+    /// include the vertex that the rays left. Returns the number of unoccluded rays.
     std::size_t trace(const LaneScene& scene, PathPool& paths, const KernelSettings& settings, StageClock& clock)
     {
         if (size_ == 0) return 0;
@@ -47,9 +47,9 @@ public:
     }
 
 private:
-    /// A ray that has passed so many surfaces goes round and round in what rounding leaves of a solid.
+    /// Rounding can trap a ray inside a thin solid; this limit on passed surfaces ends it.
     static constexpr int max_passed = 1024;
-    /// On the number of a path whose ray sees the environment if nothing blocks it.
+    /// Flag on the path index: the ray sees the environment if unoccluded.
     static constexpr std::uint32_t environment_mark = 1u << 31;
 
     [[gnu::always_inline]] void append(const Ray& ray, const Spectrum& light, UInt path, Mask m)
@@ -80,7 +80,7 @@ private:
         append(ray, light, path, m);
     }
 
-    /// Of the rays that nothing blocks, which are few within rooms, side by side.
+    /// Looks up the environment for unoccluded rays, compacted: inside rooms they are few.
     void see_environment_unless_blocked(const LaneScene& scene)
     {
         std::size_t seen = 0;
@@ -91,7 +91,7 @@ private:
         }
         for (std::size_t i = 0; i < seen; i += lanes) see_environment(scene, seen_.load(i), first_lanes(seen - i));
     }
-    /// Multiplies what rays bring by what the environment sends along them. index: of the rays, for the lanes of m.
+    /// Multiplies contributions by the environment's radiance. index: rays, in the lanes of m.
     [[gnu::noinline]] void see_environment(const LaneScene& scene, UInt index, Mask m)
     {
         const Spectrum seen = environment_radiance(scene.tables, direction_.gather(index, m), m);
@@ -109,7 +109,7 @@ private:
     }
     static Mask is_marked(UInt path) { return (path & UInt(environment_mark)) != UInt(0u); }
 
-    /// From one surface that light passes to the next; on each way the medium there takes its share.
+    /// Traces rays from one transmissive surface to the next; each segment is attenuated by its medium.
     [[gnu::noinline]] std::size_t trace_through(const LaneScene& scene, PathPool& paths, const KernelSettings& settings,
                                                 StageClock& clock)
     {
@@ -146,8 +146,8 @@ private:
         radiance_.store(i, radiance_.load(i) * transmittance(extinction, hits_.t.load(i)), m);
     }
 
-    /// Keeps those of rays number i and on that go on through what they meet, in front of those that are still to be
-    /// looked at. A path would go there by as many bounces.
+    /// Appends the rays from number i on that pass the surface they hit, and counts the bounces that a path would need
+    /// there. They overwrite slots that were already read.
     [[gnu::noinline]] void pass(const LaneScene& scene, const PathPool& paths, const KernelSettings& settings,
                                 StageClock& clock, std::size_t i, Mask m)
     {
@@ -170,7 +170,7 @@ private:
                 bounces + select(there.no_bounce, UInt(0u), UInt(1u)), passes);
     }
 
-    /// What the ray brings, to its path.
+    /// Adds the contribution of ray k to its path.
     void add(PathPool& paths, std::size_t k, bool clamp)
     {
         const std::size_t path = path_[k] & ~environment_mark;
@@ -189,9 +189,9 @@ private:
     Column<float> t_max_, time_;
     SpectrumColumn radiance_;
     Column<std::uint32_t> path_, blocked_, seen_;
-    // In scenes that are seen through:
+    // Used in scenes with transmissive shadows:
     MediaColumn media_;
-    Column<std::uint32_t> bounces_;  ///< that a path would have had on the way so far
+    Column<std::uint32_t> bounces_;  ///< bounces that a path would need to pass the surfaces so far
     HitColumns hits_;
 };
 

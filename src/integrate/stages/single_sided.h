@@ -6,20 +6,20 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Cameras look through the backs of single-sided surfaces, as renderers do that cull them: into a room through its
-/// wall. They look through surfaces that are hidden from them from both sides. To all other light the surface is there,
-/// so that no two ways of finding a light disagree on it.
+/// Lets camera rays pass the backs of single-sided surfaces, as backface culling does: one looks into a room through
+/// its wall. Surfaces hidden from cameras are passed from both sides. All other rays see these surfaces, so light
+/// sampling and BSDF sampling agree.
 class CameraSeesThrough {
 public:
     CameraSeesThrough(const LaneScene& scene, KernelCounters& counters)
         : scene_(scene), surfaces_(scene), materials_(scene), counters_(counters)
     {
     }
-    /// Finds anew what the camera's paths [begin, end) meet, where they look through what they met; distances stay
-    /// those from their origins.
+    /// Replaces the hits of camera paths [begin, end) on surfaces that they pass by the next hit behind. Distances stay
+    /// relative to the origins of the paths.
     void look_through(const PathPool& p, HitColumns& hits, std::size_t begin, std::size_t end)
     {
-        // More of these one behind the other are no picture.
+        // The limit bounds the work for scenes with more such surfaces in a row.
         for (int i = 0; i < 256; ++i) {
             const std::size_t size = list_passed(p, hits, begin, end);
             if (size == 0) return;
@@ -36,7 +36,7 @@ public:
     }
 
 private:
-    /// Makes rays from behind what is looked through; returns how many there are.
+    /// Lists rays that start behind the surfaces to pass; returns their number.
     std::size_t list_passed(const PathPool& p, const HitColumns& hits, std::size_t begin, std::size_t end)
     {
         std::size_t size = 0;

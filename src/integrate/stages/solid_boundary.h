@@ -5,15 +5,16 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The boundaries of solids as paths meet them, or shadow rays, that are in the media of a stack.
+/// Boundary of a solid as seen by paths or shadow rays with a stack of media.
 struct SolidBoundary {
     Mask solid;  ///< the material has an inside
-    Mask below;  ///< met from within its subsurface
+    Mask below;  ///< hit from within its subsurface medium
     MediumBoundary media;
-    Mask skips_interface;  ///< light goes straight on, as if nothing were there
+    Mask skips_interface;  ///< null interface: light passes undeflected
 };
 
-/// inside: met from behind the geometric normal. For the lanes of m; those that are not solid have nothing in media.
+/// Finds the boundary in the lanes of m. inside: hit from behind the geometric normal. `media` is unspecified for lanes
+/// that are not solid.
 inline SolidBoundary solid_boundary(const MaterialReader& materials, UInt material, const MediumStack& media,
                                     Mask inside, Mask m)
 {
@@ -29,14 +30,15 @@ inline SolidBoundary solid_boundary(const MaterialReader& materials, UInt materi
     return {solid, below, boundary, skips_interface};
 }
 
-/// What shadow rays pass, and paths without being turned.
+/// Surfaces that shadow rays pass, and that paths may pass undeflected.
 struct SeenThrough {
-    Mask pane;       ///< but for what it mirrors
-    Mask open;       ///< the boundary of an open medium
-    Mask no_bounce;  ///< of both: to pass is none
+    Mask pane;       ///< thin smooth glass, passed by the light it does not reflect
+    Mask open;       ///< boundary of an index-matched medium
+    Mask no_bounce;  ///< passing the pane or boundary is not a bounce
 };
 
-/// skips_interface: see SolidBoundary. For the lanes of m, which don't meet their material by chance.
+/// Classifies surfaces in the lanes of m, whose material must not have been chosen by a mixture. skips_interface: see
+/// SolidBoundary.
 inline SeenThrough seen_through(const LaneScene& scene, const MaterialReader& materials, UInt material,
                                 Mask skips_interface, Mask m)
 {
@@ -44,7 +46,7 @@ inline SeenThrough seen_through(const LaneScene& scene, const MaterialReader& ma
     const auto has = [&](std::uint32_t flag) { return m & ((flags & UInt(flag)) != UInt(0u)); };
     const Mask pane = has(MaterialRecord::pane), open = has(MaterialRecord::open_boundary) & skips_interface;
     Mask no_bounce = open;
-    // Where light comes into something, what scatters it there is the bounce.
+    // A pane that encloses an index-matched medium counts no bounce: the scattering inside the medium does.
     if (scene.open_media) no_bounce |= pane & (materials.get(&MaterialRecord::medium, material, pane) != UInt(0u));
     return {pane, open, no_bounce};
 }

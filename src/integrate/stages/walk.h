@@ -13,11 +13,11 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Ways through what fills solids: what they leave of the light, and in a medium that scatters, where a path turns.
+/// Medium stage: attenuates path segments in absorbing media, and samples scattering events in scattering ones.
 ///
-/// A path that is scattered before it gets to what it was about to hit is put there and goes on along another
-/// direction: a step of a random walk, in which it is not shaded. It has a light sampled only in open media: into
-/// others no light gets but through a surface that scatters it.
+/// A path that scatters before its hit is moved to the scattering event and continues in a sampled direction, without
+/// shading: a step of a random walk. Next event estimation runs in open (index-matched) media only: light reaches the
+/// inside of other media only through a refracting surface.
 class MediumStage {
 public:
     MediumStage(const LaneScene& scene, const KernelSettings& settings, KernelCounters& counters, StageClock& clock)
@@ -31,13 +31,14 @@ public:
     {
     }
 
-    /// Hits of paths that were scattered before become misses at this distance; where in an open medium they came
-    /// straight from the camera, at the other.
+    /// Values of HitColumns::t that mark paths as scattered before their hit. scattered_first: the path came straight
+    /// from the camera, in an open medium.
     static constexpr float scattered_before = -1, scattered_first = -2;
-    /// So many steps, and the path ends: a number too large to be met but where next to nothing is absorbed in a solid
-    /// of some hundred mean free paths.
+    /// Largest number of steps of a path. Walks get this long only in solids of hundreds of mean free paths that absorb
+    /// almost nothing.
     static constexpr std::uint32_t max_steps = 0x7fff;
 
+    /// Processes the segments from the paths' origins to their hits.
     void run(PathPool& p, HitColumns& hits, std::size_t active)
     {
         shadows_.clear();
@@ -62,9 +63,9 @@ public:
     }
 
 private:
-    /// Pairs of random dimensions of a step, whose group has its number in the upper half.
+    /// Pairs of random dimensions of a step. The step's number is in the upper half of the group.
     enum WalkPair : std::uint32_t { pair_distance, pair_phase, pair_survival };
-    /// What sets the group of a light's numbers apart from that of the step.
+    /// Bit that separates the group of a step's light sample from that of the step.
     static constexpr std::uint32_t light_group = 1u << 15;
 
     void attenuate(PathPool& p, const HitColumns& hits, std::size_t i, UInt medium, Mask m) const
@@ -90,11 +91,11 @@ private:
         Mask open(false);
         if (scene_.open_media) {
             open = turns & (gather(tables_.media, &MediumRecord::is_open, medium, m) != UInt(0u));
-            // Of use to whoever passes the boundary that is ahead.
+            // The step count selects the random numbers at the boundary ahead, if it is passed.
             p.walk_steps.store(i, step, m);
         }
         Mask counts = open;
-        // Paths without a longest depth have as many bits as if nothing were counted.
+        // Scattering counts as a bounce only under a depth limit: otherwise `counts` must not change the image.
         if (settings_.max_depth >= 0)
             counts |= turns & (gather(tables_.media, &MediumRecord::counts, medium, m) != UInt(0u));
         const Spectrum scattered = next;
@@ -115,7 +116,7 @@ private:
         p.walk_steps.store(i, step, turns);
         p.bsdf_pdf.store(i, select(open, phase_pdf(g, turned.z), Float(0)), turns);
         if (scene_.has_way_out) p.exit_offset.store(i, Float(0), turns);
-        // A camera in a medium sees no first hit through it: the path has left the camera.
+        // The path counts as having left the camera: first hits are not recorded through a scattering medium.
         const Mask from_camera = bounce == UInt(0u);
         const UInt left = select(counts | from_camera, UInt(1u), UInt(0u));
         const UInt dead = select(ends, UInt(PathPool::dead), UInt(0u));
@@ -126,8 +127,8 @@ private:
         hits.primitive.store(i, UInt(no_index), turns);
     }
 
-    /// Has the shadow ray queued of a light that is sampled where paths are scattered. scattered: what they carry from
-    /// there, of which the phase function has its share.
+    /// Next event estimation at scattering events: queues the shadow rays. scattered: throughput after scattering,
+    /// without the factor of the phase function.
     [[gnu::noinline]] void sample_light(const PathPool& p, std::size_t i, const Vec3& at, Float anisotropy,
                                         const SampleKey& key, UInt group, const Spectrum& scattered, Mask m)
     {
@@ -143,15 +144,16 @@ private:
                       iota() + UInt(std::uint32_t(i)), s.sees_environment, lit);
     }
 
-    /// Rounding must not put a path onto the other side of what lies ahead, whence it would not find back.
+    /// Limits the distance so that rounding cannot put the path beyond the surface ahead, from where it would not
+    /// return.
     static Float kept_inside(const Vec3& o, Float distance, Float t_hit)
     {
         const Float size = max(max(abs(o.x), abs(o.y)), abs(o.z)) + min(t_hit, Float(1e30f));
         return min(distance, max(fma(size, Float(-0x1p-20f), t_hit), t_hit * Float(0.5f)));
     }
 
-    /// Russian roulette for the lanes of m, by what is left, without refraction's scaling. What loses nothing goes on
-    /// for sure: a step that ended one in twenty would add more noise than it saves, since walks are long.
+    /// Russian roulette in the lanes of m by throughput, without refraction's scaling of radiance. Paths without loss
+    /// always survive: walks are long, and ending 5 % at each step would add more noise than it saves time.
     Mask end_by_chance(Mask m, const SampleKey& key, UInt seed, UInt bounce, Float eta_scale,
                        Spectrum& throughput) const
     {

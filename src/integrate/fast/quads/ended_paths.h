@@ -5,16 +5,17 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Notes the radiance of paths that have ended, and hands many at a time to the film.
+/// Buffers the radiance of finished paths and adds it to the film in batches.
 class EndedPaths {
 public:
     explicit EndedPaths(TileSums& sums) : sums_(sums) {}
 
+    /// Adds the paths of the mask. pixels: positions in the job; reversed_index: see SampleKey.
     [[gnu::always_inline]] void add(Mask ended, UInt pixels, UInt reversed_index, const Spectrum& radiance)
     {
         Float largest = abs(radiance.c[0]);
         for (int c = 1; c < channels; ++c) largest = max(abs(radiance.c[c]), largest);
-        // NaN is not small; where max() loses one, the comparison of the sum finds it.
+        // NaN must not count as small: where max() loses one, comparing the sum with itself finds it.
         Float total = radiance.c[0];
         for (int c = 1; c < channels; ++c) total = total + radiance.c[c];
         const Mask small = ended & (largest < Float(TileSums::small)) & (total == total);
@@ -24,6 +25,7 @@ public:
         size_ += std::size_t(count(small));
         if (size_ > pool_capacity - lanes) sum();
     }
+    /// Adds all buffered paths to the film.
     [[gnu::noinline]] void sum()
     {
         for (std::size_t k = 0; k < size_; ++k)

@@ -1,29 +1,29 @@
 #pragma once
-/// Quads that are not just smooth and diffuse of one colour, in the loop for rooms of quads: what a light sends to
-/// paths on them, and how these go on.
+/// Shading of quads that are not plain (QuadColumns::plain) in the loop for rooms of quads: next event estimation and
+/// sampling of the next direction by their closures.
 #include "integrate/stages/direct.h"
 #include "integrate/stages/scatter.h"
 
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Where the paths of a gang are.
+/// Vertices of a gang of paths on quads.
 struct QuadPlace {
     Vec3 p;        ///< on the quad
-    Float offset;  ///< rays that leave it begin so far off it
-    Vec3 d;        ///< each path came along this
-    Vec3 eye;      ///< from where lights are seen
+    Float offset;  ///< distance from the quad at which rays leave it
+    Vec3 d;        ///< direction along which each path arrived
+    Vec3 eye;      ///< point from which lights are sampled
     UInt quad;
     SampleKey key;
     UInt seed, index;  ///< of the bounce: see Randomness
     Spectrum throughput;
 };
 
-/// How they go on, and what a sampled light sends them.
+/// Result of scattering: the next direction, and the light sample with its shadow ray.
 struct QuadScatter {
     Scattered by;
     Vec3 start;
-    Mask lit{false};  ///< where `direct` comes if nothing is in the way of the shadow ray
+    Mask lit{false};  ///< lanes that receive `direct` if the shadow ray is not blocked
     Spectrum direct;
     Ray shadow;
 };
@@ -32,7 +32,7 @@ class QuadClosures {
 public:
     QuadClosures(const LaneScene& scene, StageClock& clock) : surfaces_(scene), materials_(scene), clock_(clock) {}
 
-    /// The lanes of m, all on quads of a kind. sample: gives the light sample of some lanes.
+    /// Scatters the lanes of m, whose quads all have this kind of closure. sample: returns the light sample for a mask.
     template <class LightOf>
     [[gnu::always_inline]] void scatter(ClosureKind kind, const QuadPlace& place, Mask m, bool lights_are_sampled,
                                         const LightOf& sample, QuadScatter& next) const

@@ -1,13 +1,13 @@
 #pragma once
-/// The path loop for flat scenes of quads, as boxes and rooms are: the same estimator as PathTracer's, in fewer
+/// The path loop for flat scenes of quads, such as boxes and rooms: the same estimator as PathTracer's, in fewer
 /// instructions.
 ///
 ///     start ─┬─▶ arrive ─▶ pool ─▶ light, next direction ─┐
 ///            └───────────────────◀───────────────────────┘
 ///
-/// What a path meets next is found while its state is still in registers, and only paths that go on are stored. All
-/// state fits into the first-level cache. Most quads of such scenes are plain: smooth, diffuse, of one colour. Paths on
-/// others are kept apart, where closures are run on full gangs of them (quad_closures.h).
+/// The next hit is found while the state of a path is still in registers, and only paths that continue are stored. All
+/// state fits into the first-level cache. Most quads of such scenes are plain: smooth, diffuse, of one color. Paths on
+/// other quads are kept in separate pools, so that closures run on full gangs (quad_closures.h).
 #include <utility>
 
 #include "integrate/fast/quads/ended_paths.h"
@@ -42,13 +42,14 @@ public:
             if (scene.has_closure(kind)) others_[other_kinds_].kind = kind, others_[other_kinds_++].end = 0;
     }
 
+    /// Traces all paths of the job.
     void run()
     {
         const std::uint64_t vertices_before = counters_.costs.vertices;
         for (;;) {
             while (size() + lanes <= pool_capacity && next_ < camera_paths_.total()) start();
             if (size() == 0) break;
-            // Paths that go on take the places before those still to be read, or come to another pool's end.
+            // Continuing paths are stored in slots that were already read, or are appended to another pool.
             const std::size_t active = std::exchange(plain_end_, 0);
             for (std::size_t i = 0; i < active; i += lanes) bounce(i, first_lanes(active - i));
             if constexpr (!all_plain)
@@ -59,12 +60,12 @@ public:
     }
 
 private:
-    /// Where rays come from.
+    /// Origin of rays: the camera, a plain quad, or another quad.
     enum class From { camera, plain, other };
     template <From from>
     struct Arrival;
 
-    /// How many paths are under way.
+    /// Number of paths in flight.
     std::size_t size() const
     {
         std::size_t size = plain_end_;
@@ -72,7 +73,7 @@ private:
         return size;
     }
 
-    /// Gangs of paths on other quads; what would leave lanes empty waits while there are new paths.
+    /// Scatters gangs of paths on quads that are not plain; an incomplete gang waits as long as there are new paths.
     void run_others(OtherQuadPool& p)
     {
         const bool waits = next_ < camera_paths_.total();
@@ -85,7 +86,7 @@ private:
         }
     }
 
-    /// Camera paths: those that meet a surface which scatters are stored.
+    /// Generates camera paths and stores those that hit a scattering surface.
     [[gnu::noinline, gnu::flatten]] void start()
     {
         const Mask valid = first_lanes(camera_paths_.total() - next_);
@@ -103,15 +104,14 @@ private:
         keep(at, goes_on, UInt(0u), Spectrum(Float(1)), sum, Float(1), path.key, path.pixel);
     }
 
-    /// A light, and the next direction, for the paths on plain quads stored from i on.
-    ///
-    /// Fields are read where they are needed, and again where they are needed again: registers are scarce.
+    /// Next event estimation and the next direction for paths on plain quads, stored from index i on. Fields are
+    /// reloaded at each use because registers are scarce.
     [[gnu::noinline, gnu::flatten]] void bounce(std::size_t i, Mask valid)
     {
         count_vertices(counters_, valid);
         const QuadPool& p = plain_;
         const UInt seed = group_seed(p.key(i), p.bounces(i) + UInt(1u));
-        // The light's point and the next direction are never multiplied with each other.
+        // One index suffices: the light's point and the next direction never enter one product.
         const UInt index = shuffled_index(p.key(i), seed);
         Spectrum light(Float(0));
         if (lights_are_sampled_) light = direct_light(i, valid, seed, index);
@@ -127,7 +127,7 @@ private:
         go_on(at, p, i, valid, seed, !all_plain && scene_.refracts ? p.eta_scale.load(i) : Float(1), left, sum);
     }
 
-    /// The same of paths on other quads.
+    /// Next event estimation and the next direction for paths on other quads, stored from index i on.
     [[gnu::noinline, gnu::flatten]] void bounce_by_closure(const OtherQuadPool& p, std::size_t i, Mask valid)
     {
         count_vertices(counters_, valid);
@@ -159,7 +159,7 @@ private:
         go_on(at, p, i, valid, seed, eta_scale, next.by.throughput, sum);
     }
 
-    /// Roulette, and what those paths meet that go on along `at`. left: their throughput; sum: their radiance.
+    /// Russian roulette, then the next hit of the paths that continue along `at`. left: throughput; sum: radiance.
     template <From from>
     [[gnu::always_inline]] void go_on(Arrival<from>& at, const QuadPool& p, std::size_t i, Mask valid, UInt seed,
                                       Float eta_scale, Spectrum left, Spectrum sum)
@@ -173,7 +173,7 @@ private:
         keep(at, goes_on, before + UInt(1u), left, sum, eta_scale, p.key(i), p.pixel.load(i));
     }
 
-    /// Stores paths that go on with those on plain quads or with the others.
+    /// Stores the paths that continue in the pool of plain quads or in that of their closure.
     template <From from>
     [[gnu::always_inline]] void keep(const Arrival<from>& at, Mask goes_on, UInt bounces, const Spectrum& left,
                                      const Spectrum& sum, Float eta_scale, const SampleKey& key, UInt pixel)
@@ -205,12 +205,12 @@ private:
         end += std::size_t(count(m));
     }
 
-    /// On the side of the path.
+    /// Quad normal on the side of the path.
     Vec3 normal(const QuadPool& p, std::size_t i) const
     {
         return flip_sign(scene_.quads.normal(p.quad(i)), bits_float(p.place.load(i)));
     }
-    /// Lanes of m whose shadow ray nothing is in the way of.
+    /// Lanes of m whose shadow ray is not blocked.
     [[gnu::always_inline]] Mask clear(const Ray& ray, Mask m)
     {
         counters_.count_rays(RayKind::shadow, std::uint64_t(count(m)));
@@ -219,8 +219,8 @@ private:
         return clear;
     }
 
-    /// What a sampled light sends to the paths if nothing is in the way, times cosine / pi, over the density; to be
-    /// multiplied by throughput and the surface's colour.
+    /// Radiance of a light sample if unoccluded, times cosine / pi and MIS weight, over the density. The caller
+    /// multiplies it by throughput and surface color.
     [[gnu::always_inline]] Spectrum direct_light(std::size_t i, Mask valid, UInt seed, UInt index)
     {
         const QuadPool& p = plain_;
@@ -229,23 +229,23 @@ private:
         const Float cosine = dot(s.wi, normal(p, i));
         const Mask lit = valid & (s.inverse_pdf > Float(0)) & (cosine > Float(0));
         const Mask arrives = clear(Ray{p.eye.load(i), s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)}, lit);
-        // f_cos / pdf, times the power heuristic in terms of r = bsdf_pdf / pdf: 1 / (1 + r^2).
+        // f_cos / pdf times the power heuristic, which is 1 / (1 + r^2) with r = bsdf_pdf / pdf.
         const Float r = cosine * Float(inv_pi) * s.inverse_pdf;
         Float weight = r * reciprocal(fma(r, r, Float(1)));
         if (any(s.is_delta)) weight = select(s.is_delta, r, weight);
         return s.radiance * select(arrives, weight, Float(0));
     }
 
-    /// Rays on their way to what they meet.
+    /// Rays of a gang and their hits.
     template <From from>
     struct Arrival {
         static constexpr bool from_camera = from == From::camera;
 
         Vec3 o, d;
-        Float pdf;                     ///< of the direction
+        Float pdf;                     ///< density of the direction
         Mask alive;                    ///< lanes with a ray
-        Mask specular{from_camera};    ///< light that the ray brings is not weighted against light sampling
-        Mask scattered{!from_camera};  ///< by closures but delta lobes, at any time
+        Mask specular{from_camera};    ///< emission is not MIS-weighted against light sampling
+        Mask scattered{!from_camera};  ///< some scattering event of the path was not a delta lobe
 
         Float t{};
         UInt quad{}, flags{};
@@ -259,7 +259,7 @@ private:
             tracer.counters_.count_rays(from_camera ? RayKind::camera : RayKind::bounce, std::uint64_t(count(alive)));
             const Hit hit = scene.flat.closest(scene.tables, Ray{o, d, Float(infinity), Float(0)});
             t = hit.t;
-            quad = hit.primitive;  // there are no triangles before them
+            quad = hit.primitive;  // flat scenes of quads have no triangles, which would come first
             hits = alive & (quad != UInt(no_index));
             flags = scene.quads.flags(quad);
             n = scene.quads.normal(quad);
@@ -267,14 +267,15 @@ private:
         }
         Mask goes_on() const { return hits & ((flags & UInt(QuadColumns::scatters)) != UInt(0u)); }
 
-        /// What quads and background send to the ray's origin, weighted against light sampling.
+        /// Adds the radiance that quads and the background emit toward the ray's origin, MIS-weighted against light
+        /// sampling.
         [[gnu::always_inline]] void add_radiance(QuadTracer& tracer, const Spectrum& left, Spectrum& sum)
         {
             const UInt shining_side =
                 select(facing > Float(0), UInt(QuadColumns::emits_front), UInt(QuadColumns::emits_back));
             Mask shines = hits & ((flags & shining_side) != UInt(0u));
             if (!from_camera) {
-                // What is unlit is seen, in mirrors too, but lights nothing.
+                // Unlit materials are visible to camera and mirror rays but do not illuminate other surfaces.
                 const Mask is_unlit = (flags & UInt(QuadColumns::unlit)) != UInt(0u);
                 shines &= !(from == From::other ? is_unlit & scattered : is_unlit);
             }
@@ -302,7 +303,7 @@ private:
             return select(shared, tracer.lights_.emission_weight(record, o, Float(0), d, t, pdf, shared), Float(1));
         }
 
-        /// By value: nothing of the caller's has to live in memory for its sake. 0 outside the mask.
+        /// Arguments are passed by value, so that the caller's variables can stay in registers. 0 outside the mask.
         [[gnu::noinline]] static Spectrum background(const QuadTracer& tracer, Vec3 d, Float pdf, Mask misses,
                                                      Mask specular)
         {
@@ -311,7 +312,7 @@ private:
             return select(misses, seen, Spectrum(Float(0)));
         }
 
-        /// How far from the quad rays that leave it begin.
+        /// Distance from the quad at which rays leave it.
         [[gnu::always_inline]] Float offset(const QuadTracer& tracer) const
         {
             return rounding_along(n, fma(d, t, o), d * t) + tracer.scene_.quads.rounding(quad);
@@ -340,7 +341,7 @@ private:
     std::uint32_t next_ = 0;  ///< number of the job's next path
 
     QuadPool plain_;
-    std::size_t plain_end_ = 0;  ///< where the next path goes
+    std::size_t plain_end_ = 0;  ///< slot of the next path
     std::size_t other_kinds_ = 0;
     OtherQuadPool others_[all_plain ? 1 : closure_kind_count];
 };

@@ -5,15 +5,15 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Paths that wait on a quad each.
+/// Paths that wait at a vertex on a quad, as a structure of arrays.
 struct QuadPool {
     VectorColumn eye;
     SpectrumColumn throughput, radiance;
-    /// The quad in its low 15 bits, whether any closure but delta lobes has scattered the path, the bounces so far in
-    /// the next 15, and on top whether the path is on the quad's back.
+    /// The quad in the low 15 bits, `scattered` (some event was not a delta lobe), the number of bounces in the next 15
+    /// bits, and `back` (the path is on the back of the quad).
     Column<std::uint32_t> place;
     Column<std::uint32_t> pixel_hash, reversed_index, pixel;
-    Column<float> eta_scale;  ///< where something refracts
+    Column<float> eta_scale;  ///< used if some material transmits
 
     static constexpr std::uint32_t quad_mask = 0x7fff, scattered = 1u << 15, bounce_mask = 0x7fff, back = 1u << 31;
     static constexpr int bounce_shift = 16;
@@ -32,12 +32,12 @@ struct QuadPool {
     }
 };
 
-/// Of quads that are not plain, those of one ClosureKind.
+/// Paths on quads that are not plain, all of one ClosureKind.
 struct OtherQuadPool : QuadPool {
     std::uint32_t kind;
-    std::size_t end;         ///< where the next path goes
-    VectorColumn direction;  ///< along which the path came
-    Column<float> offset;    ///< of the eye from the quad
+    std::size_t end;         ///< slot of the next path
+    VectorColumn direction;  ///< direction along which the path arrived
+    Column<float> offset;    ///< distance of the eye from the quad
 };
 
 }  // namespace FATHOM_LANES
