@@ -4,15 +4,16 @@
 
 namespace fathom {
 
-/// Exact sums of numbers: fixed point of 96 bits in three words, least significant first, so that neither order nor
-/// grouping changes them.
+/// Exact sums of signed numbers in 96-bit fixed point: three words, least significant first. Neither the order nor the
+/// grouping of the terms changes the result.
 ///
-/// A number is first rounded to a multiple of 2^-36, half to even: 1.5e-11, far below the noise of any picture whose
-/// values matter. Sums stay exact up to 2^59; numbers beyond 2^50 are cut there.
+/// A number is first rounded to a multiple of 2^-36, half to even: 1.5e-11, far below the noise of any image. Numbers
+/// beyond 2^50 in magnitude are clamped; sums stay exact up to 2^59.
 struct ExactSum {
     static constexpr int fraction_bits = 36;
     static constexpr int words = 3;
 
+    /// Adds a number given in units of 2^-36.
     static void add(std::uint32_t* sum, std::int64_t value)
     {
         const std::uint64_t low = sum[0] | std::uint64_t(sum[1]) << 32;
@@ -30,7 +31,7 @@ struct ExactSum {
             carry >>= 32;
         }
     }
-    /// Any finite number.
+    /// Adds any finite number, after rounding and clamping.
     static void add_number(std::uint32_t* sum, double value)
     {
         const double cut = std::fmin(std::fmax(value, -0x1p50), 0x1p50);
@@ -43,7 +44,8 @@ struct ExactSum {
     }
     static double value(const std::uint32_t* sum)
     {
-        // By magnitude: the complement of a small negative number is a large positive one, which a double would round.
+        // The magnitude is converted because the two's complement of a small negative number is large: a double would
+        // round it.
         const bool negative = sum[2] >> 31;
         std::uint64_t low = sum[0] | std::uint64_t(sum[1]) << 32;
         std::uint32_t high = sum[2];
@@ -51,18 +53,18 @@ struct ExactSum {
             low = ~low + 1;
             high = ~high + (low == 0 ? 1 : 0);
         }
-        // Factors are powers of two: only the addition, and a lower part beyond 53 bits, are rounded.
+        // The factors are powers of two, so only the addition and a low part beyond 53 bits are rounded.
         constexpr double unit = 1 / double(std::uint64_t(1) << fraction_bits);
         const double magnitude = double(high) * (0x1p64 * unit) + double(low) * unit;
         return negative ? -magnitude : magnitude;
     }
 };
 
-/// Exact sums of squares, which span twice the exponents: fixed point of 128 bits without a sign, least significant
-/// word first.
+/// Exact sums of squares in unsigned 128-bit fixed point, least significant word first; squares span twice the exponent
+/// range.
 ///
-/// A square is first rounded to a multiple of 2^-54, half to even: 5.6e-17, so that the variance of radiance from 1e-6
-/// on comes out. One beyond 2^64 (radiance of 4e9) is cut there, and sums stop at 2^74: neither depends on the order.
+/// A square is first rounded to a multiple of 2^-54, half to even: 5.6e-17, enough for the variance of radiance from
+/// 1e-6 on. Squares beyond 2^64 (radiance 4e9) are clamped, and sums saturate at 2^74; neither depends on the order.
 struct ExactSquareSum {
     static constexpr int fraction_bits = 54;
     static constexpr int words = 4;
@@ -74,7 +76,7 @@ struct ExactSquareSum {
         store(sum, total < before ? ~Wide(0) : total);
     }
     static void add(std::uint32_t* sum, const std::uint32_t* other) { add(sum, load(other)); }
-    /// Any number from 0 on.
+    /// Adds any number >= 0, after rounding and clamping.
     static void add_number(std::uint32_t* sum, double square)
     {
         add(sum, Wide(std::nearbyint(std::ldexp(std::fmin(square, 0x1p64), fraction_bits))));

@@ -17,7 +17,7 @@ Image::Layer layer(const Film::Data& film, const std::string& name, const std::v
     return {name, channels, std::vector<float>(std::size_t(film.width) * std::size_t(film.height) * channels.size())};
 }
 
-/// Fills a layer from `value(sums of the pixel, channel)`.
+/// Creates a layer whose values are value(sums of the pixel, channel).
 template <class Value>
 Image::Layer fill(const Film::Data& film, const std::string& name, const std::vector<std::string>& channels,
                   Value value)

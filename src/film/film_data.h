@@ -10,22 +10,22 @@
 
 namespace fathom {
 
-/// Throws Error if there is no picture of these settings: its size or its crop is impossible.
+/// Throws Error if no image can be rendered with these settings, because its size, crop or filter radius is invalid.
 void check_settings(const RenderSettings& settings);
 
-/// What a film sums per pixel: radiance, its squares, and then, in this order, what the settings ask for.
-/// AovPlaces has the first of each one's sums; `ids` the word of (sample index, instance id, material id) of the first
-/// sample.
+/// Layout of a film's pixel: sums of radiance, sums of its squares, then the sums that the settings ask for in the
+/// order of the members of AovPlaces, which hold the index of the first sum of each. `ids` is the word of (sample
+/// index, instance id, material id) of the first sample.
 struct FilmLayout : AovPlaces {
-    int sums = 0;             ///< besides radiance and its squares
-    int words = other_words;  ///< 32-bit words a pixel
+    int sums = 0;             ///< number of sums besides radiance and its squares
+    int words = other_words;  ///< 32-bit words per pixel
 
     FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted);
 };
 
 struct Film::Data {
     explicit Data(FilmKey key);
-    /// As a new one of another key; memory is kept.
+    /// Resets to an empty film with another key; the memory is kept.
     void reset(FilmKey new_key);
 
     FilmKey key;
@@ -35,15 +35,16 @@ struct Film::Data {
     std::uint64_t dropped = 0;
     std::optional<SamplePlace> dropped_sample;
     using Words = std::vector<std::uint32_t, LargeAllocator<std::uint32_t>>;
-    Words words;                     ///< layout.words a pixel
-    Words pass_words;                ///< of the pass at work, where it can be cancelled: see render and render_pass
-    std::optional<double> sample_s;  ///< what a sample of all pixels took in the last pass
+    Words words;       ///< layout.words per pixel
+    Words pass_words;  ///< sums that a cancellable pass writes to, swapped with `words` at its end: see render and
+                       ///< render_pass
+    std::optional<double> sample_s;  ///< seconds for one sample of all pixels in the last pass
 
     std::uint32_t* pixel(std::size_t index) { return &words[index * std::size_t(layout.words)]; }
     const std::uint32_t* pixel(std::size_t index) const { return &words[index * std::size_t(layout.words)]; }
     /// Adds the words of the same pixel of another film.
     void add_pixel(std::size_t index, const std::uint32_t* other) { add_pixel(pixel(index), other); }
-    /// Adds the words of a pixel to those of another.
+    /// Adds the words of one pixel to those of another.
     void add_pixel(std::uint32_t* own, const std::uint32_t* other) const
     {
         for (int c = 0; c < 3; ++c) {
@@ -51,14 +52,14 @@ struct Film::Data {
             ExactSquareSum::add(square_sum(own, c), square_sum(other, c));
         }
         for (int s = 0; s < layout.sums; ++s) ExactSum::add(other_sum(own, s), other_sum(other, s));
-        // Of ids, which can't be averaged, those of the lowest sample count.
+        // Ids can't be averaged: those of the lowest sample index are kept.
         if (const int ids = layout.ids; ids >= 0 && other[ids] < own[ids])
             for (int i = 0; i < 3; ++i) own[ids + i] = other[ids + i];
     }
-    /// Adds [range) to `samples`. Throws Error if some of it is there already.
+    /// Adds [range) to `samples`. Throws Error if it overlaps samples that are already there.
     void add_range(SampleRange range);
-    /// Counts the samples of another film as here, whose sums are to be added next. Throws Error if they don't belong
-    /// here, or some are here already; then nothing is changed.
+    /// Registers the samples of another film whose sums are added next. Throws Error, without any change, if the films
+    /// do not belong together or samples overlap.
     void take_samples(const FilmKey& of, const std::vector<SampleRange>& ranges, std::uint64_t dropped_there);
 };
 

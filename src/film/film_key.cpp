@@ -12,7 +12,7 @@ namespace {
 
 constexpr int aov_count = 6;
 
-/// The settings that decide a picture, each as a word; their names are those of the fields in a key's text.
+/// The settings that determine an image, as (field name, value) pairs of a key's text.
 std::vector<std::pair<std::string, std::string>> fields_of(const FilmKey& key)
 {
     const RenderSettings& s = key.settings;
@@ -42,12 +42,12 @@ std::vector<std::pair<std::string, std::string>> fields_of(const FilmKey& key)
     throw Error("", "", "its sums are of no film that this version knows: " + what);
 }
 
-/// Reads fields in their order.
+/// Parses the fields of a key in order.
 class KeyParser {
 public:
     explicit KeyParser(std::string_view text) : rest_(text) {}
 
-    /// The value of the next field, which must have the name.
+    /// The value of the next field, which must have this name.
     std::string_view field(std::string_view name)
     {
         const std::string_view all = rest_.substr(0, rest_.find(';'));
@@ -88,7 +88,7 @@ private:
     static std::from_chars_result read(const char* at, const char* end, T& out)
     {
         if constexpr (std::is_floating_point_v<T>) {
-            // fmt writes 0x before the digits, which from_chars does not know.
+            // fmt writes the prefix 0x, which from_chars does not accept.
             const bool negative = at != end && *at == '-';
             const char* digits = at + negative;
             if (end - digits > 2 && digits[0] == '0' && digits[1] == 'x') digits += 2;

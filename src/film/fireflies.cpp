@@ -8,8 +8,7 @@ namespace fathom {
 
 namespace {
 
-/// What the samples of a pixel are like: the mean in each channel; square and variance of all channels together.
-/// Floats, as there are as many as pixels.
+/// Moments of a pixel's samples: mean per channel; mean square and variance summed over channels. Floats save memory.
 struct Moments {
     std::array<float, 3> mean{};
     float square = 0, variance = 0;
@@ -37,7 +36,7 @@ double squared_mean(const Moments& m)
     return sum;
 }
 
-/// Squares of pixels, each with what is usual in it.
+/// Square blocks of pixels, each with the pixel of median variance as its typical one.
 class Blocks {
 public:
     static constexpr int side = 8;
@@ -58,7 +57,8 @@ public:
                 usual_.push_back(*middle);
             }
     }
-    /// Of the noisiest of the nine blocks around a pixel, so that an edge of a noisy region is no news.
+    /// Typical pixel of the noisiest of the nine blocks around a pixel, so that the edge of a noisy region is not an
+    /// outlier.
     const Moments& usual_around(int x, int y) const
     {
         const Moments* most = nullptr;
@@ -75,7 +75,7 @@ private:
     std::vector<Moments> usual_;
 };
 
-/// The pixels that a film has samples of.
+/// Moments of all rendered pixels of a film.
 class Pixels {
 public:
     explicit Pixels(const Film& film)
@@ -92,7 +92,7 @@ public:
     int height() const { return height_; }
     const std::vector<Moments>& all() const { return all_; }
     const Moments& at(int x, int y) const { return all_[std::size_t(y) * std::size_t(width_) + std::size_t(x)]; }
-    /// The brightest mean, squared, of the eight pixels around one.
+    /// The largest squared mean among the eight neighbors of a pixel.
     double brightest_neighbor(int x, int y) const
     {
         double most = 0;
@@ -107,8 +107,8 @@ private:
     std::vector<Moments> all_;
 };
 
-/// How many of n samples, all of one height beyond the usual, make a pixel what it is: k of height h add k h to its sum
-/// and k h^2 to that of the squares.
+/// Number and squared height of outliers among the n samples of a pixel, assuming that all have equal height h above
+/// the typical mean: k outliers add k h to the sum and k h^2 to the sum of squares.
 struct Outliers {
     double count = 0, height2 = 0;
 
@@ -131,11 +131,11 @@ struct Outliers {
 Film::Fireflies Film::fireflies() const
 {
     constexpr double fewest_samples = 4;
-    /// Times the variance that is usual around: the variance found by few samples is itself uncertain.
+    /// Threshold on the variance relative to the typical one; the variance of few samples is itself uncertain.
     constexpr double far_beyond = 25;
-    /// Of a pixel's samples; where more are bright, as at the edge of something bright, it is no outlier.
+    /// Largest fraction of bright samples in an outlier pixel; at the edge of a bright object more samples are bright.
     constexpr double few = 1 / 16.0;
-    /// Times the mean of each neighbour: beside something bright a few bright samples are the filter's.
+    /// Threshold relative to each neighbor's mean: next to a bright object the filter causes a few bright samples.
     constexpr double much_brighter = 4;
     const double n = double(samples_per_pixel());
     if (n < fewest_samples) return {};

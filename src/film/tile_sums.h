@@ -8,7 +8,8 @@
 
 namespace fathom {
 
-/// The words of a film's pixel: sums of radiance, of its squares, then of all else, in the order of FilmLayout.
+/// Word offsets within a film's pixel: sums of radiance, sums of squares, then all other sums in the order of
+/// FilmLayout.
 inline constexpr int square_words = 3 * ExactSum::words, other_words = square_words + 3 * ExactSquareSum::words;
 template <class Word>
 Word* radiance_sum(Word* pixel, int channel)
@@ -26,22 +27,23 @@ Word* other_sum(Word* pixel, int place)
     return pixel + other_words + place * ExactSum::words;
 }
 
-/// Which of the other sums of a pixel are whose; -1: not wanted. See FilmLayout.
+/// Index of the first of the other sums of each layer; -1: not wanted. See FilmLayout.
 struct AovPlaces {
     int alpha = -1, albedo = -1, normal = -1, depth = -1, position = -1, hits = -1, ids = -1;
     bool any() const { return alpha >= 0 || albedo >= 0 || normal >= 0 || depth >= 0 || position >= 0 || ids >= 0; }
 };
 
-/// Sums over the samples of one job, pixel by pixel: radiance, its square, and what the first hits show.
+/// Sums over the samples of one job, pixel by pixel: radiance, its square, and the layers of first hits.
 ///
-/// Fast while radiance stays below 128, which it mostly does; larger values are kept apart and summed one by one.
+/// Adding is fast for radiance below 128, the common case; larger values are kept in a list and summed one by one.
 class TileSums {
 public:
-    /// Four at a time, by the vector types of GCC and Clang, which every instruction set has.
+    /// Vectors of four numbers by the GCC and Clang extension, which is available for every instruction set.
     using Doubles = double __attribute__((vector_size(32)));
     using Integers = std::int64_t __attribute__((vector_size(32)));
-    // GCC aligns such vectors by the instruction set that it compiles for: the library and its kernels must agree.
-    /// Squares in two parts: multiples of 2^-20, and what is left of each, which may be negative, in its own units.
+    // GCC's default alignment of such vectors depends on the instruction set; the library and its kernels must agree on
+    // one.
+    /// Squares are split in two sums: multiples of 2^-20, and the remainders, which may be negative, in units of 2^-54.
     struct alignas(32) Fast {
         Integers sum{}, square{}, square_rest{};
     };
@@ -50,7 +52,7 @@ public:
     static constexpr double magic(int fraction_bits) { return 0x1.8p52 / double(std::uint64_t(1) << fraction_bits); }
     static constexpr int square_bits = 20;
 
-    /// words  of a pixel in the film
+    /// Resets all sums to 0. words: 32-bit words of a pixel in the film.
     void reset(std::size_t pixels, std::size_t words)
     {
         fast_.assign(pixels, {});
@@ -60,14 +62,14 @@ public:
         dropped = 0;
     }
 
-    /// Brings a pixel's sums into the cache.
+    /// Prefetches the sums of a pixel.
     void fetch(std::uint32_t pixel) const
     {
         const char* const sums = reinterpret_cast<const char*>(&fast_[pixel]);
         __builtin_prefetch(sums), __builtin_prefetch(sums + sizeof(Fast) - 1);
     }
 
-    /// Adds one sample's radiance and its square. NaN and infinity are dropped and counted.
+    /// Adds the radiance of one sample and its square. Samples with NaN or infinity are dropped and counted.
     void add(std::uint32_t pixel, std::uint32_t sample, float r, float g, float b)
     {
         if (std::fabs(r) < small && std::fabs(g) < small && std::fabs(b) < small) [[likely]]
@@ -81,7 +83,7 @@ public:
         }
     }
 
-    /// The same for magnitudes below `small`.
+    /// Adds the radiance of one sample whose channels are below `small` in magnitude.
     static constexpr float small = 128;
     void add_small(std::uint32_t pixel, float r, float g, float b)
     {
@@ -98,25 +100,25 @@ public:
         sums.square_rest += (Integers)rest - std::bit_cast<std::int64_t>(fine);
     }
 
-    /// Adds to another sum of the film, by its place there.
+    /// Adds to one of the other sums of a pixel, by its index.
     void add_first_hit(std::uint32_t pixel, int place, float number)
     {
         if (std::isfinite(number)) ExactSum::add_number(other_sum(first_hit(pixel), place), number);
     }
-    /// Keeps the ids of the lowest sample.
+    /// Stores the ids of a sample unless a sample with a lower index has set them.
     void set_ids(std::uint32_t pixel, int word, std::uint32_t sample, std::uint32_t instance, std::uint32_t material)
     {
         std::uint32_t* ids = first_hit(pixel) + word;
         if (sample < ids[0] || ids[3] == 0) ids[0] = sample, ids[1] = instance, ids[2] = material, ids[3] = 1;
     }
 
-    /// Adds everything but slow() to the film's words of a pixel. ids: the film's word of ids, or -1.
+    /// Adds everything except slow() to a film pixel. sums: number of other sums; ids: the film's word of ids, or -1.
     void add_to(std::uint32_t pixel, std::uint32_t* film, int sums, int ids) const
     {
         const Fast& fast = fast_[pixel];
         for (int c = 0; c < 3; ++c) {
             ExactSum::add(radiance_sum(film, c), fast.sum[c]);
-            // A square is not below its upper part by more than rounding, so no sum is negative.
+            // The remainders can lower a sum of squares only by rounding, so no sum is negative.
             constexpr int shift = ExactSquareSum::fraction_bits - square_bits;
             ExactSquareSum::add(square_sum(film, c), (ExactSquareSum::Wide(fast.square[c]) << shift) +
                                                          ExactSquareSum::Wide(fast.square_rest[c]));
@@ -135,8 +137,8 @@ public:
     const std::vector<Fast>& fast() const { return fast_; }
     const std::vector<Slow>& slow() const { return slow_; }
     std::uint64_t dropped = 0;
-    std::uint32_t first_dropped_pixel = 0, first_dropped_sample = 0;  ///< where any was
-    /// Keeps the last sample as it came, NaN included: to replay one.
+    std::uint32_t first_dropped_pixel = 0, first_dropped_sample = 0;  ///< of the first dropped sample, if any
+    /// Keeps the last sample in `value`, NaN included, to replay a single sample.
     bool keep_values = false;
     float value[3] = {};
 
@@ -150,7 +152,8 @@ private:
     std::vector<Fast> fast_;
     std::vector<Slow> slow_;
     std::size_t words_per_pixel_ = 0;
-    std::vector<std::uint32_t> first_hits_;  ///< words a pixel, and one that says whether there are ids
+    std::vector<std::uint32_t> first_hits_;  ///< words_per_pixel_ words per pixel, and one that tells whether ids are
+                                             ///< set
 };
 
 }  // namespace fathom

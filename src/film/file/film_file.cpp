@@ -26,12 +26,12 @@ namespace {
 
 using namespace film_format;
 
-/// A file that is read from any place by any thread.
+/// A regular file that any thread may read at any offset.
 class InputFile {
 public:
     explicit InputFile(const std::filesystem::path& file) : name(file.string())
     {
-        // A pipe would wait for somebody to write.
+        // Without O_NONBLOCK, opening a named pipe would wait for a writer.
         descriptor_ = open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
         if (descriptor_ < 0) throw Error(name, "", reason(errno));
         struct stat status{};
@@ -66,10 +66,10 @@ private:
     int descriptor_ = -1;
 };
 
-/// The file's bytes up to where its headers end.
+/// Reads the bytes of the file up to the end of its EXR headers.
 std::vector<unsigned char> read_headers(const InputFile& file)
 {
-    // Theirs are some thousand bytes; a scene of many parts has more.
+    // Headers usually take a few thousand bytes; scenes with many layers need more.
     constexpr std::uint64_t first_guess = 1 << 16, most = 1 << 26;
     std::vector<unsigned char> bytes;
     for (std::uint64_t size = first_guess;; size *= 8) {
@@ -86,7 +86,7 @@ std::vector<unsigned char> read_headers(const InputFile& file)
     }
 }
 
-/// The library below knows sums, not the files that they came from.
+/// Runs an action and adds the file name to its errors: the code below it knows sums, not files.
 template <class Action>
 auto naming(const std::string& file, const char* place, Action action)
 {
@@ -98,7 +98,7 @@ auto naming(const std::string& file, const char* place, Action action)
     }
 }
 
-/// Adds the sums of a line, which stand channel by channel, to those of the film.
+/// Adds the sums of one scanline to the film; the file stores them channel by channel.
 void add_line(const unsigned char* sums, const Packing& packing, Film::Data& film, std::size_t y,
               std::vector<unsigned char>& packed, std::vector<std::uint32_t>& pixels)
 {
@@ -129,10 +129,10 @@ struct FilmFile::Data {
     std::vector<std::string> channels;
     std::map<std::string, std::string> attributes;
     std::string packing, checksum;
-    std::vector<unsigned char> start;  ///< all before the lines
-    std::size_t line = 0;              ///< bytes of one
-    std::size_t sums = 0;              ///< where its sums begin
-    int words = 0;                     ///< of the sums of a pixel
+    std::vector<unsigned char> start;  ///< all bytes before the scanlines
+    std::size_t line = 0;              ///< bytes per scanline
+    std::size_t sums = 0;              ///< offset of the sums within a scanline
+    int words = 0;                     ///< words of packed sums per pixel
 
     void read_start();
     void read_attributes(const Imf::Header& header);

@@ -15,7 +15,7 @@ namespace fathom::film_format {
 
 namespace {
 
-/// The number that `text` begins with, which is cut off it.
+/// Parses the number that `text` begins with, and removes it from `text`.
 std::uint64_t take_number(std::string_view& text)
 {
     std::uint64_t number = 0;

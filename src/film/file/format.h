@@ -9,8 +9,8 @@
 
 #include "fathom/render.h"
 
-/// What stands where in a film file: headers, a table of the lines' places, and the lines, each of them a number, its
-/// length and its channels one behind the other. That is an EXR without compression.
+/// Layout of a film file: headers, a table of scanline offsets, and the scanlines. Each scanline is its y coordinate,
+/// its length, and its channels one after another, as in an uncompressed EXR file.
 namespace fathom::film_format {
 
 inline constexpr const char* version_attribute = "fathom.sums.version";
@@ -21,28 +21,29 @@ inline constexpr const char* packing_attribute = "fathom.sums.packing";
 inline constexpr const char* checksum_attribute = "fathom.sums.checksum";
 inline constexpr const char* version = "1";
 
-/// In front of a line's channels: which it is, and how long they are.
+/// Bytes before a scanline's channels: its y coordinate and the length of its data.
 inline constexpr std::size_t line_start = 8;
 
-/// "sums.007"
+/// Name of the channel that holds a word of the sums: "sums.007".
 std::string sums_channel(int word);
-/// "0:16,32:48", and back. Throws Error if the text is no list of ranges in order.
+/// Sample ranges as text such as "0:16,32:48", and the inverse. Parsing throws Error unless the ranges are in order.
 std::string text_of(const std::vector<SampleRange>& samples);
 std::vector<SampleRange> parse_samples(const std::string& text);
-/// Throws Error if it is no number.
+/// Throws Error if the text is not a number.
 std::uint64_t parse_number(const std::string& text);
 
-/// Bytes of a channel's value in one pixel.
+/// Bytes of one value of a channel.
 std::size_t value_size(Imf::PixelType type);
-/// Bytes of the channels of a line.
+/// Bytes of all channels of one scanline.
 std::size_t line_bytes(const Imf::Header& header);
 
-/// The place of the checksum's digits in the headers, which count as zeros in it; throws Error if there is none.
+/// Offset of the checksum digits in the headers. The checksum counts these digits as zeros. Throws Error if there are
+/// none.
 inline constexpr std::size_t checksum_digits = 16;
 std::size_t checksum_place(std::span<const unsigned char> headers);
-/// Of one line, from its number to its end.
+/// Checksum of one scanline, from its y coordinate to its end.
 std::uint64_t line_checksum(const unsigned char* line, std::size_t size);
-/// Of the file: of all before the lines, and of the lines' checksums in order.
+/// Checksum of the file: over all bytes before the scanlines, and the checksums of the scanlines in order.
 std::string file_checksum(std::span<const unsigned char> start, const std::vector<std::uint64_t>& lines);
 
 }  // namespace fathom::film_format

@@ -42,7 +42,7 @@ constexpr bool is_signed(int words)
     return words == sum_words;
 }
 
-/// With the bits of the sign up to the highest.
+/// Loads a number of 1, 3 or 4 words; sums (3 words) are sign-extended.
 template <int words>
 Wide load(const std::uint32_t* number)
 {
@@ -63,7 +63,7 @@ void store(std::uint32_t* number, Wide value)
     if (words == 4) std::memcpy(number + 2, &high, 8);
 }
 
-/// Calls f with the number of words as a constant.
+/// Calls f with the number of words as a compile-time constant.
 template <class F>
 void with_words(int words, F&& f)
 {
@@ -75,7 +75,8 @@ void with_words(int words, F&& f)
         f(std::integral_constant<int, id_words>());
 }
 
-/// A byte more than the highest that is not 0; and the lowest.
+/// byte_count: bytes up to the highest set bit, plus room for a sign bit. lowest_byte: index of the lowest nonzero
+/// byte.
 int byte_count(Wide bits)
 {
     const auto high = std::uint64_t(bits >> 64);
@@ -87,7 +88,8 @@ int lowest_byte(Wide bits)
     return (low != 0 ? std::countr_zero(low) : 64 + std::countr_zero(std::uint64_t(bits >> 64))) / 8;
 }
 
-/// What `of(first pixel, count)` gives of some pixels at a time, all joined by or, which has no order.
+/// Combines the bits that of(first pixel, count) returns for blocks of pixels by bitwise or, which does not depend on
+/// order.
 template <class Bits, class Of>
 Bits joined(const Film::Data& film, const Bits& none, const Of& of)
 {
@@ -101,7 +103,7 @@ Bits joined(const Film::Data& film, const Bits& none, const Of& of)
         [&](const auto& range, const Bits& bits) { return join(of(range.begin(), range.size()), bits); }, join);
 }
 
-/// The bits of all words that are set in any pixel.
+/// For each word of a pixel: the bits that are set in any pixel.
 std::vector<std::uint32_t> set_bits(const Film::Data& film)
 {
     const auto words = std::size_t(film.layout.words);
@@ -115,7 +117,7 @@ std::vector<std::uint32_t> set_bits(const Film::Data& film)
     });
 }
 
-/// The bits of sums that differ from their sign in any pixel.
+/// For each sum: the bits that differ from the sign bit in any pixel.
 std::vector<Wide> magnitude_bits(const Film::Data& film, const std::vector<const PackedNumber*>& sums)
 {
     const std::vector<Wide> none(sums.size(), 0);
@@ -130,7 +132,7 @@ std::vector<Wide> magnitude_bits(const Film::Data& film, const std::vector<const
     });
 }
 
-/// What is too much of a number is written over by the next.
+/// Copies fixed-size chunks: bytes past a number's end are overwritten by the next number.
 template <std::size_t size>
 void pack_number(const unsigned char* from, std::size_t from_stride, std::size_t count, unsigned char* to,
                  std::size_t to_stride)
@@ -152,7 +154,7 @@ void unpack_number(const PackedNumber& n, const unsigned char* from, std::size_t
     }
 }
 
-/// The same for most numbers, in a third of the time.
+/// unpack_number() for numbers of at most 8 bytes that start at byte 0, which are most; it takes a third of the time.
 template <int words>
 void unpack_short_number(const PackedNumber& n, const unsigned char* from, std::size_t from_stride, std::size_t count,
                          std::uint32_t* number, std::size_t number_stride)
@@ -180,11 +182,11 @@ Packing::Packing(const Film::Data& film)
             set |= Wide(words[std::size_t(number.word) + std::size_t(i)]) << (32 * i);
         if (set == 0) continue;
         number.first = lowest_byte(set);
-        // A sum's highest bit is its sign; numbers without one may fill their bytes.
+        // The highest bit of a sum is its sign; numbers without a sign may fill their bytes.
         number.bytes = byte_count(is_signed(number.words) ? set : set >> 1) - number.first;
         if (is_signed(number.words) && (set >> (32 * number.words - 1) & 1) != 0) negative.push_back(&number);
     }
-    // Where a sign is set in some pixel, the bits that are set don't tell how long a number is.
+    // Where some pixel has a negative sum, its set bits do not bound the length of the number: magnitudes do.
     const std::vector<Wide> magnitudes = magnitude_bits(film, negative);
     for (std::size_t n = 0; n < negative.size(); ++n) {
         PackedNumber& number = numbers_[std::size_t(negative[n] - numbers_.data())];
@@ -246,7 +248,7 @@ void Packing::pack(const std::uint32_t* pixels, std::size_t count, unsigned char
             pack_number<16>(from, pixel_words_ * 4, count, to, stride());
         to += number.bytes;
     }
-    // Of the last word.
+    // The padding bytes of the last word are set to 0.
     for (std::size_t i = 0; i < count; ++i, to += stride()) std::memset(to, 0, sizeof(std::uint32_t));
 }
 

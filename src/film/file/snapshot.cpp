@@ -21,7 +21,7 @@ namespace {
 
 using namespace film_format;
 
-/// Bytes that OpenEXR writes, in memory.
+/// OpenEXR output stream to memory.
 class MemoryOutput : public Imf::OStream {
 public:
     MemoryOutput() : Imf::OStream("film") {}
@@ -65,7 +65,7 @@ void add_attributes(Imf::Header& header, const Film::Data& film, const Packing& 
     add(checksum_attribute, std::string(checksum_digits, '0'));
 }
 
-/// Writes the lines of a film file, which OpenEXR would do in three copies by one thread: the sums of 4K with all
+/// Writes the scanlines of a film file. OpenEXR would make three copies in one thread; the sums of a 4K film with all
 /// layers are 2 GB.
 class LineWriter {
 public:
@@ -74,7 +74,7 @@ public:
     {
     }
 
-    /// The channels of a line, as they are sorted by name.
+    /// Writes the channels of a scanline, sorted by name.
     void write(std::size_t y, unsigned char* to) const
     {
         const auto width = std::size_t(film_.width);
@@ -104,7 +104,7 @@ private:
     {
         const auto width = std::size_t(film_.width);
         const char* from = channel.first + y * width * channel.stride;
-        // With the size as a constant: else each value is a call.
+        // A constant size lets the compiler inline the copy instead of calling memcpy for each value.
         const auto copy_values = [&](auto size) {
             for (std::size_t x = 0; x < width; ++x, from += channel.stride, to += size) std::memcpy(to, from, size);
         };
@@ -113,7 +113,7 @@ private:
         else
             copy_values(std::integral_constant<std::size_t, 4>());
     }
-    /// Some pixels at a time are packed, and their words then sorted into the channels, while the cache has them.
+    /// Packs blocks of pixels and distributes their words to the channels while they are in the cache.
     void write_sums(std::size_t y, unsigned char* to) const
     {
         constexpr std::size_t block = 64, word = sizeof(std::uint32_t);
@@ -132,7 +132,8 @@ private:
         }
     }
 
-    /// Some pixels with room behind them: the film's last ones are copied to where it is.
+    /// Pointer to some pixels that is readable past their end: the last pixels of the film are copied to a padded
+    /// buffer.
     const std::uint32_t* pixels(std::size_t first, std::size_t count, std::vector<std::uint32_t>& copy) const
     {
         const auto pixel = std::size_t(film_.layout.words);
@@ -150,13 +151,13 @@ private:
 }  // namespace
 
 struct FilmSnapshot::Data {
-    LargeArray<unsigned char> bytes;  ///< at least `size`
+    LargeArray<unsigned char> bytes;  ///< at least `size` bytes
     std::size_t size = 0;
 
     void reserve(std::size_t wanted)
     {
         size = wanted;
-        // The sums of further samples may take a byte more.
+        // The margin lets later snapshots reuse the memory when sums of more samples need another byte.
         if (bytes.size() < wanted) bytes = {}, bytes = LargeArray<unsigned char>(wanted + wanted / 16);
     }
 };
