@@ -1,6 +1,6 @@
 #pragma once
-/// What moves, at the time of a ray: written once for the tree, for surfaces and for tests, so that all of them see the
-/// same bits.
+/// Interpolation of motion at the time of a ray, shared by BVH, surfaces and intersection tests, which therefore agree
+/// bitwise.
 #include "geometry/records.h"
 #include "math/elementary.h"
 #include "math/gather_member.h"
@@ -9,12 +9,13 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The last of the times that is not after `time`, and how far it is from there to the next, in [0, 1].
+/// Index of the last time that is not after `time`, and the fraction of the way to the next, in [0, 1].
 struct KeyTime {
     UInt key;
     Float fraction;
 };
 
+/// Position of `time` among tables.vertex_times.
 inline KeyTime vertex_key(const GeometryTables& tables, Float time)
 {
     const std::vector<float>& times = tables.vertex_times;
@@ -28,7 +29,7 @@ inline KeyTime vertex_key(const GeometryTables& tables, Float time)
     return k;
 }
 
-/// a at fraction 0, b at 1.
+/// Linear interpolation: a at fraction 0, b at 1.
 inline Float mix(Float a, Float b, Float fraction)
 {
     return fma(b - a, fraction, a);
@@ -48,9 +49,9 @@ struct Affine {
         const auto at = [&](const Vec3& r, Float s) { return fma(r.x, p.x, fma(r.y, p.y, fma(r.z, p.z, s))); };
         return {at(row[0], shift.x), at(row[1], shift.y), at(row[2], shift.z)};
     }
-    /// By the transpose: takes normals back through the map whose inverse this is.
+    /// Applies the transpose: transforms normals by the inverse of this map.
     Vec3 transposed_vector(const Vec3& n) const { return fma(row[0], n.x, fma(row[1], n.y, row[2] * n.z)); }
-    /// What point() adds up for each coordinate, as magnitudes.
+    /// Sums of the magnitudes that point() adds for each coordinate, for error bounds.
     Vec3 reach(const Vec3& p) const
     {
         const Vec3 a = abs(p);
@@ -70,10 +71,9 @@ struct Affine {
     }
 };
 
-/// render_from_object of a moving instance.
+/// Interpolated render_from_object of a moving instance; constant before the first pose and after the last.
 ///
-/// number  number(i, k): the k-th float of the pose after the first of the instance's poses by i
-/// Before the first pose and after the last the instance stands still.
+/// number: number(i, k) is float k of the instance's pose i.
 template <class Number>
 Affine pose_at(const Number& number, UInt pose_count, Float time)
 {
@@ -97,7 +97,7 @@ Affine pose_at(const Number& number, UInt pose_count, Float time)
     Float q[4];
     for (int k = 0; k < 4; ++k) q[k] = fma(number(key, rotation + k), wa, number(next, rotation + k) * wb);
     const Float x = q[0], y = q[1], z = q[2], w = q[3];
-    // A rotation for a quaternion of any length.
+    // Rotation matrix of a quaternion that need not be normalized.
     const Float two = Float(2) / fma(x, x, fma(y, y, fma(z, z, w * w)));
     const Vec3 r0{Float(1) - two * fma(y, y, z * z), two * fma(x, y, -(z * w)), two * fma(x, z, y * w)};
     const Vec3 r1{two * fma(x, y, z * w), Float(1) - two * fma(x, x, z * z), two * fma(y, z, -(x * w))};
@@ -115,7 +115,7 @@ Affine pose_at(const Number& number, UInt pose_count, Float time)
     return a;
 }
 
-/// render_from_object of what has poses, by a word like InstanceRecord::poses in each lane of the mask.
+/// render_from_object in each lane of the mask; poses: a word like InstanceRecord::poses.
 inline Affine pose_of(const GeometryTables& tables, UInt poses, Float time, Mask m)
 {
     const UInt count = poses & UInt(255u), first = poses >> 8;
@@ -124,7 +124,7 @@ inline Affine pose_of(const GeometryTables& tables, UInt poses, Float time, Mask
     return pose_at(number, select(m, count, UInt(0u)), time);
 }
 
-/// object_from_render of one instance for rays of all lanes.
+/// object_from_render of one instance, for rays in all lanes.
 inline Affine object_from_render(const GeometryTables& tables, const InstanceRecord& instance, Float time)
 {
     if (instance.pose_count() == 0) {
@@ -137,7 +137,7 @@ inline Affine object_from_render(const GeometryTables& tables, const InstanceRec
     return pose_at(number, UInt(instance.pose_count()), time).inverse();
 }
 
-/// The same for an instance per lane of the mask.
+/// object_from_render of one instance per lane of the mask.
 inline Affine object_from_render(const GeometryTables& tables, UInt instance, Float time, Mask m)
 {
     const float* base = reinterpret_cast<const float*>(tables.instances.data());

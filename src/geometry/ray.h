@@ -5,45 +5,45 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// N rays: points o + t d, 0 < t < t_max. Directions are unit.
+/// Rays, one per lane: points o + t d with 0 < t < t_max. Directions are unit vectors.
 struct Ray {
     Vec3 o, d;
     Float t_max;
     Float time;
 };
 
-/// The nearest hit of each lane: the least of (t, primitive). Without a hit primitive is no_index and t the ray's
-/// t_max.
+/// The nearest hit of each lane: the minimum of (t, primitive). Without a hit, primitive is no_index and t is t_max.
 struct Hit {
     Float t;
     UInt primitive;
-    UInt instance;  ///< no_index where the primitive stands in the world itself
-    Float u, v;     ///< barycentric weights of a triangle's second and third vertex; not set for other kinds
+    UInt instance;  ///< no_index if the primitive is not instanced
+    Float u, v;     ///< barycentric weights of a triangle's second and third vertex; not set for other primitives
 };
 
 inline constexpr float infinity = std::numeric_limits<float>::infinity();
 
-/// 1 / d for slab tests: components are kept from 0, so that no product is NaN.
+/// 1 / d for slab tests; components are kept away from 0 so that no product is NaN.
 inline Vec3 safe_inverse(Vec3 d)
 {
     const auto inverse = [](Float x) { return Float(1) / (x + copysign(Float(1e-20f), x)); };
     return {inverse(d.x), inverse(d.y), inverse(d.z)};
 }
 
-/// Rays that leave a surface begin a little off it, or they would meet it again where rounding put them on its other
-/// side. How far that may be is bounded coordinate by coordinate (as in Pharr, Jakob, Humphreys, "Physically Based
-/// Rendering", 6.8, and Ize 2013, "Robust BVH Ray Traversal"), and only what lies along the normal counts: on a level
-/// ground it matters neither how wide it is nor how far away.
+/// Error bound for the offset of rays that leave a surface. They start slightly off it; otherwise they could hit it
+/// again where rounding put them on its other side.
 ///
-/// n, p  unit geometric normal, and the point
-/// way   what was added up to find the point, and what the intersection test adds up when a ray comes back: of each
-///       coordinate the largest magnitude, with either sign
-/// Units are 2^-24 of a coordinate: p and what was added to it are rounded some times each, here and by the next test.
+/// The error is bounded per coordinate (as in Pharr, Jakob, Humphreys, "Physically Based Rendering", 6.8, and Ize 2013,
+/// "Robust BVH Ray Traversal"), and only its component along the normal counts. On a horizontal floor neither the size
+/// of the floor nor the distance to it matters.
+///
+/// n, p: unit geometric normal, and the point. way: for each coordinate the largest magnitude, of either sign, that was
+/// added to find the point or that the next intersection test adds. Units are 2^-24 of a coordinate: p and the added
+/// values are rounded a few times each, here and by the next test.
 inline Float rounding_along(const Vec3& n, const Vec3& p, const Vec3& way)
 {
     return Float(0x1p-21f) * dot(abs(n), abs(p)) + Float(0x1p-22f) * dot(abs(n), abs(way));
 }
-/// What comes on top where the test shears coordinates (TriangleRay), which mixes them.
+/// Additional error of the triangle test, whose shear mixes coordinates (TriangleRay).
 inline constexpr float rounding_of_shear = 0x1p-23f;
 
 }  // namespace FATHOM_LANES

@@ -1,12 +1,12 @@
 #pragma once
-/// Geometry as the kernel reads it: flat arrays of plain numbers, no names, no pointers between them but indices.
+/// Geometry as the kernel reads it: flat arrays of plain numbers that refer to each other by index.
 ///
-/// Render space: world space moved so that the camera (at compile time) is the origin, then scaled by a power of two so
-/// that the scene's radius is about 1024: floats then serve scenes of any size anywhere. Radiance does not depend on
-/// the scale; point lights do, and are scaled when compiled.
+/// Render space is world space translated so that the camera (at compile time) is the origin, then scaled by a power of
+/// two so that the scene's radius is about 1024: floats then suffice for scenes of any size and position. Radiance does
+/// not depend on the scale; point lights do and are scaled when compiled.
 ///
-/// Primitives are numbered through: triangles first, then quads, spheres, disks, segments of curves, points. A hit
-/// names a primitive, and an instance where the primitive was reached through one.
+/// Primitives are numbered consecutively: triangles, quads, spheres, disks, curve segments, points. A hit consists of a
+/// primitive, and an instance if the primitive was reached through one.
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -23,23 +23,23 @@ struct QuadRecord {
     Vec3f corner, edge_u, edge_v;
 };
 struct SphereRecord {
-    Vec3f center, motion;  ///< center + time * motion
-    float radius = 1;      ///< negative: the normal points inwards
+    Vec3f center, motion;  ///< the center at a time is center + time * motion
+    float radius = 1;      ///< negative: the normal points inward
 };
 struct DiskRecord {
     Vec3f center, normal;
     float radius = 1;
 };
 
-/// A segment of a curve, cut into straight pieces: see geometry/curve.h.
+/// A segment of a curve, divided in straight pieces: see shapes/curve.h.
 struct CurveRecord {
-    std::uint32_t first_point = 0;  ///< in curve_points, of four or, if linear, two
+    std::uint32_t first_point = 0;  ///< index in curve_points of the first of four control points, or two if linear
     std::uint32_t pieces = 1;       ///< a power of 2, at most max_pieces
-    float u0 = 0, u1 = 1;           ///< where along the curve it begins and ends
+    float u0 = 0, u1 = 1;           ///< parameters along the whole curve at its ends
     static constexpr std::uint32_t max_pieces = 32, max_segments = 1u << 27, max_points = 1u << 29;
 };
 
-/// What the primitives of one shape share.
+/// Properties that the primitives of a shape share.
 struct ShapeRecord {
     enum Flags : std::uint32_t {
         has_normals = 1,
@@ -47,32 +47,33 @@ struct ShapeRecord {
         has_uv1 = 4,
         has_tangents = 8,
         has_colors = 16,
-        alpha_tested = 32,     ///< a ray may pass through: the material's alpha decides
-        flipped = 64,          ///< the geometric normal is turned round (mirroring transform)
+        alpha_tested = 32,     ///< the material's alpha decides whether a ray passes
+        flipped = 64,          ///< the geometric normal is reversed (mirroring transform)
         linear_curves = 256,   ///< segments are lines: two points each, not four
-        ribbons = 512,         ///< curves are flat and turned towards each ray, not round
-        solid_curves = 1024,   ///< rays meet them from inside, too
-        fibers = 2048,         ///< round curves that rays leave from within without meeting them
-        only_instanced = 128,  ///< its primitives stand where instances put them, and nowhere else
+        ribbons = 512,         ///< curves are flat and face each ray, instead of round
+        solid_curves = 1024,   ///< rays hit them from inside, too
+        fibers = 2048,         ///< round hair: rays that start inside leave without hitting them
+        only_instanced = 128,  ///< primitives appear through instances only
     };
     std::uint32_t material = 0;
     std::uint32_t flags = 0;
     std::uint32_t first_primitive = 0;
-    std::uint32_t light_base = no_index;  ///< light of its first primitive; the others follow
-    std::uint32_t object_id = 0;          ///< for the instance id AOV, of what stands in the world
-    std::uint32_t frame = no_index;       ///< in frames: how round primitives are turned, where their uv show it
-    /// Vertices of the mesh, or points of the curves in curve_points, if they move, else 0: vertex v is
-    /// v + k * moving_vertices at vertex_times[k].
+    std::uint32_t light_base = no_index;  ///< light of its first primitive; those of the others follow
+    std::uint32_t object_id = 0;          ///< for the instance id AOV of primitives that are not instanced
+    std::uint32_t frame = no_index;       ///< index in `frames`: orientation of round primitives, if their texture
+                                          ///< coordinates show it
+    /// Number of mesh vertices, or of control points of curves, if they move, else 0. Vertex v at vertex_times[k] is v
+    /// + k * moving_vertices.
     std::uint32_t moving_vertices = 0;
 };
 
-/// A shape placed once more, or one that moves: its primitives live in their own space.
+/// An instance of a shape, static or moving; its primitives are stored in object space.
 struct InstanceRecord {
-    std::array<float, 12> object_from_render{};  ///< rows of an affine map; not used if it moves
-    std::uint32_t shape = 0;                     ///< material and flags; instances that agree in them share one
-    std::uint32_t mesh_shape = 0;                ///< the shape whose primitives it places
-    std::uint32_t object_id = 0;                 ///< instead of the shape's
-    std::uint32_t poses = 0;                     ///< if it moves: how many in the low byte, above it the first of them
+    std::array<float, 12> object_from_render{};  ///< rows of an affine map; unused if the instance moves
+    std::uint32_t shape = 0;                     ///< material and flags; equal instances share it
+    std::uint32_t mesh_shape = 0;                ///< the shape whose primitives it shows
+    std::uint32_t object_id = 0;                 ///< replaces the shape's object_id
+    std::uint32_t poses = 0;  ///< if it moves: the number of poses in the low byte, the index of the first above it
 
     static constexpr std::uint32_t max_poses = 255, max_first_pose = (1u << 24) - 1;
     std::uint32_t pose_count() const { return poses & 255; }
@@ -80,22 +81,21 @@ struct InstanceRecord {
 };
 static_assert(sizeof(InstanceRecord) == 64);
 
-/// Where a moving instance is at a time, as translation * rotation * stretch. Up to the next pose the first and the
-/// last change linearly, and the rotation turns by the angle (quaternions: Shoemake 1985, "Animating Rotation with
-/// Quaternion Curves").
+/// Pose of a moving instance, as translation * rotation * stretch. Translation and stretch are interpolated linearly;
+/// rotation by quaternions (Shoemake 1985, "Animating Rotation with Quaternion Curves").
 struct PoseRecord {
     float time = 0;
     float translation[3] = {};
-    float rotation[4] = {};  ///< x, y, z, w; those of neighbours have a dot product of at least 0
+    float rotation[4] = {};  ///< x, y, z, w; successive quaternions have a nonnegative dot product
     float stretch[6] = {};   ///< xx, xy, xz, yy, yz, zz of a symmetric matrix
-    float turns = 0;         ///< the angle between the quaternions, in full turns
-    float inverse_sine = 0;  ///< of it; 0 where it is too small to matter: linear then
+    float turns = 0;         ///< angle to the next pose's quaternion, in full turns
+    float inverse_sine = 0;  ///< reciprocal sine of that angle; 0 if it is so small that interpolation is linear
 };
 static_assert(sizeof(PoseRecord) == 64);
 
-/// All shapes, and where they stand.
+/// All primitives, shapes and instances of a scene.
 struct GeometryTables {
-    // Per vertex of all meshes; arrays that no mesh needs are empty.
+    // Per vertex of all meshes; arrays that no mesh uses are empty.
     LargeVector<Vec3f> positions, normals;
     LargeVector<Vec4f> tangents, colors;
     LargeVector<Vec2f> uv0, uv1;
@@ -104,23 +104,23 @@ struct GeometryTables {
     std::vector<SphereRecord> spheres;
     std::vector<DiskRecord> disks;
     std::vector<CurveRecord> curves;
-    std::vector<Vec4f> curve_points;           ///< place and radius; segments of a cubic curve share their ends
-    std::vector<Vec4f> points;                 ///< balls: centre and radius
-    std::vector<std::array<float, 9>> frames;  ///< rows of rotations from here to a node's space
+    std::vector<Vec4f> curve_points;           ///< position and radius; segments of a cubic curve share their ends
+    std::vector<Vec4f> points;                 ///< center and radius
+    std::vector<std::array<float, 9>> frames;  ///< rows of rotations from render space to a node's space
     LargeVector<std::uint32_t> shape_of_primitive;
     std::vector<ShapeRecord> shapes;
     std::vector<InstanceRecord> instances;
     std::vector<PoseRecord> poses;
-    /// Times at which vertices and points of curves are given, from when the shutter opens until it closes; empty if
-    /// none move.
+    /// Times at which moving vertices and control points are stored, from shutter open to shutter close; empty if none
+    /// move.
     std::vector<float> vertex_times;
-    std::uint32_t world_triangles = 0;          ///< triangles of [0, world_triangles) are in render space; the rest are
-                                                ///< reached through instances
+    std::uint32_t world_triangles = 0;  ///< triangles [0, world_triangles) are in render space; the others are reached
+                                        ///< through instances
     float shutter_open = 0, shutter_close = 0;  ///< of the camera that the scene was compiled for
     Vec3d origin;                               ///< world position of render space's origin
     double render_scale = 1;                    ///< render units per world unit: a power of two
     bool moving = false;
-    /// Instances of [0, still_instances) stay where they are; others may move later, if the scene is `editable`.
+    /// Instances [0, still_instances) are fixed; the others may move later if the scene is `editable`.
     std::uint32_t still_instances = 0;
     bool editable = false;
 

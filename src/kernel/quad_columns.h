@@ -18,7 +18,7 @@ public:
         scatters = 1,
         emits_front = 2,
         emits_back = 4,
-        unlit = 8 /* visible to the camera only, lights nothing */,
+        unlit = 8 /* visible to camera and mirror rays, lights nothing */,
         plain = 16 /* smooth and diffuse of one color, or not scattering at all */
     };
     static constexpr int kind_shift = 8;  ///< bits above the flags hold the ClosureKind

@@ -1,4 +1,4 @@
-/// What the tree offers to its callers: plain arrays in, plain arrays out.
+/// Public interface of the BVH: plain arrays in, plain arrays out.
 #include "geometry/bvh/bvh.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace fathom {
 
 struct Bvh::Data : BvhData {
-    std::optional<bvh::BvhBuilder> builder;  ///< of a tree that may be updated
+    std::optional<bvh::BvhBuilder> builder;  ///< kept if the BVH may be updated
 };
 
 Bvh::Bvh() : data_(std::make_unique<Data>()) {}
@@ -62,10 +62,10 @@ const BvhStatistics& Bvh::statistics() const
 
 namespace {
 
-// Sorting incoherent rays by octant, to let those of one octant share the upper part of the tree, gained up to 20 % on
-// first bounces and lost as much on third ones: not done.
+// Rejected: sorting incoherent rays by octant, so that they share the upper part of the tree, gained up to 20 % on
+// first bounces and lost as much on third bounces.
 
-/// Times before the shutter opens or after it closes count as that moment: nothing is known of others.
+/// Times outside the shutter interval are clamped to it, since motion is unknown elsewhere.
 void prepare_times(const GeometryTables& tables, Float time, RayTimes& times, int i)
 {
     const float open = tables.shutter_open, close = tables.shutter_close;
@@ -75,7 +75,7 @@ void prepare_times(const GeometryTables& tables, Float time, RayTimes& times, in
     store(times.fraction + i, vertices.fraction);
 }
 
-/// Rays [at, at + n), at most stream_size, made ready for tracing.
+/// Prepares rays [at, at + n) for tracing; n is at most stream_size.
 void prepare(const RayArrays& rays, std::size_t at, int n, const BvhData& bvh, StreamMemory& memory)
 {
     for (int i = 0; i < n; i += lanes) {
@@ -91,7 +91,7 @@ void prepare(const RayArrays& rays, std::size_t at, int n, const BvhData& bvh, S
     }
 }
 
-/// Hits of a stream as callers want them.
+/// Hits of a stream in the form of HitArraysOut.
 struct PutHits {
     alignas(64) float t[stream_size], u[stream_size], v[stream_size];
     alignas(64) std::uint32_t primitive[stream_size], instance[stream_size];
@@ -113,7 +113,7 @@ struct PutHits {
     }
 };
 
-/// Too few rays that are alike are not worth a walk of their own.
+/// Packets of fewer coherent rays do not pay.
 constexpr int min_packet = 8;
 
 template <bool any_hit, bool moving>
@@ -158,8 +158,8 @@ void trace(const BvhData& bvh, int n, bool coherent, StreamMemory& memory)
     stream.run();
 }
 
-/// Rays of one time see the same boxes: before they are cut into streams they are sorted by time, coarsely. The order
-/// of rays does not matter to what they hit.
+/// Sorts rays coarsely by time before they are cut into streams: rays of similar time see similar boxes. The order of
+/// rays does not affect their hits.
 class SortedByTime {
 public:
     static constexpr std::size_t most = 512;
@@ -193,7 +193,7 @@ private:
     alignas(64) float data_[8][most + 64];
 };
 
-/// put(hits, n, at): notes the hits of rays [at, at + n), which stand at the beginning of hits.
+/// Traces rays in streams. put(hits, n, at) stores hits [0, n) as those of rays [at, at + n).
 template <bool any_hit, class Put>
 void trace_streams(const BvhData& bvh, const RayArrays& rays, bool coherent, BvhVisits* visits, const Put& put)
 {
@@ -212,7 +212,8 @@ void trace_streams(const BvhData& bvh, const RayArrays& rays, bool coherent, Bvh
     visits->primitives += memory.visits.primitives;
 }
 
-/// put_in_order(hits, n, at) as above; put_one(hits, i, to): notes hit i as that of ray `to`.
+/// Traces rays, sorted by time if that pays. put_in_order(hits, n, at) is as in trace_streams(); put_one(hits, i, to)
+/// stores hit i as that of ray `to`.
 template <bool any_hit, class PutInOrder, class Prepare, class PutOne>
 void trace_all(const BvhData& bvh, const RayArrays& rays, bool coherent, BvhVisits* visits,
                const PutInOrder& put_in_order, const Prepare& prepared, const PutOne& put_one)

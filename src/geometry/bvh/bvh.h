@@ -1,8 +1,9 @@
 #pragma once
-/// The acceleration structure for scenes of more than a few dozen primitives: a tree of nodes with 16 children over
-/// triangles, quads, spheres, disks and instances of meshes.
+/// Bounding volume hierarchy (BVH) with 16 children per node over triangles, quads, spheres, disks, curves, points and
+/// instances of meshes, for scenes of more than a few dozen primitives.
 ///
-/// Plain arrays cross this interface, so that bvh*.cpp may be compiled with another number of lanes than its callers.
+/// Only plain arrays cross this interface, so that the BVH may be compiled with another number of lanes than its
+/// callers.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -14,8 +15,8 @@ namespace fathom {
 
 struct GeometryTables;
 
-/// Rays as arrays: points o + t d, 0 < t < t_max, d of unit length. Each array is readable for 32 elements past
-/// `count`.
+/// Rays as arrays: points o + t d with 0 < t < t_max and d of unit length. Each array must be readable for 32 elements
+/// past `count`.
 struct RayArrays {
     const float *ox, *oy, *oz, *dx, *dy, *dz;
     const float* t_max;  ///< null: infinity
@@ -23,44 +24,45 @@ struct RayArrays {
     std::size_t count;
 };
 
-/// The nearest hit of each ray. Elements past the rays' count are not written.
+/// The nearest hit of each ray; elements past the count are not written.
 ///
-/// t is the ray's t_max where nothing is hit; u, v are the weights of a triangle's second and third vertex, or how far
-/// along edge_u and edge_v of a quad the hit lies, and not set for other kinds; `primitive` is no_index without a hit,
-/// `instance` is no_index where the primitive stands in the world itself.
+/// t is the ray's t_max if nothing is hit. u and v are the barycentric weights of a triangle's second and third vertex,
+/// or the position along edge_u and edge_v of a quad; they are not set for other primitives. `primitive` is no_index
+/// without a hit; `instance` is no_index if the primitive is not instanced.
 struct HitArraysOut {
     float *t, *u, *v;
     std::uint32_t *primitive, *instance;
 };
 
-/// A hit on a shape with ShapeRecord::alpha_tested: the ray as it was given, and the rest as in HitArraysOut; u = v = 0
-/// for spheres and disks.
+/// A candidate hit on a shape with ShapeRecord::alpha_tested, with the ray in world space. Other members are as in
+/// HitArraysOut; u = v = 0 for spheres and disks.
 struct AlphaCandidate {
     float origin[3], direction[3];
     float t, u, v;
     std::uint32_t primitive, instance;
 };
-/// Whether such a hit counts. Must answer alike whenever it is asked the same; may be asked for hits that turn out not
-/// to be the nearest.
+/// Whether a candidate hit counts. The result must depend on the arguments alone; candidates may turn out not to be
+/// nearest hits.
 using AlphaTest = bool (*)(const void* context, const AlphaCandidate& candidate);
 
+/// Size and quality of a BVH.
 struct BvhStatistics {
-    std::size_t nodes = 0, children = 0;          ///< nodes of 16, and how many of their children are in use
-    std::size_t leaves = 0, leaf_primitives = 0;  ///< a quad counts twice, as two triangles
-    std::size_t bytes = 0;                        ///< of all that rendering needs
-    std::size_t peak_bytes = 0;                   ///< while building, the result included
-    double cost = 0;                              ///< expected steps of a random ray that meets the scene
-    double diagonal = 0;                          ///< of the box around everything
+    std::size_t nodes = 0, children = 0;          ///< wide nodes, and how many of their children are in use
+    std::size_t leaves = 0, leaf_primitives = 0;  ///< a quad counts as two triangles
+    std::size_t bytes = 0;                        ///< memory for rendering
+    std::size_t peak_bytes = 0;                   ///< peak memory of construction, result included
+    double cost = 0;                              ///< expected cost of a random ray that hits the scene's box
+    double diagonal = 0;                          ///< diagonal of the scene's box
     double build_s = 0;
 };
 
-/// What rays went through, summed: a node or leaf that several rays visit together counts once for each of them.
+/// Visits summed over rays: a node or leaf that several rays visit together counts once for each.
 struct BvhVisits {
     std::uint64_t nodes = 0, primitives = 0;
 };
 
-/// The nearest hit is the least of (t, primitive, instance): the same bits for any instruction set, order of rays,
-/// `coherent` or not. Queries may run on many threads at once.
+/// The nearest hit is the minimum of (t, primitive, instance), bitwise equal for all instruction sets, orders of rays
+/// and values of `coherent`. Queries are thread-safe.
 class Bvh {
 public:
     Bvh();
@@ -68,28 +70,27 @@ public:
     Bvh(Bvh&&) noexcept;
     Bvh& operator=(Bvh&&) noexcept;
 
-    /// Builds on all threads; the same tree for any number of them. Triangles with a coordinate that is not finite, or
-    /// with two equal vertices, are never hit. Keeps a pointer to the tables, whose spheres, disks, shapes and
-    /// instances are read while tracing. Throws std::length_error beyond 2^27 triangles.
+    /// Builds the BVH with all threads; the result does not depend on their number. Triangles with non-finite
+    /// coordinates or two equal vertices are never hit. Keeps a pointer to the tables, which tracing reads. Throws
+    /// std::length_error beyond 2^27 triangles.
     void build(const GeometryTables& tables, TreeBuild level = TreeBuild::standard);
 
-    /// After instances that are not still, poses, shapes' flags or the vertices of `changed` shapes, which only
-    /// instances place, have changed in the tables: builds what they make necessary. The tree must have been built of
-    /// tables that are `editable`, or only flags may have changed.
+    /// Updates the BVH after changes of movable instances, poses, shape flags, or the vertices of the `changed` shapes,
+    /// which must be shapes used by instances only. The tables must be `editable` unless only flags changed.
     void update(const std::vector<std::uint32_t>& changed);
 
-    /// Takes some shadow rays for what others will be like: those that ask for any hit first go to what stops most of
-    /// these. Changes no result. Does nothing where something moves, or may be moved later.
+    /// Orders the children of nodes for occlusion rays similar to these. Results do not change. Without effect if
+    /// something moves or may be edited.
     void expect(const RayArrays& shadow_rays);
 
-    /// For hits on shapes with ShapeRecord::alpha_tested; null: all are opaque.
+    /// Sets the test for hits on shapes with ShapeRecord::alpha_tested; null: all are opaque.
     void set_alpha_test(AlphaTest test, const void* context);
 
-    /// `coherent` promises nothing: neighbours among the rays are worth tracing together.
-    /// visits  added to, if given
+    /// Finds the nearest hits. coherent: a hint that adjacent rays are worth tracing together. visits: incremented if
+    /// not null.
     void closest(const RayArrays& rays, const HitArraysOut& hits, bool coherent, BvhVisits* visits = nullptr) const;
 
-    /// blocked[i] is 1 where ray i hits anything, else 0.
+    /// Sets blocked[i] to 1 if ray i hits anything, else to 0. Other arguments are as in closest().
     void occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent, BvhVisits* visits = nullptr) const;
 
     std::size_t memory_bytes() const { return statistics().bytes; }

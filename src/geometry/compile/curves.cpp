@@ -10,7 +10,7 @@ namespace fathom {
 
 namespace {
 
-/// Place and radius, in double.
+/// Position and radius of a control point, in double precision.
 struct Point {
     Vec3d p;
     double r;
@@ -21,7 +21,7 @@ struct Point {
 
 using Segment = std::array<Point, 4>;
 
-/// Control points of the Bezier segment that is segment i of a curve.
+/// Bezier control points of segment i of a curve; p points to the first control point of the segment.
 Segment bezier_segment(CurveBasis basis, const Point* p)
 {
     switch (basis) {
@@ -30,15 +30,16 @@ Segment bezier_segment(CurveBasis basis, const Point* p)
             return {(p[0] + p[1] * 4 + p[2]) * (1.0 / 6), (p[1] * 2 + p[2]) * (1.0 / 3), (p[1] + p[2] * 2) * (1.0 / 3),
                     (p[1] + p[2] * 4 + p[3]) * (1.0 / 6)};
         case CurveBasis::catmull_rom:
-            // Catmull, Rom 1974, "A Class of Local Interpolating Splines": tangents are half of the neighbours'
-            // distance.
+            // Catmull, Rom 1974, "A Class of Local Interpolating Splines": a tangent is half of the difference of the
+            // neighbors.
             return {p[1], p[1] + (p[2] + p[0] * -1) * (1.0 / 6), p[2] + (p[3] + p[1] * -1) * (-1.0 / 6), p[2]};
         default:
             return {p[0], p[1], p[2], p[3]};
     }
 }
 
-/// A curve strays from its chord by at most an eighth of its second derivative.
+/// Number of straight pieces for a segment. A curve deviates from its chord by at most an eighth of its second
+/// derivative.
 std::uint32_t pieces_of(const Segment& s)
 {
     double bend = 0, radius = 0;
@@ -53,7 +54,7 @@ std::uint32_t pieces_of(const Segment& s)
     return pieces;
 }
 
-/// Adds curves pose by pose. The first makes the segments, the others give them points of the same order.
+/// Adds curves pose by pose. The first pose creates the segments; the others add points in the same order.
 class CurveAdder {
 public:
     CurveAdder(SceneTables& tables, const Curves& curves)
@@ -61,7 +62,7 @@ public:
     {
     }
 
-    /// points: control points, of all curves one after the other.
+    /// points: the control points of all curves in a row.
     void add_pose(const std::vector<Point>& points)
     {
         const bool is_first = tables_.curves.size() == first_segment_;
@@ -84,7 +85,7 @@ public:
     }
 
 private:
-    /// Neighbours share the point where they join.
+    /// Adjacent segments share the point where they join.
     void add_segment(std::size_t i, std::size_t segments)
     {
         CurveRecord record;
@@ -106,7 +107,7 @@ private:
     }
     void put(const Point& p)
     {
-        // Where a spline of radii goes below zero there is nothing.
+        // A spline of radii may fall below zero; such parts are invisible.
         tables_.curve_points.push_back({float(p.p.x), float(p.p.y), float(p.p.z), float(std::max(p.r, 0.0))});
     }
 

@@ -5,11 +5,11 @@
 
 namespace fathom {
 
-/// Adds the segments of curves to the tables, as cubic Bezier segments or lines, and says how finely each is cut: so
-/// that no piece strays from the curve by more than a fiftieth of its radius. Returns how many segments that are.
+/// Adds curves to the tables as cubic Bezier segments or lines. Sets the number of straight pieces so that no piece
+/// deviates from the curve by more than a fiftieth of its radius. Returns the number of segments.
 ///
-/// factor  by which the transform scales lengths
-/// moves   whether control points do while the shutter is open: then there are those for each of vertex_times
+/// factor: scale of lengths by the transform. moves: whether control points move during the shutter interval; then they
+/// are added for each of vertex_times.
 std::size_t add_curves(SceneTables& tables, const Curves& curves, const Transform& transform, double factor,
                        bool moves);
 

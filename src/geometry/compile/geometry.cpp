@@ -19,7 +19,7 @@ namespace fathom {
 
 namespace {
 
-/// Calls f(positions, normals) for each pose of the mesh that the tables hold, in their order.
+/// Calls f(positions, normals) for each pose of the mesh that the tables hold, in order.
 template <class F>
 void for_each_pose(const SceneTables& tables, const Mesh& mesh, bool moves, const F& f)
 {
@@ -52,7 +52,7 @@ public:
         const bool joins = count_triangles(shapes) <= max_joined_triangles;
         find_solids(shapes);
         std::vector<const FlattenedShape*> instanced, rest;
-        // Triangles in render space come first, then those of what is instanced, then the other kinds.
+        // Triangles in render space come first, then those of instanced meshes, then the other kinds of primitives.
         for (FlattenedShape& p : shapes)
             if (p.instanced = instancing_.is_instanced(p); p.instanced)
                 instanced.push_back(&p);
@@ -84,7 +84,7 @@ public:
     }
 
 private:
-    /// Primitives of these kinds: of what stands in the world, then of what is instanced.
+    /// Adds primitives of these kinds: first those in the world, then those of instanced shapes.
     template <class... Kinds>
     void add_all(const std::vector<const FlattenedShape*>& rest, const std::vector<const FlattenedShape*>& instanced,
                  const FlattenedScene& all)
@@ -95,7 +95,7 @@ private:
         for (const FlattenedShape* p : instanced) (place_primitives<Kinds>(*p), ...);
     }
 
-    /// A shape that is displaced counts as a mesh.
+    /// Whether a shape becomes primitives of this kind. Displaced shapes are meshes.
     template <class Kind>
     bool is_of(const Shape& shape) const
     {
@@ -103,7 +103,7 @@ private:
         return std::holds_alternative<Kind>(shape.geometry);
     }
 
-    /// Adds primitives of one kind in the space of their own, if they are not there yet.
+    /// Adds the primitives of an instanced shape in its own space, once per content.
     template <class Kind>
     void place_primitives(const FlattenedShape& p)
     {
@@ -128,7 +128,7 @@ private:
             add_points(p, c_.scene.points[std::size_t(q->points)]);
     }
 
-    /// What light gets into, and what is hair, in some of its places at least.
+    /// Lists contents that are solid, and those that are hair, in any of their occurrences.
     void find_solids(const std::vector<FlattenedShape>& shapes)
     {
         for (const FlattenedShape& p : shapes) {
@@ -138,7 +138,8 @@ private:
         }
     }
 
-    /// Triangles are joined to parallelograms where a scene is small enough to be traced as a list.
+    /// Scenes with up to this many triangles merge pairs of them into parallelograms, as they may be traced as a flat
+    /// list.
     static constexpr std::size_t max_joined_triangles = 192;
 
     std::size_t count_triangles(const std::vector<FlattenedShape>& shapes) const
@@ -149,14 +150,14 @@ private:
         return n;
     }
 
-    /// Where on a surface something is, or which way its fibres or facets run, is seen.
+    /// Whether texture coordinates or tangents affect the appearance of a material.
     static bool shows_uv(const MaterialRecord& m)
     {
         return (m.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped |
                            MaterialRecord::wants_tangent | MaterialRecord::wants_uv)) != 0;
     }
 
-    /// Nothing but positions matters: the picture of a parallelogram is that of its two triangles.
+    /// Whether a parallelogram would look exactly like its two triangles: only positions matter.
     bool is_plain(const FlattenedShape& p, const Mesh& mesh) const
     {
         const MaterialRecord& m = t_.materials[material_of(*p.shape)];
@@ -183,8 +184,8 @@ private:
         return t_.materials[material].alpha_mode != std::uint32_t(AlphaMode::opaque);
     }
 
-    /// A sphere or disk that a transform distorts, or that rays may pass through: its hits have no place on it that
-    /// alpha could be looked up by.
+    /// Spheres and disks that a transform distorts or that are alpha-tested become meshes: their hits do not provide
+    /// texture coordinates for alpha tests.
     bool needs_tessellation(const FlattenedShape& p) const
     {
         const auto* sphere = std::get_if<Sphere>(&p.shape->geometry);
@@ -194,7 +195,7 @@ private:
         return !is_similarity(p.render_from_node, factor) || (has_alpha(material_of(*p.shape)) && !moves);
     }
 
-    /// For round primitives.
+    /// Disables the alpha test of round primitives, which do not support it.
     void make_opaque(ShapeRecord& shape)
     {
         opaque_ += (shape.flags & ShapeRecord::alpha_tested) != 0;
@@ -213,7 +214,8 @@ private:
         return t_.shapes.back();
     }
 
-    /// For round primitives, whose uv go by the axes of their node. It must be a similarity.
+    /// Sets the frame of round primitives, whose texture coordinates follow the axes of their node. The transform must
+    /// be a similarity.
     void set_frame(ShapeRecord& shape, const Transform& node_from_render, double factor)
     {
         const MaterialRecord& m = t_.materials[shape.material];
@@ -236,7 +238,7 @@ private:
         set_frame(shape, p.render_from_node.inverse(), factor);
     }
 
-    /// Numbers `count` primitives of the last shape.
+    /// Appends `count` primitives to the last shape.
     void take_primitives(std::size_t count)
     {
         if (t_.shape_of_primitive.size() + count > 0x7fffffffu)
@@ -250,7 +252,7 @@ private:
         ShapeRecord& shape = add_shape(p, t_.triangle_count(), mirrored);
         const std::size_t base = t_.positions.size();
         if (base + mesh.positions.size() > 0x7fffffffu) throw Error(c_.scene.file, "", "more than 2^31 vertices");
-        // Normals go by the inverse transpose; its scale does not matter.
+        // Normals transform by the inverse transpose; they are normalized, so its scale does not matter.
         const Transform inverse = transform.inverse();
         const auto add_vertices = [&](const std::vector<Vec3f>& positions, const std::vector<Vec3f>& normals) {
             const std::size_t first = t_.positions.size();
@@ -298,7 +300,7 @@ private:
         pad(to, base);
         to.insert(to.end(), from.begin(), from.end());
     }
-    /// Arrays that some mesh has reach over the vertices of all.
+    /// Extends attribute arrays that any mesh uses to the vertices of all meshes.
     void fill_missing_attributes()
     {
         const std::size_t n = t_.positions.size();
@@ -318,7 +320,7 @@ private:
         }
     }
 
-    /// In render space.
+    /// Adds a quad in render space.
     void add_quad(const Vec3d& corner, const Vec3d& u, const Vec3d& v)
     {
         t_.quads.push_back({to_float(corner), to_float(u), to_float(v)});
@@ -333,8 +335,8 @@ private:
     void add_box(const FlattenedShape& p, const Box& b)
     {
         add_shape(p, t_.first_quad() + std::uint32_t(t_.quads.size()), p.render_from_node.determinant() < 0);
-        // Faces that are rounded each for itself leave gaps between them, through which light gets in: so all corners
-        // stand on a grid on which floats add without rounding.
+        // Rounding each face separately would leave gaps through which light leaks. All corners are therefore placed on
+        // a grid on which float addition is exact.
         const Transform& t = p.render_from_node;
         const Vec3d d = b.max - b.min;
         Vec3d corner = t.point(b.min), x = t.vector({d.x, 0, 0}), y = t.vector({0, d.y, 0}), z = t.vector({0, 0, d.z});
@@ -352,7 +354,7 @@ private:
         add_quad(corner, y, x);      // -z
         add_quad(corner + z, x, y);  // +z
     }
-    /// poses: two, between which it moves straight; or none.
+    /// poses: two poses between which the sphere moves linearly, or null.
     void add_sphere(const FlattenedShape& p, const Sphere& s, const std::vector<NodeKey>* poses)
     {
         double factor;
@@ -425,8 +427,9 @@ private:
     const Instancing instancing_;
     InstancedGeometry contents_;
     std::size_t degenerate_ = 0, opaque_ = 0;
-    std::set<const void*> solids_, fibers_;                                         ///< by content_of
-    std::vector<std::pair<const FlattenedShape*, std::vector<Rectangle>>> joined_;  ///< shapes of joined triangles
+    std::set<const void*> solids_, fibers_;                                         ///< keys are those of content_of
+    std::vector<std::pair<const FlattenedShape*, std::vector<Rectangle>>> joined_;  ///< shapes whose triangles became
+                                                                                    ///< parallelograms
 };
 
 }  // namespace
@@ -440,7 +443,7 @@ bool replace_vertices(Compiler& c, const InstancedGeometry& contents, const Mesh
 {
     SceneTables& t = c.tables;
     const auto place = contents.shapes.find(&mesh);
-    if (place == contents.shapes.end() || mesh.indices.empty()) return true;  // nobody shows it
+    if (place == contents.shapes.end() || mesh.indices.empty()) return true;  // no shape shows it
     const ShapeRecord& shape = t.shapes[place->second];
     const bool moves = shape.moving_vertices > 0, has_normals = shape.flags & ShapeRecord::has_normals;
     if (moves != fathom::moves(mesh, t.shutter_open, t.shutter_close)) return false;

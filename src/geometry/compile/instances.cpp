@@ -59,14 +59,15 @@ private:
         t_.instances.push_back(instance);
     }
 
-    /// A shape without primitives of its own: the material and flags of instances that agree in them, and the lights of
-    /// one that emits.
+    /// Creates a shape without primitives of its own, for the material and flags of instances. Instances of equal
+    /// content and material share it, unless they emit: then each has its own lights.
     std::uint32_t shape_of(const Shape& described, std::uint32_t mesh_shape)
     {
         ShapeRecord shape = t_.shapes[mesh_shape];
         shape.material = material_index(t_, described);
         const MaterialRecord& material = t_.materials[shape.material];
-        // Never flipped: normals go by the inverse transpose, which keeps their side also where the transform mirrors.
+        // Not flipped: normals transform by the inverse transpose, which preserves their side even if the transform
+        // mirrors.
         shape.flags &= ~std::uint32_t(ShapeRecord::alpha_tested);
         if (material.alpha_mode != std::uint32_t(AlphaMode::opaque)) {
             const bool is_round = shape.first_primitive >= t_.first_sphere();

@@ -26,7 +26,7 @@ std::uint32_t material_index(const SceneTables& tables, const Shape& shape)
 
 namespace {
 
-/// The curves or points of a shape, or null.
+/// The curves or points of a shape, or null for other shapes.
 const void* set_of(const SceneDescription& scene, const Shape& shape)
 {
     if (const auto* c = std::get_if<CurvesInstance>(&shape.geometry)) return &scene.curves[std::size_t(c->curves)];
@@ -94,12 +94,13 @@ bool Instancing::is_instanced(const FlattenedShape& p) const
     }
     const void* set = set_of(c_.scene, *p.shape);
     if (!set) return false;
-    // Many balls and curves as meshes are; a transform that distorts them does so exactly in a space of their own.
+    // Sets of many curves or points are instanced like meshes. A distorting transform is exact only in a space of their
+    // own.
     double factor;
     return !is_similarity(p.render_from_node, factor) || uses_.at(set) > 1;
 }
 
-/// A sphere that a node moves along a line remains one of the world, with all that it can do as a light.
+/// A sphere that a node moves linearly stays a primitive of the world, so that it can be sampled as a light.
 bool Instancing::moves_straight(const FlattenedShape& p) const
 {
     const auto* sphere = std::get_if<Sphere>(&p.shape->geometry);

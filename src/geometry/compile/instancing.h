@@ -7,26 +7,28 @@
 
 namespace fathom {
 
-/// A linear map that keeps angles up to rounding, and its factor.
+/// Whether a linear map preserves angles up to rounding; factor: its scale.
 bool is_similarity(const Transform& t, double& factor);
 
+/// Index of a shape's material in the tables; shapes without one use the default material, which is the last.
 std::uint32_t material_index(const SceneTables& tables, const Shape& shape);
 
-/// What several shapes of a description share: a mesh, curves, points, or the shape itself.
+/// The content that several shapes of a description may share: a mesh, curves, points, or the shape itself.
 const void* described_content(const SceneDescription& scene, const Shape& shape);
-/// What several occurrences share: the same, or a displaced mesh that stands for it.
+/// The content that several occurrences may share: described_content(), or the displaced mesh that replaces it.
 const void* content_of(const Compiler& c, const Shape& shape);
 
-/// What becomes an instance, in a space of its own, and what stands in the world itself.
+/// Decides which occurrences become instances with a space of their own, and which become primitives of the world.
 class Instancing {
 public:
-    /// Materials must be there.
+    /// The materials of `c.tables` must be compiled.
     Instancing(const Compiler& c, const FlattenedScene& occurrences);
 
     bool is_instanced(const FlattenedShape& p) const;
-    /// Whether the vertices of a shape's mesh, or the control points of its curves, move while the shutter is open.
+    /// Whether the vertices of a shape's mesh, or the control points of its curves, move during the shutter interval.
     bool vertices_move(const Shape& shape) const { return moving_.contains(described_content(c_.scene, shape)); }
-    /// When vertices are given to the tree: at all keys of meshes and curves while the shutter is open.
+    /// Times at which moving vertices are stored: all keys of meshes and curves within the shutter interval, and its
+    /// ends.
     const std::vector<float>& vertex_times() const { return vertex_times_; }
 
 private:
@@ -36,9 +38,9 @@ private:
 
     const Compiler& c_;
     const FlattenedScene& occurrences_;
-    std::set<const void*> moving_;  ///< meshes and curves
+    std::set<const void*> moving_;  ///< meshes and curves that move
     std::vector<float> vertex_times_;
-    std::map<const void*, std::size_t> uses_;  ///< how often meshes, curves and points are placed, by content_of
+    std::map<const void*, std::size_t> uses_;  ///< number of occurrences of meshes, curves and points, by content_of
 };
 
 }  // namespace fathom

@@ -28,7 +28,7 @@ public:
     }
 
 private:
-    /// moving: how many nodes of the path to this one move. movable: whether one of them is.
+    /// moving: number of moving nodes on the path to this one. movable: whether any of them is movable.
     void place_node(int index, const Transform& render_from_parent, int moving, bool movable)
     {
         const Node& node = c_.scene.nodes[std::size_t(index)];
@@ -84,7 +84,7 @@ private:
                            std::max(content.max.z, b.max.z)};
         }
         if (content.empty) {
-            // A light is all there is: its place is as exact as that of a thing of some size in the scene.
+            // The node carries only a light: its position gets the accuracy of an object of moderate size in the scene.
             const double size = c_.space.radius / c_.space.scale / 16;
             content.min = {-size, -size, -size}, content.max = {size, size, size};
         }
@@ -97,7 +97,7 @@ private:
         return int(occurrences_.motions.size()) - 1;
     }
 
-    /// Meshes are looked through once.
+    /// Bounds of a shape in its own space; those of meshes are cached.
     Bounds bounds_of(const Shape& shape)
     {
         const auto* mesh = std::get_if<MeshInstance>(&shape.geometry);

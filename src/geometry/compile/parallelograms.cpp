@@ -13,13 +13,14 @@ namespace {
 
 using Triangle = std::array<Vec3d, 3>;
 
-/// The parallelogram of two triangles that share an edge, seen from the first one's corner opposite to it.
+/// The parallelogram of two triangles that share an edge, with the opposite vertex of the first as its corner; nothing
+/// if they do not form one.
 std::optional<Rectangle> join(const Triangle& a, const Triangle& b)
 {
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) {
             const Vec3d r = a[i], p = a[(i + 1) % 3], q = a[(i + 2) % 3];
-            // The other triangle runs along the common edge the other way.
+            // The other triangle traverses the common edge in the opposite direction.
             if (!(b[(j + 1) % 3] == q) || !(b[(j + 2) % 3] == p)) continue;
             const Vec3d gap = p + q - r - b[j];
             if (length(gap) <= 1e-6 * std::max(length(p - r), length(q - r))) return Rectangle{r, p - r, q - r};
@@ -36,7 +37,7 @@ bool has_flat_normals(const Mesh& mesh)
         const Vec3d n = cross(corner(1) - corner(0), corner(2) - corner(0));
         for (std::size_t k = 0; k < 3; ++k) {
             const Vec3d shading = to_double(mesh.normals[mesh.indices[i + k]]);
-            // The tangent of the angle between both, which normals of files miss by their rounding.
+            // Compares the tangent of the angle between both; normals from files are rounded.
             if (!(length(cross(n, shading)) <= 1e-4 * dot(n, shading))) return false;
         }
     }

@@ -5,16 +5,17 @@
 
 namespace fathom {
 
+/// Result of pair_triangles().
 struct Parallelograms {
     std::vector<Rectangle> found;          ///< edges need not be perpendicular; normals are those of the triangles
-    std::vector<std::uint32_t> triangles;  ///< indices of the triangles that are left
+    std::vector<std::uint32_t> triangles;  ///< vertex indices of the triangles that are left
 };
 
-/// Whether the normals of all triangles are those of their planes.
+/// Whether all vertex normals equal the normals of their triangles' planes.
 bool has_flat_normals(const Mesh& mesh);
 
-/// Pairs triangles that make a parallelogram: one primitive to trace instead of two. For meshes of a few dozen
-/// triangles.
+/// Merges pairs of triangles that form a parallelogram, which halves the primitives to trace. Quadratic time: for
+/// meshes of a few dozen triangles.
 Parallelograms pair_triangles(const Mesh& mesh);
 
 }  // namespace fathom

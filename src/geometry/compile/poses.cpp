@@ -11,7 +11,7 @@ namespace fathom {
 
 namespace {
 
-/// Halvings of a piece; it turns by less than half a turn, so far fewer are enough.
+/// Limit on bisections of a piece. A piece rotates by less than 180 degrees, for which far fewer suffice.
 constexpr int max_halvings = 5;
 
 class PoseFitter {
@@ -80,7 +80,7 @@ std::vector<PoseRecord> pose_tables(const std::vector<NodeKey>& poses)
         Pose pose = pose_of(poses[i].parent_from_node);
         double cosine = 0;
         for (std::size_t k = 0; k < 4; ++k) cosine += before[k] * pose.rotation[k];
-        // A quaternion and its opposite are one rotation: the shorter way.
+        // A quaternion and its negative are the same rotation; the sign chosen gives the shorter arc.
         if (cosine < 0)
             for (double& q : pose.rotation) q = -q;
         PoseRecord& t = tables[i];
@@ -93,7 +93,7 @@ std::vector<PoseRecord> pose_tables(const std::vector<NodeKey>& poses)
         if (i > 0) {
             const double angle = std::acos(std::min(1.0, std::abs(cosine)));
             tables[i - 1].turns = float(angle / (2 * std::numbers::pi));
-            // Below that the weights are linear to 1e-8.
+            // For smaller angles the weights are linear to 1e-8.
             if (angle > 1e-3) tables[i - 1].inverse_sine = float(1 / std::sin(angle));
         }
         before = pose.rotation;

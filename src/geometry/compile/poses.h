@@ -7,21 +7,21 @@
 
 namespace fathom {
 
-/// Poses between which interpolation (kernel/tables.h, PoseRecord) follows a motion.
+/// Fits poses whose interpolation (geometry/records.h, PoseRecord) follows a motion.
 ///
-/// at       render_from_object at a time
-/// times    ascending, two or more: where the motion's pieces join
-/// content  what moves, in its own space
+/// at: render_from_object at a time. times: two or more, ascending, where pieces of the motion join. content: bounds of
+/// what moves, in object space.
 ///
-/// A node's own keys are met exactly. Where several nodes of a path move, or one turns about a place that is not its
-/// origin, poses are added until no point of the content's box is off by more than 2^-16 of its size: a thirtieth of
-/// a pixel on an object as large as the picture.
+/// A node's own keys are met exactly. Where several nodes on a path move, or one rotates about a point other than its
+/// origin, poses are added until no point of the bounds deviates by more than 2^-16 of their size: a thirtieth of a
+/// pixel for an object that fills the image.
 std::vector<NodeKey> fit_poses(const std::function<Transform(double)>& at, const std::vector<double>& times,
                                const Bounds& content);
 
+/// Decomposes poses into records for interpolation.
 std::vector<PoseRecord> pose_tables(const std::vector<NodeKey>& poses);
 
-/// Puts poses behind those of the tables; returns them as InstanceRecord::poses. file: of the scene, for an Error.
+/// Appends poses to the tables; returns the word for InstanceRecord::poses. file: scene file named in errors.
 std::uint32_t append_poses(GeometryTables& tables, const std::vector<PoseRecord>& poses, const std::string& file);
 
 }  // namespace fathom

@@ -18,7 +18,7 @@ namespace fathom {
 
 namespace {
 
-/// Of an edge that is cut into at least so many parts; or into about as many.
+/// Exponent of the power of two of parts an edge is cut into: at least `parts`, or about that many.
 std::uint8_t exponent_of(double parts, bool about)
 {
     const double least = about ? parts / std::sqrt(2.0) : parts;
@@ -27,7 +27,7 @@ std::uint8_t exponent_of(double parts, bool about)
     return exponent;
 }
 
-/// What each edge is cut into, and how many triangles were wanted.
+/// Exponents of the parts that each edge is cut into. wanted: receives the number of triangles before any limit.
 std::vector<std::uint8_t> find_exponents(const Mesh& mesh, const WeldedMesh& welded, const Displacement& by,
                                          double& wanted)
 {
@@ -54,7 +54,7 @@ void check_size(const Mesh& mesh, Subdivision::Size size, const std::string& fil
                     fmt::format("displacement asks for {:.0f} million triangles; up to {:.0f} million can be: give a "
                                 "greater displacement_edge_length",
                                 size.triangles / 1e6, most / 1e6));
-    // Places and normals as they are and as they will be, heights, directions and what is handed on.
+    // Positions and normals before and after, heights, directions, and the result.
     const double bytes = size.triangles * 12 + size.vertices * (24.0 * double(2 + mesh.motion.size()) + 64);
     if (bytes > double(available_memory_bytes()))
         throw Error(file, name,
@@ -89,7 +89,7 @@ Vec4f blend(const std::vector<Vec4f>& of, const Blend& b)
     return {float(sum[0]), float(sum[1]), float(sum[2]), float(sum[3])};
 }
 
-/// The finer mesh before it is moved.
+/// The subdivided mesh before displacement.
 Mesh refine(const Mesh& mesh, const Subdivision& cut)
 {
     Mesh fine;
@@ -122,9 +122,9 @@ Mesh refine(const Mesh& mesh, const Subdivision& cut)
     return fine;
 }
 
-/// The angles of triangles at their corners; 0 where there is no area. Means over what meets at a point are weighted by
-/// them (Thuermer and Wuethrich 1998, "Computing Vertex Normals from Polygonal Facets"), so that it doesn't matter into
-/// how many triangles a face is cut.
+/// Angles of triangles at their corners; 0 for degenerate triangles. Means over the corners at a point are weighted by
+/// angle (Thuermer and Wuethrich 1998, "Computing Vertex Normals from Polygonal Facets"), so that they do not depend on
+/// how faces are triangulated.
 std::vector<double> corner_angles(const Mesh& mesh)
 {
     std::vector<double> angles(mesh.indices.size());
@@ -140,7 +140,7 @@ std::vector<double> corner_angles(const Mesh& mesh)
     return angles;
 }
 
-/// Turns v as the rotation that takes unit vector a to unit vector b the shortest way.
+/// Rotates v by the smallest rotation that takes the unit vector a to the unit vector b.
 Vec3d turned(Vec3d v, Vec3d a, Vec3d b)
 {
     const double c = dot(a, b);
@@ -168,8 +168,8 @@ public:
     }
 
 private:
-    /// Calls f(members) for the vertices at each place where several may be, in parallel. members: calls g(vertex,
-    /// weight) for each, in a fixed order.
+    /// Calls f(members) in parallel for each position that several vertices may share. members(g) calls g(vertex,
+    /// weight) for each of them, in a fixed order.
     template <class F>
     void for_each_place(const F& f) const
     {
@@ -201,8 +201,7 @@ private:
         });
     }
 
-    /// Of vertices at one place, those whose normals agree look smooth: they get normals from what is around all of
-    /// them.
+    /// Groups vertices at one position whose normals agree: their common normal derives from all faces around them.
     void find_smooth()
     {
         constexpr double agree = 0.999;
@@ -235,7 +234,7 @@ private:
         });
     }
 
-    /// One pose. coarse: where the mesh's own vertices are in it.
+    /// Displaces one pose. coarse: positions of the original vertices in that pose.
     void move(const std::vector<Vec3f>& coarse, std::vector<Vec3f>& positions, std::vector<Vec3f>& normals,
               std::vector<Vec4f>* tangents) const
     {
@@ -284,7 +283,7 @@ private:
         tbb::parallel_for(0u, borders, [&](std::uint32_t v) { turn(v, before[smooth_[v]], after[smooth_[v]]); });
     }
 
-    /// Within a triangle, which was flat.
+    /// Rotates the normals of vertices inside a triangle, which was flat.
     template <class Turn>
     void turn_inner(const std::vector<Vec3f>& coarse, const std::vector<Vec3f>& moved, const Turn& turn) const
     {
@@ -312,7 +311,7 @@ private:
     const Subdivision& cut_;
     std::vector<double> angles_;
     std::vector<float> heights_;
-    std::vector<std::uint32_t> smooth_;  ///< of vertices on edges: the one that sums up for those that look smooth
+    std::vector<std::uint32_t> smooth_;  ///< for vertices on edges: the representative of its group of smooth vertices
 };
 
 }  // namespace

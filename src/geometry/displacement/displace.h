@@ -7,31 +7,33 @@
 
 namespace fathom {
 
-/// What displaces a mesh.
+/// Parameters of the displacement of a mesh.
 struct Displacement {
-    /// Into how many parts the edge between two vertices is to be cut at least.
+    /// Minimum number of parts of the edge between two vertices.
     std::function<double(const Mesh& mesh, std::uint32_t a, std::uint32_t b)> parts;
-    /// Fewer will do, to a factor of the square root of 2 and where triangles would be too many.
+    /// Whether edges may have fewer parts: by a factor of up to the square root of 2, and more where the triangles
+    /// would exceed max_displaced_triangles.
     bool may_be_coarser = false;
-    /// The heights of vertices [begin, end).
+    /// Computes the heights of vertices [begin, end).
     std::function<void(const Mesh& mesh, std::size_t begin, std::size_t end, float* heights)> heights;
 };
 
-/// More than that nothing is cut into that may be coarser.
+/// Limit on the triangles of meshes that may be coarser.
 inline constexpr double max_displaced_triangles = 1 << 23;
 
+/// Result of displace().
 struct Displaced {
     Mesh mesh;
-    double wanted_triangles = 0;  ///< as many as it has, unless they were too many
+    double wanted_triangles = 0;  ///< number of triangles before max_displaced_triangles was applied
 };
 
-/// The mesh, cut finer and moved along its normals by heights.
+/// Subdivides a mesh and displaces it along its normals.
 ///
-/// Vertices that stand at one place stay together: they move along the mean of their normals by the mean of their
-/// heights, whatever is a seam or a hard edge there. New normals are the old ones, turned as the surface was; so what
-/// looked round does, and an edge that was hard is. The same bits for any number of threads.
+/// Vertices at one position stay together, even at seams and hard edges: they move along the mean of their normals by
+/// the mean of their heights. Each normal is rotated as the surface around it was, which keeps smooth edges smooth and
+/// hard edges hard. The result does not depend on the number of threads.
 ///
-/// Throws Error with `name` as its place if there isn't the memory.
+/// Throws Error, with `name` as its place, if the result is too large for the memory.
 Displaced displace(const Mesh& mesh, const Displacement& by, const std::string& file, const std::string& name);
 
 }  // namespace fathom

@@ -20,7 +20,7 @@ namespace fathom {
 
 namespace {
 
-/// The heights of some vertices of a mesh, by a texture.
+/// Displacement heights of mesh vertices, from a texture.
 class Heights {
 public:
     Heights(const SceneTables& tables, const FloatInput& height, float midlevel)

@@ -12,29 +12,29 @@ namespace fathom {
 
 struct FlattenedShape;
 
-/// Meshes of shapes whose materials displace them, one for each material that a mesh is shown with.
+/// Displaced meshes of a scene, one for each combination of content and displacing material.
 class DisplacedShapes {
 public:
     struct Entry {
         Mesh mesh;
-        Bounds bounds;  ///< at all keys
+        Bounds bounds;  ///< over all motion keys
     };
 
-    /// Makes them for the scene's materials as they are, with the textures among the tables.
+    /// Creates the meshes for the scene's materials, with textures from the tables.
     void make(const SceneDescription& scene, const SceneTables& tables, const std::vector<FlattenedShape>& shapes,
               Warnings& warnings);
-    /// What stands for a shape; null if it is shown as it is. Entries stay in their place until make() is called again.
+    /// The displaced mesh of a shape, or null. Entries keep their address until make() is called again.
     const Entry* find(const SceneDescription& scene, const Shape& shape) const;
-    /// Gives back the memory of meshes; their places and bounds stay.
+    /// Frees the meshes; entries and their bounds stay.
     void drop_meshes();
     bool empty() const { return entries_.empty(); }
-    /// Whether materials displace otherwise than when they were made.
+    /// Whether displacement settings of materials have changed since make().
     bool differ(const SceneDescription& scene) const;
-    /// Whether some entry was made of this mesh.
+    /// Whether some entry derives from this mesh.
     bool has(const Mesh& mesh) const;
 
 private:
-    /// As the material has it.
+    /// Displacement settings of a material.
     struct Settings {
         FloatInput height{0, -1, 0};
         float midlevel = 0;
@@ -47,7 +47,7 @@ private:
     static std::vector<Settings> settings_of(const SceneDescription& scene);
     void add(const SceneDescription& scene, const SceneTables& tables, const Shape& shape, Warnings& warnings);
 
-    std::vector<Settings> settings_;  ///< of each material
+    std::vector<Settings> settings_;  ///< by material
     std::map<std::pair<const void*, int>, Entry> entries_;
 };
 

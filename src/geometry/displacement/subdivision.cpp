@@ -6,7 +6,7 @@ namespace fathom {
 
 namespace {
 
-/// Of a triangle with so many parts along its finest edge.
+/// Number of inner vertices of a triangle with this many parts along its finest edge.
 std::uint64_t inner_vertices(std::uint64_t parts)
 {
     return (parts - 1) * (parts - 2) / 2;
@@ -28,7 +28,7 @@ Subdivision::Size Subdivision::size(const Mesh& mesh, const WeldedMesh& welded,
     size.vertices = double(mesh.positions.size());
     for (const WeldedMesh::Side& side : welded.sides()) size.vertices += double((1u << exponents[side.edge]) - 1);
     for (std::size_t t = 0; t < mesh.indices.size() / 3; ++t) {
-        // Euler: a triangulation with so many vertices within and on its border.
+        // By Euler's formula, a triangulation has 2 * inner + border - 2 triangles.
         const auto inner = double(inner_vertices(1u << finest(welded, exponents, t)));
         double border = 0;
         for (std::size_t h = 3 * t; h < 3 * t + 3; ++h) border += double(1u << exponents[welded.edge_of(h)]);
@@ -66,12 +66,12 @@ std::uint32_t Subdivision::vertex(std::size_t triangle, std::uint32_t i, std::ui
     if (j == 0) return on_edge(triangle, 0, i, n);
     if (i + j == n) return on_edge(triangle, 1, j, n);
     if (i == 0) return on_edge(triangle, 2, n - j, n);
-    // Rows from the second on have one fewer each.
+    // Each row has one vertex fewer than the previous one.
     return first_inner_[triangle] + (j - 1) * (n - 1) - j * (j - 1) / 2 + i - 1;
 }
 
-/// The vertex nearest to a place along an edge of a triangle. Where two are, the one that comes first as one goes
-/// around: if both ends of the third edge went away from each other along the others, its own vertices would be cut
+/// The vertex nearest to a grid position along an edge of a triangle. Ties go to the vertex that comes first around the
+/// triangle: if both ends of the third edge moved away from each other along the others, its own vertices would be cut
 /// off.
 std::uint32_t Subdivision::on_edge(std::size_t triangle, std::uint32_t corner, std::uint32_t place,
                                    std::uint32_t parts) const

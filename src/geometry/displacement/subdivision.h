@@ -9,54 +9,55 @@
 
 namespace fathom {
 
-/// A vertex of a finer mesh, by vertices of the one that it is made of.
+/// A vertex of a subdivided mesh as a weighted sum of vertices of the original mesh.
 struct Blend {
     std::array<std::uint32_t, 3> vertex;
     std::array<double, 3> weight;
 };
 
-/// A mesh whose edges are cut into equal parts, a power of two of them, and the triangles accordingly. Edges of the
-/// same points are cut alike, so nothing gapes.
+/// Subdivision of a mesh: each edge is cut into equal parts, a power of two of them. Edges between equal points are cut
+/// alike, which prevents cracks.
 ///
-/// A triangle becomes a grid of as many parts a side as its finest edge has. Along an edge of fewer parts, the grid's
-/// vertices go to the nearest of the edge's own, and what has no area left then is left out. Vertices: those of the
-/// mesh, those within the sides of edges, those within triangles.
+/// A triangle becomes a grid with as many parts per side as its finest edge has. Along coarser edges the grid's
+/// vertices snap to the nearest vertex of the edge, and triangles that become degenerate are omitted. The order of
+/// vertices is: those of the mesh, those inside sides of edges, those inside triangles.
 class Subdivision {
 public:
     static constexpr unsigned max_exponent = 15;
-    /// exponents: for each edge, of the parts that it is cut into.
+    /// exponents: by edge, the binary logarithm of its number of parts.
     Subdivision(const Mesh& mesh, const WeldedMesh& welded, std::vector<std::uint8_t> exponents);
 
-    /// How many triangles and vertices there would be.
+    /// Number of triangles and vertices of the result.
     struct Size {
         double triangles = 0, vertices = 0;
     };
     static Size size(const Mesh& mesh, const WeldedMesh& welded, const std::vector<std::uint8_t>& exponents);
 
     std::uint32_t vertices() const { return first_inner_.back(); }
-    /// The first of those that belong to one triangle alone.
+    /// The first vertex inside a triangle; vertices before it may be shared.
     std::uint32_t first_inner_vertex() const { return first_inner_.front(); }
     std::uint32_t parts_of_edge(std::size_t edge) const { return 1u << exponents_[edge]; }
-    /// Of the j-th place along a side, from 1 on.
+    /// The j-th vertex inside a side, from 1 on.
     std::uint32_t vertex_on_side(std::uint32_t side, std::uint32_t j) const { return first_on_side_[side] + j - 1; }
-    /// Parts of the grid of a triangle.
+    /// Grid parts per side of a triangle.
     std::uint32_t parts(std::size_t triangle) const { return 1u << finest_[triangle]; }
-    /// i: towards the second corner, j: towards the third; i + j <= parts.
+    /// The grid vertex (i, j): i toward the second corner, j toward the third; i + j <= parts.
     std::uint32_t vertex(std::size_t triangle, std::uint32_t i, std::uint32_t j) const;
 
     /// Calls f(vertex, Blend) for each vertex, in parallel.
     template <class F>
     void for_each_vertex(const F& f) const;
-    /// Calls f(triangle, i, j) for each vertex within a triangle, in parallel.
+    /// Calls f(triangle, i, j) for each vertex inside a triangle, in parallel.
     template <class F>
     void for_each_inner(const F& f) const;
-    /// Calls f({a, b, c}) for the triangles with a corner on an edge, in a fixed order.
+    /// Calls f({a, b, c}) for the small triangles with a vertex on an edge, in a fixed order.
     template <class F>
     void for_each_border_triangle(std::size_t triangle, const F& f) const;
+    /// Vertex indices of all triangles.
     std::vector<std::uint32_t> triangles() const;
 
 private:
-    /// Some rows of the grid of a triangle.
+    /// A range of rows of a triangle's grid: a unit of parallel work.
     struct Rows {
         std::uint32_t triangle, begin, end;
     };
@@ -72,10 +73,10 @@ private:
 
     const Mesh& mesh_;
     const WeldedMesh& welded_;
-    std::vector<std::uint8_t> exponents_;  ///< of edges
-    std::vector<std::uint8_t> finest_;     ///< of triangles: the greatest exponent of their edges
+    std::vector<std::uint8_t> exponents_;  ///< by edge
+    std::vector<std::uint8_t> finest_;     ///< by triangle: the largest exponent of its edges
     std::vector<std::uint32_t> first_on_side_;
-    std::vector<std::uint32_t> first_inner_;  ///< and one behind the last
+    std::vector<std::uint32_t> first_inner_;  ///< by triangle, and the end of the last
     std::vector<Rows> rows_;
 };
 
@@ -110,7 +111,7 @@ void Subdivision::for_each_vertex(const F& f) const
     });
 }
 
-/// The triangle above a place of the grid, and the one that hangs beside it.
+/// The two triangles of a grid cell; those that snapping made degenerate are omitted.
 template <class F>
 void Subdivision::cell(std::size_t triangle, std::uint32_t i, std::uint32_t j, std::uint32_t parts, const F& f) const
 {
@@ -129,7 +130,7 @@ void Subdivision::for_each_border_triangle(std::size_t triangle, const F& f) con
     for (std::uint32_t j = 0; j < n; ++j)
         for (std::uint32_t i = 0; i + j < n; ++i) {
             cell(triangle, i, j, n, f);
-            // Within a row only its ends touch an edge.
+            // Inside a row, only the cells at its ends touch an edge.
             if (j > 0 && i == 0 && n - j > 4) i = n - j - 4;
         }
 }

@@ -10,7 +10,7 @@ namespace fathom {
 
 namespace {
 
-/// Of a square of a checker, or of a cell of noise.
+/// Parts per checker square, and per noise cell.
 constexpr double parts_of_a_square = 16, parts_of_a_cell = 8;
 
 Transform space_of(const ShadingTables& tables, const TextureRecord& t)
@@ -22,7 +22,7 @@ Transform space_of(const ShadingTables& tables, const TextureRecord& t)
     return space;
 }
 
-/// At least by how much it makes any length longer.
+/// An upper bound on the factor by which a transform scales lengths.
 double stretch_of(const Transform& t)
 {
     double squares = 0;
@@ -37,14 +37,15 @@ TextureDetail::TextureDetail(const ShadingTables& tables, std::uint32_t texture)
     add(tables, texture, nullptr);
 }
 
-/// outer: the coordinates that a uv_transform above finds; else those of the texture's own set.
+/// Adds the detail of a texture. outer: the texture coordinates computed by an enclosing uv_transform, or null for
+/// those of the texture's own set.
 void TextureDetail::add(const ShadingTables& tables, std::uint32_t texture, const UvMap* outer)
 {
     if (texture == no_index) return;
     const TextureRecord& t = tables.textures[texture];
     const TextureMapping mapping = TextureMapping(t.mapping);
     const Transform space = space_of(tables, t);
-    // One that finds coordinates of its own does not look at those above.
+    // Textures with other mappings ignore the coordinates of an enclosing uv_transform.
     const UvMap* const above = mapping == TextureMapping::uv ? outer : nullptr;
     UvMap map{above ? above->set : std::size_t(t.uv_set != 0),
               {},
@@ -75,7 +76,7 @@ void TextureDetail::add(const ShadingTables& tables, std::uint32_t texture, cons
         case TextureKind::wrinkled:
         case TextureKind::windy:
         case TextureKind::veined_marble:
-            // Each octave is twice as fine and half as high; those after the fourth hardly matter.
+            // Each octave doubles the frequency and halves the height; octaves after the fourth hardly matter.
             per_length_ = std::max(per_length_, parts_of_a_cell * in_space * std::exp2(std::min(t.octaves, 4u) - 1));
             break;
         case TextureKind::dots:
@@ -104,7 +105,7 @@ void TextureDetail::add_uv(UvMap map, double across, double down)
     in_uv_.push_back(map);
 }
 
-/// Of the coordinates, from one vertex to another.
+/// Change of the texture coordinates from one vertex to another.
 std::array<double, 2> TextureDetail::change(const UvMap& map, const Mesh& mesh, std::uint32_t a, std::uint32_t b)
 {
     if (map.mapping == TextureMapping::uv) {

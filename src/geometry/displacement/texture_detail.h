@@ -7,18 +7,18 @@
 
 namespace fathom {
 
-/// How finely a texture varies over a mesh: by the texels of its pictures, by some parts of each square of a checker
-/// and of each period of what is computed.
+/// Spatial frequency of a texture over a mesh: by texels of images, and by a fixed number of parts per checker square
+/// or period of procedural textures.
 class TextureDetail {
 public:
-    /// texture: no_index for none.
+    /// texture: index of the texture, or no_index for none.
     TextureDetail(const ShadingTables& tables, std::uint32_t texture);
 
-    /// The parts into which an edge between two vertices is to be cut. It doesn't matter which of them comes first.
+    /// Number of parts that the edge between two vertices needs. Symmetric in a and b.
     double parts(const Mesh& mesh, std::uint32_t a, std::uint32_t b) const;
 
 private:
-    /// Rows of the map from a set of texture coordinates, or those by place, to parts.
+    /// Map from texture coordinates, or those by position, to parts.
     struct UvMap {
         std::size_t set;
         double rows[2][2];

@@ -13,7 +13,7 @@ namespace fathom {
 
 namespace {
 
-/// Not unit: its length is twice the triangle's area.
+/// Normal of a triangle, with length twice its area.
 Vec3d facet(const std::vector<Vec3f>& positions, const std::uint32_t* corner)
 {
     const Vec3d a = to_double(positions[corner[0]]);
@@ -31,7 +31,7 @@ std::vector<Vec3f> facet_normals(const std::vector<Vec3f>& positions)
     return normals;
 }
 
-/// Normals without a direction become those of the faces around.
+/// Replaces zero normals by those of the surrounding faces.
 void repair_normals(const std::vector<Vec3f>& positions, const std::vector<std::uint32_t>& indices,
                     std::vector<Vec3f>& normals)
 {
@@ -46,7 +46,7 @@ void repair_normals(const std::vector<Vec3f>& positions, const std::vector<std::
         if (!has_direction(normals[v])) normals[v] = to_float(normalize(sums[v]));
 }
 
-/// Each triangle with vertices of its own.
+/// A mesh in which triangles share no vertices.
 Mesh unshared(const Mesh& mesh)
 {
     Mesh out;
@@ -91,7 +91,7 @@ WeldedMesh::WeldedMesh(const Mesh& mesh)
     find_edges(mesh, find_points(mesh));
 }
 
-/// Numbers the places of vertices, in an order that depends on nothing else.
+/// Numbers the distinct positions of vertices, independently of the order of vertices.
 std::vector<std::uint32_t> WeldedMesh::find_points(const Mesh& mesh)
 {
     const std::vector<Vec3f>& p = mesh.motion.empty() ? mesh.positions : mesh.motion.front().positions;

@@ -7,16 +7,16 @@
 
 namespace fathom {
 
-/// A mesh in which each vertex has a normal, also while it moves: one without normals is given those of its faces, for
-/// which each triangle has vertices of its own.
+/// A mesh with vertex normals in all poses. A mesh without normals gets those of its faces; then triangles share no
+/// vertices.
 Mesh with_normals(const Mesh& mesh);
 
-/// What of a mesh meets where: vertices at one place are one point, whatever else tells them apart, and an edge is what
-/// two points have between them, as many triangles as may share it.
+/// Topology of a mesh by position: vertices at one position are one point, whatever their other attributes, and all
+/// triangle sides between two points are one edge.
 class WeldedMesh {
 public:
-    /// Two vertices of the mesh between which an edge runs on one side of a seam, or on both where there is none. All
-    /// sides of an edge run the same way.
+    /// A side of an edge: two vertices of the mesh between which it runs. An edge has one side, or several along a
+    /// seam; all run in the same direction.
     struct Side {
         std::uint32_t from, to, edge;
     };
@@ -26,7 +26,7 @@ public:
 
     explicit WeldedMesh(const Mesh& mesh);
 
-    // Corners of triangles are numbered as Mesh::indices; half-edge h goes from corner h to the next of its triangle.
+    // Corners are numbered as in Mesh::indices; half-edge h goes from corner h to the next corner of its triangle.
     std::size_t points() const { return first_corner_.size() - 1; }
     std::span<const std::uint32_t> corners_of(std::size_t point) const { return range(corners_, first_corner_, point); }
     std::size_t edges() const { return edges_.size() - 1; }
@@ -35,7 +35,7 @@ public:
         const std::uint32_t first = edges_[edge].first_half;
         return std::span(halves_).subspan(first, edges_[edge + 1].first_half - first);
     }
-    /// Numbers of the sides of an edge: [first_side(edge), first_side(edge + 1)).
+    /// The sides of an edge are [first_side(edge), first_side(edge + 1)).
     std::uint32_t first_side(std::size_t edge) const { return edges_[edge].first_side; }
     const std::vector<Side>& sides() const { return sides_; }
     std::uint32_t side_of(std::size_t half) const { return side_of_half_[half]; }
@@ -50,9 +50,9 @@ private:
     std::vector<std::uint32_t> find_points(const Mesh& mesh);
     void find_edges(const Mesh& mesh, const std::vector<std::uint32_t>& point_of);
 
-    std::vector<std::uint32_t> corners_, first_corner_;  ///< by point; one behind the last
+    std::vector<std::uint32_t> corners_, first_corner_;  ///< by point, and the end of the last
     std::vector<std::uint32_t> halves_;                  ///< by edge
-    std::vector<Edge> edges_;                            ///< and one behind the last
+    std::vector<Edge> edges_;                            ///< with an end marker
     std::vector<Side> sides_;
     std::vector<std::uint32_t> side_of_half_;
 };

@@ -40,7 +40,7 @@ Extent extent_of(const QuadRecord& quad)
     return e;
 }
 
-/// The axis that an axis-aligned rectangle is perpendicular to, or -1.
+/// The axis that an axis-aligned rectangle is perpendicular to, or -1 for other quads.
 int flat_axis(const QuadRecord& quad, float tolerance)
 {
     const auto along_one_axis = [&](Vec3f e) {
@@ -60,7 +60,7 @@ bool close(float a, float b, float tolerance)
     return std::fabs(a - b) <= tolerance;
 }
 
-/// Which face of the box the rectangle covers exactly (2 axis + high), or -1.
+/// Code of the box face that the rectangle covers exactly (2 axis + high), or -1.
 int face_of(const Extent& box, const Extent& rectangle, int axis, float tolerance)
 {
     for (int other = 0; other < 3; ++other)
@@ -87,7 +87,7 @@ struct BoxFinder {
         }
     }
 
-    /// The box around two rectangles, with every free rectangle that is one of its faces.
+    /// The bounding box of two rectangles, with every unused rectangle that covers one of its faces.
     FlatScene::Box around(std::size_t i, std::size_t j, int& faces) const
     {
         Extent e = extents[i];
@@ -144,7 +144,7 @@ struct BoxFinder {
     }
 };
 
-/// Points whose hull is the scene with its lights.
+/// Points whose convex hull contains the scene and its lights.
 std::vector<Vec3d> hull_points(const GeometryTables& tables, const ShadowTargets& targets)
 {
     std::vector<Vec3d> points;
@@ -166,7 +166,7 @@ std::vector<Vec3d> hull_points(const GeometryTables& tables, const ShadowTargets
     return points;
 }
 
-/// Whether all points lie on one side of the plane, so that it can't come between two of them.
+/// Whether all points lie on one side of the plane: then it cannot lie between two of them.
 bool on_hull(const std::vector<Vec3d>& points, Vec3d on_plane, Vec3d normal, double tolerance)
 {
     double lo = 0, hi = 0;
@@ -236,7 +236,7 @@ void FlatScene::find_occluders(const GeometryTables& tables, const ShadowTargets
         return on_hull(points, to_double(q.corner), normalize(cross(to_double(q.edge_u), to_double(q.edge_v))),
                        tolerance);
     };
-    // A ray towards a point of the only light, which is flat, is not blocked by that light.
+    // A ray to a point on the only light, which is flat, is not blocked by that light.
     const std::uint32_t only_light = targets.only_primitive;
     const auto stops_nothing = [&](const Box& box) {
         return std::all_of(box.faces, box.faces + 6, [&](std::uint32_t face) {

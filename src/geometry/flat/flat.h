@@ -1,9 +1,9 @@
 #pragma once
-/// Scenes of a few dozen primitives: every ray is tested against all of them, N rays at a time.
+/// Scenes of a few dozen primitives as a flat list: every ray is tested against all of them, `lanes` rays at a time.
 ///
-/// What makes it fast is done when it is built: parallelograms that are faces of one box become that box (one slab test
-/// for up to six of them, from inside and outside), and primitives on the hull of the scene are left out of shadow
-/// tests, since nothing lies beyond them.
+/// Construction makes it fast. Quads that are faces of one box become that box: one slab test for up to six of them,
+/// from inside and outside. Primitives on the convex hull of the scene are left out of occlusion tests, since nothing
+/// lies beyond them.
 #include <vector>
 
 #include "geometry/ray.h"
@@ -12,34 +12,35 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Where shadow rays may end, which tells what can never come in their way.
+/// Possible end points of shadow rays, which determine what can never block them.
 struct ShadowTargets {
-    std::vector<Vec3f> places;                ///< points of lights that have no primitive
-    bool infinite = false;                    ///< some go to infinity
-    std::uint32_t only_primitive = no_index;  ///< if all end on one primitive: that
+    std::vector<Vec3f> places;                ///< points of lights that are not primitives
+    bool infinite = false;                    ///< some shadow rays are infinitely long
+    std::uint32_t only_primitive = no_index;  ///< set if all shadow rays end on this primitive
 };
 
+/// A flat list of primitives, merged into boxes where possible.
 struct FlatScene {
     static constexpr std::uint32_t max_primitives = 96;
 
-    /// Up to six rectangles, tested by one pair of slabs. A single axis-aligned rectangle is a box without thickness.
+    /// Up to six axis-aligned rectangles, tested by one slab test. A single rectangle is a box without thickness.
     static constexpr std::uint32_t codes_per_box = 8, no_face = 7;
 
     struct Box {
         Vec3f lo, hi;
         bool closed = false;
-        /// By face code, 2 axis + high: the primitive there; no_index where the box is open, and as padding for
+        /// By face code, 2 axis + high: the primitive there. no_index where the box is open, and as padding for
         /// lookup().
         std::uint32_t faces[16];
     };
-    /// One that is turned, or a slanted one: its corner, and what tells how far along its edges a point is, which is
-    /// from 0 to 1 within it: dot(p - origin, along[axis]).
+    /// An oriented box or parallelepiped: its origin, and vectors for which dot(p - origin, along[axis]) is from 0 to 1
+    /// inside.
     struct OrientedBox {
         Vec3f origin, along[3];
-        Box unit;  ///< in its own coordinates
+        Box unit;  ///< the box in its own coordinates
     };
     struct Quad {
-        Vec3f corner, normal, dual_u, dual_v;  ///< u = dot(p - corner, dual_u)
+        Vec3f corner, normal, dual_u, dual_v;  ///< u = dot(p - corner, dual_u), and v likewise
         std::uint32_t primitive;
     };
     struct Triangle {
@@ -47,7 +48,7 @@ struct FlatScene {
         std::uint32_t primitive;
     };
     struct Round {
-        std::uint32_t index, primitive;  ///< of a sphere or disk in the tables
+        std::uint32_t index, primitive;  ///< index: of a sphere or disk in the tables
     };
     struct List {
         std::vector<Box> boxes;
@@ -59,10 +60,10 @@ struct FlatScene {
     };
 
     List all;
-    /// What can block a ray between two points of the scene, or a point and a light inside it.
+    /// What can block a ray between two points of the scene, or between a point and a light inside it.
     List occluders;
 
-    /// The primitive of each face code, eight to a box of `all`, then to a turned one; padded for lookup().
+    /// By face code: the primitive. Each box of `all` has eight codes, then each oriented box; padded for lookup().
     std::vector<std::uint32_t> face_primitives;
     UInt primitive_of_code(UInt code) const
     {
@@ -70,18 +71,22 @@ struct FlatScene {
         return lookup_or_gather(face_primitives.data(), n, code);
     }
 
+    /// Whether a scene can be a flat list: few static primitives without instances, curves and points.
     static bool fits(const GeometryTables& tables);
+    /// Builds the lists for the scene's tables.
     void build(const GeometryTables& tables, const ShadowTargets& targets);
 
+    /// The nearest hit of each lane.
     Hit closest(const GeometryTables& tables, const Ray& ray) const;
     /// Lanes of `active` that hit something before t_max.
     Mask occluded(const GeometryTables& tables, const Ray& ray, Mask active) const;
 
 private:
-    /// What can come between two points of the scene. points: whose hull is that of the scene and its lights.
+    /// Finds the primitives that can lie between two points of the scene. points: their convex hull contains the scene
+    /// and its lights.
     void find_occluders(const GeometryTables& tables, const ShadowTargets& targets, const std::vector<Vec3d>& points,
                         double tolerance);
-    // Arguments by value: nothing of the caller's has to live in memory for their sake.
+    // Arguments are passed by value, so that the caller's variables can stay in registers.
     Hit closest_other(const GeometryTables& tables, Ray ray, Hit hit) const;
     void closest_oriented_box(const Ray& ray, Hit& hit) const;
     Mask occluded_by_other(const GeometryTables& tables, Ray ray) const;
@@ -89,6 +94,7 @@ private:
 
 namespace flat {
 
+/// Distances to the three slabs of a box, and their intersection.
 struct Slabs {
     Float t_near, t_far;
     Vec3 near, far;
@@ -108,21 +114,21 @@ struct Slabs {
     return s;
 }
 
-/// What the tests of a ray with all boxes share.
+/// Values that the tests of a ray with all boxes share.
 struct SlabRay {
     Vec3 inverse, o_inverse;
-    UInt entered[3];  ///< by axis: code of the face through which the ray enters a box; it leaves by the code with bit
-                      ///< 0 flipped
+    UInt entered[3];  ///< by axis: code of the face through which the ray enters a box; flipping bit 0 gives the face
+                      ///< through which it leaves
 
     [[gnu::always_inline]] explicit SlabRay(const Ray& ray) : inverse(safe_inverse(ray.d))
     {
         o_inverse = {ray.o.x * inverse.x, ray.o.y * inverse.y, ray.o.z * inverse.z};
-        // Entering against the axis means the high face.
+        // Rays in negative direction enter through the high face.
         entered[0] = float_bits(ray.d.x) >> 31;
         entered[1] = (float_bits(ray.d.y) >> 31) | UInt(2u);
         entered[2] = (float_bits(ray.d.z) >> 31) | UInt(4u);
     }
-    /// Code of the face that the ray enters by at distance t, one of the distances `near` to the three slabs.
+    /// Code of the face through which the ray enters at distance t, which is one of the slab distances `near`.
     [[gnu::always_inline]] UInt face_entered(const Vec3& near, Float t) const
     {
         return select(near.x == t, entered[0], select(near.y == t, entered[1], entered[2]));
@@ -130,13 +136,13 @@ struct SlabRay {
     [[gnu::always_inline]] UInt face_left(const Vec3& far, Float t) const { return face_entered(far, t) ^ UInt(1u); }
 };
 
-/// Lanes whose face, by code, is there.
+/// Lanes in which the box has the face with this code.
 [[gnu::always_inline]] inline Mask has_face(const FlatScene::Box& box, UInt face)
 {
     return lookup(box.faces, FlatScene::codes_per_box, face) != UInt(no_index);
 }
 
-/// code: of the face that is hit at t, from `first` on.
+/// Intersects a box and updates t. code: receives `first` plus the code of the face hit.
 [[gnu::always_inline]] inline void closest_box(const FlatScene::Box& box, std::uint32_t first, const SlabRay& ray,
                                                Float& t, UInt& code)
 {
@@ -170,7 +176,7 @@ struct SlabRay {
     return meets & (enters | leaves);
 }
 
-/// The ray in a box's own coordinates, in which its direction has another length: distances are the same.
+/// Transforms the ray to the box's coordinates without normalizing its direction, so that distances stay equal.
 [[gnu::always_inline]] inline Ray seen_from(const FlatScene::OrientedBox& box, const Ray& ray)
 {
     const Vec3 o = ray.o - Vec3(box.origin);
@@ -231,7 +237,7 @@ inline void FlatScene::closest_oriented_box(const Ray& ray, Hit& hit) const
     hit.primitive = select(code == UInt(no_face), hit.primitive, primitive_of_code(code));
 }
 
-/// The nearest of a hit and those of what is not in axis-aligned boxes.
+/// Nearest of `hit` and the hits on everything except axis-aligned boxes.
 [[gnu::noinline]] inline Hit FlatScene::closest_other(const GeometryTables& tables, Ray ray, Hit hit) const
 {
     if (!all.oriented_boxes.empty()) closest_oriented_box(ray, hit);

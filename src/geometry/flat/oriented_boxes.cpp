@@ -24,12 +24,12 @@ bool are_same(const Corners& a, const Corners& b, double tolerance)
     });
 }
 
-/// A corner and the three edges from it.
+/// A corner of a parallelepiped and the three edges from it.
 struct Frame {
     Vec3d origin, edge[3];
 
     double volume() const { return std::abs(dot(cross(edge[0], edge[1]), edge[2])); }
-    /// code: 2 axis + high.
+    /// Corners of the face with this code: 2 axis + high.
     Corners face(int code) const
     {
         const int axis = code / 2;
@@ -58,10 +58,10 @@ public:
     }
 
 private:
-    /// A box takes as long to meet as some three parallelograms.
+    /// Testing a box takes as long as about three parallelograms.
     static constexpr int min_faces = 4;
 
-    /// The box with two parallelograms opposite to each other, if it has so many faces; these are then used.
+    /// The box with two opposite parallelograms if it has `wanted` faces, which are then marked as used.
     std::optional<FlatScene::OrientedBox> between(std::size_t i, std::size_t j, int wanted)
     {
         if (used_[i] || used_[j]) return {};
@@ -69,7 +69,7 @@ private:
         const auto center = [&](std::size_t k) { return (corners_[k][0] + corners_[k][3]) * 0.5; };
         const Frame frame{to_double(q.corner), {to_double(q.edge_u), to_double(q.edge_v), center(j) - center(i)}};
         if (!are_same(frame.face(5), corners_[j], tolerance_)) return {};
-        // Not two that lie side by side.
+        // Excludes coplanar parallelograms.
         const double area = length(cross(frame.edge[0], frame.edge[1]));
         if (!(frame.volume() > 8 * tolerance_ * area)) return {};
         FlatScene::OrientedBox box = box_of(frame);
@@ -87,7 +87,7 @@ private:
         return box;
     }
 
-    /// The free parallelogram with these corners; the number of all where there is none.
+    /// The unused parallelogram with these corners, or the number of parallelograms if there is none.
     std::size_t find_face(const Corners& corners) const
     {
         std::size_t k = 0;

@@ -6,10 +6,10 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Parallelepipeds whose faces are parallelograms of the scene: four at least, of which two lie opposite to each other.
+/// Finds parallelepipeds whose faces are quads of the scene: at least four, two of them opposite.
 ///
-/// used: by parallelogram, those that are not free; the faces of what is found are marked. tolerance: how far apart
-/// corners may lie that are one.
+/// used: by quad, whether it belongs to a box already; updated. tolerance: largest distance between corners that count
+/// as equal.
 std::vector<FlatScene::OrientedBox> find_oriented_boxes(const GeometryTables& tables, std::vector<bool>& used,
                                                         double tolerance);
 

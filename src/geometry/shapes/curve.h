@@ -1,19 +1,19 @@
 #pragma once
-/// Curves: cubic Bezier segments or lines with a radius that changes along them, cut into straight pieces that are
-/// tested by lanes. The pieces are the surface: whoever looks at a hit computes them again, to the same bits.
+/// Curves: cubic Bezier segments or lines with varying radius, divided in straight pieces that are intersected by
+/// lanes. The pieces define the surface: shading recomputes them to bitwise equal values.
 #include <type_traits>
 
 #include "geometry/ray.h"
 
 namespace fathom {
 
-/// A point of a curve, and the radius there. F: float, or lanes of them.
+/// A point of a curve and the radius there. F: float or Float.
 template <class F>
 struct CurvePoint {
     F x, y, z, r;
 };
 
-/// Products and sums only, none fused: the same bits for floats and lanes.
+/// Linear interpolation by separate products and sums, never fused, so that floats and lanes agree bitwise.
 template <class F>
 CurvePoint<F> between(const CurvePoint<F>& a, const CurvePoint<F>& b, F t)
 {
@@ -21,7 +21,7 @@ CurvePoint<F> between(const CurvePoint<F>& a, const CurvePoint<F>& b, F t)
     return {mean(a.x, b.x), mean(a.y, b.y), mean(a.z, b.z), mean(a.r, b.r)};
 }
 
-/// A cubic segment at t in [0, 1], by de Casteljau's algorithm.
+/// Point of a cubic segment at t in [0, 1], by de Casteljau's algorithm.
 template <class F>
 CurvePoint<F> bezier(const CurvePoint<F> p[4], F t)
 {
@@ -30,7 +30,7 @@ CurvePoint<F> bezier(const CurvePoint<F> p[4], F t)
         for (int i = 0; i < n; ++i) q[i] = between(q[i], q[i + 1], t);
     return q[0];
 }
-/// Its derivative, up to a factor.
+/// Derivative of a cubic segment at t, up to a factor.
 template <class F>
 CurvePoint<F> bezier_tangent(const CurvePoint<F> p[4], F t)
 {
@@ -45,36 +45,36 @@ CurvePoint<F> bezier_tangent(const CurvePoint<F> p[4], F t)
 
 inline namespace FATHOM_LANES {
 
-/// Pieces of curves, one per lane.
+/// Curve pieces, one per lane.
 struct CurvePiece {
-    Vec3 a, b;     ///< ends of its axis
-    Float ra, rb;  ///< radii there
+    Vec3 a, b;     ///< ends of the axis
+    Float ra, rb;  ///< radii at the ends
 };
 
-/// The side of a round piece as the line of a ray (of unit direction) meets it.
+/// Intersection of a ray's line (of unit direction) with the lateral surface of a round piece.
 ///
-/// The piece is what a ball sweeps whose centre goes from a to b and whose radius goes from ra to rb. A point p is on
-/// its side if the least of |p - c(w)|^2 - r(w)^2 over w is 0; with the best w for a point of the ray that is a
-/// quadratic in t. All is computed about the point of the axis that is nearest to the ray, so that thin and long pieces
-/// keep their precision. Han, Wald, Usher et al. 2019, "Ray Tracing Generalized Tube Primitives: Method and
-/// Applications", has the geometry; the way of solving is ours.
+/// The piece is the volume swept by a ball whose center moves from a to b while its radius changes from ra to rb. A
+/// point p is on the lateral surface if the minimum over w of |p - c(w)|^2 - r(w)^2 is 0; for a point of the ray,
+/// inserting the minimizing w gives a quadratic in t. All values are computed relative to the point of the axis that is
+/// nearest to the ray, which keeps the precision of long, thin pieces. Han, Wald, Usher et al. 2019, "Ray Tracing
+/// Generalized Tube Primitives: Method and Applications", describes the geometry; the solution here differs.
 struct RoundSide {
     Mask met;
-    Float t0;                        ///< where the ray passes the point of the axis that all is computed about
-    Float alpha, beta, gamma, root;  ///< of the quadratic, whose t counts from t0 on
+    Float t0;                        ///< distance at which the ray passes the reference point of the axis
+    Float alpha, beta, gamma, root;  ///< coefficients of the quadratic in t - t0, and the root of its discriminant
     Float w0, m, n, A, inverse;
 
     RoundSide(const CurvePiece& piece, const Vec3& o, const Vec3& d)
     {
         const Vec3 whole = piece.b - piece.a, q = o - piece.a;
         const Float length2 = dot(whole, whole);
-        // Of a piece without length nothing but a ball is left.
+        // A piece without length is just a ball.
         inverse = select(length2 > Float(0), Float(1) / sqrt(length2), Float(0));
         const Vec3 e = whole * inverse;
         const Float g = (piece.rb - piece.ra) * inverse;
         m = dot(e, d);
         const Float nearest = (dot(e, q) - m * dot(d, q)) / max(Float(1) - m * m, Float(1e-7f)) * inverse;
-        // Any point of the axis will do; none is better than NaN.
+        // Any reference point on the axis will do; the comparison replaces NaN by 0.
         w0 = select(nearest > Float(0), min(nearest, Float(1)), Float(0));
         const Vec3 c = fma(whole, w0, piece.a);
         const Float r = fma(piece.rb - piece.ra, w0, piece.ra);
@@ -89,14 +89,15 @@ struct RoundSide {
         root = sqrt(max(discriminant, Float(0)));
         met = (A > Float(0)) & (discriminant >= Float(0));
     }
-    /// The root at which the quadratic falls, from outside to inside, and that at which it rises.
+    /// The roots at which the ray enters and leaves, relative to t0.
     Float entry() const { return select(beta < Float(0), gamma / (root - beta), -(beta + root) / alpha); }
     Float exit() const { return select(beta > Float(0), -gamma / (root + beta), (root - beta) / alpha); }
-    /// Where along the piece the ray is at t.
+    /// Position along the piece at distance t0 + t.
     Float place(Float t) const { return w0 + fma(m, t, n) / A * inverse; }
 };
 
-/// Lanes whose ray (of unit direction) enters the piece from outside at 0 < t <= t_max; w: where along it, in [0, 1].
+/// Lanes whose ray (of unit direction) enters the piece from outside at 0 < t <= t_max. w: position along the piece, in
+/// [0, 1].
 inline Mask intersect_round_piece(const CurvePiece& piece, const Vec3& o, const Vec3& d, Float t_max, Float& t,
                                   Float& w)
 {
@@ -120,13 +121,14 @@ inline Mask intersect_round_piece(const CurvePiece& piece, const Vec3& o, const 
     return found & (t <= t_max);
 }
 
-/// Where a ray's line passes a round piece, which is convex: from t_in to t_out, at w_in and w_out along it.
+/// Interval of a ray's line inside a round piece, which is convex: distances and positions along the piece at both
+/// ends.
 struct RoundSpan {
     Mask met;
     Float t_in, w_in, t_out, w_out;
 };
 
-/// As intersect_round_piece, but both sides, wherever the ray begins.
+/// Both intersections of a ray's line with a round piece, independent of the ray's origin.
 inline RoundSpan span_of_round_piece(const CurvePiece& piece, const Vec3& o, const Vec3& d)
 {
     const RoundSide round(piece, o, d);
@@ -157,7 +159,7 @@ inline RoundSpan span_of_round_piece(const CurvePiece& piece, const Vec3& o, con
     return s;
 }
 
-/// Lanes whose point is within a round piece, but for what rounding could have put there.
+/// Lanes whose point is inside a round piece by more than rounding.
 inline Mask is_within_round_piece(const CurvePiece& piece, const Vec3& p)
 {
     const Vec3 whole = piece.b - piece.a, q = p - piece.a;
@@ -169,11 +171,13 @@ inline Mask is_within_round_piece(const CurvePiece& piece, const Vec3& p)
     return dot(from_axis, from_axis) < r * r * Float(1 - 0x1p-18f);
 }
 
-/// Lanes whose ray meets the piece as a ribbon that is turned towards the ray, at 0 < t <= t_max; w as above.
+/// Lanes whose ray hits the piece as a ribbon that faces the ray, at 0 < t <= t_max. w: position along the piece, in
+/// [0, 1].
 ///
-/// Seen along the ray: whether the ray passes between the lines through the ends that are perpendicular to the curve
-/// there (start, end: its tangents; neighbours share them, so nothing gapes), and how far from the axis. Nakamaru, Ohno
-/// 2002, "Ray Tracing for Curves Primitive"; Pharr, Jakob, Humphreys 2023, "Physically Based Rendering", 6.7.
+/// In the plane perpendicular to the ray, the test is whether the ray passes between the lines through the ends that
+/// are perpendicular to the tangents there (start, end), and its distance from the axis. Adjacent pieces share
+/// tangents, so there are no gaps. Nakamaru, Ohno 2002, "Ray Tracing for Curves Primitive"; Pharr, Jakob, Humphreys
+/// 2023, "Physically Based Rendering", 6.7.
 inline Mask intersect_ribbon_piece(const CurvePiece& piece, const Vec3& start, const Vec3& end, const Vec3& o,
                                    const Vec3& d, Float t_max, Float& t, Float& w)
 {

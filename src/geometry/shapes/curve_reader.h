@@ -10,17 +10,17 @@ inline CurvePoint<Float> mix(const CurvePoint<Float>& a, const CurvePoint<Float>
     return {mix(a.x, b.x, fraction), mix(a.y, b.y, fraction), mix(a.z, b.z, fraction), mix(a.r, b.r, fraction)};
 }
 
-/// A segment of a curve of each lane of the mask, from the tables, to the bits that the tree has of its pieces: where
-/// control points move, ends of pieces at two keys are what is interpolated.
+/// Reads a curve segment per lane from the tables, bitwise equal to what the BVH has of its pieces. Where control
+/// points move, the ends of pieces at two keys are interpolated.
 class CurveReader {
 public:
-    /// segment: in tables.curves. shape: its own or the instance's; flags: of that.
+    /// segment: index in tables.curves. shape: its own or the instance's. flags: of that shape.
     CurveReader(const GeometryTables& tables, UInt segment, UInt shape, UInt flags, Float time, Mask m)
         : CurveReader(tables, segment, shape, flags,
                       tables.vertex_times.empty() ? KeyTime{UInt(0u), Float(0)} : vertex_key(tables, time), m)
     {
     }
-    /// time: as vertex_key finds it.
+    /// time: from vertex_key().
     CurveReader(const GeometryTables& tables, UInt segment, UInt shape, UInt flags, const KeyTime& time, Mask m)
         : tables_(tables), linear_((flags & UInt(ShapeRecord::linear_curves)) != UInt(0u))
     {
@@ -38,9 +38,9 @@ public:
     }
 
     Float pieces() const { return pieces_; }
-    /// The piece at u along the segment, in [0, 1].
+    /// Index of the piece at u along the segment, in [0, 1].
     Float piece_of(Float u) const { return min(floor(u * pieces_), pieces_ - Float(1)); }
-    /// Where a piece begins.
+    /// Start point of a piece.
     CurvePoint<Float> begin(Float piece) const
     {
         CurvePoint<Float> p = begin_by(p_, piece);
@@ -48,7 +48,7 @@ public:
         return p;
     }
     CurvePoint<Float> end(Float piece) const { return begin(piece + Float(1)); }
-    /// Along the curve where a piece begins, of any length.
+    /// Tangent of the curve at the start of a piece, not normalized.
     Vec3 tangent(Float piece) const
     {
         CurvePoint<Float> t = tangent_by(p_, piece);
@@ -76,7 +76,7 @@ private:
         const CurvePoint<Float> line{p[1].x - p[0].x, p[1].y - p[0].y, p[1].z - p[0].z, Float(0)};
         return chosen(linear_, line, bezier_tangent(p, piece * (Float(1) / pieces_)));
     }
-    // On the way from what they are at a key to the same at the next. Apart, so that curves that stand still don't pay.
+    // Interpolation between keys, in functions of their own, so that static curves do not pay for it.
     [[gnu::noinline]] void move_begin(Float piece, CurvePoint<Float>& p) const
     {
         CurvePoint<Float> next[4];
@@ -98,7 +98,7 @@ private:
     Mask linear_;
     Float pieces_;
     CurvePoint<Float> p_[4];
-    // Where any lane's points move: the first of them at the next key, and how far it is on the way there.
+    // Set where control points move: index of the first one at the next key, and the fraction of the way to that key.
     bool any_moves_ = false;
     Mask moving_;
     UInt next_;

@@ -1,13 +1,13 @@
 #pragma once
-/// Intersection of N rays with one primitive: each updates `hit` where the primitive is nearer, or as near and of lower
-/// number.
+/// Intersection of rays (one per lane) with one primitive. Each function updates `hit` where the primitive is nearer,
+/// or at equal distance with a lower number.
 #include "geometry/ray.h"
 
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// What the watertight triangle test needs of a ray: Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection".
-/// The axes are permuted so that z is the largest of |d|, then sheared so that the ray runs along z.
+/// A ray prepared for the watertight triangle test: Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection".
+/// Axes are permuted so that z is the longest axis of d, then sheared so that the ray runs along z.
 struct TriangleRay {
     Vec3 o;
     Mask x_major, y_major;
@@ -27,20 +27,20 @@ struct TriangleRay {
         shear_x = d.x * shear_z;
         shear_y = d.y * shear_z;
     }
-    /// (x, y, z) turned cyclically until the major axis is last.
+    /// Rotates (x, y, z) cyclically so that the major axis is last.
     Vec3 permute(Vec3 v) const
     {
         return {select(x_major, v.y, select(y_major, v.z, v.x)), select(x_major, v.z, select(y_major, v.x, v.y)),
                 select(x_major, v.x, select(y_major, v.y, v.z))};
     }
-    /// Which coordinate becomes the i-th.
+    /// The axis that permute() puts at position i.
     UInt permuted(std::uint32_t i) const
     {
         return select(x_major, UInt((i + 1) % 3), select(y_major, UInt((i + 2) % 3), UInt(i)));
     }
 };
 
-/// a b - c d with a relative error of at most 2^-23, so its sign is right: W. Kahan's algorithm; Jeannerod, Louvet,
+/// a b - c d with a relative error of at most 2^-23, hence with the right sign: Kahan's algorithm; Jeannerod, Louvet,
 /// Muller 2013, "Further analysis of Kahan's algorithm for the accurate computation of 2x2 determinants".
 template <class F>
 [[gnu::always_inline]] inline F difference_of_products(F a, F b, F c, F d)
@@ -49,8 +49,8 @@ template <class F>
     return fma(a, b, -cd) + fma(-c, d, cd);
 }
 
-/// Where a ray passes a triangle, as weights of its corners that are still to be divided by their sum. F: Float, or
-/// half of one where Float is a pair.
+/// Barycentric weights of the point where a ray passes a triangle, before division by their sum. F: Float, or half of
+/// one where Float is a pair.
 template <class F>
 struct TriangleWeightsOf {
     F a, b, c;
@@ -63,18 +63,17 @@ struct TriangleCorner {
     F x, y, z;
 };
 
-/// A corner on the plane across the ray.
+/// A triangle corner projected along the ray.
 template <class F>
 struct SeenCorner {
     F x, y;
 };
 
-/// The corners are relative to the ray's origin, permuted as in TriangleRay and sheared.
+/// Computes the weights for corners that are relative to the ray's origin, permuted as in TriangleRay, and sheared.
 ///
-/// No ray slips through between two triangles with a common edge: both see the same rounded corners, on whose two sides
-/// the origin of the sheared plane lies by an exact decision, and an edge belongs to both. Since the weights are as
-/// exact, the ray at t is as near to the triangle as the corners' rounding allows, needles and edge-on triangles
-/// included.
+/// No ray passes between two triangles with a common edge: both use the same rounded corners, the side of the edge is
+/// decided exactly, and the edge belongs to both. The weights are accurate enough that the hit point is as close to the
+/// triangle as the rounding of corners allows, even for needles and edge-on triangles.
 template <class F>
 [[gnu::always_inline]] inline TriangleWeightsOf<F> triangle_weights(const SeenCorner<F>& a, const SeenCorner<F>& b,
                                                                     const SeenCorner<F>& c)
@@ -86,7 +85,7 @@ template <class F>
     w.inside = (min(min(w.a, w.b), w.c) >= F(0)) | (max(max(w.a, w.b), w.c) <= F(0));
     return w;
 }
-/// The same for corners that are not sheared yet.
+/// triangle_weights() for corners that are not sheared yet.
 template <class F>
 [[gnu::always_inline]] inline TriangleWeightsOf<F> triangle_weights(F shear_x, F shear_y, const TriangleCorner<F>& pa,
                                                                     const TriangleCorner<F>& pb,
@@ -104,7 +103,7 @@ template <class F>
     return triangle_weights(shear_x, shear_y, corner(pa), corner(pb), corner(pc));
 }
 
-/// How far away a ray meets triangles, before the division by the sum of their weights.
+/// Distances along a ray to triangles, before division by the sum of the weights.
 struct UndividedHits {
     Float t, sum;
 
@@ -114,7 +113,7 @@ struct UndividedHits {
     {
     }
 
-    /// Lanes at 0 < t < t_max, but for rounding; none where the sum is 0. Divisions take long.
+    /// Lanes with 0 < t < t_max up to rounding; none where the sum is 0. Avoids the division.
     Mask before(Float t_max) const
     {
         const Float along = flip_sign(t, sum);
@@ -122,7 +121,7 @@ struct UndividedHits {
     }
 };
 
-/// Lanes that are inside and at 0 < t <= t_max; z: of the corners; u and v are the weights of b and c.
+/// Lanes that are inside and have 0 < t <= t_max. z: of the corners; u and v receive the weights of b and c.
 [[gnu::always_inline]] inline Mask triangle_distance(const TriangleWeights& w, Float shear_z, const Vec3& z,
                                                      Float t_max, Float& t, Float& u, Float& v)
 {
@@ -131,11 +130,11 @@ struct UndividedHits {
     t = hits.t * inverse;
     u = w.b * inverse;
     v = w.c * inverse;
-    // NaN, where the sum is 0, fails.
+    // NaN, where the sum is 0, fails the comparisons.
     return w.inside & (t > Float(0)) & (t <= t_max);
 }
 
-/// Edges shared by two triangles are closed: of the two at least one is hit.
+/// Triangles are closed: a ray through a shared edge hits at least one of the two.
 inline void closest_triangle(const TriangleRay& ray, Vec3 a, Vec3 b, Vec3 c, UInt primitive, Hit& hit)
 {
     const Vec3 pa = ray.permute(a - ray.o), pb = ray.permute(b - ray.o), pc = ray.permute(c - ray.o);
@@ -151,10 +150,10 @@ inline void closest_triangle(const TriangleRay& ray, Vec3 a, Vec3 b, Vec3 c, UIn
     hit.v = select(m, v, hit.v);
 }
 
-/// Lanes whose ray (of unit direction) meets the sphere at 0 < t <= t_max; from inside, where it leaves.
+/// Lanes whose ray (of unit direction) hits the sphere at 0 < t <= t_max; rays from inside hit where they leave.
 ///
-/// The quadratic is solved about the point of the ray that is nearest to the centre, which keeps its precision for
-/// small and far spheres: Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection".
+/// The quadratic is solved relative to the point of the ray nearest to the center, which keeps its precision for small
+/// and distant spheres: Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection".
 inline Mask intersect_sphere(const Vec3& center, Float radius, const Vec3& o, const Vec3& d, Float t_max, Float& t)
 {
     const Vec3 f = o - center;
@@ -181,7 +180,7 @@ inline void closest_sphere(const SphereRecord& sphere, std::uint32_t primitive, 
     hit.instance = select(m, UInt(no_index), hit.instance);
 }
 
-/// Lanes whose ray meets the disk at 0 < t <= t_max.
+/// Lanes whose ray hits the disk at 0 < t <= t_max.
 inline Mask intersect_disk(const Vec3& center, const Vec3& n, Float radius, const Vec3& o, const Vec3& d, Float t_max,
                            Float& t)
 {

@@ -4,20 +4,20 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Pieces of solid curves, one per lane: what a ray meets is where it enters or leaves all that its curve is, and not
-/// what of a piece lies within the pieces before and behind it.
+/// Pieces of solid curves, one per lane. A ray hits the boundary of the whole curve only, not the parts of a piece that
+/// lie inside the adjacent pieces.
 class SolidPieces {
 public:
-    /// segment: in tables.curves. number: of the piece in it. time: as vertex_key finds it.
+    /// segment: index in tables.curves. number: of the piece in the segment. time: from vertex_key().
     SolidPieces(const GeometryTables& tables, UInt segment, Float number, const KeyTime& time, Mask m)
         : before_(neighbor(tables, segment, number, time, false, m)),
           behind_(neighbor(tables, segment, number, time, true, m))
     {
     }
 
-    /// Lanes whose point is within the pieces before or behind.
+    /// Lanes whose point is inside the previous or next piece.
     Mask hide(const Vec3& p) const { return within(before_, p) | within(behind_, p); }
-    /// Lanes whose ray meets the piece at t > 0; w: along it.
+    /// Lanes whose ray hits the piece at t > 0. w: position along the piece.
     Mask meet(const CurvePiece& piece, const Vec3& o, const Vec3& d, Float& t, Float& w) const
     {
         const RoundSpan s = span_of_round_piece(piece, o, d);
@@ -38,7 +38,8 @@ private:
     };
     static Mask within(const Neighbor& n, const Vec3& p) { return n.is_there & is_within_round_piece(n.piece, p); }
 
-    /// The piece behind or before, in the next segment where a curve goes on there: then these share a point.
+    /// The next or previous piece; it may be in an adjacent segment if the curve continues there, which then shares a
+    /// control point.
     static Neighbor neighbor(const GeometryTables& tables, UInt segment, Float number, const KeyTime& time, bool next,
                              Mask m)
     {

@@ -1,5 +1,5 @@
 #pragma once
-/// The surface of a curve where a ray has met one of its pieces.
+/// Surface of a curve at a hit on one of its pieces.
 #include "geometry/shapes/curve_reader.h"
 #include "geometry/surface/surface_hit.h"
 #include "kernel/tables.h"
@@ -7,12 +7,11 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// segment  of each lane of the mask, in tables.curves
-/// flags    of surface.shape
-/// hit      its u, along the segment as traversal found it, and its time are read
-/// d        unit direction of the ray, in the space of the curve
-/// surface  p is the hit point; set are place, normals, tangent, uv (u along the whole curve, v across), offset and
-///          radius
+/// Sets position, normals, tangent, texture coordinates (u along the whole curve, v across), offset and radius of
+/// `surface` in the lanes of m. surface.p must be the hit point.
+///
+/// segment: index in tables.curves. flags: of surface.shape. hit: its u (along the segment, from traversal) and time
+/// are used. d: unit direction of the ray in the curve's space.
 inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, const SurfaceHit& hit, const Vec3& d,
                        Mask m, Surface& surface)
 {
@@ -23,7 +22,7 @@ inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, cons
                 u1 = gather(tables.curves, &CurveRecord::u1, segment, m);
     const Mask ribbon = (flags & UInt(ShapeRecord::ribbons)) != UInt(0u);
 
-    // The piece, to the bits that the tree has of it, and the ball that touches it in the hit.
+    // The piece, bitwise equal to that of the BVH, and the ball that touches its surface at the hit.
     const Float piece = curve.piece_of(u);
     const CurvePoint<Float> a = curve.begin(piece), b = curve.end(piece);
     const CurvePoint<Float> c = between(a, b, clamp(fma(u, pieces, -piece), Float(0), Float(1)));
@@ -32,7 +31,7 @@ inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, cons
     const Float length2 = dot(from_axis, from_axis);
     const Vec3 round = select(length2 > Float(0), from_axis * inverse_sqrt(max(length2, Float(1e-37f))), -d);
 
-    // A ribbon is perpendicular to the ray but for its slope along the axis.
+    // A ribbon is perpendicular to the ray except for its slope along the axis.
     const Float axis2 = max(dot(axis, axis), Float(1e-37f));
     const Vec3 facing = fma(axis, dot(d, axis) / axis2, -d);
     const Vec3 flat =
@@ -42,8 +41,8 @@ inline void read_curve(const SceneTables& tables, UInt segment, UInt flags, cons
     surface.ns = select(m, n, surface.ns);
     surface.p = select(m & !ribbon, fma(round, c.r, center), surface.p);
     surface.tangent = select(m, axis, surface.tangent);
-    // A ray that leaves a ribbon would meet it again, turned towards that ray, if it did not begin farther away than
-    // half the width. Of round curves the test with its many steps decides.
+    // A ray that leaves a ribbon must start farther away than half its width: the ribbon turns to face the new ray,
+    // which would hit it again. For round curves the rounding of the intersection test determines the offset.
     const Float rounding = Float(0x1p-19f) * max(max_abs(surface.p), c.r);
     surface.offset = select(m, max(rounding, select(ribbon, c.r * Float(1.0625f), Float(0))), surface.offset);
     surface.radius = select(m, c.r, surface.radius);

@@ -1,5 +1,5 @@
 #pragma once
-/// From a hit to the surface there: position, normals, uv.
+/// Surface properties at hits: position, normals, texture coordinates, tangent.
 #include "geometry/motion.h"
 #include "geometry/surface/curve_surface.h"
 #include "geometry/surface/vertex_attributes.h"
@@ -10,11 +10,12 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Computes surface properties at hits.
 class SurfaceReader {
 public:
     explicit SurfaceReader(const LaneScene& scene) : scene_(scene), t_(scene.tables) {}
 
-    /// The shape hit: the instance's, or the primitive's own.
+    /// The shape that was hit: the instance's, or the primitive's own.
     UInt shape_of(UInt primitive, UInt instance, Mask m) const
     {
         const UInt own = gather(t_.shape_of_primitive.data(), primitive, m);
@@ -23,7 +24,7 @@ public:
         return select(placed, gather(t_.instances, &InstanceRecord::shape, instance, placed), own);
     }
 
-    /// Brings to the cache which vertices the triangles have that the lanes of m hit.
+    /// Prefetches the vertex indices of the triangles hit in the lanes of m.
     void fetch_indices(UInt primitive, Mask m) const
     {
         if (!scene_.is_large) return;
@@ -32,7 +33,7 @@ public:
         for_each_active(m & less(primitive, UInt(t_.first_quad())),
                         [&](int lane) { __builtin_prefetch(&t_.triangles[3 * std::size_t(numbers[lane])]); });
     }
-    /// The same of the vertices of some triangles.
+    /// Prefetches the vertices of some triangles.
     void fetch_vertices(const std::uint32_t* primitives, std::size_t count) const
     {
         if (!scene_.is_large) return;
@@ -47,11 +48,12 @@ public:
         }
     }
 
+    /// Surface at the hits of the lanes of m, in render space.
     Surface read(const SurfaceHit& hit, Mask m) const
     {
         Surface s;
         s.p = fma(hit.d, hit.t, hit.o);
-        // What is placed is read in its own space.
+        // Instanced primitives are evaluated in object space.
         const Mask placed = t_.instances.empty() ? Mask(false) : m & (hit.instance != UInt(no_index));
         Affine to_object;
         Vec3 way = hit.d * hit.t;
@@ -96,8 +98,8 @@ public:
         if (any(placed)) place(to_object, placed, s);
         const Float side = select((flags & UInt(ShapeRecord::flipped)) != UInt(0), Float(-1), Float(1));
         s.ng = flip_sign(s.ng, side);
-        // Vertex normals came with the transform already; whatever they say, the geometric normal decides the side. The
-        // bitangent stays where it is.
+        // Vertex normals are already transformed; the geometric normal determines the side. The bitangent keeps its
+        // direction.
         const Float agreement = dot(s.ns, s.ng);
         s.ns = flip_sign(s.ns, agreement);
         s.bitangent_sign = flip_sign(s.bitangent_sign, agreement);
@@ -105,13 +107,14 @@ public:
         return s;
     }
 
+    /// World position of a point in render space.
     Vec3 in_world(const Vec3& p) const
     {
         return fma(p, Float(float(1 / t_.render_scale)),
                    Vec3(Float(float(t_.origin.x)), Float(float(t_.origin.y)), Float(float(t_.origin.z))));
     }
 
-    /// For the instance id AOV.
+    /// Object id for the instance id AOV.
     UInt object_of(const SurfaceHit& hit, UInt shape, Mask m) const
     {
         const UInt own = gather(t_.shapes, &ShapeRecord::object_id, shape, m);
@@ -120,7 +123,7 @@ public:
         return select(placed, gather(t_.instances, &InstanceRecord::object_id, hit.instance, placed), own);
     }
 
-    /// The light that a primitive of a shape is, or no_index.
+    /// Light index of a primitive, or no_index.
     UInt light_of(UInt shape, UInt primitive, Mask m) const
     {
         const UInt base = gather(t_.shapes, &ShapeRecord::light_base, shape, m);
@@ -139,13 +142,13 @@ private:
         Vec3 position[3];
         for (int k = 0; k < 3; ++k) position[k] = gather(t_.positions, vertex[k], m);
         KeyTime key{UInt(0u), Float(0)};
-        UInt vertices(0u);  // of a mesh that moves
+        UInt vertices(0u);  // of a moving mesh
         if (!t_.vertex_times.empty()) {
             key = vertex_key(t_, hit.time);
             vertices = gather(t_.shapes, &ShapeRecord::moving_vertices, s.shape, m);
         }
         const Mask moving = m & (vertices != UInt(0u));
-        // Per vertex, at the path's time.
+        // A vertex attribute at the path's time.
         const auto at_time = [&](const LargeVector<Vec3f>& table, UInt v, Mask which) {
             const UInt now = v + key.key * vertices, then = v + (key.key + UInt(1u)) * vertices;
             return mix(gather(table, now, which), gather(table, then, which), key.fraction);
@@ -155,7 +158,8 @@ private:
                 position[k] = select(moving, at_time(t_.positions, vertex[k], moving), position[k]);
         const Float w = Float(1) - hit.u - hit.v;
         const auto interpolate = [&](Vec3 a, Vec3 b, Vec3 c) { return fma(a, w, fma(b, hit.u, c * hit.v)); };
-        // Away from the edges, by as much as rounding could put the point beyond one: behind a neighbour.
+        // Moves the point away from the edges by as much as rounding could put it beyond one, behind the adjacent
+        // triangle.
         const auto inwards = [](Float weight) { return fma(Float(inward), Float(1.0f / 3) - weight, weight); };
         const Float inner_u = inwards(hit.u), inner_v = inwards(hit.v);
         const Vec3 p = fma(position[0], Float(1) - inner_u - inner_v, fma(position[1], inner_u, position[2] * inner_v));
@@ -170,7 +174,7 @@ private:
                 return any(changes) ? select(changes, at_time(t_.normals, vertex[k], changes), still) : still;
             };
             const Vec3 interpolated = interpolate(at(0), at(1), at(2));
-            // Normals that cancel or are missing leave the geometric one.
+            // Normals that cancel or are missing are replaced by the geometric normal.
             ns = select(smooth & (dot(interpolated, interpolated) > Float(1e-12f)), interpolated, ns);
         }
         const TrianglePlace place{{vertex[0], vertex[1], vertex[2]}, hit.u, hit.v};
@@ -195,7 +199,7 @@ private:
             place.numbers(reinterpret_cast<const float*>(t_.colors.data()), colored, color);
             for (int c = 0; c < 4; ++c) s.at.vertex_color[c] = select(colored, color[c], s.at.vertex_color[c]);
         }
-        // The mean distance of the corners, by their weights.
+        // Mean distance of the corners, weighted.
         const auto spread = [](Float weight) { return weight * (Float(2) - Float(2) * weight); };
         const Vec3 corners = fma(abs(e1), spread(hit.u), abs(e2) * spread(hit.v));
         const Vec3 ng = normalize(n);
@@ -207,8 +211,8 @@ private:
         s.tangent = select(m, tangent, s.tangent);
     }
 
-    /// dp/du of the first uv set, and the side of cross(cross(e1, e2), t) on which v shrinks; for meshes without
-    /// tangents.
+    /// Tangent dp/du of the first texture coordinate set, and the side of cross(cross(e1, e2), tangent) on which v
+    /// decreases; for meshes without tangents.
     Vec3 uv_tangent(Vec3 e1, Vec3 e2, const UInt* vertex, Mask m, Float& sign) const
     {
         Vec3 tangent(Float(0), Float(0), Float(0));
@@ -222,18 +226,18 @@ private:
         const Float du1 = u[1] - u[0], du2 = u[2] - u[0], dv1 = v[1] - v[0], dv2 = v[2] - v[0];
         const Float det = fma(du1, dv2, -(du2 * dv1));
         tangent = flip_sign(e1 * dv2 - e2 * dv1, det);
-        // glTF's v grows downwards in the image, its normal maps are green-up: the bitangent runs against v.
+        // In glTF, v grows downward in the image while normal maps have green up: the bitangent is opposite to v.
         sign = select(m, copysign(Float(1), -det), sign);
         return select(m & (det != Float(0)), tangent, Vec3(Float(0), Float(0), Float(0)));
     }
 
-    /// Brings a surface from the space of what an instance places to render space.
+    /// Transforms a surface from object space to render space.
     void place(const Affine& to_object, Mask m, Surface& s) const
     {
         const Affine to_render = to_object.inverse();
-        // Vectors of length 1 come back with that length.
+        // Unit vectors stay unit vectors.
         const auto normal = [&](Vec3 n) { return normalize(to_object.transposed_vector(n)); };
-        // Along the normal lengths are scaled by this. Both maps round what they add up, there and back.
+        // scale: factor on lengths along the normal. Both maps round what they add, to object space and back.
         const Vec3 scaled_normal = to_object.transposed_vector(s.ng);
         const Float scale = inverse_sqrt(dot(scaled_normal, scaled_normal));
         const Vec3 p = to_render.point(s.p), ng = scaled_normal * scale;
@@ -250,10 +254,10 @@ private:
         s.bitangent_sign = select(m, flip_sign(s.bitangent_sign, to_object.determinant()), s.bitangent_sign);
     }
 
-    /// way: from the ray's origin, in the space of the quad.
+    /// way: from the ray's origin to the hit, in the quad's space.
     void read_quad(const SurfaceHit& hit, const Vec3& way, Mask m, Surface& s) const
     {
-        // Other lanes may hold any number, below the first too.
+        // Other lanes may hold any primitive, even one before the first quad.
         const UInt quad = select(m, hit.primitive - UInt(t_.first_quad()), UInt(0u));
         s.p = select(m, fma(scene_.quads.center(quad) - s.p, Float(inward), s.p), s.p);
         s.ng = select(m, scene_.quads.normal(quad), s.ng);
@@ -269,20 +273,20 @@ private:
         const Float uu = dot(r, cross(v, n)) * scale, vv = dot(r, cross(n, u)) * scale;
         for (int i = 0; i < 2; ++i) {
             s.at.u[i] = select(m, uu, s.at.u[i]);
-            // Images hang upright: edge_v points up, v grows downwards.
+            // Images are upright: edge_v points up, v grows downward.
             s.at.v[i] = select(m, Float(1) - vv, s.at.v[i]);
         }
         s.tangent = select(m, u, s.tangent);
         if (scene_.wants_uv_slopes) s.ways.set(u, -v, m);
     }
 
-    /// The axes of the nodes of round shapes, by which their uv go.
+    /// Axes of the nodes of round shapes, which orient their texture coordinates.
     struct NodeAxes {
         Vec3 row[3];
-        bool turned;  ///< else they are those of the space at hand, bit for bit
+        bool turned;  ///< false: the axes are those of the current space, bitwise
 
         Vec3 to_node(Vec3 v) const { return turned ? Vec3(dot(row[0], v), dot(row[1], v), dot(row[2], v)) : v; }
-        /// -1 where the node mirrors.
+        /// -1 if the node mirrors.
         Float handedness() const { return turned ? dot(row[0], cross(row[1], row[2])) : Float(1); }
         Vec3 from_node(Vec3 v) const { return turned ? fma(row[0], v.x, fma(row[1], v.y, row[2] * v.z)) : v; }
     };
@@ -345,19 +349,19 @@ private:
         read_ball(gather_vector(base, at, m), gather(base + 3, at, m), m, s);
     }
 
-    /// radius: negative where the normal points inwards.
+    /// radius: negative if the normal points inward.
     void read_ball(const Vec3& center, Float radius, Mask m, Surface& s) const
     {
         const Vec3 out = normalize(s.p - center);
         s.p = select(m, fma(out, abs(radius), center), s.p);
-        // The test takes squares of lengths of about the radius from each other.
+        // The intersection test subtracts squares of lengths of about the radius.
         s.offset =
             select(m, fma(abs(radius), Float(0x1p-20f), rounding_along(out, s.p, Vec3(Float(0), Float(0), Float(0)))),
                    s.offset);
         s.ng = select(m, flip_sign(out, radius), s.ng);
         s.ns = select(m, s.ng, s.ns);
         if (!scene_.wants_uv) return;
-        // u around +y, v from the pole at +y down.
+        // u runs around +y, v from the pole at +y down.
         const NodeAxes axes = node_axes(s.shape, m);
         const Vec3 to = axes.to_node(out);
         const Float u = atan2(-to.z, to.x) * Float(0.5f * inv_pi);
@@ -369,7 +373,7 @@ private:
         s.tangent = select(m, axes.from_node({to.z, Float(0), -to.x}), s.tangent);
         if (scene_.wants_uv_slopes) {
             const Float half_turn = abs(radius) * Float(float(pi));
-            // Poles have no direction in which u grows.
+            // At the poles the direction of u is undefined.
             const Float from_axis = max(sqrt(fma(to.x, to.x, to.z * to.z)), Float(1e-4f)), slant = to.y / from_axis;
             s.ways.set(axes.from_node({to.z, Float(0), -to.x}) * (half_turn + half_turn),
                        axes.from_node({to.x * slant, -from_axis, to.z * slant}) * half_turn, m);
@@ -377,7 +381,7 @@ private:
         s.bitangent_sign = select(m, flip_sign(axes.handedness(), radius), s.bitangent_sign);
     }
 
-    /// The share of its way to the middle of a flat primitive by which a point is moved, see read_triangle.
+    /// Fraction of the distance to the center of a flat primitive by which points are moved inward, see read_triangle.
     static constexpr float inward = 0x1p-21f;
 
     const LaneScene& scene_;

@@ -5,15 +5,13 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Two ways along a surface, and by how much texture coordinates grow on each: what slopes of textures are found by.
+/// Two vectors along the surface, and the change of texture coordinates along each; used for the slopes of textures.
 struct SurfaceDerivatives {
-    Vec3 way[2];               ///< 0 where they are not known
-    Float du[2][2], dv[2][2];  ///< by way and uv set
+    Vec3 way[2];               ///< 0 where unknown
+    Float du[2][2], dv[2][2];  ///< change of u and v by vector and texture coordinate set
 
-    /// Directions on the surface in which the u and v of a texture grow, of any length; both 0 where they are not
-    /// known.
-    ///
-    /// uv_map: rows of the affine map from the coordinates of the set to those of the texture
+    /// Tangential directions dp/du and dp/dv of a texture, up to positive factors; both 0 where unknown. uv_map: rows
+    /// of the affine map from the coordinates of the set to those of the texture.
     void gradients(std::size_t set, const std::array<float, 6>& uv_map, Vec3& along_u, Vec3& along_v) const
     {
         Float u[2], v[2];
@@ -27,6 +25,7 @@ struct SurfaceDerivatives {
         along_u = select(known, flip_sign(way[0] * v[1] - way[1] * v[0], det), none);
         along_v = select(known, flip_sign(way[1] * u[0] - way[0] * u[1], det), none);
     }
+    /// Marks the derivatives as unknown.
     void clear()
     {
         for (int k = 0; k < 2; ++k) {
@@ -34,7 +33,7 @@ struct SurfaceDerivatives {
             for (int set = 0; set < 2; ++set) du[k][set] = dv[k][set] = Float(0);
         }
     }
-    /// Of what has both uv sets the same: where u and v grow by 1.
+    /// Sets dp/du and dp/dv, for primitives whose two texture coordinate sets are equal.
     void set(const Vec3& along_u, const Vec3& along_v, Mask m)
     {
         set_edges(along_u, along_v, m);
@@ -43,7 +42,7 @@ struct SurfaceDerivatives {
             dv[1][set] = select(m, Float(1), dv[1][set]);
         }
     }
-    /// Of triangles: their first two edges, on which uv change by those of their corners.
+    /// For triangles: sets the first two edges, along which read_uv() takes the change of texture coordinates.
     void set_edges(const Vec3& a, const Vec3& b, Mask m)
     {
         way[0] = select(m, a, way[0]);

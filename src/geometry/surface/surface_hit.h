@@ -6,27 +6,28 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// A hit of each lane, and the ray that made it.
+/// A hit in each lane, and the ray that caused it.
 struct SurfaceHit {
     Vec3 o, d;
     Float t, u, v, time;
     UInt primitive, instance;
-    UInt material = UInt(no_index);  ///< of a mixture, which one the path meets; else the shape's
+    UInt material = UInt(no_index);  ///< the material that a mixture chose; no_index: the shape's
 };
 
+/// Surface properties at a hit, in render space.
 struct Surface {
     Vec3 p;
-    Vec3 ng;               ///< geometric normal, unit, on the side of the shape's front
-    Vec3 ns;               ///< shading normal, on the same side
-    Vec3 tangent;          ///< along growing u; zero where unknown
-    Float bitangent_sign;  ///< on which side of cross(ns, tangent) green of normal maps points: up in the image
-    Float offset;          ///< rays that leave the surface begin so far off it, along ng: see rounding_along
+    Vec3 ng;               ///< unit geometric normal, on the front side of the shape
+    Vec3 ns;               ///< unit shading normal, on the same side
+    Vec3 tangent;          ///< along increasing u; zero where unknown
+    Float bitangent_sign;  ///< side of cross(ns, tangent) to which green in normal maps points (up in the image)
+    Float offset;          ///< distance along ng at which rays leave the surface: see rounding_along
     Mask is_curve, is_ribbon;
-    Float radius;  ///< of curves, else 0
+    Float radius;  ///< of curves; otherwise 0
     TexturePoint at;
-    SurfaceDerivatives ways;  ///< where LaneScene::wants_uv_slopes
-    Mask has_mesh_tangent;    ///< the mesh brings the tangent
-    Mask has_map_tangents;    ///< tangents are those of each map's texture coordinates: see TangentFrame::of_map
+    SurfaceDerivatives ways;  ///< valid if LaneScene::wants_uv_slopes
+    Mask has_mesh_tangent;    ///< the mesh provides the tangent
+    Mask has_map_tangents;    ///< tangents follow each map's texture coordinates: see TangentFrame::of_map
     UInt shape, material;
 };
 

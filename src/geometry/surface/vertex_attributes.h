@@ -5,12 +5,12 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Where in a triangle each lane is: its corners' vertices, and the weights of the second and the third.
+/// Position in a triangle in each lane: its vertices, and the weights of the second and third.
 struct TrianglePlace {
     UInt vertex[3];
     Float u, v;
 
-    /// The n numbers that each vertex has, interpolated. base: of vertex 0.
+    /// Interpolates an attribute of n numbers per vertex. base: the attribute of vertex 0.
     template <int n>
     void numbers(const float* base, Mask m, Float (&to)[n]) const
     {
@@ -18,7 +18,7 @@ struct TrianglePlace {
         for (int k = 0; k < 3; ++k) gather_row(base, vertex[k] * UInt(std::uint32_t(n)), m, at[k]);
         for (int i = 0; i < n; ++i) to[i] = fma(at[0][i], Float(1) - u - v, fma(at[1][i], u, at[2][i] * v));
     }
-    /// Both numbers of a set of texture coordinates; other lanes keep theirs.
+    /// Interpolates texture coordinates; lanes outside m keep their values.
     void read_uv(const LargeVector<Vec2f>& table, Mask m, Float& to_u, Float& to_v) const
     {
         if (none(m)) return;

@@ -1,5 +1,5 @@
-/// The upper part of the tree is split by all threads together, then treelets by one thread each. Nothing depends on
-/// the number of threads.
+/// Top-down construction of the binary BVH. All threads split the upper tree together; then each treelet is built by
+/// one thread. The result does not depend on the number of threads.
 #include "geometry/bvh/builder/binary.h"
 
 #include <tbb/parallel_invoke.h>
@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::size_t treelet_size = 1 << 13, treelet_clusters = 1 << 9;
 
-/// So many items stay together where one leaf can hold them: to split four takes half of the time.
+/// Sets of up to this many items stay unsplit if one leaf can hold them. Splitting sets of four takes half of the build
+/// time.
 constexpr std::size_t together(TreeBuild level, bool cut)
 {
     if (level != TreeBuild::high) return 4;
@@ -27,7 +28,7 @@ constexpr std::size_t together(TreeBuild level, bool cut)
 
 struct UpperNode {
     ItemSet set;
-    std::unique_ptr<UpperNode> left, right;  ///< none: a treelet
+    std::unique_ptr<UpperNode> left, right;  ///< null: a treelet
 };
 
 class Splitting {
@@ -53,7 +54,7 @@ public:
         place(top, BinaryNode::none, tree);
         const std::size_t before = list_.items.bytes() + (clusters_ ? clusters_->node_bytes : 0);
         list_.items = {};
-        // Cutting copies the items.
+        // Spatial splits work on a copy of the items.
         const std::size_t copies = before + std::size_t(splitter_ ? 1 : 0) * list_.count * sizeof(Item);
         tree.peak_bytes = std::max({clusters_ ? clusters_->peak_bytes : 0, copies, before + tree.bytes()});
         clusters_ = {};
@@ -61,7 +62,7 @@ public:
     }
 
 private:
-    /// For as many pieces more as the items may be cut into.
+    /// Reallocates the items with room for the additional pieces that spatial splits create.
     void make_room(ItemSet& set)
     {
         set.room = std::size_t(max_cuts * double(list_.triangles));
@@ -98,7 +99,8 @@ private:
         treelets_.push_back(std::move(treelet));
     }
 
-    /// Each goes behind those before as soon as these are there, so that few wait.
+    /// Builds treelets in parallel and appends their nodes in order as they finish, so that few finished treelets wait
+    /// in memory.
     void build_treelets(const Item* first_item, BinaryTree& tree)
     {
         std::size_t next = 0, end = upper_nodes_;
@@ -121,7 +123,7 @@ private:
         tree.nodes.truncate(end);
     }
 
-    /// A treelet's nodes, which are then freed.
+    /// Appends the nodes of a treelet to the tree and frees them.
     void append(std::vector<BinaryNode>& nodes, std::size_t& end, BinaryTree& tree)
     {
         if (end + nodes.size() >= BinaryNode::none) throw std::length_error("the scene has too many primitives");
@@ -138,7 +140,7 @@ private:
         nodes = {};
     }
 
-    /// Upper nodes in front of what is below them; its number.
+    /// Writes the upper nodes in depth-first order, in front of all treelets. Returns the index of the node.
     std::uint32_t place(const UpperNode& node, std::uint32_t parent, BinaryTree& tree)
     {
         if (!node.left) {
@@ -162,7 +164,7 @@ private:
     ItemList& list_;
     TreeBuild level_;
     std::unique_ptr<SpatialSplitter> splitter_;
-    std::unique_ptr<Clusters> clusters_;  ///< what items are, if they are
+    std::unique_ptr<Clusters> clusters_;  ///< set if items are clusters, as at the fast level
     std::vector<Treelet> treelets_;
     std::vector<std::uint32_t> roots_;
     std::uint32_t upper_nodes_ = 0, next_upper_ = 0;

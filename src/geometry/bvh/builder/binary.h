@@ -1,5 +1,5 @@
 #pragma once
-/// The binary tree over a list of items, which is then collapsed to wide nodes.
+/// Binary BVH over a list of items, which is collapsed to wide nodes afterwards.
 #include <algorithm>
 
 #include "geometry/bvh/builder/cost.h"
@@ -7,24 +7,24 @@
 
 namespace fathom::bvh {
 
-/// The first node is the root.
+/// Node of a binary BVH; node 0 is the root.
 struct alignas(16) BinaryNode {
     static constexpr std::uint32_t none = ~std::uint32_t(0);
 
     float low[3];
-    std::uint32_t left;  ///< child; of a leaf: its first item
+    std::uint32_t left;  ///< left child; of a leaf: index of its first item
     float minus_high[3];
     std::uint32_t right;
-    Choices choices;  ///< once known
+    Choices choices;  ///< how the subtree collapses to wide nodes, once known
     std::uint32_t parent;
-    /// Of items below, at most as many as fit; of inner nodes it is their height at first, see BinaryTree::counted.
+    /// Number of items below, clamped to max_count; for inner nodes the height until BinaryTree::counted is set.
     std::uint32_t count : 23;
-    std::uint32_t kinds : 8;  ///< of items below
-    std::uint32_t leaf : 1;   ///< of few items, side by side, which one leaf can hold
+    std::uint32_t kinds : 8;  ///< union of Item::Kind below
+    std::uint32_t leaf : 1;   ///< few contiguous items that one leaf can hold
 
     static constexpr std::uint32_t max_count = (1u << 23) - 1;
 
-    /// Steps down to the deepest leaf, while counts of inner nodes are that.
+    /// Number of levels below the node; valid while inner nodes store heights.
     std::uint32_t height() const { return leaf ? 0 : std::uint32_t(count); }
 
     Box box() const { return Box(static_cast<const void*>(this)); }
@@ -38,23 +38,24 @@ struct alignas(16) BinaryNode {
 };
 static_assert(sizeof(BinaryNode) == 48);
 
-/// That of a node above these.
+/// Height of a node with these children.
 inline std::uint32_t height_above(const BinaryNode& left, const BinaryNode& right)
 {
     return 1 + std::max(left.height(), right.height());
 }
 
+/// A binary BVH and the memory that building it took.
 struct BinaryTree {
     LargeArray<BinaryNode> nodes;
-    LargeArray<std::uint32_t> ids;  ///< of the items
-    std::size_t peak_bytes = 0;     ///< while it was built, items and itself included
-    bool counted = false;           ///< whether inner nodes' counts are those of items below; else their heights
+    LargeArray<std::uint32_t> ids;  ///< ids of the items, in the order of leaves
+    std::size_t peak_bytes = 0;     ///< peak memory of construction, items and result included
+    bool counted = false;           ///< whether inner nodes store item counts instead of heights
 
     std::size_t bytes() const { return nodes.bytes() + ids.bytes(); }
 };
 
-/// Splits the items as the level says, by all threads; the same tree for any number of them. Items are freed.
-/// cut  whether triangles may be cut in two, where that is better
+/// Builds the tree over the items at the given quality level, with all threads; the result does not depend on their
+/// number. Frees the items. cut: whether spatial splits may cut triangles.
 BinaryTree split_items(const GeometryTables& tables, ItemList& list, TreeBuild level, bool cut);
 
 }  // namespace fathom::bvh

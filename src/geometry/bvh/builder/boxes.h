@@ -1,5 +1,5 @@
 #pragma once
-/// One ray against the boxes of a node: lanes are children.
+/// Intersection of one ray with the boxes of a wide node: lanes are children.
 #include <cstddef>
 
 #include "geometry/bvh/traversal/push.h"
@@ -8,16 +8,18 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// A node's bounds as one array: offsets lead from row to row, and a pointer into one row must not leave it.
+/// A node's bounds as one flat array, because offsets lead from row to row and a pointer into one row must not leave
+/// it.
 [[gnu::always_inline]] inline const float* planes(const BvhNode& node)
 {
     static_assert(offsetof(BvhNode, bounds) == 0);
     return reinterpret_cast<const float*>(&node);
 }
 
+/// Entry and exit distances of a ray for all child boxes, limited to [0, t_max].
 [[gnu::always_inline]] inline BoxDistances distances_to(const BvhNode& node, const PreparedRay& r, Float t_max)
 {
-    // Rows of the nearer sides; those of the farther ones are 3 rows away.
+    // side_x, side_y and side_z select the rows of near planes; the rows of far planes are 3 rows away.
     const float* const bounds = planes(node);
     constexpr std::ptrdiff_t row = bvh_width;
     const std::ptrdiff_t x = r.integer(PreparedRays::side_x), y = r.integer(PreparedRays::side_y),
@@ -36,7 +38,7 @@ inline namespace FATHOM_LANES {
     return box;
 }
 
-/// The same for boxes that move. time: 0 when the shutter opens, 1 when it closes.
+/// distances_to() for moving boxes. time: 0 at shutter open, 1 at shutter close.
 [[gnu::always_inline]] inline BoxDistances distances_to_moving(const BvhNode& node, const PreparedRay& r, Float time,
                                                                Float t_max)
 {

@@ -1,5 +1,5 @@
-/// Building: items, a binary tree over them, whose nodes are moved to better places, and its collapse to wide nodes.
-/// Nothing depends on the number of threads.
+/// BVH construction: items, a binary tree, its optimization by reinsertion, and its collapse to wide nodes. The result
+/// does not depend on the number of threads.
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ namespace bvh {
 
 namespace {
 
-/// What is fetched ahead from trees that caches hold takes time, and gains nothing: measured.
+/// For trees that fit into caches, prefetching costs time and gains nothing (measured).
 constexpr std::size_t bytes_of_caches = std::size_t(32) << 20;
 
 std::uint32_t shape_end(const GeometryTables& tables, std::uint32_t shape)
@@ -27,13 +27,14 @@ std::uint32_t shape_end(const GeometryTables& tables, std::uint32_t shape)
     return end;
 }
 
-/// At each level all children but one wait; on top there is room for a vector, and an end for each of the two spaces.
+/// Size of the traversal stack: at each level all children but one may wait. The rest is padding for vector stores and
+/// an end marker for each of the two spaces.
 int stack_size_of(int world_depth, int mesh_depth)
 {
     return ((bvh_width - 1) * (world_depth + mesh_depth) + bvh_deferred + 2 + 2 * bvh_width) / bvh_width * bvh_width;
 }
 
-/// Triangles that stand still: those of quads count twice.
+/// Number of static triangles; a quad counts as two.
 std::size_t count_triangles(const GeometryTables& tables)
 {
     std::size_t n = tables.triangle_count() + 2 * tables.quads.size();
@@ -43,8 +44,8 @@ std::size_t count_triangles(const GeometryTables& tables)
     return n;
 }
 
-/// A few rounds over the largest hundredths find most of what there is to gain in interiors, and take a tenth of the
-/// time; all nodes gain a little more, and on foliage.
+/// A few rounds over the 2 % largest nodes find most of the gain in interiors and take a tenth of the time of a round
+/// over all nodes, which gains slightly more, and on foliage.
 constexpr Reinsertion once{1, 0.02}, few{3, 0.02}, many{1, 1.0};
 
 BinaryTree split_and_reinsert(const GeometryTables& tables, ItemList& list, TreeBuild level, bool cut, Peak& peak)
@@ -57,7 +58,8 @@ BinaryTree split_and_reinsert(const GeometryTables& tables, ItemList& list, Tree
     return tree;
 }
 
-/// make_list  makes the same list each time
+/// Builds the best binary tree at the given level. make_list: creates the item list anew; each call gives an equal
+/// list.
 template <class MakeList>
 BinaryTree binary_tree(const GeometryTables& tables, TreeBuild level, const MakeList& make_list, ItemList& list,
                        Peak& peak)
@@ -71,7 +73,7 @@ BinaryTree binary_tree(const GeometryTables& tables, TreeBuild level, const Make
         return expected_cost(tables, tree);
     };
     float cost = expected_cost(tables, tree);
-    // Cuts help much where triangles are large and lie aslant, but may harm where they are axis-aligned.
+    // Spatial splits help for large, slanted triangles, but may hurt where triangles are axis-aligned.
     bool cut = false;
     if (list.triangles > 0) {
         const float cost_cut = again(true);
@@ -80,7 +82,8 @@ BinaryTree binary_tree(const GeometryTables& tables, TreeBuild level, const Make
     }
     reinsert(tree, many);
     peak.track_peak(tree.bytes() + many.bytes(tree.nodes.size()));
-    // The sum of areas, which reinsertion lowers, is not quite what wide nodes cost.
+    // Reinsertion minimizes the sum of areas, which only approximates the cost of wide nodes; if that cost rose, the
+    // tree is rebuilt without it.
     if (expected_cost(tables, tree) > cost) again(cut);
     return tree;
 }
@@ -101,7 +104,7 @@ void BvhBuilder::build()
     tree_.moving = anything_moves(tables_);
     const std::vector<std::uint32_t> shapes = find_meshes();
     std::size_t triangles = count_triangles(tables_);
-    // Room that stays empty takes no memory.
+    // Pages that are reserved but never written take no memory.
     if (level_ == TreeBuild::high) triangles += std::size_t(max_cuts * double(triangles));
     if (triangles > BvhReference::max_triangles)
         throw std::length_error("a scene can have at most 134,217,728 triangles");
@@ -112,12 +115,12 @@ void BvhBuilder::build()
     for (std::uint32_t shape : shapes) {
         meshes_[shape].first_triangle = next_triangle_;
         add_mesh(shape, level_);
-        // What is built again must find room for triangles that were left out, since they had no area.
+        // A rebuilt mesh may need space for triangles that were degenerate before.
         if (tables_.editable)
             next_triangle_ = std::max(next_triangle_, meshes_[shape].first_triangle + max_triangles_in(shape));
     }
     still_ = add_part([&] { return world_items(tables_, tree_, boxes_); }, level_);
-    // Readers take 16 floats at once.
+    // Vector loads read 16 floats past the last triangle.
     std::fill_n(tree_.triangles.data() + 9 * next_triangle_, bvh_width, 0.f);
     begin_of_movable_ = {tree_.nodes.size(), tree_.others.size()};
     most_ = {2 * tree_.nodes.size() + 1024, 2 * tree_.others.size() + (1 << 16)};
@@ -138,19 +141,19 @@ bool BvhBuilder::update(const std::vector<std::uint32_t>& changed)
     tree_.nodes.resize(begin_of_movable_.node);
     tree_.others.resize(begin_of_movable_.other);
     for (std::uint32_t shape : changed) {
-        // Cut triangles might not find room.
+        // Spatial splits are not used because cut triangles might not fit.
         next_triangle_ = meshes_[shape].first_triangle;
         add_mesh(shape, level_ == TreeBuild::high ? TreeBuild::standard : level_);
     }
     begin_of_movable_ = {tree_.nodes.size(), tree_.others.size()};
-    // What meshes were before lies about.
+    // Too much memory is wasted on former versions of meshes: the caller rebuilds the tree.
     if (tree_.nodes.size() > most_.node || tree_.others.size() > most_.other) return false;
     add_movable();
     tree_.statistics = first;
     return true;
 }
 
-/// What instances place, in order of their first use; then what they may place later.
+/// Lists the shapes that instances use, in order of first use, followed by those that later instances may use.
 std::vector<std::uint32_t> BvhBuilder::find_meshes()
 {
     std::vector<std::uint32_t> found;
@@ -177,7 +180,7 @@ void BvhBuilder::add_mesh(std::uint32_t shape, TreeBuild level)
     meshes_[shape].depth = part.depth;
 }
 
-/// Twice as many where they may be halves of quads.
+/// Upper bound on the triangles in a shape; a quad counts as two.
 std::size_t BvhBuilder::max_triangles_in(std::uint32_t shape) const
 {
     const std::uint32_t first = tables_.shapes[shape].first_primitive;
@@ -185,7 +188,8 @@ std::size_t BvhBuilder::max_triangles_in(std::uint32_t shape) const
     return (first < tables_.first_quad() ? 1u : 2u) * (shape_end(tables_, shape) - first);
 }
 
-/// make_list  makes the same list each time
+/// Builds a subtree over one list of items and adds it to the arrays. make_list: creates the list; each call gives an
+/// equal one.
 template <class MakeList>
 BvhBuilder::Part BvhBuilder::add_part(const MakeList& make_list, TreeBuild level)
 {
@@ -202,7 +206,7 @@ BvhBuilder::Part BvhBuilder::add_part(const MakeList& make_list, TreeBuild level
     const Collapsed collapsed = collapse(tables_, binary, tree_, next_triangle_, level == TreeBuild::compact);
     part.root = collapsed.root;
     part.depth = collapsed.depth;
-    // With the binary tree, then while what chunks hold is moved.
+    // Peak memory occurs either with the binary tree or while the contents of chunks are moved.
     const std::size_t moved = (tree_.nodes.size() - first) * sizeof(BvhNode) + tree_.others.size() * 4 - others_before;
     peak_.track_peak(leaves_bytes() + tree_.nodes.size() * sizeof(BvhNode) + std::max(binary_bytes, moved));
     part.box = {list.box, list.box};
@@ -210,7 +214,7 @@ BvhBuilder::Part BvhBuilder::add_part(const MakeList& make_list, TreeBuild level
     return part;
 }
 
-/// The whole world: what stands still, and a tree over the instances that may move.
+/// Builds the BVH over movable instances and joins it with that of static items.
 void BvhBuilder::add_movable()
 {
     Part world = still_;
@@ -218,7 +222,7 @@ void BvhBuilder::add_movable()
         const Part movable = add_part([&] { return movable_items(tables_, tree_, boxes_); }, TreeBuild::standard);
         world = still_.empty ? movable : movable.empty ? still_ : join(still_, movable);
     }
-    // Readers take 16 words at once.
+    // Vector loads read 16 words past the last leaf.
     tree_.others.resize(tree_.others.size() + bvh_width);
     tree_.empty = world.empty;
     if (!world.empty) {

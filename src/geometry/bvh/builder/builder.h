@@ -7,13 +7,13 @@
 
 namespace fathom::bvh {
 
-/// The largest of what building took at its stages.
+/// Peak memory of construction.
 struct Peak {
     std::size_t bytes = 0;
     void track_peak(std::size_t now) { bytes = std::max(bytes, now); }
 };
 
-/// Builds the tree of some tables, and later those parts of it again that have changed.
+/// Builds the BVH of scene tables, and later rebuilds the parts that have changed.
 class BvhBuilder {
 public:
     BvhBuilder(const GeometryTables& tables, BvhData& tree, TreeBuild level)
@@ -22,12 +22,12 @@ public:
     }
 
     void build();
-    /// See Bvh::update. False if too much lies about in the tree that is no longer used: then it is to be built anew.
+    /// See Bvh::update. Returns false if too much of the arrays is no longer used, so that the BVH must be rebuilt.
     bool update(const std::vector<std::uint32_t>& changed);
     TreeBuild level() const { return level_; }
 
 private:
-    /// A tree of its own within the arrays.
+    /// A subtree within the BVH's arrays, with its own root.
     struct Part {
         std::uint32_t root = 0;
         MovingBox box;
@@ -56,9 +56,9 @@ private:
     const TreeBuild level_;
     std::vector<Mesh> meshes_;  ///< by shape
     std::vector<MovingBox> boxes_;
-    Part still_;              ///< what stands in the world and is not movable
-    Place begin_of_movable_;  ///< where what is behind the tree of it begins in the arrays
-    Place most_;              ///< how far that may be moved by meshes that are built again
+    Part still_;              ///< subtree of all static items that are not movable
+    Place begin_of_movable_;  ///< where the arrays continue after the static subtree and the meshes
+    Place most_;              ///< limits on begin_of_movable_ before the BVH must be rebuilt
     std::size_t next_triangle_ = 0;
     Peak peak_;
 };

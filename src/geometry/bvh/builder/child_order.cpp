@@ -13,12 +13,12 @@ namespace {
 using V16 = float __attribute__((vector_size(64)));
 using V16i = std::int32_t __attribute__((vector_size(64)));
 
-/// Comes behind all others.
+/// Sort key of unused lanes: it ranks after all others.
 const V16 unused = V16(V16i{} - 1);
 constexpr V16i lane_numbers = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
-/// How many keys come before each, from high to low, where lanes of equal keys keep their order. Compared as integers,
-/// in whose order whatever is no number has a place, too.
+/// Rank of each lane by descending key; lanes with equal keys keep their order. Keys are compared as integers, which
+/// gives NaN a defined rank, too.
 void find_ranks(const V16& keys, std::int32_t* ranks)
 {
     const V16i bits = V16i(keys), ordered = bits ^ (bits >> 31 & 0x7fffffff);
@@ -28,7 +28,7 @@ void find_ranks(const V16& keys, std::int32_t* ranks)
     std::memcpy(ranks, &before, sizeof before);
 }
 
-/// Slots by share of rays stopped, for the work it takes.
+/// Assigns slots by ascending ratio of blocked rays to traversal cost.
 void order_by_blocking(const Subtree* children, int count, int* slots)
 {
     V16 loss = unused;
@@ -38,14 +38,15 @@ void order_by_blocking(const Subtree* children, int count, int* slots)
     for (int i = 0; i < count; ++i) slots[ranks[i]] = i;
 }
 
-/// The digits of 4 bits from last to first.
+/// Reverses the order of the sixteen 4-bit digits.
 std::uint64_t reversed(std::uint64_t digits)
 {
     digits = __builtin_bswap64(digits);
     return (digits & 0x0f0f0f0f0f0f0f0fu) << 4 | (digits >> 4 & 0x0f0f0f0f0f0f0f0fu);
 }
 
-/// Slots by octant, from far to near: by the centre's place along the octant's diagonal.
+/// Stores for each octant of ray directions the order of slots from far to near, by box center along the octant's
+/// diagonal.
 void order_by_distance(BvhNode& node, int count)
 {
     V16 center[3];
@@ -57,7 +58,7 @@ void order_by_distance(BvhNode& node, int count)
     }
     const V16i used = lane_numbers < count;
     for (int octant = 0; octant < 4; ++octant) {
-        // The opposite octant goes the other way round.
+        // The opposite octant uses the reversed order.
         const V16 along = (octant & 1 ? -center[0] : center[0]) + (octant & 2 ? -center[1] : center[1]) + center[2];
         std::int32_t ranks[bvh_width];
         find_ranks(used ? along : unused, ranks);

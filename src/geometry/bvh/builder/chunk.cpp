@@ -10,7 +10,7 @@ namespace fathom::bvh {
 
 namespace {
 
-/// The nodes that stand for node i where it may be up to j children.
+/// Lists the binary nodes that represent node i if it may become up to j children of a wide node.
 void collect(const BinaryTree& tree, std::uint32_t i, int j, std::uint32_t* out, int& count)
 {
     const BinaryNode& node = tree.nodes[i];
@@ -32,14 +32,15 @@ public:
 
     void run()
     {
-        // As much as leaves that save a quarter can take: growing would leave holes behind.
+        // Indexed leaves save at least a quarter, which bounds their size; growing the vector would leave holes in
+        // memory.
         if (chunk_.compact) chunk_.others.reserve(chunk_.triangles * plain_words * 3 / 4);
         chunk_.root = emit(tree_.nodes[chunk_.from], 0);
         chunk_.triangles = next_triangle_ - chunk_.first_triangle;
     }
 
 private:
-    /// depth: of the node, below the root.
+    /// Writes the subtree of a binary node. depth: below the chunk's root.
     Subtree emit(const BinaryNode& node, int depth)
     {
         if (becomes_leaf(node)) return emit_leaf(node);
@@ -52,7 +53,7 @@ private:
         Box boxes[bvh_width];
         for (int i = 0; i < count; ++i) boxes[i] = tree_.nodes[children[i]].box();
         Subtree subtrees[bvh_width];
-        // The leaves of one node lie side by side.
+        // The leaves of a node are stored next to each other.
         for (int i = 0; i < count; ++i)
             if (becomes_leaf(tree_.nodes[children[i]])) subtrees[i] = emit_leaf(tree_.nodes[children[i]]);
         for (int i = 0; i < count; ++i)
@@ -71,7 +72,8 @@ private:
         if (node.kinds == Item::triangle) {
             float area = 0;
             const std::uint32_t reference = emit_triangles(ids, n, area);
-            // A ray through the box meets a triangle of area a with a probability of a / half_area, wherever it lies.
+            // A random ray through the box hits a triangle of area a with probability a / half_area, wherever the
+            // triangle lies.
             const float half_area = std::max(node.box().half_area(), std::numeric_limits<float>::min());
             return {reference, 1 - std::exp(-area / half_area), cost};
         }
@@ -99,7 +101,7 @@ private:
         }
     }
 
-    /// As BvhData::triangles has them.
+    /// Writes vertices in the layout of BvhData::triangles.
     void put_vertices(const std::uint32_t* ids, std::size_t n, float* out) const
     {
         for (std::size_t i = 0; i < n; ++i) {
@@ -113,7 +115,7 @@ private:
         }
     }
 
-    /// In double precision, where squares of squares of small edges are still numbers.
+    /// Sum of triangle areas, in double precision: squared areas of small triangles underflow in float.
     static float area_of(const float* vertices, std::size_t n)
     {
         double areas[bvh_width];
@@ -129,11 +131,11 @@ private:
         return float(0.5 * std::accumulate(areas, areas + n, 0.0));
     }
 
-    /// area: of them all.
+    /// Writes a leaf of triangles. area: receives the sum of their areas.
     std::uint32_t emit_triangles(std::uint32_t* ids, int count, float& area)
     {
         std::sort(ids, ids + count);
-        // Pieces of one triangle may meet again.
+        // Pieces of one triangle from spatial splits may meet in a leaf again.
         const std::size_t n = std::size_t(std::unique(ids, ids + count) - ids);
         std::uint32_t indexed = 0;
         if (chunk_.compact && emit_indexed(ids, n, indexed, area)) return indexed;
@@ -154,8 +156,8 @@ private:
         return BvhReference::triangles(first, n);
     }
 
-    /// As a leaf that holds each vertex once, if that is smaller by a quarter, as where triangles form a mesh; else
-    /// false. For less it isn't worth while: rays that meet leaves of both kinds in turn take longer.
+    /// Writes an indexed leaf, which stores each vertex once, if it is smaller by at least a quarter, as in connected
+    /// meshes; otherwise returns false. Smaller savings do not pay: rays that visit both kinds of leaves take longer.
     bool emit_indexed(const std::uint32_t* ids, std::size_t n, std::uint32_t& reference, float& area)
     {
         IndexedTriangles triangles(tables_, false);

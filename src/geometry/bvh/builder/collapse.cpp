@@ -15,14 +15,14 @@ namespace fathom::bvh {
 namespace {
 
 constexpr std::uint32_t chunk_size = 1 << 12;
-/// Nodes above are solved by tasks of their own.
+/// Subtrees above this depth are solved in separate tasks.
 constexpr int parallel_depth = 10;
 
 class Solver {
 public:
     Solver(const GeometryTables& tables, BinaryTree& tree) : tables_(tables), tree_(tree) {}
 
-    /// Finds the choices of the node and all below, and what inner nodes hold.
+    /// Finds the choices of the node and all below, and the kinds and counts of inner nodes.
     Costs solve(std::uint32_t i, int depth)
     {
         BinaryNode& node = tree_.nodes[i];
@@ -44,10 +44,10 @@ public:
         node.kinds = l.kinds | r.kinds;
         node.count = std::min<std::uint32_t>(std::uint32_t(l.count) + r.count, BinaryNode::max_count);
         costs = join(left, right, half_area, leaf_cost(node.kinds, node.count), node.choices);
-        // Whether a leaf can hold what would be in it is asked only where a leaf would be best.
+        // Whether a leaf can hold the items is tested only where a leaf would be best.
         if (node.choices[0] != 0 || fits(node)) return costs;
         if (node.count > bvh_width) {
-            // Costs beyond all floats: any way down will do.
+            // Costs overflowed: any valid division will do.
             node.choices.bits = 0x1111111111111111u;
             return costs;
         }
@@ -107,7 +107,7 @@ public:
         make_room(nodes_, end_of_nodes);
         make_room(bvh_.others, end_of_others + bvh_width);
         const std::uint32_t root = emit(0, 0).reference;
-        // Before there are two of what chunks hold.
+        // Freed before the contents of chunks exist twice.
         tree_ = {};
         nodes_.resize(end_of_nodes);
         each([&](Chunk& c) { place_nodes(c); });
@@ -119,14 +119,14 @@ public:
     }
 
 private:
-    /// So that many fit; where few are added often, more.
+    /// Reserves memory; frequent small additions get extra room.
     template <class Vector>
     static void make_room(Vector& v, std::size_t size)
     {
         if (size > v.capacity()) v.reserve(std::max(size, v.size() * 3 / 2));
     }
 
-    /// In the order in which emit comes to them.
+    /// Lists the chunks in the order in which emit() visits them.
     void gather_chunks(std::uint32_t i)
     {
         const BinaryNode& node = tree_.nodes[i];
@@ -143,7 +143,7 @@ private:
 
     static bool is_chunk(const BinaryNode& node) { return becomes_leaf(node) || node.count <= chunk_size; }
 
-    /// Moves the chunk's triangles to the end of those before: pieces of one may have met again.
+    /// Moves the chunk's triangles up to the end of the previous chunk's: merging pieces of one triangle leaves gaps.
     void close_gap(Chunk& c)
     {
         c.moved = c.first_triangle - next_triangle_;
@@ -158,7 +158,7 @@ private:
         c.keys_apart = {};
     }
 
-    /// depth: of the node, in the tree of wide nodes.
+    /// Writes the wide nodes of the upper tree. depth: in the tree of wide nodes.
     Subtree emit(std::uint32_t i, int depth)
     {
         const BinaryNode& node = tree_.nodes[i];
@@ -184,7 +184,7 @@ private:
         return all;
     }
 
-    /// What was relative to the chunk's arrays.
+    /// Converts a reference that is relative to a chunk's arrays.
     static std::uint32_t place(const Chunk& chunk, std::uint32_t reference)
     {
         if (BvhReference::is_node(reference)) return std::uint32_t(reference + chunk.first_node);
@@ -203,7 +203,7 @@ private:
         return root;
     }
 
-    /// Where they belong; those of the chunk are freed.
+    /// Copies the chunk's nodes to the BVH's array and frees them.
     void place_nodes(Chunk& chunk)
     {
         for (BvhNode& node : chunk.nodes) {

@@ -13,7 +13,7 @@ namespace {
 using V16 = float __attribute__((vector_size(64)));
 using V16i = std::int32_t __attribute__((vector_size(64)));
 
-// Measured on interiors, terrain and foliage (bench/rays.cpp).
+// Costs measured on interiors, terrain and foliage (bench/rays.cpp).
 constexpr float triangle_leaf_cost = 0.7f, triangle_cost = 0.015f, other_leaf_cost = 0.7f, other_cost = 0.05f,
                 instance_cost = 4.f, moving_leaf_cost = 0.4f, moving_triangle_cost = 0.06f, curve_leaf_cost = 1.5f,
                 curve_cost = 0.1f, point_leaf_cost = 0.5f, point_cost = 0.05f;
@@ -46,11 +46,11 @@ float leaf_cost(std::uint32_t kinds, std::size_t count)
 
 Costs join(const Costs& left, const Costs& right, float half_area, float leaf, Choices& choices)
 {
-    // padded[15 + j]: the right side as j + 1 children; none below that.
+    // padded[15 + j] is the cost of the right side as j + 1 children; infinite for fewer than 1.
     alignas(64) float padded[2 * bvh_width];
     for (int i = 0; i < bvh_width; ++i) padded[i] = std::numeric_limits<float>::infinity();
     std::memcpy(padded + bvh_width, right.c.data(), sizeof right.c);
-    // Lane i is for i + 1 children, of which the left side gets k.
+    // Lane i stands for i + 1 children, of which the left side gets k.
     V16 best;
     std::memcpy(&best, padded, sizeof best);
     V16i best_k = {};

@@ -50,7 +50,7 @@ namespace {
 
 void set_box(Item& item, const Vec3d& low, const Vec3d& high)
 {
-    // Rounded outwards.
+    // Rounded outward.
     constexpr float inf = std::numeric_limits<float>::infinity();
     const double lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z};
     for (int axis = 0; axis < 3; ++axis) {
@@ -78,7 +78,7 @@ bool moving_triangle_item(const GeometryTables& tables, const BvhData& bvh, BvhK
     return true;
 }
 
-/// False where nothing can hit it.
+/// Sets up an item for a triangle; false if no ray can hit it.
 bool triangle_item(const GeometryTables& tables, const BvhData& bvh, BvhKey key, Item& item)
 {
     if (moves(tables, key >> 1)) return moving_triangle_item(tables, bvh, key, item);
@@ -176,7 +176,7 @@ bool instance_item(const GeometryTables& tables, const BvhData& bvh, const std::
     return true;
 }
 
-/// Items [0, n), each made by make(i, item) or left out.
+/// Creates items [0, n) in parallel; make(i, item) returns false to omit one.
 template <class Make>
 ItemList make_items(std::size_t n, const Make& make)
 {
@@ -208,7 +208,7 @@ ItemList make_items(std::size_t n, const Make& make)
         list.box.extend(parts[c].box);
         list.centers.extend(parts[c].centers);
     }
-    // What was left out left holes, which the last items fill.
+    // Omitted items left gaps, which the last items fill.
     std::size_t last = chunks;
     for (std::size_t c = 0; c < last; ++c)
         for (std::size_t& i = parts[c].count; c * chunk + i < std::min(list.count, (c + 1) * chunk);) {
@@ -222,7 +222,7 @@ ItemList make_items(std::size_t n, const Make& make)
 
 namespace {
 
-/// Of any of n segments; items are made for as many of each, and some of them left out.
+/// Largest number of pieces among n segments. Each segment gets this many candidate items; surplus ones are omitted.
 std::uint32_t max_pieces(const GeometryTables& tables, std::size_t first, std::size_t n)
 {
     std::uint32_t most = 1;

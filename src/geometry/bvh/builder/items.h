@@ -1,18 +1,19 @@
 #pragma once
-/// What goes into the trees: boxes of triangles, quads, spheres, disks and instances.
+/// Items of BVHs: boxes of triangles, quads, spheres, disks, curve pieces, points and instances.
 #include "geometry/bvh/builder/split.h"
 #include "geometry/bvh/layout/data.h"
 
 namespace fathom::bvh {
 
+/// Items with their bounds.
 struct ItemList {
     LargeArray<Item> items;
-    std::size_t count = 0, triangles = 0;  ///< items in use, and how many of them are triangles
+    std::size_t count = 0, triangles = 0;  ///< number of items, and of triangles among them
     Box box;
     CenterBounds centers;
 };
 
-/// Boxes when the shutter opens and when it closes; in between they go linearly from one to the other.
+/// Linear motion bounds: boxes at shutter open and close, interpolated linearly between.
 struct MovingBox {
     Box open, close;
 
@@ -21,24 +22,24 @@ struct MovingBox {
         open.extend(other.open);
         close.extend(other.close);
     }
-    /// Half-way: both contain more than their mean does, and so does the middle of the motion.
+    /// Box at the middle of the shutter interval, which bounds the motion at that time.
     Box middle() const;
-    /// The largest coordinate.
+    /// Largest absolute coordinate.
     float radius() const;
-    /// Smallest such that it holds all of boxes, the i-th at time i of [0, 1].
+    /// Tightest motion bounds that contain boxes[i] at times[i], where times lie in [0, 1].
     static MovingBox around(const float* times, const Box* boxes, std::size_t count);
 };
 
-/// Of one primitive; the kind and id are those of an item that make_items was asked for.
+/// Motion bounds of one primitive. kind and id are those of an Item. mesh_boxes: by shape.
 MovingBox moving_box(const GeometryTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes,
                      std::uint32_t kind, std::uint32_t id);
 
-/// What of a shape's primitives can be hit. [first, last): primitives.
+/// Items of a shape's primitives [first, last) that can be hit.
 ItemList shape_items(const GeometryTables& tables, const BvhData& bvh, std::uint32_t first, std::uint32_t last);
-/// Everything in the world, of instances those that are still, if the tables are editable; bvh.meshes and their boxes,
-/// by shape, are known.
+/// Items of the world: all primitives and instances; only static instances if the tables are editable. bvh.meshes and
+/// mesh_boxes (by shape) must be set.
 ItemList world_items(const GeometryTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes);
-/// The other instances.
+/// Items of the movable instances of editable tables.
 ItemList movable_items(const GeometryTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes);
 
 }  // namespace fathom::bvh

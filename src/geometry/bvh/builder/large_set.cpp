@@ -11,13 +11,13 @@ namespace fathom::bvh {
 
 namespace {
 
-/// Parts of this size are worth a task; the order of items depends on it.
+/// Size of parts that are worth a task. It determines the order of items, hence must not depend on the machine.
 constexpr std::size_t part_size = 1 << 13;
 constexpr std::size_t min_parts = 4;
 
 Bins bins_of(const ItemSet& set, const BinMap& map)
 {
-    // Minima and counts: the same in any order.
+    // Minima and counts do not depend on the order of reduction.
     return tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, set.count, part_size), Bins(Bins::max),
         [&](const tbb::blocked_range<std::size_t>& range, const Bins& before) {
@@ -32,13 +32,13 @@ Bins bins_of(const ItemSet& set, const BinMap& map)
         });
 }
 
-/// A run of items, the left side's first.
+/// A run of items partitioned at `middle`.
 struct Part {
     std::size_t first, middle, end;
     CenterBounds left, right;
 };
 
-/// Runs of the right side in front of place `middle` change places with runs of the left side behind it.
+/// Swaps items of the right side before `middle` with items of the left side after it.
 void join_sides(Item* items, const std::vector<Part>& parts, std::size_t middle)
 {
     struct Swap {
@@ -46,7 +46,7 @@ void join_sides(Item* items, const std::vector<Part>& parts, std::size_t middle)
     };
     std::vector<Swap> swaps;
     auto from = parts.end();
-    std::size_t begin = 0, end = 0;  // what is left of the run behind
+    std::size_t begin = 0, end = 0;  // remainder of the current run
     for (const Part& p : parts)
         for (std::size_t a = p.middle; a < std::min(p.end, middle);) {
             while (begin == end) {

@@ -1,10 +1,11 @@
 #pragma once
-/// Splitting sets that are large enough for all threads.
+/// Parallel splitting of large sets.
 #include "geometry/bvh/builder/split.h"
 
 namespace fathom::bvh {
 
-/// As split_objects, but in an order of items of its own; the same for any number of threads.
+/// split_objects() with all threads; the order of items differs from that of split_objects(), but not with the number
+/// of threads.
 void split_large(const ItemSet& all, int depth, ItemSet& left, ItemSet& right);
 
 }  // namespace fathom::bvh

@@ -10,13 +10,13 @@ namespace fathom::bvh {
 
 namespace {
 
-/// Leaves begin at multiples of the unit.
+/// Rounds up to a multiple of BvhLeaf::unit, at which leaves start.
 std::size_t in_units(std::size_t words)
 {
     return (words + BvhLeaf::unit - 1) / BvhLeaf::unit * BvhLeaf::unit;
 }
 
-/// Arrays of n numbers behind a leaf's header.
+/// Arrays of n numbers each, after a leaf's header.
 class Arrays {
 public:
     Arrays(std::vector<std::uint32_t>& words, std::size_t n, std::size_t count)
@@ -115,11 +115,11 @@ PieceEnds piece_ends(const GeometryTables& tables, std::uint32_t id, bool linear
 Box box_of(const PieceEnds& ends)
 {
     const CurvePoint<float>&a = ends.a, &b = ends.b;
-    // A little larger: distances have rounding errors of their own.
+    // Enlarged slightly, since computed distances have rounding errors of their own.
     const double ra = a.r * (1 + 0x1p-16), rb = b.r * (1 + 0x1p-16);
     const double low[3] = {std::min(a.x - ra, b.x - rb), std::min(a.y - ra, b.y - rb), std::min(a.z - ra, b.z - rb)};
     const double high[3] = {std::max(a.x + ra, b.x + rb), std::max(a.y + ra, b.y + rb), std::max(a.z + ra, b.z + rb)};
-    // Rounded outwards.
+    // Rounded outward.
     constexpr float inf = std::numeric_limits<float>::infinity();
     Box box;
     for (int axis = 0; axis < 3; ++axis) {

@@ -1,5 +1,5 @@
 #pragma once
-/// What leaves in BvhData::others hold beside the numbers of their primitives.
+/// Contents of leaves in BvhData::others besides the ids of their primitives.
 #include <array>
 #include <vector>
 
@@ -9,7 +9,7 @@
 
 namespace fathom::bvh {
 
-/// An item's id of a piece of a curve: its segment's number, and above which of the pieces.
+/// Item id of a curve piece: the number of its segment, and the number of the piece in the low bits.
 inline constexpr int piece_bits = 5;
 static_assert(CurveRecord::max_pieces == 1u << piece_bits);
 inline std::uint32_t piece_id(std::uint32_t segment, std::uint32_t piece)
@@ -17,32 +17,33 @@ inline std::uint32_t piece_id(std::uint32_t segment, std::uint32_t piece)
     return segment << piece_bits | piece;
 }
 
+/// End points and tangents of a curve piece.
 struct PieceEnds {
     CurvePoint<float> a, b, tangent_a, tangent_b;
 };
-/// linear: whether the segment is a line. key: which of vertex_times, if it moves. The same bits as surfaces and tests
-/// find.
+/// Ends of a curve piece, bitwise equal to those that intersection and surfaces compute. linear: whether the segment is
+/// straight. key: index of vertex_times for moving segments.
 PieceEnds piece_ends(const GeometryTables& tables, std::uint32_t id, bool linear, std::size_t key = 0);
-/// Around the balls at both ends and all between them.
+/// Bounds of the cone-sphere of a piece: the balls at both ends and everything between.
 Box box_of(const PieceEnds& ends);
-/// The shape of a segment.
+/// Shape that a segment belongs to.
 const ShapeRecord& shape_of_segment(const GeometryTables& tables, std::uint32_t segment);
 
-/// The triangles of a leaf that holds each vertex once.
+/// Builder of an indexed leaf, which stores each vertex once.
 class IndexedTriangles {
 public:
-    /// moving  whether they do; all or none
+    /// moving: whether the triangles move; all or none do.
     IndexedTriangles(const GeometryTables& tables, bool moving) : tables_(tables), moving_(moving) {}
-    /// False, and nothing is added, if there were too many vertices or triangles.
+    /// Adds a triangle; returns false without any change if there would be too many vertices or triangles.
     bool add(BvhKey key);
-    /// What put adds.
+    /// Number of words that put() appends.
     std::size_t words() const;
-    /// Appends the leaf; where it begins.
+    /// Appends the leaf; returns the index of its first word.
     std::size_t put(std::vector<std::uint32_t>& words) const;
 
 private:
-    /// Which vertex it is: of those that stand still their coordinates' bits, as meshes may have a vertex several
-    /// times, with other normals. Those that move may meet for once: by number.
+    /// Identity of a vertex. Static vertices compare by the bits of their coordinates, since meshes may repeat a vertex
+    /// with other normals. Moving vertices compare by index, since distinct ones may coincide at one time only.
     using Vertex = std::array<std::uint32_t, 3>;
     Vertex vertex(BvhKey key, int corner, const Vec3f& position) const;
     std::size_t times() const { return moving_ ? tables_.vertex_times.size() : 1; }
@@ -53,14 +54,14 @@ private:
     BvhKey keys_[bvh_width];
     std::uint8_t corners_[3][bvh_width];
     Vertex vertices_[IndexedLeaf::max_vertices];
-    /// Of each vertex the triangle that it was first seen of, and which corner.
+    /// For each vertex: the triangle and corner where it first occurred.
     std::uint8_t triangle_[IndexedLeaf::max_vertices], corner_[IndexedLeaf::max_vertices];
 };
 
 /// Whether one leaf can hold these items.
 bool fit_together(const GeometryTables& tables, std::uint32_t kinds, const std::uint32_t* ids, std::size_t n);
 
-/// Appends a leaf of one kind of items; where it begins.
+/// Appends a leaf with items of one kind; returns the index of its first word.
 std::size_t put_leaf(const GeometryTables& tables, std::uint32_t kind, const std::uint32_t* first_id, std::size_t n,
                      std::vector<std::uint32_t>& words);
 

@@ -15,9 +15,9 @@ namespace fathom::bvh {
 namespace {
 
 constexpr int bits_per_axis = 10;
-/// What one task does; clusters end where it does.
+/// Number of items per task; clusters do not extend across tasks.
 constexpr std::size_t part_size = std::size_t(1) << Clusters::part_bits;
-/// As many may become a cluster, and a leaf of it.
+/// Limits: items of a cluster, triangles of a leaf, and other items of a leaf.
 constexpr std::size_t max_items = 32, max_triangles_in = 8, max_others = 4;
 
 std::uint32_t spread(std::uint32_t x)
@@ -32,7 +32,7 @@ struct Entry {
     std::uint32_t code, index;
 };
 
-/// In parts of fixed size, whatever the number of threads. what(part, first, end).
+/// Calls what(part, first, end) in parallel for parts of fixed size, independent of the number of threads.
 template <class What>
 void for_parts(std::size_t n, const What& what)
 {
@@ -40,14 +40,14 @@ void for_parts(std::size_t n, const What& what)
                       [&](std::size_t part) { what(part, part * part_size, std::min(n, (part + 1) * part_size)); });
 }
 
-/// Least digits first, each pass stable.
+/// Least significant digit radix sort; each pass is stable.
 void radix_sort(LargeArray<Entry>& entries)
 {
     constexpr int digit_bits = 10;
     constexpr std::size_t digits = 1 << digit_bits;
     const std::size_t n = entries.size(), parts = (n + part_size - 1) / part_size;
     LargeArray<Entry> other(n);
-    std::vector<std::uint32_t> places(parts * digits);  // by part: first how many, then where they go
+    std::vector<std::uint32_t> places(parts * digits);  // by part and digit: first counts, then offsets
     for (int shift = 0; shift < 3 * bits_per_axis; shift += digit_bits) {
         const auto digit = [&](const Entry& e) { return e.code >> shift & (digits - 1); };
         std::fill(places.begin(), places.end(), 0);
@@ -80,7 +80,7 @@ LargeArray<Entry> sorted_entries(const ItemList& list)
     return entries;
 }
 
-/// Where n sorted codes change in the highest bit that differs among them; the middle if none does.
+/// Index at which n sorted codes change in the highest bit that differs among them; the middle if all are equal.
 std::size_t split_codes(const Entry* entries, std::size_t n)
 {
     const std::uint32_t differ = entries[0].code ^ entries[n - 1].code;
@@ -90,7 +90,7 @@ std::size_t split_codes(const Entry* entries, std::size_t n)
                        entries);
 }
 
-/// The clusters of one part.
+/// Builds the clusters of one part.
 class PartBuilder {
 public:
     PartBuilder(const ItemList& list, const Entry* entries, std::uint32_t* ids, std::vector<BinaryNode>& nodes)
@@ -98,7 +98,7 @@ public:
     {
     }
 
-    /// Of items [first, end): adds the nodes of clusters, and of each the number of its root.
+    /// Splits items [first, end) into clusters; adds their nodes, and the index of each cluster's root to `roots`.
     void find(std::size_t first, std::size_t end, std::vector<std::uint32_t>& roots)
     {
         if (end - first <= max_items) {

@@ -1,27 +1,28 @@
 #pragma once
-/// Small trees of items that are neighbours in the order of their centres' Morton codes, over which the rest of the
-/// tree is then built: there is less to split, and it is worse; see docs/performance.md. Pantaleoni and Luebke 2010,
-/// "HLBVH".
+/// Clusters of items that are adjacent in Morton order; the rest of the BVH is built over them. That is faster because
+/// fewer items are split, at some loss of quality: Pantaleoni and Luebke 2010, "HLBVH".
 #include <vector>
 
 #include "geometry/bvh/builder/binary.h"
 
 namespace fathom::bvh {
 
+/// Clusters, each a small binary tree.
 struct Clusters {
-    /// Of how many items, as a power of two, a part is made.
+    /// Binary logarithm of the number of items per part.
     static constexpr int part_bits = 14;
 
-    LargeArray<std::uint32_t> ids;               ///< of the items, in order
-    std::vector<std::vector<BinaryNode>> nodes;  ///< by part, from which their numbers count; leaves count from ids
-    std::size_t node_bytes = 0, peak_bytes = 0;  ///< of the nodes, and of all while they were made
+    LargeArray<std::uint32_t> ids;               ///< ids of the items, in Morton order
+    std::vector<std::vector<BinaryNode>> nodes;  ///< by part; indices of nodes count from its first node, leaves index
+                                                 ///< `ids`
+    std::size_t node_bytes = 0, peak_bytes = 0;  ///< memory of the nodes, and of everything during construction
 
-    /// The nodes of the part that a cluster is in, and which of them is its root.
+    /// The nodes of the part that contains a cluster; root() is the index of the cluster's root among them.
     const std::vector<BinaryNode>& part(std::uint32_t id) const { return nodes[id >> (part_bits + 1)]; }
     static std::uint32_t root(std::uint32_t id) { return id & ((2u << part_bits) - 1); }
 };
 
-/// Replaces the list's items by clusters of them; the same for any number of threads.
+/// Replaces the items of the list by clusters; the result does not depend on the number of threads.
 Clusters cluster_by_morton_code(ItemList& list);
 
 }  // namespace fathom::bvh

@@ -18,7 +18,7 @@ Matrix inverse_of(const std::array<float, 12>& m)
     double determinant = 0;
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) {
-            // Rows and columns that follow cyclically carry the sign of the cofactor.
+            // Choosing rows and columns cyclically gives cofactors their sign.
             const std::size_t a = (j + 1) % 3, b = (j + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
             r[4 * i + j] = at(a, c) * at(b, d) - at(a, d) * at(b, c);
             if (i == 0) determinant += at(j, 0) * r[j];
@@ -30,7 +30,7 @@ Matrix inverse_of(const std::array<float, 12>& m)
     return r;
 }
 
-/// Between two poses, as geometry/motion.h has it.
+/// Interpolated pose, by the method of geometry/motion.h.
 Matrix pose_between(const PoseRecord& a, const PoseRecord& b, double f)
 {
     const double angle = 2 * 3.14159265358979323846 * a.turns;
@@ -77,8 +77,8 @@ double norm_of(const Matrix& m)
     return norm;
 }
 
-/// The box around a transformed box. A ray is rounded when it is moved into the space of what is placed; seen from
-/// outside by this much more the less alike the axes are scaled: `rounding` times that and the size is the margin.
+/// Bounding box of a transformed box. Transforming a ray into object space rounds it. Seen from outside, that error
+/// grows with the condition number of the map: the margin is `rounding` times that number and the size of the box.
 Box transformed(const Matrix& m, const Box& box, double rounding)
 {
     Box out;
@@ -100,7 +100,7 @@ Box transformed(const Matrix& m, const Box& box, double rounding)
     return widened(out, rounding * radius * norm_of(m) * norm_of(inverse_of(rounded)));
 }
 
-/// Around what is in box_at(k) at vertex_times[k] and goes straight in between.
+/// Motion bounds of a primitive with box box_at(k) at vertex_times[k] and linear motion between.
 template <class BoxAt>
 MovingBox box_through_keys(const GeometryTables& tables, const BoxAt& box_at)
 {
@@ -148,7 +148,7 @@ MovingBox sphere_box(const GeometryTables& tables, std::uint32_t index)
 {
     const SphereRecord& s = tables.spheres[index];
     const double center[3] = {s.center.x, s.center.y, s.center.z}, motion[3] = {s.motion.x, s.motion.y, s.motion.z};
-    // A little larger: the distance found by intersect_sphere has rounding errors of its own.
+    // Enlarged slightly, since intersect_sphere() has rounding errors of its own.
     const double r = std::fabs(double(s.radius)) * (1 + 0x1p-18);
     const auto at = [&](double time) {
         Box box;
@@ -178,8 +178,8 @@ MovingBox moving_instance_box(const GeometryTables& tables, const InstanceRecord
     };
     for (std::uint32_t i = 0; i + 1 < instance.pose_count(); ++i) {
         const PoseRecord &a = poses[i], &b = poses[i + 1];
-        // A point moves as f = T + R v, with T and v linear: |f''| is at most w^2 |v| + 2 w |v'|, if R turns by w, and
-        // f strays from its chord by at most an eighth of that.
+        // A point moves as f = T + R v, with T and v linear. If R turns by w, |f''| is at most w^2 |v| + 2 w |v'|, and
+        // f deviates from its chord by at most an eighth of that.
         double stretch = 0, change = 0;
         for (int k = 0; k < 6; ++k) {
             stretch += 2 * std::max(std::fabs(double(a.stretch[k])), std::fabs(double(b.stretch[k])));
@@ -227,7 +227,7 @@ MovingBox MovingBox::around(const float* times, const Box* boxes, std::size_t co
         const V8 less = boxes[i].v - at;
         shift = less < shift ? less : shift;
     }
-    // Both low bounds and negated high ones go down.
+    // Low bounds and negated high bounds both decrease.
     box.open.v += shift;
     box.close.v += shift;
     return box;
@@ -274,7 +274,8 @@ public:
         nodes_.resize(first);
     }
 
-    /// The reference's motion, if its box is this at half of the time; moves nodes over.
+    /// Adds motion to what the reference refers to, whose box at the middle of the shutter interval is `box`; moves its
+    /// nodes.
     MovingBox add(std::uint32_t& reference, const Box& box)
     {
         if (BvhReference::is_node(reference)) return add_node(reference);
@@ -312,7 +313,7 @@ public:
     }
 
 private:
-    /// The piece_id of one of a leaf, which has numbers of segments.
+    /// The piece_id of a leaf's piece; the leaf itself stores numbers of segments.
     static std::uint32_t piece_in(const BvhLeaf& leaf, int i)
     {
         const float begin = leaf.data()[i], share = leaf.data()[leaf.count() + i];
@@ -335,7 +336,7 @@ private:
             all.extend(moving);
             moves |= set_motion(node, change, i, moving);
         }
-        // Behind its children: only now is it known whether it takes one place or two.
+        // A node follows its children because only then it is known whether it takes one slot or two.
         reference = std::uint32_t(nodes_.size()) | (moves ? BvhReference::moving_bit : 0u);
         nodes_.push_back(node);
         if (moves) nodes_.push_back(change);
@@ -347,7 +348,7 @@ private:
     const std::vector<MovingBox>& mesh_boxes_;
     BvhNodes& nodes_;
     std::size_t first_;
-    std::vector<BvhNode> still_;  ///< as they were built
+    std::vector<BvhNode> still_;  ///< nodes of the static BVH
 };
 
 }  // namespace

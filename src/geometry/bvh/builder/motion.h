@@ -1,5 +1,5 @@
 #pragma once
-/// Trees over what moves: built as it is when half of the shutter's time is over, then given boxes that move.
+/// Motion BVHs: built for the middle of the shutter interval, then given linear motion bounds.
 #include <vector>
 
 #include "geometry/bvh/builder/items.h"
@@ -7,17 +7,16 @@
 
 namespace fathom::bvh {
 
-/// Whether there is any time between the shutter's opening and its closing.
+/// Whether the shutter interval is not empty.
 bool shutter_takes_time(const GeometryTables& tables);
 
-/// Gives the nodes [first, end) of one tree boxes that move where what is in them does, and doubles those nodes.
-///
-/// root  of the tree; changed to what it then is
-/// box   where the whole tree is at half of the time; returned with its motion
+/// Gives the nodes from `first` on, which form one tree, linear motion bounds. Nodes whose contents move take two
+/// slots. root: of the tree, updated. box: of the tree at the middle of the shutter interval. Returns the tree's motion
+/// bounds.
 MovingBox add_motion(const GeometryTables& tables, BvhData& bvh, const std::vector<MovingBox>& mesh_boxes,
                      std::size_t first, std::uint32_t& root, const Box& box);
 
-/// Gives slot i of a node a box that moves. change: the node behind it. Whether the box does move.
+/// Sets the motion bounds of child i of a node. change: the slot after the node. Returns whether the box moves.
 bool set_motion(BvhNode& node, BvhNode& change, int i, const MovingBox& box);
 
 }  // namespace fathom::bvh

@@ -17,7 +17,7 @@ bool is_used(const BvhNode& node, int slot)
     return node.bounds[0][slot] <= node.bounds[3][slot];
 }
 
-/// Of the rays that came to a child's box.
+/// Statistics of the trial rays that enter a child's box.
 struct Tried {
     float stops = 0, work = 0;
 };
@@ -28,13 +28,13 @@ struct TriedRay {
     double t_max;
 };
 
-/// What becomes of a ray in a part of the tree.
+/// Result of a trial ray in a subtree.
 struct Outcome {
-    float stopped;  ///< how likely that is
-    float work;     ///< to visit all that it passes through
+    float stopped;  ///< probability that the ray is blocked
+    float work;     ///< cost of visiting everything the ray passes through
 };
 
-/// Sends rays through all that they pass through, whether they are stopped or not.
+/// Traces trial rays through everything they pass, without stopping at hits.
 class Trial {
 public:
     explicit Trial(const BvhData& tree) : tree_(tree) {}
@@ -44,7 +44,7 @@ public:
 
 private:
     static constexpr float node_work = 1, leaf_work = 2;
-    /// Other leaves, and instances, are not looked into.
+    /// Estimate for leaves of other primitives and instances, which are not visited.
     static constexpr Outcome unknown{0.5f, 6};
 
     Outcome visit(std::uint32_t reference, const TriedRay& ray)
@@ -64,7 +64,7 @@ private:
             const Outcome there = visit(node.child[i], ray);
             Tried& tried = children[std::size_t(i)];
             tried.stops += there.stopped;
-            // A ray that is stopped has about half of it before it.
+            // A blocked ray visits about half of the subtree before the hit.
             tried.work += std::max(node_work, there.work * (1 - there.stopped / 2));
             all.stopped += (1 - all.stopped) * there.stopped;
             all.work += there.work;
@@ -83,7 +83,7 @@ private:
         return near <= far;
     }
 
-    /// Möller and Trumbore 1997; not watertight, which does not matter here.
+    /// Moeller and Trumbore 1997; it is not watertight, which does not matter for statistics.
     bool is_stopped(std::uint32_t leaf, const TriedRay& ray) const
     {
         const std::size_t n = std::size_t(BvhReference::triangle_count(leaf));
@@ -106,7 +106,7 @@ private:
     std::unordered_map<std::uint32_t, TriedChildren> nodes_;
 };
 
-/// The nodes' children by share of rays stopped for the work, the best last.
+/// Assigns slots by blocked rays per cost, the best child last.
 void order_children(BvhNode& node, const TriedChildren& tried)
 {
     const BvhNode old = node;
@@ -114,7 +114,7 @@ void order_children(BvhNode& node, const TriedChildren& tried)
     std::array<float, bvh_width> gain;
     for (std::uint32_t i = 0; i < bvh_width; ++i) {
         from[i] = i;
-        // What few rays came to goes by its former place.
+        // Children that few rays entered keep roughly their former position.
         constexpr float former = 0.05f;
         gain[i] = is_used(old, int(i)) ? (tried[i].stops + former * float(i + 1) / bvh_width) / (tried[i].work + 1)
                                        : std::numeric_limits<float>::infinity();

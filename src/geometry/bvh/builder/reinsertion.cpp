@@ -13,16 +13,17 @@ namespace fathom::bvh {
 namespace {
 
 constexpr std::uint32_t none = BinaryNode::none;
-/// What is worth a move, as a part of the area of the node's parent.
+/// Smallest gain worth a move, relative to the area of the node's parent.
 constexpr float min_gain = 1e-3f;
-/// No node comes to lie deeper by a move: nested boxes would become a list, and traversal's stacks grow with depth.
+/// No move may put a node deeper than this: nested boxes would degenerate to a list, and traversal stacks grow with
+/// depth.
 constexpr std::uint32_t max_depth = 96;
-/// Nodes above are tasks of their own.
+/// Subtrees above this depth are separate tasks.
 constexpr int parallel_depth = 10;
 
-/// Where a node wants to.
+/// A planned move of a node.
 struct Move {
-    std::uint32_t node, to;  ///< as a sibling of
+    std::uint32_t node, to;  ///< the future sibling
     float gain;
 };
 
@@ -50,7 +51,7 @@ public:
                               });
             moves_.erase(std::remove_if(moves_.begin(), moves_.end(), [](const Move& m) { return m.to == none; }),
                          moves_.end());
-            // The best first; what they leave of others' gains is seen when it is their turn.
+            // The best moves come first; apply() checks what earlier moves left of the gains.
             std::sort(moves_.begin(), moves_.end(), before);
             std::size_t moved = 0;
             for (const Move& m : moves_) moved += apply(m);
@@ -61,7 +62,7 @@ public:
 private:
     struct Place {
         std::uint32_t node;
-        float gain;  ///< area saved if what is moved came here, without the box around both
+        float gain;  ///< area saved if the node were inserted here, without the box that surrounds both
     };
 
     Box box(std::uint32_t i) const { return nodes_[i].box(); }
@@ -88,7 +89,7 @@ private:
 
     static bool before(const Move& a, const Move& b) { return a.gain != b.gain ? a.gain > b.gain : a.node < b.node; }
 
-    /// About n nodes have a larger one; found from some of them.
+    /// Area that about n nodes exceed, estimated from a subset.
     float area_exceeded_by(std::size_t n) const
     {
         const std::size_t step = size_ < 1 << 14 ? 1 : 32;
@@ -99,7 +100,7 @@ private:
         return *place;
     }
 
-    /// The n nodes with the largest boxes, or nearly as many; their areas as gains.
+    /// Selects about n nodes with the largest boxes, as moves without a target; gains hold their areas.
     void select(std::size_t n)
     {
         moves_.clear();
@@ -107,7 +108,7 @@ private:
             for (std::uint32_t i = 1; i < size_; ++i) moves_.push_back({i, none, 0});
             return;
         }
-        // A node's box is at least as large as those below.
+        // A node's box is at least as large as those below it, so the search can prune.
         const float least = area_exceeded_by(n + n / 4);
         std::vector<std::uint32_t> waiting{0};
         while (!waiting.empty() && moves_.size() < 2 * n) {
@@ -126,7 +127,8 @@ private:
             moves_.resize(n);
         }
     }
-    /// Goes up from the node, and at each step down into the other side as far as something may be gained there.
+    /// Branch-and-bound search for the best position: walks up from the node, and at each step searches the other side
+    /// as far as a gain is possible there.
     void find(Move& move, std::vector<Place>& waiting) const
     {
         const std::uint32_t node = move.node;
@@ -141,7 +143,7 @@ private:
             move.gain = saved;
             move.to = to;
         };
-        Box rest;  // the pivot's without the node
+        Box rest;  // box of the pivot without the node
         for (;;) {
             const std::uint32_t side = sibling(below);
             waiting.push_back({side, gain});
@@ -171,7 +173,7 @@ private:
         }
     }
 
-    /// False if it is not possible any more, or gains nothing, after what was moved before.
+    /// Performs a move; returns false if earlier moves made it impossible or unprofitable.
     bool apply(const Move& move)
     {
         const std::uint32_t parent = nodes_[move.node].parent, old = sibling(move.node);
@@ -186,7 +188,7 @@ private:
         return false;
     }
 
-    /// With its parent. Returns by how much the sum of areas grows.
+    /// Removes a node and its parent. Returns the change of the sum of areas.
     double remove(std::uint32_t node)
     {
         const std::uint32_t parent = nodes_[node].parent, above = nodes_[parent].parent;
@@ -194,7 +196,8 @@ private:
         return fit(above) - double(area(parent));
     }
 
-    /// With the parent that was removed with it.
+    /// Inserts a node as a sibling of `at`, with the parent that was removed with it. Returns the change of the sum of
+    /// areas.
     double insert(std::uint32_t node, std::uint32_t at)
     {
         const std::uint32_t parent = nodes_[node].parent, above = nodes_[at].parent;
@@ -212,7 +215,7 @@ private:
         nodes_[by].parent = parent;
     }
 
-    /// Boxes and heights from a node up to the root; by how much areas grow.
+    /// Updates boxes and heights from a node up to the root. Returns the change of the sum of areas.
     double fit(std::uint32_t i)
     {
         double growth = 0;

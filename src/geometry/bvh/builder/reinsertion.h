@@ -1,23 +1,22 @@
 #pragma once
-/// Better binary trees by moving nodes to other places: Bittner, Hapala, Havran 2013, "Fast Insertion-Based
-/// Optimization of Bounding Volume Hierarchies". Places are searched in parallel as by Meister and Bittner 2018,
-/// "Parallel Reinsertion for Bounding Volume Hierarchy Optimization".
+/// Optimization of binary BVHs by reinsertion: Bittner, Hapala, Havran 2013, "Fast Insertion-Based Optimization of
+/// Bounding Volume Hierarchies". Positions are searched in parallel as by Meister and Bittner 2018, "Parallel
+/// Reinsertion for Bounding Volume Hierarchy Optimization".
 #include "geometry/bvh/builder/binary.h"
 
 namespace fathom::bvh {
 
-/// What a level of building spends on it.
+/// Effort of reinsertion at a quality level.
 struct Reinsertion {
     int rounds = 0;
-    /// In each, such a part of the nodes is searched a better place for: those with the largest boxes, which cost the
-    /// most for those that are moved.
+    /// Fraction of nodes to move per round: those with the largest boxes, which contribute most to the cost.
     double part = 0;
 
-    /// Of memory, beside the tree, at most.
+    /// Upper bound on memory besides the tree.
     std::size_t bytes(std::size_t nodes) const;
 };
 
-/// Makes the sum of all inner nodes' areas smaller. Depends neither on the number of threads nor on their order.
+/// Reduces the sum of the areas of all inner nodes. The result does not depend on threads.
 void reinsert(BinaryTree& tree, const Reinsertion& reinsertion);
 
 }  // namespace fathom::bvh

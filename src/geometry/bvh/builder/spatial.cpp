@@ -8,15 +8,15 @@ namespace fathom::bvh {
 namespace {
 
 constexpr int planes = 16;
-/// Fewer are not worth looking for a plane between.
+/// Sets with fewer items are not split spatially.
 constexpr std::size_t min_items = 16;
-/// Sides of an object split that share less than this part of the scene's box are good enough.
+/// Object splits whose sides overlap by less than this fraction of the scene's area are good enough.
 constexpr float min_overlap = 1e-3f;
 
 float overlap(const Box& a, const Box& b)
 {
     Box both;
-    both.v = a.v > b.v ? a.v : b.v;  // (low, -high): the larger is the inner
+    both.v = a.v > b.v ? a.v : b.v;  // (low, -high): the maximum is the intersection
     for (int axis = 0; axis < 3; ++axis)
         if (!(both.low(axis) <= both.high(axis))) return 0;
     return both.half_area();
@@ -34,7 +34,7 @@ bool is_empty(const Item& item)
     return is_empty(Box(item));
 }
 
-/// Between the planes.
+/// The intervals between candidate planes.
 struct Cells {
     float low, size, inverse;
     Cells(float low, float high) : low(low), size((high - low) / planes), inverse(1 / size) {}
@@ -49,8 +49,8 @@ Box around(const Vec3f& p)
     return box;
 }
 
-/// Extends the boxes of cells by the parts of a triangle there, of which `item` is a piece; roughly, as cut() finds
-/// what is really left on each side.
+/// Extends the boxes of cells by the parts of a triangle within them. `item` is a piece of that triangle. The boxes are
+/// approximate; cut() computes the actual ones.
 void add_parts(const Item& item, const Vec3f* corners, int axis, const Cells& cells, int first, int last, Box* box)
 {
     Box part[planes];
@@ -69,7 +69,7 @@ void add_parts(const Item& item, const Vec3f* corners, int axis, const Cells& ce
     }
     const Box whole(item);
     for (int k = first; k <= last; ++k) {
-        part[k].v = part[k].v > whole.v ? part[k].v : whole.v;  // (low, -high): the larger is the inner
+        part[k].v = part[k].v > whole.v ? part[k].v : whole.v;  // (low, -high): the maximum is the intersection
         if (!is_empty(part[k])) box[k].extend(part[k]);
     }
 }
@@ -98,7 +98,7 @@ void SpatialSplitter::cut(const Item& whole, int axis, float at, Item& left, Ite
         on[axis] = at;
         extend(0, on), extend(1, on);
     }
-    // Rounded outwards by more than a float's precision; what was computed in double is nearer to the truth than that.
+    // Rounded outward by more than float precision; the double precision values are more accurate than that.
     const auto margin = [](double x) { return float(std::abs(x)) * 0x1p-22f + 1e-37f; };
     for (int side = 0; side < 2; ++side) {
         Item& part = side == 0 ? left : right;
@@ -108,7 +108,7 @@ void SpatialSplitter::cut(const Item& whole, int axis, float at, Item& left, Ite
             part.minus_high[k] = std::max(part.minus_high[k], -(float(high[side][k]) + margin(high[side][k])));
         }
     }
-    // Corners lie on the plane as they are.
+    // The cut lies exactly on the plane.
     left.minus_high[axis] = std::max(left.minus_high[axis], -at);
     right.low[axis] = std::max(right.low[axis], at);
 }
@@ -157,7 +157,8 @@ SpatialSplitter::Plane SpatialSplitter::best_plane(const ItemSet& all) const
     return best;
 }
 
-/// False if one side has got all after all, since bins are coarse. Right sides of what is cut stand behind the others.
+/// Splits items at a plane. Returns false if one side gets all of them, which coarse bins allow. The right pieces of
+/// cut triangles follow the other items.
 bool SpatialSplitter::divide(const ItemSet& all, const Plane& plane, ItemSet& left, ItemSet& right) const
 {
     const auto add = [](ItemSet& side, const Item& item) {
@@ -190,7 +191,7 @@ bool SpatialSplitter::divide(const ItemSet& all, const Plane& plane, ItemSet& le
     }
     left.items = all.items;
     right.items = to;
-    left.room = room;  // for now
+    left.room = room;  // for now; shared between both sides below
     return left.count > 0 && right.count > 0;
 }
 
@@ -199,7 +200,7 @@ void SpatialSplitter::split(const ItemSet& all, int depth, ItemSet& left, ItemSe
     BinMap map(all.centers, Bins::max);
     Split object;
     if (all.count > 2 && depth < halving_depth) object = find_split(all.items, all.count, all.centers, map);
-    // Without room, or without need, triangles stay whole.
+    // Triangles stay whole if there is no room or no need for spatial splits.
     const bool crowded = object.axis < 0 || overlap(object.left, object.right) > min_overlap * root_area_;
     if (all.room > 0 && all.count >= min_items && depth < halving_depth && crowded) {
         const Plane plane = best_plane(all);
@@ -221,7 +222,7 @@ void SpatialSplitter::split(const ItemSet& all, int depth, ItemSet& left, ItemSe
     const std::size_t room = left.room, sum = left.count + right.count;
     left.room = room * left.count / sum;
     right.room = room - left.room;
-    // The right side moves on; in which order its items are does not matter.
+    // The right side moves back by the left side's room; the order of its items does not matter.
     const std::size_t moved = std::min(left.room, right.count);
     std::copy_backward(right.items, right.items + moved, right.items + left.room + right.count);
     right.items += left.room;

@@ -29,7 +29,8 @@ void Bins::add(const Item* items, std::size_t n, const BinMap& map)
         for (std::size_t i = 0; i < n; ++i) add_to(*this, items[i]);
         return;
     }
-    // Neighbours often share a bin, and would wait for each other: they take turns with two sets.
+    // Adjacent items often share a bin, and each update would wait for the last; alternating between two sets avoids
+    // that.
     Bins odd(used);
     for (std::size_t i = 0; i + 1 < n; i += 2) {
         add_to(*this, items[i]);
@@ -51,13 +52,13 @@ void Bins::merge(const Bins& other)
 
 Split best_split(const Bins& bins, const BinMap& map)
 {
-    // The three axes side by side.
+    // All three axes are swept at once.
     constexpr float inf = std::numeric_limits<float>::infinity();
     const V4 none = {inf, inf, inf, inf};
     struct Sweep {
         Box box[3];
         V4i count = {};
-        /// Area times count by axis; none where there is nothing.
+        /// Area times count by axis; NaN for empty sides.
         V4 add(const Bins& from, int bin)
         {
             V4i more;
@@ -114,7 +115,7 @@ Split find_split(const Item* items, std::size_t n, const CenterBounds& centers, 
 
 namespace {
 
-/// Without branches: which side an item goes to can't be foreseen. Centres as (c, -c), like boxes.
+/// Branch-free, since the side of an item is unpredictable. Bounds of centers are kept as (c, -c), like boxes.
 template <int axis>
 std::size_t partition_along(Item* items, std::size_t n, const BinMap& map, int last_left, CenterBounds& left,
                             CenterBounds& right)

@@ -1,19 +1,19 @@
 #pragma once
-/// Splitting a set of boxes in two by the surface area heuristic over bins: Wald 2007, "On fast Construction of
-/// SAH-based Bounding Volume Hierarchies".
+/// Binned splitting of sets of boxes by the surface area heuristic (SAH): Wald 2007, "On fast Construction of SAH-based
+/// Bounding Volume Hierarchies".
 #include <cstdint>
 #include <cstring>
 #include <limits>
 
 namespace fathom::bvh {
 
-// The compiler's vectors, since the builder's natural shape is the box, not the lane. By reference only: how vectors of
-// 32 bytes are passed by value depends on the instruction set.
+// Compiler vectors instead of lanes, since the builder works on whole boxes. Vectors of 32 bytes are passed by
+// reference only: passing them by value depends on the instruction set.
 using V4 = float __attribute__((vector_size(16)));
 using V4i = std::int32_t __attribute__((vector_size(16)));
 using V8 = float __attribute__((vector_size(32)));
 
-/// What is sorted into the tree: a box, what it holds, of which kind.
+/// A bounded object to build the tree over: box, id and kind.
 struct alignas(16) Item {
     enum Kind : std::uint32_t {
         triangle = 1,
@@ -26,12 +26,12 @@ struct alignas(16) Item {
         point = 128
     };
     float low[3];
-    std::uint32_t id;  ///< a triangle's key; piece_id of a curve; the index of another kind
+    std::uint32_t id;  ///< key of a triangle; piece_id of a curve piece; otherwise the primitive's index
     float minus_high[3];
     std::uint32_t kind;
 };
 
-/// A box as the minimum of (low, -high): union is one instruction. Lanes 3 and 7 hold nothing.
+/// Axis-aligned box stored as (low, -high), so that a union is one minimum. Lanes 3 and 7 are unused.
 struct alignas(32) Box {
     V8 v;
 
@@ -41,7 +41,7 @@ struct alignas(32) Box {
         v = V8{inf, inf, inf, inf, inf, inf, inf, inf};
     }
     explicit Box(const Item& item) : Box(static_cast<const void*>(&item)) {}
-    /// Of 32 bytes like those of an item, whose numbers beside the box would be denormal floats, which are slow.
+    /// Loads 32 bytes laid out like an Item; masks the other members, which would be slow denormal floats.
     explicit Box(const void* data)
     {
         using V8i = std::int32_t __attribute__((vector_size(32)));
@@ -53,12 +53,12 @@ struct alignas(32) Box {
     void extend(const Item& item) { extend(Box(item)); }
     float low(int axis) const { return v[axis]; }
     float high(int axis) const { return -v[4 + axis]; }
-    /// By axis, negative; the fourth is no number.
+    /// Negated size by axis; the fourth lane is undefined.
     V4 minus_size() const
     {
         return __builtin_shufflevector(v, v, 0, 1, 2, 3) + __builtin_shufflevector(v, v, 4, 5, 6, 7);
     }
-    /// Twice the centre.
+    /// Twice the center.
     V4 center2() const { return __builtin_shufflevector(v, v, 0, 1, 2, 3) - __builtin_shufflevector(v, v, 4, 5, 6, 7); }
     float half_area() const
     {
@@ -75,17 +75,17 @@ inline void set_box(Item& item, const Box& box)
     }
 }
 
-/// Twice the centre of the item's box.
+/// Twice the center of the item's box.
 inline V4 center2(const Item& item)
 {
     V4 low, minus_high;
     std::memcpy(&low, &item.low, 16);
     std::memcpy(&minus_high, &item.minus_high, 16);
-    const V4i xyz = {-1, -1, -1, 0};  // the fourth is no number
+    const V4i xyz = {-1, -1, -1, 0};  // the fourth lane may be NaN
     return V4(V4i(low) & xyz) - V4(V4i(minus_high) & xyz);
 }
 
-/// Bounds of centres: (low, -high) as in Box.
+/// Bounds of box centers: (low, -high) as in Box.
 struct CenterBounds {
     V4 low, minus_high;
 
@@ -107,7 +107,7 @@ struct CenterBounds {
     }
 };
 
-/// Items that stand together, with room behind them for as many more as they may become.
+/// Contiguous items, followed by room for pieces that spatial splits may add.
 struct ItemSet {
     Item* items = nullptr;
     std::size_t count = 0, room = 0;
@@ -115,7 +115,7 @@ struct ItemSet {
     CenterBounds centers;
 };
 
-/// Which bin a centre falls into, by axis.
+/// Maps box centers to bins, by axis.
 struct BinMap {
     V4 base, scale;
     std::int32_t last;
@@ -124,7 +124,7 @@ struct BinMap {
     {
         for (int axis = 0; axis < 4; ++axis) {
             const float extent = axis < 3 ? -bounds.minus_high[axis] - bounds.low[axis] : 0.f;
-            // An extent so small that its inverse overflows counts as none.
+            // An extent whose inverse would overflow counts as 0.
             scale[axis] = extent > 1e-30f ? float(bins) * 0.9999f / extent : 0.f;
         }
     }
@@ -137,10 +137,11 @@ struct BinMap {
     bool splits(int axis) const { return scale[axis] > 0; }
 };
 
+/// Boxes and counts of items per bin, for all three axes.
 struct Bins {
     static constexpr int max = 16;
 
-    /// Empty ones; no more than the first `bins` are used.
+    /// Creates empty bins; only the first `bins` are used.
     explicit Bins(int bins);
     void add(const Item* items, std::size_t n, const BinMap& map);
     void merge(const Bins& other);
@@ -150,24 +151,26 @@ struct Bins {
     std::uint32_t count[max][4];
 };
 
+/// An object split: a bin boundary along an axis, with the boxes of both sides.
 struct Split {
-    int axis = -1;   ///< none found
-    int bin = 0;     ///< items of bins up to this one go left
+    int axis = -1;   ///< -1: none found
+    int bin = 0;     ///< bins up to this one go left
     float cost = 0;  ///< area times number of items, summed over both sides
     Box left, right;
 };
 
-/// The best split of what is in the bins.
+/// The best SAH split of the bins.
 Split best_split(const Bins& bins, const BinMap& map);
-/// best_split of the items; the number of bins grows with that of the items.
+/// The best SAH split of the items; the number of bins grows with the number of items.
 Split find_split(const Item* items, std::size_t n, const CenterBounds& centers, BinMap& map);
-/// Moves the items of the left side to the front; their number. Also the bounds of centres of both sides.
+/// Moves the items of the left side to the front and returns their number. Also computes the bounds of centers of both
+/// sides.
 std::size_t partition(Item* items, std::size_t n, const BinMap& map, const Split& split, CenterBounds& left,
                       CenterBounds& right);
-/// Splits `all`, of at least 2 items, by find_split, where it finds nothing or the tree gets too deep in halves. Sets
-/// of items without room.
+/// Splits at least 2 items by find_split(), or in halves if it finds nothing or the tree gets too deep. For sets
+/// without room.
 void split_objects(const ItemSet& all, int depth, ItemSet& left, ItemSet& right);
-/// As found by find_split, of the same map; in halves if it found nothing.
+/// Splits at a split of find_split() with its map, or in halves if it found none.
 void split_at(const ItemSet& all, const Split& split, const BinMap& map, ItemSet& left, ItemSet& right);
 
 /// From this depth on, sets are split in halves.

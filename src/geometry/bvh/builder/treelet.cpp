@@ -21,7 +21,7 @@ public:
     {
     }
 
-    /// Adds the node of these items and all below.
+    /// Adds the node of these items and everything below it.
     void split(const ItemSet& set, std::uint32_t parent, int depth)
     {
         if (clusters_ && set.count == 1) {
@@ -46,7 +46,7 @@ public:
 private:
     void set_height(BinaryNode& node) const { node.count = height_above(nodes_[node.left], nodes_[node.right]); }
 
-    /// A cluster's node and all below.
+    /// Copies a cluster's node and everything below it.
     std::uint32_t copy(const std::vector<BinaryNode>& from, std::uint32_t i, std::uint32_t parent)
     {
         const auto self = std::uint32_t(nodes_.size());
@@ -60,7 +60,7 @@ private:
         return self;
     }
 
-    /// A leaf, if these can be one.
+    /// Adds a node, which is a leaf if the items can form one.
     std::uint32_t add(const Item* items, std::size_t n, std::uint32_t parent)
     {
         BinaryNode& node = nodes_.emplace_back();

@@ -1,5 +1,5 @@
 #pragma once
-/// The lower part of the binary tree: up to some ten thousand items, split down to a few by one thread.
+/// Lower part of the binary tree, split by one thread down to leaves.
 #include <vector>
 
 #include "geometry/bvh/builder/binary.h"
@@ -8,16 +8,15 @@
 
 namespace fathom::bvh {
 
-/// A set at the bottom of the upper tree, and what becomes of it.
+/// A set at the bottom of the upper tree, and the nodes built from it.
 struct Treelet {
     ItemSet set;
     int depth = 0;
-    std::vector<BinaryNode> nodes;  ///< the first is its root; children and parents count from it
+    std::vector<BinaryNode> nodes;  ///< the first is the root; indices of children and parents count from it
 
-    /// Items may be cut if there is a splitter.
-    /// together  so many items stay together where one leaf can hold them
-    /// ids  gets those of all items, where these stand behind first_item, from which leaves count
-    /// clusters  what items are, of which each becomes its own tree; null: they are just items
+    /// Builds the nodes. splitter: allows spatial splits if not null. together: sets of up to this many items stay
+    /// unsplit if one leaf can hold them. ids: receives the item ids; leaves index it relative to first_item. clusters:
+    /// what the items stand for, or null if they are ordinary items.
     void build(const SpatialSplitter* splitter, std::size_t together, const Item* first_item, std::uint32_t* ids,
                const Clusters* clusters);
 };

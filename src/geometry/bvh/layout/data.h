@@ -1,6 +1,6 @@
 #pragma once
-/// The tree as it lies in memory. Neither building it nor its layout knows of lanes; traversal is in traverse/stream.h
-/// and traverse/packet.h.
+/// Memory layout of the BVH. Construction and layout do not depend on the number of lanes; traversal/stream.h and
+/// traversal/packet.h traverse it.
 #include <cstdint>
 #include <vector>
 
@@ -11,19 +11,20 @@
 namespace fathom {
 
 inline constexpr int bvh_width = 16;
-/// So many parts of the tree can a ray leave for later at the bottom of its stack.
+/// Number of subtrees that a ray can defer at the bottom of its stack.
 inline constexpr int bvh_deferred = 46;
 
-/// What a child of a node is, in 32 bits.
+/// Reference to a child of a node, 32 bits, most significant first:
 ///
-///     000 moving:1 node:28           a node; a moving one takes two places in BvhData::nodes
-///     kind:5 place:27                an instance, or a leaf of something other than triangles
-///     011 place:29                   triangles that hold each vertex once, see IndexedLeaf
-///     1 count-1:4 first:27           triangles
+///     000 moving:1 node:28       a node; a moving one takes two slots of BvhData::nodes
+///     kind:5 place:27            an instance, or a leaf of primitives other than triangles
+///     011 place:29               an indexed leaf of triangles, see IndexedLeaf
+///     1 count-1:4 first:27       a leaf of triangles
 ///
-/// In this order, so that one comparison tells nodes, or leaves of triangles.
+/// The ranges ascend in this order, so that one comparison identifies nodes or leaves of triangles.
 struct BvhReference {
-    /// Only on stacks, `end`: the end of all that a ray has to do, or in one space. From 4 to 11.
+    /// Kinds of other references, from 4 to 11. `end` occurs on stacks only: the end of a ray's work, in the world or
+    /// in an instance.
     enum Kind : std::uint32_t { spheres = 4, disks, instance, curves, ribbons, points, end };
     static constexpr std::uint32_t triangle_bit = 1u << 31, indexed_bits = 3u << 29, node_end = 1u << 29,
                                    moving_bit = 1u << 28;
@@ -35,7 +36,7 @@ struct BvhReference {
     {
         return triangle_bit | std::uint32_t(count - 1) << 27 | std::uint32_t(first);
     }
-    /// place: of an instance its number, else where in BvhData::others its leaf begins, in units of leaf_unit.
+    /// place: the index of an instance, or the offset of a leaf in BvhData::others, in units of BvhLeaf::unit.
     static constexpr std::uint32_t others(Kind kind, std::size_t place)
     {
         return kind << kind_shift | std::uint32_t(place);
@@ -45,7 +46,7 @@ struct BvhReference {
     static bool is_node(std::uint32_t r) { return r < node_end; }
     static bool is_moving(std::uint32_t node) { return node & moving_bit; }
     static std::uint32_t node(std::uint32_t r) { return r & (moving_bit - 1); }
-    /// Of either kind.
+    /// Whether it refers to a leaf of triangles of either layout.
     static bool is_triangle_leaf(std::uint32_t r) { return r >= indexed_bits; }
     static bool is_triangles(std::uint32_t r) { return r >= triangle_bit; }
     static bool is_indexed_triangles(std::uint32_t r) { return is_triangle_leaf(r) && !is_triangles(r); }
@@ -56,24 +57,24 @@ struct BvhReference {
     static std::uint32_t place(std::uint32_t r) { return r & 0x07ffffffu; }
 };
 
-/// A leaf in BvhData::others: how many primitives, their numbers (indices of spheres and disks, keys of triangles),
-/// then what is tested.
+/// A leaf in BvhData::others: the number of primitives, their ids (indices of spheres and disks, keys of triangles),
+/// then the data of the intersection test.
 struct BvhLeaf {
     static constexpr std::size_t unit = 4;
     static constexpr std::uint32_t moving_bit = 1u << 16;
     const std::uint32_t* words;
 
     int count() const { return int(words[0] & 255); }
-    /// Whether it has data for each of the scene's vertex_times; told beside the count.
+    /// Whether the leaf has data for each of the scene's vertex_times; stored beside the count.
     bool moves() const { return words[0] & moving_bit; }
     const std::uint32_t* ids() const { return words + 1; }
     static std::size_t header(std::size_t n) { return 1 + n; }
     const float* data() const { return reinterpret_cast<const float*>(words + header(words[0] & 255)); }
 };
 
-/// One of triangles that holds each of their vertices once: by triangle, as bytes, which vertex is its first corner,
-/// its second, its third; then x, y, z of the vertices, where they move for each of the scene's vertex_times. How many
-/// those are stands beside the count.
+/// Indexed leaf of triangles, which stores each vertex once. For each of the three corners, one byte per triangle gives
+/// the vertex; x, y and z of the vertices follow, for each of vertex_times if they move. The number of vertices is
+/// stored beside the count.
 struct IndexedLeaf : BvhLeaf {
     static constexpr int max_vertices = 16, vertices_shift = 8;
 
@@ -83,59 +84,60 @@ struct IndexedLeaf : BvhLeaf {
     const float* axis(std::ptrdiff_t i) const { return data() + corner_words(std::size_t(count())) + i * vertices(); }
 };
 
-/// One of pieces of curves. Arrays: where a piece begins along its segment, and how much of it that is; then, where any
-/// moves for each of the scene's vertex_times, both ends with their radii, of ribbons also the tangents there. The
-/// first radius of solid curves is negative, or -0, the second of fibres.
+/// Leaf of curve pieces. Arrays: where a piece begins on its segment, and its share of the segment; then, for each of
+/// vertex_times if any piece moves, both ends with radii, and for ribbons the tangents there. The first radius is
+/// negative (or -0) for solid curves, the second for fibers.
 struct CurveLeaf {
     static constexpr int first_time = 2;
     static constexpr int arrays_at_time(bool ribbons) { return ribbons ? 14 : 8; }
 };
 
-/// Up to 16 children; the boxes of slots without a child are empty (low bound above high). Behind a node that moves
-/// stands another, whose bounds are what the first one's change by until the shutter closes.
+/// Wide node with up to 16 children; boxes of unused slots are empty (low bound above high). A moving node is followed
+/// by another whose bounds are the change of its bounds over the shutter interval.
 struct alignas(64) BvhNode {
     float bounds[6][bvh_width];      ///< low x, y, z, high x, y, z
-    std::uint32_t child[bvh_width];  ///< any-hit rays take the last first: it stops most of them for the work it takes
-    /// By octant (bit per axis, set where the direction is negative): the slots from far to near, 4 bits each, the
+    std::uint32_t child[bvh_width];  ///< occlusion rays visit the last first: it blocks most rays per cost
+    /// For each octant (a bit per axis, set if the direction is negative): the slots from far to near, 4 bits each, the
     /// first 8 in the low word.
     std::uint32_t order[8][2];
 };
 static_assert(sizeof(BvhNode) == 512);
 
-/// A number per triangle of a leaf: the primitive's number times 2, plus 1 for the second half of a quad. Ties between
-/// hits go to the lower one.
+/// Key of a triangle in a leaf: twice the primitive's index, plus 1 for the second half of a quad. Ties between hits go
+/// to the lower key.
 using BvhKey = std::uint32_t;
 
 using BvhNodes = std::vector<BvhNode, UnsetAllocator<BvhNode>>;
 
+/// The arrays of a BVH.
 struct BvhData {
     BvhNodes nodes;
-    /// By leaf of n triangles: 9 arrays of n floats (x, y, z of a, b, c), one after the other. The whole is padded,
-    /// since readers take 16 floats at once.
+    /// For each leaf of n triangles: 9 arrays of n floats (x, y, z of the vertices a, b, c). Padded, since vector loads
+    /// read 16 floats.
     LargeArray<float> triangles;
     LargeArray<BvhKey> keys;
     std::vector<std::uint32_t, LargeAllocator<std::uint32_t>> others;  ///< leaves, see BvhLeaf; padded
 
-    std::uint32_t root = 0;  ///< a reference
-    int stack_size = 0;      ///< that traversal can need
-    float radius = 0;        ///< the largest coordinate of anything in the world
+    std::uint32_t root = 0;  ///< a BvhReference
+    int stack_size = 0;      ///< entries that traversal may need
+    float radius = 0;        ///< largest absolute coordinate in the world
     bool empty = true;
-    bool moving = false;  ///< something does while the shutter is open
-    bool far = false;     ///< it is larger than caches: what rays come to next is to be fetched ahead
-    /// What instances place, by shape.
+    bool moving = false;  ///< something moves during the shutter interval
+    bool far = false;     ///< larger than the caches: traversal prefetches
+    /// The BVH of a shape used by instances.
     struct Mesh {
         std::uint32_t root = 0;
         float radius = 0;
         bool empty = true;
     };
-    std::vector<Mesh> meshes;  ///< as many as shapes, or none
+    std::vector<Mesh> meshes;  ///< by shape; empty if there are no instances
 
     IndexedLeaf indexed_leaf(std::uint32_t reference) const
     {
         return {{&others[std::size_t(BvhReference::indexed_place(reference)) * BvhLeaf::unit]}};
     }
 
-    /// Of a leaf of triangles, of either kind.
+    /// Number of triangles in a leaf of either layout.
     int triangle_count(std::uint32_t leaf) const
     {
         return BvhReference::is_triangles(leaf) ? BvhReference::triangle_count(leaf) : indexed_leaf(leaf).count();
@@ -148,11 +150,11 @@ struct BvhData {
     BvhStatistics statistics;
 };
 
-/// Rounding of a ray's distance to a box and to what is in it, as a displacement in space, is at most this times the
-/// sum of the largest coordinates of the ray's origin and of the tree. See traverse/ray.h for why.
+/// Bound on the rounding errors of a ray's distances to a box and its contents, as a displacement in space: this times
+/// the sum of the largest coordinates of the ray's origin and of the tree. Derived in traversal/ray.h.
 inline constexpr float bvh_slack = 0x1p-19f;
 
-/// The three corners of what a key names: of a triangle, or of one half of a quad. time: which of vertex_times.
+/// The three vertices of the triangle, or half of a quad, with this key. time: index of vertex_times.
 void vertices_of(const GeometryTables& tables, BvhKey key, Vec3f out[3], std::size_t time = 0);
 
 }  // namespace fathom

@@ -1,8 +1,8 @@
 #pragma once
-/// Leaves of triangles that hold each vertex once, seen from a ray.
+/// Intersection of rays with indexed leaves, which store each vertex once.
 ///
-/// However many triangles share it, a vertex is put where it is at the ray's time, moved and sheared once, and what the
-/// triangles see of it is then taken from registers.
+/// Each vertex is interpolated to the ray's time, translated and sheared once, however many triangles share it;
+/// triangles then take the results from registers.
 #include "geometry/bvh/traversal/hits.h"
 #include "geometry/bvh/traversal/triangles.h"
 
@@ -13,7 +13,8 @@ inline namespace FATHOM_LANES {
 
 static_assert(lanes == IndexedLeaf::max_vertices);
 
-/// Of each triangle the number of one of its corners. F: Float, or half of one for so few triangles and vertices.
+/// For each triangle the index of one of its corners. F: Float, or half of one for leaves with few triangles and
+/// vertices.
 template <class F>
 class CornerNumbers {
 public:
@@ -27,7 +28,7 @@ public:
         number_[1] = _mm256_cvtepu8_epi32(_mm_srli_si128(bytes, 8));
 #endif
     }
-    /// By triangle, what f finds for all vertices of which one coordinate begins at p.
+    /// For each triangle the value of f at its corner; f computes it for all vertices from the coordinate array at p.
     template <class Find>
     [[gnu::always_inline]] Float of(const float* p, const Find& f) const
     {
@@ -89,10 +90,8 @@ private:
 
 #endif
 
-/// A leaf's vertices where they are at a time: so far on the way from one of the scene's vertex_times, key, to the
-/// next.
-///
-/// moving  whether anything in the scene does; if not, they are read as they are
+/// Vertices of a leaf at a time: at `fraction` of the way from vertex_times[key] to the next. moving: whether anything
+/// in the scene moves; otherwise positions are read directly.
 template <bool moving, class F>
 class LeafVertices {
 public:
@@ -102,12 +101,12 @@ public:
           fraction_(fraction)
     {
     }
-    /// A coordinate of as many vertices as there are lanes.
+    /// A coordinate of as many vertices as there are lanes, at p.
     [[gnu::always_inline]] F row(const float* p) const
     {
         return between(p, [](const float* q) { return load_as<F>(q); });
     }
-    /// Of one vertex, for rays of all lanes.
+    /// A coordinate of one vertex, for a ray in each lane.
     [[gnu::always_inline]] F one(const float* p) const
     {
         return between(p, [](const float* q) { return F(*q); });
@@ -118,7 +117,7 @@ private:
     [[gnu::always_inline]] F between(const float* p, const Read& read) const
     {
         if constexpr (!moving) return read(p);
-        // As in geometry/motion.h; exact where nothing moves.
+        // Interpolation as in geometry/motion.h; exact where nothing moves.
         const F from = read(p + begin_);
         return fma(read(p + begin_ + step_) - from, fraction_, from);
     }
@@ -127,11 +126,11 @@ private:
     F fraction_;
 };
 
-/// Between which times rays are that keep together; as in RayTimes.
+/// Range of the times of a packet's rays; members are those of RayTimes.
 struct PacketTimes {
     float first_shutter = 0, last_shutter = 0, first_fraction = 0, last_fraction = 0;
     std::uint32_t key = 0;
-    bool same_key = true;  ///< for all of the rays
+    bool same_key = true;  ///< all rays have the same key
 
     PacketTimes() = default;
     PacketTimes(const RayTimes& times, RayMask rays) : key(times.key[std::countr_zero(rays)])
@@ -150,8 +149,8 @@ struct PacketTimes {
         first_fraction = least(low[1]), last_fraction = -least(minus_high[1]);
     }
 
-    /// Of each triangle's box at all of these times, which must have the same key: what is linear is so between the
-    /// first and the last.
+    /// Bounds of each triangle over all these times, which must share a key. Motion is linear, so the first and last
+    /// time suffice.
     template <bool moving>
     [[gnu::always_inline]] void bounds(const IndexedLeaf& leaf, Float low[3], Float high[3]) const
     {
@@ -193,7 +192,7 @@ template <class F, bool moving>
     return first_weighed(w, corner_z(0), corner_z(1), corner_z(2), leaf.count() - at);
 }
 
-/// The ray with a leaf's triangles from `at` on, as many as there are lanes at most; key and fraction: as in
+/// Intersects a ray with the triangles of a leaf from index `at` on, at most one per lane. key, fraction: as in
 /// LeafVertices.
 template <bool moving>
 [[gnu::always_inline]] inline TriangleIntersections intersect_triangles(const IndexedLeaf& leaf, std::uint32_t key,

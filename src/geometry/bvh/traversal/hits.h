@@ -1,5 +1,5 @@
 #pragma once
-/// What a thread keeps while it traces a stream of rays, and the nearest hits so far.
+/// Per-thread memory for tracing a stream of rays, and the nearest hits so far.
 #include <vector>
 
 #include "geometry/bvh/traversal/ray.h"
@@ -9,32 +9,34 @@ inline namespace FATHOM_LANES {
 
 inline constexpr int stream_size = 64;
 
-/// A bit for each ray of a stream.
+/// One bit for each ray of a stream.
 using RayMask = std::uint64_t;
 static_assert(stream_size <= 64);
 
-/// Of each ray the nearest hit so far: the least of (t, key, instance). What was hit is a key or, with this bit, the
-/// place of one in BvhData::keys, which is looked up when it is needed: mostly once a ray, at its end.
+/// The nearest hit of each ray so far: the minimum of (t, key, instance). `what` is a key or, with this bit set, an
+/// index into BvhData::keys. The lookup is deferred, usually to the end of a ray.
 inline constexpr std::uint32_t hit_is_index = 1u << 31;
 
 struct RayHits {
-    /// Past the rays': for what is to be forgotten.
+    /// Slot past the rays, for values to be discarded.
     static constexpr int nowhere = stream_size;
 
     alignas(64) float t[nowhere + 1], u[nowhere + 1], v[nowhere + 1];
     alignas(64) std::uint32_t what[nowhere + 1], instance[nowhere + 1];
 
+    /// The key of ray i's hit, or no_index.
     BvhKey key(const BvhData& bvh, int i) const
     {
         return what[i] != no_index && what[i] & hit_is_index ? bvh.keys[what[i] & ~hit_is_index] : what[i];
     }
+    /// Whether another hit precedes the hit of ray i.
     bool loses_to(const BvhData& bvh, int i, float other_t, float other_u, BvhKey other,
                   std::uint32_t other_instance) const
     {
         if (other_t != t[i]) return other_t < t[i];
         const BvhKey own = key(bvh, i);
         if (own == no_index || other != own) return own != no_index && other < own;
-        // Of a curve's segment several pieces may be tested.
+        // Several pieces of one curve segment may be tested.
         return other_instance != instance[i] ? other_instance < instance[i] : other_u < u[i];
     }
     /// Rays that have hit something.
@@ -50,29 +52,30 @@ struct RayHits {
     }
 };
 
+/// Entry of a packet's stack: rays, a subtree, and the entry distance of its box.
 struct PacketEntry {
     std::uint64_t rays;
     std::uint32_t reference;
     float t;
 };
-/// What rays through a moving scene need besides.
+/// Times of rays through a moving scene.
 struct RayTimes {
-    alignas(64) float shutter[stream_size];   ///< 0 when it opens, 1 when it closes
-    alignas(64) float fraction[stream_size];  ///< of the way between vertex_times
+    alignas(64) float shutter[stream_size];   ///< 0 at shutter open, 1 at shutter close
+    alignas(64) float fraction[stream_size];  ///< position between vertex_times[key] and the next
     alignas(64) std::uint32_t key[stream_size];
 };
-/// What a thread needs to trace streams; kept between calls.
+/// Memory of a thread for tracing streams, kept between calls.
 struct StreamMemory {
     RayTimes times;
     PreparedRays world[stream_size / lanes], object[stream_size / lanes];
-    PreparedRays together[stream_size / lanes];  ///< of a packet within an instance
+    PreparedRays together[stream_size / lanes];  ///< rays of a packet in the space of an instance
     RayHits hits;
     BvhVisits visits;
     std::vector<std::uint32_t> stacks;
     std::vector<PacketEntry> packet_stack;
 };
 
-/// Whether a hit of a ray of the stream counts. u, v: as RayHits has them.
+/// Whether a candidate hit of a ray counts. u, v: as in RayHits.
 inline bool passes_alpha(const BvhData& bvh, const StreamMemory& memory, int ray, BvhKey key, std::uint32_t instance,
                          float t, float u, float v)
 {

@@ -1,5 +1,5 @@
 #pragma once
-/// What is common to rays that keep together: a box or triangle that their intervals rule out, none of them meets.
+/// Interval arithmetic over packets of rays: a box or triangle that the intervals exclude is missed by every ray.
 #include <algorithm>
 
 #include "geometry/bvh/traversal/hits.h"
@@ -7,7 +7,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// A stream's rays come in parts of as many as there are lanes.
+/// The rays of a stream are divided in parts of `lanes` rays.
 inline bool holds_any(RayMask rays, int part)
 {
     return rays >> part * lanes & ((RayMask(1) << lanes) - 1);
@@ -24,14 +24,16 @@ inline int parts_with(RayMask rays)
     return n;
 }
 
-/// Whether vectors of rays against so many boxes of a node take less time than each ray alone against all of them.
+/// Whether testing vectors of rays against this many boxes is faster than testing each ray alone against all boxes of a
+/// node.
 inline bool are_many(RayMask rays, int boxes)
 {
-    constexpr int tests_alone = 4;  // of a vector against a box take as long as a ray alone; measured
+    constexpr int tests_alone = 4;  // box tests of one vector that take as long as the node test of a single ray;
+                                    // measured
     return tests_alone * std::popcount(rays) >= boxes * parts_with(rays);
 }
 
-/// Those of the rays that have the octant and axis of the first of them.
+/// The rays that share octant and longest axis with the first of them.
 inline RayMask alike(const PreparedRays* all, RayMask rays)
 {
     const int first = std::countr_zero(rays);
@@ -47,13 +49,13 @@ inline RayMask alike(const PreparedRays* all, RayMask rays)
     return same & rays;
 }
 
-/// Of some rays of one octant: inverse directions, and origins, widened by the slack, whose distance is least and
-/// greatest; and how far they reach at most.
+/// Intervals over rays of one octant: inverse directions, origins widened by the slack, and the largest distance the
+/// rays reach.
 struct RayIntervals {
     float low_inverse[3], high_inverse[3], near_origin[3], far_origin[3];
     float reach = -1;
 
-    /// Of each part of the rays; returns those of all of them. radius: of the tree.
+    /// Computes intervals for each part of the rays and returns those of all rays. radius: of the tree.
     template <std::size_t parts, class Part>
     static RayIntervals find(RayIntervals (&of_part)[parts], const Part& part, RayMask rays, std::uint32_t octant,
                              float radius)
@@ -70,7 +72,7 @@ struct RayIntervals {
         return all;
     }
 
-    /// The distances that any of the rays could have to boxes.
+    /// Narrows [near, far] to the distances that any of the rays could have between a pair of planes.
     [[gnu::always_inline]] void distances(int axis, Float near_plane, Float far_plane, Float& near, Float& far) const
     {
         const Float lo(low_inverse[axis]), hi(high_inverse[axis]);
@@ -80,9 +82,10 @@ struct RayIntervals {
     }
 
 private:
-    static constexpr int count = 16;  ///< of numbers below, the last 4 of no use
+    static constexpr int count = 16;  ///< numbers used below; the last 4 are padding
 
-    /// The least inverse by axis, the greatest, the nearest origin, the farthest; the greatest are negated.
+    /// Minimum inverse directions, negated maximum ones, then nearest and farthest origins, by axis; origins are
+    /// negated where a maximum is wanted.
     static void find_least(const PreparedRays& r, Mask m, std::uint32_t octant, float radius, float (&out)[count])
     {
         const Vec3 o = load_vec3(r.f[PreparedRays::origin_x], r.f[PreparedRays::origin_y], r.f[PreparedRays::origin_z]);

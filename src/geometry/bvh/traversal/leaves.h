@@ -1,31 +1,31 @@
 #pragma once
-/// One ray against a leaf of something other than triangles: lanes are primitives.
+/// Intersection of one ray with a leaf of primitives other than triangles: lanes are primitives.
 #include "geometry/bvh/traversal/ray.h"
 #include "geometry/shapes/solid_curve.h"
 
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Numbers of the primitives from the at-th on; the last is repeated.
+/// Ids of the primitives from index `at` on; the last one is repeated.
 inline UInt ids_from(const BvhLeaf& leaf, int at)
 {
     alignas(64) std::uint32_t id[lanes];
     for (int i = 0; i < lanes; ++i) id[i] = leaf.ids()[std::min(at + i, leaf.count() - 1)];
     return load(id);
 }
-/// Their k-th array; past the last anything.
+/// Values of the k-th array from index `at` on; unspecified past the last primitive.
 inline Float array_from(const BvhLeaf& leaf, int k, int at)
 {
     return load(leaf.data() + k * leaf.count() + at);
 }
 
-/// A ray as leaves of round things want it: with a direction of length 1, which it does not have in the space of what
-/// an instance places.
+/// A ray with unit direction, as intersection of curved primitives requires. Rays in the space of an instance are
+/// normalized.
 struct LeafRay {
     Vec3 o, d;
-    Float scale, inverse_scale;  ///< of distances here to those of the ray
+    Float scale, inverse_scale;  ///< ratio of distances here to those of the original ray, and its inverse
     Float time;
-    /// As in RayTimes, where anything moves.
+    /// As in RayTimes; used if anything moves.
     std::uint32_t key = 0;
     float fraction = 0;
 
@@ -43,8 +43,8 @@ struct LeafRay {
     }
 };
 
-/// Each calls offer(at, m, t, u, v) for lanes that are hit, at any distance, at being the number of the first lane in
-/// the leaf, until it returns true for any_hit. True if any call did.
+/// Runs an intersection over n primitives. Calls offer(at, m, t, u, v) for lanes that are hit at any distance, where
+/// `at` is the index of the first lane. With any_hit it stops when offer returns true. Returns whether any call did.
 template <bool any_hit, class Meet, class Offer>
 bool intersect_all(int n, const LeafRay& ray, const Meet& meet, const Offer& offer)
 {
@@ -84,7 +84,7 @@ bool intersect_disks(const GeometryTables& tables, const BvhLeaf& leaf, const Le
     return intersect_all<any_hit>(leaf.count(), ray, meet, offer);
 }
 
-/// Data: 4 arrays, centre and radius.
+/// Leaf data: 4 arrays, the center and the radius.
 template <bool any_hit, class Offer>
 bool intersect_points(const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
@@ -113,7 +113,7 @@ public:
         return mix(now, array_from(leaf_, first_ + CurveLeaf::arrays_at_time(ribbons) + k, at_), fraction_);
     }
     Vec3 vector(int k) const { return {number(k), number(k + 1), number(k + 2)}; }
-    /// By the sign of a radius at a key, which would be lost in between where both are 0.
+    /// The sign of a radius at a key is the flag: interpolation would lose it where both radii are 0.
     Mask solid() const { return negative(3); }
     Mask fiber() const { return negative(7); }
 
@@ -126,11 +126,12 @@ private:
     Float fraction_;
 };
 
+/// Hits on curve pieces: mask, distance, and position along the piece.
 struct PieceHits {
     Mask m;
     Float t, w;
 };
-/// Of the lanes of the mask. Apart, so that other curves don't pay.
+/// Hits on solid curve pieces in the lanes of `solid`. A separate function, so that other curves do not pay for it.
 [[gnu::noinline]] inline PieceHits meet_solid_pieces(const GeometryTables& tables, UInt segment, Float number,
                                                      const CurvePiece& piece, const LeafRay& ray, Mask solid)
 {
@@ -141,7 +142,7 @@ struct PieceHits {
     return hits;
 }
 
-/// Lanes of `near` whose ray meets the end of a piece at t within the piece itself, or within its neighbours.
+/// Lanes of `near` whose hit on the end of a piece lies inside the piece itself or its neighbors.
 [[gnu::noinline]] inline Mask hidden_in_fibre(const GeometryTables& tables, UInt segment, Float number,
                                               const CurvePiece& piece, const LeafRay& ray, Float t, Mask near)
 {
@@ -150,7 +151,7 @@ struct PieceHits {
     return near & (begins_within | SolidPieces(tables, segment, number, time, near).hide(fma(ray.d, t, ray.o)));
 }
 
-/// moving  whether anything in the scene does
+/// moving: whether anything in the scene moves.
 template <bool any_hit, bool ribbons, bool moving, class Offer>
 bool intersect_curves(const GeometryTables& tables, const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
@@ -172,8 +173,8 @@ bool intersect_curves(const GeometryTables& tables, const BvhLeaf& leaf, const L
                 t = select(solid, hits.t, t);
                 w = select(solid, hits.w, w);
             }
-            // Rays that begin within a fibre, and no others, may meet the ends of its pieces: not far from there but
-            // for those that go almost along it.
+            // Only rays that start inside a fiber may hit the internal ends of its pieces, close to their origin unless
+            // they run along the fiber.
             constexpr float far_in_radii = 32;
             const Mask near = m & pieces.fiber() & (t < max(piece.ra, piece.rb) * Float(far_in_radii));
             if (any(near)) {
@@ -181,7 +182,7 @@ bool intersect_curves(const GeometryTables& tables, const BvhLeaf& leaf, const L
                 m = m & !hidden_in_fibre(tables, ids_from(leaf, at), number, piece, ray, t, near);
             }
         }
-        // Powers of 2 both: the end of a piece is the beginning of the next.
+        // Exact: both numbers are multiples of a power of 2, so the end of a piece equals the beginning of the next.
         u = fma(w, pieces.share(), pieces.begin());
         return m;
     };

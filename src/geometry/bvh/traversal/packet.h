@@ -1,26 +1,27 @@
 #pragma once
-/// Rays that keep together: one walk through the tree for up to stream_size of them, with vectors of rays.
+/// Packet traversal: up to stream_size coherent rays traverse the tree together; lanes are rays.
 ///
-/// They must have the same signs of direction and the same longest axis. A box or triangle is first tested against all
-/// rays at once, by intervals that hold their origins and inverse directions; what passes is tested ray by ray. Where
-/// few rays are left, the rest of their way is put on their own stacks, to be gone when the walk has found what it can.
+/// All rays must share the signs of their directions and the longest axis. A box or triangle is first tested against
+/// intervals over all rays, then against each ray. Where few rays are left, the subtree is deferred to the stacks of
+/// those rays, and traversed after the packet is done.
 #include "geometry/bvh/traversal/intervals.h"
 #include "geometry/bvh/traversal/stream.h"
 
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// within  the rays are in the space of what an instance places, in memory.together; else in the world
+/// within: the rays are in the space of an instance, in memory.together; otherwise in world space.
 template <bool any_hit, bool moving, bool within = false>
 class PacketTraversal {
 public:
-    /// What is to be walked through.
+    /// The subtree to traverse.
     struct Space {
         std::uint32_t root, instance;
         float radius;
     };
 
-    /// The rays must be alike, and added to the stream. stack_size: entries of the packets' stack that are in use.
+    /// The rays must be coherent (see alike()) and known to the stream. stack_size: number of entries of the packet
+    /// stack in use.
     PacketTraversal(const BvhData& bvh, StreamMemory& memory, Stream<any_hit, moving>& stream, RayMask rays,
                     const Space& space, int stack_size = 0)
         : bvh_(bvh), memory_(memory), stream_(stream), rays_(rays), space_(space), bottom_(stack_size)
@@ -38,7 +39,7 @@ public:
         update_reach();
     }
 
-    /// Visits what is worth visiting together; the rest is started in the stream.
+    /// Traverses what is worth visiting together, and starts the rest in the stream.
     void run()
     {
         PacketEntry* const stack = memory_.packet_stack.data();
@@ -66,13 +67,13 @@ public:
 private:
     static constexpr int parts = stream_size / lanes;
     static constexpr int few_moving = any_hit ? 12 : 2;
-    /// So few rays at a leaf meet it one by one, lanes being triangles. Rays through what moves, each at its own time,
-    /// come to leaves from farther apart.
+    /// With up to this many rays, a leaf is tested ray by ray with triangles as lanes. Rays at different times through
+    /// moving geometry reach leaves less coherently.
     static constexpr int few_at_leaf = moving ? 12 : 0;
-    /// So many are worth moving into an instance together.
+    /// Smallest number of rays that enter an instance together.
     static constexpr int min_within = 8;
 
-    /// Whether rays had better go on alone: a visit together takes time for each part that holds any. Measured.
+    /// Whether rays should continue alone: a joint visit costs time for each part that holds any ray. Measured.
     static bool are_few(RayMask rays, bool is_node)
     {
         if (moving) return std::popcount(rays) <= few_moving;
@@ -82,7 +83,7 @@ private:
     const PreparedRays& part(int i) const { return within ? memory_.together[i] : memory_.world[i]; }
     std::uint32_t instance() const { return within ? space_.instance : no_index; }
 
-    /// Rays that might find something at t or beyond.
+    /// Rays whose current hit is not nearer than t.
     RayMask reached_by(float t) const
     {
         RayMask rays = 0;
@@ -119,12 +120,12 @@ private:
         begin_again(RayMask(1) << ray);
         stream_.defer(ray, reference, t);
     }
-    /// What was deferred of these rays is begun.
+    /// Starts the deferred subtrees of these rays.
     void start(RayMask rays)
     {
         for (RayMask m = rays & ~blocked_ & stream_.waiting(); m; m &= m - 1) stream_.start(std::countr_zero(m));
     }
-    /// Rays that the stream has done with are where this packet is.
+    /// Restores the state of rays that the stream has finished, so that they continue in this packet.
     void begin_again(RayMask rays)
     {
         stream_.forget(rays);
@@ -141,12 +142,12 @@ private:
             if (BvhReference::other_kind(reference) == BvhReference::instance && std::popcount(rays) >= min_within)
                 return visit_instance(BvhReference::place(reference), rays, size);
         if (BvhReference::is_indexed_triangles(reference)) return visit_indexed_leaf(reference, rays);
-        // Each ray for itself, but now: what lies behind need not be visited if something is hit.
+        // Each ray is traced alone, but at once: a hit makes visits farther away unnecessary.
         defer({rays, reference, t});
         finish(rays);
     }
 
-    /// Lets the stream do what it has been given.
+    /// Lets the stream process what was deferred for these rays.
     void finish(RayMask rays)
     {
         start(rays);
@@ -155,7 +156,7 @@ private:
         if (!any_hit) update_reach();
     }
 
-    /// Rays that are still alike in the space of what is placed keep together there.
+    /// Rays that are still coherent in the space of an instance stay together there.
     [[gnu::noinline]] void visit_instance(std::uint32_t index, RayMask rays, int size)
     {
         const InstanceRecord& instance = bvh_.tables->instances[index];
@@ -186,11 +187,11 @@ private:
             inner.run();
             blocked_ |= inner.blocked() & same;
         }
-        // What inner packets have started runs here, with the rest.
+        // Runs what the inner packets have deferred together with the rest.
         finish(rays);
     }
 
-    /// Slots whose box may be met, the last to be visited first, and their distances; how many.
+    /// Lists the slots whose box may be hit, the first to visit last, and their distances; returns their number.
     [[gnu::always_inline]] static int slots_met(const BoxDistances& box, std::uint32_t* slots, float* t)
     {
         alignas(64) float near[bvh_width];
@@ -213,7 +214,7 @@ private:
         const auto [rays, reference, t] = entry;
         const BvhNode& node = bvh_.nodes[moving ? BvhReference::node(reference) : reference];
         const float* const bounds = node.bounds[0];
-        // What the boxes change by; none: they stand still.
+        // Change of the boxes over the shutter interval; null: static.
         const float* const change = moving && BvhReference::is_moving(reference) ? (&node)[1].bounds[0] : nullptr;
         BoxDistances box;
         for (int k = 0; k < box_parts; ++k) {
@@ -224,7 +225,7 @@ private:
                                      far_row = (2 * axis + 3) * bvh_width - side_[axis] + k * lanes;
                 Float near = load(bounds + near_row), far = load(bounds + far_row);
                 if (moving && change) {
-                    // The nearest and farthest that they are at any ray's time.
+                    // Conservative planes over the times of all rays.
                     const bool down = octant_ >> axis & 1;
                     const Float near_change = load(change + near_row), far_change = load(change + far_row);
                     const Float near_end = fma(near_change, Float(times_.last_shutter), near),
@@ -284,7 +285,7 @@ private:
         return size;
     }
 
-    /// Which rays meet one box of a node that moves.
+    /// Rays that hit one box of a moving node.
     RayMask intersect_moving(const float* bounds, const float* change, RayMask rays) const
     {
         RayMask meet = 0;
@@ -307,7 +308,7 @@ private:
         return meet & rays;
     }
 
-    /// Lanes are triangles here: which of them could be met, by their boxes.
+    /// Triangles (lanes) whose box may be hit by the rays of the intervals.
     [[gnu::always_inline]] std::uint32_t candidates(const RayIntervals& of, Mask triangles, const Float low[3],
                                                     const Float high[3]) const
     {
@@ -351,7 +352,7 @@ private:
         if (found && !any_hit) update_reach();
     }
 
-    /// A part of the rays with some of a leaf's triangles.
+    /// Intersects one part of the rays with some triangles of a leaf.
     [[gnu::always_inline]] bool intersect_triangle_leaf(const float* data, std::ptrdiff_t n, std::uint32_t first,
                                                         std::uint32_t bits, int k, Mask active)
     {
@@ -377,7 +378,7 @@ private:
         return found;
     }
 
-    /// The same for a leaf that holds each vertex once.
+    /// visit_leaf() for an indexed leaf.
     [[gnu::noinline]] void visit_indexed_leaf(std::uint32_t reference, RayMask rays)
     {
         if (!times_.same_key || std::popcount(rays) <= few_at_leaf) return visit_leaf_apart(reference, rays);
@@ -422,7 +423,7 @@ private:
         return found;
     }
 
-    /// The hits of a part of the rays with one triangle; what: as in RayHits.
+    /// Records hits of a part of the rays on one triangle; what: as in RayHits.
     [[gnu::always_inline]] bool take(int k, std::uint32_t what, const TriangleWeights& w, const Vec3& z)
     {
         RayHits& hits = memory_.hits;

@@ -1,5 +1,5 @@
 #pragma once
-/// Which children of a node a ray goes on to, put on its stack: the innermost loop of traversal, once per instruction
+/// Pushing the children that a ray hits onto its stack: the innermost loop of traversal, written for each instruction
 /// set.
 #include "geometry/bvh/layout/data.h"
 #include "math/lanes.h"
@@ -7,16 +7,16 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// References, and the distances at which the ray enters their boxes. Writers may fill 16 entries past the last.
+/// References and the entry distances of their boxes. Pushing may write up to 16 entries past the last.
 struct BvhStack {
     std::uint32_t* reference;
     float* t;
 };
 
-/// A node's 16 boxes as so many vectors.
+/// Number of vectors that a node's 16 boxes take.
 inline constexpr int box_parts = bvh_width / lanes;
 
-/// Distances at which a ray enters and leaves the boxes of a node.
+/// Entry and exit distances of a ray for the boxes of a node.
 struct BoxDistances {
     Float near[box_parts], far[box_parts];
 };
@@ -25,12 +25,12 @@ struct BoxDistances {
 
 static_assert(box_parts == 1);
 
-/// Adds those of 16 values `what` whose box has near <= far, in the order given from far to near; the new size of the
-/// stack.
+/// Pushes those of 16 values `what` whose box has near <= far, in the given order from far to near; returns the new
+/// stack size.
 [[gnu::always_inline]] inline int push_in_order(const BvhStack& stack, int size, const std::uint32_t* what,
                                                 const std::uint32_t* order, const BoxDistances& box)
 {
-    // The permutation reads the low 4 bits of each lane.
+    // The permutation uses only the low 4 bits of each lane.
     __m512i slots = _mm512_set1_epi32(int(order[0]));
     slots = _mm512_mask_set1_epi32(slots, 0xff00, int(order[1]));
     slots = _mm512_srlv_epi32(slots, _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 0, 4, 8, 12, 16, 20, 24, 28));
@@ -50,7 +50,7 @@ static_assert(box_parts == 1);
     return size + std::popcount(std::uint32_t(m));
 }
 
-/// Removes the entries beyond t_max; the new size.
+/// Removes the entries beyond t_max; returns the new stack size.
 inline int filter(const BvhStack& stack, int size, float t_max)
 {
     int to = 0;
@@ -66,14 +66,14 @@ inline int filter(const BvhStack& stack, int size, float t_max)
     return to;
 }
 
-/// The lanes of m where t is least.
+/// The lanes of m with the minimum t.
 [[gnu::always_inline]] inline std::uint32_t min_lanes(Mask m, Float t)
 {
     const __m512 masked = _mm512_mask_blend_ps(m.v, _mm512_set1_ps(std::numeric_limits<float>::infinity()), t.v);
     return _mm512_mask_cmp_ps_mask(m.v, masked, _mm512_set1_ps(_mm512_reduce_min_ps(masked)), _CMP_EQ_OQ);
 }
 
-/// The value of the first lane of m; anything where there is none.
+/// The value of the first lane of m; unspecified if there is none.
 [[gnu::always_inline]] inline float first_of(Float x, Mask m)
 {
     return _mm512_cvtss_f32(_mm512_maskz_compress_ps(m.v, x.v));
@@ -127,9 +127,9 @@ inline int filter(const BvhStack& stack, int size, float t_max)
 {
     const std::uint32_t bits = boxes_met(box);
     alignas(64) float near[bvh_width];
-    alignas(16) std::uint8_t slots[48] = {};  // what comes after the last is slot 32
+    alignas(16) std::uint8_t slots[48] = {};  // entries past the last are slot 32
     for (int part = 0; part < box_parts; ++part) store(near + part * lanes, box.near[part]);
-    // The order as bytes; which of the slots are met, as bytes; the latter permuted by the former.
+    // The order of slots as bytes; the mask of slots that are hit, as bytes; then the mask permuted into that order.
     const __m128i nibbles = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(order)), low = _mm_set1_epi8(15);
     const __m128i slot = _mm_unpacklo_epi8(_mm_and_si128(nibbles, low), _mm_and_si128(_mm_srli_epi16(nibbles, 4), low));
     _mm_store_si128(reinterpret_cast<__m128i*>(slots), slot);
@@ -145,7 +145,7 @@ inline int filter(const BvhStack& stack, int size, float t_max)
         stack.t[size++] = near[s];
         ordered &= ordered - 1;
     };
-    // How many there are can't be foreseen, but few of them: so many always, the size set right afterwards.
+    // The number of entries is unpredictable but small: four are always pushed, and the size is corrected afterwards.
     const int after = size + count;
     for (int i = 0; i < 4; ++i) push();
     while (size < after) push();

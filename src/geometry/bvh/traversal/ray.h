@@ -1,14 +1,14 @@
 #pragma once
-/// Rays made ready for traversal, and what is known of rounding.
+/// Prepared rays, and the error bounds of traversal.
 ///
-/// A box must be visited if something in it could be hit. Let M be the largest coordinate of a corner, seen from the
-/// ray's origin; M is at most |o| + r, the largest coordinates of the origin and of the tree. In units of 2^-24 M, as
-/// displacements in space, the point of the ray at the distance that meet_triangle finds is away from the triangle by:
-/// 4 for the sheared coordinates (difference, two roundings of the shear, fma), 5 for the weights (each exact to 3
-/// units of relative error, the quotient to 2), 6 for t (the three products, their sum, shear, quotient), less than 16
-/// in all. The distance to a plane of a box is computed with errors of 1 for the inverse, 2 for origin times inverse, 2
-/// for the fma: less than 8 with that of the slack itself. So boxes are widened by 32 of these units, bvh_slack times
-/// |o| + r. Spheres and disks are similar, their boxes widened a little when built.
+/// A box must be visited if something in it could be hit. Let M be the largest coordinate of a vertex relative to the
+/// ray's origin; M is at most |o| + r, the largest coordinates of the origin and of the tree. Errors are stated in
+/// units of 2^-24 M, as displacements in space. The point at the distance that triangle_distance() computes deviates
+/// from the triangle by 4 for the sheared coordinates (difference, two roundings of the shear, fma), 5 for the weights
+/// (each exact to 3 units of relative error, the quotient to 2) and 6 for t (the three products, their sum, shear,
+/// quotient): less than 16 in all. The distance to a plane of a box has errors of 1 for the inverse, 2 for origin times
+/// inverse and 2 for the fma: less than 8, including that of the slack itself. So boxes are widened by 32 units, which
+/// is bvh_slack times |o| + r. Spheres and disks behave similarly; their boxes are enlarged at construction.
 #include "geometry/bvh/layout/data.h"
 #include "geometry/motion.h"
 #include "geometry/shapes/shapes.h"
@@ -16,14 +16,14 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// By how much boxes are widened for a ray.
+/// Distance by which boxes are widened for a ray.
 inline Float ray_slack(const Vec3& o, Float radius)
 {
     return Float(bvh_slack) * (max_abs(o) + radius);
 }
 
-/// Rays, one per lane: the distance to a plane at x is fma(x, inverse.x, near.x), or far.x, if it is of a box's nearer
-/// or farther side.
+/// Rays prepared for box tests, one per lane. The distance to a plane at x is fma(x, inverse.x, near.x) for a near side
+/// and fma(x, inverse.x, far.x) for a far side.
 struct BoxRays {
     Vec3 inverse, near, far;
 
@@ -41,7 +41,7 @@ struct BoxRays {
     }
 };
 
-/// As many rays as there are lanes, stored so that each can be read alone: ray i is at f[0] + i, its fields `lanes`
+/// Prepared rays, one per lane, stored so that each can be read alone: ray i starts at f[0] + i; its fields are `lanes`
 /// apart.
 struct PreparedRays {
     enum Field {
@@ -77,9 +77,9 @@ struct PreparedRays {
         row_y,
         field_count
     };
-    /// octant: the bits of an integer, bit per axis, set where the direction is negative; axis: of an integer, along
-    /// which the direction is longest; side: where in BvhNode::bounds the nearer sides begin, by axis; seen: the origin
-    /// as triangles are seen from it, along `axis` last; row: integers, which axes the first two of them are.
+    /// octant: integer bits, one per axis, set if the direction is negative. axis: integer, the longest axis of the
+    /// direction. side: offsets of the near planes in BvhNode::bounds, by axis. seen: the origin permuted so that
+    /// `axis` is last. row: integers, the first two axes of that permutation.
     alignas(64) float f[field_count][lanes];
 
     void prepare(const Vec3& o, const Vec3& d, Float ray_t_max, Float ray_time, Float radius)
@@ -97,7 +97,7 @@ struct PreparedRays {
         set(shear_x, {shear.shear_x, shear.shear_y, shear.shear_z});
         store(f[t_max], ray_t_max);
         store(f[time], ray_time);
-        // By the sign bit, as safe_inverse: -0 goes down.
+        // By the sign bit, as in safe_inverse(): -0 counts as negative.
         const UInt x = float_bits(d.x) >> 31, y = float_bits(d.y) >> 31, z = float_bits(d.z) >> 31;
         constexpr std::uint32_t row = bvh_width;
         store(f[side_x], bits_float(x * UInt(3 * row)));
@@ -113,7 +113,7 @@ struct PreparedRays {
         store(f[row_y], bits_float(by_axis(UInt(2u), UInt(0u), UInt(1u))));
     }
 
-    /// As they see triangles.
+    /// The rays prepared for triangle tests.
     TriangleRay triangle_ray() const
     {
         const UInt major = float_bits(load(f[axis]));
@@ -126,7 +126,7 @@ struct PreparedRays {
     }
 };
 
-/// One of them.
+/// A single ray of PreparedRays.
 struct PreparedRay {
     const float* p;
 

@@ -1,14 +1,14 @@
 #pragma once
-/// Short rays that start near each other, in any direction: they share the upper part of their way.
+/// Packet traversal for short occlusion rays that start near each other in any direction, such as shadow rays.
 ///
-/// From the root down, boxes are tested against the box that holds all the rays, then against the rays, by vectors.
-/// So do leaves that many rays come to; what takes less time for each ray alone is put on the rays' own stacks.
+/// From the root down, boxes are tested against the bounding box of all rays, then against vectors of rays. Leaves that
+/// many rays reach are tested the same way; everything else is deferred to the stacks of single rays.
 #include "geometry/bvh/traversal/packet.h"
 
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// For any hit, where nothing moves.
+/// For occlusion rays through static scenes.
 class ShortRayPacketTraversal {
 public:
     using RayStream = Stream<true, false>;
@@ -16,7 +16,7 @@ public:
         : bvh_(bvh), memory_(memory), stream_(stream), rays_(rays)
     {
         for (int axis = 0; axis < 3; ++axis) {
-            Float low(infinity), high(infinity);  // high: negated
+            Float low(infinity), high(infinity);  // high is negated
             for (int i = 0; i < parts; ++i) {
                 const PreparedRays& r = memory.world[i];
                 const Mask m = part_of(rays, i);
@@ -24,7 +24,7 @@ public:
                     load_vec3(r.f[PreparedRays::origin_x], r.f[PreparedRays::origin_y], r.f[PreparedRays::origin_z]);
                 const Float x = load(r.f[PreparedRays::origin_x + axis]), slack = ray_slack(o, bvh.radius);
                 const Float end = fma(load(r.f[PreparedRays::direction_x + axis]),
-                                      min(load(r.f[PreparedRays::t_max]), Float(1e30f)), x);  // not 0 times infinity
+                                      min(load(r.f[PreparedRays::t_max]), Float(1e30f)), x);  // avoids 0 times infinity
                 low = min(low, select(m, min(x, end) - slack, low));
                 high = min(high, select(m, -(max(x, end) + slack), high));
                 const Float near = load(r.f[PreparedRays::near_x + axis]), far = load(r.f[PreparedRays::far_x + axis]);
@@ -37,7 +37,7 @@ public:
         }
     }
 
-    /// Whether it is worth while: the rays' box is small beside the tree.
+    /// Whether the packet pays: the bounding box of the rays is small relative to the tree.
     bool fits() const
     {
         float size = 0;
@@ -68,13 +68,14 @@ private:
     static constexpr int parts = stream_size / lanes;
     static constexpr int few = 3;
 
-    /// Whether vectors of rays against each triangle take less time than each ray against all at once. Measured.
+    /// Whether vectors of rays against each triangle are faster than each ray against all triangles at once. Measured.
     bool is_crowded(const PacketEntry& leaf) const
     {
         return 2 * std::popcount(leaf.rays) > bvh_.triangle_count(leaf.reference) * parts_with(leaf.rays);
     }
 
-    /// Lanes are rays; first, where they are triangles, those that lie off the box that holds the rays are left out.
+    /// Excludes triangles outside the bounding box of the rays (lanes are triangles), then tests the others (lanes are
+    /// rays).
     void intersect_leaf(const PacketEntry& entry)
     {
         if (BvhReference::is_indexed_triangles(entry.reference)) return meet_indexed_leaf(entry);
@@ -85,7 +86,7 @@ private:
         intersect_triangle_leaf(entry, int(n), low, high, n,
                                 [&](int i, std::ptrdiff_t vertex) { return data + i + 3 * vertex * n; });
     }
-    /// The same for one that holds each vertex once.
+    /// intersect_leaf() for an indexed leaf.
     [[gnu::noinline]] void meet_indexed_leaf(const PacketEntry& entry)
     {
         const IndexedLeaf leaf = bvh_.indexed_leaf(entry.reference);
@@ -94,7 +95,8 @@ private:
         intersect_triangle_leaf(entry, leaf.count(), low, high, leaf.vertices(),
                                 [&](int i, int vertex) { return leaf.axis(0) + leaf.corners(vertex)[i]; });
     }
-    /// The rays with n triangles in these boxes; corner(i, vertex): x of one, y and z come `step` later each.
+    /// Intersects the rays with n triangles in these boxes. corner(i, vertex) points to x of a vertex; y and z follow
+    /// at distance `step`.
     template <class Corner>
     [[gnu::always_inline]] void intersect_triangle_leaf(const PacketEntry& entry, int n, const Float low[3],
                                                         const Float high[3], std::ptrdiff_t step, const Corner& corner)
@@ -104,7 +106,7 @@ private:
         for (int axis = 0; axis < 3; ++axis)
             near &= (low[axis] <= Float(high_[axis])) & (Float(low_[axis]) <= high[axis]);
         const std::uint32_t triangles = mask_bits(near);
-        // By triangle and corner x, y, z and a gap; readers may take 32 floats.
+        // By triangle and corner: x, y, z and a gap. lookup() may read 32 floats.
         alignas(64) float corners[lanes * 12 + 32];
         for (std::uint32_t left = triangles; left; left &= left - 1) {
             const int i = std::countr_zero(left);
@@ -115,7 +117,7 @@ private:
         for (int k = 0; k < parts; ++k)
             if (holds_any(entry.rays, k)) intersect_triangle_leaf(corners, triangles, k, part_of(entry.rays, k));
     }
-    /// A part of the rays with some of a leaf's triangles: those that are stopped go no further.
+    /// Intersects one part of the rays with some triangles; blocked rays are not tested further.
     void intersect_triangle_leaf(const float* corners, std::uint32_t triangles, int k, Mask active)
     {
         const TriangleRay ray = memory_.world[k].triangle_ray();
@@ -200,8 +202,9 @@ private:
     StreamMemory& memory_;
     RayStream& stream_;
     RayMask rays_, blocked_ = 0;
-    alignas(64) float to_low_[3][stream_size], to_high_[3][stream_size];  ///< near and far of PreparedRays, by side
-    float low_[3], high_[3];                                              ///< of the box around all rays
+    alignas(64) float to_low_[3][stream_size], to_high_[3][stream_size];  ///< near and far offsets of PreparedRays,
+                                                                          ///< sorted by side
+    float low_[3], high_[3];                                              ///< bounding box of all rays
 };
 
 }  // namespace FATHOM_LANES

@@ -1,10 +1,10 @@
 #pragma once
-/// Some dozen rays at once through the tree, each on its own way.
+/// Stream traversal: several dozen rays at once, each on its own path through the tree.
 ///
-/// A ray alone waits: for memory, for the long chain of instructions from a node to the next, for mispredicted
-/// branches. Here a wave takes each ray one node further, without a branch that depends on the ray; in large trees the
-/// next wave's nodes are fetched meanwhile. Rays that have come to a leaf wait for the wave of leaves. Each ray visits
-/// what it would visit alone in the same order.
+/// A single ray waits for memory, for the long dependency chain from node to node, and for mispredicted branches. Here
+/// a wave advances each ray by one node, without branches that depend on the ray; in large trees the nodes of the next
+/// wave are prefetched meanwhile. Rays that reach a leaf wait for the wave of leaves. Each ray visits the same nodes in
+/// the same order as it would alone.
 #include <array>
 #include <iterator>
 #include <utility>
@@ -17,7 +17,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// moving  whether anything in the scene does; streams through others don't ask
+/// moving: whether anything in the scene moves; streams through static scenes skip the test.
 template <bool any_hit, bool moving>
 class Stream {
 public:
@@ -35,13 +35,13 @@ public:
         stacks_ = memory.stacks.data() + (line_words - past) % line_words;
     }
 
-    /// A ray of memory.world, from the root on.
+    /// Starts a ray of memory.world at the root.
     void begin(int ray)
     {
         add(ray);
         queue(ray, bvh_.root, next_.n);
     }
-    /// Leaves a part of the tree for later, of whose box t is the distance; false if there is no more room.
+    /// Defers a subtree, whose box has entry distance t; returns false if the ray's stack is full.
     bool defer(int ray, std::uint32_t reference, float t)
     {
         if (!is_known(ray)) add(ray);
@@ -50,7 +50,7 @@ public:
         waiting_ |= RayMask(1) << ray;
         return true;
     }
-    /// The ray goes on in what an instance places, until it comes to the end put on its stack here.
+    /// Continues the ray in the space of an instance until the `end` that is pushed here is popped.
     void enter(int ray, std::uint32_t instance, const float* prepared_there)
     {
         if (!is_known(ray)) add(ray);
@@ -58,9 +58,9 @@ public:
         states_[ray].instance = instance;
         push(ray, end, -infinity);
     }
-    /// Rays of which something was deferred since they were last started.
+    /// Rays with subtrees deferred since they were last started.
     RayMask waiting() const { return waiting_; }
-    /// What was deferred and is not out of reach by now is to be visited, the last first.
+    /// Starts visiting the deferred subtrees that are not beyond the current hit, the last first.
     void start(int ray)
     {
         waiting_ &= ~(RayMask(1) << ray);
@@ -68,10 +68,10 @@ public:
         pop(ray, next_.n);
     }
 
-    /// Rays that have been traced may be deferred again, in the world.
+    /// Resets rays that have been traced, so that they can be deferred again in world space.
     void forget(RayMask rays) { known_ &= ~rays; }
 
-    /// Tests a leaf of triangles there and then; true if something in it is the nearest so far.
+    /// Tests a leaf of triangles immediately; returns whether it contains the nearest hit so far.
     bool meet(int ray, std::uint32_t reference)
     {
         if (!is_known(ray)) add(ray);
@@ -86,7 +86,7 @@ public:
         return found;
     }
 
-    /// Traces all that were started; memory.hits are set where something was hit.
+    /// Traces all rays that were started, and updates memory.hits.
     void run()
     {
         while (next_.n > 0) {
@@ -109,37 +109,37 @@ public:
 
 private:
     static constexpr std::uint32_t end = BvhReference::others(BvhReference::end, 0);
-    /// So many leaves are met at a time; also, how many leaves earlier one is fetched.
+    /// Number of leaves tested at a time; also how far ahead leaves are prefetched.
     static constexpr int leaf_wave = 8;
-    /// How many rays earlier a node is fetched: later is too late, earlier crowds the queues of the processor.
+    /// Nodes are prefetched this many rays ahead: fewer is too late, more crowds the load queues.
     static constexpr int ahead = 4;
 
-    /// Words of a cache line. Stacks begin with a line, so that few lines hold what is on them, and lie an odd number
-    /// of lines apart: at powers of two they would drive each other out of the cache.
+    /// Words of a cache line. Stacks start at a line, so that their entries touch few lines, and lie an odd number of
+    /// lines apart: at powers of two they would evict each other from the cache.
     static constexpr std::size_t line_words = 16;
 
     struct Counts {
         int nodes = 0, leaves = 0, others = 0;
     };
-    /// Numbers of rays; writers may fill a register.
+    /// Indices of rays, padded for vector stores.
     using RayList = std::uint32_t[stream_size + lanes];
     struct Queues {
         Counts n;
         RayList node, leaf, other;
     };
-    /// Rays that go on, and to what.
+    /// Rays that continue, and the reference each visits next.
     struct NextVisits {
         int n = 0;
         RayList ray, reference;
     };
 
-    /// Sends the rays that go on to the queue of what they visit, many at a time.
+    /// Distributes the rays that continue to the queues by kind of reference, a vector at a time.
     void sort()
     {
         Counts n;
         for (int i = 0; i < next_.n; i += lanes) {
             const UInt ray = load(next_.ray + i), reference = load(next_.reference + i), kind = reference >> 29;
-            // Outside of instances the end of a ray's stack is its end.
+            // Outside instances, the end of a ray's stack ends the ray.
             const Mask goes_on = first_lanes(std::size_t(next_.n - i)) & (has_meshes_ | (reference != UInt(end)));
             const Mask node = kind == UInt(0u), leaf = less(UInt(2u), kind), other = goes_on & !(node | leaf);
             const auto put = [&](RayList& list, int& size, Mask m) {
@@ -154,15 +154,15 @@ private:
         next_.n = 0;
     }
 
-    /// Where a ray is.
+    /// Traversal state of a ray.
     struct State {
-        const float* prepared;  ///< of memory.world or, within an instance, of memory.object
-        std::uint32_t* top;     ///< of the references on its stack; their distances are stride_ further
+        const float* prepared;  ///< in memory.world or, within an instance, in memory.object
+        std::uint32_t* top;     ///< top of its stack of references; their distances are stride_ words further
         std::uint32_t reference, instance;
         std::uint32_t* bottom;
     };
 
-    /// A ray that has nowhere to go yet.
+    /// Initializes a ray without any work.
     void add(int ray)
     {
         std::uint32_t* const bottom = stacks_ + std::size_t(ray) * words_of_a_ray();
@@ -191,7 +191,7 @@ private:
         return moving ? BvhReference::node(states_[ray].reference) : states_[ray].reference;
     }
 
-    /// Brings what a ray is about to read into the cache.
+    /// Prefetches what a ray is about to read.
     [[gnu::always_inline]] void fetch_node(int ray) const
     {
         if (!far_) return;
@@ -222,7 +222,7 @@ private:
         for (int line = 0; line < 6; ++line) __builtin_prefetch(p + 64 * line);
     }
 
-    /// Notes what a ray does next; without effect unless really is 1, to spare a branch.
+    /// Records a ray's next visit. `really` is 0 or 1; 0 has no effect, which saves a branch.
     [[gnu::always_inline]] void queue(int ray, std::uint32_t reference, int& n, int really = 1)
     {
         states_[ray].reference = reference;
@@ -243,7 +243,7 @@ private:
             fetch_node(int(now_.node[std::min(i + ahead, now_.n.nodes - 1)]));
             visit_node(int(now_.node[i]));
         }
-        // Apart, as leaves are: what was just put on a stack is not to be had at once.
+        // In a separate loop, as for leaves: values just stored on a stack cannot be loaded immediately.
         int n = next_.n;
         for (int i = 0; i < now_.n.nodes; ++i) pop(int(now_.node[i]), n);
         next_.n = n;
@@ -262,7 +262,7 @@ private:
                        : push_in_order(above, 0, node.child, node.order[r.integer(PreparedRays::octant)], box);
     }
 
-    /// The same for boxes that move.
+    /// visit_node() for moving boxes.
     [[gnu::noinline]] void visit_moving_node(int ray, const PreparedRay& r, const BvhNode& node)
     {
         const BoxDistances box =
@@ -273,7 +273,7 @@ private:
         top += any_hit ? push_any(above, 0, node, box) : push_in_order(above, 0, node.child, order, box);
     }
 
-    /// Leaves of triangles, of either kind.
+    /// Leaves of triangles of either layout.
     static bool is_indexed(std::uint32_t leaf) { return BvhReference::is_indexed_triangles(leaf); }
     IndexedLeaf indexed_leaf(std::uint32_t reference) const { return bvh_.indexed_leaf(reference); }
     int triangle_count(std::uint32_t leaf) const { return bvh_.triangle_count(leaf); }
@@ -282,7 +282,7 @@ private:
         return is_indexed(leaf) ? indexed_leaf(leaf).ids()[i]
                                 : bvh_.keys[BvhReference::first_triangle(leaf) + std::uint32_t(i)];
     }
-    /// As in RayHits::what.
+    /// Value for RayHits::what.
     std::uint32_t name_of(std::uint32_t leaf, int i) const
     {
         return is_indexed(leaf) ? triangle_key(leaf, i)
@@ -298,8 +298,8 @@ private:
         return intersect_triangles<moving>(indexed_leaf(leaf), key, fraction, at, prepared(ray));
     }
 
-    /// What a ray meets can't be foreseen, so there is no branch on it. In steps: a ray's way through all of them
-    /// is long, as one waits for the other, and in each the processor has more rays at hand.
+    /// Branch-free, since hits are unpredictable. The work is split in steps because each step of one ray depends on
+    /// the previous; within a step the rays are independent.
     void visit_leaves(int first, int last)
     {
         TriangleDistances to[leaf_wave];
@@ -312,8 +312,7 @@ private:
             triangles += triangle_count(states_[ray].reference);
             to[i - first] = distances_to_triangles(ray, weigh(ray, 0));
         }
-        // Half of the leaves have nothing for their ray: those that have are listed, since a branch would be foreseen
-        // badly.
+        // About half of the leaves have no hit, a mispredicted branch; so the rays with hits are listed first.
         std::uint32_t nearer[leaf_wave];
         int nearer_count = 0;
         for (int i = first; i < last; ++i) {
@@ -328,7 +327,7 @@ private:
         next_.n = n;
     }
 
-    /// The same where any hit will do, and all that is asked of a leaf is one bit: at once takes a fifth less time.
+    /// visit_leaves() for occlusion rays, where one bit per leaf suffices: a single step takes a fifth less time.
     void visit_leaves_for_any()
     {
         std::uint8_t found[stream_size];
@@ -353,7 +352,7 @@ private:
         Float t, u, v;
         Mask hit;
     };
-    /// Of a ray to what it passes through.
+    /// Distances of a ray to the triangles that its line passes through.
     [[gnu::always_inline]] TriangleDistances distances_to_triangles(int ray, const TriangleIntersections& weighed) const
     {
         const Float t_max(memory_.hits.t[ray]), shear_z(prepared(ray).number(PreparedRays::shear_z));
@@ -363,7 +362,7 @@ private:
         return to;
     }
 
-    /// The triangles that stop a ray.
+    /// The triangles that block a ray.
     [[gnu::always_inline]] Mask blockers(int ray, const TriangleIntersections& weighed) const
     {
         const Float shear_z(prepared(ray).number(PreparedRays::shear_z));
@@ -371,14 +370,14 @@ private:
                UndividedHits(weighed.weights, shear_z, weighed.corners_z).before(Float(memory_.hits.t[ray]));
     }
 
-    /// Notes the nearest hit on a leaf of as many triangles as there are lanes at most; whether there is one.
+    /// Records the nearest hit on a leaf of at most `lanes` triangles; returns whether there is one.
     [[gnu::always_inline]] bool note_nearest(int ray, const TriangleDistances& to)
     {
         RayHits& hits = memory_.hits;
         const std::uint32_t met = mask_bits(to.hit);
         const float t = first_of(to.t, to.hit);
         if (bvh_.has_alpha || (met & (met - 1)) != 0 || t == hits.t[ray]) return note_nearest_of_some(ray, to);
-        // What isn't there is noted where nobody looks.
+        // Without a hit, the values go to an unused slot.
         const int at = met != 0 ? ray : RayHits::nowhere;
         const int lane = std::countr_zero(met | 1u << (lanes - 1));
         hits.set(at, t, first_of(to.u, to.hit), first_of(to.v, to.hit), name_of(states_[ray].reference, lane),
@@ -386,8 +385,7 @@ private:
         return met != 0;
     }
 
-    /// The same where several triangles are met, as the two sides of a thin thing, where there is a tie, or a hit is to
-    /// be asked for.
+    /// note_nearest() for several hits (such as both sides of a thin object), ties, or alpha tests.
     [[gnu::noinline]] bool note_nearest_of_some(int ray, TriangleDistances to)
     {
         const std::uint32_t leaf = states_[ray].reference, least = min_lanes(to.hit, to.t);
@@ -401,7 +399,7 @@ private:
         return true;
     }
 
-    /// The same where lanes are few.
+    /// Visits a leaf when there are fewer lanes than children of a node.
     void visit_leaf(int ray) { go_on(ray, meet(ray, states_[ray].reference)); }
 
     [[gnu::always_inline]] bool take_triangles(int ray, int at, const TriangleIntersections& weighed)
@@ -416,7 +414,7 @@ private:
         return take(ray, m, t, u, v, [&](int lane) { return triangle_key(states_[ray].reference, at + lane); });
     }
 
-    /// After a leaf: away with what lies beyond a new hit, and on.
+    /// After a leaf: removes what lies beyond a new hit, and continues.
     void go_on(int ray, bool found)
     {
         if (found && any_hit) return;
@@ -424,7 +422,7 @@ private:
         pop(ray, next_.n);
     }
 
-    /// The hits of some lanes, one by one; true if one of them is the nearest so far.
+    /// Tests the hits of some lanes one by one; returns whether one is the nearest so far.
     template <class Key>
     bool take(int ray, Mask m, Float t, Float u, Float v, const Key& key_of)
     {
@@ -481,7 +479,7 @@ private:
         const BvhLeaf leaf{&bvh_.others[std::size_t(BvhReference::place(states_[ray].reference)) * BvhLeaf::unit]};
         const GeometryTables& tables = *bvh_.tables;
         memory_.visits.primitives += std::uint64_t(leaf.count());
-        /// Hits on primitives whose numbers are first + factor times those in the leaf.
+        /// Hits on primitives with keys first + factor times the id in the leaf.
         const auto offer_keys = [&](std::uint32_t first, std::uint32_t factor) {
             return [this, ray, leaf, first, factor](int at, Mask m, Float t, Float u, Float v) {
                 const Float nearest(memory_.hits.t[ray]);
@@ -508,7 +506,7 @@ private:
         }
     }
 
-    /// The ray goes on in the mesh's space, until it comes to the end put on its stack here.
+    /// Continues the ray in the mesh's space until the `end` pushed here is popped.
     void enter_instance(int ray, std::uint32_t index)
     {
         const InstanceRecord& placed = bvh_.tables->instances[index];
@@ -526,7 +524,8 @@ private:
         queue(ray, mesh.root, next_.n);
     }
 
-    /// The same where instances may move, which takes much work: as many rays at a time as there are lanes.
+    /// enter_instance() for instances that may move. Interpolating poses is expensive, so a vector of rays is processed
+    /// at once.
     [[gnu::noinline]] void enter_instances(const std::uint32_t* rays, int count)
     {
         constexpr int copied[] = {PreparedRays::origin_x,    PreparedRays::origin_y,    PreparedRays::origin_z,
@@ -569,13 +568,13 @@ private:
 
     const BvhData& bvh_;
     const bool far_;
-    const Mask has_meshes_;  ///< all lanes, or none
+    const Mask has_meshes_;  ///< all lanes or none
     StreamMemory& memory_;
     const std::size_t stride_;
-    std::uint32_t* stacks_;  ///< of memory.stacks, from the first whole cache line on
+    std::uint32_t* stacks_;  ///< first whole cache line of memory.stacks
     Queues now_;
     NextVisits next_;
-    RayMask known_ = 0, waiting_ = 0;  ///< whose state is set; of which something was deferred
+    RayMask known_ = 0, waiting_ = 0;  ///< rays with initialized state; rays with deferred subtrees
     State states_[stream_size];
 };
 

@@ -1,17 +1,17 @@
 #pragma once
-/// One ray with the triangles of a leaf.
+/// Intersection of one ray with the triangles of a leaf: lanes are triangles.
 #include "geometry/bvh/traversal/ray.h"
 
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// What is known of the triangles before it is known where the ray meets them.
+/// Result of the inside test, before distances are computed.
 struct TriangleIntersections {
-    TriangleWeights weights;  ///< inside: those that the ray's line passes through
-    Vec3 corners_z;           ///< of the three corners, along the ray's longest axis
+    TriangleWeights weights;  ///< inside: the ray's line passes through the triangle
+    Vec3 corners_z;           ///< of the three vertices, along the ray's longest axis
 };
 
-/// Of so few triangles that half of a Float has them all.
+/// Converts half a Float, which suffices for few triangles, to a Float.
 [[gnu::always_inline]] inline Float widened(native::Float x)
 {
 #if FATHOM_LANE_PAIRS
@@ -27,7 +27,7 @@ struct TriangleIntersections {
 }
 #endif
 
-/// The first n of the triangles, as many as there are lanes at most.
+/// Keeps the first n triangles, at most one per lane.
 template <class F>
 [[gnu::always_inline]] inline TriangleIntersections first_weighed(const TriangleWeightsOf<F>& w, F za, F zb, F zc,
                                                                   std::ptrdiff_t n)
@@ -37,7 +37,7 @@ template <class F>
             {widened(za), widened(zb), widened(zc)}};
 }
 
-/// The boxes of a leaf's n triangles, a lane each.
+/// Bounding boxes of a leaf's n triangles, one per lane.
 [[gnu::always_inline]] inline void triangle_boxes(const float* data, std::ptrdiff_t n, Float low[3], Float high[3])
 {
     for (int axis = 0; axis < 3; ++axis) {
@@ -47,7 +47,7 @@ template <class F>
     }
 }
 
-/// F: Float, or half of one.
+/// Loads an F: Float, or half of one.
 template <class F>
 [[gnu::always_inline]] inline F load_as(const float* p)
 {
@@ -57,7 +57,7 @@ template <class F>
         return native::load(p);
 }
 
-/// F: Float, or half of one for so few triangles.
+/// Intersects a ray with n triangles from index `at` on. F: Float, or half of one if that suffices.
 template <class F>
 [[gnu::always_inline]] inline TriangleIntersections intersect_triangles(const float* data, std::ptrdiff_t n,
                                                                         std::ptrdiff_t at, const PreparedRay& r)
@@ -75,7 +75,7 @@ template <class F>
     return first_weighed(w, a.z, b.z, c.z, n - at);
 }
 
-/// The ray with n triangles from `at` on, as many as there are lanes at most.
+/// Intersects a ray with a leaf's triangles from index `at` on, at most one per lane.
 [[gnu::always_inline]] inline TriangleIntersections intersect_triangles(const BvhData& bvh, std::uint32_t leaf, int at,
                                                                         const PreparedRay& r)
 {
