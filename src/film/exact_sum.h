@@ -70,6 +70,7 @@ struct ExactSquareSum {
     static constexpr int words = 4;
     using Wide = unsigned __int128;
 
+    /// Adds a square given in units of 2^-54.
     static void add(std::uint32_t* sum, Wide value)
     {
         const Wide before = load(sum), total = before + value;
@@ -81,6 +82,7 @@ struct ExactSquareSum {
     {
         add(sum, Wide(std::nearbyint(std::ldexp(std::fmin(square, 0x1p64), fraction_bits))));
     }
+    /// The sum as a double, rounded.
     static double value(const std::uint32_t* sum) { return std::ldexp(double(load(sum)), -fraction_bits); }
 
 private:

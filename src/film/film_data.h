@@ -23,6 +23,7 @@ struct FilmLayout : AovPlaces {
     FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted);
 };
 
+/// Contents of a film: key, sample ranges and sums.
 struct Film::Data {
     explicit Data(FilmKey key);
     /// Resets to an empty film with another key; the memory is kept.

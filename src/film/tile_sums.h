@@ -11,6 +11,7 @@ namespace fathom {
 /// Word offsets within a film's pixel: sums of radiance, sums of squares, then all other sums in the order of
 /// FilmLayout.
 inline constexpr int square_words = 3 * ExactSum::words, other_words = square_words + 3 * ExactSquareSum::words;
+/// The words of one sum within a pixel: of radiance, of squared radiance, or another by its index.
 template <class Word>
 Word* radiance_sum(Word* pixel, int channel)
 {
@@ -130,6 +131,7 @@ public:
             for (int i = 0; i < 3; ++i) film[ids + i] = from[ids + i];
     }
 
+    /// A sample with a channel of at least `small` in magnitude.
     struct Slow {
         std::uint32_t pixel;
         float value[3];

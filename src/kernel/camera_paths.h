@@ -29,6 +29,7 @@ public:
     {
     }
 
+    /// The start of a path: pixel, random numbers and camera ray.
     struct Path {
         UInt pixel;  ///< position of the pixel in job.pixels
         SampleKey key;

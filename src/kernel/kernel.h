@@ -36,6 +36,8 @@ struct KernelBackground {
     Rgb radiance{};
 };
 
+/// Render settings that the kernel needs. max_depth: number of surfaces a path may scatter at, -1: no limit.
+/// roulette_depth: bounces before Russian roulette.
 struct KernelSettings {
     int width = 0, height = 0;
     std::uint32_t seed = 0;
@@ -74,6 +76,7 @@ struct KernelTexturePoint {
     Vec4f vertex_color{1, 1, 1, 1};
 };
 
+/// Statistics of rendering, added to by each job.
 struct KernelCounters {
     /// The kernel leaves costs.seconds to the caller, which knows the duration of a tick.
     RenderCosts costs;

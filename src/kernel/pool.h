@@ -160,6 +160,7 @@ struct PathPool {
         if (extras.walk_textures)
             for_columns(a.walk_extinction, b.walk_extinction, f), for_columns(a.walk_albedo, b.walk_albedo, f);
     }
+    /// The position of the pixel in the job.
     template <class Word>
     static Word pixel_of(Word state)
     {

@@ -38,6 +38,7 @@ inline constexpr std::uint32_t record_words = [] {
 
 }  // namespace detail
 
+/// Loads three consecutive floats from base[at] on as a vector, for the lanes of m; 0 in other lanes.
 inline Vec3 gather_vector(const float* base, UInt at, Mask m)
 {
     Float row[3];

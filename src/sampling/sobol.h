@@ -11,6 +11,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// A two-dimensional sample.
 struct Sample2 {
     Float x, y;  ///< each in [0, 1)
 };

@@ -23,6 +23,7 @@ public:
     /// Parses the packing of a file, as text() wrote it. Throws Error if it is not valid for a film of this layout.
     Packing(const FilmLayout& layout, const std::string& text);
 
+    /// The packing as text, for an attribute of the file.
     std::string text() const;
     /// 32-bit words of a packed pixel.
     int words() const { return words_; }

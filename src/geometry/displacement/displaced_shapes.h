@@ -15,6 +15,7 @@ struct FlattenedShape;
 /// Displaced meshes of a scene, one for each combination of content and displacing material.
 class DisplacedShapes {
 public:
+    /// A displaced mesh.
     struct Entry {
         Mesh mesh;
         Bounds bounds;  ///< over all motion keys

@@ -31,6 +31,7 @@ public:
     struct Size {
         double triangles = 0, vertices = 0;
     };
+    /// Computes the size of a subdivision without creating it.
     static Size size(const Mesh& mesh, const WeldedMesh& welded, const std::vector<std::uint8_t>& exponents);
 
     std::uint32_t vertices() const { return first_inner_.back(); }

@@ -18,7 +18,7 @@ public:
     double parts(const Mesh& mesh, std::uint32_t a, std::uint32_t b) const;
 
 private:
-    /// Map from texture coordinates, or those by position, to parts.
+    /// Linear map from texture coordinates (stored, or computed from positions) to the number of parts needed.
     struct UvMap {
         std::size_t set;
         double rows[2][2];

@@ -39,6 +39,7 @@ struct FlatScene {
         Vec3f origin, along[3];
         Box unit;  ///< the box in its own coordinates
     };
+    /// A parallelogram that is not part of a box.
     struct Quad {
         Vec3f corner, normal, dual_u, dual_v;  ///< u = dot(p - corner, dual_u), and v likewise
         std::uint32_t primitive;
@@ -47,9 +48,11 @@ struct FlatScene {
         Vec3f a, b, c;
         std::uint32_t primitive;
     };
+    /// A sphere or disk.
     struct Round {
         std::uint32_t index, primitive;  ///< index: of a sphere or disk in the tables
     };
+    /// Primitives to test, by kind.
     struct List {
         std::vector<Box> boxes;
         std::vector<OrientedBox> oriented_boxes;
@@ -65,6 +68,7 @@ struct FlatScene {
 
     /// By face code: the primitive. Each box of `all` has eight codes, then each oriented box; padded for lookup().
     std::vector<std::uint32_t> face_primitives;
+    /// The primitive with a face code of closest_box(), or no_index for no_face.
     UInt primitive_of_code(UInt code) const
     {
         const int n = int(codes_per_box * (all.boxes.size() + all.oriented_boxes.size()));
@@ -100,6 +104,7 @@ struct Slabs {
     Vec3 near, far;
 };
 
+/// Slab test: distances of a ray to the planes of a box. o_inverse: origin times inverse direction.
 [[gnu::always_inline]] inline Slabs slabs(const FlatScene::Box& box, const Vec3& inverse, const Vec3& o_inverse)
 {
     const Vec3 lo{fma(Float(box.lo.x), inverse.x, -o_inverse.x), fma(Float(box.lo.y), inverse.y, -o_inverse.y),
@@ -165,6 +170,7 @@ struct SlabRay {
     }
 }
 
+/// Lanes whose ray hits an existing face of the box at 0 < t < t_max.
 [[gnu::always_inline]] inline Mask occluded_box(const FlatScene::Box& box, const SlabRay& ray, Float t_max)
 {
     const Slabs s = slabs(box, ray.inverse, ray.o_inverse);
@@ -186,6 +192,7 @@ struct SlabRay {
     return {along(o), along(ray.d), ray.t_max, ray.time};
 }
 
+/// Lanes whose ray hits the quad at 0 < t < t_max.
 [[gnu::always_inline]] inline Mask intersect_quad(const FlatScene::Quad& quad, const Ray& ray, Float t_max, Float& t)
 {
     const Vec3 n(quad.normal);

@@ -58,6 +58,7 @@ struct TriangleWeightsOf {
 };
 using TriangleWeights = TriangleWeightsOf<Float>;
 
+/// A triangle corner relative to the ray's origin, permuted as in TriangleRay.
 template <class F>
 struct TriangleCorner {
     F x, y, z;
@@ -169,6 +170,7 @@ inline Mask intersect_sphere(const Vec3& center, Float radius, const Vec3& o, co
     return (discriminant >= Float(0)) & (t > Float(0)) & (t <= t_max);
 }
 
+/// Updates `hit` with a sphere, which may move linearly.
 inline void closest_sphere(const SphereRecord& sphere, std::uint32_t primitive, const Ray& ray, Hit& hit)
 {
     const Vec3 center = fma(Vec3(sphere.motion), ray.time, Vec3(sphere.center));
@@ -189,6 +191,7 @@ inline Mask intersect_disk(const Vec3& center, const Vec3& n, Float radius, cons
     return (t > Float(0)) & (t <= t_max) & (dot(p, p) <= radius * radius);
 }
 
+/// Updates `hit` with a disk.
 inline void closest_disk(const DiskRecord& disk, std::uint32_t primitive, const Ray& ray, Hit& hit)
 {
     Float t;

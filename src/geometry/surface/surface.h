@@ -290,6 +290,7 @@ private:
         Float handedness() const { return turned ? dot(row[0], cross(row[1], row[2])) : Float(1); }
         Vec3 from_node(Vec3 v) const { return turned ? fma(row[0], v.x, fma(row[1], v.y, row[2] * v.z)) : v; }
     };
+    /// The axes of the nodes of shapes, from tables.frames.
     NodeAxes node_axes(UInt shape, Mask m) const
     {
         NodeAxes axes;

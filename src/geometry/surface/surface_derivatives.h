@@ -48,6 +48,7 @@ struct SurfaceDerivatives {
         way[0] = select(m, a, way[0]);
         way[1] = select(m, b, way[1]);
     }
+    /// Sets the change of texture coordinates of one set along both edges of triangles with these vertices.
     void read_uv(const LargeVector<Vec2f>& table, const UInt* vertex, int set, Mask m)
     {
         if (none(m)) return;

@@ -27,6 +27,7 @@ struct Roulette {
     Float survival;
 };
 
+/// Upper limit on the survival probability at a bounce.
 inline Float max_survival(UInt bounce)
 {
     return select(less(bounce, UInt(sure_bounces)), Float(1), Float(0.95f));

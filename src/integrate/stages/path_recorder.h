@@ -87,6 +87,7 @@ public:
 
 private:
     static constexpr std::uint32_t max_vertices = 8;
+    /// A recorded path vertex.
     struct Vertex {
         float position[3];
         std::uint16_t side = 0, bin = GuidingRecord::no_bin;

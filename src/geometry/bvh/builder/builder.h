@@ -21,6 +21,7 @@ public:
     {
     }
 
+    /// Builds the BVH and its statistics.
     void build();
     /// See Bvh::update. Returns false if too much of the arrays is no longer used, so that the BVH must be rebuilt.
     bool update(const std::vector<std::uint32_t>& changed);

@@ -40,6 +40,7 @@ struct Chunk {
 
     /// Sets `triangles` to the upper bound.
     void count_triangles(const BinaryTree& tree);
+    /// Writes the nodes and leaves of the chunk; triangles go to the BVH's arrays unless the chunk is compact.
     void write(const GeometryTables& tables, const BinaryTree& tree, BvhData& bvh);
 };
 

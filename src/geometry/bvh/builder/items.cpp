@@ -50,7 +50,7 @@ namespace {
 
 void set_box(Item& item, const Vec3d& low, const Vec3d& high)
 {
-    // Rounded outward.
+    // The box is rounded outward so that it contains the exact one.
     constexpr float inf = std::numeric_limits<float>::infinity();
     const double lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z};
     for (int axis = 0; axis < 3; ++axis) {

@@ -119,7 +119,7 @@ Box box_of(const PieceEnds& ends)
     const double ra = a.r * (1 + 0x1p-16), rb = b.r * (1 + 0x1p-16);
     const double low[3] = {std::min(a.x - ra, b.x - rb), std::min(a.y - ra, b.y - rb), std::min(a.z - ra, b.z - rb)};
     const double high[3] = {std::max(a.x + ra, b.x + rb), std::max(a.y + ra, b.y + rb), std::max(a.z + ra, b.z + rb)};
-    // Rounded outward.
+    // The box is rounded outward so that it contains the exact one.
     constexpr float inf = std::numeric_limits<float>::infinity();
     Box box;
     for (int axis = 0; axis < 3; ++axis) {

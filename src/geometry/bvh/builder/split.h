@@ -67,6 +67,7 @@ struct alignas(32) Box {
     }
 };
 
+/// Sets the box of an item; id and kind stay.
 inline void set_box(Item& item, const Box& box)
 {
     for (int axis = 0; axis < 3; ++axis) {
@@ -143,7 +144,9 @@ struct Bins {
 
     /// Creates empty bins; only the first `bins` are used.
     explicit Bins(int bins);
+    /// Adds items to the bins of all three axes.
     void add(const Item* items, std::size_t n, const BinMap& map);
+    /// Adds the contents of other bins of the same map.
     void merge(const Bins& other);
 
     int used;

@@ -32,6 +32,7 @@ struct BvhReference {
                                  max_indexed = std::size_t(1) << 29;
     static constexpr int kind_shift = 27;
 
+    /// first: index of the leaf's first triangle in BvhData::keys. count: 1 to 16.
     static std::uint32_t triangles(std::size_t first, std::size_t count)
     {
         return triangle_bit | std::uint32_t(count - 1) << 27 | std::uint32_t(first);

@@ -17,6 +17,7 @@ static_assert(stream_size <= 64);
 /// index into BvhData::keys. The lookup is deferred, usually to the end of a ray.
 inline constexpr std::uint32_t hit_is_index = 1u << 31;
 
+/// The nearest hits of a stream's rays so far, in columns.
 struct RayHits {
     /// Slot past the rays, for values to be discarded.
     static constexpr int nowhere = stream_size;

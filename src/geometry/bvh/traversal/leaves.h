@@ -58,6 +58,7 @@ bool intersect_all(int n, const LeafRay& ray, const Meet& meet, const Offer& off
     return found;
 }
 
+/// Leaf data: none; centers, motion and radii are read from the tables.
 template <bool any_hit, class Offer>
 bool intersect_spheres(const GeometryTables& tables, const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
@@ -71,6 +72,7 @@ bool intersect_spheres(const GeometryTables& tables, const BvhLeaf& leaf, const 
     return intersect_all<any_hit>(leaf.count(), ray, meet, offer);
 }
 
+/// Leaf data: none; centers, normals and radii are read from the tables.
 template <bool any_hit, class Offer>
 bool intersect_disks(const GeometryTables& tables, const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {

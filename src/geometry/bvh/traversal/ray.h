@@ -82,6 +82,7 @@ struct PreparedRays {
     /// `axis` is last. row: integers, the first two axes of that permutation.
     alignas(64) float f[field_count][lanes];
 
+    /// Prepares rays for a tree with this radius, the largest absolute coordinate in it.
     void prepare(const Vec3& o, const Vec3& d, Float ray_t_max, Float ray_time, Float radius)
     {
         const BoxRays box(o, d, radius);

@@ -45,6 +45,7 @@ public:
         return size < 0.25f * bvh_.radius;
     }
 
+    /// Traverses what is worth visiting together, and starts the rest in the stream.
     void run()
     {
         PacketEntry* const stack = memory_.packet_stack.data();

@@ -118,11 +118,13 @@ private:
     /// lines apart: at powers of two they would evict each other from the cache.
     static constexpr std::size_t line_words = 16;
 
+    /// Number of rays in each queue.
     struct Counts {
         int nodes = 0, leaves = 0, others = 0;
     };
     /// Indices of rays, padded for vector stores.
     using RayList = std::uint32_t[stream_size + lanes];
+    /// Rays by kind of reference to visit: a node, a leaf of triangles, or anything else.
     struct Queues {
         Counts n;
         RayList node, leaf, other;
@@ -474,6 +476,7 @@ private:
         }
     }
 
+    /// Tests a leaf of primitives other than triangles; returns whether it contains the nearest hit so far.
     bool visit_other_leaf(int ray, BvhReference::Kind kind)
     {
         const BvhLeaf leaf{&bvh_.others[std::size_t(BvhReference::place(states_[ray].reference)) * BvhLeaf::unit]};

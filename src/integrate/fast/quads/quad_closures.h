@@ -28,6 +28,7 @@ struct QuadScatter {
     Ray shadow;
 };
 
+/// Shading of the quads that are not plain.
 class QuadClosures {
 public:
     QuadClosures(const LaneScene& scene, StageClock& clock) : surfaces_(scene), materials_(scene), clock_(clock) {}

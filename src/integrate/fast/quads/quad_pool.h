@@ -22,6 +22,7 @@ struct QuadPool {
     UInt quad(std::size_t i) const { return place.load(i) & UInt(quad_mask); }
     UInt bounces(std::size_t i) const { return (place.load(i) >> bounce_shift) & UInt(bounce_mask); }
 
+    /// Calls f(column) for each column in use.
     template <class F>
     void for_all(bool refracts, F&& f)
     {
