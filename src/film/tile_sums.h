@@ -42,8 +42,8 @@ public:
     /// Vectors of four numbers by the GCC and Clang extension, which is available for every instruction set.
     using Doubles = double __attribute__((vector_size(32)));
     using Integers = std::int64_t __attribute__((vector_size(32)));
-    // GCC's default alignment of such vectors depends on the instruction set; the library and its kernels must agree on
-    // one.
+    // The alignment of Fast is explicit: GCC's default alignment of vectors depends on the instruction set; library and
+    // kernels must agree.
     /// Squares are split in two sums: multiples of 2^-20, and the remainders, which may be negative, in units of 2^-54.
     struct alignas(32) Fast {
         Integers sum{}, square{}, square_rest{};

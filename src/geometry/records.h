@@ -95,7 +95,7 @@ static_assert(sizeof(PoseRecord) == 64);
 
 /// All primitives, shapes and instances of a scene.
 struct GeometryTables {
-    // Per vertex of all meshes; arrays that no mesh uses are empty.
+    // Vertex attributes of all meshes; arrays that no mesh uses are empty.
     LargeVector<Vec3f> positions, normals;
     LargeVector<Vec4f> tangents, colors;
     LargeVector<Vec2f> uv0, uv1;

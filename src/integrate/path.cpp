@@ -281,7 +281,7 @@ private:
         }
         for (std::size_t i = 0; i < active; ++i)
             if (buckets_[i] != 0) order_[place[buckets_[i]]++] = std::uint32_t(i);
-        // Scalar copies: SIMD gathers take as long or longer, even where the hardware has them.
+        // Scalar copies are used because SIMD gathers take as long or longer, even where the hardware has them.
         const auto permute = [&](const auto& from, auto& to) {
             for (std::size_t i = 0; i < packed; ++i) to[i] = from[order_[i]];
         };

@@ -68,7 +68,7 @@ Rays from_triangles(const GeometryTables& tables)
     for (std::size_t i = 0; i < max_rays; i += lanes) {
         const Numbers numbers(i, 0);
         const UInt any = to_uint(numbers.pair(0).x * Float(float(tables.world_triangles)));
-        // Rounding may reach the index past the last triangle.
+        // The product may round up to the number of triangles.
         const UInt number = select(less(any, last), any, last);
         Vec3 corner[3];
         for (std::uint32_t k = 0; k < 3; ++k) {

@@ -26,7 +26,7 @@ inline Vec3 equal_area_direction(Float x, Float y)
     const Float u = fma(clamp(x, Float(0), Float(1)), Float(2), Float(-1)),
                 v = fma(clamp(y, Float(0), Float(1)), Float(2), Float(-1));
     const Float above = Float(1) - abs(u) - abs(v), r = Float(1) - abs(above);
-    // The azimuth in eighths of a turn, measured from the edge of a quadrant (0 to 2).
+    // The azimuth within a quadrant, in eighths of a turn (0 to 2).
     const Float eighths = select(r > Float(0), (abs(v) - abs(u)) / max(r, Float(1e-30f)) + Float(1), Float(1));
     const SinCos phi = sincos_2pi(eighths * Float(0.125f));
     const Float across = r * sqrt(max(fma(-r, r, Float(2)), Float(0)));

@@ -142,7 +142,7 @@ template <int n>
         for (Float& x : row) x = Float(0);
         return;
     }
-    // Row 0 is readable whenever any lane has a row.
+    // If any lane has a row, the array has a first one, which idle lanes can read safely.
     const UInt at = select(m, index, UInt(0u));
     if constexpr (n < 4)
         gather_row(base, at, row);

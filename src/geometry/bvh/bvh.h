@@ -19,8 +19,8 @@ struct GeometryTables;
 /// past `count`.
 struct RayArrays {
     const float *ox, *oy, *oz, *dx, *dy, *dz;
-    const float* t_max;  ///< null: infinity
-    const float* time;   ///< null: 0
+    const float* t_max;  ///< null: unlimited
+    const float* time;   ///< null: all rays have time 0
     std::size_t count;
 };
 

@@ -85,7 +85,7 @@ public:
     }
 
 private:
-    /// Adjacent segments share the point where they join.
+    /// Adds the record of segment i; adjacent segments share a control point.
     void add_segment(std::size_t i, std::size_t segments)
     {
         CurveRecord record;
@@ -107,7 +107,7 @@ private:
     }
     void put(const Point& p)
     {
-        // A spline of radii may fall below zero; such parts are invisible.
+        // A spline of radii may fall below zero; the curve is invisible there.
         tables_.curve_points.push_back({float(p.p.x), float(p.p.y), float(p.p.z), float(std::max(p.r, 0.0))});
     }
 

@@ -66,8 +66,8 @@ private:
         ShapeRecord shape = t_.shapes[mesh_shape];
         shape.material = material_index(t_, described);
         const MaterialRecord& material = t_.materials[shape.material];
-        // Not flipped: normals transform by the inverse transpose, which preserves their side even if the transform
-        // mirrors.
+        // Instances are never flipped: normals transform by the inverse transpose, which keeps their side under
+        // mirroring.
         shape.flags &= ~std::uint32_t(ShapeRecord::alpha_tested);
         if (material.alpha_mode != std::uint32_t(AlphaMode::opaque)) {
             const bool is_round = shape.first_primitive >= t_.first_sphere();

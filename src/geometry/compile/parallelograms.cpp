@@ -37,7 +37,7 @@ bool has_flat_normals(const Mesh& mesh)
         const Vec3d n = cross(corner(1) - corner(0), corner(2) - corner(0));
         for (std::size_t k = 0; k < 3; ++k) {
             const Vec3d shading = to_double(mesh.normals[mesh.indices[i + k]]);
-            // Compares the tangent of the angle between both; normals from files are rounded.
+            // The tangent of the angle between both normals must be small; normals from files are rounded.
             if (!(length(cross(n, shading)) <= 1e-4 * dot(n, shading))) return false;
         }
     }

@@ -93,7 +93,7 @@ std::vector<PoseRecord> pose_tables(const std::vector<NodeKey>& poses)
         if (i > 0) {
             const double angle = std::acos(std::min(1.0, std::abs(cosine)));
             tables[i - 1].turns = float(angle / (2 * std::numbers::pi));
-            // For smaller angles the weights are linear to 1e-8.
+            // Below this angle, interpolation weights are linear to 1e-8.
             if (angle > 1e-3) tables[i - 1].inverse_sine = float(1 / std::sin(angle));
         }
         before = pose.rotation;

@@ -54,7 +54,7 @@ void check_size(const Mesh& mesh, Subdivision::Size size, const std::string& fil
                     fmt::format("displacement asks for {:.0f} million triangles; up to {:.0f} million can be: give a "
                                 "greater displacement_edge_length",
                                 size.triangles / 1e6, most / 1e6));
-    // Positions and normals before and after, heights, directions, and the result.
+    // The estimate covers positions and normals before and after, heights, directions, and the resulting mesh.
     const double bytes = size.triangles * 12 + size.vertices * (24.0 * double(2 + mesh.motion.size()) + 64);
     if (bytes > double(available_memory_bytes()))
         throw Error(file, name,

@@ -18,7 +18,7 @@ public:
     /// A displaced mesh.
     struct Entry {
         Mesh mesh;
-        Bounds bounds;  ///< over all motion keys
+        Bounds bounds;  ///< bounds over all motion keys
     };
 
     /// Creates the meshes for the scene's materials, with textures from the tables.

@@ -66,7 +66,7 @@ std::uint32_t Subdivision::vertex(std::size_t triangle, std::uint32_t i, std::ui
     if (j == 0) return on_edge(triangle, 0, i, n);
     if (i + j == n) return on_edge(triangle, 1, j, n);
     if (i == 0) return on_edge(triangle, 2, n - j, n);
-    // Each row has one vertex fewer than the previous one.
+    // Each row of the triangular grid has one vertex fewer than the previous one.
     return first_inner_[triangle] + (j - 1) * (n - 1) - j * (j - 1) / 2 + i - 1;
 }
 

@@ -131,7 +131,7 @@ void Subdivision::for_each_border_triangle(std::size_t triangle, const F& f) con
     for (std::uint32_t j = 0; j < n; ++j)
         for (std::uint32_t i = 0; i + j < n; ++i) {
             cell(triangle, i, j, n, f);
-            // Inside a row, only the cells at its ends touch an edge.
+            // Cells in the middle of a row touch no edge of the triangle and are skipped.
             if (j > 0 && i == 0 && n - j > 4) i = n - j - 4;
         }
 }

@@ -69,7 +69,7 @@ private:
         const auto center = [&](std::size_t k) { return (corners_[k][0] + corners_[k][3]) * 0.5; };
         const Frame frame{to_double(q.corner), {to_double(q.edge_u), to_double(q.edge_v), center(j) - center(i)}};
         if (!are_same(frame.face(5), corners_[j], tolerance_)) return {};
-        // Excludes coplanar parallelograms.
+        // The volume test excludes coplanar parallelograms.
         const double area = length(cross(frame.edge[0], frame.edge[1]));
         if (!(frame.volume() > 8 * tolerance_ * area)) return {};
         FlatScene::OrientedBox box = box_of(frame);

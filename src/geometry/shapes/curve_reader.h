@@ -76,7 +76,7 @@ private:
         const CurvePoint<Float> line{p[1].x - p[0].x, p[1].y - p[0].y, p[1].z - p[0].z, Float(0)};
         return chosen(linear_, line, bezier_tangent(p, piece * (Float(1) / pieces_)));
     }
-    // Interpolation between keys, in functions of their own, so that static curves do not pay for it.
+    // Functions of their own interpolate between keys, so that static curves do not pay for it.
     [[gnu::noinline]] void move_begin(Float piece, CurvePoint<Float>& p) const
     {
         CurvePoint<Float> next[4];

@@ -108,7 +108,7 @@ template <class F>
 struct UndividedHits {
     Float t, sum;
 
-    /// z: of the corners.
+    /// z: z coordinates of the corners, permuted as in TriangleRay.
     UndividedHits(const TriangleWeights& w, Float shear_z, const Vec3& z)
         : t(fma(w.a, z.x, fma(w.b, z.y, w.c * z.z)) * shear_z), sum(w.a + w.b + w.c)
     {
@@ -122,7 +122,8 @@ struct UndividedHits {
     }
 };
 
-/// Lanes that are inside and have 0 < t <= t_max. z: of the corners; u and v receive the weights of b and c.
+/// Lanes that are inside and have 0 < t <= t_max. z: z coordinates of the corners; u and v receive the weights of b and
+/// c.
 [[gnu::always_inline]] inline Mask triangle_distance(const TriangleWeights& w, Float shear_z, const Vec3& z,
                                                      Float t_max, Float& t, Float& u, Float& v)
 {

@@ -174,7 +174,7 @@ private:
                 return any(changes) ? select(changes, at_time(t_.normals, vertex[k], changes), still) : still;
             };
             const Vec3 interpolated = interpolate(at(0), at(1), at(2));
-            // Normals that cancel or are missing are replaced by the geometric normal.
+            // Interpolated normals that are zero are replaced by the geometric normal.
             ns = select(smooth & (dot(interpolated, interpolated) > Float(1e-12f)), interpolated, ns);
         }
         const TrianglePlace place{{vertex[0], vertex[1], vertex[2]}, hit.u, hit.v};
@@ -199,7 +199,7 @@ private:
             place.numbers(reinterpret_cast<const float*>(t_.colors.data()), colored, color);
             for (int c = 0; c < 4; ++c) s.at.vertex_color[c] = select(colored, color[c], s.at.vertex_color[c]);
         }
-        // Mean distance of the corners, weighted.
+        // The weighted mean distance of the corners bounds the rounding of the interpolation.
         const auto spread = [](Float weight) { return weight * (Float(2) - Float(2) * weight); };
         const Vec3 corners = fma(abs(e1), spread(hit.u), abs(e2) * spread(hit.v));
         const Vec3 ng = normalize(n);
@@ -235,7 +235,7 @@ private:
     void place(const Affine& to_object, Mask m, Surface& s) const
     {
         const Affine to_render = to_object.inverse();
-        // Unit vectors stay unit vectors.
+        // Transformed normals are normalized again.
         const auto normal = [&](Vec3 n) { return normalize(to_object.transposed_vector(n)); };
         // scale: factor on lengths along the normal. Both maps round what they add, to object space and back.
         const Vec3 scaled_normal = to_object.transposed_vector(s.ng);
@@ -286,7 +286,7 @@ private:
         bool turned;  ///< false: the axes are those of the current space, bitwise
 
         Vec3 to_node(Vec3 v) const { return turned ? Vec3(dot(row[0], v), dot(row[1], v), dot(row[2], v)) : v; }
-        /// -1 if the node mirrors.
+        /// -1 if the node mirrors, else 1.
         Float handedness() const { return turned ? dot(row[0], cross(row[1], row[2])) : Float(1); }
         Vec3 from_node(Vec3 v) const { return turned ? fma(row[0], v.x, fma(row[1], v.y, row[2] * v.z)) : v; }
     };
@@ -355,14 +355,15 @@ private:
     {
         const Vec3 out = normalize(s.p - center);
         s.p = select(m, fma(out, abs(radius), center), s.p);
-        // The intersection test subtracts squares of lengths of about the radius.
+        // The offset grows with the radius because the intersection test subtracts squares of lengths of about the
+        // radius.
         s.offset =
             select(m, fma(abs(radius), Float(0x1p-20f), rounding_along(out, s.p, Vec3(Float(0), Float(0), Float(0)))),
                    s.offset);
         s.ng = select(m, flip_sign(out, radius), s.ng);
         s.ns = select(m, s.ng, s.ns);
         if (!scene_.wants_uv) return;
-        // u runs around +y, v from the pole at +y down.
+        // Texture coordinates of balls: u runs around +y, v from the pole at +y down.
         const NodeAxes axes = node_axes(s.shape, m);
         const Vec3 to = axes.to_node(out);
         const Float u = atan2(-to.z, to.x) * Float(0.5f * inv_pi);

@@ -14,7 +14,7 @@ inline void choose_channel(const SampleKey& key, UInt seed, LayeredMaterialPoint
     if (!layers.has(LayersRecord::disperses)) return;
     const Mask splits = (layers.dispersion > Float(0)) & (layers.transmission > Float(0));
     const Float pick = sample_hash(key, pair_seed(seed, pair_channel)) * Float(float(channels));
-    // The only channel with positive throughput, or else the picked one.
+    // A path with a single positive channel keeps that channel; others get the picked one.
     Float alive(0), alone(0);
     for (int c = 0; c < channels; ++c) {
         const Mask lives = throughput.c[c] > Float(0);

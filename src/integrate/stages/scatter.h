@@ -52,7 +52,7 @@ template <class Closure>
     const BsdfSample next = closure.sample(at.wo, random, choice);
     Scattered s{at.frame.to_world(next.wi), throughput * next.weight, next.pdf, next.is_delta, next.eta,
                 next.enters_subsurface};
-    // A shading normal must neither send light through an opaque surface nor keep it from passing a transmissive one.
+    // A shading normal must not change the side of the surface on which light leaves.
     const Float side = dot(s.wi, at.ng);
     s.throughput = select(equal(side > Float(0), next.wi.z > Float(0)), s.throughput, Spectrum(Float(0)));
     if (Closure::transmits && any(at.skips_interface)) {

@@ -150,7 +150,8 @@ private:
             ends |= !no_bounce & !may_scatter(settings_, bounce);
         next_state = select(ends, next_state | UInt(PathPool::dead), next_state);
         Float exit_offset = at.exit_offset(next.wi);
-        // Density for MIS against light sampling, divided by the probability that a light is sampled at all.
+        // Lights are sampled at this vertex with a probability only; dividing by it scales their density in the MIS
+        // weight.
         Float weighed_pdf = next.pdf;
         if (has_light_chance_) weighed_pdf = weighed_pdf / abs(p.light_chance.load(i));
         if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows) {

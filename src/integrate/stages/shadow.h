@@ -189,7 +189,7 @@ private:
     Column<float> t_max_, time_;
     SpectrumColumn radiance_;
     Column<std::uint32_t> path_, blocked_, seen_;
-    // Used in scenes with transmissive shadows:
+    // The following members are used in scenes with transmissive shadows.
     MediaColumn media_;
     Column<std::uint32_t> bounces_;  ///< bounces that a path would need to pass the surfaces so far
     HitColumns hits_;

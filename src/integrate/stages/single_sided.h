@@ -19,7 +19,7 @@ public:
     /// relative to the origins of the paths.
     void look_through(const PathPool& p, HitColumns& hits, std::size_t begin, std::size_t end)
     {
-        // The limit bounds the work for scenes with more such surfaces in a row.
+        // The limit bounds the work where very many see-through surfaces lie behind each other.
         for (int i = 0; i < 256; ++i) {
             const std::size_t size = list_passed(p, hits, begin, end);
             if (size == 0) return;

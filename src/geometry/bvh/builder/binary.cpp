@@ -54,7 +54,7 @@ public:
         place(top, BinaryNode::none, tree);
         const std::size_t before = list_.items.bytes() + (clusters_ ? clusters_->node_bytes : 0);
         list_.items = {};
-        // Spatial splits work on a copy of the items.
+        // Spatial splits need a second copy of the items.
         const std::size_t copies = before + std::size_t(splitter_ ? 1 : 0) * list_.count * sizeof(Item);
         tree.peak_bytes = std::max({clusters_ ? clusters_->peak_bytes : 0, copies, before + tree.bytes()});
         clusters_ = {};

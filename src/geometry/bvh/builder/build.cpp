@@ -104,7 +104,7 @@ void BvhBuilder::build()
     tree_.moving = anything_moves(tables_);
     const std::vector<std::uint32_t> shapes = find_meshes();
     std::size_t triangles = count_triangles(tables_);
-    // Pages that are reserved but never written take no memory.
+    // Space is reserved generously: pages that are never written take no memory.
     if (level_ == TreeBuild::high) triangles += std::size_t(max_cuts * double(triangles));
     if (triangles > BvhReference::max_triangles)
         throw std::length_error("a scene can have at most 134,217,728 triangles");

@@ -58,7 +58,7 @@ void order_by_distance(BvhNode& node, int count)
     }
     const V16i used = lane_numbers < count;
     for (int octant = 0; octant < 4; ++octant) {
-        // The opposite octant uses the reversed order.
+        // Four octants suffice: the opposite octant uses the reversed order.
         const V16 along = (octant & 1 ? -center[0] : center[0]) + (octant & 2 ? -center[1] : center[1]) + center[2];
         std::int32_t ranks[bvh_width];
         find_ranks(used ? along : unused, ranks);

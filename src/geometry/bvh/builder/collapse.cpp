@@ -47,7 +47,7 @@ public:
         // Whether a leaf can hold the items is tested only where a leaf would be best.
         if (node.choices[0] != 0 || fits(node)) return costs;
         if (node.count > bvh_width) {
-            // Costs overflowed: any valid division will do.
+            // The costs overflowed to infinity, so any valid division of the children will do.
             node.choices.bits = 0x1111111111111111u;
             return costs;
         }
@@ -107,7 +107,7 @@ public:
         make_room(nodes_, end_of_nodes);
         make_room(bvh_.others, end_of_others + bvh_width);
         const std::uint32_t root = emit(0, 0).reference;
-        // Freed before the contents of chunks exist twice.
+        // The binary tree is freed before the contents of chunks are copied, which limits peak memory.
         tree_ = {};
         nodes_.resize(end_of_nodes);
         each([&](Chunk& c) { place_nodes(c); });

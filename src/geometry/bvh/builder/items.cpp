@@ -208,7 +208,7 @@ ItemList make_items(std::size_t n, const Make& make)
         list.box.extend(parts[c].box);
         list.centers.extend(parts[c].centers);
     }
-    // Omitted items left gaps, which the last items fill.
+    // Items that make() omitted left gaps in the array, which the last items fill.
     std::size_t last = chunks;
     for (std::size_t c = 0; c < last; ++c)
         for (std::size_t& i = parts[c].count; c * chunk + i < std::min(list.count, (c + 1) * chunk);) {

@@ -115,7 +115,7 @@ PieceEnds piece_ends(const GeometryTables& tables, std::uint32_t id, bool linear
 Box box_of(const PieceEnds& ends)
 {
     const CurvePoint<float>&a = ends.a, &b = ends.b;
-    // Enlarged slightly, since computed distances have rounding errors of their own.
+    // The radii are enlarged slightly because computed distances have rounding errors of their own.
     const double ra = a.r * (1 + 0x1p-16), rb = b.r * (1 + 0x1p-16);
     const double low[3] = {std::min(a.x - ra, b.x - rb), std::min(a.y - ra, b.y - rb), std::min(a.z - ra, b.z - rb)};
     const double high[3] = {std::max(a.x + ra, b.x + rb), std::max(a.y + ra, b.y + rb), std::max(a.z + ra, b.z + rb)};

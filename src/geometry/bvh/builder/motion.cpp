@@ -148,7 +148,7 @@ MovingBox sphere_box(const GeometryTables& tables, std::uint32_t index)
 {
     const SphereRecord& s = tables.spheres[index];
     const double center[3] = {s.center.x, s.center.y, s.center.z}, motion[3] = {s.motion.x, s.motion.y, s.motion.z};
-    // Enlarged slightly, since intersect_sphere() has rounding errors of its own.
+    // The radius is enlarged slightly because intersect_sphere() has rounding errors of its own.
     const double r = std::fabs(double(s.radius)) * (1 + 0x1p-18);
     const auto at = [&](double time) {
         Box box;
@@ -227,7 +227,7 @@ MovingBox MovingBox::around(const float* times, const Box* boxes, std::size_t co
         const V8 less = boxes[i].v - at;
         shift = less < shift ? less : shift;
     }
-    // Low bounds and negated high bounds both decrease.
+    // Boxes store low bounds and negated high bounds, so a negative shift widens both.
     box.open.v += shift;
     box.close.v += shift;
     return box;

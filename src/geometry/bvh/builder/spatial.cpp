@@ -8,7 +8,7 @@ namespace fathom::bvh {
 namespace {
 
 constexpr int planes = 16;
-/// Sets with fewer items are not split spatially.
+/// Sets with fewer items than this are not split spatially.
 constexpr std::size_t min_items = 16;
 /// Object splits whose sides overlap by less than this fraction of the scene's area are good enough.
 constexpr float min_overlap = 1e-3f;
@@ -16,7 +16,7 @@ constexpr float min_overlap = 1e-3f;
 float overlap(const Box& a, const Box& b)
 {
     Box both;
-    both.v = a.v > b.v ? a.v : b.v;  // (low, -high): the maximum is the intersection
+    both.v = a.v > b.v ? a.v : b.v;  // boxes are (low, -high), so the maximum is the intersection
     for (int axis = 0; axis < 3; ++axis)
         if (!(both.low(axis) <= both.high(axis))) return 0;
     return both.half_area();
@@ -69,7 +69,8 @@ void add_parts(const Item& item, const Vec3f* corners, int axis, const Cells& ce
     }
     const Box whole(item);
     for (int k = first; k <= last; ++k) {
-        part[k].v = part[k].v > whole.v ? part[k].v : whole.v;  // (low, -high): the maximum is the intersection
+        part[k].v =
+            part[k].v > whole.v ? part[k].v : whole.v;  // boxes are (low, -high), so the maximum is the intersection
         if (!is_empty(part[k])) box[k].extend(part[k]);
     }
 }
@@ -98,7 +99,7 @@ void SpatialSplitter::cut(const Item& whole, int axis, float at, Item& left, Ite
         on[axis] = at;
         extend(0, on), extend(1, on);
     }
-    // Rounded outward by more than float precision; the double precision values are more accurate than that.
+    // Boxes are rounded outward by more than float precision, which covers the errors of the double precision values.
     const auto margin = [](double x) { return float(std::abs(x)) * 0x1p-22f + 1e-37f; };
     for (int side = 0; side < 2; ++side) {
         Item& part = side == 0 ? left : right;
@@ -108,7 +109,7 @@ void SpatialSplitter::cut(const Item& whole, int axis, float at, Item& left, Ite
             part.minus_high[k] = std::max(part.minus_high[k], -(float(high[side][k]) + margin(high[side][k])));
         }
     }
-    // The cut lies exactly on the plane.
+    // Both boxes end exactly on the plane, without rounding.
     left.minus_high[axis] = std::max(left.minus_high[axis], -at);
     right.low[axis] = std::max(right.low[axis], at);
 }
@@ -191,7 +192,7 @@ bool SpatialSplitter::divide(const ItemSet& all, const Plane& plane, ItemSet& le
     }
     left.items = all.items;
     right.items = to;
-    left.room = room;  // for now; shared between both sides below
+    left.room = room;  // the caller divides it between both sides
     return left.count > 0 && right.count > 0;
 }
 

@@ -20,7 +20,7 @@ public:
 
 private:
     struct Plane {
-        int axis = -1;  ///< -1: none
+        int axis = -1;  ///< -1: no plane found
         float at = 0, cost = 0;
         std::size_t cuts = 0;
     };

@@ -7,7 +7,7 @@
 
 namespace fathom::bvh {
 
-// Compiler vectors instead of lanes, since the builder works on whole boxes. Vectors of 32 bytes are passed by
+// The builder uses compiler vectors instead of lanes because it works on whole boxes. Vectors of 32 bytes are passed by
 // reference only: passing them by value depends on the instruction set.
 using V4 = float __attribute__((vector_size(16)));
 using V4i = std::int32_t __attribute__((vector_size(16)));
@@ -150,13 +150,13 @@ struct Bins {
     void merge(const Bins& other);
 
     int used;
-    alignas(32) V8 box[max][3];  ///< as in Box
+    alignas(32) V8 box[max][3];  ///< boxes as in Box::v
     std::uint32_t count[max][4];
 };
 
 /// An object split: a bin boundary along an axis, with the boxes of both sides.
 struct Split {
-    int axis = -1;   ///< -1: none found
+    int axis = -1;   ///< -1: no split found
     int bin = 0;     ///< bins up to this one go left
     float cost = 0;  ///< area times number of items, summed over both sides
     Box left, right;

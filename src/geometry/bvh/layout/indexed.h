@@ -117,7 +117,7 @@ private:
     [[gnu::always_inline]] F between(const float* p, const Read& read) const
     {
         if constexpr (!moving) return read(p);
-        // Interpolation as in geometry/motion.h; exact where nothing moves.
+        // The interpolation is that of geometry/motion.h; it is exact where nothing moves.
         const F from = read(p + begin_);
         return fma(read(p + begin_ + step_) - from, fraction_, from);
     }

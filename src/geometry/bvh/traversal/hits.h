@@ -37,7 +37,7 @@ struct RayHits {
         if (other_t != t[i]) return other_t < t[i];
         const BvhKey own = key(bvh, i);
         if (own == no_index || other != own) return own != no_index && other < own;
-        // Several pieces of one curve segment may be tested.
+        // Pieces of one curve segment have equal keys; the smaller u decides between them.
         return other_instance != instance[i] ? other_instance < instance[i] : other_u < u[i];
     }
     /// Rays that have hit something.

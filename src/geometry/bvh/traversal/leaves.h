@@ -184,7 +184,8 @@ bool intersect_curves(const GeometryTables& tables, const BvhLeaf& leaf, const L
                 m = m & !hidden_in_fibre(tables, ids_from(leaf, at), number, piece, ray, t, near);
             }
         }
-        // Exact: both numbers are multiples of a power of 2, so the end of a piece equals the beginning of the next.
+        // The share is a power of 2 and `begin` a multiple of it, so the end of a piece equals the beginning of the
+        // next.
         u = fma(w, pieces.share(), pieces.begin());
         return m;
     };

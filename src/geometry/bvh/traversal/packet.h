@@ -187,7 +187,7 @@ private:
             inner.run();
             blocked_ |= inner.blocked() & same;
         }
-        // Runs what the inner packets have deferred together with the rest.
+        // Subtrees that the inner packets have deferred are traversed here, together with single rays.
         finish(rays);
     }
 
@@ -214,7 +214,7 @@ private:
         const auto [rays, reference, t] = entry;
         const BvhNode& node = bvh_.nodes[moving ? BvhReference::node(reference) : reference];
         const float* const bounds = node.bounds[0];
-        // Change of the boxes over the shutter interval; null: static.
+        // `change` is the change of the boxes over the shutter interval, or null if they are static.
         const float* const change = moving && BvhReference::is_moving(reference) ? (&node)[1].bounds[0] : nullptr;
         BoxDistances box;
         for (int k = 0; k < box_parts; ++k) {
@@ -225,7 +225,7 @@ private:
                                      far_row = (2 * axis + 3) * bvh_width - side_[axis] + k * lanes;
                 Float near = load(bounds + near_row), far = load(bounds + far_row);
                 if (moving && change) {
-                    // Conservative planes over the times of all rays.
+                    // Each plane takes its most conservative position over the times of all rays.
                     const bool down = octant_ >> axis & 1;
                     const Float near_change = load(change + near_row), far_change = load(change + far_row);
                     const Float near_end = fma(near_change, Float(times_.last_shutter), near),

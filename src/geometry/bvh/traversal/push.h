@@ -129,7 +129,8 @@ inline int filter(const BvhStack& stack, int size, float t_max)
     alignas(64) float near[bvh_width];
     alignas(16) std::uint8_t slots[48] = {};  // entries past the last are slot 32
     for (int part = 0; part < box_parts; ++part) store(near + part * lanes, box.near[part]);
-    // The order of slots as bytes; the mask of slots that are hit, as bytes; then the mask permuted into that order.
+    // `slot` is the order of slots as bytes, `met` the mask of slots that are hit; the mask is permuted into that
+    // order.
     const __m128i nibbles = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(order)), low = _mm_set1_epi8(15);
     const __m128i slot = _mm_unpacklo_epi8(_mm_and_si128(nibbles, low), _mm_and_si128(_mm_srli_epi16(nibbles, 4), low));
     _mm_store_si128(reinterpret_cast<__m128i*>(slots), slot);
@@ -145,7 +146,7 @@ inline int filter(const BvhStack& stack, int size, float t_max)
         stack.t[size++] = near[s];
         ordered &= ordered - 1;
     };
-    // The number of entries is unpredictable but small: four are always pushed, and the size is corrected afterwards.
+    // The number of entries is unpredictable but small: four are always pushed, and the size is corrected after that.
     const int after = size + count;
     for (int i = 0; i < 4; ++i) push();
     while (size < after) push();

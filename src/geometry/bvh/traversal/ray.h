@@ -98,7 +98,7 @@ struct PreparedRays {
         set(shear_x, {shear.shear_x, shear.shear_y, shear.shear_z});
         store(f[t_max], ray_t_max);
         store(f[time], ray_time);
-        // By the sign bit, as in safe_inverse(): -0 counts as negative.
+        // The sign bit decides, as in safe_inverse(): -0 counts as negative.
         const UInt x = float_bits(d.x) >> 31, y = float_bits(d.y) >> 31, z = float_bits(d.z) >> 31;
         constexpr std::uint32_t row = bvh_width;
         store(f[side_x], bits_float(x * UInt(3 * row)));

@@ -107,7 +107,7 @@ private:
         for (int axis = 0; axis < 3; ++axis)
             near &= (low[axis] <= Float(high_[axis])) & (Float(low_[axis]) <= high[axis]);
         const std::uint32_t triangles = mask_bits(near);
-        // By triangle and corner: x, y, z and a gap. lookup() may read 32 floats.
+        // Layout: x, y, z and a gap for each corner of each triangle; padded because lookup() may read 32 floats.
         alignas(64) float corners[lanes * 12 + 32];
         for (std::uint32_t left = triangles; left; left &= left - 1) {
             const int i = std::countr_zero(left);

@@ -245,7 +245,7 @@ private:
             fetch_node(int(now_.node[std::min(i + ahead, now_.n.nodes - 1)]));
             visit_node(int(now_.node[i]));
         }
-        // In a separate loop, as for leaves: values just stored on a stack cannot be loaded immediately.
+        // Rays pop in a separate loop, since values just stored on a stack cannot be loaded without a delay.
         int n = next_.n;
         for (int i = 0; i < now_.n.nodes; ++i) pop(int(now_.node[i]), n);
         next_.n = n;
@@ -284,7 +284,7 @@ private:
         return is_indexed(leaf) ? indexed_leaf(leaf).ids()[i]
                                 : bvh_.keys[BvhReference::first_triangle(leaf) + std::uint32_t(i)];
     }
-    /// Value for RayHits::what.
+    /// Value of RayHits::what for triangle i of a leaf.
     std::uint32_t name_of(std::uint32_t leaf, int i) const
     {
         return is_indexed(leaf) ? triangle_key(leaf, i)
@@ -314,7 +314,7 @@ private:
             triangles += triangle_count(states_[ray].reference);
             to[i - first] = distances_to_triangles(ray, weigh(ray, 0));
         }
-        // About half of the leaves have no hit, a mispredicted branch; so the rays with hits are listed first.
+        // Rays with hits are listed without branches first: half of the leaves have no hit, which is unpredictable.
         std::uint32_t nearer[leaf_wave];
         int nearer_count = 0;
         for (int i = first; i < last; ++i) {

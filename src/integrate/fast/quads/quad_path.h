@@ -229,7 +229,7 @@ private:
         const Float cosine = dot(s.wi, normal(p, i));
         const Mask lit = valid & (s.inverse_pdf > Float(0)) & (cosine > Float(0));
         const Mask arrives = clear(Ray{p.eye.load(i), s.wi, s.distance * Float(1 - 0x1p-16f), Float(0)}, lit);
-        // f_cos / pdf times the power heuristic, which is 1 / (1 + r^2) with r = bsdf_pdf / pdf.
+        // The weight is f_cos / pdf times the power heuristic, which is 1 / (1 + r^2) with r = bsdf_pdf / pdf.
         const Float r = cosine * Float(inv_pi) * s.inverse_pdf;
         Float weight = r * reciprocal(fma(r, r, Float(1)));
         if (any(s.is_delta)) weight = select(s.is_delta, r, weight);
