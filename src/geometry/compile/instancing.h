@@ -24,7 +24,8 @@ public:
     /// The materials of `c.tables` must be compiled.
     Instancing(const Compiler& c, const FlattenedScene& occurrences);
 
-    /// Whether an occurrence becomes an instance: it moves, may move later, or shares much geometry with others.
+    /// Whether an occurrence becomes an instance: it moves, may move later, shares much geometry with others, or
+    /// distorts curves or points.
     bool is_instanced(const FlattenedShape& p) const;
     /// Whether the vertices of a shape's mesh, or the control points of its curves, move during the shutter interval.
     bool vertices_move(const Shape& shape) const { return moving_.contains(described_content(c_.scene, shape)); }

@@ -75,7 +75,8 @@ struct FlatScene {
         return lookup_or_gather(face_primitives.data(), n, code);
     }
 
-    /// Whether a scene can be a flat list: few static primitives without instances, curves and points.
+    /// Whether a scene can be a flat list: few primitives, no moving vertices, instances, curves or points, and not
+    /// editable.
     static bool fits(const GeometryTables& tables);
     /// Builds the lists for the scene's tables.
     void build(const GeometryTables& tables, const ShadowTargets& targets);

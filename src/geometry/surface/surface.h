@@ -199,7 +199,7 @@ private:
             place.numbers(reinterpret_cast<const float*>(t_.colors.data()), colored, color);
             for (int c = 0; c < 4; ++c) s.at.vertex_color[c] = select(colored, color[c], s.at.vertex_color[c]);
         }
-        // The weighted mean distance of the corners bounds the rounding of the interpolation.
+        // The rounding of the interpolation grows with the weighted mean distance of the corners.
         const auto spread = [](Float weight) { return weight * (Float(2) - Float(2) * weight); };
         const Vec3 corners = fma(abs(e1), spread(hit.u), abs(e2) * spread(hit.v));
         const Vec3 ng = normalize(n);

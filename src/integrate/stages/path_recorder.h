@@ -65,8 +65,8 @@ public:
     /// Records the radiance of a path that has ended.
     void end_path(const PathPool& paths, std::size_t i)
     {
-        // A path that died while shading has only its light sample since the last call; other paths have added emission
-        // as well.
+        // The last light sample of a path that died while shading is still to be recorded; record_light_samples() did
+        // the others.
         if (paths.state[i] & PathPool::dead) note_light(paths, i);
         to_->radiance[paths.number[i]] = mean_of(paths.radiance, i);
     }
