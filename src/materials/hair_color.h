@@ -1,5 +1,5 @@
 #pragma once
-/// What hair absorbs, and the colour that many such hairs have.
+/// Conversion between the absorption of a hair fiber and the color that many such hairs show.
 #include "math/elementary.h"
 #include "math/spectrum.h"
 
@@ -8,8 +8,9 @@ inline namespace FATHOM_LANES {
 
 namespace detail {
 
-/// Chiang, Bitterli, Tappan, Burley 2016, "A Practical and Controllable Hair and Fur Model for Production Path
-/// Tracing", 4.2: what the square root of the absorption is times to be the logarithm of the colour.
+/// Factor between the square root of a fiber's absorption and the negative logarithm of the hair's color, by azimuthal
+/// roughness: Chiang, Bitterli, Tappan, Burley 2016, "A Practical and Controllable Hair and Fur Model for Production
+/// Path Tracing", 4.2.
 inline Float hair_color_fit(Float roughness)
 {
     const Float beta_n = clamp(roughness, Float(0.01f), Float(1));
@@ -21,7 +22,8 @@ inline Float hair_color_fit(Float roughness)
 
 }  // namespace detail
 
-/// What a fibre absorbs over its radius, so that much hair of it has the colour.
+/// Absorption of a fiber over its radius, per channel, for which a volume of such hairs shows `color`. beta_n:
+/// azimuthal roughness, 0.01 to 1.
 inline Spectrum hair_absorption(const Spectrum& color, Float beta_n)
 {
     const Float scale = Float(1) / detail::hair_color_fit(beta_n);
@@ -32,7 +34,7 @@ inline Spectrum hair_absorption(const Spectrum& color, Float beta_n)
     }
     return sigma;
 }
-/// The way back.
+/// Inverse of hair_absorption.
 inline Spectrum hair_color(const Spectrum& absorption, Float beta_n)
 {
     const Float scale = -detail::hair_color_fit(beta_n);

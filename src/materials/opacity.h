@@ -4,9 +4,10 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The share of the rays to a place of a material that its alpha stops, 0 to 1.
+/// Opacity of a surface: the fraction of rays that its alpha stops, 0 to 1. Alpha modes opaque, mask and blend are
+/// those of glTF.
 ///
-/// material  of each lane
+/// material  index into ShadingTables::materials, per lane
 inline Float opacity(const ShadingTables& tables, UInt material, const TexturePoint& at, Mask m)
 {
     Float share(1.f);

@@ -1,5 +1,5 @@
 #pragma once
-/// Materials and textures as the kernel reads them.
+/// Materials and textures as the kernel reads them: fixed-size records that refer to each other by index.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -10,42 +10,44 @@
 
 namespace fathom {
 
-/// How an image's texels lie in memory. Each format is taken only where it holds every value exactly.
+/// Memory layout of an image's texels. Each image takes the smallest format that holds every value exactly.
 enum class TexelFormat : std::uint32_t {
     float4,      ///< four floats, in ShadingTables::texels
     bytes,       ///< one word of packed_images: red in the lowest byte, alpha in the highest, 255 is 1
-    bytes_srgb,  ///< the same, but red, green and blue are sRGB codes, decoded by ShadingTables::linear_of_srgb
+    bytes_srgb,  ///< as bytes, but red, green and blue are sRGB codes, decoded by ShadingTables::linear_of_srgb
     halves,      ///< two words: red and green, blue and alpha; the lower half first
-    shorts,      ///< the same with 16-bit integers, 65535 is 1
+    shorts,      ///< two words of 16-bit integers in the order of halves; 65535 is 1
 };
 
+/// A texture node of any kind; each kind reads only the members it needs.
 struct TextureRecord {
     std::uint32_t kind = 0;  ///< TextureKind
-    // image: format, offset into texels (in fours) or number among packed_images, size, wrap modes
+    // Image: texel format, offset into ShadingTables::texels (in units of four floats) or index into packed_images,
+    // size in texels, wrap modes.
     std::uint32_t format = 0;  ///< TexelFormat
     std::uint64_t texels = 0;
     int width = 0, height = 0;
     std::uint32_t wrap_u = 0, wrap_v = 0, nearest = 0;
     std::uint32_t uv_set = 0;
-    std::array<float, 6> uv_map{1, 0, 0, 0, 1, 0};  ///< two rows: texture uv from mesh uv
+    std::array<float, 6> uv_map{1, 0, 0, 0, 1, 0};  ///< two rows of an affine map: texture uv from mesh uv
     std::uint32_t mapping = 0;                      ///< TextureMapping
-    std::uint32_t space = no_index;                 ///< among ShadingTables::texture_spaces; else the world itself
+    std::uint32_t space = no_index;                 ///< index into ShadingTables::texture_spaces; no_index: world space
     float scale = 1, turbulence_weight = 0, gain = 0.5f;
-    std::array<float, 3> direction{0, 1, 0};  ///< facing: unit
+    std::array<float, 3> direction{0, 1, 0};  ///< facing: unit vector
     std::uint32_t octaves = 7;
     std::array<float, 4> color_a{}, color_b{};
-    std::uint32_t texture_a = no_index, texture_b = no_index;  ///< which they are multiplied by
+    std::uint32_t texture_a = no_index, texture_b = no_index;  ///< textures that multiply color_a and color_b
     float factor = 1;
     std::uint32_t factor_texture = no_index, factor_channel = 0;
     std::uint32_t first_stop = 0, stop_count = 0;
 };
 
-/// Where a texture stands: rows of an affine map, texture from world.
+/// Affine map of a procedural texture: rows of texture space from world space.
 struct TextureSpaceRecord {
     std::array<std::array<float, 4>, 3> rows{};
 };
 
-/// The code that scatters light (closures/closures.h).
+/// Selects the closure class that evaluates and samples the BSDF (closures/closures.h).
 enum class ClosureKind : std::uint32_t {
     none,
     diffuse,
@@ -56,24 +58,25 @@ enum class ClosureKind : std::uint32_t {
     hair,
     principled,
     disney,
-    disney_transmitting,  ///< the same where light passes to the other side
+    disney_transmitting,  ///< disney with lobes that pass light to the other side
     layered,
     layered_transmitting,
     measured
 };
 inline constexpr int closure_kind_count = 13;
 
-/// A number or colour times that of a texture, if there is one.
+/// A scalar parameter: a constant multiplied by one channel of a texture, if there is one.
 struct NumberRecord {
     float value = 0;
     std::uint32_t texture = no_index, channel = 0;
 };
+/// A color parameter: a constant multiplied by a texture, if there is one.
 struct ColorRecord {
     Rgb value{};
     std::uint32_t texture = no_index;
 };
 
-/// What a surface of layers has beside a MaterialRecord.
+/// Parameters of LayeredBsdf beyond those of MaterialRecord.
 struct LayersRecord {
     enum Features : std::uint32_t {
         with_sheen = 1,
@@ -89,9 +92,9 @@ struct LayersRecord {
         with_subsurface = 1024,
         sheen_reciprocal = 2048,
         diffuse_transmission_added = 4096,
-        two_roughnesses = 8192,  ///< anisotropy is the roughness along the tangent
+        two_roughnesses = 8192,  ///< anisotropy holds the roughness along the tangent
         with_conductor = 16384,
-        textured = 32768  ///< any of the parameters here
+        textured = 32768  ///< at least one parameter of this record has a texture
     };
     std::uint32_t features = 0;
     NumberRecord specular, anisotropy, transmission, diffuse_transmission, diffuse_roughness, coat, coat_roughness,
@@ -101,14 +104,14 @@ struct LayersRecord {
     Rgb conductor_eta{}, conductor_k{};
     float anisotropy_cos = 1, anisotropy_sin = 0;
     float dispersion = 0;
-    /// Reflectance of the coat at normal incidence, and of light from within that comes from everywhere; see
-    /// LayeredBsdf.
+    /// coat_f0: reflectance of the coat at normal incidence. coat_inner: its internal reflectance for diffuse light
+    /// from below. See LayeredBsdf.
     float coat_f0 = 0, coat_inner = 0, coat_darkening = 0, coat_normal_scale = 1;
     float thin_film_ior = 1;
     std::uint32_t anisotropy_texture = no_index, coat_normal_texture = no_index;
 };
 
-/// What a surface of Disney's has beside a MaterialRecord.
+/// Parameters of DisneyBsdf beyond those of MaterialRecord.
 struct DisneyRecord {
     enum Features : std::uint32_t { anisotropic = 1, textured = 2 /* any of the parameters here */ };
     std::uint32_t features = 0;
@@ -116,29 +119,32 @@ struct DisneyRecord {
         diffuse_transmission;
 };
 
-/// Where numbers over the unit square stand: in ShadingTables::measured_values. See MeasuredTable.
+/// Location of a table of values over the unit square in ShadingTables::measured_values. See MeasuredTable.
 struct MeasuredTableRecord {
     std::uint32_t first = 0, width = 0, height = 0;
 };
 
-/// A measured surface: see measured_tables.h, and MeasuredBrdf of the description.
+/// A measured BRDF: see measured_tables.h, and MeasuredBrdf in the scene description.
 struct MeasuredRecord {
-    std::uint32_t theta = 0, theta_count = 0, phi = 0, phi_count = 0;  ///< where the angles stand
-    /// Directions of which one is measured, since the surface looks the same from all: as it is (1), turned by half a
-    /// turn (2), or mirrored by both axes too (4).
+    std::uint32_t theta = 0, theta_count = 0, phi = 0, phi_count = 0;  ///< indices of the angles in measured_values,
+                                                                       ///< and their counts
+    /// Symmetry of the surface, as the number of equivalent directions per measured one: 1 (none), 2 (rotation by half
+    /// a turn), or 4 (mirror images in both axes).
     std::uint32_t symmetry = 1;
     std::uint32_t color_is_per_facet = 1;
     MeasuredTableRecord ndf, sigma, vndf, luminance, color;
-    std::uint32_t unused[3] = {};  ///< rows are read in fours
+    std::uint32_t unused[3] = {};  ///< padding: RecordRow reads four words at a time
 };
 
-/// A material that paths meet as one of two others.
+/// A material that is one of two others at each intersection.
 struct MixtureRecord {
-    std::uint32_t first = 0, second = 0;  ///< among ShadingTables::materials
-    std::uint32_t by_side = 0;            ///< the second one is that of the back; else paths meet it by chance
-    NumberRecord factor;                  ///< how often
+    std::uint32_t first = 0, second = 0;  ///< indices into ShadingTables::materials
+    std::uint32_t by_side = 0;            ///< 1: first on the front, second on the back; 0: chosen at random
+    NumberRecord factor;                  ///< probability of the second material
 };
 
+/// A material: its flags, the parameters of the small closures, and indices of the records of the large ones. Some
+/// closures store other parameters in members that they have no use for; the members' comments say which.
 struct MaterialRecord {
     enum Flags : std::uint32_t {
         textured = 1,
@@ -146,66 +152,70 @@ struct MaterialRecord {
         vertex_colored = 4,
         emits = 8,
         two_sided_emission = 16,
-        unlit = 32 /* shows its emission, but lights nothing */,
+        unlit = 32 /* visible to camera and mirror rays, but lights no other surface */,
         thin = 64,
-        wants_tangent = 128,  ///< of the surface, for normal maps or anisotropy
-        single_sided = 256,   ///< cameras look through it from behind
-        compensated = 512,    ///< scaled for what facets scatter more than once
-        sheet = 1024,         ///< thin: of two boundaries
-        nonlinear = 2048,     ///< plastic: light below the boundary is coloured each time
-        one_sided = 4096,
-        absorption = 8192,  ///< hair: base_color is what a fibre absorbs over its radius
-        beckmann = 16384,   ///< facets are Beckmann's, else GGX's
-        bumped = 32768,     ///< normals are bent by the slope of bump
-        separable = 65536,  ///< facets' shadowing is that of each direction by itself
-        wants_uv =
-            131072,  ///< of the surface, beside what is textured: for fibres and textures of what records have beside
-        open_boundary = 262144,  ///< of a solid of index 1, at which nothing happens to light but that it is inside
-        pane = 524288,           ///< a sheet of smooth glass: shadow rays pass it, too
+        wants_tangent = 128,  ///< needs the surface's tangent, for normal maps or anisotropy
+        single_sided = 256,   ///< camera rays pass through its back
+        compensated = 512,    ///< energy compensation for multiple scattering between microfacets
+        sheet = 1024,         ///< thin: two boundaries with nothing between them
+        nonlinear = 2048,     ///< plastic: interreflection below the boundary multiplies the body's color each time
+        one_sided = 4096,     ///< reflects nothing on its back
+        absorption = 8192,    ///< hair: base_color is the absorption of a fiber over its radius
+        beckmann = 16384,     ///< Beckmann microfacets instead of GGX
+        bumped = 32768,       ///< bump mapped: shading normals are tilted by the slope of `bump`
+        separable = 65536,    ///< separable shadowing and masking, G1(wo) G1(wi)
+        /// needs texture coordinates though not `textured`: hair, emission maps, textures of the closure's own record
+        wants_uv = 131072,
+        open_boundary = 262144,  ///< boundary of a solid of index 1, which only separates media
+        pane = 524288,           ///< smooth thin glass, which shadow rays pass
         hidden_from_camera = 1048576,
-        invisible_light = 2097152,  ///< emits, but no ray meets it
+        invisible_light = 2097152,  ///< emits, but rays pass through it
         tinted = 4194304,           ///< glass, plastic: specular_tint is not white
-        map_tangents = 8388608      ///< tangents follow the coordinates of each map, which are not the mesh's own
+        map_tangents = 8388608  ///< tangents follow the texture coordinates of each map instead of those of the mesh
     };
-    // What shading reads of each vertex: see row_words.
+    // The members up to normal_scale are read together for each vertex of a path: see row_words.
     std::uint32_t flags = 0;
     Rgb base_color{};
-    float roughness = 0;  ///< hair: along the fibre
-    float metallic = 0;   ///< hair: roughness around the fibre; plastic: see PlasticBsdf
+    float roughness = 0;  ///< hair: longitudinal roughness
+    float metallic = 0;   ///< hair: azimuthal roughness; plastic: see PlasticBsdf
     float ior = 1.5f;
     float fuzz = 0;                   ///< hair: tilt of its scales, radians; plastic: optical thickness
-    std::uint32_t layers = no_index;  ///< in ShadingTables
+    std::uint32_t layers = no_index;  ///< index into ShadingTables::layers
     std::uint32_t base_texture = no_index, normal_texture = no_index;
     float normal_scale = 1;
 
     ClosureKind closure = ClosureKind::none;
-    std::uint32_t disney = no_index;    ///< in ShadingTables
-    std::uint32_t measured = no_index;  ///< in ShadingTables
-    std::uint32_t mixture = no_index;   ///< in ShadingTables; what is here beside emission and alpha is of both then
+    std::uint32_t disney = no_index;    ///< index into ShadingTables::disney
+    std::uint32_t measured = no_index;  ///< index into ShadingTables::measured
+    std::uint32_t mixture = no_index;   ///< index into ShadingTables::mixtures; only emission and alpha of this record
+                                        ///< apply then
     Rgb emission{};
     Rgb specular_tint{1, 1, 1};
     std::uint32_t specular_tint_texture = no_index;
     float alpha = 1, alpha_cutoff = 0;
-    std::uint32_t medium = 0;  ///< in MediaTables: what a solid of it is filled with; 0: it is no solid
-    /// The same for what goes in by the subsurface, which may be another one than for what is refracted; 0: none.
+    std::uint32_t medium = 0;  ///< index into MediaTables: interior of a solid; 0: not a solid
+    /// Index of the medium that light enters through the subsurface lobe, which may differ from the one that refracted
+    /// light enters; 0: none.
     std::uint32_t subsurface_medium = 0;
 
     bool has_inside() const { return medium != 0 || subsurface_medium != 0; }
     std::uint32_t alpha_mode = 0;  ///< AlphaMode
-    NumberRecord bump;             ///< height above the surface, in render space
+    NumberRecord bump;             ///< height above the surface, in units of render space
     std::uint32_t roughness_texture = no_index, metallic_texture = no_index, emission_texture = no_index,
                   alpha_texture = no_index;
     std::uint32_t roughness_channel = 1, metallic_channel = 2, alpha_channel = 3;
 
-    /// The record's first words, which are read at once.
+    /// Number of leading words of the record that MaterialReader loads in one pass.
     static constexpr int row_words = 12;
 };
 
+/// One stop of a color ramp: position in [0, 1] and color.
 struct RampStopRecord {
     float position = 0;
     Rgb color{};
 };
 
+/// All materials and textures of a scene. Members of records are indices into these arrays.
 struct ShadingTables {
     std::vector<MaterialRecord> materials;
     std::vector<LayersRecord> layers;
@@ -216,8 +226,8 @@ struct ShadingTables {
     std::vector<TextureRecord> textures;
     std::vector<RampStopRecord> ramp_stops;
     std::vector<TextureSpaceRecord> texture_spaces;
-    LargeVector<float> texels;  ///< of images in four floats a texel: what no other format holds
-    std::vector<std::vector<std::uint32_t>> packed_images;  ///< of the others, image by image
+    LargeVector<float> texels;                              ///< images of format float4, four floats per texel
+    std::vector<std::vector<std::uint32_t>> packed_images;  ///< images of all other formats, one array each
     std::array<float, 256> linear_of_srgb{};
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// All closures: the list that the path loop is made from.
+/// The list of all closures, from which the path kernel is generated.
 #include "materials/closures/diffuse.h"
 #include "materials/closures/disney.h"
 #include "materials/closures/fuzz_metal.h"
@@ -14,10 +14,11 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Of little code: neither of more than a MaterialPoint nor of fibres.
+/// Whether a closure is small in code: parameters of a plain MaterialPoint, and not for fibers.
 template <class Closure>
 inline constexpr bool is_small = std::is_same_v<typename Closure::Point, MaterialPoint> && !Closure::is_fiber;
 
+/// A list of closure types with lookup by ClosureKind.
 template <class... Closure>
 struct ClosureList {
     static constexpr bool contains(ClosureKind kind) { return ((Closure::kind == kind) || ...); }
@@ -26,7 +27,7 @@ struct ClosureList {
     {
         return ((Closure::kind == kind && fathom::is_small<Closure>) || ...);
     }
-    /// Calls f.template operator()<Closure>() for the closure of a kind, if it has one.
+    /// Calls f.template operator()<Closure>() for the closure of a kind, if there is one.
     template <class F>
     static void visit(ClosureKind kind, F&& f)
     {

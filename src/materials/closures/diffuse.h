@@ -4,8 +4,8 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Lambert's, or for roughness > 0 the energy-preserving Oren-Nayar of Portsmouth, Kutz and Hill 2024 ("EON"), whose
-/// multiply scattered part makes up for what single scattering loses. Sampled by the cosine.
+/// Lambertian reflection, or for roughness > 0 the energy-preserving Oren-Nayar model of Portsmouth, Kutz and Hill 2024
+/// ("EON"), whose multiple-scattering term restores the energy that single scattering loses. Sampled by the cosine.
 class DiffuseBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::diffuse;
@@ -35,7 +35,7 @@ public:
 private:
     static constexpr float c1 = 0.5f - 2 * inv_pi / 3, c2 = 2.0f / 3 - 28 * inv_pi / 15;
 
-    /// Share of light that single scattering reflects for albedo 1, by the paper's polynomial fit.
+    /// Directional albedo of single scattering for a white surface, by the paper's polynomial fit.
     Float single_albedo(Float cosine) const
     {
         const Float m = Float(1) - cosine;
@@ -44,7 +44,7 @@ private:
         g = m * fma(m, g, Float(0.0571085289f));
         return fma(r_, g, Float(1)) / fma(r_, Float(c1), Float(1));
     }
-    /// The bsdf times pi.
+    /// BSDF times pi.
     Spectrum pi_f(Vec3 wo, Vec3 wi) const
     {
         if (!is_rough_) return color_;

@@ -5,16 +5,15 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Disney's materials: Burley 2012, "Physically Based Shading at Disney", and 2015, "Extending the Disney BRDF to a
-/// BSDF with Integrated Subsurface Scattering". Its lobes are added, and none takes from another what it reflects, so
-/// that there may be a little more light than came. Facets are GGX's with separable shadowing, drawn out along the
-/// tangent.
+/// The Disney BSDF: Burley 2012, "Physically Based Shading at Disney", and 2015, "Extending the Disney BRDF to a BSDF
+/// with Integrated Subsurface Scattering". Lobes are added without attenuating each other, so albedos can slightly
+/// exceed 1. Microfacets are anisotropic GGX with separable shadowing.
 ///
-/// A solid has its diffuse lobe, coat and sheen on its outside, and facets that reflect and refract on both; a surface
-/// that passes no light encloses no solid, and its back reflects as its front. What is
-/// thin has no metal and no coat, reflects and passes light straight on, and passes it diffusely.
+/// On solids the diffuse lobe, coat and sheen are on the outside only; microfacets reflect and refract on both sides.
+/// An opaque surface encloses no solid: its back reflects as its front. Thin surfaces have no metal and no coat; they
+/// reflect, transmit without bending, and transmit diffusely.
 ///
-/// passes: whether any light gets to the other side
+/// passes  whether any lobe transmits
 template <bool passes>
 class DisneyBsdf {
 public:
@@ -36,7 +35,7 @@ public:
           coat_(m.disney.coat_gloss),
           axes_(select(m.disney.anisotropy > Float(0), m.disney.tangent, Vec3(Float(0), Float(0), Float(0))))
     {
-        // Where both sides have the same index nothing would tell the facet that refracted.
+        // With equal indices on both sides the half vector of refraction is undefined.
         eta_ = select(abs(eta_ - Float(1)) < Float(5e-4f), Float(1 + 5e-4f), eta_);
         const Float aspect = sqrt(fma(d_.anisotropy, Float(-0.9f), Float(1)));
         facets_ = facets(roughness_, aspect);
@@ -47,7 +46,7 @@ public:
         diffuse_ = select(within_, Float(0), opaque * select(thin_, Float(1) - d_.diffuse_transmission, Float(1)));
         beyond_ = select(thin_, opaque * d_.diffuse_transmission, Float(0));
         sheen_ = select(diffuse_ > Float(0), d_.sheen * select(thin_, diffuse_, Float(1) - metallic_), Float(0));
-        // Without thickness only what is refracted has facets that reflect.
+        // Thin surfaces reflect specularly only as much as they refract.
         reflected_ = select(within_ | thin_, refracted_, Float(1));
         coated_ = select(within_ | thin_, Float(0), d_.coat);
         const Float luminance =
@@ -88,7 +87,7 @@ public:
             goes_beyond |= diffusely;
         }
         const BsdfEval e = eval(c, wo, wi, Mask(false));
-        // What facets send to the wrong side is lost, as is what they reflect totally: the density there is of other
+        // Directions on the wrong side and total internal reflection get weight 0: the density there belongs to other
         // lobes.
         const Mask kept = (e.pdf > Float(0)) & equal(wi.z < Float(0), goes_beyond) & !total;
         const Float inverse = select(kept, Float(1) / max(e.pdf, Float(1e-30f)), Float(0));
@@ -97,7 +96,7 @@ public:
 
 private:
     using FacetsOf = Facets<AnisotropicGgx>;
-    /// Of the lobes; what is left goes to the diffuse reflection.
+    /// Selection probabilities of the lobes; diffuse takes the remainder.
     struct Chances {
         Float reflected, coat, refracted, beyond, diffuse;
     };
@@ -109,7 +108,8 @@ private:
                 Mask(false),
                 Mask(true)};
     }
-    /// Reflectance of the boundary of a dielectric, and what facets reflect in all.
+    /// Fresnel reflectance of the dielectric boundary (returned), and the colored reflectance of the whole specular
+    /// lobe (`all`), which mixes dielectric, tinted and metal.
     Float reflectance(Float cosine, Spectrum& all) const
     {
         Float cos_t;
@@ -125,8 +125,8 @@ private:
         }
         return dielectric;
     }
-    /// In the proportions of what the lobes give back, about. Facets have a least chance: their lobe is narrow, and
-    /// what is met there may be bright.
+    /// Probabilities in proportion to approximate albedos. The specular lobe has a minimum: it is narrow, and what it
+    /// reflects may be bright.
     Chances chances(const Vec3& wo) const
     {
         Spectrum reflected;
@@ -147,7 +147,8 @@ private:
         c.diffuse = max(Float(1) - c.reflected - c.coat - c.refracted - c.beyond, Float(0));
         return c;
     }
-    /// wo: o in the frame of the surface; h: a normal of the facets that reflect, in it too
+    /// Direction through the surface. wo: in the shading frame, o: in the frame of the facets; h: sampled normal,
+    /// shading frame. total: set in lanes of total internal reflection.
     Vec3 sample_through(const Vec3& wo, const Vec3& o, const Vec3& h, Sample2 u, Mask refracted, Mask& total) const
     {
         const Float cosine = clamp(dot(wo, h), Float(0), Float(1));
@@ -167,6 +168,7 @@ private:
         if constexpr (passes) beyond = passed(c, wo, wi, without_mirrors);
         return {select(above, r.f_cos, beyond.f_cos), select(above, r.pdf, beyond.pdf)};
     }
+    /// f_cos and pdf of wi above the surface.
     BsdfEval reflected(const Chances& c, const Vec3& wo, const Vec3& wi, Mask without_mirrors) const
     {
         const Vec3 o = axes_.to_facets(wo), i = axes_.to_facets(wi);
@@ -192,8 +194,9 @@ private:
         }
         return r;
     }
-    /// The diffuse lobe of a white surface: rough ones are darker or brighter at grazing angles than Lambert's (2012);
-    /// with flatness, as if light had been scattered below the surface (after Hanrahan and Krueger 1993).
+    /// Diffuse lobe of a white surface times 1 / pi: rough surfaces are darker or brighter at grazing angles than
+    /// Lambert's (Burley 2012); `flatness` blends in an approximation of subsurface scattering (after Hanrahan and
+    /// Krueger 1993).
     Float diffuse(Float cos_o, Float cos_i, Float cos_d) const
     {
         const Float o = schlick_weight(cos_o), i = schlick_weight(cos_i), back = Float(2) * roughness_ * cos_d * cos_d;
@@ -204,6 +207,7 @@ private:
         const Float flat = Float(1.25f) * fma(both, Float(1) / cosines - Float(0.5f), Float(0.5f));
         return fma(d_.flatness, flat - (base + retro), base + retro) * Float(inv_pi);
     }
+    /// f_cos and pdf of wi below the surface.
     BsdfEval passed(const Chances& c, const Vec3& wo, const Vec3& wi, Mask without_mirrors) const
     {
         const Vec3 o = axes_.to_facets(wo);
@@ -218,7 +222,7 @@ private:
         Float cos_t;
         const Float f = fresnel_dielectric(clamp(oh, Float(0), Float(1)), eta_, cos_t);
         const Float denominator = ih + oh / eta_;
-        // Of directions over normals; radiance is less where it is refracted to more directions.
+        // Jacobian from normals to directions (Walter et al. 2007). Radiance scales by 1 / eta^2 on refraction.
         const Float refracting = abs(ih) * oh / max(denominator * denominator, Float(1e-20f));
         const Float jacobian = select(thin_, Float(0.25f), refracting);
         const Float spread = select(thin_, Float(1), Float(1) / (eta_ * eta_));
@@ -234,7 +238,7 @@ private:
         r.pdf = fma(c.refracted, select(valid, normals * sampled, Float(0)), c.beyond * cosine);
         return r;
     }
-    /// By the facets that pass light.
+    /// f of the facets that transmit: a thin surface has its own roughness for them.
     template <class F>
     Float of_facets(F f) const
     {
@@ -243,14 +247,13 @@ private:
     }
 
     DisneyPoint d_;
-    Spectrum color_, tint_, through_;  ///< tint: of a luminance of 1; through: what of refracted light is left
+    Spectrum color_, tint_, through_;  ///< tint: base color of luminance 1; through: color of transmitted light
     Float roughness_, metallic_, eta_;
     Mask thin_, within_, mirrors_;
     Gtr1Coat coat_;
     FacetAxes axes_;
     FacetsOf facets_, thin_facets_;
-    /// Shares of the lobes: of what facets reflect and what they refract, of what is diffuse on both sides, of the
-    /// sheen and of the coat.
+    /// Strengths of the lobes: specular reflection, refraction, diffuse reflection, diffuse transmission, sheen, coat.
     Float reflected_, refracted_, diffuse_, beyond_, sheen_, coated_;
 };
 

@@ -4,11 +4,12 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The metal of "Ray Tracing in One Weekend" and of the report: the mirror direction plus fuzz times a random point of
-/// the unit ball; what would go below the surface is absorbed.
+/// The metal of "Ray Tracing in One Weekend": the mirror direction plus fuzz times a random point of the unit ball.
+/// Directions below the surface are absorbed.
 ///
-/// The direction has a density in closed form: the share of the ball of radius fuzz around the mirror direction that
-/// lies on a ray, weighted by r^2. So lights can be sampled too, and the look is the original's exactly.
+/// The density has a closed form: along wi, the integral of r^2 over the part of the ray that lies in the ball of
+/// radius fuzz about the mirror direction, divided by the ball's volume. So lights can be sampled too, with the look of
+/// the original.
 class FuzzMetalBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::fuzz_metal;
@@ -30,7 +31,7 @@ public:
     }
     BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
     {
-        // A point of the unit ball; its distance from the centre is the cube root of a uniform number.
+        // Uniform point of the unit ball: its distance from the center is the cube root of a uniform number.
         const Float z = fma(u.x, Float(-2), Float(1));
         const Float s = sqrt(max(fma(-z, z, Float(1)), Float(0)));
         const SinCos phi = sincos_2pi(u.y);

@@ -5,21 +5,23 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Refracts wo at the normal h. cos_o, cos_t: cosines of wo and of the refracted direction to h; eta: index beyond over
+/// index before.
 inline Vec3 refract(Vec3 wo, Vec3 h, Float cos_o, Float cos_t, Float eta)
 {
     return h * (cos_o / eta - cos_t) - wo * (Float(1) / eta);
 }
 
-/// A dielectric boundary, smooth or of GGX facets: Walter et al. 2007, "Microfacet Models for Refraction through Rough
-/// Surfaces". Radiance that is refracted is scaled by the square of the indices' ratio, and by the root of the colour:
-/// a way in and out of a solid takes the whole of it.
+/// A dielectric boundary, smooth or of GGX microfacets: Walter et al. 2007, "Microfacet Models for Refraction through
+/// Rough Surfaces". Refracted radiance scales by 1 / eta^2 and by the square root of the color, so that passing into a
+/// solid and out of it applies the whole color.
 ///
-/// Or a thin one. What it lets through goes straight on, times the colour; facets spread that as they spread
-/// reflections, on the other side. A sheet is two boundaries with nothing between: of a reflectance r of each, all the
-/// ways between them (r, t r t, t r^3 t, ...) make 2 r / (1 + r).
+/// A thin boundary transmits without bending, times the color; its facets spread transmission as they spread
+/// reflection, mirrored to the other side. A sheet is two boundaries of reflectance r with nothing between them: the
+/// series of interreflections sums to a reflectance of 2 r / (1 + r).
 ///
-/// Where the material is compensated, reflection and refraction are divided by their directional albedo together, so
-/// that multiple scattering between facets loses no energy: Turquin 2019. The closure is not reciprocal then.
+/// With energy compensation, reflection and refraction are both divided by their joint directional albedo, so that
+/// multiple scattering between facets loses no energy (Turquin 2019). The closure is not reciprocal then.
 class GlassBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::glass;
@@ -46,14 +48,14 @@ public:
     BsdfEval eval(Vec3 wo, Vec3 wi) const
     {
         const Mask reflects = wi.z > Float(0);
-        // Where facets decide as for a reflection, they get one.
+        // A thin boundary uses the half vector of reflection for transmission too, with wi mirrored to the upper side.
         const Mask mirrors = reflects | is_thin_;
         wi.z = select(is_thin_, abs(wi.z), wi.z);
         Vec3 h = select(mirrors, wo + wi, fma(wi, eta_, wo));
         h = normalize(h + Vec3{Float(0), Float(0), Float(1e-20f)});
         h = flip_sign(h, h.z);
         const Float o = dot(wo, h), i = dot(wi, h);
-        // Facets seen from behind scatter nothing: wo in front, wi on the side it goes to.
+        // Facets seen from behind scatter nothing: wo must be in front of the facet, and wi on the side it goes to.
         const Mask valid = has_non_delta() & (o > Float(0)) & equal(i > Float(0), mirrors);
         Float cos_t;
         const Float r = reflectance(min(o, Float(1)), cos_t);
@@ -67,7 +69,7 @@ public:
         const Float pdf = select(valid, visible * share * select(mirrors, Float(0.25f), jacobian * o), Float(0));
         return {tint(reflects) * (f * gain(wo)), pdf};
     }
-    /// What goes on straight through a smooth sheet.
+    /// Transmittance of a smooth sheet, without change of direction: the throughput of shadow rays.
     Spectrum passed(Vec3 wo) const
     {
         Float cos_t;
@@ -98,7 +100,7 @@ private:
         const Float r = fresnel_dielectric(cosine, eta_, cos_t);
         return select(is_sheet_, Float(2) * r / (Float(1) + r), r);
     }
-    /// Compensation for multiple scattering between facets.
+    /// Energy compensation factor for multiple scattering between facets.
     Float gain(Vec3 wo) const
     {
         const Mask scaled = is_compensated_ & !is_smooth_;
@@ -110,7 +112,7 @@ private:
 
     Float roughness_;
     Facets<Ggx> ggx_;
-    Spectrum color_, reflected_;  ///< of what passes, and of what is reflected
+    Spectrum color_, reflected_;  ///< of transmission, of reflection
     Float eta_;
     Mask is_thin_, is_sheet_, is_compensated_, is_smooth_;
 };

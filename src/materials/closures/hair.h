@@ -7,14 +7,15 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// A fibre of hair: a rough cylinder of glass that absorbs, under scales that are tilted. All that happens within is
-/// one scattering: light is reflected at once (R), goes through (TT), comes back from the far side (TRT), or goes round
-/// more often, each with a lobe of its own. Chiang, Bitterli, Tappan, Burley 2016, "A Practical and Controllable Hair
-/// and Fur Model for Production Path Tracing"; Marschner et al. 2003, "Light Scattering from Human Hair Fibers"; Pharr,
-/// Jakob, Humphreys 2023, "Physically Based Rendering", 9.9.
+/// Hair fiber: a rough dielectric cylinder with absorption, whose scales are tilted. A scattering event covers all
+/// paths inside the fiber: reflection (R), transmission (TT), one internal reflection (TRT), and all longer ones, each
+/// with a lobe. Chiang, Bitterli, Tappan, Burley 2016, "A Practical and Controllable Hair and Fur Model for Production
+/// Path Tracing"; Marschner et al. 2003, "Light Scattering from Human Hair Fibers"; Pharr, Jakob, Humphreys 2023,
+/// "Physically Based Rendering", 9.9.
 ///
-/// The frame's x is along the fibre, its y across as the path sees it; `across` counts along y. Angles theta are to the
-/// plane across the fibre, phi around it from y to z, gamma from the cylinder's normal to the path.
+/// The frame's x is along the fiber, its y across it as seen by the path; `across` is measured along y. Angle theta is
+/// measured from the plane across the fiber, phi around the fiber from y to z, gamma from the cylinder's normal to the
+/// path.
 class HairBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::hair;
@@ -34,7 +35,7 @@ public:
             const Float x2 = x * x, x4 = x2 * x2, x8 = x4 * x4;
             return x8 * x8 * x4;
         };
-        // What a roughness looks like is about even from 0 to 1 so: Chiang et al. 2016, equations 7 and 8.
+        // Maps a perceptually uniform roughness to variance and logistic scale: Chiang et al. 2016, equations 7 and 8.
         const Float width = fma(to_20(beta_m), Float(3.7f), beta_m * fma(beta_m, Float(0.812f), Float(0.726f)));
         const Float v = width * width;
         along_[0] = HairLongitudinal(v), along_[1] = HairLongitudinal(Float(0.25f) * v);
@@ -43,7 +44,8 @@ public:
         const Float beta_n2 = beta_n * beta_n;
         around_ = HairAzimuthal(Float(root_of_pi_8) * fma(to_20(beta_n) * beta_n2, Float(5.372f),
                                                           fma(beta_n2, Float(1.194f), beta_n * Float(0.265f))));
-        // Scales turn R back towards the root by twice their angle, and what goes through towards the tip.
+        // The tilt of the scales shifts R towards the root by twice their angle, TT towards the tip by once and TRT by
+        // four times their angle.
         constexpr float turns[] = {-2, 1, 4, 0};
         for (int p = 0; p < lobes; ++p) tilt_[p] = sincos_2pi(m.fuzz * Float(turns[p] * 0.5f * inv_pi));
     }
@@ -52,7 +54,8 @@ public:
     BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
     {
         const Path path(*this, wo);
-        // The last lobe that begins below u1; how far into it u1 is says where around the fibre.
+        // Selects the last lobe that begins below u1; the position of u1 within the lobe's interval samples the
+        // azimuth.
         Float begin(0), first(0), share(1), sin_i(0), turn(0);
         for (int p = 0; p < lobes; ++p) {
             const Mask here = u1 >= begin;
@@ -75,16 +78,16 @@ public:
     }
 
 private:
-    /// R, TT, TRT, and all that stays within for longer.
+    /// R, TT, TRT, and all longer paths.
     static constexpr int lobes = 4;
     static constexpr float min_beta = 0.01f;
 
-    /// The path as the fibre sees it, and how much of it goes into each lobe.
+    /// Geometry of wo on the fiber, and attenuation and selection probability of each lobe.
     struct Path {
         SinCos theta;
-        Float phi, gamma, gamma_t;  ///< gamma_t: within the fibre
+        Float phi, gamma, gamma_t;  ///< gamma_t: inside the fiber
         Spectrum attenuation[lobes];
-        Float share[lobes];  ///< with which the lobe is sampled
+        Float share[lobes];  ///< selection probability of the lobe
 
         Path(const HairBsdf& hair, Vec3 wo)
         {
@@ -96,9 +99,10 @@ private:
             phi = atan2(wo.z, wo.y);
             Float cos_gamma, cos_gamma_t;
             gamma = asin_of(hair.h_, cos_gamma);
-            // Bravais: seen along the fibre it has another index. Marschner et al. 2003, appendix B.
+            // Bravais: in projection along the fiber the index of refraction differs. Marschner et al. 2003, appendix
+            // B.
             const Float sin2 = theta.sin * theta.sin, eta2 = hair.eta_ * hair.eta_;
-            const Float beyond = sqrt(max(eta2 - sin2, Float(1e-10f)));  // eta times the cosine of theta within
+            const Float beyond = sqrt(max(eta2 - sin2, Float(1e-10f)));  // eta times the cosine of theta inside
             gamma_t = asin_of(clamp(hair.h_ * theta.cos / beyond, Float(-1), Float(1)), cos_gamma_t);
             const Float way = Float(2) * cos_gamma_t * hair.eta_ / beyond;
             Float unused;
@@ -118,13 +122,13 @@ private:
         }
     };
 
-    /// The path's angle as a lobe has it for the tilt of the scales.
+    /// theta of wo, shifted for a lobe by the tilt of the scales.
     SinCos tilted(const Path& path, int p) const
     {
         const SinCos &a = path.theta, &b = tilt_[p];
         return {fma(a.sin, b.cos, a.cos * b.sin), abs(fma(a.cos, b.cos, -(a.sin * b.sin)))};
     }
-    /// Where a smooth fibre sends the light of a lobe, from where it came, in radians around the fibre.
+    /// Azimuth at which a smooth fiber sends the light of a lobe, relative to wo, in radians.
     static Float middle(const Path& path, int p)
     {
         if (p == lobes - 1) return Float(0);

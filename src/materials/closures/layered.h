@@ -8,16 +8,16 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Layers in the manner of OpenPBR (Andersson et al. 2024), with the parameters of glTF's extensions: sheen over coat
-/// over a base, which is a mixture by `metallic` of a metal and of a dielectric. Below the dielectric's specular
-/// boundary is what is diffuse, passes diffusely to the other side, is refracted (Walter et al. 2007), or goes
-/// diffusely into a solid that scatters it and leaves that as diffusely, in shares. Boundary and metal have the same
-/// GGX facets, drawn out along a tangent, and under a thin film both reflect as that says.
+/// Layered BSDF in the manner of OpenPBR (Andersson et al. 2024), with the parameters of glTF's extensions: sheen over
+/// coat over a base that mixes a metal and a dielectric by `metallic`. Below its specular boundary the dielectric
+/// reflects diffusely, transmits diffusely, refracts (Walter et al. 2007), or passes light diffusely into a subsurface
+/// medium and out again, with weights that add up to 1. Boundary and metal have the same anisotropic GGX microfacets,
+/// and their reflectance is that of a thin film where there is one.
 ///
-/// A layer gets what those above leave on the way out: 1 less their directional albedo, by the tables. So no surface
-/// gives back more than it gets; swapped directions may differ.
+/// Each layer is attenuated by one minus the directional albedo of the layers above, by tables, for wo. The albedo
+/// therefore never exceeds 1, but the BSDF is not reciprocal.
 ///
-/// passes: whether any light gets to the other side; only then is that half of the code made.
+/// passes  whether any lobe transmits; only then is the code of transmission compiled
 template <bool passes>
 class LayeredBsdf {
 public:
@@ -37,7 +37,8 @@ public:
         if (l_.has(LayersRecord::anisotropic)) {
             const Float square = l_.anisotropy * l_.anisotropy;
             alpha_x = select(l_.two_roughnesses, square, fma(Float(1) - alpha, square, alpha));
-            // What other lanes have must not change the bits of one.
+            // Lanes must not depend on each other: isotropic lanes keep the result that they have without anisotropic
+            // ones.
             const Mask drawn_out = (l_.anisotropy > Float(0)) | l_.two_roughnesses;
             const Float mean =
                 sqrt(sqrt(max(alpha * alpha_x, Float(0)))) * select(m.beckmann, Float(sqrt_ggx_of_beckmann), Float(1));
@@ -49,7 +50,7 @@ public:
                 m.beckmann,
                 m.separable};
         mirrors_ = (alpha < Float(min_alpha)) & (alpha_x < Float(min_alpha));
-        // Where both sides have the same index nothing would tell the facet that refracted.
+        // With equal indices on both sides the half vector of refraction is undefined.
         const Float ior = select(abs(m.ior - Float(1)) < Float(5e-4f), Float(1 + 5e-4f), m.ior);
         const Float root = (ior - Float(1)) / (ior + Float(1));
         plain_f0_ = root * root;
@@ -60,7 +61,7 @@ public:
             solid_ = refracts_ & !m.thin;
             within_ = solid_ & !m.entering;
             if (l_.has(LayersRecord::with_subsurface)) l_.subsurface = select(m.entering, l_.subsurface, Float(0));
-            // The share counts for light that comes in; what is in there finds no body but that of the outside.
+            // Transmission weights apply to light that enters. Light inside meets a boundary that transmits fully.
             l_.transmission = select(within_, Float(1), l_.transmission);
             reflected_share_ = select(l_.diffuse_transmission_added, Float(1), Float(1) - l_.diffuse_transmission);
             below_share_ = (Float(1) - l_.transmission) * l_.subsurface;
@@ -127,7 +128,7 @@ public:
             goes_beyond |= diffusely;
         }
         const BsdfEval e = eval(v, wo, wi, Mask(false));
-        // What facets send to the wrong side is lost, as is what they reflect totally: the density there is of other
+        // Directions on the wrong side and total internal reflection get weight 0: the density there belongs to other
         // lobes.
         const Mask kept = (e.pdf > Float(0)) & equal(wi.z < Float(0), goes_beyond) & !total;
         const Float inverse = select(kept, Float(1) / max(e.pdf, Float(1e-30f)), Float(0));
@@ -142,37 +143,39 @@ public:
     }
 
 private:
-    /// What depends on the path's direction alone.
+    /// Quantities that depend on wo only.
     struct View {
-        Float sheen_left;    ///< what the sheen leaves to all below it
-        Spectrum coat_left;  ///< what the coat leaves
-        Float more;  ///< compensation of opaque facets: a reflectance of f at normal incidence is scaled by 1 + f more
-        Float refracting;      ///< share of the boundary's light that is refracted or reflected, not diffused below it
-        Float refracted_gain;  ///< compensation of a boundary that refracts, for both sides
-        Float boundary_left;   ///< what the dielectric's boundary leaves to what is diffuse
-        /// Chances of the lobes; what is left goes to the diffuse reflection. Which of specular and refracted it is of
-        /// both together, the facet decides: see reflected_chance.
+        Float sheen_left;    ///< transmittance of the sheen to everything below it
+        Spectrum coat_left;  ///< transmittance of the coat, both ways
+        Float more;  ///< compensation of opaque facets: reflectance f at normal incidence is scaled by 1 + f * more
+        Float refracting;  ///< fraction of the boundary's light that is refracted or reflected rather than scattered
+                           ///< below it
+        Float refracted_gain;  ///< compensation of a refracting boundary, on both sides
+        Float boundary_left;   ///< transmittance of the dielectric's boundary to the diffuse lobes
+        /// Selection probabilities of the lobes; diffuse reflection takes the remainder. p_specular and p_refracted are
+        /// used as a sum: the sampled facet decides between them, see reflected_chance.
         Float p_specular, p_coat, p_sheen, p_refracted, p_diffuse_beyond, p_below, p_diffuse;
     };
 
-    /// What enters the subsurface, but for the coat's colour.
+    /// Light that enters the subsurface medium, without the coat's color.
     Float entering(const View& v) const
     {
         return (Float(1) - metallic_) * v.sheen_left * v.boundary_left * below_share_;
     }
 
-    /// Turns between the frame and that of the facets.
+    /// Rotates between the shading frame (way > 0: from it) and the frame of the facets.
     Vec3 turned(const Vec3& w, int way) const
     {
         if (!l_.has(LayersRecord::anisotropic)) return w;
         return way > 0 ? axes_.to_facets(w) : axes_.from_facets(w);
     }
-    /// How far reflectance is from that at normal incidence to that at grazing incidence.
+    /// Weight of the reflectance at grazing incidence against that at normal incidence, 0 to 1.
     Float grazing(Float cosine) const
     {
         Float w = schlick_weight(cosine);
         if constexpr (passes) {
-            // Light that may pass needs the boundary's own law, which knows total reflection.
+            // Where light may be refracted the exact Fresnel equations are needed: Schlick's has no total internal
+            // reflection.
             Float cos_t;
             const Float exact = fresnel_dielectric(clamp(cosine, Float(0), Float(1)), eta_, cos_t);
             const Float by_law = (exact - plain_f0_) / max(Float(1) - plain_f0_, Float(1e-4f));
@@ -180,14 +183,14 @@ private:
         }
         return w;
     }
-    /// What facets reflect: by the dielectric's boundary and by the metal.
+    /// Reflectance of microfacets: of the dielectric's boundary and of the metal.
     void reflectance(Float cosine, Spectrum& dielectric, Spectrum& metal) const
     {
         const Float w = grazing(cosine), schlick = schlick_weight(cosine);
-        // Light within a solid knows nothing of what the outside was told to reflect.
+        // The artistic specular weight applies to the outside only; inside, total internal reflection stays complete.
         const Float most = passes ? select(within_, Float(1), l_.specular) : l_.specular;
-        // Schlick's reflectance with a factor at 82 degrees: Hoffman 2019, "Fresnel Equations Considered Harmful"; its
-        // cosine is 1/7, where the polynomial cos (1 - cos)^6 is (1/7) (6/7)^6.
+        // Schlick's reflectance with a color at 82 degrees: Hoffman 2019, "Fresnel Equations Considered Harmful". The
+        // cosine there is 1/7, where the polynomial cos (1 - cos)^6 equals (1/7) (6/7)^6.
         constexpr float c82 = 1.0f / 7,
                         p82 = c82 * (6.0f / 7) * (6.0f / 7) * (6.0f / 7) * (6.0f / 7) * (6.0f / 7) * (6.0f / 7);
         constexpr float w82 = (6.0f / 7) * (6.0f / 7) * (6.0f / 7) * (6.0f / 7) * (6.0f / 7);
@@ -216,8 +219,8 @@ private:
             }
         }
     }
-    /// Of paths at facets that refract, the share that is reflected: by what each way brings, so that weights are even.
-    /// 1 where nothing is refracted.
+    /// Probability that a path at a refracting facet is reflected, in proportion to both contributions, so that weights
+    /// are even. 1 where nothing is refracted.
     Float reflected_chance(const Spectrum& dielectric, const Spectrum& metal) const
     {
         const Float boundary = max_component(dielectric);
@@ -233,6 +236,7 @@ private:
         reflectance(cosine, dielectric, metal);
         return reflected_chance(dielectric, metal);
     }
+    /// Albedos and selection probabilities of all lobes for wo.
     View look(Vec3 wo) const
     {
         View v;
@@ -271,12 +275,12 @@ private:
         }
         return v;
     }
-    /// Share of light that the dielectric's boundary reflects. e, w: of the tables; dielectric: its reflectance at the
-    /// cosine.
+    /// Directional albedo of the dielectric's boundary. e, w: values of the GGX and Schlick tables; dielectric: its
+    /// reflectance at the cosine.
     Float boundary_albedo(const View& v, Float cosine, Float e, Float w, const Spectrum& dielectric) const
     {
         const Float f0 = max_component(f0_);
-        // The tables are of Schlick's law.
+        // The tables hold Schlick's approximation; refracting lanes correct it by the exact equations.
         if constexpr (passes)
             w = select(refracts_, clamp(fma(grazing(cosine) - schlick_weight(cosine), e, w), Float(0), e), w);
         Float albedo = fma(f0, e - w, l_.specular * w);
@@ -284,16 +288,17 @@ private:
             albedo = fma(film(), fma(max_component(dielectric), e, -albedo), albedo);
         return albedo * boundary_gain(v, f0);
     }
-    /// Compensation of the dielectric's reflection, f0 at normal incidence. What facets scatter more than once mostly
-    /// ends up below the boundary: in the diffuse body, which gets what is not reflected, or refracted.
+    /// Compensation factor of the dielectric's reflection for multiple scattering, f0 at normal incidence. Most
+    /// multiply scattered light ends up below the boundary, in the diffuse lobe, which gets what is not reflected, or
+    /// is refracted.
     Float boundary_gain(const View& v, Float f0) const
     {
         const Float opaque = fma(f0, v.more, Float(1));
         if constexpr (!passes) return opaque;
         return fma(v.refracting, v.refracted_gain - opaque, opaque);
     }
-    /// Chances in the proportions of the lobes' albedos, of which the boundary's has a least one: it is narrow, and
-    /// what is met there may be bright.
+    /// Sets selection probabilities in proportion to the lobes' albedos. The specular boundary has a minimum: its lobe
+    /// is narrow, and what it reflects may be bright.
     void choose(View& v, Float coat, Float sheen, Float dielectric, Float metal) const
     {
         const Float base = v.sheen_left * max_component(v.coat_left), body = base * (Float(1) - metallic_);
@@ -317,9 +322,9 @@ private:
         v.p_diffuse = max(
             Float(1) - v.p_specular - v.p_coat - v.p_sheen - v.p_refracted - v.p_diffuse_beyond - v.p_below, Float(0));
     }
-    /// What the coat leaves of light that goes in and out through it. What comes up from the base meets the coat from
-    /// within, which sends a part of it down again, and so on: OpenPBR's darkening. A base that scatters sends more of
-    /// its light at angles that the coat reflects totally.
+    /// Transmittance of the coat, both ways, per channel. Interreflection between base and coat darkens the base:
+    /// OpenPBR's coat darkening. A diffuse base loses more, since much of its light meets the coat at angles of total
+    /// internal reflection.
     Spectrum under_coat(Float coat_albedo) const
     {
         Spectrum left;
@@ -333,7 +338,7 @@ private:
         }
         return left;
     }
-    /// What the sheen leaves of light that goes in from wi and out.
+    /// Transmittance of the sheen for light from wi to wo.
     Float under_sheen(const View& v, const Vec3& wi) const
     {
         if (!l_.has(LayersRecord::sheen_reciprocal)) return v.sheen_left;
@@ -341,14 +346,14 @@ private:
         const Float left = Float(1) - outer(max_component(l_.sheen_color)) * albedo;
         return select(l_.sheen_reciprocal, min(v.sheen_left, left), v.sheen_left);
     }
-    /// Share of the surface that has a film; one of less than 30 nanometres fades away, since Schlick's terms would
-    /// not.
+    /// Fraction of the surface with a thin film. Films below 30 nm fade out, because the Schlick terms of
+    /// thin_film_reflectance don't converge to the bare base.
     Float film() const
     {
         const Float t = clamp(l_.thin_film_thickness * Float(1.0f / 30), Float(0), Float(1));
         return outer(l_.thin_film * t * t * fma(t, Float(-2), Float(3)));
     }
-    /// Sheen, film and coat are on the outside of solids.
+    /// Sheen, film and coat exist on the outside of solids only.
     Float outer(Float strength) const { return passes ? select(within_, Float(0), strength) : strength; }
 
     BsdfEval eval(const View& v, Vec3 wo, Vec3 wi, Mask without_mirrors) const
@@ -360,7 +365,7 @@ private:
             r.f_cos = select(above, r.f_cos, beyond.f_cos);
             r.pdf = select(above, r.pdf, beyond.pdf);
             if (l_.has(LayersRecord::with_subsurface)) {
-                // From within all gets out, whatever the direction.
+                // From inside, all light leaves with a cosine distribution.
                 const Float out = max(-wi.z, Float(0)) * Float(inv_pi);
                 r.f_cos = select(l_.in_subsurface, Spectrum(out), r.f_cos);
                 r.pdf = select(l_.in_subsurface, out, r.pdf);
@@ -371,6 +376,7 @@ private:
         }
         return r;
     }
+    /// f_cos and pdf of wi above the surface.
     BsdfEval reflected(const View& v, const Vec3& wo, const Vec3& wi, Mask without_mirrors) const
     {
         const Vec3 o = turned(wo, 1), i = turned(wi, 1);
@@ -417,6 +423,7 @@ private:
         }
         return r;
     }
+    /// f_cos and pdf of wi below the surface.
     BsdfEval passed(const View& v, const Vec3& wo, const Vec3& wi, Mask without_mirrors) const
     {
         const Vec3 o = turned(wo, 1);
@@ -457,7 +464,7 @@ private:
     FacetAxes axes_;
     Facets<AnisotropicGgx> ggx_;
     Mask mirrors_;
-    // Of closures that pass light:
+    // Only for closures that transmit:
     Spectrum tint_;
     Float eta_{1}, diffuse_share_{1}, reflected_share_{1}, below_share_{0};
     Mask refracts_{false}, solid_{false}, within_{false};

@@ -5,12 +5,12 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// What was measured of a surface: Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient Material
-/// Acquisition and Rendering". Facets' normals by how they count for a direction (vndf) make the unit square even, and
-/// over that square stand what is reflected, in units of what facets would reflect that are mirrors, and the density by
-/// which light is sampled (luminance). All tables are linear in between, and so are those of one direction and another.
+/// Measured BRDF: Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient Material Acquisition and
+/// Rendering". The density of visible normals (vndf) maps directions to the unit square. Tables over that square hold
+/// the reflectance, relative to perfectly reflecting microfacets, and the density by which directions are sampled
+/// (luminance). Tables are interpolated linearly, over the square and between measured directions.
 ///
-/// The direction that they are for is wo, where the path came from, as pbrt and Mitsuba have it.
+/// The direction that selects tables is wo, as in pbrt and Mitsuba.
 class MeasuredBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::measured;
@@ -59,25 +59,25 @@ public:
     }
 
 private:
-    /// A facet's normal: a point of the square, and what it makes of the path.
+    /// A microfacet normal as a point of the unit square, with related sines and cosines.
     struct Normal {
-        Float u, v, sine;  ///< sine: of its theta
-        Float cosine;      ///< of the angle between it and wo
+        Float u, v, sine;  ///< sine: of the normal's theta
+        Float cosine;      ///< of the angle between the normal and wo
     };
 
-    /// The direction that tables are for, as `wo` of the measurement.
+    /// wo in the frame of the measurement, and the tables to interpolate for it.
     struct Path {
         Vec3 wo;
-        Float signs_x, signs_y;  ///< of the mirrors that bring it to where it was measured
-        Float u, v;              ///< it as a point of the square
-        Float normals_from;      ///< the phi from which those of normals count
+        Float signs_x, signs_y;  ///< signs of the mirrorings that take wo to a measured direction
+        Float u, v;              ///< wo as a point of the unit square
+        Float normals_from;      ///< azimuth from which those of normals are counted
         MeasuredSlices slices;
     };
 
     Path path_of(Vec3 w) const
     {
         const Vec3 t = to_tangent(w);
-        // Tables of a half or a quarter of the directions are for those of negative x and y.
+        // Tables of surfaces with symmetry 2 or 4 cover wo of negative x and y only.
         const Mask mirrored = less(UInt(1u), d_.symmetry);
         const Float signs_x = select(mirrored, -select(d_.symmetry == UInt(4u), t.x, t.y), Float(1)),
                     signs_y = select(mirrored, -t.y, Float(1));
@@ -101,11 +101,11 @@ private:
         return from_tangent({flip_sign(w.x, path.signs_x), flip_sign(w.y, path.signs_y), w.z});
     }
 
-    /// The root of theta / (pi / 2).
+    /// Inverse of theta = u^2 pi / 2.
     static Float u_of(Float theta) { return sqrt(theta * Float(2 * inv_pi)); }
 
-    /// Directions of the shading frame as those of the measurement: x along the tangent; y as seen from in front of the
-    /// surface, where the path is behind it too.
+    /// Rotates from the shading frame to the frame of the measurement: x along the tangent, y as seen from the front of
+    /// the surface, also for paths behind it.
     Vec3 to_tangent(Vec3 w) const
     {
         return {fma(w.x, cos_, w.y * sin_), flip_sign(fma(w.y, cos_, -(w.x * sin_)), d_.facing), w.z};
@@ -116,7 +116,7 @@ private:
         return {fma(w.x, cos_, -(y * sin_)), fma(w.x, sin_, y * cos_), w.z};
     }
 
-    /// even_u, even_v: the normal, where vndf is even. density: of the normal over the square
+    /// even_u, even_v: the normal after the inverse vndf warp. density: of the normal, over the unit square.
     BsdfEval evaluate(const Path& path, const Normal& normal, Float even_u, Float even_v, Float density,
                       Mask above) const
     {
@@ -133,8 +133,8 @@ private:
         const Float ndf = measured_value(values, d_.ndf, normal.u, normal.v),
                     sigma = measured_value(values, d_.sigma, path.u, path.v);
         const Float facets = select(d_.color_is_per_facet, ndf / max(sigma * Float(4), Float(1e-10f)), Float(1));
-        // Solid angle of a step over the square, theta = u^2 pi / 2 and phi = (2 v - 1) pi, and of the mirrored
-        // direction.
+        // Jacobian from the square to directions: theta = u^2 pi / 2 and phi = (2 v - 1) pi, and reflection about the
+        // normal.
         const Float steps = normal.u * normal.sine * normal.cosine * Float(8 * pi * pi);
         const Mask valid = above & (steps > Float(1e-20f));
         const Float pdf = select(valid, density / max(steps, Float(1e-20f)), Float(0));

@@ -1,5 +1,5 @@
 #pragma once
-/// The tables of measured surfaces as MeasuredBsdf reads them.
+/// Tables of measured surfaces in the layout that MeasuredBsdf reads.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -12,10 +12,11 @@
 
 namespace fathom {
 
-/// Puts tables behind the values: each made a density over the square, in steps between rows and columns; behind all
-/// of them the integrals along rows up to each value; behind those the integrals over whole rows up to each row.
+/// Appends tables to `values` in the form of MeasuredWarp: each as a density over the unit square, bilinear between
+/// rows and columns; then, for all tables, the running integrals along rows; then the running integrals over whole
+/// rows.
 ///
-/// A table of nothing becomes even: it must have some density, and what it says nothing of is as good as anything.
+/// A table of zeros becomes uniform, since sampling needs a positive density somewhere.
 inline MeasuredTableRecord add_measured_warps(const MeasuredTable& tables, LargeVector<float>& values)
 {
     const std::size_t w = std::size_t(tables.width), h = std::size_t(tables.height), size = w * h,
@@ -51,7 +52,7 @@ inline MeasuredTableRecord add_measured_warps(const MeasuredTable& tables, Large
     return {std::uint32_t(first), std::uint32_t(w), std::uint32_t(h)};
 }
 
-/// Puts tables behind the values as they are.
+/// Appends tables to `values` unchanged.
 inline MeasuredTableRecord add_measured_table(const MeasuredTable& tables, LargeVector<float>& values)
 {
     const std::size_t first = values.size();
@@ -59,7 +60,7 @@ inline MeasuredTableRecord add_measured_table(const MeasuredTable& tables, Large
     return {std::uint32_t(first), std::uint32_t(tables.width), std::uint32_t(tables.height)};
 }
 
-/// How many values a measured surface takes.
+/// Number of values that a measured surface takes in ShadingTables::measured_values.
 inline double measured_value_count(const MeasuredBrdf& brdf)
 {
     double count = double(brdf.theta.size()) + double(brdf.phi.size());
@@ -68,7 +69,7 @@ inline double measured_value_count(const MeasuredBrdf& brdf)
     return count;
 }
 
-/// The record of a surface without problems (scene/measured.h), whose values are put behind the others.
+/// Appends the tables of a validated measured surface (scene/measured.h) to `values`, and returns its record.
 inline MeasuredRecord add_measured(const MeasuredBrdf& brdf, LargeVector<float>& values)
 {
     MeasuredRecord r;

@@ -1,5 +1,5 @@
 #pragma once
-/// Tables of measured surfaces in lanes: what is between their values, and points of the square by their density.
+/// Lookup and sampling of the tables of measured surfaces, for all lanes.
 #include "materials/closures/closure.h"
 #include "sampling/sobol.h"
 
@@ -11,7 +11,7 @@ inline UInt min_of(UInt a, UInt b)
     return select(less(a, b), a, b);
 }
 
-/// The last number below `count` whose value is at most x, if they ascend; 0 if there is none.
+/// Largest index below `count` whose value is at most x, for ascending values; 0 if there is none. Binary search.
 template <class ValueOf>
 UInt last_up_to(UInt count, Float x, ValueOf&& value_of)
 {
@@ -25,11 +25,11 @@ UInt last_up_to(UInt count, Float x, ValueOf&& value_of)
     return lo;
 }
 
-/// Which of a surface's tables are read for a direction, and how much of each: those around it by theta and phi.
+/// The four tables of a surface around a direction in theta and phi, with their weights for linear interpolation.
 struct MeasuredSlices {
-    UInt number[4], count;  ///< count: of all tables
+    UInt number[4], count;  ///< count: of all tables of the surface
     Float weight[4];
-    int used;  ///< of the four
+    int used;  ///< number of entries in use: 2 if no lane depends on phi, else 4
 
     MeasuredSlices(const MeasuredPoint& m, Float theta, Float phi)
     {
@@ -44,7 +44,7 @@ struct MeasuredSlices {
         }
     }
 
-    /// What f(number of a table) says of each, mixed.
+    /// Weighted sum of f(index of a table) over the tables in use.
     template <class F>
     [[gnu::always_inline]] Float mixed(F&& f) const
     {
@@ -54,9 +54,10 @@ struct MeasuredSlices {
     }
 
 private:
+    /// Linear interpolation between two entries of an ascending array.
     struct Between {
         UInt below, above;
-        Float share;  ///< of the one above
+        Float share;  ///< weight of `above`
 
         Between(const float* values, UInt first, UInt count, Float x)
         {
@@ -70,7 +71,7 @@ private:
     };
 };
 
-/// Where in a table a point of the square lies: the number of a value, and how far on towards the next ones.
+/// Cell of a table that contains a point of the unit square: index of its first value, and position in the cell.
 struct MeasuredCell {
     UInt column, row;
     Float x, y;
@@ -91,7 +92,7 @@ private:
     }
 };
 
-/// What is between the four values around a point; first: where the table begins.
+/// Bilinear interpolation between a cell's four values; first: index of the table's first value.
 [[gnu::always_inline]] inline Float measured_value(const float* values, UInt first, UInt width,
                                                    const MeasuredCell& cell)
 {
@@ -107,7 +108,7 @@ private:
     return measured_value(values, table.first, table.width, MeasuredCell(table, u, v));
 }
 
-/// Points of the unit square by a density that is bilinear between the values of tables: see add_measured_warps.
+/// Sampling of the unit square by densities that are bilinear between table values: see add_measured_warps.
 class MeasuredWarp {
 public:
     struct Place {
@@ -121,7 +122,7 @@ public:
 
     Float density(Float u, Float v) const { return density(MeasuredCell(table_, u, v)); }
 
-    /// The point at which as much of the density lies below and beside as `at` says.
+    /// Maps a uniform point of the square to a point distributed by the density.
     Place sample(Float at_u, Float at_v) const
     {
         const UInt last_row = table_.height - UInt(1u), last_column = table_.width - UInt(1u);
@@ -140,7 +141,7 @@ public:
                 fma(cell.x, b - a, a) * to_float(last_row * last_column)};
     }
 
-    /// The other way: how much lies below and beside a point.
+    /// Inverse of sample: the uniform point that sample maps to (u, v).
     Place invert(Float u, Float v) const
     {
         const MeasuredCell cell(table_, u, v);
@@ -155,9 +156,9 @@ public:
     }
 
 private:
-    /// Of what goes linearly from a to b.
+    /// Integral from 0 to x of the linear function from a (at 0) to b (at 1).
     static Float integral_to(Float x, Float a, Float b) { return x * fma(x * Float(0.5f), b - a, a); }
-    /// How far the integral is `part`: the root of a x + (b - a) x^2 / 2 = part without cancellation.
+    /// Inverse of integral_to: solves a x + (b - a) x^2 / 2 = part without cancellation.
     static Float place_in(Float part, Float a, Float b)
     {
         const Float root = a + sqrt(max(fma(Float(2) * part, b - a, a * a), Float(0)));
@@ -171,7 +172,7 @@ private:
             return measured_value(values_, table_.first + slice * size_, table_.width, cell);
         });
     }
-    /// On both sides of a cell's columns, at its height.
+    /// Densities at a cell's left and right column, at the cell's height y.
     void column_densities(const MeasuredCell& cell, Float& a, Float& b) const
     {
         const UInt at = table_.first + cell.row * table_.width + cell.column;

@@ -5,8 +5,8 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// A conductor: GGX facets with Schlick's reflectance, scaled so that what facets scatter more than once is not lost
-/// (Turquin 2019, "Practical multiple scattering compensation for microfacet models"). Below min_alpha a mirror.
+/// A conductor: GGX microfacets with Schlick's reflectance, scaled to compensate for multiple scattering (Turquin 2019,
+/// "Practical multiple scattering compensation for microfacet models"). A mirror below min_alpha.
 class MetalBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::metal;

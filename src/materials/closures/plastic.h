@@ -6,18 +6,20 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// A smooth or rough boundary of a dielectric over a diffuse body: facets reflect by Fresnel's equations (Walter et al.
-/// 2007); what they let in is scattered by the body, comes up to the boundary from within, is thrown back in part, and
-/// so on, until it gets out. Since the body forgets where light came from, that is a closed form of what the boundary
-/// lets through from either direction and of what it throws back in the mean:
+/// A smooth or rough dielectric boundary over a diffuse body. Microfacets reflect by Fresnel's equations (Walter et al.
+/// 2007). Light that enters is scattered by the body and partly reflected back at the boundary, repeatedly, until it
+/// leaves. The body is diffuse, so the series has a closed form in the boundary's directional transmittance and its
+/// mean internal reflectance:
 ///
-///     color / pi * passes(wo) * passes(wi) / (ior^2 (1 - color * inner))
+///      color / pi * passes(wo) * passes(wi) / (ior^2 (1 - color * inner))
 ///
-/// Of rough boundaries passes and inner are by tables. Where the material is compensated all that facets don't reflect
-/// at once is let in; else what they let through at once, as layers by random walks have it, and the rest is lost.
+/// Rough boundaries take both from tables. With energy compensation all light that is not reflected in the first event
+/// enters; otherwise only light that passes in the first event, as in layers simulated by random walks, and the rest is
+/// lost.
 ///
-/// A grey layer between boundary and body (`fuzz`: its optical thickness) absorbs along the ways that a smooth boundary
-/// refracts to, and a part of what is thrown back (`metallic`). A `metallic` below 0 is inner itself, less than 0.
+/// A gray layer between boundary and body (optical thickness `fuzz`) absorbs along the directions that a smooth
+/// boundary refracts to, and absorbs the fraction `metallic` of internally reflected light. A negative `metallic` is
+/// minus the internal reflectance itself.
 class PlasticBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::plastic;
@@ -46,7 +48,7 @@ public:
                     inner = select(m.metallic < Float(0), -m.metallic, follows);
         for (int i = 0; i < channels; ++i) {
             const Float color = m.base_color.c[i];
-            // What is thrown back is white to Mitsuba's linear model.
+            // Mitsuba's linear model treats internally reflected light as white.
             const Float again = select(m.nonlinear, color, Float(1));
             body_.c[i] = color / (ior_ * ior_ * max(fma(-again, inner, Float(1)), Float(1e-6f)));
         }
@@ -82,9 +84,10 @@ public:
     }
 
 private:
-    /// Parts of plastic_share_table.
+    /// Blocks of plastic_share_table.
     enum : std::uint32_t { compensated, correlated, separable, beckmann };
-    /// Rows of plastic_means_table: passing and what is lost within of each but the first of those.
+    /// Rows of plastic_means_table. After `passing` there are two rows for each kind of facets but the first:
+    /// transmittance, and loss of internal light.
     enum : std::uint32_t { reflecting, bend, passing };
 
     Float mean_of(UInt row) const
@@ -95,7 +98,8 @@ private:
         const Float a = gather(plastic_means_table, index), b = gather(plastic_means_table, index + UInt(1));
         return fma(y - y0, b - a, a);
     }
-    /// What the boundary reflects of light from everywhere. The table is of index 1.5.
+    /// Mean reflectance of the boundary for diffuse light. The table is for index 1.5; other indices interpolate
+    /// between the behavior of a smooth boundary and that of normal incidence.
     Float mean_reflected() const
     {
         const Float r = (ior_ - Float(1)) / (ior_ + Float(1)), root = sqrt(r);
@@ -106,7 +110,7 @@ private:
         const Float by_normal = r * r * Float(1 / normal_of_table);
         return mean_of(UInt(reflecting)) * fma(mean_of(UInt(bend)), by_normal - by_smooth, by_smooth);
     }
-    /// The share of light from a direction, or to it, that passes the boundary.
+    /// Fraction of light that passes the boundary from or to a direction, for one scattering event.
     Float passes(Float cosine) const
     {
         constexpr std::uint32_t size = ggx_albedo_size * ggx_albedo_size;
@@ -115,7 +119,7 @@ private:
         const Float f = fresnel_dielectric(albedo_lookup(plastic_cosine_table, cosine, roughness_), ior_, beyond);
         return fma(-f, share, select(facets_ == UInt(compensated), Float(1), share));
     }
-    /// What the layer leaves of light on its ways in and out.
+    /// Transmittance of the absorbing layer on the way in and out.
     Float absorbed_less(Float cosine_in, Float cosine_out) const
     {
         if (none(thickness_ > Float(0))) return Float(1);
@@ -125,7 +129,7 @@ private:
         };
         return exp(-(thickness_ * (way(cosine_in) + way(cosine_out))));
     }
-    /// The chance to sample the boundary. passes_out: what gets through it towards the path.
+    /// Probability of sampling the boundary. passes_out: its transmittance towards wo.
     Float boundary_probability(Float passes_out) const
     {
         const Float s = Float(1) - passes_out, b = passes_out * max_body_;
@@ -135,10 +139,10 @@ private:
     Float roughness_;
     Facets<Ggx> ggx_;
     Mask mirrors_;
-    UInt facets_;    ///< which part of the tables
-    Spectrum tint_;  ///< of what the boundary reflects
+    UInt facets_;    ///< which blocks and rows of the tables
+    Spectrum tint_;  ///< color of the boundary's reflection
     Float ior_, thickness_, max_body_;
-    Spectrum body_;  ///< but for what passes the boundary, and 1 / pi
+    Spectrum body_;  ///< body's BRDF without the boundary's transmittances and 1 / pi
 };
 
 }  // namespace FATHOM_LANES

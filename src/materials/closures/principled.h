@@ -5,11 +5,11 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The metallic-roughness model of glTF 2.0 (its appendix B): the mixture by `metallic` of a metal and of a dielectric,
-/// a diffuse base under a specular layer, both of the same GGX facets. Where the material asks for it each is scaled by
-/// itself for multiple scattering, which is no linear function of the reflectance, as the metal's; the base gets what
-/// the layer's directional albedo leaves (where glTF's own formula takes the half vector's reflectance, and makes
-/// energy at grazing angles).
+/// The metallic-roughness model of glTF 2.0 (appendix B): a mixture by `metallic` of a metal and of a dielectric, which
+/// is a diffuse base under a specular layer. Metal and layer have the same GGX microfacets. With energy compensation
+/// each is scaled by itself for multiple scattering, because the factor is not linear in the reflectance.
+/// The base is attenuated by the layer's directional albedo; glTF's formula takes the reflectance at the half vector,
+/// which creates energy at grazing angles.
 class PrincipledBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::principled;
@@ -67,7 +67,7 @@ public:
     }
 
 private:
-    /// What a white surface is scaled by beyond 1. e: the albedo of its facets alone.
+    /// Compensation factor minus 1 of a white surface. e: single-scattering albedo of its facets.
     Float gain(Float e) const { return compensation_ * (Float(1) - e) / e; }
     /// Directional albedo of the specular layer, by the tables.
     Float layer_albedo(Float cosine) const

@@ -51,7 +51,7 @@ std::uint32_t features_of(const Material& m)
     return features;
 }
 
-/// Features that need the layered closure; the others' absence is what simpler closures lack.
+/// Features that glass and principled closures have themselves; any other needs a layered closure.
 constexpr std::uint32_t plain = LayersRecord::energy_compensation | LayersRecord::with_transmission;
 
 NumberRecord number(const FloatInput& input)
@@ -63,7 +63,7 @@ ColorRecord color(const ColorInput& input)
     return {spectrum(input.value), texture_id(input.texture)};
 }
 
-/// Fresnel's reflectance of a boundary to a medium of index ior, for unpolarised light.
+/// Fresnel reflectance of a boundary to a medium of index ior, for unpolarized light.
 double fresnel(double cosine, double ior)
 {
     const double t = std::sqrt(std::max(0.0, 1 - (1 - cosine * cosine) / (ior * ior)));
@@ -71,8 +71,8 @@ double fresnel(double cosine, double ior)
     return (p * p + s * s) / 2;
 }
 
-/// Share of light from everywhere within that a boundary sends back: by reciprocity, 1 - (1 - mean) / ior^2 of the mean
-/// reflectance of light from everywhere outside.
+/// Internal reflectance of a boundary for diffuse light: 1 - (1 - mean) / ior^2 by reciprocity, where mean is the
+/// external reflectance for diffuse light.
 double inner_reflectance(double ior)
 {
     constexpr int steps = 256;

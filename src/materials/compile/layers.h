@@ -1,5 +1,5 @@
 #pragma once
-/// Materials of layers and Disney's, as the kernel reads them.
+/// Compilation of layered and Disney materials to the kernel's records.
 #include "fathom/description.h"
 #include "materials/records.h"
 
@@ -14,16 +14,18 @@ inline std::uint32_t texture_id(int index)
     return index < 0 ? no_index : std::uint32_t(index);
 }
 
-/// The simplest closure that does all that a principled material asks for.
+/// The simplest closure that supports every feature a principled material uses.
 ClosureKind closure_of_layers(const Material& m);
 
-/// render_scale: of render space, in whose units lengths are.
+/// render_scale: factor from scene units to those of render space, applied to lengths
 LayersRecord compile_layers(const Material& m, double render_scale);
 
+/// disney_transmitting if any light can pass, else disney.
 ClosureKind closure_of_disney(const Material& m);
 DisneyRecord compile_disney(const Material& m);
 
-/// Of diffuse light that a smooth boundary of index ior sends back through a layer: what that absorbs on both ways.
+/// Fraction of the light that a smooth boundary of index ior reflects internally which a gray layer absorbs on the way
+/// up and down. The light below the layer is diffuse.
 double share_lost_within(double ior, double optical_thickness);
 
 }  // namespace fathom

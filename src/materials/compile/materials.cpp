@@ -17,7 +17,7 @@ namespace fathom {
 
 namespace {
 
-/// The number of a texture's space; none for the world itself.
+/// Index of the record of a texture's space; no_index if it is world space.
 std::uint32_t compile_space(Compiler& c, const Transform& world_from_texture)
 {
     if (world_from_texture.m == Transform().m) return no_index;
@@ -102,7 +102,7 @@ ClosureKind closure_of(const Material& m)
 
 bool is_solid(const Material& m, ClosureKind closure)
 {
-    // Sheets of glass may enclose something.
+    // Sheets of glass with attenuation enclose a medium though they are thin.
     if (m.thin) return m.kind == MaterialKind::glass && m.attenuation_distance > 0;
     return closure == ClosureKind::glass || closure == ClosureKind::layered_transmitting ||
            closure == ClosureKind::disney_transmitting;
@@ -121,7 +121,7 @@ void set_number(const FloatInput& from, float& value, std::uint32_t& texture, st
     channel = std::uint32_t(from.channel);
 }
 
-/// In the places of what hair has no use for.
+/// Hair keeps its parameters in members that other closures use for something else: see MaterialRecord.
 void compile_hair(const Material& m, MaterialRecord& t)
 {
     set_number(m.beta_m, t.roughness, t.roughness_texture, t.roughness_channel);
@@ -144,35 +144,36 @@ void compile_hair(const Material& m, MaterialRecord& t)
     t.base_texture = texture_id(texture);
 }
 
-/// The tables are shared, and were compiled with the scene's textures.
+/// The tables of measured surfaces are shared by materials: compile_measured_tables adds them.
 void compile_measured(const Compiler& c, const Material& m, MaterialRecord& t)
 {
     const MeasuredBrdf& brdf = c.scene.measured[std::size_t(m.measured)];
     t.measured = std::uint32_t(m.measured);
-    t.base_color = spectrum(reflectance_of(brdf));  // shown by albedo layers
+    t.base_color = spectrum(reflectance_of(brdf));  // shown in albedo layers
     if (!brdf.is_isotropic()) t.flags |= MaterialRecord::wants_tangent;
 }
 
-/// Values of all measured surfaces.
+/// Adds the values of all measured surfaces to the tables.
 void compile_measured_tables(Compiler& c)
 {
     double count = 0;
     for (const MeasuredBrdf& brdf : c.scene.measured) count += measured_value_count(brdf);
-    constexpr double most = 0x7fffffff;  // that an index of lanes can tell apart
+    constexpr double most = 0x7fffffff;  // largest index that lanes of 32 bits address with a signed gather
     if (count > most) throw Error(c.scene.file, "", "its measured materials have more than 2,147,483,647 values");
     c.tables.measured_values.reserve(std::size_t(count));
     for (const MeasuredBrdf& brdf : c.scene.measured)
         c.tables.measured.push_back(add_measured(brdf, c.tables.measured_values));
 }
 
-/// What bends normals would bend what is reflected only, but textures of them are seldom for panes.
+/// Whether the surface is smooth thin glass, which shadow rays pass. Surfaces with normal or bump maps are excluded: a
+/// map would bend only the reflection, and is rare on such glass.
 bool is_pane(const Material& m, const MaterialRecord& t)
 {
     return t.closure == ClosureKind::glass && m.thin && t.roughness == 0 && t.roughness_texture == no_index &&
            t.normal_texture == no_index && !(t.flags & MaterialRecord::bumped);
 }
 
-/// Whether the tangents of a map's texture coordinates may point elsewhere than those of the mesh's first set.
+/// Whether tangents of a map's texture coordinates may differ from those of the mesh's first set.
 bool has_other_tangents(const Compiler& c, int texture)
 {
     if (texture < 0) return false;
@@ -288,7 +289,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     return t;
 }
 
-/// A mixture gets what compiling geometry asks of a material from those that are in it.
+/// Gives a mixture the flags and media of its parts that geometry compilation depends on.
 void join_mixture(Compiler& c, std::size_t index)
 {
     const Material& m = c.scene.materials[index];
@@ -326,14 +327,14 @@ void compile_material_records(Compiler& c)
     for (const Material& material : c.scene.materials)
         c.tables.materials.push_back(compile_material(c, own_parameters(material, material_parameters())));
     for (std::size_t i = 0; i < c.scene.materials.size(); ++i) join_mixture(c, i);
-    // The last one stands for shapes without a material.
+    // The last record is the material of shapes without one.
     c.tables.materials.push_back(compile_material(c, Material{}));
 }
 
 void compile_materials(Compiler& c)
 {
     ImageStore images(c);
-    // What a kind doesn't have must not tell two scenes apart.
+    // Parameters that the kind does not have are reset, so that they don't affect the scene's fingerprint.
     for (const Texture& texture : c.scene.textures)
         c.tables.textures.push_back(compile_texture(c, images, own_parameters(texture, texture_parameters())));
     compile_measured_tables(c);

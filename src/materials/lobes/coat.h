@@ -5,8 +5,8 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// A clear layer over what else a surface is made of, with a normal and a roughness of its own. Directions are in the
-/// frame of the base's shading normal.
+/// Specular lobe of a clear coat, with a normal and a roughness of its own. Directions are in the frame of the base's
+/// shading normal.
 class CoatLobe {
 public:
     explicit CoatLobe(const LayersPoint& l)
@@ -17,14 +17,14 @@ public:
           f90_(min(Float(50) * l.coat_f0, Float(1)))
     {
     }
-    /// The share of light that it reflects.
+    /// Directional albedo: the fraction of light from wo that the coat reflects, by the GGX tables.
     Float albedo(Vec3 wo) const
     {
         const Float cosine = max(dot(wo, frame_.n), Float(0));
         const Float e = ggx_albedo(cosine, roughness_), w = albedo_lookup(ggx_schlick_table, cosine, roughness_);
         return clamp(fma(f0_, e - w, f90_ * w), Float(0), Float(1));
     }
-    /// The bsdf times the cosine, and the density of sample.
+    /// BSDF times cosine (f_cos), and the solid angle density of sample.
     void eval(Vec3 wo, Vec3 wi, Float& f_cos, Float& pdf) const
     {
         const Vec3 o = frame_.to_local(wo), i = frame_.to_local(wi);
@@ -35,6 +35,7 @@ public:
         f_cos = select(valid, f * d * ggx_.g2(o, i), Float(0));
         pdf = select(valid, d * ggx_.g1(o), Float(0));
     }
+    /// Samples wi by the visible normals of the coat. The direction can lie below the surface, where eval returns 0.
     Vec3 sample(Vec3 wo, Sample2 u) const
     {
         Vec3 o = frame_.to_local(wo);
@@ -46,9 +47,9 @@ private:
     Frame frame_;
     Float roughness_;
     Ggx ggx_;
-    /// Schlick's law has everything reflect at grazing angles, whatever the index: not where there is hardly a
-    /// boundary, nor where there is none (S. Lagarde, C. de Rousiers: Moving Frostbite to Physically Based Rendering,
-    /// 2014, for f90).
+    /// Schlick's approximation reflects everything at grazing angles, whatever the index. f90 fades to 0 with f0, so
+    /// that a coat whose index is that of its surroundings reflects nothing (Lagarde, de Rousiers 2014, "Moving
+    /// Frostbite to Physically Based Rendering").
     Float f0_, f90_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// How rough fibres spread light: along the fibre (M) and around it (N), each a density by itself.
+/// Longitudinal (M) and azimuthal (N) lobes of rough hair fibers, each a normalized density.
 #include "math/elementary.h"
 #include "sampling/warp.h"
 
@@ -24,43 +24,44 @@ inline Float scaled_bessel_i0(Float x)
                   polynomial(large, Float(middle) / above) / sqrt(above));
 }
 
-/// Along the fibre: about the cone of directions at the angle of the mirror's, of variance v. Energy is conserved for
-/// all v. d'Eon, Francois, Hill, Letteri, Aubry 2011, "An Energy-Conserving Hair Reflectance Model", 3.
+/// Longitudinal lobe M of variance v, about the cone of the mirror direction. Conserves energy for all v: d'Eon,
+/// Francois, Hill, Letteri, Aubry 2011, "An Energy-Conserving Hair Reflectance Model", 3.
 struct HairLongitudinal {
-    Float v, inverse_v, tail;  ///< tail: what is left of the exponent's range, exp(-2 / v)
+    Float v, inverse_v, tail;  ///< tail: exp(-2 / v), the smallest value of the exponential
 
     HairLongitudinal() = default;
     explicit HairLongitudinal(Float variance) : v(variance), inverse_v(Float(1) / v), tail(exp(Float(-2) * inverse_v))
     {
     }
-    /// Sines and cosines are of the angles to the plane across the fibre. Its integral over the sine is 1.
+    /// Density over the sine of the incident angle; it integrates to 1. Angles theta are measured from the plane across
+    /// the fiber.
     Float pdf(Float sin_i, Float cos_i, Float sin_o, Float cos_o) const
     {
-        // cos(i + o) - 1, which the exponent has over v, without what cancels.
+        // The exponent is (cos(i + o) - 1) / v, written without cancellation.
         const Float c = cos_i - cos_o, s = sin_i + sin_o;
         const Float exponent = Float(-0.5f) * fma(c, c, s * s) * inverse_v;
         return scaled_bessel_i0(cos_i * cos_o * inverse_v) * exp(exponent) * inverse_v / (Float(1) - tail);
     }
-    /// The sine of a direction. d'Eon, Marschner, Hanika 2013, "Importance Sampling for Physically-Based Hair Fiber
-    /// Models".
+    /// Samples the sine of the incident angle: d'Eon, Marschner, Hanika 2013, "Importance Sampling for Physically-Based
+    /// Hair Fiber Models".
     Float sample(Float sin_o, Float cos_o, Sample2 u) const
     {
         const Float x = fma(Float(1) - u.x, tail, u.x);
-        const Float below = max(v * log(max(x, Float(1e-30f))), Float(-2));  // cosine to the cone's middle, less 1
+        const Float below = max(v * log(max(x, Float(1e-30f))), Float(-2));  // cosine to the axis of the cone, minus 1
         const Float cosine = Float(1) + below, sine = sqrt(max(-below * (Float(2) + below), Float(0)));
         return clamp(fma(sine * sincos_2pi(u.y).cos, cos_o, -(cosine * sin_o)), Float(-1), Float(1));
     }
 };
 
-/// Around the fibre: a logistic distribution cut off at half a turn. Chiang, Bitterli, Tappan, Burley 2016, "A
-/// Practical and Controllable Hair and Fur Model for Production Path Tracing", 4.
+/// Azimuthal lobe N: a logistic distribution trimmed to [-pi, pi]. Chiang, Bitterli, Tappan, Burley 2016, "A Practical
+/// and Controllable Hair and Fur Model for Production Path Tracing", 4.
 struct HairAzimuthal {
     Float s, inverse_s, tail;
 
     HairAzimuthal() = default;
     explicit HairAzimuthal(Float scale) : s(scale), inverse_s(Float(1) / s), tail(exp(Float(-pi) * inverse_s)) {}
 
-    /// x: radians from where a smooth fibre sends light; any number of turns.
+    /// Density over the azimuth. x: radians from the direction of a smooth fiber, of any period.
     Float pdf(Float x) const
     {
         const Float turns = x * Float(0.5f * inv_pi);
@@ -68,6 +69,7 @@ struct HairAzimuthal {
         const Float e = exp(-abs(off) * inverse_s), sum = Float(1) + e;
         return e * inverse_s * (Float(1) + tail) / (sum * sum * (Float(1) - tail));
     }
+    /// Samples the azimuth in [-pi, pi].
     Float sample(Float u) const
     {
         const Float part = u * (Float(1) - tail);

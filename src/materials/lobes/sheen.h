@@ -5,18 +5,18 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Fibres that stand on a surface, as of velvet: Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF",
-/// with the visibility term of Ashikhmin and Premoze 2007. By itself it would give back more light than comes at
-/// grazing angles; there it is scaled to all.
+/// Sheen lobe of fibers that stand on a surface, such as velvet: Estevez and Kulla 2017, "Production Friendly
+/// Microfacet Sheen BRDF", with the visibility term of Ashikhmin and Premoze 2007. Unscaled it would reflect more light
+/// than arrives at grazing angles, so it is divided by its albedo where that exceeds 1.
 class SheenLobe {
 public:
     explicit SheenLobe(Float roughness) : roughness_(max(roughness, Float(0.07f)))
     {
         inverse_alpha_ = Float(1) / (roughness_ * roughness_);
     }
-    /// The share of light that goes to wo, for a white sheen.
+    /// Directional albedo of a white sheen.
     Float albedo(Vec3 wo) const { return min(unscaled_albedo(wo), Float(1)); }
-    /// The bsdf of a white sheen, times the cosine of wi, which is above the surface.
+    /// BSDF of a white sheen times the cosine of wi, which is above the surface.
     Float eval(Vec3 wo, Vec3 wi) const
     {
         const Vec3 h = normalize(wo + wi + Vec3{Float(0), Float(0), Float(1e-20f)});
@@ -25,13 +25,14 @@ public:
         const Float v = Float(0.25f) / max(fma(-wo.z, wi.z, wo.z + wi.z), Float(1e-4f));
         return d * v * wi.z / max(unscaled_albedo(wo), Float(1));
     }
-    /// All directions alike: most of the light is near the horizon.
+    /// Samples the hemisphere uniformly: most of the lobe's energy is near the horizon.
     static Vec3 sample(Sample2 u)
     {
         const Float s = sqrt(max(fma(-u.y, u.y, Float(1)), Float(0)));
         const SinCos phi = sincos_2pi(u.x);
         return {s * phi.cos, s * phi.sin, max(u.y, Float(1e-6f))};
     }
+    /// Solid angle density of sample.
     static Float pdf() { return Float(0.5f * inv_pi); }
 
 private:

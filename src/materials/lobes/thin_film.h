@@ -6,17 +6,17 @@ inline namespace FATHOM_LANES {
 
 namespace detail {
 
-/// What the eye's three channels make of the m-th term of the film's interference, as XYZ, then Rec.709: Gaussians
-/// fitted to the Fourier transform of the CIE's curves. way: optical path difference in nanometres; shift: of phase,
-/// per channel.
+/// Response of the CIE's color matching functions to the m-th interference term of a film, as XYZ converted to Rec.709:
+/// Gaussians fitted to the functions' Fourier transforms. way: optical path difference in nanometers; shift: phase
+/// shift per channel.
 inline Spectrum film_sensitivity(Float way, const Spectrum& shift)
 {
-    // 1 / m^2 and 1 / m per nanometre; heights times sqrt(2 pi variance).
+    // Positions are in 1/m, variances in 1/m^2, heights without the factor sqrt(2 pi variance).
     constexpr float height[] = {5.4856e-13f, 4.4201e-13f, 5.2481e-13f}, position[] = {1.6810e6f, 1.7953e6f, 2.2084e6f},
                     variance[] = {4.3278e9f, 9.3046e9f, 6.6121e9f};
     constexpr float second_height = 9.7470e-14f, second_position = 2.2399e6f, second_variance = 4.5282e9f;
     constexpr float norm = 1 / 1.0685e-7f, two_pi = 2 * pi, per_turn = 1 / two_pi;
-    // sqrt(2 pi variance) by Newton's steps, since there is no constexpr root.
+    // Newton's method computes sqrt(2 pi variance): std::sqrt is not constexpr.
     constexpr auto root = [](double x) {
         double y = x > 1 ? x : 1;
         for (int i = 0; i < 60; ++i) y = 0.5 * (y + x / y);
@@ -44,14 +44,14 @@ inline Spectrum film_sensitivity(Float way, const Spectrum& shift)
 
 }  // namespace detail
 
-/// Reflectance of a base under a thin film, by the interference of what the film's two sides reflect: Belcour and Barla
-/// 2017, "A Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence", as
-/// KHR_materials_iridescence has it. Fresnel's terms are Schlick's.
+/// Reflectance of a base under a thin film, by interference between the film's two boundaries: Belcour and Barla 2017,
+/// "A Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence", in the form of
+/// KHR_materials_iridescence, with Schlick's Fresnel terms.
 ///
-/// cosine     of direction and facet
-/// f0         of the base at normal incidence, without the film
-/// thickness  nanometres
-/// ior        of the film
+/// cosine     abs cosine between direction and microfacet normal
+/// f0         reflectance of the base at normal incidence, without the film
+/// thickness  nanometers
+/// ior        refractive index of the film
 inline Spectrum thin_film_reflectance(Float cosine, const Spectrum& f0, Float thickness, Float ior)
 {
     const Float inverse = Float(1) / ior;
@@ -60,12 +60,12 @@ inline Spectrum thin_film_reflectance(Float cosine, const Spectrum& f0, Float th
     const Float cos_film = sqrt(max(cos2_film, Float(0)));
     const auto schlick = [](Float r0, Float w) { return fma(Float(1) - r0, w, r0); };
 
-    // From air into the film.
+    // Boundary from air to film.
     const Float root = (ior - Float(1)) / (ior + Float(1));
     const Float r12 = schlick(root * root, schlick_weight(cosine)), t121 = Float(1) - r12;
     const Mask thinner = ior < Float(1);
     const Float shift21 = select(thinner, Float(0), Float(pi));
-    // From the film into the base.
+    // Boundary from film to base.
     Spectrum r23, shift;
     for (int i = 0; i < channels; ++i) {
         const Float s = sqrt(clamp(f0.c[i] + Float(1e-4f), Float(0), Float(0.9999f)));

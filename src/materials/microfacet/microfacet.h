@@ -1,6 +1,6 @@
 #pragma once
-/// The GGX distribution of facets: Walter et al. 2007, with the height-correlated Smith term (Heitz 2014). Directions
-/// are in the frame of the shading normal.
+/// The GGX microfacet distribution: Walter et al. 2007, with the height-correlated Smith term (Heitz 2014), and Fresnel
+/// equations. Directions are in the frame of the shading normal.
 #include "materials/microfacet/dielectric_albedo_table.h"
 #include "materials/microfacet/ggx_albedo_table.h"
 #include "math/elementary.h"
@@ -10,10 +10,11 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Below this alpha a surface is treated as smooth: float could not tell its lobe from a delta.
+/// Surfaces of a smaller alpha are treated as mirrors: float can't tell their lobe from a delta distribution.
 inline constexpr float min_alpha = 1e-3f;
 
-/// A normal as seen from wo (wo.z > 0): Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
+/// Samples the distribution of normals visible from wo (wo.z > 0): Dupuy and Benyoub 2023, "Sampling Visible GGX
+/// Normals with Spherical Caps".
 inline Vec3 sample_visible_normal(Vec3 wo, Float alpha_x, Float alpha_y, Sample2 u)
 {
     const Vec3 stretched = normalize({wo.x * alpha_x, wo.y * alpha_y, wo.z});
@@ -24,6 +25,8 @@ inline Vec3 sample_visible_normal(Vec3 wo, Float alpha_x, Float alpha_y, Sample2
     return normalize({c.x * alpha_x, c.y * alpha_y, max(c.z, Float(1e-6f))});
 }
 
+/// Isotropic GGX distribution. d: density of normals; g1, g2: masking and height-correlated shadowing-masking; lambda:
+/// Smith's auxiliary function.
 struct Ggx {
     Float alpha;
 
@@ -31,7 +34,7 @@ struct Ggx {
     {
         const Float a2 = alpha * alpha;
         const Float t = fma(h.z * h.z, a2 - Float(1), Float(1));
-        // 1 - cos^2 cancels near the normal; the sine is exact.
+        // Near the normal 1 - cos^2 cancels; the sine computed from x and y is exact.
         const Float sine2 = fma(h.x, h.x, h.y * h.y);
         const Float e = select(h.z > Float(0.9f), fma(a2, h.z * h.z, sine2), t);
         return a2 * Float(inv_pi) / max(e * e, Float(1e-30f));
@@ -45,17 +48,17 @@ struct Ggx {
     Float g1(Vec3 w) const { return Float(1) / (Float(1) + lambda(w)); }
     Float g2(Vec3 wo, Vec3 wi) const { return Float(1) / (Float(1) + lambda(wo) + lambda(wi)); }
 
-    /// Square of a normal's slope, of alpha 1.
+    /// Squared slope of a normal, divided by alpha^2.
     Float slope2(Vec3 h) const { return fma(h.x, h.x, h.y * h.y) / max(alpha * alpha * h.z * h.z, Float(1e-30f)); }
-    /// The same of a direction's inverse: how far the surface's roughness reaches.
+    /// alpha^2 tan^2 of a direction, the argument of Smith's lambda.
     Float stretch2(Vec3 w) const { return alpha * alpha * fma(w.x, w.x, w.y * w.y) / max(w.z * w.z, Float(1e-12f)); }
     Float alpha2() const { return alpha * alpha; }
     Vec3 sample(Vec3 wo, Sample2 u) const { return sample_visible_normal(wo, alpha, alpha, u); }
-    /// Density per solid angle of the normals that sample gives.
+    /// Solid angle density of the normals that sample returns.
     Float pdf(Vec3 wo, Vec3 h) const { return g1(wo) * max(dot(wo, h), Float(0)) * d(h) / wo.z; }
 };
 
-/// The same, drawn out along x: alpha_x and alpha_y of the frame's axes.
+/// Anisotropic GGX distribution, with alpha_x and alpha_y along the axes of the frame; members as in Ggx.
 struct AnisotropicGgx {
     Float alpha_x, alpha_y;
 
@@ -87,12 +90,12 @@ struct AnisotropicGgx {
     Vec3 sample(Vec3 wo, Sample2 u) const { return sample_visible_normal(wo, alpha_x, alpha_y, u); }
 };
 
-/// Turns directions about the normal, to where a tangent is x: the axes of anisotropic facets.
+/// Rotation about the shading normal that takes a tangent to the x axis: the axes of anisotropic microfacets.
 struct FacetAxes {
     Float cosine{1}, sine{0};
 
     FacetAxes() = default;
-    /// tangent: in the frame of the shading normal; where it has no length to speak of, nothing is turned
+    /// tangent: in the frame of the shading normal; a tangent of length about 0 gives the identity
     explicit FacetAxes(const Vec3& tangent)
     {
         const Float sine2 = fma(tangent.x, tangent.x, tangent.y * tangent.y);
@@ -108,41 +111,44 @@ private:
     Vec3 turned(const Vec3& w, Float s) const { return {fma(w.x, cosine, w.y * s), fma(w.y, cosine, -(w.x * s)), w.z}; }
 };
 
-/// What GGX's alpha is of Beckmann's that it looks most like.
+/// Alpha of the GGX distribution that best matches a Beckmann distribution, divided by Beckmann's alpha.
 inline constexpr float ggx_of_beckmann = 0.7f, sqrt_ggx_of_beckmann = 0.83666003f;
 
-/// Facets as GGX has them, in some lanes with a shadowing term of each direction by itself (Walter et al. 2007), or
-/// Beckmann, with the fit of the shadowing term by Walter et al. 2007, of
-/// each direction by itself. Normals are those of GGX, the distribution G, of ggx_of_beckmann times the alpha:
-/// Beckmann's are nowhere more than 1.8 times as many.
+/// Microfacets with the distribution and shadowing of G (a GGX distribution). In the lanes of `separable` the shadowing
+/// term is G1(wo) G1(wi); in the lanes of `beckmann` the distribution is Beckmann's, with Walter's rational fit of G1
+/// (Walter et al. 2007).
+/// Beckmann lanes sample normals by G with alpha times ggx_of_beckmann: the ratio of the densities is at most 1.8, so
+/// that weights are bounded.
 template <class G>
 class Facets : public G {
 public:
     Facets() = default;
-    /// ggx: that which is sampled
+    /// ggx: the distribution that is sampled
     Facets(const G& ggx, Mask beckmann, Mask separable = Mask(false))
         : G(ggx), beckmann_(beckmann), separable_(separable), some_(any(beckmann | separable))
     {
     }
 
-    /// Density of the facets' normals. d: G::d(h).
+    /// Density of normals at h. d: G::d(h), which callers have already.
     Float value(Vec3 h, Float d) const
     {
         if (!some_) return d;
         constexpr float ratio2 = ggx_of_beckmann * ggx_of_beckmann;
         const Float cos2 = max(h.z * h.z, Float(1e-8f));
         const Float b = exp(-this->slope2(h) * Float(ratio2)) * Float(ratio2 * inv_pi) / (this->alpha2() * cos2 * cos2);
-        // Above 0, as the density of sampling is: which directions can come must not depend on what exp still tells
-        // from 0.
+        // The lower bound keeps the value positive wherever the sampling density is: which directions are valid must
+        // not depend on where exp underflows.
         return select(beckmann_, max(b, Float(1e-30f)), d);
     }
+    /// Shadowing-masking term.
     Float g2(Vec3 wo, Vec3 wi) const
     {
         const Float g = G::g2(wo, wi);
         if (!some_) return g;
         return select(beckmann_, shadowing(wo) * shadowing(wi), select(separable_, G::g1(wo) * G::g1(wi), g));
     }
-    /// Of a direction that comes from the normal h: what it is worth but for the reflectance.
+    /// Sample weight f_cos / pdf of a direction that was reflected or refracted at the sampled normal h, without the
+    /// reflectance.
     Float weight(Vec3 wo, Vec3 wi, Vec3 h) const
     {
         const Float w = g2(wo, wi) / G::g1(wo);
@@ -164,6 +170,7 @@ private:
     bool some_ = false;
 };
 
+/// Mirrors w about n: both point away from the surface.
 inline Vec3 reflect(Vec3 w, Vec3 n)
 {
     return fma(n, Float(2) * dot(w, n), -w);
@@ -177,8 +184,8 @@ inline Float schlick_weight(Float cosine)
     return m2 * m2 * m;
 }
 
-/// Bilinear interpolation in a table of rows. x, y: column and row from 0 to 1, clamped; first: index of the first
-/// entry.
+/// Bilinear interpolation in a row-major table. x, y: column and row, scaled to [0, 1] and clamped; first: index of the
+/// table's first entry.
 template <int columns, int rows>
 inline Float table_lookup(const float* table, Float x, Float y, UInt first)
 {
@@ -192,23 +199,23 @@ inline Float table_lookup(const float* table, Float x, Float y, UInt first)
     return fma(fy, bottom - top, top);
 }
 
-/// Looks up a table of albedos that has the size of ggx_albedo_table.h.
+/// Bilinear lookup in an albedo table of the size of ggx_albedo_table.
 inline Float albedo_lookup(const float* table, Float cosine, Float roughness, UInt first = UInt(0))
 {
     return table_lookup<ggx_albedo_size, ggx_albedo_size>(table, cosine, roughness, first);
 }
 
-/// The share of light that GGX facets give back in one bounce.
+/// Directional albedo of perfectly reflecting GGX microfacets, for single scattering.
 inline Float ggx_albedo(Float cosine, Float roughness)
 {
     return albedo_lookup(ggx_albedo_table, cosine, roughness);
 }
 
-/// The share of light that a rough dielectric boundary reflects or refracts in one scattering event (GGX facets). Its
-/// inverse compensates for multiple scattering between the facets: Turquin 2019, "Practical multiple scattering
-/// compensation for microfacet models".
+/// Directional albedo of a rough dielectric boundary of GGX microfacets, reflection and refraction together, for single
+/// scattering. Its inverse compensates for multiple scattering between the facets: Turquin 2019, "Practical multiple
+/// scattering compensation for microfacet models".
 ///
-/// eta  index beyond the boundary over index before it; above 6.2 and below 1/6.2 the value of that index
+/// eta  index beyond the boundary over index before it; clamped to the table's range of 1/6.2 to 6.2
 inline Float dielectric_albedo(Float cosine, Float roughness, Float eta)
 {
     constexpr int size = dielectric_albedo_size, slices = dielectric_albedo_indices;
@@ -222,11 +229,12 @@ inline Float dielectric_albedo(Float cosine, Float roughness, Float eta)
     return fma(slice - lower, b - a, a);
 }
 
-/// Reflectance of a smooth boundary between two dielectrics, for unpolarised light.
+/// Reflectance of a smooth boundary between two dielectrics, for unpolarized light.
 ///
 /// cos_theta_i  abs cosine of direction and normal, in [0, 1]
 /// eta          index beyond the boundary over index before it, in [0.01, 100]
-/// cos_theta_t  becomes the cosine beyond; 0 under total internal reflection, where the result is exactly 1
+/// cos_theta_t  set to the cosine beyond; 0 under total internal reflection, where the result is exactly 1
+///
 /// Born and Wolf, Principles of Optics, 1.5.2.
 inline Float fresnel_dielectric(Float cos_theta_i, Float eta, Float& cos_theta_t)
 {
@@ -239,15 +247,16 @@ inline Float fresnel_dielectric(Float cos_theta_i, Float eta, Float& cos_theta_t
     return select(total, Float(1), Float(0.5f) * fma(parallel, parallel, perpendicular * perpendicular));
 }
 
-/// Reflectance of a conductor of index eta + i k, met from empty space, for unpolarised light.
+/// Reflectance of a conductor of index eta + i k in vacuum, for unpolarized light.
 ///
 /// cosine  of direction and normal, in [0, 1]
-/// Born and Wolf, Principles of Optics, 14.2: with u + i v the root of (eta + i k)^2 - sin^2.
+///
+/// Born and Wolf, Principles of Optics, 14.2, with u + i v = sqrt((eta + i k)^2 - sin^2).
 inline Float fresnel_conductor(Float cosine, Float eta, Float k)
 {
     const Float cos2 = cosine * cosine, sin2 = Float(1) - cos2;
     const Float real = fma(eta, eta, fma(-k, k, -sin2)), imaginary = Float(2) * eta * k;
-    const Float modulus = sqrt(fma(real, real, imaginary * imaginary));  // u^2 + v^2
+    const Float modulus = sqrt(fma(real, real, imaginary * imaginary));  // equals u^2 + v^2
     const Float u = sqrt(max(Float(0.5f) * (modulus + real), Float(0)));
     const Float sum = modulus + cos2, twice = Float(2) * u * cosine;
     const Float perpendicular = (sum - twice) / max(sum + twice, Float(1e-20f));

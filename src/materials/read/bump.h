@@ -1,5 +1,6 @@
 #pragma once
-/// Normals bent by the slope of heights: Blinn 1978, "Simulation of Wrinkled Surfaces".
+/// Bump mapping: shading normals tilted by the slope of a height texture. Blinn 1978, "Simulation of Wrinkled
+/// Surfaces".
 #include "geometry/surface/surface_hit.h"
 #include "kernel/tables.h"
 #include "math/gather_member.h"
@@ -8,7 +9,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The place that is by a share of one of its ways further on a surface.
+/// The texture lookup point displaced by `share` times the k-th parametric derivative of the surface.
 inline TexturePoint moved_place(const SceneTables& tables, const Surface& s, int k, Float share)
 {
     TexturePoint at = s.at;
@@ -20,7 +21,8 @@ inline TexturePoint moved_place(const SceneTables& tables, const Surface& s, int
     return at;
 }
 
-/// Bends the shading normals of the lanes of m, whose materials are bumped. The surface's own curvature is left alone.
+/// Tilts the shading normals of the lanes of m, whose materials are bump mapped. Blinn's term for the curvature of the
+/// surface itself (height times dn/du) is left out.
 [[gnu::noinline]] inline void bend_by_bump(const SceneTables& tables, Mask m, Surface& s)
 {
     const auto get = [&](auto NumberRecord::* member) {
@@ -31,7 +33,8 @@ inline TexturePoint moved_place(const SceneTables& tables, const Surface& s, int
     const auto height = [&](const TexturePoint& at) {
         return evaluate_textures(tables, texture, at, m).channel(channel) * scale;
     };
-    // About a quarter of a pixel: the camera is near render space's origin. Far from the world's, floats say no more.
+    // The step is about a quarter of a pixel, since the camera is near the origin of render space. Far from the world's
+    // origin it grows with the spacing of floats.
     const Float step =
         max(max(max_abs(s.p), max_abs(s.at.p_world) * Float(float(tables.render_scale * 0.25))), Float(1e-3f)) *
         Float(0x1p-12f);
@@ -44,7 +47,7 @@ inline TexturePoint moved_place(const SceneTables& tables, const Surface& s, int
         known = known & (length2 > Float(0));
         const Float share = step * inverse_sqrt(max(length2, Float(1e-30f)));
         const Float slope = (height(moved_place(tables, s, k, share)) - here) / share;
-        // Along the surface that the shading normal belongs to.
+        // Derivatives of the displaced position, in the tangent plane of the shading normal.
         bent[k] = fma(s.ns, slope - dot(way, s.ns), way);
     }
     const Vec3 n = cross(bent[0], bent[1]);

@@ -7,9 +7,10 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The parameters of surfaces of Disney's, textures applied.
+/// Parameters of DisneyBsdf with their textures applied.
 ///
-/// s: the surface, whose normal no map has bent yet. index: into ShadingTables::disney, for the lanes of m.
+/// s      the surface, before its normal map is applied
+/// index  into ShadingTables::disney, for the lanes of m
 inline void read_disney(const SceneTables& tables, const Surface& s, UInt index, Mask m, DisneyPoint& p)
 {
     RecordInputs<DisneyRecord> inputs(tables, tables.disney, s.at, index, m);

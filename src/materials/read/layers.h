@@ -1,5 +1,5 @@
 #pragma once
-/// The parameters of surfaces of layers, textures applied.
+/// Parameters of LayeredBsdf with their textures applied.
 #include "kernel/tables.h"
 #include "materials/closures/closure.h"
 #include "materials/read/tangent_frame.h"
@@ -8,9 +8,10 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Reads a LayersRecord per lane into a LayersPoint; parameters of features that no lane has are not read.
 class LayersReader {
 public:
-    /// s: the surface, whose normal no map has bent yet. index: into ShadingTables::layers, for the lanes of m.
+    /// s: the surface, before its normal map is applied. index: into ShadingTables::layers, for the lanes of m.
     LayersReader(const SceneTables& tables, const Surface& s, UInt index, Mask m)
         : t_(tables), s_(s), frame_(s), m_(m), inputs_(tables, tables.layers, s.at, index, m)
     {
@@ -68,7 +69,7 @@ public:
     }
 
 private:
-    /// The direction of a map is turned by the material's rotation.
+    /// The anisotropy direction of the texture is rotated by the material's anisotropy_rotation.
     void read_anisotropy(LayersPoint& p) const
     {
         p.anisotropy = inputs_.number(&LayersRecord::anisotropy);

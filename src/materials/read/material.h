@@ -1,5 +1,6 @@
 #pragma once
-/// What the material at a surface is like: its parameters with textures applied, and the shading normal bent.
+/// Reads the material at a surface: its parameters with textures applied, and the shading normal after bump and normal
+/// mapping.
 #include "geometry/surface/surface.h"
 #include "materials/closures/closure.h"
 #include "materials/hair_color.h"
@@ -11,24 +12,25 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Reads material parameters of hits, for all lanes at once.
 class MaterialReader {
 public:
     explicit MaterialReader(const LaneScene& scene) : scene_(scene), t_(scene.tables) {}
 
     const SceneTables& tables() const { return t_; }
 
-    /// A member of the record of each lane's material.
+    /// A member of the MaterialRecord of each lane.
     template <class Member>
     auto get(Member MaterialRecord::* member, UInt material, Mask m) const
     {
         return gather(t_.materials, member, material, m);
     }
 
-    /// Radiance that surfaces emit, or, if unlit, show. flags: those of MaterialRecord.
+    /// Emitted radiance of surfaces, or the radiance that unlit materials show. flags: those of MaterialRecord.
     Spectrum emission(const Surface& s, UInt flags, Mask m) const
     {
         Spectrum e = get(&MaterialRecord::emission, s.material, m);
-        // Vertex colors multiply the base color, which unlit materials show.
+        // Vertex colors multiply the base color, which is the radiance of unlit materials.
         constexpr std::uint32_t colored_base = MaterialRecord::unlit | MaterialRecord::vertex_colored;
         const Mask colored = m & ((flags & UInt(colored_base)) == UInt(colored_base));
         if (any(colored))
@@ -40,9 +42,9 @@ public:
         return e;
     }
 
-    /// Parameters of the material, and the shading normal bent by its normal map.
+    /// Reads the parameters of the material, and applies bump and normal maps to the shading normal.
     ///
-    /// Point: MaterialPoint, or one with more
+    /// Point  MaterialPoint or a type derived from it, as the closure requires
     template <class Point>
     [[gnu::always_inline]] void read(Surface& s, Mask entering, Mask m, Point& p) const
     {
@@ -94,7 +96,8 @@ public:
     }
 
 private:
-    /// What has no map of its own, such as anisotropy, refers to the tangents of the normal map.
+    /// Replaces the mesh's tangents by those of the normal map: parameters without a map, such as anisotropy, refer to
+    /// them.
     [[gnu::noinline]] void use_map_tangents(UInt normal_texture, Mask own, Surface& s) const
     {
         s.has_map_tangents = own;
@@ -104,7 +107,7 @@ private:
         const Float side = dot(cross(s.ns, frame.tangent), frame.bitangent);
         s.bitangent_sign = select(mapped, copysign(Float(1), side), s.bitangent_sign);
     }
-    /// White for other lanes than those of m.
+    /// Color that multiplies reflections of glass and plastic; 1 in lanes outside m.
     [[gnu::noinline]] Spectrum specular_tint(const Surface& s, Mask m) const
     {
         Spectrum tint = get(&MaterialRecord::specular_tint, s.material, m);

@@ -6,10 +6,11 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Where the tables of measured surfaces stand.
+/// Locates the tables of measured surfaces, and the tangent of anisotropic ones.
 ///
-/// s: the surface, whose normal no map has bent yet. index: into ShadingTables::measured, for the lanes of m, of which
-/// there is one at least: others read the first one's tables.
+/// s      the surface, before its normal map is applied
+/// index  into ShadingTables::measured, for the lanes of m, at least one of which is active; other lanes get a valid
+/// index too
 inline void read_measured(const SceneTables& tables, const Surface& s, UInt index, Mask m, MeasuredPoint& p)
 {
     constexpr int words = int(sizeof(MeasuredRecord) / 4);

@@ -1,5 +1,5 @@
 #pragma once
-/// Materials that are one of two others: each path meets one of them, by chance or by the side it comes to.
+/// Resolves mixtures: materials that are one of two others, chosen at random or by the side that the path arrives on.
 #include "geometry/surface/surface.h"
 #include "kernel/camera_paths.h"
 #include "kernel/pool.h"
@@ -8,18 +8,20 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Chooses a material for each path that hit a mixture, before paths are sorted by closure.
 class MixtureStage {
 public:
     explicit MixtureStage(const LaneScene& scene) : scene_(scene), t_(scene.tables), surfaces_(scene) {}
 
-    /// Notes in hits.material which one each of the first `active` paths meets; no_index where it hit no mixture.
+    /// Writes the chosen material of each of the first `active` paths to hits.material; no_index for paths that hit no
+    /// mixture.
     [[gnu::noinline]] void choose(const PathPool& p, HitColumns& hits, std::size_t active, bool has_time) const
     {
         for (std::size_t i = 0; i < active; i += lanes) {
             hits.material.store(i, UInt(no_index));
             const UInt primitive = hits.primitive.load(i);
             const UInt instance = scene_.is_flat ? UInt(no_index) : hits.instance.load(i);
-            // Below 0: scattered on the way there.
+            // A negative t marks a path that scattered in a medium before it reached the surface.
             Mask m = first_lanes(active - i) & (primitive != UInt(no_index)) & !(hits.t.load(i) < Float(0));
             m &= (scene_.info_of(primitive, instance, m) & UInt(LaneScene::is_mixture)) != UInt(0u);
             if (none(m)) continue;
@@ -34,7 +36,7 @@ public:
         }
     }
 
-    /// Where paths are sorted to: `bucket`, or that of the material that was chosen.
+    /// Bucket by which paths are sorted: that of the chosen material, or `bucket` where none was chosen.
     UInt bucket(UInt material, UInt bucket, Mask m) const
     {
         const Mask chosen = m & (material != UInt(no_index));
@@ -42,7 +44,8 @@ public:
     }
 
 private:
-    /// Down to one that is no mixture. random: in [0, 1); what is left of it after a choice decides the next.
+    /// Descends through nested mixtures to a material that is none. random: in [0, 1); it is rescaled after each choice
+    /// and decides the next.
     UInt material_of(const SurfaceHit& hit, Float random, Mask m) const
     {
         const Surface s = surfaces_.read(hit, m);
@@ -62,7 +65,7 @@ private:
         }
     }
 
-    /// Between 0 and 1.
+    /// Probability of the second material, clamped to [0, 1].
     Float factor(const Surface& s, UInt mixture, Mask m) const
     {
         const Float f = RecordInputs<MixtureRecord>(t_, t_.mixtures, s.at, mixture, m).number(&MixtureRecord::factor);

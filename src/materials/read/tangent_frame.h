@@ -5,14 +5,14 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// What directions in textures refer to: tangent and bitangent of a surface, about its normal as it is before maps.
+/// Tangent space of normal and anisotropy maps: tangent and bitangent of a surface, about its unperturbed normal.
 struct TangentFrame {
     Vec3 tangent, bitangent, normal;
-    Mask known;  ///< where the surface has a tangent
+    Mask known;  ///< lanes whose surface has a tangent
 
     explicit TangentFrame(const Surface& s) : TangentFrame(s.ns, s.tangent, s.bitangent_sign) {}
-    /// The frame that a map refers to: where the surface has_map_tangents that of the map's own coordinates, else the
-    /// surface's. texture: of each lane of m, or no_index.
+    /// Tangent space of a map. In lanes with has_map_tangents the tangent follows the map's own texture coordinates,
+    /// else it is the surface's. texture: index per lane of m, or no_index.
     static TangentFrame of_map(const ShadingTables& tables, const Surface& s, UInt texture, Mask m)
     {
         const Mask own = m & s.has_map_tangents;
@@ -25,12 +25,12 @@ struct TangentFrame {
             s.ways.gradients(t.uv_set ? 1 : 0, t.uv_map, along_u, along_v);
             const Mask known = same & (dot(along_u, along_u) > Float(0));
             tangent = select(known, along_u, tangent);
-            // Green of a normal map is up in the image, against v.
+            // Green of a normal map points up in the image, against v.
             sign = select(known, copysign(Float(1), -dot(cross(s.ns, along_u), along_v)), sign);
         });
         return TangentFrame(s.ns, tangent, sign);
     }
-    /// The normal bent as a texel of a normal map says, for the lanes of m.
+    /// The normal of a texel of a normal map, for the lanes of m; the unperturbed normal in other lanes.
     Vec3 bend(const Texel& t, Float scale, Mask m) const
     {
         const Float x = fma(t.c[0], Float(2), Float(-1)) * scale, y = fma(t.c[1], Float(2), Float(-1)) * scale,
@@ -43,7 +43,7 @@ struct TangentFrame {
 private:
     TangentFrame(const Vec3& ns, const Vec3& along_u, Float bitangent_sign) : normal(ns)
     {
-        // Gram-Schmidt: the tangent may not be perpendicular to the interpolated normal.
+        // Gram-Schmidt orthogonalization: the tangent may not be perpendicular to the interpolated normal.
         const Vec3 raw = along_u - ns * dot(along_u, ns);
         known = dot(raw, raw) > Float(1e-20f);
         tangent = normalize(select(known, raw, Vec3(Float(1), Float(0), Float(0))));
