@@ -4,7 +4,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Squares in texture coordinates.
+/// Checkerboard in texture coordinates.
 struct CheckerUvTexture {
     static constexpr TextureKind kind = TextureKind::checker_uv;
 
@@ -16,7 +16,7 @@ struct CheckerUvTexture {
     }
 };
 
-/// Cubes in space, of "Ray Tracing: the Next Week".
+/// Checkerboard of cubes in space, as in "Ray Tracing: The Next Week": by the sign of a product of sines.
 struct CheckerSpaceTexture {
     static constexpr TextureKind kind = TextureKind::checker_space;
 

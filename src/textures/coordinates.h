@@ -4,7 +4,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Where it is looked up, as a colour: what goes from corner to corner is mixed by it.
+/// Texture coordinates as a color: u is red, v is green. Input for gradients.
 struct CoordinatesTexture {
     static constexpr TextureKind kind = TextureKind::coordinates;
 

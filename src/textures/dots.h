@@ -5,7 +5,8 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Disks in texture coordinates, whose cells and places noise chooses, as pbrt does.
+/// Polka dots in texture coordinates: noise chooses which cells have a dot, and its position in the cell, as in pbrt's
+/// dots texture.
 struct DotsTexture {
     static constexpr TextureKind kind = TextureKind::dots;
 
@@ -14,7 +15,7 @@ struct DotsTexture {
         constexpr float radius = 0.35f, farthest = 0.5f - radius;
         const TextureUv uv(graph.tables, t, at);
         const Float u = uv.u * Float(t.scale), v = uv.v * Float(t.scale);
-        // Cells lie about whole numbers.
+        // Cells are centered on integers.
         const Float column = floor(u + Float(0.5f)), row = floor(v + Float(0.5f));
         const auto noise = [&](float du, float dv) {
             return improved_noise({column + Float(du), row + Float(dv), Float(0.5f)});

@@ -4,7 +4,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// By how much a surface faces a direction or turns its back on it: snow on what lies flat.
+/// Mixes by the abs cosine between the geometric normal and a direction, such as for snow on horizontal surfaces.
 struct FacingTexture {
     static constexpr TextureKind kind = TextureKind::facing;
 

@@ -1,6 +1,5 @@
 #pragma once
-/// Sums of noise at one scale below the other, and what is made of them, as pbrt-v4 has it where nothing is left out
-/// for being smaller than a pixel.
+/// Sums of noise octaves (fBm) and textures made of them, as in pbrt-v4 without its antialiasing of octaves.
 #include "textures/improved_noise.h"
 #include "textures/mapping.h"
 
@@ -9,9 +8,10 @@ inline namespace FATHOM_LANES {
 
 namespace detail {
 
-/// Not quite 2, so that the lattices of octaves don't meet.
+/// Frequency ratio of octaves; not exactly 2, so that their lattices don't coincide.
 inline constexpr float lacunarity = 1.99f;
 
+/// Fractional Brownian motion: a weighted sum of octaves of noise.
 inline Float fbm(Vec3 p, float gain, std::uint32_t octaves)
 {
     Float sum(0.f);
@@ -24,7 +24,7 @@ inline Float fbm(Vec3 p, float gain, std::uint32_t octaves)
     return sum;
 }
 
-/// 0.2 is about the mean of |noise|, which stands for the octaves that are not there.
+/// Turbulence: a sum of octaves of |noise|. 0.2 is about the mean of |noise| and stands for the missing octaves.
 inline Float wrinkles(Vec3 p, float gain, std::uint32_t octaves)
 {
     Float sum(0.f);
@@ -37,13 +37,15 @@ inline Float wrinkles(Vec3 p, float gain, std::uint32_t octaves)
     return sum + Float(0.2f * height);
 }
 
-/// The greys of the veins, which Bézier curves go along, four at a time, each a colour further than the last.
+/// Control points of the marble's color: cubic Bézier segments, each of which starts at the last point of the segment
+/// before.
 inline constexpr float marble_colors[9][3] = {{0.58f, 0.58f, 0.6f}, {0.58f, 0.58f, 0.6f}, {0.58f, 0.58f, 0.6f},
                                               {0.5f, 0.5f, 0.5f},   {0.6f, 0.59f, 0.58f}, {0.58f, 0.58f, 0.6f},
                                               {0.58f, 0.58f, 0.6f}, {0.2f, 0.2f, 0.33f},  {0.58f, 0.58f, 0.6f}};
 
 }  // namespace detail
 
+/// Mixes by fBm.
 struct FbmTexture {
     static constexpr TextureKind kind = TextureKind::fbm;
 
@@ -53,6 +55,7 @@ struct FbmTexture {
     }
 };
 
+/// Mixes by turbulence.
 struct WrinkledTexture {
     static constexpr TextureKind kind = TextureKind::wrinkled;
 
@@ -62,7 +65,7 @@ struct WrinkledTexture {
     }
 };
 
-/// Waves, higher where the wind is stronger.
+/// Waves on water: fBm with an amplitude that varies with a second fBm of lower frequency.
 struct WindyTexture {
     static constexpr TextureKind kind = TextureKind::windy;
 
@@ -74,6 +77,7 @@ struct WindyTexture {
     }
 };
 
+/// Marble of pbrt: a color spline along y, displaced by fBm.
 struct VeinedMarbleTexture {
     static constexpr TextureKind kind = TextureKind::veined_marble;
 

@@ -8,7 +8,7 @@ inline namespace FATHOM_LANES {
 
 namespace detail {
 
-/// Texel numbers, wrapped into [0, size). x is whole.
+/// Wraps a texel coordinate (an integer) into [0, size).
 inline Float wrap(Float x, int size, std::uint32_t mode)
 {
     const Float n(static_cast<float>(size));
@@ -22,7 +22,7 @@ inline Float wrap(Float x, int size, std::uint32_t mode)
     return clamp(min(r, period - Float(1) - r), Float(0), n - Float(1));
 }
 
-/// Between four texels, the first two of which are above the others.
+/// Bilinear interpolation of four texels: a and b are the upper row.
 inline Texel between_texels(const Texel& a, const Texel& b, const Texel& c, const Texel& d, Float fx, Float fy)
 {
     Texel r;
@@ -33,13 +33,15 @@ inline Texel between_texels(const Texel& a, const Texel& b, const Texel& c, cons
     return r;
 }
 
-/// Takes a column and row to those of a texel, and says where there is one.
+/// Maps a column and row outside the image to a texel by the texture's wrap modes. Returns false in lanes that read
+/// black.
 inline Mask cross_edges(const TextureRecord& t, Float& column, Float& row)
 {
     const Float width(static_cast<float>(t.width)), height(static_cast<float>(t.height)), one(1);
     Mask inside(true);
     if (t.wrap_u == std::uint32_t(Wrap::octahedral)) {
-        // Each edge of the square is folded in its middle, and its halves are one line of the sphere.
+        // Octahedral maps: each edge of the square is folded at its midpoint, and both halves are the same curve on the
+        // sphere.
         const Mask aside = (column < Float(0)) | (column >= width);
         column =
             select(column < Float(0), -one - column, select(column >= width, width + width - one - column, column));
@@ -58,7 +60,7 @@ inline Mask cross_edges(const TextureRecord& t, Float& column, Float& row)
     return inside;
 }
 
-/// filter_texels for the wraps that few pictures have. x, y: in texels, of whose middles they are whole.
+/// filter_texels for the rare wrap modes black and octahedral. x, y: in texels; integers are texel centers.
 template <class Fetch>
 [[gnu::noinline]] Texel filter_across_edges(const TextureRecord& t, Float x, Float y, const Fetch& fetch)
 {
@@ -73,7 +75,7 @@ template <class Fetch>
     return between_texels(at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1), x - x0, y - y0);
 }
 
-/// Mixes the four texels about (u, v), or takes the nearest. fetch(number of the texel) gives a Texel.
+/// Bilinear filter at (u, v), or the nearest texel. fetch(texel index) returns a Texel.
 template <class Fetch>
 Texel filter_texels(const TextureRecord& t, Float u, Float v, Fetch&& fetch)
 {
@@ -91,7 +93,8 @@ Texel filter_texels(const TextureRecord& t, Float u, Float v, Fetch&& fetch)
     return between_texels(at(xa, ya), at(xb, ya), at(xa, yb), at(xb, yb), fx, fy);
 }
 
-/// A finite half in the lower 16 bits; the multiplication puts the exponent right, also of the smallest ones.
+/// Converts a finite half in the lower 16 bits to float. The multiplication corrects the exponent, also of subnormal
+/// halves.
 inline Float float_of_half(UInt half)
 {
     const Float magnitude = bits_float((half & UInt(0x7fff)) << 13) * Float(0x1p112f);
@@ -100,19 +103,19 @@ inline Float float_of_half(UInt half)
 
 }  // namespace detail
 
-/// The bilinear value at (u, v) of an image of four floats a texel; v grows downwards.
+/// Filtered value at (u, v) of an image of format float4; v grows downwards.
 inline Texel lookup_image(const float* all_texels, const TextureRecord& t, Float u, Float v, Mask m)
 {
     const float* texels = all_texels + t.texels * 4;
     return detail::filter_texels(t, u, v, [&](UInt number) {
-        // Texel numbers below 2^29, so that four floats each stay within 32 bits.
+        // Texel indices are below 2^29: the index of the float (4 times that) stays below 2^31.
         Texel texel;
         gather_row(texels, number << 2, m, texel.c);
         return texel;
     });
 }
 
-/// The same of an image in any format.
+/// Filtered value at (u, v) of an image of any format.
 inline Texel lookup_image(const ShadingTables& tables, const TextureRecord& t, Float u, Float v, Mask m)
 {
     if (TexelFormat(t.format) == TexelFormat::float4) return lookup_image(tables.texels.data(), t, u, v, m);
@@ -128,7 +131,7 @@ inline Texel lookup_image(const ShadingTables& tables, const TextureRecord& t, F
         case TexelFormat::float4:
             break;
         case TexelFormat::bytes:
-            // Codes are mixed, and then divided once.
+            // Integer codes are interpolated, and the result is divided once.
             r = detail::filter_texels(t, u, v, in_bytes);
             for (Float& value : r.c) value = value / Float(255);
             break;
@@ -164,7 +167,7 @@ inline Texel lookup_image(const ShadingTables& tables, const TextureRecord& t, F
     return r;
 }
 
-/// A picture.
+/// An image, filtered at texture coordinates.
 struct ImageTexture {
     static constexpr TextureKind kind = TextureKind::image;
 

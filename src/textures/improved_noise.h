@@ -1,5 +1,6 @@
 #pragma once
-/// Perlin 2002, "Improving Noise", with the permutation of its reference: what other renderers have, to the number.
+/// Perlin 2002, "Improving Noise", with the permutation of the reference implementation: values equal those of other
+/// renderers.
 #include <cstdint>
 
 #include "math/elementary.h"
@@ -24,14 +25,14 @@ inline constexpr std::uint32_t perlin_permutation[256] = {
     181, 199, 106, 157, 184, 84,  204, 176, 115, 121, 50,  45,  127, 4,   150, 254, 138, 236, 205, 93,  222, 114,
     67,  29,  24,  72,  243, 141, 128, 195, 78,  66,  215, 61,  156, 180};
 
-/// From 0 to 1, where it has neither slope nor curvature.
+/// Quintic interpolant from 0 to 1 with zero first and second derivatives at both ends.
 inline Float fade(Float t)
 {
     return t * t * t * fma(t, fma(t, Float(6), Float(-15)), Float(10));
 }
 
-/// The product of the way from a corner and the corner's gradient, one of 12 to the middles of a cube's edges, four of
-/// them twice.
+/// Dot product of an offset from a lattice corner and the corner's gradient. There are 12 gradients, towards the
+/// midpoints of a cube's edges; four of them occur twice.
 inline Float along_gradient(UInt hashed, Vec3 way)
 {
     const UInt h = hashed & UInt(15u);
@@ -43,7 +44,7 @@ inline Float along_gradient(UInt hashed, Vec3 way)
 
 }  // namespace detail
 
-/// About -1 to 1, and 0 at whole numbers.
+/// Noise in about -1 to 1; 0 at integer points.
 [[gnu::noinline]] inline Float improved_noise(Vec3 p)
 {
     const Vec3 cell{floor(p.x), floor(p.y), floor(p.z)};
@@ -53,7 +54,7 @@ inline Float along_gradient(UInt hashed, Vec3 way)
     const UInt x = whole(cell.x), y = whole(cell.y), z = whole(cell.z), one(1u);
     const auto mix = [](Float t, Float a, Float b) { return fma(t, b - a, a); };
     const Float u = detail::fade(f.x), v = detail::fade(f.y), w = detail::fade(f.z);
-    // From a line of two corners along z to the square and the cube of them.
+    // Interpolates along z (line), then y (square), then x.
     const auto line = [&](UInt column, float dx, float dy) {
         const Float fx = f.x - Float(dx), fy = f.y - Float(dy);
         return mix(w, detail::along_gradient(permuted(column + z), {fx, fy, f.z}),

@@ -4,7 +4,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// What a colour lacks of white; none is below black.
+/// 1 minus a color, at least 0 per channel.
 struct InvertTexture {
     static constexpr TextureKind kind = TextureKind::invert;
 
@@ -16,7 +16,7 @@ struct InvertTexture {
     }
 };
 
-/// Between black and white.
+/// A color clamped to [0, 1] per channel.
 struct ClampTexture {
     static constexpr TextureKind kind = TextureKind::clamp;
 

@@ -1,11 +1,11 @@
 #pragma once
-/// From the place on a surface to the coordinates that a texture looks at.
+/// Texture mapping: from a point on a surface to the coordinates at which a texture is evaluated.
 #include "textures/node.h"
 
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The place in the texture's own space.
+/// The point in the texture's own space.
 inline Vec3 place_of(const ShadingTables& tables, const TextureRecord& t, const TexturePoint& at)
 {
     if (t.space == no_index) return at.p_world;
@@ -18,11 +18,12 @@ inline Vec3 place_of(const ShadingTables& tables, const TextureRecord& t, const 
     return {row(0), row(1), row(2)};
 }
 
+/// Coordinates of a mapping by position.
 struct MappedUv {
     Float u, v;
 };
 
-/// Texture coordinates by place, for the mappings that have them so.
+/// Texture coordinates by position, for the planar, cylindrical and spherical mappings.
 [[gnu::noinline]] inline MappedUv mapped_uv(const ShadingTables& tables, const TextureRecord& t, const TexturePoint& at)
 {
     const Vec3 p = place_of(tables, t, at);
@@ -33,7 +34,7 @@ struct MappedUv {
     return {select(turn < Float(0), turn + Float(1), turn), atan2(from_axis, p.z) * Float(inv_pi)};
 }
 
-/// uv of the set or mapping that the texture looks at, after its map.
+/// Texture coordinates of a texture's uv set or mapping, after its affine uv_map.
 struct TextureUv {
     Float u, v;
 

@@ -4,7 +4,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// From one colour to another by a number.
+/// Linear interpolation between two colors by a factor.
 struct MixTexture {
     static constexpr TextureKind kind = TextureKind::mix;
 

@@ -1,8 +1,8 @@
 #pragma once
-/// What all textures share. A texture is a node of a graph: a class with
+/// Base of all textures. A texture is a node of a graph: a class with
 ///     static constexpr TextureKind kind
 ///     static Texel evaluate(const TextureGraph&, const TextureRecord&, const TexturePoint&, Mask)
-/// for one texture that is the same for all lanes; the graph evaluates what the node refers to.
+/// Evaluate handles one texture that all lanes share; the graph evaluates the node's inputs.
 #include "fathom/description.h"
 #include "materials/records.h"
 #include "math/elementary.h"
@@ -11,51 +11,54 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Value of a texture: red, green, blue, alpha.
 struct Texel {
     Float c[4];
 
     /// Luminance by the weights of Rec. 709.
     Float luminance() const { return fma(c[0], Float(0.2126f), fma(c[1], Float(0.7152f), c[2] * Float(0.0722f))); }
-    /// 0 red to 3 alpha, 4 luminance, for each lane its own.
+    /// Channel by index, per lane: 0 red to 3 alpha, 4 luminance.
     Float channel(UInt i) const
     {
         const Float plain = select(i == UInt(0), c[0], select(i == UInt(1), c[1], select(i == UInt(2), c[2], c[3])));
         return select(i == UInt(std::uint32_t(luminance_channel)), luminance(), plain);
     }
-    /// Channel i of all lanes.
+    /// Channel i for all lanes.
     Float common_channel(std::uint32_t i) const { return i == std::uint32_t(luminance_channel) ? luminance() : c[i]; }
 };
 
-/// Where a texture is looked up.
+/// Point at which textures are evaluated.
 struct TexturePoint {
-    Float u[2], v[2];  ///< the two uv sets
+    Float u[2], v[2];  ///< two uv sets
     Vec3 p_world;
-    Vec3 n_world;           ///< geometric normal, unit; 0 where textures are looked up before there is one
+    Vec3 n_world;           ///< geometric normal, unit; 0 where textures are evaluated before it is known
     Float vertex_color[4];  ///< white where the mesh has none
 };
 
-/// What nodes refer to, evaluated.
+/// Evaluates textures and the inputs of nodes.
 class TextureGraph {
 public:
     explicit TextureGraph(const ShadingTables& tables) : tables(tables) {}
 
-    /// One texture, the same for all lanes.
+    /// Evaluates one texture, which all lanes share.
     Texel evaluate(const TextureRecord& t, const TexturePoint& at, Mask m) const;
-    /// color_a or color_b, times their textures.
+    /// color_a of a node, times its texture.
     Texel color_a(const TextureRecord& t, const TexturePoint& at, Mask m) const
     {
         return color(t.color_a, t.texture_a, at, m);
     }
+    /// color_b of a node, times its texture.
     Texel color_b(const TextureRecord& t, const TexturePoint& at, Mask m) const
     {
         return color(t.color_b, t.texture_b, at, m);
     }
+    /// Factor of a node, times a channel of its texture.
     Float factor(const TextureRecord& t, const TexturePoint& at, Mask m) const
     {
         if (t.factor_texture == no_index) return Float(t.factor);
         return evaluate(tables.textures[t.factor_texture], at, m).common_channel(t.factor_channel) * Float(t.factor);
     }
-    /// From color_a (0) to color_b (1).
+    /// Linear interpolation from color_a (amount 0) to color_b (1).
     Texel mix(const TextureRecord& t, Float amount, const TexturePoint& at, Mask m) const
     {
         Texel r;

@@ -19,7 +19,7 @@ inline Float perlin_noise(Vec3 p)
     const auto corner = [&](std::uint32_t dx, std::uint32_t dy, std::uint32_t dz) {
         const UInt h = hash((x + UInt(dx)) + hash((y + UInt(dy)) + hash(z + UInt(dz)))) & UInt(15);
         const Float fx = f.x - Float(float(dx)), fy = f.y - Float(float(dy)), fz = f.z - Float(float(dz));
-        // Perlin's 12 edge directions, four of them twice.
+        // Perlin's 12 edge gradients, four of which occur twice.
         const Float a = select(less(h, UInt(8)), fx, fy);
         const Float b = select(less(h, UInt(4)), fy, select((h == UInt(12)) | (h == UInt(14)), fx, fz));
         return bits_float(float_bits(a) ^ (h << 31)) + bits_float(float_bits(b) ^ ((h >> 1) << 31));
@@ -30,6 +30,7 @@ inline Float perlin_noise(Vec3 p)
                mix(v, mix(u, corner(0, 0, 1), corner(1, 0, 1)), mix(u, corner(0, 1, 1), corner(1, 1, 1))));
 }
 
+/// Sum of octaves of |noise|, each with half the weight and twice the frequency of the one before.
 inline Float turbulence(Vec3 p, std::uint32_t octaves)
 {
     Float sum(0.f);
@@ -44,7 +45,7 @@ inline Float turbulence(Vec3 p, std::uint32_t octaves)
 
 }  // namespace detail
 
-/// Gradient noise in space.
+/// Mixes by gradient noise in space.
 struct NoiseTexture {
     static constexpr TextureKind kind = TextureKind::noise;
 
@@ -55,6 +56,7 @@ struct NoiseTexture {
     }
 };
 
+/// Mixes by turbulence.
 struct TurbulenceTexture {
     static constexpr TextureKind kind = TextureKind::turbulence;
 
@@ -64,7 +66,7 @@ struct TurbulenceTexture {
     }
 };
 
-/// Bands along z, shaken by turbulence.
+/// Marble: sinusoidal bands along z, displaced by turbulence.
 struct MarbleTexture {
     static constexpr TextureKind kind = TextureKind::marble;
 

@@ -4,7 +4,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// A number as a colour: linear between stops, and the colour of the first or last one beyond them.
+/// Maps a number to a color: linear between stops, constant beyond the first and last.
 struct RampTexture {
     static constexpr TextureKind kind = TextureKind::ramp;
 

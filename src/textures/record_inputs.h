@@ -4,19 +4,20 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Numbers and colours that a table's records hold, textures applied.
+/// Reads scalar and color parameters of records, textures applied, for a record per lane.
 template <class Record>
 class RecordInputs {
 public:
-    /// index: into records, for the lanes of m; at: where on the surface
+    /// index: into `records`, for the lanes of m; at: the point at which textures are evaluated
     RecordInputs(const ShadingTables& tables, const std::vector<Record>& records, const TexturePoint& at, UInt index,
                  Mask m)
         : t_(tables), records_(records), at_(at), index_(index), m_(m)
     {
     }
-    /// Where none of the records has textures, all is read sooner.
+    /// Tells whether any of the records has textures; reading is faster where none has.
     void set_textured(bool textured) { textured_ = textured; }
 
+    /// A member of each lane's record.
     template <class Member>
     auto get(Member Record::* member) const
     {
@@ -27,7 +28,7 @@ public:
     {
         return gather(records_, member, part, index_, m_);
     }
-    /// Inlined, since clang 19 needs many minutes for a call of it in the kernel of AVX-512.
+    /// Always inlined: clang 19 takes many minutes to compile a call of it in the AVX-512 kernel.
     [[gnu::always_inline]] Float number(NumberRecord Record::* member) const
     {
         const Float value = get(member, &NumberRecord::value);
@@ -47,7 +48,7 @@ public:
     }
 
 private:
-    /// Gives the lanes that have a texture.
+    /// Evaluates the texture of a parameter; returns the lanes that have one.
     template <class Member>
     Mask texel(Member Record::* member, std::uint32_t Member::* texture_member, Texel& t) const
     {

@@ -4,7 +4,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The product of two.
+/// Product of two colors.
 struct ScaleTexture {
     static constexpr TextureKind kind = TextureKind::scale;
 

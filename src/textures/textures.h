@@ -1,5 +1,5 @@
 #pragma once
-/// All textures: the list that lookups are made from.
+/// The list of all textures, from which the evaluation of graphs is generated.
 #include "textures/checker.h"
 #include "textures/coordinates.h"
 #include "textures/dots.h"
@@ -17,6 +17,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Evaluates a texture by the node class of its kind.
 template <class... Node>
 struct TextureList {
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
@@ -42,7 +43,7 @@ using Textures = TextureList<ImageTexture, CheckerUvTexture, CheckerSpaceTexture
     return Textures::evaluate(*this, t, at, m);
 }
 
-/// A texture of each lane's own; 1 where there is none.
+/// Evaluates a texture of each lane's own; 1 in lanes without a texture.
 inline Texel evaluate_textures(const ShadingTables& tables, UInt texture, const TexturePoint& at, Mask m)
 {
     const TextureGraph graph(tables);

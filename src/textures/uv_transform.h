@@ -4,7 +4,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Another texture, which finds the transformed coordinates in both uv sets.
+/// Evaluates another texture with both uv sets replaced by transformed coordinates.
 struct UvTransformTexture {
     static constexpr TextureKind kind = TextureKind::uv_transform;
 

@@ -4,6 +4,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Interpolated vertex color of the mesh.
 struct VertexColorTexture {
     static constexpr TextureKind kind = TextureKind::vertex_color;
 

@@ -22,13 +22,13 @@ namespace fathom {
 
 namespace {
 
-/// sRGB to linear: IEC 61966-2-1. In double, so that all math libraries round to the same float.
+/// sRGB to linear: IEC 61966-2-1. In double precision, so that all math libraries round to the same float.
 float linear_from_srgb(double v)
 {
     return float(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
 }
 
-/// Where red, green, blue and alpha are in a pixel; grey pictures have one channel for three. alpha may be -1.
+/// Positions of red, green, blue and alpha in a pixel. Gray images have one channel for all three colors; -1: no alpha.
 struct Channels {
     int rgba[4];
 
@@ -47,7 +47,7 @@ struct Channels {
     float of(const float* pixel, int i) const { return rgba[i] >= 0 ? pixel[rgba[i]] : 1; }
 };
 
-/// The integer from 0 to `most` that stands for v, if v is just that over `most`; else -1.
+/// The integer code in [0, most] whose quotient code / most equals v exactly; -1 if there is none.
 int code_of(float v, int most)
 {
     if (!(v >= 0 && v <= 1)) return -1;
@@ -55,7 +55,7 @@ int code_of(float v, int most)
     return float(code) / float(most) == v ? code : -1;
 }
 
-/// The half that is v, if there is one and it is finite; else -1.
+/// The finite half that equals v, as bits; -1 if there is none.
 int half_of(float v)
 {
     const std::uint32_t magnitude = std::bit_cast<std::uint32_t>(std::abs(v) * 0x1p-112f);
@@ -80,22 +80,22 @@ int encoded(float v, TexelFormat format)
     return -1;
 }
 
-/// A picture as the tables keep it: `words` if a narrow format holds it, else `floats`.
+/// An image as the tables store it: `words` if a narrow format holds it exactly, else `floats`.
 struct Decoded {
     TexelFormat format = TexelFormat::float4;
     int width = 0, height = 0;
     std::vector<std::uint32_t> words;
     LargeVector<float> floats;
-    std::size_t spoilt = 0;  ///< values that were no number or infinite, and are 0
+    std::size_t spoilt = 0;  ///< number of NaN or infinite values, which became 0
 };
 
-/// Reads pictures, each step with at most a part of the memory that is there.
+/// Reads images; each step uses at most a given fraction of the available memory.
 class Decoder {
 public:
-    /// `parts`: into how many parts the memory is cut.
+    /// parts: the fraction is 1 / parts
     Decoder(const SceneDescription& scene, std::uint64_t parts) : scene_(scene), parts_(parts) {}
 
-    /// Throws Error: of the file itself if it is what can't be read.
+    /// Throws Error, which names the image file if that is what can't be read.
     Picture read(int index) const
     {
         const ImageFile& file = scene_.images[std::size_t(index)];
@@ -103,7 +103,7 @@ public:
                                   : read_picture(file.name, file.bytes.data(), file.bytes.size(), available());
     }
 
-    /// Bytes are as the tables want them, unless something is to be made of them.
+    /// Converts an image. Images of 8 bits are moved unchanged, unless they serve as environment, light or height map.
     Decoded texels(Picture&& picture, const ImageUse& use) const
     {
         auto* const bytes = std::get_if<ByteImage>(&picture);
@@ -129,7 +129,7 @@ public:
         decoded.height = image.height;
         const bool decode = space == ColorSpace::srgb && !image.is_linear;
         if (may_pack) {
-            // Integers of 16 bits in sRGB would need a table that is too large for caches; they become floats.
+            // sRGB codes of 16 bits would need a decoding table too large for caches: such images become floats.
             const TexelFormat narrow = decode ? TexelFormat::bytes_srgb : TexelFormat::bytes;
             for (const TexelFormat format : {narrow, image.is_linear ? TexelFormat::halves : TexelFormat::shorts}) {
                 if ((decode && format == TexelFormat::shorts) || !pack(image, format, decoded.words)) continue;
@@ -141,7 +141,7 @@ public:
         return decoded;
     }
 
-    /// Throws Error if that much isn't there.
+    /// Throws Error if fewer bytes are available.
     void check_memory(double bytes) const
     {
         if (bytes > double(available()))
@@ -163,8 +163,8 @@ private:
         return image;
     }
 
-    /// Of a picture of heights, whose first channel counts; its edges meet, as those of a tile. Components are rounded
-    /// to 16 bits, which the tables keep as they are.
+    /// Normal map of a height map, whose first channel is the height; edges wrap. Components are rounded to 16 bits,
+    /// which format shorts stores exactly.
     Image normal_map(const Image& heights, float scale) const
     {
         const Image::Layer& layer = heights.layers.front();
@@ -181,7 +181,7 @@ private:
             const std::size_t row = std::size_t((y + heights.height) % heights.height);
             return double(layer.pixels[(row * std::size_t(heights.width) + column) * stride + std::size_t(channel)]);
         };
-        // A pixel is as wide as it is high; the second component of a normal map points up in the picture.
+        // Pixels are square. The second component of a normal map points up in the image.
         const double slope = 0.5 * double(scale) * heights.width;
         for (int y = 0; y < heights.height; ++y)
             for (int x = 0; x < heights.width; ++x) {
@@ -195,7 +195,7 @@ private:
 
     std::uint64_t available() const { return available_memory_bytes() / parts_; }
 
-    /// False if the format can't hold one of the values.
+    /// Returns false if the format can't hold one of the values exactly.
     bool pack(const Image& image, TexelFormat format, std::vector<std::uint32_t>& words) const
     {
         const Image::Layer& layer = image.layers.front();
@@ -220,8 +220,8 @@ private:
         return true;
     }
 
-    /// How many values were no number or infinite: a single one would spoil the sums by which skies are sampled, and
-    /// make each sample black that it is part of.
+    /// Stores the values as floats and returns the number of NaN or infinite ones, which become 0: a single one would
+    /// invalidate the sums by which environments are sampled, and every sample that it contributes to.
     std::size_t unpack(const Image& image, bool decode, LargeVector<float>& texels) const
     {
         const Image::Layer& layer = image.layers.front();
@@ -252,7 +252,7 @@ ImageUse environment_use(int image)
     return {image, ColorSpace::srgb, 0, ImageUse::Purpose::environment};
 }
 
-/// Every use once, in the order in which their warnings and texels come.
+/// All image uses without repetition, in the order of their warnings and texels.
 std::vector<ImageUse> uses_of(const SceneDescription& scene)
 {
     std::vector<ImageUse> uses;
@@ -292,13 +292,13 @@ std::optional<Decoded> try_to_decode(const Decoder& decoder, const ImageUse& use
     }
 }
 
-/// Those not yet decoded, by so many threads at once. What fails stays empty: it is damaged, or too large for a share
-/// of the memory.
+/// Decodes the images that are missing in `decoded` on several threads. Images that fail stay empty: they are damaged,
+/// or too large for the thread's share of the memory.
 void decode_together(const SceneDescription& scene, const std::vector<ImageUse>& uses, int threads,
                      std::vector<std::optional<Decoded>>& decoded)
 {
-    // Each thread asks before it allocates, but not whether others have just done so. It asks for the file's bytes, the
-    // values and up to two formats, hence the 4: together they never take more than there is.
+    // Each thread checks available memory before it allocates, unaware of the others' checks. It asks for the file's
+    // bytes, the values and up to two formats; the factor 4 keeps the sum within the available memory.
     const Decoder decoder(scene, 4 * std::uint64_t(threads));
     const auto decode = [&](const tbb::blocked_range<std::size_t>& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i)
@@ -309,7 +309,7 @@ void decode_together(const SceneDescription& scene, const std::vector<ImageUse>&
     });
 }
 
-/// With all the memory there is, so that neither what can be read nor what is said depends on the number of threads.
+/// Decodes with all available memory, so that results and warnings don't depend on the number of threads.
 Decoded decode_alone(const Compiler& c, const ImageUse& use)
 {
     const Decoder decoder(c.scene, 1);
@@ -336,7 +336,7 @@ ImageStore::ImageStore(Compiler& c)
 
     const std::vector<ImageUse> uses = uses_of(c.scene);
     std::vector<std::optional<Decoded>> decoded(uses.size());
-    // Fewer at once where memory is scarce.
+    // Repeats with fewer threads, and thus larger memory shares, until all images are decoded or one thread is left.
     const std::size_t most = std::size_t(tbb::this_task_arena::max_concurrency());
     for (int threads = int(std::min(most, uses.size())); threads > 1; threads /= 4)
         decode_together(c.scene, uses, threads, decoded);
@@ -350,7 +350,7 @@ ImageStore::ImageStore(Compiler& c)
     Decoder(c.scene, 1).check_memory(double(floats) * sizeof(float));
     c.tables.texels.reserve(floats);
     for (std::size_t i = 0; i < uses.size(); ++i) {
-        Decoded d = std::move(pictures[i]);  // its floats go when they are where they belong
+        Decoded d = std::move(pictures[i]);  // frees the floats of each image once they are in the tables
         c.warnings.add(
             fmt::format("{}: values that are no number or infinite are taken for 0", name_of(c.scene, uses[i].image)),
             d.spoilt);

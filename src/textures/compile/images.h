@@ -10,46 +10,47 @@
 
 namespace fathom {
 
-/// One way to decode one picture.
+/// A way to decode an image: each distinct one is decoded once.
 struct ImageUse {
     int image;
     ColorSpace space;
     float height_scale;                                          ///< as Texture::height_scale
-    enum class Purpose { texture, environment, light } purpose;  ///< textures may be packed, others remain floats
+    enum class Purpose { texture, environment, light } purpose;  ///< textures may be packed; others stay floats
 
     friend auto operator<=>(const ImageUse&, const ImageUse&) = default;
 };
 
-/// An image file, as messages name it.
+/// Name of an image file for messages.
 std::string name_of(const SceneDescription& scene, int image);
 
-/// The texels of image files, among the tables. Each file is read once for each way to decode it; one that can't be
-/// read is grey, with a warning.
+/// Decoded texels of image files, stored in the scene's tables. Each distinct ImageUse is decoded once; a file that
+/// can't be read becomes gray, with a warning.
 ///
-/// All threads decode, a file each. While they do, each of them holds, beside what the tables will keep, the bytes of
-/// one file and, unless those are bytes too, its values as floats (up to 16 bytes a texel); pictures that stay floats
-/// are there twice until the last is among the tables. A file that fails or is too large for a thread's share of the
-/// memory is read again by fewer at once, at last alone: results, warnings and errors are those of one thread.
+/// All threads decode, one file each. Beside the tables' own storage a thread holds the bytes of one file and, unless
+/// those are used directly, its values as floats (up to 16 bytes per texel). Images that stay floats exist twice until
+/// the last one is in the tables. A file that fails or exceeds a thread's share of the memory is decoded again by fewer
+/// threads, finally by one: results, warnings and errors are those of one thread.
 class ImageStore {
 public:
-    /// Decodes what the textures and the environment of the scene show.
+    /// Decodes all images that the scene's textures, environment and lights use. Throws Error if memory is short.
     explicit ImageStore(Compiler& c);
 
+    /// Location and size of a texture's texels.
     struct Texels {
         TexelFormat format = TexelFormat::float4;
         std::uint64_t place = 0;  ///< as TextureRecord::texels
         int width = 0, height = 0;
     };
-    /// In the narrowest format that holds every value exactly: four bytes a texel for pictures of 8 bits.
+    /// Texels of a texture, in the smallest format that holds every value exactly: 4 bytes per texel for 8-bit images.
     Texels texture(const Texture& texture) const;
-    /// Puts the environment's picture into its record, if it has one. Once.
+    /// Moves the environment's image into its record, if it has one. Call it at most once.
     void set_environment(Compiler& c);
-    /// Puts the pictures of lights among their tables, with the IES files among them. Once.
+    /// Moves the images of lights into the light tables, and adds IES profiles. Call it at most once.
     void set_lights(Compiler& c);
 
 private:
     std::map<ImageUse, Texels> texels_;
-    std::map<int, CubeFace> environment_;  ///< by image: floats
+    std::map<int, CubeFace> environment_;  ///< by image index, as floats
     std::map<LightImages::Use, CubeFace> lights_;
 };
 
