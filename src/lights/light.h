@@ -1,5 +1,6 @@
 #pragma once
-/// Sampling of lights by lanes, and the density with which a light's point would have been sampled.
+/// Light sampling for all lanes, and the density of sampling a given point of a light, for multiple importance sampling
+/// (MIS).
 #include "lights/kinds/beam.h"
 #include "lights/kinds/directional.h"
 #include "lights/kinds/flat.h"
@@ -11,16 +12,18 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// A sampled direction towards a light.
 struct LightSample {
-    Vec3 wi;  ///< unit, from the point towards the light
+    Vec3 wi;  ///< unit, from the shading point towards the light
     Float distance;
-    Float inverse_pdf;  ///< of the direction, per solid angle, without the choice of the light; 1 for delta lights;
-                        ///< 0: nothing arrives
-    Spectrum radiance;  ///< that arrives if nothing blocks it (delta lights: irradiance at normal incidence)
-    Mask is_delta;      ///< no direction that a surface chooses meets it: the sample counts in full
-    /// radiance is to be multiplied by the environment's along wi, if nothing is in the way; see LightSampler.
+    Float inverse_pdf;  ///< of wi, with respect to solid angle, without the probability of choosing the light; 1 for
+                        ///< delta lights; 0: no light arrives
+    Spectrum radiance;  ///< unoccluded incident radiance (delta lights: irradiance at normal incidence)
+    Mask is_delta;      ///< delta light, or one that BSDF sampling can't hit: MIS weight 1
+    /// The lane's radiance is to be multiplied by the environment's along wi if the ray is unoccluded; see
+    /// LightSampler.
     Mask sees_environment = Mask(false);
-    Float likely = Float(1);  ///< by what that will be, about
+    Float likely = Float(1);  ///< approximate luminance of that environment radiance
 };
 
 inline Mask is_kind(UInt kind, LightRecordKind wanted)
@@ -28,7 +31,7 @@ inline Mask is_kind(UInt kind, LightRecordKind wanted)
     return kind == UInt(std::uint32_t(wanted));
 }
 
-/// Calls f.template operator()<Kind>() for each of the kinds.
+/// A list of light kinds. for_each calls f.template operator()<Kind>() for each of them.
 template <class... Kind>
 struct LightKindList {
     template <class F>
@@ -38,11 +41,11 @@ struct LightKindList {
     }
 };
 
-/// All kinds but environments, which are sampled by their pictures (environment.h).
+/// All light kinds except environments, which are sampled by their images (environment.h).
 using LightKinds = LightKindList<RectangleLight, ParallelogramLight, TriangleLight, DiskLight, SphereLight, PointLight,
                                  SpotLight, DirectionalLight, PicturedLight, BeamLight>;
 
-/// sample_light for lights that are not all rectangles.
+/// sample_light for lanes that include lights other than rectangles.
 template <class Light>
 [[gnu::noinline]] LightSample sample_any_light(const Light& light, Vec3 p, Float time, Sample2 random, Mask active)
 {
@@ -64,8 +67,7 @@ template <class Light>
     return {s.wi, s.distance, select(shines, s.inverse_pdf, Float(0)), light.radiance() * s.strength, s.is_delta};
 }
 
-/// Samples a point of the light as seen from p, at shutter time `time`. What other lanes than the active ones get is of
-/// no use.
+/// Samples a point of the light as seen from p at shutter time `time`. Results are valid in active lanes only.
 template <class Light>
 [[gnu::always_inline]] inline LightSample sample_light(const Light& light, Vec3 p, Float time, Sample2 random,
                                                        Mask active)
@@ -83,7 +85,7 @@ namespace detail {
 template <class Kind, class Light>
 concept HasAngularDensity = requires(const Light& light, Vec3 p) { Kind::by_angle(light, p); };
 
-/// The densities of those lanes whose lights are sampled otherwise than by area; of the others, `by_area`.
+/// Densities of the lanes by_angle, whose lights are not sampled uniformly by area; by_area in the others.
 template <class Light>
 [[gnu::noinline]] Float pdf_by_angle(const Light& light, Vec3 p, Float time, Float by_area, Mask by_angle)
 {
@@ -99,8 +101,8 @@ template <class Light>
 
 }  // namespace detail
 
-/// The density per solid angle, seen from p, with which sample_light would have found the point at p + distance * wi of
-/// an emissive surface; without the probability of choosing the light. For the active lanes.
+/// Density with respect to solid angle at p with which sample_light returns the point p + distance * wi of an emissive
+/// surface, without the probability of choosing the light. Valid in active lanes only.
 template <class Light>
 [[gnu::always_inline]] inline Float pdf_light(const Light& light, Vec3 p, Float time, Vec3 wi, Float distance,
                                               Mask active)

@@ -11,6 +11,7 @@
 
 namespace fathom {
 
+/// Kind of a light; each has a class in kinds/ that samples it.
 enum class LightRecordKind : std::uint32_t {
     rectangle,
     parallelogram,
@@ -21,108 +22,114 @@ enum class LightRecordKind : std::uint32_t {
     spot,
     directional,
     environment,
-    curve,     ///< a segment: its geometry is in the tables of curves
-    pictured,  ///< as a spot, multiplied by a picture
-    beam,      ///< parallel light through an area
+    curve,     ///< a curve segment: its geometry is in the tables of curves
+    pictured,  ///< a spot whose intensity is multiplied by an image
+    beam,      ///< parallel light from an area
 };
 
-/// How a picture lies over the directions in which a light shines.
+/// Mapping from the directions of a light to its image.
 enum class LightPictureMap : std::uint32_t {
-    plane,       ///< as seen through a window across the axis
-    equal_area,  ///< a square, as pbrt-v4 has it, with the axis in its middle
-    angles,      ///< rows by the angle from the axis, columns by that about it, with values at rows and columns
+    plane,       ///< perspective projection along the axis
+    equal_area,  ///< equal-area square as in pbrt-v4, with the axis at its center
+    angles,  ///< rows by angle from the axis, columns by angle about it; values are at the rows and columns themselves
 };
 
-/// By what a light's intensity is multiplied in each direction. Read by lanes as 8 words.
+/// Image that multiplies a light's intensity by direction. Lanes read it as 8 words.
 struct LightPictureRecord {
     enum Flags : std::uint32_t { nearest = 1, flat_field = 2 };
-    std::uint32_t map = 0;    ///< LightPictureMap
-    std::uint32_t flags = 0;  ///< some of Flags; flat_field: over the cube of the cosine to the axis
-    std::uint32_t first = 0;  ///< texel, of LightTables::picture_texels
+    std::uint32_t map = 0;    ///< one of LightPictureMap
+    std::uint32_t flags = 0;  ///< some of Flags; flat_field: divided by the cubed cosine to the axis
+    std::uint32_t first = 0;  ///< index of the first texel in LightTables::picture_texels
     float width = 0, height = 0;
-    float scale_u = 0, scale_v = 0;  ///< plane: of tangents, to half of the picture; angles: texels a radian
-    float start = 0;                 ///< angles: radians from the axis of the first row
+    float scale_u = 0, scale_v = 0;  ///< plane: from tangents to half of the image; angles: texels per radian
+    float start = 0;                 ///< angles: angle from the axis of the first row, radians
 };
 static_assert(sizeof(LightPictureRecord) == 8 * sizeof(float));
 
-/// One light, or one emissive primitive. Read by lanes as an array of 32 floats.
+/// A light, or an emissive primitive. Lanes read it as an array of 32 floats. Some kinds store other values in members
+/// that they have no use for; the members' comments say which.
 struct LightRecord {
     enum Flags : std::uint32_t {
         two_sided = 1,
-        unseen = 2,  ///< no ray meets it: its samples count in full
+        unseen = 2,  ///< no ray hits it: MIS weight 1
     };
     enum Motion : std::uint32_t {
-        vertices_move = 1,  ///< a triangle whose corners are where they then are
-        placed = 2,         ///< the numbers are those of the instance's own space, which moves, or whose vertices do
-        has_poses = 4,      ///< point, spot, pictured, beam: `instance` is a word like InstanceRecord::poses
-        flipped = 8,        ///< the normal is against cross(edge_u, edge_v)
+        vertices_move = 1,  ///< a triangle whose vertices move
+        placed = 2,         ///< geometry is in the space of an instance, which moves or whose vertices do
+        has_poses = 4,      ///< point, spot, pictured, beam: `instance` has the format of InstanceRecord::poses
+        flipped = 8,        ///< the normal is opposite to cross(edge_u, edge_v)
     };
     std::uint32_t kind = 0;
-    float pmf = 0;           ///< probability to be chosen
-    float position[3] = {};  ///< corner, centre, or place
-    float edge_u[3] = {};    ///< rectangle: unit along u; spot, pictured, directional: direction that light travels
-    float edge_v[3] = {};    ///< rectangle: unit along v; pictured: to the picture's right
-    float normal[3] = {};    ///< pictured: to its top; beam: direction that light travels
-    float length_u = 0, length_v = 0;  ///< spot: u is 1 where the falloff is a smooth step, 0 where it is a square
-    float area = 0;                    ///< spot whose falloff is linear: 1 over the angle that it takes
-    float radius = 0;               ///< rectangle: its diagonal; spot whose falloff is linear: the outer angle; else 0;
-                                    ///< beam: 1 if it is round
+    float pmf = 0;           ///< probability of selection by power
+    float position[3] = {};  ///< corner, center, or position
+    float edge_u[3] = {};    ///< rectangle: unit vector along u; spot, pictured, directional: direction of the light's
+                             ///< travel
+    float edge_v[3] = {};    ///< rectangle: unit vector along v; pictured: towards the image's right
+    float normal[3] = {};    ///< pictured: towards the image's top; beam: direction of the light's travel
+    float length_u = 0, length_v = 0;  ///< spot: length_u is 1 for smoothstep falloff, 0 for squared falloff
+    float area = 0;                    ///< spot with linear falloff: 1 / (outer angle - inner angle)
+    float radius = 0;  ///< rectangle: length of its diagonal; directional: 1 - cos of its half angle; spot with linear
+                       ///< falloff: the outer angle; beam: 1 if it is elliptical; else 0
     float radiance[channels] = {};  ///< or intensity, or irradiance
-    float outer = 0;                ///< spot, pictured: 1 - cos of the half angle beyond which nothing arrives
-    float falloff = 0;              ///< from there inwards, in the same measure, the light grows to its full intensity
+    float outer = 0;                ///< spot, pictured: 1 - cos of the half angle of the outer cone
+    float falloff = 0;              ///< spot, pictured: width of the falloff inside the outer cone, in units of 1 - cos
     std::uint32_t flags = 0;        ///< some of Flags
-    std::uint32_t material = no_index;    ///< whose emission texture or alpha scales radiance, if it has one
-    std::uint32_t primitive = no_index;   ///< pictured: the number of its picture
-    std::uint32_t instance = no_index;    ///< that places the primitive, if one does; with has_poses, those poses
-    float motion_or_center[3] = {};       ///< sphere: its motion in a second; rectangle: its centre
-    std::uint32_t tree_place = no_index;  ///< of it in the light tree: node * LightNode::width + slot
-    std::uint32_t motion = 0;             ///< some of Motion; 0: stands still, or is a sphere on a straight way
+    std::uint32_t material = no_index;    ///< material whose emission texture or alpha scales radiance; no_index: none
+    std::uint32_t primitive = no_index;   ///< pictured: index into LightTables::light_pictures
+    std::uint32_t instance = no_index;    ///< instance of the primitive, or no_index; with has_poses: its poses
+    float motion_or_center[3] = {};       ///< sphere: velocity; rectangle: center
+    std::uint32_t tree_place = no_index;  ///< position in the light tree: node * LightNode::width + slot
+    std::uint32_t motion = 0;             ///< some of Motion; 0: static, or a sphere in linear motion
 };
 static_assert(sizeof(LightRecord) == 32 * sizeof(float));
 
-/// A node of the tree over all lights that have a place: bounds of its children, in columns that lanes read. Children
-/// beyond `count` have intensity 0.
+/// A node of the light tree: bounds of its children, in columns that lanes read. Children beyond `count` have intensity
+/// 0.
 struct alignas(64) LightNode {
     static constexpr int width = 16;
     using Column = float[width];
 
-    Column x, y, z, radius;           ///< ball around all that shines
-    Column axis_x, axis_y, axis_z;    ///< middle of the normals, or of what a spot shines into
-    Column cos_normals, sin_normals;  ///< how far they are from the axis at most
-    Column cos_emission;              ///< how far from its normal anything shines at most
-    Column back;                      ///< -1 if something shines to its back too, else 1
-    Column intensity;                 ///< the most that goes in a direction, added up; 1 for the whole tree
-    std::uint32_t child[width];       ///< a light if is_light is set, else a node
-    std::uint32_t count = 0;          ///< of children
-    std::uint32_t parent = no_index;  ///< the node's place in its parent, as LightRecord::tree_place
+    Column x, y, z, radius;           ///< bounding ball of all emitters
+    Column axis_x, axis_y, axis_z;    ///< axis of the cone of normals, or of a spot's directions
+    Column cos_normals, sin_normals;  ///< largest angle between normals and the axis
+    Column cos_emission;              ///< largest angle between emission and normal
+    Column back;                      ///< -1 if some emitter is two-sided, else 1
+    Column intensity;                 ///< sum of maximum intensities; 1 for the whole tree
+    std::uint32_t child[width];       ///< index of a light if is_light is set, else of a node
+    std::uint32_t count = 0;          ///< number of children
+    std::uint32_t parent = no_index;  ///< position of the node in its parent, as LightRecord::tree_place
     bool has_narrow = false;          ///< some cos_emission is above 0
     static constexpr std::uint32_t is_light = 1u << 31;
 };
 
+/// The environment light: constant, gradient, or an equirectangular image with its sampling distribution.
 struct EnvironmentRecord {
     std::uint32_t kind = 0;  ///< EnvironmentKind
     std::uint32_t light = no_index;
     Rgb color{}, bottom{}, top{};
     std::array<float, 9> environment_from_render{1, 0, 0, 0, 1, 0, 0, 0, 1};
-    LargeVector<float> texels;  ///< of an image: four floats each
+    LargeVector<float> texels;  ///< image: four floats per texel
     int width = 0, height = 0;
-    double mean_luminance = 0;  ///< of an image that lights are sampled from; else 0
-    /// Of such an image: a direction that is sampled with a density brings about this much, and so many times the
-    /// density.
+    double mean_luminance = 0;  ///< of an image that is sampled as a light; else 0
+    /// Linear fit for such an image: a direction sampled with density pdf has a luminance of about even_luminance + pdf
+    /// * sampled_luminance.
     float even_luminance = 0, sampled_luminance = 0;
-    /// Image: cumulative distributions for sampling, rows then columns: (height + 1) and height * (width + 1) floats.
+    /// Image: cumulative distributions for sampling, over rows and over the columns of each row: (height + 1) and
+    /// height * (width + 1) floats.
     LargeVector<float> marginal, conditional;
     LargeVector<std::uint32_t> marginal_guide, conditional_guides;  ///< see make_guides
 };
 
+/// All lights of a scene.
 struct LightTables {
     std::vector<LightRecord> lights;
-    std::vector<float> light_cdf;       ///< lights + 1 values, 0 to 1
-    LargeVector<LightNode> light_tree;  ///< over the first `placed_lights`; node 0 is the root
-    std::uint32_t placed_lights = 0;    ///< those that have a place come first: all but directions and environments
+    std::vector<float> light_cdf;       ///< cumulative selection probabilities by power: lights + 1 values, 0 to 1
+    LargeVector<LightNode> light_tree;  ///< over the first `placed_lights` lights; node 0 is the root
+    std::uint32_t placed_lights = 0;    ///< number of lights with a position, which come first: all but directional
+                                        ///< lights and the environment
     EnvironmentRecord environment;
     std::vector<LightPictureRecord> light_pictures;
-    LargeVector<float> picture_texels;  ///< of lights: four floats each, linear, none below 0
+    LargeVector<float> picture_texels;  ///< images of lights: four floats per texel, linear, not negative
 };
 
 }  // namespace fathom

@@ -16,12 +16,12 @@ namespace fathom {
 namespace {
 
 constexpr double pi = std::numbers::pi, degree = pi / 180;
-/// Lanes number floats by 32 bits.
+/// Lanes index floats by 32 bits.
 constexpr std::size_t max_texels = std::size_t(1) << 29;
-/// A spot's picture is not stretched farther than this tangent, though its cone be half of all directions.
+/// Limit of the tangent to which a spot's image is stretched; wide cones would need an infinite one.
 constexpr double largest_tangent = 1e4;
 
-/// Room for so many texels behind the others; the number of the first.
+/// Appends space for texels to the table; returns the index of the first.
 std::uint32_t add_texels(Compiler& c, std::size_t texels, const std::string& name)
 {
     const std::size_t first = c.tables.picture_texels.size() / 4;
@@ -30,7 +30,7 @@ std::uint32_t add_texels(Compiler& c, std::size_t texels, const std::string& nam
     return std::uint32_t(first);
 }
 
-/// Into how many equal steps `span` is to be cut for a step at each of the angles; `most` where none are enough.
+/// Smallest number of equal steps of `span` that contains each of the angles; `most` if there is none.
 int steps_to_have(const std::vector<double>& angles, double from, double span, int most)
 {
     for (int n = 1; n < most; ++n) {
@@ -43,10 +43,10 @@ int steps_to_have(const std::vector<double>& angles, double from, double span, i
     return most;
 }
 
-/// What is added up over a picture.
+/// Sums over an image.
 struct Sums {
-    double flux = 0;     ///< of the picture alone: luminance times solid angle
-    double squares = 0;  ///< of the product with the light's intensity
+    double flux = 0;     ///< of the image alone: luminance times solid angle
+    double squares = 0;  ///< of the image times the light's intensity
     double solid_angle = 0;
 
     void add(double own, double product, double solid)
@@ -57,7 +57,7 @@ struct Sums {
     }
 };
 
-/// The luminances of a texel: its own, and in light of a colour.
+/// Luminance of texels: as they are, and multiplied by a light's color.
 class Texels {
 public:
     Texels(const Compiler& c, const LightImages::Image& image, const Color& light)
@@ -83,7 +83,7 @@ private:
     Color light_;
 };
 
-/// width, height: tangents, from the middle to the edges. The few pixels of a small picture are cut into smaller ones.
+/// width, height: tangents from center to edge. Pixels of small images are subdivided for the integral.
 Sums sum_plane(const Texels& texels, const LightImages::Image& image, double width, double height, bool flat_field)
 {
     const int parts = std::max(1, 256 / std::min(image.width, image.height));
@@ -114,7 +114,7 @@ Sums sum_equal_area(const Texels& texels, const LightImages::Image& image)
     return sums;
 }
 
-/// Between two rows the values change linearly with the angle, while solid angle goes with its sine.
+/// Between two rows values change linearly with the angle, and solid angle with its sine.
 Sums sum_angles(const Texels& texels, const LightImages::Image& image)
 {
     constexpr int parts = 8;
@@ -135,7 +135,7 @@ Sums sum_angles(const Texels& texels, const LightImages::Image& image)
 struct Tangents {
     double x, y;
 };
-/// Of half a projector's picture, whose pixels are square.
+/// Tangents of half a projector's field of view, for square pixels.
 Tangents frustum(const Light& light, const LightImages::Image& image)
 {
     const double aspect = double(image.width) / image.height, t = std::tan(light.fov / 2);
@@ -154,7 +154,7 @@ Tangents frustum(const Light& light, const LightImages::Image& image)
     return {t, t / aspect};
 }
 
-/// A little more, against rounding on either side.
+/// A margin against rounding, here and in the kernel.
 double widened(double one_minus_cosine)
 {
     return one_minus_cosine * (1 + 1e-4) + 1e-6;
@@ -170,7 +170,7 @@ Sums describe_plane(const Light& light, const LightImages::Image& image, const T
     t.map = std::uint32_t(LightPictureMap::plane);
     t.scale_u = float(1 / half.x), t.scale_v = float(1 / half.y);
     if (flat_field) t.flags |= LightPictureRecord::flat_field;
-    // Without cancellation where the picture is narrow.
+    // This form has no cancellation for narrow fields of view.
     const double tangent2 = half.x * half.x + half.y * half.y, root = std::sqrt(1 + tangent2);
     result.outer = std::min(widened(tangent2 / (root * (1 + root))), 1.0);
     return sum_plane(texels, image, half.x, half.y, flat_field);
@@ -212,7 +212,7 @@ void add_light_image(Compiler& c, const LightImages::Use& use, int width, int he
 
 void add_light_profile(Compiler& c, const LightImages::Use& use)
 {
-    constexpr int finest = 1440;  // quarters of a degree all round
+    constexpr int finest = 1440;  // steps of a quarter of a degree over the full circle
     const ImageFile& file = c.scene.images[std::size_t(use.first)];
     const IesProfile profile =
         file.bytes.empty()
@@ -220,7 +220,7 @@ void add_light_profile(Compiler& c, const LightImages::Use& use)
             : parse_ies(file.name, {reinterpret_cast<const char*>(file.bytes.data()), file.bytes.size()});
     LightImages::Image image;
     const double first = profile.polar_deg.front(), span = profile.polar_deg.back() - first;
-    // Symmetry puts angles where the file has none: each plane of it is a multiple of 90 degrees.
+    // All planes of symmetry are multiples of 90 degrees; symmetry may put angles where the file has none.
     const bool is_round = profile.azimuth_deg.size() == 1;
     std::vector<double> azimuths = profile.azimuth_deg;
     if (!is_round) azimuths.push_back(90);

@@ -16,13 +16,13 @@ namespace fathom {
 
 namespace {
 
-/// Without cancellation where the angle is small.
+/// 1 - cos without cancellation for small angles.
 double one_minus_cos(double angle)
 {
     const double s = std::sin(angle / 2);
     return 2 * s * s;
 }
-/// Directions in float don't tell the parts of a narrower disk apart.
+/// Narrower disks of directions are delta lights: float directions are too coarse for them.
 constexpr double min_angle = 1e-6;
 
 void store(float* to, Vec3d v)
@@ -57,14 +57,14 @@ public:
     }
 
 private:
-    /// Whether its surfaces are lights.
+    /// Whether the shape's surfaces are lights that are sampled.
     bool is_sampled(const ShapeRecord& shape) const
     {
         const MaterialRecord& material = t_.materials[shape.material];
         return (material.flags & MaterialRecord::emits) && !(material.flags & MaterialRecord::unlit);
     }
 
-    /// Lights of what stands in the world itself.
+    /// Adds the lights of a shape outside instances.
     void add_emissive(ShapeRecord& shape)
     {
         shape.light_base = no_index;
@@ -74,7 +74,7 @@ private:
         add_primitives(shape, first, no_index, Transform(), nullptr);
     }
 
-    /// Lights of what an instance places. It has a shape of its own, which says where they begin.
+    /// Adds the lights of an instance. The instance has a shape of its own, whose light_base is their first index.
     void add_emissive_instance(std::uint32_t index)
     {
         const InstanceRecord& instance = t_.instances[index];
@@ -96,7 +96,7 @@ private:
         add_primitives(shape, first, index, render_from_object, nullptr);
     }
 
-    /// One light per primitive. path: of the instance, if it moves; to_render is of one that stands still.
+    /// Adds a light per primitive. path: of the instance, if it moves; to_render: of a static instance.
     void add_primitives(ShapeRecord& shape, std::uint32_t first, std::uint32_t instance, const Transform& to_render,
                         const LightMotionBounds* path)
     {
@@ -115,7 +115,8 @@ private:
             if (material.flags & MaterialRecord::two_sided_emission) light.flags |= LightRecord::two_sided;
             if (material.flags & MaterialRecord::invisible_light) light.flags |= LightRecord::unseen;
             std::copy(material.emission.begin(), material.emission.end(), light.radiance);
-            // Power; a texture is taken for half as bright as its factor, a curve shines to its outside only.
+            // Power of a light. Textured emission counts as its factor times the area; curves emit from their outside
+            // only.
             const bool is_curve = light.kind == std::uint32_t(LightRecordKind::curve);
             const bool moves = path || shape.moving_vertices > 0;
             const double area = is_curve ? add_curve_extent(p, shape, to_render, path)
@@ -126,7 +127,7 @@ private:
         }
     }
 
-    /// What is looked at of a segment of a curve at one of the times at which it is given.
+    /// End points of a curve segment's pieces at one of its motion keys.
     std::vector<CurvePoint<double>> piece_ends(std::uint32_t segment, const ShapeRecord& shape, std::size_t key) const
     {
         const CurveRecord& curve = t_.curves[segment];
@@ -144,12 +145,12 @@ private:
         return ends;
     }
 
-    /// Notes where a segment of a curve is; returns its mean area, as if it were round. to_render: a similarity.
+    /// Records the bounds of a curve segment; returns its mean area as a round curve. to_render: a similarity.
     double add_curve_extent(std::uint32_t p, const ShapeRecord& shape, const Transform& to_render,
                             const LightMotionBounds* path)
     {
         const auto place = [](const CurvePoint<double>& q) { return Vec3d{q.x, q.y, q.z}; };
-        // Between keys all goes straight: what holds it at both holds it in between.
+        // Motion is linear between keys: a ball that contains the curve at both keys contains it in between.
         std::vector<std::vector<CurvePoint<double>>> keys;
         const std::size_t times = shape.moving_vertices > 0 ? t_.vertex_times.size() : 1;
         keys.reserve(times);
@@ -174,16 +175,16 @@ private:
 
     struct Motion {
         std::uint32_t primitive;
-        std::uint32_t vertices;  ///< of the mesh, if they move
+        std::uint32_t vertices;  ///< number of vertices of the mesh, if they move
         bool flipped;
         const Transform& to_render;
         const LightMotionBounds* path;
     };
-    /// What a light of a primitive that moves has besides, and its extent. Returns its mean area.
+    /// Sets the motion of a primitive's light and records its bounds. Returns its mean area.
     double set_motion(LightRecord& light, const Motion& m)
     {
         if (light.instance != no_index) light.motion |= LightRecord::placed;
-        // An instance's stretch may shear it.
+        // The stretch of an instance may shear the rectangle.
         if (m.path && !m.path->keeps_shape() && light.kind == std::uint32_t(LightRecordKind::rectangle))
             unsquare(light);
         LightExtent extent{std::uint32_t(t_.lights.size()), {}, 0, {}};
@@ -192,7 +193,7 @@ private:
         NormalCone normals{{double(light.normal[0]), double(light.normal[1]), double(light.normal[2])}, 1};
         if (m.vertices > 0) {
             light.motion |= LightRecord::vertices_move;
-            // Normals of what an instance places go by its map, which turns those that are against the edges.
+            // Normals of instanced lights are transformed by the instance's map, which handles flipped ones.
             if (m.flipped && light.instance == no_index) light.motion |= LightRecord::flipped;
             ball = follow_vertices(m, normals, area);
         }
@@ -211,7 +212,7 @@ private:
         Vec3d center;
         double radius;
     };
-    /// Of a light of an instance that moves, in its own space. A sphere's way there is part of it.
+    /// Bounding ball of a light of a moving instance in the instance's space, including a sphere's own motion.
     Ball own_ball(const LightRecord& l) const
     {
         const auto vector = [](const float* v) { return Vec3d{double(v[0]), double(v[1]), double(v[2])}; };
@@ -243,8 +244,8 @@ private:
         for (int i = 0; i < 3; ++i) l.edge_u[i] *= l.length_u, l.edge_v[i] *= l.length_v;
     }
 
-    /// Around a triangle at all keys; between two its corners go straight, and its normal is a mean of three products
-    /// of edges.
+    /// Bounds of a triangle over all keys. Between keys its corners move linearly, and its normal is a weighted mean of
+    /// three cross products of edges.
     Ball follow_vertices(const Motion& m, NormalCone& normals, double& mean_area) const
     {
         struct Corners {
@@ -277,7 +278,8 @@ private:
         return {center, radius};
     }
 
-    /// flipped: against the edges, as transformed. to_render: a similarity for what is round.
+    /// flipped: the normal is opposite to the edges' cross product, after transformation. to_render: a similarity for
+    /// round primitives.
     LightRecord primitive_light(std::uint32_t p, bool flipped, const Transform& to_render) const
     {
         LightRecord light;
@@ -334,7 +336,7 @@ private:
         light.radius = float(radius);
         light.area = float(4 * std::numbers::pi * radius * radius);
     }
-    /// Of a similarity.
+    /// Scale factor of a similarity.
     static double scale_of(const Transform& t) { return length(t.vector({1, 0, 0})); }
 
     void add_light(const FlattenedLight& occurrence)
@@ -359,7 +361,7 @@ private:
             return;
         }
         if (l.kind == LightKind::beam) return add_beam(light, occurrence);
-        // Intensity is per world unit squared of distance; render space is scaled.
+        // Intensity refers to squared distances in world units; render space is scaled.
         for (float& r : light.radiance) r = float(r * c_.space.scale * c_.space.scale);
         light.kind = std::uint32_t(l.kind == LightKind::spot ? LightRecordKind::spot : LightRecordKind::point);
         const double outer = one_minus_cos(l.outer_angle);
@@ -394,14 +396,14 @@ private:
 
     static void put_falloff(LightRecord& light, const Light& l)
     {
-        // Without a way there is nothing to fall off on, and no angle to divide by.
+        // Equal angles leave no falloff range, and no angle to divide by.
         const double way = l.outer_angle - l.inner_angle;
         if (l.falloff == SpotFalloff::smooth) light.length_u = 1;
         if (l.falloff == SpotFalloff::linear && way > 1e-6 * l.outer_angle)
             light.radius = float(l.outer_angle), light.area = float(1 / way);
     }
 
-    /// What a light with a picture has besides. Returns the luminance of its typical intensity, in render space.
+    /// Sets the image of a light. Returns the luminance of its typical intensity, in render space.
     double put_picture(LightRecord& light, const FlattenedLight& occurrence)
     {
         const PicturedIntensity pictured = add_light_picture(c_, *occurrence.light);
@@ -409,7 +411,7 @@ private:
         light.kind = std::uint32_t(LightRecordKind::pictured);
         light.primitive = pictured.picture;
         if (occurrence.light->kind != LightKind::spot) light.outer = float(pictured.outer), light.falloff = 0;
-        // The picture's axes stay at right angles, however the node stretches, and as it mirrors.
+        // The axes of the image stay orthogonal under stretching, and follow the node's mirroring.
         const Transform& t = occurrence.render_from_node;
         const Vec3d along = normalize(t.vector({0, 0, -1})), right = t.vector({1, 0, 0});
         const Vec3d across = normalize(right - along * dot(right, along)), top = cross(across, along);
@@ -418,7 +420,8 @@ private:
         return pictured.typical * c_.space.scale * c_.space.scale;
     }
 
-    /// Of a light other than a directional one that a node moves; radius: of the ball around it, in the node's measure.
+    /// Sets the poses of a light on a moving node, and records its bounds. radius: of its bounding ball, in node space.
+    /// Not for directional lights.
     void set_poses(LightRecord& light, const std::vector<NodeKey>& motion, double radius = 0)
     {
         const std::vector<PoseRecord> poses = pose_tables(motion);
@@ -440,7 +443,7 @@ private:
     {
         EnvironmentRecord& t = t_.environment;
         t.light = no_index;
-        // A constant or a gradient is found well enough by the directions that surfaces choose.
+        // Constant and gradient environments are left to BSDF sampling.
         if (t.mean_luminance <= 0) return;
         t.light = std::uint32_t(t_.lights.size());
         LightRecord light;
@@ -449,7 +452,7 @@ private:
         add(light, t.mean_luminance * std::numbers::pi * 4 * std::numbers::pi * scene_radius_ * scene_radius_ / 4);
     }
 
-    /// That of a sky, above the horizon.
+    /// Adds the sun of an analytic sky, if it is above the horizon.
     void add_sun()
     {
         const Environment& e = c_.scene.environment;
@@ -459,7 +462,7 @@ private:
         sun.kind = LightKind::directional;
         sun.intensity = {irradiance.r * e.color.r, irradiance.g * e.color.g, irradiance.b * e.color.b};
         sun.angle = Sky::sun_angle;
-        // A node whose z axis points at the sun.
+        // Rows of the node's frame: its z axis points at the sun.
         const Vec3d z = normalize(e.world_from_environment.vector(e.to_sun));
         const Vec3d x = normalize(cross(std::abs(z.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, z)), y = cross(z, x);
         Transform render_from_node;
@@ -476,7 +479,7 @@ private:
         powers_.push_back(power);
     }
 
-    /// Lights are chosen by power, but none with less than a hundredth of the mean.
+    /// Builds the selection probabilities by power, with a minimum of a hundredth of the mean.
     void make_distribution()
     {
         double total = 0;
@@ -489,7 +492,7 @@ private:
         for (std::size_t i = 0; i < powers_.size(); ++i) {
             running += powers_[i];
             t_.light_cdf.push_back(float(running / sum));
-            // The probability that the float table gives, not the one that was meant.
+            // The probability that results from the float table, so that pmf and selection agree exactly.
             t_.lights[i].pmf = t_.light_cdf[i + 1] - t_.light_cdf[i];
         }
     }

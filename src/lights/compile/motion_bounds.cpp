@@ -21,7 +21,7 @@ Pose to_pose(const PoseRecord& r)
     return p;
 }
 
-/// No less than how much longer a vector gets by the symmetric matrix: exact where that is the same for all.
+/// Upper bound on how much the symmetric matrix stretches a vector; exact for uniform scaling.
 double norm(const std::array<double, 6>& s)
 {
     const double off = s[1] * s[1] + s[2] * s[2] + s[4] * s[4];
@@ -67,7 +67,7 @@ LightMotionBounds::LightMotionBounds(std::span<const PoseRecord> poses)
         for (std::size_t k = 0; k < 6; ++k) change[k] = b.stretch[k] - a.stretch[k];
         for (std::size_t k = 0; k < 4; ++k) cosine += a.rotation[k] * b.rotation[k];
         constexpr double half = 0.5 / steps_per_piece;
-        // A quaternion goes half of the angle that it turns by.
+        // The angle between quaternions is half the angle of rotation.
         const double turn = half * 2 * std::acos(std::clamp(std::abs(cosine), 0.0, 1.0));
         turns_ |= turn > 1e-6;
         for (int k = 0; k < steps_per_piece; ++k) {

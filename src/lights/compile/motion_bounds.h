@@ -8,31 +8,34 @@
 
 namespace fathom {
 
-/// Bounds of normals: no farther from the axis than an angle. No axis: they may point anywhere.
+/// Cone of normals about an axis, by the cosine of its half angle. Default: all directions.
 struct NormalCone {
     Vec3d axis;
     double cosine = -1;
 };
 
-/// The cone of directions that are positive sums of these: at most half a turn wide, else anything.
+/// A cone that contains all positive combinations of the directions; all directions if it would be wider than a
+/// hemisphere.
 NormalCone cone_around(const std::vector<Vec3d>& directions);
 
-/// Where poses take what they carry while the shutter is open, in bounds that hold it at every time. Between times that
-/// are looked at, translation and stretch change linearly and the rotation steadily: so far, at most, anything goes.
+/// Bounds on the motion of whatever poses carry over the shutter interval, valid at every time. The interval is
+/// sampled; between samples translation and stretch change linearly and the rotation at constant speed, which bounds
+/// the deviation.
 class LightMotionBounds {
 public:
     explicit LightMotionBounds(std::span<const PoseRecord> poses);
 
-    /// Whether round things remain round.
+    /// Whether all poses preserve shapes: no stretch but uniform scaling.
     bool keeps_shape() const { return keeps_shape_; }
-    /// Of areas, about.
+    /// Mean factor of areas, approximately.
     double mean_area_factor() const { return area_factor_; }
-    /// Around a ball that is carried along.
+    /// Bounds the positions of a ball that is carried along.
     void put_ball(Vec3d center, double radius, LightExtent& to) const;
+    /// Bounds the directions of a normal that is carried along.
     NormalCone cone(Vec3d normal) const;
 
 private:
-    /// A time looked at, and how much changes from there until half of the way to its neighbours, before and after.
+    /// A sampled time, and the largest change up to half of the way to its neighbors.
     struct Step {
         Transform place;
         double shift, turn, stretch;

@@ -15,11 +15,10 @@ namespace fathom {
 
 namespace {
 
-/// A picture that is nowhere brighter than this many times its mean is sampled as it is: little stands out from it.
+/// Images whose maximum is at most this multiple of their mean are sampled without MIS compensation.
 constexpr double much_above_mean = 2;
 
-/// The luminance of each cell. Bilinear lookup spreads a pixel's light over its neighbours, so it is the mean of the
-/// 3x3 around it.
+/// Luminance per pixel, averaged over 3x3 neighbors: bilinear lookup spreads a pixel's light over its neighbors.
 std::vector<float> cell_luminances(const EnvironmentRecord& t)
 {
     const int w = t.width, h = t.height;
@@ -42,7 +41,7 @@ std::vector<float> cell_luminances(const EnvironmentRecord& t)
     return cells;
 }
 
-/// sine: of the angle from the top, at the middle of row y; to which the solid angle of its cells is proportional.
+/// sine: of the polar angle at the middle of row y, to which the solid angle of its pixels is proportional.
 double row_sine(int y, int height)
 {
     return std::sin((y + 0.5) * std::numbers::pi / height);
@@ -59,12 +58,11 @@ double mean_over_sphere(const std::vector<float>& cells, int w, int h)
     return sum / weight;
 }
 
-/// Cumulative distributions over rows and, within a row, pixels, by luminance times the solid angle, with guides to
-/// them. Returns mean radiance.
+/// Builds the cumulative distributions over rows and, within rows, over pixels, by luminance times solid angle, with
+/// guide tables. Returns the mean luminance.
 ///
-/// Only what is brighter than the mean is sampled, by how much it is: the rest is found by the directions that surfaces
-/// choose, and the weights of both see to it (Karlík et al. 2019, "MIS Compensation: Optimizing Sampling Techniques in
-/// Multiple Importance Sampling").
+/// Only the part above the mean is sampled. The rest is left to BSDF sampling; MIS weights account for it (Karlík et
+/// al. 2019, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling").
 double make_environment_distribution(EnvironmentRecord& t)
 {
     const int w = t.width, h = t.height;
@@ -95,7 +93,7 @@ double make_environment_distribution(EnvironmentRecord& t)
     return mean;
 }
 
-/// As a picture, to be sampled and seen like one.
+/// Renders a procedural environment to an equirectangular image, which is then evaluated and sampled as any other.
 template <class Radiance>
 void make_picture(EnvironmentRecord& t, int width, const Radiance& radiance)
 {
@@ -114,7 +112,7 @@ void make_picture(EnvironmentRecord& t, int width, const Radiance& radiance)
     });
 }
 
-/// Of the picture, without its factor: what a surface gets that faces upwards in it, as luminance times solid angle.
+/// Illuminance that the image, without its factor, gives a surface facing up (luminance times solid angle).
 double illuminance_of(const EnvironmentRecord& t, bool faces_middle)
 {
     double sum = 0;
@@ -123,7 +121,7 @@ double illuminance_of(const EnvironmentRecord& t, bool faces_middle)
         const double theta = (y + 0.5) / t.height * std::numbers::pi, sine = std::sin(theta);
         double row = 0;
         for (int x = 0; x < t.width; ++x, texel += 4) {
-            // An equal-area picture's middle is +z.
+            // An equal-area image is centered on +z.
             const double phi = ((x + 0.5) / t.width - 0.5) * 2 * std::numbers::pi,
                          cosine = faces_middle ? sine * std::sin(phi) : std::cos(theta);
             row += std::max(0.0, cosine) * luminance(texel);
@@ -148,7 +146,7 @@ void compile_environment(Compiler& c)
     t.mean_luminance = 0;
     t.even_luminance = t.sampled_luminance = 0;
     t.environment_from_render = EnvironmentRecord().environment_from_render;
-    // Pictures are there already. What another environment left behind must not tell two scenes apart.
+    // Images are in the tables already. Leftovers of another environment must not affect the scene's fingerprint.
     if (!has_picture) {
         t.texels.clear();
         t.width = t.height = 0;

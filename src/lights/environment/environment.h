@@ -1,5 +1,5 @@
 #pragma once
-/// Radiance from outside the scene, by direction, and sampling of it where it is an image.
+/// Radiance of the environment by direction, and importance sampling of environment images.
 #include "fathom/description.h"
 #include "lights/light.h"
 #include "lights/records.h"
@@ -19,7 +19,7 @@ inline Vec3 rotate_in(const EnvironmentRecord& e, Vec3 d)
     };
     return {row(0), row(3), row(6)};
 }
-/// By the transpose: the map is a rotation.
+/// Inverse of rotate_in: the transpose, since the map is a rotation.
 inline Vec3 rotate_out(const EnvironmentRecord& e, Vec3 d)
 {
     const auto& m = e.environment_from_render;
@@ -29,10 +29,11 @@ inline Vec3 rotate_out(const EnvironmentRecord& e, Vec3 d)
     return {column(0), column(1), column(2)};
 }
 
+/// A point of an equirectangular image.
 struct ImagePoint {
     Float u, v;  ///< in [0, 1], v downwards
 };
-/// The image's middle looks along +x, its top along +y; u grows to the right as seen from inside: towards +z.
+/// The image's center is +x, its top +y; u grows to the right as seen from inside, towards +z.
 inline ImagePoint image_point(Vec3 d)
 {
     return {fma(atan2(d.z, d.x), Float(0.5f * inv_pi), Float(0.5f)),
@@ -52,16 +53,17 @@ inline Spectrum image_radiance(const EnvironmentRecord& e, const ImagePoint& at,
     return radiance;
 }
 
-/// Density per solid angle of a direction in the cell of the image that rows are chosen for with probability `row`,
-/// and within them columns with `column`. sine: of the angle from the image's top.
+/// Density with respect to solid angle of a direction in a pixel, from the probabilities of its row and of its column
+/// within the row. sine: of the polar angle.
 inline Float cell_pdf(const EnvironmentRecord& e, Float row, Float column, Float sine)
 {
-    // Density in (u, v), over the solid angle 2 pi^2 sin(theta) du dv.
+    // Density in (u, v), divided by the Jacobian 2 pi^2 sin(theta) of solid angle.
     return row * column * Float(float(e.width) * float(e.height) * 0.5f * inv_pi * inv_pi) / max(sine, Float(1e-6f));
 }
 
 }  // namespace detail
 
+/// Radiance of the environment along a direction (render space), for the lanes of m.
 inline Spectrum environment_radiance(const LightTables& tables, Vec3 direction, Mask m)
 {
     const EnvironmentRecord& e = tables.environment;
@@ -78,12 +80,13 @@ inline Spectrum environment_radiance(const LightTables& tables, Vec3 direction, 
             return radiance;
         }
         default:
-            break;  // compiled to a picture
+            break;  // procedural environments were compiled to an image
     }
     return detail::image_radiance(e, detail::image_point(detail::rotate_in(e, direction)), m);
 }
 
-/// Density per solid angle with which sample_environment gives the direction; 0 if the environment is not sampled.
+/// Density with respect to solid angle with which sample_environment returns the direction; 0 if the environment is not
+/// a light.
 inline Float environment_pdf(const LightTables& tables, Vec3 direction)
 {
     const EnvironmentRecord& e = tables.environment;
@@ -98,19 +101,21 @@ inline Float environment_pdf(const LightTables& tables, Vec3 direction)
     return detail::cell_pdf(e, row, column, sqrt(fma(d.x, d.x, d.z * d.z)));
 }
 
+/// A sampled direction of the environment.
 struct EnvironmentSample {
     Vec3 wi;
     Float inverse_pdf;
     detail::ImagePoint at;
-    Float likely;  ///< luminance, by the density alone
+    Float likely;  ///< approximate luminance, from the density alone
 };
 
-/// What comes from a sampled direction.
+/// Radiance of a sampled direction.
 inline Spectrum environment_radiance(const LightTables& tables, const EnvironmentSample& s, Mask m)
 {
     return detail::image_radiance(tables.environment, s.at, m);
 }
 
+/// Samples a direction by the image's luminance.
 inline EnvironmentSample sample_environment(const LightTables& tables, Sample2 random)
 {
     const EnvironmentRecord& e = tables.environment;

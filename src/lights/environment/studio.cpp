@@ -7,14 +7,14 @@ namespace fathom {
 
 namespace {
 
-/// A soft light: a disk as seen from what it lights, whose edge is a third of its radius wide.
+/// A soft light: a disk of directions whose penumbra is a third of its radius wide.
 struct Softbox {
     Vec3d direction;
-    double angle, radiance;  ///< radius of the disk in radians; in its middle
+    double angle, radiance;  ///< radius of the disk in radians; radiance at its center
 };
 
-/// Key, fill and rim as photographers place them: from above one side of the camera, dimmer from the other, and from
-/// behind. A white surface that faces the camera comes to a radiance of some 0.9.
+/// Three-point lighting: key light above one side of the camera, dimmer fill light on the other side, rim light from
+/// behind. A white surface that faces the camera has a radiance of about 0.9.
 constexpr Softbox softboxes[] = {
     {{-0.62, 0.62, 0.62}, 0.48, 4.2}, {{0.9, 0.2, 0.5}, 0.6, 0.7}, {{0.45, 0.5, -0.9}, 0.36, 3.0}};
 
@@ -22,7 +22,7 @@ constexpr Softbox softboxes[] = {
 
 double studio_radiance(const Vec3d& d)
 {
-    // The room: dim below, so that forms show.
+    // Radiance of the room: darker below, so that shapes are visible.
     double sum = 0.26 + 0.1 * d.y;
     for (const Softbox& box : softboxes) {
         const double off = std::acos(std::clamp(dot(d, normalize(box.direction)), -1.0, 1.0)) / box.angle;

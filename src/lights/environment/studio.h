@@ -3,7 +3,7 @@
 
 namespace fathom {
 
-/// Radiance of a studio, which is EnvironmentKind::studio, from a direction of its own axes.
+/// Radiance of EnvironmentKind::studio from a direction in the environment's axes.
 double studio_radiance(const Vec3d& direction);
 
 }  // namespace fathom

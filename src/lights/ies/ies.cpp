@@ -13,7 +13,7 @@ namespace fathom {
 
 namespace {
 
-/// A file holds some hundred thousand numbers at most; larger ones are something else.
+/// Files hold at most some hundred thousand numbers; larger ones are not IES files.
 constexpr std::uintmax_t largest_file = std::uintmax_t(64) << 20;
 
 constexpr double largest_candela = 1e18;
@@ -23,7 +23,7 @@ bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ',';
 }
 
-/// The file's lines up to TILT, then its numbers, which may be broken into lines anywhere.
+/// Parses the header lines up to TILT, then numbers, which may be split into lines anywhere.
 class IesReader {
 public:
     IesReader(const std::string& name, std::string_view text) : name_(name), text_(text) {}
@@ -77,7 +77,7 @@ private:
     {
         const std::size_t begin = text_.starts_with("\xef\xbb\xbf") ? 3 : 0;
         at_ = begin;
-        // The factor became a number without meaning, and later one that says how the file was made.
+        // Later versions of the standard gave this factor another meaning, in which it must not be applied.
         has_photometric_factor_ = !text_.substr(begin).starts_with("IES") || text_.substr(begin).starts_with("IESNA91");
         while (at_ < text_.size()) {
             const std::string_view found = line();
@@ -123,7 +123,7 @@ private:
         return std::size_t(value);
     }
 
-    /// Each number takes two bytes at least, so none is asked memory for that isn't there.
+    /// Every number takes at least two bytes: bounds what a damaged file makes the reader allocate.
     void check_room(std::size_t columns, std::size_t rows) const
     {
         if (double(columns) * double(rows) > double(text_.size() - at_))
@@ -148,7 +148,7 @@ private:
     bool has_photometric_factor_ = false;
 };
 
-/// Between which two of the angles, and what share of the second.
+/// Two neighboring angles, and the weight of the second.
 struct Between {
     std::size_t a, b;
     double share;
@@ -168,15 +168,17 @@ double IesProfile::at(double polar, double azimuth) const
     if (polar < polar_deg.front() || polar > polar_deg.back()) return 0;
     azimuth -= 360 * std::floor(azimuth / 360);
     const double first = azimuth_deg.front(), last = azimuth_deg.back();
-    if (last <= 90 && azimuth > 180) azimuth = 360 - azimuth;  // mirrored at both planes
+    if (last <= 90 && azimuth > 180) azimuth = 360 - azimuth;  // symmetric about both planes
     if (last <= 90 && azimuth > 90) azimuth = 180 - azimuth;
-    if (first == 0 && last > 90 && last <= 180 && azimuth > 180) azimuth = 360 - azimuth;  // at that of 0 and 180
-    if (first == 90 && last == 270) {                                                      // at that of 90 and 270
+    if (first == 0 && last > 90 && last <= 180 && azimuth > 180)
+        azimuth = 360 - azimuth;       // symmetric about the plane
+                                       // of 0 and 180
+    if (first == 90 && last == 270) {  // symmetric about the plane of 90 and 270
         if (azimuth < 90) azimuth = 180 - azimuth;
         if (azimuth > 270) azimuth = 540 - azimuth;
     }
     Between h = between(azimuth_deg, azimuth);
-    // All round, but the last angle is not the first again.
+    // The full circle without a repetition of the first angle at 360 degrees.
     if (last > 180 && last < 360 && azimuth > last && !(first == 90 && last == 270))
         h = {azimuth_deg.size() - 1, 0, (azimuth - last) / (first + 360 - last)};
     const Between v = between(polar_deg, polar);

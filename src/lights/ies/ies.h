@@ -6,22 +6,22 @@
 
 namespace fathom {
 
-/// What a luminaire sends in each direction, as a file of IES LM-63 (1986 to 2019) says it: type C photometry.
+/// Luminous intensity of a luminaire by direction, from an IES LM-63 file (1986 to 2019): type C photometry.
 struct IesProfile {
-    std::vector<double> polar_deg;    ///< angles from the nadir, ascending, two at least
-    std::vector<double> azimuth_deg;  ///< angles about it, ascending; what lies beyond the last follows by symmetry
-    /// Candela, those of all polar angles for the first azimuth, then for the next. The file's factors are in it.
+    std::vector<double> polar_deg;    ///< angles from the nadir, ascending, at least two
+    std::vector<double> azimuth_deg;  ///< angles about the vertical, ascending; the rest follows by symmetry
+    /// Candela for all polar angles of the first azimuth, then of the next; the file's factors are applied.
     std::vector<double> candela;
 
-    /// Between the file's angles it changes linearly in both; 0 beyond its polar angles.
+    /// Bilinear interpolation between the file's angles; 0 outside the polar angles.
     double at(double polar_deg, double azimuth_deg) const;
 };
 
-/// Whether the name of a file says that it is one.
+/// Whether a file name has the extension .ies.
 bool is_ies_name(std::string_view name);
 
-/// Throws Error, naming `name`, for what is no such file, is damaged, or of type A or B. Tilt is left out, as programs
-/// do: it says how a lamp's flux depends on how the luminaire hangs.
+/// Throws Error, naming `name`, for files that are not IES, damaged, or of type A or B. Tilt is ignored, as in other
+/// programs: it states how the lamp's flux depends on the orientation of the luminaire.
 IesProfile parse_ies(const std::string& name, std::string_view text);
 IesProfile read_ies(const std::filesystem::path& file);
 

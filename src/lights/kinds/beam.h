@@ -4,8 +4,8 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Parallel light from a flat area, along its normal. The record's edges go from the middle to the sides of a
-/// parallelogram, or are what an ellipse's points are combined of, where `radius` is 1.
+/// Parallel light from a flat area, along its normal. The record's edges go from the center to the sides of a
+/// parallelogram, or are the conjugate half-axes of an ellipse where `radius` is 1.
 struct BeamLight {
     static constexpr LightRecordKind kind = LightRecordKind::beam;
 
@@ -13,7 +13,7 @@ struct BeamLight {
     static LightPoint sample(const Light& light, Vec3 p, Float, Sample2, Mask)
     {
         const Vec3 u = light.edge_u(), v = light.edge_v(), n = light.normal(), from = p - light.position();
-        // What lights p is where a perpendicular meets the area: x u + y v from its middle.
+        // The point is lit where its perpendicular meets the area: at x u + y v from the center.
         const Vec3 across_v = cross(v, n), across_u = cross(n, u);
         const Float x = dot(from, across_v) / dot(u, across_v), y = dot(from, across_u) / dot(v, across_u);
         const Mask in_ellipse = fma(x, x, y * y) <= Float(1), in_parallelogram = max(abs(x), abs(y)) <= Float(1);

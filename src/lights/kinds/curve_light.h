@@ -6,12 +6,12 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// A segment of a curve of each lane as a light: one of its straight pieces, each as likely as another, a place along
-/// it, and one across what a point sees of it. The balls that round pieces end in are not sampled, nor what a ribbon
-/// shows beyond the ends of a piece: paths find these by chance, and pdf() is 0 there.
+/// A curve segment of each lane as a light. Sampling chooses one of its straight pieces uniformly, a point along the
+/// piece, and a point across the width visible from the shading point. The balls at the ends of round pieces and the
+/// parts of ribbons beyond a piece's ends are not sampled: BSDF sampling covers them, and pdf() is 0 there.
 class CurveLight {
 public:
-    /// instance: that places it, where it is similar to itself, or no_index.
+    /// instance: places the curve by a similarity transform; no_index: none
     CurveLight(const GeometryTables& tables, UInt primitive, UInt instance, Float time, Mask m)
         : shape_(gather(tables.shape_of_primitive.data(), primitive, m)),
           flags_(gather(tables.shapes, &ShapeRecord::flags, shape_, m)),
@@ -25,9 +25,9 @@ public:
     struct Sample {
         Vec3 wi;
         Float distance, inverse_pdf;
-        Float u;  ///< along the segment, as traversal finds it
+        Float u;  ///< curve parameter of the segment, as a ray hit reports it
     };
-    /// As seen from p.
+    /// Samples a point of the segment as seen from p.
     Sample sample(const Vec3& p, Sample2 random) const
     {
         const Float along = random.x * curve_.pieces(), number = min(floor(along), curve_.pieces() - Float(1));
@@ -53,8 +53,8 @@ public:
         return s;
     }
 
-    /// Density per solid angle with which sample() gives a point of the surface: where the ray from o along d has met
-    /// it at u.
+    /// Density with respect to solid angle with which sample() returns a point of the surface: the one where the ray
+    /// from o along d hits it at curve parameter u.
     Float pdf(const Vec3& o, const Vec3& d, Float distance, Float u) const
     {
         const Float number = curve_.piece_of(u);
@@ -75,10 +75,10 @@ public:
     }
 
 private:
-    /// All in the space of the curve.
+    /// A straight piece of the segment, in the space of the curve.
     struct Piece {
-        Vec3 a, b, e;             ///< ends; unit from a to b
-        Float ra, rb, length, g;  ///< radii; how fast the radius grows, for the round ones
+        Vec3 a, b, e;             ///< end points; unit vector from a to b
+        Float ra, rb, length, g;  ///< radii at a and b; g: change of the radius per length, for round pieces
     };
     Piece piece_at(Float number) const
     {
@@ -92,11 +92,11 @@ private:
         return p;
     }
 
-    /// A point of the axis as it is seen.
+    /// A point of the piece's axis relative to the eye.
     struct Axis {
         Vec3 to;       ///< from the eye
         Vec3 away;     ///< unit, perpendicular to the axis, away from the eye
-        Float z, rho;  ///< how far the eye is from there along the axis, and from the axis
+        Float z, rho;  ///< position of the eye relative to this point: along the axis, and distance from the axis
         Float r;       ///< radius
     };
     static Axis axis_at(const Piece& piece, Float w, const Vec3& eye)
@@ -112,21 +112,22 @@ private:
         return x;
     }
 
-    /// A point from the eye; area: its inverse density by the piece's parameters, times its distance cubed.
+    /// A surface point relative to the eye. area: its inverse density in the piece's parameters, times the distance
+    /// cubed.
     struct Point {
         Vec3 to;
         Float area;
     };
 
-    /// What is seen of the circle in which a ball touches the side of the piece: normals up to an angle from the one
-    /// that points to the eye. With B its cosine, sin / (1 - B cos) of a normal's angle is what a perspective picture
-    /// shows, and is sampled uniformly.
+    /// Visible part of the circle in which the ball around an axis point touches the side of a round piece: normals
+    /// within an angle of the one towards the eye. With B the cosine of that angle, sin / (1 - B cos) of a normal's
+    /// angle is its position in a perspective image, and is sampled uniformly.
     struct Visible {
         Float limit;    ///< B
-        Float height;   ///< that of the eye over the tangent plane of an angle, over (cos - B)
-        Float plane;    ///< the same for an angle of 90 degrees, times -1
-        Mask any, all;  ///< all: more than is sampled, so that the density has an end
-        Float k;        ///< cosine of the angle between normals and the circle's plane
+        Float height;   ///< height of the eye above the tangent plane of an angle, divided by (cos - B)
+        Float plane;    ///< negated height of the eye above the tangent plane at 90 degrees
+        Mask any, all;  ///< all: the limit is clamped, which bounds the density where the whole circle is visible
+        Float k;        ///< cosine of the angle between the normals and the circle's plane
     };
     static Visible visible(const Piece& piece, const Axis& x)
     {
@@ -153,7 +154,7 @@ private:
         const Vec3 n = fma(circle, v.k, piece.e * (-piece.g));
         return {fma(n, x.r, x.to), round_area(piece, x, cosine)};
     }
-    /// cosine: of the angle around the axis from where the eye is.
+    /// cosine: of the angle around the axis from the direction of the eye.
     static Float round_area(const Piece& piece, const Axis& x, Float cosine)
     {
         const Visible v = visible(piece, x);
@@ -163,14 +164,15 @@ private:
         const Float area = piece.length * v.k * v.k * x.r * height * Float(2) * picture * picture * inverse_sqrt(s2);
         return select(v.any & (beyond > Float(0)), area, Float(0));
     }
-    /// Of a point of the surface; e: along the axis.
+    /// Cosine of the angle around the axis between a surface point and the eye; e: unit vector along the axis.
     static Float cosine_of(const Axis& x, const Vec3& e, const Vec3& from_axis)
     {
         const Vec3 across = fma(e, -dot(e, from_axis), from_axis);
         return -dot(across, x.away) * inverse_sqrt(max(dot(across, across), Float(1e-37f)));
     }
 
-    /// A ribbon's point is perpendicular to the ray and to the axis: it lies on the circle over the eye's distance.
+    /// A ribbon's point is perpendicular to the ray and to the axis: it lies on the circle whose diameter is the
+    /// distance from the eye to the axis.
     static Point ribbon_point(const Piece& piece, const Axis& x, Float random)
     {
         const Float y = fma(random, Float(2), Float(-1)) * min(x.r, x.rho), share = y / max(x.rho, Float(1e-37f));
@@ -182,7 +184,8 @@ private:
     {
         return Float(2) * min(x.r, x.rho) * piece.length * sqrt(max(fma(x.rho, x.rho, -y2), Float(0)));
     }
-    /// Whether a ribbon is there at all: as intersect_ribbon_piece decides, between the lines across both ends.
+    /// Whether the ribbon exists at the sample: between the end lines of the piece, by the test of
+    /// intersect_ribbon_piece.
     Mask shows(const Piece& piece, Float number, const Vec3& eye, const Vec3& wi) const
     {
         const auto beyond = [&](const Vec3& end, Float which) {

@@ -4,8 +4,9 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// From infinitely far away, of a direction or a disk of them, which is nothing that a ray can hit. The record's radius
-/// is 1 - cos of the disk's half angle, 0 for a delta; its radiance is irradiance or radiance accordingly.
+/// Light from infinity, from one direction or a disk of directions; rays can't hit it. The record's radius is 1 - cos
+/// of the disk's half angle, 0 for a delta light; its radiance member is the disk's radiance, or the delta light's
+/// irradiance.
 struct DirectionalLight {
     static constexpr LightRecordKind kind = LightRecordKind::directional;
 

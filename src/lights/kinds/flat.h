@@ -4,6 +4,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Parallelogram, sampled uniformly by area.
 struct ParallelogramLight {
     static constexpr LightRecordKind kind = LightRecordKind::parallelogram;
 
@@ -15,6 +16,7 @@ struct ParallelogramLight {
     }
 };
 
+/// Triangle, sampled uniformly by area.
 struct TriangleLight {
     static constexpr LightRecordKind kind = LightRecordKind::triangle;
 
@@ -30,6 +32,7 @@ struct TriangleLight {
     }
 };
 
+/// Disk, sampled uniformly by area.
 struct DiskLight {
     static constexpr LightRecordKind kind = LightRecordKind::disk;
 

@@ -1,10 +1,10 @@
 #pragma once
-/// What all kinds of lights share. A kind is a class with
+/// Interface of light kinds. A kind is a class with
 ///     static constexpr LightRecordKind kind
 ///     static LightPoint sample(light, p, time, random, active)   a point of it as seen from p, with its density
-/// and, if a path can hit it and the density is not that of uniform sampling of its area for all lanes,
-///     static Mask by_angle(light, p)            lanes for which it is another one
-///     static Float pdf(light, p, time, by_area) that density for them, by_area for the others
+/// and, if rays can hit it and it is not sampled uniformly by area in all lanes,
+///     static Mask by_angle(light, p)            lanes that are sampled in another way
+///     static Float pdf(light, p, time, by_area) density in those lanes, by_area in the others
 /// light: a LightReader.
 #include "geometry/ray.h"
 #include "lights/records.h"
@@ -15,9 +15,9 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// A light of each lane, read from the table.
+/// Reads the light of each lane from the table.
 ///
-/// one  all lanes have light 0: nothing is gathered
+/// one  all lanes have light 0: members are broadcast instead of gathered
 template <bool one>
 class LightReader {
 public:
@@ -31,9 +31,9 @@ public:
     Vec3 edge_u() const { return vector(&LightRecord::edge_u); }
     Vec3 edge_v() const { return vector(&LightRecord::edge_v); }
     Vec3 normal() const { return vector(&LightRecord::normal); }
-    /// Of a rectangle.
+    /// Center of a rectangle.
     Vec3 center() const { return vector(&LightRecord::motion_or_center); }
-    /// Of a sphere.
+    /// Velocity of a sphere.
     Vec3 motion() const { return vector(&LightRecord::motion_or_center); }
     Float length_u() const { return value(&LightRecord::length_u); }
     Float length_v() const { return value(&LightRecord::length_v); }
@@ -85,20 +85,19 @@ private:
     UInt offset_;
 };
 
-/// A point of a light as a kind samples it.
+/// A point of a light, sampled by its kind.
 struct LightPoint {
-    Vec3 wi;  ///< unit, from p towards the light
+    Vec3 wi;  ///< unit, from the shading point towards the light
     Float distance;
-    Float inverse_pdf;  ///< of the direction, per solid angle; 1 for delta lights
-    Float cosine;       ///< above 0 where the light's front faces p
-    Float strength;     ///< what its radiance is multiplied by
-    Mask is_delta;      ///< no direction that a surface chooses meets it
+    Float inverse_pdf;  ///< of wi, with respect to solid angle; 1 for delta lights
+    Float cosine;       ///< positive where the light's front faces the shading point
+    Float strength;     ///< factor of the light's radiance
+    Mask is_delta;      ///< rays can't hit the light: MIS weight 1
 };
 
 namespace detail {
 
-/// A point of a flat light: `to` is the vector to it. Its inverse density per solid angle is inverse_pdf if given, else
-/// that of uniform sampling of the area.
+/// A point of a flat light, sampled uniformly by area. `to`: vector from the shading point to it.
 struct FlatLightPoint {
     Vec3 wi;
     Float distance, inverse_pdf, cosine;

@@ -5,8 +5,8 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// A light of each lane at a time: a LightReader that reads those that stand still as ever, and the others where and as
-/// they then are. By the functions that surfaces are read by, so that sampling and hits agree.
+/// A light of each lane at a shutter time: static lights as LightReader reads them, moving ones at that time. It uses
+/// the functions by which surfaces are read, so that light sampling and ray hits agree.
 class MovingLight : public LightReader<false> {
 public:
     MovingLight(const LightReader<false>& light, const GeometryTables& tables, Float time, Mask m)
@@ -51,10 +51,10 @@ public:
     Float radius() const { return radius_; }
 
 private:
-    /// Unit; zero of what has no normal, which then sends nothing.
+    /// Normalizes; zero stays zero: a light without a normal emits nothing.
     static Vec3 unit(const Vec3& v) { return v * inverse_sqrt(max(dot(v, v), Float(1e-37f))); }
 
-    /// The axes of a picture, which stay at right angles; edge_u_ is turned already.
+    /// Rotates the axes of a light's image, and keeps them orthogonal; edge_u_ is transformed already.
     void turn_picture(const Affine& to_render, Mask m)
     {
         const Vec3 right = to_render.vector(edge_v_), up = to_render.vector(normal_);
@@ -63,7 +63,7 @@ private:
         normal_ = select(m, flip_sign(top, dot(top, up)), normal_);
     }
 
-    /// Across its area, which the node may stretch and mirror; edge_u_ is turned already.
+    /// Transforms a beam's area, which the node may stretch and mirror; edge_u_ is transformed already.
     void turn_beam(const Affine& to_render, Mask m)
     {
         const Vec3 v = to_render.vector(edge_v_), n = cross(edge_u_, v);
@@ -90,7 +90,8 @@ private:
         area_ = select(m, Float(0.5f) * sqrt(dot(n, n)), area_);
     }
 
-    /// From the space of an instance to render space. What is round keeps its shape there: else it is no light.
+    /// Transforms from an instance's space to render space. Disks and spheres are lights only under similarities, which
+    /// keep their shape.
     void place(const Affine& to_object, Float time, Mask m)
     {
         const Affine to_render = to_object.inverse();

@@ -1,5 +1,5 @@
 #pragma once
-/// The pictures of lights, by direction.
+/// Images that multiply the intensity of lights by direction.
 #include "lights/records.h"
 #include "math/elementary.h"
 #include "math/gather_member.h"
@@ -10,7 +10,7 @@ inline namespace FATHOM_LANES {
 
 namespace detail {
 
-/// A place in a picture, in texels: whole numbers are their middles.
+/// A point of an image, in texels; integers are texel centers.
 struct PicturePoint {
     Float x, y;
     Mask is_inside;
@@ -18,7 +18,7 @@ struct PicturePoint {
 
 using PictureRow = RecordRow<LightPictureRecord, 8>;
 
-/// right, up, along: of the direction, unit.
+/// Perspective projection. right, up, along: components of the unit direction.
 inline PicturePoint plane_point(const PictureRow& t, Float right, Float up, Float along)
 {
     const Mask ahead = along > Float(0);
@@ -30,7 +30,7 @@ inline PicturePoint plane_point(const PictureRow& t, Float right, Float up, Floa
             fma(v, t.get(&LightPictureRecord::height), Float(-0.5f)), inside};
 }
 
-/// Clarberg 2008, "Fast Equal-Area Mapping of the (Hemi)Sphere using SIMD".
+/// Equal-area square: Clarberg 2008, "Fast Equal-Area Mapping of the (Hemi)Sphere using SIMD".
 inline PicturePoint equal_area_point(const PictureRow& t, Float right, Float up, Float along)
 {
     // 1 - |along| without cancellation near the axis.
@@ -40,7 +40,7 @@ inline PicturePoint equal_area_point(const PictureRow& t, Float right, Float up,
     const Float u = select(behind, Float(1) - turn, r - turn), v = select(behind, Float(1) - (r - turn), turn);
     const Float half_w = t.get(&LightPictureRecord::width) * Float(0.5f),
                 half_h = t.get(&LightPictureRecord::height) * Float(0.5f);
-    // The picture's bottom is down.
+    // The image's bottom is down.
     return {fma(flip_sign(u, right), half_w, half_w - Float(0.5f)),
             fma(flip_sign(v, -up), half_h, half_h - Float(0.5f)), Mask(true)};
 }
@@ -49,14 +49,14 @@ inline PicturePoint angles_point(const PictureRow& t, Float right, Float up, Flo
 {
     const Float polar = atan2(sqrt(fma(right, right, up * up)), along), azimuth = atan2(up, right);
     const Float row = (polar - t.get(&LightPictureRecord::start)) * t.get(&LightPictureRecord::scale_v);
-    constexpr float slack = 1e-3f;  // more than the rounding of angles; the last row is itself part of it
+    constexpr float slack = 1e-3f;  // larger than the rounding errors of angles; the last row is part of the image
     const Float last = t.get(&LightPictureRecord::height) - Float(1);
     const Mask inside = (row >= Float(-slack)) & (row <= last + Float(slack));
     return {select(azimuth < Float(0), azimuth + Float(2 * pi), azimuth) * t.get(&LightPictureRecord::scale_u), row,
             inside};
 }
 
-/// The number of a texel, which may lie beyond an edge.
+/// Index of a texel; x and y may lie beyond the edges.
 inline UInt picture_texel(const PictureRow& t, Float x, Float y, Mask equal_area, Mask angles)
 {
     const Float w = t.get(&LightPictureRecord::width), h = t.get(&LightPictureRecord::height);
@@ -64,7 +64,7 @@ inline UInt picture_texel(const PictureRow& t, Float x, Float y, Mask equal_area
     const Float last_x = w - Float(1), last_y = h - Float(1);
     const Mask beside = equal_area & ((x < Float(0)) | (x > last_x));
     x = clamp(x, Float(0), last_x);
-    // Over an edge an equal-area picture goes on at the same edge, mirrored at its middle.
+    // Beyond an edge, an equal-area image continues at the same edge, mirrored at the edge's midpoint.
     y = select(beside, last_y - y, y);
     const Mask above = equal_area & ((y < Float(0)) | (y > last_y));
     y = clamp(y, Float(0), last_y);
@@ -74,10 +74,9 @@ inline UInt picture_texel(const PictureRow& t, Float x, Float y, Mask equal_area
 
 }  // namespace detail
 
-/// By what the intensity of lights is multiplied along a direction in which they shine, for the lanes of m; 0 outside
-/// of a picture.
+/// Factor of a light's intensity in a direction, for the lanes of m; 0 outside the image.
 ///
-/// right, up, along  the unit direction's share of the light's axes
+/// right, up, along  components of the unit direction in the axes of the light
 inline Spectrum light_picture(const LightTables& tables, UInt picture, Float right, Float up, Float along, Mask m)
 {
     const detail::PictureRow t(tables.light_pictures, picture, m);
@@ -104,7 +103,7 @@ inline Spectrum light_picture(const LightTables& tables, UInt picture, Float rig
                 y0 = select(nearest, floor(y + Float(0.5f)), floor(y));
     const Float fx = select(nearest, Float(0), x - x0), fy = select(nearest, Float(0), y - y0);
     const auto texel = [&](Float column, Float row) {
-        // Texel numbers below 2^29, so that four floats each stay within 32 bits.
+        // Texel indices are below 2^29: the index of the float (4 times that) stays below 2^31.
         Float values[4];
         gather_row(tables.picture_texels.data(), detail::picture_texel(t, column, row, equal_area, angles) << 2, inside,
                    values);

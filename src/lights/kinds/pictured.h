@@ -4,8 +4,8 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// A point light whose intensity is a picture, within a cone that has all of it or cuts it. The picture itself is
-/// looked up by light_picture().
+/// A point light whose intensity is multiplied by an image, within a cone that contains or cuts the image.
+/// light_picture() evaluates the image.
 struct PicturedLight {
     static constexpr LightRecordKind kind = LightRecordKind::pictured;
 

@@ -4,6 +4,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Isotropic point light: a delta light whose radiance falls off with the squared distance.
 struct PointLight {
     static constexpr LightRecordKind kind = LightRecordKind::point;
 

@@ -5,12 +5,12 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Below this solid angle a rectangle is sampled by area: it is then nearly flat as seen from the point, and float
-/// angles would no longer tell its parts apart.
+/// Rectangles that subtend a smaller solid angle are sampled by area: they are nearly flat as seen from the point, and
+/// float angles would be too coarse.
 inline constexpr float min_solid_angle = 1e-3f;
 
-/// Lanes that see a rectangle from nearer than its diagonal is long. From farther away its parts look nearly alike, and
-/// sampling it by area is as good as by solid angle for a third of the work (docs/performance.md).
+/// Lanes closer to a rectangle than the length of its diagonal. From farther away, sampling by area is about as good as
+/// by solid angle, at a third of the cost (docs/performance.md).
 template <class Light>
 Mask sees_rectangle_large(const Light& light, Vec3 p)
 {
@@ -20,7 +20,7 @@ Mask sees_rectangle_large(const Light& light, Vec3 p)
 
 namespace detail {
 
-/// The part of sample_rectangle for lanes that see it large; what it returns is right for all lanes.
+/// Samples by solid angle in the lanes of `large`, by area in the others; the result is valid in all lanes.
 template <class Light>
 [[gnu::noinline]] FlatLightPoint sample_large_rectangle(const Light& light, Vec3 corner, Sample2 random, Mask large)
 {
@@ -38,6 +38,7 @@ template <class Light>
 
 }  // namespace detail
 
+/// Rectangle, sampled by solid angle where it is close, else by area.
 struct RectangleLight {
     static constexpr LightRecordKind kind = LightRecordKind::rectangle;
 
@@ -47,7 +48,7 @@ struct RectangleLight {
     {
         const Vec3 n = light.normal();
         const Vec3 corner = light.position() - p;
-        // Those behind a light that shines to one side need no good sample.
+        // Points behind a one-sided light need no good sample.
         const Mask large =
             active & sees_rectangle_large(light, p) & (light.has(LightRecord::two_sided) | (dot(corner, n) < Float(0)));
         if (any(large)) return detail::sample_large_rectangle(light, corner, random, large);

@@ -4,13 +4,13 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// 1 - cos of the half angle under which a sphere is seen: r^2 / d^2 = sin^2, kept exact for small ones.
+/// 1 - cos of the half angle that a sphere subtends, from sin^2 = r^2 / d^2 without cancellation for small spheres.
 inline Float one_minus_cos_of(Float sin2)
 {
     return sin2 / (Float(1) + sqrt(max(Float(1) - sin2, Float(0))));
 }
 
-/// Sampled by the solid angle of the cone that it fills; from inside, where it is all around, all directions alike.
+/// Sphere, sampled by the solid angle of the cone that it subtends; uniformly over all directions from inside.
 struct SphereLight {
     static constexpr LightRecordKind kind = LightRecordKind::sphere;
 
@@ -26,7 +26,7 @@ struct SphereLight {
         const Float b = dot(to_center, wi);
         const Vec3 foot = to_center - wi * b;
         const Float root = sqrt(max(fma(r, r, -dot(foot, foot)), Float(0)));
-        // The normal points outwards for a positive radius: seen from outside, it faces the point.
+        // The normal points outwards for a positive radius, so that seen from outside it faces the shading point.
         const Float side = select(outside, Float(1), Float(-1));
         return {wi,
                 select(outside, b - root, b + root),
@@ -49,7 +49,7 @@ struct SphereLight {
     }
 
 private:
-    /// 1 - cos of the half angle of the directions that are sampled.
+    /// 1 - cos of the half angle of the sampled cone.
     static Float cone(Float sin2) { return select(sin2 < Float(1), one_minus_cos_of(min(sin2, Float(1))), Float(2)); }
 };
 

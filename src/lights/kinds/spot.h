@@ -13,13 +13,13 @@ struct SpotLight {
     static LightPoint sample(const Light& light, Vec3 p, Float time, Sample2 random, Mask active)
     {
         LightPoint s = PointLight::sample(light, p, time, random, active);
-        // Linear in the cosine from the outer to the inner cone, squared as KHR_lights_punctual suggests. 1 - cos is
-        // half the square of the chord, which keeps its digits where the cosine is nearly 1.
+        // The default falloff is the square of a linear function of the cosine, as KHR_lights_punctual suggests. 1 -
+        // cos is half the squared chord, which is accurate where the cosine is close to 1.
         const Vec3 chord = s.wi + light.edge_u();
         const Float chord2 = dot(chord, chord);
         const Float inside = fma(chord2, Float(-0.5f), light.outer());
         const Float x = clamp(inside / max(light.falloff(), Float(1e-30f)), Float(0), Float(1));
-        // Or a smooth step, x^2 (3 - 2 x).
+        // With length_u = 1 it is a smoothstep, x^2 (3 - 2 x).
         Float strength = s.strength * x * x * fma(light.length_u(), fma(x, Float(-2), Float(2)), Float(1));
         const Float outer_angle = light.radius();
         const Mask by_angle = outer_angle > Float(0);

@@ -11,19 +11,18 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// What a sample is divided by, with its weight against directions that something else might have sampled with a
-/// density of pdf.
+/// Inverse density of a light sample times its MIS weight (power heuristic) against a strategy of density pdf.
 [[gnu::always_inline]] inline Float light_weight(const LightSample& s, Float pdf)
 {
     const Float r = pdf * s.inverse_pdf;
     return select(s.is_delta, Float(1), Float(1) / fma(r, r, Float(1))) * s.inverse_pdf;
 }
 
-/// Light sampling: which light, then which point of it.
+/// Next event estimation: selects a light, then samples a point of it.
 class LightSampler {
 public:
-    /// leaves_environment: what the environment sends along a direction is left to whoever traces it, since within
-    /// rooms hardly any of these arrive.
+    /// leaves_environment: samples of the environment light leave its radiance to the caller, to be evaluated for
+    /// unoccluded rays only; in interiors hardly any are.
     LightSampler(const LaneScene& scene, LightSelection selection, bool leaves_environment)
         : scene_(scene),
           tables_(scene.tables),
@@ -37,9 +36,10 @@ public:
                     !scene.pictured_lights;
     }
 
-    /// A point of the only light, or of one that is selected; then the sample's density is that of both choices.
+    /// Samples a point of the only light, or of a selected one; the density includes the probability of selection.
     ///
-    /// key, seed: of the bounce, for the choice. random: for the point.
+    /// key, seed  of the bounce, for the selection
+    /// random     for the point
     [[gnu::always_inline]] LightSample sample(Mask valid, Vec3 eye, const SampleKey& key, UInt seed, Sample2 random,
                                               Float time) const
     {
@@ -51,8 +51,8 @@ public:
                       random, time);
     }
 
-    /// What leaves the scene along d sees, for the lanes of m. specular: not weighted against light sampling;
-    /// pdf: of having sampled d.
+    /// Environment radiance of rays that leave the scene along d, with its MIS weight, for the lanes of m. specular:
+    /// lanes with weight 1; pdf: density of having sampled d.
     Spectrum environment(const KernelBackground& background, bool lights_are_sampled, Vec3 d, Mask from_camera,
                          Mask specular, Float pdf, Mask m) const
     {
@@ -65,8 +65,8 @@ public:
         return radiance;
     }
 
-    /// The weight of light that a surface sends along d, found there by a direction sampled with density pdf instead of
-    /// by sampling the light; for the lanes of m. o: where the direction began.
+    /// MIS weight of emission that BSDF sampling found on a surface along d, for the lanes of m. pdf: density of d; o:
+    /// origin of the ray.
     template <class Light>
     [[gnu::always_inline]] Float emission_weight(const Light& light, const Vec3& o, Float time, const Vec3& d,
                                                  Float distance, Float pdf, Mask m) const
@@ -74,7 +74,7 @@ public:
         return mis_weight(pdf, selector_.pmf(light, o, m) * pdf_light(light, o, time, d, distance, m));
     }
 
-    /// The same of lights by their numbers, which may move or be curves. u: of the hit.
+    /// emission_weight for lights given by index, which may move or be curves. u: of the hit.
     Float emission_weight_of(UInt light, const Vec3& o, Float time, const Vec3& d, Float distance, Float u, Float pdf,
                              Mask m) const
     {
@@ -150,7 +150,7 @@ private:
         return s;
     }
 
-    /// What the picture of a light leaves of what it sends against wi; 1 for other lanes.
+    /// Factor of a light's intensity by its image, for light that travels along -wi; 1 in lanes outside m.
     template <class Light>
     [[gnu::noinline]] Spectrum picture_at(const Light& light, const Vec3& wi, Mask m) const
     {
@@ -159,7 +159,7 @@ private:
         return select(m, factor, Spectrum(Float(1)));
     }
 
-    /// Samples the lights of some lanes that are curves; returns where along their segments.
+    /// Samples lights that are curves, in the lanes of m; returns the curve parameters of the points.
     [[gnu::noinline]] Float sample_curves(const LightReader<false>& light, const Vec3& eye, Float time, Sample2 random,
                                           LightSample& s, Mask m) const
     {
@@ -171,13 +171,13 @@ private:
         return c.u;
     }
 
-    /// Where samples of curves are along their segments.
+    /// Curve parameters of sampled points on curves.
     struct AlongCurves {
         Float u;
         Mask m;
     };
 
-    /// What the emission texture and alpha leave of the radiance at the sampled point of a light.
+    /// Factor of a light's radiance at the sampled point: its emission texture times its alpha.
     template <class Light>
     Spectrum factor_at(const Light& light, UInt material, Vec3 from, const LightSample& s, Float time,
                        const AlongCurves& curves, Mask m) const
@@ -189,7 +189,7 @@ private:
         hit.time = time;
         hit.primitive = light.primitive();
         hit.instance = light.instance();
-        // Barycentric weights of a triangle's point; other kinds find theirs from the position.
+        // Barycentric coordinates of a triangle's point; other kinds compute theirs from the position.
         const Vec3 r = fma(s.wi, s.distance, from) - light.position();
         const Vec3 u = light.edge_u(), v = light.edge_v();
         const Vec3 n = cross(u, v);
@@ -202,7 +202,7 @@ private:
         Spectrum factor;
         // Round primitives are opaque.
         const Mask flat = m & less(hit.primitive, UInt(tables_.first_sphere()));
-        // Lights that no ray meets are not dimmed by their alpha, which is 0.
+        // The alpha of lights that no ray hits is 0 and does not dim them.
         const Mask masked = flat & !light.has(LightRecord::unseen);
         const Float stopped = opacity(tables_, material, surface.at, masked);
         for (int c = 0; c < channels; ++c) factor.c[c] = select(m, t.c[c] * stopped, Float(1));
@@ -215,7 +215,7 @@ private:
     const MaterialReader materials_;
     const LightSelector selector_;
     const bool leaves_environment_;
-    bool is_alone_;  ///< there is one light, and its radiance is the same all over
+    bool is_alone_;  ///< there is one light, of constant radiance
 };
 
 }  // namespace FATHOM_LANES

@@ -10,7 +10,7 @@ namespace fathom {
 
 namespace {
 
-/// Bernstein's polynomials of degree 5: how the coefficients go with the height of the sun.
+/// Bernstein polynomials of degree 5, by which coefficients depend on the sun's elevation.
 void bernstein(double x, double (&weight)[6])
 {
     constexpr double binomial[6] = {1, 5, 10, 10, 5, 1};
@@ -43,7 +43,7 @@ Color HosekSky::radiance(const Vec3d& d) const
     if (!(d.y >= 0)) return {0, 0, 0};
     const double cosine = std::clamp(dot(d, to_sun_), -1.0, 1.0), gamma = std::acos(cosine), root = std::sqrt(d.y);
     const auto channel = [&](const double(&k)[coefficients]) {
-        // Equation 8 of the paper; k[7] widens the glow around the sun.
+        // Equation 8 of the paper; k[7] is the width of the glow around the sun.
         const double spread = 1 + k[7] * k[7] - 2 * k[7] * cosine;
         const double glow = (1 + cosine * cosine) / (spread * std::sqrt(spread));
         const double f = (1 + k[0] * std::exp(k[1] / (d.y + 0.01))) *

@@ -3,18 +3,18 @@
 
 namespace fathom {
 
-/// A clear sky by a formula: L. Hosek, A. Wilkie: An Analytic Model for Full Spectral Sky-Dome Radiance, 2012, in
-/// linear Rec.709, up +y. Its coefficients are those that give back what Mitsuba 3's `sunsky` shows
-/// (tools/hosek_sky.py). Nothing is below the horizon.
+/// Analytic clear sky: L. Hosek, A. Wilkie 2012, "An Analytic Model for Full Spectral Sky-Dome Radiance", in linear
+/// Rec.709, up is +y. Its coefficients reproduce Mitsuba 3's `sunsky` (tools/hosek_sky.py). Radiance below the horizon
+/// is 0.
 class HosekSky {
 public:
-    static constexpr int coefficients = 10;  ///< nine of the formula, and the mean radiance that it is times
+    static constexpr int coefficients = 10;  ///< nine of the formula, and its factor, the mean radiance
 
-    /// turbidity      1 to 10: 2 clear, 6 hazy; others are taken as the nearest of these
-    /// ground_albedo  0 to 1, of the ground that lights the air from below
+    /// turbidity      1 to 10: 2 is clear, 6 hazy; clamped to that range
+    /// ground_albedo  0 to 1, of the ground, whose reflected light the air scatters
     HosekSky(const Vec3d& to_sun, double turbidity, double ground_albedo);
 
-    /// W/m^2/sr/nm, without the sun itself; d of unit length.
+    /// Radiance in W/m^2/sr/nm without the sun; d: unit vector.
     Color radiance(const Vec3d& d) const;
 
 private:

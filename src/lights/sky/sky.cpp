@@ -13,26 +13,27 @@ namespace fathom {
 namespace {
 
 constexpr double earth_radius = 6360, air_height = 60;  // km
-constexpr double molecule_scale = 8, haze_scale = 1.2;  // km after which a density is 1/e
+constexpr double molecule_scale = 8, haze_scale = 1.2;  // scale heights in km: density falls to 1/e
 constexpr double haze_anisotropy = 0.8, haze_albedo = 0.9, ground_albedo = 0.2;
 
 constexpr int bands = 34;
-constexpr double band_width = 10, first_band = 385;  // nm: their middles
+constexpr double band_width = 10, first_band = 385;  // nm; centers of the bands
 
-/// Irradiance above the air, W/m^2/nm: ASTM G-173, means over the bands.
+/// Solar irradiance above the atmosphere, W/m^2/nm: ASTM G-173, averaged over bands.
 constexpr std::array<double, bands> solar = {
     1.01249, 1.14716, 1.72765, 1.73054, 1.68870, 1.61253, 1.91198, 2.03474, 2.02042, 2.02212, 1.93377, 1.95809,
     1.91686, 1.82980, 1.86850, 1.89310, 1.85149, 1.85040, 1.83410, 1.83450, 1.81470, 1.78158, 1.75330, 1.69650,
     1.68194, 1.64654, 1.60480, 1.52143, 1.55622, 1.51130, 1.47400, 1.44820, 1.41018, 1.36775};
 
-/// Absorption by a molecule of ozone at 233 K, m^2: V. Gorshelev, A. Serdyuchenko et al., 2014; means over the bands.
+/// Absorption cross section of ozone at 233 K, m^2 per molecule: V. Gorshelev, A. Serdyuchenko et al. 2014, averaged
+/// over bands.
 constexpr std::array<double, bands> ozone_section = {
     2.818e-28, 6.636e-28, 1.527e-27, 2.763e-27, 5.520e-27, 8.451e-27, 1.582e-26, 2.316e-26, 3.669e-26,
     4.924e-26, 7.752e-26, 9.016e-26, 1.480e-25, 1.602e-25, 2.139e-25, 2.755e-25, 3.091e-25, 3.500e-25,
     4.266e-25, 4.672e-25, 4.398e-25, 4.701e-25, 5.019e-25, 4.305e-25, 3.740e-25, 3.215e-25, 2.662e-25,
     2.238e-25, 1.852e-25, 1.473e-25, 1.209e-25, 9.423e-26, 7.455e-26, 6.566e-26};
 
-/// Per km at the ground, and per km of the densest ozone.
+/// Extinction coefficients per km: of molecules and haze at ground level, of ozone at its densest.
 struct Coefficients {
     double molecules, haze, ozone;
 };
@@ -42,14 +43,14 @@ Coefficients coefficients_at(double wavelength)
     const double um = wavelength / 1000;
     const double index = std::clamp((wavelength - first_band) / band_width, 0.0, double(bands - 1));
     const double section = ozone_section[std::size_t(std::lround(index))];
-    // 300 Dobson units over the 15 km of the profile below.
+    // Column of 300 Dobson units in the 15 km wide profile below.
     constexpr double densest = 300 * 2.687e20 / 15000;
-    // Haze: an optical depth of 0.1 at 550 nm, Angstrom's exponent 1.3.
+    // Haze: optical depth 0.1 at 550 nm, Angstrom exponent 1.3.
     return {1.24062e-3 * std::pow(um, -4), 0.1 / haze_scale * std::pow(um / 0.55, -1.3), densest * section * 1000};
 }
 
-/// x, y, z of the standard observer: C. Wyman, P.-P. Sloan, P. Shirley: Simple Analytic Approximations to the CIE XYZ
-/// Color Matching Functions, 2013.
+/// CIE color matching functions: C. Wyman, P.-P. Sloan, P. Shirley 2013, "Simple Analytic Approximations to the CIE XYZ
+/// Color Matching Functions".
 Vec3d matching(double wavelength)
 {
     const auto lobe = [&](double middle, double below, double above) {
@@ -61,12 +62,12 @@ Vec3d matching(double wavelength)
             1.217 * lobe(437.0, 11.8, 36.0) + 0.681 * lobe(459.0, 26.0, 13.8)};
 }
 
-/// A number for each band.
+/// A value per band.
 using Spectrum = std::array<double, bands>;
 
 struct BandTable {
-    Spectrum molecules, haze, ozone;   ///< as Coefficients has them
-    std::array<Vec3d, bands> weights;  ///< Rec.709 per share of the sun's light in the band
+    Spectrum molecules, haze, ozone;   ///< as in Coefficients
+    std::array<Vec3d, bands> weights;  ///< Rec.709 weight of the fraction of sunlight that is left in the band
 };
 
 Vec3d rec709_from_xyz(const Vec3d& c)
@@ -75,7 +76,7 @@ Vec3d rec709_from_xyz(const Vec3d& c)
             0.0557 * c.x - 0.2040 * c.y + 1.0570 * c.z};
 }
 
-/// Weights such that all of the sun's light has an illuminance of pi.
+/// Weights are normalized so that unattenuated sunlight has an illuminance of pi.
 BandTable make_bands()
 {
     BandTable made;
@@ -98,11 +99,11 @@ const BandTable& band_table()
     return table;
 }
 
-/// e^x for x of 0 or less, to 1e-11 of it: without branches, so that loops of it become vectors, and the same on all
-/// machines, which that of a C library need not be.
+/// e^x for x <= 0 with relative error 1e-11: branch-free, so that loops vectorize, and bitwise equal on all machines,
+/// unlike std::exp.
 double decay(double x)
 {
-    constexpr double magic = 0x1.8p52;  // in whose last bits is what is added to it, rounded
+    constexpr double magic = 0x1.8p52;  // adding it rounds to an integer, held in the lowest bits
     const double octaves = std::max(x, -700.0) * std::numbers::log2e, shifted = octaves + magic;
     const double r = (octaves - (shifted - magic)) * std::numbers::ln2;
     double e = 1.0 / 362880;
@@ -111,13 +112,13 @@ double decay(double x)
     return e * std::bit_cast<double>((exponent + 1023) << 52);
 }
 
-/// What is left of light on a way through the air.
+/// Transmittance per band.
 Spectrum transmittances(const Sky::Depths& depths)
 {
     const BandTable& t = band_table();
     Spectrum left;
     for (std::size_t i = 0; i < bands; ++i)
-        // Haze scatters a part of what it takes away.
+        // Haze scatters a part of the light that it removes; extinction counts all of it.
         left[i] = decay(-(t.molecules[i] * depths.molecules + t.haze[i] * depths.haze + t.ozone[i] * depths.ozone));
     return left;
 }
@@ -140,12 +141,12 @@ struct Densities {
 
 Densities densities_at(double height)
 {
-    // Ozone: from 10 km up to its densest at 25 km, and down to 40 km.
+    // Ozone: rises linearly from 10 km to its maximum at 25 km, and falls to 0 at 40 km.
     return {std::exp(-height / molecule_scale), std::exp(-height / haze_scale),
             std::max(0.0, 1 - std::abs(height - 25) / 15)};
 }
 
-/// km along a ray to the end of the air.
+/// Distance in km along a ray to the top of the atmosphere.
 double way_to_space(double height, double cosine)
 {
     const double r = earth_radius + height, top = earth_radius + air_height;
@@ -164,7 +165,7 @@ bool intersects_ground(double height, double cosine)
     return cosine < 0 && r * r * (1 - cosine * cosine) < earth_radius * earth_radius;
 }
 
-// The table of depths: by height, and by the cosine, both finer where they change faster.
+// Table of optical depths: by height and zenith cosine, both with finer steps where depths change faster.
 constexpr int table_heights = 48, table_cosines = 192;
 
 double table_height(double i)
@@ -178,12 +179,12 @@ double table_cosine(double j)
     return t * std::abs(t);
 }
 
-// The table of light that was scattered before: by height, and by the sun's elevation as it is within the air that is
-// seen, whose far end is 8 degrees around the earth.
+// Table of multiple scattering: by height, and by the sun's elevation at the points of the visible atmosphere, whose
+// far end is 8 degrees around the earth.
 constexpr int multiple_heights = 12, multiple_elevations = 10;
 constexpr double elevations_around = 9 * std::numbers::pi / 180;
 
-/// Scattered by the molecules and haze of a km, of light alike in all directions.
+/// Scattering coefficients per km for isotropic light.
 Spectrum scattering(const Densities& here)
 {
     const BandTable& t = band_table();
@@ -193,7 +194,7 @@ Spectrum scattering(const Densities& here)
     return sent;
 }
 
-/// The parts of a way, shorter where it begins: f(way to its middle, its length).
+/// Steps along a ray, shorter near its origin: calls f(distance to the step's middle, its length).
 template <class F>
 void along(double way, int steps, F f)
 {
@@ -210,7 +211,7 @@ Sky::Depths Sky::depths_to_space(double height, double cosine)
 {
     Depths sum;
     along(way_to_space(height, cosine), 200, [&](double at, double length) {
-        // Of ways into the ground, so that what lies between entries of the table is a number.
+        // Rays into the ground are clamped to ground level, so that all table entries are finite.
         const Densities d = densities_at(std::max(0.0, height_after(height, cosine, at)));
         sum.add(d, length);
     });
@@ -232,14 +233,14 @@ Sky::Sky(const Vec3d& to_sun) : to_sun_(normalize(to_sun))
         table_[std::size_t(place)] = depths_to_space(table_height(height), table_cosine(cosine));
     });
     make_multiple();
-    // Irradiance of the ground: that of the sun, and of the sky by a sum over the upper half.
+    // Irradiance of the ground: direct sunlight, and the sky integrated over the upper hemisphere.
     const Color sun = sun_irradiance(to_sun_);
     const double facing = std::max(0.0, to_sun_.y);
     Vec3d sum = Vec3d{double(sun.r), double(sun.g), double(sun.b)} * facing;
     constexpr int rows = 16, columns = 32;
     for (int i = 0; i < rows; ++i)
         for (int j = 0; j < columns; ++j) {
-            // Equal shares of the projected half sphere.
+            // Strata of equal projected solid angle.
             const double sine = std::sqrt((i + 0.5) / rows), phi = 2 * std::numbers::pi * (j + 0.5) / columns;
             const Color c =
                 scattered({sine * std::cos(phi), std::sqrt(1 - sine * sine), sine * std::sin(phi)}, Scattering::all);
@@ -270,8 +271,8 @@ Color Sky::sun_irradiance(const Vec3d& to_sun)
     return color_of_light(transmittances(depths_to_space(0, cosine)));
 }
 
-/// Adds what comes from one direction (x towards the sun's side, y up): light of the second order, as if scattered
-/// alike in all directions, and the share of light that is around which further scattering sends here.
+/// Adds the contribution of one direction (x towards the sun, y up): isotropic second-order radiance, and the fraction
+/// of ambient light that further scattering sends here.
 void Sky::add_second_order(double height, const Vec3d& sun, double x, double y, Orders& sum) const
 {
     constexpr int steps = 20;
@@ -304,8 +305,8 @@ void Sky::add_second_order(double height, const Vec3d& sun, double x, double y, 
     for (std::size_t b = 0; b < bands; ++b) sum.second[b] += ground_albedo / std::numbers::pi * cosine * sunlight[b];
 }
 
-/// Of each place of the table, Hillaire's equations 5 to 9: light of the second order from all around, over what is
-/// left to the orders after it, each a share of the one before.
+/// Fills the table by Hillaire's equations 5 to 9: second-order radiance from all directions, divided by one minus the
+/// fraction that each further order retains (a geometric series).
 void Sky::make_multiple()
 {
     constexpr int cosines = 8, turns = 8;
@@ -349,7 +350,8 @@ Color Sky::scattered(const Vec3d& d, Scattering times) const
 {
     const double cosine = dot(d, to_sun_), g = haze_anisotropy;
     const double of_molecules = 3 / (16 * std::numbers::pi) * (1 + cosine * cosine);
-    // W. Cornette, J. Shanks: Physically Reasonable Analytic Expression for the Single-Scattering Phase Function, 1992.
+    // W. Cornette, J. Shanks 1992, "Physically Reasonable Analytic Expression for the Single-Scattering Phase
+    // Function".
     const double of_haze = 3 / (8 * std::numbers::pi) * (1 - g * g) * (1 + cosine * cosine) /
                            ((2 + g * g) * std::pow(1 + g * g - 2 * g * cosine, 1.5));
     const double sun_elevation = std::asin(std::clamp(to_sun_.y, -1.0, 1.0));

@@ -5,67 +5,68 @@
 
 namespace fathom {
 
-/// A clear sky, seen from the ground, up +y: light of the sun that molecules and haze scatter once, and less of it
-/// where these and ozone take it away on either way (T. Nishita et al.: Display of the Earth Taking into Account
-/// Atmospheric Scattering, 1993), and all that they and the ground scatter further, as if alike in all directions
-/// (S. Hillaire: A Scalable and Production Ready Sky and Atmosphere Rendering Technique, 2020, section 5.5). By 34
-/// bands of 10 nm, with the numbers of E. Bruneton: A Qualitative and Quantitative Evaluation of 8 Clear Sky Models,
-/// 2017. Below the horizon is grey ground in that light. In units in which a white surface that faces the sun above the
-/// air has a radiance of 1.
+/// A clear sky seen from the ground, up is +y. Single scattering by molecules and haze, with absorption by ozone, is
+/// integrated along rays (T. Nishita et al. 1993, "Display of the Earth Taking into Account Atmospheric Scattering").
+/// Higher orders, including the ground's reflection, are approximated as isotropic (S. Hillaire 2020, "A Scalable and
+/// Production Ready Sky and Atmosphere Rendering Technique", section 5.5). The spectrum has 34 bands of 10 nm, with the
+/// data of E. Bruneton 2017, "A Qualitative and Quantitative Evaluation of 8 Clear Sky Models". Below the horizon is
+/// gray ground in that light.
+///
+/// Unit of radiance: that of a white surface that faces the sun above the atmosphere.
 class Sky {
 public:
     static constexpr double sun_angle = 0.00935;  ///< diameter, radians
 
     explicit Sky(const Vec3d& to_sun);
 
-    /// Without the sun itself; d of unit length.
+    /// Radiance without the sun; d: unit vector.
     Color radiance(const Vec3d& d) const;
-    /// The part of it that was scattered once, above the horizon.
+    /// Its single-scattering part, above the horizon.
     Color scattered_once(const Vec3d& d) const;
-    /// Of a surface that faces the sun; black when it is below the horizon.
+    /// Irradiance of a surface that faces the sun, by direct sunlight; 0 if the sun is below the horizon.
     static Color sun_irradiance(const Vec3d& to_sun);
 
-    /// Optical depths of a way through the air: times the coefficients of a band, they are its exponent.
+    /// Optical depths of a ray through the atmosphere: multiplied by a band's coefficients they give its extinction.
     struct Depths {
         double molecules = 0, haze = 0, ozone = 0;
 
         void add(const Depths& d) { molecules += d.molecules, haze += d.haze, ozone += d.ozone; }
-        /// A way through air of one density.
+        /// Adds a segment of constant density.
         template <class Densities>
         void add(const Densities& here, double length)
         {
             molecules += here.molecules * length, haze += here.haze * length, ozone += here.ozone * length;
         }
     };
-    /// From a height above the ground, km, to space, by the cosine of the angle to the zenith. Ground in the way counts
-    /// as air as dense as on it.
+    /// Optical depths from a height above the ground (km) to space, by the cosine of the zenith angle. Rays below the
+    /// horizon pass through ground, which counts as air of ground density.
     static Depths depths_to_space(double height, double cosine);
-    /// Share of the light of a wavelength, nm, that is left.
+    /// Transmittance at a wavelength in nm.
     static double transmittance(const Depths& depths, double wavelength);
 
 private:
-    /// times  how often it was scattered: once, or as often as may be
+    /// Scattering orders to include: only the first, or all.
     enum class Scattering { once, all };
     Color scattered(const Vec3d& d, Scattering times) const;
-    /// By band.
+    /// Radiance of second order, and the fraction that further orders add, per band.
     struct Orders {
         std::vector<double> second, further;
     };
     void add_second_order(double height, const Vec3d& sun, double x, double y, Orders& sum) const;
     void make_multiple();
-    /// Places in `multiple_`, and the weight of each.
+    /// Bilinear lookup in `multiple_`: four indices with their weights.
     struct MultipleAt {
         std::size_t place[4];
         double weight[4];
     };
     static MultipleAt multiple_at(double height, double cosine, double sun_elevation);
-    /// From a table.
+    /// Interpolates the table of depths_to_space.
     Depths depths_to_sun(double height, double cosine) const;
 
     Vec3d to_sun_;
     std::vector<Depths> table_;
-    /// Radiance of light that was scattered before, by height, elevation of the sun, and band, for an irradiance of 1
-    /// above the air.
+    /// Radiance of multiply scattered light by height, sun elevation and band, for an irradiance of 1 above the
+    /// atmosphere.
     std::vector<double> multiple_;
     Color ground_;
 };

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// What normals and positions are widened by, against the rounding of records and of what the kernel computes.
+/// Margins of bounds on normals and positions, against rounding of the records and of the kernel's arithmetic.
 constexpr double cosine_slack = 1e-6, radius_slack = 1e-5, position_slack = 0x1p-21, min_radius = 1e-6;
 
 Vec3d to_vector(const float* v)
@@ -26,11 +26,11 @@ std::array<double, 3> axes(const Vec3d& v)
     return {v.x, v.y, v.z};
 }
 
-/// A light as the tree sees it.
+/// Bounds of a light for the tree.
 struct Item {
     Vec3d center;
     double radius;
-    Vec3d axis;  ///< unit; zero: shines all round
+    Vec3d axis;  ///< unit; zero: emits in all directions
     double cos_normals, cos_emission;
     double intensity;
     std::uint32_t light;
@@ -54,7 +54,7 @@ struct Box {
     }
     double extent(std::size_t axis) const { return hi[axis] - lo[axis]; }
     Vec3d center() const { return {(lo[0] + hi[0]) / 2, (lo[1] + hi[1]) / 2, (lo[2] + hi[2]) / 2}; }
-    /// Of the surface; a little of the diagonal squared, so that lights in a row have a size too.
+    /// Surface area plus a tenth of the squared diagonal, so that lights on a line have a size too.
     double area() const
     {
         const double x = extent(0), y = extent(1), z = extent(2);
@@ -62,7 +62,7 @@ struct Box {
     }
 };
 
-/// What splits are judged by: of a set of lights, its sums.
+/// Sums over a set of lights by which splits are evaluated.
 struct Sums {
     Box box;
     Vec3d axis;
@@ -80,9 +80,9 @@ struct Sums {
         axis = axis + s.axis;
         intensity += s.intensity;
     }
-    /// Conty Estevez and Kulla 2018, section 4.4: intensity, times size, times the solid angle that is shone into. That
-    /// goes from pi, all normals alike, to 4 pi: how far they are apart is told by the length of their mean, which
-    /// costs no angles and adds up.
+    /// Cost of a set by Conty Estevez and Kulla 2018, section 4.4: intensity, times size, times a measure of emission
+    /// directions. That measure goes from pi (equal normals) to 4 pi; the length of the mean normal stands for the
+    /// spread, because it is additive and needs no angles.
     double cost() const
     {
         if (!(intensity > 0)) return 0;
@@ -90,7 +90,7 @@ struct Sums {
     }
 };
 
-/// The ball around what shines, from `open` to `close`.
+/// Sets the bounding ball of a light's positions between the times `open` and `close`.
 void put_ball(Item& item, const LightRecord& l, double open, double close)
 {
     const Vec3d p = to_vector(l.position), u = to_vector(l.edge_u), v = to_vector(l.edge_v);
@@ -122,11 +122,11 @@ void put_ball(Item& item, const LightRecord& l, double open, double close)
     }
 }
 
-/// Where it shines to, and how much goes there at most for the power that it counts for.
+/// Sets the directions of emission, and the maximum intensity of a light of the given power.
 void put_emission(Item& item, const LightRecord& l, double power)
 {
     item.axis = {};
-    item.cos_normals = -1;  // all round
+    item.cos_normals = -1;  // emits in all directions
     item.cos_emission = 0;
     item.shines_back = false;
     switch (LightRecordKind(l.kind)) {
@@ -139,18 +139,19 @@ void put_emission(Item& item, const LightRecord& l, double power)
             return;
         case LightRecordKind::pictured:
             item.intensity = power / (4 * pi);
-            if (l.outer >= 2) return;  // all round
+            if (l.outer >= 2) return;  // the image covers all directions
             [[fallthrough]];
         case LightRecordKind::spot:
-            // Its directions are normals, beyond which nothing goes.
+            // A spot's directions are the normals of its cone, with no emission beyond.
             item.axis = to_vector(l.edge_u);
             item.cos_normals = 1 - double(l.outer);
             item.cos_emission = 1 - cosine_slack;
             item.intensity = power / (4 * pi);
             return;
         case LightRecordKind::beam: {
-            // What it brings does not fall off with the square of the distance, as importances do: it is as much as of
-            // a light of this intensity, as far away as a quarter to half of the scene's radius, which is 512 to 1024.
+            // Irradiance of a beam doesn't fall off with the squared distance, but importance does. The intensity is
+            // that of a light with equal irradiance at a quarter to half of the scene's radius (512 to 1024 in render
+            // space).
             constexpr double typical_distance = 256;
             item.axis = to_vector(l.normal);
             item.cos_normals = 1;
@@ -164,16 +165,17 @@ void put_emission(Item& item, const LightRecord& l, double power)
             item.shines_back = (l.flags & LightRecord::two_sided) != 0;
             item.intensity = power / (l.flags & LightRecord::two_sided ? 2 * pi : pi);
     }
-    // What has no area has no normal.
+    // Degenerate lights have no normal.
     if (!std::isfinite(dot(item.axis, item.axis))) item.axis = {}, item.cos_normals = -1;
 }
 
-/// The cosine of the sum of two angles, which are given by theirs; -1 if that is 180 degrees or more.
+/// Cosine of the sum of two angles given by their cosines; -1 if the sum is 180 degrees or more.
 double cosine_of_sum(double a, double b)
 {
     return a + b <= 0 ? -1 : a * b - std::sqrt((1 - a * a) * (1 - b * b));
 }
 
+/// Replaces a light's bounds by those of its motion.
 void put_extent(Item& item, const LightExtent& extent)
 {
     item.center = extent.center;
@@ -184,6 +186,7 @@ void put_extent(Item& item, const LightExtent& extent)
     if (item.cos_normals <= -1) item.axis = {};
 }
 
+/// Builds the wide tree top down by binned splits.
 class TreeBuilder {
 public:
     TreeBuilder(LightTables& t, const std::vector<double>& powers, double open, double close,
@@ -209,17 +212,17 @@ public:
     }
 
 private:
-    /// A part of the items that becomes a child.
+    /// A range of items that becomes a child.
     struct Range {
         std::uint32_t begin, end;
         double cost;
         std::uint32_t size() const { return end - begin; }
     };
     static constexpr int bins = 12;
-    /// From this level of the wide tree on, sets are halved by number: however lights lie, the tree has an end.
+    /// From this level of the tree on, sets are halved by count, which bounds its depth for any input.
     static constexpr int deepest_judged = 12;
 
-    /// What is enough to judge a set by: of large ones, every so manyth item.
+    /// Large sets are evaluated by a subset of at most this many items.
     static constexpr std::size_t max_judged = 4096;
     static std::size_t stride(std::span<const Item> items) { return (items.size() + max_judged - 1) / max_judged; }
 
@@ -235,7 +238,7 @@ private:
         return r;
     }
 
-    /// Makes the node of some items, and what is below; returns its number.
+    /// Builds the node of a range of items and its subtree; returns the node's index.
     std::uint32_t build(std::uint32_t begin, std::uint32_t end, std::uint32_t parent, int level)
     {
         const std::uint32_t number = std::uint32_t(t_.light_tree.size());
@@ -260,7 +263,8 @@ private:
         return number;
     }
 
-    /// Up to 16 parts: whichever costs most is split, of those that don't fit into a node if there are any.
+    /// Divides a range into up to 16 children by repeated splits of the most expensive one; ranges that don't fit into
+    /// a node are split first.
     std::vector<Range> divide(std::uint32_t begin, std::uint32_t end, int level)
     {
         std::vector<Range> parts;
@@ -287,8 +291,8 @@ private:
         return parts;
     }
 
-    /// Lights that bring more than a node's child does in the mean are children themselves, so that they need no way
-    /// down: half of the children at most. Puts them first; returns where the others begin.
+    /// Moves lights with more than a child's mean intensity to the front, at most half of a node's children; they
+    /// become direct children, so that selecting them takes no descent. Returns the start of the others.
     std::uint32_t put_strongest_first(std::uint32_t begin, std::uint32_t end)
     {
         constexpr std::uint32_t most = LightNode::width / 2;
@@ -309,13 +313,13 @@ private:
         double cost = infinite;
     };
 
-    /// Puts the items in two parts, in place; returns where the second begins.
+    /// Partitions the items of a range in place; returns the start of the second part.
     std::uint32_t split(const Range& r)
     {
         Box centers;
         for (const Item& item : items(r)) centers.add(item.center);
         const Split best = best_split(items(r), centers);
-        if (best.cost == infinite) return (r.begin + r.end) / 2;  // all at one place
+        if (best.cost == infinite) return (r.begin + r.end) / 2;  // all centers coincide
         const auto middle = std::partition(items(r).begin(), items(r).end(), [&](const Item& item) {
             return bin_of(item, centers, best.axis) <= best.bin;
         });
@@ -340,11 +344,11 @@ private:
                 const auto b = std::size_t(bin_of(items[i], centers, axis));
                 bin[b].add(items[i]), used[b] = true;
             }
-            std::array<double, bins> after{};  // what lies behind each bin
+            std::array<double, bins> after{};  // cost of the items behind each bin
             Sums sums;
             for (std::size_t b = bins - 1; b > 0; --b) sums.add(bin[b]), after[b - 1] = sums.cost();
             sums = {};
-            // Thin slices of long boxes are as bad as large ones.
+            // Thin slices of elongated boxes are penalized as in Conty Estevez and Kulla 2018.
             const double stretched = longest / centers.extent(axis);
             for (std::size_t b = 0; b + 1 < bins; ++b) {
                 sums.add(bin[b]);
@@ -392,7 +396,7 @@ private:
             back |= item.shines_back;
             cos_emission = std::min(cos_emission, item.cos_emission);
         }
-        // Where light goes to both sides, normals may be turned round: to the side of the first.
+        // Axes of two-sided lights may be flipped: to the side of the first item's axis.
         const auto turned = [&](const Item& item, const Vec3d& to) {
             return item.shines_back && dot(item.axis, to) < 0 ? -item.axis : item.axis;
         };

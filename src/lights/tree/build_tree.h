@@ -6,20 +6,20 @@
 
 namespace fathom {
 
-/// Where a light is, at some time or other while the shutter is open.
+/// Bounds of a moving light over the shutter interval.
 struct LightExtent {
     std::uint32_t light;
     Vec3d center;
     double radius;
-    Vec3d axis;              ///< the middle of its normals, or of a spot's directions
-    double cos_turned = -1;  ///< how far from there they go; -1: the light may shine anywhere
+    Vec3d axis;              ///< axis of its normals, or of a spot's directions
+    double cos_turned = -1;  ///< cosine of the largest angle from the axis; -1: the light may emit in any direction
 };
 
-/// Makes the light tree over the first t.placed_lights lights, and notes in each its place there.
+/// Builds the light tree over the first t.placed_lights lights, and sets each light's tree_place.
 ///
-/// powers  of the lights, above 0
+/// powers       of the lights, positive
 /// open, close  times between which spheres move
-/// extents  of the lights that move otherwise, and of those whose records don't tell where they are
+/// extents      bounds of lights that move otherwise, or whose records don't contain their position
 void build_light_tree(LightTables& t, const std::vector<double>& powers, double open, double close,
                       const std::vector<LightExtent>& extents = {});
 

@@ -6,8 +6,8 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Which light a surface samples: one of all, by what it may bring there, by power, or each as often as any other. The
-/// tree chooses among lights that have a place; the others stand beside it with the share of their power.
+/// Selects the light that a path vertex samples: by estimated contribution (light tree), by power, or uniformly. The
+/// tree selects among lights with a position; the others are selected by their share of the power.
 class LightSelector {
 public:
     LightSelector(const LightTables& tables, LightSelection how)
@@ -21,11 +21,11 @@ public:
     {
     }
 
-    /// A light, and the probability with which it is selected.
+    /// A light, and its selection probability.
     using Choice = LightTree::Choice;
 
-    /// The light as seen from p for a number u in [0, 1), for the lanes of m. Where there are many lights, the bits of
-    /// u are not enough: noise has more of them.
+    /// Selects a light for a path vertex at p by a number u in [0, 1), for the lanes of m. With many lights the bits of
+    /// u don't suffice; `noise`, in [0, 1) too, provides more.
     Choice select(Vec3 p, Float u, Float noise, Mask m) const
     {
         if (!has_tree_) return select_anywhere(u);
@@ -39,7 +39,7 @@ public:
         return {fathom::select(beyond, other.light, c.light), fathom::select(beyond, other.pmf, c.pmf)};
     }
 
-    /// The probability with which select() gives the light as seen from p, for the lanes of m.
+    /// Probability with which select() returns the light for a vertex at p, for the lanes of m.
     template <class Light>
     Float pmf(const Light& light, Vec3 p, Mask m) const
     {
@@ -51,7 +51,7 @@ public:
         const Float seen = tree_.pmf(fathom::select(in_tree, place, UInt(0u)), p, in_tree);
         return fathom::select(in_tree, seen * Float(tree_share_), light.pmf());
     }
-    /// Of a light that has no place.
+    /// Selection probability of a light without a position.
     float pmf(std::uint32_t light) const { return is_uniform_ ? uniform_pmf_ : tables_.lights[light].pmf; }
 
 private:
@@ -61,7 +61,7 @@ private:
         const UInt light = to_uint(u * Float(float(count_)));
         return {fathom::select(less(light, UInt(count_)), light, UInt(count_ - 1)), Float(uniform_pmf_)};
     }
-    /// Among the lights from `first` on.
+    /// Selects among the lights from index `first` on.
     Choice select_by_power(std::uint32_t first, Float u) const
     {
         if (first == count_) return {UInt(count_ - 1), Float(0)};
@@ -74,7 +74,7 @@ private:
     std::uint32_t count_;
     bool is_uniform_, has_tree_;
     float uniform_pmf_;
-    float tree_share_;  ///< probability of all lights in the tree
+    float tree_share_;  ///< sum of the probabilities of lights in the tree
 };
 
 }  // namespace FATHOM_LANES

@@ -1,10 +1,11 @@
 #pragma once
-/// The light tree: each light that has a place is chosen by about as much as it brings to a point.
+/// The light tree: selects lights with a position roughly in proportion to their contribution at a point.
 ///
-/// Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting": bounds of position,
-/// normals and intensity; a child is chosen by a bound on what it may bring, so down to one light. Here nodes have up
-/// to 16 children, and importances become integers before they are added: their sum has the same bits in any order.
-/// What may reach the point has a weight of 1 at least, so that nothing that counts is never chosen.
+/// Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting": a hierarchy of
+/// bounds on position, normals and intensity. Traversal selects a child by a bound on its contribution until it reaches
+/// a light. Here nodes have up to 16 children, and importances are rounded to integer weights, whose sum has the same
+/// bits in any order. Whatever may reach the point has a weight of at least 1, so that no contributing light has
+/// probability 0.
 #include <algorithm>
 #include <bit>
 
@@ -16,15 +17,16 @@ inline namespace FATHOM_LANES {
 
 namespace detail {
 
-/// The largest weight: sums of a node's stay below 2^20, so that products with numbers in [0, 1) lose nothing.
+/// Largest weight: a node's weights sum to less than 2^20, so that products with numbers in [0, 1) stay exact enough.
 inline constexpr float largest_weight = 65535;
 
-/// Bounds of a light or a node, one for each lane of F: native lanes, which are children, or Float, which are points.
+/// Bounds of a light or a node, one per lane of F. Lanes are either the children of one node (native lanes) or points
+/// (Float).
 template <class F>
 struct LightBounds {
     F x, y, z, radius, axis_x, axis_y, axis_z, cos_normals, sin_normals, cos_emission, back, intensity;
 
-    /// read(column)
+    /// read(column) loads a column of the node.
     template <class Read>
     [[gnu::always_inline]] static LightBounds of(const LightNode& n, Read&& read)
     {
@@ -34,33 +36,35 @@ struct LightBounds {
     }
 };
 
-/// Sine of an angle that makes no difference to importances.
+/// Normals within an angle of this sine are treated as parallel; the effect on importances is negligible.
 inline constexpr float narrow_normals = 1.f / 256;
 
+/// A bound on contribution, and whether any light can reach the point at all.
 template <class F, class M>
 struct Importance {
     F value;  ///< at least 0
     M reaches;
 };
 
-/// What need not be asked of bounds.
+/// Simplifications that the bounds allow.
 struct BoundsHints {
-    bool wide_emission;   ///< light goes to all directions above its surface
-    bool narrow_normals;  ///< besides, no normal is farther than narrow_normals from the axis
+    bool wide_emission;   ///< emission covers the hemisphere above each normal
+    bool narrow_normals;  ///< in addition, all normals are within narrow_normals of the axis
 };
 
-/// A bound on what lights within the bounds bring to a point: paper section 4, without the receiver's cosine.
+/// Upper bound on the contribution of lights within the bounds to a point: section 4 of the paper, without the
+/// receiver's cosine.
 ///
-/// In lengths along normals instead of angles, one root and one division do: of the normals the one that is nearest to
-/// the point's direction, as the middle of the ball sees it; and no light is farther behind that plane than the ball's
-/// radius. Where light goes to few directions only, that is too rough: there the angle under which the ball is seen
-/// counts.
+/// Lengths along normals replace angles, which saves all but one square root and one division: of the cone of normals
+/// the one closest to the point's direction is taken, as seen from the ball's center, and lights are at most the ball's
+/// radius below the plane through the center. For narrow emission this bound is too loose: there the angle that the
+/// ball subtends is taken into account.
 template <class M, class F>
 [[gnu::always_inline]] inline Importance<F, M> importance(const LightBounds<F>& b, F px, F py, F pz, BoundsHints hints)
 {
     const F x = px - b.x, y = py - b.y, z = pz - b.z;
     const F distance2 = fma(x, x, fma(y, y, z * z)), radius2 = b.radius * b.radius;
-    // Within the ball as on it.
+    // Inside the ball the distance is its radius.
     const F distance = sqrt(max(distance2, radius2)), inverse = F(1.f) / distance;
     const F axial = fma(x, b.axis_x, fma(y, b.axis_y, z * b.axis_z)), along = max(axial, axial * b.back);
     const F across = hints.narrow_normals ? distance : sqrt(max(fma(-along, along, distance2), F(0.f)));
@@ -78,6 +82,7 @@ template <class M, class F>
     return {b.intensity * max(cosine, F(0.f)) * inverse * inverse, reaches};
 }
 
+/// Rounds an importance to an integer weight; at least 1 for lights that reach the point.
 template <class U, class F, class M>
 [[gnu::always_inline]] inline U light_weight(const Importance<F, M>& i, F scale)
 {
@@ -85,19 +90,19 @@ template <class U, class F, class M>
     return select(i.reaches, select(less(w, U(1u)), U(1u), w), U(0u));
 }
 
-/// What importances are multiplied by to become weights.
+/// Scale that maps the largest importance to largest_weight.
 template <class F>
 [[gnu::always_inline]] inline F weight_scale(F largest)
 {
     return F(largest_weight) / max(largest, F(1e-30f));
 }
 
-/// A node's weights as a point sees them, added up child by child.
+/// Prefix sums of a node's weights for one point.
 class LightWeights {
 public:
     static constexpr int parts = LightNode::width / native::lanes;
 
-    LightWeights() {}  // nothing: many are made, and then assigned to
+    LightWeights() {}  // uninitialized: arrays of weights are created and then assigned
     explicit LightWeights(const native::UInt (&weights)[parts])
     {
         std::uint32_t before = sums_[LightNode::width - 1] = 0;
@@ -108,11 +113,11 @@ public:
     }
 
     std::uint32_t total() const { return sums_[2 * LightNode::width - 1]; }
-    /// Of the children before one.
+    /// Sum of the weights of the children before `slot`.
     std::uint32_t before(std::uint32_t slot) const { return sums_[LightNode::width - 1 + slot]; }
     std::uint32_t weight(std::uint32_t slot) const { return before(slot + 1) - before(slot); }
     double share(std::uint32_t slot) const { return double(weight(slot)) / double(total()); }
-    /// The child within whose weight a number below the total is.
+    /// The child whose interval of the prefix sums contains `number`, which is below the total.
     std::uint32_t slot_of(std::uint32_t number) const
     {
         int slot = 0;
@@ -123,15 +128,15 @@ public:
     }
 
 private:
-    /// From a lane's child on: the sums up to each, with it. Before the first is a 0.
+    /// Prefix sums from the child `lanes * native::lanes` on, each including its own weight. A zero precedes the first.
     std::uint32_t* up_to(int lanes) { return sums_ + LightNode::width + lanes * native::lanes; }
     const std::uint32_t* up_to(int lanes) const { return sums_ + LightNode::width + lanes * native::lanes; }
 
-    /// Aligned, so that what is stored as lanes can be read as numbers at once.
+    /// Alignment lets lanes be stored, and read back as scalars without a stall.
     alignas(64) std::uint32_t sums_[2 * LightNode::width];
 };
 
-/// Children as lanes.
+/// Weights of a node's children at a point; children are the lanes.
 inline LightWeights light_weights(const LightNode& n, const float (&p)[3])
 {
     constexpr int parts = LightWeights::parts;
@@ -148,7 +153,7 @@ inline LightWeights light_weights(const LightNode& n, const float (&p)[3])
     for (int i = 0; i < parts; ++i) weight[i] = light_weight<native::UInt>(seen[i], scale);
     const LightWeights w(weight);
     if (w.total() > 0) return w;
-    // Nothing reaches: each as likely as another, so that there is always a light.
+    // No light reaches the point: children become equally likely, so that select always returns a light.
     for (int i = 0; i < parts; ++i) {
         const native::UInt slot = native::iota() + native::UInt(std::uint32_t(i * native::lanes));
         weight[i] = native::select(native::less(slot, native::UInt(n.count)), native::UInt(1u), native::UInt(0u));
@@ -158,7 +163,7 @@ inline LightWeights light_weights(const LightNode& n, const float (&p)[3])
 
 }  // namespace detail
 
-/// Choice of a light by a tree.
+/// Selects lights by traversal of the light tree.
 class LightTree {
 public:
     struct Choice {
@@ -168,7 +173,8 @@ public:
 
     explicit LightTree(const LightTables& tables) : tables_(tables) {}
 
-    /// The light for a number u in [0, 1) of 24 bits and more bits of chance, `noise`, in [0, 1) too.
+    /// Selects a light for a vertex at p by a number u in [0, 1) of 24 bits; `noise`, in [0, 1) too, provides further
+    /// bits.
     [[gnu::noinline]] Choice select(Vec3 p, Float u, Float noise, Mask m) const
     {
         const LightNode& root = tables_.light_tree.front();
@@ -180,7 +186,7 @@ public:
         return any(deeper) ? descend(p, below_root(w, slot, u, noise), c, deeper) : c;
     }
 
-    /// The probability with which select() gives the light at a place of the tree, for the lanes of m.
+    /// Probability with which select() returns the light at a position of the tree, for the lanes of m.
     [[gnu::noinline]] Float pmf(UInt place, Vec3 p, Mask m) const
     {
         const RootWeights w(tables_.light_tree.front(), p);
@@ -191,7 +197,7 @@ public:
     }
 
 private:
-    /// Weights of the root's children with points as lanes: all start there, so that none waits for another.
+    /// Weights of the root's children with points as lanes: every lane starts at the root, so no lane is idle.
     class RootWeights {
     public:
         RootWeights(const LightNode& root, Vec3 p) : count_(root.count)
@@ -216,7 +222,7 @@ private:
         }
 
         UInt total() const { return total_; }
-        /// The child within whose weight u of the total is.
+        /// The child whose interval of the prefix sums contains u times the total.
         UInt slot_of(Float u) const
         {
             UInt x = to_uint(u * to_float(total_));
@@ -234,7 +240,7 @@ private:
             for (std::uint32_t i = 0; i < count_; ++i) weight = fathom::select(slot == UInt(i), weight_[i], weight);
             return weight;
         }
-        /// Of the children before one.
+        /// Sum of the weights of the children before `slot`.
         UInt before(UInt slot) const
         {
             UInt sum(0u);
@@ -253,10 +259,10 @@ private:
         explicit Points(Vec3 p) { store(x, p.x), store(y, p.y), store(z, p.z); }
     };
 
-    /// Where a point is on its way down.
+    /// State of a descent through the tree.
     struct Descent {
-        double x;       ///< what is left of its number
-        double chance;  ///< to have come here
+        double x;       ///< the random number, rescaled to the interval of the current child
+        double chance;  ///< probability of reaching the current child
         std::uint32_t child;
     };
 
@@ -267,7 +273,7 @@ private:
         d = {within(at, w.before(slot), weight), d.chance * (double(weight) / double(w.total())), n.child[slot]};
     }
 
-    /// Where a number is within a child's weight, in [0, 1).
+    /// Position of a number within a child's interval, rescaled to [0, 1).
     static double within(double at, std::uint32_t before, std::uint32_t weight)
     {
         return std::clamp((at - double(before)) / double(weight), 0.0, 1 - 0x1p-53);
@@ -277,7 +283,7 @@ private:
         double of[lanes];
     };
 
-    /// What is left of u and noise once the root's child is known. 48 bits of chance: 24 are soon used up by many
+    /// Rescaled u and noise after the root's child is selected. They have 48 bits in all: 24 would not suffice for many
     /// lights.
     static Numbers below_root(const RootWeights& w, UInt slot, Float u, Float noise)
     {
@@ -291,8 +297,8 @@ private:
         return x;
     }
 
-    /// From the root's children, which c tells with their chances. All lanes go down a level before one goes further,
-    /// and all are weighted before one is: what one waits for does not keep the others.
+    /// Descends from the root's children in c. All lanes go down one level per iteration, and weights of all lanes are
+    /// computed before any lane steps, so that their memory latencies overlap.
     Choice descend(Vec3 p, const Numbers& x, const Choice& c, Mask m) const
     {
         const Points points(p);
@@ -319,8 +325,8 @@ private:
     }
 
     struct Climb {
-        UInt slot;     ///< of the root, below which the place is
-        Float chance;  ///< of the place, once that slot is chosen
+        UInt slot;     ///< child of the root above the position
+        Float chance;  ///< probability of the position, given that child
     };
 
     Climb climb(UInt place, Vec3 p, Mask m) const
