@@ -7,26 +7,26 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// What a way of this length leaves of the light, unscattered; lengths may be infinite.
+/// Transmittance over a length, which may be infinite.
 inline Spectrum transmittance(const Spectrum& extinction, Float length)
 {
     Spectrum left;
     for (int c = 0; c < channels; ++c) {
         const Float sigma = extinction.c[c];
-        // Nothing is lost over an infinite way through empty space.
+        // Transmittance of empty space is 1 over infinite lengths too.
         left.c[c] = select(sigma > Float(0), exp(-(sigma * length)), Float(1));
     }
     return left;
 }
 
-/// Where light in a medium meets something next, which scatters or absorbs it.
+/// Samples the distance to the next absorption or scattering event in a homogeneous medium.
 ///
-/// The distance is that of one channel, taken by chance in proportion to the path's throughput, so weights are divided
-/// by the density of all channels together (the balance heuristic): Chiang, Kutz and Burley 2016, "Practical and
-/// Controllable Subsurface Scattering for Production Path Tracing".
+/// The distance is sampled by one channel, which is chosen in proportion to the path's throughput. Weights divide by
+/// the mean density over channels (the balance heuristic): Chiang, Kutz and Burley 2016, "Practical and Controllable
+/// Subsurface Scattering for Production Path Tracing".
 class DistanceSample {
 public:
-    /// u, pick: in [0, 1), for distance and channel. Some channel of the throughput is above 0.
+    /// u, pick: in [0, 1), for the distance and the channel. The throughput is positive in at least one channel.
     DistanceSample(const Spectrum& extinction, const Spectrum& throughput, Float u, Float pick)
         : extinction_(extinction)
     {
@@ -37,7 +37,7 @@ public:
         for (int c = 0; c < channels; ++c) {
             chance_.c[c] = throughput.c[c] / total;
             const Mask it = !found & (throughput.c[c] > Float(0));
-            // What rounding leaves at the end is of the last channel that there is.
+            // If rounding leaves a remainder, the last channel with a positive throughput is chosen.
             sigma = select(it, extinction.c[c], sigma);
             found |= it & (left < throughput.c[c]);
             left = left - throughput.c[c];
@@ -46,13 +46,13 @@ public:
     }
     Float distance() const { return distance_; }
 
-    /// Weight of light that something after the way of this distance scatters.
+    /// Weight of a path that scatters at the sampled distance.
     Spectrum scattered(const Spectrum& scattering) const
     {
         const Spectrum left = transmittance(extinction_, distance_);
         return scattering * left * (Float(1) / mean(extinction_ * left));
     }
-    /// Weight of light that goes all of a way that is no longer than the distance.
+    /// Weight of a path that reaches the surface at distance `way`, no larger than the sampled distance.
     Spectrum passed(Float way) const
     {
         const Spectrum left = transmittance(extinction_, way);

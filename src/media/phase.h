@@ -4,11 +4,11 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Direction about +z, which is the way on, with the density of Henyey and Greenstein 1941, (1 - g^2) / (4 pi (1 + g^2
-/// - 2 g cos)^1.5). anisotropy: g, the mean cosine, in [-0.99, 0.99].
+/// Samples a direction about +z, the direction of travel, by the phase function of Henyey and Greenstein 1941: (1 -
+/// g^2) / (4 pi (1 + g^2 - 2 g cos)^1.5). anisotropy: g, the mean cosine, in [-0.99, 0.99].
 ///
-/// Its inverse, cos = (1 + g^2 - ((1 - g^2) / (1 + g x))^2) / 2g with x in [-1, 1], divided by g: else small ones would
-/// leave nothing but rounding.
+/// The inverse is cos = (1 + g^2 - ((1 - g^2) / (1 + g x))^2) / 2g with x in [-1, 1]. Here the division by g is carried
+/// out symbolically, without the cancellation for small g.
 inline Vec3 sample_phase(Float anisotropy, Sample2 u)
 {
     const Float g = anisotropy, g2 = g * g, x = fma(u.x, Float(2), Float(-1)), root = fma(g, x, Float(1));
@@ -19,7 +19,7 @@ inline Vec3 sample_phase(Float anisotropy, Sample2 u)
     return {sine * phi.cos, sine * phi.sin, cosine};
 }
 
-/// Its density per solid angle. cosine: to the way on.
+/// Density of sample_phase with respect to solid angle. cosine: to the direction of travel.
 inline Float phase_pdf(Float anisotropy, Float cosine)
 {
     const Float g = anisotropy, g2 = g * g;

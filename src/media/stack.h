@@ -5,11 +5,11 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The media that a path is in: Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images".
+/// Media that contain a path's position: Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images".
 ///
-/// Up to four numbers of media, of 16 bits each, those of greater priority first, of equal ones the one that was
-/// entered last; 0 where there are fewer. So the first is the medium that is there. Of more than four the last are
-/// forgotten.
+/// Up to four 16-bit indices, by descending priority; of equal priorities the one entered last is first. Unused entries
+/// are 0. The first entry is the medium that applies. If there are more than four, those of lowest priority are
+/// dropped.
 class MediumStack {
 public:
     MediumStack() : low_(0u), high_(0u) {}
@@ -17,10 +17,10 @@ public:
     UInt low() const { return low_; }
     UInt high() const { return high_; }
 
-    /// The medium that is there.
+    /// Index of the medium that applies.
     UInt current() const { return low_ & UInt(0xffffu); }
 
-    /// Lanes that are in the medium, whether or not another one is there; it is none of those numbered 0.
+    /// Lanes inside the medium, even if another one of higher priority applies; false for index 0.
     Mask contains(UInt medium) const
     {
         UInt in[entries];
@@ -30,7 +30,7 @@ public:
         return found & (medium != UInt(0u));
     }
 
-    /// With one more medium.
+    /// The stack after entering a medium.
     MediumStack entered(const MediaTables& tables, UInt medium, Mask m) const
     {
         const UInt priority = priority_of(tables, medium, m);
@@ -42,7 +42,7 @@ public:
         for (int k = 1; k < entries; ++k) out[k] = select(stays[k], in[k], select(stays[k - 1], medium, in[k - 1]));
         return made(out);
     }
-    /// Without the medium, or the same if it is not among them: the path began inside.
+    /// The stack after leaving a medium; unchanged if it does not contain the medium, because the path started inside.
     MediumStack left(UInt medium) const
     {
         UInt in[entries], out[entries];
@@ -77,22 +77,24 @@ inline MediumStack select(Mask m, const MediumStack& a, const MediumStack& b)
     return {select(m, a.low(), b.low()), select(m, a.high(), b.high())};
 }
 
+/// Index of refraction of a medium.
 inline Float medium_ior(const MediaTables& tables, UInt medium, Mask m)
 {
     return gather(tables.media, &MediumRecord::ior, medium, m);
 }
 
-/// A boundary of a solid as a path meets it that is in the media of a stack.
+/// The boundary of a solid for a path in the media of a stack.
 struct MediumBoundary {
-    MediumStack beyond;  ///< where the path is if it passes
-    Float other_ior;     ///< of what lies on the solid's other side
-    Mask is_there;       ///< else the medium is the same on both sides, and the path goes straight on
+    MediumStack beyond;  ///< the stack behind the boundary
+    Float other_ior;     ///< index of refraction on the solid's other side
+    Mask is_there;       ///< false: the same medium applies on both sides, and the path passes unchanged
 
-    /// medium: of the solid; entering: from outside. For the lanes of m.
+    /// medium: of the solid; entering: the path comes from outside. For the lanes of m.
     MediumBoundary(const MediaTables& tables, const MediumStack& stack, UInt medium, Mask entering, Mask m)
         : beyond(select(entering, stack.entered(tables, medium, m), stack.left(medium)))
     {
-        // Whoever leaves what they never entered began inside: it is as if they were in it till now.
+        // A path that leaves a solid it never entered started inside: the stack is treated as if it contained the
+        // medium.
         const Mask never = (beyond.low() == stack.low()) & (beyond.high() == stack.high());
         const MediumStack in = select(entering | never, stack.entered(tables, medium, m), stack);
         const MediumStack out = select(entering, stack, beyond);

@@ -40,7 +40,8 @@ std::uint32_t volume_medium(Compiler& c, const Material& m, bool is_open)
             sigma_a[i] = -std::log(std::max(double(color[i]), 1e-6)) - double(scatter[i]);
             least = std::min(least, sigma_a[i]);
         }
-        // Where more is scattered than is lost, as much absorption is added to all channels: so says OpenPBR.
+        // If scattering exceeds extinction in a channel, absorption is raised equally in all channels, as OpenPBR
+        // specifies.
         for (std::size_t i = 0; i < channels; ++i) {
             medium.scattering[i] = float(double(scatter[i]) / distance);
             medium.extinction[i] = float((sigma_a[i] - least + double(scatter[i])) / distance);

@@ -1,14 +1,14 @@
 #pragma once
-/// What solids are filled with, as the kernel reads it.
+/// Compilation of media: the interiors of solids.
 #include "compile/compiler.h"
 
 namespace fathom {
 
-/// The number of what fills a solid of a material, for light that is refracted into it, among the media of the tables;
-/// solids that are filled alike share one. is_open: see MediumRecord.
+/// Index in MediaTables of the medium for light refracted into a solid of a material; solids with equal interiors share
+/// one. is_open: see MediumRecord.
 std::uint32_t volume_medium(Compiler& c, const Material& m, bool is_open);
 
-/// The same for light that enters by the subsurface.
+/// Index of the medium for light that enters through the subsurface lobe.
 std::uint32_t subsurface_medium(Compiler& c, const Material& m);
 
 }  // namespace fathom
