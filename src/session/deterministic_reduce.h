@@ -7,10 +7,11 @@
 
 namespace fathom {
 
-/// Sums over parts that threads share: always the same number of groups, each from its first part on, then group by
-/// group, so that sums of floats have the same bits for any number of threads.
+/// Parallel sum whose result doesn't depend on the number of threads: a fixed number of groups is summed in parallel,
+/// each in order of its parts; then the groups are added in order.
 ///
-/// zero: has a method add(). add(part, sums): adds a part.
+/// zero  neutral element; has a method add(Sums)
+/// add   add(part, sums) adds a part to sums
 template <class Sums, class Add>
 Sums deterministic_reduce(std::size_t parts, const Sums& zero, const Add& add)
 {

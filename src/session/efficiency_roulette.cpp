@@ -11,21 +11,22 @@ namespace fathom {
 
 namespace {
 
-/// What is known of a cube counts beside so many samples of the mean of all.
+/// Weight of the global mean in a cube's estimate, in samples.
 constexpr double samples_of_mean = 32;
-/// Chances of light samples are so many times those of the rule: they are spread evenly, which chance undoes.
+/// Factor of light sample probabilities against the optimum: roulette destroys stratification, so a higher probability
+/// pays.
 constexpr double light_caution = 1.5;
-/// The same of going on; measured.
+/// Factor of survival probabilities against the optimum; measured.
 constexpr double path_caution = 0.7;
-/// What a ray takes that meets nothing, of all that a vertex takes.
+/// Cost of a ray that hits nothing, as a fraction of the cost of a vertex.
 constexpr double miss_cost = 0.5;
-/// What a shadow ray takes, of all that a vertex takes.
+/// Cost of a shadow ray, as a fraction of the cost of a vertex.
 constexpr double shadow_cost = 0.2;
-/// So many light samples are taken to arrive. By what arrived in each cube those were missed that do where few do.
+/// Assumed fraction of unoccluded light samples. Measured fractions per cube would miss light where few samples arrive.
 constexpr double arriving = 0.25;
 constexpr double max_factor = 1e30;
 
-/// Calls f(record, how many of its path's come after it, square of its pixel's brightness) for all of a part.
+/// Calls f(record, number of later records of its path, squared brightness of its pixel) for all records of a part.
 template <class F>
 void for_records(const PathsMet::Part& part, std::size_t samples, const F& f)
 {
@@ -37,8 +38,8 @@ void for_records(const PathsMet::Part& part, std::size_t samples, const F& f)
     }
 }
 
-/// By cube: sums of the squares of what light samples brought, beside the brightness of pixels, of one over the squares
-/// of that brightness, and their number.
+/// Sums per cube: squared light contributions relative to pixel brightness, inverse squared brightness, number of
+/// records.
 struct LightSums {
     std::vector<double> squares, weights, counts;
 
@@ -65,7 +66,8 @@ LightSums light_sums(const PathsMet& met, const GuidingTables& tables)
     });
 }
 
-/// By cube, `factor` times the root of the mean of what was summed; where little is known it is more that of all cubes.
+/// Per cube, `factor` times the root mean of the sums, blended with the mean over all cubes where there are few
+/// records.
 LargeVector<float> roots_of_means(const std::vector<double>& sums, const std::vector<double>& counts, double factor)
 {
     double all = 0, count = 0;
@@ -80,14 +82,14 @@ LargeVector<float> roots_of_means(const std::vector<double>& sums, const std::ve
     return roots;
 }
 
-/// The vertices of a path over its noise and the share of a vertex that something takes.
+/// Vertices per path over the variance and the cost of an operation: the scale of squared probabilities.
 double time_over_noise(const PathsMet& met, double cost)
 {
     return met.variance > 0 ? met.vertices / (cost * met.variance) : 0;
 }
 
-/// By region, of paths that went on: sums of the squares of what they brought, beside the brightness of their pixels,
-/// and of what they took, and their number.
+/// Sums per region over paths that continued: squared contributions relative to pixel brightness, costs, number of
+/// records.
 struct PathSums {
     std::vector<double> squares, costs;
     std::vector<std::uint32_t> counts;
@@ -140,7 +142,7 @@ void set_survival_factors(const PathsMet& met, GuidingTables& tables)
     const double scale = met.variance > 0 ? (met.vertices + miss_cost) / met.variance : 0;
     tables.survival_factors.resize(sums.counts.size());
     for (std::size_t i = 0; i < sums.counts.size(); ++i) {
-        // Of a region of which these paths tell nothing: on.
+        // Regions without data let paths continue.
         const double ratio = sums.costs[i] > 0 ? sums.squares[i] / sums.costs[i] : max_factor;
         tables.survival_factors[i] = float(std::min(path_caution * std::sqrt(ratio * scale), max_factor));
     }

@@ -1,35 +1,34 @@
 #pragma once
-/// What is worth its time: chances with which paths sample a light where they are, and with which they go on. With
-/// them the noise that either adds, and the time that it takes, are in balance with noise and time of the whole: the
-/// chance is a path's throughput times the root of (the mean square of what it brings over the vertices that this
-/// takes), over the same of whole paths (Rath et al. 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting").
-/// What paths bring counts beside how bright their pixels are.
+/// Efficiency-aware Russian roulette (Rath et al. 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting"): the
+/// probabilities of next event estimation and of path continuation that minimize variance times cost. A probability is
+/// the throughput times the root of (second moment of the contribution over its cost in vertices), divided by the root
+/// of the same ratio for whole paths. Contributions are relative to the brightness of their pixels.
 #include <vector>
 
 #include "guiding/records.h"
 
 namespace fathom {
 
-/// What a light sample takes, with its shadow ray, of all that a vertex takes; measured.
+/// Measured cost of a light sample with its shadow ray, as a fraction of the cost of a vertex.
 inline constexpr double light_cost = 0.25;
 
-/// What paths met, and what they take and bring on average.
+/// Records of paths, with their mean cost and variance.
 struct PathsMet {
     struct Part {
         const GuidingRecords* records;
-        const double* brightness_squares;  ///< by pixel, `samples` of whose paths follow each other
+        const double* brightness_squares;  ///< by pixel; `samples` consecutive paths belong to one pixel
     };
     std::vector<Part> parts;
-    std::size_t samples = 0;  ///< of each pixel
-    double vertices = 0;      ///< of a path
-    double variance = 0;      ///< of a path, over the square of the brightness of its pixel
+    std::size_t samples = 0;  ///< per pixel
+    double vertices = 0;      ///< mean number of vertices of a path
+    double variance = 0;      ///< variance of a path over the squared brightness of its pixel
 };
 
-/// Sets the tables' nee_factors.
+/// Sets GuidingTables::nee_factors.
 void set_nee_factors(const PathsMet& met, GuidingTables& tables);
-/// Sets the tables' shadow_ray_factors.
+/// Sets GuidingTables::shadow_ray_factors.
 void set_shadow_ray_factors(const PathsMet& met, GuidingTables& tables);
-/// Sets the tables' survival_factors.
+/// Sets GuidingTables::survival_factors.
 void set_survival_factors(const PathsMet& met, GuidingTables& tables);
 
 }  // namespace fathom

@@ -14,26 +14,25 @@ namespace fathom {
 
 namespace {
 
-/// So many paths are learnt from: half as many as the picture has pixels, but not fewer or more than these. With fewer
-/// much is missed indoors; a million take some 100 MB for a while.
+/// Number of training paths: half the number of pixels, within these limits. Fewer miss much in interiors; a million
+/// take some 100 MB temporarily.
 constexpr std::size_t min_paths = std::size_t(1) << 18, max_paths = std::size_t(1) << 20;
-/// Each pixel that is looked at has sets of so many samples: each spread evenly, with random numbers of its own, so
-/// that it is known how much noise is left. Where pixels are few there are more sets, and then more samples.
+/// Each training pixel has several sets of stratified samples with independent random numbers, from which the remaining
+/// noise is estimated. Small images have more sets, then more samples.
 constexpr std::size_t min_samples = 8, min_sets = 2, max_sets = 256;
 constexpr std::size_t paths_per_job = 4096;
-/// Guided paths are tried in every so manieth of these pixels.
+/// The trial of guided paths uses every n-th training pixel.
 constexpr std::size_t trial_step = 2;
-/// What guidance takes at a vertex, of all that a vertex takes without; measured. The same some 14 ns are more where
-/// no tree is.
+/// Measured cost of guiding per vertex, as a fraction of an unguided vertex. The absolute cost of about 14 ns is equal;
+/// without a BVH vertices are cheaper.
 constexpr double guidance_cost = 0.08, guidance_cost_without_tree = 0.22;
-/// With less gain the plain paths are kept: it is not known exactly, and the more samples a pixel has, the more plain
-/// ones win by their even spread, of which the few of the trial show only some.
+/// Minimum gain for which guiding is used. The estimate is uncertain, and unguided paths gain from stratification with
+/// more samples per pixel than the trial has.
 constexpr double min_gain = 1.05;
-/// Where paths would sample lights at more surfaces than this share of all, they do so at every one: choosing takes
-/// time.
+/// Above this fraction of vertices with next event estimation, it is done at every vertex: the decision takes time too.
 constexpr double max_light_samples = 0.5;
 
-/// Pixels far apart, in rows and columns of equal distances, about `count` of them or all that there are.
+/// About `count` pixels (or all) on a regular grid over the image.
 std::vector<std::uint32_t> spread_pixels(int width, int height, std::size_t count)
 {
     const double step = std::sqrt(std::max(1.0, double(width) * height / double(count)));
@@ -43,11 +42,11 @@ std::vector<std::uint32_t> spread_pixels(int width, int height, std::size_t coun
     return pixels;
 }
 
-/// What some samples of some pixels met and brought.
+/// Records and costs of the paths of one training pass.
 struct Pass {
-    std::vector<GuidingRecords> parts;  ///< those of the first set, then as many of each other
+    std::vector<GuidingRecords> parts;  ///< records of the first set's jobs, then of each other set's
     std::vector<Spread> spreads;        ///< by pixel
-    std::size_t samples = 0;            ///< of each pixel, in a set
+    std::size_t samples = 0;            ///< per pixel and set
     std::uint64_t paths = 0;
     std::uint64_t vertices = 0, light_samples = 0;
 
@@ -55,14 +54,14 @@ struct Pass {
     {
         for (const GuidingRecords& part : parts) list.push_back(&part);
     }
-    /// What it took, in vertices of plain paths. guidance: what that takes at each vertex.
+    /// Cost in units of unguided vertices. guidance: relative cost of guiding per vertex.
     double cost(double guidance) const
     {
         return (1 - light_cost + guidance) * double(vertices) + light_cost * double(light_samples);
     }
 };
 
-/// salt: passes with another have other random numbers, as the samples of pictures have.
+/// Traces a training pass. salt: makes its random numbers independent of other passes and of the final image's.
 Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings settings,
            const std::vector<std::uint32_t>& pixels, std::size_t sets, std::size_t samples, std::uint32_t salt,
            const std::atomic<bool>* cancel)
@@ -102,7 +101,7 @@ Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings 
     return all;
 }
 
-/// How much noise the paths of pixels make, beside how bright these are.
+/// Mean relative variance of paths: variance over squared brightness.
 double noise_of(const std::vector<Spread>& spreads, const std::vector<double>& squares)
 {
     std::vector<double> noise(spreads.size());
@@ -110,7 +109,7 @@ double noise_of(const std::vector<Spread>& spreads, const std::vector<double>& s
     return mean_without_outliers(std::move(noise));
 }
 
-/// squares: of the brightness of the pass's pixels; to be kept for as long as what is returned.
+/// Combines a pass with the squared brightness of its pixels, which the result refers to.
 PathsMet paths_met(const Pass& pass, const std::vector<double>& squares)
 {
     PathsMet met;
@@ -125,7 +124,7 @@ PathsMet paths_met(const Pass& pass, const std::vector<double>& squares)
     return met;
 }
 
-/// Every so manieth.
+/// Every step-th element.
 template <class T>
 std::vector<T> thinned(const std::vector<T>& all, std::size_t step)
 {
@@ -134,8 +133,7 @@ std::vector<T> thinned(const std::vector<T>& all, std::size_t step)
     return some;
 }
 
-/// How many times as much noise, for equal time, paths have in every trial_step-th pixel without guidance as with.
-/// guidance: as in Pass::cost.
+/// Ratio of variance times cost without and with guiding, over the trial's pixels. guidance: as in Pass::cost.
 double gain(const Pass& plain, const Pass& guided, double guidance)
 {
     const std::vector<Spread>& after = guided.spreads;
@@ -178,7 +176,7 @@ std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, con
     const std::shared_ptr<GuidingTables> tables = make_guiding(parts);
     if (!tables) return nullptr;
     if (plain.light_samples > 0 && !samples_all) set_nee_factors(met, *tables);
-    // From here on paths are guided: what they take and bring is known by those of the trial.
+    // From here on paths are guided: costs and contributions are those of the trial.
     PathsMet met_by_all = paths_met(guided, tried_squares);
     met_by_all.parts.insert(met_by_all.parts.begin(), met.parts.begin(), met.parts.end());
     set_survival_factors(met_by_all, *tables);

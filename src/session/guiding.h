@@ -6,11 +6,11 @@
 
 namespace fathom {
 
-/// What learning throws when it is no longer wanted.
+/// Thrown by learn_guiding when it is cancelled.
 struct Cancelled {};
 
-/// Learns where light comes from, by paths all over the picture, whatever will be rendered of it: always the same for a
-/// scene, a camera and settings. To be called where the threads that may work are. nullptr: it would be of no use.
+/// Learns the guiding distributions from paths over the whole image, whatever crop will be rendered: the result depends
+/// on scene, camera and settings only. Runs in the caller's task arena. Returns nullptr if guiding would not pay.
 /// Throws Cancelled when `cancel` becomes true.
 std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, const CameraRecord& camera,
                                                    const KernelSettings& settings, const std::atomic<bool>* cancel);

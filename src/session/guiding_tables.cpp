@@ -9,22 +9,23 @@ namespace fathom {
 
 namespace {
 
-/// Cubes are so fine that regions have so many records each, about. Finer ones were too noisy, larger ones too blunt.
+/// Average number of records per region that the cube size aims at. Smaller cubes were too noisy, larger ones too
+/// coarse.
 constexpr double records_per_region = 2500;
-/// Nothing is known of regions with less.
+/// Regions with fewer records have no distribution.
 constexpr std::uint32_t min_records = 64;
-/// Every so manieth record tells where they are and how fine the cubes may be.
+/// Every n-th record is used to choose extent and size of the cubes.
 constexpr std::uint32_t thinning = 16;
-/// A record's value counts up to so many times the mean of all.
+/// Records' values are clamped to this multiple of their mean.
 constexpr double max_of_mean = 200;
-/// What a bin gives to each of its neighbours.
+/// Fraction of a bin's value that is added to each neighboring bin.
 constexpr double blur = 0.1;
-/// What regions know is so much that of all eight cubes around them.
+/// Fraction of a region's distribution that comes from the block of eight cubes around it.
 constexpr double shared = 0.5;
-/// Of directions above the surface, as likely as any other whatever the records say.
+/// Probability of uniform directions over the upper hemisphere in every distribution.
 constexpr double even_share = 0.05;
 
-/// Where most records are: from the 200th part of all, along each axis, to the last but as many.
+/// Box that contains most records: without 1/200 at either end of each axis.
 struct Extent {
     std::array<float, 3> low, high;
 };
@@ -45,7 +46,7 @@ Extent extent_of(const std::vector<GuidingRecord>& records)
     return e;
 }
 
-/// Cuts the extent into cubes, `along` of them along its longest side.
+/// Divides the extent into cubes, `along` of them along its longest axis.
 void set_cubes(const Extent& extent, float along, GuidingTables& t)
 {
     float longest = 0;
@@ -61,7 +62,7 @@ void set_cubes(const Extent& extent, float along, GuidingTables& t)
 
 using Parts = std::vector<const GuidingRecords*>;
 
-/// Calls f(record) for those of a part that tell of a direction.
+/// Calls f(record) for the records of a part that have a direction.
 template <class F>
 void for_directions(const GuidingRecords& part, const F& f)
 {
@@ -69,7 +70,7 @@ void for_directions(const GuidingRecords& part, const F& f)
         if (r.bin != GuidingRecord::no_bin) f(r);
 }
 
-/// Every so manieth record of all that tell of a direction.
+/// Every n-th record with a direction.
 std::vector<GuidingRecord> thin_out(const Parts& parts)
 {
     std::vector<GuidingRecord> few;
@@ -79,7 +80,7 @@ std::vector<GuidingRecord> thin_out(const Parts& parts)
     return few;
 }
 
-/// Makes the cubes as fine as there are records for. few: some of all, evenly.
+/// Chooses the cube size by the number of records. few: an even subset of all records.
 void choose_cubes(const std::vector<GuidingRecord>& few, GuidingTables& t)
 {
     const Extent extent = extent_of(few);
@@ -93,7 +94,7 @@ void choose_cubes(const std::vector<GuidingRecord>& few, GuidingTables& t)
     }
 }
 
-/// How many records each place has, and their values in all.
+/// Number of records per region, and sums over all of them.
 struct PlaceCounts {
     std::vector<std::uint32_t> count;
     double records = 0, values = 0;
@@ -115,7 +116,7 @@ PlaceCounts count_by_place(const Parts& parts, const GuidingTables& t)
                                 });
 }
 
-/// Numbers the regions that have enough records; returns how many records each of these has.
+/// Assigns indices to regions with enough records; returns their numbers of records.
 std::vector<std::uint32_t> number_regions(const std::vector<std::uint32_t>& count, GuidingTables& t)
 {
     std::vector<std::uint32_t> known;
@@ -127,7 +128,7 @@ std::vector<std::uint32_t> number_regions(const std::vector<std::uint32_t>& coun
     return known;
 }
 
-/// The values of records, summed by region and bin.
+/// Records' values by region and bin.
 struct BinSums {
     std::vector<double> bins;
 
@@ -148,7 +149,7 @@ BinSums sum_by_bin(const Parts& parts, const GuidingTables& t, std::size_t regio
         });
 }
 
-/// The cumulative histogram of the sums of bins.
+/// Writes the cumulative histogram of a region's bins.
 void write_histogram(const double* sums, float* to)
 {
     std::array<double, guiding_bins> smooth;

@@ -6,19 +6,20 @@
 
 namespace fathom {
 
-/// The tables of some records, without needs; nullptr where these tell too little.
+/// Guiding tables of some records, without roulette factors; nullptr if there are too few records.
 std::shared_ptr<GuidingTables> make_guiding(const std::vector<const GuidingRecords*>& parts);
 
-/// Where a record's region is in GuidingTables::regions.
+/// Index of a record's region in GuidingTables::regions.
 inline std::size_t place_of(const GuidingRecord& r, const GuidingTables& t)
 {
     return guiding_cube(t, r.position) * guiding_sides + r.side;
 }
 
-/// Gives each region half of what the regions of its side have in the eight cubes around it together: few bright
-/// records decide what a region knows by itself.
+/// Smooths sums over neighboring regions: each region gets half of its value from the mean of its side over a block of
+/// eight cubes. This reduces the noise of regions whose sums depend on few bright records.
 ///
-/// sums: of each region `stride` sums, of counts[region] records.
+/// counts  number of records per region
+/// sums    `stride` values per region
 void share_with_neighbors(const GuidingTables& t, const std::vector<std::uint32_t>& counts, std::size_t stride,
                           std::vector<double>& sums);
 

@@ -13,12 +13,12 @@ namespace fathom {
 
 namespace {
 
-/// Refuses numbers that floats can't hold in render space: rays would not be finite.
+/// Throws Error for cameras whose numbers overflow floats in render space, where rays would not be finite.
 void check_camera(const CameraRecord& record, const Camera& camera)
 {
     std::array<float, sizeof(CameraRecord) / sizeof(float)> numbers;
     std::memcpy(numbers.data(), &record, sizeof record);
-    // The first is a flag.
+    // The first member is a flag.
     for (std::size_t i = 1; i < numbers.size(); ++i)
         if (!std::isfinite(numbers[i]) || std::fabs(numbers[i]) > 1e18f)
             throw Error("", fmt::format("camera '{}'", camera.name),

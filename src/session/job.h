@@ -7,7 +7,7 @@
 
 namespace fathom {
 
-/// What a job's paths are guided by, learnt when its first samples are rendered.
+/// Guiding tables of a job, learned when its first samples are rendered.
 struct LearntGuiding {
     std::once_flag once;
     std::shared_ptr<const GuidingTables> tables;
@@ -18,7 +18,7 @@ struct RenderJob::Data {
     Camera camera;  ///< in world space
     CameraRecord camera_record;
     FilmKey key;
-    std::unique_ptr<LearntGuiding> guiding;  ///< where settings ask for it
+    std::unique_ptr<LearntGuiding> guiding;  ///< null if the settings don't ask for guiding
 };
 
 }  // namespace fathom

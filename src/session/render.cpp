@@ -22,14 +22,13 @@ namespace fathom {
 
 namespace {
 
-/// A job per task: enough samples to keep the kernel's pool full most of the time, few enough to balance the threads.
+/// Samples per task: enough to keep the kernel's pool full, few enough to balance the threads.
 constexpr std::uint64_t samples_per_job = 1u << 15;
-/// Passes last about this long, so that progress is seen and an interrupt is soon obeyed.
+/// Target duration of a pass, for progress reports and quick cancellation.
 constexpr double pass_s = 0.4;
-/// A pass of one sample that takes longer than this is rendered so that it can be dropped: an interrupt should be
-/// obeyed within two seconds.
+/// A pass of one sample that takes longer can be discarded: cancellation should take at most two seconds.
 constexpr double longest_pass_s = 0.8;
-/// What a job of the smallest tile can hold.
+/// Limit of what a task of the smallest tile can hold.
 constexpr std::uint64_t max_pass_samples = 1024;
 
 KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout)
@@ -54,8 +53,8 @@ KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout
     return k;
 }
 
-/// What the job's paths are guided by, if they are, learnt now if it is not yet. To be called where the threads that
-/// may work are. Throws Cancelled if `cancel` becomes true meanwhile.
+/// The job's guiding tables, learned on the first call; nullptr without guiding. Runs in the caller's task arena.
+/// Throws Cancelled if `cancel` becomes true.
 const GuidingTables* guiding_of(const RenderJob& job, const KernelSettings& settings, const std::atomic<bool>* cancel)
 {
     LearntGuiding* const guiding = job.data().guiding.get();
@@ -66,7 +65,7 @@ const GuidingTables* guiding_of(const RenderJob& job, const KernelSettings& sett
     return guiding->tables.get();
 }
 
-/// Squares of pixels, row by row.
+/// Square tiles of the image, in rows.
 class Tiles {
 public:
     Tiles(Crop crop, int size) : crop_(crop), size_(size)
@@ -75,7 +74,8 @@ public:
         rows_ = (crop.y1 - crop.y0 + size - 1) / size;
     }
     std::size_t count() const { return std::size_t(columns_) * std::size_t(rows_); }
-    /// x in the low 16 bits, y above; in Morton order, so that neighbours in the list are neighbours in the picture.
+    /// Pixels of a tile, x in the low 16 bits and y above, in Morton order, which keeps neighbors in the list close in
+    /// the image.
     void pixels(std::size_t tile, std::vector<std::uint32_t>& list) const
     {
         list.clear();
@@ -98,7 +98,7 @@ private:
     int size_, columns_, rows_;
 };
 
-/// The power of two with which a job has about samples_per_job samples, but every thread several jobs.
+/// Tile size, a power of two, for about samples_per_job samples per task and several tasks per thread.
 int tile_size(Crop crop, std::uint64_t samples, int threads)
 {
     int size = 4;
@@ -111,6 +111,7 @@ int tile_size(Crop crop, std::uint64_t samples, int threads)
     return size;
 }
 
+/// Per-thread state of a rendering pass.
 struct Worker {
     std::vector<std::uint32_t> pixels;
     TileSums sums;
@@ -118,7 +119,7 @@ struct Worker {
     std::uint64_t dropped = 0;
     std::optional<Film::SamplePlace> dropped_sample;
 
-    /// Does some work whose time goes into the stages that the kernel notes meanwhile, or into `stage`.
+    /// Runs `work` and adds its time to the stages whose ticks the kernel recorded, or to `stage` if it recorded none.
     template <class Work>
     void measured(RenderStage stage, bool measure, const Work& work)
     {
@@ -132,7 +133,7 @@ struct Worker {
         if (ticks == 0) to[std::size_t(stage)] += seconds;
         for (std::size_t i = 0; ticks > 0 && i < to.size(); ++i) to[i] += seconds * (double(counters.ticks[i]) / ticks);
     }
-    /// Counts the samples that the job at hand has dropped.
+    /// Counts the samples that the current task dropped.
     void count_dropped()
     {
         if (sums.dropped == 0) return;
@@ -144,7 +145,7 @@ struct Worker {
 };
 using Workers = tbb::enumerable_thread_specific<Worker>;
 
-/// The words of a worker's pixel, in `words` of a whole picture.
+/// A worker's pixel in `words`, the sums of a whole image.
 std::uint32_t* pixel_words(const Worker& worker, std::uint32_t i, const Film::Data& film, std::uint32_t* words)
 {
     const std::uint32_t pixel = worker.pixels[i];
@@ -171,7 +172,7 @@ void check_range(SampleRange range)
     if (range.second > max_samples) throw Error("", "", fmt::format("sample indices end at {}", max_samples - 1));
 }
 
-/// What one call renders with, and how it renders the tiles of a pass.
+/// State of one call of render(), and rendering of the tiles of a pass.
 class Passes {
 public:
     Passes(const RenderJob& job, Film::Data& film, const std::atomic<bool>* cancel)
@@ -195,7 +196,7 @@ public:
 
     std::uint64_t pixels() const { return std::uint64_t(crop_.x1 - crop_.x0) * std::uint64_t(crop_.y1 - crop_.y0); }
 
-    /// Hands each tile's worker to `take(worker)` when its samples are done; `stop()` is asked before each tile.
+    /// Renders a pass. Calls take(worker) after each tile; asks stop() before each tile.
     template <class Take, class Stop>
     void render(SampleRange range, const Take& take, const Stop& stop)
     {
@@ -220,7 +221,7 @@ public:
         });
     }
 
-    /// Counts a pass as done, its sums being in the film; returns what all passes so far have taken.
+    /// Records a pass whose sums are in the film; returns the total costs so far.
     RenderCosts finish(SampleRange range)
     {
         film_.add_range(range);
@@ -235,7 +236,7 @@ public:
         return costs;
     }
 
-    /// body(first, last) over indices below `count`, on the same threads.
+    /// Calls body(first, last) over ranges of indices below `count`, on the job's threads.
     template <class Body>
     void for_ranges(std::size_t count, const Body& body)
     {
@@ -252,18 +253,18 @@ private:
     const CameraRecord& camera_;
     Crop crop_;
     int threads_;
-    tbb::global_control limit_;  ///< more threads than cores are allowed where they are asked for
+    tbb::global_control limit_;  ///< allows more threads than cores if requested
     tbb::task_arena arena_;
     Workers workers_;
-    double learning_s_ = 0;  ///< of all threads
+    double learning_s_ = 0;  ///< summed over threads
 };
 
-/// Room for the sums of a pass beside those of the film; false where there is not the memory for it.
+/// Allocates sums of a pass beside those of the film; false if memory is short.
 bool make_pass_words(Film::Data& data, bool is_cropped)
 {
-    // What is outside a crop must be there too, as it is.
+    // Pixels outside a crop must be copied too.
     if (data.pass_words.size() == data.words.size() && !is_cropped) return true;
-    // What is left must do for the copies and pictures that are made of the film later.
+    // Leaves memory for later copies of the film and for images.
     const std::uint64_t bytes = data.words.size() * sizeof(std::uint32_t);
     if (data.pass_words.empty() && 4 * bytes > available_memory_bytes()) return false;
     try {
@@ -274,13 +275,13 @@ bool make_pass_words(Film::Data& data, bool is_cropped)
     return true;
 }
 
-/// Renders a pass into the film. False if `cancel` became true and the pass was dropped, which short ones are not: the
-/// film is then as it was before.
+/// Renders a pass into the film. Returns false if `cancel` became true and the pass was discarded; the film is then
+/// unchanged. Short passes are always completed.
 bool render_into(Film& film, const RenderJob& job, Passes& passes, SampleRange range, const std::atomic<bool>* cancel)
 {
     Film::Data& data = film.data();
-    // What is left of the first pass can be cleared. Long further ones make new sums of the film's and their own, which
-    // take the place of the old ones at the end.
+    // A cancelled first pass can be cleared from the film. Long later passes accumulate in separate words, which
+    // replace the film's at the end.
     const bool is_first = data.samples.empty();
     const bool is_long = cancel && !is_first && data.sample_s.value_or(longest_pass_s) >= longest_pass_s;
     const bool is_apart = is_long && make_pass_words(data, job.settings().crop.has_value());
@@ -348,8 +349,8 @@ try {
     for (const SampleRange& r : data.samples)
         if (range.first < r.second && r.first < range.second)
             throw Error("", "", fmt::format("samples of {}:{} are in the film already", range.first, range.second));
-    // The first pass needs no care: what is left of it can be cleared. Further ones are summed apart; there each pixel
-    // is written once, so what an earlier pass left needs no clearing.
+    // A cancelled first pass can be cleared from the film. Later passes accumulate in separate words. Each pixel is
+    // written once, so leftovers of an earlier pass need no clearing.
     const bool is_first = data.samples.empty();
     if (!is_first) data.pass_words.resize(data.words.size());
     std::uint32_t* const sums = is_first ? data.words.data() : data.pass_words.data();

@@ -6,9 +6,9 @@ namespace fathom {
 
 namespace {
 
-/// How bright a pixel is, is told by so many before it in its row, and as many behind it.
+/// Number of pixels before and after a pixel in its row over which brightness is averaged.
 constexpr std::size_t neighbors = 16;
-/// Of all pixels, the noisiest that don't count.
+/// Fraction of pixels with the largest noise that is ignored.
 constexpr double outliers = 0.001;
 
 double mean_of(const float* values, std::size_t samples)
@@ -56,7 +56,7 @@ double mean_without_outliers(std::vector<double> numbers)
 {
     const auto kept = std::ptrdiff_t(numbers.size()) - std::ptrdiff_t(outliers * double(numbers.size()));
     std::nth_element(numbers.begin(), numbers.begin() + kept - 1, numbers.end());
-    // In an order that depends on the numbers alone.
+    // Sorting makes the order of summation depend on the numbers alone.
     std::sort(numbers.begin(), numbers.begin() + kept);
     double sum = 0;
     for (auto x = numbers.begin(); x < numbers.begin() + kept; ++x) sum += *x;
