@@ -13,11 +13,11 @@ namespace fathom {
 
 namespace {
 
-/// Metres. Farther out doubles are coarser than a metre.
+/// Meters. Beyond this, doubles are coarser than a meter.
 constexpr double farthest = 1e15;
-/// In render space, where a scene has a radius of at most 1024: a product of three is still a float.
+/// In render space, where scenes have a radius of at most 1024: products of three such numbers still fit into float.
 constexpr double largest_in_render_space = 1e12;
-/// In the space of what is instanced; and what one of an occurrence's units may be there.
+/// In the object space of instances; also the largest length there of one unit of render space.
 constexpr double largest_in_own_space = 1e12;
 
 bool is_finite(Vec3d v)
@@ -35,7 +35,7 @@ double largest(Vec3d v)
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// The boxes of shapes in their own space; what is shared is looked through once.
+/// Bounds of shapes in their own space, cached for shared geometry.
 class Boxes {
 public:
     explicit Boxes(const Compiler& c) : scene_(c.scene), displaced_(c.displaced) {}
@@ -65,6 +65,7 @@ private:
     Bounds own_;
 };
 
+/// Checks that flattened shapes fit into float in render space.
 class PlacedChecker {
 public:
     explicit PlacedChecker(const Compiler& c) : c_(c), boxes_(c) {}

@@ -1,21 +1,22 @@
 #pragma once
 #include "compile/compiler.h"
 
-/// Numbers so large that floats, or products of a few of them, can't hold them: refused here, by name, since rays that
-/// are no numbers find their way through nothing.
+/// Checks that numbers, and products of a few of them, fit into float. Errors name the object: overflow would produce
+/// NaN rays, which hit nothing.
 namespace fathom {
 
-/// Throws Error that names the camera, before anything is made of it.
+/// Checks a camera in world space. Throws Error, which names the camera.
 void check_camera(const SceneDescription& scene, const Camera& camera);
-/// The same for what is large beside the scene alone.
+/// Checks a camera against the size of the scene. Throws Error, which names the camera.
 void check_camera(const SceneDescription& scene, const Camera& camera, const RenderSpace& space);
 
-/// Throws Error that names the node.
+/// Checks positions of shapes in render space. Throws Error, which names the node.
 ///
-/// shapes  those to be checked; all: where their motions are
+/// shapes  those to check
+/// all     holds their motions
 void check_flattened(const Compiler& c, const std::vector<FlattenedShape>& shapes, const FlattenedScene& all);
 
-/// Whether a transform makes so little of what it places that the way back to it is lost.
+/// Whether a transform scales down so far that its inverse overflows.
 bool vanishes(const Transform& render_from_node);
 
 }  // namespace fathom

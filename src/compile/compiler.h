@@ -12,29 +12,30 @@
 
 namespace fathom {
 
-/// A shape where a node puts it.
+/// A shape under a node: a flattened occurrence.
 struct FlattenedShape {
     const Shape* shape;
-    Transform render_from_node;  ///< when the shutter opens
+    Transform render_from_node;  ///< at shutter open
     std::uint32_t object_id;
-    int node;                ///< the one that has it
-    int motion = -1;         ///< index into Occurrences::motions; -1: stands still
-    bool movable = false;    ///< it, or its vertices, may change after the scene was compiled
-    bool instanced = false;  ///< placed by an instance, once compile_geometry has decided
+    int node;                ///< index of the node that has the shape
+    int motion = -1;         ///< index into FlattenedScene::motions; -1: static
+    bool movable = false;    ///< its transform or vertices may be edited after compilation
+    bool instanced = false;  ///< placed by an instance; set by compile_geometry
 };
-/// A light of a node.
+/// A light under a node.
 struct FlattenedLight {
     const Light* light;
     Transform render_from_node;
-    int motion = -1;  ///< as of a shape
+    int motion = -1;  ///< as FlattenedShape::motion
 };
+/// All shapes and lights of a scene with their world transforms: the flattened node hierarchy.
 struct FlattenedScene {
     std::vector<FlattenedShape> shapes;
     std::vector<FlattenedLight> lights;
     std::vector<std::vector<NodeKey>> motions;  ///< poses of render_from_node, see geometry/compile/poses.h
 };
 
-/// What all steps of compiling share.
+/// State shared by all compilation steps.
 struct Compiler {
     const SceneDescription& scene;
     RenderSpace space;
@@ -43,7 +44,7 @@ struct Compiler {
     DisplacedShapes& displaced;
     LightImages& light_images;
 
-    /// The mesh that a shape is shown as, displaced if its material says so; null if it is of another kind.
+    /// The mesh of a shape, displaced if its material says so; nullptr for other kinds of shapes.
     const Mesh* mesh_of(const Shape& shape) const
     {
         if (const DisplacedShapes::Entry* entry = displaced.find(scene, shape)) return &entry->mesh;
@@ -52,35 +53,35 @@ struct Compiler {
     }
 };
 
-/// A warning about a file.
+/// Format of a warning that names the file.
 inline constexpr const char alpha_is_lost[] =
     "{}: alpha of curves, of points, and of spheres and disks that move is not supported; they are opaque";
 
-/// Walks the nodes; what a node reached twice has occurs twice.
+/// Flattens the node hierarchy; a node that is reached twice occurs twice.
 FlattenedScene flatten_scene(const Compiler& c);
-/// Reads and decodes pictures, and fills textures, materials and media.
+/// Reads and decodes images; fills textures, materials and media.
 void compile_materials(Compiler& c);
-/// The part of it that looks at materials only: fills them, and media, instead of those that were there.
+/// Recompiles materials and media only.
 void compile_material_records(Compiler& c);
 
-/// What instances place: shapes in spaces of their own.
+/// Geometry in object space, which instances place.
 struct InstancedGeometry {
     std::map<const void*, std::uint32_t> shapes;  ///< by content_of
-    std::size_t shapes_end = 0;                   ///< behind it come the shapes of instances
-    bool moving = false;                          ///< something moves otherwise than by an instance's poses
-    bool fixed_motion = false;                    ///< something that is not movable is elsewhere at other times
+    std::size_t shapes_end = 0;                   ///< number of shapes before those of instances
+    bool moving = false;                          ///< something moves otherwise than by poses of instances
+    bool fixed_motion = false;                    ///< something that is not movable moves during the shutter interval
 };
-/// Fills vertices, triangles, quads, spheres, disks and shapes, and decides what is instanced. Materials must be there.
+/// Fills vertices, triangles, quads, spheres, disks and shapes, and decides what is instanced. Requires materials.
 InstancedGeometry compile_geometry(Compiler& c, FlattenedScene& occurrences);
-/// Fills instances, their shapes and poses, instead of those that were there.
+/// Replaces instances, their shapes and poses.
 void compile_instances(Compiler& c, const FlattenedScene& occurrences, const InstancedGeometry& contents);
-/// Puts a mesh's vertices and normals over those of the shape that holds it in a space of its own. False, and nothing
-/// is done, if there isn't room for as many.
+/// Replaces the vertices and normals of a mesh in object space. Returns false without changes if the number of vertices
+/// doesn't fit.
 bool replace_vertices(Compiler& c, const InstancedGeometry& contents, const Mesh& mesh);
-/// Fills the environment's record, and makes the distribution of its picture. Materials must be there.
+/// Fills the environment's record and its sampling distribution. Requires materials.
 void compile_environment(Compiler& c);
-/// Fills the lights: emissive primitives, lights of nodes, the environment, instead of those that were there. Geometry,
-/// instances with their poses, and the environment must be there.
+/// Replaces the lights: emissive primitives, lights of nodes, and the environment. Requires geometry, instances with
+/// their poses, and the environment.
 void compile_lights(Compiler& c, const FlattenedScene& occurrences);
 
 }  // namespace fathom

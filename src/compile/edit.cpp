@@ -11,7 +11,7 @@ namespace fathom {
 struct SceneEdit::Data {
     SceneDescription scene;
     SceneCompiler compiler;
-    std::shared_ptr<Scene::Data> compiled;  ///< null: to be made anew
+    std::shared_ptr<Scene::Data> compiled;  ///< null: full compilation needed
     SceneChanges changes;
     bool anew = true;
 
@@ -41,7 +41,7 @@ const std::string& SceneEdit::camera() const
 
 namespace {
 
-/// A negative index is one out of range, too.
+/// Element by index; throws std::out_of_range, also for negative indices.
 template <class T>
 T& at(std::vector<T>& all, int index)
 {
@@ -90,7 +90,8 @@ void SceneEdit::set_material(int material, const Material& material_now)
 void SceneEdit::set_light(int light, const Light& light_now)
 {
     const Light before = std::exchange(at(data_->scene.lights, light), light_now);
-    // A picture is decoded with those of textures, and one that is not shown must not tell two scenes apart.
+    // Images of lights are decoded together with those of textures, and unused ones must not affect the fingerprint:
+    // other images need full compilation.
     const LightPicture &was = before.picture, &is = light_now.picture;
     const bool other_picture = was.image != is.image || was.color_space != is.color_space;
     if (is_pictured(before) != is_pictured(light_now) || (is_pictured(light_now) && other_picture))
@@ -101,7 +102,7 @@ void SceneEdit::set_light(int light, const Light& light_now)
 void SceneEdit::set_environment(const Environment& environment)
 {
     const Environment& before = data_->scene.environment;
-    // A picture is decoded with those of textures.
+    // Environment images are decoded together with those of textures: other images need full compilation.
     const auto pictured = [](const Environment& e) {
         return e.kind == EnvironmentKind::image || e.kind == EnvironmentKind::cube ||
                e.kind == EnvironmentKind::equal_area;
@@ -162,7 +163,7 @@ Scene SceneEdit::compile_exactly(Warnings& warnings)
 
 Scene SceneEdit::compile(Warnings& warnings)
 {
-    // Out of its place: what an Error leaves behind is not to be used again.
+    // Moved out first: after an Error the data must not be reused.
     std::shared_ptr<Scene::Data> scene = std::exchange(data_->compiled, nullptr);
     const SceneChanges changes = std::exchange(data_->changes, {});
     data_->anew = true;

@@ -35,7 +35,7 @@ std::uint64_t fingerprint_materials(const SceneTables& t)
     f.add(t.ramp_stops), f.add(t.texture_spaces);
     for (const auto& image : t.packed_images) f.add(image);
     for (const TextureRecord& texture : t.textures) {
-        // Member by member where there may be padding.
+        // Hashes members individually, since the record may have padding.
         f.add(&texture.texels, sizeof texture.texels);
         f.add(&texture.uv_map, sizeof texture.uv_map);
         f.add(&texture.scale, 3 * sizeof(float));

@@ -6,7 +6,7 @@
 
 namespace fathom {
 
-/// A 64-bit hash of bytes, the same on every machine of one byte order; not for adversaries.
+/// A 64-bit hash of bytes, equal on all machines of one byte order; not cryptographic.
 class Fingerprint {
 public:
     void add(const void* bytes, std::size_t size)
@@ -37,18 +37,23 @@ private:
     std::uint64_t state_ = 0x243f6a8885a308d3u;
 };
 
-/// Of all that decides a picture beside camera and settings, part by part: what has not changed need not be read again.
+/// Hashes of all scene data that affect the image, apart from camera and settings. They are kept by part, so that an
+/// edit hashes only what changed.
 struct Fingerprints {
-    std::uint64_t vertices = 0;   ///< where they are, normals and tangents
-    std::uint64_t contents = 0;   ///< what else makes shapes, in spaces of their own and in the world
-    std::uint64_t materials = 0;  ///< with all pictures
-    std::uint64_t places = 0;     ///< instances and lights, the environment's among them
+    std::uint64_t vertices = 0;   ///< positions, normals and tangents
+    std::uint64_t contents = 0;   ///< other geometry, in object space and world space
+    std::uint64_t materials = 0;  ///< including all images
+    std::uint64_t places = 0;     ///< instances and lights, including the environment
 
     std::uint64_t all() const;
 };
+/// Hash of positions, normals, tangents and vertex times.
 std::uint64_t fingerprint_vertices(const GeometryTables& tables);
+/// Hash of all other geometry.
 std::uint64_t fingerprint_contents(const GeometryTables& tables);
+/// Hash of materials, media, textures and images.
 std::uint64_t fingerprint_materials(const SceneTables& tables);
+/// Hash of shapes, instances, poses, lights and environment parameters.
 std::uint64_t fingerprint_places(const SceneTables& tables);
 
 }  // namespace fathom

@@ -14,16 +14,16 @@ namespace fathom {
 
 namespace {
 
-// Bytes at the peak, as measured and a little more (bench/memory.py).
-constexpr double bytes_per_light = 700;     // its record, what the tree of lights is made of, and both while they grow
-constexpr double bytes_per_segment = 1100;  // of a curve: in the tree it is up to 32 pieces, mostly some four
-constexpr double bytes_per_point = 370;     // a ball
-constexpr double bytes_while_moving = 96;   // of a triangle: boxes at both ends of a time
-constexpr double bytes_per_environment = 28;  // of a texel: four floats, and how often it is chosen
+// Peak bytes, as measured plus a margin (bench/memory.py).
+constexpr double bytes_per_light = 700;       // record and light tree, both while they grow
+constexpr double bytes_per_segment = 1100;    // curve segment: up to 32 BVH primitives, about four on average
+constexpr double bytes_per_point = 370;       // ball of a point cloud
+constexpr double bytes_while_moving = 96;     // triangle: boxes at both ends of a time interval
+constexpr double bytes_per_environment = 28;  // texel: four floats and the sampling distribution
 
-constexpr double bytes_per_light_texel = 32;  // four floats, there twice for a while
+constexpr double bytes_per_light_texel = 32;  // four floats, temporarily stored twice
 
-/// What the tree takes for a triangle while it is built.
+/// Bytes that BVH construction takes per triangle.
 double tree_bytes(TreeBuild build)
 {
     switch (build) {
@@ -47,7 +47,7 @@ bool emits(const SceneDescription& scene, const Shape& shape)
     return material.kind != MaterialKind::unlit && std::max({c.r, c.g, c.b}) > 0;
 }
 
-/// How often each node is reached from the roots.
+/// Number of occurrences of each node under the roots.
 class Places {
 public:
     explicit Places(const SceneDescription& scene)
@@ -55,7 +55,7 @@ public:
     {
         for (const int root : scene.roots) visit(root);
         for (const int root : scene.roots) places_[std::size_t(root)] += 1;
-        // Parents come behind their children.
+        // `order_` has children before their parents.
         for (auto node = order_.rbegin(); node != order_.rend(); ++node)
             for (const int child : scene_.nodes[std::size_t(*node)].children)
                 places_[std::size_t(child)] += places_[std::size_t(*node)];
@@ -63,7 +63,7 @@ public:
     double of(std::size_t node) const { return places_[node]; }
 
 private:
-    /// check_scene knows how deep nodes are nested.
+    /// check_scene bounds the depth of recursion.
     void visit(int node)
     {
         if (seen_[std::size_t(node)]) return;
@@ -84,15 +84,15 @@ std::optional<PictureSize> size_of(const ImageFile& image)
                                : measure_picture(image.name, image.bytes.data(), image.bytes.size());
 }
 
-/// Bytes of a texel among the tables, as textures/compile/images.cpp packs them: what has more bits than 8 and is a
-/// colour stays floats, which are there twice for a while. What is rarer is found out when it is decoded, before it is
-/// stored.
+/// Bytes per texel in the tables, by the packing rules of textures/compile/images.cpp. Color images of more than 8 bits
+/// stay floats, temporarily stored twice. Rarer cases are checked when an image is decoded.
 double texel_bytes(const PictureSize& size, ColorSpace space)
 {
     if (size.bytes_per_pixel == 4) return 4;
     return space == ColorSpace::srgb ? 32 : 8;
 }
 
+/// Estimates the memory of images.
 class PictureNeeds {
 public:
     explicit PictureNeeds(const SceneDescription& scene) : scene_(scene), sizes_(scene.images.size()) {}
@@ -105,7 +105,7 @@ public:
             if (t.kind != TextureKind::image || t.image < 0) continue;
             if (!uses.insert({t.image, t.color_space, t.height_scale}).second) continue;
             const PictureSize size = of(t.image);
-            // A normal map of heights has 16 bits.
+            // Normal maps made from height maps have 16 bits.
             textures += size.pixels() * (t.height_scale != 0 ? 8 : texel_bytes(size, t.color_space));
         }
         const Environment& e = scene_.environment;
@@ -113,7 +113,7 @@ public:
             environment += of(e.image).pixels() * bytes_per_environment;
         if (e.kind == EnvironmentKind::equal_area && e.image >= 0)
             environment += of(e.image).pixels() * 3 * bytes_per_environment;
-        // Of a cube a picture of all directions is made besides.
+        // A cube map is also resampled to an equirectangular image.
         if (e.kind == EnvironmentKind::cube)
             for (const int face : e.faces)
                 if (face >= 0) environment += of(face).pixels() * 2 * bytes_per_environment;
@@ -164,7 +164,7 @@ double ShapeNeeds::triangle_bytes(const Mesh& mesh) const
            bytes_of(mesh.colors) + bytes_of(mesh.uvs[0]) + bytes_of(mesh.uvs[1]);
 }
 
-/// Returns its primitives in one place.
+/// Adds curves; returns the number of primitives per occurrence.
 double ShapeNeeds::add_curves(const Curves& curves)
 {
     const double segments = double(curves.points.size());
@@ -181,7 +181,7 @@ double ShapeNeeds::add_points(const Points& points)
 
 void ShapeNeeds::add(const Shape& shape, const Mesh* mesh, double places, bool is_light)
 {
-    double primitives = 6;  // of a box; others have fewer
+    double primitives = 6;  // primitives of a box, the maximum of the remaining kinds
     if (mesh)
         places_of_[mesh] += places, primitives = double(mesh->indices.size()) / 3;
     else if (const auto* c = std::get_if<CurvesInstance>(&shape.geometry))
@@ -194,7 +194,7 @@ void ShapeNeeds::add(const Shape& shape, const Mesh* mesh, double places, bool i
 
 std::vector<MemoryEstimate> ShapeNeeds::needs() const
 {
-    // Placed more than once a mesh becomes an instance, or is small: then it is there in each place.
+    // A mesh with several occurrences is instanced, or, if it is small, copied.
     constexpr double fewest_of_instances = 4096;
     double triangles = 0;
     for (const auto& [mesh, places] : places_of_) {

@@ -8,14 +8,15 @@
 
 namespace fathom {
 
-/// Adds up what shapes take when they are compiled, while the tree is built over them, which is when most is needed.
-/// Measured: docs/performance.md.
+/// Estimates the memory that shapes take at its peak, during BVH construction. Measurements: docs/performance.md.
 class ShapeNeeds {
 public:
     ShapeNeeds(const SceneDescription& scene, TreeBuild build) : scene_(scene), build_(build) {}
 
-    /// A shape in `places` places. mesh: what it is shown as, null if it is no mesh; emits: whether it is a light.
+    /// Adds a shape with `places` occurrences. mesh: its mesh, displaced if its material says so; null for other kinds;
+    /// emits: whether it is a light.
     void add(const Shape& shape, const Mesh* mesh, double places, bool emits);
+    /// The estimates, by kind.
     std::vector<MemoryEstimate> needs() const;
 
 private:
@@ -25,8 +26,8 @@ private:
 
     const SceneDescription& scene_;
     const TreeBuild build_;
-    std::map<const Mesh*, double> places_of_;  ///< of meshes
-    std::set<const void*> counted_;            ///< curves and points are there once
+    std::map<const Mesh*, double> places_of_;  ///< occurrences per mesh
+    std::set<const void*> counted_;            ///< curves and points already counted: occurrences share them
     double curves_ = 0, points_ = 0, places_ = 0, lights_ = 0;
 };
 

@@ -3,11 +3,11 @@
 
 namespace fathom {
 
-/// The map from world space to render space (see kernel/tables.h), in double.
+/// Map from world space to render space (see kernel/tables.h), in double precision.
 struct RenderSpace {
     Vec3d origin;
     double scale = 1;   ///< a power of two
-    double radius = 1;  ///< of the scene, in render units
+    double radius = 1;  ///< of the scene, in units of render space
 
     Vec3d point(Vec3d world) const { return (world - origin) * scale; }
     Transform from_world() const { return Transform::scale({scale, scale, scale}) * Transform::translate(-origin); }

@@ -15,7 +15,7 @@ void store(float* to, Vec3d v)
     to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z);
 }
 
-/// How long a side of a picture is whose height is 1.
+/// Length of the side (or diagonal) that a field of view refers to, in units of the image's height.
 double side_of(FovAxis axis, double aspect)
 {
     switch (axis) {
@@ -33,7 +33,7 @@ double side_of(FovAxis axis, double aspect)
     return 1;
 }
 
-/// By how much a picture of another shape than the camera's own is higher.
+/// Ratio of heights if the image's aspect ratio differs from that of the camera.
 double height_factor(const Camera& camera, double aspect)
 {
     if (!(camera.fov_aspect > 0)) return 1;
@@ -69,7 +69,7 @@ CameraRecord Scene::Data::camera_record(const Camera& seen_by, int width, int he
     CameraRecord t;
     const Vec3d forward = normalize(seen_by.look_at - seen_by.position);
     Vec3d right = cross(forward, seen_by.up);
-    // Looking along `up`: any other direction will do.
+    // Looking along `up`: any perpendicular direction serves.
     if (length(right) < 1e-9 * length(seen_by.up))
         right = cross(forward, std::abs(forward.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1});
     right = normalize(right);

@@ -13,7 +13,8 @@ namespace fathom {
 
 namespace {
 
-/// Around the camera, so that what is near it keeps its precision; scaled so that the scene's radius is 512 to 1024.
+/// Render space is centered on the camera, for precision close to it, and scaled so that the scene's radius is 512 to
+/// 1024.
 RenderSpace make_render_space(const SceneDescription& scene, const Camera& camera)
 {
     RenderSpace space;
@@ -33,7 +34,7 @@ RenderSpace make_render_space(const SceneDescription& scene, const Camera& camer
     return space;
 }
 
-/// Of shapes that instances place, by shape.
+/// Number of triangles of instanced shapes, by shape.
 std::vector<std::size_t> count_triangles(const GeometryTables& tables)
 {
     std::vector<std::size_t> triangles(tables.shapes.size());
@@ -63,7 +64,8 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
     return s;
 }
 
-/// Refuses a scene whose compiled form can't fit, before it is tried; pictures are there already.
+/// Throws Error if the compiled scene would not fit into memory, before compilation of geometry. Images are decoded
+/// already.
 void check_memory(const Compiler& c, const FlattenedScene& occurrences, TreeBuild build)
 {
     ShapeNeeds shapes(c.scene, build);
@@ -138,7 +140,7 @@ bool SceneCompiler::update(Scene::Data& data, const SceneChanges& changes, Warni
     check_camera(scene_, data.camera, space_);
     const bool other_times = tables_->shutter_open != float(data.camera.shutter_open) ||
                              tables_->shutter_close != float(data.camera.shutter_close);
-    // What is not movable has boxes that hold it while this shutter is open.
+    // Bounds of immovable geometry are valid for the shutter interval of compilation only.
     if (other_times && contents_.fixed_motion) return false;
     if (!keeps_displaced(changes, other_times)) return false;
     set_shutter(*tables_, data.camera);
@@ -177,7 +179,7 @@ bool SceneCompiler::refresh_space()
     return now.origin == space_.origin && now.scale == space_.scale;
 }
 
-/// Whether displaced meshes remain what they are. Others are made together with the scene.
+/// Whether displaced meshes are unchanged; changed ones require full compilation.
 bool SceneCompiler::keeps_displaced(const SceneChanges& changes, bool other_times) const
 {
     const auto is_displaced = [&](int mesh) { return displaced_.has(scene_.meshes[std::size_t(mesh)]); };
@@ -186,7 +188,7 @@ bool SceneCompiler::keeps_displaced(const SceneChanges& changes, bool other_time
     return !other_times || displaced_.empty();
 }
 
-/// Whether all that can't move is where it was.
+/// Whether all immovable shapes are where they were.
 bool SceneCompiler::keeps_places(const FlattenedScene& now) const
 {
     const auto same_poses = [](const std::vector<NodeKey>& a, const std::vector<NodeKey>& b) {
@@ -205,7 +207,7 @@ bool SceneCompiler::keeps_places(const FlattenedScene& now) const
                       same);
 }
 
-/// As compile() checks all.
+/// Applies the checks of compile() to shapes that moved.
 void SceneCompiler::check_moved(const Compiler& c, const FlattenedScene& now, const std::vector<int>& meshes) const
 {
     std::vector<FlattenedShape> moved;
@@ -219,7 +221,7 @@ void SceneCompiler::check_moved(const Compiler& c, const FlattenedScene& now, co
     check_flattened(c, moved, now);
 }
 
-/// The meshes, and those whose vertices move: at other times they are elsewhere.
+/// The given meshes, and those with vertex motion, which differ at other shutter times.
 std::vector<int> SceneCompiler::with_moving(std::vector<int> meshes) const
 {
     for (const auto& [content, shape] : contents_.shapes)
@@ -230,20 +232,20 @@ std::vector<int> SceneCompiler::with_moving(std::vector<int> meshes) const
     return meshes;
 }
 
-/// other_times: of the shutter; then nothing but these meshes has vertices or points that move.
+/// other_times: the shutter interval changed; then only these meshes have moving vertices.
 bool SceneCompiler::update_vertices(Compiler& c, const std::vector<int>& meshes, bool other_times)
 {
     if (meshes.empty()) return true;
     const std::vector<float> times = Instancing(c, occurrences_).vertex_times();
     if (times.size() != tables_->vertex_times.size()) return false;
-    // What else moves is given at the times of before.
+    // Other moving vertices are given at the previous key times.
     if (!other_times && times != tables_->vertex_times) return false;
     tables_->vertex_times = times;
     return std::all_of(meshes.begin(), meshes.end(),
                        [&](int mesh) { return replace_vertices(c, contents_, scene_.meshes[std::size_t(mesh)]); });
 }
 
-/// False where geometry was made in another way because of a material.
+/// Returns false if a material changed in a way that geometry depends on.
 bool SceneCompiler::update_materials(Compiler& c)
 {
     const std::vector<MaterialRecord> before = tables_->materials;

@@ -10,13 +10,13 @@
 
 namespace fathom {
 
-/// What is no longer as it was when a scene was compiled.
+/// Changes since a scene was compiled.
 struct SceneChanges {
-    SceneParts parts;          ///< nodes: elsewhere; meshes: movable ones with other vertices
-    bool environment = false;  ///< not its picture
+    SceneParts parts;          ///< nodes: moved; meshes: movable ones with new vertices
+    bool environment = false;  ///< other than its image
 };
 
-/// Makes a scene of a description, which must stay where it is, and brings it up to date.
+/// Compiles a description, which must outlive it, and applies later changes.
 class SceneCompiler {
 public:
     SceneCompiler(const SceneDescription& scene, std::string camera, TreeBuild build)
@@ -25,12 +25,12 @@ public:
     }
 
     const std::string& camera() const { return camera_; }
-    /// Throws Error as Scene::compile.
+    /// Compiles all of the scene. Throws Error as Scene::compile.
     std::shared_ptr<Scene::Data> compile(Warnings& warnings);
-    /// Changes what compile() gave, which nobody may look at meanwhile, to what it would give now, in the same render
-    /// space. False if that takes compiling all of it; it is then spoilt, as after an Error.
+    /// Updates the result of compile() in place, in the same render space; nobody may use it meanwhile. Returns false
+    /// if full compilation is needed; the data is invalid then, as after an Error.
     bool update(Scene::Data& data, const SceneChanges& changes, Warnings& warnings);
-    /// Takes the radius that the scene now has; false if compile() would also put it elsewhere, or scale it otherwise.
+    /// Updates the scene's radius; returns false if compile() would choose another origin or scale of render space.
     bool refresh_space();
 
 private:
@@ -52,7 +52,7 @@ private:
     DisplacedShapes displaced_;
     LightImages light_images_;
     InstancedGeometry contents_;
-    std::vector<std::size_t> triangles_;  ///< of shapes that instances place, by shape
+    std::vector<std::size_t> triangles_;  ///< of instanced shapes, by shape
     Fingerprints fingerprints_;
 };
 

@@ -9,13 +9,14 @@ namespace fathom {
 
 struct Scene::Data {
     SceneStatistics statistics;
-    Camera camera;  ///< that it was compiled for, in world space
+    Camera camera;  ///< the camera that render space was made for, in world space
     std::shared_ptr<const SceneTables> tables;
     std::unique_ptr<KernelScene> kernel;
-    std::uint64_t fingerprint = 0;  ///< of the tables, the camera left out
+    std::uint64_t fingerprint = 0;  ///< of the tables, without the camera
 
+    /// The kernel's record of a camera (world space) for an image of the given size.
     CameraRecord camera_record(const Camera& seen_by, int width, int height) const;
-    /// What two films must share to be merged: scene and camera.
+    /// Scene and camera as a string, which films must share to be merged.
     std::string key(const CameraRecord& seen_by) const;
 };
 
