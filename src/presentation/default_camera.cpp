@@ -13,7 +13,7 @@ namespace fathom {
 
 namespace {
 
-/// Whether the node or one below it has a camera.
+/// Whether the node or one of its descendants has a camera.
 bool has_camera(const SceneDescription& scene, int index)
 {
     const Node& node = scene.nodes[std::size_t(index)];
@@ -21,7 +21,7 @@ bool has_camera(const SceneDescription& scene, int index)
            std::any_of(node.children.begin(), node.children.end(), [&](int child) { return has_camera(scene, child); });
 }
 
-/// As world_reach, of a box.
+/// world_reach for a box.
 std::vector<double> reach_of(const Bounds& box, std::span<const Vec3d> directions)
 {
     if (box.empty) return {};
@@ -32,7 +32,7 @@ std::vector<double> reach_of(const Bounds& box, std::span<const Vec3d> direction
     return reach;
 }
 
-/// How a camera that looks from a direction is turned.
+/// Orientation of a camera that looks from a direction.
 struct Axes {
     Vec3d right, up, back;
 
@@ -40,10 +40,10 @@ struct Axes {
         : up{-std::sin(azimuth) * std::sin(elevation), std::cos(elevation), -std::cos(azimuth) * std::sin(elevation)},
           back{std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation)}
     {
-        // Up is the derivative of back by elevation: it is never parallel to the view, also straight from above.
+        // `up` is the derivative of `back` with respect to elevation, so it is never parallel to the view direction.
         right = cross(up, back);
     }
-    /// Of the planes at the right, left, top, bottom, front and back of a frustum of these tangents.
+    /// Outward normals of the right, left, top, bottom, front and back planes of a frustum with these tangents.
     std::vector<Vec3d> normals(double tan_x, double tan_y) const
     {
         return {tan_x * back + right, tan_x * back - right, tan_y * back + up, tan_y * back - up, back, back * -1};
@@ -56,12 +56,12 @@ std::vector<double> reach_along(const SceneDescription& scene, const CompleteOpt
     return options.bounds ? reach_of(*options.bounds, directions) : world_reach(scene, directions);
 }
 
-/// As far as the scene reaches from `middle` along the normals of any camera that is turned about it: what turns is
-/// seen at one size, and stays in the picture.
+/// Extent of the scene from `middle` along the frustum normals of all cameras on a turntable around it, so that a
+/// turning model keeps its size and stays inside the image.
 std::vector<double> reach_all_around(const SceneDescription& scene, const CompleteOptions& options, double elevation,
                                      double tan_x, double tan_y, const Vec3d& middle)
 {
-    constexpr int steps = 32;  // A point between two is nearer by half a percent: the margin has it.
+    constexpr int steps = 32;  // Between two steps a point is at most 0.5 % outside, which the margin covers.
     std::vector<Vec3d> directions;
     for (int i = 0; i < steps; ++i)
         for (const Vec3d& n : Axes(i * 2 * std::numbers::pi / steps, elevation).normals(tan_x, tan_y))
@@ -71,15 +71,15 @@ std::vector<double> reach_all_around(const SceneDescription& scene, const Comple
     std::vector<double> reach(6, -std::numeric_limits<double>::infinity());
     for (std::size_t i = 0; i < all.size(); ++i)
         reach[i % 6] = std::max(reach[i % 6], all[i] - dot(directions[i], middle));
-    // The axis stands in the middle of the picture.
+    // The axis of rotation is at the center of the image.
     reach[0] = reach[1] = std::max(reach[0], reach[1]);
     return reach;
 }
 
-/// The nearest camera that sees all of the scene's geometry from a direction: the silhouette touches two opposite edges
-/// of the picture, but for a margin. In the camera's axes (right, up, back) a point p is right of the frustum's left
-/// plane where -p.x + t p.z <= -c.x + t c.z, t the tangent of half the angle and c the camera: how far the scene
-/// reaches along the planes' normals decides all.
+/// The nearest camera that sees all of the geometry from a direction: the silhouette touches two opposite edges of the
+/// image, except for a margin. In the camera's axes (right, up, back) a point p is inside the frustum's left plane
+/// where -p.x + t p.z <= -c.x + t c.z, with t the tangent of half the angle and c the camera. So the extents along the
+/// planes' normals determine the camera.
 Camera framing_camera(const SceneDescription& scene, const CompleteOptions& options)
 {
     const double azimuth = options.azimuth_deg * std::numbers::pi / 180;
@@ -98,7 +98,7 @@ Camera framing_camera(const SceneDescription& scene, const CompleteOptions& opti
     if (reach.empty()) reach.assign(6, 0);
     const double front = reach[4], depth = front + reach[5];
     double distance = std::max((reach[0] + reach[1]) / (2 * tan_x), (reach[2] + reach[3]) / (2 * tan_y));
-    // Nor does it stand in what is thin: one point, or a line that it looks along.
+    // The camera must not be inside flat geometry, such as a point or a line along the view direction.
     distance = std::max(distance, front + 0.1 * depth);
     if (!(distance > front)) distance = front + 1;
     const Vec3d aside = middle + (reach[0] - reach[1]) / 2 * right + (reach[2] - reach[3]) / 2 * up;
@@ -108,7 +108,7 @@ Camera framing_camera(const SceneDescription& scene, const CompleteOptions& opti
     return camera;
 }
 
-/// Puts a camera before the others: the first is the one that is rendered.
+/// Inserts a camera before the others: the first one is rendered.
 void add_first_camera(SceneDescription& scene, Camera camera)
 {
     for (Node& node : scene.nodes)
@@ -131,7 +131,7 @@ Completed complete_scene(SceneDescription& scene, const CompleteOptions& options
         std::any_of(scene.roots.begin(), scene.roots.end(), [&](int root) { return has_camera(scene, root); });
     if (found && !options.force_camera) return completed;
     add_first_camera(scene, framing_camera(scene, options));
-    // One that was asked for is nothing that the file lacked.
+    // A requested camera is not reported as added.
     if (!options.force_camera) completed.added.push_back("a camera that frames the scene");
     return completed;
 }

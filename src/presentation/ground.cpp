@@ -10,15 +10,15 @@ namespace fathom {
 
 namespace {
 
-/// What a white floor in the studio shows where nothing is in the way: the mean of its light by the cosine. It is the
-/// same however the studio is turned.
+/// Radiance of an unoccluded white floor in the studio: the cosine-weighted mean of the studio's radiance. It does not
+/// depend on the studio's rotation.
 double radiance_of_white_floor()
 {
     constexpr int rows = 128, columns = 256;
     double sum = 0;
     for (int i = 0; i < rows; ++i)
         for (int j = 0; j < columns; ++j) {
-            // Directions by the square of the cosine are as dense as the cosine.
+            // Directions uniform in the squared cosine are distributed in proportion to the cosine.
             const double cosine = std::sqrt((i + 0.5) / rows), sine = std::sqrt(1 - cosine * cosine);
             const double phi = 2 * std::numbers::pi * (j + 0.5) / columns;
             sum += studio_radiance({sine * std::cos(phi), cosine, sine * std::sin(phi)});
@@ -26,7 +26,7 @@ double radiance_of_white_floor()
     return sum / (rows * columns);
 }
 
-/// A disk of radius 1 that faces up: opaque up to `opaque`, then fading to nothing.
+/// A disk of radius 1 facing up: opaque up to radius `opaque`, then fading to transparent.
 Mesh fading_disk(double opaque)
 {
     constexpr std::uint32_t rings = 16, around = 96;
@@ -60,12 +60,12 @@ Material material_of(const Ground& ground, bool studio)
     material.name = "ground";
     material.use_vertex_color = true;
     material.alpha_mode = AlphaMode::blend;
-    // Cameras below it look at the model through it.
+    // Cameras below the ground see the model through it.
     material.single_sided = true;
     constexpr float gray = 0.5f;
     material.base_color.value = ground.color.value_or(Color{gray, gray, gray});
     if (ground.color || !studio) return material;
-    // No floor reflects enough for a white backdrop: the rest is its own light.
+    // No floor reflects enough for a white backdrop: emission provides the rest.
     constexpr double most = 0.8;
     const double white = radiance_of_white_floor();
     const auto reflected = [&](float tone) { return float(std::min(tone / white, most)); };
@@ -78,7 +78,7 @@ Material material_of(const Ground& ground, bool studio)
 
 double height_of_ground(const Bounds& model)
 {
-    // A little below, so that it is nothing that lies on the ground itself.
+    // Slightly below the model, to avoid coincident surfaces.
     return model.min.y - 1e-4 * length(model.max - model.min);
 }
 
@@ -94,7 +94,7 @@ bool ground_fits(const Bounds& model, const Camera& camera)
 void add_ground(SceneDescription& scene, const Ground& ground, const Bounds& model, bool studio)
 {
     const Vec3d size = model.max - model.min, middle = (model.min + model.max) * 0.5;
-    // The key light stands some 35 degrees high: shadows are half as long again as what casts them.
+    // The key light is about 35 degrees high: shadows are 1.5 times as long as objects are high.
     const double shadowed = std::hypot(size.x, size.z) / 2 + 1.5 * size.y, radius = 2 * shadowed;
     if (!(radius > 0)) return;
     Node node;

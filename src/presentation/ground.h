@@ -3,12 +3,12 @@
 
 namespace fathom {
 
-/// Whether a camera sees a model from outside, and the ground below it from above.
+/// Whether a camera is outside a model's bounds and above the ground below it.
 bool ground_fits(const Bounds& model, const Camera& camera);
 
-/// Adds the ground below `model`.
+/// Adds the ground below `model`, with its shape and material.
 ///
-/// studio  whether a studio lights the scene: of other light it is not known what a floor makes of it
+/// studio  whether the studio lights the scene; only then the floor's color can be chosen to match the backdrop
 void add_ground(SceneDescription& scene, const Ground& ground, const Bounds& model, bool studio);
 
 }  // namespace fathom

@@ -52,7 +52,7 @@ double FirstLook::exposure_ev() const
 
 FirstLook first_look(const Scene& scene, double aspect)
 {
-    // With a few bounces, less what is seen of lamps themselves.
+    // A few bounces of light, minus the directly visible emission.
     const Image all = small_picture(scene, aspect, 4), lamps = small_picture(scene, aspect, 0);
     const std::vector<float>&shown = all.find("")->pixels, &own = lamps.find("")->pixels;
     const std::size_t pixels = shown.size() / 4;
@@ -74,7 +74,7 @@ FirstLook first_look(const Scene& scene, double aspect)
 
 namespace {
 
-/// The studio turns with the camera.
+/// The studio is rotated with the camera.
 Environment studio_for(const Camera& camera)
 {
     Environment studio;
@@ -89,7 +89,7 @@ void remove_lights(SceneDescription& scene)
     for (Node& node : scene.nodes) node.light = -1;
 }
 
-/// Light that is no surface's.
+/// Whether the scene has lights other than emissive surfaces.
 bool has_lamps(const SceneDescription& scene)
 {
     return scene.environment.kind != EnvironmentKind::none ||
@@ -103,16 +103,16 @@ bool has_light(const SceneDescription& scene)
            });
 }
 
-/// What is meant as it is, and needs no look.
+/// Whether all materials are unlit: such scenes are shown as they are, without a probe.
 bool is_unlit(const SceneDescription& scene)
 {
     return !scene.materials.empty() && std::all_of(scene.materials.begin(), scene.materials.end(),
                                                    [](const Material& m) { return m.kind == MaterialKind::unlit; });
 }
 
-/// The ground, if there is to be one: the scene is then made anew.
+/// Adds the ground if it is requested; the scene must then be compiled again.
 ///
-/// fits  whether a studio alone lights a model
+/// fits  whether a studio alone lights the model
 void put_on_ground(SceneEdit& edit, AutoLitScene& result, const std::optional<Ground>& ground, bool fits)
 {
     if (!ground || (ground->only_where_it_fits && !fits)) return;
@@ -135,9 +135,9 @@ AutoLitScene compile_with_light(SceneEdit& edit, LightChoice light, double aspec
                                 const std::optional<Ground>& ground)
 {
     const SceneDescription& scene = edit.description();
-    // Less light than this on what is seen, and exposing for it would show a lamp and its surroundings.
+    // If less of the visible surface is lit, exposure would only show a lamp and its surroundings.
     constexpr double min_lit = 0.4;
-    // Surfaces that shine would be white themselves, and their labels unreadable, if they were exposed for as lamps.
+    // If emissive surfaces would need more exposure, they would become white and their labels unreadable.
     constexpr double max_stops_for_surfaces = 2;
     const bool lit = has_light(scene), own_light = scene.hints.own_light || light == LightChoice::file;
     const bool lamps = has_lamps(scene);
@@ -150,7 +150,7 @@ AutoLitScene compile_with_light(SceneEdit& edit, LightChoice light, double aspec
         light == LightChoice::studio || (light == LightChoice::automatic && !lit && !is_unlit(scene));
     if (needs_studio) edit.set_environment(studio_for(world_camera(scene, edit.camera())));
     if (needs_studio || !wants_exposure || is_unlit(scene)) {
-        // A backdrop shows the outlines of what is unlit and dark.
+        // A backdrop shows the outlines of unlit, dark objects.
         result.backdrop = needs_studio || (light == LightChoice::automatic && is_unlit(scene) && !own_light);
         result.studio = needs_studio;
         if (needs_studio && light == LightChoice::automatic) result.added.push_back("a studio light");
@@ -177,7 +177,7 @@ AutoLitScene compile_with_light(SceneEdit& edit, LightChoice light, double aspec
     }
     put_on_ground(edit, result, ground, false);
     if (result.ground) result.scene = edit.compile(warnings);
-    // Near enough counts as meant.
+    // Small deviations are taken as intended.
     const double stops = std::round(2 * look.exposure_ev()) / 2;
     if (std::abs(stops) < 1.5) return result;
     result.exposure_ev = stops;

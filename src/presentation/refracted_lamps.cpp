@@ -15,11 +15,11 @@ namespace {
 
 constexpr int pixels_across = 64;
 
-/// A camera in the place of a lamp, and the lamp's cone of light.
+/// A camera at the position of a lamp, and the lamp's cone of emission.
 struct LampView {
     Camera camera;
     Vec3d axis;
-    double cos_cone = -1;  ///< directions further from the axis get no light; -1: all do
+    double cos_cone = -1;  ///< directions farther from the axis get no light; -1: emits in all directions
 };
 
 Vec3d vector_of(const float* v)
@@ -40,7 +40,7 @@ class LampViews {
 public:
     LampViews(const SceneTables& tables, const std::function<Bounds()>& bounds) : t_(tables), bounds_(bounds) {}
 
-    /// Nothing for lights with a size.
+    /// The view of a light without area; nothing for other lights.
     std::optional<LampView> of(const LightRecord& light)
     {
         switch (LightRecordKind(light.kind)) {
@@ -103,10 +103,11 @@ private:
     const std::function<Bounds()>& bounds_;
 };
 
-/// Whether shadow rays end at it though it lets light through, of which no part is scattered in other directions.
+/// Whether the surface transmits light only by smooth refraction: it blocks shadow rays, and connections through it are
+/// impossible.
 bool refracts_smoothly(const ShadingTables& tables, const MaterialRecord& m)
 {
-    constexpr float rough = 0.0316228f;  // its square is the alpha below which facets are mirrors
+    constexpr float rough = 0.0316228f;  // the square root of the alpha below which microfacets are treated as mirrors
     if ((m.flags & (MaterialRecord::thin | MaterialRecord::open_boundary)) != 0) return false;
     if (m.roughness_texture != no_index || m.roughness > rough) return false;
     switch (m.closure) {
@@ -120,6 +121,7 @@ bool refracts_smoothly(const ShadingTables& tables, const MaterialRecord& m)
     }
 }
 
+/// Numbers of hits on refracting surfaces and on all surfaces.
 struct Seen {
     std::size_t glass = 0, all = 0;
 };
