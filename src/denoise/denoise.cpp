@@ -17,10 +17,10 @@ namespace {
 using Device = std::unique_ptr<std::remove_pointer_t<Oidn::Device>, decltype(Oidn::oidnReleaseDevice)>;
 using Filter = std::unique_ptr<std::remove_pointer_t<Oidn::Filter>, decltype(Oidn::oidnReleaseFilter)>;
 
-/// Three floats a pixel.
+/// Three floats per pixel.
 using Plane = std::vector<float>;
 
-/// The first three channels of a layer.
+/// First three channels of a layer.
 Plane plane_of(const Image::Layer& layer)
 {
     const std::size_t stride = layer.channels.size();
@@ -31,11 +31,11 @@ Plane plane_of(const Image::Layer& layer)
 }
 
 struct Input {
-    const char* name;  ///< as the library has it
+    const char* name;  ///< OIDN's name of the input
     Plane plane;
 };
 
-/// The picture, and the layers that help; normals do beside an albedo only.
+/// The image, with its auxiliary albedo and normal layers; OIDN accepts normals only with an albedo.
 std::vector<Input> inputs_of(const Image& image)
 {
     if (image.layers.empty()) throw Error("", "", "can't denoise an empty picture");
@@ -60,7 +60,7 @@ struct Denoiser::Data {
     Device device;
     std::string version;
 
-    /// Throws Error if something went wrong since it was called last. False if it was cancelled.
+    /// Throws Error if a call failed since the last check. Returns false if the filter was cancelled.
     bool check() const
     {
         const char* message = nullptr;
@@ -70,12 +70,12 @@ struct Denoiser::Data {
         return true;
     }
 
-    /// What kind of picture the first input is, and how it is treated.
+    /// Parameters of the filter for the first input.
     struct Mode {
         bool is_radiance = false, aids_are_clean = false, is_quick = false;
         const std::atomic<bool>* cancel = nullptr;
     };
-    /// Empty if it was cancelled.
+    /// Runs the filter; returns an empty plane if it was cancelled.
     Plane filter(const Image& image, std::span<Input> inputs, const Mode& mode) const
     {
         const Filter rt(oidn.oidnNewFilter(device.get(), "RT"), oidn.oidnReleaseFilter);
@@ -106,7 +106,7 @@ struct Denoiser::Data {
 Denoiser::Denoiser(int threads)
 {
     const Oidn oidn = open_oidn();
-    // Never a GPU: what it computes depends on which one it is.
+    // GPUs are not used: results would depend on the model.
     const auto data =
         std::make_shared<Data>(Data{oidn, {oidn.oidnNewDevice(Oidn::device_cpu), oidn.oidnReleaseDevice}, {}});
     if (!data->device) data->check();
@@ -136,8 +136,8 @@ const std::filesystem::path& Denoiser::file() const
 Image::Layer Denoiser::denoise(const Image& image) const
 {
     std::vector<Input> inputs = inputs_of(image);
-    // Aids of few samples have noise themselves, at edges, and out of focus: they are denoised first. High quality
-    // takes 2.7 times as long there and brings nothing: the same error to 1 % in three scenes.
+    // Auxiliary layers of few samples are noisy at edges and with depth of field, so they are denoised first. High
+    // quality takes 2.7 times as long for them without benefit: errors differ by 1 % in three scenes.
     for (std::size_t i = 1; i < inputs.size(); ++i)
         inputs[i].plane = data_->filter(image, {&inputs[i], 1}, {.is_radiance = false, .is_quick = true});
     return denoised_layer(data_->filter(image, inputs, {.is_radiance = true, .aids_are_clean = inputs.size() > 1}));

@@ -26,7 +26,7 @@ std::string environment(const char* name)
     return value ? value : "";
 }
 
-/// Folders of which each may have Python's packages in lib/python3.x: prefixes of installations.
+/// Installation prefixes that may have Python packages in lib/python3.x.
 std::vector<fs::path> python_prefixes()
 {
     std::vector<fs::path> prefixes;
@@ -38,7 +38,7 @@ std::vector<fs::path> python_prefixes()
     return prefixes;
 }
 
-/// Where pip puts the library of the package pyoidn: no Python is asked.
+/// Paths of the library in the pip package pyoidn, found without running Python.
 std::vector<fs::path> python_places()
 {
     std::vector<fs::path> found;
@@ -57,7 +57,7 @@ std::vector<fs::path> python_places()
     return found;
 }
 
-/// The library's functions; what is missing throws.
+/// Loads the library's functions; throws Error if one is missing.
 Oidn functions_of(void* library, const fs::path& file)
 {
     Oidn oidn{};
@@ -94,7 +94,7 @@ Oidn open_named(const std::string& name)
     std::error_code error;
     if (fs::is_directory(file, error)) file /= fs::exists(file / soname, error) ? soname : fs::path("lib") / soname;
     if (!fs::exists(file, error)) throw Error(file.string(), variable, "there is no such library");
-    // A name without a folder would be looked for among the system's libraries.
+    // A name without a folder would be searched for among the system's libraries.
     void* library = open_library(fs::absolute(file, error));
     if (!library) throw Error(file.string(), variable, "can't be opened: " + shared_library_trouble());
     return functions_of(library, file);

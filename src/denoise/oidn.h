@@ -4,8 +4,8 @@
 
 namespace fathom {
 
-/// The C functions of Open Image Denoise 2 that are called, by the names that they have there. Its objects are opaque;
-/// numbers are those of its oidn.h.
+/// Functions of Open Image Denoise 2, under their C names. Its objects are opaque; enumerators have the values of
+/// oidn.h.
 struct Oidn {
     using Device = struct DeviceObject*;
     using Filter = struct FilterObject*;
@@ -25,16 +25,16 @@ struct Oidn {
                                      std::size_t row_stride);
     void (*oidnSetFilterBool)(Filter, const char* name, bool value);
     void (*oidnSetFilterInt)(Filter, const char* name, int value);
-    /// Is told how much is done, from 0 to 1; false gives up.
+    /// Called with the progress from 0 to 1; returning false cancels.
     using Progress = bool (*)(void* data, double done);
     void (*oidnSetFilterProgressMonitorFunction)(Filter, Progress, void* data);
     void (*oidnCommitFilter)(Filter);
     void (*oidnExecuteFilter)(Filter);
 
-    std::filesystem::path file;  ///< that they came from
+    std::filesystem::path file;  ///< the library's file
 };
 
-/// Finds and opens it; it stays open. Throws Error if it isn't there.
+/// Finds and opens the library, which stays open. Throws Error if there is none.
 Oidn open_oidn();
 
 }  // namespace fathom
