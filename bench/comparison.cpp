@@ -35,7 +35,8 @@ Bvh build(const GeometryTables& tables, const Options& options)
 std::unique_ptr<EmbreeCaster> build_embree(const GeometryTables& tables, const Options& options)
 {
     if (!options.with_embree) return nullptr;
-    const char* const isa = std::string(lanes_name) == "AVX2" ? "avx2" : "";  // no better one than ours
+    const char* const isa = std::string(lanes_name) == "AVX2" ? "avx2" : "";  // the instruction set of this build, not
+                                                                              // a better one
     return std::make_unique<EmbreeCaster>(tables, isa, options.threads, options.robust);
 }
 
@@ -48,7 +49,7 @@ double median_ratio(const std::vector<double>& a, const std::vector<double>& b)
 
 namespace {
 
-/// Casts a whole set, chunk by chunk; million rays/s.
+/// Casts a whole set in chunks; returns million rays per second.
 template <class Cast>
 double run(const RaySet& set, int threads, const Cast& cast)
 {
@@ -121,7 +122,7 @@ void print_visits(const RaySet& set, const Scene& scene)
                  double(visits.nodes) / rays, double(visits.primitives) / rays);
 }
 
-/// Rays whose answers differ by more than rounding.
+/// Number of rays whose hits differ by more than rounding.
 std::size_t differences(const RaySet& set, const Results& a, const Results& b)
 {
     std::size_t n = 0;

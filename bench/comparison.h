@@ -1,5 +1,5 @@
 #pragma once
-/// What the comparisons with Embree share: options, and both casting the same rays in turns.
+/// Options and measurements of the comparison with Embree, which traces the same rays in turns.
 #include <functional>
 #include <memory>
 #include <string>
@@ -20,44 +20,45 @@ struct Options {
     TreeBuild build = TreeBuild::standard;
     bool robust = true, details = false, with_embree = true;
     bool motion = false, instances = false, trees = false;
-    std::string kind;   ///< of rays; empty: all
-    std::string write;  ///< a folder to write the meshes to, instead
+    std::string kind;   ///< kind of rays; empty: all
+    std::string write;  ///< folder to write the meshes to instead of measuring
 };
 
+/// Median of a set of numbers.
 double median(std::vector<double> x);
-/// That f takes.
+/// Time that f takes.
 double seconds(int threads, const std::function<void()>& f);
 
-/// The same scene, ours and theirs.
+/// The BVHs of a scene: Fathom's and Embree's.
 struct Scene {
     const char* name;
     const Bvh& bvh;
-    const EmbreeCaster* embree;  ///< null: only ours is measured
-    /// Embree 3.13.5 does not return from some shadow rays into instances if they have the coherent hint.
+    const EmbreeCaster* embree;  ///< null: measures Fathom only
+    /// Embree 3.13.5 does not return from some shadow rays into instances with the coherent hint.
     bool hint_hangs = false;
 };
 
-/// Million rays/s: by scene, then run by run.
+/// Million rays per second, by scene and run.
 struct Rates {
     std::vector<std::vector<double>> ours, embree;
 };
 
-/// Casts the rays into all of the scenes in turns, by Embree in the way that is fastest for each (without it,
-/// ours count twice). Warns where more than one in ten thousand differ.
+/// Traces a ray set through all scenes in turns, by Embree with its fastest call for each (without Embree, Fathom's
+/// rates count twice). Warns if more than one ray in ten thousand differs.
 Rates compare(const std::string& mesh, const RaySet& set, const std::vector<Scene>& scenes, const Options& options);
 
-/// Both built on as many threads as the options say; Embree's null where only ours is to be measured.
+/// Builds a BVH on the given number of threads; build_embree returns null if only Fathom is measured.
 Bvh build(const GeometryTables& tables, const Options& options);
 std::unique_ptr<EmbreeCaster> build_embree(const GeometryTables& tables, const Options& options);
 
-/// Of quotients run by run.
+/// Median of the ratios of corresponding runs.
 double median_ratio(const std::vector<double>& a, const std::vector<double>& b);
 
-/// The mesh at rest against itself with moving vertices, placed, and placed and moving.
+/// Measures the mesh at rest, with moving vertices, instanced, and in a moving instance.
 void measure_motion(const Mesh& mesh, const Options& options);
-/// The mesh in ten thousand places.
+/// Measures ten thousand instances of the mesh.
 void measure_instances(const Mesh& mesh, const Options& options);
-/// Building alone.
+/// Measures BVH construction alone.
 void measure_trees(const Mesh& mesh, const Options& options);
 
 }  // namespace fathom::bench

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""Speed of the Cornell box, in million samples a second, beside Mitsuba 3 `llvm_ad_rgb` where a script for it is given.
+"""Speed of the Cornell box in million samples per second, beside Mitsuba 3 `llvm_ad_rgb` if a script for it is given.
 
-Fathom: whole commands with 66 samples a pixel less whole commands with 2, so that the start cancels out; 800x600, box
-filter, depth 50, roulette from bounce 5, variance on. The runs alternate, and medians are quoted: machines are noisy.
+Fathom: time of whole commands with 66 samples per pixel minus that with 2, which cancels the start-up; 800x600, box
+filter, depth 50, roulette from bounce 5, variance on. Runs alternate; results are medians.
 
-Mitsuba: `--peers FILE` names a script that is called as `FILE mitsuba --spp 64 --threads N` and prints a line of JSON with
-"million_samples_per_s". Without it only Fathom's figures are printed.
-"""
+Mitsuba: `--peers FILE` names a script that is called as `FILE mitsuba --spp 64 --threads N` and prints a line of JSON
+with "million_samples_per_s". Without it only Fathom is measured. |"""
 import argparse, json, statistics, subprocess, sys, tempfile, time
 from pathlib import Path
 

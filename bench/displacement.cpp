@@ -1,5 +1,5 @@
-/// What displacing a mesh costs: a square moved by a picture of so many texels a side, beside the same triangles as a
-/// mesh of the scene. The program for "Displacement" in docs/measurements/scene-changes.md.
+/// Cost of displacement: a square displaced by an image of a given number of texels per side, beside a mesh of equal
+/// triangles. The program for "Displacement" in docs/measurements/scene-changes.md.
 ///
 ///     displacement [texels] [displaced | mesh]
 #include <sys/resource.h>
@@ -34,7 +34,7 @@ Image heights(int texels)
     return image;
 }
 
-/// As many triangles, with all that a displaced square has.
+/// A mesh with as many triangles and the vertex data of a displaced square.
 Mesh grid(int parts)
 {
     Mesh mesh;

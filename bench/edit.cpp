@@ -1,4 +1,4 @@
-/// What a change costs in a scene of many objects, beside compiling the whole scene: the program for "Scene edits" in
+/// Cost of an edit in a scene of many objects, beside full compilation: the program for "Scene edits" in
 /// docs/measurements/scene-changes.md.
 ///
 ///     edit [objects] [triangles of each]
@@ -15,7 +15,7 @@ namespace {
 
 using namespace fathom;
 
-/// A bumpy ball of about so many triangles.
+/// A bumpy ball of about the given number of triangles.
 Mesh ball(int triangles, int number)
 {
     const int n = std::max(2, int(std::sqrt(triangles / 4.0)));
@@ -52,7 +52,7 @@ double median(std::vector<double> v)
     return v[v.size() / 2];
 }
 
-/// Of a picture of 320x240 at 8 samples a pixel, by one thread.
+/// Time to render 320x240 pixels with 8 samples per pixel on one thread.
 double render_milliseconds(const SceneDescription& d)
 {
     Warnings warnings;

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Efficiency, 1 / (relMSE x seconds), of the Cornell box at 64 samples a pixel, beside Mitsuba 3 `llvm_ad_rgb` with each of
-its unbiased samplers that can take 64 (`orthogonal` takes 121), against a reference by Fathom (another seed, 16,384 samples).
+"""Efficiency, 1 / (relMSE x seconds), of the Cornell box at 64 samples per pixel, beside Mitsuba 3 `llvm_ad_rgb` with
+each of its unbiased samplers that supports 64 (`orthogonal` takes 121), against a reference by Fathom (another seed,
+16,384 samples).
 
 usage: bench/efficiency.py --peers FOLDER [--fathom PROGRAM] [--rounds 3] [--reference-spp 16384] [--threads 2]
 
-FOLDER holds a module `cornell` that describes the box (`surfaces()` in quads), and a module `common` that finds Mitsuba
-(`enter`, `mitsuba`). Seconds: of rendering; of Fathom, a whole command less the same with no more than 2 samples, for the
-62 between, scaled to 64. relMSE: mean of (I - R)^2 / (R^2 + 0.01).
-"""
+FOLDER holds a module `cornell` that describes the box (`surfaces()` in quads), and a module `common` that finds
+Mitsuba (`enter`, `mitsuba`). Seconds are rendering time; for Fathom, the time of a whole command minus that with 2
+samples, for the 62 samples between, scaled to 64. relMSE: mean of (I - R)^2 / (R^2 + 0.01). |"""
 import argparse, json, statistics, subprocess, sys, tempfile, time
 from pathlib import Path
 
@@ -81,7 +81,7 @@ def round_to(x):
 
 
 def cornell_scene(mi, cornell, sampler):
-    """The box from its quads, in Mitsuba's terms."""
+    """The box as a Mitsuba scene, from its quads."""
     import numpy as np
     T = mi.ScalarTransform4f
     colours = {"green": cornell.GREEN, "red": cornell.RED, "white": cornell.WHITE, "back": cornell.WHITE}

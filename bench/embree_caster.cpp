@@ -31,7 +31,7 @@ EmbreeCaster::EmbreeCaster(const GeometryTables& tables, const std::string& isa,
     rtcCommitScene(mesh);
     if (mesh != scene_) {
         for (const InstanceRecord& instance : tables.instances) add_instance(mesh, tables, instance);
-        rtcReleaseScene(mesh);  // instances keep it
+        rtcReleaseScene(mesh);  // instances hold a reference
         rtcCommitScene(scene_);
     }
     build_s_ = now(threads) - start;
@@ -64,7 +64,7 @@ void EmbreeCaster::add_mesh(RTCScene scene, const GeometryTables& t) const
 
 namespace {
 
-/// Rigid ones.
+/// The pose as Embree's decomposition; rigid poses only.
 RTCQuaternionDecomposition decomposition(const PoseRecord& pose)
 {
     RTCQuaternionDecomposition q;
@@ -133,7 +133,7 @@ void cast_single(RTCScene scene, RTCIntersectContext& context, const RaySet& set
     }
 }
 
-/// Packet: RTCRayHit8 or 16.
+/// Casts rays in packets. Packet: RTCRayHit8 or RTCRayHit16.
 template <int N, class Packet, class Intersect, class Occluded>
 void cast_packets(const RaySet& set, std::size_t first, std::size_t n, Results& results, const Intersect& intersect,
                   const Occluded& occluded)

@@ -1,5 +1,5 @@
 #pragma once
-/// Embree on the same rays: each way to call it takes our arrays and fills ours.
+/// Embree as a ray caster: each of its calls reads Fathom's ray arrays and fills hit arrays.
 #include <embree3/rtcore.h>
 
 #include <atomic>
@@ -28,19 +28,20 @@ class EmbreeCaster {
 public:
     enum Call { single, packet8, packet16, stream, call_count };
 
-    /// One mesh of triangles, itself or where instances place it; vertices and instances may move.
+    /// Builds a BVH of one triangle mesh, or of its instances; vertices and instances may move.
     ///
-    /// isa: as Embree's option of that name; empty for the machine's best. Builds with so many threads.
+    /// isa      as Embree's option; empty: the machine's best
+    /// threads  for construction
     EmbreeCaster(const GeometryTables& tables, const std::string& isa, int threads, bool robust);
     ~EmbreeCaster();
     EmbreeCaster(const EmbreeCaster&) = delete;
     EmbreeCaster& operator=(const EmbreeCaster&) = delete;
 
-    /// Casts n rays from number `first` on.
+    /// Casts n rays from index `first`.
     void cast(const RaySet& set, std::size_t first, std::size_t n, Call call, bool coherent, Results& results) const;
 
     double build_s() const { return build_s_; }
-    /// Of the process's own time.
+    /// Processor time of the process.
     double build_cpu_s() const { return build_cpu_s_; }
     std::size_t bytes() const { return bytes_; }
     std::size_t peak_bytes() const { return peak_bytes_; }

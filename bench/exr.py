@@ -1,4 +1,4 @@
-"""Pictures of OpenEXR files as numbers."""
+"""Reads OpenEXR images as arrays, and compares them."""
 import numpy as np
 import OpenEXR
 
@@ -8,12 +8,13 @@ def picture(path):
     for name in ("RGB", "RGBA"):
         if name in channels:
             return np.asarray(channels[name].pixels, dtype=np.float64)[..., :3]
-    # Of several layers: those of the first.
+    # Uses the first layer of files with several layers.
     ends = [next(c for c in channels if c == k or c.endswith("." + k)) for k in "RGB"]
     return np.stack([np.asarray(channels[c].pixels, dtype=np.float64) for c in ends], -1)
 
 
 def relmse(picture, reference):
-    """Without the 0.1 % largest errors, beside 0.01 times what a picture of mean 0.12 would have."""
+    """relMSE without the largest 0.1 % of errors; 0.01 in the denominator is for an image of mean 0.12, and is scaled
+    to the reference."""
     error = ((picture - reference) ** 2 / (reference ** 2 + 0.01 * (reference.mean() / 0.12) ** 2)).ravel()
     return np.sort(error)[:-max(1, len(error) // 1000)].mean()

@@ -1,4 +1,4 @@
-// How fast a scene file is read, and what memory that takes beyond the scene; the file is read once before, to be warm.
+// Time to read a scene file, and memory that reading takes beyond the scene; a first read warms the file cache.
 //   files FILE [TIMES [THREADS]]
 #include <fmt/format.h>
 
@@ -43,7 +43,7 @@ double size_of(const SceneDescription& scene)
     return sum;
 }
 
-/// By the clock, and of processors, which other programs lengthen less.
+/// Wall clock time, and processor time, which other load affects less.
 struct Seconds {
     double clock = 0, processors = 0;
 };

@@ -1,4 +1,4 @@
-// What a film file of 4K with all layers takes: its bytes, the copy that stalls rendering, and writing it.
+// Cost of a 4K film file with all layers: its size, the copy that stalls rendering, and writing it.
 //   film_file FILE [WIDTH HEIGHT [TIMES]]
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -15,7 +15,7 @@ namespace fathom {
 
 namespace {
 
-/// Sums as those of 1024 samples, of a picture of noise.
+/// A film of a noise image with sums as of 1024 samples.
 Film made_film(int width, int height)
 {
     RenderSettings settings;

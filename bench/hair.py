@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
-"""Tufts of hair by Fathom and by Mitsuba 3, from the same files: mean of each channel, ours over theirs.
+"""Tufts of hair by Fathom and Mitsuba 3, from the same files: mean of each channel, Fathom's over Mitsuba's.
 
     bench/hair.py --fathom PROGRAM [--spp 1024] [--keep FOLDER] [NAME ...]
 
-Run by a Python that has Mitsuba 3 (and LLVM for its variant llvm_ad_rgb), numpy and OpenEXR or Mitsuba's own reader of EXR. Three
-hundred curves of 8 control points on a ball, under a grey sky with a lamp behind and a point light in front; of all pixels that show more
-than sky. Roots are within the ball, and radii fall to nothing: Mitsuba's curves are open at their ends, ours have half balls there. The
-error is the standard error of the ratio, by 8 pictures of each.
-"""
+Needs a Python with Mitsuba 3 (and LLVM for its variant llvm_ad_rgb), numpy, and OpenEXR or Mitsuba's EXR reader. The
+scene has three hundred curves of 8 control points on a ball, under a gray sky, with a lamp behind and a point light in
+front; pixels that show only sky are ignored. Roots are inside the ball and radii taper to zero, because curve ends
+differ: open in Mitsuba, half balls in Fathom. The error is the standard error of the ratio, from 8 images each. |"""
 import argparse
 import math
 import random
@@ -43,7 +42,7 @@ SCENE = """<scene version="3.0.0"><integrator type="path"><integer name="max_dep
 
 
 def curves():
-    """Roots in a ball, points outwards and down, wavy, thinner towards the tip."""
+    """Curves with roots in a ball, pointing outwards and down, wavy, and tapering."""
     rng, text = random.Random(7), []
     for _ in range(300):
         y, phi = rng.uniform(-0.3, 1), rng.uniform(0, 2 * math.pi)
@@ -80,7 +79,7 @@ def main():
                 subprocess.run([args.fathom, "render", file, "-o", out, "--spp", str(part), "--seed", str(seed)], check=True, capture_output=True)
                 ours.append(np.array(mi.Bitmap(str(out)))[..., :3])
                 theirs.append(np.array(mi.render(scene, spp=part, seed=seed))[..., :3])
-            # Where there is nothing but the sky in either.
+            # Pixels that show only sky in both images.
             sky = np.logical_and(*(np.abs(np.mean(p, 0) - p[0][0, 0]).max(-1) < 1e-4 for p in (ours, theirs)))
             ours, theirs = (np.array([picture[~sky].mean(0) for picture in p]) for p in (ours, theirs))
             ratio = ours.mean(0) / theirs.mean(0)

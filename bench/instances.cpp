@@ -1,4 +1,4 @@
-/// Rays through ten thousand instances of one mesh, each turned and scaled in its own way, on uneven ground.
+/// Rays through ten thousand instances of one mesh, each rotated and scaled differently, on uneven ground.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr int side = 100;
 
-/// They stand as close as their bounds allow, and a little closer.
+/// Instances are spaced slightly closer than their bounds.
 Mesh in_many_places(Mesh mesh)
 {
     GeometryTables& tables = mesh.tables;

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Lights with pictures beside Mitsuba 3: a projector and a spot with a texture, over a floor, a wall and a ball.
+"""Lights with images beside Mitsuba 3: a projector and a textured spot, over a floor, a wall and a ball.
 
     bench/light_pictures.py --fathom PROGRAM [--spp 4096]
 
-By a Python that has Mitsuba's module. Prints the mean of each channel over Mitsuba's, and of 8 by 8 pixels the differences: the root of the
-mean of their squares and the largest, in standard errors of both renderers' eight runs, to which a ten-thousandth of the value is added."""
+Needs a Python with Mitsuba's module. Prints the mean of each channel relative to Mitsuba's, and differences of blocks
+of 8x8 pixels: root mean square and maximum, in standard errors of both renderers' eight runs plus a ten-thousandth of
+the value. |"""
 import argparse
 import subprocess
 import tempfile
@@ -39,7 +40,7 @@ EMITTERS = {
 
 
 def write_pictures(folder):
-    """Without any symmetry: a wrong turn or mirror is seen."""
+    """An image without symmetry, which reveals wrong rotations and mirroring."""
     random = np.random.default_rng(3)
     picture = random.random((8, 12, 3)).astype(np.float32)
     picture[0, 0], picture[0, 11], picture[7, 0], picture[3, 5] = (3, 0, 0), (0, 3, 0), (0, 0, 3), (2, 2, 2)

@@ -1,4 +1,4 @@
-"""What machine figures were taken on."""
+"""Describes the machine on which figures are measured."""
 import platform
 
 

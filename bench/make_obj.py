@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Large OBJ and PLY files to measure reading by, from a PLY of triangles (binary, little-endian; x y z, uchar int).
+"""Large OBJ and PLY files for measurements of reading, from a PLY mesh of triangles (binary, little-endian; x y z,
+uchar int).
 
     bench/make_obj.py MESH.ply FOLDER [COPIES]
 
-Writes to FOLDER, with the mesh COPIES times (default 4), each moved by its size:
+Writes to FOLDER, with COPIES copies of the mesh (default 4) side by side:
     plain.obj      positions and triangles
-    full.obj       with normals and texture coordinates, in 16 objects by turns of two materials
-    quads.obj      triangles joined in pairs where they come so, else as they are
+    full.obj       with normals and texture coordinates, in 16 objects with two alternating materials
+    quads.obj      consecutive triangles joined to quads where they share an edge
     plain.ply      as plain.obj, binary
-    full.ply       with normals and texture coordinates, binary
-"""
+    full.ply       with normals and texture coordinates, binary |"""
 import array
 import math
 import struct
@@ -34,7 +34,7 @@ def read(path):
 
 
 def attributes(positions):
-    """A direction and a place in a picture for each vertex: numbers as real ones are, not the right ones."""
+    """A normal and texture coordinates for each vertex, with realistic digits but arbitrary values."""
     normals, uvs = [], []
     for i in range(0, len(positions), 3):
         x, y, z = positions[i:i + 3]
@@ -45,7 +45,7 @@ def attributes(positions):
 
 
 def quads(faces):
-    """Two triangles that come after each other and share an edge as one polygon."""
+    """Joins two consecutive triangles that share an edge to one polygon."""
     result, i = [], 0
     while i < len(faces):
         (a, b, c) = faces[i]

@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
-"""A scene of many lamps: a closed room of 10 x 4 x 10 m with N glowing triangles in it, anywhere, turned anyhow, each shining
-to one side. Whatever N is, their area is 1 m2 in all.
+"""A scene of many lights: a closed room of 10 x 4 x 10 m with N emissive, one-sided triangles at random positions and
+orientations. Their total area is 1 m2 for every N.
 
 usage: bench/many_lights.py N FOLDER [--dark M] [--equal]
 
-Writes FOLDER/lamps-N.json and meshes beside it. Edges are of random sizes, a hundredfold apart, or with --equal all alike.
---dark adds M triangles of the same kind that don't glow, so that scenes of few and of many lamps take the same time to trace.
-No number depends on the machine.
-"""
+Writes FOLDER/lamps-N.json and its meshes. Edge lengths vary by a factor of a hundred, or are equal with --equal.
+--dark adds M triangles that don't emit, so that scenes of few and of many lights take the same time to trace. The
+scenes are equal on every machine. |"""
 import argparse, json, math, random, struct
 from pathlib import Path
 
@@ -23,7 +22,7 @@ def cross(a, b):
 
 
 def triangle(rng, size):
-    """Corners of an equilateral triangle, its edges `size` long."""
+    """Corners of an equilateral triangle with edges of length `size`."""
     n = direction(rng)
     s = cross(n, direction(rng))
     length = math.sqrt(sum(x * x for x in s))
@@ -36,7 +35,7 @@ def triangle(rng, size):
 
 
 def write_triangles(path, count, equal, seed):
-    """A mesh of 1 m2."""
+    """A mesh with an area of 1 m2."""
     rng = random.Random(seed)
     sizes = [1.0 if equal else 100 ** rng.random() for _ in range(count)]
     scale = 1 / math.sqrt(sum(math.sqrt(3) / 4 * s * s for s in sizes))

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""What many materials cost beside one of the same kind, and what pictures on everything cost beside colours.
+"""Cost of many materials beside one of the same kind, and of textures on everything beside plain colors.
 
-A closed room of 8 x 4 x 8 m with 300 balls in it, each a mesh of its own with uv, and two lamps. The same room is rendered with
-one material on everything and with N of one kind, spread over the balls; then with a picture of 2048 x 2048 pixels of 8 bits
-in each material and with none. Colours are the means of the pictures, so paths are as long. Each pair is rendered in turns at
-equal samples; the ratio of the cost of a sample is the median of the rounds. No number in the scenes depends on the machine.
-"""
+A closed room of 8 x 4 x 8 m has 300 balls, each a mesh with uv coordinates, and two lamps. It is rendered with one
+material on everything and with N materials of one kind, spread over the balls; then with and without a texture of 2048
+x 2048 pixels of 8 bits in each material. Plain colors are the textures' means, so path lengths are equal. Each pair is
+rendered in turns at equal samples; the result is the median ratio of the cost per sample. The scenes are equal on
+every machine. |"""
 import argparse, json, math, random, struct, subprocess, sys, tempfile, zlib
 from pathlib import Path
 
@@ -17,7 +17,7 @@ KINDS = {"diffuse": {}, "principled": {"roughness": 0.5}}
 
 
 def write_ball(path, center, radius, rows=12, columns=24):
-    """As a mesh, with uv."""
+    """The ball as a mesh with uv coordinates."""
     vertices, faces = [], []
     for i in range(rows + 1):
         for j in range(columns + 1):
@@ -39,7 +39,7 @@ def write_ball(path, center, radius, rows=12, columns=24):
 
 
 def write_picture(path, seed):
-    """Noise that no cache can guess: each channel of each pixel 128 or 192 by chance."""
+    """Incompressible noise, unfriendly to caches: each channel of each pixel is 128 or 192 at random."""
     rng = random.Random(seed)
     levels = bytes(192 if byte & 1 else 128 for byte in range(256))
     rows = b"".join(b"\0" + rng.randbytes(3 * SIDE).translate(levels) for _ in range(SIDE))
@@ -58,14 +58,14 @@ def write_scene(path, kind, count, textured):
     mean = (linear(128) + linear(192)) / 2
 
     def material(i):
-        # Within a hundredth, and no two the same.
+        # Values differ by less than a hundredth, and none is repeated.
         value = 1 - 0.01 * i / count
         color = {"texture": f"t{i % PICTURES}", "value": [value] * 3} if textured else [mean * value] * 3
         return {"kind": kind, "color": color, **KINDS[kind]}
 
     def wall(corner, u, v):
         return {"material": "m0", "rectangle": {"corner": corner, "edge_u": u, "edge_v": v}}
-    # Not in the order of their places.
+    # In an order unrelated to position.
     order = list(range(BALLS))
     random.Random(5).shuffle(order)
     path.write_text(json.dumps({
@@ -96,11 +96,11 @@ def events_of(args, scene, *options):
 
 
 def row(args, name, scene, other):
-    """The cost of a sample of `scene` in those of `other`, and where the vertices' time goes in both."""
+    """Cost per sample of `scene` relative to `other`, and time per stage of both."""
     ratios = []
     for round_number in range(args.rounds + 1):
         seconds = [events_of(args, path)["summary"]["render_s"] for path in (scene, other)]
-        ratios += [seconds[0] / seconds[1]] if round_number > 0 else []  # the first fills caches of files
+        ratios += [seconds[0] / seconds[1]] if round_number > 0 else []  # the first round warms file caches
     ratios.sort()
     stages = [events_of(args, path, "--stats")["stats"]["stages"] for path in (scene, other)]
     more = {stage: costs["ns_per_vertex"] - stages[1].get(stage, {"ns_per_vertex": 0})["ns_per_vertex"] for stage, costs in stages[0].items()}

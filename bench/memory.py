@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""What renders say that they need, and what they take: the estimate of --memory beside the peak of resident memory.
+"""Estimated and actual memory of renders: the estimate of --memory beside the peak of resident memory.
 
     bench/memory.py build/release/bin/fathom [FOLDER]
 
-Scenes of one thing each are made in FOLDER (default: a temporary one). Each is asked for what it needs by --memory 1M, which
-refuses it, and rendered with just that much. Exit status 1 if a render takes more than it was allowed.
-"""
+Scenes with one kind of content each are made in FOLDER (default: a temporary one). --memory 1M, which rejects every
+scene, prints the estimate; then the scene is rendered with exactly that limit. Exits with 1 if a render exceeds its
+limit. |"""
 import array
 import json
 import math
@@ -37,7 +37,7 @@ def write_ply(path, positions, indices):
 
 
 def grid(path, n):
-    """2 n^2 triangles that share their corners."""
+    """A mesh of 2 n^2 triangles with shared vertices."""
     chance = random.Random(1)
     positions = [v for r in range(n + 1) for c in range(n + 1)
                  for v in (2 * c / n - 1, 0.05 * chance.random(), 2 * r / n - 1)]
@@ -47,7 +47,7 @@ def grid(path, n):
 
 
 def soup(path, n):
-    """Long thin triangles that share nothing."""
+    """Long thin triangles without shared vertices."""
     chance = random.Random(2)
     positions = []
     for _ in range(n):
@@ -57,7 +57,7 @@ def soup(path, n):
 
 
 def png(path, side, bits):
-    """Noise: three channels."""
+    """A noise image of three channels."""
     row = 3 * side * bits // 8
     data = random.Random(3).randbytes(row * side)
     raw = b"".join(b"\0" + data[y * row:(y + 1) * row] for y in range(side))
@@ -134,7 +134,7 @@ def make_scenes(folder):
 
 
 def needed_bytes(program, file, options):
-    # Reading the scene needs some, too.
+    # Reading the scene needs memory too.
     found = None
     for allowed in 1, *range(20, 400, 20):
         result = subprocess.run([program, "render", file, *options, "--memory", f"{allowed}M"], capture_output=True, text=True)
@@ -145,7 +145,7 @@ def needed_bytes(program, file, options):
             break
     if not found:
         sys.exit(f"{file}: says nothing of what it needs: {result.stderr}")
-    # What is said is rounded.
+    # The printed figure is rounded.
     return float(found[1]) * 1e9 + 5e7 if found[2] == "GB" else float(found[1]) * 1e6 + 5e5
 
 

@@ -35,7 +35,7 @@ View framing(const GeometryTables& tables)
 }
 
 struct Property {
-    std::string name, type, count_type;  ///< count_type: of a list
+    std::string name, type, count_type;  ///< type of a list's length
 };
 
 std::size_t size_of(const std::string& type)
@@ -75,7 +75,7 @@ std::string stem(const std::string& path)
     return path.substr(from, path.find_last_of('.') - from);
 }
 
-/// Smooth noise of period 1, by hashed heights.
+/// Smooth noise of period 1, from hashed heights.
 double noise(double x, double y, std::uint32_t seed)
 {
     const auto hash = [seed](std::int64_t i, std::int64_t j) {
@@ -119,7 +119,8 @@ void make_terrain(Mesh& mesh, std::size_t triangles)
 void make_boulder(Mesh& mesh, std::size_t triangles)
 {
     GeometryTables& t = mesh.tables;
-    const std::size_t n = std::size_t(std::sqrt(double(triangles) / 4));  // rows; twice as many columns
+    const std::size_t n = std::size_t(std::sqrt(double(triangles) / 4));  // number of rows; there are twice as many
+                                                                          // columns
     const double pi = 3.14159265358979;
     for (std::size_t i = 0; i <= n; ++i)
         for (std::size_t j = 0; j <= 2 * n; ++j) {

@@ -1,6 +1,5 @@
-/// Rays through a mesh that stands still, and through the same mesh while it moves by 5 % of its size: each vertex
-/// along its own line, or all of it as an instance that is shifted and turned by 3 degrees. The same rays for all, each
-/// at a time of its own.
+/// Rays through a static mesh, and through it in motion by 5 % of its size: with each vertex on a line of its own, or
+/// as an instance that is translated and rotated by 3 degrees. All use the same rays, each at a time of its own.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""What ranks of MPI cost: 2 ranks of a thread each beside one process of two threads, in turns.
+"""Overhead of MPI: 2 ranks of one thread each beside one process of two threads, in turns.
 
 usage: mpi.py FATHOM SCENE [OPTION]... [--turns N]
-    options  of `fathom render`, as --spp 1024 --guiding off
+    options  of `fathom render`, such as --spp 1024 --guiding off
 
-Prints medians of the time from start to end and of the time of processors, of all processes, and what a pair of turns differs by;
-on a machine with other work the processors' time tells more. Needs mpirun and two cores.
-"""
+Prints medians of wall clock time and of processor time of all processes, and the relative difference of each pair; on
+a busy machine processor time is more reliable. Needs mpirun and two cores. |"""
 import json
 import os
 import re
@@ -28,7 +27,7 @@ def processors_s():
 
 
 def run(command):
-    """Seconds: of all, of processors, of rendering alone."""
+    """Seconds of wall clock time, of processor time, and of rendering."""
     start, start_processors = time.monotonic(), processors_s()
     result = subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True, check=False)
     taken = time.monotonic() - start, processors_s() - start_processors

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""A Mitsuba scene as it is, in Mitsuba 3 `llvm_ad_rgb` and in Fathom in turns: samples/s, relMSE at equal samples, mean radiance; a line of JSON.
+"""An unmodified Mitsuba scene in Mitsuba 3 `llvm_ad_rgb` and in Fathom, in turns: samples/s, relMSE at equal samples,
+mean radiance; prints a line of JSON.
 
-    bench/originals.py --peers FOLDER --fathom PROGRAM [--width 640] [--spp 32] [--rounds 3] [--reference-spp 512] SCENE_FOLDER
+    bench/originals.py --peers FOLDER --fathom PROGRAM [--width 640] [--spp 32] [--rounds 3] [--reference-spp 512]
+    SCENE_FOLDER
 
-The scene's own integrator, materials and lights; a box filter and a width in both. Mitsuba's time is that of `render` after a first picture, ours that of
-whole commands less that of whole commands with 2 samples. relMSE against our own long render, without the 0.1 % largest errors, from which the means that
-differ are not taken out. Called by scenes.py --originals.
-"""
+The scene keeps its integrator, materials and lights; both renderers use a box filter and the given width. Mitsuba's
+time is that of `render` after a first image; Fathom's is that of a whole command minus that with 2 samples. relMSE
+refers to a long render by Fathom, without the largest 0.1 % of errors; differences of the means are included. Called
+by scenes.py --originals. |"""
 import argparse
 import json
 import statistics
@@ -28,7 +30,7 @@ args = parser.parse_args()
 sys.path.insert(0, str(args.peers))
 import common  # noqa: E402
 
-common.enter("clay")  # goes on in an environment that has what follows
+common.enter("clay")  # restarts in an environment with the packages imported below
 import numpy as np  # noqa: E402
 
 import exr  # noqa: E402
@@ -37,7 +39,7 @@ mi = common.mitsuba("llvm_ad_rgb", 2)
 
 
 def scene_of(path):
-    """With a film of our size and filter: both are fixed once a scene is loaded."""
+    """Loads the scene with the film's size and filter replaced: both are fixed afterwards."""
     mi.file_resolver().append(str(path.parent))
     state = mi.parser.parse_file(mi.parser.ParserConfig(mi.variant()), str(path))
     size = None

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""pbrt-v4's scenes as they are, beside pbrt's own reference pictures: mean of each channel, samples/s and noise of a sample.
+"""Unmodified pbrt-v4 scenes beside pbrt's own reference images: mean of each channel, samples/s and noise per sample.
 
     bench/pbrt.py --fathom PROGRAM [--pbrt PROGRAM] [--spp 256] [--scenes ../shared/scenes/pbrt-v4] [NAME ...]
 
-One thread, pbrt's size and box filter. pbrt's noise is that of its reference, of two halves of 384 samples each. Its speed is that of the
-program given, in turns with ours, by processor time, with its fastest sampler (`independent`); without one it is what the reference's JSON
-says, on the machine that is named there: then speeds are of two machines. Wants numpy and OpenEXR.
-"""
+One thread, pbrt's image size and box filter. pbrt's noise is estimated from two halves of its reference, of 384
+samples each. Its speed is measured with the given program, in turns with Fathom, as processor time with its fastest
+sampler (`independent`); without a program it is taken from the reference's JSON file, and so from another machine.
+Needs numpy and OpenEXR. |"""
 import argparse
 import json
 import re
@@ -28,7 +28,7 @@ def processor_seconds(command):
 
 
 def speed_of_pbrt(program, scene, width, height, rounds=3, few=4, many=36):
-    """Million samples/s of one thread: what more samples take, so that loading does not count."""
+    """Million samples/s of one thread, from the difference of two sample counts, so that loading is excluded."""
     text = scene.read_text()
     text = re.sub(r'^Integrator "\w+"', 'Integrator "path"', text, flags=re.M)
     text = re.sub(r'^Sampler "\w+"', 'Sampler "independent"', text, flags=re.M)
@@ -48,7 +48,7 @@ def speed_of_pbrt(program, scene, width, height, rounds=3, few=4, many=36):
 
 
 def rendered(program, scene, size, spp, seed):
-    """The picture, and the processor's seconds for it, less those for one sample."""
+    """The image and its processor seconds, minus those for one sample."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "out.exr"
 
@@ -70,7 +70,7 @@ def row(program, pbrt, folder, spp):
     brightness = reference.mean(-1, keepdims=True)**2 + (0.01 * reference.mean())**2
 
     def noise(a, b, samples):
-        """relMSE of one sample a pixel."""
+        """relMSE of one sample per pixel."""
         return float(np.mean((a - b)**2 / 2 / brightness) * samples)
 
     ours, theirs = noise(runs[0][0], runs[1][0], spp), noise(*halves, told["spp_per_half"])

@@ -101,7 +101,7 @@ private:
         state_ = state_ * 6364136223846793005u + 1442695040888963407u;
         return double(state_ >> 11) * 0x1p-53;
     }
-    /// Off the surface, so that rays don't meet where they start.
+    /// Ray origin off the surface, to avoid self-intersection.
     Vec3d start(const RayPoint& point) const { return point.p + point.n * (diagonal_ * 1e-5); }
     static void add(RaySet& set, Vec3d o, Vec3d d, float t_max)
     {

@@ -33,7 +33,7 @@ RayView ray_view(const View& view)
     return result;
 }
 
-/// A normal of what an instance places, in the world.
+/// Normal of an instanced mesh in world space.
 Vec3d from_object(const InstanceRecord& instance, const Vec3d& n)
 {
     const auto& m = instance.object_from_render;

@@ -1,5 +1,5 @@
 #pragma once
-/// The rays of a picture of a mesh, made once by our tracer, for all to cast.
+/// Ray sets of a view of a mesh, traced once by Fathom, for all measurements.
 #include <vector>
 
 #include "meshes.h"
@@ -7,11 +7,10 @@
 
 namespace fathom::bench {
 
-/// Seconds on the wall; of the process's own time if it has but one thread at work, since other programs may be
-/// running.
+/// Seconds of wall clock time; of processor time if there is only one thread, since other programs may be running.
 double now(int threads);
 
-/// Of a picture of 1920x1080. Meshes stand still, by instances or without.
+/// Ray sets of a view of 1920x1080 pixels. The mesh is static, instanced or not.
 std::vector<RaySet> make_ray_sets(const Mesh& mesh, const Bvh& bvh, std::size_t parts);
 
 }  // namespace fathom::bench

@@ -1,4 +1,4 @@
-/// Million rays per second by kind of ray, ours and Embree's, on the same rays in one process. See bench/rays.sh.
+/// Million rays per second by kind of ray, by Fathom and by Embree, on the same rays in one process. See bench/rays.sh.
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -66,7 +66,7 @@ int run_all(int argc, char** argv)
             options.parts = std::stoul(value());
         else if (arg == "--build") {
             const std::string level = value();
-            const std::string_view levels[] = {"fast", "standard", "high", "compact"};  // by TreeBuild
+            const std::string_view levels[] = {"fast", "standard", "high", "compact"};  // in the order of TreeBuild
             const auto found = std::find(std::begin(levels), std::end(levels), level);
             if (found == std::end(levels)) throw std::runtime_error("--build: known are fast, standard, high, compact");
             options.build = TreeBuild(found - std::begin(levels));

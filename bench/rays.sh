@@ -1,13 +1,13 @@
 #!/bin/bash
-# Rays per second, ours and Embree's: one JSON line per mesh and kind of ray, and a last one about building the trees.
-#   bench/rays.sh [--quick] [--motion | --instances | --trees] [--mesh FILE.ply]... [--threads N] [--build fast|default|high|compact] [--not-robust]
-# Meshes: those named by --mesh; else the *.ply in $FATHOM_MESHES, if it is set, and generated ones.
-# --quick: fewer rays of smaller meshes, with the best instruction set that the machine has.
-# --motion: each mesh at rest, with vertices that move by 5 % of its size, placed, and placed and moving as far; all rays at
-#   random times; "ours_times_still" and "embree_times_still": rays/s as a part of those of the mesh at rest.
-# --trees: building alone, in turns; seconds on the wall and of the processor; "ratio": how many times as fast as Embree.
-# --instances: each mesh in 10,000 places; unless named otherwise generated ones of 100,000 triangles.
-# --not-robust: Embree without its robust flag; ours stays watertight.
+# Rays per second of Fathom and Embree: one line of JSON per mesh and kind of ray, then one about BVH construction.
+#   bench/rays.sh [--quick] [--motion | --instances | --trees] [--mesh FILE.ply]... [--threads N] [--not-robust]
+#                 [--build fast|standard|high|compact]
+# Meshes: those of --mesh; else $FATHOM_MESHES/*.ply if it is set, and generated ones.
+# --quick: fewer rays and smaller meshes, with the best instruction set of the machine.
+# --motion: each mesh at rest, with vertices moving by 5 % of its size, instanced, and instanced and moving; random times.
+#   "ours_times_still", "embree_times_still": rates relative to the mesh at rest.
+# --trees: construction alone, in turns; wall clock and processor seconds; "ratio": speed relative to Embree.
+# --instances: 10,000 instances of each mesh (default: generated, 100,000 triangles). --not-robust: for Embree only.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -27,7 +27,7 @@ while [ $# -gt 0 ]; do
     shift
 done
 
-# What this machine can't run is left out.
+# Skips instruction sets that the machine lacks.
 isas=()
 supported=$(/lib64/ld-linux-x86-64.so.2 --help)
 for isa in x86-64-v4 x86-64-v3; do

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""Remakes the appendix of the report that Fathom grew out of: the Cornell box at 1 to 10,000 samples a pixel, the times for
-one thread and for all, a graph with its linear fit (SVG), and the time in which light sampling reaches the noise that
-10,000 samples have without it.
+"""Remakes the appendix of the report from which Fathom originated: the Cornell box at 1 to 10,000 samples per pixel,
+times for one thread and for all, a graph with a linear fit (SVG), and the time in which next event estimation reaches
+the noise of 10,000 samples without it.
 
 usage: bench/report.py [--fathom PROGRAM] [--most 10000] [FOLDER]      (default folder: report)
 
-The report's machine took minutes: 3.3 (5 samples), 4.1, 5.5, 12.7, 22.4, 93.8 (5000), 186.5 (10,000).
-"""
+Times in the report, in minutes: 3.3 (5 samples), 4.1, 5.5, 12.7, 22.4, 93.8 (5000), 186.5 (10,000). |"""
 import argparse, json, os, subprocess, sys
 from pathlib import Path
 
@@ -22,13 +21,13 @@ def render(program, scene, out, *options):
 
 
 def mean_variance(program, folder, scene, spp, *options):
-    """Mean over the picture of the variance of the mean, from the exact sums: by two halves of the samples."""
+    """Mean over the image of the variance of the mean, from two halves of the samples with exact sums."""
     halves = []
     for name, samples in [("a", f"0:{spp // 2}"), ("b", f"{spp // 2}:{spp}")]:
         out = folder / f"half-{name}.hdr"
         render(program, scene, out, "--samples", samples, *options)
         halves.append(read_hdr(out))
-    # The difference of two halves has four times the variance of the whole.
+    # The difference of two halves has four times the variance of the mean of all samples.
     return sum((x - y) ** 2 for x, y in zip(*halves)) / len(halves[0]) / 4
 
 
@@ -59,7 +58,7 @@ def read_hdr(path):
 
 
 def fit(points):
-    """Least squares for seconds = a + b * samples."""
+    """Least-squares fit of seconds = a + b * samples."""
     n, sx, sy = len(points), sum(x for x, _ in points), sum(y for _, y in points)
     sxx, sxy = sum(x * x for x, _ in points), sum(x * y for x, y in points)
     b = (n * sxy - sx * sy) / (n * sxx - sx * sx)
@@ -101,7 +100,7 @@ def main():
         picture = args.folder / f"cornell-{spp}.png"
         every.append((spp, render(args.fathom, "cornell-box.json", picture, "--spp", str(spp))))
         one.append((spp, render(args.fathom, "cornell-box.json", picture, "--spp", str(spp), "--threads", "1")))
-        # The report has the mirror wall up to 5000 (87.2 minutes).
+        # The report has the mirror wall up to 5000 samples (87.2 minutes).
         mirror = render(args.fathom, "cornell-box-mirror.json", args.folder / f"mirror-{spp}.png", "--spp", str(spp)) if spp <= 5000 else None
         minutes = REPORT_MINUTES.get(spp)
         mirror_text = f"{mirror / 60:.3f}" if mirror else "-"
@@ -109,7 +108,7 @@ def main():
         print(rows[-1], flush=True)
     graph(args.folder / "times.svg", one, every, threads)
 
-    # Noise falls as one over the number of samples; measured where it is quick, said for 10,000.
+    # Variance falls as one over the number of samples: it is measured at few samples and extrapolated to 10,000.
     without = mean_variance(args.fathom, args.folder, "cornell-box.json", 128, "--light-sampling", "off") * 128 / 10000
     spp = 2
     while mean_variance(args.fathom, args.folder, "cornell-box.json", spp) > without and spp < 4096:

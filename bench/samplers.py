@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Noise at equal samples beside each sampler of Mitsuba 3: relMSE of diffuse twins of its scenes; a table in Markdown.
 
-    bench/samplers.py [--peers FOLDER] [--fathom PROGRAM] [--width 320] [--spp 64] [--seeds 2] [--reference-spp 1024] TWIN...
+    bench/samplers.py [--peers FOLDER] [--fathom PROGRAM] [--width 320] [--spp 64] [--seeds 2] [--reference-spp 1024]
+    TWIN...
 
-TWIN: a folder that scenes.py has made, in ~/.cache/fathom-scenes unless told otherwise. FOLDER holds a module `common` that finds Mitsuba
-(`enter`, `mitsuba`). `orthogonal` takes squares of primes: the nearest below, its error scaled to the others' number. Ours without guidance and as it
-comes; relMSE against our own long render, without the 0.1 % largest errors. Nothing is timed.
-"""
+TWIN: a folder made by scenes.py, by default in ~/.cache/fathom-scenes. FOLDER holds a module `common` that finds
+Mitsuba (`enter`, `mitsuba`). `orthogonal` needs squares of primes: the next lower one is used, and its error is scaled
+to the others' number of samples. Fathom runs without guiding and with default settings. relMSE refers to a long render
+by Fathom, without the largest 0.1 % of errors. Nothing is timed. |"""
 import argparse
 import json
 import subprocess
@@ -29,7 +30,7 @@ args = parser.parse_args()
 sys.path.insert(0, str(args.peers.resolve()))
 import common  # noqa: E402
 
-common.enter("clay")  # goes on in an environment that has what follows
+common.enter("clay")  # restarts in an environment with the packages imported below
 import numpy as np  # noqa: E402
 
 import exr  # noqa: E402
@@ -44,7 +45,7 @@ def square_of_prime(most):
 
 
 def mitsuba_scene(twin, sampler, size):
-    """Its files are found beside the scene, so that is where the one with another sampler has to be for a moment."""
+    """Writes the scene with another sampler beside the original temporarily: its files are found relative to it."""
     text = (twin / "scene.xml").read_text().replace('<sampler type="independent">', f'<sampler type="{sampler}">')
     with tempfile.NamedTemporaryFile("w", suffix=".xml", dir=twin) as file:
         file.write(text)

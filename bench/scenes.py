@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Speed and noise of real scenes beside Mitsuba 3 `llvm_ad_rgb`, and where our time goes; writes a table in Markdown.
+"""Speed and noise of real scenes beside Mitsuba 3 `llvm_ad_rgb`, and Fathom's time by stage; writes a table in
+Markdown.
 
-Each scene of --scenes (folders with a Mitsuba scene.xml) is made into a diffuse twin that both programs read, by `clay.py` of
---peers, and both render it in turns by `clay_compare.py` there, which makes its own Python environment for Mitsuba. With
---originals both render the scenes as they are (originals.py), with all their materials. Speed is
-the ratio of samples/s, efficiency that of 1 / (relMSE x seconds) at equal samples; medians of the rounds. The machine should
-have nothing else to do: ratios of runs in turns bear some of it, but not all.
-"""
+`clay.py` of --peers makes each scene of --scenes (folders with a Mitsuba scene.xml) into a diffuse twin that both
+programs read. `clay_compare.py`, also of --peers, renders the twins in turns; it makes its own Python environment for
+Mitsuba. With --originals both programs also render the unmodified scenes (originals.py). Speed is the ratio of
+samples/s, efficiency the ratio of 1 / (relMSE x seconds) at equal samples; both are medians of the rounds. The machine
+should be idle: alternating runs compensate for some load, but not all. |"""
 import argparse, json, math, os, subprocess, sys, tempfile
 from pathlib import Path
 
@@ -22,14 +22,14 @@ def make_twin(peers, scene, folder):
 
 
 def options_of(twin):
-    """clay.py writes environments for a renderer whose pictures have -z in their middle; ours have +x there."""
+    """Rotates environments: clay.py writes them with -z at the image's center, Fathom expects +x."""
     environment = json.loads((twin / "scene.json").read_text()).get("environment", {})
     return ["--env-rotate", "90"] if environment.get("kind") == "image" else []
 
 
 def without_avx512(folder):
-    """Keeps all that is started from here on to AVX2 where the loader chooses, and returns what Mitsuba needs for that in its environment; puts a library for
-    it into a folder."""
+    """Restricts child processes to AVX2 where the loader chooses, by a library written into a folder; returns the
+    environment variables that Mitsuba needs for it."""
     os.environ["GLIBC_TUNABLES"] = "glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512BW,-AVX512CD,-AVX512DQ"
     library = Path(folder) / "mitsuba_avx2.so"
     subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", str(library), str(ROOT / "bench/mitsuba_avx2.c")], check=True)
@@ -106,7 +106,8 @@ def main():
         rows.append(row(name, figures, cost_sheet(args, folder)))
         mean = lambda values: math.prod(values) ** (1 / len(values))
         foot = f"| geometric mean (least) | {mean(speeds):.2f} ({min(speeds)}) | {mean(efficiencies):.2f} ({min(efficiencies)}) | | | | | | |"
-        args.out.write_text("\n".join(head + rows + [foot]) + "\n", encoding="utf-8")  # what there is, should it be stopped
+        args.out.write_text("\n".join(head + rows + [foot]) + "\n", encoding="utf-8")  # keeps intermediate results if
+                                                                                       # the run is stopped
         print(rows[-1], flush=True)
     print(foot)
 

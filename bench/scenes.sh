@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Speed and noise of real scenes beside Mitsuba 3, in alternating pairs, and where our time goes: a table in Markdown.
-# Installs and builds first what that needs. See bench/scenes.py --help.
+# Speed and noise of real scenes beside Mitsuba 3, in alternating pairs, and Fathom's time by stage: a table in
+# Markdown. Installs and builds what is missing first. See bench/scenes.py --help.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 # shellcheck source=scripts/setup.sh

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""The small scenes of Mitsuba's own test suite beside their references, as they are.
+"""Unmodified small scenes of Mitsuba's test suite beside their reference images.
 
     bench/test_scenes.py --fathom PROGRAM FOLDER [--spp 512]
 
-FOLDER: `tests/scenes` of a checkout of github.com/mitsuba-renderer/mitsuba-data. For each scene the mean of red, green and blue over that of
-the reference of the variant `rgb`, and of 8 by 8 parts of the picture the worst and the middle difference, over the part with a fifth of the
-mean added. Wants numpy and OpenEXR.
-"""
+FOLDER: `tests/scenes` of a checkout of github.com/mitsuba-renderer/mitsuba-data. Prints, for each scene, the mean of
+red, green and blue relative to the reference of the variant `rgb`, and the worst and the median difference of blocks
+of 8x8 pixels, relative to the block plus a fifth of the mean. Needs numpy and OpenEXR. |"""
 import argparse
 import re
 import subprocess

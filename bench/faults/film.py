@@ -1,9 +1,9 @@
-"""Reads film files as docs/film-files.md describes them, by nothing of Fathom's own."""
+"""Reads film files by their description in docs/film-files.md, without Fathom's code."""
 import struct
 
 
 def read_film(path):
-    """The attributes of text, and the sums' words line by line."""
+    """Returns the text attributes and the words of the sums, row by row."""
     with open(path, "rb") as file:
         data = file.read()
     assert data[:4] == b"\x76\x2f\x31\x01", "no EXR"
@@ -46,7 +46,7 @@ def read_film(path):
 
 
 def numbers_of(path):
-    """The numbers of each pixel, as exact integers: {(x, y): [...]}."""
+    """Returns the exact integer sums of each pixel: {(x, y): [...]}."""
     texts, lines = read_film(path)
     packing = [tuple(map(int, number.split("+"))) for number in texts["fathom.sums.packing"].split(",")]
     pixels = {}
@@ -54,7 +54,7 @@ def numbers_of(path):
         for x in range(len(words[0]) // 4 if words else 0):
             packed, at, numbers = b"".join(word[4 * x:4 * x + 4] for word in words), 0, []
             for i, (first, count) in enumerate(packing):
-                # Squares and ids have no sign; ids are the last three, of 4 bytes, where there are any.
+                # Squares and ids are unsigned; ids, if any, are the last three numbers, of 4 bytes.
                 signed = not 3 <= i < 6
                 numbers.append(int.from_bytes(packed[at:at + count], "little", signed=signed) << 8 * first)
                 at += count

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Kills renders at random moments and lets their writes end at random bytes: no checkpoint may be lost or damaged, and no final
-picture may differ in a bit from that of an unbroken run.
+"""Kills renders at random moments and cuts their writes at random bytes: no checkpoint may be lost or damaged, and
+every final image must equal that of an uninterrupted run bit by bit.
 
 usage: kills.py FATHOM [KILLS [SEED]]
-    KILLS   until so many renders were killed (default 1000)
+    KILLS   number of renders to kill (default 1000)
 
-Each run of a render is killed (kill -9) after a random time, or not. Of three, one may write files of a random length only
-(RLIMIT_FSIZE), and one writes to a file system that is nearly full (a tmpfs, which needs root: else it is told that these were left
-out). After each the states are read: the newer of both must be whole, and must have no fewer samples than before.
-"""
+Each run of a render is killed (kill -9) after a random time, or not. One run in three can write files of a random
+length only (RLIMIT_FSIZE), and one in three writes to a nearly full file system (a tmpfs, which needs root; otherwise
+the report says that it was left out). After each run both checkpoints are read: the newer one must be complete, and
+must not have fewer samples than before. |"""
 import json
 import os
 import random
@@ -68,13 +68,14 @@ class Faults:
         except subprocess.TimeoutExpired:
             process.kill()
             text = process.communicate()[1]
-        # Kills fall within the shortest render so far: while the machine was busy one took longer, and a kill might come too late.
+        # Kills are timed within the shortest render so far: a run on a busy machine takes longer, and later kills might
+        # miss.
         if is_whole and process.returncode == 0:
             self.seconds = min(self.seconds, time.monotonic() - start)
         return process.returncode, text
 
     def samples(self, checkpoint):
-        """Of the state that a render would go on from: the one with more, as it says."""
+        """The checkpoint that a render would resume from: the one that reports more samples."""
         best = 0
         for name in checkpoint + ".exr", checkpoint + ".previous.exr":
             if not os.path.exists(self.path(name)):
@@ -88,7 +89,7 @@ class Faults:
         return best
 
     def fill_disk(self):
-        """Leaves a random part of the small disk free."""
+        """Fills the small disk up to a random amount of free space."""
         ballast = os.path.join(self.small_disk, "ballast")
         if os.path.exists(ballast):
             os.remove(ballast)
@@ -97,14 +98,14 @@ class Faults:
             file.write(bytes(self.random.randrange(status.f_bavail * status.f_frsize)))
 
     def render(self, kind):
-        """One picture, by as many runs as it takes."""
+        """Renders one image in as many runs as it takes."""
         place = "small/" if kind == "full" else ""
         for name in "c.exr", "c.previous.exr", "ballast", "a.png":
             if os.path.exists(self.path(place + name)):
                 os.remove(self.path(place + name))
         before, is_done, arguments = 0, False, ["--checkpoint", place + "c.exr", "-o", place + "a.png"]
         for attempt in range(1000):
-            # The last ones have all that they need: a picture may be done while its checkpoint found no room.
+            # The last attempts run undisturbed: a finished image may coincide with a checkpoint that found no space.
             hindered = attempt < 30 and not is_done
             limit = self.random.randrange(600_000) if hindered and kind == "limit" else None
             if hindered and kind == "full":

@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
-"""What merging many parts takes: time, processors and peak memory.
+"""Time, processor time and peak memory of merging many parts.
 
 usage: merge_parts.py FATHOM FOLDER [PARTS [WIDTHxHEIGHT]]
-    FOLDER  where the parts go (33 GB for 256 parts of 1920x1080); what is there already is used again
+    FOLDER  folder of the parts (33 GB for 256 parts of 1920x1080); existing parts are reused
 
-Each part is a render of its own, of one sample a pixel; the merged samples must be all of them.
-"""
+Each part is a render of one sample per pixel; the merged film must have all samples. |"""
 import json
 import os
 import resource
@@ -38,7 +37,7 @@ def main():
     subprocess.run([fathom, "merge", *parts, "-o", "merged.exr"], check=True)
     seconds = time.monotonic() - start
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-    # The largest of all children: the renders above take less than merging does.
+    # Maximum over all child processes: the renders above need less memory than merging.
     print(f"{count} parts of {size}, {sum(os.path.getsize(part) for part in parts) / 1e9:.1f} GB: {seconds:.1f} s, "
           f"peak memory {usage.ru_maxrss / 1024:.0f} MB")
     info = json.loads(subprocess.run([fathom, "info", "merged.exr", "--json"], check=True, capture_output=True).stdout)

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""One picture by any threads, instruction sets, parts and interruptions: whether all have the same bits.
+"""Checks that an image has the same bits for all numbers of threads, instruction sets, parts and interruptions.
 
     one_hash.py PROGRAM PICTURE_HASH SCENE...
 
-Each scene is rendered with 48 samples a pixel and all layers: by 1, 2, 3, 7 and 64 threads, with each instruction set that this machine
-has, in 1, 3 and 16 parts, and in 1, 2 and 6 runs that go on from a checkpoint. Ends with 1 if two hashes differ.
-"""
+Each scene is rendered with 48 samples per pixel and all layers: with 1, 2, 3, 7 and 64 threads, with each instruction
+set of this machine, in 1, 3 and 16 parts, and in 1, 2 and 6 runs that resume from a checkpoint. Exits with 1 if two
+hashes differ. |"""
 import os
 import subprocess
 import sys
@@ -25,7 +25,7 @@ def run(*words):
 
 
 def kernels(program):
-    """Commands of the program by the instruction set that they use."""
+    """Commands of the program by instruction set."""
     found = {}
     for level in LEVELS:
         command = [LOADER, "--glibc-hwcaps-mask", level, program]
@@ -34,7 +34,7 @@ def kernels(program):
 
 
 def pictures_of(program, scene, folder):
-    """What was done, and the file that it made."""
+    """Description of a run and the file that it wrote."""
     def file(name):
         return os.path.join(folder, name + ".exr")
     for kernel, command in kernels(program).items():
@@ -44,7 +44,7 @@ def pictures_of(program, scene, folder):
             yield f"{kernel}, {threads} threads", out
     for parts in (1, 3, 16):
         names = [file(f"part-{k}") for k in range(1, parts + 1)]
-        # Every other one by the base library, as on machines of different kinds.
+        # Every second part uses the base library, as in a mix of machines.
         commands = list(kernels(program).values())
         for k, name in enumerate(names, 1):
             run(*commands[k % len(commands)], "render", scene, *OPTIONS, "--spp", SAMPLES, "--part", f"{k}/{parts}", "-o", name)

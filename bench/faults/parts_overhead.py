@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""What it costs to render a picture in parts, one after the other: processor time against that of one run, and whether the bits are the same.
+"""Cost of rendering an image in parts, one after the other: processor time relative to a single run, and whether the
+bits are equal.
 
-    bench/faults/parts_overhead.py FATHOM PICTURE_HASH SCENE [--parts 16] [--spp N] [--size WxH] [--runs 3] [-- OPTION...]
+    bench/faults/parts_overhead.py FATHOM PICTURE_HASH SCENE [--parts 16] [--spp N] [--size WxH] [--runs 3] [--
+    OPTION...]
 
-Both ways keep their sums in films, as what is to be merged has to: the one run by --mergeable. They are rendered in turns, and of each the least time is taken: others
-at work on the machine only add to it. Told are seconds of processors (user and system), what merging took of them, and what each part spends before its first sample.
-"""
+Both ways keep their sums in films, as merging requires: the single run by --mergeable. They run in turns, and the
+minimum counts, since other load only adds time. Prints processor seconds (user and system), those of merging, and
+those of each part before its first sample. |"""
 import argparse
 import json
 import os
@@ -21,7 +23,7 @@ def cpu_s():
 
 
 def timed(words):
-    """Processor seconds, and the program's summary."""
+    """Returns processor seconds and the program's summary."""
     before = cpu_s()
     result = subprocess.run(words, capture_output=True, text=True)
     if result.returncode != 0:

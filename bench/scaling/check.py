@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""The model against renders: so many processes at once, each as a machine of its own, read a scene from a server of little bandwidth.
+"""Checks the model against renders: several processes at a time, each standing for a machine, read a scene from a file
+server of low bandwidth.
 
     bench/scaling/check.py FATHOM SCENE_FOLDER SCENE [--processes 8] [--mb-s 40] [--names-s 500] [--cached]
 
-Told are when the first and the last began to render, as it was and as model.py has it; parsing and building are measured without a server. Needs the right to mount,
-and the package fusepy.
-"""
+Prints when the first and the last process begin to render, measured and by model.py; parsing and building are measured
+without a server. Needs permission to mount, and the package fusepy. |"""
 import argparse
 import json
 import os
@@ -21,7 +21,7 @@ HERE = Path(__file__).resolve().parent
 
 
 def begun(words):
-    """Begins a render; a function that waits for its end, and says how long it took until it rendered."""
+    """Starts a render; returns a function that waits for its end and returns the time until rendering began."""
     process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
 
     def wait():
@@ -51,7 +51,7 @@ def main():
         def words(folder, index):
             return [o.fathom, "render", f"{folder}/{o.scene}", "--size", "32x24", "--spp", "1", "--threads", "1", "--guiding", "off", "--progress", "json",
                     "-o", f"{temporary}/{index}.exr"]
-        # Without a server, with files in the cache.
+        # Without a server, and with files in the cache.
         begun(words(o.folder, 0))()
         waits = [begun(words(o.folder, i)) for i in range(o.processes)]
         local = sorted(wait() for wait in waits)
@@ -68,7 +68,7 @@ def main():
     options = model.parser().parse_args([])
     options.machines, options.scene_gb, options.names = readers, asked["bytes"] / 1e9 / readers, asked["names"] / readers
     options.server_gb_s, options.link_gb_s, options.names_s, options.names_link_s = o.mb_s / 1e3, 100, o.names_s, o.names_s
-    # All have read at the same time, and then share this machine's processors.
+    # All processes finish reading at the same time, and then share this machine's cores.
     options.parse_s, options.build_s, options.render_s = local[len(local) // 2], 0, 1e-3
     modelled = model.Farm(options).result()
     print(json.dumps({"bytes_from_server": asked["bytes"], "names_from_server": asked["names"], "without_server_s": local[len(local) // 2],

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Many machines that render parts of one picture, and the file server that they read from: when each begins, and what the server sees.
+"""Model of many machines that render parts of one image, and of their file server: when each begins to render, and the
+load of the server.
 
-    bench/scaling/model.py [--machines 1000] [--scene-gb 10] [--files 200] [--names 2000] [--server-gb-s 10] [--link-gb-s 1.25] [--names-s 50000]
-                           [--parse-s 60] [--build-s 60] [--render-s 3600] [--film-mb 90] [--every-s 600] [--stagger-s 0] [--json]
+    bench/scaling/model.py [--machines 1000] [--scene-gb 10] [--files 200] [--names 2000] [--server-gb-s 10]
+        [--link-gb-s 1.25] [--names-s 50000] [--parse-s 60] [--build-s 60] [--render-s 3600] [--film-mb 90]
+        [--every-s 600] [--stagger-s 0] [--json]
 
-A machine asks for names, reads the scene at whatever rate its link and its share of the server's let it, builds, renders, and writes its film now and then.
-The server's rate is shared evenly by those who use it at a time. Figures of a render: reads.py.
-"""
+A machine looks up names, reads the scene at the rate of its link and its share of the server, builds, renders, and
+writes its film periodically. The server's rate is divided evenly among its current users. Figures of a real render:
+reads.py. |"""
 import argparse
 import heapq
 import itertools
@@ -28,10 +30,10 @@ class Clock:
 
 
 class Share:
-    """A rate that is divided evenly among those who use it, none of whom gets more than `most`.
+    """A rate that is divided evenly among its users, each of whom gets at most `most`.
 
-    All get alike, so what each has got since the beginning is one number, `given`, and who ends next is known.
-    """
+    All users get equal amounts, so the amount per user since the start is one number, `given`, which determines who
+    finishes next. |"""
 
     def __init__(self, clock, rate, most):
         self.clock, self.rate, self.most = clock, rate, most

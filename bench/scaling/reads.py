@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
-"""What a render asks of the file system: names, opens, reads and writes, by strace.
+"""File system requests of a render: names, opens, reads and writes, traced with strace.
 
-    bench/scaling/reads.py FATHOM render SCENE [OPTION]...      as JSON: what the model reads (model.py)
-"""
+    bench/scaling/reads.py FATHOM render SCENE [OPTION]...      prints JSON, the input of model.py |"""
 import json
 import os
 import re
@@ -13,7 +12,7 @@ import tempfile
 NAMES = {"openat", "open", "newfstatat", "stat", "lstat", "statx", "access", "faccessat2", "readlink", "readlinkat", "rename", "renameat2", "linkat",
          "unlink", "unlinkat"}
 CALLS = ",".join(sorted(NAMES | {"fstat", "read", "pread64", "readv", "write", "pwrite64", "mmap", "fsync"}))
-#: Of the machine, not of the share.
+# Local files, which are not on the file server.
 LOCAL = re.compile(r"^/(proc|sys|dev|usr|lib|lib64|etc|run)(/|$)")
 
 
@@ -26,7 +25,7 @@ def traced(words):
 
 
 def asked(words, local=LOCAL):
-    """By file of the share: how often it was named, opened, read and written, and the bytes."""
+    """By file on the server: numbers of lookups, opens, reads and writes, and bytes."""
     files = {}
     for line in traced(words):
         call = re.match(r"\d+ +(\w+)\((.*)\) += (-?\d+)", line)

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""A folder as a file server of little bandwidth shows it, by FUSE: to compare model.py with.
+"""Simulates a file server of low bandwidth for a folder, by FUSE, to compare with model.py.
 
     bench/scaling/share.py FOLDER MOUNT MB_A_SECOND NAMES_A_SECOND LOG [--cached]
 
-Every read waits for its share of the bandwidth, as every look at a name does of theirs; LOG gets the bytes and names at the end. Nothing is kept by the system's
-cache, as if each reader were a machine of its own; with --cached, as if all of them were on one. Needs the package fusepy and libfuse2.
-"""
+Every read waits for its share of the bandwidth, and every lookup for its share of lookups; LOG gets totals of bytes
+and names at the end. The system's cache is disabled, as if every reader were on another machine; with --cached all
+readers share one. Needs the package fusepy and libfuse2. |"""
 import errno
 import json
 import os
@@ -17,7 +17,7 @@ import fuse
 
 
 class Rate:
-    """One after the other, at so many a second."""
+    """A queue that serves requests one by one at a fixed rate."""
 
     def __init__(self, rate):
         self.rate, self.free, self.lock, self.amount = rate, 0.0, threading.Lock(), 0
