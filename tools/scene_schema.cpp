@@ -1,6 +1,6 @@
-/// Writes the parts of docs/scene.schema.json that follow from the lists of materials and textures
-/// (src/scene/material_table.cpp, texture_table.cpp):  scene_schema FILE
-/// With --check it only says whether they are as they should be.
+/// Writes the parts of docs/scene.schema.json that follow from the tables of materials and textures
+/// (src/scene/material_table.cpp, texture_table.cpp): scene_schema FILE. With --check it only reports whether they are
+/// up to date.
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -32,7 +32,7 @@ void add_bounds(Json& json, const Parameter<Owner>& p)
     if (p.most != p.unbounded) json["maximum"] = number(p.most, false);
 }
 
-/// The type of a parameter, and its default.
+/// Schema of a parameter's type, and its default.
 template <class Owner, class Member>
 Json type_of(const Parameter<Owner>& p, Member member, Json& value)
 {
