@@ -1,5 +1,5 @@
-# Basis Universal's transcoder, for pictures in KTX2 (docs/formats.md). No distribution packages it; its sources come in a
-# crate, which cargo fetches and checks. Where there is no cargo, or nothing to be fetched, Fathom reads no KTX2.
+# Basis Universal's transcoder, for KTX2 images (docs/formats.md). Debian and Ubuntu don't package it; cargo fetches its
+# sources as a crate, with a checksum. Without cargo or network, Fathom is built without KTX2.
 set(FATHOM_BASIS_VERSION 0.3.1)
 set(FATHOM_BASIS_SOURCES "" CACHE PATH "Sources of Basis Universal; empty: fetched by cargo")
 set(basis_sources ${FATHOM_BASIS_SOURCES})
@@ -26,10 +26,10 @@ enable_language(C)
 add_library(fathom_basis STATIC ${basis_sources}/transcoder/basisu_transcoder.cpp ${basis_sources}/zstd/zstddeclib.c)
 target_include_directories(fathom_basis SYSTEM PUBLIC ${basis_sources}/transcoder)
 target_compile_definitions(fathom_basis PUBLIC BASISD_SUPPORT_KTX2=1 BASISD_SUPPORT_KTX2_ZSTD=1)
-# Only plain pixels are asked for: no tables of other packed formats.
+# Only uncompressed pixels are needed: no tables of other texture formats.
 foreach(format DXT1 DXT5A BC7 BC7_MODE5 PVRTC1 PVRTC2 ETC2_EAC_A8 ETC2_EAC_RG11 ATC ASTC FXT1)
   target_compile_definitions(fathom_basis PUBLIC BASISD_SUPPORT_${format}=0)
 endforeach()
-# Its asserts doubt what it tells of damaged files a moment later.
+# Its asserts fail on damaged files, for which its functions return errors.
 target_compile_definitions(fathom_basis PRIVATE NDEBUG)
 target_compile_options(fathom_basis PRIVATE -w -fno-strict-aliasing)

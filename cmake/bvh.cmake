@@ -1,4 +1,4 @@
-# The acceleration structure alone, for one instruction set: tests and benchmarks link it without the kernel around it.
+# The BVH alone, for one instruction set: tests and benchmarks link it without the rest of the kernel.
 set(FATHOM_BVH_SOURCES bvh.cpp builder/binary.cpp builder/build.cpp builder/child_order.cpp builder/chunk.cpp builder/collapse.cpp
   builder/cost.cpp builder/items.cpp builder/large_set.cpp builder/leaf_data.cpp builder/morton.cpp builder/motion.cpp
   builder/occlusion.cpp builder/reinsertion.cpp builder/spatial.cpp builder/split.cpp builder/treelet.cpp)
@@ -9,7 +9,7 @@ function(fathom_bvh_library name isa)
   target_link_libraries(${name} PUBLIC fathom_flags fathom_float fathom_base TBB::tbb)
   target_compile_options(${name} PUBLIC ${FATHOM_ISA_FLAGS_${isa}})
   target_compile_definitions(${name} PUBLIC FATHOM_LANE_PAIRS=${FATHOM_BVH_PAIRS_${isa}})
-  # GCC 12's own AVX-512 header warns.
+  # GCC 12's own AVX-512 headers cause these warnings.
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
     target_compile_options(${name} PUBLIC -Wno-uninitialized -Wno-maybe-uninitialized)
   endif()

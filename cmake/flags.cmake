@@ -1,7 +1,8 @@
-# What every target of the project compiles with.
+# Compiler flags of all targets of the project.
 add_library(fathom_flags INTERFACE)
 target_compile_options(fathom_flags INTERFACE -Wall -Wextra -Wshadow -Wno-unused-parameter)
-# A mask of one lane is a bool: & and | are meant, as they are at the other widths.
+# With one lane a mask is a bool: & and
+# are intended, as for wider masks.
 if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
   target_compile_options(fathom_flags INTERFACE -Wno-bitwise-instead-of-logical)
 endif()
@@ -9,7 +10,7 @@ if(FATHOM_WERROR)
   target_compile_options(fathom_flags INTERFACE -Werror)
 endif()
 if(FATHOM_SANITIZE)
-  # Else every file is compiled before the first linker says so.
+  # Checks that sanitizers link, which would otherwise fail only after everything is compiled.
   include(CheckCXXSourceCompiles)
   set(CMAKE_REQUIRED_FLAGS -fsanitize=${FATHOM_SANITIZE})
   check_cxx_source_compiles("int main() {}" FATHOM_SANITIZER_LINKS)
@@ -29,35 +30,35 @@ if(FATHOM_FUZZ)
   if(NOT FATHOM_FUZZER_COMPILES)
     message(FATAL_ERROR "-fsanitize=fuzzer is not there: FATHOM_FUZZ needs Clang with its libraries (libclang-rt-19-dev)")
   endif()
-  # What the sanitizers find ends the program, or libFuzzer would not keep the file.
+  # Errors found by sanitizers end the program: otherwise libFuzzer would not keep the input.
   target_compile_options(fathom_flags INTERFACE -fsanitize=fuzzer-no-link -fno-sanitize-recover=all)
 endif()
 target_include_directories(fathom_flags INTERFACE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
 
-# The same bits on every machine and at every width: a product and a sum become one rounding only where the code says
-# fma; no fast-math. errno and traps decide nothing here.
+# Results are equal on all machines and at all SIMD widths: contraction to fused multiply-add only where the code says
+# fma, and no fast-math. errno and floating-point traps are not used.
 add_library(fathom_float INTERFACE)
 target_compile_options(fathom_float INTERFACE -ffp-contract=off -fno-math-errno -fno-trapping-math)
 
-# Instruction sets of the kernel library; the dynamic loader picks one.
+# Instruction sets of the kernel library; the dynamic loader selects one.
 set(FATHOM_ISA_FLAGS_base "")
 set(FATHOM_ISA_FLAGS_x86-64-v3 -march=x86-64-v3)
-# 512-bit registers must be asked for: compilers prefer 256 bits for code that they vectorise by themselves.
+# Compilers prefer 256-bit registers for code that they vectorize, unless 512 bits are requested.
 set(FATHOM_ISA_FLAGS_x86-64-v4 -march=x86-64-v4 -mprefer-vector-width=512)
-# GCC 12 warns of the undefined operands that its own AVX-512 headers pass on purpose.
+# GCC 12 warns of undefined operands that its own AVX-512 headers pass on purpose.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   set(FATHOM_KERNEL_FLAGS -Wno-uninitialized -Wno-maybe-uninitialized)
 endif()
-# Whether a lane type is a pair of registers: twice the independent instructions to hide latency with.
+# Whether a lane type is a pair of registers, which doubles the independent instructions and hides latency.
 set(FATHOM_ISA_PAIRS_base 0)
 set(FATHOM_ISA_PAIRS_x86-64-v3 1)
 set(FATHOM_ISA_PAIRS_x86-64-v4 1)
-# The same for the tree of src/geometry/bvh/bvh.h, which has 16 lanes wherever there are registers.
+# Register pairs for src/geometry/bvh/bvh.h, which uses 16 lanes on every instruction set with SIMD registers.
 set(FATHOM_BVH_PAIRS_base 0)
 set(FATHOM_BVH_PAIRS_x86-64-v3 1)
 set(FATHOM_BVH_PAIRS_x86-64-v4 0)
-# Sanitizers get the base alone: at one lane the same source is ordinary code, which they see through, and they need a
-# quarter of an hour to compile the wide kernels.
+# Sanitizer builds have the base instruction set only: with one lane the source is scalar code, which sanitizers analyze
+# well. Wide kernels would take a quarter of an hour to compile with them.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT FATHOM_SANITIZE)
   set(FATHOM_ALL_ISAS base x86-64-v3 x86-64-v4)
 else()

@@ -1,5 +1,5 @@
-# `cmake --install`: the program, the library with the kernel libraries and the modules beside it, headers, the CMake package.
-# Everything finds everything else relative to itself, so the folder may be moved.
+# `cmake --install`: the program, the library with its kernel libraries and modules, headers, and the CMake package. All
+# paths are relative, so the installed folder can be moved.
 include(CMakePackageConfigHelpers)
 set(FATHOM_PACKAGE_FOLDER ${CMAKE_INSTALL_LIBDIR}/cmake/fathom)
 
@@ -10,7 +10,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/docs/scene.schema.json ${PROJECT_SOURCE_DIR}
               ${PROJECT_SOURCE_DIR}/LICENSE
         DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
-# fathom::fathom, for find_package(fathom). What the library itself links stays its own affair.
+# fathom::fathom for find_package(fathom). Libraries that fathom links are not exported.
 install(EXPORT fathom FILE fathom-targets.cmake NAMESPACE fathom:: DESTINATION ${FATHOM_PACKAGE_FOLDER})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/fathom-config.cmake.in ${CMAKE_BINARY_DIR}/fathom-config.cmake
                               INSTALL_DESTINATION ${FATHOM_PACKAGE_FOLDER} NO_SET_AND_CHECK_MACRO)

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# The two commands of the README on a machine that has nothing yet: a minimal system in a folder (debootstrap, chroot).
+# Runs the two commands of the README on a minimal system: a fresh installation in a folder (debootstrap, chroot).
 #   scripts/bare_machine_test.sh [--no-tests | --only-tests] [SUITE] [MIRROR]
-# SUITE is bookworm (Debian 12, the default) or noble (Ubuntu 24.04); MIRROR is where its packages come from (default: the first
-# that this machine's apt has). What is tested is the last commit. Needs root, debootstrap, 8 GB of disk and about half an
-# hour; it is no part of CI. DEBOOTSTRAP_OPTIONS may say more, as --keyring=FILE where this machine lacks the suite's keys.
+# SUITE is bookworm (Debian 12, the default) or noble (Ubuntu 24.04); MIRROR is the source of its packages (default: the
+# first one in this machine's apt configuration). The last commit is tested. Needs root, debootstrap, 8 GB of disk and
+# about half an hour; not part of CI. DEBOOTSTRAP_OPTIONS may add options, such as --keyring=FILE if this machine lacks
+# the suite's keys.
 set -euo pipefail
 commands="render tests"
 case "${1:-}" in
@@ -15,11 +16,11 @@ suite=${1:-bookworm}
 mirror=${2:-$(apt-get indextargets --format '$(REPO_URI)' | head -n 1)}
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 bare=$(mktemp -d)
-chmod 755 "$bare"  # users look into it too
+chmod 755 "$bare"  # other users need access too
 
 cleanup() {
     umount "$bare/dev/shm" "$bare/proc" 2>/dev/null || true
-    # Never through a mount that is still there.
+    # Never deletes through a mount that still exists.
     if ! grep -q " $bare/" /proc/mounts; then rm -rf --one-file-system "$bare"; fi
 }
 trap cleanup EXIT
@@ -28,7 +29,7 @@ fail() {
     echo "bare machine: FAILED: $*"
     exit 1
 }
-# inside USER COMMAND...: in the bare system, in the folder of Fathom, with nothing of this machine's environment.
+# inside USER COMMAND...: runs a command in the bare system, in Fathom's folder, with a clean environment.
 inside() {
     local user=$1 home=/root
     shift
@@ -36,7 +37,7 @@ inside() {
     chroot --userspec="$user" "$bare" /usr/bin/env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
         HOME="$home" LC_ALL=C bash -c 'cd /fathom && "$@"' bash "$@" </dev/null
 }
-# timed NAME COMMAND...: says how long it took.
+# timed NAME COMMAND...: runs a command and reports its time.
 timed() {
     local name=$1
     local TIMEFORMAT="bare machine: $name: %0R s, with %0U + %0S s of CPU"
@@ -48,7 +49,7 @@ make_system() {
     local components=main script=()
     if [ "$suite" = noble ]; then
         components=main,universe
-        # Older debootstraps don't know this release; all of Ubuntu's have the same script.
+        # Older debootstraps don't know this release; all Ubuntu releases use one script.
         [ -e "/usr/share/debootstrap/scripts/$suite" ] || script=(/usr/share/debootstrap/scripts/gutsy)
     fi
     # shellcheck disable=SC2086  # several options
@@ -80,7 +81,7 @@ test_render() {
     echo "bare machine: $(du -shx "$bare" | cut -f 1) in all"
     timed "render.sh, the second time" inside root ./render.sh
 
-    # A package is taken away again, and a user who may not install it asks for a picture; then one who may.
+    # With one package removed, a user who may not install it runs render.sh, then one who may.
     inside root apt-get -qq --yes remove libstb-dev >/dev/null
     make_user
     if inside user ./render.sh >"$bare/tmp/no-sudo.log" 2>&1; then fail "a user without sudo should get an error"; fi

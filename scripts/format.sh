@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Lays all sources out as .clang-format says.
-#   scripts/format.sh             changes them
-#   scripts/format.sh --check     changes nothing, and names those that it would change; that there are any is a failure
+# Formats all sources by .clang-format.
+#   scripts/format.sh             formats in place
+#   scripts/format.sh --check     changes nothing; lists the files that need formatting and fails if there are any
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 format=${CLANG_FORMAT:-clang-format-19}

@@ -1,4 +1,4 @@
-"""A page of pictures of all models below a folder: see gallery.sh."""
+"""Makes an HTML page of images of all models in a folder: see gallery.sh."""
 import argparse
 import html
 import json
@@ -53,7 +53,7 @@ def triangles_of(fathom, model):
 
 
 def render(fathom, model, picture, options):
-    """What a render tells, as events; and whether there is a picture."""
+    """Returns a render's events, and whether it wrote an image."""
     command = [fathom, "render", str(model), "--progress", "json", "--spp", str(options.spp), "--size", options.size,
                "--denoise", "auto", "-o", str(picture)]
     result = subprocess.run(command, capture_output=True, text=True)

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Renders every model of a folder, with no options but a size, to thumbnails on one HTML page.
-#   scripts/gallery.sh FOLDER [-o OUT] [--spp N] [--size WxH]    OUT: a folder, made if it isn't there (default gallery)
-# FATHOM names the program (default: fathom, or that of build/release). The page needs nothing but its folder.
+# Renders every model in a folder to thumbnails on an HTML page, with default options except for the size.
+#   scripts/gallery.sh FOLDER [-o OUT] [--spp N] [--size WxH]    OUT: output folder, created if missing (default
+#   gallery)
+# FATHOM names the program (default: fathom, or that of build/release). The page depends on no file outside its folder.
 set -euo pipefail
 exec python3 "$(dirname "${BASH_SOURCE[0]}")/gallery.py" "$@"

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# What render.sh and test.sh share: installing the packages that are missing, and building a preset.
-# Read by `source`; run alone, `scripts/setup.sh [tests]` only installs.
+# Shared by render.sh and test.sh: installs missing packages and builds a preset. They `source` it; run directly,
+# `scripts/setup.sh [tests]` only installs packages.
 
-# The one list of packages (the same names in Debian 12 and Ubuntu 24.04). clang-19 brings the standard library with it; g++
-# replaces it where apt has none.
+# The list of packages; names are equal in Debian 12 and Ubuntu 24.04. clang-19 includes the standard library; g++
+# replaces it if apt has no clang-19.
 packages_to_build=(
     clang-19 cmake ninja-build pkg-config ccache
     libtbb-dev libfmt-dev libcli11-dev nlohmann-json3-dev
     libopenexr-dev libpng-dev libjpeg-dev libwebp-dev libavif-dev libstb-dev libxxhash-dev
     libpugixml-dev zlib1g-dev libassimp-dev libsfml-dev libdraco-dev libmeshoptimizer-dev
 )
-# OpenColorIO is optional: a program that is linked with it starts some 2 ms later.
+# OpenColorIO is optional: a program linked with it starts about 2 ms later.
 packages_to_test=(
     clang-format-19 libgtest-dev libbenchmark-dev libembree-dev libopencolorio-dev
     git python3 python3-jsonschema python3-yaml xvfb xdotool imagemagick slurm-wlm munge openmpi-bin libopenmpi-dev
@@ -26,7 +26,7 @@ is_installed() {
     [ "$(dpkg-query --show --showformat '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
 }
 
-# Runs a command as root: as it is, or through sudo.
+# Runs a command as root, with sudo if needed.
 as_root() {
     if [ "$(id -u)" -eq 0 ]; then
         "$@"
@@ -39,7 +39,7 @@ apt_get() {
     as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 "$@" </dev/null
 }
 
-# Ends with advice where nothing can be installed.
+# Fails with advice if packages can't be installed.
 check_that_packages_can_be_installed() {
     local missing=("$@")
     command -v apt-get >/dev/null ||
@@ -58,12 +58,12 @@ apt_has() {
     apt-cache show "$1" >/dev/null 2>&1
 }
 
-# missing_of PACKAGE...: those that are not installed, a line each. Where apt knows of no clang-19, GCC will do, and the
-# layout of sources is not tested.
+# missing_of PACKAGE...: prints the packages that are not installed, one per line. If apt has no clang-19, GCC replaces
+# it and the formatting check is skipped.
 missing_of() {
     local package
     for package in "$@"; do
-        # Lists that have neither have not been fetched yet.
+        # apt's package lists have neither: they have not been fetched yet.
         if [[ $package = clang-*19 ]] && ! is_installed "$package" && ! apt_has "$package" && apt_has g++; then
             if [ "$package" = clang-19 ]; then package=g++; else continue; fi
         fi
@@ -71,7 +71,7 @@ missing_of() {
     done
 }
 
-# install_missing PACKAGE...: says what is missing, then installs it. Nothing is asked of apt if nothing is missing.
+# install_missing PACKAGE...: prints the missing packages, then installs them. Does not call apt if none is missing.
 install_missing() {
     if [ -n "${FATHOM_NO_INSTALL:-}" ]; then
         return
@@ -88,27 +88,27 @@ install_missing() {
     check_that_packages_can_be_installed "${missing[@]}"
     say "updating apt's lists of packages"
     apt_get update || say "apt-get update failed; trying with the package lists that are there"
-    mapfile -t missing < <(missing_of "$@")  # apt may know of clang-19 now
+    mapfile -t missing < <(missing_of "$@")  # apt may know clang-19 now
     say "installing with apt-get, and what they need: ${missing[*]}"
     apt_get install --yes --no-install-recommends "${missing[@]}" ||
         fail "apt-get could not install the packages above. Is the machine online?" \
             "On Ubuntu, the component 'universe' must be enabled (add-apt-repository universe)"
 }
 
-# group_folders ROOT: a line `limit-file folder` for each control group of memory that this process is in, and for all
-# above it: a limit of any of them holds. As src/base/machine.cpp does it.
+# group_folders ROOT: prints `limit-file folder` for each memory control group of this process and for all parent
+# groups, since each of their limits applies. src/base/machine.cpp uses the algorithm too.
 group_folders() {
     local mounts=$1/sys/fs/cgroup line controllers group base file
     {
         cat "$1/proc/self/cgroup" 2>/dev/null || true
-        # A container may see its group and not be told of it.
+        # A container may have a memory group that /proc/self/cgroup does not list.
         printf '0::/\n0:memory:/\n'
     } | while IFS= read -r line; do
         line=${line#*:}
         controllers=${line%%:*} group=${line#*:}
         if [ -z "$controllers" ]; then
             base=$mounts file=memory.max
-            # Beside hierarchies of version 1, that of version 2 has a folder of its own.
+            # On systems with hierarchies of both versions, version 2 has a folder of its own.
             if [ -d "$mounts/unified" ]; then base=$mounts/unified; fi
         elif [[ ,$controllers, = *,memory,* ]]; then
             base=$mounts/memory file=memory.limit_in_bytes
@@ -124,19 +124,20 @@ group_folders() {
     done
 }
 
-# free_memory [ROOT]: bytes that may be used, by the machine and by this process's control group. (mawk cuts %d off at 2^31.)
+# free_memory [ROOT]: prints the available bytes, limited by this process's control groups. (%.0f because mawk truncates
+# %d at 2^31.)
 free_memory() {
     local root=${1:-} free limit used cache file folder
     free=$(awk '/^MemAvailable:/ { printf "%.0f", $2 * 1024 }' "$root/proc/meminfo" 2>/dev/null || true)
     free=${free:-4000000000}
     while read -r file folder; do
         limit=$(cat "$folder/$file" 2>/dev/null || echo max)
-        # Each group has one of them.
+        # Each group has one of the two files.
         used=$(cat "$folder/memory.current" "$folder/memory.usage_in_bytes" 2>/dev/null || true)
-        # The cache of files that nobody uses gives way to whoever asks for memory.
+        # Inactive file cache can be reclaimed.
         cache=$(awk -v key="$([ "$file" = memory.max ] || echo total_)inactive_file" '$1 == key { print $2 }' \
             "$folder/memory.stat" 2>/dev/null || true)
-        # Without a limit version 1 has a number near 2^63.
+        # Without a limit, version 1 reports a number near 2^63.
         if [[ $limit =~ ^[0-9]{1,18}$ && $used =~ ^[0-9]{1,18}$ ]]; then
             used=$((used > ${cache:-0} ? used - ${cache:-0} : 0))
             limit=$((limit > used ? limit - used : 0))
@@ -146,7 +147,7 @@ free_memory() {
     echo "$free"
 }
 
-# As many compilers at once as there are cores, but each may need 1.5 GB.
+# One compiler per core, limited to one per 1.5 GB of memory.
 build_jobs() {
     local cores by_memory
     cores=$(nproc 2>/dev/null || echo 1)
@@ -155,7 +156,8 @@ build_jobs() {
     if [ "$by_memory" -lt "$cores" ]; then echo "$by_memory"; else echo "$cores"; fi
 }
 
-# ccache fails where its folder can't be written, as after another user's run with the same HOME: then without it.
+# ccache fails if its folder is not writable, for instance after another user's run with the same HOME: the build then
+# goes without it.
 check_ccache() {
     command -v ccache >/dev/null || return 0
     local folder compiler
@@ -169,7 +171,7 @@ check_ccache() {
     rm -r "$folder"
 }
 
-# build_preset NAME [TARGET...]: configures and builds a preset in the current folder: all of it, or these targets.
+# build_preset NAME [TARGET...]: configures and builds a preset in the current folder: everything, or the given targets.
 build_preset() {
     local preset=$1 jobs folder
     shift
@@ -180,7 +182,7 @@ build_preset() {
         fail "$PWD/$folder belongs to another user; remove it, or run this command as that user"
     fi
     check_ccache
-    # Another clone of the same files finds what this one compiled.
+    # Lets ccache hit for other clones of the same files.
     export CCACHE_BASEDIR=$PWD
     jobs=${FATHOM_JOBS:-$(build_jobs)}
     # ccache can't know that precompiled headers are made of the headers that it hashes; see cmake/precompile.cmake.
@@ -191,7 +193,7 @@ build_preset() {
         cmake --preset "$preset" ${CI:+-DFATHOM_WERROR=ON} >&2 || fail "CMake could not configure $folder (see above)"
     fi
     say "building $folder, $jobs at a time"
-    # In C, as in tests/planted: ccache keeps what compilers say in each language apart.
+    # The C locale, as in tests/planted: ccache keeps results apart by the language of compiler messages.
     LC_ALL=C cmake --build --preset "$preset" --parallel "$jobs" ${1:+--target "$@"} >&2 || fail "the build failed (see above)"
 }
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The tests over a real Open MPI and a real Slurm, on one machine: installs them and what the program needs, builds, and
-# runs the tests.
-#   scripts/test-cluster.sh            some three minutes
+# Tests with a real Open MPI and a real Slurm on one machine: installs them and the build's packages, builds, and runs
+# the tests.
+#   scripts/test-cluster.sh            about three minutes
 #   scripts/test-cluster.sh long       more parts, more faults, time limits: a quarter of an hour
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The tests of farm/: installs the validators and runners of schedulers, into build/farm, and what the program needs; builds, and
-# runs them.
+# Tests of farm/: installs validators and runners of schedulers into build/farm and the build's packages, builds, and
+# runs the tests.
 #   scripts/test-farm.sh
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

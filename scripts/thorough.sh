@@ -1,23 +1,23 @@
 #!/usr/bin/env bash
-# What takes too long for each change: sanitizers, clang-tidy, all planted bugs, many damaged files. docs/testing.md tells
-# the last result.
-#   scripts/thorough.sh                 all of it: hours
-#   scripts/thorough.sh asan tidy       some of it: asan, tsan, tidy, damaged, fuzz, planted
-# The last line says how many parts passed and failed.
+# Checks that take too long for every change: sanitizers, clang-tidy, all planted bugs, many damaged files.
+# docs/testing.md has the latest results.
+#   scripts/thorough.sh                 all checks: takes hours
+#   scripts/thorough.sh asan tidy       some of asan, tsan, tidy, damaged, fuzz, planted
+# The last line counts passed and failed checks.
 set -uo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$here"
 # shellcheck source=scripts/setup.sh
 source scripts/setup.sh
 
-# Address and undefined-behaviour sanitizers over everything, with asserts, at one lane. Not the window and Slurm: their tests
-# wait for pictures that take too long so.
+# Address and undefined-behavior sanitizers over all tests, with asserts, at one lane; except for the window and Slurm,
+# whose tests would wait too long for images.
 run_asan() {
     build_preset asan && ctest --preset asan --parallel "$(nproc)" --label-exclude "planted|thorough" --exclude-regex '^(window|slurm)$'
 }
 
-# Thread sanitizer over what has threads: jobs, passes, films, pictures that are decoded, the build of the tree, the program's
-# line of progress. Not the window, as above.
+# Thread sanitizer over everything with threads: jobs, passes, films, image decoding, BVH construction, progress
+# display; except for the window.
 run_tsan() {
     scripts/tsan_tbb.sh &&
         build_preset tsan film_tests session_tests picture_tests geometry_tests_base fathom fathom_double fake_oidn &&
@@ -33,7 +33,7 @@ run_damaged() {
     build_preset test && tests/apps/damaged_files_test.py build/release/bin/fathom scenes 1000 2
 }
 
-# Three minutes of libFuzzer for each reader, under the sanitizers; what is found stays in build/fuzz.
+# Three minutes of libFuzzer per reader, with sanitizers; findings are kept in build/fuzz.
 run_fuzz() {
     local targets=(fathom-json gltf obj mtl ply stl mitsuba pbrt serialized image ies measured film) target found=0
     build_preset fuzz fuzz_driver "${targets[@]/#/fuzz_}" || return

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# clang-tidy over all sources, with the checks of .clang-tidy; any finding is a failure.
-#   scripts/tidy.sh [FOLDER [NAME]]    FOLDER: a build with compile_commands.json (default build/clang); NAME: only files
+# Runs clang-tidy over all sources with the checks of .clang-tidy; any finding is a failure.
+#   scripts/tidy.sh [FOLDER [NAME]]    FOLDER: a build with compile_commands.json (default build/clang); NAME: only
+#   files
 #                                      with that in their path
-# Lane code is compiled several times; it is looked at once, as the base build has it.
+# Lane code is checked once, with the base instruction set.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 folder=${1:-build/clang} name=${2:-}
@@ -13,8 +14,8 @@ if ! command -v "$tidy" >/dev/null; then
 fi
 [ -f "$folder/compile_commands.json" ] || { echo "there is no $folder/compile_commands.json: configure it first"; exit 1; }
 
-# Findings in headers of others, with their notes, are for others: the static analyzer tells them whatever .clang-tidy says of
-# headers, since it found them on the way through a file of ours.
+# Findings in third-party headers are dropped with their notes: the static analyzer reports them even if .clang-tidy
+# excludes headers.
 finding='^(.*:[0-9]+:[0-9]+: )?(warning|error): '
 ours() {
     awk -v project="$PWD/" -v finding="$finding" '
@@ -23,7 +24,7 @@ ours() {
         ours'
 }
 
-# The first command of each of our files, in a data base of its own.
+# The first compile command of each project file, in a compilation database of its own.
 base=$(mktemp -d)
 trap 'rm -r "$base"' EXIT
 python3 - "$folder" "$base" "$PWD" "$name" >"$base/files" <<'PYTHON'

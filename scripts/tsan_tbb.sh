@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# oneTBB compiled with the thread sanitizer, in build/tsan-tbb, where the preset tsan looks first; from the source of the
-# package that is installed. With the package itself the sanitizer does not see that a task waits for another: every task of
-# ours would be reported, and with that suppressed, no race in a task ever.
+# Builds oneTBB with the thread sanitizer into build/tsan-tbb, where the preset tsan looks first, from the source of the
+# installed package. With the uninstrumented package the sanitizer can't see synchronization between tasks: it would
+# report every task, and suppressing that would hide all races.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 here=$PWD prefix=$PWD/build/tsan-tbb work=$PWD/build/tsan-tbb/work
 [ -f "$prefix/lib/cmake/TBB/TBBConfig.cmake" ] && exit
 mkdir -p "$work/lists/partial" "$work/sources.d"
 
-# The machine's own lists, asked for sources instead.
+# The machine's own package sources, with source packages enabled.
 : >"$work/sources.list"
 for list in /etc/apt/sources.list /etc/apt/sources.list.d/*; do
     case $list in
@@ -21,7 +21,7 @@ apt() {
         -o Dir::State::lists="$work/lists" -o APT::Sandbox::User= "$@"
 }
 cd "$work"
-apt update >&2 || true  # a list without sources is no harm
+apt update >&2 || true  # an entry without source packages is harmless
 read -r name version < <(dpkg-query --show --showformat '${source:Package} ${source:Version}\n' libtbb-dev)
 apt source --download-only "$name=$version" >&2
 dpkg-source --extract "${name}_${version#*:}.dsc" source >&2
