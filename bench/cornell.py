@@ -5,7 +5,8 @@ Fathom: time of whole commands with 66 samples per pixel minus that with 2, whic
 filter, depth 50, roulette from bounce 5, variance on. Runs alternate; results are medians.
 
 Mitsuba: `--peers FILE` names a script that is called as `FILE mitsuba --spp 64 --threads N` and prints a line of JSON
-with "million_samples_per_s". Without it only Fathom is measured. |"""
+with "million_samples_per_s". Without it only Fathom is measured.
+"""
 import argparse, json, statistics, subprocess, sys, tempfile, time
 from pathlib import Path
 

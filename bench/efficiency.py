@@ -7,7 +7,8 @@ usage: bench/efficiency.py --peers FOLDER [--fathom PROGRAM] [--rounds 3] [--ref
 
 FOLDER holds a module `cornell` that describes the box (`surfaces()` in quads), and a module `common` that finds
 Mitsuba (`enter`, `mitsuba`). Seconds are rendering time; for Fathom, the time of a whole command minus that with 2
-samples, for the 62 samples between, scaled to 64. relMSE: mean of (I - R)^2 / (R^2 + 0.01). |"""
+samples, for the 62 samples between, scaled to 64. relMSE: mean of (I - R)^2 / (R^2 + 0.01).
+"""
 import argparse, json, statistics, subprocess, sys, tempfile, time
 from pathlib import Path
 

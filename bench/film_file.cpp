@@ -15,7 +15,7 @@ namespace fathom {
 
 namespace {
 
-/// A film of a noise image with sums as of 1024 samples.
+/// A film of a noise image, with sums of the size that 1024 samples give.
 Film made_film(int width, int height)
 {
     RenderSettings settings;

@@ -6,7 +6,8 @@
 Needs a Python with Mitsuba 3 (and LLVM for its variant llvm_ad_rgb), numpy, and OpenEXR or Mitsuba's EXR reader. The
 scene has three hundred curves of 8 control points on a ball, under a gray sky, with a lamp behind and a point light in
 front; pixels that show only sky are ignored. Roots are inside the ball and radii taper to zero, because curve ends
-differ: open in Mitsuba, half balls in Fathom. The error is the standard error of the ratio, from 8 images each. |"""
+differ: open in Mitsuba, half balls in Fathom. The error is the standard error of the ratio, from 8 images each.
+"""
 import argparse
 import math
 import random

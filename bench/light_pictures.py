@@ -5,7 +5,8 @@
 
 Needs a Python with Mitsuba's module. Prints the mean of each channel relative to Mitsuba's, and differences of blocks
 of 8x8 pixels: root mean square and maximum, in standard errors of both renderers' eight runs plus a ten-thousandth of
-the value. |"""
+the value.
+"""
 import argparse
 import subprocess
 import tempfile

@@ -9,7 +9,8 @@ Writes to FOLDER, with COPIES copies of the mesh (default 4) side by side:
     full.obj       with normals and texture coordinates, in 16 objects with two alternating materials
     quads.obj      consecutive triangles joined to quads where they share an edge
     plain.ply      as plain.obj, binary
-    full.ply       with normals and texture coordinates, binary |"""
+    full.ply       with normals and texture coordinates, binary
+"""
 import array
 import math
 import struct

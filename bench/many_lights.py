@@ -6,7 +6,8 @@ usage: bench/many_lights.py N FOLDER [--dark M] [--equal]
 
 Writes FOLDER/lamps-N.json and its meshes. Edge lengths vary by a factor of a hundred, or are equal with --equal.
 --dark adds M triangles that don't emit, so that scenes of few and of many lights take the same time to trace. The
-scenes are equal on every machine. |"""
+scenes are equal on every machine.
+"""
 import argparse, json, math, random, struct
 from pathlib import Path
 

@@ -5,7 +5,8 @@ A closed room of 8 x 4 x 8 m has 300 balls, each a mesh with uv coordinates, and
 material on everything and with N materials of one kind, spread over the balls; then with and without a texture of 2048
 x 2048 pixels of 8 bits in each material. Plain colors are the textures' means, so path lengths are equal. Each pair is
 rendered in turns at equal samples; the result is the median ratio of the cost per sample. The scenes are equal on
-every machine. |"""
+every machine.
+"""
 import argparse, json, math, random, struct, subprocess, sys, tempfile, zlib
 from pathlib import Path
 

@@ -5,7 +5,8 @@
 
 Scenes with one kind of content each are made in FOLDER (default: a temporary one). --memory 1M, which rejects every
 scene, prints the estimate; then the scene is rendered with exactly that limit. Exits with 1 if a render exceeds its
-limit. |"""
+limit.
+"""
 import array
 import json
 import math

@@ -5,7 +5,8 @@ usage: mpi.py FATHOM SCENE [OPTION]... [--turns N]
     options  of `fathom render`, such as --spp 1024 --guiding off
 
 Prints medians of wall clock time and of processor time of all processes, and the relative difference of each pair; on
-a busy machine processor time is more reliable. Needs mpirun and two cores. |"""
+a busy machine processor time is more reliable. Needs mpirun and two cores.
+"""
 import json
 import os
 import re

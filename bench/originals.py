@@ -8,7 +8,8 @@ mean radiance; prints a line of JSON.
 The scene keeps its integrator, materials and lights; both renderers use a box filter and the given width. Mitsuba's
 time is that of `render` after a first image; Fathom's is that of a whole command minus that with 2 samples. relMSE
 refers to a long render by Fathom, without the largest 0.1 % of errors; differences of the means are included. Called
-by scenes.py --originals. |"""
+by scenes.py --originals.
+"""
 import argparse
 import json
 import statistics

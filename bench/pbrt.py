@@ -6,7 +6,8 @@
 One thread, pbrt's image size and box filter. pbrt's noise is estimated from two halves of its reference, of 384
 samples each. Its speed is measured with the given program, in turns with Fathom, as processor time with its fastest
 sampler (`independent`); without a program it is taken from the reference's JSON file, and so from another machine.
-Needs numpy and OpenEXR. |"""
+Needs numpy and OpenEXR.
+"""
 import argparse
 import json
 import re

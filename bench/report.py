@@ -5,7 +5,8 @@ the noise of 10,000 samples without it.
 
 usage: bench/report.py [--fathom PROGRAM] [--most 10000] [FOLDER]      (default folder: report)
 
-Times in the report, in minutes: 3.3 (5 samples), 4.1, 5.5, 12.7, 22.4, 93.8 (5000), 186.5 (10,000). |"""
+Times in the report, in minutes: 3.3 (5 samples), 4.1, 5.5, 12.7, 22.4, 93.8 (5000), 186.5 (10,000).
+"""
 import argparse, json, os, subprocess, sys
 from pathlib import Path
 

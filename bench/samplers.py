@@ -7,7 +7,8 @@
 TWIN: a folder made by scenes.py, by default in ~/.cache/fathom-scenes. FOLDER holds a module `common` that finds
 Mitsuba (`enter`, `mitsuba`). `orthogonal` needs squares of primes: the next lower one is used, and its error is scaled
 to the others' number of samples. Fathom runs without guiding and with default settings. relMSE refers to a long render
-by Fathom, without the largest 0.1 % of errors. Nothing is timed. |"""
+by Fathom, without the largest 0.1 % of errors. Nothing is timed.
+"""
 import argparse
 import json
 import subprocess

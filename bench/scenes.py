@@ -6,7 +6,8 @@ Markdown.
 programs read. `clay_compare.py`, also of --peers, renders the twins in turns; it makes its own Python environment for
 Mitsuba. With --originals both programs also render the unmodified scenes (originals.py). Speed is the ratio of
 samples/s, efficiency the ratio of 1 / (relMSE x seconds) at equal samples; both are medians of the rounds. The machine
-should be idle: alternating runs compensate for some load, but not all. |"""
+should be idle: alternating runs compensate for some load, but not all.
+"""
 import argparse, json, math, os, subprocess, sys, tempfile
 from pathlib import Path
 

@@ -5,7 +5,8 @@
 
 FOLDER: `tests/scenes` of a checkout of github.com/mitsuba-renderer/mitsuba-data. Prints, for each scene, the mean of
 red, green and blue relative to the reference of the variant `rgb`, and the worst and the median difference of blocks
-of 8x8 pixels, relative to the block plus a fifth of the mean. Needs numpy and OpenEXR. |"""
+of 8x8 pixels, relative to the block plus a fifth of the mean. Needs numpy and OpenEXR.
+"""
 import argparse
 import re
 import subprocess

@@ -7,7 +7,8 @@ with the height-correlated Smith term:
                                                      incidence follows
   src/materials/microfacet/dielectric_albedo_table.h  of a dielectric boundary, reflection and refraction together, by
   cosine,
-                                                     roughness and relative index of refraction |"""
+                                                     roughness and relative index of refraction
+"""
 import numpy as np
 
 SIZE = 32

@@ -6,7 +6,8 @@ usage: python3 tools/hosek_sky.py      needs Mitsuba 3 and numpy; takes some min
 
 Fits the paper's formula to the radiance of Mitsuba's `sunsky` in many directions (Levenberg-Marquardt). Tables are
 fitted together with those that they are blended with: interpolation of coefficients between turbidities and albedos
-determines the common factors. |"""
+determines the common factors.
+"""
 import math
 
 import mitsuba

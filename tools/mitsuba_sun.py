@@ -5,7 +5,8 @@ turbidity and elevation.
     tools/mitsuba_sun.py > src/formats/mitsuba/sun_table.h
 
 It is measured from the radiance in many directions of the sun's disk. Between the elevations it is linear, below the
-first one constant. Needs mitsuba. |"""
+first one constant. Needs mitsuba.
+"""
 import drjit as dr
 import mitsuba as mi
 import numpy as np

@@ -8,7 +8,8 @@ usage: kills.py FATHOM [KILLS [SEED]]
 Each run of a render is killed (kill -9) after a random time, or not. One run in three can write files of a random
 length only (RLIMIT_FSIZE), and one in three writes to a nearly full file system (a tmpfs, which needs root; otherwise
 the report says that it was left out). After each run both checkpoints are read: the newer one must be complete, and
-must not have fewer samples than before. |"""
+must not have fewer samples than before.
+"""
 import json
 import os
 import random

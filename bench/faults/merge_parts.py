@@ -4,7 +4,8 @@
 usage: merge_parts.py FATHOM FOLDER [PARTS [WIDTHxHEIGHT]]
     FOLDER  folder of the parts (33 GB for 256 parts of 1920x1080); existing parts are reused
 
-Each part is a render of one sample per pixel; the merged film must have all samples. |"""
+Each part is a render of one sample per pixel; the merged film must have all samples.
+"""
 import json
 import os
 import resource

@@ -5,7 +5,8 @@
 
 Each scene is rendered with 48 samples per pixel and all layers: with 1, 2, 3, 7 and 64 threads, with each instruction
 set of this machine, in 1, 3 and 16 parts, and in 1, 2 and 6 runs that resume from a checkpoint. Exits with 1 if two
-hashes differ. |"""
+hashes differ.
+"""
 import os
 import subprocess
 import sys

@@ -7,7 +7,8 @@ bits are equal.
 
 Both ways keep their sums in films, as merging requires: the single run by --mergeable. They run in turns, and the
 minimum counts, since other load only adds time. Prints processor seconds (user and system), those of merging, and
-those of each part before its first sample. |"""
+those of each part before its first sample.
+"""
 import argparse
 import json
 import os

@@ -5,7 +5,8 @@ server of low bandwidth.
     bench/scaling/check.py FATHOM SCENE_FOLDER SCENE [--processes 8] [--mb-s 40] [--names-s 500] [--cached]
 
 Prints when the first and the last process begin to render, measured and by model.py; parsing and building are measured
-without a server. Needs permission to mount, and the package fusepy. |"""
+without a server. Needs permission to mount, and the package fusepy.
+"""
 import argparse
 import json
 import os

@@ -8,7 +8,8 @@ load of the server.
 
 A machine looks up names, reads the scene at the rate of its link and its share of the server, builds, renders, and
 writes its film periodically. The server's rate is divided evenly among its current users. Figures of a real render:
-reads.py. |"""
+reads.py.
+"""
 import argparse
 import heapq
 import itertools
@@ -33,7 +34,8 @@ class Share:
     """A rate that is divided evenly among its users, each of whom gets at most `most`.
 
     All users get equal amounts, so the amount per user since the start is one number, `given`, which determines who
-    finishes next. |"""
+    finishes next.
+"""
 
     def __init__(self, clock, rate, most):
         self.clock, self.rate, self.most = clock, rate, most

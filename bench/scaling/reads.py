@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """File system requests of a render: names, opens, reads and writes, traced with strace.
 
-    bench/scaling/reads.py FATHOM render SCENE [OPTION]...      prints JSON, the input of model.py |"""
+    bench/scaling/reads.py FATHOM render SCENE [OPTION]...      prints JSON, the input of model.py
+"""
 import json
 import os
 import re

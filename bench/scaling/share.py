@@ -5,7 +5,8 @@
 
 Every read waits for its share of the bandwidth, and every lookup for its share of lookups; LOG gets totals of bytes
 and names at the end. The system's cache is disabled, as if every reader were on another machine; with --cached all
-readers share one. Needs the package fusepy and libfuse2. |"""
+readers share one. Needs the package fusepy and libfuse2.
+"""
 import errno
 import json
 import os

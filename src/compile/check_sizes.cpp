@@ -17,7 +17,7 @@ namespace {
 constexpr double farthest = 1e15;
 /// In render space, where scenes have a radius of at most 1024: products of three such numbers still fit into float.
 constexpr double largest_in_render_space = 1e12;
-/// In the object space of instances; also the largest length there of one unit of render space.
+/// Limit of lengths in the object space of instances, where one unit of render space can be long too.
 constexpr double largest_in_own_space = 1e12;
 
 bool is_finite(Vec3d v)

@@ -66,7 +66,7 @@ void compile_material_records(Compiler& c);
 
 /// Geometry in object space, which instances place.
 struct InstancedGeometry {
-    std::map<const void*, std::uint32_t> shapes;  ///< by content_of
+    std::map<const void*, std::uint32_t> shapes;  ///< key: content_of the shape
     std::size_t shapes_end = 0;                   ///< number of shapes before those of instances
     bool moving = false;                          ///< something moves otherwise than by poses of instances
     bool fixed_motion = false;                    ///< something that is not movable moves during the shutter interval

@@ -137,7 +137,7 @@ Image::Layer Denoiser::denoise(const Image& image) const
 {
     std::vector<Input> inputs = inputs_of(image);
     // Auxiliary layers of few samples are noisy at edges and with depth of field, so they are denoised first. High
-    // quality takes 2.7 times as long for them without benefit: errors differ by 1 % in three scenes.
+    // quality takes 2.7 times as long for them without benefit: the error was equal within 1 % in three scenes.
     for (std::size_t i = 1; i < inputs.size(); ++i)
         inputs[i].plane = data_->filter(image, {&inputs[i], 1}, {.is_radiance = false, .is_quick = true});
     return denoised_layer(data_->filter(image, inputs, {.is_radiance = true, .aids_are_clean = inputs.size() > 1}));

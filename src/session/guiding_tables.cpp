@@ -70,7 +70,7 @@ void for_directions(const GuidingRecords& part, const F& f)
         if (r.bin != GuidingRecord::no_bin) f(r);
 }
 
-/// Every n-th record with a direction.
+/// An even subset of the records that have a direction: one in `thinning`.
 std::vector<GuidingRecord> thin_out(const Parts& parts)
 {
     std::vector<GuidingRecord> few;

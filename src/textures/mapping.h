@@ -18,7 +18,7 @@ inline Vec3 place_of(const ShadingTables& tables, const TextureRecord& t, const 
     return {row(0), row(1), row(2)};
 }
 
-/// Coordinates of a mapping by position.
+/// Texture coordinates computed from a position.
 struct MappedUv {
     Float u, v;
 };

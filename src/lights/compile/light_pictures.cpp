@@ -45,8 +45,8 @@ int steps_to_have(const std::vector<double>& angles, double from, double span, i
 
 /// Sums over an image.
 struct Sums {
-    double flux = 0;     ///< of the image alone: luminance times solid angle
-    double squares = 0;  ///< of the image times the light's intensity
+    double flux = 0;     ///< sum for the image alone: luminance times solid angle
+    double squares = 0;  ///< sum of squares for the image times the light's intensity
     double solid_angle = 0;
 
     void add(double own, double product, double solid)

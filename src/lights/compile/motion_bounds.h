@@ -27,7 +27,7 @@ public:
 
     /// Whether all poses preserve shapes: no stretch but uniform scaling.
     bool keeps_shape() const { return keeps_shape_; }
-    /// Mean factor of areas, approximately.
+    /// Mean scale factor of areas over the shutter interval, approximately.
     double mean_area_factor() const { return area_factor_; }
     /// Bounds the positions of a ball that is carried along.
     void put_ball(Vec3d center, double radius, LightExtent& to) const;

@@ -123,7 +123,7 @@ private:
         return std::size_t(value);
     }
 
-    /// Every number takes at least two bytes: bounds what a damaged file makes the reader allocate.
+    /// Every number takes at least two bytes, so the file's size limits the memory that a damaged file can request.
     void check_room(std::size_t columns, std::size_t rows) const
     {
         if (double(columns) * double(rows) > double(text_.size() - at_))
@@ -171,8 +171,7 @@ double IesProfile::at(double polar, double azimuth) const
     if (last <= 90 && azimuth > 180) azimuth = 360 - azimuth;  // symmetric about both planes
     if (last <= 90 && azimuth > 90) azimuth = 180 - azimuth;
     if (first == 0 && last > 90 && last <= 180 && azimuth > 180)
-        azimuth = 360 - azimuth;       // symmetric about the plane
-                                       // of 0 and 180
+        azimuth = 360 - azimuth;       // symmetric about the plane of 0 and 180
     if (first == 90 && last == 270) {  // symmetric about the plane of 90 and 270
         if (azimuth < 90) azimuth = 180 - azimuth;
         if (azimuth > 270) azimuth = 540 - azimuth;

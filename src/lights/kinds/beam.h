@@ -13,7 +13,7 @@ struct BeamLight {
     static LightPoint sample(const Light& light, Vec3 p, Float, Sample2, Mask)
     {
         const Vec3 u = light.edge_u(), v = light.edge_v(), n = light.normal(), from = p - light.position();
-        // The point is lit where its perpendicular meets the area: at x u + y v from the center.
+        // The point is lit if its projection onto the area's plane, x u + y v from the center, is inside the area.
         const Vec3 across_v = cross(v, n), across_u = cross(n, u);
         const Float x = dot(from, across_v) / dot(u, across_v), y = dot(from, across_u) / dot(v, across_u);
         const Mask in_ellipse = fma(x, x, y * y) <= Float(1), in_parallelogram = max(abs(x), abs(y)) <= Float(1);

@@ -123,7 +123,7 @@ private:
     /// within an angle of the one towards the eye. With B the cosine of that angle, sin / (1 - B cos) of a normal's
     /// angle is its position in a perspective image, and is sampled uniformly.
     struct Visible {
-        Float limit;    ///< B
+        Float limit;    ///< B, the cosine of the largest visible angle
         Float height;   ///< height of the eye above the tangent plane of an angle, divided by (cos - B)
         Float plane;    ///< negated height of the eye above the tangent plane at 90 degrees
         Mask any, all;  ///< all: the limit is clamped, which bounds the density where the whole circle is visible

@@ -112,7 +112,7 @@ private:
 
     Float roughness_;
     Facets<Ggx> ggx_;
-    Spectrum color_, reflected_;  ///< of transmission, of reflection
+    Spectrum color_, reflected_;  ///< colors of transmission and of reflection
     Float eta_;
     Mask is_thin_, is_sheet_, is_compensated_, is_smooth_;
 };

@@ -62,7 +62,7 @@ private:
     /// A microfacet normal as a point of the unit square, with related sines and cosines.
     struct Normal {
         Float u, v, sine;  ///< sine: of the normal's theta
-        Float cosine;      ///< of the angle between the normal and wo
+        Float cosine;      ///< cosine between the normal and wo
     };
 
     /// wo in the frame of the measurement, and the tables to interpolate for it.
