@@ -9,6 +9,7 @@
 
 namespace fathom::bench {
 
+/// Command line options of the program `rays`.
 struct Options {
     struct Source {
         std::string name;

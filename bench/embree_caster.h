@@ -10,6 +10,7 @@
 
 namespace fathom::bench {
 
+/// Hit arrays of a ray set: nearest hits, or `blocked` for shadow rays.
 struct Results {
     std::vector<float> t, u, v;
     std::vector<std::uint32_t> primitive, instance, blocked;
@@ -24,6 +25,7 @@ struct Results {
     }
 };
 
+/// A BVH of Embree, built from Fathom's geometry tables.
 class EmbreeCaster {
 public:
     enum Call { single, packet8, packet16, stream, call_count };

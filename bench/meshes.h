@@ -6,10 +6,12 @@
 
 namespace fathom::bench {
 
+/// A camera that looks at a mesh.
 struct View {
     Vec3d position, look_at, up{0, 1, 0};
     double x_fov_deg = 60;
 };
+/// A triangle mesh in geometry tables, with a view of it.
 struct Mesh {
     std::string name;
     GeometryTables tables;

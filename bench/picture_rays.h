@@ -10,6 +10,7 @@
 
 namespace fathom {
 
+/// Rays of one kind, as arrays.
 struct RaySet {
     std::string kind;
     bool shadow = false;    ///< occlusion test only

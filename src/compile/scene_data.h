@@ -7,6 +7,7 @@
 
 namespace fathom {
 
+/// A compiled scene: tables, kernel and camera.
 struct Scene::Data {
     SceneStatistics statistics;
     Camera camera;  ///< the camera that render space was made for, in world space

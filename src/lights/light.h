@@ -26,6 +26,7 @@ struct LightSample {
     Float likely = Float(1);  ///< approximate luminance of that environment radiance
 };
 
+/// Lanes whose light is of the wanted kind.
 inline Mask is_kind(UInt kind, LightRecordKind wanted)
 {
     return kind == UInt(std::uint32_t(wanted));

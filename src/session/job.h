@@ -13,6 +13,7 @@ struct LearntGuiding {
     std::shared_ptr<const GuidingTables> tables;
 };
 
+/// A job: the scene, its camera and settings (in the key), and the guiding tables once they are learned.
 struct RenderJob::Data {
     Scene scene;
     Camera camera;  ///< in world space

@@ -11,6 +11,7 @@ inline namespace FATHOM_LANES {
 
 namespace detail {
 
+/// Rotates a direction from render space to the environment's axes.
 inline Vec3 rotate_in(const EnvironmentRecord& e, Vec3 d)
 {
     const auto& m = e.environment_from_render;
@@ -40,6 +41,7 @@ inline ImagePoint image_point(Vec3 d)
             acos(clamp(d.y, Float(-1), Float(1))) * Float(inv_pi)};
 }
 
+/// Radiance of the environment image at a point, bilinearly filtered.
 inline Spectrum image_radiance(const EnvironmentRecord& e, const ImagePoint& at, Mask m)
 {
     TextureRecord image;

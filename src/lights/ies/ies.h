@@ -23,6 +23,7 @@ bool is_ies_name(std::string_view name);
 /// Throws Error, naming `name`, for files that are not IES, damaged, or of type A or B. Tilt is ignored, as in other
 /// programs: it states how the lamp's flux depends on the orientation of the luminaire.
 IesProfile parse_ies(const std::string& name, std::string_view text);
+/// Reads a profile from a file; throws Error as parse_ies.
 IesProfile read_ies(const std::filesystem::path& file);
 
 }  // namespace fathom

@@ -45,6 +45,7 @@ inline PicturePoint equal_area_point(const PictureRow& t, Float right, Float up,
             fma(flip_sign(v, -up), half_h, half_h - Float(0.5f)), Mask(true)};
 }
 
+/// Rows by angle from the axis, columns by angle about it.
 inline PicturePoint angles_point(const PictureRow& t, Float right, Float up, Float along)
 {
     const Float polar = atan2(sqrt(fma(right, right, up * up)), along), azimuth = atan2(up, right);
