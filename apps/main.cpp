@@ -1,6 +1,6 @@
-#include "commands.h"
-#include "interrupt.h"
-#include "streams.h"
+#include "commands/commands.h"
+#include "process/interrupt.h"
+#include "process/streams.h"
 
 int main(int argc, char** argv)
 {

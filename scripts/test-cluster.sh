@@ -10,5 +10,5 @@ source scripts/setup.sh
 install_missing "${packages_to_build[@]}" "${packages_to_test[@]}"
 build_preset test
 programs=(build/release/bin/fathom build/release/bin/picture_hash scenes/cornell-box.json)
-python3 tests/cluster/mpi_test.py "${programs[@]}"
-exec python3 tests/cluster/slurm_test.py "${programs[@]}" "$@"
+python3 tests/apps/distributed/mpi_test.py "${programs[@]}"
+exec python3 tests/apps/distributed/slurm_test.py "${programs[@]}" "$@"

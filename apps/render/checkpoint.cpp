@@ -1,15 +1,15 @@
-#include "checkpoint.h"
+#include "render/checkpoint.h"
 
 #include <fmt/format.h>
 #include <set>
 #include <utility>
 #include <vector>
 
-#include "../commands.h"
-#include "../picture_options.h"
-#include "../sample_plan.h"
+#include "commands/commands.h"
 #include "fathom/error.h"
 #include "fathom/scene_parts.h"
+#include "options/image_options.h"
+#include "options/sample_plan.h"
 
 namespace fathom::cli {
 

@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "../reporter.h"
 #include "fathom/film_file.h"
+#include "report/reporter.h"
 
 namespace fathom::cli {
 

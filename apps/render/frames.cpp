@@ -1,7 +1,7 @@
-#include "frames.h"
+#include "render/frames.h"
 
-#include "../commands.h"
-#include "series.h"
+#include "commands/commands.h"
+#include "render/series.h"
 
 namespace fathom::cli {
 

@@ -1,6 +1,6 @@
 #pragma once
 #include "fathom/edit.h"
-#include "still.h"
+#include "render/still.h"
 
 namespace fathom::cli {
 

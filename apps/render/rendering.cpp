@@ -1,10 +1,10 @@
-#include "rendering.h"
+#include "render/rendering.h"
 
 #include <algorithm>
 
-#include "../commands.h"
-#include "../interrupt.h"
-#include "../sample_plan.h"
+#include "commands/commands.h"
+#include "options/sample_plan.h"
+#include "process/interrupt.h"
 
 namespace fathom::cli {
 

@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "../reporter.h"
-#include "options.h"
+#include "options/render_options.h"
+#include "report/reporter.h"
 
 namespace fathom::cli {
 

@@ -1,11 +1,11 @@
-#include "series.h"
+#include "render/series.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
 #include <climits>
 
-#include "checkpoint.h"
 #include "fathom/error.h"
+#include "render/checkpoint.h"
 
 namespace fathom::cli {
 

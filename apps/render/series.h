@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "options.h"
+#include "options/render_options.h"
 
 namespace fathom::cli {
 

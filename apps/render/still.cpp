@@ -1,11 +1,11 @@
-#include "still.h"
+#include "render/still.h"
 
-#include "../commands.h"
-#include "../interrupt.h"
-#include "../ranks/picture.h"
-#include "checkpoint.h"
-#include "picture_writer.h"
-#include "rendering.h"
+#include "commands/commands.h"
+#include "distributed/ranks/follower.h"
+#include "process/interrupt.h"
+#include "render/checkpoint.h"
+#include "render/image_writer.h"
+#include "render/rendering.h"
 
 namespace fathom::cli {
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <optional>
 
-#include "../reporter.h"
-#include "options.h"
+#include "options/render_options.h"
+#include "report/reporter.h"
 
 namespace fathom::cli {
 

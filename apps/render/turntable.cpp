@@ -1,7 +1,7 @@
-#include "turntable.h"
+#include "render/turntable.h"
 
-#include "../commands.h"
-#include "series.h"
+#include "commands/commands.h"
+#include "render/series.h"
 
 namespace fathom::cli {
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "still.h"
+#include "render/still.h"
 
 namespace fathom::cli {
 

@@ -1,0 +1,104 @@
+#include "options/sun_options.h"
+
+#include <fmt/format.h>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "fathom/sun.h"
+
+namespace fathom::cli {
+
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+/// Minutes that a time of this zone, `Z` or `+02:00`, is ahead.
+std::optional<int> parse_zone(const std::string& text)
+{
+    if (text == "Z") return 0;
+    int hours = 0, minutes = 0, used = 0;
+    if (text.size() != 6 || (text[0] != '+' && text[0] != '-') ||
+        std::sscanf(text.c_str() + 1, "%2d:%2d%n", &hours, &minutes, &used) != 2 || used != 5 || hours > 14 ||
+        minutes > 59)
+        return {};
+    return (text[0] == '-' ? -1 : 1) * (60 * hours + minutes);
+}
+
+double parse_date(const std::string& text)
+{
+    int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0, used = 0;
+    const bool has_seconds = text.size() > 16 && text[16] == ':';
+    const int wanted = has_seconds ? 6 : 5;
+    const int found =
+        has_seconds ? std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d:%2d%n", &year, &month, &day, &hour, &minute,
+                                  &second, &used)
+                    : std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d%n", &year, &month, &day, &hour, &minute, &used);
+    const std::optional<int> zone =
+        found == wanted && used > 0 ? parse_zone(text.substr(std::size_t(used))) : std::nullopt;
+    const bool leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    const int days[] = {31, leap ? 29 : 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
+    if (!zone || year < 1900 || month < 1 || month > 12 || day < 1 || day > days[month - 1] || hour < 0 || hour > 23 ||
+        minute < 0 || minute > 59 || second < 0 || second > 59)
+        throw UsageError(fmt::format(
+            "expected a date and time from 1900 on, as 2026-06-21T12:00Z or 2026-06-21T14:00+02:00, found '{}'", text));
+    return julian_day(year, month, day, hour * 3600 + (minute - *zone) * 60 + second);
+}
+
+Vec3d of_angles(double elevation, double azimuth)
+{
+    return {std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation)};
+}
+
+}  // namespace
+
+bool SunOptions::given() const
+{
+    return direction || elevation_deg || azimuth_deg || place_deg || julian_day;
+}
+
+void add_sun_options(Command& command, SunOptions& options)
+{
+    command.add_value("--sun-elevation", "DEGREES", "how high the sun stands (default 40)",
+                      [&](const std::string& text) { options.elevation_deg = parse_number(text, -90, 90); });
+    command.add_value("--sun-azimuth", "DEGREES", "from +z towards +x, as of --orbit (default -35)",
+                      [&](const std::string& text) { options.azimuth_deg = parse_number(text, -1e6, 1e6); });
+    command.add_value("--sun-direction", "X,Y,Z", "towards the sun, instead of both", [&](const std::string& text) {
+        options.direction = parse_vector(text);
+        if (!(length(*options.direction) > 0)) throw UsageError("expected a direction, found 0,0,0");
+    });
+    command.add_value("--sun-place", "LAT,LON",
+                      "where on earth the scene is, degrees to the north and east; -z is north, +x east",
+                      [&](const std::string& text) {
+                          const std::vector<double> n = parse_numbers(text, 2);
+                          if (std::abs(n[0]) > 90 || std::abs(n[1]) > 360)
+                              throw UsageError("the latitude is from -90 to 90, the longitude from -360 to 360");
+                          options.place_deg = {n[0], n[1]};
+                      });
+    command.add_value("--sun-date", "DATE", "and when: 2026-06-21T12:00Z, or with another zone, 2026-06-21T14:00+02:00",
+                      [&](const std::string& text) { options.julian_day = parse_date(text); });
+}
+
+void check_sun(const SunOptions& options)
+{
+    const bool by_angles = options.elevation_deg || options.azimuth_deg;
+    if (options.direction && by_angles)
+        throw UsageError("--sun-direction: leave out --sun-elevation and --sun-azimuth");
+    if (options.place_deg.has_value() != options.julian_day.has_value())
+        throw UsageError("--sun-place, --sun-date: the sun's place follows from both");
+    if (options.place_deg && (options.direction || by_angles))
+        throw UsageError("--sun-place: leave out --sun-direction, --sun-elevation and --sun-azimuth");
+}
+
+Vec3d direction_to_sun(const SunOptions& options)
+{
+    if (options.direction) return *options.direction;
+    if (!options.place_deg || !options.julian_day)
+        return of_angles(options.elevation_deg.value_or(40) * degree, options.azimuth_deg.value_or(-35) * degree);
+    const auto [elevation, azimuth] =
+        sun_position(options.place_deg->first, options.place_deg->second, *options.julian_day);
+    // From -z over +x, that is against the sense of --sun-azimuth, and from the other end.
+    return of_angles(elevation * degree, (180 - azimuth) * degree);
+}
+
+}  // namespace fathom::cli
