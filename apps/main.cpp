@@ -5,7 +5,7 @@
 int main(int argc, char** argv)
 {
     fathom::cli::seconds_since_start();
-    fathom::cli::hold_standard_streams();
+    fathom::cli::reserve_standard_streams();
     fathom::cli::ignore_write_signals();
     return fathom::cli::run_program(argc, argv);
 }

@@ -73,7 +73,7 @@ def figure(model, name, triangles, events, picture):
         facts += [f"load {summary['load_s'] + summary['build_s']:.1f} s", f"render {summary['render_s']:.1f} s"]
     told = [(event["event"], event["message"] + (f" ({event['count']} times)" if event.get("count", 1) > 1 else ""))
             for event in events if event["event"] in ("note", "warning", "error")
-            and not event["message"].startswith(("denoising by", "not denoised"))]
+            and not event["message"].startswith(("denoising with", "not denoised"))]
     lines = "".join(f'<li class="{kind}">{html.escape(text.replace(f"{model.parent}/", ""))}</li>' for kind, text in told)
     shown = f'<img src="{urllib.parse.quote(picture)}" alt="" loading="lazy">' if picture else '<div class="none"></div>'
     return (f"<figure>{shown}<figcaption><b>{html.escape(name)}</b><br>{html.escape(', '.join(facts))}"

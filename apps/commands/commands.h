@@ -1,5 +1,4 @@
 #pragma once
-#include <chrono>
 #include <functional>
 #include <stdexcept>
 
@@ -10,30 +9,33 @@ class Option;
 
 namespace fathom::cli {
 
-/// What the program returns, as --help says.
+/// Exit codes of the program, as --help lists them.
 enum ExitCode { exit_ok = 0, exit_error = 1, exit_usage = 2, exit_interrupted = 130 };
 
-/// An option that is not as it must be; the program returns exit_usage.
+/// An invalid or contradictory option; the program returns exit_usage.
 struct UsageError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Set by the command that the command line chose; returns the exit code.
+/// The action of the command that the command line names; returns the exit code.
 using Run = std::function<int()>;
 
-void add_render(CLI::App& app, Run& run);
-void add_merge(CLI::App& app, Run& run);
-void add_submit(CLI::App& app, Run& run);
-void add_status(CLI::App& app, Run& run);
-void add_info(CLI::App& app, Run& run);
-void add_convert(CLI::App& app, Run& run);
-void add_view(CLI::App& app, Run& run);
-void add_version(CLI::App& app, Run& run);
+void add_render(CLI::App& program, Run& run);
+void add_merge(CLI::App& program, Run& run);
+void add_submit(CLI::App& program, Run& run);
+void add_status(CLI::App& program, Run& run);
+void add_info(CLI::App& program, Run& run);
+void add_convert(CLI::App& program, Run& run);
+void add_view(CLI::App& program, Run& run);
+void add_version(CLI::App& program, Run& run);
 
-/// Reads the command line, does what it says, prints what went wrong; returns the exit code.
+/// Adds all commands and the program's own help.
+void add_commands(CLI::App& program, Run& run);
+
+/// Parses the command line, runs its command and prints errors; returns the exit code.
 int run_program(int argc, char** argv);
 
-/// Seconds since the program began.
+/// Seconds since the program's start.
 double seconds_since_start();
 
 }  // namespace fathom::cli

@@ -3,8 +3,7 @@
 
 #include "commands/commands.h"
 #include "fathom/save.h"
-#include "options/arguments.h"
-#include "options/image_options.h"
+#include "options/command.h"
 #include "options/scene_options.h"
 #include "report/reporter.h"
 
@@ -23,7 +22,7 @@ int run_convert(const ConvertOptions& o)
     const bool is_glb = o.output.extension() == ".glb";
     if (!is_glb && o.output.extension() != ".json")
         throw UsageError(
-            fmt::format("{}: scenes are written as JSON or GLB: a name that ends in .json or .glb", o.output.string()));
+            fmt::format("{}: OUTPUT is JSON or GLB: its name must end in .json or .glb", o.output.string()));
     Reporter reporter(o.quiet ? ReportMode::quiet : default_report_mode());
     Warnings warnings;
     const SceneDescription scene = [&] {
@@ -41,18 +40,17 @@ int run_convert(const ConvertOptions& o)
 void add_convert(CLI::App& program, Run& run)
 {
     const auto options = std::make_shared<ConvertOptions>();
-    Command command(program, "convert", "Write a scene or model as Fathom's own scene file, or as GLB");
+    Command command(program, "convert", "Convert a scene or model to a Fathom scene file or to GLB");
     add_file_options(command, options->scene);
-    command.add_positional("OUTPUT", options->output, "the file to write, *.json or *.glb");
-    command.add_flag("-q,--quiet", options->quiet, "print only errors");
+    command.add_positional("OUTPUT", options->output, "file to write, *.json or *.glb");
+    command.begin_group("Reporting and debugging");
+    command.add_flag({"-q,--quiet", "", "print only errors", ""}, options->quiet);
     command.set_footer(
-        "JSON renders to the same bits. Meshes, curves, points and embedded pictures are written to a folder beside "
-        "it, "
-        "named\n"
-        "after it (scene.json: scene-files); pictures that are files are referred to where they are.\n"
-        "GLB is one file, for other programs; what glTF can't say is told, and left out.\n\n"
+        "A converted JSON scene renders to the same bits. Meshes, curves, points and embedded images go to a folder\n"
+        "beside it, named after it (scene.json: scene-files); image files are referred to where they are.\n"
+        "GLB is one file, for other programs. Fathom warns about what glTF can't represent, and leaves it out.\n\n"
         "Examples:\n  fathom convert model.glb scene.json\n  fathom convert scene.pbrt model.glb\n\n"
-        "Exit codes: 0 done; 1 error; 2 wrong usage.");
+        "Exit codes: 0 success; 1 error; 2 wrong usage.");
     command.set_run(run, [options] { return run_convert(*options); });
 }
 

@@ -15,33 +15,33 @@ namespace fathom::cli {
 
 namespace {
 
-int complain(std::string message, int code)
+int report_error(std::string message, int code)
 {
     std::replace(message.begin(), message.end(), '\n', ' ');
-    say(fmt::format("fathom: {}\n", message));
+    write_stderr(fmt::format("fathom: {}\n", message));
     return code;
 }
 
-/// --help and --version: CLI11 knows the texts.
-int tell(const CLI::App& app, const CLI::ParseError& request)
+/// Prints the text that --help or --version asks for.
+int print_requested_text(const CLI::App& app, const CLI::ParseError& request)
 {
     std::ostringstream text;
     app.exit(request, text, text);
-    print(text.str());
+    write_stdout(text.str());
     return exit_ok;
 }
 
-/// CLI11's words, but where they don't say what is the matter.
+/// CLI11's message, reworded where it is hard to understand.
 std::string usage_message(const std::string& message)
 {
-    const std::size_t often = message.find(": At Most 1 required but received ");
-    if (often != std::string::npos) return message.substr(0, often) + " is given more than once";
+    const std::size_t repeated = message.find(": At Most 1 required but received ");
+    if (repeated != std::string::npos) return message.substr(0, repeated) + " is given more than once";
     return message;
 }
 
-/// The words of the command line, last first, as CLI11 takes them; `--denoise auto` as `--denoise=auto`: an option that
-/// may do without a value would take the name of a file for one.
-std::vector<std::string> words_of(int argc, char** argv)
+/// The command line's words in reverse, as CLI11 expects them. `--denoise auto` becomes `--denoise=auto`: an option
+/// with an optional value would otherwise take a following file name for it.
+std::vector<std::string> reversed_words(int argc, char** argv)
 {
     std::vector<std::string> words;
     for (int i = 1; i < argc; ++i) {
@@ -54,63 +54,68 @@ std::vector<std::string> words_of(int argc, char** argv)
     return words;
 }
 
-/// Throws UsageError for a command of which as many copies as there are ranks would do harm.
-void check_command(const CLI::App& app, const RankEnvironment& ranks)
+/// Throws UsageError for a command that must not run once per rank.
+void check_ranks(const CLI::App& app, const RankEnvironment& ranks)
 {
     const std::string command = app.get_subcommands().front()->get_name();
     if (ranks.count == 1 || command == "render" || command == "info" || command == "version") return;
-    throw UsageError(fmt::format("'fathom {}' is of one process, not of {} ranks ({}): leave out mpirun", command,
+    throw UsageError(fmt::format("'fathom {}' runs as one process, not as {} ranks ({}): leave out mpirun", command,
                                  ranks.count, ranks.variable));
 }
 
-/// What the command line asks for; returns the exit code.
 int parse_and_run(int argc, char** argv)
 {
-    CLI::App app("Fathom, a path tracer for CPUs: a scene file in, a picture out.", "fathom");
-    app.require_subcommand(1);
-    app.set_version_flag("--version", "fathom " FATHOM_VERSION, "Print the version (`fathom version` tells more)");
-    app.footer(
-        "Examples:\n"
-        "  fathom render scene.json                      256 samples a pixel, to scene.png\n"
-        "  fathom render model.glb --time 1m -o a.exr -o a.png\n"
-        "  fathom info model.glb\n"
-        "`fathom COMMAND --help` tells a command's options.\n\n"
-        "Exit codes: 0 done; 1 a file, the scene or the machine is not as it must be;\n"
-        "2 wrong usage; 130 interrupted (the picture so far is written).");
+    CLI::App app("", "fathom");
     const RankEnvironment ranks = rank_environment();
-    const auto complain_once = [&](const std::string& message) {
-        if (ranks.rank == 0) return complain(message, exit_usage);
-        leave_the_word_to_rank_0();
-        return complain(fmt::format("rank {}: {}", ranks.rank, message), exit_usage);
+    const auto report_once = [&](const std::string& message) {
+        if (ranks.rank == 0) return report_error(message, exit_usage);
+        let_rank0_report_first();
+        return report_error(fmt::format("rank {}: {}", ranks.rank, message), exit_usage);
     };
     Run run;
-    add_render(app, run);
-    add_merge(app, run);
-    add_submit(app, run);
-    add_status(app, run);
-    add_info(app, run);
-    add_convert(app, run);
-    add_view(app, run);
-    add_version(app, run);
+    add_commands(app, run);
     try {
-        app.parse(words_of(argc, argv));
-        check_command(app, ranks);
+        app.parse(reversed_words(argc, argv));
+        check_ranks(app, ranks);
         return run();
     } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() == 0) return tell(app, error);
-        return complain_once(fmt::format("{} (see fathom --help)", usage_message(error.what())));
+        if (error.get_exit_code() == 0) return print_requested_text(app, error);
+        return report_once(fmt::format("{} (see fathom --help)", usage_message(error.what())));
     } catch (const UsageError& error) {
-        return complain_once(error.what());
+        return report_once(error.what());
     } catch (const Error& error) {
-        return complain(error.what(), exit_error);
+        return report_error(error.what(), exit_error);
     } catch (const std::bad_alloc&) {
-        return complain("there is not enough memory", exit_error);
+        return report_error("there is not enough memory", exit_error);
     } catch (const std::exception& error) {
-        return complain(error.what(), exit_error);
+        return report_error(error.what(), exit_error);
     }
 }
 
 }  // namespace
+
+void add_commands(CLI::App& program, Run& run)
+{
+    program.description("Fathom, a path tracer for CPUs: renders 3D models to physically correct images.");
+    program.require_subcommand(1);
+    program.set_version_flag("--version", "fathom " FATHOM_VERSION, "print the version; `fathom version` prints more");
+    program.footer(
+        "Examples:\n"
+        "  fathom render scene.json                           256 samples per pixel, to scene.png\n"
+        "  fathom render model.glb --time 1m -o a.exr -o a.png\n"
+        "  fathom info model.glb\n"
+        "`fathom COMMAND --help` lists the options of a command.\n\n"
+        "Exit codes: 0 success; 1 error in a file, in the scene or on the machine;\n"
+        "2 wrong usage; 130 interrupted (the image so far is written).");
+    add_render(program, run);
+    add_merge(program, run);
+    add_submit(program, run);
+    add_status(program, run);
+    add_info(program, run);
+    add_convert(program, run);
+    add_view(program, run);
+    add_version(program, run);
+}
 
 int run_program(int argc, char** argv)
 {
@@ -118,9 +123,9 @@ int run_program(int argc, char** argv)
     try {
         code = parse_and_run(argc, argv);
     } catch (const Error& error) {
-        code = complain(error.what(), exit_error);
+        code = report_error(error.what(), exit_error);
     }
-    return code == exit_ok && could_not_say() ? exit_error : code;
+    return code == exit_ok && stderr_failed() ? exit_error : code;
 }
 
 }  // namespace fathom::cli

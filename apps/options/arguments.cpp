@@ -1,21 +1,18 @@
 #include "options/arguments.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-
-#include "commands/commands.h"
 
 namespace fathom::cli {
 
 namespace {
 
-constexpr std::uint64_t largest_side = 1 << 24;
+constexpr std::uint64_t max_side = 1 << 24;
 
 template <class Number>
-bool parse_whole(const std::string& text, Number& number)
+bool parse_all(const std::string& text, Number& number)
 {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     return error == std::errc() && end == text.data() + text.size() && !text.empty();
@@ -45,24 +42,24 @@ double parse_number(const std::string& text)
 {
     double number = 0;
     const std::string digits = text.rfind('+', 0) == 0 ? text.substr(1) : text;
-    if (!parse_whole(digits, number) || !std::isfinite(number))
+    if (!parse_all(digits, number) || !std::isfinite(number))
         throw UsageError(fmt::format("expected a number, found '{}'", text));
     return number;
 }
 
-double parse_number(const std::string& text, double least, double most)
+double parse_number(const std::string& text, double min, double max)
 {
     const double number = parse_number(text);
-    if (number < least || number > most)
-        throw UsageError(fmt::format("expected a number from {} to {}, found {}", least, most, text));
+    if (number < min || number > max)
+        throw UsageError(fmt::format("expected a number from {} to {}, found {}", min, max, text));
     return number;
 }
 
-std::uint64_t parse_integer(const std::string& text, std::uint64_t least, std::uint64_t most)
+std::uint64_t parse_integer(const std::string& text, std::uint64_t min, std::uint64_t max)
 {
     std::uint64_t number = 0;
-    if (!parse_whole(text, number) || number < least || number > most)
-        throw UsageError(fmt::format("expected a whole number from {} to {}, found '{}'", least, most, text));
+    if (!parse_all(text, number) || number < min || number > max)
+        throw UsageError(fmt::format("expected a whole number from {} to {}, found '{}'", min, max, text));
     return number;
 }
 
@@ -70,7 +67,7 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count)
 {
     const std::vector<std::string> parts = split(text, ',');
     if (parts.size() != count)
-        throw UsageError(fmt::format("expected {} numbers with commas between, found '{}'", count, text));
+        throw UsageError(fmt::format("expected {} numbers separated by commas, found '{}'", count, text));
     std::vector<double> numbers;
     numbers.reserve(parts.size());
     for (const std::string& part : parts) numbers.push_back(parse_number(part));
@@ -86,8 +83,8 @@ Vec3d parse_vector(const std::string& text)
 Size parse_size(const std::string& text)
 {
     const std::vector<std::string> parts = split(text, 'x');
-    if (parts.size() != 2) throw UsageError(fmt::format("expected a size as 800x600, found '{}'", text));
-    return {int(parse_integer(parts[0], 1, largest_side)), int(parse_integer(parts[1], 1, largest_side))};
+    if (parts.size() != 2) throw UsageError(fmt::format("expected a size such as 800x600, found '{}'", text));
+    return {int(parse_integer(parts[0], 1, max_side)), int(parse_integer(parts[1], 1, max_side))};
 }
 
 double parse_duration(const std::string& text)
@@ -101,15 +98,15 @@ double parse_duration(const std::string& text)
     }
     const double seconds = parse_number(digits) * unit;
     if (!(seconds > 0))
-        throw UsageError(fmt::format("expected a time above 0, as 90, 90s, 10m or 1h, found '{}'", text));
+        throw UsageError(fmt::format("expected a time above 0, such as 90, 90s, 10m or 1h, found '{}'", text));
     return seconds;
 }
 
 std::uint64_t parse_bytes(const std::string& text)
 {
-    constexpr double most = 1e18;
+    constexpr double max_bytes = 1e18;
     const auto refuse = [&] {
-        throw UsageError(fmt::format("expected a size of memory as 8G, 512M or 1.5GiB, found '{}'", text));
+        throw UsageError(fmt::format("expected a memory size such as 8G, 512M or 1.5GiB, found '{}'", text));
     };
     const std::size_t end = text.find_first_not_of("0123456789.");
     if (end == 0 || end == std::string::npos) refuse();
@@ -120,7 +117,7 @@ std::uint64_t parse_bytes(const std::string& text)
     const std::size_t power = std::string_view("KMGT").find(unit);
     if (unit.size() != 1 || power == std::string_view::npos) refuse();
     const double bytes = parse_number(text.substr(0, end)) * std::pow(is_binary ? 1024.0 : 1000.0, double(power + 1));
-    if (!(bytes >= 1 && bytes <= most)) refuse();
+    if (!(bytes >= 1 && bytes <= max_bytes)) refuse();
     return std::uint64_t(bytes);
 }
 
@@ -131,14 +128,14 @@ double parse_time(const std::string& text)
 
 std::vector<std::uint64_t> parse_frames(const std::string& text)
 {
-    constexpr std::uint64_t last_frame = 99'999'999, most = 1'000'000;
+    constexpr std::uint64_t last_frame = 99'999'999, max_frames = 1'000'000;
     const std::vector<std::string> parts = split(text, ':');
     if (parts.size() > 3) throw UsageError(fmt::format("expected A:B or A:B:STEP, found '{}'", text));
     const std::uint64_t first = parse_integer(parts[0], 0, last_frame);
     const std::uint64_t last = parts.size() > 1 ? parse_integer(parts[1], 0, last_frame) : first;
     const std::uint64_t step = parts.size() > 2 ? parse_integer(parts[2], 1, last_frame) : 1;
     if (last < first) throw UsageError(fmt::format("there are no frames in {}", text));
-    if ((last - first) / step >= most) throw UsageError(fmt::format("more than {} frames", most));
+    if ((last - first) / step >= max_frames) throw UsageError(fmt::format("more than {} frames", max_frames));
     std::vector<std::uint64_t> frames;
     for (std::uint64_t frame = first; frame <= last; frame += step) frames.push_back(frame);
     return frames;
@@ -149,7 +146,7 @@ Crop parse_crop(const std::string& text)
     const std::vector<std::string> parts = split(text, ',');
     if (parts.size() != 4) throw UsageError(fmt::format("expected x0,y0,x1,y1, found '{}'", text));
     int n[4];
-    for (int i = 0; i < 4; ++i) n[i] = int(parse_integer(parts[i], 0, largest_side));
+    for (int i = 0; i < 4; ++i) n[i] = int(parse_integer(parts[i], 0, max_side));
     if (n[0] >= n[2] || n[1] >= n[3]) throw UsageError(fmt::format("there are no pixels in {}", text));
     return {n[0], n[1], n[2], n[3]};
 }
@@ -157,7 +154,7 @@ Crop parse_crop(const std::string& text)
 SampleRange parse_sample_range(const std::string& text)
 {
     const std::vector<std::string> parts = split(text, ':');
-    if (parts.size() != 2) throw UsageError(fmt::format("expected a range of samples as 0:64, found '{}'", text));
+    if (parts.size() != 2) throw UsageError(fmt::format("expected a sample range such as 0:64, found '{}'", text));
     const SampleRange range{parse_integer(parts[0], 0, 1ull << 32), parse_integer(parts[1], 0, 1ull << 32)};
     if (range.first >= range.second) throw UsageError(fmt::format("there are no samples in {}", text));
     return range;
@@ -174,7 +171,7 @@ Color parse_color(const std::string& text)
             const char* digits = text.data() + 1 + 2 * i;
             const auto [end, error] = std::from_chars(digits, digits + 2, code, 16);
             if (error != std::errc() || end != digits + 2 || code < 0)
-                throw UsageError(fmt::format("expected a colour as #rrggbb, found '{}'", text));
+                throw UsageError(fmt::format("expected a color such as #rrggbb, found '{}'", text));
             rgb[i] = float(linear_from_srgb_byte(code));
         }
         return {rgb[0], rgb[1], rgb[2]};
@@ -183,128 +180,19 @@ Color parse_color(const std::string& text)
     try {
         n = parse_numbers(text, text.find(',') == std::string::npos ? 1 : 3);
     } catch (const UsageError&) {
-        throw UsageError(fmt::format("expected a colour as #rrggbb, r,g,b, black or white, found '{}'", text));
+        throw UsageError(fmt::format("expected a color such as #rrggbb, r,g,b, black or white, found '{}'", text));
     }
     n.resize(3, n[0]);
     for (double v : n)
-        if (v < 0 || v > 1e30) throw UsageError(fmt::format("a colour can't be {}", v));
+        if (v < 0 || v > 1e30) throw UsageError(fmt::format("a color can't be {}", v));
     return {float(n[0]), float(n[1]), float(n[2])};
 }
 
-int parse_word(const std::string& text, const std::vector<std::string>& words)
+int parse_choice(const std::string& text, const std::vector<std::string>& choices)
 {
-    for (std::size_t i = 0; i < words.size(); ++i)
-        if (text == words[i]) return int(i);
-    throw UsageError(fmt::format("expected {}, found '{}'", fmt::join(words, " or "), text));
-}
-
-Command::Command(CLI::App& program, const std::string& name, const std::string& what_it_does)
-    : app_(*program.add_subcommand(name, what_it_does))
-{
-}
-
-Command::Command(Command& group, const std::string& name, const std::string& what_it_does)
-    : Command(group.app_, name, what_it_does)
-{
-    group.app_.require_subcommand(1);
-}
-
-namespace {
-
-Command::Take naming(const std::string& name, Command::Take take)
-{
-    return [name, take = std::move(take)](const std::string& text) {
-        try {
-            take(text);
-        } catch (const UsageError& error) {
-            throw UsageError(fmt::format("{}: {}", name, error.what()));
-        }
-    };
-}
-
-}  // namespace
-
-void Command::add_value(const std::string& name, const std::string& value_name, const std::string& help, Take take)
-{
-    app_.add_option_function<std::string>(name, naming(name, std::move(take)), help)->type_name(value_name);
-}
-
-void Command::add_values(const std::string& name, const std::string& value_name, const std::string& help, Take take)
-{
-    const auto take_all = [take_one = naming(name, std::move(take))](const std::vector<std::string>& values) {
-        for (const std::string& value : values) take_one(value);
-    };
-    app_.add_option_function<std::vector<std::string>>(name, take_all, help)
-        ->type_name(value_name)
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-}
-
-void Command::add_flag_or_word(const std::string& name, const std::string& help, Take take)
-{
-    app_.add_flag(name, help)->each(naming(name, std::move(take)));
-}
-
-void Command::add_flag(const std::string& name, bool& flag, const std::string& help)
-{
-    app_.add_flag(name, flag, help);
-}
-
-void Command::add_files(const std::string& name, std::vector<std::filesystem::path>& files, const std::string& help)
-{
-    const auto take = [&files](const std::vector<std::string>& names) { files.assign(names.begin(), names.end()); };
-    file_lists_.push_back(app_.add_option_function<std::vector<std::string>>(name, take, help)
-                              ->type_name("FILE")
-                              ->expected(1)
-                              ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll));
-}
-
-void Command::add_positional(const std::string& name, std::filesystem::path& file, const std::string& help)
-{
-    const auto take = [&file](const std::string& text) { file = text; };
-    app_.add_option_function<std::string>(name, take, help)->required()->type_name("");
-}
-
-void Command::add_positionals(const std::string& name, std::vector<std::filesystem::path>& files,
-                              const std::string& help)
-{
-    const auto take = [&files](const std::vector<std::string>& names) { files.assign(names.begin(), names.end()); };
-    app_.add_option_function<std::vector<std::string>>(name, take, help)->required()->type_name("");
-}
-
-std::size_t Command::option_count() const
-{
-    return app_.get_options().size();
-}
-
-std::vector<std::string> Command::given(std::size_t first, std::size_t last) const
-{
-    std::vector<std::string> words;
-    const std::vector<CLI::Option*> options = app_.get_options();
-    for (std::size_t i = first; i < last; ++i) {
-        const CLI::Option& option = *options[i];
-        const bool is_file_list = std::find(file_lists_.begin(), file_lists_.end(), &option) != file_lists_.end();
-        if (option.get_positional() || is_file_list) continue;
-        const bool is_flag = option.get_expected_min() == 0;
-        for (const std::string& value : option.results()) {
-            words.push_back(option.get_name());
-            if (!is_flag)
-                words.push_back(value);
-            else if (value != "true")
-                words.back() += "=" + value;
-        }
-    }
-    return words;
-}
-
-void Command::set_footer(const std::string& text)
-{
-    app_.footer(text);
-}
-
-void Command::set_run(Run& run, Run what)
-{
-    app_.final_callback([&run, what = std::move(what)] { run = what; });
+    for (std::size_t i = 0; i < choices.size(); ++i)
+        if (text == choices[i]) return int(i);
+    throw UsageError(fmt::format("expected {}, found '{}'", fmt::join(choices, " or "), text));
 }
 
 }  // namespace fathom::cli

@@ -1,10 +1,9 @@
 #pragma once
-#include "options/arguments.h"
+#include "options/command.h"
 
 namespace fathom::cli {
 
-/// What of the machine a command may take: --memory and --nice. They hold from when they are read, for all that the
-/// process does.
+/// Adds --memory and --nice. Both take effect for the whole process as soon as they are parsed.
 void add_machine_options(Command& command);
 
 }  // namespace fathom::cli

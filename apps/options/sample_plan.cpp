@@ -6,17 +6,16 @@
 #include <string_view>
 
 #include "options/arguments.h"
-#include "options/image_options.h"
 
 namespace fathom::cli {
 
 PartNumber parse_part(const std::string& text)
 {
     const std::vector<std::string> numbers = split(text, '/');
-    if (numbers.size() != 2) throw UsageError(fmt::format("expected K/N as 3/16, found '{}'", text));
-    constexpr std::uint64_t most = 1'000'000;
-    const std::uint64_t count = parse_integer(numbers[1], 1, most);
-    // Schedulers count from 0, and not all have a shell that could add.
+    if (numbers.size() != 2) throw UsageError(fmt::format("expected K/N such as 3/16, found '{}'", text));
+    constexpr std::uint64_t max_parts = 1'000'000;
+    const std::uint64_t count = parse_integer(numbers[1], 1, max_parts);
+    // Many schedulers count tasks from 0, and not all run a shell that could add 1.
     constexpr std::string_view and_one = "+1";
     const std::string& number = numbers[0];
     if (number.ends_with(and_one))
@@ -39,18 +38,26 @@ std::uint64_t planned_number(const std::map<std::string, std::string>& attribute
     return error == std::errc() && end == text.data() + text.size() && number <= max_samples ? number : 0;
 }
 
-std::uint64_t count_of(const std::vector<SampleRange>& ranges)
+std::uint64_t count_samples(const std::vector<SampleRange>& ranges)
 {
     std::uint64_t count = 0;
     for (const SampleRange& range : ranges) count += range.second - range.first;
     return count;
 }
 
-std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& there, std::uint64_t planned)
+std::string sample_ranges_text(const std::vector<SampleRange>& ranges)
+{
+    std::string text;
+    for (const SampleRange& range : ranges)
+        text += fmt::format("{}{}:{}", text.empty() ? "" : ",", range.first, range.second);
+    return text;
+}
+
+std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& present, std::uint64_t planned)
 {
     std::vector<SampleRange> missing;
     std::uint64_t next = 0;
-    for (const SampleRange& range : there) {
+    for (const SampleRange& range : present) {
         if (range.first > next) missing.emplace_back(next, range.first);
         next = std::max(next, range.second);
     }
@@ -58,9 +65,9 @@ std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& there, 
     return missing;
 }
 
-std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& there, SampleRange wanted)
+std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& present, SampleRange wanted)
 {
-    std::vector<SampleRange> missing = missing_samples(there, wanted.second);
+    std::vector<SampleRange> missing = missing_samples(present, wanted.second);
     std::erase_if(missing, [&](const SampleRange& range) { return range.second <= wanted.first; });
     for (SampleRange& range : missing) range.first = std::max(range.first, wanted.first);
     return missing;
@@ -69,7 +76,7 @@ std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& there, 
 std::string missing_text(const std::vector<SampleRange>& missing, std::uint64_t planned_samples,
                          std::uint64_t planned_parts)
 {
-    std::string text = "samples " + text_of(missing);
+    std::string text = "samples " + sample_ranges_text(missing);
     std::vector<std::string> parts;
     for (std::uint64_t number = 1; planned_samples > 0 && number <= planned_parts; ++number) {
         const SampleRange part = samples_of_part({number, planned_parts}, planned_samples);

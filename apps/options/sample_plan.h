@@ -12,29 +12,32 @@ namespace fathom::cli {
 struct PartNumber {
     std::uint64_t number = 1, count = 1;
 };
-/// `3/16`, or `2+1/16` where the first is counted from 0. Throws UsageError.
+/// `3/16`, or `2+1/16` where the number is counted from 0. Throws UsageError.
 PartNumber parse_part(const std::string& text);
 
-/// The samples of a part of so many: ranges that differ by one sample at most, in order.
+/// Samples of one part. Parts are consecutive ranges whose sizes differ by at most one sample.
 SampleRange samples_of_part(PartNumber part, std::uint64_t samples);
 
-/// Where film files say how many samples a pixel the whole picture is to have, and of how many parts; 0: they don't.
+/// Attributes of film files: samples per pixel of the whole image, and number of parts; absent if unknown.
 inline constexpr const char* planned_samples_attribute = "fathom.planned_samples";
 inline constexpr const char* planned_parts_attribute = "fathom.planned_parts";
-/// Layers that the picture of a film is to have which its sums don't tell: "A,variance,samples".
+/// Attribute that lists layers of the image which the sums don't imply: "A,variance,samples".
 inline constexpr const char* wanted_layers_attribute = "fathom.layers";
-/// Of a part: its picture's standard error over its mean, and the samples a pixel that were made in a second.
+/// Attributes of a part: standard error of its image over its mean, and samples per pixel rendered in a second.
 inline constexpr const char* noise_attribute = "fathom.noise";
 inline constexpr const char* samples_per_s_attribute = "fathom.samples_per_s";
+/// The number in an attribute; 0 if it is absent or invalid.
 std::uint64_t planned_number(const std::map<std::string, std::string>& attributes, const char* attribute);
 
-/// How many samples they are.
-std::uint64_t count_of(const std::vector<SampleRange>& ranges);
-/// What of 0 to `planned` is not there, or to the last sample that is.
-std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& there, std::uint64_t planned);
-/// What of `wanted` is not there.
-std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& there, SampleRange wanted);
-/// "samples 64:128 (part 2 of 16)"; the parts where their number is known.
+/// Number of samples in disjoint ranges.
+std::uint64_t count_samples(const std::vector<SampleRange>& ranges);
+/// "0:16,32:48"
+std::string sample_ranges_text(const std::vector<SampleRange>& ranges);
+/// Samples from 0 to `planned`, or to the last one present, that are not present.
+std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& present, std::uint64_t planned);
+/// Samples of `wanted` that are not present.
+std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& present, SampleRange wanted);
+/// "samples 64:128 (part 2 of 16)"; without parts where their number is unknown.
 std::string missing_text(const std::vector<SampleRange>& missing, std::uint64_t planned_samples,
                          std::uint64_t planned_parts);
 

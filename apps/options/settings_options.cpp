@@ -4,64 +4,81 @@
 #include <algorithm>
 
 #include "fathom/error.h"
+#include "options/arguments.h"
 
 namespace fathom::cli {
 
 const std::vector<std::string> filter_names = {"box", "gaussian", "blackman-harris", "tent"};
 
-void add_settings_options(Command& command, SettingsOptions& o)
+namespace {
+
+void add_path_options(Command& command, SettingsOptions& o)
 {
     constexpr std::uint64_t max_int = 1u << 30;
-    command.add_value("--seed", "N", "another seed, other noise (default 0)",
-                      [&](const std::string& text) { o.seed = std::uint32_t(parse_integer(text, 0, 0xffffffffu)); });
-    command.add_value("--threads", "N",
-                      "threads (default: all cores that this process may use); the picture doesn't depend on it",
-                      [&](const std::string& text) { o.threads = int(parse_integer(text, 1, 4096)); });
-    command.add_value("--filter", "NAME", "box, gaussian, blackman-harris (default) or tent",
-                      [&](const std::string& text) { o.filter = Filter(parse_word(text, filter_names)); });
+    command.begin_group("Light transport");
     command.add_value(
-        "--filter-radius", "PIXELS",
-        "how far the filter reaches (default: box 0.5, gaussian 2, four times its deviation, blackman-harris 1.65, "
-        "tent 1)",
-        [&](const std::string& text) { o.filter_radius = parse_number(text, 0.01, max_filter_radius); });
-    command.add_value(
-        "--max-depth", "N|none", "longest path in bounces (default none: a limit makes the picture darker)",
+        {"--max-depth", "N|none", "maximum path length in bounces; a limit darkens the image", "none"},
         [&](const std::string& text) { o.max_depth = text == "none" ? -1 : int(parse_integer(text, 0, max_int)); });
-    command.add_value("--roulette-depth", "N", "bounces before Russian roulette (default 5)",
+    command.add_value({"--roulette-depth", "N", "number of bounces before Russian roulette", "5"},
                       [&](const std::string& text) { o.roulette_depth = int(parse_integer(text, 0, max_int)); });
-    command.add_value("--light-sampling", "on|off", "off: lights are only found by chance (default on)",
-                      [&](const std::string& text) { o.light_sampling = parse_word(text, {"off", "on"}) == 1; });
-    command.add_value("--light-selection", "tree|power|uniform",
-                      "which light a surface samples: those more often that may bring more there (default), brighter "
-                      "ones more often, "
-                      "or all alike, to compare with",
-                      [&](const std::string& text) {
-                          o.light_selection = LightSelection(parse_word(text, {"power", "uniform", "tree"}));
-                      });
+    command.add_value({"--light-sampling", "on|off",
+                       "next event estimation; off disables direct light sampling (for debugging)", "on"},
+                      [&](const std::string& text) { o.light_sampling = parse_choice(text, {"off", "on"}) == 1; });
     command.add_value(
-        "--clamp-indirect", "X",
-        "the most that a sample brings of light by two surfaces or more, in each channel, before exposure: fewer "
-        "fireflies, but biased: caustics and bright corners get darker (default: no limit)",
-        [&](const std::string& text) { o.clamp_indirect = parse_number(text, 1e-6, 1e30); });
-    command.add_value("--guiding", "auto|on|off",
-                      "paths learn first where light comes from, then go there: less noise indoors (default auto: on "
-                      "where that is worth the time it takes)",
+        {"--light-selection", "tree|power|uniform",
+         "how next event estimation chooses a light: by estimated contribution, by power, or uniformly", "tree"},
+        [&](const std::string& text) {
+            o.light_selection = LightSelection(parse_choice(text, {"power", "uniform", "tree"}));
+        });
+    command.add_value({"--guiding", "auto|on|off",
+                       "path guiding: learns where light comes from and samples it more, which reduces noise indoors. "
+                       "auto: in `fathom render` on from 8 samples per pixel and 4 million in all, from --time 10s, "
+                       "and with --samples, --part, --mergeable or --checkpoint; in `fathom view` off",
+                       "auto"},
                       [&](const std::string& text) {
-                          if (const int word = parse_word(text, {"off", "on", "auto"}); word < 2) o.guiding = word == 1;
+                          const int choice = parse_choice(text, {"off", "on", "auto"});
+                          if (choice < 2) o.guiding = choice == 1;
                       });
-    command.add_value("--loop", "general|fast",
-                      "general: rooms of quads, too, by the loop for all scenes, to debug (default fast)",
-                      [&](const std::string& text) { o.general_loop = parse_word(text, {"fast", "general"}) == 1; });
-    command.add_value("--background", "COLOUR",
-                      "what the camera sees behind the scene (lights nothing): #rrggbb, linear r,g,b, black, white, or "
-                      "transparent (alpha in EXR and PNG; black in a window)",
+    command.add_value({"--clamp-indirect", "X",
+                       "limit the light that each sample gets over two or more surfaces, per channel and before "
+                       "exposure. Biased: removes fireflies, but darkens caustics and bright corners",
+                       "no limit"},
+                      [&](const std::string& text) { o.clamp_indirect = parse_number(text, 1e-6, 1e30); });
+    command.add_value({"--loop", "general|fast",
+                       "general: render rooms made of quads with the general loop, too (for debugging)", "fast"},
+                      [&](const std::string& text) { o.general_loop = parse_choice(text, {"fast", "general"}) == 1; });
+}
+
+}  // namespace
+
+void add_settings_options(Command& command, SettingsOptions& o)
+{
+    command.begin_group("Sampling");
+    command.add_value({"--seed", "N", "random seed; another seed gives other noise", "0"},
+                      [&](const std::string& text) { o.seed = std::uint32_t(parse_integer(text, 0, 0xffffffffu)); });
+    command.add_value({"--filter", "NAME", "reconstruction filter: box, gaussian, blackman-harris or tent",
+                       "the scene's, else blackman-harris"},
+                      [&](const std::string& text) { o.filter = Filter(parse_choice(text, filter_names)); });
+    command.add_value({"--filter-radius", "PIXELS", "radius of the filter",
+                       "box 0.5, gaussian 2 (four standard deviations), blackman-harris 1.65, tent 1"},
+                      [&](const std::string& text) { o.filter_radius = parse_number(text, 0.01, max_filter_radius); });
+    add_path_options(command, o);
+    command.begin_group("Light and background");
+    command.add_value({"--background", "COLOR",
+                       "what the camera sees behind the scene; it lights nothing. #rrggbb (sRGB), r,g,b (linear), "
+                       "black, white, or transparent (alpha in EXR and PNG, black in a window)",
+                       "the scene's, else its environment"},
                       [&](const std::string& text) {
                           o.transparent = text == "transparent";
                           o.background = o.transparent ? Color{0, 0, 0} : parse_color(text);
                       });
+    command.begin_group("Machine");
+    command.add_value({"--threads", "N", "number of threads; the image does not depend on it",
+                       "all cores that the process may use, within the container's limit"},
+                      [&](const std::string& text) { o.threads = int(parse_integer(text, 1, 4096)); });
 }
 
-RenderSettings settings_of(const SettingsOptions& o, const RenderHints& hints, const std::string& file)
+RenderSettings resolve_settings(const SettingsOptions& o, const RenderHints& hints, const std::string& file)
 {
     RenderSettings settings;
     settings.max_depth = o.max_depth.value_or(hints.max_depth.value_or(settings.max_depth));
@@ -74,7 +91,7 @@ RenderSettings settings_of(const SettingsOptions& o, const RenderHints& hints, c
                         fmt::format("expected {}, found '{}'", fmt::join(filter_names, " or "), *hints.filter));
         settings.filter = Filter(name - filter_names.begin());
     }
-    // That of the file is its filter's.
+    // The file's radius belongs to the file's filter.
     settings.filter_radius = o.filter_radius.value_or(o.filter ? 0 : hints.filter_radius.value_or(0));
     settings.filter = o.filter.value_or(settings.filter);
     settings.light_selection = o.light_selection;
@@ -94,15 +111,8 @@ ThreadLimit limit_threads(SettingsOptions& options, Reporter& reporter)
     ThreadLimit limit(wanted);
     options.threads = limit.threads();
     if (options.threads < wanted)
-        reporter.note(fmt::format("only {} of {} threads can be started here", options.threads, wanted));
+        reporter.note(fmt::format("the system allows only {} of {} threads", options.threads, wanted));
     return limit;
-}
-
-std::optional<std::uint64_t> hinted_samples(const RenderHints& hints, const std::string& file)
-{
-    if (!hints.samples) return {};
-    if (*hints.samples < 1) throw Error(file, "samples", "expected 1 at least");
-    return std::uint64_t(*hints.samples);
 }
 
 }  // namespace fathom::cli

@@ -4,17 +4,17 @@
 
 #include "fathom/render.h"
 #include "fathom/threads.h"
-#include "options/arguments.h"
+#include "options/command.h"
 #include "report/reporter.h"
 
 namespace fathom::cli {
 
-/// What decides the bits of a picture beside scene, camera and size: the same for `render` and `view`.
+/// Options that decide the bits of an image beside scene, camera and size; `render` and `view` share them.
 struct SettingsOptions {
-    std::optional<int> max_depth, roulette_depth;  ///< a max_depth of -1 is none
+    std::optional<int> max_depth, roulette_depth;  ///< a max_depth of -1 is unlimited
     std::optional<bool> light_sampling;
     LightSelection light_selection = LightSelection::tree;
-    std::optional<bool> guiding;
+    std::optional<bool> guiding;  ///< none: the command decides
     bool general_loop = false;
     std::optional<Filter> filter;
     std::optional<double> filter_radius;
@@ -22,24 +22,21 @@ struct SettingsOptions {
     std::optional<double> clamp_indirect;
     bool transparent = false;
     std::uint32_t seed = 0;
-    int threads = 0;
+    int threads = 0;  ///< 0: all that are available
 };
 
 void add_settings_options(Command& command, SettingsOptions& options);
 
-/// Options first, then what the scene asks for. Throws Error if that is no sensible value.
+/// Settings from the options, else from the scene's hints, else the defaults. Throws Error for an invalid hint.
 ///
-/// file  the scene's, for messages
-RenderSettings settings_of(const SettingsOptions& options, const RenderHints& hints, const std::string& file);
+/// file  path of the scene, for messages
+RenderSettings resolve_settings(const SettingsOptions& options, const RenderHints& hints, const std::string& file);
 
-/// The limit on threads that --threads asks for; settings then have the number of them. Says so where the system allows
-/// fewer.
+/// Limits the process to the threads that --threads asks for, and stores their number in `options`. Reports if the
+/// system allows fewer.
 ThreadLimit limit_threads(SettingsOptions& options, Reporter& reporter);
 
-/// How many samples a pixel the scene asks for, if it does.
-std::optional<std::uint64_t> hinted_samples(const RenderHints& hints, const std::string& file);
-
-/// Position is Filter's value.
+/// Names of filters, indexed by Filter.
 extern const std::vector<std::string> filter_names;
 
 }  // namespace fathom::cli

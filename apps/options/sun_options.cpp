@@ -6,14 +6,15 @@
 #include <numbers>
 
 #include "fathom/sun.h"
+#include "options/arguments.h"
 
 namespace fathom::cli {
 
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
+constexpr double radians_per_degree = std::numbers::pi / 180;
 
-/// Minutes that a time of this zone, `Z` or `+02:00`, is ahead.
+/// Offset from UTC in minutes of a time zone, `Z` or `+02:00`; nothing for an invalid one.
 std::optional<int> parse_zone(const std::string& text)
 {
     if (text == "Z") return 0;
@@ -25,6 +26,7 @@ std::optional<int> parse_zone(const std::string& text)
     return (text[0] == '-' ? -1 : 1) * (60 * hours + minutes);
 }
 
+/// Julian day of `2026-06-21T12:00[:SS]ZONE`. Throws UsageError.
 double parse_date(const std::string& text)
 {
     int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0, used = 0;
@@ -41,11 +43,12 @@ double parse_date(const std::string& text)
     if (!zone || year < 1900 || month < 1 || month > 12 || day < 1 || day > days[month - 1] || hour < 0 || hour > 23 ||
         minute < 0 || minute > 59 || second < 0 || second > 59)
         throw UsageError(fmt::format(
-            "expected a date and time from 1900 on, as 2026-06-21T12:00Z or 2026-06-21T14:00+02:00, found '{}'", text));
+            "expected a date and time from 1900 on, such as 2026-06-21T12:00Z or 2026-06-21T14:00+02:00, found '{}'",
+            text));
     return julian_day(year, month, day, hour * 3600 + (minute - *zone) * 60 + second);
 }
 
-Vec3d of_angles(double elevation, double azimuth)
+Vec3d direction_from_angles(double elevation, double azimuth)
 {
     return {std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation)};
 }
@@ -59,23 +62,25 @@ bool SunOptions::given() const
 
 void add_sun_options(Command& command, SunOptions& options)
 {
-    command.add_value("--sun-elevation", "DEGREES", "how high the sun stands (default 40)",
+    command.add_value({"--sun-elevation", "DEGREES", "elevation of the sun above the horizon", "40"},
                       [&](const std::string& text) { options.elevation_deg = parse_number(text, -90, 90); });
-    command.add_value("--sun-azimuth", "DEGREES", "from +z towards +x, as of --orbit (default -35)",
+    command.add_value({"--sun-azimuth", "DEGREES", "azimuth of the sun, from +z towards +x as in --orbit", "-35"},
                       [&](const std::string& text) { options.azimuth_deg = parse_number(text, -1e6, 1e6); });
-    command.add_value("--sun-direction", "X,Y,Z", "towards the sun, instead of both", [&](const std::string& text) {
-        options.direction = parse_vector(text);
-        if (!(length(*options.direction) > 0)) throw UsageError("expected a direction, found 0,0,0");
-    });
-    command.add_value("--sun-place", "LAT,LON",
-                      "where on earth the scene is, degrees to the north and east; -z is north, +x east",
+    command.add_value({"--sun-direction", "X,Y,Z", "direction towards the sun, instead of both angles", ""},
+                      [&](const std::string& text) {
+                          options.direction = parse_vector(text);
+                          if (!(length(*options.direction) > 0)) throw UsageError("expected a direction, found 0,0,0");
+                      });
+    command.add_value({"--sun-place", "LAT,LON",
+                       "place on earth for --sun-date, in degrees north and east; -z is north, +x is east", ""},
                       [&](const std::string& text) {
                           const std::vector<double> n = parse_numbers(text, 2);
                           if (std::abs(n[0]) > 90 || std::abs(n[1]) > 360)
                               throw UsageError("the latitude is from -90 to 90, the longitude from -360 to 360");
                           options.place_deg = {n[0], n[1]};
                       });
-    command.add_value("--sun-date", "DATE", "and when: 2026-06-21T12:00Z, or with another zone, 2026-06-21T14:00+02:00",
+    command.add_value({"--sun-date", "DATE",
+                       "date and time for --sun-place, such as 2026-06-21T12:00Z or 2026-06-21T14:00+02:00", ""},
                       [&](const std::string& text) { options.julian_day = parse_date(text); });
 }
 
@@ -85,7 +90,7 @@ void check_sun(const SunOptions& options)
     if (options.direction && by_angles)
         throw UsageError("--sun-direction: leave out --sun-elevation and --sun-azimuth");
     if (options.place_deg.has_value() != options.julian_day.has_value())
-        throw UsageError("--sun-place, --sun-date: the sun's place follows from both");
+        throw UsageError("--sun-place, --sun-date: give both, or neither");
     if (options.place_deg && (options.direction || by_angles))
         throw UsageError("--sun-place: leave out --sun-direction, --sun-elevation and --sun-azimuth");
 }
@@ -94,11 +99,12 @@ Vec3d direction_to_sun(const SunOptions& options)
 {
     if (options.direction) return *options.direction;
     if (!options.place_deg || !options.julian_day)
-        return of_angles(options.elevation_deg.value_or(40) * degree, options.azimuth_deg.value_or(-35) * degree);
+        return direction_from_angles(options.elevation_deg.value_or(40) * radians_per_degree,
+                                     options.azimuth_deg.value_or(-35) * radians_per_degree);
     const auto [elevation, azimuth] =
         sun_position(options.place_deg->first, options.place_deg->second, *options.julian_day);
-    // From -z over +x, that is against the sense of --sun-azimuth, and from the other end.
-    return of_angles(elevation * degree, (180 - azimuth) * degree);
+    // sun_position measures from north (-z) towards east (+x), --sun-azimuth from +z towards +x.
+    return direction_from_angles(elevation * radians_per_degree, (180 - azimuth) * radians_per_degree);
 }
 
 }  // namespace fathom::cli

@@ -3,24 +3,26 @@
 #include <string>
 #include <utility>
 
-#include "options/arguments.h"
+#include "fathom/description.h"
+#include "options/command.h"
 
 namespace fathom::cli {
 
-/// Where the sun stands, in one of three ways.
+/// Position of the sun: by two angles, by a direction, or by place and date.
 struct SunOptions {
     std::optional<double> elevation_deg, azimuth_deg;
     std::optional<Vec3d> direction;
-    std::optional<std::pair<double, double>> place_deg;  ///< latitude to the north, longitude to the east
+    std::optional<std::pair<double, double>> place_deg;  ///< latitude (north), longitude (east)
     std::optional<double> julian_day;
 
+    /// Whether any of the options was given.
     bool given() const;
 };
 
 void add_sun_options(Command& command, SunOptions& options);
-/// Throws UsageError if they disagree.
+/// Throws UsageError for options that contradict each other.
 void check_sun(const SunOptions& options);
-/// Towards the sun. Of a place and a date: +x is east there, -z north.
+/// Direction towards the sun. For a place and a date, +x is east and -z is north.
 Vec3d direction_to_sun(const SunOptions& options);
 
 }  // namespace fathom::cli

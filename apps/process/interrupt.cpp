@@ -11,14 +11,14 @@ namespace fathom::cli {
 
 namespace {
 
-std::atomic<bool> interrupt_flag = false, picture_flag = false, has_something_to_keep = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+std::atomic<bool> interrupt_flag = false, image_flag = false, has_samples_to_save = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets them");
 std::atomic<const char*> interrupt_line = "";
 std::atomic<long long> interrupt_ms = 0;
 
-void print(const char* text)
+void print_in_handler(const char* text)
 {
-    // Nothing can be done if the terminal is gone.
+    // A failure can't be reported anywhere.
     [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text, std::strlen(text));
 }
 
@@ -29,11 +29,11 @@ long long now_ms()
     return now.tv_sec * 1000LL + now.tv_nsec / 1'000'000;
 }
 
-/// Whether it is the request that came before, once more: schedulers signal a job, and its script passes that on.
+/// Whether a signal repeats the one before, because a scheduler signals both a job and its script.
 bool is_echo(int signal)
 {
-    constexpr long long longest_ms = 2000;
-    return signal == SIGTERM && now_ms() - interrupt_ms < longest_ms;
+    constexpr long long max_echo_ms = 2000;
+    return signal == SIGTERM && now_ms() - interrupt_ms < max_echo_ms;
 }
 
 void on_signal(int signal)
@@ -43,16 +43,16 @@ void on_signal(int signal)
         _exit(exit_interrupted);
     }
     interrupt_ms = now_ms();
-    print(interrupt_line);
-    if (!has_something_to_keep) _exit(exit_interrupted);
+    print_in_handler(interrupt_line);
+    if (!has_samples_to_save) _exit(exit_interrupted);
 }
 
-void on_picture_signal(int)
+void on_image_signal(int)
 {
-    picture_flag = true;
+    image_flag = true;
 }
 
-void handle(int signal, void (*handler)(int))
+void set_handler(int signal, void (*handler)(int))
 {
     struct sigaction action{};
     action.sa_handler = handler;
@@ -60,14 +60,14 @@ void handle(int signal, void (*handler)(int))
     sigaction(signal, &action, nullptr);
 }
 
-void take_signals()
+void install_handlers()
 {
-    handle(SIGINT, on_signal);
-    handle(SIGTERM, on_signal);
-    // The terminal was closed; under nohup that is to mean nothing.
+    set_handler(SIGINT, on_signal);
+    set_handler(SIGTERM, on_signal);
+    // SIGHUP means that the terminal was closed; nohup ignores it, and so does Fathom then.
     struct sigaction before{};
-    if (sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler != SIG_IGN) handle(SIGHUP, on_signal);
-    handle(SIGUSR1, on_picture_signal);
+    if (sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler != SIG_IGN) set_handler(SIGHUP, on_signal);
+    set_handler(SIGUSR1, on_image_signal);
 }
 
 }  // namespace
@@ -75,19 +75,19 @@ void take_signals()
 void end_on_interrupt(const char* line)
 {
     interrupt_line = line;
-    take_signals();
+    install_handlers();
 }
 
 void finish_on_interrupt(const char* line)
 {
     interrupt_line = line;
-    has_something_to_keep = true;
-    take_signals();
+    has_samples_to_save = true;
+    install_handlers();
 }
 
-bool picture_is_wanted()
+bool image_is_requested()
 {
-    return picture_flag.exchange(false);
+    return image_flag.exchange(false);
 }
 
 const std::atomic<bool>& interrupted()

@@ -3,19 +3,20 @@
 
 namespace fathom::cli {
 
-/// From here on Ctrl-C (SIGTERM, SIGHUP) prints `line` and ends the program at once: there is nothing to be kept yet.
-/// SIGUSR1 only makes picture_is_wanted() tell so.
+/// From here on, SIGINT, SIGTERM and SIGHUP print `line` and end the program at once: there is nothing to save yet.
+/// SIGUSR1 makes image_is_requested() true.
 void end_on_interrupt(const char* line);
-/// From here on the first of them sets interrupted() and prints `line`; the second ends the program, but for a
-/// SIGTERM within two seconds, which is taken for the first one's echo.
+/// From here on, the first of these signals sets interrupted() and prints `line`; the second ends the program. A
+/// SIGTERM within two seconds of the first is ignored: schedulers send it to the job and to its script, which passes it
+/// on.
 void finish_on_interrupt(const char* line);
 const std::atomic<bool>& interrupted();
-/// As if a signal had come, without a word.
+/// Sets interrupted() without printing anything.
 void interrupt_now();
-/// Whether a picture of the state was asked for since the last call.
-bool picture_is_wanted();
+/// Whether SIGUSR1 has asked for the image so far since the last call.
+bool image_is_requested();
 
-/// A file-size limit or a closed pipe becomes an error of writing, not the program's end.
+/// Makes a file-size limit and a closed pipe errors of write(), instead of ends of the program.
 void ignore_write_signals();
 
 }  // namespace fathom::cli

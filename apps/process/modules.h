@@ -7,16 +7,18 @@
 
 namespace fathom::cli {
 
-/// A library that the program opens when it needs it: beside the program or where it is installed.
+/// Opens a shared library beside the program or in its installation. Throws Error if it is missing, can't be loaded or
+/// belongs to another version.
 ///
-/// missing  what is told where it is not there; throws Error then, or if it can't be used or is of another version
-/// global   what it needs is to be found by what that opens
+/// missing  message of the error for a missing library
+/// global   makes the symbols of its dependencies visible to libraries that those open later
 void* open_module(const char* file, const char* version_symbol, const std::string& missing, bool global = false);
-/// Whether it is there.
+/// Whether the library is installed.
 bool has_module(const char* file);
 
+/// A function of an open library. Throws Error if there is none of this name.
 template <class Function>
-Function* function_of(void* module, const char* file, const char* symbol)
+Function* find_function(void* module, const char* file, const char* symbol)
 {
     const auto function = reinterpret_cast<Function*>(dlsym(module, symbol));
     if (!function) throw Error("", "", fmt::format("the module {} has no {}", file, symbol));

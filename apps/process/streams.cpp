@@ -14,9 +14,9 @@ namespace fathom::cli {
 
 namespace {
 
-std::atomic<bool> lost = false;
+std::atomic<bool> has_failed = false;
 
-/// 0, or the reason why not all was written.
+/// Returns 0, or the errno of a failed write.
 int write_all(int descriptor, const std::string& text)
 {
     for (std::size_t done = 0; done < text.size();) {
@@ -30,29 +30,29 @@ int write_all(int descriptor, const std::string& text)
 
 }  // namespace
 
-void hold_standard_streams()
+void reserve_standard_streams()
 {
     for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
         if (fcntl(descriptor, F_GETFD) < 0) {
-            // The lowest free number is the one that was found free. It may not be written to.
+            // open() takes the lowest free number, which is `descriptor`. Writing to it fails.
             [[maybe_unused]] const int opened = open("/dev/null", O_RDONLY);
         }
 }
 
-void say(const std::string& text)
+void write_stderr(const std::string& text)
 {
-    if (write_all(STDERR_FILENO, text) != 0) lost = true;
+    if (write_all(STDERR_FILENO, text) != 0) has_failed = true;
 }
 
-bool could_not_say()
+bool stderr_failed()
 {
-    return lost;
+    return has_failed;
 }
 
-void print(const std::string& text)
+void write_stdout(const std::string& text)
 {
-    if (const int reason = write_all(STDOUT_FILENO, text))
-        throw Error("standard output", "", "can't write: " + std::generic_category().message(reason));
+    if (const int code = write_all(STDOUT_FILENO, text))
+        throw Error("standard output", "", "can't write: " + std::generic_category().message(code));
 }
 
 }  // namespace fathom::cli

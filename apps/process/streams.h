@@ -3,17 +3,16 @@
 
 namespace fathom::cli {
 
-/// Gives standard streams that are closed a descriptor that refuses everything: else the next file that is opened, as
-/// the picture, gets their numbers and what is said is written into it.
-void hold_standard_streams();
+/// Opens closed standard streams with a descriptor that refuses writes. Otherwise the next file to be opened, such as
+/// the image, would get the number of stderr, and messages would be written into it.
+void reserve_standard_streams();
 
-/// Writes to standard error. A reader that is gone is no reason to lose a picture: what can't be written is only
-/// remembered.
-void say(const std::string& text);
-/// Whether something that was to be said could not be.
-bool could_not_say();
+/// Writes to standard error. Does not throw, since a closed pipe must not lose an image; see stderr_failed().
+void write_stderr(const std::string& text);
+/// Whether a call of write_stderr() failed.
+bool stderr_failed();
 
-/// Writes to standard output. Throws Error if that can't be.
-void print(const std::string& text);
+/// Writes to standard output. Throws Error if that fails.
+void write_stdout(const std::string& text);
 
 }  // namespace fathom::cli

@@ -26,7 +26,7 @@ namespace {
     throw Error("", "", fmt::format("can't run '{}': {}", program, std::generic_category().message(reason)));
 }
 
-/// A pipe whose ends close by themselves.
+/// A pipe that closes its ends.
 struct Pipe {
     int end[2] = {-1, -1};
 
@@ -44,8 +44,8 @@ struct Pipe {
     }
 };
 
-/// Reads from a pipe what is there; closes it at the end.
-void read_some(Pipe& from, std::string& to)
+/// Reads the available bytes of a pipe; closes it at the end of file.
+void read_available(Pipe& from, std::string& to)
 {
     std::array<char, 4096> bytes;
     const ssize_t size = read(from.end[0], bytes.data(), bytes.size());
@@ -55,7 +55,7 @@ void read_some(Pipe& from, std::string& to)
         from.close_end(0);
 }
 
-/// Feeds and drains all pipes at once: a program that writes much before it reads all would otherwise wait for ever.
+/// Serves all pipes at once: a program that writes before it has read all its input would otherwise block forever.
 void exchange(Pipe& in, const std::string& input, Pipe& out, Pipe& err, ProcessResult& result)
 {
     std::size_t written = 0;
@@ -68,8 +68,8 @@ void exchange(Pipe& in, const std::string& input, Pipe& out, Pipe& err, ProcessR
             if (size > 0) written += std::size_t(size);
             if (written == input.size() || (size < 0 && errno != EINTR)) in.close_end(1);
         }
-        if (ends[1].revents != 0) read_some(out, result.out);
-        if (ends[2].revents != 0) read_some(err, result.err);
+        if (ends[1].revents != 0) read_available(out, result.out);
+        if (ends[2].revents != 0) read_available(err, result.err);
     }
 }
 

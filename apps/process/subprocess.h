@@ -5,16 +5,16 @@
 namespace fathom::cli {
 
 struct ProcessResult {
-    int exit_code = 0;  ///< 128 + the signal's number where one ended it
+    int exit_code = 0;  ///< 128 + the signal number if a signal ended the program
     std::string out, err;
 };
 
-/// Whether a program of this name is to be found.
+/// Whether PATH has a program of this name.
 bool is_installed(const std::string& program);
 
-/// Runs a program, found by PATH, to its end; no shell looks at the words. Throws Error if it can't be started.
+/// Runs a program of PATH to its end, without a shell. Throws Error if it can't be started.
 ///
-/// input  what it reads
+/// input  text for its standard input
 ProcessResult run_process(const std::vector<std::string>& words, const std::string& input = "");
 
 }  // namespace fathom::cli

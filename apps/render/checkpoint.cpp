@@ -15,7 +15,13 @@ namespace fathom::cli {
 
 namespace fs = std::filesystem;
 
-fs::path previous_of(const fs::path& file)
+namespace {
+
+constexpr double default_every_s = 60;
+
+}  // namespace
+
+fs::path previous_file(const fs::path& file)
 {
     return file.parent_path() / (file.stem().string() + ".previous" + file.extension().string());
 }
@@ -26,17 +32,17 @@ fs::path rank_file(const fs::path& checkpoint, int rank)
            fmt::format("{}.rank{}{}", checkpoint.stem().string(), rank, checkpoint.extension().string());
 }
 
-void remove_states(const fs::path& file)
+void remove_generations(const fs::path& file)
 {
     std::error_code ignored;
     fs::remove(file, ignored);
-    fs::remove(previous_of(file), ignored);
+    fs::remove(previous_file(file), ignored);
 }
 
 namespace {
 
-/// The files of ranks beside a checkpoint, sorted; of those that have only the state before, the name that they had.
-std::vector<fs::path> rank_files_of(const fs::path& checkpoint)
+/// Files of ranks beside a checkpoint, sorted. A rank that has only a previous generation is listed too.
+std::vector<fs::path> find_rank_files(const fs::path& checkpoint)
 {
     std::set<fs::path> files;
     const std::string start = checkpoint.stem().string() + ".rank", previous = ".previous";
@@ -57,8 +63,11 @@ std::vector<fs::path> rank_files_of(const fs::path& checkpoint)
 
 }  // namespace
 
-Checkpoint::Checkpoint(fs::path file, double every_s, Reporter& reporter)
-    : file_(std::move(file)), every_s_(every_s), next_s_(seconds_since_start() + every_s), reporter_(reporter)
+Checkpoint::Checkpoint(const CheckpointOptions& options, Reporter& reporter)
+    : file_(options.file),
+      every_s_(options.every_s.value_or(default_every_s)),
+      next_s_(seconds_since_start() + every_s_),
+      reporter_(reporter)
 {
 }
 
@@ -75,71 +84,70 @@ Checkpoint::~Checkpoint()
 
 namespace {
 
-/// What is not damaged, but not to be gone on from.
-struct Refusal {
+/// The file is intact, but belongs to another render.
+struct Mismatch {
     std::string words;
 };
 
-/// A state that is there; one whose very beginning is damaged has only its error.
-struct State {
+/// One generation of a checkpoint; if it can't be opened, it has only the error.
+struct Generation {
     fs::path file;
     std::optional<FilmFile> film;
     std::string error;
 
-    std::uint64_t samples() const { return film ? count_of(film->samples()) : 0; }
+    std::uint64_t samples() const { return film ? count_samples(film->samples()) : 0; }
 };
 
-/// The states that are there, the newer one first: a kill between two renamings may leave it under the name of the
-/// other.
-std::vector<State> states_of(const fs::path& file)
+/// The existing generations, the newer one first: a kill between two renamings may leave it under the other's name.
+std::vector<Generation> open_generations(const fs::path& file)
 {
-    std::vector<State> states;
-    for (const fs::path& candidate : {file, previous_of(file)}) {
+    std::vector<Generation> generations;
+    for (const fs::path& candidate : {file, previous_file(file)}) {
         std::error_code error;
         if (!fs::exists(candidate, error)) continue;
-        State& state = states.emplace_back(State{candidate, {}, {}});
+        Generation& generation = generations.emplace_back(Generation{candidate, {}, {}});
         try {
-            state.film.emplace(candidate);
+            generation.film.emplace(candidate);
         } catch (const Error& damage) {
-            state.error = damage.what();
+            generation.error = damage.what();
         }
     }
-    if (states.size() == 2 && states[0].film && states[1].samples() > states[0].samples())
-        std::swap(states[0], states[1]);
-    return states;
+    if (generations.size() == 2 && generations[0].film && generations[1].samples() > generations[0].samples())
+        std::swap(generations[0], generations[1]);
+    return generations;
 }
 
-/// In what a job differs from the one that a state is of; empty where it doesn't.
-std::string difference(const FilmKey& job, const FilmFile& state, const std::string& parts)
+/// How a job differs from the one that a checkpoint belongs to, in words; empty if it doesn't.
+std::string difference(const FilmKey& job, const FilmFile& generation, const std::string& parts)
 {
-    constexpr std::size_t scene_digits = 16;  // of the key's; the others are of the camera
+    constexpr std::size_t scene_digits = 16;  // the key's first digits; the others are the camera's
     std::vector<std::string> words;
-    const std::string &now = job.scene, &before = state.key().scene;
+    const std::string &now = job.scene, &before = generation.key().scene;
     if (now.substr(0, scene_digits) != before.substr(0, scene_digits)) {
-        const auto found = state.attributes().find(parts_attribute);
+        const auto found = generation.attributes().find(parts_attribute);
         const std::string changed =
-            found == state.attributes().end() ? "" : scene_parts_difference(found->second, parts);
-        words.push_back(!changed.empty() ? changed : "shapes, places, or what is in a picture's file");
+            found == generation.attributes().end() ? "" : scene_parts_difference(found->second, parts);
+        words.push_back(!changed.empty() ? changed : "shapes, placement, or the contents of an image file");
     } else if (now != before) {
         words.emplace_back("the camera");
     }
     FilmKey settings = job;
     settings.scene = before;
-    if (const std::string others = settings.difference(state.key()); !others.empty()) words.push_back(others);
+    if (const std::string others = settings.difference(generation.key()); !others.empty()) words.push_back(others);
     return fmt::format("{}", fmt::join(words, "; "));
 }
 
-void check_belongs(const State& state, const FilmKey& job, const std::string& parts, SampleRange wanted)
+void check_belongs(const Generation& generation, const FilmKey& job, const std::string& parts, SampleRange wanted)
 {
-    if (const std::string words = difference(job, *state.film, parts); !words.empty())
-        throw Refusal{
-            fmt::format("{}: it is of another render, which differs in: {}; render as before, or name another file",
-                        state.file.string(), words)};
-    for (const SampleRange& range : state.film->samples())
+    if (const std::string words = difference(job, *generation.film, parts); !words.empty())
+        throw Mismatch{
+            fmt::format("{}: belongs to another render, which differs in: {}; render as before, or name another file",
+                        generation.file.string(), words)};
+    for (const SampleRange& range : generation.film->samples())
         if (range.first < wanted.first || range.second > wanted.second)
-            throw Refusal{
-                fmt::format("{}: it has samples {}, and {}:{} are asked for: ask for more, or name another file",
-                            state.file.string(), text_of(state.film->samples()), wanted.first, wanted.second)};
+            throw Mismatch{fmt::format(
+                "{}: has samples {}, but {}:{} are asked for: ask for more, or name another file",
+                generation.file.string(), sample_ranges_text(generation.film->samples()), wanted.first, wanted.second)};
 }
 
 bool overlap(const std::vector<SampleRange>& a, const std::vector<SampleRange>& b)
@@ -154,7 +162,7 @@ bool overlap(const std::vector<SampleRange>& a, const std::vector<SampleRange>& 
 
 Film Checkpoint::open(const RenderJob& job, SampleRange wanted, const std::string& parts)
 {
-    rank_files_ = rank_files_of(file_);
+    rank_files_ = find_rank_files(file_);
     opened_ = file_;
     Film film = open_own(job, wanted, parts);
     const std::uint64_t own = film.samples_per_pixel();
@@ -162,52 +170,52 @@ Film Checkpoint::open(const RenderJob& job, SampleRange wanted, const std::strin
     const std::uint64_t samples = film.samples_per_pixel();
     if (samples == 0) return film;
     const std::string total = wanted.second < max_samples ? fmt::format(" of {}", wanted.second - wanted.first) : "";
-    const std::string beside = samples > own ? fmt::format(" and what {} rank{} left beside it", rank_files_.size(),
+    const std::string beside = samples > own ? fmt::format(" and in files of {} rank{} beside it", rank_files_.size(),
                                                            rank_files_.size() > 1 ? "s" : "")
                                              : "";
-    reporter_.note(fmt::format("going on from {}{} samples in {}{}", samples, total, opened_.string(), beside));
+    reporter_.note(fmt::format("continuing from {}{} samples in {}{}", samples, total, opened_.string(), beside));
     return film;
 }
 
 void Checkpoint::add_rank_file(const fs::path& file, Film& film, SampleRange wanted, const std::string& parts)
 {
     std::string damage;
-    for (const State& state : states_of(file)) {
+    for (const Generation& generation : open_generations(file)) {
         try {
-            if (!state.film) throw Error("", "", state.error);
-            check_belongs(state, film.key(), parts, wanted);
-            // A run that ended between writing them into the checkpoint and removing them.
-            if (overlap(state.film->samples(), film.samples())) return;
-            film.merge(state.film->read());
+            if (!generation.film) throw Error("", "", generation.error);
+            check_belongs(generation, film.key(), parts, wanted);
+            // An earlier run ended after it merged this file and before it removed it.
+            if (overlap(generation.film->samples(), film.samples())) return;
+            film.merge(generation.film->read());
             return;
-        } catch (const Refusal& refusal) {
-            throw Error("", "", refusal.words);
+        } catch (const Mismatch& mismatch) {
+            throw Error("", "", mismatch.words);
         } catch (const Error& error) {
             damage = error.what();
         }
     }
-    reporter_.error(damage + ": its samples are rendered anew");
+    reporter_.error(damage + ": its samples are rendered again");
 }
 
 Film Checkpoint::open_own(const RenderJob& job, SampleRange wanted, const std::string& parts)
 {
     std::vector<std::string> damaged;
-    for (const State& state : states_of(file_)) {
+    for (const Generation& generation : open_generations(file_)) {
         try {
-            if (!state.film) throw Error("", "", state.error);
-            check_belongs(state, job.key(), parts, wanted);
-            Film film = state.film->read();
-            for (const std::string& error : damaged) reporter_.error(error + ": the state before is taken");
-            opened_ = state.file;
+            if (!generation.film) throw Error("", "", generation.error);
+            check_belongs(generation, job.key(), parts, wanted);
+            Film film = generation.film->read();
+            for (const std::string& error : damaged) reporter_.error(error + ": the previous checkpoint is used");
+            opened_ = generation.file;
             return film;
-        } catch (const Refusal& refusal) {
-            throw Error("", "", refusal.words);
+        } catch (const Mismatch& mismatch) {
+            throw Error("", "", mismatch.words);
         } catch (const Error& error) {
             damaged.emplace_back(error.what());
         }
     }
     if (!damaged.empty())
-        throw Error("", "", damaged.front() + ": no render can go on from it; remove it to begin anew");
+        throw Error("", "", damaged.front() + ": no render can continue from it; remove it to start again");
     return Film(job);
 }
 
@@ -223,15 +231,15 @@ void Checkpoint::write(const Film& film, bool alpha, const std::map<std::string,
     finish();
     next_s_ = seconds_since_start() + every_s_;
     try {
-        Image picture = film.picture(alpha);
-        picture.attributes = attributes;
+        Image image = film.picture(alpha);
+        image.attributes = attributes;
         WriteOptions half;
         half.exr_half = true;
-        snapshot_.take(film, picture, half);
-        if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
+        snapshot_.take(film, image, half);
+        if (!thread_.joinable()) thread_ = std::thread([this] { write_in_background(); });
     } catch (const std::exception& error) {
         failure_ = error.what();
-        tell_outcome();
+        report_outcome();
         return;
     }
     {
@@ -245,21 +253,21 @@ bool Checkpoint::finish()
 {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return !to_write_; });
-    tell_outcome();
+    report_outcome();
     return failure_.empty();
 }
 
-void Checkpoint::tell_outcome()
+void Checkpoint::report_outcome()
 {
-    if (failure_.empty() == told_failure_.empty()) return;
+    if (failure_.empty() == reported_failure_.empty()) return;
     if (failure_.empty())
-        reporter_.note(fmt::format("the checkpoint {} is written again", file_.string()));
+        reporter_.note(fmt::format("the checkpoint {} can be written again", file_.string()));
     else
-        reporter_.error(fmt::format("{}: the render goes on, and tries again", failure_));
-    told_failure_ = failure_;
+        reporter_.error(fmt::format("{}: the render goes on and will try again", failure_));
+    reported_failure_ = failure_;
 }
 
-void Checkpoint::run()
+void Checkpoint::write_in_background()
 {
     std::unique_lock lock(mutex_);
     while (true) {
@@ -268,8 +276,8 @@ void Checkpoint::run()
         lock.unlock();
         std::string failure;
         try {
-            snapshot_.write(file_, previous_of(file_));
-            for (const fs::path& file : rank_files_) remove_states(file);
+            snapshot_.write(file_, previous_file(file_));
+            for (const fs::path& file : rank_files_) remove_generations(file);
             rank_files_.clear();
         } catch (const std::exception& error) {
             failure = error.what();

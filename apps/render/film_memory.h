@@ -7,16 +7,15 @@
 
 namespace fathom::cli {
 
-/// How a film is used, beside its settings.
+/// Use of a film, beside its settings.
 struct FilmUse {
-    bool is_kept = false;       ///< written as a film while rendering: a copy of it is taken
-    bool is_mergeable = false;  ///< the same for the picture at the end
-    int extra_channels = 0;     ///< of the picture: what no sum of the film's settings stands for
+    bool has_checkpoint = false;  ///< a copy is written while rendering
+    bool is_mergeable = false;    ///< EXR gets a copy of the sums
+    int extra_channels = 0;       ///< channels of the image that no sum of the film's settings stands for
 };
 
-/// What a film, its copies and its pictures take at the most. More, for passes that can be dropped, is only taken where
-/// there is more.
-std::vector<MemoryEstimate> film_needs(const RenderSettings& settings, const FilmUse& use,
-                                       const PictureOptions& pictures);
+/// Memory that a film, its copies and its images take at most. Memory for optional passes is not counted, since it is
+/// only taken where it is free.
+std::vector<MemoryEstimate> film_memory(const RenderSettings& settings, const FilmUse& use, const ImageOptions& images);
 
 }  // namespace fathom::cli

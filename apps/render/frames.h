@@ -1,16 +1,15 @@
 #pragma once
-#include "fathom/edit.h"
 #include "render/still.h"
 
 namespace fathom::cli {
 
-/// What --frames, --at and --shutter say with the others; throws UsageError.
+/// Applies --frames, --fps and --shutter to the scene's time; throws UsageError if options contradict each other.
 void check_frames(RenderOptions& options);
 
-/// The pictures of all frames, the scene being at the first; returns the exit code.
+/// Renders the images of all frames, starting with a scene of the first; returns the exit code.
 ///
-/// told  what was warned of; the frames after the first only tell what is new
-int render_frames(const RenderOptions& options, const RenderPlan& plan, SceneEdit& edit, Scene scene,
-                  const Summary& summary, const Warnings& told, Reporter& reporter);
+/// reported  warnings of the first frame; later ones only add new ones
+int render_frames(const RenderPlan& plan, const SeriesOptions& series, SceneEdit& edit, AutoLitScene first,
+                  const Summary& summary, const Warnings& reported, Reporter& reporter);
 
 }  // namespace fathom::cli

@@ -7,24 +7,24 @@
 
 #include "options/sample_plan.h"
 #include "render/checkpoint.h"
+#include "render/image_files.h"
 #include "report/film_info.h"
 
 namespace fathom::cli {
 
 namespace {
 
-/// Tells what the picture's noise is made of where few samples make much of it, and what hides them.
-void tell_fireflies(const Film& film, const DisplayTransform& display, Reporter& reporter)
+/// Reports fireflies if few samples make much of the noise.
+void report_fireflies(const Film& film, const DisplayTransform& display, Reporter& reporter)
 {
-    constexpr double much = 0.2;
-    /// Times what is shown as white.
-    constexpr double limit = 10;
+    constexpr double min_share_of_noise = 0.2;
+    constexpr double clamp_over_white = 10;
     const Film::Fireflies fireflies = film.fireflies();
-    if (fireflies.noise < much || film.key().settings.clamp_indirect) return;
-    reporter.fireflies(fireflies, limit * std::exp2(-display.exposure_ev));
+    if (fireflies.noise < min_share_of_noise || film.key().settings.clamp_indirect) return;
+    reporter.fireflies(fireflies, clamp_over_white * std::exp2(-display.exposure_ev));
 }
 
-/// The denoised picture, as a layer; its aids go unless they are `wanted`.
+/// Adds the denoised layer, and removes the layers that only guide the denoiser unless they are `wanted`.
 void add_denoised(Image& image, const Denoiser& denoiser, const std::vector<Aov>& wanted)
 {
     denoiser.add_to(image);
@@ -36,16 +36,15 @@ void add_denoised(Image& image, const Denoiser& denoiser, const std::vector<Aov>
     });
 }
 
-std::map<std::string, std::string> attributes(const RenderOptions& o, const RenderPlan& plan, const Film& film,
-                                              const Summary& summary)
+std::map<std::string, std::string> image_attributes(const RenderPlan& plan, const Film& film, const Summary& summary)
 {
     const RenderSettings& s = plan.settings;
-    std::map<std::string, std::string> said = {
+    std::map<std::string, std::string> attributes = {
         {"fathom.version", FATHOM_VERSION},
-        {"fathom.scene", o.scene.file.string()},
+        {"fathom.scene", plan.scene_options.file.string()},
         {"fathom.camera", plan.scene.camera},
         {"fathom.seed", fmt::format("{}", s.seed)},
-        {"fathom.samples", text_of(film.samples())},
+        {"fathom.samples", sample_ranges_text(film.samples())},
         {"fathom.samples_per_pixel", fmt::format("{}", film.samples_per_pixel())},
         {"fathom.dropped_samples", fmt::format("{}", film.dropped_samples())},
         {"fathom.filter", filter_names[std::size_t(s.filter)]},
@@ -60,30 +59,30 @@ std::map<std::string, std::string> attributes(const RenderOptions& o, const Rend
         {"fathom.load_s", fmt::format("{:.3f}", summary.load_s)},
         {"fathom.build_s", fmt::format("{:.3f}", summary.build_s)},
         {"fathom.render_s", fmt::format("{:.3f}", summary.render_s)}};
-    if (plan.samples) said[planned_samples_attribute] = fmt::format("{}", *plan.samples);
-    if (o.part) said[planned_parts_attribute] = fmt::format("{}", o.part->count);
+    if (plan.samples.planned) attributes[planned_samples_attribute] = fmt::format("{}", *plan.samples.planned);
+    if (plan.samples.part) attributes[planned_parts_attribute] = fmt::format("{}", plan.samples.part->count);
     std::vector<std::string> layers;
     if (s.alpha) layers.emplace_back("A");
-    if (o.aov_variance) layers.emplace_back("variance");
-    if (o.aov_samples) layers.emplace_back("samples");
-    if (!layers.empty()) said[wanted_layers_attribute] = fmt::format("{}", fmt::join(layers, ","));
-    return said;
+    if (plan.film.aov_variance) layers.emplace_back("variance");
+    if (plan.film.aov_samples) layers.emplace_back("samples");
+    if (!layers.empty()) attributes[wanted_layers_attribute] = fmt::format("{}", fmt::join(layers, ","));
+    return attributes;
 }
 
-/// What is told of a part to those who look at all of them: how noisy it is, and how fast it goes.
-void add_progress(const Film& film, double samples_per_s, std::map<std::string, std::string>& said)
+/// Adds noise and speed of a part, which `fathom status` sums over all parts.
+void add_part_progress(const Film& film, double samples_per_s, std::map<std::string, std::string>& attributes)
 {
-    if (samples_per_s > 0) said[samples_per_s_attribute] = fmt::format("{:.6g}", samples_per_s);
+    if (samples_per_s > 0) attributes[samples_per_s_attribute] = fmt::format("{:.6g}", samples_per_s);
     if (film.samples_per_pixel() < 2) return;
-    const FilmNoise noise = noise_of(film);
-    if (noise.mean > 0) said[noise_attribute] = fmt::format("{:.6g}", noise.standard_error / noise.mean);
+    const FilmNoise noise = film_noise(film);
+    if (noise.mean > 0) attributes[noise_attribute] = fmt::format("{:.6g}", noise.standard_error / noise.mean);
 }
 
-void warn_of_dropped(const Film& film, Reporter& reporter)
+void warn_about_dropped_samples(const Film& film, Reporter& reporter)
 {
     if (film.dropped_samples() == 0) return;
     Warnings dropped;
-    std::string text = fmt::format("{} samples were no number or infinite; they count as black, which is a bias",
+    std::string text = fmt::format("{} samples were NaN or infinite; they count as black, which biases the image",
                                    film.dropped_samples());
     if (const auto place = film.dropped_sample())
         text += fmt::format(" (--only-sample {},{},{} replays one)", place->x, place->y, place->sample);
@@ -93,38 +92,37 @@ void warn_of_dropped(const Film& film, Reporter& reporter)
 
 }  // namespace
 
-PictureWriter::PictureWriter(const RenderOptions& options, const RenderPlan& plan, const PictureOptions& files,
-                             Reporter& reporter)
-    : o_(options), plan_(plan), files_(files), reporter_(reporter)
+ImageWriter::ImageWriter(const RenderPlan& plan, const ImageOptions& files, Reporter& reporter)
+    : plan_(plan), files_(files), reporter_(reporter)
 {
 }
 
-bool PictureWriter::write(const Film& film, const Summary& summary)
+bool ImageWriter::write(const Film& film, const Summary& summary)
 {
-    Image image = film.image(plan_.settings.alpha, o_.aov_variance);
-    if (o_.aov_samples) image.layers.push_back(sample_count_layer(film));
-    image.attributes = attributes(o_, plan_, film, summary);
-    if (plan_.denoiser) add_denoised(image, *plan_.denoiser, o_.aovs);
-    return write_pictures(files_, image, o_.mergeable ? &film : nullptr, plan_.write, reporter_);
+    Image image = film.image(plan_.settings.alpha, plan_.film.aov_variance);
+    if (plan_.film.aov_samples) image.layers.push_back(sample_count_layer(film));
+    image.attributes = image_attributes(plan_, film, summary);
+    if (plan_.denoiser) add_denoised(image, *plan_.denoiser, plan_.film.aovs);
+    return write_images(files_, image, plan_.film.mergeable ? &film : nullptr, plan_.write, reporter_);
 }
 
-std::map<std::string, std::string> PictureWriter::state_attributes(const Film& film, const Summary& summary,
-                                                                   double samples_per_s) const
+std::map<std::string, std::string> ImageWriter::checkpoint_attributes(const Film& film, const Summary& summary,
+                                                                      double samples_per_s) const
 {
-    std::map<std::string, std::string> said = attributes(o_, plan_, film, summary);
-    if (o_.part) add_progress(film, samples_per_s, said);
-    said[parts_attribute] = plan_.scene_parts;
-    return said;
+    std::map<std::string, std::string> attributes = image_attributes(plan_, film, summary);
+    if (plan_.samples.part) add_part_progress(film, samples_per_s, attributes);
+    attributes[parts_attribute] = plan_.scene_parts;
+    return attributes;
 }
 
-void PictureWriter::tell(const Film& film, const Summary& summary, bool cut_short)
+void ImageWriter::report_result(const Film& film, const Summary& summary, bool was_interrupted)
 {
-    if (!plan_.denoiser) tell_fireflies(film, plan_.write.display, reporter_);
-    warn_of_dropped(film, reporter_);
-    if (cut_short)
-        reporter_.note(fmt::format("interrupted: the picture has {} samples a pixel", film.samples_per_pixel()));
+    if (!plan_.denoiser) report_fireflies(film, plan_.write.display, reporter_);
+    warn_about_dropped_samples(film, reporter_);
+    if (was_interrupted)
+        reporter_.note(fmt::format("interrupted: the image has {} samples per pixel", film.samples_per_pixel()));
     reporter_.summary(summary);
-    if (o_.stats) reporter_.cost_sheet(summary);
+    if (plan_.stats) reporter_.cost_sheet(summary);
 }
 
 }  // namespace fathom::cli

@@ -6,24 +6,22 @@
 
 namespace fathom::cli {
 
-/// What is made of a film: pictures, and what is told.
-class PictureWriter {
+/// Makes images and reports of a film.
+class ImageWriter {
 public:
-    PictureWriter(const RenderOptions& options, const RenderPlan& plan, const PictureOptions& files,
-                  Reporter& reporter);
+    ImageWriter(const RenderPlan& plan, const ImageOptions& files, Reporter& reporter);
 
-    /// False if a file could not be written, which is told.
+    /// False if a file could not be written, which is reported.
     bool write(const Film& film, const Summary& summary);
-    /// What a checkpoint of the film says.
-    std::map<std::string, std::string> state_attributes(const Film& film, const Summary& summary,
-                                                        double samples_per_s) const;
-    /// What there is to say once all is written.
-    void tell(const Film& film, const Summary& summary, bool cut_short);
+    /// Attributes of a checkpoint of the film.
+    std::map<std::string, std::string> checkpoint_attributes(const Film& film, const Summary& summary,
+                                                             double samples_per_s) const;
+    /// Reports the render once all is written.
+    void report_result(const Film& film, const Summary& summary, bool was_interrupted);
 
 private:
-    const RenderOptions& o_;
     const RenderPlan& plan_;
-    const PictureOptions& files_;
+    const ImageOptions& files_;
     Reporter& reporter_;
 };
 

@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Whether both names are of one file that is there.
+/// Whether both names refer to one existing file.
 bool is_same_file(const fs::path& a, const fs::path& b)
 {
     std::error_code error;
@@ -23,7 +23,7 @@ void check_outputs_are_not(const std::vector<fs::path>& outputs, const fs::path&
 {
     for (const fs::path& output : outputs)
         if (is_same_file(output, input))
-            throw Error("", "", fmt::format("{} is {}: name another with -o", output.string(), what));
+            throw Error("", "", fmt::format("{} is {}: choose another file with -o", output.string(), what));
 }
 
 void check_outputs_are_no_inputs(const std::vector<fs::path>& outputs, const SceneDescription& scene)

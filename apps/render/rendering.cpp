@@ -8,8 +8,8 @@
 
 namespace fathom::cli {
 
-Rendering::Rendering(const RenderOptions& options, const RenderJob& job, Reporter& reporter)
-    : options_(options), job_(job), reporter_(reporter), start_s_(seconds_since_start())
+Rendering::Rendering(const RenderJob& job, std::optional<double> time_s, Reporter& reporter)
+    : job_(job), time_s_(time_s), reporter_(reporter), start_s_(seconds_since_start())
 {
     const RenderSettings& settings = job.settings();
     const Crop crop = settings.rendered_pixels();
@@ -20,9 +20,9 @@ void Rendering::run(Film& film, SampleRange wanted, std::function<void(const Fil
 {
     after_pass_ = std::move(after_pass);
     const std::vector<SampleRange> todo = missing_samples(film.samples(), wanted);
-    const std::uint64_t total = count_of(todo);
-    if (options_.time_s) render_for_time(film, *options_.time_s, todo);
-    for (std::size_t i = 0; i < todo.size() && !options_.time_s && !cut_short; ++i) render_range(film, todo[i], total);
+    const std::uint64_t total = count_samples(todo);
+    if (time_s_) render_for_time(film, *time_s_, todo);
+    for (std::size_t i = 0; i < todo.size() && !time_s_ && !was_interrupted; ++i) render_range(film, todo[i], total);
     render_s = seconds_since_start() - start_s_;
 }
 
@@ -34,21 +34,21 @@ void Rendering::render_range(Film& film, SampleRange range, std::uint64_t total)
         report(p, total);
         after_pass_(so_far);
     };
-    cut_short = !render(job_, range, film, &interrupted(), on_pass);
-    done_ += cut_short ? last.samples_done : pixels_ * (range.second - range.first);
+    was_interrupted = !render(job_, range, film, &interrupted(), on_pass);
+    done_ += was_interrupted ? last.samples_done : pixels_ * (range.second - range.first);
     costs += last.costs;
-    report({}, total, !cut_short);
+    report({}, total, !was_interrupted);
 }
 
 void Rendering::report(const Progress& p, std::uint64_t total, bool force)
 {
     const double now_s = seconds_since_start();
     const std::uint64_t done = done_ + p.samples_done;
-    // With a time limit the samples to come are not known; the time is.
-    const double fraction = options_.time_s ? now_s / *options_.time_s : double(done) / double(pixels_ * total);
-    Progress progress{done, options_.time_s ? 0 : pixels_ * total, costs};
+    // With a time limit, the number of samples is unknown in advance, so progress goes by time.
+    const double fraction = time_s_ ? now_s / *time_s_ : double(done) / double(pixels_ * total);
+    Progress progress{done, time_s_ ? 0 : pixels_ * total, costs};
     progress.costs += p.costs;
-    reporter_.progress(fraction, now_s - start_s_, progress, force && !options_.time_s);
+    reporter_.progress(fraction, now_s - start_s_, progress, force && !time_s_);
 }
 
 void Rendering::render_for_time(Film& film, double time_s, std::vector<SampleRange> todo)
@@ -59,9 +59,9 @@ void Rendering::render_for_time(Film& film, double time_s, std::vector<SampleRan
         const std::uint64_t end = std::min(range.second, range.first + count);
         const double begin_s = seconds_since_start();
         render_range(film, {range.first, end}, range.second - range.first);
-        if (cut_short) return;
+        if (was_interrupted) return;
         const double now_s = seconds_since_start();
-        // The rate of the latest range: the first ones are slower, with cold caches.
+        // Only the latest range counts: the first ones are slower, since caches are cold.
         const double sample_s = std::max((now_s - begin_s) / double(end - range.first), 1e-9);
         done += end - range.first;
         range.first = end;

@@ -3,34 +3,34 @@
 #include <optional>
 #include <vector>
 
-#include "options/render_options.h"
 #include "report/reporter.h"
 
 namespace fathom::cli {
 
-/// Renders what the options ask for into one film, and tells how far it is.
+/// Renders samples into a film, and reports progress.
 class Rendering {
 public:
-    Rendering(const RenderOptions& options, const RenderJob& job, Reporter& reporter);
+    /// time_s  limit from the program's start on; none: all samples are rendered
+    Rendering(const RenderJob& job, std::optional<double> time_s, Reporter& reporter);
 
-    /// The samples of `wanted` that the film does not have yet.
+    /// Renders the samples of `wanted` that the film does not have yet.
     ///
-    /// after_pass  is called between passes
+    /// after_pass  called between passes
     void run(Film& film, SampleRange wanted, std::function<void(const Film&)> after_pass);
 
     double render_s = 0;
     RenderCosts costs;
-    bool cut_short = false;
+    bool was_interrupted = false;
 
 private:
-    /// total  samples a pixel of the whole job
+    /// total  samples per pixel of the whole run
     void render_range(Film& film, SampleRange range, std::uint64_t total);
-    /// Ranges that double, so that their overhead is small, until the next would end too late.
+    /// Renders ranges of doubling size, so that their overhead is small, until the next one would end too late.
     void render_for_time(Film& film, double time_s, std::vector<SampleRange> todo);
     void report(const Progress& p, std::uint64_t total, bool force = false);
 
-    const RenderOptions& options_;
     const RenderJob& job_;
+    std::optional<double> time_s_;
     Reporter& reporter_;
     std::function<void(const Film&)> after_pass_;
     double start_s_;

@@ -13,8 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The file of a frame: its number stands where #### does, with as many digits at least.
-fs::path output_of(const fs::path& pattern, std::uint64_t frame)
+fs::path frame_file(const fs::path& pattern, std::uint64_t frame)
 {
     std::string name = pattern.filename().string();
     const std::size_t last = name.rfind('#');
@@ -24,17 +23,17 @@ fs::path output_of(const fs::path& pattern, std::uint64_t frame)
     return pattern.parent_path() / name;
 }
 
-/// The state before the last has a longer name than the checkpoint. Nothing is made under that name, where a link of
-/// somebody else may wait.
-void check_previous(const fs::path& checkpoint)
+/// Throws Error if the name of the checkpoint's previous generation is too long. No file is created as a test, since a
+/// foreign link may have that name.
+void check_previous_name(const fs::path& checkpoint)
 {
-    const fs::path previous = previous_of(checkpoint), folder = previous.parent_path();
+    const fs::path previous = previous_file(checkpoint), folder = previous.parent_path();
     const long found = pathconf(folder.empty() ? "." : folder.c_str(), _PC_NAME_MAX);
     const std::size_t size = previous.filename().string().size(), max_size = found > 0 ? std::size_t(found) : NAME_MAX;
     if (size > max_size)
         throw Error(
             checkpoint.string(), "",
-            fmt::format("can't write: the state before it is kept as NAME.previous.exr, a name of {} bytes, and "
+            fmt::format("can't write: the previous checkpoint is kept as NAME.previous.exr, a name of {} bytes, and "
                         "this folder takes {}",
                         size, max_size));
 }
@@ -43,53 +42,54 @@ void check_previous(const fs::path& checkpoint)
 
 void check_series(RenderOptions& o, const char* option)
 {
-    if (o.frames.size() == 1) return;
-    if (o.time_s) throw UsageError(fmt::format("{}: --spp says how many samples each has; leave out --time", option));
-    if (o.only_sample) throw UsageError(fmt::format("--only-sample: of which picture? give {} one", option));
-    if (o.picture.outputs.empty()) o.picture.outputs.push_back(o.scene.file.stem().string() + ".####.png");
-    for (const fs::path& file : o.picture.outputs)
+    if (o.series.frames.size() == 1) return;
+    if (o.samples.time_s)
+        throw UsageError(fmt::format("{}: choose the samples of each image with --spp; leave out --time", option));
+    if (o.only_sample)
+        throw UsageError(fmt::format("--only-sample: replays one image's sample; give {} one image", option));
+    if (o.images.outputs.empty()) o.images.outputs.push_back(o.scene.file.stem().string() + ".####.png");
+    for (const fs::path& file : o.images.outputs)
         if (file.filename().string().find('#') == std::string::npos)
-            throw UsageError(
-                fmt::format("-o {}: {} pictures need names of their own: put #### where the number is to stand",
-                            file.string(), o.frames.size()));
+            throw UsageError(fmt::format("-o {}: {} images need different names: put #### where the number goes",
+                                         file.string(), o.series.frames.size()));
 }
 
-PictureOptions files_of(PictureOptions options, std::uint64_t frame)
+ImageOptions frame_files(ImageOptions options, std::uint64_t frame)
 {
-    for (fs::path& file : options.outputs) file = output_of(file, frame);
+    for (fs::path& file : options.outputs) file = frame_file(file, frame);
     return options;
 }
 
-std::vector<fs::path> files_that_are_there(const RenderOptions& o)
+std::vector<fs::path> existing_outputs(const RenderOptions& o)
 {
     std::vector<fs::path> files;
-    if (!o.writes_pictures) return files;
+    if (!o.writes_images) return files;
     const auto add = [&](const fs::path& file) {
         std::error_code error;
         if (fs::exists(file, error)) files.push_back(file);
     };
-    for (const fs::path& pattern : o.picture.outputs) {
-        if (o.frames.empty()) add(pattern);
-        for (const std::uint64_t frame : o.frames) add(output_of(pattern, frame));
+    for (const fs::path& pattern : o.images.outputs) {
+        if (o.series.frames.empty()) add(pattern);
+        for (const std::uint64_t frame : o.series.frames) add(frame_file(pattern, frame));
     }
     return files;
 }
 
 void check_outputs(const RenderOptions& o, int width, int height)
 {
-    if (!o.checkpoint.empty()) {
-        check_output(o.checkpoint, width, height);
-        check_previous(o.checkpoint);
+    if (!o.checkpoint.file.empty()) {
+        check_output(o.checkpoint.file, width, height);
+        check_previous_name(o.checkpoint.file);
     }
-    if (!o.writes_pictures) return;
-    for (const fs::path& file : o.picture.outputs) {
-        if (o.frames.empty()) {
+    if (!o.writes_images) return;
+    for (const fs::path& file : o.images.outputs) {
+        if (o.series.frames.empty()) {
             check_output(file, width, height);
             continue;
         }
-        // The last frame may have more digits, and so a longer name.
-        check_output(output_of(file, o.frames.front()), width, height);
-        check_output(output_of(file, o.frames.back()), width, height);
+        // The last frame may have more digits, and thus a longer name.
+        check_output(frame_file(file, o.series.frames.front()), width, height);
+        check_output(frame_file(file, o.series.frames.back()), width, height);
     }
 }
 

@@ -6,16 +6,16 @@
 
 namespace fathom::cli {
 
-/// Checks what several pictures mean for the other options, and names their files where no option does.
+/// Checks that the other options fit several images, and names their files where no option does. Throws UsageError.
 ///
-/// option  what asks for them
+/// option  the one that asks for several images
 void check_series(RenderOptions& options, const char* option);
 
-/// The files of a frame: its number stands where #### does, with as many digits at least.
-PictureOptions files_of(PictureOptions options, std::uint64_t frame);
-/// Those that will be written over, of all frames.
-std::vector<std::filesystem::path> files_that_are_there(const RenderOptions& options);
-/// Looks before a long render whether its files can be written. Throws Error.
+/// The files of one frame: its number replaces ####, with at least as many digits.
+ImageOptions frame_files(ImageOptions options, std::uint64_t frame);
+/// Existing files that will be overwritten, of all frames.
+std::vector<std::filesystem::path> existing_outputs(const RenderOptions& options);
+/// Throws Error if a file can't be written: better before a long render than after it.
 void check_outputs(const RenderOptions& options, int width = 0, int height = 0);
 
 }  // namespace fathom::cli

@@ -3,11 +3,11 @@
 
 namespace fathom::cli {
 
-/// What --turntable says with the others; throws UsageError.
+/// Numbers the images of --turntable; throws UsageError if options contradict each other.
 void check_turntable(RenderOptions& options);
 
-/// The pictures around a scene, which stays as it is; returns the exit code.
-int render_turntable(const RenderOptions& options, const RenderPlan& plan, const Scene& scene, const Summary& summary,
+/// Renders the images around a scene that does not change; returns the exit code.
+int render_turntable(const RenderPlan& plan, const SeriesOptions& series, const Scene& scene, const Summary& summary,
                      Reporter& reporter);
 
 }  // namespace fathom::cli

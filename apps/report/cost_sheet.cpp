@@ -20,7 +20,7 @@ double ratio(double a, double b)
     return b > 0 ? a / b : 0;
 }
 
-/// Seconds of all threads.
+/// Time summed over all threads.
 double thread_seconds(const RenderCosts& c)
 {
     return std::accumulate(c.seconds.begin(), c.seconds.end(), 0.0);
@@ -29,19 +29,19 @@ double lanes_in_use(const RenderCosts& c)
 {
     return ratio(double(c.vertices), double(c.shaded_lanes));
 }
-/// Of the vertices, those at which a light was sampled.
+/// Fraction of path vertices at which a light was sampled.
 double light_share(const RenderCosts& c)
 {
     return ratio(double(c.light_samples), double(c.vertices));
 }
-double clear_share(const RenderCosts& c)
+double unoccluded_share(const RenderCosts& c)
 {
     return ratio(double(c.clear_shadow_rays), double(c.rays[std::size_t(RayKind::shadow)]));
 }
 
 }  // namespace
 
-std::string with_unit(double number)
+std::string with_prefix(double number)
 {
     for (const auto& [unit, name] : {std::pair{1e9, "G"}, {1e6, "M"}, {1e3, "k"}})
         if (number >= unit) return fmt::format("{:.2f} {}", number / unit, name);
@@ -50,15 +50,15 @@ std::string with_unit(double number)
 
 std::string cost_sheet(const RenderCosts& c, double render_s)
 {
-    std::string text = fmt::format("{}rays, {}rays/s:", with_unit(double(c.all_rays())),
-                                   with_unit(ratio(double(c.all_rays()), render_s)));
+    std::string text = fmt::format("{}rays, {}rays/s:", with_prefix(double(c.all_rays())),
+                                   with_prefix(ratio(double(c.all_rays()), render_s)));
     for (std::size_t i = 0; i < ray_kind_count; ++i)
         text += fmt::format(" {} {:.1f} %{}", ray_kind_names[i], 100 * ratio(double(c.rays[i]), double(c.all_rays())),
                             i + 1 < ray_kind_count ? "," : "");
-    text += fmt::format(" (of these {:.1f} % arrive)\n", 100 * clear_share(c));
+    text += fmt::format(" (of these {:.1f} % unoccluded)\n", 100 * unoccluded_share(c));
     text += fmt::format("{}path vertices, a light sampled at {:.1f} %, {:.1f} % of the lanes in use\n",
-                        with_unit(double(c.vertices)), 100 * light_share(c), 100 * lanes_in_use(c));
-    text += "stage       share   ns a vertex\n";
+                        with_prefix(double(c.vertices)), 100 * light_share(c), 100 * lanes_in_use(c));
+    text += "stage       share ns per vertex\n";
     for (std::size_t i = 0; i < render_stage_count; ++i)
         if (c.seconds[i] > 0)
             text +=

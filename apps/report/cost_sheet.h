@@ -6,12 +6,14 @@
 
 namespace fathom::cli {
 
-/// "1.23 M", to be followed by a unit.
-std::string with_unit(double number);
-/// What rendering took: rays by kind, light samples, lanes in use, and the time of the stages for each vertex of a
-/// path; lines of text. render_s: by the clock.
+/// "1.23 M": a number with a metric prefix, to be followed by a unit.
+std::string with_prefix(double number);
+/// Report of the cost of rendering, as lines of text: rays by kind, light samples, lanes in use, and time per path
+/// vertex by stage.
+///
+/// render_s  wall-clock time
 std::string cost_sheet(const RenderCosts& costs, double render_s);
-/// The same, for programs.
+/// The report as an event of --progress json.
 nlohmann::json cost_sheet_json(const RenderCosts& costs, double render_s);
 
 }  // namespace fathom::cli

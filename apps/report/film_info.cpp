@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "fathom/film_file.h"
-#include "options/image_options.h"
 #include "options/sample_plan.h"
 #include "process/streams.h"
 
@@ -25,7 +24,7 @@ ordered_json ranges_json(const std::vector<SampleRange>& ranges)
     return json;
 }
 
-/// Layers and their channels are one name in EXR; each layer is told once.
+/// Names of layers, each once: an EXR channel is named LAYER.CHANNEL.
 ordered_json layers_json(const std::vector<std::string>& channels)
 {
     ordered_json layers = ordered_json::array();
@@ -39,7 +38,7 @@ ordered_json layers_json(const std::vector<std::string>& channels)
 
 }  // namespace
 
-FilmNoise noise_of(const Film& film)
+FilmNoise film_noise(const Film& film)
 {
     const Image image = film.image(false, true);
     const std::vector<float>&radiance = image.layers[0].pixels, &variance = image.find("variance")->pixels;
@@ -84,7 +83,7 @@ ordered_json describe_film(const std::filesystem::path& path)
     info["scene_fingerprint"] = film.key().scene;
     info["settings"] = film.key().text();
     if (film.samples_per_pixel() >= 2) {
-        const FilmNoise noise = noise_of(film);
+        const FilmNoise noise = film_noise(film);
         info["noise"] = {{"standard_error", noise.standard_error}, {"mean", noise.mean}};
     }
     info["attributes"] = file.attributes();
@@ -94,20 +93,22 @@ ordered_json describe_film(const std::filesystem::path& path)
 void print_film_text(const ordered_json& info)
 {
     const auto line = [](const std::string& name, const std::string& value) {
-        print(fmt::format("{:<16} {}\n", name, value));
+        write_stdout(fmt::format("{:<16} {}\n", name, value));
     };
-    const auto ranges = [&](const char* name) { return text_of(info[name].get<std::vector<SampleRange>>()); };
+    const auto ranges = [&](const char* name) {
+        return sample_ranges_text(info[name].get<std::vector<SampleRange>>());
+    };
     line("film", info["file"]);
     line("size",
          fmt::format("{}x{}, {:.1f} MB", int(info["size"][0]), int(info["size"][1]), double(info["file_bytes"]) / 1e6));
-    line("samples", fmt::format("{} a pixel: {}", std::uint64_t(info["samples_per_pixel"]), ranges("samples")));
+    line("samples", fmt::format("{} per pixel: {}", std::uint64_t(info["samples_per_pixel"]), ranges("samples")));
     if (info.contains("missing"))
-        line("of", fmt::format("{}{}", std::uint64_t(info["planned_samples"]),
-                               info["missing"].empty() ? ", all there" : "; missing: " + ranges("missing")));
+        line("planned", fmt::format("{}{}", std::uint64_t(info["planned_samples"]),
+                                    info["missing"].empty() ? ", complete" : "; missing: " + ranges("missing")));
     line("dropped samples", fmt::format("{}", std::uint64_t(info["dropped_samples"])));
     if (info.contains("noise"))
-        line("noise", fmt::format("{:.3g} standard error, where the mean is {:.3g}",
-                                  double(info["noise"]["standard_error"]), double(info["noise"]["mean"])));
+        line("noise", fmt::format("standard error {:.3g}, mean {:.3g}", double(info["noise"]["standard_error"]),
+                                  double(info["noise"]["mean"])));
     line("layers", fmt::format("{}", fmt::join(info["layers"].get<std::vector<std::string>>(), ", ")));
     line("seed", fmt::format("{}", std::uint64_t(info["seed"])));
     line("scene", info["scene_fingerprint"]);

@@ -6,16 +6,16 @@
 
 namespace fathom::cli {
 
-/// Whether the file begins as EXR, which scenes never do.
+/// Whether the file is an EXR, by its first bytes.
 bool is_film_file(const std::filesystem::path& file);
 
-/// Of a film's picture: its standard error, as the root of the mean square over pixels and channels, and its mean.
+/// Standard error of a film's image, root mean square over pixels and channels, and the image's mean.
 struct FilmNoise {
     double standard_error = 0, mean = 0;
 };
-FilmNoise noise_of(const Film& film);
+FilmNoise film_noise(const Film& film);
 
-/// What a film file holds and what it was made of; all of it is read, so that damage shows. Throws Error.
+/// Contents and settings of a film file. The whole file is read, so that damage is detected. Throws Error.
 nlohmann::ordered_json describe_film(const std::filesystem::path& file);
 void print_film_text(const nlohmann::ordered_json& info);
 

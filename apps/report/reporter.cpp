@@ -18,7 +18,7 @@ namespace fathom::cli {
 
 namespace {
 
-/// Columns of the terminal that a line may fill: in the last one some terminals begin a new line.
+/// Columns that a line may fill: all but the last, in which some terminals wrap.
 int terminal_columns()
 {
     winsize size{};
@@ -26,7 +26,7 @@ int terminal_columns()
     return size.ws_col - 1;
 }
 
-std::string duration(double seconds)
+std::string duration_text(double seconds)
 {
     if (seconds < 10) return fmt::format("{:.1f} s", seconds);
     const auto whole = std::uint64_t(std::min(seconds + 0.5, 1e15));
@@ -35,18 +35,18 @@ std::string duration(double seconds)
     return fmt::format("{}:{:02} h", whole / 3600, whole / 60 % 60);
 }
 
-/// A bar and what the terminal has room for behind it: the most telling words go last.
+/// A progress bar and as much text as fits: the percentage and the remaining time are dropped last.
 std::string progress_line(double done, const std::string& rate, const std::string& elapsed, const std::string& left,
                           int columns)
 {
-    constexpr int shortest_bar = 8, longest_bar = 24, around_bar = 3;
+    constexpr int min_bar = 8, max_bar = 24, around_bar = 3;
     const std::string percent = fmt::format("{:5.1f} %", done * 100);
     for (const std::string& text :
          {fmt::format("{}  {}samples/s  {} elapsed, {} left", percent, rate, elapsed, left),
           fmt::format("{}  {} elapsed, {} left", percent, elapsed, left), fmt::format("{}  {} left", percent, left)}) {
         const int room = columns - int(text.size()) - around_bar;
-        if (room < shortest_bar) continue;
-        const int width = std::min(room, longest_bar), full = int(done * width);
+        if (room < min_bar) continue;
+        const int width = std::min(room, max_bar), full = int(done * width);
         return fmt::format("[{}{}] {}", std::string(std::size_t(full), '#'),
                            std::string(std::size_t(width - full), '.'), text);
     }
@@ -68,7 +68,7 @@ ReportMode default_report_mode()
 
 std::uint64_t peak_memory_bytes()
 {
-    // getrusage also counts what the process was before it became this program: a part of whoever started it.
+    // getrusage would include the memory of the parent process between fork and exec.
     std::ifstream status("/proc/self/status");
     for (std::string line; std::getline(status, line);)
         if (line.starts_with("VmHWM:")) return std::strtoull(line.c_str() + 6, nullptr, 10) * 1024;
@@ -77,16 +77,16 @@ std::uint64_t peak_memory_bytes()
     return std::uint64_t(usage.ru_maxrss) * 1024;
 }
 
-void Reporter::print(const nlohmann::json& event)
+void Reporter::print_event(const nlohmann::json& event)
 {
-    // File names may hold any bytes; JSON may not.
-    say(event.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
+    // File names may hold invalid UTF-8, which JSON does not allow.
+    write_stderr(event.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
 }
 
-void Reporter::end_bar()
+void Reporter::end_open_line()
 {
-    if (bar_) say("\n");
-    bar_ = false;
+    if (has_open_line_) write_stderr("\n");
+    has_open_line_ = false;
 }
 
 bool Reporter::is_quiet() const
@@ -94,48 +94,49 @@ bool Reporter::is_quiet() const
     return mode_ == ReportMode::quiet || mode_ == ReportMode::silent;
 }
 
-void Reporter::hand_over(std::function<void(const std::string&)> take_error)
+void Reporter::forward_errors(std::function<void(const std::string&)> handler)
 {
     mode_ = ReportMode::silent;
-    take_error_ = std::move(take_error);
+    error_handler_ = std::move(handler);
 }
 
 void Reporter::note(const std::string& text)
 {
     if (is_quiet()) return;
-    if (mode_ == ReportMode::json) return print({{"event", "note"}, {"message", text}});
-    end_bar();
-    say(text + '\n');
+    if (mode_ == ReportMode::json) return print_event({{"event", "note"}, {"message", text}});
+    end_open_line();
+    write_stderr(text + '\n');
 }
 
 void Reporter::warnings(const Warnings& warnings)
 {
     if (mode_ == ReportMode::silent) return;
-    end_bar();
+    end_open_line();
     for (const auto& [message, count] : warnings.counts()) {
         if (mode_ == ReportMode::json)
-            print({{"event", "warning"}, {"message", message}, {"count", count}});
+            print_event({{"event", "warning"}, {"message", message}, {"count", count}});
         else
-            say(fmt::format("fathom: warning: {}{}\n", message, count > 1 ? fmt::format(" ({} times)", count) : ""));
+            write_stderr(
+                fmt::format("fathom: warning: {}{}\n", message, count > 1 ? fmt::format(" ({} times)", count) : ""));
     }
 }
 
 void Reporter::error(const std::string& text)
 {
     if (mode_ == ReportMode::silent) {
-        if (take_error_) take_error_(text);
+        if (error_handler_) error_handler_(text);
         return;
     }
-    end_bar();
+    end_open_line();
     if (mode_ == ReportMode::json)
-        print({{"event", "error"}, {"message", text}});
+        print_event({{"event", "error"}, {"message", text}});
     else
-        say(fmt::format("fathom: {}\n", text));
+        write_stderr(fmt::format("fathom: {}\n", text));
 }
 
 void Reporter::written(const std::string& file)
 {
-    if (mode_ == ReportMode::json) return print({{"event", "written"}, {"file", file}});
+    if (mode_ == ReportMode::json) return print_event({{"event", "written"}, {"file", file}});
     note("wrote " + file);
 }
 
@@ -151,7 +152,7 @@ Reporter::Phase::Phase(Reporter& reporter, std::string name, std::string text)
     try {
         thread_ = std::thread([this] { run(); });
     } catch (const std::system_error&) {
-        // Where no thread can be started the phase goes by in silence.
+        // Without a thread, the phase is not reported.
     }
 }
 
@@ -164,8 +165,8 @@ Reporter::Phase::~Phase()
     }
     ended_.notify_one();
     thread_.join();
-    if (reporter_.bar_) say("\r\x1b[K");
-    reporter_.bar_ = false;
+    if (reporter_.has_open_line_) write_stderr("\r\x1b[K");
+    reporter_.has_open_line_ = false;
 }
 
 void Reporter::Phase::run()
@@ -173,25 +174,25 @@ void Reporter::Phase::run()
     const double start_s = seconds_since_start();
     const auto interval = std::chrono::duration<double>(std::max(reporter_.interval_s(), 0.3));
     std::unique_lock lock(mutex_);
-    while (!ended_.wait_for(lock, interval, [&] { return end_; })) tell(seconds_since_start() - start_s);
+    while (!ended_.wait_for(lock, interval, [&] { return end_; })) report(seconds_since_start() - start_s);
 }
 
-void Reporter::Phase::tell(double elapsed_s)
+void Reporter::Phase::report(double elapsed_s)
 {
     if (reporter_.mode_ == ReportMode::json)
-        return reporter_.print({{"event", "phase"}, {"phase", name_}, {"elapsed_s", elapsed_s}});
-    const std::string time = fmt::format(": {}", duration(elapsed_s));
-    if (reporter_.mode_ == ReportMode::lines) return say(text_ + time + '\n');
+        return reporter_.print_event({{"event", "phase"}, {"phase", name_}, {"elapsed_s", elapsed_s}});
+    const std::string time = fmt::format(": {}", duration_text(elapsed_s));
+    if (reporter_.mode_ == ReportMode::lines) return write_stderr(text_ + time + '\n');
     const std::size_t room = std::size_t(std::max(terminal_columns() - int(time.size()), 0));
-    say(fmt::format("\r{}{}\x1b[K", text_.substr(0, room), time));
-    reporter_.bar_ = true;
+    write_stderr(fmt::format("\r{}{}\x1b[K", text_.substr(0, room), time));
+    reporter_.has_open_line_ = true;
 }
 
 void Reporter::progress(double done, double elapsed_s, const Progress& progress, bool force)
 {
     if (is_quiet()) return;
     const double now_s = seconds_since_start();
-    // Without a terminal, the first line comes after the interval too: short renders print none.
+    // Without a terminal, short renders print no progress at all.
     if (mode_ == ReportMode::lines && last_s_ < 0) last_s_ = now_s - elapsed_s;
     if (!force && now_s - last_s_ < interval_s()) return;
     if (force && (mode_ == ReportMode::lines || last_samples_ == progress.samples_done)) return;
@@ -201,58 +202,60 @@ void Reporter::progress(double done, double elapsed_s, const Progress& progress,
     const double rate = elapsed_s > 0 ? double(progress.samples_done) / elapsed_s : 0;
     const double remaining_s = done > 0 ? elapsed_s * (1 - done) / done : 0;
     if (mode_ == ReportMode::json)
-        return print({{"event", "progress"},
-                      {"done", done},
-                      {"samples_done", progress.samples_done},
-                      {"samples_total", progress.samples_total},
-                      {"rays", progress.costs.all_rays()},
-                      {"samples_per_s", rate},
-                      {"elapsed_s", elapsed_s},
-                      {"remaining_s", remaining_s}});
-    const std::string elapsed = duration(elapsed_s), left = duration(remaining_s);
+        return print_event({{"event", "progress"},
+                            {"done", done},
+                            {"samples_done", progress.samples_done},
+                            {"samples_total", progress.samples_total},
+                            {"rays", progress.costs.all_rays()},
+                            {"samples_per_s", rate},
+                            {"elapsed_s", elapsed_s},
+                            {"remaining_s", remaining_s}});
+    const std::string elapsed = duration_text(elapsed_s), left = duration_text(remaining_s);
     if (mode_ == ReportMode::lines)
-        return say(
-            fmt::format("{:5.1f} %  {}samples/s  {} elapsed, {} left\n", done * 100, with_unit(rate), elapsed, left));
-    say(fmt::format("\r{}\x1b[K", progress_line(done, with_unit(rate), elapsed, left, terminal_columns())));
-    bar_ = true;
+        return write_stderr(
+            fmt::format("{:5.1f} %  {}samples/s  {} elapsed, {} left\n", done * 100, with_prefix(rate), elapsed, left));
+    write_stderr(fmt::format("\r{}\x1b[K", progress_line(done, with_prefix(rate), elapsed, left, terminal_columns())));
+    has_open_line_ = true;
 }
 
 void Reporter::fireflies(const Film::Fireflies& found, double clamp)
 {
     if (mode_ == ReportMode::json)
-        return print({{"event", "fireflies"}, {"samples", found.samples}, {"noise", found.noise}, {"clamp", clamp}});
-    note(fmt::format(
-        "{:.2g} % of the samples make {:.0f} % of the noise: --denoise, or --clamp-indirect {:.2g} (biased), "
-        "would hide them",
-        100 * found.samples, 100 * std::min(found.noise, 1.0), clamp));
+        return print_event(
+            {{"event", "fireflies"}, {"samples", found.samples}, {"noise", found.noise}, {"clamp", clamp}});
+    note(
+        fmt::format("{:.2g} % of the samples (fireflies) make {:.0f} % of the noise: --denoise, or --clamp-indirect "
+                    "{:.2g} (biased), "
+                    "would remove them",
+                    100 * found.samples, 100 * std::min(found.noise, 1.0), clamp));
 }
 
 void Reporter::summary(const Summary& s)
 {
     const std::uint64_t memory = peak_memory_bytes();
     if (mode_ == ReportMode::json)
-        return print({{"event", "summary"},
-                      {"load_s", s.load_s},
-                      {"build_s", s.build_s},
-                      {"render_s", s.render_s},
-                      {"write_s", s.write_s},
-                      {"total_s", seconds_since_start()},
-                      {"samples_per_pixel", s.samples_per_pixel},
-                      {"rays", s.costs.all_rays()},
-                      {"peak_memory_bytes", memory}});
+        return print_event({{"event", "summary"},
+                            {"load_s", s.load_s},
+                            {"build_s", s.build_s},
+                            {"render_s", s.render_s},
+                            {"write_s", s.write_s},
+                            {"total_s", seconds_since_start()},
+                            {"samples_per_pixel", s.samples_per_pixel},
+                            {"rays", s.costs.all_rays()},
+                            {"peak_memory_bytes", memory}});
     note(
-        fmt::format("load {:.3f} s, build {:.3f} s, render {:.3f} s, write {:.3f} s; {} samples a pixel, {}rays; "
+        fmt::format("load {:.3f} s, build {:.3f} s, render {:.3f} s, write {:.3f} s; {} samples per pixel, {}rays; "
                     "peak memory {:.0f} MB",
                     s.load_s, s.build_s, s.render_s, s.write_s, s.samples_per_pixel,
-                    with_unit(double(s.costs.all_rays())), double(memory) / 1e6));
+                    with_prefix(double(s.costs.all_rays())), double(memory) / 1e6));
 }
 
 void Reporter::cost_sheet(const Summary& s)
 {
     if (mode_ == ReportMode::silent) return;
-    if (mode_ == ReportMode::json) return print(cost_sheet_json(s.costs, s.render_s));
-    end_bar();
-    say(cli::cost_sheet(s.costs, s.render_s) + '\n');
+    if (mode_ == ReportMode::json) return print_event(cost_sheet_json(s.costs, s.render_s));
+    end_open_line();
+    write_stderr(cli::cost_sheet(s.costs, s.render_s) + '\n');
 }
 
 }  // namespace fathom::cli

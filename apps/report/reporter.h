@@ -11,40 +11,41 @@
 
 namespace fathom::cli {
 
-/// How a command tells on stderr what it does.
+/// How a command reports to stderr.
 enum class ReportMode {
     quiet,     ///< only warnings
-    terminal,  ///< a bar
-    lines,     ///< a line now and then
-    json,      ///< an object a line
-    silent,    ///< nothing: another process tells it
+    terminal,  ///< a progress bar
+    lines,     ///< a line every ten seconds
+    json,      ///< one object per line
+    silent,    ///< nothing: another process reports
 };
 
+/// Times and counts of a render.
 struct Summary {
     double load_s = 0, build_s = 0, render_s = 0, write_s = 0;
     std::uint64_t samples_per_pixel = 0;
     RenderCosts costs;
 };
 
+/// Prints progress, notes, warnings, errors and summaries to stderr.
 class Reporter {
 public:
     explicit Reporter(ReportMode mode) : mode_(mode) {}
 
     ReportMode mode() const { return mode_; }
-    /// From here on errors are handed over, and nothing else is told.
-    void hand_over(std::function<void(const std::string&)> take_error);
+    /// From here on, errors go to `handler`, and nothing is printed.
+    void forward_errors(std::function<void(const std::string&)> handler);
     void note(const std::string& text);
     void warnings(const Warnings& warnings);
     void error(const std::string& text);
     void written(const std::string& file);
     void summary(const Summary& summary);
-    /// Where the time of rendering went.
+    /// Reports where the rendering time went.
     void cost_sheet(const Summary& summary);
-    /// clamp  a limit on indirect light that would hide them
+    /// clamp  value of --clamp-indirect that would remove the fireflies
     void fireflies(const Film::Fireflies& fireflies, double clamp);
 
-    /// While it lives, a phase whose end can't be foreseen is told every now and then, if it takes long. Nothing else
-    /// is told meanwhile.
+    /// Reports a phase of unknown duration at intervals, during its lifetime. Nothing else may be reported meanwhile.
     class Phase {
     public:
         /// name  "load"; text  "reading scene.json"
@@ -54,7 +55,7 @@ public:
         ~Phase();
 
     private:
-        void tell(double elapsed_s);
+        void report(double elapsed_s);
         void run();
 
         Reporter& reporter_;
@@ -65,26 +66,26 @@ public:
         std::thread thread_;
     };
 
-    /// done  0 to 1; the rest is told from it
-    /// force  now, however short ago the last was
+    /// done   fraction from 0 to 1, from which the remaining time is estimated
+    /// force  reports even if the last report was a moment ago
     void progress(double done, double elapsed_s, const Progress& progress, bool force = false);
 
 private:
-    void print(const nlohmann::json& event);
-    void end_bar();
+    void print_event(const nlohmann::json& event);
+    void end_open_line();
     bool is_quiet() const;
     double interval_s() const;
 
     ReportMode mode_;
-    std::function<void(const std::string&)> take_error_;
+    std::function<void(const std::string&)> error_handler_;
     double last_s_ = -1e9;
-    std::uint64_t last_samples_ = 0;  ///< of the last line of progress
-    bool bar_ = false;                ///< the cursor stands behind a bar
+    std::uint64_t last_samples_ = 0;  ///< samples of the last progress report
+    bool has_open_line_ = false;      ///< the cursor is behind a progress bar
 };
 
-/// terminal or lines, as stderr is.
+/// ReportMode::terminal if stderr is one, else ReportMode::lines.
 ReportMode default_report_mode();
-/// Largest memory that the program has had.
+/// Peak resident memory of the process.
 std::uint64_t peak_memory_bytes();
 
 }  // namespace fathom::cli

@@ -11,6 +11,7 @@
 
 #include "fathom/error.h"
 #include "fathom/image.h"
+#include "fathom/scene_file.h"
 
 namespace fathom::cli {
 
@@ -37,20 +38,20 @@ const char* name_of(MaterialKind kind)
     return names[int(kind)];
 }
 
-ordered_json json_of(Vec3d v)
+ordered_json to_json(Vec3d v)
 {
     return {v.x, v.y, v.z};
 }
-ordered_json json_of(const Color& c)
+ordered_json to_json(const Color& c)
 {
     return {c.r, c.g, c.b};
 }
 
-bool is_there(const ColorInput& input)
+bool is_nonzero(const ColorInput& input)
 {
     return input.value.r > 0 || input.value.g > 0 || input.value.b > 0;
 }
-bool is_there(const FloatInput& input)
+bool is_nonzero(const FloatInput& input)
 {
     return input.value > 0;
 }
@@ -61,7 +62,7 @@ const Material* material_of(const SceneDescription& scene, const Shape& shape)
     return has ? &scene.materials[std::size_t(shape.material)] : nullptr;
 }
 
-ordered_json count(const SceneDescription& scene)
+ordered_json count_json(const SceneDescription& scene)
 {
     std::size_t triangles = 0, vertices = 0, emitters = 0, curves = 0, points = 0;
     for (const Mesh& mesh : scene.meshes) triangles += mesh.indices.size() / 3, vertices += mesh.positions.size();
@@ -72,7 +73,7 @@ ordered_json count(const SceneDescription& scene)
         for (const Shape& shape : node.shapes) {
             ++shapes[shape.geometry.index()];
             const Material* const material = material_of(scene, shape);
-            emitters += material && is_there(material->emission);
+            emitters += material && is_nonzero(material->emission);
         }
     return {{"triangles", triangles},
             {"vertices", vertices},
@@ -93,17 +94,17 @@ ordered_json count(const SceneDescription& scene)
             {"cameras", scene.cameras.size()}};
 }
 
-/// What a reader would want to know of it beside its kind, as few words.
-std::vector<std::string> uses_of(const Material& m)
+/// Features of a material beside its kind.
+std::vector<std::string> material_features(const Material& m)
 {
     std::vector<std::string> uses;
     const auto add = [&](bool is_used, const char* what) {
         if (is_used) uses.emplace_back(what);
     };
     const bool has_layers = m.kind == MaterialKind::principled;
-    add(is_there(m.emission), "emission");
-    add(m.base_color.texture >= 0, "colour texture");
-    add(m.use_vertex_color, "vertex colours");
+    add(is_nonzero(m.emission), "emission");
+    add(m.base_color.texture >= 0, "color texture");
+    add(m.use_vertex_color, "vertex colors");
     if (has_layers || m.kind == MaterialKind::glass) {
         add(m.attenuation_distance > 0, "absorption");
         add(m.transmission_scatter.r > 0 || m.transmission_scatter.g > 0 || m.transmission_scatter.b > 0,
@@ -111,15 +112,15 @@ std::vector<std::string> uses_of(const Material& m)
         add(m.thin, "thin");
     }
     if (has_layers) {
-        add(is_there(m.metallic), "metallic");
-        add(is_there(m.transmission), "transmission");
+        add(is_nonzero(m.metallic), "metallic");
+        add(is_nonzero(m.transmission), "transmission");
         add(m.dispersion > 0, "dispersion");
-        add(is_there(m.diffuse_transmission), "diffuse transmission");
-        add(is_there(m.subsurface), "subsurface");
-        add(is_there(m.anisotropy), "anisotropy");
-        add(is_there(m.coat), "coat");
-        add(is_there(m.sheen_color), "sheen");
-        add(is_there(m.thin_film), "thin film");
+        add(is_nonzero(m.diffuse_transmission), "diffuse transmission");
+        add(is_nonzero(m.subsurface), "subsurface");
+        add(is_nonzero(m.anisotropy), "anisotropy");
+        add(is_nonzero(m.coat), "coat");
+        add(is_nonzero(m.sheen_color), "sheen");
+        add(is_nonzero(m.thin_film), "thin film");
     }
     add(m.normal_texture >= 0, "normal map");
     add(m.bump.texture >= 0, "bumps");
@@ -141,14 +142,15 @@ ordered_json materials_of(const SceneDescription& scene)
     ordered_json result = ordered_json::array();
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         const Material& m = scene.materials[i];
-        result.push_back({{"name", m.name}, {"kind", name_of(m.kind)}, {"shapes", shapes[i]}, {"uses", uses_of(m)}});
-        if (is_there(m.emission)) result.back()["emission"] = json_of(m.emission.value);
+        result.push_back(
+            {{"name", m.name}, {"kind", name_of(m.kind)}, {"shapes", shapes[i]}, {"uses", material_features(m)}});
+        if (is_nonzero(m.emission)) result.back()["emission"] = to_json(m.emission.value);
     }
     return result;
 }
 
-/// An IES file, which is no picture, though lights show it like one.
-bool is_luminaire(const std::string& name)
+/// Whether a file is an IES profile, which lights use like an image.
+bool is_light_profile(const std::string& name)
 {
     std::string extension = std::filesystem::path(name).extension().string();
     for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
@@ -169,8 +171,8 @@ ordered_json images_of(const SceneDescription& scene)
         if (size) result.back()["size"] = *size;
         if (error)
             result.back()["problem"] = "is missing";
-        else if (!size && !is_luminaire(image.name))
-            result.back()["problem"] = "is no picture that can be read";
+        else if (!size && !is_light_profile(image.name))
+            result.back()["problem"] = "is not a readable image";
     }
     return result;
 }
@@ -209,12 +211,12 @@ ordered_json lights_of(const SceneDescription& scene)
     ordered_json result = ordered_json::array();
     for (const Light& light : scene.lights)
         result.push_back(
-            {{"name", light.name}, {"kind", name_of(light.kind)}, {"intensity", json_of(light.intensity)}});
+            {{"name", light.name}, {"kind", name_of(light.kind)}, {"intensity", to_json(light.intensity)}});
     return result;
 }
 
-/// What the file says of the picture, and the options override.
-ordered_json settings_of(const RenderHints& hints)
+/// Settings of the image that the file contains; options override them.
+ordered_json hints_json(const RenderHints& hints)
 {
     ordered_json result = ordered_json::object();
     const auto add = [&](const char* key, const auto& value) {
@@ -235,7 +237,7 @@ ordered_json settings_of(const RenderHints& hints)
     return result;
 }
 
-/// What only shows when a scene is made ready: missing textures, degenerate triangles, memory.
+/// Adds what only compiling shows: missing textures, degenerate triangles, memory.
 void add_compiled(ordered_json& info, const SceneDescription& scene, Warnings& warnings)
 {
     try {
@@ -260,17 +262,17 @@ ordered_json describe_scene(const SceneOptions& options)
     info["format"] = file.format;
     info["files"] = files_of(scene);
     info["load_s"] = seconds_since_start();
-    info["counts"] = count(scene);
+    info["counts"] = count_json(scene);
     const Bounds bounds = world_bounds(scene);
     if (!bounds.empty)
         info["bounds"] = {
-            {"min", json_of(bounds.min)}, {"max", json_of(bounds.max)}, {"size", json_of(bounds.max - bounds.min)}};
+            {"min", to_json(bounds.min)}, {"max", to_json(bounds.max)}, {"size", to_json(bounds.max - bounds.min)}};
     info["cameras"] = cameras_of(scene);
     info["lights"] = lights_of(scene);
     info["environment"] = name_of(scene.environment.kind);
     info["materials"] = materials_of(scene);
     info["images"] = images_of(scene);
-    info["settings"] = settings_of(scene.hints);
+    info["settings"] = hints_json(scene.hints);
     info["scenes"] = file.scenes;
     info["variants"] = file.variants;
     info["animations"] = ordered_json::array();

@@ -5,8 +5,8 @@
 
 namespace fathom::cli {
 
-/// What is in a scene or model file, what it uses, and what of it is left out. Throws Error if it can't be read; what
-/// can be read but not rendered is told.
+/// Contents of a scene or model file, the features it uses, and what Fathom ignores. Throws Error if the file can't be
+/// read; a scene that can be read but not rendered gets an entry that says so.
 nlohmann::ordered_json describe_scene(const SceneOptions& options);
 void print_scene_text(const nlohmann::ordered_json& info);
 

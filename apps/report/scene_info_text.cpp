@@ -13,15 +13,15 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// So many rows of a table are read by people; --json has all.
+/// Rows of a table in text; --json has all.
 constexpr std::size_t max_rows = 30;
 
-void line(const std::string& name, const std::string& value)
+void print_line(const std::string& name, const std::string& value)
 {
-    print(fmt::format("{:<16} {}\n", name, value));
+    write_stdout(fmt::format("{:<16} {}\n", name, value));
 }
 
-/// Of files, of which many are small.
+/// A file size, in kB where memory_text() would round it to 0 MB.
 std::string size_text(const ordered_json& bytes)
 {
     return bytes < 1e6 ? fmt::format("{:.1f} kB", double(bytes) / 1e3) : memory_text(double(bytes));
@@ -33,8 +33,8 @@ std::string name_of(const ordered_json& value)
     return name.empty() ? "unnamed" : name;
 }
 
-/// With numbers, by which they can be chosen, where there are several.
-std::string join(const ordered_json& values, const char* key)
+/// Names and kinds, with the numbers by which options choose them if there are several.
+std::string choices_text(const ordered_json& values, const char* key)
 {
     std::vector<std::string> texts;
     for (const auto& value : values) {
@@ -47,31 +47,32 @@ std::string join(const ordered_json& values, const char* key)
     return texts.empty() ? "none" : fmt::format("{}", fmt::join(texts, ", "));
 }
 
-/// Rows under a name, which the first of them has before it.
-void table(const std::string& name, const std::vector<std::string>& rows)
+/// Prints rows, the first one behind a name.
+void print_table(const std::string& name, const std::vector<std::string>& rows)
 {
-    for (std::size_t i = 0; i < rows.size() && i < max_rows; ++i) line(i == 0 ? name : "", rows[i]);
-    if (rows.size() > max_rows) line("", fmt::format("and {} more, which --json has", rows.size() - max_rows));
+    for (std::size_t i = 0; i < rows.size() && i < max_rows; ++i) print_line(i == 0 ? name : "", rows[i]);
+    if (rows.size() > max_rows) print_line("", fmt::format("and {} more, see --json", rows.size() - max_rows));
 }
 
 void print_files(const ordered_json& info)
 {
-    line("file", info["file"]);
-    line("format", info["format"]);
+    print_line("file", info["file"]);
+    print_line("format", info["format"]);
     std::vector<std::string> files;
     for (const auto& file : info["files"])
         files.push_back(fmt::format("{:>8}  {}", size_text(file["bytes"]), std::string(file["file"])));
-    table("files read", files);
+    print_table("files read", files);
 }
 
 void print_bounds(const ordered_json& info)
 {
-    if (!info.contains("bounds")) return line("bounds", "empty");
+    if (!info.contains("bounds")) return print_line("bounds", "empty");
     const auto triple = [&](const char* which, const char* between) {
         const auto& v = info["bounds"][which];
         return fmt::format("{1:.6g}{0}{2:.6g}{0}{3:.6g}", between, double(v[0]), double(v[1]), double(v[2]));
     };
-    line("bounds", fmt::format("({}) to ({}): {} m", triple("min", ", "), triple("max", ", "), triple("size", " x ")));
+    print_line("bounds",
+               fmt::format("({}) to ({}): {} m", triple("min", ", "), triple("max", ", "), triple("size", " x ")));
 }
 
 void print_materials(const ordered_json& materials)
@@ -90,9 +91,9 @@ void print_materials(const ordered_json& materials)
                                    std::size_t(m["shapes"]), fmt::join(uses, ", ")));
     }
     const std::size_t unused = materials.size() - rows.size();
-    line("materials", fmt::format("{}: {}{}", materials.size(), fmt::join(sums, ", "),
-                                  unused > 0 ? fmt::format("; {} of no shape", unused) : ""));
-    table("  of shapes", rows);
+    print_line("materials", fmt::format("{}: {}{}", materials.size(), fmt::join(sums, ", "),
+                                        unused > 0 ? fmt::format("; {} unused", unused) : ""));
+    print_table("  used", rows);
 }
 
 void print_images(const ordered_json& images)
@@ -107,37 +108,37 @@ void print_images(const ordered_json& images)
         rows.push_back(fmt::format("{:>11} {:>8}  {}{}{}", size, bytes, name_of(image),
                                    image["inside"] ? " (inside the file)" : "", problem));
     }
-    table("images", rows);
+    print_table("images", rows);
 }
 
 void print_choices(const ordered_json& info)
 {
     for (const char* choice : {"scenes", "variants"}) {
         const std::vector<std::string> names = info[choice];
-        // One scene is no choice.
+        // A single scene is not worth a print_line.
         if (names.size() > (choice == std::string("scenes") ? 1u : 0u))
-            line(choice, fmt::format("{}", fmt::join(names, ", ")));
+            print_line(choice, fmt::format("{}", fmt::join(names, ", ")));
     }
     const auto& animations = info["animations"];
     for (std::size_t i = 0; i < animations.size(); ++i)
-        line(i == 0 ? "animations" : "",
-             fmt::format("{}: {} ({:.3g} s; --at SECONDS, --frames A:B)", i, std::string(animations[i]["name"]),
-                         double(animations[i]["duration_s"])));
+        print_line(i == 0 ? "animations" : "",
+                   fmt::format("{}: {} ({:.3g} s; --at SECONDS, --frames A:B)", i, std::string(animations[i]["name"]),
+                               double(animations[i]["duration_s"])));
 }
 
 void print_settings(const ordered_json& settings)
 {
     std::vector<std::string> texts;
     for (const auto& [key, value] : settings.items()) texts.push_back(fmt::format("{} {}", key, value.dump()));
-    if (!texts.empty()) line("settings", fmt::format("{}", fmt::join(texts, ", ")));
+    if (!texts.empty()) print_line("settings", fmt::format("{}", fmt::join(texts, ", ")));
 }
 
 void print_warnings(const ordered_json& warnings)
 {
     for (const auto& w : warnings)
-        line("warning", fmt::format("{}{}", std::string(w["message"]),
-                                    w["count"] > 1 ? fmt::format(" ({} times)", std::uint64_t(w["count"])) : ""));
-    if (warnings.empty()) line("left out", "nothing");
+        print_line("warning", fmt::format("{}{}", std::string(w["message"]),
+                                          w["count"] > 1 ? fmt::format(" ({} times)", std::uint64_t(w["count"])) : ""));
+    if (warnings.empty()) print_line("ignored", "nothing");
 }
 
 }  // namespace
@@ -145,25 +146,25 @@ void print_warnings(const ordered_json& warnings)
 void print_scene_text(const ordered_json& info)
 {
     print_files(info);
-    // Cameras, lights, materials and images are told by name below.
+    // Cameras, lights, materials and images are listed by name below.
     for (const auto& [name, value] : info["counts"].items())
         if (value != 0 && name != "cameras" && name != "lights" && name != "materials" && name != "images")
-            line(name, fmt::format("{}", std::uint64_t(value)));
+            print_line(name, fmt::format("{}", std::uint64_t(value)));
     print_bounds(info);
-    line("cameras", join(info["cameras"], "kind"));
-    line("lights", join(info["lights"], "kind"));
-    line("environment", info["environment"]);
+    print_line("cameras", choices_text(info["cameras"], "kind"));
+    print_line("lights", choices_text(info["lights"], "kind"));
+    print_line("environment", info["environment"]);
     print_materials(info["materials"]);
     print_images(info["images"]);
     print_choices(info);
     print_settings(info["settings"]);
-    for (const auto& added : info["added"]) line("added to render", added);
+    for (const auto& added : info["added"]) print_line("added to render", added);
     if (info.contains("compiled")) {
         const auto& c = info["compiled"];
-        line("memory", fmt::format("{} compiled, built in {:.3f} s", memory_text(double(c["memory_bytes"])),
-                                   double(c["build_s"])));
+        print_line("memory", fmt::format("{} compiled, built in {:.3f} s", memory_text(double(c["memory_bytes"])),
+                                         double(c["build_s"])));
     } else {
-        line("not renderable", info["not renderable"]);
+        print_line("not renderable", info["not renderable"]);
     }
     print_warnings(info["warnings"]);
 }

@@ -6,7 +6,7 @@ namespace fathom::view {
 
 namespace {
 
-/// Rows from the top, 5 wide, a space between; the baseline is the seventh, what hangs below has more rows.
+/// Rows from the top, 5 pixels wide, separated by spaces. The seventh row is the baseline; descenders have more rows.
 constexpr std::array<std::string_view, BitmapFont::characters> glyphs = {
     "",                                                       // space
     "..#.. ..#.. ..#.. ..#.. ..#.. ..... ..#..",              // !

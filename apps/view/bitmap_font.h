@@ -4,15 +4,15 @@
 
 namespace fathom::view {
 
-/// A small fixed-width font of our own, so that text needs no font file. ASCII from space to tilde.
+/// A small built-in fixed-width font for ASCII from space to tilde, so that text needs no font file.
 struct BitmapFont {
-    static constexpr int cell_width = 6, cell_height = 10;  ///< pixels of a character, with the space around it
+    static constexpr int cell_width = 6, cell_height = 10;  ///< size of a character in pixels, with its margin
     static constexpr char first = ' ', last = '~';
     static constexpr int characters = last - first + 1;
 
-    /// Whether the pixel of the character's cell is part of it; characters without a glyph show as `?`.
+    /// Whether a pixel of the character's cell is set. Characters without a glyph are shown as `?`.
     static bool pixel(char character, int x, int y);
-    /// All glyphs side by side, RGBA, white on transparent: characters * cell_width by cell_height.
+    /// RGBA pixels of all glyphs side by side, white on transparent, of size characters * cell_width by cell_height.
     static std::vector<unsigned char> atlas();
 };
 

@@ -3,8 +3,8 @@
 
 namespace fathom::view {
 
-/// A camera that a mouse and keys move: about a point, the pivot, which is also what is in focus. Where no move was
-/// made it is the scene's camera, bit for bit.
+/// A camera that is moved with mouse and keys, around a pivot that is also in focus. Without moves, it is bit for bit
+/// the camera of the scene.
 class CameraControl {
 public:
     explicit CameraControl(const Camera& start);
@@ -14,23 +14,26 @@ public:
     /// Metres from the camera to the pivot, along the view axis; above 0.
     double distance() const;
 
-    /// Turns the camera about the pivot, as if the scene were turned to the right and towards the viewer; radians. The
-    /// camera stops short of looking along the axis that it turns about.
+    /// Rotates the camera around the pivot, as if the scene were turned to the right and towards the viewer; radians.
+    /// The view direction stays away from the rotation axis.
     void orbit(double right, double down);
-    /// Turns the camera where it stands, to the right and up; radians.
+    /// Rotates the camera at its position, to the right and up; radians.
     void look(double right, double up);
-    /// Moves the scene in the picture to the right and down, in heights of the picture at the pivot's distance.
+    /// Moves the scene to the right and down, in image heights at the distance of the pivot.
     void pan(double right, double down);
-    /// Nearer to the pivot (steps > 0) or away from it; an orthographic camera sees less or more.
+    /// Moves towards the pivot (steps > 0) or away from it; an orthographic camera changes its height instead.
     void zoom(double steps);
-    /// Moves camera and pivot, in distances to the pivot.
+    /// Moves camera and pivot, in units of the distance to the pivot.
     void fly(double right, double up, double forward);
-    /// A camera through one point of the picture, x and y from 0 to 1, y down; `pixel` is a pixel's height in pictures.
-    /// For a picture of one pixel, sharp at any distance.
+    /// A pinhole camera for an image of a single pixel that covers one pixel of this image.
+    ///
+    /// x, y   position in the image, 0 to 1, y down
+    /// pixel  height of a pixel over that of the image
     Camera through(double x, double y, double aspect, double pixel) const;
-    /// Makes what was hit there, at this distance (depth) of the camera through(), pivot and focus. Returns whether the
-    /// picture changes: that of a pinhole doesn't.
+    /// Moves pivot and focus to the point at this depth of the camera through(x, y). Returns whether the image changes,
+    /// which it does not for a pinhole camera.
     bool focus(double x, double y, double aspect, double depth);
+    /// Returns to the scene's camera.
     void reset();
 
 private:
@@ -38,13 +41,13 @@ private:
         Vec3d right, up, forward;
     };
     Frame frame() const;
-    /// The direction, of length 1 along the view axis, and the shift of position, of the ray through a point.
-    struct PictureRay {
+    /// The ray through a point of the image: shift of the origin, and direction with length 1 along the view axis.
+    struct ImageRay {
         Vec3d shift, direction;
     };
-    PictureRay ray(double x, double y, double aspect) const;
-    /// Puts the camera where `position` says, looking along `forward`, with the pivot in focus.
-    void place(Vec3d position, Vec3d forward);
+    ImageRay ray(double x, double y, double aspect) const;
+    /// Sets position and view direction, with the pivot in focus.
+    void set_view(Vec3d position, Vec3d forward);
 
     Camera start_, camera_;
     Vec3d pivot_, axis_;

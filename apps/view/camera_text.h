@@ -5,7 +5,7 @@
 
 namespace fathom::view {
 
-/// `"camera": {...}`, a line to be put into a scene file (docs/scene-format.md).
+/// The camera as a line for a scene file, `"camera": {...}` (docs/scene-format.md).
 std::string camera_text(const Camera& camera);
 
 }  // namespace fathom::view

@@ -7,40 +7,41 @@
 
 namespace fathom::view {
 
-/// The picture without its noise: made anew while the picture becomes clear, as often as takes no more time than
-/// rendering.
-class DenoisedPicture {
+/// The denoised image, updated while rendering; updates take no more time than rendering does.
+class DenoisedImage {
 public:
-    /// denoiser  none: it is opened when it is first needed
-    DenoisedPicture(std::optional<Denoiser> denoiser, int threads);
+    /// denoiser  none: it is opened at first use
+    DenoisedImage(std::optional<Denoiser> denoiser, int threads);
 
-    /// Opens the denoiser if that was not done yet. Throws Error, which says how to get it.
+    /// Opens the denoiser if it is not open yet. Throws Error, which says how to install it.
     void open();
-    /// Of another camera or size from now on.
+    /// Drops the image, because camera or size have changed.
     void reset();
-    /// Whether it is time to make it: the film has changed enough since the last time. `rendered_s` is how long its
-    /// samples took, `is_last` says that no more are to come.
+    /// Whether the film has changed enough for an update.
+    ///
+    /// rendered_s  rendering time of the film's samples
+    /// is_last     no more samples will follow
     bool is_due(std::uint64_t samples, double rendered_s, bool is_last) const;
-    /// Makes it from the picture's film, and a few samples of what helps, rendered with the film's camera. False if
-    /// `cancel` became true meanwhile.
+    /// Denoises the film, guided by albedo and normal of a few samples that are rendered first. False if `cancel`
+    /// became true.
     bool update(const RenderJob& job, const Film& film, double rendered_s, const std::atomic<bool>& cancel);
-    /// Takes the noise away with all care, for a file: adds the layer "denoised".
+    /// Adds the layer "denoised" at full quality, for a file.
     void add_to(Image& image) const;
 
-    /// The latest; null if there is none.
+    /// The latest denoised layer, or null.
     const Image::Layer* layer() const { return layer_ ? &*layer_ : nullptr; }
     const std::string& version() const { return denoiser_->version(); }
 
 private:
-    bool render_aids(const RenderJob& job, std::uint64_t samples, const std::atomic<bool>& cancel);
-    void append_aids(Image& image) const;
+    bool render_guides(const RenderJob& job, std::uint64_t samples, const std::atomic<bool>& cancel);
+    void append_guides(Image& image) const;
 
     std::optional<Denoiser> denoiser_;
     int threads_;
-    std::optional<Film> aids_;  ///< of the first samples of the picture: albedo and normal
+    std::optional<Film> guides_;  ///< albedo and normal of the first samples
     std::optional<Image::Layer> layer_;
-    std::uint64_t samples_ = 0;            ///< that it was made of
-    double rendered_s_ = 0, seconds_ = 0;  ///< when it was made, and how long that took
+    std::uint64_t samples_ = 0;            ///< samples per pixel of the latest update
+    double rendered_s_ = 0, seconds_ = 0;  ///< rendering time at the latest update, and its duration
 };
 
 }  // namespace fathom::view

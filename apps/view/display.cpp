@@ -8,16 +8,16 @@ namespace fathom::view {
 
 namespace {
 
-/// What mark_misses writes.
+/// Value that mark_misses() writes.
 constexpr float miss = -1;
 
-unsigned char code(double value)
+/// NaN becomes black.
+unsigned char to_byte(double value)
 {
-    // NaN is black.
     return value > 0 ? static_cast<unsigned char>(std::min(value, 1.0) * 255 + 0.5) : 0;
 }
 
-/// Colours that differ between ids next to each other.
+/// A color that differs clearly between neighboring ids.
 std::array<unsigned char, 3> color_of_id(std::uint32_t id)
 {
     std::uint32_t hash = (id + 1) * 2654435761u;
@@ -29,7 +29,7 @@ std::array<unsigned char, 3> color_of_id(std::uint32_t id)
             static_cast<unsigned char>(64 + (hash >> 16 & 0xff) * 191 / 255)};
 }
 
-/// Fills opaque pixels from `color(values of the pixel)`.
+/// Opaque pixels with the colors `color(values of the pixel)`.
 template <class ColorOf>
 std::vector<unsigned char> fill(const Image::Layer& layer, int width, int height, ColorOf color)
 {
@@ -46,12 +46,12 @@ std::vector<unsigned char> fill(const Image::Layer& layer, int width, int height
 
 const char* name_of(View view)
 {
-    constexpr const char* names[views] = {"picture",  "albedo",   "normal",   "depth",
-                                          "position", "instance", "material", "noise"};
+    constexpr const char* names[view_count] = {"image",    "albedo",   "normal",   "depth",
+                                               "position", "instance", "material", "noise"};
     return names[int(view)];
 }
 
-void add_aovs(View view, RenderSettings& settings)
+void set_aovs(View view, RenderSettings& settings)
 {
     switch (view) {
         case View::albedo:
@@ -72,7 +72,7 @@ void add_aovs(View view, RenderSettings& settings)
         case View::material:
             settings.aovs = {Aov::material_id, Aov::depth};
             break;
-        case View::picture:
+        case View::image:
         case View::noise:
             settings.aovs = {};
             break;
@@ -92,7 +92,7 @@ void mark_misses(View view, Image& image)
 
 const Image::Layer& layer_of(View view, const Image& image)
 {
-    const std::string name = view == View::picture ? "" : view == View::noise ? "variance" : name_of(view);
+    const std::string name = view == View::image ? "" : view == View::noise ? "variance" : name_of(view);
     const Image::Layer* layer = image.find(name);
     return layer ? *layer : image.layers.front();
 }
@@ -102,7 +102,7 @@ std::vector<unsigned char> display_pixels(View view, const Image::Layer& layer, 
 {
     using Codes = std::array<unsigned char, 3>;
     switch (view) {
-        case View::picture:
+        case View::image:
             return to_display(layer, width, height, scale.transform);
         case View::albedo:
             return to_display(layer, width, height, {});
@@ -113,17 +113,17 @@ std::vector<unsigned char> display_pixels(View view, const Image::Layer& layer, 
         }
         case View::normal:
             return fill(layer, width, height, [](const float* n) {
-                return Codes{code(0.5 + 0.5 * n[0]), code(0.5 + 0.5 * n[1]), code(0.5 + 0.5 * n[2])};
+                return Codes{to_byte(0.5 + 0.5 * n[0]), to_byte(0.5 + 0.5 * n[1]), to_byte(0.5 + 0.5 * n[2])};
             });
         case View::depth:
             return fill(layer, width, height, [&](const float* z) {
-                const unsigned char gray = code(scale.distance / (scale.distance + z[0]));
+                const unsigned char gray = to_byte(scale.distance / (scale.distance + z[0]));
                 return Codes{gray, gray, gray};
             });
         case View::position:
             return fill(layer, width, height, [&](const float* p) {
                 const auto part = [](double value, double min, double max) {
-                    return code(max > min ? (value - min) / (max - min) : 0.5);
+                    return to_byte(max > min ? (value - min) / (max - min) : 0.5);
                 };
                 return Codes{part(p[0], scale.bounds.min.x, scale.bounds.max.x),
                              part(p[1], scale.bounds.min.y, scale.bounds.max.y),

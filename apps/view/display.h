@@ -8,24 +8,23 @@
 
 namespace fathom::view {
 
-/// What the window can show: the picture, or one of the averages beside it.
-enum class View { picture, albedo, normal, depth, position, instance, material, noise };
-inline constexpr int views = 8;
+/// Content of the window: the image or another layer.
+enum class View { image, albedo, normal, depth, position, instance, material, noise };
+inline constexpr int view_count = 8;
 
 const char* name_of(View view);
-/// Adds what must be rendered for the view.
-void add_aovs(View view, RenderSettings& settings);
-/// Marks, where the view shows ids, the pixels that show nothing: films give them the id 0, as the first thing there
-/// is.
+/// Sets the layers that must be rendered for the view.
+void set_aovs(View view, RenderSettings& settings);
+/// Marks pixels without a hit in views of ids: films give them the id 0, like the first object.
 void mark_misses(View view, Image& image);
 /// The layer that the view shows.
 const Image::Layer& layer_of(View view, const Image& image);
 
-/// What numbers become colours by.
+/// Parameters that map layers to colors.
 struct DisplayScale {
-    DisplayTransform transform;  ///< of picture and noise
-    Bounds bounds;               ///< black and white of positions
-    double distance = 1;         ///< the depth that is shown as middle grey
+    DisplayTransform transform;  ///< for image and noise
+    Bounds bounds;               ///< positions that are black and white
+    double distance = 1;         ///< depth that is shown as middle gray
 };
 /// 8-bit RGBA of a layer.
 std::vector<unsigned char> display_pixels(View view, const Image::Layer& layer, int width, int height,

@@ -20,7 +20,7 @@ double percentile(std::vector<double> values, double part)
     return values[std::size_t(std::max(0.0, std::ceil(part * double(values.size())) - 1))];
 }
 
-std::string both(const std::vector<double>& values)
+std::string median_and_95th(const std::vector<double>& values)
 {
     return fmt::format("median {:.1f} ms, 95 % {:.1f} ms", percentile(values, 0.5), percentile(values, 0.95));
 }
@@ -40,12 +40,12 @@ LatencyLog::~LatencyLog()
     if (file_) std::fclose(file_);
 }
 
-void LatencyLog::moved(std::uint64_t move, Time when)
+void LatencyLog::record_move(std::uint64_t move, Time when)
 {
     waiting_.push_back({move, when});
 }
 
-void LatencyLog::shown(std::uint64_t move, int width, int height, bool full_size, Time when)
+void LatencyLog::record_frame(std::uint64_t move, int width, int height, bool full_size, Time when)
 {
     const auto ms_since = [&](Time start) { return std::chrono::duration<double, std::milli>(when - start).count(); };
     for (Move& m : waiting_) {
@@ -70,7 +70,8 @@ void LatencyLog::shown(std::uint64_t move, int width, int height, bool full_size
 std::string LatencyLog::summary() const
 {
     if (full_ms_.empty()) return {};
-    return fmt::format("{} moves: first frame {}; full size {}", full_ms_.size(), both(first_ms_), both(full_ms_));
+    return fmt::format("{} moves: first frame {}; full size {}", full_ms_.size(), median_and_95th(first_ms_),
+                       median_and_95th(full_ms_));
 }
 
 }  // namespace fathom::view

@@ -7,23 +7,24 @@
 
 namespace fathom::view {
 
-/// How long it takes until a camera move is seen.
+/// Measures the time from a camera move until it is visible.
 class LatencyLog {
 public:
     using Time = std::chrono::steady_clock::time_point;
 
-    /// file  where the times go, line by line; empty: nowhere. Throws Error if it can't be written.
+    /// file  CSV with a line for each move; empty: none. Throws Error if it can't be written.
     explicit LatencyLog(const std::string& file);
     ~LatencyLog();
     LatencyLog(const LatencyLog&) = delete;
     LatencyLog& operator=(const LatencyLog&) = delete;
 
-    void moved(std::uint64_t move, Time when);
-    /// A frame that obeys `move`, and so all before it, is on the screen.
-    void shown(std::uint64_t move, int width, int height, bool full_size, Time when);
-    /// Every move so far has been shown at full size.
+    /// Records a move.
+    void record_move(std::uint64_t move, Time when);
+    /// Records that a frame with `move`, and thus all earlier moves, is on the screen.
+    void record_frame(std::uint64_t move, int width, int height, bool full_size, Time when);
+    /// Whether all moves so far have been shown at full size.
     bool all_shown() const { return waiting_.empty(); }
-    /// Medians and 95th percentiles, one line; empty without moves.
+    /// Medians and 95th percentiles in one line; empty without moves.
     std::string summary() const;
 
 private:

@@ -1,6 +1,6 @@
 #pragma once
-/// The boundary between the program and the module that has the window, libfathom_view.so. The program opens it only
-/// for `fathom view`, so everything else runs where no window system is installed.
+/// Interface between the program and its window module, libfathom_view.so. The program opens the module only for
+/// `fathom view`, so that all else runs without a window system.
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -13,27 +13,28 @@
 
 namespace fathom::view {
 
+/// A scene to show, and how to show it.
 struct ViewJob {
     Scene scene;
-    RenderSettings settings;    ///< size: the window's at first
-    std::string name;           ///< of the scene, for the title; saved pictures are named after it
-    std::uint64_t samples = 0;  ///< a pixel, when rendering ends
+    RenderSettings settings;    ///< with the initial size of the window
+    std::string name;           ///< of the scene, for the title and for saved images
+    std::uint64_t samples = 0;  ///< samples per pixel at which rendering pauses
     DisplayTransform display;
-    std::optional<Denoiser> denoiser;                ///< of the picture from the start; none: when it is asked for
-    Bounds bounds;                                   ///< of the scene: the colours of positions
+    std::optional<Denoiser> denoiser;                ///< none: the image is not denoised at first
+    Bounds bounds;                                   ///< of the scene, for the colors of positions
     std::filesystem::path latency_log;               ///< empty: none
-    int script_moves = 0;                            ///< so many moves are made, then the window closes; 0: none
+    int script_moves = 0;                            ///< number of scripted moves before the window closes; 0: none
     const std::atomic<bool>* interrupted = nullptr;  ///< closes the window
 };
 
 inline constexpr const char* module_file = "libfathom_view.so";
 
-/// Version of Fathom that the module belongs to: no other is used.
+/// Symbol with the version of Fathom that the module belongs to; a module of another version is refused.
 inline constexpr const char* version_symbol = "fathom_view_version";
-/// Why no window can be opened here; left empty if one can.
+/// Symbol of the function that tells why no window can be opened; it leaves `trouble` empty if one can.
 inline constexpr const char* trouble_symbol = "fathom_view_trouble";
 using Trouble = void(std::string& trouble);
-/// Opens the window and returns when it was closed; what went wrong, if anything, is put into `trouble`.
+/// Symbol of the function that opens the window and returns when it is closed. Errors are stored in `trouble`.
 inline constexpr const char* run_symbol = "fathom_view_run";
 using RunView = void(const ViewJob& job, std::string& trouble);
 

@@ -18,14 +18,14 @@ void Overlay::draw(sf::RenderTarget& target, const std::vector<std::string>& lin
     for (const std::string& line : lines) longest = std::max(longest, line.size());
     const int width = int(longest) * cell_width + 2 * margin, height = int(lines.size()) * cell_height + 2 * margin;
     const int window_width = int(target.getSize().x), window_height = int(target.getSize().y);
-    // Twice as large where there is room for it: pixels are small today.
+    // Double size if there is room, since pixels of modern displays are small.
     const int scale = 2 * width <= window_width && 2 * height <= window_height ? 2 : 1;
     const float left = 0, top = corner == Corner::top_left ? 0 : float(window_height - scale * height);
 
-    sf::RectangleShape ground({float(scale * width), float(scale * height)});
-    ground.setPosition(left, top);
-    ground.setFillColor(sf::Color(0, 0, 0, 170));
-    target.draw(ground);
+    sf::RectangleShape background({float(scale * width), float(scale * height)});
+    background.setPosition(left, top);
+    background.setFillColor(sf::Color(0, 0, 0, 170));
+    target.draw(background);
 
     sf::VertexArray quads(sf::Quads);
     for (std::size_t row = 0; row < lines.size(); ++row)

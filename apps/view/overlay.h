@@ -5,7 +5,7 @@
 
 namespace fathom::view {
 
-/// Text over the picture: lines on a dark, see-through ground.
+/// Lines of text on a dark, translucent background, drawn over the image.
 class Overlay {
 public:
     enum class Corner { top_left, bottom_left };

@@ -10,12 +10,12 @@ namespace fathom::view {
 
 namespace {
 
-/// What is shown first after a move has at least this many pixels each way, if the window has.
+/// Minimum size of the low resolution after a move, if the window is that large.
 constexpr int preview_width = 400, preview_height = 300;
-/// Passes grow until they last about this long: the picture is seen to become clear, and saving doesn't wait long.
-constexpr double longest_pass_s = 0.25;
+/// Passes grow up to about this duration, so that progress is visible and saving does not wait long.
+constexpr double max_pass_s = 0.25;
 constexpr std::uint64_t max_pass_samples = 1024;
-/// Averages of first hits are clear long before the picture is.
+/// Layers of the first hit converge much sooner than the image.
 constexpr std::uint64_t aov_samples = 64;
 
 using Clock = std::chrono::steady_clock;
@@ -25,9 +25,9 @@ double seconds_since(Clock::time_point start)
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-bool shares_film_of_picture(View view)
+bool uses_image_film(View view)
 {
-    return view == View::picture || view == View::noise;
+    return view == View::image || view == View::noise;
 }
 
 }  // namespace
@@ -114,7 +114,7 @@ Renderer::Update Renderer::wait(std::chrono::microseconds longest)
     return std::exchange(update_, {});
 }
 
-void Renderer::say(const std::string& message)
+void Renderer::post_message(const std::string& message)
 {
     const std::lock_guard lock(mutex_);
     update_.messages.push_back(message);
@@ -122,19 +122,17 @@ void Renderer::say(const std::string& message)
     news_.notify_one();
 }
 
-// ---------------------------------------------------------------------------------------------- in the thread
-
 void Renderer::run()
 {
     std::unique_lock lock(mutex_);
-    /// Does something without the lock; false if that failed.
-    const auto apart = [&](const auto& act) {
+    /// Runs an action without the lock; false if it threw.
+    const auto run_unlocked = [&](const auto& act) {
         bool done = true;
         lock.unlock();
         try {
             act();
         } catch (const std::exception& error) {
-            say(error.what());
+            post_message(error.what());
             done = false;
         }
         lock.lock();
@@ -142,27 +140,28 @@ void Renderer::run()
     };
     while (!quit_) {
         const bool denoise = work_.denoise;
-        take_request();
-        if (work_.denoise != denoise && !apart([&] { tell_denoising(); })) request_.denoise = work_.denoise = false;
+        accept_request();
+        if (work_.denoise != denoise && !run_unlocked([&] { report_denoising(); }))
+            request_.denoise = work_.denoise = false;
         cancel_ = false;
         interruptible_ = true;
         if (pick_request_) {
             const PickRequest request = *pick_request_;
             pick_request_.reset();
-            apart([&] { answer_pick(request); });
+            run_unlocked([&] { answer_pick(request); });
             continue;
         }
-        if (save_request_ && picture_samples() > 0) {
+        if (save_request_ && image_samples() > 0) {
             const std::string stem = *save_request_;
             save_request_.reset();
-            apart([&] { save_picture(stem); });
+            run_unlocked([&] { save_image(stem); });
             continue;
         }
-        // Another view is shown, and there is nothing to save yet.
-        const bool only_to_save = save_request_ && !shares_film_of_picture(work_.view);
+        // A view of another layer is shown, but saving needs a sample of the image.
+        const bool only_to_save = save_request_ && !uses_image_film(work_.view);
         bool idle = false;
-        const bool done = apart([&] {
-            const std::optional<Pass> pass = only_to_save ? full_pass(View::picture) : next_pass();
+        const bool done = run_unlocked([&] {
+            const std::optional<Pass> pass = only_to_save ? full_pass(View::image) : next_pass();
             idle = !pass;
             if (pass && render(*pass) && !only_to_save) publish(*pass);
         });
@@ -175,8 +174,8 @@ void Renderer::run()
     }
 }
 
-/// Under the lock.
-void Renderer::take_request()
+/// Called with the lock held.
+void Renderer::accept_request()
 {
     if (request_.width != work_.width || request_.height != work_.height) {
         films_.clear();
@@ -191,10 +190,10 @@ void Renderer::take_request()
     work_ = request_;
 }
 
-void Renderer::tell_denoising()
+void Renderer::report_denoising()
 {
     if (work_.denoise) denoised_.open();
-    say(work_.denoise ? "denoised by Open Image Denoise " + denoised_.version() : "not denoised");
+    post_message(work_.denoise ? "denoised with Open Image Denoise " + denoised_.version() : "not denoised");
 }
 
 RenderSettings Renderer::settings_for(View view) const
@@ -202,11 +201,11 @@ RenderSettings Renderer::settings_for(View view) const
     RenderSettings settings = settings_;
     settings.width = work_.width;
     settings.height = work_.height;
-    add_aovs(view, settings);
+    set_aovs(view, settings);
     return settings;
 }
 
-/// With the camera at work.
+/// A job with the current camera.
 RenderJob Renderer::job_for(const RenderSettings& settings) const
 {
     return RenderJob(scene_, work_.camera, settings);
@@ -225,9 +224,9 @@ Renderer::Target& Renderer::target(View view, const RenderJob& job, bool full_si
     return t;
 }
 
-std::uint64_t Renderer::picture_samples() const
+std::uint64_t Renderer::image_samples() const
 {
-    const auto found = films_.find(View::picture);
+    const auto found = films_.find(View::image);
     return found != films_.end() && found->second.move == work_.move ? found->second.film.samples_per_pixel() : 0;
 }
 
@@ -237,10 +236,10 @@ std::optional<Renderer::Pass> Renderer::full_pass(View film)
     Target& t = target(film, job, true);
     const std::uint64_t done = t.film.samples_per_pixel();
     const std::uint64_t end = samples_end(film);
-    // What is there already when a view is chosen again is shown at once; so is what takes only denoising.
+    // An empty pass shows existing samples at once: of a view chosen again, or to denoise them.
     if (done > 0 && (!shown_ || denoising_is_due(t))) return Pass{&t, job, {done, done}, true};
     if (done >= end) return {};
-    const double fit = pass_s_ > 0 ? longest_pass_s / pass_s_ : 1;
+    const double fit = pass_s_ > 0 ? max_pass_s / pass_s_ : 1;
     std::uint64_t count = std::clamp<std::uint64_t>(done, 1, max_pass_samples);
     count = std::min(count, std::uint64_t(std::clamp(fit, 1.0, double(max_pass_samples))));
     return Pass{&t, job, {done, std::min(done + count, end)}, true};
@@ -248,7 +247,7 @@ std::optional<Renderer::Pass> Renderer::full_pass(View film)
 
 std::optional<Renderer::Pass> Renderer::next_pass()
 {
-    const View film = shares_film_of_picture(work_.view) ? View::picture : work_.view;
+    const View film = uses_image_film(work_.view) ? View::image : work_.view;
     const auto kept = films_.find(film);
     const bool has_samples =
         kept != films_.end() && kept->second.move == work_.move && kept->second.film.samples_per_pixel() > 0;
@@ -259,21 +258,21 @@ std::optional<Renderer::Pass> Renderer::next_pass()
     settings.height = int(std::ceil(work_.height * scale));
     const RenderJob job = job_for(settings);
     Target& t = target(film, job, false);
-    // Of this move, but another view was chosen before it was seen at full size.
+    // Holds a sample if another view was chosen before this one was shown at full size.
     if (t.film.samples_per_pixel() > 0) t.film.reset(job);
     return Pass{&t, job, {0, 1}, false};
 }
 
 std::uint64_t Renderer::samples_end(View film) const
 {
-    return shares_film_of_picture(film) ? samples_ : std::min(samples_, aov_samples);
+    return uses_image_film(film) ? samples_ : std::min(samples_, aov_samples);
 }
 
 bool Renderer::render(const Pass& pass)
 {
     if (!pass.full_size) {
         const std::lock_guard lock(mutex_);
-        // What came in since the request was taken goes first; what comes now has to wait.
+        // A newer request goes first; later ones wait for the end of this pass.
         if (cancel_) return false;
         interruptible_ = false;
     }
@@ -289,29 +288,29 @@ bool Renderer::render(const Pass& pass)
     return true;
 }
 
-/// First as it is, and then without its noise, which takes longer.
+/// Publishes the noisy image first, and then the denoised one, which takes longer.
 void Renderer::publish(const Pass& pass)
 {
-    if (!is_denoised(pass)) return hand_out(pass, nullptr);
-    if (!denoised_.layer()) hand_out(pass, nullptr);
+    if (!is_denoised(pass)) return publish_frame(pass, nullptr);
+    if (!denoised_.layer()) publish_frame(pass, nullptr);
     if (denoising_is_due(*pass.target) && !denoised_.update(pass.job, pass.target->film, rendered_s_, cancel_)) return;
-    hand_out(pass, denoised_.layer());
+    publish_frame(pass, denoised_.layer());
 }
 
 bool Renderer::is_denoised(const Pass& pass) const
 {
-    return work_.denoise && work_.view == View::picture && pass.full_size;
+    return work_.denoise && work_.view == View::image && pass.full_size;
 }
 
-bool Renderer::denoising_is_due(const Target& picture) const
+bool Renderer::denoising_is_due(const Target& image) const
 {
-    const std::uint64_t samples = picture.film.samples_per_pixel();
-    return work_.denoise && work_.view == View::picture &&
-           denoised_.is_due(samples, rendered_s_, samples >= samples_end(View::picture));
+    const std::uint64_t samples = image.film.samples_per_pixel();
+    return work_.denoise && work_.view == View::image &&
+           denoised_.is_due(samples, rendered_s_, samples >= samples_end(View::image));
 }
 
-/// denoised  the picture's colours, or null
-void Renderer::hand_out(const Pass& pass, const Image::Layer* denoised)
+/// denoised  the colors of the image, or null
+void Renderer::publish_frame(const Pass& pass, const Image::Layer* denoised)
 {
     Frame frame;
     frame.move = work_.move;
@@ -354,16 +353,16 @@ void Renderer::answer_pick(PickRequest request)
     news_.notify_one();
 }
 
-void Renderer::save_picture(const std::string& stem)
+void Renderer::save_image(const std::string& stem)
 {
     namespace fs = std::filesystem;
     std::string name;
     for (int number = 1; name.empty() || fs::exists(name + ".png") || fs::exists(name + ".exr"); ++number)
         name = fmt::format("{}-{:04}", stem, number);
-    const Film& film = films_.at(View::picture).film;
+    const Film& film = films_.at(View::image).film;
     Image image = film.image(settings_.alpha, true);
     for (const auto& [view, target] : films_) {
-        if (view == View::picture || target.move != work_.move || target.film.samples_per_pixel() == 0) continue;
+        if (view == View::image || target.move != work_.move || target.film.samples_per_pixel() == 0) continue;
         image.layers.push_back(layer_of(view, target.film.image(false, false)));
     }
     image.attributes = {{"fathom.scene", stem},
@@ -374,7 +373,7 @@ void Renderer::save_picture(const std::string& stem)
     options.display = work_.scale.transform;
     write_image(name + ".png", shown_picture(image), options);
     write_image(name + ".exr", image, options);
-    say(fmt::format("saved {0}.png and {0}.exr", name));
+    post_message(fmt::format("saved {0}.png and {0}.exr", name));
 }
 
 }  // namespace fathom::view

@@ -9,8 +9,8 @@
 
 namespace {
 
-/// SFML uses X11 on Linux, and ends the program where it finds none: that is found out first. Its libraries are there,
-/// as SFML's own needs, but their headers need not be.
+/// SFML aborts the program without X11, so X11 is tested first. Its libraries are installed with SFML, but its headers
+/// may be missing, hence dlsym.
 std::string trouble_with_x11()
 {
     const char* name = std::getenv("DISPLAY");
@@ -21,7 +21,7 @@ std::string trouble_with_x11()
     const auto open = reinterpret_cast<void* (*)(const char*)>(dlsym(x11, "XOpenDisplay"));
     const auto query = reinterpret_cast<int (*)(void*, const char*, int*, int*, int*)>(dlsym(x11, "XQueryExtension"));
     if (!open || !query) return {};
-    // Left open on purpose: a server whose last client goes may start afresh, and refuse SFML, which aborts then.
+    // The display stays open: an X server may restart after its last client, refuse SFML, and make it abort.
     void* const display = open(nullptr);
     if (!display) return std::string("the display '") + name + "' can't be opened; `fathom render` needs none";
     int opcode, event, error;
@@ -42,12 +42,12 @@ FATHOM_API void fathom_view_trouble(std::string& trouble)
     trouble = trouble_with_x11();
 }
 
-/// Exceptions don't cross the boundary.
+/// Exceptions must not leave the module.
 FATHOM_API void fathom_view_run(const fathom::view::ViewJob& job, std::string& trouble)
 {
-    // What SFML says of its troubles is for us; if they matter, we see them.
-    std::ostringstream said;
-    sf::err().rdbuf(said.rdbuf());
+    // SFML's own messages are dropped: errors that matter are reported below.
+    std::ostringstream messages;
+    sf::err().rdbuf(messages.rdbuf());
     try {
         fathom::view::Viewer(job).run();
     } catch (const std::bad_alloc&) {

@@ -14,16 +14,16 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto message_time = 4s;
-/// What another window uncovered is drawn again this soon: SFML doesn't tell.
-constexpr auto longest_without_drawing = 250ms;
+/// SFML does not report when another window uncovers this one, so it is redrawn at this interval.
+constexpr auto max_redraw_interval = 250ms;
 
-RenderSettings checked(const RenderSettings& settings)
+RenderSettings check_size(const RenderSettings& settings)
 {
-    const int most = int(sf::Texture::getMaximumSize());
-    if (settings.width > most || settings.height > most)
+    const int max_size = int(sf::Texture::getMaximumSize());
+    if (settings.width > max_size || settings.height > max_size)
         throw Error("", "--size",
                     fmt::format("a window of {}x{} is larger than the {}x{} that this display can show", settings.width,
-                                settings.height, most, most));
+                                settings.height, max_size, max_size));
     return settings;
 }
 
@@ -33,7 +33,7 @@ Viewer::Viewer(const ViewJob& job)
     : job_(job),
       control_(job.scene.camera()),
       transform_(job.display),
-      width_(checked(job.settings).width),
+      width_(check_size(job.settings).width),
       height_(job.settings.height),
       latency_(job.latency_log.string()),
       next_script_move_(Clock::now() + 1s),
@@ -43,7 +43,7 @@ Viewer::Viewer(const ViewJob& job)
     if (!window_.isOpen()) throw Error("", "", "no window could be opened on this display");
     window_.setKeyRepeatEnabled(false);
     for (sf::Texture& texture : textures_) texture.setSmooth(true);
-    // A window manager may have other ideas about the size, and tells them only if they change later.
+    // A window manager may choose another size, and SFML reports only later changes.
     const sf::Vector2u size = window_.getSize();
     if (size.x > 0 && size.y > 0 && (int(size.x) != width_ || int(size.y) != height_)) {
         width_ = int(size.x), height_ = int(size.y);
@@ -65,13 +65,13 @@ void Viewer::run()
         if (moved_) move_camera(now);
         if (job_.interrupted && *job_.interrupted) window_.close();
         if (!window_.isOpen()) break;
-        // Frames end the wait; events are looked for after it.
-        take(renderer_.wait(busy() ? 3ms : 15ms));
+        // A new frame ends the wait; events are polled after it.
+        apply_update(renderer_.wait(busy() ? 3ms : 15ms));
         if (!message_.empty() && Clock::now() > message_end_) {
             message_.clear();
             redraw_ = true;
         }
-        if (redraw_ || Clock::now() - last_draw_ > longest_without_drawing) draw();
+        if (redraw_ || Clock::now() - last_draw_ > max_redraw_interval) draw();
     }
     if (job_.script_moves > 0) fmt::print("{}\n", latency_.summary());
 }
@@ -84,14 +84,14 @@ bool Viewer::busy() const
 void Viewer::move_camera(Clock::time_point when)
 {
     moved_ = false;
-    latency_.moved(renderer_.move(control_.camera(), width_, height_, control_.distance()), when);
+    latency_.record_move(renderer_.move(control_.camera(), width_, height_, control_.distance()), when);
 }
 
 void Viewer::choose_view(int view)
 {
     view_ = View(view);
     renderer_.show(view_);
-    say(fmt::format("showing: {}", name_of(view_)));
+    show_message(fmt::format("showing: {}", name_of(view_)));
 }
 
 void Viewer::change_display()
@@ -104,28 +104,28 @@ void Viewer::change_display()
     upload(std::move(frame_));
 }
 
-void Viewer::take(Renderer::Update update)
+void Viewer::apply_update(Renderer::Update update)
 {
     for (const std::string& message : update.messages) {
         fmt::print(stderr, "fathom: {}\n", message);
-        say(message);
+        show_message(message);
     }
     if (update.pick) {
         if (!std::isfinite(update.pick->distance)) {
-            say("there is nothing to focus on");
+            show_message("nothing to focus on here");
         } else {
             moved_ |= control_.focus(update.pick->x, update.pick->y, update.pick->aspect, update.pick->distance);
-            say(fmt::format("focus: {:.4g} m", control_.distance()));
+            show_message(fmt::format("focus: {:.4g} m", control_.distance()));
         }
     }
     if (!update.frame) return;
     upload(std::move(*update.frame));
-    // Made before the exposure changed.
+    // The frame may have been made before the exposure or tone map changed.
     if (frame_.scale.transform.exposure_ev != transform_.exposure_ev ||
         frame_.scale.transform.tonemap != transform_.tonemap || frame_.scale.transform.ocio != transform_.ocio)
         change_display();
     draw();
-    latency_.shown(frame_.move, frame_.width, frame_.height, frame_.full_size, last_draw_);
+    latency_.record_frame(frame_.move, frame_.width, frame_.height, frame_.full_size, last_draw_);
     set_title();
 }
 
@@ -135,7 +135,7 @@ void Viewer::upload(Frame frame)
     sf::Texture& texture = textures_[frame_.full_size];
     const sf::Vector2u size(unsigned(frame_.width), unsigned(frame_.height));
     if (texture.getSize() != size && !texture.create(size.x, size.y))
-        throw Error("", "", fmt::format("the display has no memory for a picture of {}x{}", size.x, size.y));
+        throw Error("", "", fmt::format("the display has no memory for an image of {}x{}", size.x, size.y));
     texture.update(frame_.pixels.data());
     redraw_ = true;
 }
@@ -146,7 +146,7 @@ void Viewer::draw()
     if (!frame_.pixels.empty()) {
         sf::Sprite sprite(textures_[frame_.full_size]);
         sprite.setScale(float(width_) / float(frame_.width), float(height_) / float(frame_.height));
-        // Straight alpha would be mixed with the black behind it.
+        // Blending would mix straight alpha with the black background.
         window_.draw(sprite, sf::RenderStates(sf::BlendNone));
     }
     if (help_) overlay_.draw(window_, help_lines(), Overlay::Corner::top_left);
@@ -159,8 +159,8 @@ void Viewer::draw()
 void Viewer::set_title()
 {
     std::string title = job_.name;
-    // Of what is on the screen, not of what was asked for.
-    if (frame_.view != View::picture) title += fmt::format(" [{}]", name_of(frame_.view));
+    // The title describes the frame on the screen, which may be older than the latest request.
+    if (frame_.view != View::image) title += fmt::format(" [{}]", name_of(frame_.view));
     title += fmt::format(" - {} of {} samples, {} %", frame_.samples, std::max<std::uint64_t>(frame_.samples_end, 1),
                          frame_.samples * 100 / std::max<std::uint64_t>(frame_.samples_end, 1));
     if (frame_.samples_per_s > 0) title += fmt::format(" - {:.3g} M samples/s", frame_.samples_per_s / 1e6);
@@ -171,7 +171,7 @@ void Viewer::set_title()
     window_.setTitle(sf::String::fromUtf8(title.begin(), title.end()));
 }
 
-void Viewer::say(const std::string& text)
+void Viewer::show_message(const std::string& text)
 {
     message_ = text;
     message_end_ = Clock::now() + message_time;

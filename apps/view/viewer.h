@@ -13,12 +13,12 @@
 
 namespace fathom::view {
 
-/// The window: what mouse and keys do, and what is on the screen.
+/// The window: handles mouse and keys, and draws the frames of the renderer.
 class Viewer {
 public:
-    /// Throws Error if there can be no such window.
+    /// Throws Error if the window can't be opened.
     explicit Viewer(const ViewJob& job);
-    /// Until the window is closed.
+    /// Runs until the window is closed.
     void run();
 
 private:
@@ -29,7 +29,7 @@ private:
     void handle_character(std::uint32_t character);
     void handle_mouse_move(int x, int y);
     void release_mouse(sf::Mouse::Button button, int x, int y);
-    void ask_focus(int x, int y);
+    void request_focus(int x, int y);
     void fly_by_keys(double seconds);
     void fly_step(sf::Keyboard::Key key, double step);
     void script_step();
@@ -37,11 +37,11 @@ private:
     void move_camera(Clock::time_point when);
     void choose_view(int view);
     void change_display();
-    void take(Renderer::Update update);
+    void apply_update(Renderer::Update update);
     void upload(Frame frame);
     void draw();
     void set_title();
-    void say(const std::string& text);
+    void show_message(const std::string& text);
     std::vector<std::string> help_lines() const;
     bool busy() const;
     double aspect() const { return double(width_) / height_; }
@@ -49,11 +49,11 @@ private:
     const ViewJob& job_;
     CameraControl control_;
     DisplayTransform transform_;
-    View view_ = View::picture;
+    View view_ = View::image;
     int width_, height_;
     bool moved_ = false, redraw_ = true, help_ = false;
 
-    // The mouse: a button that is down, where it went down, where it was last, whether that became a drag.
+    // State of the mouse: pressed button, position of the press, last position, and whether it was dragged.
     bool down_ = false, dragged_ = false;
     sf::Mouse::Button button_ = sf::Mouse::Left;
     sf::Vector2i press_, last_;
@@ -64,12 +64,12 @@ private:
     Clock::time_point next_script_move_;
 
     sf::RenderWindow window_;
-    sf::Texture textures_[2];  ///< of frames at low resolution, and at full size
+    sf::Texture textures_[2];  ///< for frames at low resolution and at full size
     Overlay overlay_;
     Frame frame_;
     std::string title_, message_;
     Clock::time_point message_end_, last_draw_;
-    // Last: its thread ends before what it informs.
+    // Last member, so that its thread ends before the other members are destroyed.
     Renderer renderer_;
 };
 

@@ -9,7 +9,7 @@
 #include "camera_text.h"
 #include "viewer.h"
 
-/// What mouse and keys do: the part of Viewer that changes camera, view and exposure.
+/// The part of Viewer that handles mouse and keys.
 namespace fathom::view {
 
 namespace {
@@ -17,10 +17,10 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr double radians_per_pixel = 0.006;
-constexpr int drag_begins = 4;         // pixels: a hand that clicks trembles
+constexpr int min_drag_pixels = 4;     // shorter moves count as a click
 constexpr double exposure_step = 0.5;  // stops
-constexpr double fly_speed = 0.8;      // distances to the pivot a second
-constexpr double tap_s = 0.03;         // a key that is only tapped flies as long as this
+constexpr double fly_speed = 0.8;      // distances to the pivot per second
+constexpr double tap_s = 0.03;         // flight time of a key that is only tapped
 
 bool is_fly_key(sf::Keyboard::Key key)
 {
@@ -85,7 +85,7 @@ void Viewer::handle(const sf::Event& event)
 void Viewer::handle_mouse_move(int x, int y)
 {
     if (!down_) return;
-    if (!dragged_ && std::max(std::abs(x - press_.x), std::abs(y - press_.y)) < drag_begins) return;
+    if (!dragged_ && std::max(std::abs(x - press_.x), std::abs(y - press_.y)) < min_drag_pixels) return;
     dragged_ = true;
     const double right = x - last_.x, down = y - last_.y;
     last_ = {x, y};
@@ -101,10 +101,10 @@ void Viewer::release_mouse(sf::Mouse::Button button, int x, int y)
 {
     if (!down_ || button != button_) return;
     down_ = false;
-    if (!dragged_ && button == sf::Mouse::Left) ask_focus(x, y);
+    if (!dragged_ && button == sf::Mouse::Left) request_focus(x, y);
 }
 
-void Viewer::ask_focus(int x, int y)
+void Viewer::request_focus(int x, int y)
 {
     Pick where;
     where.x = (x + 0.5) / width_;
@@ -139,22 +139,22 @@ void Viewer::handle_key(const sf::Event::KeyEvent& key)
             renderer_.save(std::filesystem::path(job_.name).stem().string());
             break;
         case K::T:
-            // From a display of OpenColorIO to tone maps, of which the first is the one that it stood for.
+            // The first press switches from OpenColorIO to the tone map, later ones to the next tone map.
             if (!std::exchange(transform_.ocio, nullptr))
                 transform_.tonemap = Tonemap((std::size_t(transform_.tonemap) + 1) % std::size(tonemap_names));
-            say(fmt::format("tone map: {}", tonemap_names[std::size_t(transform_.tonemap)]));
+            show_message(fmt::format("tone map: {}", tonemap_names[std::size_t(transform_.tonemap)]));
             change_display();
             break;
         case K::N:
             renderer_.toggle_denoising();
             break;
         case K::Tab:
-            choose_view((int(view_) + (key.shift ? views - 1 : 1)) % views);
+            choose_view((int(view_) + (key.shift ? view_count - 1 : 1)) % view_count);
             break;
         case K::P:
             fmt::print("{}\n", camera_text(control_.camera()));
             std::fflush(stdout);
-            say("camera printed");
+            show_message("camera printed");
             break;
         case K::R:
             control_.reset();
@@ -165,14 +165,14 @@ void Viewer::handle_key(const sf::Event::KeyEvent& key)
     }
 }
 
-/// What stands on different keys on different keyboards.
+/// Handles characters, which are on different keys on different keyboards.
 void Viewer::handle_character(std::uint32_t character)
 {
-    if (character >= '1' && character < '1' + std::uint32_t(views)) choose_view(int(character - '1'));
+    if (character >= '1' && character < '1' + std::uint32_t(view_count)) choose_view(int(character - '1'));
     const double step = character == '+' || character == '=' ? exposure_step : character == '-' ? -exposure_step : 0;
     if (step == 0) return;
     transform_.exposure_ev = std::clamp(transform_.exposure_ev + step, -100.0, 100.0);
-    say(fmt::format("exposure: {:+.1f} stops", transform_.exposure_ev));
+    show_message(fmt::format("exposure: {:+.1f} stops", transform_.exposure_ev));
     change_display();
 }
 
@@ -222,7 +222,7 @@ void Viewer::fly_step(sf::Keyboard::Key key, double seconds)
     moved_ = true;
 }
 
-/// Moves there and back, each when the last one has been seen and some time has passed: at any point of a pass.
+/// Moves forth and back, each after the last move is visible and a varying pause, to hit passes at any point.
 void Viewer::script_step()
 {
     const auto now = Clock::now();
@@ -257,17 +257,17 @@ void Viewer::script_step()
 
 std::vector<std::string> Viewer::help_lines() const
 {
-    return {"left drag         orbit about the focus",
-            "right drag        pan (middle drag too)",
+    return {"left drag         orbit around the focus point",
+            "right drag        pan (middle drag, too)",
             "wheel             zoom",
-            "click             focus there",
+            "click             focus on this point",
             "W A S D Q E       fly (Q down, E up)",
             "arrows            look around",
-            "R                 camera of the scene again (only the camera)",
+            "R                 reset the camera",
             "+ -               exposure",
             "T                 tone map",
-            "N                 take noise away, or not",
-            "1 to 8, Tab       picture, albedo, normal,",
+            "N                 denoising on or off",
+            "1 to 8, Tab       image, albedo, normal,",
             "                  depth, position, instance,",
             "                  material, noise",
             "P                 print the camera",

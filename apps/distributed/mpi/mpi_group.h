@@ -6,12 +6,12 @@
 
 namespace fathom::cli {
 
-/// MPI knows of another number of ranks than the environment tells, as each for itself: the module is of another MPI.
-struct OtherLauncher {
-    std::string words;
+/// MPI and the environment disagree on the number of ranks: the module was built with another MPI than the launcher's.
+struct LauncherMismatch {
+    std::string message;
 };
 
-/// Meets the other ranks by the module. Throws Error or OtherLauncher.
-mpi::Group* open_group(const RankEnvironment& environment);
+/// Opens the module and joins the other ranks. Throws Error or LauncherMismatch.
+mpi::Group* open_mpi_group(const RankEnvironment& environment);
 
 }  // namespace fathom::cli

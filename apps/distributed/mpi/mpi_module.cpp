@@ -1,4 +1,4 @@
-// MPI's C interface only.
+// Only the C interface of MPI is used: both Open MPI and MPICH have it.
 #define OMPI_SKIP_MPICXX 1
 #define MPICH_SKIP_MPICXX 1
 #include <mpi.h>
@@ -16,14 +16,14 @@ using fathom::mpi::Group;
 
 constexpr int message_tag = 1, bytes_tag = 2;
 
-/// "Open MPI 4.1.4" of what MPI says of itself, which may be lines long.
+/// Name and version of the MPI library, "Open MPI 4.1.4", from a description that may have several lines.
 std::string library_name()
 {
     char text[MPI_MAX_LIBRARY_VERSION_STRING];
     int length = 0;
     if (MPI_Get_library_version(text, &length) != MPI_SUCCESS) return "MPI";
-    const std::string said(text, std::size_t(length));
-    std::string line = said.substr(0, said.find_first_of(",\n"));
+    const std::string description(text, std::size_t(length));
+    std::string line = description.substr(0, description.find_first_of(",\n"));
     // "Open MPI v4.1.4", "MPICH Version:\t4.0.2"
     const std::size_t digit = line.find_first_of("0123456789");
     if (digit == std::string::npos) return line;
@@ -102,7 +102,7 @@ public:
     }
 
 private:
-    /// What is being sent stays where it is: a deque's elements don't move.
+    /// Kept in a deque, whose elements don't move while they are being sent.
     struct Sent {
         std::string text;
         MPI_Request request;
@@ -141,10 +141,10 @@ const char* const fathom_mpi_version = FATHOM_VERSION;
 
 FATHOM_API Group* fathom_mpi_open(std::string& trouble)
 {
-    // One thread calls at a time, but not always the same.
+    // Calls come from several threads, but never at the same time.
     int provided = MPI_THREAD_SINGLE;
     if (MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &provided) != MPI_SUCCESS) {
-        trouble = "MPI does not start";
+        trouble = "MPI could not be initialized";
         return nullptr;
     }
     static MpiGroup group;

@@ -9,18 +9,18 @@ namespace fathom::cli {
 
 namespace {
 
-/// Of what would be a rank's share of all that is left it gets this at once: its speed may change.
+/// Fraction of its share of the remaining samples that a rank gets at once, since its speed may change.
 constexpr double at_once = 0.5;
-/// Ranges that take less time than this cost more to hand out than they bring.
-constexpr double shortest_s = 0.1;
-/// A range is at most so many times as long as the one before: what the first, small one tells of speed is not exact.
-constexpr std::uint64_t growth = 8;
+/// Shorter ranges are not worth the message that requests them.
+constexpr double min_range_s = 0.1;
+/// Limit on the length of a range over the one before, since short ranges give inexact speeds.
+constexpr std::uint64_t max_growth = 8;
 
 }  // namespace
 
 Dispatcher::Dispatcher(std::vector<SampleRange> samples, int ranks, std::optional<double> end_s, bool nothing_yet)
     : todo_(std::move(samples)),
-      left_(count_of(todo_)),
+      left_(count_samples(todo_)),
       ranks_(std::size_t(ranks)),
       end_s_(end_s),
       nothing_yet_(nothing_yet)
@@ -59,19 +59,19 @@ std::optional<SampleRange> Dispatcher::next(int rank, double sample_s, double no
     double all = 0;
     for (const Rank& other : ranks_) all += speed_of(other);
     const double speed = speed_of(asking);
-    double count = std::max(double(left_) * speed / all * at_once, shortest_s * asking.per_s);
+    double count = std::max(double(left_) * speed / all * at_once, min_range_s * asking.per_s);
     if (end_s_ && !nothing_yet_) {
         const double left_s = *end_s_ - now_s;
-        // Before anybody's speed is known there is time for a sample as long as there is time.
+        // Until some speed is known, a sample is assumed to fit if any time is left.
         const bool any_known = std::any_of(ranks_.begin(), ranks_.end(), [](const Rank& r) { return r.per_s > 0; });
         const double fit = any_known ? std::floor(left_s * speed) : left_s > 0 ? 1 : 0;
         if (fit < 1) return {};
         count = std::min(count, fit);
     }
-    const std::uint64_t most = asking.last == 0 ? 1 : asking.last * growth;
+    const std::uint64_t max_samples = asking.last == 0 ? 1 : asking.last * max_growth;
     SampleRange& first = todo_.back();
     const std::uint64_t samples =
-        std::min({std::uint64_t(std::max(count, 1.0)), most, first.second - first.first, left_});
+        std::min({std::uint64_t(std::max(count, 1.0)), max_samples, first.second - first.first, left_});
     const SampleRange range{first.first, first.first + samples};
     first.first = range.second;
     if (first.first == first.second) todo_.pop_back();

@@ -14,7 +14,7 @@ namespace fathom::cli {
 
 namespace {
 
-/// A variable's number; -1: there is none.
+/// The number in an environment variable; -1 if it is absent or invalid.
 int number_of(const char* variable)
 {
     const char* const text = std::getenv(variable);
@@ -33,7 +33,7 @@ RankEnvironment rank_environment()
         const char *count, *rank;
     } launchers[] = {{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"},
                      {"PMI_SIZE", "PMI_RANK"},
-                     // PMIx tells the rank alone; srun without it starts programs that are no ranks.
+                     // PMIx sets only the rank; srun without it starts independent programs.
                      {"SLURM_STEP_NUM_TASKS", "PMIX_RANK"}};
     for (const auto& launcher : launchers) {
         const int count = number_of(launcher.count), rank = number_of(launcher.rank);
@@ -42,15 +42,15 @@ RankEnvironment rank_environment()
     return {};
 }
 
-void leave_the_word_to_rank_0()
+void let_rank0_report_first()
 {
-    // Open MPI takes a second to end those that are left.
+    // Open MPI needs about a second to end the remaining processes.
     std::this_thread::sleep_for(std::chrono::seconds(3));
 }
 
 std::string cores_of(int process)
 {
-    // More than cpu_set_t has room for: the kernel fails where it needs more.
+    // Larger than cpu_set_t: the kernel fails if the set is too small for the machine.
     constexpr std::size_t max_cores = 1 << 16, word_bits = 8 * sizeof(unsigned long);
     std::vector<unsigned long> words(max_cores / word_bits);
     const std::size_t bytes = words.size() * sizeof(unsigned long);

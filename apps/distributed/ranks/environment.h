@@ -3,22 +3,22 @@
 
 namespace fathom::cli {
 
-/// What a launcher (mpirun, srun) tells a process that is one of several.
+/// Rank and number of ranks of this process, as a launcher (mpirun, srun) passes them in the environment.
 struct RankEnvironment {
     int rank = 0, count = 1;
-    std::string variable;  ///< the one that tells of `count`
+    std::string variable;  ///< name of the variable that holds `count`
 };
-/// {0, 1} where the environment tells of none. Reads the environments of Open MPI, of MPICH and its kin (PMI), and of
-/// srun with PMIx.
+/// Understands the variables of Open MPI, of MPICH and its relatives (PMI), and of srun with PMIx; without them, the
+/// result is rank 0 of 1.
 RankEnvironment rank_environment();
 
-/// To be called by other ranks than 0 before they tell what is probably wrong at all of them: rank 0 tells it at once,
-/// and mpirun then ends this process before this returns.
-void leave_the_word_to_rank_0();
+/// Called by other ranks than 0 before they report an error that rank 0 probably has too: rank 0 reports it at once,
+/// and mpirun then ends this process before the function returns.
+void let_rank0_report_first();
 
-/// Cores of a process, as ranges: "0-3,8"; empty where the system doesn't tell.
+/// Cores that a process may use, as ranges: "0-3,8"; empty if unknown.
 ///
-/// process  0: this one
+/// process  process id; 0: this process
 std::string cores_of(int process);
 
 }  // namespace fathom::cli

@@ -13,53 +13,55 @@ namespace fathom::cli {
 
 namespace {
 
-/// A picture at the other ranks: they do what rank 0 says.
-class FollowedPicture : public SharedPicture {
+/// An image at the other ranks, which follow the orders of rank 0.
+class Follower : public RankRender {
 public:
-    using SharedPicture::SharedPicture;
+    using RankRender::RankRender;
 
     int run() override
     {
         ranks_.send(0, "ready", job_.key().text());
         ranks_.wait({"start"});
-        render_and_keep();
-        ranks_.send(0, "done", report_.bytes());
+        render_and_save();
+        ranks_.send(0, "done", report_.to_bytes());
         try {
-            obey();
+            follow_orders();
         } catch (...) {
-            if (interrupted()) own_.keep();
+            if (interrupted()) own_.save();
             throw;
         }
         return exit_ok;
     }
 
 private:
-    /// How long an interrupt may wait for whoever waits for a message.
-    static constexpr double look_s = 0.05;
+    /// Timeout of waiting for a message, so that interrupts are noticed.
+    static constexpr double timeout_s = 0.05;
 
-    /// What rank 0 orders when all is rendered.
-    void obey()
+    /// Follows orders until rank 0 gives the last one.
+    void follow_orders()
     {
         while (true) {
             if (interrupted()) {
-                own_.keep();
-                if (!is_answered_) hear_whether_rank_0_is_there();
+                own_.save();
+                if (!has_asked_rank0_) check_that_rank0_answers();
             }
-            const std::optional<Ranks::Message> order = ranks_.take({"order"}, look_s);
+            const std::optional<Ranks::Message> order = ranks_.receive({"order"}, timeout_s);
             if (order && !follow(order->body)) return;
         }
     }
 
-    /// Where rank 0 is gone another one tells what there is: soon, as mpirun leaves no more than a second.
-    void hear_whether_rank_0_is_there()
+    /// Rank 1 reports the saved samples if rank 0 is gone. It does so soon, since mpirun ends all ranks within a
+    /// second.
+    void check_that_rank0_answers()
     {
         constexpr double answer_s = 0.15;
-        const bool answers = ranks_.take({"noted"}, answer_s).has_value();
-        if (!answers && ranks_.rank() == 1) say(fmt::format("fathom: rank 0 does not answer: {}\n", own_.kept_text()));
-        is_answered_ = true;
+        const bool answers = ranks_.receive({"noted"}, answer_s).has_value();
+        if (!answers && ranks_.rank() == 1)
+            write_stderr(fmt::format("fathom: rank 0 does not answer: {}\n", own_.resume_hint()));
+        has_asked_rank0_ = true;
     }
 
-    /// Does what rank 0 orders; false after the last order.
+    /// Follows one order; false if it was the last.
     bool follow(const std::string& order)
     {
         if (order == "show" || order == "collect") {
@@ -70,11 +72,11 @@ private:
         return false;
     }
 
-    std::optional<SampleRange> next(double sample_s) override
+    std::optional<SampleRange> next_range(double sample_s) override
     {
         ranks_.send(0, "want", fmt::format("{}", sample_s));
         while (!interrupted()) {
-            const std::optional<Ranks::Message> message = ranks_.take({"range", "order"}, look_s);
+            const std::optional<Ranks::Message> message = ranks_.receive({"range", "order"}, timeout_s);
             if (!message) continue;
             if (message->kind == "order") {
                 follow(message->body);
@@ -88,27 +90,27 @@ private:
 
     void after_pass(const RankReport& now) override
     {
-        constexpr double tell_s = 0.2;
-        own_.keep_now_and_then(own_.film, picture_is_wanted());
+        constexpr double report_interval_s = 0.2;
+        own_.save_if_due(own_.film, image_is_requested());
         if (interrupted()) return;
-        if (seconds_since_start() - told_s_ > tell_s) {
-            told_s_ = seconds_since_start();
-            ranks_.send(0, "progress", now.bytes());
+        if (seconds_since_start() - reported_s_ > report_interval_s) {
+            reported_s_ = seconds_since_start();
+            ranks_.send(0, "progress", now.to_bytes());
         }
-        while (const auto order = ranks_.take({"order"}, 0)) follow(order->body);
+        while (const auto order = ranks_.receive({"order"}, 0)) follow(order->body);
     }
 
-    double told_s_ = 0;
-    bool is_answered_ = false;  ///< by rank 0, after an interrupt, or found not to be
+    double reported_s_ = 0;
+    bool has_asked_rank0_ = false;  ///< whether rank 0 was asked after an interrupt
 };
 
 }  // namespace
 
-int render_over_ranks(const RenderOptions& o, const RenderPlan& plan, const PictureOptions& files, const RenderJob& job,
-                      Summary summary, Reporter& reporter)
+int render_over_ranks(const RenderPlan& plan, const ImageOptions& files, const RenderJob& job, Summary summary,
+                      Reporter& reporter)
 {
-    if (plan.ranks->leads()) return led_picture(o, plan, files, job, summary, reporter)->run();
-    return FollowedPicture(o, plan, files, job, summary, reporter).run();
+    if (plan.ranks->leads()) return make_leader(plan, files, job, summary, reporter)->run();
+    return Follower(plan, files, job, summary, reporter).run();
 }
 
 }  // namespace fathom::cli

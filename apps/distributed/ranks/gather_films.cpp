@@ -9,7 +9,7 @@
 
 #include "commands/commands.h"
 #include "options/arguments.h"
-#include "options/image_options.h"
+#include "options/sample_plan.h"
 #include "process/interrupt.h"
 
 namespace fathom::cli {
@@ -22,15 +22,16 @@ using Words = std::vector<std::uint32_t>;
 constexpr std::size_t piece_bytes = std::size_t(1) << 20;
 constexpr Transfer none = -1;
 
-/// What is told of a film before its words.
+/// Sample ranges and dropped samples of a film, sent before its words.
 std::string header_of(const Film& film)
 {
-    std::string text = fmt::format("{}\n{}", text_of(film.samples()), film.dropped_samples());
-    if (const auto place = film.dropped_sample()) text += fmt::format("\n{} {} {}", place->x, place->y, place->sample);
+    std::string text = fmt::format("{}\n{}", sample_ranges_text(film.samples()), film.dropped_samples());
+    if (const auto dropped = film.dropped_sample())
+        text += fmt::format("\n{} {} {}", dropped->x, dropped->y, dropped->sample);
     return text;
 }
 
-/// Counts the samples of another rank's film as there, as its header tells of them.
+/// Adds another rank's header: its samples count as present from here on.
 void begin_merge(Film& into, const std::string& header)
 {
     const std::vector<std::string> lines = split(header, '\n');
@@ -39,23 +40,23 @@ void begin_merge(Film& into, const std::string& header)
         for (const std::string& range : split(lines[0], ',')) samples.push_back(parse_sample_range(range));
     std::optional<Film::SamplePlace> dropped;
     if (lines.size() > 2) {
-        const std::vector<std::string> place = split(lines[2], ' ');
-        dropped = Film::SamplePlace{std::stoi(place.at(0)), std::stoi(place.at(1)), std::stoull(place.at(2))};
+        const std::vector<std::string> parts = split(lines[2], ' ');
+        dropped = Film::SamplePlace{std::stoi(parts.at(0)), std::stoi(parts.at(1)), std::stoull(parts.at(2))};
     }
     into.begin_merge(into.key(), samples, std::stoull(lines.at(1)), dropped);
 }
 
-/// A rank whose film, with those behind it, comes here: two pieces at a time.
-struct Child {
+/// A rank that sends the sums of its subtree here, two pieces at a time.
+struct ChildRank {
     int rank;
     std::array<Words, 2> pieces;
     std::array<Transfer, 2> transfers;
 };
 
-/// One rank's part in it: pieces come from up to two others, and go on, with its own added, to the one before.
-class Gathering {
+/// One node of the tree: receives pieces from up to two children, adds its own, and sends them to its parent.
+class TreeNode {
 public:
-    Gathering(Ranks& ranks, const Film& own, Film* into, double patience_s)
+    TreeNode(Ranks& ranks, const Film& own, Film* into, double patience_s)
         : ranks_(ranks),
           own_(own),
           into_(into),
@@ -73,7 +74,7 @@ public:
     {
         for (std::size_t piece = 0; piece < std::min(ahead, count_); ++piece) receive(piece);
         for (std::size_t piece = 0; piece < count_; ++piece) {
-            for (const Child& child : children_) wait(child.transfers[piece % ahead]);
+            for (const ChildRank& child : children_) wait(child.transfers[piece % ahead]);
             if (into_)
                 merge(piece);
             else
@@ -91,7 +92,7 @@ private:
 
     void receive(std::size_t piece)
     {
-        for (Child& child : children_) {
+        for (ChildRank& child : children_) {
             Words& words = child.pieces[piece % ahead];
             words.resize(step_ * words_);
             child.transfers[piece % ahead] = ranks_.start_receive(child.rank, words.data(), bytes_of(piece));
@@ -100,7 +101,7 @@ private:
 
     void merge(std::size_t piece)
     {
-        for (const Child& child : children_)
+        for (const ChildRank& child : children_)
             into_->merge_words(piece * step_, child.pieces[piece % ahead].data(), pixels_of(piece));
     }
 
@@ -112,27 +113,27 @@ private:
         if (!children_.empty()) {
             Words& sum = sums_[piece % ahead];
             sum.assign(words, words + pixels_of(piece) * words_);
-            for (const Child& child : children_)
+            for (const ChildRank& child : children_)
                 own_.add_words(child.pieces[piece % ahead].data(), sum.data(), pixels_of(piece));
             words = sum.data();
         }
         transfer = ranks_.start_send((ranks_.rank() - 1) / 2, words, bytes_of(piece));
     }
 
-    /// With more and more patience: the other may still render.
+    /// Polls ever less often, since the other rank may still be rendering.
     void wait(Transfer transfer)
     {
-        constexpr double shortest_s = 20e-6, longest_s = 2e-3;
+        constexpr double min_pause_s = 20e-6, max_pause_s = 2e-3;
         if (transfer == none) return;
         const double start_s = seconds_since_start();
-        double pause_s = shortest_s;
+        double pause_s = min_pause_s;
         while (!ranks_.is_done(transfer)) {
-            if (!ranks_.loss().empty()) throw Ranks::Lost();
+            if (!ranks_.loss().empty()) throw Ranks::RankLost();
             if (!interrupted()) interrupted_s_ = seconds_since_start();
             if (seconds_since_start() - std::max(start_s, interrupted_s_) > patience_s_)
-                ranks_.give_up("another rank does not answer");
+                ranks_.abandon("another rank does not answer");
             std::this_thread::sleep_for(std::chrono::duration<double>(pause_s));
-            pause_s = std::min(longest_s, pause_s * 1.5);
+            pause_s = std::min(max_pause_s, pause_s * 1.5);
         }
     }
 
@@ -141,7 +142,7 @@ private:
     Film* const into_;
     double patience_s_, interrupted_s_ = 0;
     std::size_t pixels_, words_, step_, count_;
-    std::vector<Child> children_;
+    std::vector<ChildRank> children_;
     std::array<Words, ahead> sums_;
     std::array<Transfer, ahead> sent_{none, none};
 };
@@ -154,7 +155,7 @@ void gather_films(Ranks& ranks, const Film& own, Film* into, double patience_s)
         for (int i = 1; i < ranks.count(); ++i) begin_merge(*into, ranks.wait({"film"}).body);
     else
         ranks.send(0, "film", header_of(own));
-    Gathering(ranks, own, into, patience_s).run();
+    TreeNode(ranks, own, into, patience_s).run();
 }
 
 }  // namespace fathom::cli

@@ -5,11 +5,10 @@
 
 namespace fathom::cli {
 
-/// A picture at rank 0: it hands samples out, renders too, gathers what all have, tells and writes.
+/// An image at rank 0, which hands out samples, renders too, gathers the films of all ranks, reports and writes.
 ///
-/// summary  so far, which it completes
-std::unique_ptr<SharedPicture> led_picture(const RenderOptions& options, const RenderPlan& plan,
-                                           const PictureOptions& files, const RenderJob& job, Summary& summary,
-                                           Reporter& reporter);
+/// summary  is completed by RankRender::run()
+std::unique_ptr<RankRender> make_leader(const RenderPlan& plan, const ImageOptions& files, const RenderJob& job,
+                                        Summary& summary, Reporter& reporter);
 
 }  // namespace fathom::cli

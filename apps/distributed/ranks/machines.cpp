@@ -15,8 +15,8 @@ namespace fathom::cli {
 
 namespace {
 
-/// "0-3,8"
-std::set<int> numbers_of(const std::string& ranges)
+/// Numbers in ranges such as "0-3,8".
+std::set<int> core_numbers(const std::string& ranges)
 {
     std::set<int> numbers;
     if (ranges.empty()) return numbers;
@@ -40,30 +40,30 @@ RankPlace RankPlace::parse(const std::string& text)
     return {lines.at(0), lines.at(1), lines.at(2), std::stoi(lines.at(3))};
 }
 
-RankPlace place_here()
+RankPlace current_place()
 {
     char host[256] = "";
     if (gethostname(host, sizeof host - 1) != 0) host[0] = 0;
     return {host[0] ? host : "localhost", cores_of(0), cores_of(getppid()), available_threads()};
 }
 
-std::vector<int> shared_threads(const std::vector<RankPlace>& places)
+std::vector<int> assign_threads(const std::vector<RankPlace>& places)
 {
-    // On each machine, how many ranks may run on a core, and how many there are.
+    // By machine: the number of ranks that may use each core, and the number of ranks.
     std::map<std::string, std::map<int, int>> users;
     std::map<std::string, int> ranks;
     for (const RankPlace& place : places) {
         ++ranks[place.host];
-        for (const int core : numbers_of(place.cores)) ++users[place.host][core];
+        for (const int core : core_numbers(place.cores)) ++users[place.host][core];
     }
-    // Whole threads of what is no whole number for each: what one rank leaves the next one gets.
+    // Shares are fractions, threads are not: the rest of one rank goes to the next with the same cores.
     std::map<std::string, double> left;
     std::vector<int> threads;
     for (const RankPlace& place : places) {
-        const std::set<int> cores = numbers_of(place.cores);
+        const std::set<int> cores = core_numbers(place.cores);
         double share = 0;
         for (const int core : cores) share += 1.0 / users[place.host][core];
-        // A container's limit on time holds for all ranks in it.
+        // A container's CPU limit covers all ranks in it.
         if (cores.empty() || place.threads < int(cores.size()))
             share = std::min(cores.empty() ? 1e9 : share, double(place.threads) / ranks[place.host]);
         constexpr double rounding = 1e-6;
@@ -76,7 +76,7 @@ std::vector<int> shared_threads(const std::vector<RankPlace>& places)
     return threads;
 }
 
-int machines_of(const std::vector<RankPlace>& places)
+int count_machines(const std::vector<RankPlace>& places)
 {
     std::set<std::string> hosts;
     for (const RankPlace& place : places) hosts.insert(place.host);
@@ -87,8 +87,8 @@ IdleCores idle_cores(const std::vector<RankPlace>& places)
 {
     std::map<std::string, std::set<int>> used, all;
     for (const RankPlace& place : places) {
-        used[place.host].merge(numbers_of(place.cores));
-        all[place.host].merge(numbers_of(place.launcher_cores));
+        used[place.host].merge(core_numbers(place.cores));
+        all[place.host].merge(core_numbers(place.launcher_cores));
     }
     IdleCores cores;
     for (const auto& [host, numbers] : all) {

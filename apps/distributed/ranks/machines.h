@@ -4,23 +4,23 @@
 
 namespace fathom::cli {
 
-/// Where a rank runs.
+/// Machine and cores on which a rank runs.
 struct RankPlace {
     std::string host;
-    std::string cores;           ///< that it may run on: "0-3,8"
-    std::string launcher_cores;  ///< those of what started it
-    int threads = 1;             ///< that a process with these cores makes good use of: a container may allow fewer
+    std::string cores;           ///< cores that the rank may use: "0-3,8"
+    std::string launcher_cores;  ///< cores that its parent process may use
+    int threads = 1;             ///< useful number of threads; a container may allow fewer than cores
 
     std::string text() const;
-    /// The inverse.
+    /// Inverse of text().
     static RankPlace parse(const std::string& text);
 };
-RankPlace place_here();
+RankPlace current_place();
 
-/// Threads for each rank: ranks that may run on the same cores share them; one at least.
-std::vector<int> shared_threads(const std::vector<RankPlace>& places);
-int machines_of(const std::vector<RankPlace>& places);
-/// Cores that no rank may run on though what started the ranks may, on all machines; and how many these may.
+/// Number of threads for each rank, at least 1: ranks that may use the same cores share them.
+std::vector<int> assign_threads(const std::vector<RankPlace>& places);
+int count_machines(const std::vector<RankPlace>& places);
+/// Cores that the launcher may use but no rank may, and all that the launcher may use, summed over machines.
 struct IdleCores {
     int idle = 0, all = 0;
 };

@@ -3,85 +3,89 @@
 #include <fmt/format.h>
 
 #include "commands/commands.h"
-#include "distributed/ranks/follower.h"
 #include "fathom/error.h"
 
 namespace fathom::cli {
 
 namespace fs = std::filesystem;
 
-fs::path kept_samples(const RenderOptions& o, const PictureOptions& files)
+namespace {
+
+/// The file for the samples of all ranks: the checkpoint, or without one a file beside the image.
+fs::path merged_file(const RenderPlan& plan, const ImageOptions& files)
 {
-    if (!o.checkpoint.empty()) return o.checkpoint;
-    fs::path file = files.outputs.empty() ? o.scene.file.filename() : files.outputs.front();
+    if (!plan.checkpoint.file.empty()) return plan.checkpoint.file;
+    fs::path file = files.outputs.empty() ? plan.scene_options.file.filename() : files.outputs.front();
     return file.replace_extension(".checkpoint.exr");
 }
 
-OwnSamples::OwnSamples(const RenderOptions& o, const RenderPlan& plan, const PictureOptions& files,
-                       const RenderJob& job, const Summary& summary, Reporter& reporter)
+}  // namespace
+
+RankCheckpoint::RankCheckpoint(const RenderPlan& plan, const ImageOptions& files, const RenderJob& job,
+                               const Summary& summary, Reporter& reporter)
     : film(job),
       samples_before(0),
-      o_(o),
       plan_(plan),
       summary_(summary),
-      states_(o, plan, files, reporter),
-      all_(kept_samples(o, files)),
-      file_(plan.ranks->leads() ? all_ : rank_file(all_, plan.ranks->rank())),
-      checkpoint_(file_, o.every_s.value_or(default_every_s), reporter),
-      kept_(0)
+      images_(plan, files, reporter),
+      merged_file_(merged_file(plan, files)),
+      file_(plan.ranks->leads() ? merged_file_ : rank_file(merged_file_, plan.ranks->rank())),
+      checkpoint_({file_, plan.checkpoint.every_s}, reporter),
+      saved_samples_(0)
 {
-    if (o.checkpoint.empty() || !plan.ranks->leads()) return;
-    film = checkpoint_.open(job, plan.range, plan.scene_parts);
-    kept_ = samples_before = film.samples_per_pixel();
+    if (plan.checkpoint.file.empty() || !plan.ranks->leads()) return;
+    film = checkpoint_.open(job, plan.samples.range, plan.scene_parts);
+    saved_samples_ = samples_before = film.samples_per_pixel();
     if (!checkpoint_.has_rank_files()) return;
-    // The ranks of this run will write files of the same names.
+    // This run's ranks will overwrite the files of earlier ranks, so their samples are saved first.
     write(film);
     if (!checkpoint_.finish())
-        throw Error(all_.string(), "", "what earlier ranks have left beside it can't be written into it");
+        throw Error(merged_file_.string(), "", "can't save the samples that ranks of an earlier run left beside it");
 }
 
-void OwnSamples::write(const Film& now)
+void RankCheckpoint::write(const Film& now)
 {
-    checkpoint_.write(now, plan_.settings.alpha, states_.state_attributes(now, summary_, 0));
-    kept_ = now.samples_per_pixel();
+    checkpoint_.write(now, plan_.settings.alpha, images_.checkpoint_attributes(now, summary_, 0));
+    saved_samples_ = now.samples_per_pixel();
 }
 
-void OwnSamples::keep_now_and_then(const Film& now, bool is_wanted)
+void RankCheckpoint::save_if_due(const Film& now, bool is_requested)
 {
-    if (!o_.checkpoint.empty() && (is_wanted || checkpoint_.is_due())) write(now);
+    if (!plan_.checkpoint.file.empty() && (is_requested || checkpoint_.is_due())) write(now);
 }
 
-void OwnSamples::keep()
+void RankCheckpoint::save()
 {
-    if (film.samples_per_pixel() > kept_) write(film);
+    if (film.samples_per_pixel() > saved_samples_) write(film);
     checkpoint_.finish();
 }
 
-bool OwnSamples::keep_all()
+bool RankCheckpoint::save_merged()
 {
-    if (o_.checkpoint.empty()) return true;
+    if (plan_.checkpoint.file.empty()) return true;
     write(film);
     return checkpoint_.finish();
 }
 
-std::string OwnSamples::kept_text() const
+std::string RankCheckpoint::resume_hint() const
 {
-    const std::string ranks = (all_.parent_path() / (all_.stem().string() + ".rank*.exr")).string();
-    if (!o_.checkpoint.empty())
-        return fmt::format("the samples so far are in {} and {}; the same command goes on from them", all_.string(),
-                           ranks);
-    return fmt::format("the samples so far are in {} and {}; the same command with --checkpoint {}{} goes on from them",
-                       all_.string(), ranks, all_.string(),
-                       o_.settings.guiding      ? ""
-                       : plan_.settings.guiding ? " --guiding on"
-                                                : " --guiding off");
+    const std::string ranks = (merged_file_.parent_path() / (merged_file_.stem().string() + ".rank*.exr")).string();
+    if (!plan_.checkpoint.file.empty())
+        return fmt::format("the samples so far are in {} and {}; the same command continues from them",
+                           merged_file_.string(), ranks);
+    return fmt::format(
+        "the samples so far are in {} and {}; the same command with --checkpoint {}{} continues from them",
+        merged_file_.string(), ranks, merged_file_.string(),
+        plan_.has_guiding_option ? ""
+        : plan_.settings.guiding ? " --guiding on"
+                                 : " --guiding off");
 }
 
-void OwnSamples::remove()
+void RankCheckpoint::remove()
 {
-    if (plan_.ranks->leads() && !o_.checkpoint.empty()) return;
+    if (plan_.ranks->leads() && !plan_.checkpoint.file.empty()) return;
     checkpoint_.finish();
-    remove_states(file_);
+    remove_generations(file_);
 }
 
 }  // namespace fathom::cli

@@ -9,23 +9,22 @@
 
 namespace fathom::cli {
 
-/// What a rank has rendered itself, and where it keeps that: now and then if there is to be a checkpoint, else only
-/// when the run is cut off.
-class OwnSamples {
+/// The film of one rank and its file: with --checkpoint it is written regularly, else only when the run is cut off.
+class RankCheckpoint {
 public:
-    /// At rank 0 with what earlier runs have left in the checkpoint.
-    OwnSamples(const RenderOptions& options, const RenderPlan& plan, const PictureOptions& files, const RenderJob& job,
-               const Summary& summary, Reporter& reporter);
+    /// At rank 0, the film starts with the samples of an existing checkpoint.
+    RankCheckpoint(const RenderPlan& plan, const ImageOptions& files, const RenderJob& job, const Summary& summary,
+                   Reporter& reporter);
 
-    /// Keeps them if it is time to, or `is_wanted`, and there is a checkpoint.
-    void keep_now_and_then(const Film& now, bool is_wanted);
-    /// Keeps what is not kept yet, and waits until that is written.
-    void keep();
-    /// What is kept, and how to go on from it.
-    std::string kept_text() const;
-    /// Writes the film of all as the checkpoint, if there is one; false if that was not possible.
-    bool keep_all();
-    /// What only this rank has is in the checkpoint or the picture of all: its file goes.
+    /// With --checkpoint, starts a write if the interval is over or `is_requested`.
+    void save_if_due(const Film& now, bool is_requested);
+    /// Writes samples that are not in the file yet, and waits for that.
+    void save();
+    /// Tells where the samples are, and how to continue from them.
+    std::string resume_hint() const;
+    /// With --checkpoint, writes the merged film of all ranks; false if that failed.
+    bool save_merged();
+    /// Removes this rank's file, once the checkpoint or the image has its samples.
     void remove();
 
     Film film;
@@ -34,13 +33,12 @@ public:
 private:
     void write(const Film& now);
 
-    const RenderOptions& o_;
     const RenderPlan& plan_;
     const Summary& summary_;
-    PictureWriter states_;
-    std::filesystem::path all_, file_;  ///< the checkpoint; this rank's own
+    ImageWriter images_;
+    std::filesystem::path merged_file_, file_;  ///< the checkpoint, and this rank's own
     Checkpoint checkpoint_;
-    std::uint64_t kept_;  ///< samples that were to be written last
+    std::uint64_t saved_samples_;  ///< samples per pixel of the last write
 };
 
 }  // namespace fathom::cli

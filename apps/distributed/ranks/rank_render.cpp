@@ -7,12 +7,12 @@
 
 namespace fathom::cli {
 
-std::string RankReport::bytes() const
+std::string RankReport::to_bytes() const
 {
     return {reinterpret_cast<const char*>(this), sizeof *this};
 }
 
-RankReport RankReport::of(const std::string& bytes)
+RankReport RankReport::from_bytes(const std::string& bytes)
 {
     RankReport report;
     if (bytes.size() == sizeof report) std::memcpy(&report, bytes.data(), sizeof report);
@@ -26,13 +26,12 @@ RankReport& RankReport::operator+=(const RankReport& o)
     return *this;
 }
 
-SharedPicture::SharedPicture(const RenderOptions& o, const RenderPlan& plan, const PictureOptions& files,
-                             const RenderJob& job, const Summary& summary, Reporter& reporter)
-    : o_(o),
-      plan_(plan),
+RankRender::RankRender(const RenderPlan& plan, const ImageOptions& files, const RenderJob& job, const Summary& summary,
+                       Reporter& reporter)
+    : plan_(plan),
       ranks_(*plan.ranks),
       job_(job),
-      own_(o, plan, files, job, summary, reporter),
+      own_(plan, files, job, summary, reporter),
       start_s_(seconds_since_start())
 {
     const RenderSettings& settings = job.settings();
@@ -40,23 +39,23 @@ SharedPicture::SharedPicture(const RenderOptions& o, const RenderPlan& plan, con
     pixels_ = std::uint64_t(crop.x1 - crop.x0) * std::uint64_t(crop.y1 - crop.y0);
 }
 
-void SharedPicture::render_and_keep()
+void RankRender::render_and_save()
 {
     try {
         render_ranges();
     } catch (...) {
-        own_.keep();
+        own_.save();
         throw;
     }
-    if (interrupted() || !o_.checkpoint.empty()) own_.keep();
+    if (interrupted() || !plan_.checkpoint.file.empty()) own_.save();
 }
 
-void SharedPicture::render_ranges()
+void RankRender::render_ranges()
 {
-    learn();
+    learn_guiding();
     double sample_s = 0;
     while (!interrupted()) {
-        const std::optional<SampleRange> range = next(sample_s);
+        const std::optional<SampleRange> range = next_range(sample_s);
         if (!range) return;
         const double begin_s = seconds_since_start();
         render_range(*range);
@@ -64,8 +63,8 @@ void SharedPicture::render_ranges()
     }
 }
 
-/// Before the first range: what that takes is to tell how fast this rank is.
-void SharedPicture::learn()
+/// Runs before the first range, whose time is to measure the speed of rendering alone.
+void RankRender::learn_guiding()
 {
     const double begin_s = seconds_since_start();
     render(job_, {0, 0}, own_.film, &interrupted());
@@ -74,7 +73,7 @@ void SharedPicture::learn()
             (seconds_since_start() - begin_s) * job_.settings().threads;
 }
 
-void SharedPicture::render_range(SampleRange range)
+void RankRender::render_range(SampleRange range)
 {
     const RankReport before = report_;
     render(job_, range, own_.film, &interrupted(), [&](const Progress& p, const Film&) {

@@ -10,54 +10,53 @@
 
 namespace fathom::cli {
 
-/// How far a rank is, as it tells rank 0.
+/// Progress of a rank, sent to rank 0.
 struct RankReport {
-    std::uint64_t done = 0;  ///< samples of pixels
+    std::uint64_t done = 0;  ///< pixels times samples
     RenderCosts costs;
 
-    std::string bytes() const;
-    /// The inverse.
-    static RankReport of(const std::string& bytes);
+    std::string to_bytes() const;
+    static RankReport from_bytes(const std::string& bytes);
     RankReport& operator+=(const RankReport& o);
 };
 static_assert(std::is_trivially_copyable_v<RankReport>);
 
-/// What all ranks do alike for a picture: render the ranges that they get, and keep what they have.
-class SharedPicture {
+/// An image at one rank: renders the ranges that rank 0 hands out, and saves its samples.
+class RankRender {
 public:
-    SharedPicture(const RenderOptions& options, const RenderPlan& plan, const PictureOptions& files,
-                  const RenderJob& job, const Summary& summary, Reporter& reporter);
-    virtual ~SharedPicture() = default;
-    SharedPicture(const SharedPicture&) = delete;
-    SharedPicture& operator=(const SharedPicture&) = delete;
+    RankRender(const RenderPlan& plan, const ImageOptions& files, const RenderJob& job, const Summary& summary,
+               Reporter& reporter);
+    virtual ~RankRender() = default;
+    RankRender(const RankRender&) = delete;
+    RankRender& operator=(const RankRender&) = delete;
 
     /// Returns the exit code.
     virtual int run() = 0;
 
 protected:
-    /// How long another rank may not answer once the run has been interrupted: while it may be rendering, and when it
-    /// has said that it is done.
+    /// Limits on the silence of another rank after an interrupt: while it may be rendering, and once it is done.
     static constexpr double impatience_s = 0.2, patience_s = 10;
 
-    /// What to render next; sample_s: what a sample of all pixels took last.
-    virtual std::optional<SampleRange> next(double sample_s) = 0;
-    /// Between passes, `own_.film` being as it is to be told of.
+    /// The range to render next; nothing: this rank is done.
+    ///
+    /// sample_s  time that the last sample of all pixels took
+    virtual std::optional<SampleRange> next_range(double sample_s) = 0;
+    /// Called between passes, with a consistent film.
     virtual void after_pass(const RankReport& now) = 0;
 
-    /// Renders, and keeps what there is whatever happens.
-    void render_and_keep();
+    /// Renders, and saves the samples even if rendering throws.
+    void render_and_save();
 
-    const RenderOptions& o_;
     const RenderPlan& plan_;
     Ranks& ranks_;
     const RenderJob& job_;
-    OwnSamples own_;
+    RankCheckpoint own_;
     RankReport report_;
     double start_s_;
     std::uint64_t pixels_ = 0;
 
 private:
-    void learn();
+    void learn_guiding();
     void render_ranges();
     void render_range(SampleRange range);
 };

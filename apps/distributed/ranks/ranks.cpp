@@ -19,10 +19,10 @@ namespace fathom::cli {
 
 namespace {
 
-/// Signs of life are given so often, and missed so long before a rank counts as lost. A machine that is short of memory
-/// may be silent for some while.
-constexpr double sign_s = 1, longest_silence_s = 60;
-/// How often messages are looked for: by whoever waits for one, by who answers while rendering, by who only renders.
+/// Interval of heartbeats, and the silence after which a rank counts as lost: a machine that swaps may be silent for a
+/// while.
+constexpr double heartbeat_interval_s = 1, max_silence_s = 60;
+/// Polling intervals: while waiting for a message, at rank 0 while rendering, and at other ranks while rendering.
 constexpr double waiting_s = 0.0002, leading_s = 0.005, rendering_s = 0.01;
 
 void sleep_s(double seconds)
@@ -35,30 +35,30 @@ void sleep_s(double seconds)
 Ranks::Ranks(const RankEnvironment& environment) : rank_(environment.rank), count_(environment.count)
 {
     try {
-        group_ = open_group(environment);
-    } catch (const OtherLauncher& other) {
-        if (leads()) throw Error("", "", other.words);
+        group_ = open_mpi_group(environment);
+    } catch (const LauncherMismatch& mismatch) {
+        if (leads()) throw Error("", "", mismatch.message);
         std::exit(exit_error);
     } catch (const Error& error) {
         if (leads()) throw;
-        leave_the_word_to_rank_0();
-        throw Error("", "", fmt::format("rank {} on {}: {}", rank_, place_here().host, error.what()));
+        let_rank0_report_first();
+        throw Error("", "", fmt::format("rank {} on {}: {}", rank_, current_place().host, error.what()));
     }
     rank_ = group_->rank();
     places_.assign(std::size_t(count_), {});
-    places_[std::size_t(rank_)] = place_here();
+    places_[std::size_t(rank_)] = current_place();
     heard_s_.assign(std::size_t(count_), seconds_since_start());
-    looked_s_ = seconds_since_start();
-    thread_ = std::thread([this] { link(); });
+    checked_s_ = seconds_since_start();
+    thread_ = std::thread([this] { communicate(); });
 }
 
 Ranks::~Ranks()
 {
-    stop_link();
+    stop_communication();
 }
 
-/// Tells rank 0 who this is, and learns what to do with it.
-void Ranks::meet()
+/// Sends version and place to rank 0, which answers with the number of threads.
+void Ranks::exchange_places()
 {
     if (!leads()) {
         send(0, "here", fmt::format("{}\n{}", FATHOM_VERSION, places_[std::size_t(rank_)].text()));
@@ -74,11 +74,12 @@ void Ranks::meet()
             places_[std::size_t(rank)].host = text.substr(line + 1, text.find('\n', line + 1) - line - 1);
         }
         if (text.substr(0, line) != FATHOM_VERSION)
-            throw Other{fmt::format("{} runs version {}, not {}", name(rank), text.substr(0, line), FATHOM_VERSION)};
+            throw RankFailure{
+                fmt::format("{} runs version {}, not {}", name(rank), text.substr(0, line), FATHOM_VERSION)};
         const std::lock_guard lock(mutex_);
         places_[std::size_t(rank)] = RankPlace::parse(text.substr(line + 1));
     }
-    const std::vector<int> threads = shared_threads(places_);
+    const std::vector<int> threads = assign_threads(places_);
     threads_ = threads[0];
     for (int rank = 1; rank < count_; ++rank) send(rank, "threads", fmt::format("{}", threads[std::size_t(rank)]));
 }
@@ -92,7 +93,7 @@ std::string Ranks::name(int rank) const
 
 std::string Ranks::summary() const
 {
-    const int machines = machines_of(places_);
+    const int machines = count_machines(places_);
     return fmt::format("{} ranks on {} machine{}, by {}", count_, machines, machines > 1 ? "s" : "", group_->library());
 }
 
@@ -100,7 +101,7 @@ std::string Ranks::advice() const
 {
     const IdleCores cores = idle_cores(places_);
     if (cores.idle == 0) return "";
-    return fmt::format("{} of {} cores are left idle, as each rank is bound to some: mpirun --bind-to none uses all",
+    return fmt::format("{} of {} cores stay idle, since each rank is bound to some: mpirun --bind-to none uses all",
                        cores.idle, cores.all);
 }
 
@@ -116,9 +117,9 @@ void Ranks::send_to_all(const std::string& kind, const std::string& body)
         if (rank != rank_) send(rank, kind, body);
 }
 
-void Ranks::handle(const std::string& kind, Handler handler)
+void Ranks::set_handler(const std::string& kind, Handler handler)
 {
-    // None of them is at work afterwards.
+    // No handler is running once both mutexes are held.
     const std::scoped_lock lock(handling_, mutex_);
     if (handler)
         handlers_[kind] = std::move(handler);
@@ -126,38 +127,38 @@ void Ranks::handle(const std::string& kind, Handler handler)
         handlers_.erase(kind);
 }
 
-std::optional<Ranks::Message> Ranks::take(const std::vector<std::string>& kinds, double max_s)
+std::optional<Ranks::Message> Ranks::receive(const std::vector<std::string>& kinds, double timeout_s)
 {
     std::unique_lock lock(mutex_);
     std::optional<Message> found;
-    const auto look = [&] {
+    const auto find_message = [&] {
         for (auto message = inbox_.begin(); message != inbox_.end(); ++message) {
-            if (message->kind == "bye") throw Ended();
+            if (message->kind == "bye") throw RunEnded();
             if (std::find(kinds.begin(), kinds.end(), message->kind) == kinds.end()) continue;
             found = std::move(*message);
             inbox_.erase(message);
             return true;
         }
-        if (!loss_.empty()) throw Lost();
+        if (!loss_.empty()) throw RankLost();
         return false;
     };
-    if (look() || max_s <= 0) return found;
-    waits_ = true;
+    if (find_message() || timeout_s <= 0) return found;
+    is_waiting_ = true;
     try {
-        arrived_.wait_for(lock, std::chrono::duration<double>(max_s), look);
+        arrived_.wait_for(lock, std::chrono::duration<double>(timeout_s), find_message);
     } catch (...) {
-        waits_ = false;
+        is_waiting_ = false;
         throw;
     }
-    waits_ = false;
+    is_waiting_ = false;
     return found;
 }
 
 Ranks::Message Ranks::wait(const std::vector<std::string>& kinds)
 {
-    constexpr double long_s = 3600;
+    constexpr double timeout_s = 3600;
     while (true)
-        if (std::optional<Message> message = take(kinds, long_s)) return std::move(*message);
+        if (std::optional<Message> message = receive(kinds, timeout_s)) return std::move(*message);
 }
 
 std::vector<std::string> Ranks::gather(const std::string& kind)
@@ -168,8 +169,8 @@ std::vector<std::string> Ranks::gather(const std::string& kind)
             Message message = wait({kind});
             bodies[std::size_t(message.from)] = std::move(message.body);
         }
-    } catch (const Lost&) {
-        throw Other{loss()};
+    } catch (const RankLost&) {
+        throw RankFailure{loss()};
     }
     return bodies;
 }
@@ -205,7 +206,7 @@ bool Ranks::is_done(mpi::Group::Transfer transfer)
     return group_->is_done(transfer);
 }
 
-void Ranks::lose(const std::string& why)
+void Ranks::set_loss(const std::string& why)
 {
     {
         const std::lock_guard lock(mutex_);
@@ -215,17 +216,17 @@ void Ranks::lose(const std::string& why)
     arrived_.notify_all();
 }
 
-void Ranks::give_up(const std::string& why)
+void Ranks::abandon(const std::string& why)
 {
     is_dead_ = true;
-    lose(why);
+    set_loss(why);
 }
 
-/// A message that has arrived, on the thread that takes them.
-void Ranks::take(Message message)
+/// Handles a message on the communication thread, or puts it into the inbox.
+void Ranks::deliver(Message message)
 {
     if (message.kind == "sign") return;
-    if (message.kind == "failed") return lose(fmt::format("{}: {}", name(message.from), message.body));
+    if (message.kind == "failed") return set_loss(fmt::format("{}: {}", name(message.from), message.body));
     if (message.kind == "stop") return interrupt_now();
     if (message.kind == "interrupted") {
         interrupt_now();
@@ -246,13 +247,13 @@ void Ranks::take(Message message)
     handler(message.from, message.body);
 }
 
-void Ranks::take_messages()
+void Ranks::receive_messages()
 {
     while (true) {
         Message message;
         {
             const std::lock_guard lock(group_mutex_);
-            group_->all_sent();  // forgets those that have left
+            group_->all_sent();  // frees messages that were sent
             std::string text;
             if (!group_->receive(message.from, text)) break;
             const std::size_t space = text.find(' ');
@@ -260,29 +261,29 @@ void Ranks::take_messages()
             message.body = text.substr(space + 1);
         }
         heard_s_[std::size_t(message.from)] = seconds_since_start();
-        take(std::move(message));
+        deliver(std::move(message));
     }
 }
 
-/// Signs of life, and who gives none.
-void Ranks::watch(double now_s)
+/// Sends heartbeats, and detects ranks that send none.
+void Ranks::exchange_heartbeats(double now_s)
 {
-    if (interrupted() && !interrupt_is_told_) {
-        interrupt_is_told_ = true;
+    if (interrupted() && !interrupt_is_sent_) {
+        interrupt_is_sent_ = true;
         if (leads())
             send_to_all("stop");
         else
             send(0, "interrupted");
     }
-    // Whoever was stopped himself has heard of nobody.
-    if (now_s - looked_s_ > 5 * sign_s) heard_s_.assign(heard_s_.size(), now_s);
-    looked_s_ = now_s;
-    if (now_s - signed_s_ < sign_s) return;
-    signed_s_ = now_s;
+    // After a pause of this process (SIGSTOP), the silence of others is not their fault.
+    if (now_s - checked_s_ > 5 * heartbeat_interval_s) heard_s_.assign(heard_s_.size(), now_s);
+    checked_s_ = now_s;
+    if (now_s - heartbeat_s_ < heartbeat_interval_s) return;
+    heartbeat_s_ = now_s;
     for (int other = 0; other < count_; ++other) {
         if (other == rank_ || (!leads() && other > 0)) continue;
-        if (now_s - heard_s_[std::size_t(other)] > longest_silence_s && loss().empty())
-            give_up(fmt::format("{} has not answered for a minute", name(other)));
+        if (now_s - heard_s_[std::size_t(other)] > max_silence_s && loss().empty())
+            abandon(fmt::format("{} has not answered for a minute", name(other)));
         send(other, "sign");
     }
     std::string trouble;
@@ -290,24 +291,24 @@ void Ranks::watch(double now_s)
         const std::lock_guard lock(group_mutex_);
         trouble = group_->trouble();
     }
-    if (!trouble.empty() && loss().empty()) give_up("MPI: " + trouble);
+    if (!trouble.empty() && loss().empty()) abandon("MPI: " + trouble);
 }
 
-void Ranks::link()
+void Ranks::communicate()
 {
     double waits_since_s = 0;
     while (!end_) {
         const double now_s = seconds_since_start();
-        take_messages();
-        watch(now_s);
-        if (!waits_) waits_since_s = now_s;
-        // Who waits for long does so with less haste.
-        const double patience_s = waiting_s + 0.02 * (now_s - waits_since_s);
-        sleep_s(waits_ ? std::min(patience_s, leading_s) : leads() ? leading_s : rendering_s);
+        receive_messages();
+        exchange_heartbeats(now_s);
+        if (!is_waiting_) waits_since_s = now_s;
+        // A long wait polls less and less often.
+        const double pause_s = waiting_s + 0.02 * (now_s - waits_since_s);
+        sleep_s(is_waiting_ ? std::min(pause_s, leading_s) : leads() ? leading_s : rendering_s);
     }
 }
 
-void Ranks::stop_link()
+void Ranks::stop_communication()
 {
     end_ = true;
     if (thread_.joinable()) thread_.join();
@@ -315,22 +316,22 @@ void Ranks::stop_link()
 
 int Ranks::finish(int code)
 {
-    constexpr double longest_s = 2;
-    stop_link();
+    constexpr double max_wait_s = 2;
+    stop_communication();
     const double start_s = seconds_since_start();
     const auto all_sent = [&] {
         const std::lock_guard lock(group_mutex_);
         return group_->all_sent();
     };
-    while (!all_sent() && seconds_since_start() - start_s < longest_s) sleep_s(waiting_s);
-    // MPI would wait for those who are not there, now or when the program ends.
+    while (!all_sent() && seconds_since_start() - start_s < max_wait_s) sleep_s(waiting_s);
+    // MPI_Finalize, also at exit, would wait for lost ranks forever.
     if (is_dead_) _exit(code);
     group_->finish();
     return code;
 }
 
-/// True once a rank has failed, or each other rank has sent something that shows that it has not.
-bool Ranks::all_have_spoken() const
+/// True once a rank has failed, or each other rank has sent a message, which shows that it has not.
+bool Ranks::has_heard_from_all() const
 {
     const std::lock_guard lock(mutex_);
     std::set<int> ranks;
@@ -338,16 +339,16 @@ bool Ranks::all_have_spoken() const
     return !loss_.empty() || int(ranks.size()) == count_ - 1;
 }
 
-/// Ends the run of all after an error; rank 0 tells it.
-int Ranks::end_with(int code, const std::string& error, bool is_own, Reporter& reporter)
+/// Ends the run of all ranks after an error, which rank 0 reports.
+int Ranks::end_run(int code, const std::string& error, bool is_own, Reporter& reporter)
 {
     if (leads()) {
         std::string words = error;
-        // What is wrong at all ranks is told without a name.
+        // An error that another rank has too is reported without a rank.
         if (is_own) {
-            constexpr double longest_s = 5;
+            constexpr double max_wait_s = 5;
             const double start_s = seconds_since_start();
-            while (!all_have_spoken() && seconds_since_start() - start_s < longest_s) sleep_s(0.01);
+            while (!has_heard_from_all() && seconds_since_start() - start_s < max_wait_s) sleep_s(0.01);
             const std::string& other = loss();
             const bool same = other.size() > error.size() && other.ends_with(": " + error);
             if (!same) words = fmt::format("{}: {}", name(0), error);
@@ -359,36 +360,36 @@ int Ranks::end_with(int code, const std::string& error, bool is_own, Reporter& r
     send(0, "failed", error);
     try {
         while (true) wait({});
-    } catch (const Ended&) {
+    } catch (const RunEnded&) {
         return finish(exit_ok);
-    } catch (const Lost&) {
+    } catch (const RankLost&) {
         return finish(exit_error);
     }
 }
 
 int Ranks::run(const std::function<int()>& work, Reporter& reporter)
 {
-    if (!leads()) reporter.hand_over([this](const std::string& error) { send(0, "tells", error); });
+    if (!leads()) reporter.forward_errors([this](const std::string& error) { send(0, "tells", error); });
     try {
-        meet();
+        exchange_places();
         int code = work();
         if (!leads()) wait({});
         send_to_all("bye");
         return finish(code);
-    } catch (const Ended&) {
+    } catch (const RunEnded&) {
         return finish(exit_ok);
-    } catch (const Lost&) {
-        if (leads()) return end_with(exit_error, loss(), false, reporter);
-        if (rank_ == 1) say(fmt::format("fathom: {}\n", loss()));
+    } catch (const RankLost&) {
+        if (leads()) return end_run(exit_error, loss(), false, reporter);
+        if (rank_ == 1) write_stderr(fmt::format("fathom: {}\n", loss()));
         return finish(exit_error);
-    } catch (const Other& other) {
-        return end_with(exit_error, other.words, false, reporter);
+    } catch (const RankFailure& failure) {
+        return end_run(exit_error, failure.message, false, reporter);
     } catch (const UsageError& error) {
-        return end_with(exit_usage, error.what(), true, reporter);
+        return end_run(exit_usage, error.what(), true, reporter);
     } catch (const std::bad_alloc&) {
-        return end_with(exit_error, "there is not enough memory", true, reporter);
+        return end_run(exit_error, "there is not enough memory", true, reporter);
     } catch (const std::exception& error) {
-        return end_with(exit_error, error.what(), true, reporter);
+        return end_run(exit_error, error.what(), true, reporter);
     }
 }
 

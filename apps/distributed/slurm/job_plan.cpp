@@ -20,7 +20,7 @@ using nlohmann::ordered_json;
 constexpr const char* plan_file = "plan.json";
 constexpr int plan_version = 1;
 
-std::vector<std::string> texts_of(const std::vector<fs::path>& paths)
+std::vector<std::string> to_strings(const std::vector<fs::path>& paths)
 {
     return {paths.begin(), paths.end()};
 }
@@ -30,26 +30,26 @@ std::string quoted(const std::vector<std::string>& words)
     return words.empty() ? "none" : fmt::format("'{}'", fmt::join(words, " "));
 }
 
-double number_of(const std::map<std::string, std::string>& attributes, const char* name)
+double number_attribute(const std::map<std::string, std::string>& attributes, const char* name)
 {
     const auto found = attributes.find(name);
     return found == attributes.end() ? 0 : std::strtod(found->second.c_str(), nullptr);
 }
 
-/// Or nothing: it becomes a word of a command.
-bool is_number(const std::string& text)
+/// Whether a text is a job number or empty: it becomes a word of a command.
+bool is_job_number(const std::string& text)
 {
     return text.find_first_not_of("0123456789") == std::string::npos;
 }
 
-std::uint64_t count_of(const ordered_json& json, const char* name)
+std::uint64_t read_count(const ordered_json& json, const char* name)
 {
     const ordered_json& number = json.at(name);
     if (!number.is_number_unsigned()) throw Error("", name, fmt::format("is {}, not a whole number", number.dump()));
     return number;
 }
 
-JobPlan plan_of(const ordered_json& json)
+JobPlan parse_plan(const ordered_json& json)
 {
     if (json.at("version") != plan_version)
         throw Error("", "version",
@@ -58,25 +58,25 @@ JobPlan plan_of(const ordered_json& json)
     plan.program = json.at("program");
     plan.scene = std::string(json.at("scene"));
     json.at("render_options").get_to(plan.render_options);
-    json.at("picture_options").get_to(plan.picture_options);
+    json.at("picture_options").get_to(plan.merge_options);
     for (const ordered_json& output : json.at("outputs")) plan.outputs.emplace_back(std::string(output));
-    plan.parts = count_of(json, "parts");
-    plan.samples = count_of(json, "samples");
+    plan.parts = read_count(json, "parts");
+    plan.samples = read_count(json, "samples");
     json.at("scheduler_options").get_to(plan.scheduler_options);
     for (const ordered_json& s : json.at("submissions")) plan.submissions.push_back({s.at("array"), s.at("merge")});
     for (const Submission& s : plan.submissions)
-        if (!is_number(s.array) || !is_number(s.merge))
-            throw Error("", "submissions", "has what is no number of a job");
+        if (!is_job_number(s.array) || !is_job_number(s.merge))
+            throw Error("", "submissions", "has an invalid job number");
     if (plan.outputs.empty() || plan.parts < 1 || plan.samples < plan.parts || plan.samples > max_samples)
-        throw Error("", "", "its numbers make no sense");
+        throw Error("", "", "its numbers of parts and samples do not fit");
     return plan;
 }
 
 }  // namespace
 
-fs::path JobPlan::folder_of(const fs::path& picture)
+fs::path JobPlan::folder_of(const fs::path& image)
 {
-    return fs::absolute(picture).lexically_normal().string() + ".parts";
+    return fs::absolute(image).lexically_normal().string() + ".parts";
 }
 
 fs::path JobPlan::film_of(std::uint64_t part) const
@@ -93,11 +93,11 @@ JobPlan JobPlan::read(const fs::path& folder)
 {
     const fs::path file = folder / plan_file;
     std::ifstream stream(file);
-    if (!stream) throw Error(file.string(), "", "there is no such job: submit it first");
+    if (!stream) throw Error(file.string(), "", "no such job: submit it first");
     try {
-        return plan_of(ordered_json::parse(stream));
+        return parse_plan(ordered_json::parse(stream));
     } catch (const ordered_json::exception& error) {
-        throw Error(file.string(), "", fmt::format("is no plan of a job: {}", error.what()));
+        throw Error(file.string(), "", fmt::format("is no valid job plan: {}", error.what()));
     } catch (const Error& error) {
         throw Error(file.string(), error.place(), error.message());
     }
@@ -110,8 +110,8 @@ void JobPlan::write() const
     json["program"] = program;
     json["scene"] = scene.string();
     json["render_options"] = render_options;
-    json["picture_options"] = picture_options;
-    json["outputs"] = texts_of(outputs);
+    json["picture_options"] = merge_options;
+    json["outputs"] = to_strings(outputs);
     json["parts"] = parts;
     json["samples"] = samples;
     json["scheduler_options"] = scheduler_options;
@@ -123,14 +123,14 @@ void JobPlan::write() const
 std::string JobPlan::difference(const JobPlan& other) const
 {
     if (scene != other.scene) return fmt::format("scene {}, not {}", scene.string(), other.scene.string());
-    if (samples != other.samples) return fmt::format("{} samples a pixel, not {}", samples, other.samples);
+    if (samples != other.samples) return fmt::format("{} samples per pixel, not {}", samples, other.samples);
     if (parts != other.parts) return fmt::format("{} parts, not {}", parts, other.parts);
     if (render_options != other.render_options)
         return fmt::format("options {}, not {}", quoted(render_options), quoted(other.render_options));
     return "";
 }
 
-PartFilm look_at_part(const JobPlan& plan, std::uint64_t part)
+PartFilm read_part(const JobPlan& plan, std::uint64_t part)
 {
     PartFilm found;
     const fs::path file = plan.film_of(part);
@@ -143,15 +143,15 @@ PartFilm look_at_part(const JobPlan& plan, std::uint64_t part)
             const std::uint64_t first = std::max(r.first, wanted.first), last = std::min(r.second, wanted.second);
             if (first < last) found.samples += last - first;
         }
-        found.noise = number_of(film.attributes(), noise_attribute);
-        found.samples_per_s = number_of(film.attributes(), samples_per_s_attribute);
+        found.noise = number_attribute(film.attributes(), noise_attribute);
+        found.samples_per_s = number_attribute(film.attributes(), samples_per_s_attribute);
     } catch (const Error& problem) {
-        found.trouble = problem.message();
+        found.error = problem.message();
     }
     return found;
 }
 
-std::string text_of_numbers(const std::vector<std::uint64_t>& ascending)
+std::string number_ranges_text(const std::vector<std::uint64_t>& ascending)
 {
     std::vector<std::string> runs;
     for (std::size_t i = 0; i < ascending.size();) {

@@ -11,8 +11,8 @@ namespace fathom::cli::slurm {
 
 namespace {
 
-/// The first line of what a command complained of, without its name.
-std::string complaint(const ProcessResult& result)
+/// First line of a command's error message, without the command's name.
+std::string error_message(const ProcessResult& result)
 {
     std::string line = result.err.substr(0, result.err.find('\n'));
     const std::size_t colon = line.find(": error: ");
@@ -20,10 +20,11 @@ std::string complaint(const ProcessResult& result)
     return line.empty() ? fmt::format("exit code {}", result.exit_code) : line;
 }
 
-std::string ask(const std::vector<std::string>& words, const std::string& input = "")
+/// Output of a command. Throws Error if it fails.
+std::string run_command(const std::vector<std::string>& words, const std::string& input = "")
 {
     const ProcessResult result = run_process(words, input);
-    if (result.exit_code != 0) throw Error("", "", fmt::format("Slurm's {}: {}", words.front(), complaint(result)));
+    if (result.exit_code != 0) throw Error("", "", fmt::format("Slurm's {}: {}", words.front(), error_message(result)));
     return result.out;
 }
 
@@ -34,26 +35,26 @@ bool is_held(const std::string& state, const std::string& reason)
 
 }  // namespace
 
-void check_is_here()
+void check_availability()
 {
     for (const char* program : {"sbatch", "squeue", "scontrol", "srun"})
         if (!is_installed(program))
             throw Error("", "",
-                        fmt::format("--slurm: '{}' is not on this machine; run it where you submit jobs, or see the "
-                                    "scripts by --dry-run",
+                        fmt::format("--slurm: '{}' is not installed here; run this where you submit jobs, or print the "
+                                    "scripts with --dry-run",
                                     program));
-    ask({"scontrol", "ping"});
+    run_command({"scontrol", "ping"});
 }
 
-std::uint64_t largest_task_number()
+std::uint64_t max_task_number()
 {
-    std::istringstream lines(ask({"scontrol", "show", "config"}));
+    std::istringstream lines(run_command({"scontrol", "show", "config"}));
     for (std::string line; std::getline(lines, line);) {
         if (!line.starts_with("MaxArraySize")) continue;
         const std::uint64_t size = std::strtoull(line.substr(line.find('=') + 1).c_str(), nullptr, 10);
         if (size > 0) return size - 1;
     }
-    return 1000;  // what Slurm takes if nothing else is said
+    return 1000;  // Slurm's default
 }
 
 std::optional<std::vector<std::string>> paths_missing_on_nodes(const std::vector<std::string>& paths,
@@ -61,7 +62,7 @@ std::optional<std::vector<std::string>> paths_missing_on_nodes(const std::vector
 {
     std::vector<std::string> words = {"srun",       "--quiet",   "--immediate=5",         "--nodes=1",
                                       "--ntasks=1", "--chdir=/", "--job-name=fathom-look"};
-    // Those that say which nodes; others srun may not know.
+    // Only options that choose nodes: srun does not know all options of sbatch.
     for (const std::string& word : scheduler_options)
         for (const char* which :
              {"--partition=", "--account=", "--qos=", "--constraint=", "--reservation=", "--nodelist="})
@@ -78,16 +79,16 @@ std::optional<std::vector<std::string>> paths_missing_on_nodes(const std::vector
 
 std::string submit(const std::string& script, const std::string& folder)
 {
-    std::string job = ask({"sbatch", "--parsable", "--chdir=" + folder}, script);
+    std::string job = run_command({"sbatch", "--parsable", "--chdir=" + folder}, script);
     job.resize(job.find_first_of(";\n") == std::string::npos ? job.size() : job.find_first_of(";\n"));
     if (job.empty() || job.find_first_not_of("0123456789") != std::string::npos)
-        throw Error("", "", fmt::format("sbatch: expected the number of a job, found '{}'", job));
+        throw Error("", "", fmt::format("sbatch: expected a job number, found '{}'", job));
     return job;
 }
 
 std::optional<Queue> queue_of(const JobPlan& plan)
 {
-    // By name: a question for numbers fails where one of them is forgotten.
+    // Jobs are listed by name: a list of numbers fails if Slurm has forgotten one of them.
     const ProcessResult result = run_process(
         {"squeue", "--noheader", "--array", "--name=" + job_name(plan), "--states=all", "--format=%F|%K|%T|%N|%r"});
     if (result.exit_code != 0) return {};
@@ -115,7 +116,7 @@ std::optional<Queue> queue_of(const JobPlan& plan)
 
 void cancel(const std::string& job)
 {
-    run_process({"scancel", job});  // one that has ended can't be, and needn't
+    run_process({"scancel", job});  // fails for a job that has ended, which does no harm
 }
 
 }  // namespace fathom::cli::slurm

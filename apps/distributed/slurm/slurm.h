@@ -7,51 +7,54 @@
 
 #include "distributed/slurm/job_plan.h"
 
-/// What is asked of Slurm, by its own commands: every version has them, and a cluster's own settings and wrappers stay
-/// in force. Throws Error with what they said where one fails.
+/// Access to Slurm through its commands: every version has them, and a cluster's settings and wrappers stay in force.
+/// Functions throw Error with the message of a command that fails.
 namespace fathom::cli::slurm {
 
-/// Throws Error if its commands are not here, or its controller doesn't answer.
-void check_is_here();
+/// Throws Error if Slurm's commands are missing or its controller doesn't answer.
+void check_availability();
 
-/// The largest number that a task of an array may have here.
-std::uint64_t largest_task_number();
+/// Largest number of a task in an array.
+std::uint64_t max_task_number();
 
-/// Whether files can be read, and a folder and programs be used, on a node, which a task of a few seconds finds out.
-/// Returns those that can't; nothing where no node was free to look.
+/// Tests on a node, with a task of a few seconds, whether paths are readable. Returns those that are not; nothing if no
+/// node was free.
 std::optional<std::vector<std::string>> paths_missing_on_nodes(const std::vector<std::string>& paths,
                                                                const std::vector<std::string>& scheduler_options);
 
-/// Hands a script over; returns the job's number.
+/// Submits a script; returns the job number.
 std::string submit(const std::string& script, const std::string& folder);
 
-/// A task that has not ended.
+/// A task that has not ended yet.
 struct Task {
     bool is_running = false;
-    std::string id;     ///< as Slurm's commands take it
-    std::string state;  ///< as Slurm calls it
-    /// Slurm could not start it and holds it back: it waits for ever if nobody does anything.
+    std::string id;     ///< job number for Slurm's commands
+    std::string state;  ///< Slurm's name of the state
+    /// Slurm could not start it and holds it, forever without help.
     bool is_stuck = false;
-    bool is_held = false;  ///< somebody wants it to wait until it is released
+    bool is_held = false;  ///< a user holds it until it is released
     std::string node;      ///< empty until it runs
 };
 struct Queue {
     std::map<std::uint64_t, Task> parts;
     std::optional<Task> merge;
 };
-/// What of a plan's tasks has not ended; nothing where the controller doesn't answer.
+/// Tasks of a plan that have not ended; nothing if the controller doesn't answer.
 std::optional<Queue> queue_of(const JobPlan& plan);
 
 void cancel(const std::string& job);
 
-/// The name of a plan's jobs.
+/// Name of the jobs of a plan.
 std::string job_name(const JobPlan& plan);
-/// The script of a task of an array, one for each of the parts. warning_s: that long before its time is up a task is
-/// told.
+/// Script of an array with a task for each of the parts.
+///
+/// warning_s  how long before its time limit a task gets a signal, in seconds
 std::string task_script(const JobPlan& plan, const std::vector<std::uint64_t>& parts, int warning_s);
-/// The script that merges what is there, when the array has ended.
+/// Script that merges the existing parts after the arrays have ended.
+///
+/// array  job numbers, separated by colons; empty: the merge waits for nothing
 std::string merge_script(const JobPlan& plan, const std::string& array);
-/// How long before the time limit among sbatch's words tasks had better be told, in seconds.
+/// Warning time that fits the time limit in options for sbatch, in seconds.
 int warning_before(const std::vector<std::string>& scheduler_options);
 
 }  // namespace fathom::cli::slurm

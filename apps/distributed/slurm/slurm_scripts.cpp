@@ -1,6 +1,6 @@
-/// The scripts that Slurm runs. What they take care of was seen with a real one: bash runs a trap only when the program
-/// in front has ended, so the render is a child that is waited for; the number of an array means all of its tasks; a
-/// task that is cancelled gets the same signals as one that is pre-empted, and must not bring itself back.
+/// The scripts that Slurm runs. bash runs a trap only after its foreground program has ended, so the render is a
+/// background child. An array's number means all of its tasks. A cancelled task gets the same signals as a preempted
+/// one, but must not requeue itself.
 #include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
@@ -12,7 +12,7 @@ namespace fathom::cli::slurm {
 
 namespace {
 
-/// As one word of a shell.
+/// Quotes a text as one word of a shell.
 std::string quoted(const std::string& word)
 {
     const auto is_plain = [](char c) {
@@ -32,21 +32,22 @@ std::string quoted(const std::vector<std::string>& words)
     return text;
 }
 
-/// Lines for sbatch; a '%' in a name of a log would be a pattern.
+/// Option lines for sbatch.
 std::string directives(const std::vector<std::string>& words)
 {
     std::string text;
     for (const std::string& word : words) text += "#SBATCH " + quoted(word) + "\n";
     return text;
 }
-std::string in_pattern(std::string path)
+/// Escapes '%', which starts a pattern in the name of a log file.
+std::string escape_pattern(std::string path)
 {
     for (std::size_t at = 0; (at = path.find('%', at)) != std::string::npos; at += 2) path.insert(at, "%");
     return path;
 }
 
-/// The text with the values for its @names@, which are looked for once each, in their order.
-std::string filled(std::string text, const std::vector<std::pair<std::string, std::string>>& values)
+/// Replaces each @name@ once, in the order of `values`.
+std::string fill_template(std::string text, const std::vector<std::pair<std::string, std::string>>& values)
 {
     std::size_t at = 0;
     for (const auto& [name, value] : values) {
@@ -57,8 +58,8 @@ std::string filled(std::string text, const std::vector<std::pair<std::string, st
     return text;
 }
 
-/// Seconds of a time as Slurm writes it: M, M:S, H:M:S, D-H, D-H:M, D-H:M:S; 0 if it is none.
-double seconds_of(const std::string& text)
+/// Seconds of a time in Slurm's notation: M, M:S, H:M:S, D-H, D-H:M, D-H:M:S; 0 for other texts.
+double parse_slurm_time(const std::string& text)
 {
     const std::size_t dash = text.find('-');
     const std::vector<std::string> parts = split(dash == std::string::npos ? text : text.substr(dash + 1), ':');
@@ -70,8 +71,8 @@ double seconds_of(const std::string& text)
     return number[0] * 60 + number[1];
 }
 
-/// Holds whether or not the cluster enforces it.
-constexpr const char memory_of_job[] =
+/// Passes the job's memory limit to fathom, which keeps it even if the cluster does not enforce it.
+constexpr const char job_memory[] =
     R"([ "${SLURM_MEM_PER_NODE:-0}" -gt 0 ] && memory=(--memory "${SLURM_MEM_PER_NODE}Mi"))";
 
 }  // namespace
@@ -79,7 +80,7 @@ constexpr const char memory_of_job[] =
 std::string job_name(const JobPlan& plan)
 {
     std::string name = "fathom-" + plan.outputs.front().filename().string();
-    // Names are asked for in a list with commas.
+    // squeue takes names as a list with commas.
     for (char& c : name)
         if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-' && c != '_') c = '_';
     return name;
@@ -87,42 +88,42 @@ std::string job_name(const JobPlan& plan)
 
 int warning_before(const std::vector<std::string>& scheduler_options)
 {
-    constexpr int most = 120, least = 10;
+    constexpr int max_s = 120, min_s = 10;
     for (const std::string& word : scheduler_options)
         if (word.starts_with("--time="))
-            if (const double s = seconds_of(word.substr(7)); s > 0) return std::clamp(int(s / 10), least, most);
-    return most;
+            if (const double s = parse_slurm_time(word.substr(7)); s > 0) return std::clamp(int(s / 10), min_s, max_s);
+    return max_s;
 }
 
 std::string task_script(const JobPlan& plan, const std::vector<std::uint64_t>& parts, int warning_s)
 {
     const std::string folder = plan.folder().string();
     std::vector<std::string> options = {"--job-name=" + job_name(plan),
-                                        "--array=" + text_of_numbers(parts),
-                                        "--output=" + in_pattern(folder) + "/part-%4a.log",
+                                        "--array=" + number_ranges_text(parts),
+                                        "--output=" + escape_pattern(folder) + "/part-%4a.log",
                                         "--open-mode=append",
                                         "--requeue",
                                         fmt::format("--signal=B:USR1@{}", warning_s)};
     options.insert(options.end(), plan.scheduler_options.begin(), plan.scheduler_options.end());
     std::vector<std::string> render = {plan.program, "render", plan.scene.string()};
     render.insert(render.end(), plan.render_options.begin(), plan.render_options.end());
-    const bool says_memory = std::find(render.begin(), render.end(), "--memory") != render.end();
-    return filled(R"script(#!/bin/bash
-# One part of a picture, by `fathom submit`.
+    const bool has_memory_option = std::find(render.begin(), render.end(), "--memory") != render.end();
+    return fill_template(R"script(#!/bin/bash
+# Renders one part of an image. Written by `fathom submit`.
 @directives@
 film=@folder@/part-$(printf %04d "$SLURM_ARRAY_TASK_ID").exr
-# The number of the array alone would mean all of its tasks.
+# The array's number alone would mean all of its tasks.
 task=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID
 seen() { stat -c '%i %s %Y' "$film" 2>/dev/null; }
 
-# The time is nearly up, or the node is wanted for something else: what is there is kept, and the rest waits for its
-# turn. Not where the task was cancelled, which is no state to run in, nor where this turn has brought nothing.
+# At the time limit, or when the node is needed for another job, saves the samples and requeues the task. A task that was
+# cancelled is not running any more and stays away; so does one that has rendered nothing in its time.
 end_turn() {
     trap '' TERM USR1
     kill -TERM "$render" 2>/dev/null
     wait "$render" && exit 0
     if [ "$(seen)" = "$before" ]; then
-        echo "fathom: this turn was too short to keep a sample: give tasks more time (--time)"
+        echo "fathom: the time limit was too short for one sample: give tasks more time (--time)"
         exit 1
     fi
     [ "$(squeue --noheader --jobs="$task" --format=%T 2>/dev/null)" = RUNNING ] && scontrol requeue "$task"
@@ -137,34 +138,35 @@ trap end_turn TERM USR1
 render=$!
 wait "$render"
 )script",
-                  {{"@directives@", directives(options)},
-                   {"@folder@", quoted(folder)},
-                   {"@memory@", says_memory ? "" : memory_of_job},
-                   {"@render@", quoted(render)},
-                   {"@samples@", fmt::format("{}", plan.samples)},
-                   {"@parts@", fmt::format("{}", plan.parts)}});
+                         {{"@directives@", directives(options)},
+                          {"@folder@", quoted(folder)},
+                          {"@memory@", has_memory_option ? "" : job_memory},
+                          {"@render@", quoted(render)},
+                          {"@samples@", fmt::format("{}", plan.samples)},
+                          {"@parts@", fmt::format("{}", plan.parts)}});
 }
 
 std::string merge_script(const JobPlan& plan, const std::string& array)
 {
     const std::string folder = plan.folder().string();
-    // By afterany: a task that failed must not keep the others' samples from being seen.
-    std::vector<std::string> options = {"--job-name=" + job_name(plan), "--output=" + in_pattern(folder) + "/merge.log",
-                                        "--open-mode=append", "--requeue"};
+    // afterany, so that the other parts are merged even if a task fails.
+    std::vector<std::string> options = {"--job-name=" + job_name(plan),
+                                        "--output=" + escape_pattern(folder) + "/merge.log", "--open-mode=append",
+                                        "--requeue"};
     if (!array.empty()) options.push_back("--dependency=afterany:" + array);
     for (const std::string& word : plan.scheduler_options)
         if (!word.starts_with("--cpus-per-task")) options.push_back(word);
-    std::vector<std::string> merge = plan.picture_options;
+    std::vector<std::string> merge = plan.merge_options;
     for (const auto& output : plan.outputs) merge.insert(merge.end(), {"-o", output.string()});
-    return filled(R"script(#!/bin/bash
-# The picture of all parts that are there, by `fathom submit`.
+    return fill_template(R"script(#!/bin/bash
+# Merges all existing parts of an image. Written by `fathom submit`.
 @directives@
 exec @program@ merge @folder@/part-*[0-9].exr @options@
 )script",
-                  {{"@directives@", directives(options)},
-                   {"@program@", quoted(plan.program)},
-                   {"@folder@", quoted(folder)},
-                   {"@options@", quoted(merge)}});
+                         {{"@directives@", directives(options)},
+                          {"@program@", quoted(plan.program)},
+                          {"@folder@", quoted(folder)},
+                          {"@options@", quoted(merge)}});
 }
 
 }  // namespace fathom::cli::slurm

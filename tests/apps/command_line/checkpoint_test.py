@@ -23,13 +23,13 @@ class Checkpoints(CommandLine):
         self.ok(*self.render("--spp", "16", "-o", "whole.png"))
         self.assertNotIn("going on", self.ok(*self.render("--spp", "5", "--checkpoint", "c.exr", "-o", "a.png")).stderr)
         text = self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr", "-o", "a.png")).stderr
-        self.assertIn("going on from 5 of 16 samples in c.exr\n", text)
+        self.assertIn("continuing from 5 of 16 samples in c.exr\n", text)
         self.assertEqual(self.read("a.png"), self.read("whole.png"))
         self.assertEqual(self.sums("c.exr"), self.sums("whole.exr"))
         # Once more: nothing is left to do, and nothing is written but the picture.
         before = os.stat(self.path("c.exr"))
         os.remove(self.path("a.png"))
-        self.assertIn("going on from 16 of 16", self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr", "-o", "a.png")).stderr)
+        self.assertIn("continuing from 16 of 16", self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr", "-o", "a.png")).stderr)
         self.assertEqual(self.read("a.png"), self.read("whole.png"))
         self.assertEqual(os.stat(self.path("c.exr")).st_ino, before.st_ino)
 
@@ -56,8 +56,8 @@ class Checkpoints(CommandLine):
             if damage in ("cut", "flip", "empty"):
                 self.assertIn("d.exr: ", text)
                 self.assertIn("the state before is taken", text)
-            self.assertIn("going on from 12 of 16 samples in d.previous.exr" if damage == "swapped" else
-                          "going on from 8 of 16 samples in d.previous.exr", text)
+            self.assertIn("continuing from 12 of 16 samples in d.previous.exr" if damage == "swapped" else
+                          "continuing from 8 of 16 samples in d.previous.exr", text)
             self.assertEqual(self.read("a.png"), self.read("whole.png"), damage)
             os.remove(self.path("d.exr"))
             os.remove(self.path("d.previous.exr"))
@@ -76,7 +76,7 @@ class Checkpoints(CommandLine):
         Path(self.path("c.rankless.exr")).write_bytes(b"mine")
         self.leave_as_rank(3, "0:2")
         text = self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr", "-o", "a.png")).stderr
-        self.assertIn("going on from 13 of 16 samples in c.exr and what 3 ranks left beside it\n", text)
+        self.assertIn("continuing from 13 of 16 samples in c.exr and in files of 3 ranks beside it\n", text)
         self.assertEqual(self.read("a.png"), self.read("whole.png"))
         self.assertEqual(self.sums("c.exr")[0], [[0, 16]])
         left = sorted(name for name in os.listdir(self.folder) if ".rank" in name)
@@ -87,7 +87,7 @@ class Checkpoints(CommandLine):
         self.leave_as_rank(1, "0:10")
         self.leave_as_rank(2, "10:16")
         text = self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr")).stderr
-        self.assertIn("going on from 16 of 16 samples", text)
+        self.assertIn("continuing from 16 of 16 samples", text)
         self.assertEqual(self.sums("c.exr")[0], [[0, 16]])
         self.assertEqual([name for name in os.listdir(self.folder) if ".rank" in name], [])
 
@@ -98,14 +98,14 @@ class Checkpoints(CommandLine):
         data = self.read("c.rank1.exr")
         Path(self.path("c.rank1.exr")).write_bytes(data[:-5] + b"\x55" + data[-4:])
         text = self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr", "-o", "a.png")).stderr
-        self.assertRegex(text, r"(?m)^fathom: c.rank1.exr: .*its samples are rendered anew$")
-        self.assertIn("going on from 3 of 16 samples in c.exr\n", text)
+        self.assertRegex(text, r"(?m)^fathom: c.rank1.exr: .*its samples are rendered again$")
+        self.assertIn("continuing from 3 of 16 samples in c.exr\n", text)
         self.assertEqual(self.read("a.png"), self.read("whole.png"))
         # Of another render: refused, as the checkpoint itself is.
         self.ok(*self.render("--samples", "20:22", "--seed", "1", "--checkpoint", "c.rank1.exr", "-q"))
         refused = self.run_program(*self.render("--spp", "32", "--checkpoint", "c.exr", "-o", "a.png"))
         self.assertEqual(refused.returncode, 1)
-        self.assertIn("fathom: c.rank1.exr: it is of another render, which differs in: seed is 0, not 1", refused.stderr)
+        self.assertIn("fathom: c.rank1.exr: belongs to another render, which differs in: seed is 0, not 1", refused.stderr)
 
     def test_what_is_of_another_render_is_refused(self):
         self.ok(*self.render("--spp", "4", "--checkpoint", "c.exr", "-o", "a.png"))
@@ -124,7 +124,7 @@ class Checkpoints(CommandLine):
             self.refused(2, "render", "box.json", *wrong)
         result = self.run_program("render", "box.json", "--part", "1/9", "--spp", "8", "-o", "a.exr")
         self.assertEqual(result.returncode, 2)
-        self.assertIn("--part: 8 samples can't be cut in 9 parts", result.stderr)
+        self.assertIn("--part: 8 samples can't be split into 9 parts", result.stderr)
 
     def test_what_differs_is_told_by_name(self):
         if not PROGRAM:
@@ -136,7 +136,7 @@ class Checkpoints(CommandLine):
         run = lambda: self.run_program("render", "s.json", "--spp", "2", "--size", "8x8", "--checkpoint", "c.exr", "-q", program=PROGRAM)
         scene("[0.5, 0.5, 0.5]")
         self.assertEqual(run().returncode, 0, run().stderr)
-        for arguments, words in ((["[0.5, 0.5, 0.6]"], "material 'wall': color;"), (["[0.5, 0.5, 0.5]", "2"], "shapes, places"),
+        for arguments, words in ((["[0.5, 0.5, 0.6]"], "material 'wall': color;"), (["[0.5, 0.5, 0.5]", "2"], "shapes, placement"),
                                  (["[0.5, 0.5, 0.5]", "1", "[0, 1, 5]"], "camera 'camera': place")):
             scene(*arguments)
             result = run()
@@ -173,7 +173,7 @@ class Checkpoints(CommandLine):
         self.assertGreater(samples, 5, "no checkpoint was written meanwhile")
         self.assertLessEqual(samples, allowed)
         text = self.ok("render", "box.json", *arguments).stderr
-        self.assertIn(f"going on from {samples} of 1000", text)
+        self.assertIn(f"continuing from {samples} of 1000", text)
         self.assertEqual(self.read("a.png"), self.read("whole.png"))
 
     def test_time_is_that_of_this_run(self):
@@ -193,7 +193,7 @@ class Checkpoints(CommandLine):
         text = self.ok("render", "slow.json", "--size", "9x7", "--spp", "30", "--checkpoint", "c.exr", "--every", "0.1", "-o", "a.png",
                        preexec_fn=limit).stderr
         self.assertEqual(text.count("c.exr: can't write"), 1, text)
-        self.assertIn("the render goes on, and tries again", text)
+        self.assertIn("the render goes on and will try again", text)
         self.assertTrue(os.path.exists(self.path("a.png")))
         self.assertFalse(os.path.exists(self.path("c.exr")))
 
@@ -307,7 +307,7 @@ class Checkpoints(CommandLine):
         self.assertGreater(len(commands), 8)
         self.scene("scene.json", "camera main size 9 7")
         told = "".join(self.ok(*command[1:]).stderr for command in commands)
-        self.assertIn("going on from 1024 of 4096 samples in film.exr", told)
+        self.assertIn("continuing from 1024 of 4096 samples in film.exr", told)
         self.assertIn("missing: samples 512:768 (part 3 of 4)", told)
         self.assertEqual(told.count("missing"), 1)
 
@@ -315,7 +315,7 @@ class Checkpoints(CommandLine):
         self.ok(*self.render("--spp", "12", "--part", "2/3", "-o", "whole.exr"))
         arguments = self.render("--spp", "12", "--part", "2/3", "--checkpoint", "c.exr", "-o", "a.exr")
         self.ok(*arguments)
-        self.assertIn("going on from 4 of 4 samples", self.ok(*arguments).stderr)
+        self.assertIn("continuing from 4 of 4 samples", self.ok(*arguments).stderr)
         self.assertEqual(self.sums("a.exr"), self.sums("whole.exr"))
         self.assertIn(": 4:8", self.ok("merge", "c.exr", "-o", "m.exr").stderr)
 

@@ -68,7 +68,7 @@ class Files(CommandLine):
                            ("scene.png", "the scene itself"), ("bin.exr", "a file of this scene"),
                            ("sky.exr", "a texture of this scene")):
             self.refused(1, "render", "box.json", "--env", "sky.exr", "-q", "-o", "new.png", "-o", name,
-                         words=[f"fathom: {name} is {what}: name another with -o"])
+                         words=[f"fathom: {name} is {what}: choose another file with -o"])
         # The name that is taken where none is given, and only that of what is really read.
         self.refused(1, "render", "box.json", "-q", words=["box.png is a texture of this scene"])
         self.ok("render", "box.json", "-q", "--spp", "1", "-o", "sky.exr")

@@ -40,8 +40,8 @@ class Picture(CommandLine):
         self.scene("few.json", "camera a spp 3")
         text = self.ok("render", "few.json").stderr
         self.assertNotIn("256", text)
-        self.assertIn("3 samples a pixel", text)
-        self.assertIn("5 samples a pixel", self.ok("render", "few.json", "--spp", "5").stderr)
+        self.assertIn("3 samples per pixel", text)
+        self.assertIn("5 samples per pixel", self.ok("render", "few.json", "--spp", "5").stderr)
 
     def test_size(self):
         for text, arguments, size in (("camera a aspect 2", [], (800, 400)),
@@ -99,7 +99,7 @@ class Picture(CommandLine):
 
     def test_ocio(self):
         os.environ.pop("OCIO", None)
-        self.refused(2, "render", "box.json", "--ocio", "c.ocio", "--tonemap", "srgb", words=["--ocio", "one of both"])
+        self.refused(2, "render", "box.json", "--ocio", "c.ocio", "--tonemap", "srgb", words=["--ocio", "give one"])
         if "OpenColorIO" not in self.ok("version").stdout:
             self.refused(1, "render", "box.json", "--ocio", "env", words=["libopencolorio-dev"])
             self.skipTest("this build has no OpenColorIO")
@@ -166,7 +166,7 @@ class Picture(CommandLine):
         self.assertIn("environment sky.hdr", text)
         self.assertIn("up axis z", text)
         self.assertIn("fathom: warning: something (2 times)\n", text)
-        self.assertIn("3 samples were no number", text)
+        self.assertIn("3 samples were NaN", text)
         self.assertIn("(--only-sample 7,8,9 replays one)", text)
 
     def test_light(self):
@@ -180,7 +180,7 @@ class Picture(CommandLine):
         # A sky that is given is all the light.
         text = self.ok("render", "dark.json", "--spp", "1", "--env", "sky.hdr").stderr
         self.assertIn("light auto, its own", text)
-        self.refused(2, "render", "dark.json", "--env", "sky.hdr", "--light", "studio", words=["one of both"])
+        self.refused(2, "render", "dark.json", "--env", "sky.hdr", "--light", "studio", words=["give one"])
         self.refused(2, "render", "dark.json", "--light", "moon", words=["moon"])
 
     def test_environment_turned_and_dimmed(self):
@@ -202,7 +202,7 @@ class Picture(CommandLine):
                       seen("--light", "sky", "--sun-elevation", "0", "--sun-azimuth", "90"))
         self.assertIn("sky and sun at 1.000,2.000,3.000\n", seen("--light", "sun", "--sun-direction", "1,2,3"))
         self.assertIn("light file", seen("--light", "sun"))
-        self.refused(2, "render", "box.json", "--light", "sun", "--env", "sky.hdr", words=["one of them"])
+        self.refused(2, "render", "box.json", "--light", "sun", "--env", "sky.hdr", words=["give one"])
         self.refused(2, "render", "box.json", "--sun-elevation", "9", words=["--light sun"])
         self.refused(2, "render", "box.json", "--light", "sun", "--sun-direction", "0,0,0", words=["direction"])
         self.refused(2, "render", "box.json", "--light", "sun", "--sun-direction", "1,1,0", "--sun-azimuth", "3",
@@ -263,7 +263,7 @@ class Picture(CommandLine):
         render = ["render", "box.json", "--spp", "2", "--size", "20x10", "--denoise"]
         channels = lambda name: set(re.findall(rb"(?:denoised|albedo|normal)\.[A-Z]", Path(self.path(name)).read_bytes()))
         text = self.ok(*render, "-o", "a.exr", "-o", "a.png", "--mergeable", env=there).stderr
-        self.assertIn("denoising by Open Image Denoise 2.98.76 (" + FAKE_OIDN + ")\n", text)
+        self.assertIn("denoising with Open Image Denoise 2.98.76 (" + FAKE_OIDN + ")\n", text)
         self.assertEqual(channels("a.exr"), {b"denoised.R", b"denoised.G", b"denoised.B"})
         # The picture itself stays as it was, and a PNG shows the other.
         self.ok(*render[:-1], "-o", "raw.png")
@@ -288,7 +288,7 @@ class Picture(CommandLine):
         # Where it is left open the picture is denoised if it can be, and else a line says why not.
         for words in (["--denoise", "auto"], ["--denoise=auto"]):
             text = self.ok(*render[:-1], *words, "-o", "auto.png", env=there).stderr
-            self.assertIn("denoising by Open Image Denoise 2.98.76", text)
+            self.assertIn("denoising with Open Image Denoise 2.98.76", text)
             self.assertEqual(Path(self.path("auto.png")).read_bytes(), data["a.png"])
         text = self.ok(*render[:-1], "--denoise", "auto", "-o", "auto.png", env={**there, "FATHOM_OIDN": "/none.so"}).stderr
         self.assertIn("not denoised: /none.so: FATHOM_OIDN", text)

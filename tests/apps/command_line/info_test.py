@@ -127,7 +127,7 @@ class Info(CommandLine):
         self.assertEqual(self.info("a.glb")["materials"][0]["uses"], ["alpha", "single-sided"])
         text = self.ok("info", "a.json", program=PROGRAM).stdout
         self.assertRegex(text, r"lamp +diffuse +1  emission\n")
-        self.assertRegex(text, r"materials +\d+: .*1 glass.* of no shape\n")
+        self.assertRegex(text, r"materials +\d+: .*1 glass.* unused\n")
         self.assertNotIn("spare", text)
 
     def test_lights(self):
@@ -163,7 +163,7 @@ class Info(CommandLine):
         self.assertEqual(len([w for w in told("a.glb") if "EXT_nobody_knows" in w]), 1)
         self.assertRegex(self.ok("info", "a.obj", program=PROGRAM).stdout, r"warning +a.obj: lines are not shown \(2 times\)\n")
         self.assertEqual(told("a.ply"), {})
-        self.assertRegex(self.ok("info", "a.ply", program=PROGRAM).stdout, r"left out +nothing\n")
+        self.assertRegex(self.ok("info", "a.ply", program=PROGRAM).stdout, r"ignored +nothing\n")
 
     def test_what_is_no_scene(self):
         self.put("b.obj", "f 1 2 3\n")

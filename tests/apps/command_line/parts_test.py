@@ -16,7 +16,7 @@ class Parts(CommandLine):
         self.ok(*self.merge_key("--samples", "4:16", "-o", "b.exr"))
         self.ok(*self.merge_key("--samples", "0:4", "-o", "a.exr"))
         result = self.ok("merge", "b.exr", "a.exr", "-o", "all.exr", "-o", "all.png", "--exposure", "-1")
-        self.assertIn("16 samples a pixel: 0:16", result.stderr)
+        self.assertIn("16 samples per pixel: 0:16", result.stderr)
         with open(self.path("whole.png"), "rb") as one, open(self.path("all.png"), "rb") as other:
             self.assertEqual(one.read(), other.read())
         # What is merged can be merged again.
@@ -50,7 +50,7 @@ class Parts(CommandLine):
         before = [Path(self.path(name)).read_bytes() for name in ("a.exr", "b.exr")]
         for output in "a.exr", "b.exr", "hard.exr", "soft.exr", "sub/../b.exr":
             self.refused(1, "merge", "a.exr", "b.exr", "-o", "all.png", "-o", output,
-                         words=[f"{output} is a part of this picture: name another with -o"])
+                         words=[f"{output} is a part of this image: choose another file with -o"])
         self.assertEqual(before, [Path(self.path(name)).read_bytes() for name in ("a.exr", "b.exr")])
         self.ok("merge", "a.exr", "b.exr", "-o", "all.exr")
 
@@ -58,11 +58,11 @@ class Parts(CommandLine):
         for name, samples in ("a", "0:4"), ("b", "4:6"), ("c", "8:10"), ("d", "5:8"):
             self.ok(*self.merge_key("--samples", samples, "-o", name + ".exr"))
         text = self.ok("merge", "c.exr", "a.exr", "-o", "some.exr").stderr
-        self.assertIn("6 samples a pixel: 0:4,8:10", text)
+        self.assertIn("6 samples per pixel: 0:4,8:10", text)
         self.assertIn("missing: samples 4:8\n", text)
         self.refused(1, "merge", "a.exr", "b.exr", "d.exr", "-o", "x.exr", words=["d.exr: ", "overlap"])
         text = self.ok("merge", "a.exr", "b.exr", "d.exr", "c.exr", "-o", "most.exr", "--skip-overlaps").stderr
-        self.assertIn("left out: d.exr, as samples 5:6 are there already", text)
+        self.assertIn("skipped d.exr: another part has its samples 5:6", text)
         self.assertIn(": 0:6,8:10", text)
         self.assertIn("missing: samples 6:8\n", text)
 
@@ -82,7 +82,7 @@ class Parts(CommandLine):
         self.assertAlmostEqual(info["noise"]["mean"], mean, places=6)
         self.assertAlmostEqual(info["noise"]["standard_error"], error, places=6)
         text = self.ok("info", "a.exr").stdout
-        self.assertRegex(text, r"samples +4 a pixel: 2:6\n")
+        self.assertRegex(text, r"samples +4 per pixel: 2:6\n")
         self.ok(*self.merge_key("--spp", "2", "-o", "plain.exr"))
         self.refused(1, "info", "plain.exr", words=["plain.exr: ", "--mergeable"])
         with open(self.path("a.exr"), "r+b") as file:

@@ -19,11 +19,11 @@ class Running(CommandLine):
     def test_time(self):
         self.scene("slow.json", "camera a slow 20")
         text = self.ok("render", "slow.json", "--time", "0.8s", "--size", "4x4").stderr
-        samples = int(re.search(r"(\d+) samples a pixel", text).group(1))
+        samples = int(re.search(r"(\d+) samples per pixel", text).group(1))
         self.assertGreater(samples, 0)
         self.assertLess(samples, 256)  # those that there would be without a limit of time
-        self.assertIn(" 1 samples a pixel", self.ok("render", "slow.json", "--time", "0.001", "--size", "4x4").stderr)
-        self.assertIn(" 3 samples a pixel", self.ok("render", "slow.json", "--time", "1h", "--spp", "3").stderr)
+        self.assertIn(" 1 samples per pixel", self.ok("render", "slow.json", "--time", "0.001", "--size", "4x4").stderr)
+        self.assertIn(" 3 samples per pixel", self.ok("render", "slow.json", "--time", "1h", "--spp", "3").stderr)
 
     def test_quiet(self):
         lines = self.ok("render", "box.json", "--spp", "1", "-q").stderr.splitlines()
@@ -53,11 +53,11 @@ class Running(CommandLine):
 
     def test_stats(self):
         text = self.ok("render", "box.json", "--spp", "2", "--size", "4x4", "--stats").stderr
-        self.assertIn("camera 20.0 %, bounce 60.0 %, shadow 20.0 % (of these 50.0 % arrive)", text)
+        self.assertIn("camera 20.0 %, bounce 60.0 %, shadow 20.0 % (of these 50.0 % unoccluded)", text)
         self.assertIn("2.00 Mpath vertices, a light sampled at 25.0 %, 80.0 % of the lanes in use", text)
         stages = {line.split()[0]: line.split()[1:] for line in text.splitlines() if line.startswith(("trace", "light", "all"))}
         self.assertEqual(stages, {"trace": ["75.0", "%", "375.0"], "light": ["25.0", "%", "125.0"], "all": ["100.0", "%", "500.0"]})
-        self.assertNotIn("ns a vertex", self.ok("render", "box.json", "--spp", "2", "--size", "4x4").stderr)
+        self.assertNotIn("ns per vertex", self.ok("render", "box.json", "--spp", "2", "--size", "4x4").stderr)
         lines = self.ok("render", "box.json", "--spp", "2", "--size", "4x4", "--stats", "--progress", "json").stderr.splitlines()
         stats = [event for event in map(json.loads, lines) if event["event"] == "stats"]
         self.assertEqual(len(stats), 1)
@@ -212,7 +212,7 @@ class Running(CommandLine):
                                           preexec_fn=lambda: become_nobody(processes + is_thread_sanitized()),
                                           env=WITHOUT_LEAK_CHECK)
                 self.assertEqual(result.returncode, 0, result.stderr)
-                self.assertIn(f"only {told} of 16 threads can be started here", result.stderr)
+                self.assertIn(f"the system allows only {told} of 16 threads", result.stderr)
                 self.assertEqual(self.read("a.png"), self.read("alone.png"))
 
 

@@ -67,7 +67,7 @@ class Series(CommandLine):
     def test_poses_and_frames(self):
         self.scene("walk.json", "camera main moves stride")
         result = self.ok("render", "walk.json", "--spp", "1")
-        self.assertIn("the pose at rest is shown; of the file's 1 animation (stride) --at", result.stderr)
+        self.assertIn("showing the pose at rest; the file has 1 animation (stride): --at", result.stderr)
         self.assertIn("camera 'main' at 1,2,3", result.stderr)
         self.assertRegex(self.ok("info", "walk.json").stdout, r"animations +0: stride \(2 s;")
         info = json.loads(self.ok("info", "walk.json", "--json").stdout)

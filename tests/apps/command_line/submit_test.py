@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""fathom submit and status, as far as they go without a scheduler: tests/cluster has a real one."""
+"""fathom submit and status, as far as they go without a scheduler: tests/apps/distributed has a real one."""
 import json
 import os
 import re

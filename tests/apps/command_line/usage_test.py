@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The command line: what is refused, and help."""
+"""The command line: what is refused, and help. cli_docs_test.py compares help with docs/cli.md."""
 import re
 
 from harness import CommandLine, PROGRAM, run_tests
@@ -73,7 +73,7 @@ class Usage(CommandLine):
 
     def test_what_decides_the_picture_is_the_same_for_render_and_view(self):
         def options(command):
-            return set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", self.ok(command, "--help").stdout, re.MULTILINE))
+            return set(re.findall(r"^  (?:-\w,)?(--[a-z-]+)", self.ok(command, "--help").stdout, re.MULTILINE))
         of_files_only = {"--output", "--png-bits", "--exr", "--exr-primaries", "--aov", "--mergeable", "--samples", "--only-sample", "--time",
                          "--crop", "--quiet", "--progress", "--frames", "--turntable", "--fps", "--shutter", "--quality", "--stats",
                          "--part", "--checkpoint", "--every", "--mpi"}

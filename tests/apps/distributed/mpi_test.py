@@ -191,7 +191,7 @@ class Ranks(unittest.TestCase):
         self.assertEqual([os.path.basename(f) for f in sorted(glob.glob(self.path("film.rank*")))], ["film.rank1.exr"])
         self.assertGreater(sum(b - a for a, b in self.info("film.exr")["samples"]), 0)
         said = self.alone(*SIZE, "--spp", self.spp, "--checkpoint", "film.exr", "-o", "out.exr")
-        self.assertRegex(said, rf"going on from \d+ of {self.spp} samples in film.exr and what 1 ranks? left beside it")
+        self.assertRegex(said, rf"continuing from \d+ of {self.spp} samples in film.exr and in files of 1 ranks? beside it")
         self.assertEqual(self.hash_of("out.exr"), self.hash_of(self.whole))
         self.assertEqual(glob.glob(self.path("film.rank*")), [])
         self.assertEqual(self.info("film.exr")["samples"], [[0, int(self.spp)]])
@@ -203,7 +203,7 @@ class Ranks(unittest.TestCase):
         self.assertTrue(told, said)
         self.assertEqual(len(glob.glob(self.path("out.checkpoint.rank*.exr"))), 2)
         said = self.ranks(2, *SIZE, "--spp", self.spp, "--guiding", told[2], "--checkpoint", told[1], "-o", "out.exr")
-        self.assertRegex(said, rf"going on from \d+ of {self.spp} samples")
+        self.assertRegex(said, rf"continuing from \d+ of {self.spp} samples")
         self.assertEqual(self.hash_of("out.exr"), self.hash_of(self.whole))
         self.assertEqual(glob.glob(self.path("out.checkpoint.rank*.exr")), [])
 
@@ -218,7 +218,7 @@ class Ranks(unittest.TestCase):
         mpirun.send_signal(signal.SIGTERM)
         said = self.wait(mpirun)
         self.assertTrue(os.path.exists(self.path("out.png")), said)
-        samples = int(re.search(r"interrupted: the picture has (\d+) samples a pixel", said)[1])
+        samples = int(re.search(r"interrupted: the image has (\d+) samples per pixel", said)[1])
         self.assertEqual(sum(b - a for a, b in self.info("film.exr")["samples"]), samples)
         self.assertEqual(glob.glob(self.path("film.rank*")), [])
 
@@ -230,14 +230,14 @@ class Ranks(unittest.TestCase):
         one = self.run_words("mpirun", "-n", "1", PROGRAM, "render", SCENE, *words, ":", "-n", "2", PROGRAM, "render", other,
                              *words, code=1)
         self.assertRegex("\n".join(self.own_lines(one)),
-                         r"^fathom: rank 1 on \S+ would render another picture than rank 0: .*another scene[^\n]*$")
+                         r"^fathom: rank 1 on \S+ would render another image than rank 0: .*another scene[^\n]*$")
         one = self.run_words("mpirun", "-n", "2", PROGRAM, "render", SCENE, *words, ":", "-n", "1", PROGRAM, "render",
                              "missing.json", *words, code=1)
         self.assertRegex("\n".join(self.own_lines(one)), r"^fathom: rank 2 on \S+: missing.json: no such file$")
         self.assertEqual(len(self.own_lines(self.ranks(3, "--spp", "none", code=1))), 1)
         self.assertEqual(len(self.own_lines(self.ranks(3, "--only-sample", "1,1,0", code=1))), 1)
         merge = self.run_words("mpirun", "-n", "3", PROGRAM, "merge", "a.exr", "-o", "b.exr", code=1)
-        self.assertRegex("\n".join(self.own_lines(merge)), r"^fathom: 'fathom merge' is of one process[^\n]*$")
+        self.assertRegex("\n".join(self.own_lines(merge)), r"^fathom: 'fathom merge' runs as one process[^\n]*$")
         self.assertEqual(os.listdir(self.folder), [])
 
     def test_each_for_itself(self):

@@ -165,9 +165,9 @@ class Parts(unittest.TestCase):
         self.assertEqual((status["samples_done"], status["merged"]), (22, True))
         self.assert_same_as_one_run(22, *options)
         self.assertTrue(os.path.exists(png))
-        self.assertIn("all parts are there", self.submit(*options, "--spp", "22", "--parts", "5", "-o", png, "--exposure", "1"))
+        self.assertIn("all parts are complete", self.submit(*options, "--spp", "22", "--parts", "5", "-o", png, "--exposure", "1"))
         refused = self.submit(*options, "--spp", "44", "--parts", "5", code=1)
-        self.assertIn("44 samples a pixel, not 22", refused)
+        self.assertIn("44 samples per pixel, not 22", refused)
 
     def test_faults(self):
         """Killed, requeued, drained, and a controller that is gone for a while."""
@@ -224,7 +224,7 @@ class Parts(unittest.TestCase):
         self.go_on(process)
         self.wait_until_ended()
         self.assertEqual([part["state"] for part in self.status()["parts"]], ["done"] * 2, self.logs())
-        self.assertEqual(self.logs().count("going on from"), 1, self.logs())
+        self.assertEqual(self.logs().count("continuing from"), 1, self.logs())
         self.assert_same_as_one_run(samples, *options)
 
     def test_cancelled_stays_cancelled(self):

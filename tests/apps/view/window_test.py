@@ -260,7 +260,7 @@ class Window(unittest.TestCase):
         self.key("r", "n")
         self.wait_for("the picture as it is", lambda: self.samples() == 16 and not self.title().endswith("denoised"))
         self.wait_for_near("its colours", (0.55, 0.3), noisy, 1)
-        self.assertIn("denoised by Open Image Denoise 2.98.76", self.text(self.errors))
+        self.assertIn("denoised with Open Image Denoise 2.98.76", self.text(self.errors))
 
     def test_noise_stays_without_a_denoiser(self):
         self.start("--spp", "8")
@@ -443,7 +443,7 @@ class Window(unittest.TestCase):
         self.refused("--log-latency", "--log-latency", "/no/such/folder/log.csv")
         alone = shutil.copy(PROGRAM, self.folder)
         libraries = os.path.join(os.path.dirname(os.path.dirname(PROGRAM)), "lib")
-        self.refused("libfathom_view.so is not there", program=alone, LD_LIBRARY_PATH=libraries)
+        self.refused("libfathom_view.so is missing", program=alone, LD_LIBRARY_PATH=libraries)
 
 
 def main():
